@@ -1,0 +1,97 @@
+//! Shen, Hedrick and Elkins: Kalker's linear forces brought under Coulomb's bound.
+//!
+//! With the linear resultant `F_lin = sqrt(Fx^2 + Fy^2)` (spin included) and `r = F_lin / (mu N)`:
+//! `F / (mu N) = r - r^2/3 + r^3/27` for r < 3, else 1. The factor `F / F_lin` multiplies Fx, Fy and Mz, so the
+//! resultant never exceeds mu N. Close to the exact theory for small spin; for pure spin and flange contact it is
+//! an approximation (the moment has no bound of its own in theory, and pure spin's force is overestimated).
+
+use super::kalker::LinearTheory;
+use super::{Build, CreepLaw};
+use crate::contact::Patch;
+use crate::contact::creepage::{CreepForce, Creepage};
+use crate::settings::{Entry, Section, SettingsError};
+use std::sync::Arc;
+
+pub(super) const ENTRY: Entry<super::Parse> = Entry {
+    name: "shen_hedrick_elkins",
+    summary: "Kalker's linear theory with a cubic saturation, spin included; for small spin",
+    reference: "Shen, Hedrick, Elkins, 8th IAVSD Symposium (1983), 591-605",
+    parse,
+};
+
+/// The saturated linear law.
+#[derive(Debug, Clone)]
+pub struct ShenHedrickElkins {
+    linear: LinearTheory,
+}
+
+/// `F / F_lin` as a function of `r = F_lin / bound`.
+#[inline]
+fn saturation(linear: f64, bound: f64) -> f64 {
+    if bound <= 0.0 {
+        return 0.0;
+    }
+    let r = linear / bound;
+    if r < 3.0 { 1.0 - r / 3.0 + r * r / 27.0 } else { 1.0 / r }
+}
+
+impl CreepLaw for ShenHedrickElkins {
+    #[inline]
+    fn force(&self, patch: Patch, normal_force: f64, friction: f64, creepage: Creepage) -> CreepForce {
+        let linear = self.linear.force(patch, creepage);
+        let factor = saturation(linear.longitudinal.hypot(linear.lateral), friction * normal_force);
+        CreepForce {
+            longitudinal: factor * linear.longitudinal,
+            lateral: factor * linear.lateral,
+            spin_moment: factor * linear.spin_moment,
+        }
+    }
+}
+
+fn parse(_: &Section) -> Result<Build, SettingsError> {
+    Ok(Arc::new(|material| Box::new(ShenHedrickElkins { linear: LinearTheory::new(material) })))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Material;
+    use proptest::prelude::*;
+
+    fn law() -> ShenHedrickElkins {
+        ShenHedrickElkins { linear: LinearTheory::new(Material { youngs_modulus: 2.07e11, poisson_ratio: 0.28 }) }
+    }
+    const PATCH: Patch = Patch { a: 6e-3, b: 4.5e-3 };
+
+    #[test]
+    fn analytic_saturation_is_smooth_at_full_slip() {
+        // r - r^2/3 + r^3/27 has value 1 and slopes 0, 0 at r = 3.
+        let force = |r: f64| r * saturation(r, 1.0);
+        assert!((force(3.0) - 1.0).abs() < 1e-15);
+        assert!((force(3.0 - 1e-4) - 1.0).abs() < 1e-12, "third-order contact with the bound");
+        assert_eq!(saturation(1.0, 0.0), 0.0);
+        assert_eq!(saturation(0.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn analytic_slope_at_zero_is_kalkers() {
+        let small = Creepage { longitudinal: 1e-9, lateral: -2e-9, spin: 1e-8 };
+        let (linear, found) = (law().linear.force(PATCH, small), law().force(PATCH, 6e4, 0.5, small));
+        assert!((found.longitudinal / linear.longitudinal - 1.0).abs() < 1e-6);
+        assert!((found.spin_moment / linear.spin_moment - 1.0).abs() < 1e-6);
+    }
+
+    proptest! {
+        #[test]
+        fn prop_bounded_and_mirror_symmetric(x in -0.02..0.02f64, y in -0.02..0.02f64, spin in -3.0..3.0f64, mu in 0.0..0.8f64) {
+            let at = |x, y, spin| law().force(PATCH, 5.5e4, mu, Creepage { longitudinal: x, lateral: y, spin });
+            let f = at(x, y, spin);
+            prop_assert!(f.longitudinal.hypot(f.lateral) <= mu * 5.5e4 * (1.0 + 1e-12));
+            // Longitudinal creepage alone mirrored: only Fx changes sign. Lateral and spin mirrored: Fy and Mz do.
+            let g = at(-x, y, spin);
+            prop_assert!(g.longitudinal == -f.longitudinal && g.lateral == f.lateral && g.spin_moment == f.spin_moment);
+            let h = at(x, -y, -spin);
+            prop_assert!(h.longitudinal == f.longitudinal && h.lateral == -f.lateral && h.spin_moment == -f.spin_moment);
+        }
+    }
+}

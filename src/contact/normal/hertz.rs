@@ -1,0 +1,102 @@
+//! Hertz's theory of elliptic contact.
+
+use super::hertz_table::ellipse_functions;
+use super::{Build, ConformalContact, ElasticContact, NormalLaw};
+use crate::contact::{Material, Patch};
+use crate::settings::{Entry, Section, SettingsError};
+use std::sync::Arc;
+
+pub(super) const ENTRY: Entry<super::Parse> = Entry {
+    name: "hertz",
+    summary: "elliptic contact of elastic bodies, K_h from the curvatures at the contact",
+    reference: "Hertz 1882; Johnson, Contact Mechanics (1985), chapter 4; paper, Eq. 28",
+    parse,
+};
+
+/// `N = K_h delta^1.5` with `K_h = 2 E / (3 (1 - nu^2)) xi^-1.5 (A + B)^-0.5`, wheel and rail of the same material.
+///
+/// The patch is that of the elastic force: `a = m_a c0`, `b = m_b c0`, `c0^2 = delta / (xi (A + B))`, so it depends
+/// on the penetration alone. (With damping, N differs from the elastic force while the penetration changes.)
+#[derive(Debug, Clone)]
+pub struct Hertz {
+    /// 2 E / (3 (1 - nu^2)), Pa.
+    modulus: f64,
+}
+
+impl Hertz {
+    pub fn new(material: Material) -> Self {
+        Hertz { modulus: 2.0 * material.youngs_modulus / (3.0 * (1.0 - material.poisson_ratio * material.poisson_ratio)) }
+    }
+}
+
+impl NormalLaw for Hertz {
+    #[inline]
+    fn contact(&self, rolling: f64, across: f64, penetration: f64) -> Result<ElasticContact, ConformalContact> {
+        if !(rolling > 0.0 && across > 0.0) {
+            return Err(ConformalContact { rolling, across });
+        }
+        let functions = ellipse_functions((across / rolling).ln());
+        let sum = rolling + across;
+        let c0 = (penetration / (functions.approach * sum)).sqrt();
+        let stiffness = self.modulus / (functions.approach * (functions.approach * sum).sqrt());
+        Ok(ElasticContact {
+            stiffness,
+            force: stiffness * penetration * penetration.sqrt(),
+            patch: Patch { a: functions.m_a * c0, b: functions.m_b * c0 },
+        })
+    }
+}
+
+fn parse(_: &Section) -> Result<Build, SettingsError> {
+    Ok(Arc::new(|material| Box::new(Hertz::new(material))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn validate_crossed_cylinders() {
+        // Cylinders of 0.46 m and 0.30 m radius, 100 kN, E 210 GPa, nu 0.3: a 7.1617 mm, b 5.3872 mm, approach
+        // 0.104119 mm (complete elliptic integrals, another program; see docs/sources.md).
+        let law = Hertz::new(Material { youngs_modulus: 2.1e11, poisson_ratio: 0.3 });
+        let contact = law.contact(0.5 / 0.46, 0.5 / 0.30, 0.104119e-3).unwrap();
+        assert!((contact.force / 1e5 - 1.0).abs() < 2e-5, "{}", contact.force);
+        assert!((contact.patch.a - 7.1617e-3).abs() < 1e-7 && (contact.patch.b - 5.3872e-3).abs() < 1e-7, "{:?}", contact.patch);
+    }
+
+    #[test]
+    fn analytic_sphere_on_plane() {
+        // Sphere of radius R: N = 4/3 E* sqrt(R) delta^1.5, a^2 = R delta.
+        let law = Hertz::new(Material { youngs_modulus: 2.07e11, poisson_ratio: 0.28 });
+        let (radius, delta) = (0.4, 5e-5);
+        let contact = law.contact(0.5 / radius, 0.5 / radius, delta).unwrap();
+        let modulus = 2.07e11 / (2.0 * (1.0 - 0.28f64.powi(2)));
+        let force = 4.0 / 3.0 * modulus * f64::sqrt(radius) * delta.powf(1.5);
+        assert!((contact.force / force - 1.0).abs() < 1e-10);
+        assert!((contact.patch.a / (radius * delta).sqrt() - 1.0).abs() < 1e-10);
+        assert!((contact.patch.b - contact.patch.a).abs() < 1e-12);
+    }
+
+    #[test]
+    fn analytic_patch_carries_the_force_with_the_hertzian_pressure() {
+        // p0 = 3 N / (2 pi a b) must equal the pressure that the approach formula implies: the two expressions
+        // for c0 (from N and from delta) agree.
+        let law = Hertz::new(Material { youngs_modulus: 2.07e11, poisson_ratio: 0.28 });
+        for across in [0.2, 1.0, 1.7, 40.0] {
+            let (rolling, delta) = (1.09, 6e-5);
+            let contact = law.contact(rolling, across, delta).unwrap();
+            let exact = super::super::hertz_table::ellipse_functions_exact((across / rolling).ln());
+            let c0 = (3.0 * contact.force * (1.0 - 0.28f64.powi(2)) / (2.0 * 2.07e11 * (rolling + across))).cbrt();
+            assert!((contact.patch.a / (exact.m_a * c0) - 1.0).abs() < 1e-10);
+            assert!((contact.patch.b / (exact.m_b * c0) - 1.0).abs() < 1e-10);
+            assert!((delta / (exact.approach * (rolling + across) * c0 * c0) - 1.0).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn hard_hollow_surfaces_are_refused() {
+        let law = Hertz::new(Material { youngs_modulus: 2.07e11, poisson_ratio: 0.28 });
+        assert_eq!(law.contact(1.1, -0.1, 1e-5).unwrap_err(), ConformalContact { rolling: 1.1, across: -0.1 });
+    }
+}

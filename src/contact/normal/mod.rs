@@ -1,0 +1,61 @@
+//! Normal contact laws: penetration to force and patch.
+
+mod hertz;
+pub mod hertz_table;
+
+use super::{Material, Patch};
+use crate::settings::{Entry, Section, SettingsError, choose};
+use std::sync::Arc;
+
+/// Elastic part of a normal contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ElasticContact {
+    /// K_h of Eq. 28, N/m^1.5.
+    pub stiffness: f64,
+    /// Elastic force, N.
+    pub force: f64,
+    /// Patch that belongs to the elastic force.
+    pub patch: Patch,
+}
+
+/// The surfaces do not fit the law: they are conformal or hollow in one direction.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("half relative curvatures A = {rolling:.4} 1/m, B = {across:.4} 1/m; Hertz theory needs both positive")]
+pub struct ConformalContact {
+    pub rolling: f64,
+    pub across: f64,
+}
+
+/// A law from penetration and curvature to elastic force.
+pub trait NormalLaw: Send + Sync + std::fmt::Debug {
+    /// `rolling` and `across` are half the relative curvatures A (along e1) and B (along e2) [1/m],
+    /// `penetration` > 0 [m].
+    ///
+    /// # Errors
+    /// [`ConformalContact`] when the law does not hold for these curvatures.
+    fn contact(&self, rolling: f64, across: f64, penetration: f64) -> Result<ElasticContact, ConformalContact>;
+}
+
+/// Builds a law for a material.
+pub type Build = Arc<dyn Fn(Material) -> Box<dyn NormalLaw> + Send + Sync>;
+type Parse = fn(&Section) -> Result<Build, SettingsError>;
+
+/// Every normal law that a scene can name.
+pub static REGISTRY: &[Entry<Parse>] = &[hertz::ENTRY];
+
+/// Reads `[contact.normal]`.
+///
+/// # Errors
+/// [`SettingsError`] with file and line.
+pub fn parse(section: &Section) -> Result<Build, SettingsError> {
+    (choose(REGISTRY, section, "law")?.parse)(section)
+}
+
+/// Elastic force with penetration-proportional damping (Eq. 28 with delta > 0 in contact):
+/// `N = K_h delta^1.5 + C delta delta'`, never tensile.
+///
+/// `damping` is C [N s/m2], `rate` the penetration's time derivative [m/s].
+#[inline]
+pub fn damped_force(elastic: f64, damping: f64, penetration: f64, rate: f64) -> f64 {
+    (elastic + damping * penetration * rate).max(0.0)
+}

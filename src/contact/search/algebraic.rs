@@ -1,0 +1,251 @@
+//! Contact location by the four algebraic equations of ECF-A (Eqs. 24-27), in full 3-D.
+//!
+//! Unknowns are the four surface parameters: wheel coordinate u, wheel angle, rail distance s, rail coordinate
+//! eta. With r = r_wheel - r_rail, the rail's normal n (out of the rail) and the surfaces' tangents the equations
+//! say that r is normal to the rail and the tangent planes are parallel:
+//!
+//! ```text
+//! t_s . r = 0,   t_eta . r = 0,   t_u . n = 0,   t_angle . n = 0
+//! ```
+//!
+//! As printed, row 2 of Eq. 24 uses the wheel's second tangent; at zero yaw that repeats row 1 (both are
+//! longitudinal) and the system is singular, so the rail's lateral tangent stands here. The equations are solved
+//! with n not normalised (same roots, polynomial derivatives); the penetration (Eq. 27) uses the unit normal:
+//! `delta = -r . n`, positive when the surfaces overlap.
+
+use crate::geometry::profile::ProfilePoint;
+use crate::geometry::surface::{Wheel, rail_point};
+use crate::geometry::track::Rail;
+use crate::math::newton::{self, NewtonFailure, NewtonLimits};
+use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+
+/// Surface parameters of one contact; also the warm start of the next search.
+///
+/// The rail parameter is kept relative to the wheelset's own distance, so that it stays small while rolling.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfaceParameters {
+    /// u, m.
+    pub wheel: f64,
+    /// Angle about the axle from the lowest point, forward positive, rad.
+    pub angle: f64,
+    /// Distance of the contact ahead of the wheelset's centre, m.
+    pub lead: f64,
+    /// eta, m.
+    pub rail: f64,
+}
+
+/// Where the surfaces touch or come closest.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactLocation {
+    pub parameters: SurfaceParameters,
+    /// Undeformed material point of the wheel, m.
+    pub wheel_point: Vector3<f64>,
+    /// Unit normal of the rail, out of it.
+    pub normal: Vector3<f64>,
+    /// Forward tangent of the rail (not normalised).
+    pub forward: Vector3<f64>,
+    /// delta, m; positive in contact.
+    pub penetration: f64,
+    pub wheel_profile: ProfilePoint,
+    pub rail_profile: ProfilePoint,
+    /// Newton iterations that were needed.
+    pub iterations: usize,
+}
+
+impl ContactLocation {
+    /// Half the relative principal curvatures A along e1 and B along e2, 1/m.
+    ///
+    /// Along e1 the wheel's circle (principal curvature `1 / (R sqrt(1 + R'^2))` of a surface of revolution) rolls
+    /// on a rail whose curvature along X is neglected; along e2 wheel and rail profile add.
+    pub fn half_curvatures(&self) -> (f64, f64) {
+        let (wheel, rail) = (self.wheel_profile, self.rail_profile);
+        let wheel_arc = 1.0 + wheel.d1 * wheel.d1;
+        let rail_arc = 1.0 + rail.d1 * rail.d1;
+        let rolling = 1.0 / (wheel.value * wheel_arc.sqrt());
+        let across = -wheel.d2 / (wheel_arc * wheel_arc.sqrt()) - rail.d2 / (rail_arc * rail_arc.sqrt());
+        (0.5 * rolling, 0.5 * across)
+    }
+}
+
+/// Lengths are of the order of a metre, so one number serves lengths and angles: what is left after a last step
+/// of 1e-7 is of the order of 1e-14.
+const LIMITS: NewtonLimits = NewtonLimits { last_step: 1e-7, iterations: 25 };
+
+/// Residual of the four equations, their exact Jacobian (Eq. 26) and the location at `x = (u, angle, lead, eta)`.
+#[inline]
+fn equations(
+    wheel: &Wheel,
+    rail: &Rail,
+    centre: &Vector3<f64>,
+    axes: &Matrix3<f64>,
+    distance: f64,
+    x: &Vector4<f64>,
+) -> (Vector4<f64>, Matrix4<f64>, ContactLocation) {
+    let (w, wheel_profile) = wheel.point(centre, axes, x[0], x[1]);
+    let (r, rail_profile) = rail_point(rail, distance + x[2], x[3]);
+    let gap = w.position - r.position;
+    let sign = rail.side.sign();
+    let normal = r.t1.cross(&r.t2) * sign;
+    // The mixed derivative of the rail is zero while sections stay parallel; it is kept for what it says.
+    let normal_s = (r.t11.cross(&r.t2) + r.t1.cross(&r.t12)) * sign;
+    let normal_eta = (r.t12.cross(&r.t2) + r.t1.cross(&r.t22)) * sign;
+
+    let residual = Vector4::new(r.t1.dot(&gap), r.t2.dot(&gap), w.t1.dot(&normal), w.t2.dot(&normal));
+    #[rustfmt::skip]
+    let jacobian = Matrix4::new(
+        r.t1.dot(&w.t1), r.t1.dot(&w.t2), r.t11.dot(&gap) - r.t1.dot(&r.t1), r.t12.dot(&gap) - r.t1.dot(&r.t2),
+        r.t2.dot(&w.t1), r.t2.dot(&w.t2), r.t12.dot(&gap) - r.t2.dot(&r.t1), r.t22.dot(&gap) - r.t2.dot(&r.t2),
+        w.t11.dot(&normal), w.t12.dot(&normal), w.t1.dot(&normal_s), w.t1.dot(&normal_eta),
+        w.t12.dot(&normal), w.t22.dot(&normal), w.t2.dot(&normal_s), w.t2.dot(&normal_eta),
+    );
+    let unit = normal.normalize();
+    let location = ContactLocation {
+        parameters: SurfaceParameters { wheel: x[0], angle: x[1], lead: x[2], rail: x[3] },
+        wheel_point: w.position,
+        normal: unit,
+        forward: r.t1,
+        penetration: -gap.dot(&unit),
+        wheel_profile,
+        rail_profile,
+        iterations: 0,
+    };
+    (residual, jacobian, location)
+}
+
+/// Finds the contact of one wheel from a warm start.
+///
+/// `centre` [m] and `axes` are the wheelset's position and its frame that does not spin, `distance` [m] its
+/// place along the track.
+///
+/// # Errors
+/// [`NewtonFailure`] when the iteration finds no solution.
+#[inline]
+pub fn locate(
+    wheel: &Wheel,
+    rail: &Rail,
+    centre: &Vector3<f64>,
+    axes: &Matrix3<f64>,
+    distance: f64,
+    start: &SurfaceParameters,
+) -> Result<ContactLocation, NewtonFailure> {
+    let mut x = Vector4::new(start.wheel, start.angle, start.lead, start.rail);
+    let (mut location, iterations) = newton::solve(&mut x, LIMITS, |x| equations(wheel, rail, centre, axes, distance, x))?;
+    location.iterations = iterations;
+    Ok(location)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Side;
+    use crate::geometry::profile::{Profile, ProfilePoint};
+    use crate::geometry::track::{Deviation, DeviationShape, Direction, Rail};
+    use crate::math::rotation::AxleFrame;
+    use std::sync::Arc;
+
+    #[derive(Debug)]
+    struct Parabola {
+        value: f64,
+        slope: f64,
+        curvature: f64,
+    }
+    impl Profile for Parabola {
+        fn at(&self, x: f64) -> ProfilePoint {
+            ProfilePoint { value: self.value + x * (self.slope + 0.5 * self.curvature * x), d1: self.slope + self.curvature * x, d2: self.curvature, d3: 0.0 }
+        }
+        fn range(&self) -> (f64, f64) {
+            (-1.0, 1.0)
+        }
+        fn describe(&self) -> String {
+            "parabola".into()
+        }
+    }
+
+    #[derive(Debug)]
+    struct Wave;
+    impl DeviationShape for Wave {
+        fn at(&self, s: f64) -> [f64; 4] {
+            [0.004 * s.sin(), 0.004 * s.cos(), -0.004 * s.sin(), -0.004 * s.cos()]
+        }
+        fn breaks(&self) -> Vec<f64> {
+            vec![]
+        }
+        fn describe(&self) -> String {
+            "wave".into()
+        }
+    }
+
+    fn pair(side: Side, slope: f64, wavy: bool) -> (Wheel, Rail) {
+        let wheel = Wheel { side, profile: Arc::new(Parabola { value: 0.457, slope: -slope, curvature: -0.3 }), half_spacing: 0.716 };
+        let deviation = |direction| Deviation { side, direction, shape: Arc::new(Wave) };
+        let deviations = if wavy { vec![deviation(Direction::Lateral), deviation(Direction::Vertical)] } else { vec![] };
+        let head = Arc::new(Parabola { value: 0.0, slope: 0.0, curvature: -1.0 / 0.3 });
+        (wheel, Rail::new(side, head, 0.716, slope.atan(), &deviations))
+    }
+
+    #[test]
+    fn analytic_jacobian_matches_central_differences() {
+        for side in Side::BOTH {
+            let (wheel, rail) = pair(side, 0.05, true);
+            let frame = AxleFrame::new(0.02, 0.01);
+            let centre = Vector3::new(3.0, 0.004, 0.457);
+            let x = Vector4::new(0.004, 0.01, 0.003, -0.006);
+            let (_, jacobian, _) = equations(&wheel, &rail, &centre, &frame.axes, 3.0, &x);
+            for column in 0..4 {
+                let mut step = Vector4::zeros();
+                step[column] = 1e-6;
+                let ahead = equations(&wheel, &rail, &centre, &frame.axes, 3.0, &(x + step)).0;
+                let behind = equations(&wheel, &rail, &centre, &frame.axes, 3.0, &(x - step)).0;
+                assert!(((ahead - behind) / 2e-6 - jacobian.column(column)).norm() < 1e-9, "{side:?} column {column}");
+            }
+        }
+    }
+
+    #[test]
+    fn prop_solution_is_the_deepest_point_and_planes_are_parallel() {
+        for side in Side::BOTH {
+            for (yaw, roll, y, s) in [(0.0, 0.0, 0.0, 0.0), (0.02, 0.003, 0.006, 1.3), (-0.015, -0.004, -0.008, 4.0)] {
+                let (wheel, rail) = pair(side, 0.05, true);
+                let frame = AxleFrame::new(yaw, roll);
+                let centre = Vector3::new(s, y, 0.457);
+                let found = locate(&wheel, &rail, &centre, &frame.axes, s, &SurfaceParameters::default()).unwrap();
+                let p = found.parameters;
+                let tangents = wheel.point(&centre, &frame.axes, p.wheel, p.angle).0;
+                assert!(tangents.t1.dot(&found.normal).abs() < 1e-14 && tangents.t2.dot(&found.normal).abs() < 1e-14);
+                // No wheel point near by lies deeper below the rail's tangent plane at the contact.
+                for (du, dangle) in [(1e-3, 0.0), (-1e-3, 0.0), (0.0, 2e-3), (0.0, -2e-3)] {
+                    let other = wheel.point(&centre, &frame.axes, p.wheel + du, p.angle + dangle).0.position;
+                    assert!((other - found.wheel_point).dot(&found.normal) > 1e-8, "{side:?} {du} {dangle}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn analytic_yaw_moves_the_contact_ahead_by_radius_times_slope_times_yaw() {
+        // Cone of slope 0.025: lead = R tan(slope) yaw to first order, ahead on the left for yaw > 0, behind on the right.
+        for side in Side::BOTH {
+            let wheel = Wheel { side, profile: Arc::new(Parabola { value: 0.457, slope: -0.025, curvature: 0.0 }), half_spacing: 0.716 };
+            let head = Arc::new(Parabola { value: 0.0, slope: 0.0, curvature: -1.0 / 0.3 });
+            let rail = Rail::new(side, head, 0.716, 0.025f64.atan(), &[]);
+            let yaw = 1e-4;
+            let found =
+                locate(&wheel, &rail, &Vector3::new(0.0, 0.0, 0.457), &AxleFrame::new(yaw, 0.0).axes, 0.0, &SurfaceParameters::default()).unwrap();
+            let angle_lead = 0.457 * found.parameters.angle;
+            assert!((angle_lead - side.sign() * 0.457 * 0.025 * yaw).abs() < 1e-9, "{side:?}: {angle_lead}");
+        }
+    }
+
+    #[test]
+    fn prop_mirrored_pose_gives_mirrored_contact() {
+        let frame = |sign: f64| AxleFrame::new(sign * 0.01, sign * 0.003).axes;
+        let solve = |side: Side, sign: f64| {
+            let (wheel, rail) = pair(side, 0.05, false);
+            locate(&wheel, &rail, &Vector3::new(0.0, sign * 0.004, 0.4569), &frame(sign), 0.0, &SurfaceParameters::default()).unwrap()
+        };
+        let (left, right) = (solve(Side::Left, 1.0), solve(Side::Right, -1.0));
+        assert!((left.penetration - right.penetration).abs() < 1e-16);
+        assert!((left.parameters.lead - right.parameters.lead).abs() < 1e-15);
+        assert!((left.wheel_point.y + right.wheel_point.y).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,3 @@
+//! Contact search: the points of wheel and rail that touch or come closest.
+
+pub mod algebraic;

@@ -1,0 +1,78 @@
+//! Cross-sections of wheels and rails as smooth functions of one coordinate.
+//!
+//! A wheel profile is the radius R(u) [m], u [m] measured along the axle from the tread circle, outward
+//! positive (flange at negative u). A rail profile is the height f(eta) [m] over the section's base line, eta
+//! [m] outward positive. Both are the paper's g and f (Eqs. 6 and 8).
+
+mod arc;
+mod cone;
+mod points;
+
+use crate::settings::{Entry, Section, SettingsError, choose};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Value and first three derivatives of a profile at one coordinate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProfilePoint {
+    /// Radius or height, m.
+    pub value: f64,
+    /// First derivative, -.
+    pub d1: f64,
+    /// Second derivative, 1/m.
+    pub d2: f64,
+    /// Third derivative, 1/m2.
+    pub d3: f64,
+}
+
+/// A smooth profile.
+pub trait Profile: Send + Sync + std::fmt::Debug {
+    /// Value and derivatives at `x` [m]. Defined and finite for every finite `x`; outside [`Profile::range`] it
+    /// is a continuation that only serves iterations on their way.
+    fn at(&self, x: f64) -> ProfilePoint;
+
+    /// Coordinates [m] between which the profile describes a real surface.
+    fn range(&self) -> (f64, f64);
+
+    /// One line for `wheelrail plan`.
+    fn describe(&self) -> String;
+}
+
+/// Wheel or rail: the two readings of a profile file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    Wheel,
+    Rail,
+}
+
+/// A profile as a scene names it, with the files that it was read from.
+#[derive(Clone, Debug)]
+pub struct ProfileChoice {
+    pub profile: Arc<dyn Profile>,
+    /// File and its content, which an FMU must carry with it.
+    pub file: Option<ProfileFile>,
+}
+
+/// A file that a scene refers to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProfileFile {
+    /// Dotted key in the scene that names the file.
+    pub key: String,
+    pub path: PathBuf,
+    pub content: Vec<u8>,
+}
+
+type Parse = fn(&Section, Part) -> Result<ProfileChoice, SettingsError>;
+
+/// Every profile format that a scene can name with `kind`.
+pub static REGISTRY: &[Entry<Parse>] = &[cone::ENTRY, arc::ENTRY, points::ENTRY];
+
+/// Reads a profile table `{ kind = "...", ... }`.
+///
+/// # Errors
+/// [`SettingsError`] with file and line, of the scene or of the profile file.
+pub fn parse(section: Section, part: Part) -> Result<ProfileChoice, SettingsError> {
+    let choice = (choose(REGISTRY, &section, "kind")?.parse)(&section, part)?;
+    section.finish()?;
+    Ok(choice)
+}

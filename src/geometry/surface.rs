@@ -1,0 +1,150 @@
+//! Points on the surfaces of wheel and rail with tangents and second derivatives (Eqs. 2-8).
+
+use super::Side;
+use super::profile::{Profile, ProfilePoint};
+use super::track::Rail;
+use nalgebra::{Matrix3, Vector3};
+
+/// A point of a surface r(p, q) and its derivatives, all in the track frame.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// r, m.
+    pub position: Vector3<f64>,
+    /// Tangents dr/dp and dr/dq.
+    pub t1: Vector3<f64>,
+    pub t2: Vector3<f64>,
+    /// Second derivatives d2r/dp2, d2r/dpdq, d2r/dq2.
+    pub t11: Vector3<f64>,
+    pub t12: Vector3<f64>,
+    pub t22: Vector3<f64>,
+}
+
+/// Rail surface over (s, eta): distance along the track [m] and coordinate across the section [m].
+///
+/// `r = origin(s) + eta * outward + f(eta) * up` (Eqs. 5 and 6). Returns the profile value too, whose
+/// derivatives give the curvature.
+#[inline]
+pub fn rail_point(rail: &Rail, s: f64, eta: f64) -> (SurfacePoint, ProfilePoint) {
+    let section = rail.section(s);
+    let f = rail.profile.at(eta);
+    let point = SurfacePoint {
+        position: section.origin + rail.outward * eta + rail.up * f.value,
+        t1: section.d1,
+        t2: rail.outward + rail.up * f.d1,
+        t11: section.d2,
+        t12: Vector3::zeros(),
+        t22: rail.up * f.d2,
+    };
+    (point, f)
+}
+
+/// The wheel of one side of a wheelset.
+#[derive(Clone, Debug)]
+pub struct Wheel {
+    pub side: Side,
+    pub profile: std::sync::Arc<dyn Profile>,
+    /// Distance of the tread circle from the wheelset's centre, m.
+    pub half_spacing: f64,
+}
+
+impl Wheel {
+    /// Wheel surface over (u, angle): coordinate along the axle from the tread circle, outward positive [m], and
+    /// angle about the axle from the lowest point, forward positive [rad].
+    ///
+    /// `r = centre + axes (R sin angle, side (half_spacing + u), -R cos angle)`: Eqs. 7 and 8, with the angle
+    /// counted from below instead of above.
+    #[inline]
+    pub fn point(&self, centre: &Vector3<f64>, axes: &Matrix3<f64>, u: f64, angle: f64) -> (SurfacePoint, ProfilePoint) {
+        let r = self.profile.at(u);
+        let (sin, cos) = angle.sin_cos();
+        let sign = self.side.sign();
+        // Axes of the diametric section: radial direction at the angle, and the direction of growing angle.
+        let radial = axes.column(0) * sin - axes.column(2) * cos;
+        let around = axes.column(0) * cos + axes.column(2) * sin;
+        let axle = axes.column(1) * sign;
+        let point = SurfacePoint {
+            position: centre + axle * (self.half_spacing + u) + radial * r.value,
+            t1: axle + radial * r.d1,
+            t2: around * r.value,
+            t11: radial * r.d2,
+            t12: around * r.d1,
+            t22: radial * -r.value,
+        };
+        (point, r)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::track::{Deviation, Direction, Rail};
+    use crate::math::rotation::AxleFrame;
+    use std::sync::Arc;
+
+    /// Central differences of a surface against its analytic derivatives.
+    fn check(surface: impl Fn(f64, f64) -> SurfacePoint, p: f64, q: f64) {
+        let h = 1e-5;
+        let point = surface(p, q);
+        let along = |f: &dyn Fn(SurfacePoint) -> Vector3<f64>, dp: f64, dq: f64| {
+            (f(surface(p + dp * h, q + dq * h)) - f(surface(p - dp * h, q - dq * h))) / (2.0 * h)
+        };
+        let near = |a: Vector3<f64>, b: Vector3<f64>, what: &str| assert!((a - b).norm() < 1e-8, "{what}: {a} {b}");
+        near(point.t1, along(&|x| x.position, 1.0, 0.0), "t1");
+        near(point.t2, along(&|x| x.position, 0.0, 1.0), "t2");
+        near(point.t11, along(&|x| x.t1, 1.0, 0.0), "t11");
+        near(point.t12, along(&|x| x.t1, 0.0, 1.0), "t12");
+        near(point.t12, along(&|x| x.t2, 1.0, 0.0), "t21");
+        near(point.t22, along(&|x| x.t2, 0.0, 1.0), "t22");
+    }
+
+    #[derive(Debug)]
+    struct Bent;
+    impl Profile for Bent {
+        fn at(&self, x: f64) -> ProfilePoint {
+            ProfilePoint { value: 0.46 - 0.1 * x - 2.0 * x * x, d1: -0.1 - 4.0 * x, d2: -4.0, d3: 0.0 }
+        }
+        fn range(&self) -> (f64, f64) {
+            (-1.0, 1.0)
+        }
+        fn describe(&self) -> String {
+            "parabola".into()
+        }
+    }
+
+    #[derive(Debug)]
+    struct Wave;
+    impl crate::geometry::track::DeviationShape for Wave {
+        fn at(&self, s: f64) -> [f64; 4] {
+            [0.02 * s.sin(), 0.02 * s.cos(), -0.02 * s.sin(), -0.02 * s.cos()]
+        }
+        fn breaks(&self) -> Vec<f64> {
+            vec![]
+        }
+        fn describe(&self) -> String {
+            "wave".into()
+        }
+    }
+
+    #[test]
+    fn analytic_surface_derivatives_match_differences() {
+        for side in Side::BOTH {
+            let wheel = Wheel { side, profile: Arc::new(Bent), half_spacing: 0.716 };
+            let frame = AxleFrame::new(0.03, -0.02);
+            check(|u, angle| wheel.point(&Vector3::new(1.0, 0.01, 0.45), &frame.axes, u, angle).0, 0.01, 0.05);
+
+            let deviation = |direction| Deviation { side, direction, shape: Arc::new(Wave) };
+            let rail = Rail::new(side, Arc::new(Bent), 0.716, 0.025, &[deviation(Direction::Lateral), deviation(Direction::Vertical)]);
+            check(|s, eta| rail_point(&rail, s, eta).0, 0.8, 0.01);
+        }
+    }
+
+    #[test]
+    fn analytic_rail_normal_leans_toward_the_centre() {
+        for side in Side::BOTH {
+            let rail = Rail::new(side, Arc::new(Bent), 0.716, 0.025, &[]);
+            let normal = rail.up;
+            assert!(normal.z > 0.0 && normal.y * side.sign() < 0.0);
+            assert!((normal.y.abs() / normal.z - 0.025f64.tan()).abs() < 1e-15);
+        }
+    }
+}

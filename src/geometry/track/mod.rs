@@ -1,0 +1,164 @@
+//! The track: straight centre line along X, two rails beside it, and what displaces them.
+//!
+//! Rail sections stay in planes normal to the centre line; a deviation shifts a section along Y or Z without
+//! turning it, so the section axes are constant on straight track (Eqs. 5 and 6 with constant A^rp).
+
+mod cosine;
+
+use super::Side;
+use super::profile::Profile;
+use crate::settings::{Entry, Section, SettingsError, choose};
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// A displacement of a rail as a function of distance along the track.
+pub trait DeviationShape: Send + Sync + std::fmt::Debug {
+    /// Displacement [m] and its first three derivatives with respect to distance, at distance `s` [m].
+    fn at(&self, s: f64) -> [f64; 4];
+
+    /// Distances [m] where a derivative that the equations use jumps: steps end there.
+    fn breaks(&self) -> Vec<f64>;
+
+    fn describe(&self) -> String;
+}
+
+type Parse = fn(&Section) -> Result<Arc<dyn DeviationShape>, SettingsError>;
+
+/// Every deviation shape that a scene can name.
+pub static REGISTRY: &[Entry<Parse>] = &[cosine::ENTRY];
+
+/// In which direction a deviation moves the rail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// Along Y, to the left.
+    Lateral,
+    /// Along Z, up.
+    Vertical,
+}
+
+/// One `[[track.deviation]]`.
+#[derive(Clone, Debug)]
+pub struct Deviation {
+    pub side: Side,
+    pub direction: Direction,
+    pub shape: Arc<dyn DeviationShape>,
+}
+
+/// Reads one `[[track.deviation]]`.
+///
+/// # Errors
+/// [`SettingsError`] with file and line.
+pub fn parse_deviation(section: Section) -> Result<Deviation, SettingsError> {
+    let side = match section.word("rail", &["left", "right"])? {
+        "left" => Side::Left,
+        _ => Side::Right,
+    };
+    let direction = match section.word("direction", &["lateral", "vertical"])? {
+        "lateral" => Direction::Lateral,
+        _ => Direction::Vertical,
+    };
+    let shape = (choose(REGISTRY, &section, "shape")?.parse)(&section)?;
+    section.finish()?;
+    Ok(Deviation { side, direction, shape })
+}
+
+/// Where a rail's section stands at some distance, with derivatives along the track.
+#[derive(Clone, Copy, Debug)]
+pub struct RailSection {
+    /// Origin of the section, m.
+    pub origin: Vector3<f64>,
+    /// First and second derivative of the origin with respect to distance.
+    pub d1: Vector3<f64>,
+    pub d2: Vector3<f64>,
+}
+
+/// One rail of the track.
+#[derive(Clone, Debug)]
+pub struct Rail {
+    pub side: Side,
+    pub profile: Arc<dyn Profile>,
+    /// Unit vector of the section's eta axis (outward).
+    pub outward: Vector3<f64>,
+    /// Unit vector of the section's height axis (up, leaning toward the track centre).
+    pub up: Vector3<f64>,
+    /// Y of the undisplaced section origin, m.
+    offset: f64,
+    deviations: Vec<(Direction, Arc<dyn DeviationShape>)>,
+    /// Distances where the rail is not smooth, increasing.
+    breaks: Vec<f64>,
+}
+
+impl Rail {
+    /// A straight rail whose section origin stands `half_spacing` [m] from the centre line and whose section leans
+    /// by `inclination` [rad] toward it.
+    pub fn new(side: Side, profile: Arc<dyn Profile>, half_spacing: f64, inclination: f64, deviations: &[Deviation]) -> Self {
+        let (sin, cos) = inclination.sin_cos();
+        let sign = side.sign();
+        Rail {
+            side,
+            profile,
+            outward: Vector3::new(0.0, sign * cos, sin),
+            up: Vector3::new(0.0, -sign * sin, cos),
+            offset: sign * half_spacing,
+            breaks: {
+                let mut breaks: Vec<f64> = deviations.iter().filter(|d| d.side == side).flat_map(|d| d.shape.breaks()).collect();
+                breaks.sort_by(f64::total_cmp);
+                breaks.dedup();
+                breaks
+            },
+            deviations: deviations.iter().filter(|d| d.side == side).map(|d| (d.direction, d.shape.clone())).collect(),
+        }
+    }
+
+    /// The nearest distance beyond `s` in the direction of travel (sign of `speed`) where the rail is not smooth. A
+    /// break closer than a micrometre counts as passed: the second derivatives that jump there act over nanoseconds.
+    pub fn next_break(&self, s: f64, speed: f64) -> Option<f64> {
+        const PASSED: f64 = 1e-6;
+        if speed > 0.0 {
+            self.breaks.iter().copied().find(|&b| b > s + PASSED)
+        } else if speed < 0.0 {
+            self.breaks.iter().rev().copied().find(|&b| b < s - PASSED)
+        } else {
+            None
+        }
+    }
+
+    /// The section at distance `s` [m].
+    #[inline]
+    pub fn section(&self, s: f64) -> RailSection {
+        let mut section = RailSection { origin: Vector3::new(s, self.offset, 0.0), d1: Vector3::x(), d2: Vector3::zeros() };
+        for (direction, shape) in &self.deviations {
+            let [value, d1, d2, _] = shape.at(s);
+            let axis = match direction {
+                Direction::Lateral => 1,
+                Direction::Vertical => 2,
+            };
+            section.origin[axis] += value;
+            section.d1[axis] += d1;
+            section.d2[axis] += d2;
+        }
+        section
+    }
+}
+
+/// Both rails.
+#[derive(Clone, Debug)]
+pub struct Track {
+    pub left: Rail,
+    pub right: Rail,
+}
+
+impl Track {
+    pub fn rail(&self, side: Side) -> &Rail {
+        match side {
+            Side::Left => &self.left,
+            Side::Right => &self.right,
+        }
+    }
+
+    /// The same rails without deviations.
+    pub fn ideal(&self) -> Track {
+        let bare = |rail: &Rail| Rail { deviations: Vec::new(), breaks: Vec::new(), ..rail.clone() };
+        Track { left: bare(&self.left), right: bare(&self.right) }
+    }
+}

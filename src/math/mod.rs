@@ -1,0 +1,5 @@
+//! Floor 0: mathematics that knows nothing of railways.
+
+pub mod newton;
+pub mod rotation;
+pub mod spline;

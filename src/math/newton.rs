@@ -1,0 +1,110 @@
+//! Damped Newton iteration for small systems of fixed size, without allocation.
+
+use nalgebra::{DimMin, DimMinimum, Const, SMatrix, SVector, ToTypenum};
+
+/// When to stop.
+#[derive(Clone, Copy, Debug)]
+pub struct NewtonLimits {
+    /// A step shorter than this (norm) is the last one: Newton converges quadratically, so what remains
+    /// is of the order of its square.
+    pub last_step: f64,
+    pub iterations: usize,
+}
+
+/// The iteration did not converge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonFailure {
+    pub iterations: usize,
+    /// Norm of the residual at the last point.
+    pub residual: f64,
+}
+
+/// Solves `residual(x) = 0` from the start in `x`.
+///
+/// `evaluate(x)` returns residual, Jacobian and whatever else was computed at `x`; the value that belongs to
+/// the solution is returned with the number of evaluations. A step is halved while the residual's norm does
+/// not fall, so a good start (warm start) costs nothing extra.
+///
+/// # Errors
+/// [`NewtonFailure`] when the Jacobian is singular, the residual cannot be reduced or iterations run out.
+pub fn solve<const N: usize, T>(
+    x: &mut SVector<f64, N>,
+    limits: NewtonLimits,
+    mut evaluate: impl FnMut(&SVector<f64, N>) -> (SVector<f64, N>, SMatrix<f64, N, N>, T),
+) -> Result<(T, usize), NewtonFailure>
+where
+    Const<N>: ToTypenum + DimMin<Const<N>, Output = Const<N>>,
+    DimMinimum<Const<N>, Const<N>>: nalgebra::DimName,
+{
+    const HALVINGS: usize = 8;
+    let (mut residual, mut jacobian, mut value) = evaluate(x);
+    let mut norm = residual.norm();
+    for iteration in 1..=limits.iterations {
+        let failure = NewtonFailure { iterations: iteration, residual: norm };
+        let Some(step) = jacobian.lu().solve(&residual) else { return Err(failure) };
+        let length = step.norm();
+        if !length.is_finite() {
+            return Err(failure);
+        }
+        let mut factor = 1.0;
+        for halving in 0..=HALVINGS {
+            let trial = *x - factor * step;
+            let (trial_residual, trial_jacobian, trial_value) = evaluate(&trial);
+            let trial_norm = trial_residual.norm();
+            // Within rounding of the solution the norm may not fall any more; a short full step is still right.
+            let accept = trial_norm < norm || (length <= limits.last_step && trial_norm.is_finite());
+            if accept {
+                (*x, residual, jacobian, value, norm) = (trial, trial_residual, trial_jacobian, trial_value, trial_norm);
+                break;
+            }
+            if halving == HALVINGS {
+                return Err(failure);
+            }
+            factor *= 0.5;
+        }
+        if length * factor <= limits.last_step {
+            return Ok((value, iteration));
+        }
+    }
+    Err(NewtonFailure { iterations: limits.iterations, residual: norm })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Matrix2, Vector2};
+
+    fn limits() -> NewtonLimits {
+        NewtonLimits { last_step: 1e-7, iterations: 30 }
+    }
+
+    #[test]
+    fn analytic_circle_and_parabola_meet_at_the_golden_ratio() {
+        // x^2 + y^2 = 1 and y = x^2 give y = (sqrt 5 - 1) / 2.
+        let mut x = Vector2::new(3.0, 2.0);
+        solve(&mut x, limits(), |x| {
+            let residual = Vector2::new(x.x * x.x + x.y * x.y - 1.0, x.y - x.x * x.x);
+            (residual, Matrix2::new(2.0 * x.x, 2.0 * x.y, -2.0 * x.x, 1.0), ())
+        })
+        .unwrap();
+        assert!((x.y - (5f64.sqrt() - 1.0) / 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn hard_damping_saves_arctan_from_overshoot() {
+        // Undamped Newton on atan diverges from |x| > 1.39.
+        let mut x = SVector::<f64, 1>::new(20.0);
+        let (_, iterations) =
+            solve(&mut x, limits(), |x| (SVector::<f64, 1>::new(x[0].atan()), SMatrix::<f64, 1, 1>::new(1.0 / (1.0 + x[0] * x[0])), ()))
+                .unwrap();
+        assert!(x[0].abs() < 1e-14 && iterations < 20);
+    }
+
+    #[test]
+    fn hard_no_root_is_reported_with_the_residual() {
+        let mut x = SVector::<f64, 1>::new(1.0);
+        let failure = solve(&mut x, limits(), |x| (SVector::<f64, 1>::new(x[0] * x[0] + 1.0), SMatrix::<f64, 1, 1>::new(2.0 * x[0]), ()))
+            .unwrap_err();
+        assert!(failure.residual >= 1.0);
+    }
+}

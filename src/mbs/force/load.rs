@@ -1,0 +1,40 @@
+//! A constant vertical load, downward positive, on a body's centre: what the rest of a vehicle weighs.
+//! It is a pure force: it adds no mass.
+
+use super::ForceElement;
+use crate::mbs::body::{BodyMotion, Wrench};
+
+/// Constant load on one body's centre.
+#[derive(Debug, Clone)]
+pub struct VerticalLoad {
+    pub body: usize,
+    /// N, downward positive.
+    pub force: f64,
+}
+
+impl ForceElement for VerticalLoad {
+    fn name(&self) -> &str {
+        "vertical load"
+    }
+
+    #[inline]
+    fn apply(&self, _: &[BodyMotion], wrenches: &mut [Wrench]) {
+        wrenches[self.body].force.z -= self.force;
+    }
+
+    fn scalar_force(&self, _: &[BodyMotion]) -> Option<f64> {
+        None
+    }
+
+    fn clone_box(&self) -> Box<dyn ForceElement> {
+        Box::new(self.clone())
+    }
+
+    fn potential_energy(&self, bodies: &[BodyMotion]) -> f64 {
+        self.force * bodies[self.body].position.z
+    }
+
+    fn dissipated_power(&self, _: &[BodyMotion]) -> f64 {
+        0.0
+    }
+}

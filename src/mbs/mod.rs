@@ -1,0 +1,5 @@
+//! Floor 3: bodies, forces between them, and their equations of motion.
+
+pub mod body;
+pub mod force;
+pub mod system;

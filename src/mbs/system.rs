@@ -1,0 +1,98 @@
+//! Bodies, force elements and driving constraints as one system: state layout and accelerations.
+//!
+//! The state vector holds the coordinates of all bodies (x, y, z, yaw, roll, pitch each), then their velocities in
+//! the same order. A driving constraint `x' = V` removes its coordinate's acceleration exactly: the centre of mass
+//! is the body's origin, so X is not coupled to other coordinates by inertia, the acceleration is zero and the
+//! constraint force is minus the sum of all other longitudinal forces.
+
+use super::body::{Body, BodyMotion, COORDINATES, Wrench};
+use super::force::ForceElement;
+
+/// A body whose centre travels with imposed constant speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrivingConstraint {
+    pub body: usize,
+    /// V, m/s.
+    pub speed: f64,
+}
+
+/// The constant part of a multibody system.
+#[derive(Debug)]
+pub struct System {
+    pub bodies: Vec<Body>,
+    pub forces: Vec<Box<dyn ForceElement>>,
+    pub drives: Vec<DrivingConstraint>,
+}
+
+/// What is computed on the way to the accelerations; nothing in here outlives an evaluation.
+#[derive(Clone, Debug, Default)]
+pub struct SystemWorkspace {
+    pub motions: Vec<BodyMotion>,
+    pub wrenches: Vec<Wrench>,
+    /// Force of each driving constraint, N, forward positive.
+    pub drive_forces: Vec<f64>,
+}
+
+impl System {
+    /// Length of the state vector.
+    pub fn dimension(&self) -> usize {
+        2 * COORDINATES * self.bodies.len()
+    }
+
+    pub fn workspace(&self) -> SystemWorkspace {
+        let zero = BodyMotion::new(&[0.0; COORDINATES], &[0.0; COORDINATES]);
+        SystemWorkspace {
+            motions: vec![zero; self.bodies.len()],
+            wrenches: vec![Wrench::default(); self.bodies.len()],
+            drive_forces: vec![0.0; self.drives.len()],
+        }
+    }
+
+    /// Coordinates of a body in the state vector.
+    pub fn coordinates(&self, body: usize) -> std::ops::Range<usize> {
+        body * COORDINATES..(body + 1) * COORDINATES
+    }
+
+    /// Velocities of a body in the state vector.
+    pub fn velocities(&self, body: usize) -> std::ops::Range<usize> {
+        let start = COORDINATES * (self.bodies.len() + body);
+        start..start + COORDINATES
+    }
+
+    /// Fills the workspace with the bodies' motion and the force elements' wrenches.
+    #[inline]
+    pub fn apply_forces(&self, y: &[f64], workspace: &mut SystemWorkspace) {
+        for body in 0..self.bodies.len() {
+            workspace.motions[body] = BodyMotion::new(&y[self.coordinates(body)], &y[self.velocities(body)]);
+            workspace.wrenches[body] = Wrench::default();
+        }
+        for force in &self.forces {
+            force.apply(&workspace.motions, &mut workspace.wrenches);
+        }
+    }
+
+    /// Derivative of the state under the wrenches in the workspace; fills the constraint forces.
+    #[inline]
+    pub fn derivative(&self, y: &[f64], workspace: &mut SystemWorkspace, dy: &mut [f64]) {
+        for (body, data) in self.bodies.iter().enumerate() {
+            let accelerations = data.accelerations(&workspace.motions[body], &workspace.wrenches[body]);
+            let velocities = self.velocities(body);
+            dy[self.coordinates(body)].copy_from_slice(&y[velocities.clone()]);
+            dy[velocities].copy_from_slice(&accelerations);
+        }
+        for (drive, force) in self.drives.iter().zip(&mut workspace.drive_forces) {
+            dy[self.velocities(drive.body).start] = 0.0;
+            *force = -workspace.wrenches[drive.body].force.x;
+        }
+    }
+
+    /// Kinetic energy of all bodies, J.
+    pub fn kinetic_energy(&self, motions: &[BodyMotion]) -> f64 {
+        self.bodies.iter().zip(motions).map(|(body, motion)| body.kinetic_energy(motion)).sum()
+    }
+
+    /// Stored energy of all force elements, J.
+    pub fn potential_energy(&self, motions: &[BodyMotion]) -> f64 {
+        self.forces.iter().map(|force| force.potential_energy(motions)).sum()
+    }
+}

@@ -1,0 +1,73 @@
+//! From scene data to a model: only what the scene calls for becomes an object.
+
+use super::spec::{Scene, SuspensionSpec};
+use crate::formulation::{ContactLaws, Model, Wheelset};
+use crate::geometry::Side;
+use crate::geometry::surface::Wheel;
+use crate::geometry::track::{Rail, Track};
+use crate::mbs::body::Body;
+use crate::mbs::force::{ForceElement, Gravity, GuidedSpring, TrackAxis, VerticalLoad};
+use crate::mbs::system::{DrivingConstraint, System};
+
+/// Assembles the model of a scene.
+pub fn model(scene: &Scene) -> Model {
+    let spec = &scene.vehicle.wheelset;
+    let body = Body {
+        name: spec.name.clone(),
+        mass: spec.mass,
+        transverse_inertia: spec.transverse_inertia,
+        axial_inertia: spec.axial_inertia,
+    };
+    let mut forces: Vec<Box<dyn ForceElement>> = Vec::new();
+    if scene.vehicle.gravity != 0.0 {
+        forces.push(Box::new(Gravity { body: 0, mass: spec.mass, acceleration: scene.vehicle.gravity }));
+    }
+    if spec.vertical_load != 0.0 {
+        forces.push(Box::new(VerticalLoad { body: 0, force: spec.vertical_load }));
+    }
+    if let Some(suspension) = &scene.vehicle.suspension {
+        forces.extend(springs(suspension).map(|spring| Box::new(spring) as Box<dyn ForceElement>));
+    }
+    let wheel = |side| Wheel { side, profile: spec.profile.profile.clone(), half_spacing: spec.half_tread_circle_distance };
+    let track = &scene.track;
+    let rail = |side| Rail::new(side, track.rail.profile.clone(), track.half_rail_distance, track.inclination, &track.deviations);
+    let contact = &scene.contact;
+    Model {
+        system: System { bodies: vec![body], forces, drives: vec![DrivingConstraint { body: 0, speed: scene.vehicle.speed }] },
+        track: Track { left: rail(Side::Left), right: rail(Side::Right) },
+        wheelsets: vec![Wheelset {
+            name: spec.name.clone(),
+            body: 0,
+            left: wheel(Side::Left),
+            right: wheel(Side::Right),
+            imposed_speed: Some(scene.vehicle.speed),
+        }],
+        laws: ContactLaws {
+            normal: (contact.normal)(contact.material),
+            creep: (contact.creep)(contact.material),
+            damping: contact.damping,
+            friction: contact.friction,
+        },
+        formulation: contact.formulation,
+    }
+}
+
+/// The suspension's elements; a direction without stiffness and damping has none.
+fn springs(spec: &SuspensionSpec) -> impl Iterator<Item = GuidedSpring> + '_ {
+    let directions = [
+        ("longitudinal", TrackAxis::Longitudinal, spec.longitudinal_stiffness, spec.longitudinal_damping),
+        ("lateral", TrackAxis::Lateral, spec.lateral_stiffness, spec.lateral_damping),
+    ];
+    directions.into_iter().filter(|(_, _, stiffness, damping)| *stiffness != 0.0 || *damping != 0.0).flat_map(
+        |(direction, axis, stiffness, damping)| {
+            Side::BOTH.into_iter().zip(spec.attachments()).map(move |(side, attachment)| GuidedSpring {
+                name: format!("suspension.{}.{direction}", side.name()),
+                body: 0,
+                axis,
+                attachment,
+                stiffness,
+                damping,
+            })
+        },
+    )
+}

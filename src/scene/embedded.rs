@@ -1,0 +1,16 @@
+//! Scenes that the program carries with it.
+
+/// A scene's name and text.
+pub struct EmbeddedScene {
+    pub name: &'static str,
+    pub text: &'static str,
+}
+
+/// Every embedded scene; tests walk this list.
+pub static SCENES: &[EmbeddedScene] =
+    &[EmbeddedScene { name: "suspended_wheelset", text: include_str!("../../fmu/scenes/suspended_wheelset.toml") }];
+
+/// The embedded scene of that name.
+pub fn find(name: &str) -> Option<&'static EmbeddedScene> {
+    SCENES.iter().find(|scene| scene.name == name)
+}

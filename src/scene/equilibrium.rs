@@ -1,0 +1,131 @@
+//! Steady rolling on straight track: height and pitch rate such that vertical force and axle moment vanish.
+//!
+//! The wheelset stands centred (y = roll = yaw = 0), does not move sideways or vertically and no input acts. On
+//! straight, undisturbed track two numbers are left: z, which fixes the load, and the pitch rate, which fixes the
+//! longitudinal creepage so that friction and spin moments about the axle cancel.
+
+use super::spec::Scene;
+use crate::formulation::{EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
+use crate::math::newton::{self, NewtonLimits};
+use crate::mbs::body::COORDINATES;
+use nalgebra::{Matrix2, Vector2};
+
+/// The equilibrium of a wheelset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SteadyRolling {
+    /// Height of the centre, m.
+    pub z: f64,
+    /// rad/s.
+    pub pitch_rate: f64,
+}
+
+impl SteadyRolling {
+    /// In the order of [`super::spec::INITIAL`].
+    pub fn initial_values(&self) -> [f64; 10] {
+        [0.0, 0.0, self.z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, self.pitch_rate]
+    }
+}
+
+/// There is no equilibrium, or it was not found.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum EquilibriumError {
+    #[error("the wheelset does not press on the rails: weight plus vertical_load is {load} N; it must be positive")]
+    NoLoad { load: f64 },
+    #[error("no steady rolling equilibrium: vertical force is off by {force:.3e} N and axle moment by {moment:.3e} N m; check profiles, spacing and load")]
+    NotFound { force: f64, moment: f64 },
+    #[error("no steady rolling equilibrium: {0}")]
+    Evaluation(EvaluationError),
+}
+
+/// Finds the equilibrium of the scene's wheelset.
+///
+/// # Errors
+/// [`EquilibriumError`].
+pub fn steady_rolling(scene: &Scene, model: &Model) -> Result<SteadyRolling, EquilibriumError> {
+    let spec = &scene.vehicle.wheelset;
+    let load = spec.mass * scene.vehicle.gravity + spec.vertical_load;
+    if load <= 0.0 {
+        return Err(EquilibriumError::NoLoad { load });
+    }
+    let mut balance = Balance::new(scene, model);
+    let radius = model.wheelsets[0].left.profile.at(0.0).value;
+    let speed = scene.vehicle.speed;
+
+    // Start: the height at which the deeper wheel carries half the load with the stiffness of the first touch.
+    const TOUCH: f64 = 1e-5;
+    let mut z = radius;
+    for _ in 0..3 {
+        balance.residual(z, speed / radius).map_err(EquilibriumError::Evaluation)?;
+        let deepest = balance.workspace.contacts.iter().map(|contact| contact.penetration).fold(f64::MIN, f64::max);
+        z += deepest - TOUCH;
+    }
+    balance.residual(z, speed / radius).map_err(EquilibriumError::Evaluation)?;
+    let stiffness = balance.workspace.contacts.iter().map(|contact| contact.stiffness).fold(0.0, f64::max);
+    z += TOUCH - (0.5 * load / stiffness).powf(2.0 / 3.0);
+
+    // Unknowns scaled to be of order one; differences serve as Jacobian here, off the stepping path.
+    let (height, turn) = (1e-4, 1e-3 * speed / radius);
+    let at = |x: &Vector2<f64>| (z + height * x[0], speed / radius + turn * x[1]);
+    let scale = Vector2::new(1.0 / load, 1.0 / (load * radius));
+    let mut failure = None;
+    let mut evaluate = |x: &Vector2<f64>| {
+        let mut residual = |x: &Vector2<f64>| {
+            let (z, pitch_rate) = at(x);
+            balance.residual(z, pitch_rate).map(|r| r.component_mul(&scale)).unwrap_or_else(|error| {
+                failure = Some(error);
+                Vector2::repeat(f64::NAN)
+            })
+        };
+        let here = residual(x);
+        const H: f64 = 1e-5;
+        let columns = [Vector2::new(H, 0.0), Vector2::new(0.0, H)].map(|h| (residual(&(x + h)) - residual(&(x - h))) / (2.0 * H));
+        (here, Matrix2::from_columns(&columns), ())
+    };
+    let mut x = Vector2::zeros();
+    let solved = newton::solve(&mut x, NewtonLimits { last_step: 1e-9, iterations: 60 }, &mut evaluate);
+    let (z, pitch_rate) = at(&x);
+    match (solved, failure) {
+        (Ok(_), _) => Ok(SteadyRolling { z, pitch_rate }),
+        (Err(_), Some(error)) => Err(EquilibriumError::Evaluation(error)),
+        (Err(_), None) => {
+            let rest = balance.residual(z, pitch_rate).map_err(EquilibriumError::Evaluation)?;
+            Err(EquilibriumError::NotFound { force: rest[0], moment: rest[1] })
+        }
+    }
+}
+
+/// Forces on the centred wheelset on straight track.
+struct Balance {
+    model: Model,
+    workspace: Workspace,
+    y: Vec<f64>,
+    dy: Vec<f64>,
+    memory: Vec<f64>,
+}
+
+impl Balance {
+    fn new(scene: &Scene, model: &Model) -> Self {
+        let mut model = Model { track: model.track.ideal(), ..super::assemble::model(scene) };
+        model.wheelsets.truncate(1);
+        let dimension = model.system.dimension();
+        let mut y = vec![0.0; dimension];
+        y[COORDINATES] = scene.vehicle.speed;
+        Balance {
+            workspace: model.workspace(),
+            dy: vec![0.0; dimension],
+            memory: vec![0.0; 2 * model.formulation.memory_per_contact()],
+            model,
+            y,
+        }
+    }
+
+    /// Vertical force [N] and moment about the axle [N m].
+    fn residual(&mut self, z: f64, pitch_rate: f64) -> Result<Vector2<f64>, EvaluationError> {
+        self.y[2] = z;
+        self.y[2 * COORDINATES - 1] = pitch_rate;
+        self.model.derivative(&mut self.workspace, 0.0, &NEUTRAL_INPUTS, &self.y, &mut self.memory, &mut self.dy)?;
+        let wrench = &self.workspace.system.wrenches[0];
+        let axle = self.workspace.system.motions[0].axle();
+        Ok(Vector2::new(wrench.force.z, wrench.moment.dot(&axle)))
+    }
+}

@@ -1,0 +1,148 @@
+//! Opens a scene: an embedded one by name or a file, with `--set key=value` applied to its text.
+
+use super::assemble;
+use super::embedded;
+use super::equilibrium::{self, EquilibriumError};
+use super::spec::Scene;
+use crate::settings::{Section, SettingsError, Source, did_you_mean};
+use std::path::{Path, PathBuf};
+use toml_edit::{Document, DocumentMut, Item, Table};
+
+/// Why a scene cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    #[error("no embedded scene and no file is called \"{name}\"{suggestion}; embedded scenes: {known}")]
+    NotFound { name: String, suggestion: String, known: String },
+    #[error("{}: can't be read: {problem}", path.display())]
+    Unreadable { path: PathBuf, problem: String },
+    #[error("{file}:{line}: {problem}")]
+    Syntax { file: String, line: usize, problem: String },
+    #[error("--set {argument}: {problem}")]
+    Override { argument: String, problem: String },
+    #[error("{0}")]
+    Settings(#[from] SettingsError),
+    #[error("{file}: {error}")]
+    Equilibrium { file: String, error: EquilibriumError },
+}
+
+/// Opens the embedded scene `name`, or the file of that path.
+///
+/// # Errors
+/// [`SceneError`], with file and line where they are known.
+pub fn open(name: &str, overrides: &[String]) -> Result<Scene, SceneError> {
+    if let Some(scene) = embedded::find(name) {
+        let source = Source { file: format!("{name}.toml"), text: scene.text.into(), overridden: vec![], folder: None };
+        return read(name, source, overrides);
+    }
+    let path = Path::new(name);
+    if !path.is_file() {
+        let known: Vec<&str> = embedded::SCENES.iter().map(|scene| scene.name).collect();
+        return Err(SceneError::NotFound { name: name.into(), suggestion: did_you_mean(name, &known), known: known.join(", ") });
+    }
+    open_file(path, &identifier(path), overrides)
+}
+
+/// Opens a scene file under a given name.
+///
+/// # Errors
+/// [`SceneError`].
+pub fn open_file(path: &Path, name: &str, overrides: &[String]) -> Result<Scene, SceneError> {
+    let text = std::fs::read_to_string(path).map_err(|error| SceneError::Unreadable { path: path.into(), problem: error.to_string() })?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let source = Source { file: path.display().to_string(), text, overridden: vec![], folder: Some(folder.into()) };
+    read(name, source, overrides)
+}
+
+/// A file name as an identifier that C and XML accept.
+fn identifier(path: &Path) -> String {
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let mut name: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        name.insert_str(0, "scene_");
+    }
+    name
+}
+
+/// Reads a scene from text.
+///
+/// # Errors
+/// [`SceneError`].
+pub fn read(name: &str, mut source: Source, overrides: &[String]) -> Result<Scene, SceneError> {
+    for argument in overrides {
+        let (key, text) = apply_override(&source.text, argument)?;
+        source.text = text;
+        source.overridden.push(key);
+    }
+    let document = Document::parse(source.text.clone()).map_err(|error| syntax(&source, &error))?;
+    let root = Section::root(document.as_table(), &source);
+    let mut scene = Scene::read(name, root, source.clone())?;
+    resolve_initial(&mut scene)?;
+    Ok(scene)
+}
+
+fn syntax(source: &Source, error: &toml_edit::TomlError) -> SceneError {
+    let start = error.span().map_or(0, |span| span.start.min(source.text.len()));
+    let line = source.text.as_bytes()[..start].iter().filter(|&&b| b == b'\n').count() + 1;
+    SceneError::Syntax { file: source.file.clone(), line, problem: error.message().trim().to_string() }
+}
+
+/// Replaces one value in a scene's text, keeping comments; returns the dotted key and the new text.
+fn apply_override(text: &str, argument: &str) -> Result<(String, String), SceneError> {
+    let refuse = |problem: String| SceneError::Override { argument: argument.into(), problem };
+    let (key, value) = argument.split_once('=').ok_or_else(|| refuse("expected key=value, for example vehicle.speed=30".into()))?;
+    let (key, value) = (key.trim(), value.trim());
+    let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| refuse(format!("the scene can't be read: {error}")))?;
+    let item: Item = match value.parse::<toml_edit::Value>() {
+        Ok(value) => value.into(),
+        // Words and quantities need no quotes on the command line.
+        Err(_) => toml_edit::Value::from(value).into(),
+    };
+    let mut path: Vec<&str> = key.split('.').collect();
+    let last = path.pop().filter(|last| !last.is_empty()).ok_or_else(|| refuse("the key is empty".into()))?;
+    let mut table: &mut dyn toml_edit::TableLike = document.as_table_mut();
+    for step in path {
+        let (step, index) = match step.strip_suffix(']').and_then(|step| step.split_once('[')) {
+            Some((step, index)) => (step, Some(index.parse::<usize>().map_err(|_| refuse(format!("\"{index}\" is not a number")))?)),
+            None => (step, None),
+        };
+        let entry = table.entry(step).or_insert_with(|| Item::Table(Table::new()));
+        table = match (index, entry) {
+            (Some(index), Item::ArrayOfTables(tables)) => {
+                let count = tables.len();
+                index.checked_sub(1).and_then(|i| tables.get_mut(i)).ok_or_else(|| refuse(format!("{step} has {count} entries, counted from 1")))?
+            }
+            (None, entry) if entry.is_table_like() => entry.as_table_like_mut().ok_or_else(|| refuse(format!("{step} is not a table")))?,
+            _ => return Err(refuse(format!("{step} is not a table of that kind"))),
+        };
+    }
+    match (table.get_mut(last), item) {
+        // Keep the old value's surroundings (spaces, comments).
+        (Some(Item::Value(old)), Item::Value(mut new)) => {
+            *new.decor_mut() = old.decor().clone();
+            *old = new;
+        }
+        (_, item) => {
+            table.insert(last, item);
+        }
+    }
+    Ok((key.to_string(), document.to_string()))
+}
+
+/// Turns initial values that the scene gives into what the FMU shows: offsets to the equilibrium, or absolute values
+/// where `from_equilibrium = false`, absent ones taken from the equilibrium of this moment.
+fn resolve_initial(scene: &mut Scene) -> Result<(), SceneError> {
+    let initial = &scene.vehicle.initial;
+    if initial.from_equilibrium && initial.given.iter().all(Option::is_none) {
+        return Ok(());
+    }
+    let model = assemble::model(scene);
+    let found = equilibrium::steady_rolling(scene, &model)
+        .map_err(|error| SceneError::Equilibrium { file: scene.source.file.clone(), error })?
+        .initial_values();
+    let initial = &mut scene.vehicle.initial;
+    for i in 0..found.len() {
+        let absolute = initial.given[i].unwrap_or(found[i]);
+        initial.values[i] = if initial.from_equilibrium { absolute - found[i] } else { absolute };
+    }
+    Ok(())
+}

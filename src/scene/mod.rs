@@ -1,0 +1,8 @@
+//! Floor 6: from the text of a scene to a model.
+
+pub mod assemble;
+pub mod embedded;
+pub mod equilibrium;
+pub mod load;
+pub mod plan;
+pub mod spec;

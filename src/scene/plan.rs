@@ -1,0 +1,77 @@
+//! What a scene makes the program compute, and what not: the list behind `wheelrail plan`.
+
+use super::spec::Scene;
+use crate::formulation::Model;
+use serde::Serialize;
+
+/// One effect that the program knows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Effect {
+    pub name: &'static str,
+    pub included: bool,
+    /// The scene's words for it, or why it is not there.
+    pub why: String,
+    /// First-order states that it adds.
+    pub states: usize,
+}
+
+/// Sizes and effects of an assembled scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plan {
+    pub scene: String,
+    pub bodies: usize,
+    pub contacts: usize,
+    pub force_elements: usize,
+    pub states: usize,
+    pub memory: usize,
+    pub effects: Vec<Effect>,
+}
+
+/// Lists the effects of a scene and its model.
+pub fn plan(scene: &Scene, model: &Model) -> Plan {
+    let mut effects = Vec::new();
+    let mut effect = |name, included, why: String, states| effects.push(Effect { name, included, why, states });
+    let vehicle = &scene.vehicle;
+    effect("rigid bodies", true, format!("vehicle.template = \"{}\"", vehicle.template), model.system.dimension());
+    effect("driving constraint", true, format!("vehicle.speed = {} m/s: removes the acceleration along the track", vehicle.speed), 0);
+    effect("gravity", vehicle.gravity != 0.0, format!("vehicle.gravity = {} m/s2", vehicle.gravity), 0);
+    let load = vehicle.wheelset.vertical_load;
+    effect("vertical load", load != 0.0, format!("vehicle.wheelset.vertical_load = {load} N"), 0);
+    for (name, stiffness, damping) in [
+        ("longitudinal suspension", vehicle.suspension.as_ref().map(|s| s.longitudinal_stiffness), vehicle.suspension.as_ref().map(|s| s.longitudinal_damping)),
+        ("lateral suspension", vehicle.suspension.as_ref().map(|s| s.lateral_stiffness), vehicle.suspension.as_ref().map(|s| s.lateral_damping)),
+    ] {
+        match (stiffness, damping) {
+            (Some(k), Some(c)) => effect(name, k != 0.0 || c != 0.0, format!("2 elements, {k} N/m and {c} N s/m each"), 0),
+            _ => effect(name, false, "no [vehicle.suspension]".into(), 0),
+        }
+    }
+    for (name, side) in [("left rail deviations", crate::geometry::Side::Left), ("right rail deviations", crate::geometry::Side::Right)] {
+        let shapes: Vec<String> =
+            scene.track.deviations.iter().filter(|d| d.side == side).map(|d| format!("{:?}: {}", d.direction, d.shape.describe()).to_lowercase()).collect();
+        let why = if shapes.is_empty() { format!("no [[track.deviation]] with rail = \"{}\"", side.name()) } else { shapes.join("; ") };
+        effect(name, !shapes.is_empty(), why, 0);
+    }
+    let contact = &scene.contact;
+    effect("contact search", true, format!("contact.formulation = \"{}\", one point per wheel", contact.formulation_name), 0);
+    effect("wheel profile", true, vehicle.wheelset.profile.profile.describe(), 0);
+    effect("rail profile", true, scene.track.rail.profile.describe(), 0);
+    effect("normal force", true, format!("contact.normal.law = \"{}\"", contact.normal_name), 0);
+    effect("contact damping", contact.damping != 0.0, format!("contact.damping = {} N s/m2", contact.damping), 0);
+    effect("creep forces", contact.friction != 0.0, format!("contact.creep.law = \"{}\", friction {}", contact.creep_name, contact.friction), 0);
+    for (name, group) in [("drive torque input", "drive_torque"), ("centre force inputs", "centre_forces"), ("friction factor inputs", "friction")] {
+        let shown = scene.interface.inputs.contains(&group);
+        let why = if shown { format!("interface.inputs has \"{group}\"") } else { format!("interface.inputs lacks \"{group}\"") };
+        effect(name, shown, why, 0);
+    }
+    let contacts = 2 * model.wheelsets.len();
+    Plan {
+        scene: scene.name.clone(),
+        bodies: model.system.bodies.len(),
+        contacts,
+        force_elements: model.system.forces.len(),
+        states: model.system.dimension(),
+        memory: contacts * model.formulation.memory_per_contact(),
+        effects,
+    }
+}

@@ -1,0 +1,316 @@
+//! The scene as data: what a TOML file says, in SI units, checked piece by piece.
+//!
+//! FMU parameters are fields of this data; a model is assembled from it anew when they are set.
+
+use crate::contact::{Material, creep, normal};
+use crate::formulation::{self, Formulation};
+use crate::geometry::profile::{self, Part, ProfileChoice};
+use crate::geometry::track::{self, Deviation};
+use crate::settings::{Section, SettingsError, Source};
+use crate::solve::{self, Integrator};
+use crate::units::Dimension;
+use nalgebra::{Vector3, vector};
+
+/// A scene file, read and checked.
+#[derive(Clone)]
+pub struct Scene {
+    /// Name of the embedded scene or of the file, without extension: the FMU's model identifier.
+    pub name: String,
+    /// The text that this scene was read from, with `--set` applied.
+    pub source: Source,
+    pub title: String,
+    pub vehicle: VehicleSpec,
+    pub track: TrackSpec,
+    pub contact: ContactSpec,
+    pub solver: SolverSpec,
+    pub interface: InterfaceSpec,
+    pub run: RunSpec,
+}
+
+/// `[vehicle]`, template `suspended_wheelset`.
+#[derive(Clone, Debug)]
+pub struct VehicleSpec {
+    pub template: &'static str,
+    /// V, m/s; negative rolls backward.
+    pub speed: f64,
+    /// g, m/s2.
+    pub gravity: f64,
+    pub wheelset: WheelsetSpec,
+    pub suspension: Option<SuspensionSpec>,
+    pub initial: Initial,
+}
+
+/// `[vehicle.wheelset]`.
+#[derive(Clone, Debug)]
+pub struct WheelsetSpec {
+    pub name: String,
+    /// kg.
+    pub mass: f64,
+    /// Ixx = Izz, kg m2.
+    pub transverse_inertia: f64,
+    /// Iyy, kg m2.
+    pub axial_inertia: f64,
+    /// N, downward.
+    pub vertical_load: f64,
+    /// Half the distance between the tread circles, m.
+    pub half_tread_circle_distance: f64,
+    pub profile: ProfileChoice,
+}
+
+/// `[vehicle.suspension]`: two elements in each direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SuspensionSpec {
+    /// Between the attachment points, m.
+    pub distance: f64,
+    /// N/m and N s/m of each element.
+    pub longitudinal_stiffness: f64,
+    pub longitudinal_damping: f64,
+    pub lateral_stiffness: f64,
+    pub lateral_damping: f64,
+}
+
+/// Initial coordinates and velocities that a scene or a master may choose, in this order.
+pub const INITIAL: [(&str, Dimension); 10] = [
+    ("distance", Dimension::Length),
+    ("y", Dimension::Length),
+    ("z", Dimension::Length),
+    ("roll", Dimension::Angle),
+    ("yaw", Dimension::Angle),
+    ("vy", Dimension::Speed),
+    ("vz", Dimension::Speed),
+    ("roll_rate", Dimension::AngularSpeed),
+    ("yaw_rate", Dimension::AngularSpeed),
+    ("pitch_rate", Dimension::AngularSpeed),
+];
+
+/// `[vehicle.initial]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Initial {
+    /// Are `values` added to the steady rolling equilibrium? Otherwise they are absolute.
+    pub from_equilibrium: bool,
+    /// In the order of [`INITIAL`].
+    pub values: [f64; 10],
+    /// What the scene file gives, absolute; kept until [`super::load`] has resolved it into `values`.
+    pub given: [Option<f64>; 10],
+}
+
+/// `[track]`.
+#[derive(Clone, Debug)]
+pub struct TrackSpec {
+    /// Half the distance between the rail sections' origins, m.
+    pub half_rail_distance: f64,
+    /// Of the rail sections toward the track centre, rad.
+    pub inclination: f64,
+    pub rail: ProfileChoice,
+    pub deviations: Vec<Deviation>,
+}
+
+/// `[contact]`.
+#[derive(Clone)]
+pub struct ContactSpec {
+    pub formulation_name: &'static str,
+    pub formulation: &'static dyn Formulation,
+    /// mu, -.
+    pub friction: f64,
+    /// C of Eq. 28, N s/m2.
+    pub damping: f64,
+    pub material: Material,
+    pub normal_name: String,
+    pub normal: normal::Build,
+    pub creep_name: String,
+    pub creep: creep::Build,
+}
+
+/// `[solver]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolverSpec {
+    pub name: &'static str,
+    pub integrator: Integrator,
+}
+
+/// Groups of inputs, outputs and parameters that an FMU may show.
+pub const INPUT_GROUPS: &[&str] = &["drive_torque", "centre_forces", "friction"];
+pub const OUTPUT_GROUPS: &[&str] = &["motion", "wheels", "contacts", "suspension"];
+pub const PARAMETER_GROUPS: &[&str] = &["vehicle", "suspension", "contact", "solver", "initial"];
+
+/// `[interface]`: names of groups; all when absent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InterfaceSpec {
+    pub inputs: Vec<&'static str>,
+    pub outputs: Vec<&'static str>,
+    pub parameters: Vec<&'static str>,
+}
+
+/// `[run]`: the FMU's default experiment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunSpec {
+    /// s.
+    pub stop: f64,
+    /// Communication and output step, s.
+    pub step: f64,
+}
+
+impl Scene {
+    /// Reads all tables.
+    ///
+    /// # Errors
+    /// The first [`SettingsError`].
+    pub fn read(name: &str, root: Section, source: Source) -> Result<Scene, SettingsError> {
+        let title = root.text_or("title", name)?;
+        let vehicle = read_vehicle(root.section("vehicle")?)?;
+        let track = read_track(root.section("track")?)?;
+        let contact = read_contact(root.section("contact")?)?;
+        let solver = root.section("solver")?;
+        let (solver_name, integrator) = solve::parse(&solver)?;
+        solver.finish()?;
+        let interface = match root.optional_section("interface")? {
+            Some(section) => read_interface(section)?,
+            None => InterfaceSpec { inputs: INPUT_GROUPS.to_vec(), outputs: OUTPUT_GROUPS.to_vec(), parameters: PARAMETER_GROUPS.to_vec() },
+        };
+        let run = root.section("run")?;
+        let spec = RunSpec { stop: run.not_negative("stop", Dimension::Time)?, step: run.positive("step", Dimension::Time)? };
+        run.finish()?;
+        root.finish()?;
+        Ok(Scene { name: name.into(), source, title, vehicle, track, contact, solver: SolverSpec { name: solver_name, integrator }, interface, run: spec })
+    }
+
+    /// Files that the scene refers to.
+    pub fn files(&self) -> impl Iterator<Item = &profile::ProfileFile> {
+        [&self.vehicle.wheelset.profile, &self.track.rail].into_iter().filter_map(|choice| choice.file.as_ref())
+    }
+}
+
+/// Templates that `vehicle.template` can name.
+pub static TEMPLATES: &[(&str, &str)] = &[("suspended_wheelset", "one wheelset on springs to a frame that travels with it (paper, section 3.4)")];
+
+fn read_vehicle(section: Section) -> Result<VehicleSpec, SettingsError> {
+    let names: Vec<&'static str> = TEMPLATES.iter().map(|template| template.0).collect();
+    let template = section.word("template", &names)?;
+    let speed = section.number("speed", Dimension::Speed)?;
+    if speed == 0.0 {
+        return Err(section.error("speed", "found 0, but creepages are relative to the travelling speed; expected any other number"));
+    }
+    let gravity = section.not_negative("gravity", Dimension::None)?;
+    let wheelset = read_wheelset(section.section("wheelset")?)?;
+    let suspension = section.optional_section("suspension")?.map(read_suspension).transpose()?;
+    let initial = match section.optional_section("initial")? {
+        Some(section) => read_initial(section)?,
+        None => Initial { from_equilibrium: true, values: [0.0; 10], given: [None; 10] },
+    };
+    section.finish()?;
+    Ok(VehicleSpec { template, speed, gravity, wheelset, suspension, initial })
+}
+
+fn read_wheelset(section: Section) -> Result<WheelsetSpec, SettingsError> {
+    let transverse_inertia = section.positive("inertia_xx", Dimension::Inertia)?;
+    let zz = section.positive("inertia_zz", Dimension::Inertia)?;
+    if zz != transverse_inertia {
+        return Err(section.error("inertia_zz", format!("found {zz}, expected inertia_xx = {transverse_inertia}: a wheelset is a body of revolution")));
+    }
+    let spec = WheelsetSpec {
+        name: "wheelset".into(),
+        mass: section.positive("mass", Dimension::Mass)?,
+        transverse_inertia,
+        axial_inertia: section.positive("inertia_yy", Dimension::Inertia)?,
+        vertical_load: section.number("vertical_load", Dimension::Force)?,
+        half_tread_circle_distance: 0.5 * section.positive("tread_circle_distance", Dimension::Length)?,
+        profile: profile::parse(section.section("profile")?, Part::Wheel)?,
+    };
+    section.finish()?;
+    Ok(spec)
+}
+
+fn read_suspension(section: Section) -> Result<SuspensionSpec, SettingsError> {
+    let spec = SuspensionSpec {
+        distance: section.not_negative("distance", Dimension::Length)?,
+        longitudinal_stiffness: section.not_negative("longitudinal_stiffness", Dimension::Stiffness)?,
+        longitudinal_damping: section.not_negative("longitudinal_damping", Dimension::Damping)?,
+        lateral_stiffness: section.not_negative("lateral_stiffness", Dimension::Stiffness)?,
+        lateral_damping: section.not_negative("lateral_damping", Dimension::Damping)?,
+    };
+    section.finish()?;
+    Ok(spec)
+}
+
+impl SuspensionSpec {
+    /// Attachment points on the axle, left and right, in axle axes [m].
+    pub fn attachments(&self) -> [Vector3<f64>; 2] {
+        [vector![0.0, 0.5 * self.distance, 0.0], vector![0.0, -0.5 * self.distance, 0.0]]
+    }
+}
+
+fn read_initial(section: Section) -> Result<Initial, SettingsError> {
+    let from_equilibrium = section.flag_or("from_equilibrium", true)?;
+    let mut given = [None; 10];
+    for (value, (key, dimension)) in given.iter_mut().zip(INITIAL) {
+        *value = section.optional(key, dimension)?;
+    }
+    section.finish()?;
+    Ok(Initial { from_equilibrium, values: [0.0; 10], given })
+}
+
+fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
+    let half_rail_distance = 0.5 * section.positive("rail_distance", Dimension::Length)?;
+    let inclination = read_inclination(&section)?;
+    let rail = profile::parse(section.section("rail")?, Part::Rail)?;
+    let deviations = section.sections("deviation")?.into_iter().map(track::parse_deviation).collect::<Result<_, _>>()?;
+    section.finish()?;
+    Ok(TrackSpec { half_rail_distance, inclination, rail, deviations })
+}
+
+/// `"1:40"` is atan(1/40); otherwise an angle.
+fn read_inclination(section: &Section) -> Result<f64, SettingsError> {
+    let expected = "an angle in rad, or a string such as \"1:40\" or \"1.4 deg\"";
+    if let Ok(text) = section.text("inclination") {
+        if let Some((one, run)) = text.split_once(':') {
+            let ratio = one.trim().parse::<f64>().ok().zip(run.trim().parse::<f64>().ok()).map(|(one, run)| (one / run).atan());
+            return ratio
+                .filter(|angle| angle.is_finite())
+                .ok_or_else(|| section.error("inclination", format!("found \"{text}\", expected {expected}")));
+        }
+    }
+    let angle = section.number("inclination", Dimension::Angle)?;
+    if angle.abs() < 0.5 { Ok(angle) } else { Err(section.error("inclination", format!("found {angle} rad, expected {expected}"))) }
+}
+
+fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
+    let (formulation_name, formulation) = formulation::parse(&section)?;
+    let material = section.section("material")?;
+    let poisson_ratio = material.not_negative("poisson_ratio", Dimension::None)?;
+    if poisson_ratio > 0.5 {
+        return Err(material.error("poisson_ratio", format!("found {poisson_ratio}, expected 0 to 0.5")));
+    }
+    let constants = Material { youngs_modulus: material.positive("youngs_modulus", Dimension::Pressure)?, poisson_ratio };
+    material.finish()?;
+    let normal_section = section.section("normal")?;
+    let normal = normal::parse(&normal_section)?;
+    let normal_name = normal_section.text("law")?;
+    normal_section.finish()?;
+    let creep_section = section.section("creep")?;
+    let creep = creep::parse(&creep_section)?;
+    let creep_name = creep_section.text("law")?;
+    creep_section.finish()?;
+    let spec = ContactSpec {
+        formulation_name,
+        formulation,
+        friction: section.not_negative("friction", Dimension::None)?,
+        damping: section.not_negative("damping", Dimension::PenetrationDamping)?,
+        material: constants,
+        normal_name,
+        normal,
+        creep_name,
+        creep,
+    };
+    section.finish()?;
+    Ok(spec)
+}
+
+fn read_interface(section: Section) -> Result<InterfaceSpec, SettingsError> {
+    let spec = InterfaceSpec {
+        inputs: section.words_or_all("inputs", INPUT_GROUPS)?,
+        outputs: section.words_or_all("outputs", OUTPUT_GROUPS)?,
+        parameters: section.words_or_all("parameters", PARAMETER_GROUPS)?,
+    };
+    section.finish()?;
+    Ok(spec)
+}

@@ -1,0 +1,295 @@
+//! Typed access to the tables of a scene file, with messages that name file, line, key, what was found and
+//! what is allowed; and the shape of a registry entry, from which the scene reader, `wheelrail list` and the
+//! docs all take the names that a scene may use.
+
+use crate::units::Dimension;
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::path::PathBuf;
+use toml_edit::{Item, TableLike, Value};
+
+/// A setting that cannot be used: where it stands, what was found and what would be right.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}: {key}: {problem}", self.place())]
+pub struct SettingsError {
+    pub file: String,
+    /// 1-based line in `file`; 0 when the key is absent and so has no line.
+    pub line: usize,
+    /// Dotted path of the key.
+    pub key: String,
+    pub problem: String,
+}
+
+impl SettingsError {
+    fn place(&self) -> String {
+        if self.line == 0 { self.file.clone() } else { format!("{}:{}", self.file, self.line) }
+    }
+}
+
+/// The text that settings come from.
+#[derive(Debug, Clone)]
+pub struct Source {
+    /// File name for messages.
+    pub file: String,
+    pub text: String,
+    /// Keys that `--set` has replaced, for messages.
+    pub overridden: Vec<String>,
+    /// Folder that relative file names in the scene refer to; `None` for embedded scenes.
+    pub folder: Option<PathBuf>,
+}
+
+impl Source {
+    fn line(&self, span: Option<Range<usize>>) -> usize {
+        span.map_or(0, |span| self.text.as_bytes()[..span.start.min(self.text.len())].iter().filter(|&&b| b == b'\n').count() + 1)
+    }
+}
+
+/// One table of settings. Remembers which keys were asked for, so that [`Section::finish`] can refuse others.
+pub struct Section<'a> {
+    table: &'a dyn TableLike,
+    path: String,
+    source: &'a Source,
+    known: RefCell<BTreeSet<&'static str>>,
+    span: Option<Range<usize>>,
+}
+
+impl<'a> Section<'a> {
+    /// The whole document.
+    pub fn root(table: &'a dyn TableLike, source: &'a Source) -> Self {
+        Section { table, path: String::new(), source, known: RefCell::default(), span: None }
+    }
+
+    fn full_key(&self, key: &str) -> String {
+        if self.path.is_empty() { key.into() } else { format!("{}.{key}", self.path) }
+    }
+
+    fn find(&self, key: &'static str) -> Option<&'a Item> {
+        self.known.borrow_mut().insert(key);
+        self.table.get(key).filter(|item| !item.is_none())
+    }
+
+    /// The text file that this section stands in, for opening files beside it.
+    pub fn source(&self) -> &'a Source {
+        self.source
+    }
+
+    /// An error at `key` of this section.
+    pub fn error(&self, key: &str, problem: impl Into<String>) -> SettingsError {
+        let full = self.full_key(key);
+        let span = self.table.get_key_value(key).and_then(|(name, item)| item.span().or(name.span())).or(self.span.clone());
+        let mut problem = problem.into();
+        if self.source.overridden.contains(&full) {
+            problem.push_str(" (set on the command line)");
+        }
+        SettingsError { file: self.source.file.clone(), line: self.source.line(span), key: full, problem }
+    }
+
+    fn missing(&self, key: &str, expected: &str) -> SettingsError {
+        self.error(key, format!("is missing; expected {expected}"))
+    }
+
+    fn wrong(&self, key: &str, item: &Item, expected: &str) -> SettingsError {
+        self.error(key, format!("found {}, expected {expected}", item.to_string().trim()))
+    }
+
+    /// Is `key` given?
+    pub fn has(&self, key: &'static str) -> bool {
+        self.find(key).is_some()
+    }
+
+    /// A finite number in SI, `None` when absent.
+    pub fn optional(&self, key: &'static str, dimension: Dimension) -> Result<Option<f64>, SettingsError> {
+        let Some(item) = self.find(key) else { return Ok(None) };
+        let number = match item.as_value() {
+            Some(Value::Float(value)) => Some(*value.value()),
+            Some(Value::Integer(value)) => Some(*value.value() as f64),
+            Some(Value::String(value)) => dimension.parse(value.value()),
+            _ => None,
+        };
+        match number {
+            Some(value) if value.is_finite() => Ok(Some(value)),
+            _ => Err(self.wrong(key, item, &dimension.expectation())),
+        }
+    }
+
+    /// A finite number in SI that must be given.
+    pub fn number(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
+        self.optional(key, dimension)?.ok_or_else(|| self.missing(key, &dimension.expectation()))
+    }
+
+    /// A finite number in SI, or `default`.
+    pub fn number_or(&self, key: &'static str, dimension: Dimension, default: f64) -> Result<f64, SettingsError> {
+        Ok(self.optional(key, dimension)?.unwrap_or(default))
+    }
+
+    /// A number greater than zero.
+    pub fn positive(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
+        let value = self.number(key, dimension)?;
+        if value > 0.0 { Ok(value) } else { Err(self.error(key, format!("found {value}, expected a number greater than 0"))) }
+    }
+
+    /// A number of zero or more.
+    pub fn not_negative(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
+        let value = self.number(key, dimension)?;
+        if value >= 0.0 { Ok(value) } else { Err(self.error(key, format!("found {value}, expected 0 or more"))) }
+    }
+
+    /// A string that must be given.
+    pub fn text(&self, key: &'static str) -> Result<String, SettingsError> {
+        let item = self.find(key).ok_or_else(|| self.missing(key, "a string"))?;
+        item.as_str().map(str::to_owned).ok_or_else(|| self.wrong(key, item, "a string"))
+    }
+
+    /// A string, or `default`.
+    pub fn text_or(&self, key: &'static str, default: &str) -> Result<String, SettingsError> {
+        if self.has(key) { self.text(key) } else { Ok(default.into()) }
+    }
+
+    /// One word out of `allowed`.
+    pub fn word(&self, key: &'static str, allowed: &[&'static str]) -> Result<&'static str, SettingsError> {
+        let item = self.find(key).ok_or_else(|| self.missing(key, &one_of(allowed)))?;
+        let word = item.as_str().ok_or_else(|| self.wrong(key, item, &one_of(allowed)))?;
+        self.match_word(key, word, allowed)
+    }
+
+    fn match_word(&self, key: &str, word: &str, allowed: &[&'static str]) -> Result<&'static str, SettingsError> {
+        allowed
+            .iter()
+            .find(|name| **name == word)
+            .copied()
+            .ok_or_else(|| self.error(key, format!("found \"{word}\"{}, expected {}", did_you_mean(word, allowed), one_of(allowed))))
+    }
+
+    /// A list of words out of `allowed`; all of them when the key is absent.
+    pub fn words_or_all(&self, key: &'static str, allowed: &[&'static str]) -> Result<Vec<&'static str>, SettingsError> {
+        let Some(item) = self.find(key) else { return Ok(allowed.to_vec()) };
+        let expected = format!("a list of {}", one_of(allowed));
+        let array = item.as_array().ok_or_else(|| self.wrong(key, item, &expected))?;
+        array
+            .iter()
+            .map(|value| {
+                let word = value.as_str().ok_or_else(|| self.wrong(key, item, &expected))?;
+                self.match_word(key, word, allowed)
+            })
+            .collect()
+    }
+
+    /// A Boolean, or `default`.
+    pub fn flag_or(&self, key: &'static str, default: bool) -> Result<bool, SettingsError> {
+        let Some(item) = self.find(key) else { return Ok(default) };
+        item.as_bool().ok_or_else(|| self.wrong(key, item, "true or false"))
+    }
+
+    /// A table below this one, `None` when absent.
+    pub fn optional_section(&self, key: &'static str) -> Result<Option<Section<'a>>, SettingsError> {
+        let Some(item) = self.find(key) else { return Ok(None) };
+        let table = item.as_table_like().ok_or_else(|| self.wrong(key, item, "a table"))?;
+        Ok(Some(self.child(key.to_string(), table, item.span())))
+    }
+
+    /// A table below this one that must be given.
+    pub fn section(&self, key: &'static str) -> Result<Section<'a>, SettingsError> {
+        self.optional_section(key)?.ok_or_else(|| self.missing(key, &format!("a table [{}]", self.full_key(key))))
+    }
+
+    /// The tables of `[[key]]`, or of `key = [{...}, ...]`; none when absent.
+    pub fn sections(&self, key: &'static str) -> Result<Vec<Section<'a>>, SettingsError> {
+        match self.find(key) {
+            None => Ok(Vec::new()),
+            Some(Item::ArrayOfTables(tables)) => {
+                Ok(tables.iter().enumerate().map(|(i, table)| self.child(format!("{key}[{}]", i + 1), table, table.span())).collect())
+            }
+            Some(Item::Value(Value::Array(values))) => values
+                .iter()
+                .enumerate()
+                .map(|(i, value)| {
+                    let table = value.as_inline_table().ok_or_else(|| self.error(key, "expected a list of tables"))?;
+                    Ok(self.child(format!("{key}[{}]", i + 1), table, value.span()))
+                })
+                .collect(),
+            Some(item) => Err(self.wrong(key, item, "a list of tables")),
+        }
+    }
+
+    fn child(&self, name: String, table: &'a dyn TableLike, span: Option<Range<usize>>) -> Section<'a> {
+        Section { table, path: self.full_key(&name), source: self.source, known: RefCell::default(), span }
+    }
+
+    /// Refuses keys that nobody asked for.
+    pub fn finish(self) -> Result<(), SettingsError> {
+        let known = self.known.borrow();
+        let allowed: Vec<&str> = known.iter().copied().collect();
+        for (key, _) in self.table.iter() {
+            if !known.contains(key) {
+                return Err(self.error(key, format!("unknown key{}; expected {}", did_you_mean(key, &allowed), one_of(&allowed))));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn one_of(words: &[&str]) -> String {
+    match words {
+        [] => "nothing here".into(),
+        [only] => format!("\"{only}\""),
+        _ => format!("one of \"{}\"", words.join("\", \"")),
+    }
+}
+
+/// `, did you mean "x"?` when some allowed word is close.
+pub fn did_you_mean(word: &str, allowed: &[&str]) -> String {
+    let best = allowed.iter().max_by(|a, b| strsim::jaro_winkler(word, a).total_cmp(&strsim::jaro_winkler(word, b)));
+    match best {
+        Some(best) if strsim::jaro_winkler(word, best) > 0.75 => format!(" (did you mean \"{best}\"?)"),
+        _ => String::new(),
+    }
+}
+
+/// One thing that a scene can name: a law, a profile, an integrator ...
+pub struct Entry<P: 'static> {
+    pub name: &'static str,
+    /// One line for `wheelrail list`.
+    pub summary: &'static str,
+    /// Where the method comes from.
+    pub reference: &'static str,
+    /// Reads the entry's own settings.
+    pub parse: P,
+}
+
+/// The entry that `section.key` names.
+pub fn choose<'r, P>(registry: &'r [Entry<P>], section: &Section, key: &'static str) -> Result<&'r Entry<P>, SettingsError> {
+    let names: Vec<&'static str> = registry.iter().map(|entry| entry.name).collect();
+    let name = section.word(key, &names)?;
+    registry.iter().find(|entry| entry.name == name).ok_or_else(|| section.error(key, "is not in the registry"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn source(text: &str) -> Source {
+        Source { file: "a.toml".into(), text: text.into(), overridden: vec![], folder: None }
+    }
+
+    #[test]
+    fn prop_messages_name_file_line_key_and_what_is_allowed() {
+        let source = source("a = 1\n[b]\nmass = \"3 deg\"\nlenght = 2\nlaw = \"hertzz\"\nbad = nan\n");
+        let document = toml_edit::Document::parse(source.text.clone()).unwrap();
+        let root = Section::root(document.as_table(), &source);
+        let b = root.section("b").unwrap();
+        assert_eq!(
+            b.number("mass", Dimension::Mass).unwrap_err().to_string(),
+            "a.toml:3: b.mass: found \"3 deg\", expected a number in kg; a string may carry t"
+        );
+        assert_eq!(
+            b.word("law", &["hertz", "assumed"]).unwrap_err().to_string(),
+            "a.toml:5: b.law: found \"hertzz\" (did you mean \"hertz\"?), expected one of \"hertz\", \"assumed\""
+        );
+        assert!(b.number("bad", Dimension::None).unwrap_err().to_string().starts_with("a.toml:6: b.bad: found nan"));
+        assert_eq!(b.number("absent", Dimension::Length).unwrap_err().line, 2);
+        assert_eq!(b.number("length", Dimension::Length).unwrap_err().key, "b.length");
+        assert!(b.finish().unwrap_err().to_string().starts_with("a.toml:4: b.lenght: unknown key (did you mean \"length\"?)"));
+        assert_eq!(root.finish().unwrap_err().line, 1);
+    }
+}

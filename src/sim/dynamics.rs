@@ -1,0 +1,66 @@
+//! The model with its inputs as a system that an integrator can advance.
+
+use super::input::{self, InputSignal};
+use crate::formulation::{EvaluationError, Model, Workspace};
+use crate::geometry::Side;
+use crate::mbs::body::COORDINATES;
+use crate::solve::Dynamics;
+
+/// A model under given input signals.
+pub struct ModelDynamics<'a> {
+    model: &'a Model,
+    workspace: &'a mut Workspace,
+    signals: &'a [InputSignal],
+    values: &'a mut [f64],
+    constant: bool,
+}
+
+impl<'a> ModelDynamics<'a> {
+    pub fn new(model: &'a Model, workspace: &'a mut Workspace, signals: &'a [InputSignal], values: &'a mut [f64]) -> Self {
+        let constant = signals.iter().all(|signal| signal.first == 0.0 && signal.second == 0.0);
+        input::evaluate(signals, 0.0, values);
+        ModelDynamics { model, workspace, signals, values, constant }
+    }
+}
+
+impl Dynamics for ModelDynamics<'_> {
+    type Error = EvaluationError;
+
+    fn dimension(&self) -> usize {
+        self.model.system.dimension()
+    }
+
+    #[inline]
+    fn derivative(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
+        if !self.constant {
+            input::evaluate(self.signals, t, self.values);
+        }
+        self.model.derivative(self.workspace, t, self.values, y, memory, dy)
+    }
+
+    /// Positions and angles, in metres and radians.
+    fn controlled(&self, i: usize) -> bool {
+        i < COORDINATES * self.model.system.bodies.len()
+    }
+
+    /// When a wheel's contact reaches a place where its rail is not smooth. The contact moves with the centre and,
+    /// when the wheelset yaws, with its wheel.
+    fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64 {
+        let mut next = f64::INFINITY;
+        let per_contact = self.model.formulation.memory_per_contact();
+        for (index, wheelset) in self.model.wheelsets.iter().enumerate() {
+            let q = &y[self.model.system.coordinates(wheelset.body)];
+            let v = &y[self.model.system.velocities(wheelset.body)];
+            for side in Side::BOTH {
+                let contact = 2 * index + usize::from(side == Side::Right);
+                let lead = self.model.formulation.lead(&memory[contact * per_contact..(contact + 1) * per_contact]);
+                let wheel = wheelset.wheel(side);
+                let speed = v[0] - side.sign() * wheel.half_spacing * q[3].cos() * v[3];
+                if let Some(place) = self.model.track.rail(side).next_break(q[0] + lead, speed) {
+                    next = next.min(t + (place - q[0] - lead) / speed);
+                }
+            }
+        }
+        next
+    }
+}

@@ -1,0 +1,210 @@
+//! Floor 7: a simulation is a model, scratch, an integrator and a state.
+//!
+//! [`SimulationState`] is all that a run remembers: cloning it saves the run, and two runs from equal states are
+//! equal bit for bit when they are advanced to the same times.
+
+mod dynamics;
+pub mod input;
+pub mod outputs;
+pub mod recording;
+
+use crate::formulation::{EvaluationError, Model, NEUTRAL_INPUTS, WHEELSET_INPUTS, Workspace};
+use crate::mbs::body::COORDINATES;
+use crate::scene::assemble;
+use crate::scene::equilibrium::{self, EquilibriumError};
+use crate::scene::spec::Scene;
+use crate::solve::{IntegrationState, Integrator, Scratch, SolveError, Statistics};
+use dynamics::ModelDynamics;
+use input::InputSignal;
+use serde::{Deserialize, Serialize};
+
+/// Everything that a simulation remembers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SimulationState {
+    /// The simulation's own time (the integrator may be ahead), s.
+    pub time: f64,
+    pub integration: IntegrationState,
+    /// One signal per input of the model.
+    pub inputs: Vec<InputSignal>,
+}
+
+impl SimulationState {
+    /// Could this state have come from the same model and integrator as `other`?
+    pub fn fits(&self, other: &SimulationState) -> bool {
+        self.integration.fits(&other.integration) && self.inputs.len() == other.inputs.len()
+    }
+}
+
+/// Why a simulation could not start or go on.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SimulationError {
+    #[error("{0}")]
+    Equilibrium(#[from] EquilibriumError),
+    #[error("{0}")]
+    Evaluation(#[from] EvaluationError),
+    #[error("{0}")]
+    Solve(#[from] SolveError<EvaluationError>),
+}
+
+/// A running simulation of one scene.
+#[derive(Debug)]
+pub struct Simulation {
+    model: Model,
+    integrator: Integrator,
+    state: SimulationState,
+    workspace: Workspace,
+    scratch: Scratch,
+    snapshot: Snapshot,
+}
+
+/// Solution and everything computed from it at one time; outputs are read from it.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    pub time: f64,
+    pub y: Vec<f64>,
+    pub dy: Vec<f64>,
+    pub workspace: Workspace,
+    memory: Vec<f64>,
+    inputs: Vec<f64>,
+}
+
+impl Simulation {
+    /// Assembles the scene and puts it into its initial state at `start` [s].
+    ///
+    /// # Errors
+    /// [`SimulationError`] when there is no equilibrium or the initial state cannot be evaluated.
+    pub fn new(scene: &Scene, start: f64) -> Result<Self, SimulationError> {
+        let model = assemble::model(scene);
+        let y = initial_state(scene, &model)?;
+        let memory = vec![0.0; 2 * model.wheelsets.len() * model.formulation.memory_per_contact()];
+        let inputs: Vec<InputSignal> =
+            NEUTRAL_INPUTS.iter().cycle().take(model.input_count()).map(|value| InputSignal::constant(start, *value)).collect();
+        let integration = scene.solver.integrator.start(start, &y, &memory);
+        let workspace = model.workspace();
+        let snapshot = Snapshot {
+            time: start,
+            dy: vec![0.0; y.len()],
+            workspace: workspace.clone(),
+            memory: memory.clone(),
+            inputs: vec![0.0; inputs.len()],
+            y: y.clone(),
+        };
+        let mut simulation = Simulation {
+            integrator: scene.solver.integrator,
+            scratch: Scratch::new(y.len(), memory.len()),
+            state: SimulationState { time: start, integration, inputs },
+            workspace,
+            snapshot,
+            model,
+        };
+        // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
+        simulation.snapshot()?;
+        simulation.state.integration.memory.clone_from(&simulation.snapshot.memory);
+        Ok(simulation)
+    }
+
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    pub fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    pub fn state(&self) -> &SimulationState {
+        &self.state
+    }
+
+    /// Puts a saved state back. Returns false and changes nothing when it is not a state of this model.
+    pub fn restore(&mut self, state: &SimulationState) -> bool {
+        let fits = self.state.fits(state);
+        if fits {
+            self.state.clone_from(state);
+        }
+        fits
+    }
+
+    pub fn statistics(&self) -> Statistics {
+        self.state.integration.statistics
+    }
+
+    /// Sets an input from now on to `value + first (t - now) + second (t - now)^2 / 2`. The integration restarts here when
+    /// that is a change.
+    pub fn set_input(&mut self, index: usize, value: f64, first: f64, second: f64) {
+        let signal = InputSignal { since: self.state.time, value, first, second };
+        if self.state.inputs[index].at(self.state.time) == signal.at(self.state.time) {
+            return;
+        }
+        self.state.integration.restart_at(self.state.time);
+        self.state.inputs[index] = signal;
+    }
+
+    /// Value and derivatives of an input now.
+    pub fn input(&self, index: usize) -> [f64; 3] {
+        self.state.inputs[index].at(self.state.time)
+    }
+
+    /// Advances to `target` [s].
+    ///
+    /// # Errors
+    /// [`SimulationError`]; time then stands where the last successful step ended.
+    pub fn advance(&mut self, target: f64) -> Result<(), SimulationError> {
+        let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, &self.state.inputs, &mut self.snapshot.inputs);
+        let advanced = self.integrator.advance(&mut dynamics, &mut self.state.integration, &mut self.scratch, target);
+        self.state.time = if advanced.is_ok() { target } else { self.state.integration.t.max(self.state.time) };
+        Ok(advanced?)
+    }
+
+    /// Evaluates the model at the present time. The state is not touched: looking changes nothing.
+    ///
+    /// # Errors
+    /// [`SimulationError`] when the model cannot be evaluated here.
+    pub fn snapshot(&mut self) -> Result<&Snapshot, SimulationError> {
+        let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
+        *time = self.state.time;
+        self.state.integration.interpolate(*time, y);
+        memory.copy_from_slice(&self.state.integration.memory);
+        input::evaluate(&self.state.inputs, *time, inputs);
+        self.model.derivative(workspace, *time, inputs, y, memory, dy)?;
+        Ok(&self.snapshot)
+    }
+
+    /// Moves a snapshot along the solution by `offset` [s] (for derivatives of outputs): y and inputs go along their
+    /// tangents.
+    ///
+    /// # Errors
+    /// [`SimulationError`] when the model cannot be evaluated there.
+    pub fn displaced_snapshot(&mut self, offset: f64) -> Result<&Snapshot, SimulationError> {
+        self.snapshot()?;
+        let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
+        for (value, slope) in y.iter_mut().zip(dy.iter()) {
+            *value += offset * slope;
+        }
+        *time += offset;
+        input::evaluate(&self.state.inputs, *time, inputs);
+        self.model.derivative(workspace, *time, inputs, y, memory, dy)?;
+        Ok(&self.snapshot)
+    }
+}
+
+/// The state vector that the scene's initial values ask for.
+fn initial_state(scene: &Scene, model: &Model) -> Result<Vec<f64>, SimulationError> {
+    let initial = &scene.vehicle.initial;
+    let mut values = initial.values;
+    if initial.from_equilibrium {
+        let found = equilibrium::steady_rolling(scene, model)?.initial_values();
+        for (value, found) in values.iter_mut().zip(found) {
+            *value += found;
+        }
+    }
+    let [distance, y, z, roll, yaw, vy, vz, roll_rate, yaw_rate, pitch_rate] = values;
+    let mut state = vec![0.0; model.system.dimension()];
+    state[..COORDINATES].copy_from_slice(&[distance, y, z, yaw, roll, 0.0]);
+    state[COORDINATES..2 * COORDINATES].copy_from_slice(&[scene.vehicle.speed, vy, vz, yaw_rate, roll_rate, pitch_rate]);
+    Ok(state)
+}
+
+/// Index of an input in the model's input vector.
+pub fn input_index(wheelset: usize, input: usize) -> usize {
+    wheelset * WHEELSET_INPUTS + input
+}

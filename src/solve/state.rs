@@ -1,0 +1,104 @@
+//! All memory of an integration: cloning it is saving the simulation.
+
+use serde::{Deserialize, Serialize};
+
+/// Work done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected attempts.
+    pub rejected: u64,
+    /// Evaluations of the right-hand side.
+    pub evaluations: u64,
+    /// Restarts after a jump of an input.
+    pub restarts: u64,
+}
+
+/// Time, solution, the last step's continuous output and the step-size control.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct IntegrationState {
+    /// End of the last step, s.
+    pub t: f64,
+    /// Solution at `t`.
+    pub y: Vec<f64>,
+    /// The system's own record at `t`.
+    pub memory: Vec<f64>,
+    /// Begin of the last step; equal to `t` before the first one and after a restart.
+    pub(super) t_begin: f64,
+    /// Continuous output over the last step: polynomial coefficients in `(time - t_begin) / (t - t_begin)` in powers
+    /// of theta, lowest first, one vector after the other.
+    pub(super) dense: Vec<f64>,
+    /// f(t, y), valid when `derivative_known`.
+    pub(super) derivative: Vec<f64>,
+    pub(super) derivative_known: bool,
+    /// Length of the next step, s; 0 when it has to be found.
+    pub(super) next_step: f64,
+    /// Scaled error of the last accepted step, for the step-size controller.
+    pub(super) last_error: f64,
+    /// For fixed steps: start of the grid and the number of grid steps done.
+    pub(super) grid_start: f64,
+    pub(super) grid_count: u64,
+    pub statistics: Statistics,
+}
+
+impl IntegrationState {
+    pub(super) fn new(t: f64, y: &[f64], memory: &[f64], dense_vectors: usize) -> Self {
+        IntegrationState {
+            t,
+            y: y.to_vec(),
+            memory: memory.to_vec(),
+            t_begin: t,
+            dense: vec![0.0; dense_vectors * y.len()],
+            derivative: vec![0.0; y.len()],
+            derivative_known: false,
+            next_step: 0.0,
+            last_error: 1e-4,
+            grid_start: t,
+            grid_count: 0,
+            statistics: Statistics::default(),
+        }
+    }
+
+    /// Writes the solution at `time`, which lies within the last step (or is `t`), to `out`.
+    pub fn interpolate(&self, time: f64, out: &mut [f64]) {
+        if time >= self.t || self.t_begin >= self.t {
+            out.copy_from_slice(&self.y);
+            return;
+        }
+        let theta = (time - self.t_begin) / (self.t - self.t_begin);
+        let n = self.y.len();
+        let vectors = self.dense.len() / n;
+        out.copy_from_slice(&self.dense[(vectors - 1) * n..]);
+        for vector in (0..vectors - 1).rev() {
+            for (value, coefficient) in out.iter_mut().zip(&self.dense[vector * n..(vector + 1) * n]) {
+                *value = *value * theta + coefficient;
+            }
+        }
+    }
+
+    /// Takes the solution back to `time` within the last step and starts anew there, because the system changes.
+    /// Step-size control is kept: a jump of an input rarely changes the scale of the solution.
+    pub fn restart_at(&mut self, time: f64) {
+        if time < self.t {
+            let mut y = std::mem::take(&mut self.derivative);
+            self.interpolate(time, &mut y);
+            std::mem::swap(&mut self.y, &mut y);
+            self.derivative = y;
+        }
+        self.t = time;
+        self.t_begin = time;
+        self.derivative_known = false;
+        self.grid_start = time;
+        self.grid_count = 0;
+        self.statistics.restarts += 1;
+    }
+
+    /// Are dimensions those of a system with `dimension` components and `memory` numbers of memory?
+    pub fn fits(&self, other: &IntegrationState) -> bool {
+        self.y.len() == other.y.len()
+            && self.memory.len() == other.memory.len()
+            && self.dense.len() == other.dense.len()
+            && self.derivative.len() == other.derivative.len()
+    }
+}

@@ -1,0 +1,225 @@
+//! Order tests on problems with known solutions, which implement the same trait as the vehicle.
+
+use super::*;
+use std::convert::Infallible;
+
+/// Forced oscillator y'' = -y + t with solution t + sin t (start 0, 2): smooth, not autonomous.
+struct Oscillator;
+
+impl Dynamics for Oscillator {
+    type Error = Infallible;
+    fn dimension(&self) -> usize {
+        2
+    }
+    fn derivative(&mut self, t: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Infallible> {
+        dy[0] = y[1];
+        dy[1] = -y[0] + t;
+        Ok(())
+    }
+    fn controlled(&self, i: usize) -> bool {
+        i == 0
+    }
+    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+}
+
+fn oscillator(integrator: Integrator) -> (IntegrationState, Scratch) {
+    (integrator.start(0.0, &[0.0, 2.0], &[]), Scratch::new(2, 0))
+}
+
+/// Polynomial y' = degree t^(degree - 1).
+struct Power(i32);
+
+impl Dynamics for Power {
+    type Error = Infallible;
+    fn dimension(&self) -> usize {
+        1
+    }
+    fn derivative(&mut self, t: f64, _: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Infallible> {
+        dy[0] = f64::from(self.0) * t.powi(self.0 - 1);
+        Ok(())
+    }
+    fn controlled(&self, _: usize) -> bool {
+        true
+    }
+    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+}
+
+/// Largest error at the steps' ends and inside the steps (dense output), with a step forced to `h`.
+fn errors(integrator: Integrator, h: f64) -> (f64, f64) {
+    let (mut state, mut scratch) = oscillator(integrator);
+    let (mut end, mut dense) = (0f64, 0f64);
+    let mut y = [0.0; 2];
+    while state.t < 3.0 - 1e-9 {
+        state.next_step = h;
+        integrator.step(&mut Oscillator, &mut state, &mut scratch).unwrap();
+        end = end.max((state.y[0] - state.t - state.t.sin()).abs());
+        for k in 1..10 {
+            let t = state.t_begin + (state.t - state.t_begin) * f64::from(k) / 10.0;
+            state.interpolate(t, &mut y);
+            dense = dense.max((y[0] - t - t.sin()).abs());
+        }
+    }
+    (end, dense)
+}
+
+#[test]
+fn order_dormand_prince_converges_with_order_5_and_dense_output_with_order_4_locally_5() {
+    // tolerance so loose that the forced step is always accepted
+    let at = |h| errors(Integrator::DormandPrince { tolerance: 1e9 }, h);
+    let (coarse, fine) = (at(0.1), at(0.025));
+    let order = (coarse.0 / fine.0).log2() / 2.0;
+    let dense = (coarse.1 / fine.1).log2() / 2.0;
+    println!("Dormand-Prince: order {order:.2} at the ends, {dense:.2} inside the steps");
+    assert!((order - 5.0).abs() < 0.2 && (dense - 5.0).abs() < 0.3);
+}
+
+#[test]
+fn order_rk4_converges_with_order_4_inside_too() {
+    let at = |h| errors(Integrator::RungeKutta4 { step: h }, h);
+    let (coarse, fine) = (at(0.05), at(0.0125));
+    let order = (coarse.0 / fine.0).log2() / 2.0;
+    let dense = (coarse.1 / fine.1).log2() / 2.0;
+    println!("RK4: order {order:.2} at the ends, {dense:.2} inside the steps");
+    assert!((order - 4.0).abs() < 0.2 && (dense - 4.0).abs() < 0.3);
+}
+
+#[test]
+fn order_methods_are_exact_on_polynomials_of_their_order() {
+    for (integrator, exact, dense) in [(Integrator::DormandPrince { tolerance: 1e9 }, 5, 4), (Integrator::RungeKutta4 { step: 0.7 }, 4, 3)] {
+        for degree in 1..=exact + 1 {
+            let mut state = integrator.start(0.0, &[0.0], &[]);
+            state.next_step = 0.7;
+            let mut scratch = Scratch::new(1, 0);
+            integrator.step(&mut Power(degree), &mut state, &mut scratch).unwrap();
+            let error = (state.y[0] - 0.7f64.powi(degree)).abs();
+            assert_eq!(error < 1e-14, degree <= exact, "{integrator:?} degree {degree}: {error:e}");
+            let mut y = [0.0];
+            state.interpolate(0.3, &mut y);
+            let error = (y[0] - 0.3f64.powi(degree)).abs();
+            assert_eq!(error < 1e-14, degree <= dense, "{integrator:?} dense, degree {degree}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn order_error_falls_with_tolerance_and_work_is_pinned() {
+    let run = |tolerance| {
+        let integrator = Integrator::DormandPrince { tolerance };
+        let (mut state, mut scratch) = oscillator(integrator);
+        integrator.advance(&mut Oscillator, &mut state, &mut scratch, 20.0).unwrap();
+        let mut y = [0.0; 2];
+        state.interpolate(20.0, &mut y);
+        ((y[0] - 20.0 - 20f64.sin()).abs(), state.statistics)
+    };
+    let (loose, few) = run(1e-5);
+    let (tight, many) = run(1e-10);
+    assert!(loose < 1e-3 && tight < 1e-8, "{loose:e} {tight:e}");
+    // regress: work, on any machine
+    assert_eq!((few.steps, few.rejected), (69, 0), "{few:?}");
+    assert_eq!((many.steps, many.rejected), (614, 1), "{many:?}");
+}
+
+/// y' = 1 before t = 1/3, 2 after it: wrong unless a step ends there.
+struct Kink;
+
+impl Dynamics for Kink {
+    type Error = Infallible;
+    fn dimension(&self) -> usize {
+        1
+    }
+    fn derivative(&mut self, t: f64, _: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Infallible> {
+        dy[0] = if t < 1.0 / 3.0 { 1.0 } else { 2.0 };
+        Ok(())
+    }
+    fn controlled(&self, _: usize) -> bool {
+        true
+    }
+    fn next_break(&self, t: f64, _: &[f64], _: &[f64]) -> f64 {
+        if t < 1.0 / 3.0 { 1.0 / 3.0 } else { f64::INFINITY }
+    }
+}
+
+#[test]
+fn analytic_steps_end_where_the_system_is_not_smooth() {
+    // The last stage lies on the kink's far side, so the step before it is exact only to the weight of that stage
+    // in the solution, which is zero for Dormand-Prince; RK4 uses it with weight 1/6.
+    let integrator = Integrator::DormandPrince { tolerance: 1e-3 };
+    let mut state = integrator.start(0.0, &[0.0], &[]);
+    let mut ends = vec![];
+    let mut scratch = Scratch::new(1, 0);
+    while state.t < 1.0 {
+        integrator.step(&mut Kink, &mut state, &mut scratch).unwrap();
+        ends.push(state.t);
+    }
+    assert!(ends.contains(&(1.0 / 3.0)));
+    let rk4 = Integrator::RungeKutta4 { step: 0.05 };
+    let mut state = rk4.start(0.0, &[0.0], &[]);
+    rk4.advance(&mut Kink, &mut state, &mut scratch, 0.5).unwrap();
+    assert!((state.grid_start - 1.0 / 3.0).abs() < 1e-15, "the grid starts anew at the kink");
+}
+
+#[test]
+fn prop_result_does_not_depend_on_where_it_is_read() {
+    for integrator in [Integrator::DormandPrince { tolerance: 1e-7 }, Integrator::RungeKutta4 { step: 0.013 }] {
+        let read = |steps: u32| {
+            let (mut state, mut scratch) = oscillator(integrator);
+            let mut y = [0.0; 2];
+            for i in 1..=steps {
+                let t = 4.0 * f64::from(i) / f64::from(steps);
+                integrator.advance(&mut Oscillator, &mut state, &mut scratch, t).unwrap();
+                state.interpolate(t, &mut y);
+            }
+            y
+        };
+        assert_eq!(read(1), read(1000));
+    }
+}
+
+#[test]
+fn prop_restart_continues_from_the_dense_output() {
+    let integrator = Integrator::DormandPrince { tolerance: 1e-9 };
+    let (mut state, mut scratch) = oscillator(integrator);
+    integrator.advance(&mut Oscillator, &mut state, &mut scratch, 1.234).unwrap();
+    assert!(state.t > 1.234);
+    state.restart_at(1.234);
+    assert!((state.y[0] - 1.234 - 1.234f64.sin()).abs() < 1e-8);
+    integrator.advance(&mut Oscillator, &mut state, &mut scratch, 3.0).unwrap();
+    let mut y = [0.0; 2];
+    state.interpolate(3.0, &mut y);
+    assert!((y[0] - 3.0 - 3f64.sin()).abs() < 1e-7);
+    assert_eq!(state.statistics.restarts, 1);
+}
+
+/// Blows up at t = 1.
+struct Pole;
+
+impl Dynamics for Pole {
+    type Error = Infallible;
+    fn dimension(&self) -> usize {
+        1
+    }
+    fn derivative(&mut self, _: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Infallible> {
+        dy[0] = y[0] * y[0];
+        Ok(())
+    }
+    fn controlled(&self, _: usize) -> bool {
+        true
+    }
+    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+}
+
+#[test]
+fn hard_a_pole_ends_in_an_error_and_keeps_the_last_good_state() {
+    let mut scratch = Scratch::new(1, 0);
+    for integrator in [Integrator::DormandPrince { tolerance: 1e-6 }, Integrator::RungeKutta4 { step: 0.01 }] {
+        let mut state = integrator.start(0.0, &[1.0], &[]);
+        let error = integrator.advance(&mut Pole, &mut state, &mut scratch, 2.0).unwrap_err();
+        assert!(state.y[0].is_finite() && state.t < 1.2, "{error} at {}", state.t);
+    }
+}

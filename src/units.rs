@@ -1,0 +1,99 @@
+//! Units: what a scene file may write ("3 deg", "10 mm", "90 km/h", "-3 in") becomes SI here, once.
+
+/// A physical dimension that a scene value can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    None,
+    Length,
+    Angle,
+    Time,
+    Speed,
+    AngularSpeed,
+    Mass,
+    Inertia,
+    Force,
+    Stiffness,
+    Damping,
+    /// Factor of penetration times penetration speed in the paper's Eq. 28, N s/m2.
+    PenetrationDamping,
+    Pressure,
+}
+
+/// Unit names and their size in SI, the first one being the SI unit itself.
+type Units = &'static [(&'static str, f64)];
+
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+const INCH: f64 = 0.0254;
+const FOOT: f64 = 0.3048;
+
+impl Dimension {
+    fn units(self) -> Units {
+        match self {
+            Dimension::None => &[("", 1.0), ("%", 0.01)],
+            Dimension::Length => &[("m", 1.0), ("mm", 1e-3), ("um", 1e-6), ("cm", 1e-2), ("km", 1e3), ("in", INCH), ("ft", FOOT)],
+            Dimension::Angle => &[("rad", 1.0), ("mrad", 1e-3), ("deg", DEGREE)],
+            Dimension::Time => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6)],
+            Dimension::Speed => &[("m/s", 1.0), ("mm/s", 1e-3), ("km/h", 1.0 / 3.6), ("mph", 0.44704)],
+            Dimension::AngularSpeed => &[("rad/s", 1.0), ("deg/s", DEGREE)],
+            Dimension::Mass => &[("kg", 1.0), ("t", 1e3)],
+            Dimension::Inertia => &[("kg m2", 1.0), ("t m2", 1e3)],
+            Dimension::Force => &[("N", 1.0), ("kN", 1e3)],
+            Dimension::Stiffness => &[("N/m", 1.0), ("kN/m", 1e3), ("kN/mm", 1e6), ("MN/m", 1e6)],
+            Dimension::Damping => &[("N s/m", 1.0), ("kN s/m", 1e3)],
+            Dimension::PenetrationDamping => &[("N s/m2", 1.0)],
+            Dimension::Pressure => &[("Pa", 1.0), ("MPa", 1e6), ("GPa", 1e9)],
+        }
+    }
+
+    /// What to write instead, for error messages: `a length in m (also mm, um, ...)`.
+    pub fn expectation(self) -> String {
+        let names: Vec<_> = self.units().iter().map(|unit| unit.0).collect();
+        if self == Dimension::None {
+            return "a plain number".into();
+        }
+        let more = if names.len() > 1 { format!("; a string may carry {}", names[1..].join(", ")) } else { String::new() };
+        format!("a number in {}{more}", names[0])
+    }
+
+    /// Reads `"10 mm"` as 0.01. `None` when number or unit is not understood.
+    pub fn parse(self, text: &str) -> Option<f64> {
+        let text = text.trim();
+        let split = text
+            .char_indices()
+            .find(|&(at, c)| {
+                let exponent = (c == 'e' || c == 'E') && text[at + 1..].starts_with(|d: char| d.is_ascii_digit() || d == '-' || d == '+');
+                !(c.is_ascii_digit() || ".+-".contains(c) || exponent)
+            })
+            .map_or(text.len(), |(at, _)| at);
+        let number: f64 = text[..split].trim().parse().ok()?;
+        let name = text[split..].trim();
+        if name.is_empty() {
+            return Some(number);
+        }
+        self.units().iter().find(|unit| unit.0 == name).map(|unit| number * unit.1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_units_become_si() {
+        let cases = [
+            (Dimension::Length, "10 mm", 0.01),
+            (Dimension::Length, "-3 in", -0.0762),
+            (Dimension::Length, "1.5e1mm", 0.015),
+            (Dimension::Speed, "90 km/h", 25.0),
+            (Dimension::Angle, "180 deg", std::f64::consts::PI),
+            (Dimension::Stiffness, "0.25 MN/m", 2.5e5),
+            (Dimension::None, "0.4", 0.4),
+        ];
+        for (dimension, text, value) in cases {
+            let read = dimension.parse(text).unwrap();
+            assert!((read - value).abs() < 1e-15 * value.abs().max(1.0), "{text}: {read}");
+        }
+        assert_eq!(Dimension::Length.parse("3 deg"), None);
+        assert_eq!(Dimension::Length.parse("ten mm"), None);
+    }
+}

@@ -1,0 +1,77 @@
+"""derivatives.py FMU
+
+Output derivatives of order 1 against central differences of the outputs, and against outputs that are derivatives.
+"""
+
+import numpy as np
+
+from common import INPUTS, SIDES, TORQUE, W, Fmu, main
+
+MOTION = [f"{W}.{name}" for name in ("distance", "y", "z", "roll", "yaw", "pitchRate", "vy", "vz", "rollRate",
+                                     "yawRate")]
+FORCES = [f"{W}.{side}.{name}" for side in SIDES for name in ("verticalForce", "lateralForce", "longitudinalForce")]
+RATES = {f"{W}.y": f"{W}.vy", f"{W}.z": f"{W}.vz", f"{W}.yaw": f"{W}.yawRate", f"{W}.vy": f"{W}.ay",
+         f"{W}.vz": f"{W}.az", f"{W}.yawRate": f"{W}.yawAcceleration"}
+SMALL = 1e-4  # s
+
+
+def sample(fmu, names, times, values, drive):
+    """Derivatives told by the FMU, and differences over SMALL and SMALL/2 on both sides, at the given times."""
+    told, differences, outputs = [], [], []
+    with fmu.instance(values) as instance:
+        drive(instance)
+        for time in times:
+            around = {}
+            for offset in (-2, -1, 0, 1, 2):
+                instance.step_to(time + offset * SMALL / 2)
+                around[offset] = instance.get(*names)
+                if offset == 0:
+                    told.append(instance.derivatives(*names))
+                    outputs.append(dict(zip(fmu.outputs, instance.outputs())))
+            wide = (around[2] - around[-2]) / (2 * SMALL)
+            narrow = (around[1] - around[-1]) / SMALL
+            differences.append((4 * narrow - wide) / 3)  # fourth order
+    return np.array(told), np.array(differences), outputs
+
+
+def compare(report, fmu, what, times, values, drive):
+    report.section(what)
+    names = MOTION + FORCES
+    told, differences, outputs = sample(fmu, names, times, values, drive)
+    for i, name in enumerate(names):
+        scale = np.max(np.abs(differences[:, i]))
+        # Below these a derivative is noise: m/s, rad/s, their rates, N/s.
+        floor = 1.0 if name in FORCES else 1e-3 if name.endswith("Rate") or ".v" in name else 1e-5
+        limit = (2e-2 if name in FORCES else 2e-3) * max(scale, floor)
+        error = np.abs(told[:, i] - differences[:, i])
+        report.below(np.max(error), limit, f"{name}, derivative up to {scale:.3e}")
+    for name, rate in RATES.items():
+        other = np.array([o[rate] for o in outputs])
+        scale = max(np.max(np.abs(other)), 1e-5)
+        report.below(np.max(np.abs(told[:, names.index(name)] - other)), 1e-3 * scale, f"d {name} / dt = {rate}")
+
+
+def script(report, path):
+    with Fmu(path) as fmu:
+        # Off the ends of the disturbance (0.5 s, 0.75 s), where the rail's curvature may jump.
+        compare(report, fmu, "disturbance", [0.1, 0.53, 0.58, 0.63, 0.68, 0.72, 0.81, 0.93, 1.1], None, lambda i: None)
+
+        def drive(instance):
+            instance.set({TORQUE: 100.0, INPUTS[1]: 1000.0})
+            instance.set_derivatives(TORQUE, 1e4)
+            instance.set_derivatives(INPUTS[1], 5e3)
+
+        compare(report, fmu, "3 mm off the centre, with rising torque and lateral force",
+                [0.06, 0.11, 0.17, 0.23, 0.31], {f"{W}.initial.distance": 100.0, f"{W}.initial.y": 0.003}, drive)
+
+        report.section("all outputs")
+        with fmu.instance() as instance:
+            instance.run([0.55, 0.6], [])
+            before = instance.outputs()
+            told = instance.derivatives(*fmu.outputs)
+            report.check(np.all(np.isfinite(told)), "finite", f"{len(told)} derivatives")
+            report.same_bits(instance.outputs(), before, "asking for them changes nothing")
+
+
+if __name__ == "__main__":
+    main(script)
