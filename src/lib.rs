@@ -6,7 +6,9 @@
 //! scenes (6), simulation (7), FMI and command line (8).
 #![deny(unsafe_code)]
 
+pub mod cli;
 pub mod contact;
+pub mod fmi;
 pub mod formulation;
 pub mod geometry;
 pub mod math;

@@ -1,1 +1,6 @@
-fn main(){}
+//! The `wheelrail` program.
+#![deny(unsafe_code)]
+
+fn main() -> std::process::ExitCode {
+    wheelrail::cli::main()
+}

@@ -299,13 +299,12 @@ struct env {
     const char *name; /* expected instance name, NULL: any */
     long messages;    /* all */
     long sentences;   /* non-empty, with a status other than fmi2OK */
-    long percents;    /* formatted texts with a percent sign */
     char last[1024];
 };
 
 static struct env g_envs[MAX_ENVS];
 static pthread_mutex_t g_env_lock = PTHREAD_MUTEX_INITIALIZER;
-static atomic_long g_bad_env, g_bad_name, g_stray, g_bad_category, g_bad_message, g_stale,
+static atomic_long g_bad_env, g_bad_name, g_stray, g_percents, g_bad_category, g_bad_message, g_stale,
     g_step_finished, g_allocs, g_frees;
 static char g_stray_text[256], g_category_text[128];
 static char **g_categories; /* known log categories, abi mode */
@@ -356,7 +355,7 @@ static void host_logger(fmi2ComponentEnvironment ce, fmi2String name, fmi2Status
     }
     e->messages++;
     if (status != fmi2OK && is_sentence(e->last)) e->sentences++;
-    if (strchr(e->last, '%')) e->percents++;
+    if (strchr(e->last, '%')) g_percents++;
     if (g_verbose)
         fprintf(stderr, "log [%s] %s %s: %s\n", name ? name : "NULL", stname(status),
                 category ? category : "NULL", e->last);
@@ -489,6 +488,10 @@ static double get1(struct inst *in, enum key k)
 
 static fmi2Status worse(fmi2Status a, fmi2Status b) { return a > b ? a : b; }
 
+/* a, then b if a was fmi2OK; the order is certain, unlike with arguments. */
+static _Thread_local fmi2Status t_status;
+#define THEN(a, b) ((t_status = (a)) != fmi2OK ? t_status : (b))
+
 static fmi2Status set_parameters(struct inst *in, const struct scen *s)
 {
     return s->defaults ? fmi2OK : set1(in, K_IY, s->y0);
@@ -512,10 +515,10 @@ static fmi2Status setup(struct inst *in, const struct scen *s)
 static fmi2Status start(struct inst *in, const struct scen *s)
 {
     fmi2Status st = set_parameters(in, s);
-    st = worse(st, setup(in, s));
-    st = worse(st, L.EnterInitializationMode(in->c));
-    st = worse(st, set_inputs(in, s));
-    return worse(st, L.ExitInitializationMode(in->c));
+    st = THEN(st, setup(in, s));
+    st = THEN(st, L.EnterInitializationMode(in->c));
+    st = THEN(st, set_inputs(in, s));
+    return THEN(st, L.ExitInitializationMode(in->c));
 }
 
 static fmi2Status step(struct inst *in, double h)
@@ -736,24 +739,24 @@ static void abi_lifecycle(void)
                                              "abi.run.stop+tolerance" };
         mark(names[k]);
         if (!ck(inst_open(&in, "wheelset 1"), names[k], "expected an instance, came NULL")) continue;
-        fmi2Status st = worse(start(&in, &s), run(&in, N, 0.01, a));
+        fmi2Status st = THEN(start(&in, &s), run(&in, N, 0.01, a));
         ck_status(names[k], fmi2OK, st);
         ck(all_finite(a, (N + 1) * g_nout), names[k], "expected finite outputs, came others");
         ck_status("abi.terminate", fmi2OK, L.Terminate(in.c));
         if (k == 0) {
             mark("abi.reset");
             ck_status("abi.reset.after-terminate", fmi2OK, L.Reset(in.c));
-            st = worse(start(&in, &s), run(&in, N, 0.01, b));
+            st = THEN(start(&in, &s), run(&in, N, 0.01, b));
             ck_same("abi.reset.again", st, b, a, N + 1);
             ck_status("abi.reset.while-stepping", fmi2OK, L.Reset(in.c));
-            st = worse(start(&in, &s), run(&in, N, 0.01, b));
+            st = THEN(start(&in, &s), run(&in, N, 0.01, b));
             ck_same("abi.reset.again2", st, b, a, N + 1);
 
             /* after a reset all start values hold again */
             ck_status("abi.reset.3", fmi2OK, L.Reset(in.c));
-            st = worse(start(&in, &UNTOUCHED), run(&in, N, 0.01, b));
+            st = THEN(start(&in, &UNTOUCHED), run(&in, N, 0.01, b));
             if (inst_open(&other, "wheelset 2")) {
-                fmi2Status st2 = worse(start(&other, &UNTOUCHED), run(&other, N, 0.01, a));
+                fmi2Status st2 = THEN(start(&other, &UNTOUCHED), run(&other, N, 0.01, a));
                 ck_same("abi.reset.start-values", worse(st, st2), b, a, N + 1);
                 ck_status("abi.run.defaults", fmi2OK, st2);
                 ck(all_finite(a, (N + 1) * g_nout), "abi.run.defaults", "expected finite outputs");
@@ -764,7 +767,7 @@ static void abi_lifecycle(void)
             setup(&in, &s);
             L.EnterInitializationMode(in.c);
             ck_status("abi.reset.in-initialization", fmi2OK, L.Reset(in.c));
-            st = worse(start(&in, &UNTOUCHED), run(&in, N, 0.01, b));
+            st = THEN(start(&in, &UNTOUCHED), run(&in, N, 0.01, b));
             ck_same("abi.reset.again3", st, b, a, N + 1);
         }
         inst_close(&in);
@@ -785,11 +788,11 @@ static void abi_lifecycle(void)
     /* time as i*h, and the flag the other way round, give the same */
     mark("abi.time-product");
     if (inst_open(&in, "wheelset 3")) {
-        fmi2Status st = worse(start(&in, &PLAIN), run(&in, N, 0.01, a));
+        fmi2Status st = THEN(start(&in, &PLAIN), run(&in, N, 0.01, a));
         inst_close(&in);
         if (inst_open(&in, "wheelset 4")) {
-            st = worse(st, start(&in, &PLAIN));
-            for (int i = 0; i < N; i++) st = worse(st, L.DoStep(in.c, i * 0.01, 0.01, fmi2False));
+            st = THEN(st, start(&in, &PLAIN));
+            for (int i = 0; i < N; i++) st = THEN(st, L.DoStep(in.c, i * 0.01, 0.01, fmi2False));
             ck_status("abi.time-product", fmi2OK, st);
             outputs(&in, b);
             int near = 1;
@@ -806,7 +809,7 @@ static void abi_lifecycle(void)
     if (inst_open(&in, "wheelset 5")) {
         struct scen s = PLAIN;
         s.start = 0.25;
-        fmi2Status st = worse(start(&in, &s), run(&in, 10, 0.01, a));
+        fmi2Status st = THEN(start(&in, &s), run(&in, 10, 0.01, a));
         ck_status("abi.start-time", fmi2OK, st);
         double t = NAN;
         st = L.GetRealStatus(in.c, fmi2LastSuccessfulTime, &t);
@@ -828,12 +831,10 @@ static void abi_values(void)
         struct scen s = UNTOUCHED;
         s.defaults = 0;
         s.y0 = 1e-3;
-        double zero = 0;
-        fmi2Status st = worse(start(&in, &UNTOUCHED), set_parameters(&off, &s));
-        st = worse(st, setup(&off, &s));
-        st = worse(st, L.EnterInitializationMode(off.c));
-        st = worse(st, set1(&off, K_TORQUE, zero));
-        st = worse(st, L.ExitInitializationMode(off.c));
+        fmi2Status st = THEN(start(&in, &UNTOUCHED), set_parameters(&off, &s));
+        st = THEN(st, setup(&off, &s));
+        st = THEN(st, L.EnterInitializationMode(off.c));
+        st = THEN(st, L.ExitInitializationMode(off.c));
         ck_status("abi.values.start", fmi2OK, st);
         double d = get1(&off, K_Y) - get1(&in, K_Y);
         ck(fabs(d - 1e-3) < 1e-9, "abi.values.offset", "expected y to start 1e-3 beside the equilibrium, came %.17g", d);
@@ -879,12 +880,12 @@ static void abi_values(void)
     /* a parameter may be set before or in initialization mode */
     mark("abi.values.parameter-mode");
     if (inst_open(&in, "before") && inst_open(&off, "within")) {
-        fmi2Status st = worse(start(&in, &PLAIN), setup(&off, &PLAIN));
-        st = worse(st, L.EnterInitializationMode(off.c));
-        st = worse(st, set_parameters(&off, &PLAIN));
-        st = worse(st, set_inputs(&off, &PLAIN));
-        st = worse(st, L.ExitInitializationMode(off.c));
-        st = worse(st, worse(run(&in, 10, 0.01, a), run(&off, 10, 0.01, b)));
+        fmi2Status st = THEN(start(&in, &PLAIN), setup(&off, &PLAIN));
+        st = THEN(st, L.EnterInitializationMode(off.c));
+        st = THEN(st, set_parameters(&off, &PLAIN));
+        st = THEN(st, set_inputs(&off, &PLAIN));
+        st = THEN(st, L.ExitInitializationMode(off.c));
+        st = THEN(st, THEN(run(&in, 10, 0.01, a), run(&off, 10, 0.01, b)));
         ck_same("abi.values.parameter-mode", st, b, a, 11);
     }
     inst_close(&in);
@@ -1013,14 +1014,12 @@ static void abi_percent(void)
 {
     static const char *const name = "wheel %s 100%% %d%n";
     struct inst in;
-    long percents = 0;
     mark("abi.percent");
     if (ck(inst_open(&in, name), "abi.percent.name", "expected an instance, came NULL")) {
         fmi2ValueReference none = 4294967295u;
         double v;
         L.GetReal(in.c, &none, 1, &v);
         ck(in.e->sentences > 0, "abi.percent.log", "expected a sentence, came none");
-        percents += in.e->percents;
         inst_close(&in);
     }
     struct env *e = env_new(name);
@@ -1030,9 +1029,8 @@ static void abi_percent(void)
     c = instantiate(e, name, fmi2CoSimulation, g_guid, "file:///no%25s%25n/such%20folder", fmi2True);
     ck(!c, "abi.percent.uri", "expected NULL, came an instance");
     if (c) L.FreeInstance(c);
-    percents += e->percents;
     env_free(e);
-    if (!percents) note("no message with a percent sign was ever logged");
+    if (!g_percents) note("no message with a percent sign was ever logged");
 }
 
 /* The callbacks and the strings belong to the caller and may be gone. */
@@ -1121,7 +1119,7 @@ static void *job_run(void *p)
     s.torque = 100.0 * (j->index % 20) - 700.0;
     if (j->gate) pthread_barrier_wait(j->gate);
     if (!j->in_main && !inst_open(&j->in, j->name)) { j->st = fmi2Fatal; return NULL; }
-    j->st = j->in.c ? worse(start(&j->in, &s), run(&j->in, THREAD_STEPS, 0.01, j->trace)) : fmi2Fatal;
+    j->st = j->in.c ? THEN(start(&j->in, &s), run(&j->in, THREAD_STEPS, 0.01, j->trace)) : fmi2Fatal;
     if (!j->in_main) inst_close(&j->in);
     return NULL;
 }
@@ -1181,7 +1179,7 @@ static void url_run(const char *name, const char *uri, const double *want)
     double *a = xalloc(11 * g_nout, sizeof *a);
     mark(name);
     if (ck(inst_open_at(&in, "located", uri), name, "expected an instance from %s, came NULL", uri)) {
-        fmi2Status st = worse(start(&in, &PLAIN), run(&in, 10, 0.01, a));
+        fmi2Status st = THEN(start(&in, &PLAIN), run(&in, 10, 0.01, a));
         if (want) ck_same(name, st, a, want, 11);
         inst_close(&in);
     }
@@ -1215,7 +1213,7 @@ static void mode_urls(void)
     double *want = xalloc(11 * g_nout, sizeof *want);
     mark("urls.as-given");
     if (ck(inst_open(&in, "as given"), "urls.as-given", "expected an instance, came NULL")) {
-        ck_status("urls.as-given", fmi2OK, worse(start(&in, &PLAIN), run(&in, 10, 0.01, want)));
+        ck_status("urls.as-given", fmi2OK, THEN(start(&in, &PLAIN), run(&in, 10, 0.01, want)));
         inst_close(&in);
         char *path = uri_to_path(g_uri), *real = realpath(path, NULL);
         if (ck(real != NULL, "urls.path", "expected a folder behind the URI, came none at %s", path)) {
@@ -1329,7 +1327,7 @@ static int mode_csv(const char *steps, const char *out, int nset, char **set)
         s.start = got == 2 ? t : 0;
         for (int i = 0; i < nset; i++)
             setting |= !ck(!csv_set(&in, set[i]), "csv.set", "expected %s to be settable, came a refusal", set[i]);
-        fmi2Status st = worse(start(&in, &s), outputs(&in, v));
+        fmi2Status st = THEN(start(&in, &s), outputs(&in, v));
         if (!setting && ck_status("csv.start", fmi2OK, st)) {
             fputs("time", f);
             for (size_t i = 0; i < g_nout; i++) {
@@ -1347,7 +1345,7 @@ static int mode_csv(const char *steps, const char *out, int nset, char **set)
             fputc('\n', f);
             csv_row(f, s.start, v);
             while (got == 2) {
-                st = worse(L.DoStep(in.c, t, h, fmi2True), outputs(&in, v));
+                st = THEN(L.DoStep(in.c, t, h, fmi2True), outputs(&in, v));
                 if (st != fmi2OK) break;
                 csv_row(f, t + h, v);
                 n++;
@@ -1364,8 +1362,1096 @@ static int mode_csv(const char *steps, const char *out, int nset, char **set)
     return 0;
 }
 
-static void mode_bad(int n, char **x) { (void)n; (void)x; ck(0, "bad", "not written"); }
-static void mode_states(void) { ck(0, "states", "not written"); }
+/* ------------------------------------------------------------------ */
+/* bad                                                                 */
+
+enum phase { PH_INSTANTIATED, PH_SETUP, PH_INITIALIZATION, PH_STEPPING };
+
+/* Instance a takes the bad calls, b never does; both run in step. */
+struct pair {
+    struct inst a, b;
+    enum phase phase;
+    struct scen s;
+    double *va, *vb;
+};
+
+static int pair_open(struct pair *p, enum phase phase, const struct scen *s)
+{
+    p->s = *s;
+    p->phase = phase;
+    p->va = xalloc(g_nout, sizeof *p->va);
+    p->vb = xalloc(g_nout, sizeof *p->vb);
+    memset(&p->b, 0, sizeof p->b);
+    if (!inst_open(&p->a, "disturbed") || !inst_open(&p->b, "undisturbed"))
+        return ck(0, "bad.instance", "expected an instance, came NULL");
+    fmi2Status st = fmi2OK;
+    struct inst *two[2] = { &p->a, &p->b };
+    for (int i = 0; i < 2; i++) {
+        st = THEN(st, set_parameters(two[i], s));
+        if (phase >= PH_SETUP) st = THEN(st, setup(two[i], s));
+        if (phase >= PH_INITIALIZATION) {
+            st = THEN(st, L.EnterInitializationMode(two[i]->c));
+            st = THEN(st, set_inputs(two[i], s));
+        }
+        if (phase >= PH_STEPPING) {
+            st = THEN(st, L.ExitInitializationMode(two[i]->c));
+            st = THEN(st, step(two[i], 0.01));
+        }
+    }
+    if (st != fmi2OK) ck(0, "bad.start", "expected fmi2OK, came %s", stname(st));
+    return st == fmi2OK;
+}
+
+static void pair_close(struct pair *p)
+{
+    inst_close(&p->a);
+    inst_close(&p->b);
+    free(p->va);
+    free(p->vb);
+    p->va = p->vb = NULL;
+}
+
+/* Equal outputs now; NULL or the text of the difference. */
+static char *pair_compare(struct pair *p)
+{
+    fmi2Status st = outputs(&p->a, p->va), st2 = outputs(&p->b, p->vb);
+    if (st != fmi2OK || st2 != fmi2OK) return fmtdup("outputs: expected fmi2OK, came %s", stname(worse(st, st2)));
+    return same(p->va, p->vb, 1) ? NULL : difference(p->va, p->vb, 1);
+}
+
+/* One step of both, compared before and after. */
+static char *pair_step(struct pair *p, double h)
+{
+    char *d = pair_compare(p);
+    if (d) return d;
+    fmi2Status st = step(&p->a, h), st2 = step(&p->b, h);
+    if (st != fmi2OK || st2 != fmi2OK) return fmtdup("next step: expected fmi2OK, came %s", stname(worse(st, st2)));
+    return pair_compare(p);
+}
+
+/* From any phase through the start to some steps. */
+static char *pair_finish(struct pair *p)
+{
+    struct inst *two[2] = { &p->a, &p->b };
+    for (int i = 0; i < 2; i++) {
+        fmi2Status st = fmi2OK;
+        if (p->phase < PH_SETUP) st = THEN(st, setup(two[i], &p->s));
+        if (p->phase < PH_INITIALIZATION) {
+            st = THEN(st, L.EnterInitializationMode(two[i]->c));
+            st = THEN(st, set_inputs(two[i], &p->s));
+        }
+        if (p->phase < PH_STEPPING) st = THEN(st, L.ExitInitializationMode(two[i]->c));
+        if (st != fmi2OK) return fmtdup("going on: expected fmi2OK, came %s", stname(st));
+    }
+    p->phase = PH_STEPPING;
+    char *d = NULL;
+    for (int i = 0; i < 5 && !d; i++) d = pair_step(p, 0.01);
+    return d;
+}
+
+static void judge(const char *name, fmi2Status st, long sentences, char *diff)
+{
+    if (!refused(st)) ck(0, name, "expected fmi2Error or fmi2Discard, came %s", stname(st));
+    else if (!sentences) ck(0, name, "expected a sentence in the log, came none");
+    else if (diff) ck(0, name, "expected the instance as it was, came %s", diff);
+    else ck(1, name, " ");
+    free(diff);
+}
+
+/* A pair in step mode is renewed when spoilt or at its end. */
+static void judge_step(struct pair *p, const char *name, fmi2Status st, long sentences)
+{
+    char *d = pair_step(p, 0.005);
+    int renew = d || p->a.t > 1.4;
+    judge(name, st, sentences, d);
+    if (renew) {
+        struct scen s = p->s;
+        pair_close(p);
+        if (!pair_open(p, PH_STEPPING, &s)) exit(1);
+    }
+}
+
+/* A bad call in step mode. */
+#define BAD(nm, expr)                                        \
+    do {                                                     \
+        mark("bad." nm);                                     \
+        long s0_ = P.a.e->sentences;                         \
+        fmi2Status st_ = (expr);                             \
+        judge_step(&P, "bad." nm, st_, P.a.e->sentences - s0_); \
+    } while (0)
+
+/* A bad call earlier in the life cycle, with a pair of its own. */
+#define BAD_AT(ph, nm, expr)                                 \
+    do {                                                     \
+        mark("bad." nm);                                     \
+        struct pair P;                                       \
+        if (pair_open(&P, ph, &PLAIN)) {                     \
+            long s0_ = P.a.e->sentences;                     \
+            fmi2Status st_ = (expr);                         \
+            s0_ = P.a.e->sentences - s0_;                    \
+            judge("bad." nm, st_, s0_, pair_finish(&P));     \
+        }                                                    \
+        pair_close(&P);                                      \
+    } while (0)
+
+/* A call that must not crash, refused or not, and leave no trace. */
+#define TOLERATED(nm, expr)                                  \
+    do {                                                     \
+        mark("bad." nm);                                     \
+        fmi2Status st_ = (expr);                             \
+        char *d_ = pair_step(&P, 0.005);                     \
+        ck(!d_ && (st_ == fmi2OK || refused(st_)), "bad." nm, "expected an unharmed instance, came %s: %s", \
+           stname(st_), d_ ? d_ : "");                       \
+        free(d_);                                            \
+    } while (0)
+
+static fmi2Status set_real(struct inst *in, fmi2ValueReference vr, double v)
+{
+    return L.SetReal(in->c, &vr, 1, &v);
+}
+
+static fmi2Status set_input_derivative(struct inst *in, fmi2ValueReference vr, fmi2Integer order, double v)
+{
+    return L.SetRealInputDerivatives(in->c, &vr, 1, &order, &v);
+}
+
+static fmi2Status get_output_derivative(struct inst *in, fmi2ValueReference vr, fmi2Integer order)
+{
+    double v = 0;
+    return L.GetRealOutputDerivatives(in->c, &vr, 1, &order, &v);
+}
+
+static fmi2ValueReference unknown_vr(void)
+{
+    fmi2ValueReference vr = 0;
+    while (vr_used(vr, -1)) vr++;
+    return vr;
+}
+
+/* A variable of one type whose reference is none of another type. */
+static const struct var *only_of(enum vtype have, enum vtype other)
+{
+    for (size_t i = 0; i < g_nvars; i++)
+        if (g_vars[i].type == have && !vr_used(g_vars[i].vr, other)) return &g_vars[i];
+    return NULL;
+}
+
+static void bad_variables(void)
+{
+    struct pair P;
+    if (!pair_open(&P, PH_STEPPING, &PLAIN)) { pair_close(&P); return; }
+    fmi2ValueReference none[2] = { unknown_vr(), 4294967295u };
+    double r[8] = { 1, 2, 3, 4 };
+    fmi2Integer i[8] = { 1 };
+    fmi2Boolean b[8] = { 0 };
+    fmi2String s[8] = { "text" };
+
+    BAD("unknown.getReal", L.GetReal(P.a.c, &none[0], 1, r));
+    BAD("unknown.getReal-largest", L.GetReal(P.a.c, &none[1], 1, r));
+    BAD("unknown.getInteger", L.GetInteger(P.a.c, &none[0], 1, i));
+    BAD("unknown.getBoolean", L.GetBoolean(P.a.c, &none[0], 1, b));
+    BAD("unknown.getString", L.GetString(P.a.c, &none[0], 1, s));
+    BAD("unknown.setReal", L.SetReal(P.a.c, &none[0], 1, r));
+    BAD("unknown.setReal-largest", L.SetReal(P.a.c, &none[1], 1, r));
+    BAD("unknown.setInteger", L.SetInteger(P.a.c, &none[0], 1, i));
+    BAD("unknown.setBoolean", L.SetBoolean(P.a.c, &none[0], 1, b));
+    s[0] = "text";
+    BAD("unknown.setString", L.SetString(P.a.c, &none[0], 1, s));
+
+    /* a refused set changes nothing, its good part neither */
+    fmi2ValueReference mixed[3] = { g_key[K_TORQUE], g_key[K_LATERAL], none[0] };
+    double big[3] = { 9000, 9000, 9000 };
+    BAD("unknown.setReal-mixed", L.SetReal(P.a.c, mixed, 3, big));
+    mixed[2] = g_key[K_Y];
+    BAD("output.setReal-mixed", L.SetReal(P.a.c, mixed, 3, big));
+    mixed[2] = g_key[K_VERTICAL];
+    big[2] = NAN;
+    BAD("nan.setReal-mixed", L.SetReal(P.a.c, mixed, 3, big));
+
+    for (int have = 0; have < T_COUNT; have++)
+        for (int other = 0; other < T_COUNT; other++) {
+            const struct var *v = have == other ? NULL : only_of((enum vtype)have, (enum vtype)other);
+            if (!v) continue;
+            for (int set = 0; set < 2; set++) {
+                char *name = fmtdup("bad.wrong-type.%s%s-of-%s", set ? "set" : "get", TYPE_NAMES[other], TYPE_NAMES[have]);
+                mark(name);
+                long s0 = P.a.e->sentences;
+                r[0] = 1; i[0] = 1; b[0] = 0; s[0] = "text";
+                const fmi2ValueReference *vr = &v->vr;
+                fmi2Component c = P.a.c;
+                fmi2Status st =
+                    other == T_REAL ? (set ? L.SetReal(c, vr, 1, r) : L.GetReal(c, vr, 1, r))
+                  : other == T_INTEGER ? (set ? L.SetInteger(c, vr, 1, i) : L.GetInteger(c, vr, 1, i))
+                  : other == T_BOOLEAN ? (set ? L.SetBoolean(c, vr, 1, b) : L.GetBoolean(c, vr, 1, b))
+                  : (set ? L.SetString(c, vr, 1, s) : L.GetString(c, vr, 1, s));
+                judge_step(&P, name, st, P.a.e->sentences - s0);
+                mark("bad.variables");
+                free(name);
+            }
+        }
+
+    BAD("output.setReal", set_real(&P.a, g_key[K_Y], 0.001));
+    BAD("output.setReal-force", set_real(&P.a, g_key[K_QL], 1e5));
+    BAD("parameter.setReal-mass", set_real(&P.a, g_key[K_MASS], 1234));
+    BAD("parameter.setReal-initial", set_real(&P.a, g_key[K_IY], 0.002));
+    fmi2Boolean no = fmi2False;
+    BAD("parameter.setBoolean", L.SetBoolean(P.a.c, &g_key[K_EQUILIBRIUM], 1, &no));
+    for (size_t k = 0; k < g_nvars; k++)
+        if (g_vars[k].type == T_REAL && strcmp(g_vars[k].causality, "input")) {
+            char *name = fmtdup("bad.set.%s %s", g_vars[k].causality, g_vars[k].name);
+            mark(name);
+            long s0 = P.a.e->sentences;
+            fmi2Status st = set_real(&P.a, g_vars[k].vr, 0.5);
+            s0 = P.a.e->sentences - s0;
+            char *d = pair_compare(&P);
+            if (!refused(st) || !s0 || d) judge(name, st, s0, d);
+            else g_ok++;
+            mark("bad.variables");
+            free(name);
+        }
+    BAD("set.every-other", L.SetReal(P.a.c, g_out_vr, 1, r));
+
+    static const struct { const char *name; enum key k; } in[] = {
+        { "driveTorque", K_TORQUE }, { "lateralForceInput", K_LATERAL }, { "verticalForceInput", K_VERTICAL },
+        { "left.frictionFactor", K_MU_L }, { "right.frictionFactor", K_MU_R } };
+    static const double odd[] = { NAN, INFINITY, -INFINITY };
+    static const char *const oddname[] = { "nan", "inf", "-inf" };
+    for (size_t k = 0; k < sizeof in / sizeof *in; k++)
+        for (int o = 0; o < 3; o++) {
+            char *name = fmtdup("bad.input.%s-%s", in[k].name, oddname[o]);
+            mark(name);
+            long s0 = P.a.e->sentences;
+            fmi2Status st = set_real(&P.a, g_key[in[k].k], odd[o]);
+            judge_step(&P, name, st, P.a.e->sentences - s0);
+            mark("bad.variables");
+            free(name);
+        }
+
+    BAD("input-derivative.order-0", set_input_derivative(&P.a, g_key[K_TORQUE], 0, 1.0));
+    BAD("input-derivative.order-3", set_input_derivative(&P.a, g_key[K_TORQUE], 3, 1.0));
+    BAD("input-derivative.order-negative", set_input_derivative(&P.a, g_key[K_TORQUE], -1, 1.0));
+    BAD("input-derivative.nan", set_input_derivative(&P.a, g_key[K_TORQUE], 1, NAN));
+    BAD("input-derivative.inf", set_input_derivative(&P.a, g_key[K_TORQUE], 1, INFINITY));
+    BAD("input-derivative.output", set_input_derivative(&P.a, g_key[K_Y], 1, 1.0));
+    BAD("input-derivative.parameter", set_input_derivative(&P.a, g_key[K_MASS], 1, 1.0));
+    BAD("input-derivative.unknown", set_input_derivative(&P.a, none[0], 1, 1.0));
+    fmi2ValueReference two[2] = { g_key[K_TORQUE], g_key[K_LATERAL] };
+    fmi2Integer orders[2] = { 1, 3 };
+    double slopes[2] = { 1e5, 1e5 };
+    BAD("input-derivative.mixed", L.SetRealInputDerivatives(P.a.c, two, 2, orders, slopes));
+    BAD("output-derivative.order-2", get_output_derivative(&P.a, g_key[K_Y], 2));
+    BAD("output-derivative.order-0", get_output_derivative(&P.a, g_key[K_Y], 0));
+    BAD("output-derivative.order-negative", get_output_derivative(&P.a, g_key[K_Y], -1));
+    BAD("output-derivative.unknown", get_output_derivative(&P.a, none[0], 1));
+    BAD("output-derivative.parameter", get_output_derivative(&P.a, g_key[K_MASS], 1));
+    pair_close(&P);
+
+    /* what must be accepted */
+    if (!pair_open(&P, PH_STEPPING, &PLAIN)) { pair_close(&P); return; }
+    mark("good.derivatives");
+    ck_status("good.input-derivative.order-1", fmi2OK, set_input_derivative(&P.a, g_key[K_TORQUE], 1, 0.0));
+    ck_status("good.input-derivative.order-2", fmi2OK, set_input_derivative(&P.a, g_key[K_TORQUE], 2, 0.0));
+    char *d = pair_step(&P, 0.01);
+    ck(!d, "good.input-derivative.zero", "expected a constant input, came %s", d ? d : "");
+    free(d);
+    ck_status("good.output-derivative.order-1", fmi2OK, get_output_derivative(&P.a, g_key[K_Y], 1));
+    size_t bad = 0;
+    const char *first = "";
+    for (size_t k = 0; k < g_nout; k++) {
+        fmi2Integer one = 1;
+        double v = NAN;
+        fmi2Status st = L.GetRealOutputDerivatives(P.a.c, &g_out_vr[k], 1, &one, &v);
+        if (st != fmi2OK || !isfinite(v))
+            if (!bad++) first = g_out_name[k];
+    }
+    ck(!bad, "good.output-derivative.all", "expected finite derivatives of all outputs, came %zu others, first %s", bad, first);
+    fmi2Integer one = 1;
+    double v = NAN;
+    L.GetRealOutputDerivatives(P.a.c, &g_key[K_DISTANCE], 1, &one, &v);
+    ck(fabs(v - 40) < 4, "good.output-derivative.distance", "expected about 40 m/s, came %g", v);
+    ck_status("good.input-derivative.slope", fmi2OK, set_input_derivative(&P.a, g_key[K_TORQUE], 1, 1e4));
+    step(&P.a, 0.01);
+    step(&P.b, 0.01);
+    d = pair_compare(&P);
+    ck(d != NULL, "good.input-derivative.effect", "expected other outputs under a rising torque, came equal ones");
+    free(d);
+    pair_close(&P);
+}
+
+static void bad_steps(void)
+{
+    struct pair P;
+    if (!pair_open(&P, PH_STEPPING, &PLAIN)) { pair_close(&P); return; }
+    BAD("step.negative", L.DoStep(P.a.c, P.a.t, -0.01, fmi2True));
+    BAD("step.zero", L.DoStep(P.a.c, P.a.t, 0.0, fmi2True));
+    BAD("step.minus-zero", L.DoStep(P.a.c, P.a.t, -0.0, fmi2True));
+    BAD("step.nan", L.DoStep(P.a.c, P.a.t, NAN, fmi2True));
+    BAD("step.inf", L.DoStep(P.a.c, P.a.t, INFINITY, fmi2True));
+    BAD("step.-inf", L.DoStep(P.a.c, P.a.t, -INFINITY, fmi2True));
+    BAD("step.time-nan", L.DoStep(P.a.c, NAN, 0.01, fmi2True));
+    BAD("step.time-inf", L.DoStep(P.a.c, INFINITY, 0.01, fmi2True));
+    BAD("step.time-later", L.DoStep(P.a.c, P.a.t + 0.01, 0.01, fmi2True));
+    BAD("step.time-earlier", L.DoStep(P.a.c, P.a.t - 0.01, 0.01, fmi2True));
+    BAD("step.time-zero", L.DoStep(P.a.c, 0.0, 0.01, fmi2True));
+    BAD("order.enterInit", L.EnterInitializationMode(P.a.c));
+    BAD("order.exitInit", L.ExitInitializationMode(P.a.c));
+    BAD("order.setupExperiment", setup(&(struct inst){ .c = P.a.c }, &PLAIN));
+    pair_close(&P);
+
+    /* the tolerance of the communication point, at t = 1 */
+    for (int k = 0; k < 4; k++) {
+        static const char *const names[] = { "bad.step.time-1e-8-later", "bad.step.time-1e-8-earlier",
+                                             "good.step.time-5e-10-later", "good.step.time-5e-10-earlier" };
+        static const double off[] = { 1e-8, -1e-8, 5e-10, -5e-10 };
+        mark(names[k]);
+        if (!pair_open(&P, PH_STEPPING, &PLAIN)) { pair_close(&P); return; }
+        for (int i = 1; i < 100; i++) step(&P.a, 0.01), step(&P.b, 0.01);
+        long s0 = P.a.e->sentences;
+        fmi2Status st = L.DoStep(P.a.c, P.a.t * (1 + off[k]), 0.01, fmi2True);
+        s0 = P.a.e->sentences - s0;
+        if (k < 2) {
+            judge(names[k], st, s0, pair_step(&P, 0.01));
+        } else {
+            ck_status(names[k], fmi2OK, st);
+            P.a.t += 0.01;
+            ck_status(names[k], fmi2OK, step(&P.a, 0.01));
+        }
+        pair_close(&P);
+    }
+
+    /* the stop time */
+    struct scen s = PLAIN;
+    s.has_stop = 1;
+    s.stop = 0.1;
+    mark("bad.stop");
+    if (!pair_open(&P, PH_STEPPING, &s)) { pair_close(&P); return; }
+    BAD("stop.far-beyond", L.DoStep(P.a.c, P.a.t, 1.0, fmi2True));
+    BAD("stop.just-beyond", L.DoStep(P.a.c, P.a.t, 0.0851, fmi2True));
+    char *d = NULL;
+    while (!d && P.a.t < 0.0999) d = pair_step(&P, 0.005);
+    ck(!d, "good.stop.reach", "expected steps up to the stop time, came %s", d ? d : "");
+    free(d);
+    long s0 = P.a.e->sentences;
+    fmi2Status st = L.DoStep(P.a.c, P.a.t, 0.005, fmi2True);
+    judge("bad.stop.beyond", st, P.a.e->sentences - s0, pair_compare(&P));
+    ck_status("good.stop.terminate", fmi2OK, L.Terminate(P.a.c));
+    pair_close(&P);
+
+    /* sums of steps end beside the stop time */
+    struct inst in;
+    mark("good.stop.sum");
+    if (inst_open(&in, "sum")) {
+        s.stop = 1.0;
+        st = start(&in, &s);
+        for (int i = 0; i < 100; i++) st = THEN(st, step(&in, 0.01));
+        ck_status("good.stop.sum", fmi2OK, st);
+        inst_close(&in);
+    }
+
+    /* after terminate */
+    if (!pair_open(&P, PH_STEPPING, &PLAIN)) { pair_close(&P); return; }
+    mark("bad.terminated");
+    double *v = xalloc(g_nout, sizeof *v);
+    outputs(&P.b, v);
+    ck_status("bad.terminated.terminate", fmi2OK, THEN(L.Terminate(P.a.c), L.Terminate(P.b.c)));
+    s0 = P.a.e->sentences;
+    st = L.DoStep(P.a.c, P.a.t, 0.01, fmi2True);
+    judge("bad.terminated.doStep", st, P.a.e->sentences - s0, pair_compare(&P));
+    ck_same("bad.terminated.outputs", outputs(&P.a, P.va), P.va, v, 1);
+    st = THEN(L.Reset(P.a.c), L.Reset(P.b.c));
+    st = THEN(st, THEN(start(&P.a, &PLAIN), start(&P.b, &PLAIN)));
+    ck_status("bad.terminated.restart", fmi2OK, st);
+    d = pair_finish(&P);
+    ck(!d, "bad.terminated.run", "expected equal runs after reset, came %s", d ? d : "");
+    free(d);
+    free(v);
+    pair_close(&P);
+}
+
+static fmi2Status experiment(struct inst *in, double t0, int has_stop, double t1)
+{
+    return L.SetupExperiment(in->c, fmi2False, 0.0, t0, has_stop, t1);
+}
+
+static void bad_order(void)
+{
+    BAD_AT(PH_INSTANTIATED, "early.doStep", L.DoStep(P.a.c, 0.0, 0.01, fmi2True));
+    BAD_AT(PH_INSTANTIATED, "early.exitInit", L.ExitInitializationMode(P.a.c));
+    BAD_AT(PH_SETUP, "early.doStep-after-setup", L.DoStep(P.a.c, 0.0, 0.01, fmi2True));
+    BAD_AT(PH_SETUP, "early.exitInit-after-setup", L.ExitInitializationMode(P.a.c));
+    BAD_AT(PH_INITIALIZATION, "early.doStep-in-init", L.DoStep(P.a.c, 0.0, 0.01, fmi2True));
+    BAD_AT(PH_INITIALIZATION, "init.enter-twice", L.EnterInitializationMode(P.a.c));
+    BAD_AT(PH_INITIALIZATION, "init.setupExperiment", experiment(&P.a, 0.0, 0, 0.0));
+    BAD_AT(PH_INSTANTIATED, "experiment.stop-before-start", experiment(&P.a, 1.0, 1, 0.5));
+    BAD_AT(PH_INSTANTIATED, "experiment.start-nan", experiment(&P.a, NAN, 0, 0.0));
+    BAD_AT(PH_INSTANTIATED, "experiment.start-inf", experiment(&P.a, INFINITY, 0, 0.0));
+    BAD_AT(PH_INSTANTIATED, "experiment.stop-nan", experiment(&P.a, 0.0, 1, NAN));
+    BAD_AT(PH_INSTANTIATED, "parameter.nan", set_real(&P.a, g_key[K_IY], NAN));
+    BAD_AT(PH_INSTANTIATED, "parameter.inf", set_real(&P.a, g_key[K_IY], INFINITY));
+    BAD_AT(PH_INSTANTIATED, "parameter.mass-nan", set_real(&P.a, g_key[K_MASS], NAN));
+    BAD_AT(PH_INITIALIZATION, "parameter.nan-in-init", set_real(&P.a, g_key[K_IY], NAN));
+    BAD_AT(PH_INITIALIZATION, "input.nan-in-init", set_real(&P.a, g_key[K_TORQUE], NAN));
+    BAD_AT(PH_INSTANTIATED, "output.set-early", set_real(&P.a, g_key[K_Y], 0.001));
+    BAD_AT(PH_INITIALIZATION, "output.set-in-init", set_real(&P.a, g_key[K_Y], 0.001));
+    BAD_AT(PH_INSTANTIATED, "unknown.set-early", set_real(&P.a, unknown_vr(), 0.001));
+    BAD_AT(PH_INSTANTIATED, "model-exchange.early", L.SetTime(P.a.c, 1.0));
+}
+
+static void bad_null_pointers(void)
+{
+    struct pair P;
+    if (!pair_open(&P, PH_STEPPING, &PLAIN)) { pair_close(&P); return; }
+    const fmi2ValueReference *vr = &g_key[K_TORQUE], *by = &g_key[K_EQUILIBRIUM], *out = &g_key[K_Y];
+    double r = 1;
+    fmi2Integer i = 1;
+    fmi2Boolean b = 0;
+    fmi2String s = "text", nothing = NULL;
+    BAD("null.getReal-vr", L.GetReal(P.a.c, NULL, 1, &r));
+    BAD("null.getReal-value", L.GetReal(P.a.c, vr, 1, NULL));
+    BAD("null.getInteger-vr", L.GetInteger(P.a.c, NULL, 1, &i));
+    BAD("null.getInteger-value", L.GetInteger(P.a.c, vr, 1, NULL));
+    BAD("null.getBoolean-vr", L.GetBoolean(P.a.c, NULL, 1, &b));
+    BAD("null.getBoolean-value", L.GetBoolean(P.a.c, by, 1, NULL));
+    BAD("null.getString-vr", L.GetString(P.a.c, NULL, 1, &s));
+    BAD("null.getString-value", L.GetString(P.a.c, vr, 1, NULL));
+    r = 1; i = 1; b = 0; s = "text";
+    BAD("null.setReal-vr", L.SetReal(P.a.c, NULL, 1, &r));
+    BAD("null.setReal-value", L.SetReal(P.a.c, vr, 1, NULL));
+    BAD("null.setInteger-vr", L.SetInteger(P.a.c, NULL, 1, &i));
+    BAD("null.setInteger-value", L.SetInteger(P.a.c, vr, 1, NULL));
+    BAD("null.setBoolean-vr", L.SetBoolean(P.a.c, NULL, 1, &b));
+    BAD("null.setBoolean-value", L.SetBoolean(P.a.c, by, 1, NULL));
+    BAD("null.setString-vr", L.SetString(P.a.c, NULL, 1, &s));
+    BAD("null.setString-value", L.SetString(P.a.c, vr, 1, NULL));
+    BAD("null.setString-text", L.SetString(P.a.c, vr, 1, &nothing));
+    for (size_t k = 0; k < g_nvars; k++)
+        if (g_vars[k].type == T_STRING) {
+            vr = &g_vars[k].vr;
+            BAD("null.getString-known", L.GetString(P.a.c, vr, 1, NULL));
+            BAD("null.setString-known", L.SetString(P.a.c, vr, 1, &nothing));
+            vr = &g_key[K_TORQUE];
+            break;
+        }
+    fmi2Integer one = 1;
+    double zero = 0;
+    BAD("null.inputDerivatives-vr", L.SetRealInputDerivatives(P.a.c, NULL, 1, &one, &zero));
+    BAD("null.inputDerivatives-order", L.SetRealInputDerivatives(P.a.c, vr, 1, NULL, &zero));
+    BAD("null.inputDerivatives-value", L.SetRealInputDerivatives(P.a.c, vr, 1, &one, NULL));
+    BAD("null.outputDerivatives-vr", L.GetRealOutputDerivatives(P.a.c, NULL, 1, &one, &zero));
+    BAD("null.outputDerivatives-order", L.GetRealOutputDerivatives(P.a.c, out, 1, NULL, &zero));
+    BAD("null.outputDerivatives-value", L.GetRealOutputDerivatives(P.a.c, out, 1, &one, NULL));
+    double dv = 1, du = 0;
+    TOLERATED("directional", L.GetDirectionalDerivative(P.a.c, out, 1, vr, 1, &dv, &du));
+    BAD("null.directional-unknown", L.GetDirectionalDerivative(P.a.c, NULL, 1, vr, 1, &dv, &du));
+    BAD("null.directional-known", L.GetDirectionalDerivative(P.a.c, out, 1, NULL, 1, &dv, &du));
+    BAD("null.directional-dvKnown", L.GetDirectionalDerivative(P.a.c, out, 1, vr, 1, NULL, &du));
+    BAD("null.directional-dvUnknown", L.GetDirectionalDerivative(P.a.c, out, 1, vr, 1, &dv, NULL));
+    BAD("null.getStatus", L.GetStatus(P.a.c, fmi2DoStepStatus, NULL));
+    BAD("null.getRealStatus", L.GetRealStatus(P.a.c, fmi2LastSuccessfulTime, NULL));
+    BAD("null.getIntegerStatus", L.GetIntegerStatus(P.a.c, fmi2DoStepStatus, NULL));
+    BAD("null.getBooleanStatus", L.GetBooleanStatus(P.a.c, fmi2Terminated, NULL));
+    BAD("null.getStringStatus", L.GetStringStatus(P.a.c, fmi2PendingStatus, NULL));
+    BAD("null.setDebugLogging", L.SetDebugLogging(P.a.c, fmi2True, 1, NULL));
+    BAD("null.setDebugLogging-category", L.SetDebugLogging(P.a.c, fmi2True, 1, &nothing));
+    BAD("null.newDiscreteStates", L.NewDiscreteStates(P.a.c, NULL));
+    BAD("null.completedIntegratorStep", L.CompletedIntegratorStep(P.a.c, fmi2True, NULL, NULL));
+    BAD("null.setContinuousStates", L.SetContinuousStates(P.a.c, NULL, 1));
+    BAD("null.getDerivatives", L.GetDerivatives(P.a.c, NULL, 1));
+    BAD("null.getEventIndicators", L.GetEventIndicators(P.a.c, NULL, 1));
+    BAD("null.getContinuousStates", L.GetContinuousStates(P.a.c, NULL, 1));
+    BAD("null.getNominals", L.GetNominalsOfContinuousStates(P.a.c, NULL, 1));
+
+    fmi2FMUstate state = NULL, made = NULL;
+    size_t n = 0;
+    BAD("null.getFMUstate", L.GetFMUstate(P.a.c, NULL));
+    BAD("null.setFMUstate", L.SetFMUstate(P.a.c, NULL));
+    TOLERATED("null.freeFMUstate", L.FreeFMUstate(P.a.c, NULL));
+    fmi2FMUstate empty = NULL;
+    mark("bad.null.freeFMUstate-of-null");
+    ck_status("good.freeFMUstate-of-null", fmi2OK, L.FreeFMUstate(P.a.c, &empty));
+    BAD("null.serializedSize-state", L.SerializedFMUstateSize(P.a.c, NULL, &n));
+    if (ck_status("bad.null.state", fmi2OK, L.GetFMUstate(P.a.c, &state)) && state) {
+        BAD("null.serializedSize-size", L.SerializedFMUstateSize(P.a.c, state, NULL));
+        ck_status("bad.null.size", fmi2OK, L.SerializedFMUstateSize(P.a.c, state, &n));
+        char *blob = xalloc(n, 1);
+        BAD("null.serialize-state", L.SerializeFMUstate(P.a.c, NULL, blob, n));
+        BAD("null.serialize-buffer", L.SerializeFMUstate(P.a.c, state, NULL, n));
+        ck_status("bad.null.serialize", fmi2OK, L.SerializeFMUstate(P.a.c, state, blob, n));
+        BAD("null.deserialize-buffer", L.DeSerializeFMUstate(P.a.c, NULL, n, &made));
+        BAD("null.deserialize-state", L.DeSerializeFMUstate(P.a.c, blob, n, NULL));
+        ck(!made, "bad.null.deserialize-made", "expected no state, came one");
+        free(blob);
+        L.FreeFMUstate(P.a.c, &state);
+    }
+    pair_close(&P);
+}
+
+/* Every function of an instance with none. */
+static void bad_null_component(void)
+{
+    fmi2ValueReference vr = g_key[K_TORQUE];
+    double r = 0;
+    fmi2Integer i = 1;
+    fmi2Boolean b = 0, b2 = 0;
+    fmi2String s = "text";
+    fmi2FMUstate state = NULL;
+    fmi2EventInfo info;
+    fmi2Status st = fmi2OK;
+    size_t n = 0;
+    char blob[64] = { 0 };
+    char thing[64] = { 0 };
+    fmi2FMUstate odd = thing;
+#define NC(nm, ...) \
+    mark("bad.no-component." #nm); \
+    ck_status("bad.no-component." #nm, fmi2Error, L.nm(NULL, __VA_ARGS__));
+#define NC0(nm) \
+    mark("bad.no-component." #nm); \
+    ck_status("bad.no-component." #nm, fmi2Error, L.nm(NULL));
+    NC(SetDebugLogging, fmi2True, 0, NULL)
+    NC(SetupExperiment, fmi2False, 0, 0, fmi2False, 0)
+    NC0(EnterInitializationMode)
+    NC0(ExitInitializationMode)
+    NC0(Terminate)
+    NC0(Reset)
+    NC(GetReal, &vr, 1, &r)
+    NC(GetInteger, &vr, 1, &i)
+    NC(GetBoolean, &vr, 1, &b)
+    NC(GetString, &vr, 1, &s)
+    NC(SetReal, &vr, 1, &r)
+    NC(SetInteger, &vr, 1, &i)
+    NC(SetBoolean, &vr, 1, &b)
+    NC(SetString, &vr, 1, &s)
+    NC(GetFMUstate, &state)
+    NC(SetFMUstate, odd)
+    NC(SerializedFMUstateSize, odd, &n)
+    NC(SerializeFMUstate, odd, blob, sizeof blob)
+    NC(DeSerializeFMUstate, blob, sizeof blob, &state)
+    mark("bad.no-component.FreeFMUstate");
+    st = L.FreeFMUstate(NULL, &state);
+    ck(st == fmi2Error || st == fmi2OK, "bad.no-component.FreeFMUstate", "expected fmi2Error or fmi2OK for no state, came %s", stname(st));
+    NC(GetDirectionalDerivative, &vr, 1, &vr, 1, &r, &r)
+    NC0(EnterEventMode)
+    NC(NewDiscreteStates, &info)
+    NC0(EnterContinuousTimeMode)
+    NC(CompletedIntegratorStep, fmi2True, &b, &b2)
+    NC(SetTime, 0.0)
+    NC(SetContinuousStates, &r, 1)
+    NC(GetDerivatives, &r, 1)
+    NC(GetEventIndicators, &r, 1)
+    NC(GetContinuousStates, &r, 1)
+    NC(GetNominalsOfContinuousStates, &r, 1)
+    NC(SetRealInputDerivatives, &vr, 1, &i, &r)
+    NC(GetRealOutputDerivatives, &vr, 1, &i, &r)
+    NC(DoStep, 0.0, 0.01, fmi2True)
+    NC0(CancelStep)
+    NC(GetStatus, fmi2DoStepStatus, &st)
+    NC(GetRealStatus, fmi2LastSuccessfulTime, &r)
+    NC(GetIntegerStatus, fmi2DoStepStatus, &i)
+    NC(GetBooleanStatus, fmi2Terminated, &b)
+    NC(GetStringStatus, fmi2PendingStatus, &s)
+#undef NC
+#undef NC0
+    mark("bad.no-component.FreeInstance");
+    L.FreeInstance(NULL);
+    ck(1, "bad.no-component.FreeInstance", " ");
+}
+
+/* An instantiation that must give NULL and a sentence. */
+static void no_instance(const char *name, const char *inst, const char *guid, const char *uri)
+{
+    mark(name);
+    struct env *e = env_new(inst);
+    fmi2Component c = instantiate(e, inst, fmi2CoSimulation, guid, uri, fmi2True);
+    if (c) ck(0, name, "expected NULL, came an instance");
+    else ck(e->sentences > 0, name, "expected a sentence in the log, came none");
+    if (c) L.FreeInstance(c);
+    env_free(e);
+}
+
+static void bad_instantiation(void)
+{
+    char *tmp = temp_dir(), *u;
+    no_instance("bad.guid.wrong", "wheelset", "{00000000-0000-0000-0000-000000000000}", g_uri);
+    no_instance("bad.guid.empty", "wheelset", "", g_uri);
+    no_instance("bad.guid.null", "wheelset", NULL, g_uri);
+    char *g = fmtdup("%s ", g_guid);
+    no_instance("bad.guid.longer", "wheelset", g, g_uri);
+    g[strlen(g_guid) - 1] = 0;
+    no_instance("bad.guid.shorter", "wheelset", g, g_uri);
+    free(g);
+    no_instance("bad.name.null", NULL, g_guid, g_uri);
+    no_instance("bad.name.empty", "", g_guid, g_uri);
+    no_instance("bad.resources.null", "wheelset", g_guid, NULL);
+    no_instance("bad.resources.empty-text", "wheelset", g_guid, "");
+    no_instance("bad.resources.http", "wheelset", g_guid, "http://localhost/resources");
+    no_instance("bad.resources.other-host", "wheelset", g_guid, "file://example.org/resources");
+    no_instance("bad.resources.scheme-only", "wheelset", g_guid, "file:");
+    no_instance("bad.resources.bad-percent", "wheelset", g_guid, "file:///tmp/%zz%");
+    no_instance("bad.resources.zero-byte", "wheelset", g_guid, "file:///tmp%00/x");
+    u = path_to_uri("file://", tmp, 0);
+    no_instance("bad.resources.empty-folder", "wheelset", g_guid, u);
+    free(u);
+    char *p = fmtdup("%s/missing", tmp);
+    u = path_to_uri("file://", p, 0);
+    no_instance("bad.resources.missing-folder", "wheelset", g_guid, u);
+    free(u);
+    free(p);
+    remove_tree(tmp);
+    free(tmp);
+}
+
+/* One file of a copy of the resources, damaged in several ways. */
+static void bad_file(const char *from, const char *rel)
+{
+    static const char *const ways[] = { "intact", "empty", "half", "last-byte-cut", "first-digit", "middle-digit",
+                                        "last-digit", "longer", "missing" };
+    char *tmp = temp_dir(), *file = fmtdup("%s/%s", tmp, rel), *uri = path_to_uri("file://", tmp, 0);
+    size_t n = 0;
+    char *text = NULL;
+    if (!ck(!copy_tree(from, tmp) && (text = read_all(file, &n)) && n > 2, "bad.resources.copy",
+            "expected a copy with %s, came an error", rel)) goto out;
+    for (size_t w = 0; w < sizeof ways / sizeof *ways; w++) {
+        char *t = xalloc(n + 2, 1), *name = fmtdup("bad.resources.%s.%s", rel, ways[w]);
+        memcpy(t, text, n);
+        size_t len = w == 1 ? 0 : w == 2 ? n / 2 : w == 3 ? n - 1 : n, at = 0;
+        int found = 1;
+        if (w >= 4 && w <= 6) {
+            /* the first digit, the first past the middle, the last */
+            size_t i = w == 5 ? n / 2 : 0;
+            for (found = 0; i < n; i++)
+                if (isdigit((unsigned char)t[i])) {
+                    at = i;
+                    found = 1;
+                    if (w != 6) break;
+                }
+            if (found) t[at] = t[at] == '9' ? '1' : (char)(t[at] + 1);
+        }
+        if (w == 7) t[len++] = '\n';
+        if (w == 8) unlink(file);
+        else if (write_all(file, t, len)) ck(0, name, "expected to write, came an error");
+        if (w == 0) {
+            struct inst in;
+            mark(name);
+            ck(inst_open_at(&in, "intact", uri), name, "expected an instance, came NULL");
+            inst_close(&in);
+        } else if (found) {
+            no_instance(name, "wheelset", g_guid, uri);
+        }
+        free(t);
+        free(name);
+    }
+out:
+    free(text);
+    remove_tree(tmp);
+    free(tmp);
+    free(file);
+    free(uri);
+}
+
+static void bad_callbacks(void)
+{
+    enum { N = 10 };
+    double *a = xalloc((N + 1) * g_nout, sizeof *a), *b = xalloc((N + 1) * g_nout, sizeof *b);
+    struct inst in;
+    if (!inst_open(&in, "reference")) { free(a); free(b); return; }
+    fmi2Status ref = THEN(start(&in, &PLAIN), run(&in, N, 0.01, a));
+    inst_close(&in);
+
+    mark("bad.callbacks.null-struct");
+    fmi2Component c = L.Instantiate("bare", fmi2CoSimulation, g_guid, g_uri, NULL, fmi2False, fmi2True);
+    if (c) L.FreeInstance(c);
+    ck(1, "bad.callbacks.null-struct", " ");
+
+    static const char *const names[] = { "bad.callbacks.no-logger", "bad.callbacks.no-allocators",
+                                         "bad.callbacks.none", "bad.callbacks.no-memory" };
+    for (int k = 0; k < 4; k++) {
+        mark(names[k]);
+        memset(&in, 0, sizeof in);
+        in.e = env_new("bare");
+        if (k == 0 || k == 2) in.e->cb.logger = NULL;
+        if (k == 1 || k == 2) {
+            in.e->cb.allocateMemory = NULL;
+            in.e->cb.freeMemory = NULL;
+            in.e->cb.stepFinished = NULL;
+        }
+        if (k == 3) in.e->cb.allocateMemory = no_alloc;
+        in.c = instantiate(in.e, "bare", fmi2CoSimulation, g_guid, g_uri, fmi2True);
+        if (k < 3 && !in.c) {
+            ck(0, names[k], "expected an instance, came NULL");
+        } else if (in.c) {
+            fmi2Status st = THEN(ref, start(&in, &PLAIN));
+            fmi2Status st2 = set_real(&in, unknown_vr(), 1.0);
+            ck(refused(st2), names[k], "expected a refusal, came %s", stname(st2));
+            st = THEN(st, run(&in, N, 0.01, b));
+            ck_same(names[k], st, b, a, N + 1);
+            ck_status(names[k], fmi2OK, L.Terminate(in.c));
+        } else {
+            ck(1, names[k], " ");
+        }
+        if (k == 0) {
+            c = instantiate(in.e, "bare", fmi2CoSimulation, "wrong", g_uri, fmi2True);
+            ck(!c, "bad.callbacks.no-logger.guid", "expected NULL, came an instance");
+            if (c) L.FreeInstance(c);
+        }
+        inst_close(&in);
+    }
+    free(a);
+    free(b);
+}
+
+static void mode_bad(int nfiles, char **files)
+{
+    bad_order();
+    bad_variables();
+    bad_steps();
+    bad_null_pointers();
+    bad_null_component();
+    bad_instantiation();
+    char *path = uri_to_path(g_uri), *real = realpath(path, NULL);
+    if (ck(real != NULL, "bad.resources.path", "expected a folder behind the URI, came none at %s", path)) {
+        bad_file(real, "scene.toml");
+        for (int i = 0; i < nfiles; i++) bad_file(real, files[i]);
+    }
+    free(path);
+    free(real);
+    bad_callbacks();
+}
+
+/* ------------------------------------------------------------------ */
+/* states                                                              */
+
+enum { BEFORE = 50, AFTER = 40 };
+
+/* Steps beside every round number, about 10 ms each. */
+static double odd_step(int i) { return 0.0071 + 0.0013 * ((i * 7) % 5) + 1e-4 / (i + 3); }
+
+/* The inputs of step i, changing inside of the disturbance. */
+static fmi2Status odd_input(struct inst *in, int i)
+{
+    if (i % 8 != 5) return fmi2OK;
+    return THEN(set1(in, K_TORQUE, 400.0 + 30.0 * i), set1(in, K_LATERAL, 1500.0 - 100.0 * (i % 16)));
+}
+
+/* Steps i0 .. i0+n-1, outputs before them and after each. */
+static fmi2Status odd_run(struct inst *in, int i0, int n, double *trace)
+{
+    fmi2Status st = outputs(in, trace);
+    for (int i = 0; i < n && st == fmi2OK; i++) {
+        st = THEN(odd_input(in, i0 + i), step(in, odd_step(i0 + i)));
+        if (st == fmi2OK) st = outputs(in, trace + (size_t)(i + 1) * g_nout);
+    }
+    return st;
+}
+
+/* Refused, with a sentence, and without a state. */
+static int blob_refused(struct inst *in, const char *blob, size_t n, char **why)
+{
+    fmi2FMUstate s = NULL;
+    long s0 = in->e->sentences;
+    fmi2Status st = L.DeSerializeFMUstate(in->c, blob, n, &s);
+    *why = st != fmi2Error ? fmtdup("%s", stname(st)) : s ? fmtdup("a state")
+         : in->e->sentences == s0 ? fmtdup("no sentence in the log") : NULL;
+    if (s) L.FreeFMUstate(in->c, &s);
+    return !*why;
+}
+
+static void ck_blob(struct inst *in, const char *name, const char *blob, size_t n)
+{
+    char *why = NULL;
+    mark(name);
+    int ok = blob_refused(in, blob, n, &why);
+    ck(ok, name, "expected fmi2Error, a sentence and no state, came %s", why ? why : "");
+    free(why);
+}
+
+/* Several positions under one name: all must be refused. */
+static void ck_flips(struct inst *in, const char *name, const char *blob, size_t n, size_t from, size_t to,
+                     size_t stride)
+{
+    char *t = xalloc(n, 1), *why = NULL, *first = NULL;
+    size_t bad = 0, at = 0, all = 0;
+    mark(name);
+    memcpy(t, blob, n);
+    for (size_t i = from; i < to && i < n; i += stride)
+        for (int k = 0; k < 2; k++) {
+            t[i] = (char)(blob[i] ^ (k ? 0x80 : 0x01));
+            all++;
+            if (!blob_refused(in, t, n, &why)) {
+                if (!bad++) { at = i; first = why; }
+                else free(why);
+            }
+            t[i] = blob[i];
+        }
+    ck(!bad, name, "expected %zu changed bytes refused, came %zu others, first at %zu of %zu: %s", all, bad, at, n,
+       first ? first : "");
+    free(first);
+    free(t);
+}
+
+static void states_damage(struct inst *in, const char *blob, size_t n)
+{
+    size_t head = n < 128 ? n : 128;
+    ck_flips(in, "states.damage.header", blob, n, 0, head, 1);
+    ck_flips(in, "states.damage.middle", blob, n, n / 2, n / 2 + 16, 1);
+    ck_flips(in, "states.damage.end", blob, n, n > 32 ? n - 32 : 0, n, 1);
+    ck_flips(in, "states.damage.sampled", blob, n, 3, n, n / 199 + 1);
+
+    const size_t cut[] = { 1, 7, 8, 16, n / 4, n / 2, n - 8, n - 1 };
+    for (size_t i = 0; i < sizeof cut / sizeof *cut; i++) {
+        if (cut[i] >= n) continue;
+        /* a buffer of just that size, so that reading on is seen */
+        char *t = xalloc(cut[i], 1), *name = fmtdup("states.damage.cut-to-%zu", cut[i]);
+        memcpy(t, blob, cut[i]);
+        ck_blob(in, name, t, cut[i]);
+        mark("states");
+        free(t);
+        free(name);
+    }
+    ck_blob(in, "states.damage.length-zero", blob, 0);
+    char *t = xalloc(n + 4096, 1);
+    memcpy(t, blob, n);
+    ck_blob(in, "states.damage.one-longer", t, n + 1);
+    ck_blob(in, "states.damage.longer", t, n + 4096);
+    memcpy(t + n, blob, n < 4096 ? n : 4096);
+    ck_blob(in, "states.damage.repeated", t, n + (n < 4096 ? n : 4096));
+    memset(t, 0, n);
+    ck_blob(in, "states.damage.zeros", t, n);
+    memset(t, 0xff, n);
+    ck_blob(in, "states.damage.ones", t, n);
+    uint64_t x = 88172645463325252u;
+    for (int k = 0; k < 8; k++) {
+        for (size_t i = 0; i < n; i++) {
+            x ^= x << 13;
+            x ^= x >> 7;
+            x ^= x << 17;
+            t[i] = (char)(x >> 32);
+        }
+        ck_blob(in, "states.damage.random", t, n);
+    }
+    /* the GUID, if it stands there as text */
+    const char *g = g_guid;
+    size_t gl = strlen(g), hits = 0;
+    if (gl > 2 && g[0] == '{') { g++; gl -= 2; }
+    for (size_t i = 0; gl > 8 && i + gl <= n; i++)
+        if (!memcmp(blob + i, g, gl)) {
+            hits++;
+            ck_flips(in, "states.damage.guid", blob, n, i, i + gl, 1);
+            memcpy(t, blob, n);
+            memset(t + i, '0', gl);
+            ck_blob(in, "states.damage.guid-other", t, n);
+        }
+    if (!hits) note("the GUID does not stand as text in the serialized state");
+    free(t);
+}
+
+static void mode_states(void)
+{
+    size_t rows = AFTER + 1;
+    double *want = xalloc(rows * g_nout, sizeof *want), *got = xalloc(rows * g_nout, sizeof *got);
+    double *scrap = xalloc((BEFORE + 1) * g_nout, sizeof *scrap);
+    struct inst in, other;
+    fmi2FMUstate s = NULL, early = NULL, back = NULL;
+    char *blob = NULL, *blob2 = NULL;
+    size_t n = 0, m = 0;
+    fmi2Status st;
+    memset(&other, 0, sizeof other);
+
+    mark("states.start");
+    if (!ck(inst_open(&in, "stateful"), "states.instance", "expected an instance, came NULL")) goto out;
+    ck_status("states.get-instantiated", fmi2OK, L.GetFMUstate(in.c, &early));
+    st = THEN(start(&in, &PLAIN), odd_run(&in, 0, BEFORE, scrap));
+    ck_status("states.run", fmi2OK, st);
+    double t0 = in.t;
+    ck(t0 > 0.5 && t0 < 0.6, "states.time", "expected a time in the disturbance, came %g", t0);
+
+    mark("states.get");
+    if (!ck_status("states.get", fmi2OK, L.GetFMUstate(in.c, &s)) ||
+        !ck(s != NULL, "states.get", "expected a state, came NULL")) goto close;
+    st = odd_run(&in, BEFORE, AFTER, want);
+    ck_status("states.run-on", fmi2OK, st);
+
+    /* back, right away and after other inputs and other steps */
+    for (int k = 0; k < 4; k++) {
+        static const char *const names[] = { "states.rollback", "states.rollback-again",
+                                             "states.rollback-from-other-steps", "states.rollback-after-error" };
+        mark(names[k]);
+        if (k == 2) {
+            L.SetFMUstate(in.c, s);
+            in.t = t0;
+            set1(&in, K_TORQUE, -3000.0);
+            set1(&in, K_MU_L, 0.3);
+            set_input_derivative(&in, g_key[K_LATERAL], 1, 1e4);
+            for (int i = 0; i < 7; i++) step(&in, 0.0033);
+            set_input_derivative(&in, g_key[K_LATERAL], 1, 2e4);
+            set_input_derivative(&in, g_key[K_LATERAL], 2, 2e5);
+        }
+        if (k == 3) {
+            L.DoStep(in.c, in.t, -1.0, fmi2True);
+            set_real(&in, unknown_vr(), 1.0);
+        }
+        st = L.SetFMUstate(in.c, s);
+        in.t = t0;
+        double tl = NAN;
+        L.GetRealStatus(in.c, fmi2LastSuccessfulTime, &tl);
+        ck(fabs(tl - t0) < 1e-9, "states.rollback-time", "expected %.17g, came %.17g", t0, tl);
+        st = THEN(st, odd_run(&in, BEFORE, AFTER, got));
+        ck_same(names[k], st, got, want, rows);
+    }
+
+    mark("states.serialize");
+    ck_status("states.size", fmi2OK, L.SerializedFMUstateSize(in.c, s, &n));
+    if (!ck(n > 0, "states.size", "expected a size, came 0")) goto close;
+    blob = xalloc(n, 1);
+    blob2 = xalloc(n, 1);
+    memset(blob2, 0x55, n);
+    ck_status("states.serialize", fmi2OK, L.SerializeFMUstate(in.c, s, blob, n));
+    ck_status("states.serialize-again", fmi2OK, L.SerializeFMUstate(in.c, s, blob2, n));
+    ck(!memcmp(blob, blob2, n), "states.serialize-equal", "expected equal bytes twice, came different ones");
+    const size_t small[] = { 0, 1, n / 2, n - 1 };
+    for (size_t i = 0; i < sizeof small / sizeof *small; i++) {
+        char *t = xalloc(small[i], 1), *name = fmtdup("states.serialize-into-%zu", small[i]);
+        long s0 = in.e->sentences;
+        mark(name);
+        st = L.SerializeFMUstate(in.c, s, t, small[i]);
+        ck(st == fmi2Error && in.e->sentences > s0, name, "expected fmi2Error and a sentence, came %s", stname(st));
+        mark("states");
+        free(t);
+        free(name);
+    }
+
+    mark("states.deserialize-same");
+    if (ck_status("states.deserialize-same", fmi2OK, L.DeSerializeFMUstate(in.c, blob, n, &back)) && back) {
+        ck_status("states.size-of-copy", fmi2OK, L.SerializedFMUstateSize(in.c, back, &m));
+        ck(m == n && L.SerializeFMUstate(in.c, back, blob2, n) == fmi2OK && !memcmp(blob, blob2, n),
+           "states.serialize-copy", "expected the same %zu bytes again, came others (%zu)", n, m);
+        st = L.SetFMUstate(in.c, back);
+        in.t = t0;
+        st = THEN(st, odd_run(&in, BEFORE, AFTER, got));
+        ck_same("states.deserialize-same", st, got, want, rows);
+        st = L.FreeFMUstate(in.c, &back);
+        ck(st == fmi2OK && !back, "states.free", "expected fmi2OK and a NULL state, came %s", stname(st));
+    }
+
+    /* into other instances: new, in initialization, stepping with other values */
+    for (int k = 0; k < 3; k++) {
+        static const char *const names[] = { "states.deserialize-new", "states.deserialize-initialization",
+                                             "states.deserialize-stepping" };
+        mark(names[k]);
+        if (!ck(inst_open(&other, "second"), names[k], "expected an instance, came NULL")) continue;
+        struct scen o = PLAIN;
+        o.y0 = -2e-3;
+        o.torque = -100;
+        st = fmi2OK;
+        if (k == 1) st = THEN(setup(&other, &o), L.EnterInitializationMode(other.c));
+        if (k == 2) st = THEN(start(&other, &o), odd_run(&other, 0, 9, got));
+        back = NULL;
+        st = THEN(st, L.DeSerializeFMUstate(other.c, blob, n, &back));
+        if (st == fmi2OK && back) {
+            st = L.SetFMUstate(other.c, back);
+            other.t = t0;
+            st = THEN(st, odd_run(&other, BEFORE, AFTER, got));
+        }
+        ck_same(names[k], st, got, want, rows);
+        if (back) L.FreeFMUstate(other.c, &back);
+        inst_close(&other);
+    }
+
+    /* a reset in between; a state of the beginning */
+    mark("states.reset");
+    ck_status("states.reset", fmi2OK, L.Reset(in.c));
+    st = L.SetFMUstate(in.c, s);
+    in.t = t0;
+    st = THEN(st, odd_run(&in, BEFORE, AFTER, got));
+    ck_same("states.after-reset", st, got, want, rows);
+    if (early) {
+        mark("states.instantiated");
+        st = L.SetFMUstate(in.c, early);
+        st = THEN(st, THEN(start(&in, &PLAIN), odd_run(&in, 0, BEFORE, scrap)));
+        st = THEN(st, odd_run(&in, BEFORE, AFTER, got));
+        ck_same("states.back-to-instantiated", st, got, want, rows);
+        L.FreeFMUstate(in.c, &early);
+    }
+    mark("states.after-terminate");
+    ck_status("states.terminate", fmi2OK, L.Terminate(in.c));
+    st = L.SetFMUstate(in.c, s);
+    if (st == fmi2OK) {
+        in.t = t0;
+        st = odd_run(&in, BEFORE, AFTER, got);
+        ck_same("states.after-terminate", st, got, want, rows);
+    } else {
+        /* the standard leaves this open: come back by a reset */
+        ck(refused(st), "states.after-terminate", "expected fmi2OK or a refusal, came %s", stname(st));
+        L.Reset(in.c);
+        L.SetFMUstate(in.c, s);
+    }
+
+    /* an existing state is overwritten */
+    mark("states.reuse");
+    fmi2FMUstate reused = NULL, zero = NULL;
+    L.SetFMUstate(in.c, s);
+    in.t = t0;
+    step(&in, 0.02);
+    ck_status("states.reuse-first", fmi2OK, L.GetFMUstate(in.c, &reused));
+    L.SetFMUstate(in.c, s);
+    in.t = t0;
+    ck_status("states.reuse-second", fmi2OK, L.GetFMUstate(in.c, &reused));
+    step(&in, 0.03);
+    st = L.SetFMUstate(in.c, reused);
+    in.t = t0;
+    st = THEN(st, odd_run(&in, BEFORE, AFTER, got));
+    ck_same("states.reuse", st, got, want, rows);
+    ck_status("states.reuse-free", fmi2OK, L.FreeFMUstate(in.c, &reused));
+    ck_status("states.free-null", fmi2OK, L.FreeFMUstate(in.c, &zero));
+
+    /* many at once, freed in another order */
+    mark("states.many");
+    enum { MANY = 20 };
+    fmi2FMUstate many[MANY] = { 0 };
+    double at[MANY];
+    L.SetFMUstate(in.c, s);
+    in.t = t0;
+    st = fmi2OK;
+    for (int i = 0; i < MANY; i++) {
+        at[i] = in.t;
+        st = THEN(st, L.GetFMUstate(in.c, &many[i]));
+        st = THEN(st, THEN(odd_input(&in, BEFORE + i), step(&in, odd_step(BEFORE + i))));
+    }
+    ck_status("states.many", fmi2OK, st);
+    int good = 1;
+    for (int i = MANY - 1; i >= 0 && st == fmi2OK; i--) {
+        st = L.SetFMUstate(in.c, many[i]);
+        in.t = at[i];
+        st = THEN(st, outputs(&in, got));
+        good &= same(got, want + (size_t)i * g_nout, 1);
+        st = THEN(st, THEN(odd_input(&in, BEFORE + i), step(&in, odd_step(BEFORE + i))));
+        st = THEN(st, outputs(&in, got));
+        good &= same(got, want + (size_t)(i + 1) * g_nout, 1);
+    }
+    ck(good && st == fmi2OK, "states.many-backwards", "expected the outputs of the first run, came others with %s", stname(st));
+    for (int i = 0; i < MANY; i++) L.FreeFMUstate(in.c, &many[(i * 7) % MANY]);
+
+    /* damaged bytes, and the instance after all of them */
+    mark("states.damage");
+    L.SetFMUstate(in.c, s);
+    in.t = t0;
+    states_damage(&in, blob, n);
+    mark("states.damage.after");
+    st = odd_run(&in, BEFORE, AFTER, got);
+    ck_same("states.damage.after", st, got, want, rows);
+
+close:
+    mark("states.end");
+    if (s) L.FreeFMUstate(in.c, &s);
+    if (early) L.FreeFMUstate(in.c, &early);
+    inst_close(&in);
+out:
+    free(want);
+    free(got);
+    free(scrap);
+    free(blob);
+    free(blob2);
+}
+
 
 /* ------------------------------------------------------------------ */
 

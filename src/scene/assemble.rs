@@ -55,11 +55,11 @@ pub fn model(scene: &Scene) -> Model {
 /// The suspension's elements; a direction without stiffness and damping has none.
 fn springs(spec: &SuspensionSpec) -> impl Iterator<Item = GuidedSpring> + '_ {
     let directions = [
-        ("longitudinal", TrackAxis::Longitudinal, spec.longitudinal_stiffness, spec.longitudinal_damping),
-        ("lateral", TrackAxis::Lateral, spec.lateral_stiffness, spec.lateral_damping),
+        (spec.longitudinal, "longitudinal", TrackAxis::Longitudinal, spec.longitudinal_stiffness, spec.longitudinal_damping),
+        (spec.lateral, "lateral", TrackAxis::Lateral, spec.lateral_stiffness, spec.lateral_damping),
     ];
-    directions.into_iter().filter(|(_, _, stiffness, damping)| *stiffness != 0.0 || *damping != 0.0).flat_map(
-        |(direction, axis, stiffness, damping)| {
+    directions.into_iter().filter(|direction| direction.0).flat_map(
+        |(_, direction, axis, stiffness, damping)| {
             Side::BOTH.into_iter().zip(spec.attachments()).map(move |(side, attachment)| GuidedSpring {
                 name: format!("suspension.{}.{direction}", side.name()),
                 body: 0,

@@ -14,7 +14,7 @@ use nalgebra::{Vector3, vector};
 /// A scene file, read and checked.
 #[derive(Clone)]
 pub struct Scene {
-    /// Name of the embedded scene or of the file, without extension: the FMU's model identifier.
+    /// Key `name`, else the name of the embedded scene or of the file without extension: the FMU's model identifier.
     pub name: String,
     /// The text that this scene was read from, with `--set` applied.
     pub source: Source,
@@ -67,6 +67,9 @@ pub struct SuspensionSpec {
     pub longitudinal_damping: f64,
     pub lateral_stiffness: f64,
     pub lateral_damping: f64,
+    /// Does the scene call for elements in that direction? (parameters do not change it)
+    pub longitudinal: bool,
+    pub lateral: bool,
 }
 
 /// Initial coordinates and velocities that a scene or a master may choose, in this order.
@@ -156,6 +159,10 @@ impl Scene {
     /// # Errors
     /// The first [`SettingsError`].
     pub fn read(name: &str, root: Section, source: Source) -> Result<Scene, SettingsError> {
+        let name = &root.text_or("name", name)?;
+        if !name.starts_with(|c: char| c.is_ascii_alphabetic()) || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+            return Err(root.error("name", format!("found \"{name}\", expected letters, digits and _, a letter first")));
+        }
         let title = root.text_or("title", name)?;
         let vehicle = read_vehicle(root.section("vehicle")?)?;
         let track = read_track(root.section("track")?)?;
@@ -221,13 +228,17 @@ fn read_wheelset(section: Section) -> Result<WheelsetSpec, SettingsError> {
 }
 
 fn read_suspension(section: Section) -> Result<SuspensionSpec, SettingsError> {
-    let spec = SuspensionSpec {
+    let mut spec = SuspensionSpec {
         distance: section.not_negative("distance", Dimension::Length)?,
         longitudinal_stiffness: section.not_negative("longitudinal_stiffness", Dimension::Stiffness)?,
         longitudinal_damping: section.not_negative("longitudinal_damping", Dimension::Damping)?,
         lateral_stiffness: section.not_negative("lateral_stiffness", Dimension::Stiffness)?,
         lateral_damping: section.not_negative("lateral_damping", Dimension::Damping)?,
+        longitudinal: false,
+        lateral: false,
     };
+    spec.longitudinal = spec.longitudinal_stiffness != 0.0 || spec.longitudinal_damping != 0.0;
+    spec.lateral = spec.lateral_stiffness != 0.0 || spec.lateral_damping != 0.0;
     section.finish()?;
     Ok(spec)
 }

@@ -55,6 +55,8 @@ pub struct Simulation {
     workspace: Workspace,
     scratch: Scratch,
     snapshot: Snapshot,
+    /// Does the snapshot belong to the present state?
+    snapshot_valid: bool,
 }
 
 /// Solution and everything computed from it at one time; outputs are read from it.
@@ -66,6 +68,18 @@ pub struct Snapshot {
     pub workspace: Workspace,
     memory: Vec<f64>,
     inputs: Vec<f64>,
+}
+
+impl Snapshot {
+    /// Values of the model's inputs.
+    pub fn inputs(&self) -> &[f64] {
+        &self.inputs
+    }
+
+    /// Warm starts as the evaluation left them.
+    pub fn memory(&self) -> &[f64] {
+        &self.memory
+    }
 }
 
 impl Simulation {
@@ -95,6 +109,7 @@ impl Simulation {
             state: SimulationState { time: start, integration, inputs },
             workspace,
             snapshot,
+            snapshot_valid: false,
             model,
         };
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
@@ -120,6 +135,7 @@ impl Simulation {
         let fits = self.state.fits(state);
         if fits {
             self.state.clone_from(state);
+            self.snapshot_valid = false;
         }
         fits
     }
@@ -137,6 +153,7 @@ impl Simulation {
         }
         self.state.integration.restart_at(self.state.time);
         self.state.inputs[index] = signal;
+        self.snapshot_valid = false;
     }
 
     /// Value and derivatives of an input now.
@@ -149,23 +166,33 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`]; time then stands where the last successful step ended.
     pub fn advance(&mut self, target: f64) -> Result<(), SimulationError> {
+        self.snapshot_valid = false;
         let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, &self.state.inputs, &mut self.snapshot.inputs);
         let advanced = self.integrator.advance(&mut dynamics, &mut self.state.integration, &mut self.scratch, target);
         self.state.time = if advanced.is_ok() { target } else { self.state.integration.t.max(self.state.time) };
         Ok(advanced?)
     }
 
-    /// Evaluates the model at the present time. The state is not touched: looking changes nothing.
+    /// The snapshot that was taken last.
+    pub fn last_snapshot(&self) -> &Snapshot {
+        &self.snapshot
+    }
+
+    /// Evaluates the model at the present time, once per state. The state is not touched: looking changes nothing.
     ///
     /// # Errors
     /// [`SimulationError`] when the model cannot be evaluated here.
     pub fn snapshot(&mut self) -> Result<&Snapshot, SimulationError> {
+        if self.snapshot_valid {
+            return Ok(&self.snapshot);
+        }
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
         *time = self.state.time;
         self.state.integration.interpolate(*time, y);
         memory.copy_from_slice(&self.state.integration.memory);
         input::evaluate(&self.state.inputs, *time, inputs);
         self.model.derivative(workspace, *time, inputs, y, memory, dy)?;
+        self.snapshot_valid = true;
         Ok(&self.snapshot)
     }
 
@@ -176,6 +203,7 @@ impl Simulation {
     /// [`SimulationError`] when the model cannot be evaluated there.
     pub fn displaced_snapshot(&mut self, offset: f64) -> Result<&Snapshot, SimulationError> {
         self.snapshot()?;
+        self.snapshot_valid = false;
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
         for (value, slope) in y.iter_mut().zip(dy.iter()) {
             *value += offset * slope;

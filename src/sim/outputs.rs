@@ -9,10 +9,15 @@ use crate::mbs::body::COORDINATES;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     One,
+    /// Metres of a displacement (shown in mm).
     Metre,
+    /// Metres along the track.
+    Distance,
     Radian,
     Second,
     MetrePerSecond,
+    /// Metres per second of travel (shown in km/h).
+    TravelSpeed,
     RadianPerSecond,
     MetrePerSecond2,
     RadianPerSecond2,
@@ -28,14 +33,39 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// The type definition in modelDescription.xml that goes with the unit.
+    pub fn type_name(self) -> &'static str {
+        match self {
+            Unit::One => "Ratio",
+            Unit::Metre => "Displacement",
+            Unit::Distance => "Distance",
+            Unit::Radian => "Angle",
+            Unit::Second => "Time",
+            Unit::MetrePerSecond => "Velocity",
+            Unit::TravelSpeed => "TravellingSpeed",
+            Unit::RadianPerSecond => "AngularVelocity",
+            Unit::MetrePerSecond2 => "Acceleration",
+            Unit::RadianPerSecond2 => "AngularAcceleration",
+            Unit::Newton => "Force",
+            Unit::NewtonMetre => "Torque",
+            Unit::PerMetre => "SpinCreepage",
+            Unit::Kilogram => "Mass",
+            Unit::KilogramMetre2 => "Inertia",
+            Unit::NewtonPerMetre => "Stiffness",
+            Unit::NewtonSecondPerMetre => "Damping",
+            Unit::NewtonSecondPerMetre2 => "PenetrationDamping",
+            Unit::Pascal => "Pressure",
+        }
+    }
+
     /// The unit's name in files.
     pub fn name(self) -> &'static str {
         match self {
             Unit::One => "1",
-            Unit::Metre => "m",
+            Unit::Metre | Unit::Distance => "m",
             Unit::Radian => "rad",
             Unit::Second => "s",
-            Unit::MetrePerSecond => "m/s",
+            Unit::MetrePerSecond | Unit::TravelSpeed => "m/s",
             Unit::RadianPerSecond => "rad/s",
             Unit::MetrePerSecond2 => "m/s2",
             Unit::RadianPerSecond2 => "rad/s2",
@@ -156,12 +186,12 @@ fn motion(c: &mut Collector, body: usize, bodies: usize) {
     let y = |at: usize| move |s: &Snapshot| s.y[at];
     let dy = |at: usize| move |s: &Snapshot| s.dy[at];
     let g = "motion";
-    c.add(10, "distance", g, Unit::Metre, None, "distance of the centre along the track", y(q));
+    c.add(10, "distance", g, Unit::Distance, None, "distance of the centre along the track", y(q));
     c.add(11, "y", g, Unit::Metre, None, "lateral displacement of the centre, left positive", y(q + 1));
     c.add(12, "z", g, Unit::Metre, None, "height of the centre over the nominal contact height", y(q + 2));
     c.add(13, "roll", g, Unit::Radian, None, "roll angle, left side up positive", y(q + 4));
     c.add(14, "yaw", g, Unit::Radian, None, "yaw angle, nose left positive", y(q + 3));
-    c.add(15, "vx", g, Unit::MetrePerSecond, None, "speed of the centre along the track", y(v));
+    c.add(15, "vx", g, Unit::TravelSpeed, None, "speed of the centre along the track", y(v));
     c.add(16, "vy", g, Unit::MetrePerSecond, None, "lateral speed of the centre, left positive", y(v + 1));
     c.add(17, "vz", g, Unit::MetrePerSecond, None, "vertical speed of the centre, up positive", y(v + 2));
     c.add(18, "rollRate", g, Unit::RadianPerSecond, None, "time derivative of the roll angle", y(v + 4));

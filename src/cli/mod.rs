@@ -1,0 +1,103 @@
+//! The command line: results on stdout, messages on stderr, exit code 0, 1 (run failed) or 2 (bad input).
+
+mod export;
+mod list;
+mod plan;
+mod plot;
+mod run;
+
+use crate::scene::load::{self, SceneError};
+use crate::scene::spec::Scene;
+use clap::{Args, Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Vehicles on real wheel/rail contact: from a scene file to an FMI 2.0 co-simulation FMU.
+#[derive(Parser)]
+#[command(name = "wheelrail", version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Write a scene as an FMU and check it by loading and stepping it
+    Export(export::Arguments),
+    /// Simulate a scene natively: CSV, SVG, summary
+    Run(run::Arguments),
+    /// Show what a scene makes the program compute, and what not
+    Plan(plan::Arguments),
+    /// List scenes, profiles, laws, formulations, integrators ...
+    List(list::Arguments),
+}
+
+/// A scene and changes to it.
+#[derive(Args)]
+struct SceneArguments {
+    /// A scene file, or the name of an embedded scene (see `wheelrail list scenes`)
+    scene: String,
+    /// Change a value of the scene, e.g. --set vehicle.speed=30 or --set "track.deviation[1].amplitude=5 mm"
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+}
+
+impl SceneArguments {
+    fn open(&self) -> Result<Scene, SceneError> {
+        load::open(&self.scene, &self.overrides)
+    }
+}
+
+/// How a command failed: the exit code says whose turn it is.
+enum Failure {
+    /// The simulation could not be finished (1).
+    Run(String),
+    /// What was asked for makes no sense (2).
+    Input(String),
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Failure::Input(error.to_string())
+    }
+}
+
+/// Runs the command of `std::env::args`.
+pub fn main() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::Export(arguments) => export::export(&arguments),
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Plan(arguments) => plan::plan(&arguments),
+        Command::List(arguments) => list::list(&arguments),
+    };
+    let (message, code) = match done {
+        Ok(()) => return ExitCode::SUCCESS,
+        Err(Failure::Run(message)) => (message, 1),
+        Err(Failure::Input(message)) => (message, 2),
+    };
+    eprintln!("error: {message}");
+    ExitCode::from(code)
+}
+
+/// Prints to stdout; a closed pipe (`| head`) is not an error.
+fn print(text: &str) {
+    use std::io::Write;
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+/// Columns of text, the first one left-aligned, the others right-aligned.
+fn table(head: &[String], rows: &[Vec<String>]) -> String {
+    let width = |column: usize| rows.iter().chain([&head.to_vec()]).map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..head.len()).map(width).collect();
+    let line = |row: &[String]| {
+        let cells = row.iter().zip(&widths).enumerate().map(|(i, (cell, width))| {
+            let pad = " ".repeat(width - cell.chars().count());
+            if i == 0 { format!("{cell}{pad}") } else { format!("{pad}{cell}") }
+        });
+        format!("  {}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
+    };
+    let mut text = line(head);
+    for row in rows {
+        text += &line(row);
+    }
+    text
+}

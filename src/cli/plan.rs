@@ -1,0 +1,99 @@
+//! `wheelrail plan SCENE`: effects in and out, sizes, and where the time of one evaluation goes.
+
+use super::{Failure, SceneArguments, print};
+use crate::contact::creepage::in_rolling_direction;
+use crate::contact::search::algebraic::{SurfaceParameters, locate};
+use crate::geometry::Side;
+use crate::scene::plan;
+use crate::sim::Simulation;
+use clap::Args;
+use std::hint::black_box;
+use std::time::Instant;
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Print the plan as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
+    let scene = arguments.scene.open()?;
+    let mut simulation = Simulation::new(&scene, 0.0).map_err(|error| Failure::Run(error.to_string()))?;
+    let plan = plan::plan(&scene, simulation.model());
+    let costs = costs(&mut simulation);
+    if arguments.json {
+        let shares: serde_json::Map<String, serde_json::Value> = costs.iter().map(|(name, time)| (name.to_string(), (1e9 * time).into())).collect();
+        print(&format!("{}\n", serde_json::json!({"plan": plan, "nanoseconds": shares})));
+        return Ok(());
+    }
+    print(&format!(
+        "{}: {}\n  {} states ({} bodies), {} contacts, {} force elements, {} numbers of search memory\n\n",
+        plan.scene, scene.title, plan.states, plan.bodies, plan.contacts, plan.force_elements, plan.memory
+    ));
+    let width = plan.effects.iter().map(|effect| effect.name.len()).max().unwrap_or(0);
+    for effect in &plan.effects {
+        let states = if effect.states > 0 { format!("{} states", effect.states) } else { String::new() };
+        let mark = if effect.included { "in " } else { "out" };
+        print(&format!("  {mark}  {:width$}  {states:9}  {}\n", effect.name, effect.why));
+    }
+    let total = costs.iter().map(|cost| cost.1).sum::<f64>();
+    print(&format!("\nOne evaluation of the right-hand side, measured at the initial state: {:.2} us\n", 1e6 * total));
+    for (name, time) in &costs {
+        print(&format!("  {:4.0} %  {name}\n", 100.0 * time / total));
+    }
+    Ok(())
+}
+
+/// Seconds per call, the best of several rounds.
+fn time(mut call: impl FnMut()) -> f64 {
+    const CALLS: u32 = 2000;
+    let round = |call: &mut dyn FnMut()| {
+        let clock = Instant::now();
+        for _ in 0..CALLS {
+            call();
+        }
+        clock.elapsed().as_secs_f64() / f64::from(CALLS)
+    };
+    (0..5).map(|_| round(&mut call)).fold(f64::INFINITY, f64::min)
+}
+
+/// Where the time of one evaluation goes.
+fn costs(simulation: &mut Simulation) -> Vec<(&'static str, f64)> {
+    let Ok(snapshot) = simulation.snapshot().cloned() else { return Vec::new() };
+    let model = simulation.model();
+    let mut search = 0.0;
+    let mut normal = 0.0;
+    let mut creep = 0.0;
+    for (index, wheelset) in model.wheelsets.iter().enumerate() {
+        let motion = &snapshot.workspace.system.motions[wheelset.body];
+        for side in Side::BOTH {
+            let report = &snapshot.workspace.contacts[2 * index + usize::from(side == Side::Right)];
+            let (wheel, rail) = (wheelset.wheel(side), model.track.rail(side));
+            let find = |start: &SurfaceParameters| locate(wheel, rail, &motion.position, &motion.frame.axes, motion.position.x, start);
+            // A start as far off as it is from stage to stage of a step.
+            let start = SurfaceParameters { rail: report.parameters.rail + 1e-6, ..report.parameters };
+            search += time(|| {
+                let _ = black_box(find(black_box(&start)));
+            });
+            let Ok(found) = find(&start) else { continue };
+            let (rolling, across) = found.half_curvatures();
+            normal += time(|| {
+                let _ = black_box(model.laws.normal.contact(black_box(rolling), across, found.penetration.max(1e-9)));
+            });
+            creep += time(|| {
+                let law = |creepage| model.laws.creep.force(report.patch, report.normal_force, model.laws.friction, creepage);
+                black_box(in_rolling_direction(1.0, black_box(report.creepage), law));
+            });
+        }
+    }
+    let mut workspace = model.workspace();
+    let (mut memory, mut dy) = (snapshot.memory().to_vec(), snapshot.dy.clone());
+    let total = time(|| {
+        let _ = black_box(model.derivative(&mut workspace, 0.0, snapshot.inputs(), black_box(&snapshot.y), &mut memory, &mut dy));
+    });
+    let rest = (total - search - normal - creep).max(0.0);
+    vec![("contact search", search), ("normal force and patch", normal), ("creep forces", creep), ("multibody system and the rest", rest)]
+}

@@ -1,0 +1,136 @@
+//! Diagrams of a run as SVG.
+
+use crate::sim::recording::Recording;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use std::path::{Path, PathBuf};
+
+const BLUE: RGBColor = RGBColor(31, 95, 168);
+const ORANGE: RGBColor = RGBColor(208, 98, 36);
+const GREY: RGBColor = RGBColor(120, 120, 120);
+
+struct Curve<'a> {
+    column: &'a str,
+    label: &'a str,
+    color: RGBColor,
+    factor: f64,
+}
+
+struct Panel<'a> {
+    title: &'a str,
+    axis: &'a str,
+    curves: Vec<Curve<'a>>,
+}
+
+/// Lateral displacement, yaw and wheel loads over distance on one sheet, `DIR/NAME.svg`.
+pub(super) fn overview(folder: &Path, name: &str, title: &str, wheelset: &str, recording: &Recording) -> Result<PathBuf, String> {
+    let distance = recording
+        .column(&format!("{wheelset}.distance"))
+        .ok_or("the plot needs the output group \"motion\"; add it to interface.outputs")?;
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: can't be made: {error}", folder.display()))?;
+    let file = folder.join(format!("{name}.svg"));
+    let panels = [
+        Panel {
+            title: "Lateral displacement",
+            axis: "y [mm], left positive",
+            curves: vec![Curve { column: "y", label: "", color: BLUE, factor: 1e3 }],
+        },
+        Panel { title: "Yaw", axis: "yaw [mrad]", curves: vec![Curve { column: "yaw", label: "", color: BLUE, factor: 1e3 }] },
+        Panel {
+            title: "Wheel loads",
+            axis: "Q [kN]",
+            curves: vec![
+                Curve { column: "left.verticalForce", label: "left", color: BLUE, factor: 1e-3 },
+                Curve { column: "right.verticalForce", label: "right", color: ORANGE, factor: 1e-3 },
+            ],
+        },
+    ];
+    let draw = || -> Result<(), String> {
+        let words = |error: DrawingAreaErrorKind<_>| format!("{}: can't be drawn: {error}", file.display());
+        let root = SVGBackend::new(&file, (900, 820)).into_drawing_area();
+        root.fill(&WHITE).map_err(words)?;
+        let sheet = root.titled(title, ("sans-serif", 20)).map_err(words)?;
+        for (area, panel) in sheet.split_evenly((panels.len(), 1)).iter().zip(&panels) {
+            draw_panel(area, panel, wheelset, &distance, recording).map_err(words)?;
+        }
+        root.present().map_err(words)
+    };
+    draw()?;
+    Ok(file)
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+fn draw_panel<'a>(
+    area: &Area<'a>,
+    panel: &Panel,
+    wheelset: &str,
+    distance: &[f64],
+    recording: &Recording,
+) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>> {
+    let curves: Vec<(&Curve, Vec<f64>)> = panel
+        .curves
+        .iter()
+        .filter_map(|curve| {
+            let values = recording.column(&format!("{wheelset}.{}", curve.column))?;
+            Some((curve, values.iter().map(|value| value * curve.factor).collect()))
+        })
+        .collect();
+    let (low, high) = limits(curves.iter().flat_map(|(_, values)| values.iter().copied()));
+    let (first, last) = (distance.iter().copied().fold(f64::INFINITY, f64::min), distance.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+    let last = if last > first { last } else { first + 1.0 };
+    let mut chart = ChartBuilder::on(area)
+        .caption(panel.title, ("sans-serif", 15))
+        .margin(8)
+        .margin_right(24)
+        .x_label_area_size(36)
+        .y_label_area_size(64)
+        .build_cartesian_2d(first..last, low..high)?;
+    chart
+        .configure_mesh()
+        .x_desc("distance [m]")
+        .y_desc(panel.axis)
+        .x_labels(11)
+        .y_labels(6)
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(GREY.mix(0.25))
+        .axis_style(GREY)
+        .x_label_formatter(&|value| short(*value))
+        .y_label_formatter(&|value| short(*value))
+        .label_style(("sans-serif", 13))
+        .draw()?;
+    for (curve, values) in &curves {
+        let color = curve.color;
+        let series = LineSeries::new(distance.iter().copied().zip(values.iter().copied()), color.stroke_width(2));
+        let drawn = chart.draw_series(series)?;
+        if !curve.label.is_empty() {
+            drawn.label(curve.label).legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2)));
+        }
+    }
+    if curves.iter().any(|(curve, _)| !curve.label.is_empty()) {
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .background_style(WHITE.mix(0.8))
+            .label_font(("sans-serif", 13))
+            .draw()?;
+    }
+    Ok(())
+}
+
+/// A range with some air around the values.
+fn limits(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    if !(low.is_finite() && high.is_finite()) {
+        return (-1.0, 1.0);
+    }
+    let air = (0.08 * (high - low)).max(1e-6 * high.abs()).max(1e-9);
+    (low - air, high + air)
+}
+
+/// A label without needless zeros.
+fn short(value: f64) -> String {
+    let text = format!("{value:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".into() } else { text.into() }
+}

@@ -1,0 +1,158 @@
+//! `wheelrail run SCENE`: a native simulation with CSV, SVG and a summary.
+
+use super::{Failure, SceneArguments, plot, print, table};
+use crate::sim::Simulation;
+use crate::sim::outputs::outputs;
+use crate::sim::recording::{self, Recording};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Write all outputs as CSV ("-" for stdout)
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    /// Draw lateral displacement, yaw and wheel loads over distance as SVG into a folder
+    #[arg(long, value_name = "DIR")]
+    plot: Option<PathBuf>,
+    /// Stop time in s [default: run.stop of the scene]
+    #[arg(long, value_name = "T")]
+    stop: Option<f64>,
+    /// Output step in s [default: run.step of the scene]
+    #[arg(long, value_name = "H")]
+    step: Option<f64>,
+    /// Print the summary as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Smallest number of simulated seconds that gets a progress bar (on a terminal).
+const LONG: f64 = 30.0;
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let scene = arguments.scene.open()?;
+    let stop = arguments.stop.unwrap_or(scene.run.stop);
+    let step = arguments.step.unwrap_or(scene.run.step);
+    if !(stop.is_finite() && stop >= 0.0) {
+        return Err(Failure::Input(format!("--stop {stop}: expected a time of 0 s or more")));
+    }
+    if !(step.is_finite() && step > 0.0) {
+        return Err(Failure::Input(format!("--step {step}: expected a time greater than 0 s")));
+    }
+    if stop / step > 1e8 {
+        return Err(Failure::Input(format!("--step {step}: that would be {:.0} output rows", stop / step)));
+    }
+    let mut simulation = Simulation::new(&scene, 0.0).map_err(|error| Failure::Run(error.to_string()))?;
+    let outputs = outputs(simulation.model(), &scene.interface.outputs);
+    let bar = progress_bar(stop);
+    let clock = Instant::now();
+    let done = recording::record(&mut simulation, &outputs, stop, step, |time| bar.set_position((1e3 * time) as u64));
+    let elapsed = clock.elapsed().as_secs_f64();
+    bar.finish_and_clear();
+    // What was computed before a failure is written too.
+    let (recording, failure) = match done {
+        Ok(recording) => (recording, None),
+        Err(interrupted) => (interrupted.recording, Some(interrupted.error)),
+    };
+    let to_stdout = arguments.output.as_deref() == Some(Path::new("-"));
+    if let Some(path) = &arguments.output {
+        write_csv(path, &recording)?;
+    }
+    if let Some(folder) = &arguments.plot {
+        let name = &scene.vehicle.wheelset.name;
+        let file = plot::overview(folder, &scene.name, &scene.title, name, &recording).map_err(Failure::Input)?;
+        eprintln!("wrote {}", file.display());
+    }
+    let statistics = simulation.statistics();
+    let simulated = simulation.time();
+    if arguments.json {
+        let extremes: serde_json::Map<String, serde_json::Value> = extremes(&recording)
+            .into_iter()
+            .map(|extreme| (extreme.name, serde_json::json!({"min": extreme.min, "max": extreme.max, "end": extreme.end})))
+            .collect();
+        let value = serde_json::json!({
+            "scene": scene.name, "simulated": simulated, "seconds": elapsed, "statistics": statistics,
+            "extremes": extremes, "error": failure.as_ref().map(ToString::to_string),
+        });
+        print(&format!("{value}\n"));
+    } else if !to_stdout {
+        print(&summary(&scene.title, &scene.vehicle.wheelset.name, &recording));
+        print(&format!(
+            "\n  {simulated} s simulated in {elapsed:.3} s ({:.0} times real time with outputs every {} ms):\n  {} steps, {} rejected, {} evaluations of the right-hand side\n",
+            simulated / elapsed.max(1e-9), 1e3 * step, statistics.steps, statistics.rejected, statistics.evaluations
+        ));
+    }
+    match failure {
+        Some(error) => Err(Failure::Run(error.to_string())),
+        None => Ok(()),
+    }
+}
+
+fn progress_bar(stop: f64) -> ProgressBar {
+    if stop < LONG {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new((1e3 * stop) as u64);
+    let style = ProgressStyle::with_template("{wide_bar} {percent} % {eta}").unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.with_style(style)
+}
+
+fn write_csv(path: &Path, recording: &Recording) -> Result<(), Failure> {
+    let problem = |error: String| Failure::Input(format!("{}: can't be written: {error}", path.display()));
+    if path == Path::new("-") {
+        return recording.write_csv(std::io::stdout().lock()).map_err(|error| problem(error.to_string()));
+    }
+    let file = std::fs::File::create(path).map_err(|error| problem(error.to_string()))?;
+    recording.write_csv(std::io::BufWriter::new(file)).map_err(|error| problem(error.to_string()))
+}
+
+struct Extreme {
+    name: String,
+    min: f64,
+    max: f64,
+    end: f64,
+}
+
+fn extremes(recording: &Recording) -> Vec<Extreme> {
+    let column = |(index, (name, _)): (usize, &(String, &'static str))| {
+        let values = recording.rows.iter().map(|row| row[index]);
+        Extreme {
+            name: name.clone(),
+            min: values.clone().fold(f64::INFINITY, f64::min),
+            max: values.clone().fold(f64::NEG_INFINITY, f64::max),
+            end: values.last().unwrap_or(f64::NAN),
+        }
+    };
+    recording.columns.iter().enumerate().map(column).collect()
+}
+
+/// Extremes of the outputs that people look at first.
+fn summary(title: &str, wheelset: &str, recording: &Recording) -> String {
+    const SHOWN: [(&str, &str, &str, f64); 9] = [
+        ("y", "lateral displacement", "mm", 1e3),
+        ("yaw", "yaw", "mrad", 1e3),
+        ("roll", "roll", "mrad", 1e3),
+        ("left.verticalForce", "Q left", "kN", 1e-3),
+        ("right.verticalForce", "Q right", "kN", 1e-3),
+        ("left.lateralForce", "Y left", "kN", 1e-3),
+        ("right.lateralForce", "Y right", "kN", 1e-3),
+        ("left.derailmentQuotient", "Y/Q left", "-", 1.0),
+        ("right.derailmentQuotient", "Y/Q right", "-", 1.0),
+    ];
+    let found = extremes(recording);
+    let rows: Vec<Vec<String>> = SHOWN
+        .iter()
+        .filter_map(|(name, label, unit, factor)| {
+            let full = format!("{wheelset}.{name}");
+            let extreme = found.iter().find(|extreme| extreme.name == full)?;
+            let cell = |value: f64| format!("{:.4}", value * factor);
+            Some(vec![format!("{label} [{unit}]"), cell(extreme.min), cell(extreme.max), cell(extreme.end)])
+        })
+        .collect();
+    let head = ["", "smallest", "largest", "at the end"].map(String::from);
+    format!("{title}\n\n{}", table(&head, &rows))
+}

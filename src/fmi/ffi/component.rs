@@ -1,0 +1,76 @@
+//! What stands behind an fmi2Component: a safe instance, its logger and what C may still look at.
+
+use super::super::instance;
+use super::common::c_string;
+use super::types::*;
+use std::ffi::CString;
+
+/// Behind an fmi2Component.
+pub struct Component {
+    pub instance: instance::Instance,
+    pub log: Log,
+    /// Status of the last fmi2DoStep.
+    pub last_step: Status,
+    /// Set by a panic: the instance then answers fmi2Error for ever.
+    pub poisoned: bool,
+    /// Strings given to the host; they live until the next call on this instance.
+    pub strings: Vec<CString>,
+}
+
+impl Component {
+    pub fn new(instance: instance::Instance, log: Log) -> Self {
+        Component { instance, log, last_step: Status::Ok, poisoned: false, strings: Vec::new() }
+    }
+}
+
+/// The host's logger with what it wants to hear.
+pub struct Log {
+    logger: Option<Logger>,
+    environment: ComponentEnvironment,
+    name: CString,
+    on: bool,
+    /// Empty: all categories.
+    categories: Vec<String>,
+}
+
+impl Log {
+    /// # Safety
+    /// `functions` must be null or valid; the environment is only handed back to the logger.
+    pub unsafe fn new(name: Option<&str>, functions: *const CallbackFunctions, on: bool) -> Self {
+        let functions = unsafe { functions.as_ref() };
+        Log {
+            logger: functions.and_then(|functions| functions.logger),
+            environment: functions.map_or(std::ptr::null_mut(), |functions| functions.component_environment),
+            name: c_string(name.unwrap_or("wheelrail")),
+            on,
+            categories: Vec::new(),
+        }
+    }
+
+    pub fn configure(&mut self, on: bool, categories: Vec<String>) {
+        self.on = on;
+        self.categories = categories;
+    }
+
+    /// A refused call or a step that ended early: always logged.
+    pub fn error(&self, status: Status, message: &str) {
+        let category = if status == Status::Discard { c"logStatusDiscard" } else { c"logStatusError" };
+        self.send(status, category, message);
+    }
+
+    /// Something worth knowing, when the host asked for it.
+    pub fn event(&self, message: &str) {
+        let wanted = |name: &String| name == "logEvents" || name == "logAll";
+        if self.on && (self.categories.is_empty() || self.categories.iter().any(wanted)) {
+            self.send(Status::Ok, c"logEvents", message);
+        }
+    }
+
+    fn send(&self, status: Status, category: &std::ffi::CStr, message: &str) {
+        if let Some(logger) = self.logger {
+            // The message is the format: without arguments, percent signs must be doubled.
+            let message = c_string(&message.replace('%', "%%"));
+            unsafe { logger(self.environment, self.name.as_ptr(), status, category.as_ptr(), message.as_ptr()) };
+        }
+    }
+}

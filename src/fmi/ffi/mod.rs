@@ -1,0 +1,272 @@
+//! The C functions of FMI 2.0 and, in `host`, their caller: the only unsafe code of the program.
+//!
+//! Each function checks its pointers, takes the instance, catches panics and turns the answer into a status. A panic
+//! poisons its instance only: that one answers fmi2Error ever after. `nvr == 0` returns before any slice is made.
+
+mod common;
+mod component;
+pub mod host;
+mod model_exchange;
+mod states;
+pub mod types;
+mod values;
+
+use common::{guard, refuse, report, text};
+use component::{Component as Instance, Log};
+use std::ffi::{c_char, c_int};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use types::*;
+
+/// Found in the library's bytes by `wheelrail export`, which refuses a library of another build.
+#[unsafe(no_mangle)]
+pub static WHEELRAIL_BUILD_MARK: [u8; super::package::BUILD_MARK.len()] = mark();
+
+const fn mark() -> [u8; super::package::BUILD_MARK.len()] {
+    let source = super::package::BUILD_MARK.as_bytes();
+    let mut bytes = [0; super::package::BUILD_MARK.len()];
+    let mut i = 0;
+    while i < source.len() {
+        bytes[i] = source[i];
+        i += 1;
+    }
+    bytes
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetTypesPlatform() -> FmiString {
+    c"default".as_ptr()
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn fmi2GetVersion() -> FmiString {
+    c"2.0".as_ptr()
+}
+
+/// Makes an instance; null with a log message when that is not possible.
+///
+/// # Safety
+/// Pointers must be null or valid, strings null-terminated, as FMI 2.0 says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Instantiate(
+    instance_name: FmiString,
+    fmu_type: c_int,
+    guid: FmiString,
+    resource_location: FmiString,
+    functions: *const CallbackFunctions,
+    _visible: Boolean,
+    logging_on: Boolean,
+) -> Component {
+    let made = catch_unwind(AssertUnwindSafe(|| {
+        let name = unsafe { text(instance_name) };
+        let log = unsafe { Log::new(name.as_deref(), functions, logging_on == TRUE) };
+        let made = (|| {
+            if fmu_type != CO_SIMULATION {
+                return Err("this FMU is for co-simulation; fmi2ModelExchange is not supported".to_string());
+            }
+            if functions.is_null() {
+                return Err("the callback functions are NULL".into());
+            }
+            name.filter(|name| !name.trim().is_empty()).ok_or("the instance name is missing")?;
+            let guid = unsafe { text(guid) }.ok_or("the GUID is missing")?;
+            let location = unsafe { text(resource_location) }.ok_or("the resource location is missing")?;
+            let folder = super::uri::path(&location)?;
+            super::instance::Instance::new(&folder, &guid).map_err(|error| error.to_string())
+        })();
+        match made {
+            Ok(instance) => Box::into_raw(Box::new(Instance::new(instance, log))).cast(),
+            Err(message) => {
+                log.error(Status::Error, &message);
+                std::ptr::null_mut()
+            }
+        }
+    }));
+    made.unwrap_or(std::ptr::null_mut())
+}
+
+/// Frees an instance; null does nothing.
+///
+/// # Safety
+/// The component must come from fmi2Instantiate and not be used again.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeInstance(c: Component) {
+    if !c.is_null() {
+        // Dropping runs no foreign code, but nothing may unwind into C.
+        let _ = catch_unwind(AssertUnwindSafe(|| drop(unsafe { Box::from_raw(c.cast::<Instance>()) })));
+    }
+}
+
+/// # Safety
+/// The component must be null or come from fmi2Instantiate; `categories` must hold `n` strings.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetDebugLogging(c: Component, logging_on: Boolean, n: usize, categories: *const FmiString) -> Status {
+    guard(c, |component| {
+        let mut names = Vec::new();
+        if n > 0 {
+            if categories.is_null() {
+                return refuse(component, "fmi2SetDebugLogging: the categories are NULL");
+            }
+            for i in 0..n {
+                match unsafe { text(*categories.add(i)) } {
+                    Some(name) if super::description::LOG_CATEGORIES.iter().any(|category| category.0 == name) => names.push(name),
+                    Some(name) => return refuse(component, &format!("fmi2SetDebugLogging: there is no log category \"{name}\"")),
+                    None => return refuse(component, "fmi2SetDebugLogging: a category is NULL"),
+                }
+            }
+        }
+        component.log.configure(logging_on == TRUE, names);
+        Status::Ok
+    })
+}
+
+/// # Safety
+/// The component must be null or come from fmi2Instantiate.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetupExperiment(
+    c: Component,
+    tolerance_defined: Boolean,
+    tolerance: Real,
+    start_time: Real,
+    stop_time_defined: Boolean,
+    stop_time: Real,
+) -> Status {
+    guard(c, |component| {
+        let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
+        let stop = (stop_time_defined != FALSE).then_some(stop_time);
+        let answer = component.instance.setup_experiment(tolerance, start_time, stop);
+        report(component, answer)
+    })
+}
+
+/// # Safety
+/// The component must be null or come from fmi2Instantiate.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterInitializationMode(c: Component) -> Status {
+    guard(c, |component| {
+        let answer = component.instance.enter_initialization();
+        report(component, answer)
+    })
+}
+
+/// # Safety
+/// The component must be null or come from fmi2Instantiate.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2ExitInitializationMode(c: Component) -> Status {
+    guard(c, |component| {
+        let answer = component.instance.exit_initialization();
+        let status = report(component, answer);
+        if status == Status::Ok {
+            component.log.event(&component.instance.summary());
+        }
+        status
+    })
+}
+
+/// # Safety
+/// The component must be null or come from fmi2Instantiate.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Terminate(c: Component) -> Status {
+    guard(c, |component| {
+        let answer = component.instance.terminate();
+        let status = report(component, answer);
+        if status == Status::Ok {
+            component.log.event(&component.instance.summary());
+        }
+        status
+    })
+}
+
+/// # Safety
+/// The component must be null or come from fmi2Instantiate.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Reset(c: Component) -> Status {
+    guard(c, |component| {
+        component.instance.reset();
+        component.last_step = Status::Ok;
+        Status::Ok
+    })
+}
+
+/// # Safety
+/// The component must be null or come from fmi2Instantiate.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2DoStep(
+    c: Component,
+    current_communication_point: Real,
+    communication_step_size: Real,
+    _no_set_state_prior: Boolean,
+) -> Status {
+    use super::instance::StepOutcome;
+    guard(c, |component| match component.instance.do_step(current_communication_point, communication_step_size) {
+        Ok(StepOutcome::Done) => {
+            component.last_step = Status::Ok;
+            Status::Ok
+        }
+        Ok(StepOutcome::Discarded(error)) => {
+            component.last_step = Status::Discard;
+            let reached = component.instance.time();
+            component.log.error(Status::Discard, &format!("the step ended early at t = {reached} s: {error}"));
+            Status::Discard
+        }
+        Err(error) => refuse(component, &error.to_string()),
+    })
+}
+
+/// Steps are never pending, so there is nothing to cancel.
+///
+/// # Safety
+/// The component must be null or come from fmi2Instantiate.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2CancelStep(c: Component) -> Status {
+    guard(c, |component| refuse(component, "fmi2CancelStep: steps are never pending"))
+}
+
+/// Answers one question about the last step.
+fn step_status<T>(c: Component, value: *mut T, kind: c_int, answer: impl FnOnce(&mut Instance, c_int) -> Option<T>) -> Status {
+    guard(c, |component| {
+        if value.is_null() {
+            return refuse(component, "the status value is NULL");
+        }
+        match answer(component, kind) {
+            Some(found) => {
+                unsafe { value.write(found) };
+                Status::Ok
+            }
+            None => refuse(component, &format!("status kind {kind} is not answered by this function")),
+        }
+    })
+}
+
+/// # Safety
+/// The component must be null or come from fmi2Instantiate, `value` null or valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetStatus(c: Component, kind: c_int, value: *mut Status) -> Status {
+    step_status(c, value, kind, |component, kind| (kind == DO_STEP_STATUS).then_some(component.last_step))
+}
+
+/// # Safety
+/// The component must be null or come from fmi2Instantiate, `value` null or valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetRealStatus(c: Component, kind: c_int, value: *mut Real) -> Status {
+    step_status(c, value, kind, |component, kind| (kind == LAST_SUCCESSFUL_TIME).then(|| component.instance.time()))
+}
+
+/// # Safety
+/// The component must be null or come from fmi2Instantiate, `value` null or valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetIntegerStatus(c: Component, kind: c_int, value: *mut Integer) -> Status {
+    step_status(c, value, kind, |_, _| None)
+}
+
+/// # Safety
+/// The component must be null or come from fmi2Instantiate, `value` null or valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status {
+    step_status(c, value, kind, |_, kind| (kind == TERMINATED).then_some(FALSE))
+}
+
+/// # Safety
+/// The component must be null or come from fmi2Instantiate, `value` null or valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetStringStatus(c: Component, kind: c_int, value: *mut FmiString) -> Status {
+    step_status(c, value, kind, |_, kind| (kind == PENDING_STATUS).then_some(c"".as_ptr() as *const c_char))
+}

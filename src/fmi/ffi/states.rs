@@ -1,0 +1,132 @@
+//! Saving, restoring and serialising the state of an instance.
+
+use super::super::instance::SavedState;
+use super::common::{guard, refuse, report, slice};
+use super::types::*;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Behind an fmi2FMUstate. The mark catches pointers that were never one (or were freed and reused).
+struct Held {
+    mark: u64,
+    state: SavedState,
+}
+
+const MARK: u64 = 0x5748_4545_4c53_5441;
+
+unsafe fn held<'a>(state: FmuState) -> Option<&'a mut Held> {
+    unsafe { state.cast::<Held>().as_mut() }.filter(|held| held.mark == MARK)
+}
+
+/// # Safety
+/// `state` must be null or point to null or to a state of this library.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetFMUstate(c: Component, state: *mut FmuState) -> Status {
+    guard(c, |component| {
+        let Some(target) = (unsafe { state.as_mut() }) else { return refuse(component, "fmi2GetFMUstate: the state pointer is NULL") };
+        let saved = component.instance.save();
+        if target.is_null() {
+            *target = Box::into_raw(Box::new(Held { mark: MARK, state: saved })).cast();
+            return Status::Ok;
+        }
+        match unsafe { held(*target) } {
+            Some(held) => {
+                held.state = saved;
+                Status::Ok
+            }
+            None => refuse(component, "fmi2GetFMUstate: the pointer is neither NULL nor a state of this FMU"),
+        }
+    })
+}
+
+/// # Safety
+/// `state` must be null or a state of this library.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetFMUstate(c: Component, state: FmuState) -> Status {
+    guard(c, |component| match unsafe { held(state) } {
+        Some(held) => {
+            let answer = component.instance.restore(&held.state);
+            if answer.is_ok() {
+                component.last_step = Status::Ok;
+            }
+            report(component, answer)
+        }
+        None => refuse(component, "fmi2SetFMUstate: the pointer is not a state of this FMU"),
+    })
+}
+
+/// # Safety
+/// `state` must be null or point to null or to a state of this library.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeFMUstate(c: Component, state: *mut FmuState) -> Status {
+    guard(c, |component| {
+        let Some(target) = (unsafe { state.as_mut() }) else { return refuse(component, "fmi2FreeFMUstate: the state pointer is NULL") };
+        if target.is_null() {
+            return Status::Ok;
+        }
+        match unsafe { held(*target) } {
+            Some(held) => {
+                held.mark = 0;
+                let pointer: *mut Held = held;
+                let _ = catch_unwind(AssertUnwindSafe(|| drop(unsafe { Box::from_raw(pointer) })));
+                *target = std::ptr::null_mut();
+                Status::Ok
+            }
+            None => refuse(component, "fmi2FreeFMUstate: the pointer is not a state of this FMU"),
+        }
+    })
+}
+
+/// # Safety
+/// `state` must be null or a state of this library, `size` null or valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: Component, state: FmuState, size: *mut usize) -> Status {
+    guard(c, |component| {
+        let (Some(held), Some(size)) = (unsafe { held(state) }, unsafe { size.as_mut() }) else {
+            return refuse(component, "fmi2SerializedFMUstateSize: the state or the size pointer is not valid");
+        };
+        let answer = component.instance.serialize(&held.state).map(|bytes| *size = bytes.len());
+        report(component, answer)
+    })
+}
+
+/// # Safety
+/// `state` must be null or a state of this library, `bytes` null or `size` bytes long.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializeFMUstate(c: Component, state: FmuState, bytes: *mut Byte, size: usize) -> Status {
+    guard(c, |component| {
+        let Some(held) = (unsafe { held(state) }) else { return refuse(component, "fmi2SerializeFMUstate: the pointer is not a state of this FMU") };
+        if bytes.is_null() {
+            return refuse(component, "fmi2SerializeFMUstate: the buffer is NULL");
+        }
+        match component.instance.serialize(&held.state) {
+            Ok(blob) if blob.len() <= size => {
+                unsafe { std::ptr::copy_nonoverlapping(blob.as_ptr(), bytes.cast::<u8>(), blob.len()) };
+                Status::Ok
+            }
+            Ok(blob) => refuse(component, &format!("fmi2SerializeFMUstate: the buffer holds {size} bytes, {} are needed", blob.len())),
+            Err(error) => refuse(component, &error.to_string()),
+        }
+    })
+}
+
+/// # Safety
+/// `bytes` must be null or `size` bytes long, `state` null or point to null or to a state of this library.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2DeSerializeFMUstate(c: Component, bytes: *const Byte, size: usize, state: *mut FmuState) -> Status {
+    guard(c, |component| {
+        let (Some(blob), Some(target)) = (unsafe { slice(bytes.cast::<u8>(), size) }, unsafe { state.as_mut() }) else {
+            return refuse(component, "fmi2DeSerializeFMUstate: the buffer or the state pointer is NULL");
+        };
+        match component.instance.deserialize(blob) {
+            Ok(saved) => {
+                match unsafe { held(*target) } {
+                    Some(held) => held.state = saved,
+                    None if target.is_null() => *target = Box::into_raw(Box::new(Held { mark: MARK, state: saved })).cast(),
+                    None => return refuse(component, "fmi2DeSerializeFMUstate: the pointer is neither NULL nor a state of this FMU"),
+                }
+                Status::Ok
+            }
+            Err(error) => refuse(component, &error.to_string()),
+        }
+    })
+}

@@ -1,0 +1,90 @@
+//! Saved FMU states as bytes: a header that proves where they come from, then the state itself.
+//!
+//! Layout (little endian): magic (8), format version (4), GUID (38), payload length (8), SHA-256 of all before and of
+//! the payload (32), payload. A blob that fails any check is refused; memory is never copied raw.
+
+use super::instance::SavedState;
+use sha2::{Digest, Sha256};
+
+const MAGIC: &[u8; 8] = b"WHEELRL\x01";
+const VERSION: u32 = 1;
+const GUID_LENGTH: usize = 38;
+const HEADER: usize = MAGIC.len() + 4 + GUID_LENGTH + 8 + 32;
+
+/// Why bytes are not a state of this FMU.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum BlobError {
+    #[error("the serialised state is {found} bytes long, expected {expected}")]
+    Length { found: usize, expected: usize },
+    #[error("these bytes are not a serialised state of this program")]
+    Magic,
+    #[error("the serialised state has format version {0}, expected {VERSION}")]
+    Version(u32),
+    #[error("the serialised state belongs to another FMU (GUID {0})")]
+    Guid(String),
+    #[error("the serialised state is damaged: its checksum does not match")]
+    Checksum,
+    #[error("the serialised state can't be read: {0}")]
+    Payload(String),
+}
+
+fn checksum(head: &[u8], payload: &[u8]) -> [u8; 32] {
+    let mut hash = Sha256::new();
+    hash.update(head);
+    hash.update(payload);
+    hash.finalize().into()
+}
+
+/// Writes a state; the same state gives the same bytes.
+///
+/// # Errors
+/// [`BlobError::Payload`] when the state cannot be encoded.
+pub fn write(guid: &str, state: &SavedState) -> Result<Vec<u8>, BlobError> {
+    let payload = postcard::to_stdvec(state).map_err(|error| BlobError::Payload(error.to_string()))?;
+    let mut bytes = Vec::with_capacity(HEADER + payload.len());
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&VERSION.to_le_bytes());
+    let mut name = guid.as_bytes().to_vec();
+    name.resize(GUID_LENGTH, b' ');
+    bytes.extend_from_slice(&name);
+    bytes.extend_from_slice(&(payload.len() as u64).to_le_bytes());
+    let sum = checksum(&bytes, &payload);
+    bytes.extend_from_slice(&sum);
+    bytes.extend_from_slice(&payload);
+    Ok(bytes)
+}
+
+/// Reads a state that [`write`] has written for the same GUID.
+///
+/// # Errors
+/// [`BlobError`].
+pub fn read(guid: &str, bytes: &[u8]) -> Result<SavedState, BlobError> {
+    if bytes.len() < HEADER {
+        return Err(BlobError::Length { found: bytes.len(), expected: HEADER });
+    }
+    let (magic, rest) = bytes.split_at(MAGIC.len());
+    if magic != MAGIC {
+        return Err(BlobError::Magic);
+    }
+    let (version, rest) = rest.split_at(4);
+    let version = u32::from_le_bytes(version.try_into().unwrap_or_default());
+    if version != VERSION {
+        return Err(BlobError::Version(version));
+    }
+    let (name, rest) = rest.split_at(GUID_LENGTH);
+    let name = String::from_utf8_lossy(name);
+    if name.trim_end() != guid {
+        return Err(BlobError::Guid(name.trim_end().chars().filter(|c| !c.is_control()).collect()));
+    }
+    let (length, rest) = rest.split_at(8);
+    let length = u64::from_le_bytes(length.try_into().unwrap_or_default());
+    let (sum, payload) = rest.split_at(32);
+    if payload.len() as u64 != length {
+        return Err(BlobError::Length { found: bytes.len(), expected: HEADER.saturating_add(usize::try_from(length).unwrap_or(usize::MAX)) });
+    }
+    if checksum(&bytes[..HEADER - 32], payload) != sum {
+        return Err(BlobError::Checksum);
+    }
+    let (state, rest) = postcard::take_from_bytes(payload).map_err(|error| BlobError::Payload(error.to_string()))?;
+    if rest.is_empty() { Ok(state) } else { Err(BlobError::Payload("bytes are left over".into())) }
+}
