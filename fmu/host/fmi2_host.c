@@ -2120,7 +2120,7 @@ static void mode_bad(int nfiles, char **files)
 /* ------------------------------------------------------------------ */
 /* states                                                              */
 
-enum { BEFORE = 50, AFTER = 40 };
+enum { BEFORE = 55, AFTER = 40 };
 
 /* Steps beside every round number, about 10 ms each. */
 static double odd_step(int i) { return 0.0071 + 0.0013 * ((i * 7) % 5) + 1e-4 / (i + 3); }

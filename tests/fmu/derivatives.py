@@ -37,6 +37,8 @@ def sample(fmu, names, times, values, drive):
 def compare(report, fmu, what, times, values, drive):
     report.section(what)
     names = MOTION + FORCES
+    # Differences of the solution amplify the integrator's error by the square of the contact frequency (1e6 1/s2).
+    values = {"solver.tolerance": 1e-13} | (values or {})
     told, differences, outputs = sample(fmu, names, times, values, drive)
     for i, name in enumerate(names):
         scale = np.max(np.abs(differences[:, i]))
@@ -61,8 +63,8 @@ def script(report, path):
             instance.set_derivatives(TORQUE, 1e4)
             instance.set_derivatives(INPUTS[1], 5e3)
 
-        compare(report, fmu, "3 mm off the centre, with rising torque and lateral force",
-                [0.06, 0.11, 0.17, 0.23, 0.31], {f"{W}.initial.distance": 100.0, f"{W}.initial.y": 0.003}, drive)
+        compare(report, fmu, "1 mm off the centre, with rising torque and lateral force",
+                [0.06, 0.11, 0.17, 0.23, 0.31], {f"{W}.initial.distance": 100.0, f"{W}.initial.y": 0.001}, drive)
 
         report.section("all outputs")
         with fmu.instance() as instance:
