@@ -5,9 +5,9 @@ use nalgebra::{DimMin, DimMinimum, Const, SMatrix, SVector, ToTypenum};
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
 pub struct NewtonLimits {
-    /// A step shorter than this (norm) is the last one: Newton converges quadratically, so what remains
-    /// is of the order of its square.
-    pub last_step: f64,
+    /// The iteration ends when the next step would be shorter than this (norm). The next step is foreseen from the
+    /// last one and the fall of the residual, so that it need not be computed.
+    pub next_step: f64,
     pub iterations: usize,
 }
 
@@ -41,19 +41,22 @@ where
     let mut norm = residual.norm();
     for iteration in 1..=limits.iterations {
         let failure = NewtonFailure { iterations: iteration, residual: norm };
-        let Some(step) = jacobian.lu().solve(&residual) else { return Err(failure) };
+        let Some(inverse) = jacobian.try_inverse() else { return Err(failure) };
+        let step = inverse * residual;
         let length = step.norm();
         if !length.is_finite() {
             return Err(failure);
         }
         let mut factor = 1.0;
+        let mut foreseen = f64::INFINITY;
         for halving in 0..=HALVINGS {
             let trial = *x - factor * step;
             let (trial_residual, trial_jacobian, trial_value) = evaluate(&trial);
             let trial_norm = trial_residual.norm();
-            // Within rounding of the solution the norm may not fall any more; a short full step is still right.
-            let accept = trial_norm < norm || (length <= limits.last_step && trial_norm.is_finite());
-            if accept {
+            // Within rounding of the solution the norm may not fall any more; a short step is still right.
+            let rounding = length <= limits.next_step && trial_norm.is_finite();
+            if trial_norm < norm || rounding {
+                foreseen = if rounding || norm == 0.0 { 0.0 } else { factor * length * trial_norm / norm };
                 (*x, residual, jacobian, value, norm) = (trial, trial_residual, trial_jacobian, trial_value, trial_norm);
                 break;
             }
@@ -62,7 +65,7 @@ where
             }
             factor *= 0.5;
         }
-        if length * factor <= limits.last_step {
+        if foreseen <= limits.next_step {
             return Ok((value, iteration));
         }
     }
@@ -75,7 +78,7 @@ mod tests {
     use nalgebra::{Matrix2, Vector2};
 
     fn limits() -> NewtonLimits {
-        NewtonLimits { last_step: 1e-7, iterations: 30 }
+        NewtonLimits { next_step: 1e-14, iterations: 30 }
     }
 
     #[test]

@@ -87,6 +87,21 @@ impl CubicSpline {
         (self.knots[0], self.knots[self.knots.len() - 1])
     }
 
+    /// The interval that holds `x` and the distance from its begin; `x` must lie inside the range.
+    #[inline]
+    fn interval(&self, x: f64) -> (usize, f64) {
+        let cell = (((x - self.knots[0]) * self.cells_per_unit) as usize).min(self.cells.len() - 1);
+        let mut i = self.cells[cell] as usize;
+        // Rounding may put x one cell too far; then step back first.
+        while i > 0 && x < self.knots[i] {
+            i -= 1;
+        }
+        while i + 2 < self.knots.len() && x >= self.knots[i + 1] {
+            i += 1;
+        }
+        (i, x - self.knots[i])
+    }
+
     /// Value and first three derivatives at `x`.
     #[inline]
     pub fn at(&self, x: f64) -> [f64; 4] {
@@ -98,18 +113,19 @@ impl CubicSpline {
         if x >= last {
             return [self.last_value + self.last_slope * (x - last), self.last_slope, 0.0, 0.0];
         }
-        let cell = (((x - first) * self.cells_per_unit) as usize).min(self.cells.len() - 1);
-        let mut i = self.cells[cell] as usize;
-        // Rounding may put x one cell too far; then step back first.
-        while i > 0 && x < self.knots[i] {
-            i -= 1;
-        }
-        while x >= self.knots[i + 1] {
-            i += 1;
-        }
+        let (i, t) = self.interval(x);
         let [c0, c1, c2, c3] = self.pieces[i];
-        let t = x - self.knots[i];
         [c0 + t * (c1 + t * (c2 + t * c3)), c1 + t * (2.0 * c2 + 3.0 * t * c3), 2.0 * c2 + 6.0 * t * c3, 6.0 * c3]
+    }
+
+    /// Values of several splines over the same positions, at an `x` inside their range.
+    #[inline]
+    pub fn values<const N: usize>(splines: &[CubicSpline; N], x: f64) -> [f64; N] {
+        let (i, t) = splines[0].interval(x);
+        std::array::from_fn(|k| {
+            let [c0, c1, c2, c3] = splines[k].pieces[i];
+            c0 + t * (c1 + t * (c2 + t * c3))
+        })
     }
 }
 

@@ -82,7 +82,7 @@ pub fn steady_rolling(scene: &Scene, model: &Model) -> Result<SteadyRolling, Equ
         (here, Matrix2::from_columns(&columns), ())
     };
     let mut x = Vector2::zeros();
-    let solved = newton::solve(&mut x, NewtonLimits { last_step: 1e-9, iterations: 60 }, &mut evaluate);
+    let solved = newton::solve(&mut x, NewtonLimits { next_step: 1e-13, iterations: 60 }, &mut evaluate);
     let (z, pitch_rate) = at(&x);
     match (solved, failure) {
         (Ok(_), _) => Ok(SteadyRolling { z, pitch_rate }),

@@ -125,6 +125,8 @@ pub static REGISTRY: &[Entry<Parse>] = &[dormand_prince::ENTRY, rk4::ENTRY];
 /// [`SettingsError`] with file and line.
 pub fn parse(section: &Section) -> Result<(&'static str, Integrator), SettingsError> {
     let entry = choose(REGISTRY, section, "integrator")?;
+    // Each method takes the one that it needs; the other may stay for the next choice.
+    let _ = (section.has("tolerance"), section.has("step"));
     Ok((entry.name, (entry.parse)(section)?))
 }
 

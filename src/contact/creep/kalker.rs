@@ -118,8 +118,7 @@ impl KalkerTable {
     pub fn at(&self, a_over_b: f64) -> Coefficients {
         let (first, last) = self.ends;
         let inside = a_over_b.clamp(first, last);
-        let x = inside.ln();
-        let [c11, c22, c23, c33] = [0, 1, 2, 3].map(|i: usize| self.splines[i].at(x)[0]);
+        let [c11, c22, c23, c33] = CubicSpline::values(&self.splines, inside.ln());
         let table = Coefficients { c11, c22, c23, c33 };
         if a_over_b == inside {
             return table;

@@ -39,7 +39,8 @@ impl CreepLaw for ShenHedrickElkins {
     #[inline]
     fn force(&self, patch: Patch, normal_force: f64, friction: f64, creepage: Creepage) -> CreepForce {
         let linear = self.linear.force(patch, creepage);
-        let factor = saturation(linear.longitudinal.hypot(linear.lateral), friction * normal_force);
+        let resultant = (linear.longitudinal * linear.longitudinal + linear.lateral * linear.lateral).sqrt();
+        let factor = saturation(resultant, friction * normal_force);
         CreepForce {
             longitudinal: factor * linear.longitudinal,
             lateral: factor * linear.lateral,

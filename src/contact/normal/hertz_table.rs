@@ -74,10 +74,8 @@ fn from_axis_ratio(x: f64, g: f64) -> EllipseFunctions {
     EllipseFunctions { m_a, m_b, approach: FRAC_2_PI * k / major }
 }
 
-struct Table {
-    axis: CubicSpline,
-    approach: CubicSpline,
-}
+/// `m_a`, `m_b` and `approach` over x.
+type Table = [CubicSpline; 3];
 
 /// |ln(B/A)| up to which the table reaches: axis ratios down to about 1:1600.
 const REACH: f64 = 12.0;
@@ -94,18 +92,21 @@ static TABLE: LazyLock<Table> = LazyLock::new(|| {
         })
         .collect();
     // m_b(x) = m_a(-x) and xi is even: half the integrals are enough.
-    let at = |i: i64| (i as f64 * STEP, half[i.unsigned_abs() as usize]);
-    let axis: Vec<(f64, f64)> = (-count..=count).map(|i| (at(i).0, if i >= 0 { at(i).1.m_a } else { at(i).1.m_b })).collect();
-    let approach: Vec<(f64, f64)> = (-count..=count).map(|i| (at(i).0, at(i).1.approach)).collect();
-    let spline = |points: &[(f64, f64)]| CubicSpline::natural(points).unwrap_or_else(|error| unreachable!("Hertz table: {error}"));
-    Table { axis: spline(&axis), approach: spline(&approach) }
+    let at = |i: i64| half[i.unsigned_abs() as usize];
+    let spline = |value: &dyn Fn(i64) -> f64| {
+        let points: Vec<(f64, f64)> = (-count..=count).map(|i| (i as f64 * STEP, value(i))).collect();
+        CubicSpline::natural(&points).unwrap_or_else(|error| unreachable!("Hertz table: {error}"))
+    };
+    let along = |i: i64| if i >= 0 { at(i).m_a } else { at(i).m_b };
+    [spline(&along), spline(&|i| along(-i)), spline(&|i| at(i).approach)]
 });
 
-/// The functions for `x = ln(B / A)` from the table: relative error below 1e-10 for axis ratios up to 1:100.
+/// The functions for `x = ln(B / A)` from the table: relative error below 1e-10 for axis ratios up to 1:100. Beyond the
+/// table's reach the last ellipse is kept.
 #[inline]
 pub fn ellipse_functions(x: f64) -> EllipseFunctions {
-    let table = &*TABLE;
-    EllipseFunctions { m_a: table.axis.at(x)[0], m_b: table.axis.at(-x)[0], approach: table.approach.at(x)[0] }
+    let [m_a, m_b, approach] = CubicSpline::values(&TABLE, x.clamp(-REACH, REACH));
+    EllipseFunctions { m_a, m_b, approach }
 }
 
 #[cfg(test)]

@@ -67,9 +67,9 @@ impl ContactLocation {
     }
 }
 
-/// Lengths are of the order of a metre, so one number serves lengths and angles: what is left after a last step
-/// of 1e-7 is of the order of 1e-14.
-const LIMITS: NewtonLimits = NewtonLimits { last_step: 1e-7, iterations: 25 };
+/// Lengths are of the order of a metre, so one number serves lengths and angles. An error of 1e-11 m in the place of the
+/// contact changes the penetration by less than rounding and the creepage by less than 1e-12.
+const LIMITS: NewtonLimits = NewtonLimits { next_step: 1e-11, iterations: 25 };
 
 /// Residual of the four equations, their exact Jacobian (Eq. 26) and the location at `x = (u, angle, lead, eta)`.
 #[inline]
