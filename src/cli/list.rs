@@ -57,7 +57,11 @@ pub(super) fn list(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(wanted) = &arguments.kind {
         let names: Vec<&str> = kinds.iter().map(|kind| kind.0).collect();
         if !names.contains(&wanted.as_str()) {
-            return Err(Failure::Input(format!("nothing of kind \"{wanted}\"{}; kinds: {}", did_you_mean(wanted, &names), names.join(", "))));
+            return Err(Failure::Input(format!(
+                "nothing of kind \"{wanted}\"{}; kinds: {}",
+                did_you_mean(wanted, &names),
+                names.join(", ")
+            )));
         }
         kinds.retain(|kind| kind.0 == wanted);
     }
@@ -65,7 +69,9 @@ pub(super) fn list(arguments: &Arguments) -> Result<(), Failure> {
         let object: serde_json::Map<String, serde_json::Value> = kinds
             .into_iter()
             .map(|(kind, _, rows)| {
-                let rows = rows.into_iter().map(|(name, summary, reference)| serde_json::json!({"name": name, "summary": summary, "reference": reference}));
+                let rows = rows
+                    .into_iter()
+                    .map(|(name, summary, reference)| serde_json::json!({"name": name, "summary": summary, "reference": reference}));
                 (kind.to_string(), rows.collect())
             })
             .collect();

@@ -25,7 +25,8 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
     let plan = plan::plan(&scene, simulation.model());
     let costs = costs(&mut simulation);
     if arguments.json {
-        let shares: serde_json::Map<String, serde_json::Value> = costs.iter().map(|(name, time)| (name.to_string(), (1e9 * time).into())).collect();
+        let shares: serde_json::Map<String, serde_json::Value> =
+            costs.iter().map(|(name, time)| (name.to_string(), (1e9 * time).into())).collect();
         print(&format!("{}\n", serde_json::json!({"plan": plan, "nanoseconds": shares})));
         return Ok(());
     }

@@ -77,7 +77,8 @@ fn draw_panel<'a>(
         })
         .collect();
     let (low, high) = limits(curves.iter().flat_map(|(_, values)| values.iter().copied()));
-    let (first, last) = (distance.iter().copied().fold(f64::INFINITY, f64::min), distance.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+    let (first, last) =
+        (distance.iter().copied().fold(f64::INFINITY, f64::min), distance.iter().copied().fold(f64::NEG_INFINITY, f64::max));
     let last = if last > first { last } else { first + 1.0 };
     let mut chart = ChartBuilder::on(area)
         .caption(panel.title, ("sans-serif", 15))

@@ -83,7 +83,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         print(&summary(&scene.title, &scene.vehicle.wheelset.name, &recording));
         print(&format!(
             "\n  {simulated} s simulated in {elapsed:.3} s ({:.0} times real time with outputs every {} ms):\n  {} steps, {} rejected, {} evaluations of the right-hand side\n",
-            simulated / elapsed.max(1e-9), 1e3 * step, statistics.steps, statistics.rejected, statistics.evaluations
+            simulated / elapsed.max(1e-9),
+            1e3 * step,
+            statistics.steps,
+            statistics.rejected,
+            statistics.evaluations
         ));
     }
     match failure {

@@ -66,7 +66,11 @@ mod tests {
 
     #[test]
     fn analytic_rolling_backward_flips_only_the_spin_coupling() {
-        let law = |c: Creepage| CreepForce { longitudinal: -c.longitudinal, lateral: -c.lateral - 0.3 * c.spin, spin_moment: 0.3 * c.lateral - c.spin };
+        let law = |c: Creepage| CreepForce {
+            longitudinal: -c.longitudinal,
+            lateral: -c.lateral - 0.3 * c.spin,
+            spin_moment: 0.3 * c.lateral - c.spin,
+        };
         let creepage = Creepage { longitudinal: 1.0, lateral: 2.0, spin: 3.0 };
         let forward = in_rolling_direction(10.0, creepage, law);
         let backward = in_rolling_direction(-10.0, creepage, law);

@@ -163,7 +163,9 @@ fn unit_definitions(xml: &mut Xml, types: &DocumentMut, table: &VariableTable) -
                 let displays = unit.get("display").and_then(|item| item.as_array()).into_iter().flat_map(|array| array.iter());
                 for display in displays.filter_map(|display| display.as_inline_table()) {
                     let factor = number(display.get("factor").and_then(|factor| factor.as_float()).unwrap_or(1.0));
-                    xml.create_element("DisplayUnit").with_attributes([("name", text(display, "name")), ("factor", factor.as_str())]).write_empty()?;
+                    xml.create_element("DisplayUnit")
+                        .with_attributes([("name", text(display, "name")), ("factor", factor.as_str())])
+                        .write_empty()?;
                 }
                 Ok(())
             })?;
@@ -221,7 +223,8 @@ fn model_variables(xml: &mut Xml, scene: &Scene, table: &VariableTable) -> io::R
 fn type_element(xml: &mut Xml, scene: &Scene, variable: &Variable) -> io::Result<()> {
     match variable.kind {
         Kind::Real => {
-            let mut real = xml.create_element("Real").with_attributes([("declaredType", variable.unit.type_name()), ("unit", variable.unit.name())]);
+            let mut real =
+                xml.create_element("Real").with_attributes([("declaredType", variable.unit.type_name()), ("unit", variable.unit.name())]);
             for (name, value) in [("min", variable.min), ("max", variable.max), ("start", variable.start)] {
                 if let Some(value) = value {
                     real = real.with_attribute((name, number(value).as_str()));
@@ -263,7 +266,9 @@ fn model_structure(xml: &mut Xml, table: &VariableTable) -> io::Result<()> {
         }
         xml.create_element("Outputs").write_inner_content(|xml| {
             for (index, dependencies) in &outputs {
-                xml.create_element("Unknown").with_attributes([("index", index.as_str()), ("dependencies", dependencies.as_str())]).write_empty()?;
+                xml.create_element("Unknown")
+                    .with_attributes([("index", index.as_str()), ("dependencies", dependencies.as_str())])
+                    .write_empty()?;
             }
             Ok(())
         })?;

@@ -16,7 +16,11 @@ fn rows(packed: &PackedScene, causality: &str) -> String {
             (_, None) => String::new(),
         };
         let unit = if variable.kind == Kind::Real { variable.unit.name() } else { "" };
-        format!("<tr><td><code>{}</code></td><td>{unit}</td><td>{start}</td><td>{}</td></tr>\n", escape(&variable.name), escape(&variable.description))
+        format!(
+            "<tr><td><code>{}</code></td><td>{unit}</td><td>{start}</td><td>{}</td></tr>\n",
+            escape(&variable.name),
+            escape(&variable.description)
+        )
     };
     packed.table.variables.iter().filter(|variable| variable.causality == causality).map(row).collect()
 }
@@ -27,7 +31,9 @@ pub fn html(packed: &PackedScene) -> String {
     for (causality, heading) in [("input", "Inputs"), ("output", "Outputs"), ("parameter", "Parameters"), ("local", "Local variables")] {
         let rows = rows(packed, causality);
         if !rows.is_empty() {
-            tables += &format!("<h2>{heading}</h2>\n<table>\n<tr><th>Name</th><th>Unit</th><th>Start</th><th>Meaning</th></tr>\n{rows}</table>\n");
+            tables += &format!(
+                "<h2>{heading}</h2>\n<table>\n<tr><th>Name</th><th>Unit</th><th>Start</th><th>Meaning</th></tr>\n{rows}</table>\n"
+            );
         }
     }
     let text = packed.resources.get("scene.toml").map(|bytes| String::from_utf8_lossy(bytes).into_owned()).unwrap_or_default();

@@ -9,6 +9,7 @@ pub mod documentation;
 pub mod ffi;
 pub mod instance;
 pub mod package;
+pub mod parameters;
 pub mod serialized;
 pub mod uri;
 pub mod variables;

@@ -99,7 +99,8 @@ pub struct PackedScene {
 /// # Errors
 /// [`PackageError`].
 pub fn pack_scene(scene: &Scene) -> Result<PackedScene, PackageError> {
-    let mut document: DocumentMut = scene.source.text.parse().map_err(|error: toml_edit::TomlError| PackageError::Text(error.to_string()))?;
+    let mut document: DocumentMut =
+        scene.source.text.parse().map_err(|error: toml_edit::TomlError| PackageError::Text(error.to_string()))?;
     document.insert("name", toml_edit::value(&scene.name));
     let mut resources = BTreeMap::new();
     for file in scene.files() {
@@ -118,7 +119,8 @@ pub fn pack_scene(scene: &Scene) -> Result<PackedScene, PackageError> {
     resources.insert("scene.toml".into(), text.clone().into_bytes());
 
     // Read it back from a folder, exactly as an instance will.
-    let folder = tempfile::tempdir().map_err(|error| PackageError::Unwritable { path: std::env::temp_dir(), problem: error.to_string() })?;
+    let folder =
+        tempfile::tempdir().map_err(|error| PackageError::Unwritable { path: std::env::temp_dir(), problem: error.to_string() })?;
     write_folder(folder.path(), &resources)?;
     let source = Source { file: "resources/scene.toml".into(), text, overridden: vec![], folder: Some(folder.path().into()) };
     let scene = load::read(&scene.name, source, &[])?;
@@ -192,8 +194,16 @@ pub type CheckRow = (f64, Vec<f64>);
 ///
 /// # Errors
 /// [`PackageError::Check`] with the library's own words.
-pub fn check(files: &BTreeMap<String, Vec<u8>>, packed: &PackedScene, references: &[u32], stop: f64, step: f64, rows: usize) -> Result<Vec<CheckRow>, PackageError> {
-    let folder = tempfile::tempdir().map_err(|error| PackageError::Unwritable { path: std::env::temp_dir(), problem: error.to_string() })?;
+pub fn check(
+    files: &BTreeMap<String, Vec<u8>>,
+    packed: &PackedScene,
+    references: &[u32],
+    stop: f64,
+    step: f64,
+    rows: usize,
+) -> Result<Vec<CheckRow>, PackageError> {
+    let folder =
+        tempfile::tempdir().map_err(|error| PackageError::Unwritable { path: std::env::temp_dir(), problem: error.to_string() })?;
     write_folder(folder.path(), files)?;
     let library = folder.path().join("binaries").join(platform()).join(format!("{}{}", packed.scene.name, std::env::consts::DLL_SUFFIX));
     let resources = super::uri::from_path(&folder.path().join("resources"));

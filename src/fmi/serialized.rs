@@ -80,7 +80,10 @@ pub fn read(guid: &str, bytes: &[u8]) -> Result<SavedState, BlobError> {
     let length = u64::from_le_bytes(length.try_into().unwrap_or_default());
     let (sum, payload) = rest.split_at(32);
     if payload.len() as u64 != length {
-        return Err(BlobError::Length { found: bytes.len(), expected: HEADER.saturating_add(usize::try_from(length).unwrap_or(usize::MAX)) });
+        return Err(BlobError::Length {
+            found: bytes.len(),
+            expected: HEADER.saturating_add(usize::try_from(length).unwrap_or(usize::MAX)),
+        });
     }
     if checksum(&bytes[..HEADER - 32], payload) != sum {
         return Err(BlobError::Checksum);

@@ -9,7 +9,9 @@
 //!
 //! Memory per contact: the four surface parameters of the last evaluation, as warm start.
 
-use super::{ContactFailure, ContactReport, EvaluationError, Formulation, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Workspace, Wheelset};
+use super::{
+    ContactFailure, ContactReport, EvaluationError, Formulation, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace,
+};
 use crate::contact::creepage::{ContactAxes, in_rolling_direction};
 use crate::contact::normal::damped_force;
 use crate::contact::search::algebraic::{ContactLocation, SurfaceParameters, locate};
@@ -104,9 +106,11 @@ fn wheel_contact(
     let distance = motion.position.x;
     let search = |start: &SurfaceParameters| locate(wheel, rail, &motion.position, &motion.frame.axes, distance, start);
     // A warm start that has gone stale (a jump of state) must not fail where a cold start succeeds.
-    let found = search(&start)
-        .or_else(|_| search(&SurfaceParameters::default()))
-        .map_err(|failure| ContactFailure::NotFound { iterations: failure.iterations, residual: failure.residual, y: motion.position.y })?;
+    let found = search(&start).or_else(|_| search(&SurfaceParameters::default())).map_err(|failure| ContactFailure::NotFound {
+        iterations: failure.iterations,
+        residual: failure.residual,
+        y: motion.position.y,
+    })?;
     let p = found.parameters;
     memory.copy_from_slice(&[p.wheel, p.angle, p.lead, p.rail]);
 

@@ -101,7 +101,11 @@ pub struct Workspace {
 
 impl Model {
     pub fn workspace(&self) -> Workspace {
-        Workspace { system: self.system.workspace(), contacts: vec![ContactReport::default(); 2 * self.wheelsets.len()], search_iterations: 0 }
+        Workspace {
+            system: self.system.workspace(),
+            contacts: vec![ContactReport::default(); 2 * self.wheelsets.len()],
+            search_iterations: 0,
+        }
     }
 
     /// Length of the input vector.
@@ -182,7 +186,9 @@ pub enum ContactFailure {
          the wheelset may have left the rails, or the profile is not smooth enough for ECF-A"
     )]
     NotFound { iterations: usize, residual: f64, y: f64 },
-    #[error("contact at the {part} coordinate {found:.4} m, but its profile reaches only from {first:.4} m to {last:.4} m (wheelset at y = {y:.4} m)")]
+    #[error(
+        "contact at the {part} coordinate {found:.4} m, but its profile reaches only from {first:.4} m to {last:.4} m (wheelset at y = {y:.4} m)"
+    )]
     OffProfile { part: &'static str, found: f64, first: f64, last: f64, y: f64 },
     #[error("{0}")]
     Conformal(#[from] ConformalContact),

@@ -1,6 +1,6 @@
 //! Damped Newton iteration for small systems of fixed size, without allocation.
 
-use nalgebra::{DimMin, DimMinimum, Const, SMatrix, SVector, ToTypenum};
+use nalgebra::{Const, DimMin, DimMinimum, SMatrix, SVector, ToTypenum};
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]

@@ -12,12 +12,8 @@ use crate::mbs::system::{DrivingConstraint, System};
 /// Assembles the model of a scene.
 pub fn model(scene: &Scene) -> Model {
     let spec = &scene.vehicle.wheelset;
-    let body = Body {
-        name: spec.name.clone(),
-        mass: spec.mass,
-        transverse_inertia: spec.transverse_inertia,
-        axial_inertia: spec.axial_inertia,
-    };
+    let body =
+        Body { name: spec.name.clone(), mass: spec.mass, transverse_inertia: spec.transverse_inertia, axial_inertia: spec.axial_inertia };
     let mut forces: Vec<Box<dyn ForceElement>> = Vec::new();
     if scene.vehicle.gravity != 0.0 {
         forces.push(Box::new(Gravity { body: 0, mass: spec.mass, acceleration: scene.vehicle.gravity }));
@@ -58,16 +54,14 @@ fn springs(spec: &SuspensionSpec) -> impl Iterator<Item = GuidedSpring> + '_ {
         (spec.longitudinal, "longitudinal", TrackAxis::Longitudinal, spec.longitudinal_stiffness, spec.longitudinal_damping),
         (spec.lateral, "lateral", TrackAxis::Lateral, spec.lateral_stiffness, spec.lateral_damping),
     ];
-    directions.into_iter().filter(|direction| direction.0).flat_map(
-        |(_, direction, axis, stiffness, damping)| {
-            Side::BOTH.into_iter().zip(spec.attachments()).map(move |(side, attachment)| GuidedSpring {
-                name: format!("suspension.{}.{direction}", side.name()),
-                body: 0,
-                axis,
-                attachment,
-                stiffness,
-                damping,
-            })
-        },
-    )
+    directions.into_iter().filter(|direction| direction.0).flat_map(|(_, direction, axis, stiffness, damping)| {
+        Side::BOTH.into_iter().zip(spec.attachments()).map(move |(side, attachment)| GuidedSpring {
+            name: format!("suspension.{}.{direction}", side.name()),
+            body: 0,
+            axis,
+            attachment,
+            stiffness,
+            damping,
+        })
+    })
 }

@@ -31,7 +31,9 @@ impl SteadyRolling {
 pub enum EquilibriumError {
     #[error("the wheelset does not press on the rails: weight plus vertical_load is {load} N; it must be positive")]
     NoLoad { load: f64 },
-    #[error("no steady rolling equilibrium: vertical force is off by {force:.3e} N and axle moment by {moment:.3e} N m; check profiles, spacing and load")]
+    #[error(
+        "no steady rolling equilibrium: vertical force is off by {force:.3e} N and axle moment by {moment:.3e} N m; check profiles, spacing and load"
+    )]
     NotFound { force: f64, moment: f64 },
     #[error("no steady rolling equilibrium: {0}")]
     Evaluation(EvaluationError),
@@ -76,23 +78,32 @@ pub fn steady_rolling(scene: &Scene, model: &Model) -> Result<SteadyRolling, Equ
                 Vector2::repeat(f64::NAN)
             })
         };
-        let here = residual(x);
+        let mut here = residual(x);
         const H: f64 = 1e-5;
         let columns = [Vector2::new(H, 0.0), Vector2::new(0.0, H)].map(|h| (residual(&(x + h)) - residual(&(x - h))) / (2.0 * H));
-        (here, Matrix2::from_columns(&columns), ())
+        let mut jacobian = Matrix2::from_columns(&columns);
+        if jacobian[(1, 1)] == 0.0 {
+            // Without friction any pitch rate will do: it stays that of the tread circle.
+            (here[1], jacobian[(1, 1)]) = (x[1], 1.0);
+        }
+        (here, jacobian, ())
     };
     let mut x = Vector2::zeros();
     let solved = newton::solve(&mut x, NewtonLimits { next_step: 1e-13, iterations: 60 }, &mut evaluate);
     let (z, pitch_rate) = at(&x);
     match (solved, failure) {
-        (Ok(_), _) => Ok(SteadyRolling { z, pitch_rate }),
         (Err(_), Some(error)) => Err(EquilibriumError::Evaluation(error)),
-        (Err(_), None) => {
+        // Rounding may stop the iteration before the foreseen step is short enough.
+        (Err(failed), None) if failed.residual.is_nan() || failed.residual > BALANCED => {
             let rest = balance.residual(z, pitch_rate).map_err(EquilibriumError::Evaluation)?;
             Err(EquilibriumError::NotFound { force: rest[0], moment: rest[1] })
         }
+        _ => Ok(SteadyRolling { z, pitch_rate }),
     }
 }
+
+/// Forces relative to the load, and moments relative to load times radius, that count as zero.
+const BALANCED: f64 = 1e-11;
 
 /// Forces on the centred wheelset on straight track.
 struct Balance {

@@ -91,7 +91,8 @@ fn apply_override(text: &str, argument: &str) -> Result<(String, String), SceneE
     let refuse = |problem: String| SceneError::Override { argument: argument.into(), problem };
     let (key, value) = argument.split_once('=').ok_or_else(|| refuse("expected key=value, for example vehicle.speed=30".into()))?;
     let (key, value) = (key.trim(), value.trim());
-    let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| refuse(format!("the scene can't be read: {error}")))?;
+    let mut document: DocumentMut =
+        text.parse().map_err(|error: toml_edit::TomlError| refuse(format!("the scene can't be read: {error}")))?;
     let item: Item = match value.parse::<toml_edit::Value>() {
         Ok(value) => value.into(),
         // Words and quantities need no quotes on the command line.
@@ -109,7 +110,10 @@ fn apply_override(text: &str, argument: &str) -> Result<(String, String), SceneE
         table = match (index, entry) {
             (Some(index), Item::ArrayOfTables(tables)) => {
                 let count = tables.len();
-                index.checked_sub(1).and_then(|i| tables.get_mut(i)).ok_or_else(|| refuse(format!("{step} has {count} entries, counted from 1")))?
+                index
+                    .checked_sub(1)
+                    .and_then(|i| tables.get_mut(i))
+                    .ok_or_else(|| refuse(format!("{step} has {count} entries, counted from 1")))?
             }
             (None, entry) if entry.is_table_like() => entry.as_table_like_mut().ok_or_else(|| refuse(format!("{step} is not a table")))?,
             _ => return Err(refuse(format!("{step} is not a table of that kind"))),

@@ -38,8 +38,16 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     let load = vehicle.wheelset.vertical_load;
     effect("vertical load", load != 0.0, format!("vehicle.wheelset.vertical_load = {load} N"), 0);
     for (name, stiffness, damping) in [
-        ("longitudinal suspension", vehicle.suspension.as_ref().map(|s| s.longitudinal_stiffness), vehicle.suspension.as_ref().map(|s| s.longitudinal_damping)),
-        ("lateral suspension", vehicle.suspension.as_ref().map(|s| s.lateral_stiffness), vehicle.suspension.as_ref().map(|s| s.lateral_damping)),
+        (
+            "longitudinal suspension",
+            vehicle.suspension.as_ref().map(|s| s.longitudinal_stiffness),
+            vehicle.suspension.as_ref().map(|s| s.longitudinal_damping),
+        ),
+        (
+            "lateral suspension",
+            vehicle.suspension.as_ref().map(|s| s.lateral_stiffness),
+            vehicle.suspension.as_ref().map(|s| s.lateral_damping),
+        ),
     ] {
         match (stiffness, damping) {
             (Some(k), Some(c)) => effect(name, k != 0.0 || c != 0.0, format!("2 elements, {k} N/m and {c} N s/m each"), 0),
@@ -47,8 +55,13 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         }
     }
     for (name, side) in [("left rail deviations", crate::geometry::Side::Left), ("right rail deviations", crate::geometry::Side::Right)] {
-        let shapes: Vec<String> =
-            scene.track.deviations.iter().filter(|d| d.side == side).map(|d| format!("{:?}: {}", d.direction, d.shape.describe()).to_lowercase()).collect();
+        let shapes: Vec<String> = scene
+            .track
+            .deviations
+            .iter()
+            .filter(|d| d.side == side)
+            .map(|d| format!("{:?}: {}", d.direction, d.shape.describe()).to_lowercase())
+            .collect();
         let why = if shapes.is_empty() { format!("no [[track.deviation]] with rail = \"{}\"", side.name()) } else { shapes.join("; ") };
         effect(name, !shapes.is_empty(), why, 0);
     }
@@ -58,8 +71,15 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     effect("rail profile", true, scene.track.rail.profile.describe(), 0);
     effect("normal force", true, format!("contact.normal.law = \"{}\"", contact.normal_name), 0);
     effect("contact damping", contact.damping != 0.0, format!("contact.damping = {} N s/m2", contact.damping), 0);
-    effect("creep forces", contact.friction != 0.0, format!("contact.creep.law = \"{}\", friction {}", contact.creep_name, contact.friction), 0);
-    for (name, group) in [("drive torque input", "drive_torque"), ("centre force inputs", "centre_forces"), ("friction factor inputs", "friction")] {
+    effect(
+        "creep forces",
+        contact.friction != 0.0,
+        format!("contact.creep.law = \"{}\", friction {}", contact.creep_name, contact.friction),
+        0,
+    );
+    for (name, group) in
+        [("drive torque input", "drive_torque"), ("centre force inputs", "centre_forces"), ("friction factor inputs", "friction")]
+    {
         let shown = scene.interface.inputs.contains(&group);
         let why = if shown { format!("interface.inputs has \"{group}\"") } else { format!("interface.inputs lacks \"{group}\"") };
         effect(name, shown, why, 0);

@@ -178,7 +178,17 @@ impl Scene {
         let spec = RunSpec { stop: run.not_negative("stop", Dimension::Time)?, step: run.positive("step", Dimension::Time)? };
         run.finish()?;
         root.finish()?;
-        Ok(Scene { name: name.into(), source, title, vehicle, track, contact, solver: SolverSpec { name: solver_name, integrator }, interface, run: spec })
+        Ok(Scene {
+            name: name.into(),
+            source,
+            title,
+            vehicle,
+            track,
+            contact,
+            solver: SolverSpec { name: solver_name, integrator },
+            interface,
+            run: spec,
+        })
     }
 
     /// Files that the scene refers to.
@@ -188,7 +198,8 @@ impl Scene {
 }
 
 /// Templates that `vehicle.template` can name.
-pub static TEMPLATES: &[(&str, &str)] = &[("suspended_wheelset", "one wheelset on springs to a frame that travels with it (paper, section 3.4)")];
+pub static TEMPLATES: &[(&str, &str)] =
+    &[("suspended_wheelset", "one wheelset on springs to a frame that travels with it (paper, section 3.4)")];
 
 fn read_vehicle(section: Section) -> Result<VehicleSpec, SettingsError> {
     let names: Vec<&'static str> = TEMPLATES.iter().map(|template| template.0).collect();
@@ -212,7 +223,8 @@ fn read_wheelset(section: Section) -> Result<WheelsetSpec, SettingsError> {
     let transverse_inertia = section.positive("inertia_xx", Dimension::Inertia)?;
     let zz = section.positive("inertia_zz", Dimension::Inertia)?;
     if zz != transverse_inertia {
-        return Err(section.error("inertia_zz", format!("found {zz}, expected inertia_xx = {transverse_inertia}: a wheelset is a body of revolution")));
+        return Err(section
+            .error("inertia_zz", format!("found {zz}, expected inertia_xx = {transverse_inertia}: a wheelset is a body of revolution")));
     }
     let spec = WheelsetSpec {
         name: "wheelset".into(),

@@ -134,7 +134,16 @@ struct Collector<'a> {
 
 impl Collector<'_> {
     #[allow(clippy::too_many_arguments)]
-    fn add(&mut self, id: u32, name: &str, group: &'static str, unit: Unit, feedthrough: Feedthrough, text: &str, read: impl Fn(&Snapshot) -> f64 + Send + Sync + 'static) {
+    fn add(
+        &mut self,
+        id: u32,
+        name: &str,
+        group: &'static str,
+        unit: Unit,
+        feedthrough: Feedthrough,
+        text: &str,
+        read: impl Fn(&Snapshot) -> f64 + Send + Sync + 'static,
+    ) {
         if self.groups.contains(&group) {
             self.outputs.push(Output {
                 reference: self.base + id,
@@ -158,7 +167,9 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
         motion(&mut collector, wheelset.body, bodies);
         if let Some(drive) = model.system.drives.iter().position(|drive| drive.body == wheelset.body) {
             let text = "force of the driving constraint, forward positive: what a locomotive must supply to keep the imposed speed";
-            collector.add(30, "drivingForce", "motion", Unit::Newton, Feedthrough::BothFrictions, text, move |s| s.workspace.system.drive_forces[drive]);
+            collector.add(30, "drivingForce", "motion", Unit::Newton, Feedthrough::BothFrictions, text, move |s| {
+                s.workspace.system.drive_forces[drive]
+            });
         }
         for side in Side::BOTH {
             wheel(&mut collector, 2 * index + usize::from(side == Side::Right), side);
@@ -219,9 +230,25 @@ fn wheel(c: &mut Collector, contact: usize, side: Side) {
     let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| read(&s.workspace.contacts[contact]);
 
     let g = "wheels";
-    c.add(0, "verticalForce", g, Unit::Newton, friction, "Q: vertical force of the rail on the wheel in the track frame, up positive", of(|k| k.force.z));
+    c.add(
+        0,
+        "verticalForce",
+        g,
+        Unit::Newton,
+        friction,
+        "Q: vertical force of the rail on the wheel in the track frame, up positive",
+        of(|k| k.force.z),
+    );
     c.add(1, "lateralForce", g, Unit::Newton, friction, "Y: lateral force of the rail on the wheel in the track frame, left positive on both sides (EN 14363 guiding force: left -Y, right +Y)", of(|k| k.force.y));
-    c.add(2, "longitudinalForce", g, Unit::Newton, friction, "longitudinal force of the rail on the wheel in the track frame, forward positive", of(|k| k.force.x));
+    c.add(
+        2,
+        "longitudinalForce",
+        g,
+        Unit::Newton,
+        friction,
+        "longitudinal force of the rail on the wheel in the track frame, forward positive",
+        of(|k| k.force.x),
+    );
     c.add(3, "normalForce", g, Unit::Newton, none, "sum of the normal forces of the wheel's contacts", of(|k| k.normal_force));
     let text = "guiding force of the wheel on the rail, outward positive, over Q: positive when a flange climbs; 0 below Q = 1 N";
     c.add(4, "derailmentQuotient", g, Unit::One, friction, text, move |s| {
@@ -229,30 +256,108 @@ fn wheel(c: &mut Collector, contact: usize, side: Side) {
         if force.z > UNLOADED { -outward * force.y / force.z } else { 0.0 }
     });
     let text = "T-gamma without spin: |Fx xi_x| + |Fy xi_y|, summed over the wheel's contacts (energy per distance, J/m)";
-    c.add(5, "wearNumber", g, Unit::Newton, friction, text, of(|k| {
-        (k.creep_force.longitudinal * k.creepage.longitudinal).abs() + (k.creep_force.lateral * k.creepage.lateral).abs()
-    }));
+    c.add(
+        5,
+        "wearNumber",
+        g,
+        Unit::Newton,
+        friction,
+        text,
+        of(|k| (k.creep_force.longitudinal * k.creepage.longitudinal).abs() + (k.creep_force.lateral * k.creepage.lateral).abs()),
+    );
 
     c.prefix = format!("{prefix}.{}.contact[1]", side.name());
     c.base += 20;
     let g = "contacts";
     c.add(0, "normalForce", g, Unit::Newton, none, "normal force", of(|k| k.normal_force));
-    c.add(1, "penetration", g, Unit::Metre, none, "penetration of the undeformed surfaces along the normal, negative when they are apart", of(|k| k.penetration));
-    c.add(2, "longitudinalCreepage", g, Unit::One, none, "longitudinal creepage, positive when the wheel slips forward (braking); 0 without contact", of(|k| k.creepage.longitudinal));
-    c.add(3, "lateralCreepage", g, Unit::One, none, "lateral creepage, positive when the wheel slips to the left; 0 without contact", of(|k| k.creepage.lateral));
-    c.add(4, "spinCreepage", g, Unit::PerMetre, none, "spin creepage about the contact normal (up); 0 without contact", of(|k| k.creepage.spin));
-    c.add(5, "creepForceX", g, Unit::Newton, friction, "creep force on the wheel along the rail's tangent e1, forward positive", of(|k| k.creep_force.longitudinal));
-    c.add(6, "creepForceY", g, Unit::Newton, friction, "creep force on the wheel along e2 = n x e1, left positive", of(|k| k.creep_force.lateral));
-    c.add(7, "spinMoment", g, Unit::NewtonMetre, friction, "spin moment on the wheel about the contact normal", of(|k| k.creep_force.spin_moment));
+    c.add(
+        1,
+        "penetration",
+        g,
+        Unit::Metre,
+        none,
+        "penetration of the undeformed surfaces along the normal, negative when they are apart",
+        of(|k| k.penetration),
+    );
+    c.add(
+        2,
+        "longitudinalCreepage",
+        g,
+        Unit::One,
+        none,
+        "longitudinal creepage, positive when the wheel slips forward (braking); 0 without contact",
+        of(|k| k.creepage.longitudinal),
+    );
+    c.add(
+        3,
+        "lateralCreepage",
+        g,
+        Unit::One,
+        none,
+        "lateral creepage, positive when the wheel slips to the left; 0 without contact",
+        of(|k| k.creepage.lateral),
+    );
+    c.add(
+        4,
+        "spinCreepage",
+        g,
+        Unit::PerMetre,
+        none,
+        "spin creepage about the contact normal (up); 0 without contact",
+        of(|k| k.creepage.spin),
+    );
+    c.add(
+        5,
+        "creepForceX",
+        g,
+        Unit::Newton,
+        friction,
+        "creep force on the wheel along the rail's tangent e1, forward positive",
+        of(|k| k.creep_force.longitudinal),
+    );
+    c.add(
+        6,
+        "creepForceY",
+        g,
+        Unit::Newton,
+        friction,
+        "creep force on the wheel along e2 = n x e1, left positive",
+        of(|k| k.creep_force.lateral),
+    );
+    c.add(
+        7,
+        "spinMoment",
+        g,
+        Unit::NewtonMetre,
+        friction,
+        "spin moment on the wheel about the contact normal",
+        of(|k| k.creep_force.spin_moment),
+    );
     c.add(8, "semiAxisA", g, Unit::Metre, none, "semi-axis of the contact patch along e1 (rolling direction)", of(|k| k.patch.a));
     c.add(9, "semiAxisB", g, Unit::Metre, none, "semi-axis of the contact patch along e2", of(|k| k.patch.b));
-    c.add(10, "wheelCoordinate", g, Unit::Metre, none, "u: contact on the wheel profile from the tread circle, outward positive", of(|k| k.parameters.wheel));
+    c.add(
+        10,
+        "wheelCoordinate",
+        g,
+        Unit::Metre,
+        none,
+        "u: contact on the wheel profile from the tread circle, outward positive",
+        of(|k| k.parameters.wheel),
+    );
     c.add(11, "railCoordinate", g, Unit::Metre, none, "eta: contact on the rail profile, outward positive", of(|k| k.parameters.rail));
     c.add(12, "angle", g, Unit::Radian, none, "contact angle: lean of the normal toward the track centre in the cross-section", move |s| {
         let n = s.workspace.contacts[contact].axes.normal;
         (-outward * n.y).atan2(n.z)
     });
-    c.add(13, "wheelAngle", g, Unit::Radian, none, "contact on the wheel: angle about the axle ahead of the lowest point", of(|k| k.parameters.angle));
+    c.add(
+        13,
+        "wheelAngle",
+        g,
+        Unit::Radian,
+        none,
+        "contact on the wheel: angle about the axle ahead of the lowest point",
+        of(|k| k.parameters.angle),
+    );
     c.add(14, "lead", g, Unit::Metre, none, "contact on the rail: distance ahead of the wheelset's centre", of(|k| k.parameters.lead));
     c.prefix = prefix;
     c.base = base;

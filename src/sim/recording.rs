@@ -72,7 +72,13 @@ pub fn communication_points(start: f64, stop: f64, step: f64) -> impl Iterator<I
 ///
 /// # Errors
 /// [`Interrupted`] with everything recorded before the failure.
-pub fn record(simulation: &mut Simulation, outputs: &[Output], stop: f64, step: f64, mut progress: impl FnMut(f64)) -> Result<Recording, Interrupted> {
+pub fn record(
+    simulation: &mut Simulation,
+    outputs: &[Output],
+    stop: f64,
+    step: f64,
+    mut progress: impl FnMut(f64),
+) -> Result<Recording, Interrupted> {
     let mut recording = Recording::new(outputs);
     let start = simulation.time();
     let mut run = || -> Result<(), SimulationError> {

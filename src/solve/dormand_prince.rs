@@ -3,7 +3,7 @@
 //! Source: J.R. Dormand, P.J. Prince, J. Comp. Appl. Math. 6 (1980) 19-26; continuous output and step-size
 //! controller after Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sections II.4-II.6.
 
-use super::{Dynamics, Integrator, IntegrationState, Scratch, SolveError};
+use super::{Dynamics, IntegrationState, Integrator, Scratch, SolveError};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 

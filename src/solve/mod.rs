@@ -40,7 +40,9 @@ pub trait Dynamics {
 pub enum SolveError<E: std::error::Error> {
     #[error("{0}")]
     Evaluation(E),
-    #[error("t = {time:.9} s: a step of {step:.1e} s still misses the tolerance {tolerance:.1e}; loosen solver.tolerance or look for a jump in the scene")]
+    #[error(
+        "t = {time:.9} s: a step of {step:.1e} s still misses the tolerance {tolerance:.1e}; loosen solver.tolerance or look for a jump in the scene"
+    )]
     StepTooSmall { time: f64, step: f64, tolerance: f64 },
     #[error("t = {time:.9} s: the solution is no longer finite; reduce solver.step (it is {step:.1e} s)")]
     NotFinite { time: f64, step: f64 },
@@ -92,7 +94,12 @@ impl Integrator {
     ///
     /// # Errors
     /// See [`Integrator::advance`].
-    pub fn step<D: Dynamics>(self, dynamics: &mut D, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError<D::Error>> {
+    pub fn step<D: Dynamics>(
+        self,
+        dynamics: &mut D,
+        state: &mut IntegrationState,
+        scratch: &mut Scratch,
+    ) -> Result<(), SolveError<D::Error>> {
         match self {
             Integrator::DormandPrince { tolerance } => dormand_prince::step(tolerance, dynamics, state, scratch),
             Integrator::RungeKutta4 { step } => rk4::step(step, dynamics, state, scratch),

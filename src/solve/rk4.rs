@@ -3,7 +3,7 @@
 //! Steps stand on the grid `start + k step`; a step that would pass a point where the system is not smooth is
 //! shortened to end there, and the grid starts anew.
 
-use super::{Dynamics, Integrator, IntegrationState, Scratch, SolveError};
+use super::{Dynamics, IntegrationState, Integrator, Scratch, SolveError};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 

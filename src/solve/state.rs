@@ -60,6 +60,11 @@ impl IntegrationState {
         }
     }
 
+    /// Begin of the last step, s.
+    pub fn step_begin(&self) -> f64 {
+        self.t_begin
+    }
+
     /// Writes the solution at `time`, which lies within the last step (or is `t`), to `out`.
     pub fn interpolate(&self, time: f64, out: &mut [f64]) {
         if time >= self.t || self.t_begin >= self.t {

@@ -89,7 +89,8 @@ fn order_rk4_converges_with_order_4_inside_too() {
 
 #[test]
 fn order_methods_are_exact_on_polynomials_of_their_order() {
-    for (integrator, exact, dense) in [(Integrator::DormandPrince { tolerance: 1e9 }, 5, 4), (Integrator::RungeKutta4 { step: 0.7 }, 4, 3)] {
+    for (integrator, exact, dense) in [(Integrator::DormandPrince { tolerance: 1e9 }, 5, 4), (Integrator::RungeKutta4 { step: 0.7 }, 4, 3)]
+    {
         for degree in 1..=exact + 1 {
             let mut state = integrator.start(0.0, &[0.0], &[]);
             state.next_step = 0.7;

@@ -1,6 +1,6 @@
 //! Hertz's theory of elliptic contact.
 
-use super::hertz_table::ellipse_functions;
+use super::hertz_table::{EllipseTable, SharedTable};
 use super::{Build, ConformalContact, ElasticContact, NormalLaw};
 use crate::contact::{Material, Patch};
 use crate::settings::{Entry, Section, SettingsError};
@@ -17,15 +17,17 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 ///
 /// The patch is that of the elastic force: `a = m_a c0`, `b = m_b c0`, `c0^2 = delta / (xi (A + B))`, so it depends
 /// on the penetration alone. (With damping, N differs from the elastic force while the penetration changes.)
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Hertz {
     /// 2 E / (3 (1 - nu^2)), Pa.
     modulus: f64,
+    table: SharedTable,
 }
 
 impl Hertz {
     pub fn new(material: Material) -> Self {
-        Hertz { modulus: 2.0 * material.youngs_modulus / (3.0 * (1.0 - material.poisson_ratio * material.poisson_ratio)) }
+        let modulus = 2.0 * material.youngs_modulus / (3.0 * (1.0 - material.poisson_ratio * material.poisson_ratio));
+        Hertz { modulus, table: EllipseTable::shared() }
     }
 }
 
@@ -35,7 +37,7 @@ impl NormalLaw for Hertz {
         if !(rolling > 0.0 && across > 0.0) {
             return Err(ConformalContact { rolling, across });
         }
-        let functions = ellipse_functions((across / rolling).ln());
+        let functions = self.table.at((across / rolling).ln());
         let sum = rolling + across;
         let c0 = (penetration / (functions.approach * sum)).sqrt();
         let stiffness = self.modulus / (functions.approach * (functions.approach * sum).sqrt());

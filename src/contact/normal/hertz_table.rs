@@ -17,7 +17,7 @@
 use crate::math::spline::CubicSpline;
 use ellip::{elliprd, elliprf, elliprg};
 use std::f64::consts::{FRAC_2_PI, PI};
-use std::sync::LazyLock;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// The three ellipse functions at one ratio of curvatures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,39 +74,80 @@ fn from_axis_ratio(x: f64, g: f64) -> EllipseFunctions {
     EllipseFunctions { m_a, m_b, approach: FRAC_2_PI * k / major }
 }
 
-/// `m_a`, `m_b` and `approach` over x.
-type Table = [CubicSpline; 3];
-
 /// |ln(B/A)| up to which the table reaches: axis ratios down to about 1:1600.
 const REACH: f64 = 12.0;
 const STEP: f64 = 0.01;
 
-static TABLE: LazyLock<Table> = LazyLock::new(|| {
-    let count = (REACH / STEP).round() as i64;
-    let mut g = 1.0;
-    let half: Vec<EllipseFunctions> = (0..=count)
-        .map(|i| {
-            let x = i as f64 * STEP;
-            g = axis_ratio(x, g);
-            from_axis_ratio(x, g)
-        })
-        .collect();
-    // m_b(x) = m_a(-x) and xi is even: half the integrals are enough.
-    let at = |i: i64| half[i.unsigned_abs() as usize];
-    let spline = |value: &dyn Fn(i64) -> f64| {
-        let points: Vec<(f64, f64)> = (-count..=count).map(|i| (i as f64 * STEP, value(i))).collect();
-        CubicSpline::natural(&points).unwrap_or_else(|error| unreachable!("Hertz table: {error}"))
-    };
-    let along = |i: i64| if i >= 0 { at(i).m_a } else { at(i).m_b };
-    [spline(&along), spline(&|i| along(-i)), spline(&|i| at(i).approach)]
-});
+/// The functions over `x = ln(B / A)`: relative error below 1e-10 for axis ratios up to 1:100. Beyond the table's reach
+/// (axis ratios of about 1:1600) the last ellipse is kept.
+#[derive(Debug)]
+pub struct EllipseTable {
+    /// `m_a`, `m_b` and `approach`.
+    splines: [CubicSpline; 3],
+}
 
-/// The functions for `x = ln(B / A)` from the table: relative error below 1e-10 for axis ratios up to 1:100. Beyond the
-/// table's reach the last ellipse is kept.
-#[inline]
-pub fn ellipse_functions(x: f64) -> EllipseFunctions {
-    let [m_a, m_b, approach] = CubicSpline::values(&TABLE, x.clamp(-REACH, REACH));
-    EllipseFunctions { m_a, m_b, approach }
+/// The table is made once and shared while somebody holds it; it is freed with its last user, so that a host that
+/// unloads the FMU's library gets its memory back.
+static SHARED: Mutex<Weak<EllipseTable>> = Mutex::new(Weak::new());
+
+/// A user's hold on the shared table.
+#[derive(Debug)]
+pub struct SharedTable(Arc<EllipseTable>);
+
+impl std::ops::Deref for SharedTable {
+    type Target = EllipseTable;
+    fn deref(&self) -> &EllipseTable {
+        &self.0
+    }
+}
+
+impl Drop for SharedTable {
+    /// The last user also lets go of the weak reference, which would keep a block of memory.
+    fn drop(&mut self) {
+        let mut shared = SHARED.lock().unwrap_or_else(PoisonError::into_inner);
+        if Arc::strong_count(&self.0) == 1 {
+            *shared = Weak::new();
+        }
+    }
+}
+
+impl EllipseTable {
+    /// The table, made if nobody holds one.
+    pub fn shared() -> SharedTable {
+        let mut shared = SHARED.lock().unwrap_or_else(PoisonError::into_inner);
+        SharedTable(shared.upgrade().unwrap_or_else(|| {
+            let table = Arc::new(Self::fill());
+            *shared = Arc::downgrade(&table);
+            table
+        }))
+    }
+
+    /// The functions at `x`.
+    #[inline]
+    pub fn at(&self, x: f64) -> EllipseFunctions {
+        let [m_a, m_b, approach] = CubicSpline::values(&self.splines, x.clamp(-REACH, REACH));
+        EllipseFunctions { m_a, m_b, approach }
+    }
+
+    fn fill() -> Self {
+        let count = (REACH / STEP).round() as i64;
+        let mut g = 1.0;
+        let half: Vec<EllipseFunctions> = (0..=count)
+            .map(|i| {
+                let x = i as f64 * STEP;
+                g = axis_ratio(x, g);
+                from_axis_ratio(x, g)
+            })
+            .collect();
+        // m_b(x) = m_a(-x) and xi is even: half the integrals are enough.
+        let at = |i: i64| half[i.unsigned_abs() as usize];
+        let spline = |value: &dyn Fn(i64) -> f64| {
+            let points: Vec<(f64, f64)> = (-count..=count).map(|i| (i as f64 * STEP, value(i))).collect();
+            CubicSpline::natural(&points).unwrap_or_else(|error| unreachable!("Hertz table: {error}"))
+        };
+        let along = |i: i64| if i >= 0 { at(i).m_a } else { at(i).m_b };
+        EllipseTable { splines: [spline(&along), spline(&|i| along(-i)), spline(&|i| at(i).approach)] }
+    }
 }
 
 #[cfg(test)]
@@ -115,11 +156,12 @@ mod tests {
 
     #[test]
     fn analytic_table_agrees_with_the_integrals_to_1e_10() {
+        let shared = EllipseTable::shared();
         let mut worst: f64 = 0.0;
         for i in 0..2000 {
             // Between knots, down to axis ratios of 1:100 (ln(B/A) = 7.3).
             let x = -7.3 + 14.6 * (i as f64 + 0.37) / 2000.0;
-            let (table, exact) = (ellipse_functions(x), ellipse_functions_exact(x));
+            let (table, exact) = (shared.at(x), ellipse_functions_exact(x));
             for (a, b) in [(table.m_a, exact.m_a), (table.m_b, exact.m_b), (table.approach, exact.approach)] {
                 worst = worst.max((a / b - 1.0).abs());
             }
@@ -145,7 +187,7 @@ mod tests {
         for (theta, m, n, xi) in published {
             let cos = f64::to_radians(theta).cos();
             let x = ((1.0 + cos) / (1.0 - cos)).ln();
-            let found = ellipse_functions(x);
+            let found = EllipseTable::shared().at(x);
             for (a, b) in [(found.m_a, m), (found.m_b, n), (found.approach, xi)] {
                 assert!((a - b).abs() < 6e-7 * b.max(1.0), "theta {theta}: {a} {b}");
             }

@@ -94,7 +94,9 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: Component, state: FmuStat
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SerializeFMUstate(c: Component, state: FmuState, bytes: *mut Byte, size: usize) -> Status {
     guard(c, |component| {
-        let Some(held) = (unsafe { held(state) }) else { return refuse(component, "fmi2SerializeFMUstate: the pointer is not a state of this FMU") };
+        let Some(held) = (unsafe { held(state) }) else {
+            return refuse(component, "fmi2SerializeFMUstate: the pointer is not a state of this FMU");
+        };
         if bytes.is_null() {
             return refuse(component, "fmi2SerializeFMUstate: the buffer is NULL");
         }

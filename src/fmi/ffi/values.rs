@@ -17,7 +17,9 @@ unsafe fn get<T: Copy>(
     mut read: impl FnMut(&mut Instance, u32) -> Result<T, CallError>,
 ) -> Status {
     guard(c, |component| {
-        let (Some(references), Some(values)) = (unsafe { slice(vr, nvr) }, unsafe { slice_mut(value, nvr) }) else { return refuse(component, NULL) };
+        let (Some(references), Some(values)) = (unsafe { slice(vr, nvr) }, unsafe { slice_mut(value, nvr) }) else {
+            return refuse(component, NULL);
+        };
         let found: Result<Vec<T>, CallError> = references.iter().map(|reference| read(component, *reference)).collect();
         report(component, found.map(|found| values.copy_from_slice(&found)))
     })
@@ -28,7 +30,9 @@ unsafe fn get<T: Copy>(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetReal(c: Component, vr: *const ValueReference, nvr: usize, value: *mut Real) -> Status {
     guard(c, |component| {
-        let (Some(references), Some(values)) = (unsafe { slice(vr, nvr) }, unsafe { slice_mut(value, nvr) }) else { return refuse(component, NULL) };
+        let (Some(references), Some(values)) = (unsafe { slice(vr, nvr) }, unsafe { slice_mut(value, nvr) }) else {
+            return refuse(component, NULL);
+        };
         let answer = component.instance.get_real(references, values);
         report(component, answer)
     })
@@ -67,7 +71,9 @@ pub unsafe extern "C" fn fmi2GetString(c: Component, vr: *const ValueReference, 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetReal(c: Component, vr: *const ValueReference, nvr: usize, value: *const Real) -> Status {
     guard(c, |component| {
-        let (Some(references), Some(values)) = (unsafe { slice(vr, nvr) }, unsafe { slice(value, nvr) }) else { return refuse(component, NULL) };
+        let (Some(references), Some(values)) = (unsafe { slice(vr, nvr) }, unsafe { slice(value, nvr) }) else {
+            return refuse(component, NULL);
+        };
         let answer = component.instance.set_real(references, values);
         report(component, answer)
     })
@@ -78,7 +84,9 @@ pub unsafe extern "C" fn fmi2SetReal(c: Component, vr: *const ValueReference, nv
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetBoolean(c: Component, vr: *const ValueReference, nvr: usize, value: *const Boolean) -> Status {
     guard(c, |component| {
-        let (Some(references), Some(values)) = (unsafe { slice(vr, nvr) }, unsafe { slice(value, nvr) }) else { return refuse(component, NULL) };
+        let (Some(references), Some(values)) = (unsafe { slice(vr, nvr) }, unsafe { slice(value, nvr) }) else {
+            return refuse(component, NULL);
+        };
         let values: Vec<bool> = values.iter().map(|value| *value != FALSE).collect();
         let answer = component.instance.set_boolean(references, &values);
         report(component, answer)

@@ -1,0 +1,277 @@
+//! One FMU instance, in safe Rust: phases, variables, steps and saved states.
+//!
+//! Every method checks everything before it changes anything: a call that is refused leaves the instance as it was.
+
+mod errors;
+mod saved;
+mod values;
+
+pub use errors::{CallError, InstantiateError};
+pub use saved::SavedState;
+
+use super::description;
+use super::variables::{Role, VariableTable};
+use crate::scene::load;
+use crate::scene::spec::Scene;
+use crate::sim::outputs::outputs;
+use crate::sim::{Simulation, SimulationError};
+use crate::solve::Integrator;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Where an instance stands in its life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Phase {
+    Instantiated,
+    Initialization,
+    Stepping,
+    Terminated,
+}
+
+impl Phase {
+    fn words(self) -> &'static str {
+        match self {
+            Phase::Instantiated => "before fmi2EnterInitializationMode",
+            Phase::Initialization => "in initialization mode",
+            Phase::Stepping => "after initialization",
+            Phase::Terminated => "after fmi2Terminate",
+        }
+    }
+}
+
+/// How a step ended.
+#[derive(Debug)]
+pub enum StepOutcome {
+    Done,
+    /// The model could not be advanced to the end; time stands at the last successful step.
+    Discarded(SimulationError),
+}
+
+/// What fmi2SetupExperiment says.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Experiment {
+    start: f64,
+    stop: Option<f64>,
+    tolerance: Option<f64>,
+}
+
+/// An FMU instance.
+pub struct Instance {
+    /// As exported.
+    exported: Scene,
+    /// With the parameters that were set.
+    scene: Scene,
+    table: VariableTable,
+    guid: String,
+    phase: Phase,
+    experiment: Experiment,
+    inputs: Vec<[f64; 3]>,
+    simulation: Option<Simulation>,
+}
+
+/// Times agree when they differ by no more than this, relative to their size (at least 1 s).
+const TIME_SLACK: f64 = 1e-9;
+
+fn slack(time: f64) -> f64 {
+    TIME_SLACK * time.abs().max(1.0)
+}
+
+impl Instance {
+    /// Reads the scene in a resource folder and checks that it belongs to `guid`.
+    ///
+    /// # Errors
+    /// [`InstantiateError`].
+    pub fn new(resources: &Path, guid: &str) -> Result<Self, InstantiateError> {
+        let scene = load::open_file(&resources.join("scene.toml"), "scene", &[])?;
+        let table = VariableTable::new(&scene);
+        let found = description::describe(&scene, &table).guid;
+        if found != guid {
+            return Err(InstantiateError::Guid { found, wanted: guid.chars().filter(|c| !c.is_control()).collect() });
+        }
+        let inputs = neutral_inputs(&table);
+        Ok(Instance {
+            exported: scene.clone(),
+            scene,
+            table,
+            guid: found,
+            phase: Phase::Instantiated,
+            experiment: Experiment { start: 0.0, stop: None, tolerance: None },
+            inputs,
+            simulation: None,
+        })
+    }
+
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    pub fn guid(&self) -> &str {
+        &self.guid
+    }
+
+    /// The present time, s.
+    pub fn time(&self) -> f64 {
+        self.simulation.as_ref().map_or(self.experiment.start, Simulation::time)
+    }
+
+    /// A sentence about the simulation for the log.
+    pub fn summary(&self) -> String {
+        match &self.simulation {
+            None => format!("{}: not started", self.scene.title),
+            Some(simulation) => {
+                let s = simulation.statistics();
+                format!(
+                    "{}: t = {} s, {} steps, {} rejected, {} evaluations, {} restarts",
+                    self.scene.title,
+                    simulation.time(),
+                    s.steps,
+                    s.rejected,
+                    s.evaluations,
+                    s.restarts
+                )
+            }
+        }
+    }
+
+    fn require(&self, function: &'static str, allowed: &[Phase]) -> Result<(), CallError> {
+        if allowed.contains(&self.phase) { Ok(()) } else { Err(CallError::Phase { function, phase: self.phase }) }
+    }
+
+    /// fmi2SetupExperiment.
+    ///
+    /// # Errors
+    /// [`CallError`] for times that make no sense or a call that comes too late.
+    pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<(), CallError> {
+        self.require("fmi2SetupExperiment", &[Phase::Instantiated])?;
+        if !start.is_finite() {
+            return Err(CallError::Time { what: "startTime", value: start, expected: "a finite number".into() });
+        }
+        if let Some(stop) = stop.filter(|stop| !(stop.is_finite() && *stop >= start)) {
+            return Err(CallError::Time {
+                what: "stopTime",
+                value: stop,
+                expected: format!("a finite number not before startTime = {start}"),
+            });
+        }
+        if let Some(tolerance) = tolerance.filter(|tolerance| !(1e-14..=1e-3).contains(tolerance)) {
+            return Err(CallError::Time { what: "tolerance", value: tolerance, expected: "1e-14 to 1e-3 (m and rad per step)".into() });
+        }
+        self.experiment = Experiment { start, stop, tolerance };
+        self.simulation = None;
+        Ok(())
+    }
+
+    /// fmi2EnterInitializationMode.
+    ///
+    /// # Errors
+    /// [`CallError`] when it comes at the wrong time.
+    pub fn enter_initialization(&mut self) -> Result<(), CallError> {
+        self.require("fmi2EnterInitializationMode", &[Phase::Instantiated])?;
+        self.phase = Phase::Initialization;
+        Ok(())
+    }
+
+    /// fmi2ExitInitializationMode: the model is assembled with the parameters then set.
+    ///
+    /// # Errors
+    /// [`CallError::Start`] when there is no valid initial state; the instance stays in initialization mode.
+    pub fn exit_initialization(&mut self) -> Result<(), CallError> {
+        self.require("fmi2ExitInitializationMode", &[Phase::Initialization])?;
+        self.started()?;
+        self.phase = Phase::Stepping;
+        Ok(())
+    }
+
+    /// fmi2Terminate.
+    ///
+    /// # Errors
+    /// [`CallError`] before initialization or when terminated already.
+    pub fn terminate(&mut self) -> Result<(), CallError> {
+        self.require("fmi2Terminate", &[Phase::Stepping])?;
+        self.phase = Phase::Terminated;
+        Ok(())
+    }
+
+    /// fmi2Reset: as after fmi2Instantiate.
+    pub fn reset(&mut self) {
+        self.scene = self.exported.clone();
+        self.phase = Phase::Instantiated;
+        self.experiment = Experiment { start: 0.0, stop: None, tolerance: None };
+        self.inputs = neutral_inputs(&self.table);
+        self.simulation = None;
+    }
+
+    /// The scene with the parameters and the tolerance that hold now.
+    fn effective_scene(&self) -> Scene {
+        let mut scene = self.scene.clone();
+        if let (Some(wanted), Integrator::DormandPrince { tolerance }) = (self.experiment.tolerance, &mut scene.solver.integrator) {
+            *tolerance = wanted;
+        }
+        scene
+    }
+
+    /// A simulation of the present parameters; made when it is first needed.
+    fn started(&mut self) -> Result<&mut Simulation, CallError> {
+        if self.simulation.is_none() {
+            let scene = self.effective_scene();
+            let mut simulation = Simulation::new(&scene, self.experiment.start).map_err(CallError::Start)?;
+            for (index, [value, first, second]) in self.inputs.iter().enumerate() {
+                simulation.set_input(index, *value, *first, *second);
+            }
+            // Outputs read element constants, which parameters may have changed.
+            self.table.outputs = outputs(simulation.model(), &scene.interface.outputs);
+            self.simulation = Some(simulation);
+        }
+        match &mut self.simulation {
+            Some(simulation) => Ok(simulation),
+            None => unreachable!("just made"),
+        }
+    }
+
+    /// fmi2DoStep.
+    ///
+    /// # Errors
+    /// [`CallError`] for a call that makes no sense; a model that cannot go on is [`StepOutcome::Discarded`].
+    pub fn do_step(&mut self, current: f64, step: f64) -> Result<StepOutcome, CallError> {
+        self.require("fmi2DoStep", &[Phase::Stepping])?;
+        let time = self.time();
+        if !((current - time).abs() <= slack(time)) {
+            return Err(CallError::Time {
+                what: "currentCommunicationPoint",
+                value: current,
+                expected: format!("the instance's time {time}"),
+            });
+        }
+        if !(step > 0.0 && step.is_finite()) {
+            return Err(CallError::Time { what: "communicationStepSize", value: step, expected: "a finite number greater than 0".into() });
+        }
+        let target = current + step;
+        if let Some(stop) = self.experiment.stop.filter(|stop| target > stop + slack(*stop)) {
+            return Err(CallError::Time {
+                what: "communicationStepSize",
+                value: step,
+                expected: format!("a step that ends by the stop time {stop}"),
+            });
+        }
+        if !(target > time) {
+            return Err(CallError::Time {
+                what: "communicationStepSize",
+                value: step,
+                expected: format!("a step that moves time beyond {time}"),
+            });
+        }
+        match self.started()?.advance(target) {
+            Ok(()) => Ok(StepOutcome::Done),
+            Err(error) => Ok(StepOutcome::Discarded(error)),
+        }
+    }
+}
+
+/// Start values of all inputs of the model.
+fn neutral_inputs(table: &VariableTable) -> Vec<[f64; 3]> {
+    // Inputs that the interface does not show keep their neutral value too.
+    let count =
+        table.variables.iter().filter_map(|v| if let Role::Input(input) = v.role { Some(input + 1) } else { None }).max().unwrap_or(0);
+    let model_inputs = count.div_ceil(crate::formulation::WHEELSET_INPUTS).max(1) * crate::formulation::WHEELSET_INPUTS;
+    crate::formulation::NEUTRAL_INPUTS.iter().cycle().take(model_inputs).map(|value| [*value, 0.0, 0.0]).collect()
+}

@@ -1,0 +1,111 @@
+//! Two ways of ours to the same result.
+
+mod common;
+
+use common::{column, largest_difference, read, run, scene, start, table};
+use std::fmt::Write;
+use wheelrail::scene::load;
+
+/// Writes the scene's analytic profiles as CSV points and returns a scene file that uses them.
+fn scene_with_points(folder: &std::path::Path, points: usize) -> std::path::PathBuf {
+    let mut wheel = String::from("u,radius\n");
+    let mut rail = String::from("eta,height\n");
+    for i in 0..points {
+        let t = i as f64 / (points - 1) as f64 - 0.5;
+        let u = 0.1 * t;
+        writeln!(wheel, "{u:?},{:?}", 0.457 - 0.025 * u).unwrap();
+        let eta = 0.06 * t;
+        writeln!(rail, "{eta:?},{:?}", -eta * eta / ((0.09f64 - eta * eta).sqrt() + 0.3)).unwrap();
+    }
+    std::fs::write(folder.join("wheel.csv"), wheel).unwrap();
+    std::fs::write(folder.join("rail.csv"), rail).unwrap();
+    let text = wheelrail::scene::embedded::find("suspended_wheelset").unwrap().text;
+    let text = text
+        .replace("kind = \"cone\"             # paper: \"approximate conicity of 1/40\"\nradius = 0.457            # m at the tread circle (choice)\nslope = 0.025", "kind = \"points\"\nfile = \"wheel.csv\"")
+        .replace("kind = \"arc\"\nradius = 0.3              # m (choice)", "kind = \"points\"\nfile = \"rail.csv\"");
+    let file = folder.join("points.toml");
+    std::fs::write(&file, text).unwrap();
+    file
+}
+
+#[test]
+fn equiv_analytic_profiles_and_their_201_point_splines() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = scene_with_points(folder.path(), 201);
+    let splined = load::open(file.to_str().unwrap(), &["solver.tolerance=1e-13".into()]).unwrap();
+    assert_eq!(splined.files().count(), 2, "both profiles must come from files");
+    let (a, b) = (run(&scene(&["solver.tolerance=1e-13"]), 5.0, 0.01), run(&splined, 5.0, 0.01));
+    // The rail's curvature is off by h^2 f''''/12 = 8e-8 relative at h = 0.3 mm, which moves the normal force.
+    for (name, allowed) in [("y", 1e-9), ("yaw", 1e-9), ("z", 1e-9), ("left.normalForce", 0.1), ("left.contact[1].semiAxisB", 1e-8)] {
+        let difference = largest_difference(&column(&a, name), &column(&b, name));
+        println!("{name}: largest difference {difference:.1e}");
+        assert!(difference < allowed, "{name}: {difference:e}");
+        assert!(difference > 0.0, "the spline was not used");
+    }
+}
+
+#[test]
+fn equiv_result_does_not_depend_on_the_communication_step() {
+    let scene = scene(&[]);
+    let [fine, coarse] = [0.001, 0.010].map(|step| run(&scene, 3.0, step));
+    for name in ["y", "z", "yaw", "roll"] {
+        let fine: Vec<f64> = column(&fine, name).into_iter().step_by(10).collect();
+        let difference = largest_difference(&fine, &column(&coarse, name));
+        println!("{name}: 1 ms against 10 ms, largest difference {difference:.1e}");
+        assert!(difference < 1e-9, "{name}: {difference:e}");
+    }
+}
+
+#[test]
+fn equiv_integrators_agree() {
+    let adaptive = run(&scene(&[]), 2.0, 0.01);
+    let fixed = run(&scene(&["solver.integrator=rk4", "solver.step=0.0005"]), 2.0, 0.01);
+    let difference = largest_difference(&column(&adaptive, "y"), &column(&fixed, "y"));
+    println!("Dormand-Prince against RK4 with 0.5 ms: {difference:.1e} m");
+    assert!(difference < 1e-8);
+}
+
+#[test]
+fn equiv_looking_at_outputs_changes_nothing() {
+    let scene = scene(&[]);
+    let (mut watched, mut alone) = (start(&scene), start(&scene));
+    let outputs = table(&watched, &scene);
+    for i in 1..=200 {
+        let time = 0.005 * f64::from(i);
+        watched.advance(time).unwrap();
+        read(&mut watched, &outputs);
+        watched.displaced_snapshot(1e-6).unwrap();
+        alone.advance(time).unwrap();
+    }
+    assert_eq!(watched.state(), alone.state());
+}
+
+#[test]
+fn equiv_restored_state_continues_bit_for_bit() {
+    let scene = scene(&[]);
+    let mut simulation = start(&scene);
+    simulation.advance(0.6037).unwrap();
+    simulation.set_input(wheelrail::formulation::LATERAL_FORCE, 1e4, 5e4, 1e5);
+    let saved = simulation.state().clone();
+    simulation.advance(0.8).unwrap();
+    let first = simulation.state().clone();
+    assert_ne!(saved, first);
+    assert!(simulation.restore(&saved));
+    simulation.advance(0.8).unwrap();
+    assert_eq!(simulation.state(), &first);
+
+    let mut other = start(&scene);
+    assert!(other.restore(&saved));
+    other.advance(0.8).unwrap();
+    assert_eq!(other.state(), &first);
+}
+
+#[test]
+fn equiv_mirrored_scene_gives_mirrored_results() {
+    let mirrored = scene(&["track.deviation[1].rail=left", "track.deviation[1].amplitude=-10 mm", "solver.tolerance=1e-13"]);
+    let (a, b) = (run(&scene(&["solver.tolerance=1e-13"]), 2.0, 0.01), run(&mirrored, 2.0, 0.01));
+    let opposite = |name: &str| column(&b, name).iter().map(|value| -value).collect::<Vec<_>>();
+    assert!(largest_difference(&column(&a, "y"), &opposite("y")) < 1e-11);
+    assert!(largest_difference(&column(&a, "yaw"), &opposite("yaw")) < 1e-11);
+    assert!(largest_difference(&column(&a, "left.normalForce"), &column(&b, "right.normalForce")) < 1e-4);
+}
