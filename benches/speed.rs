@@ -1,0 +1,172 @@
+//! Cost of one contact, one right-hand side, one simulated second natively and through the C interface.
+//!
+//! `cargo bench` prints criterion's measurements and, before them, real-time factors at a stated accuracy. Times depend on
+//! the machine; nothing here is asserted.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+use wheelrail::contact::creepage::in_rolling_direction;
+use wheelrail::contact::search::algebraic::{SurfaceParameters, locate};
+use wheelrail::fmi::ffi::host::LoadedFmu;
+use wheelrail::fmi::{package, uri};
+use wheelrail::geometry::Side;
+use wheelrail::scene::load;
+use wheelrail::sim::Simulation;
+
+const SCENE: &str = "suspended_wheelset";
+
+fn simulation(changes: &[&str]) -> Simulation {
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+    let scene = load::open(SCENE, &changes).unwrap_or_else(|error| panic!("{error}"));
+    Simulation::new(&scene, 0.0).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Lateral displacement every 10 ms over 5 s.
+fn displacement(simulation: &mut Simulation) -> Vec<f64> {
+    (1..=500)
+        .map(|i| {
+            simulation.advance(0.01 * f64::from(i)).unwrap_or_else(|error| panic!("{error}"));
+            simulation.snapshot().unwrap_or_else(|error| panic!("{error}")).y[1]
+        })
+        .collect()
+}
+
+/// Best of several runs of 5 s without outputs, s per simulated second.
+fn cost(changes: &[&str]) -> f64 {
+    let mut best = f64::INFINITY;
+    for _ in 0..7 {
+        let mut simulation = simulation(changes);
+        let clock = Instant::now();
+        simulation.advance(5.0).unwrap_or_else(|error| panic!("{error}"));
+        best = best.min(clock.elapsed().as_secs_f64() / 5.0);
+    }
+    best
+}
+
+/// Error against a run at 1e-13 and real-time factor of several settings.
+fn accuracy_table() {
+    let reference = displacement(&mut simulation(&["solver.tolerance=1e-13"]));
+    println!("suspended_wheelset, 5 s: largest error of the lateral displacement (against tolerance 1e-13) and cost");
+    let settings: [&[&str]; 8] = [
+        &["solver.tolerance=1e-6"],
+        &["solver.tolerance=1e-7"],
+        &["solver.tolerance=1e-8"],
+        &["solver.tolerance=1e-9"],
+        &["solver.tolerance=1e-10"],
+        &["solver.integrator=rk4", "solver.step=0.002"],
+        &["solver.integrator=rk4", "solver.step=0.001"],
+        &["solver.integrator=rk4", "solver.step=0.0005"],
+    ];
+    for changes in settings {
+        let found = displacement(&mut simulation(changes));
+        let error = found.iter().zip(&reference).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let cost = cost(changes);
+        println!(
+            "  {:45} error {error:8.1e} m   {:6.2} ms per simulated second   {:4.0} times real time",
+            changes.join(" "),
+            1e3 * cost,
+            1.0 / cost
+        );
+    }
+}
+
+/// The FMU's library as an instance in initialized state, and the folder that must outlive it.
+fn loaded() -> Option<(tempfile::TempDir, std::path::PathBuf, String, String)> {
+    let library = package::find_library(None).map_err(|error| println!("FMU part left out: {error}")).ok()?;
+    let scene = load::open(SCENE, &[]).ok()?;
+    let packed = package::pack_scene(&scene).ok()?;
+    let folder = tempfile::tempdir().ok()?;
+    for (name, content) in &packed.resources {
+        std::fs::write(folder.path().join(name), content).ok()?;
+    }
+    let file = folder.path().join("fmu.so");
+    std::fs::write(&file, library).ok()?;
+    let resources = uri::from_path(folder.path());
+    Some((folder, file, packed.description.guid, resources))
+}
+
+/// Native against FMU at 10 ms and 1 ms, alternating so that the machine's noise hits both.
+fn fmu_table() {
+    let Some((_folder, file, guid, resources)) = loaded() else { return };
+    println!("native against the C interface, 5 s, no outputs read (median of 15):");
+    for step in [0.01, 0.001] {
+        let count = (5.0f64 / step).round() as u32;
+        let (mut native, mut through_c) = (Vec::new(), Vec::new());
+        for _ in 0..15 {
+            let mut simulation = simulation(&[]);
+            let clock = Instant::now();
+            for i in 1..=count {
+                simulation.advance(step * f64::from(i)).unwrap_or_else(|error| panic!("{error}"));
+            }
+            native.push(clock.elapsed());
+            let mut fmu = LoadedFmu::start(&file, &guid, &resources).unwrap_or_else(|error| panic!("{error}"));
+            let clock = Instant::now();
+            for i in 0..count {
+                fmu.do_step(step * f64::from(i), step).unwrap_or_else(|error| panic!("{error}"));
+            }
+            through_c.push(clock.elapsed());
+        }
+        let median = |times: &mut Vec<Duration>| {
+            times.sort();
+            times[times.len() / 2].as_secs_f64() / 5.0
+        };
+        let (native, through_c) = (median(&mut native), median(&mut through_c));
+        println!(
+            "  every {:4.1} ms: native {:.2} ms, FMU {:.2} ms per simulated second ({:+.1} %); {:+.0} ns per doStep beyond the core",
+            1e3 * step,
+            1e3 * native,
+            1e3 * through_c,
+            100.0 * (through_c / native - 1.0),
+            1e9 * (through_c - native) * step
+        );
+    }
+}
+
+fn benchmarks(criterion: &mut Criterion) {
+    accuracy_table();
+    fmu_table();
+
+    let mut simulation = simulation(&[]);
+    // In the middle of the disturbance.
+    simulation.advance(0.6).unwrap_or_else(|error| panic!("{error}"));
+    let snapshot = simulation.snapshot().unwrap_or_else(|error| panic!("{error}")).clone();
+    let model = simulation.model();
+    let wheelset = &model.wheelsets[0];
+    let motion = &snapshot.workspace.system.motions[0];
+    let report = &snapshot.workspace.contacts[1];
+    // A warm start as far off as it is from stage to stage of a step.
+    let start = SurfaceParameters { rail: report.parameters.rail + 1e-6, wheel: report.parameters.wheel + 1e-5, ..report.parameters };
+    criterion.bench_function("contact: search, Hertz and creep", |bencher| {
+        bencher.iter(|| {
+            let (wheel, rail) = (wheelset.wheel(Side::Right), model.track.rail(Side::Right));
+            let found = locate(wheel, rail, &motion.position, &motion.frame.axes, motion.position.x, black_box(&start));
+            let Ok(found) = found else { return None };
+            let (rolling, across) = found.half_curvatures();
+            let elastic = model.laws.normal.contact(rolling, across, found.penetration).ok()?;
+            Some(in_rolling_direction(40.0, report.creepage, |creepage| {
+                model.laws.creep.force(elastic.patch, elastic.force, model.laws.friction, creepage)
+            }))
+        });
+    });
+    let mut workspace = model.workspace();
+    let (mut memory, mut dy) = (snapshot.memory().to_vec(), snapshot.dy.clone());
+    criterion.bench_function("right-hand side", |bencher| {
+        bencher.iter(|| model.derivative(&mut workspace, 0.6, snapshot.inputs(), black_box(&snapshot.y), &mut memory, &mut dy).is_ok());
+    });
+    criterion.bench_function("one simulated second, native", |bencher| {
+        let saved = self::simulation(&[]).state().clone();
+        let mut simulation = self::simulation(&[]);
+        bencher.iter(|| {
+            simulation.restore(&saved);
+            simulation.advance(1.0).is_ok()
+        });
+    });
+}
+
+criterion_group! {
+    name = speed;
+    config = Criterion::default().sample_size(50).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(3));
+    targets = benchmarks
+}
+criterion_main!(speed);
