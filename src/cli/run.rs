@@ -20,10 +20,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
     /// Stop time in s [default: run.stop of the scene]
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
     stop: Option<f64>,
     /// Output step in s [default: run.step of the scene]
-    #[arg(long, value_name = "H")]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
     step: Option<f64>,
     /// Print the summary as JSON
     #[arg(long)]
@@ -128,7 +128,7 @@ fn extremes(recording: &Recording) -> Vec<Extreme> {
             name: name.clone(),
             min: values.clone().fold(f64::INFINITY, f64::min),
             max: values.clone().fold(f64::NEG_INFINITY, f64::max),
-            end: values.last().unwrap_or(f64::NAN),
+            end: values.clone().next_back().unwrap_or(f64::NAN),
         }
     };
     recording.columns.iter().enumerate().map(column).collect()

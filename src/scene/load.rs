@@ -144,9 +144,9 @@ fn resolve_initial(scene: &mut Scene) -> Result<(), SceneError> {
         .map_err(|error| SceneError::Equilibrium { file: scene.source.file.clone(), error })?
         .initial_values();
     let initial = &mut scene.vehicle.initial;
-    for i in 0..found.len() {
-        let absolute = initial.given[i].unwrap_or(found[i]);
-        initial.values[i] = if initial.from_equilibrium { absolute - found[i] } else { absolute };
+    for ((value, given), found) in initial.values.iter_mut().zip(initial.given).zip(found) {
+        let absolute = given.unwrap_or(found);
+        *value = if initial.from_equilibrium { absolute - found } else { absolute };
     }
     Ok(())
 }

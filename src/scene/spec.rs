@@ -284,13 +284,13 @@ fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
 /// `"1:40"` is atan(1/40); otherwise an angle.
 fn read_inclination(section: &Section) -> Result<f64, SettingsError> {
     let expected = "an angle in rad, or a string such as \"1:40\" or \"1.4 deg\"";
-    if let Ok(text) = section.text("inclination") {
-        if let Some((one, run)) = text.split_once(':') {
-            let ratio = one.trim().parse::<f64>().ok().zip(run.trim().parse::<f64>().ok()).map(|(one, run)| (one / run).atan());
-            return ratio
-                .filter(|angle| angle.is_finite())
-                .ok_or_else(|| section.error("inclination", format!("found \"{text}\", expected {expected}")));
-        }
+    if let Ok(text) = section.text("inclination")
+        && let Some((one, run)) = text.split_once(':')
+    {
+        let ratio = one.trim().parse::<f64>().ok().zip(run.trim().parse::<f64>().ok()).map(|(one, run)| (one / run).atan());
+        return ratio
+            .filter(|angle| angle.is_finite())
+            .ok_or_else(|| section.error("inclination", format!("found \"{text}\", expected {expected}")));
     }
     let angle = section.number("inclination", Dimension::Angle)?;
     if angle.abs() < 0.5 { Ok(angle) } else { Err(section.error("inclination", format!("found {angle} rad, expected {expected}"))) }

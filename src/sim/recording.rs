@@ -59,7 +59,7 @@ impl Recording {
 #[error("{error}")]
 pub struct Interrupted {
     pub recording: Recording,
-    pub error: SimulationError,
+    pub error: Box<SimulationError>,
 }
 
 /// Communication points from `start` in steps of `step` to `stop`, the last one being `stop` itself.
@@ -92,6 +92,6 @@ pub fn record(
     };
     match run() {
         Ok(()) => Ok(recording),
-        Err(error) => Err(Interrupted { recording, error }),
+        Err(error) => Err(Interrupted { recording, error: Box::new(error) }),
     }
 }

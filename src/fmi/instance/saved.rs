@@ -78,10 +78,10 @@ impl Instance {
                     inputs: saved.inputs.clone(),
                     simulation: None,
                 };
-                if let Some(state) = state {
-                    if !other.started()?.restore(state) {
-                        return Err(CallError::ForeignState);
-                    }
+                if let Some(state) = state
+                    && !other.started()?.restore(state)
+                {
+                    return Err(CallError::ForeignState);
                 }
                 *self = other;
             }

@@ -134,9 +134,8 @@ impl Instance {
     }
 
     fn set_input(&mut self, input: usize, signal: [f64; 3]) {
-        match &mut self.simulation {
-            Some(simulation) => simulation.set_input(input, signal[0], signal[1], signal[2]),
-            None => {}
+        if let Some(simulation) = &mut self.simulation {
+            simulation.set_input(input, signal[0], signal[1], signal[2]);
         }
         // Kept for a simulation that is made anew when a parameter changes before initialization ends.
         self.inputs[input] = signal;

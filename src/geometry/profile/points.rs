@@ -99,10 +99,10 @@ fn read(content: &[u8], file: &str, part: Part) -> Result<Vec<(f64, f64)>, Setti
     if points.len() < 3 {
         return Err(wrong(0, format!("found {} points, expected at least 3", points.len())));
     }
-    if part == Part::Wheel {
-        if let Some(point) = points.iter().find(|point| point.1 <= 0.0) {
-            return Err(wrong(point.2, format!("found radius {}, expected more than 0", point.1)));
-        }
+    if part == Part::Wheel
+        && let Some(point) = points.iter().find(|point| point.1 <= 0.0)
+    {
+        return Err(wrong(point.2, format!("found radius {}, expected more than 0", point.1)));
     }
     Ok(points.into_iter().map(|(x, y, _)| (x, y)).collect())
 }
