@@ -60,7 +60,8 @@ impl<'a> Section<'a> {
         Section { table, path: String::new(), source, known: RefCell::default(), span: None }
     }
 
-    fn full_key(&self, key: &str) -> String {
+    /// Dotted path of a key of this section.
+    pub fn full_key(&self, key: &str) -> String {
         if self.path.is_empty() { key.into() } else { format!("{}.{key}", self.path) }
     }
 
@@ -126,13 +127,19 @@ impl<'a> Section<'a> {
     /// A number greater than zero.
     pub fn positive(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
         let value = self.number(key, dimension)?;
-        if value > 0.0 { Ok(value) } else { Err(self.error(key, format!("found {value}, expected a number greater than 0"))) }
+        if value > 0.0 { Ok(value) } else { Err(self.error(key, format!("found {value:?}, expected a number greater than 0"))) }
+    }
+
+    /// A number of at least `smallest`.
+    pub fn at_least(&self, key: &'static str, dimension: Dimension, smallest: f64) -> Result<f64, SettingsError> {
+        let value = self.number(key, dimension)?;
+        if value >= smallest { Ok(value) } else { Err(self.error(key, format!("found {value:?}, expected {smallest:?} or more"))) }
     }
 
     /// A number of zero or more.
     pub fn not_negative(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
         let value = self.number(key, dimension)?;
-        if value >= 0.0 { Ok(value) } else { Err(self.error(key, format!("found {value}, expected 0 or more"))) }
+        if value >= 0.0 { Ok(value) } else { Err(self.error(key, format!("found {value:?}, expected 0 or more"))) }
     }
 
     /// A string that must be given.

@@ -2,7 +2,7 @@
 
 use super::{Failure, SceneArguments, print, table};
 use crate::fmi::package::{self, PackageError, PackedScene};
-use crate::sim::outputs::Unit;
+use crate::sim::unit::Unit;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -51,7 +51,7 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
     let files = package::files(&packed, &library);
     let bytes = package::archive(&files)?;
     let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", packed.scene.name)));
-    std::fs::write(&path, &bytes).map_err(|error| PackageError::Unwritable { path: path.clone(), problem: error.to_string() })?;
+    super::start(&packed.scene)?;
 
     let name = &packed.scene.vehicle.wheelset.name;
     let shown: Vec<_> = COLUMNS
@@ -66,6 +66,8 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
     let run = packed.scene.run;
     let rows = package::check(&files, &packed, &references, run.stop, run.step, ROWS)?;
     let elapsed = start.elapsed().as_secs_f64();
+    // Only an FMU that has passed its check takes the place of an older one.
+    package::write_whole(&path, &bytes)?;
 
     if arguments.json {
         let columns: Vec<_> = shown.iter().map(|(output, _)| &output.name).collect();

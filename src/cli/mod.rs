@@ -8,6 +8,7 @@ mod run;
 
 use crate::scene::load::{self, SceneError};
 use crate::scene::spec::Scene;
+use crate::sim::Simulation;
 use clap::{Args, Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -74,8 +75,19 @@ pub fn main() -> ExitCode {
         Err(Failure::Run(message)) => (message, 1),
         Err(Failure::Input(message)) => (message, 2),
     };
-    eprintln!("error: {message}");
+    say(&format!("error: {message}"));
     ExitCode::from(code)
+}
+
+/// Prints a message to stderr, if anybody listens.
+fn say(text: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// Starts a simulation; a scene without equilibrium is bad input.
+fn start(scene: &Scene) -> Result<Simulation, Failure> {
+    Simulation::new(scene, 0.0).map_err(|error| Failure::Input(format!("{}: {error}", scene.source.file)))
 }
 
 /// Prints to stdout; a closed pipe (`| head`) is not an error.

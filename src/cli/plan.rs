@@ -21,7 +21,7 @@ pub(super) struct Arguments {
 
 pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
-    let mut simulation = Simulation::new(&scene, 0.0).map_err(|error| Failure::Run(error.to_string()))?;
+    let mut simulation = super::start(&scene)?;
     let plan = plan::plan(&scene, simulation.model());
     let costs = costs(&mut simulation);
     if arguments.json {

@@ -22,12 +22,19 @@ struct Panel<'a> {
     curves: Vec<Curve<'a>>,
 }
 
+const NEEDS: &str = "the plot needs the output group \"motion\"; add it to interface.outputs";
+
+/// Can a plot be drawn into `folder`? Asked before the run, so that nothing computed is lost.
+pub(super) fn prepare(folder: &Path, groups: &[&str]) -> Result<(), String> {
+    if !groups.contains(&"motion") {
+        return Err(NEEDS.into());
+    }
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: can't be made: {error}", folder.display()))
+}
+
 /// Lateral displacement, yaw and wheel loads over distance on one sheet, `DIR/NAME.svg`.
 pub(super) fn overview(folder: &Path, name: &str, title: &str, wheelset: &str, recording: &Recording) -> Result<PathBuf, String> {
-    let distance = recording
-        .column(&format!("{wheelset}.distance"))
-        .ok_or("the plot needs the output group \"motion\"; add it to interface.outputs")?;
-    std::fs::create_dir_all(folder).map_err(|error| format!("{}: can't be made: {error}", folder.display()))?;
+    let distance = recording.column(&format!("{wheelset}.distance")).ok_or(NEEDS)?;
     let file = folder.join(format!("{name}.svg"));
     let panels = [
         Panel {
@@ -45,11 +52,15 @@ pub(super) fn overview(folder: &Path, name: &str, title: &str, wheelset: &str, r
             ],
         },
     ];
+    // A panel whose output group the scene does not show is left out.
+    let shown = |panel: &&Panel| panel.curves.iter().any(|curve| recording.column(&format!("{wheelset}.{}", curve.column)).is_some());
+    let panels: Vec<&Panel> = panels.iter().filter(shown).collect();
+    let height = 40 + 260 * panels.len() as u32;
     let draw = || -> Result<(), String> {
         let words = |error: DrawingAreaErrorKind<_>| format!("{}: can't be drawn: {error}", file.display());
-        let root = SVGBackend::new(&file, (900, 820)).into_drawing_area();
+        let root = SVGBackend::new(&file, (900, height)).into_drawing_area();
         root.fill(&WHITE).map_err(words)?;
-        let sheet = root.titled(title, ("sans-serif", 20)).map_err(words)?;
+        let sheet = root.margin(8, 0, 0, 0).titled(title, ("sans-serif", 20)).map_err(words)?;
         for (area, panel) in sheet.split_evenly((panels.len(), 1)).iter().zip(&panels) {
             draw_panel(area, panel, wheelset, &distance, recording).map_err(words)?;
         }

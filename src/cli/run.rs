@@ -1,11 +1,12 @@
 //! `wheelrail run SCENE`: a native simulation with CSV, SVG and a summary.
 
 use super::{Failure, SceneArguments, plot, print, table};
-use crate::sim::Simulation;
+use crate::scene::spec::MOST_STEPS;
 use crate::sim::outputs::outputs;
 use crate::sim::recording::{self, Recording};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -43,10 +44,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !(step.is_finite() && step > 0.0) {
         return Err(Failure::Input(format!("--step {step}: expected a time greater than 0 s")));
     }
-    if stop / step > 1e8 {
-        return Err(Failure::Input(format!("--step {step}: that would be {:.0} output rows", stop / step)));
+    if stop / step > MOST_STEPS {
+        return Err(Failure::Input(format!("--step {step:?}: that would be {:.1e} output rows", stop / step)));
     }
-    let mut simulation = Simulation::new(&scene, 0.0).map_err(|error| Failure::Run(error.to_string()))?;
+    let to_stdout = arguments.output.as_deref() == Some(Path::new("-"));
+    if to_stdout && arguments.json {
+        return Err(Failure::Input("-o - and --json both write to stdout; choose one".into()));
+    }
+    let mut simulation = super::start(&scene)?;
+    // Whatever can't be written is better known before the run.
+    let mut csv = arguments.output.as_deref().map(open_csv).transpose()?;
+    if let Some(folder) = &arguments.plot {
+        plot::prepare(folder, &scene.interface.outputs).map_err(Failure::Input)?;
+    }
     let outputs = outputs(simulation.model(), &scene.interface.outputs);
     let bar = progress_bar(stop);
     let clock = Instant::now();
@@ -54,18 +64,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let elapsed = clock.elapsed().as_secs_f64();
     bar.finish_and_clear();
     // What was computed before a failure is written too.
-    let (recording, failure) = match done {
+    let (recording, mut failure) = match done {
         Ok(recording) => (recording, None),
-        Err(interrupted) => (interrupted.recording, Some(interrupted.error)),
+        Err(interrupted) => (interrupted.recording, Some(interrupted.error.to_string())),
     };
-    let to_stdout = arguments.output.as_deref() == Some(Path::new("-"));
-    if let Some(path) = &arguments.output {
-        write_csv(path, &recording)?;
+    if let (Some(csv), Some(path)) = (&mut csv, &arguments.output) {
+        match recording.write_csv(csv) {
+            Err(error) if !closed_pipe(&error) => failure = failure.or(Some(format!("{}: can't be written: {error}", path.display()))),
+            _ => {}
+        }
     }
     if let Some(folder) = &arguments.plot {
         let name = &scene.vehicle.wheelset.name;
-        let file = plot::overview(folder, &scene.name, &scene.title, name, &recording).map_err(Failure::Input)?;
-        eprintln!("wrote {}", file.display());
+        match plot::overview(folder, &scene.name, &scene.title, name, &recording) {
+            Ok(file) => super::say(&format!("wrote {}", file.display())),
+            Err(error) => failure = failure.or(Some(error)),
+        }
     }
     let statistics = simulation.statistics();
     let simulated = simulation.time();
@@ -76,7 +90,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             .collect();
         let value = serde_json::json!({
             "scene": scene.name, "simulated": simulated, "seconds": elapsed, "statistics": statistics,
-            "extremes": extremes, "error": failure.as_ref().map(ToString::to_string),
+            "extremes": extremes, "error": failure,
         });
         print(&format!("{value}\n"));
     } else if !to_stdout {
@@ -91,7 +105,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         ));
     }
     match failure {
-        Some(error) => Err(Failure::Run(error.to_string())),
+        Some(error) => Err(Failure::Run(error)),
         None => Ok(()),
     }
 }
@@ -105,13 +119,17 @@ fn progress_bar(stop: f64) -> ProgressBar {
     bar.with_style(style)
 }
 
-fn write_csv(path: &Path, recording: &Recording) -> Result<(), Failure> {
-    let problem = |error: String| Failure::Input(format!("{}: can't be written: {error}", path.display()));
+fn open_csv(path: &Path) -> Result<Box<dyn Write>, Failure> {
     if path == Path::new("-") {
-        return recording.write_csv(std::io::stdout().lock()).map_err(|error| problem(error.to_string()));
+        return Ok(Box::new(std::io::stdout().lock()));
     }
-    let file = std::fs::File::create(path).map_err(|error| problem(error.to_string()))?;
-    recording.write_csv(std::io::BufWriter::new(file)).map_err(|error| problem(error.to_string()))
+    let file = std::fs::File::create(path).map_err(|error| Failure::Input(format!("{}: can't be written: {error}", path.display())))?;
+    Ok(Box::new(std::io::BufWriter::new(file)))
+}
+
+/// A reader that has seen enough (`| head`) is no error.
+fn closed_pipe(error: &csv::Error) -> bool {
+    matches!(error.kind(), csv::ErrorKind::Io(error) if error.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
 struct Extreme {

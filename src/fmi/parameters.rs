@@ -1,9 +1,9 @@
 //! The table of parameters: fields of the scene that a master may set before initialization ends.
 
 use super::variables::{Kind, Role, Variable, WHEELSET};
-use crate::scene::spec::{INITIAL, Scene};
-use crate::sim::outputs::Unit;
-use crate::solve::Integrator;
+use crate::scene::spec::{INITIAL, SMALLEST, SMALLEST_MODULUS, Scene};
+use crate::sim::unit::Unit;
+use crate::solve::SettingKind;
 
 /// A real parameter as a field of the scene.
 #[derive(Clone, Copy)]
@@ -66,9 +66,6 @@ macro_rules! suspension_row {
     };
 }
 
-/// Parameters below these bounds make no physical sense or no number.
-const SMALLEST: Option<f64> = Some(1e-6);
-
 /// All parameters of a scene.
 pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
     let w = &scene.vehicle.wheelset.name;
@@ -100,7 +97,7 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
             "contact",
             "contact.youngsModulus",
             Pascal,
-            Some(1e6),
+            Some(SMALLEST_MODULUS),
             None,
             "Young's modulus of wheel and rail",
             contact.material.youngs_modulus
@@ -115,13 +112,13 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
             "Poisson's ratio of wheel and rail",
             contact.material.poisson_ratio
         ),
-        row!(WHEELSET + 400, "vehicle", format!("{w}.mass"), Kilogram, SMALLEST, None, "mass of the wheelset", vehicle.wheelset.mass),
+        row!(WHEELSET + 400, "vehicle", format!("{w}.mass"), Kilogram, Some(SMALLEST), None, "mass of the wheelset", vehicle.wheelset.mass),
         row!(
             WHEELSET + 401,
             "vehicle",
             format!("{w}.transverseInertia"),
             KilogramMetre2,
-            SMALLEST,
+            Some(SMALLEST),
             None,
             "moment of inertia about any axis across the axle (Ixx = Izz)",
             vehicle.wheelset.transverse_inertia
@@ -131,7 +128,7 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
             "vehicle",
             format!("{w}.axialInertia"),
             KilogramMetre2,
-            SMALLEST,
+            Some(SMALLEST),
             None,
             "moment of inertia about the axle (Iyy)",
             vehicle.wheelset.axial_inertia
@@ -224,38 +221,29 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
     variables
 }
 
+/// The integrator's own number.
 fn solver_row(scene: &Scene) -> Row {
-    match scene.solver.integrator {
-        Integrator::DormandPrince { .. } => Row {
-            id: 7,
-            group: "solver",
-            name: "solver.tolerance".into(),
-            unit: Unit::Metre,
-            min: Some(1e-14),
-            max: Some(1e-3),
-            text: "bound of the local error of positions (m) and angles (rad) per step; the tolerance of fmi2SetupExperiment overrides it",
-            index: 0,
-            get: |scene, _| match scene.solver.integrator {
-                Integrator::DormandPrince { tolerance } => tolerance,
-                Integrator::RungeKutta4 { step } => step,
-            },
-            set: |scene, _, value| scene.solver.integrator = Integrator::DormandPrince { tolerance: value },
-        },
-        Integrator::RungeKutta4 { .. } => Row {
-            id: 8,
-            group: "solver",
-            name: "solver.step".into(),
-            unit: Unit::Second,
-            min: Some(1e-9),
-            max: Some(1.0),
-            text: "fixed step of the integrator",
-            index: 0,
-            get: |scene, _| match scene.solver.integrator {
-                Integrator::DormandPrince { tolerance } => tolerance,
-                Integrator::RungeKutta4 { step } => step,
-            },
-            set: |scene, _, value| scene.solver.integrator = Integrator::RungeKutta4 { step: value },
-        },
+    let setting = scene.solver.integrator.setting();
+    let (id, name, unit, text) = match setting.kind {
+        SettingKind::Tolerance => (
+            7,
+            "solver.tolerance",
+            Unit::Metre,
+            "bound of the local error of positions (m) and angles (rad) per step; the tolerance of fmi2SetupExperiment overrides it",
+        ),
+        SettingKind::Step => (8, "solver.step", Unit::Second, "fixed step of the integrator"),
+    };
+    Row {
+        id,
+        group: "solver",
+        name: name.into(),
+        unit,
+        min: Some(setting.range.0),
+        max: Some(setting.range.1),
+        text,
+        index: 0,
+        get: |scene, _| scene.solver.integrator.setting().value,
+        set: |scene, _, value| scene.solver.integrator = scene.solver.integrator.with_setting(value),
     }
 }
 

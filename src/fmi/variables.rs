@@ -1,13 +1,13 @@
 //! The table of FMU variables: inputs, outputs, parameters and what they mean.
 
 use super::parameters::{self, RealParameter};
-use crate::formulation::{DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, NEUTRAL_INPUTS, RIGHT_FRICTION, VERTICAL_FORCE};
-use crate::geometry::Side;
+use crate::formulation::{DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, NEUTRAL_INPUTS, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS};
 use crate::scene::assemble;
 use crate::scene::spec::Scene;
-use crate::sim::input_index;
-use crate::sim::outputs::{Feedthrough, Output, Unit, outputs};
-use crate::solve::Statistics;
+use crate::sim::outputs::{Output, outputs};
+use crate::sim::unit::Unit;
+use crate::sim::{SimulationState, input_index};
+use std::collections::HashMap;
 
 /// What a variable stands for.
 pub enum Role {
@@ -20,7 +20,7 @@ pub enum Role {
     /// `initial.fromEquilibrium`.
     FromEquilibrium,
     /// A work counter.
-    Counter(fn(&Statistics) -> u64),
+    Counter(fn(&SimulationState) -> u64),
     /// The scene's title.
     Title,
 }
@@ -56,6 +56,8 @@ pub struct Variable {
 pub struct VariableTable {
     pub variables: Vec<Variable>,
     pub outputs: Vec<Output>,
+    /// Index of each reference.
+    index: HashMap<u32, usize>,
 }
 
 /// References of parameters that belong to no wheelset stay below this; wheelset k (from 1) has k * 1000 to k * 1000 + 999.
@@ -83,23 +85,18 @@ impl VariableTable {
         }));
         variables.extend(parameters::parameters(scene));
         variables.extend(locals());
-        VariableTable { variables, outputs }
+        let index = variables.iter().enumerate().map(|(index, variable)| (variable.reference, index)).collect();
+        VariableTable { variables, outputs, index }
     }
 
-    /// The variable with a reference and its index.
-    pub fn find(&self, reference: u32) -> Option<(usize, &Variable)> {
-        self.variables.iter().enumerate().find(|(_, variable)| variable.reference == reference)
+    /// The variable with a reference.
+    pub fn find(&self, reference: u32) -> Option<&Variable> {
+        self.index.get(&reference).map(|index| &self.variables[*index])
     }
 
     /// 1-based indices of the inputs that an output depends on.
     pub fn dependencies(&self, output: &Output) -> Vec<usize> {
-        let depends = |input: usize| match output.feedthrough {
-            Feedthrough::None => false,
-            Feedthrough::Friction(Side::Left) => input == LEFT_FRICTION,
-            Feedthrough::Friction(Side::Right) => input == RIGHT_FRICTION,
-            Feedthrough::BothFrictions => input == LEFT_FRICTION || input == RIGHT_FRICTION,
-            Feedthrough::All => true,
-        };
+        let depends = |input: usize| output.feedthrough.contains(&(input % WHEELSET_INPUTS));
         let indexed = self.variables.iter().enumerate();
         indexed.filter_map(|(index, variable)| matches!(variable.role, Role::Input(input) if depends(input)).then_some(index + 1)).collect()
     }
@@ -150,7 +147,7 @@ fn inputs(scene: &Scene) -> Vec<Variable> {
 }
 
 fn locals() -> Vec<Variable> {
-    let counter = |reference, name: &str, text: &str, read: fn(&Statistics) -> u64| Variable {
+    let counter = |reference, name: &str, text: &str, read: fn(&SimulationState) -> u64| Variable {
         reference,
         name: name.into(),
         description: text.into(),
@@ -165,10 +162,11 @@ fn locals() -> Vec<Variable> {
         role: Role::Counter(read),
     };
     vec![
-        counter(900, "solver.steps", "accepted steps of the integrator since the start", |s| s.steps),
-        counter(901, "solver.rejectedSteps", "rejected attempts", |s| s.rejected),
-        counter(902, "solver.evaluations", "evaluations of the right-hand side", |s| s.evaluations),
-        counter(903, "solver.restarts", "restarts at changes of inputs", |s| s.restarts),
+        counter(900, "solver.steps", "accepted steps of the integrator since the start", |s| s.integration.statistics.steps),
+        counter(901, "solver.rejectedSteps", "rejected attempts", |s| s.integration.statistics.rejected),
+        counter(902, "solver.evaluations", "evaluations of the right-hand side", |s| s.integration.statistics.evaluations),
+        counter(903, "solver.restarts", "restarts at changes of inputs", |s| s.integration.statistics.restarts),
+        counter(904, "solver.searchIterations", "Newton iterations of contact searches", |s| s.search_iterations),
         Variable {
             reference: 910,
             name: "scene.title".into(),

@@ -134,7 +134,8 @@ fn wheel_contact(
         report.patch = elastic.patch;
         report.normal_force = damped_force(elastic.force, model.laws.damping, found.penetration, penetration_rate);
         report.creepage = axes.creepage(&velocity, &motion.rotation, speed);
-        let friction = model.laws.friction * friction_factor;
+        // A polynomial input may pass below zero between communication points.
+        let friction = model.laws.friction * friction_factor.max(0.0);
         report.creep_force = in_rolling_direction(speed, report.creepage, |creepage| {
             model.laws.creep.force(elastic.patch, report.normal_force, friction, creepage)
         });

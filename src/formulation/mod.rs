@@ -95,7 +95,7 @@ pub struct Workspace {
     pub system: SystemWorkspace,
     /// Contacts in the order wheelset 1 left, right, wheelset 2 left, ...
     pub contacts: Vec<ContactReport>,
-    /// Newton iterations of contact searches since the counter was last read.
+    /// Newton iterations of contact searches; counted up by each evaluation.
     pub search_iterations: u64,
 }
 
@@ -192,6 +192,8 @@ pub enum ContactFailure {
     OffProfile { part: &'static str, found: f64, first: f64, last: f64, y: f64 },
     #[error("{0}")]
     Conformal(#[from] ConformalContact),
-    #[error("penetration of {penetration:.4} m is not physical; check the initial position (wheelset at z = {z:.4} m)")]
+    #[error(
+        "penetration of {penetration:.4} m is beyond elastic contact (wheelset at z = {z:.4} m): check the initial position, an impact, or a solver.tolerance that is too large"
+    )]
     TooDeep { penetration: f64, z: f64 },
 }

@@ -48,15 +48,17 @@ pub fn model(scene: &Scene) -> Model {
     }
 }
 
-/// The suspension's elements; a direction without stiffness and damping has none.
+/// The suspension's elements; a direction that the scene does not call for has none.
 fn springs(spec: &SuspensionSpec) -> impl Iterator<Item = GuidedSpring> + '_ {
     let directions = [
         (spec.longitudinal, "longitudinal", TrackAxis::Longitudinal, spec.longitudinal_stiffness, spec.longitudinal_damping),
         (spec.lateral, "lateral", TrackAxis::Lateral, spec.lateral_stiffness, spec.lateral_damping),
     ];
-    directions.into_iter().filter(|direction| direction.0).flat_map(|(_, direction, axis, stiffness, damping)| {
-        Side::BOTH.into_iter().zip(spec.attachments()).map(move |(side, attachment)| GuidedSpring {
+    let numbered = (0..).zip(directions).filter(|(_, direction)| direction.0);
+    numbered.flat_map(|(row, (_, direction, axis, stiffness, damping))| {
+        (0..).zip(Side::BOTH).zip(spec.attachments()).map(move |((column, side), attachment)| GuidedSpring {
             name: format!("suspension.{}.{direction}", side.name()),
+            output_number: 2 * row + column,
             body: 0,
             axis,
             attachment,

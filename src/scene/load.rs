@@ -3,7 +3,7 @@
 use super::assemble;
 use super::embedded;
 use super::equilibrium::{self, EquilibriumError};
-use super::spec::Scene;
+use super::spec::{INITIAL, Scene};
 use crate::settings::{Section, SettingsError, Source, did_you_mean};
 use std::path::{Path, PathBuf};
 use toml_edit::{Document, DocumentMut, Item, Table};
@@ -102,8 +102,11 @@ fn apply_override(text: &str, argument: &str) -> Result<(String, String), SceneE
     let last = path.pop().filter(|last| !last.is_empty()).ok_or_else(|| refuse("the key is empty".into()))?;
     let mut table: &mut dyn toml_edit::TableLike = document.as_table_mut();
     for step in path {
-        let (step, index) = match step.strip_suffix(']').and_then(|step| step.split_once('[')) {
-            Some((step, index)) => (step, Some(index.parse::<usize>().map_err(|_| refuse(format!("\"{index}\" is not a number")))?)),
+        let (step, index) = match step.split_once('[') {
+            Some((step, index)) => {
+                let number = index.strip_suffix(']').and_then(|index| index.parse::<usize>().ok());
+                (step, Some(number.ok_or_else(|| refuse(format!("\"[{index}\" is not a number in brackets")))?))
+            }
             None => (step, None),
         };
         let entry = table.entry(step).or_insert_with(|| Item::Table(Table::new()));
@@ -114,6 +117,11 @@ fn apply_override(text: &str, argument: &str) -> Result<(String, String), SceneE
                     .checked_sub(1)
                     .and_then(|i| tables.get_mut(i))
                     .ok_or_else(|| refuse(format!("{step} has {count} entries, counted from 1")))?
+            }
+            (Some(index), Item::Value(toml_edit::Value::Array(values))) => {
+                let count = values.len();
+                let value = index.checked_sub(1).and_then(|i| values.get_mut(i)).and_then(|value| value.as_inline_table_mut());
+                value.ok_or_else(|| refuse(format!("{step} has {count} entries, counted from 1")))?
             }
             (None, entry) if entry.is_table_like() => entry.as_table_like_mut().ok_or_else(|| refuse(format!("{step} is not a table")))?,
             _ => return Err(refuse(format!("{step} is not a table of that kind"))),
@@ -139,10 +147,16 @@ fn resolve_initial(scene: &mut Scene) -> Result<(), SceneError> {
     if initial.from_equilibrium && initial.given.iter().all(Option::is_none) {
         return Ok(());
     }
-    let model = assemble::model(scene);
-    let found = equilibrium::steady_rolling(scene, &model)
-        .map_err(|error| SceneError::Equilibrium { file: scene.source.file.clone(), error })?
-        .initial_values();
+    // Only height and pitch rate of the equilibrium are not zero; where both are given it need not exist.
+    let needed = initial.from_equilibrium
+        || INITIAL.iter().zip(initial.given).any(|(key, given)| given.is_none() && ["z", "pitch_rate"].contains(&key.0));
+    let found = if needed {
+        equilibrium::steady_rolling(scene, &assemble::model(scene))
+            .map_err(|error| SceneError::Equilibrium { file: scene.source.file.clone(), error })?
+            .initial_values()
+    } else {
+        [0.0; INITIAL.len()]
+    };
     let initial = &mut scene.vehicle.initial;
     for ((value, given), found) in initial.values.iter_mut().zip(initial.given).zip(found) {
         let absolute = given.unwrap_or(found);

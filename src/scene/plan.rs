@@ -70,18 +70,14 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     effect("wheel profile", true, vehicle.wheelset.profile.profile.describe(), 0);
     effect("rail profile", true, scene.track.rail.profile.describe(), 0);
     effect("normal force", true, format!("contact.normal.law = \"{}\"", contact.normal_name), 0);
-    effect("contact damping", contact.damping != 0.0, format!("contact.damping = {} N s/m2", contact.damping), 0);
-    effect(
-        "creep forces",
-        contact.friction != 0.0,
-        format!("contact.creep.law = \"{}\", friction {}", contact.creep_name, contact.friction),
-        0,
-    );
+    effect("contact damping", true, format!("contact.damping = {:?} N s/m2", contact.damping), 0);
+    effect("creep forces", true, format!("contact.creep.law = \"{}\", friction {}", contact.creep_name, contact.friction), 0);
     for (name, group) in
         [("drive torque input", "drive_torque"), ("centre force inputs", "centre_forces"), ("friction factor inputs", "friction")]
     {
         let shown = scene.interface.inputs.contains(&group);
-        let why = if shown { format!("interface.inputs has \"{group}\"") } else { format!("interface.inputs lacks \"{group}\"") };
+        let why =
+            if shown { format!("interface.inputs has \"{group}\"") } else { format!("interface.inputs lacks \"{group}\": no variable") };
         effect(name, shown, why, 0);
     }
     let contacts = 2 * model.wheelsets.len();

@@ -10,6 +10,7 @@ use crate::settings::{Section, SettingsError, Source};
 use crate::solve::{self, Integrator};
 use crate::units::Dimension;
 use nalgebra::{Vector3, vector};
+use std::sync::Arc;
 
 /// A scene file, read and checked.
 #[derive(Clone)]
@@ -125,10 +126,10 @@ pub struct ContactSpec {
 }
 
 /// `[solver]`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct SolverSpec {
     pub name: &'static str,
-    pub integrator: Integrator,
+    pub integrator: Arc<dyn Integrator>,
 }
 
 /// Groups of inputs, outputs and parameters that an FMU may show.
@@ -143,6 +144,13 @@ pub struct InterfaceSpec {
     pub outputs: Vec<&'static str>,
     pub parameters: Vec<&'static str>,
 }
+
+/// Smallest mass [kg] and inertia [kg m2] that a scene or a master may set.
+pub const SMALLEST: f64 = 1e-6;
+/// Smallest Young's modulus, Pa.
+pub const SMALLEST_MODULUS: f64 = 1e6;
+/// Largest number of output steps in a run.
+pub const MOST_STEPS: f64 = 1e8;
 
 /// `[run]`: the FMU's default experiment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,6 +172,9 @@ impl Scene {
             return Err(root.error("name", format!("found \"{name}\", expected letters, digits and _, a letter first")));
         }
         let title = root.text_or("title", name)?;
+        if title.chars().any(char::is_control) {
+            return Err(root.error("title", "a control character can't stand in a title"));
+        }
         let vehicle = read_vehicle(root.section("vehicle")?)?;
         let track = read_track(root.section("track")?)?;
         let contact = read_contact(root.section("contact")?)?;
@@ -176,6 +187,9 @@ impl Scene {
         };
         let run = root.section("run")?;
         let spec = RunSpec { stop: run.not_negative("stop", Dimension::Time)?, step: run.positive("step", Dimension::Time)? };
+        if spec.stop / spec.step > MOST_STEPS {
+            return Err(run.error("step", format!("found {:?} s, which makes more than {MOST_STEPS:?} steps until run.stop", spec.step)));
+        }
         run.finish()?;
         root.finish()?;
         Ok(Scene {
@@ -208,7 +222,7 @@ fn read_vehicle(section: Section) -> Result<VehicleSpec, SettingsError> {
     if speed == 0.0 {
         return Err(section.error("speed", "found 0, but creepages are relative to the travelling speed; expected any other number"));
     }
-    let gravity = section.not_negative("gravity", Dimension::None)?;
+    let gravity = section.not_negative("gravity", Dimension::Acceleration)?;
     let wheelset = read_wheelset(section.section("wheelset")?)?;
     let suspension = section.optional_section("suspension")?.map(read_suspension).transpose()?;
     let initial = match section.optional_section("initial")? {
@@ -220,17 +234,17 @@ fn read_vehicle(section: Section) -> Result<VehicleSpec, SettingsError> {
 }
 
 fn read_wheelset(section: Section) -> Result<WheelsetSpec, SettingsError> {
-    let transverse_inertia = section.positive("inertia_xx", Dimension::Inertia)?;
-    let zz = section.positive("inertia_zz", Dimension::Inertia)?;
+    let transverse_inertia = section.at_least("inertia_xx", Dimension::Inertia, SMALLEST)?;
+    let zz = section.at_least("inertia_zz", Dimension::Inertia, SMALLEST)?;
     if zz != transverse_inertia {
         return Err(section
             .error("inertia_zz", format!("found {zz}, expected inertia_xx = {transverse_inertia}: a wheelset is a body of revolution")));
     }
     let spec = WheelsetSpec {
         name: "wheelset".into(),
-        mass: section.positive("mass", Dimension::Mass)?,
+        mass: section.at_least("mass", Dimension::Mass, SMALLEST)?,
         transverse_inertia,
-        axial_inertia: section.positive("inertia_yy", Dimension::Inertia)?,
+        axial_inertia: section.at_least("inertia_yy", Dimension::Inertia, SMALLEST)?,
         vertical_load: section.number("vertical_load", Dimension::Force)?,
         half_tread_circle_distance: 0.5 * section.positive("tread_circle_distance", Dimension::Length)?,
         profile: profile::parse(section.section("profile")?, Part::Wheel)?,
@@ -283,17 +297,17 @@ fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
 
 /// `"1:40"` is atan(1/40); otherwise an angle.
 fn read_inclination(section: &Section) -> Result<f64, SettingsError> {
-    let expected = "an angle in rad, or a string such as \"1:40\" or \"1.4 deg\"";
-    if let Ok(text) = section.text("inclination")
-        && let Some((one, run)) = text.split_once(':')
-    {
-        let ratio = one.trim().parse::<f64>().ok().zip(run.trim().parse::<f64>().ok()).map(|(one, run)| (one / run).atan());
-        return ratio
-            .filter(|angle| angle.is_finite())
-            .ok_or_else(|| section.error("inclination", format!("found \"{text}\", expected {expected}")));
+    const STEEPEST: f64 = 0.5;
+    let text = section.text("inclination").unwrap_or_default();
+    let angle = match text.split_once(':').map(|(one, run)| (one.trim().parse::<f64>(), run.trim().parse::<f64>())) {
+        Some((Ok(one), Ok(run))) => (one / run).atan(),
+        _ => section.number("inclination", Dimension::Angle)?,
+    };
+    if angle.abs() < STEEPEST {
+        return Ok(angle);
     }
-    let angle = section.number("inclination", Dimension::Angle)?;
-    if angle.abs() < 0.5 { Ok(angle) } else { Err(section.error("inclination", format!("found {angle} rad, expected {expected}"))) }
+    let expected = "an angle below 0.5 rad, as a number in rad or a string such as \"1:40\" or \"1.4 deg\"";
+    Err(section.error("inclination", format!("found {angle:?} rad, expected {expected}")))
 }
 
 fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
@@ -303,7 +317,7 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
     if poisson_ratio > 0.5 {
         return Err(material.error("poisson_ratio", format!("found {poisson_ratio}, expected 0 to 0.5")));
     }
-    let constants = Material { youngs_modulus: material.positive("youngs_modulus", Dimension::Pressure)?, poisson_ratio };
+    let constants = Material { youngs_modulus: material.at_least("youngs_modulus", Dimension::Pressure, SMALLEST_MODULUS)?, poisson_ratio };
     material.finish()?;
     let normal_section = section.section("normal")?;
     let normal = normal::parse(&normal_section)?;

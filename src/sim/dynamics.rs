@@ -4,7 +4,7 @@ use super::input::{self, InputSignal};
 use crate::formulation::{EvaluationError, Model, Workspace};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
-use crate::solve::Dynamics;
+use crate::solve::{Dynamics, Undefined};
 
 /// A model under given input signals.
 pub struct ModelDynamics<'a> {
@@ -13,29 +13,32 @@ pub struct ModelDynamics<'a> {
     signals: &'a [InputSignal],
     values: &'a mut [f64],
     constant: bool,
+    /// Why the last failed evaluation failed.
+    pub failure: Option<EvaluationError>,
 }
 
 impl<'a> ModelDynamics<'a> {
     pub fn new(model: &'a Model, workspace: &'a mut Workspace, signals: &'a [InputSignal], values: &'a mut [f64]) -> Self {
         let constant = signals.iter().all(|signal| signal.first == 0.0 && signal.second == 0.0);
         input::evaluate(signals, 0.0, values);
-        ModelDynamics { model, workspace, signals, values, constant }
+        ModelDynamics { model, workspace, signals, values, constant, failure: None }
     }
 }
 
 impl Dynamics for ModelDynamics<'_> {
-    type Error = EvaluationError;
-
     fn dimension(&self) -> usize {
         self.model.system.dimension()
     }
 
     #[inline]
-    fn derivative(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
+    fn derivative(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         if !self.constant {
             input::evaluate(self.signals, t, self.values);
         }
-        self.model.derivative(self.workspace, t, self.values, y, memory, dy)
+        self.model.derivative(self.workspace, t, self.values, y, memory, dy).map_err(|error| {
+            self.failure = Some(error);
+            Undefined
+        })
     }
 
     /// Positions and angles, in metres and radians.

@@ -7,6 +7,7 @@ mod dynamics;
 pub mod input;
 pub mod outputs;
 pub mod recording;
+pub mod unit;
 
 use crate::formulation::{EvaluationError, Model, NEUTRAL_INPUTS, WHEELSET_INPUTS, Workspace};
 use crate::mbs::body::COORDINATES;
@@ -17,6 +18,7 @@ use crate::solve::{IntegrationState, Integrator, Scratch, SolveError, Statistics
 use dynamics::ModelDynamics;
 use input::InputSignal;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Everything that a simulation remembers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,6 +28,8 @@ pub struct SimulationState {
     pub integration: IntegrationState,
     /// One signal per input of the model.
     pub inputs: Vec<InputSignal>,
+    /// Newton iterations of contact searches on the stepping path.
+    pub search_iterations: u64,
 }
 
 impl SimulationState {
@@ -43,14 +47,14 @@ pub enum SimulationError {
     #[error("{0}")]
     Evaluation(#[from] EvaluationError),
     #[error("{0}")]
-    Solve(#[from] SolveError<EvaluationError>),
+    Solve(#[from] SolveError),
 }
 
 /// A running simulation of one scene.
 #[derive(Debug)]
 pub struct Simulation {
     model: Model,
-    integrator: Integrator,
+    integrator: Arc<dyn Integrator>,
     state: SimulationState,
     workspace: Workspace,
     scratch: Scratch,
@@ -104,9 +108,9 @@ impl Simulation {
             y: y.clone(),
         };
         let mut simulation = Simulation {
-            integrator: scene.solver.integrator,
+            integrator: scene.solver.integrator.clone(),
             scratch: Scratch::new(y.len(), memory.len()),
-            state: SimulationState { time: start, integration, inputs },
+            state: SimulationState { time: start, integration, inputs, search_iterations: 0 },
             workspace,
             snapshot,
             snapshot_valid: false,
@@ -167,10 +171,16 @@ impl Simulation {
     /// [`SimulationError`]; time then stands where the last successful step ended.
     pub fn advance(&mut self, target: f64) -> Result<(), SimulationError> {
         self.snapshot_valid = false;
+        self.workspace.search_iterations = 0;
         let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, &self.state.inputs, &mut self.snapshot.inputs);
         let advanced = self.integrator.advance(&mut dynamics, &mut self.state.integration, &mut self.scratch, target);
+        let failure = dynamics.failure.take();
+        self.state.search_iterations += self.workspace.search_iterations;
         self.state.time = if advanced.is_ok() { target } else { self.state.integration.t.max(self.state.time) };
-        Ok(advanced?)
+        advanced.map_err(|error| match (error, failure) {
+            (SolveError::Undefined { .. }, Some(reason)) => SimulationError::Evaluation(reason),
+            _ => SimulationError::Solve(error),
+        })
     }
 
     /// The snapshot that was taken last.

@@ -1,99 +1,19 @@
 //! The one table of outputs: FMU variables, CSV columns and plot labels all come from it.
 
 use super::Snapshot;
-use crate::formulation::{ContactReport, Model};
+use super::unit::Unit;
+use crate::formulation::{ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, Model, RIGHT_FRICTION, VERTICAL_FORCE};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 
-/// Units that outputs, inputs and parameters carry (names as in modelDescription.xml).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
-    One,
-    /// Metres of a displacement (shown in mm).
-    Metre,
-    /// Metres along the track.
-    Distance,
-    Radian,
-    Second,
-    MetrePerSecond,
-    /// Metres per second of travel (shown in km/h).
-    TravelSpeed,
-    RadianPerSecond,
-    MetrePerSecond2,
-    RadianPerSecond2,
-    Newton,
-    NewtonMetre,
-    PerMetre,
-    Kilogram,
-    KilogramMetre2,
-    NewtonPerMetre,
-    NewtonSecondPerMetre,
-    NewtonSecondPerMetre2,
-    Pascal,
-}
+/// Inputs of the wheelset (see `formulation`) that an output depends on at the same instant.
+pub type Feedthrough = &'static [usize];
 
-impl Unit {
-    /// The type definition in modelDescription.xml that goes with the unit.
-    pub fn type_name(self) -> &'static str {
-        match self {
-            Unit::One => "Ratio",
-            Unit::Metre => "Displacement",
-            Unit::Distance => "Distance",
-            Unit::Radian => "Angle",
-            Unit::Second => "Time",
-            Unit::MetrePerSecond => "Velocity",
-            Unit::TravelSpeed => "TravellingSpeed",
-            Unit::RadianPerSecond => "AngularVelocity",
-            Unit::MetrePerSecond2 => "Acceleration",
-            Unit::RadianPerSecond2 => "AngularAcceleration",
-            Unit::Newton => "Force",
-            Unit::NewtonMetre => "Torque",
-            Unit::PerMetre => "SpinCreepage",
-            Unit::Kilogram => "Mass",
-            Unit::KilogramMetre2 => "Inertia",
-            Unit::NewtonPerMetre => "Stiffness",
-            Unit::NewtonSecondPerMetre => "Damping",
-            Unit::NewtonSecondPerMetre2 => "PenetrationDamping",
-            Unit::Pascal => "Pressure",
-        }
-    }
-
-    /// The unit's name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Unit::One => "1",
-            Unit::Metre | Unit::Distance => "m",
-            Unit::Radian => "rad",
-            Unit::Second => "s",
-            Unit::MetrePerSecond | Unit::TravelSpeed => "m/s",
-            Unit::RadianPerSecond => "rad/s",
-            Unit::MetrePerSecond2 => "m/s2",
-            Unit::RadianPerSecond2 => "rad/s2",
-            Unit::Newton => "N",
-            Unit::NewtonMetre => "N.m",
-            Unit::PerMetre => "1/m",
-            Unit::Kilogram => "kg",
-            Unit::KilogramMetre2 => "kg.m2",
-            Unit::NewtonPerMetre => "N/m",
-            Unit::NewtonSecondPerMetre => "N.s/m",
-            Unit::NewtonSecondPerMetre2 => "N.s/m2",
-            Unit::Pascal => "Pa",
-        }
-    }
-}
-
-/// Which inputs an output depends on at the same instant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Feedthrough {
-    /// A coordinate or velocity, or computed from those alone.
-    None,
-    /// The friction factor of one wheel.
-    Friction(Side),
-    /// Both friction factors.
-    BothFrictions,
-    /// Every input of the wheelset.
-    All,
-}
+/// A coordinate or velocity, or computed from those alone.
+const STATE: Feedthrough = &[];
+const LEFT: Feedthrough = &[LEFT_FRICTION];
+const RIGHT: Feedthrough = &[RIGHT_FRICTION];
+const FRICTIONS: Feedthrough = &[LEFT_FRICTION, RIGHT_FRICTION];
 
 type Read = Box<dyn Fn(&Snapshot) -> f64 + Send + Sync>;
 
@@ -167,18 +87,16 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
         motion(&mut collector, wheelset.body, bodies);
         if let Some(drive) = model.system.drives.iter().position(|drive| drive.body == wheelset.body) {
             let text = "force of the driving constraint, forward positive: what a locomotive must supply to keep the imposed speed";
-            collector.add(30, "drivingForce", "motion", Unit::Newton, Feedthrough::BothFrictions, text, move |s| {
-                s.workspace.system.drive_forces[drive]
-            });
+            collector.add(30, "drivingForce", "motion", Unit::Newton, FRICTIONS, text, move |s| s.workspace.system.drive_forces[drive]);
         }
         for side in Side::BOTH {
-            wheel(&mut collector, 2 * index + usize::from(side == Side::Right), side);
+            wheel(&mut collector, 2 * index + usize::from(side == Side::Right), side, wheelset.body * COORDINATES);
         }
-        for (element, force) in model.system.forces.iter().enumerate().filter(|(_, force)| force.is_axial()) {
-            let id = 300 + element as u32;
+        for (element, force) in model.system.forces.iter().enumerate() {
+            let Some(number) = force.output_number() else { continue };
             let text = "force of the suspension element on the wheelset along its track axis (X forward, Y left positive)";
-            let elements = element_force(model, element);
-            collector.add(id, &format!("{}Force", force.name()), "suspension", Unit::Newton, Feedthrough::None, text, elements);
+            let name = format!("{}Force", force.name());
+            collector.add(300 + number, &name, "suspension", Unit::Newton, STATE, text, element_force(model, element));
         }
     }
     outputs
@@ -191,37 +109,60 @@ fn element_force(model: &Model, element: usize) -> impl Fn(&Snapshot) -> f64 + S
 }
 
 fn motion(c: &mut Collector, body: usize, bodies: usize) {
-    use Feedthrough::{All, BothFrictions, None};
     let q = body * COORDINATES;
     let v = (bodies + body) * COORDINATES;
     let y = |at: usize| move |s: &Snapshot| s.y[at];
     let dy = |at: usize| move |s: &Snapshot| s.dy[at];
     let g = "motion";
-    c.add(10, "distance", g, Unit::Distance, None, "distance of the centre along the track", y(q));
-    c.add(11, "y", g, Unit::Metre, None, "lateral displacement of the centre, left positive", y(q + 1));
-    c.add(12, "z", g, Unit::Metre, None, "height of the centre over the nominal contact height", y(q + 2));
-    c.add(13, "roll", g, Unit::Radian, None, "roll angle, left side up positive", y(q + 4));
-    c.add(14, "yaw", g, Unit::Radian, None, "yaw angle, nose left positive", y(q + 3));
-    c.add(15, "vx", g, Unit::TravelSpeed, None, "speed of the centre along the track", y(v));
-    c.add(16, "vy", g, Unit::MetrePerSecond, None, "lateral speed of the centre, left positive", y(v + 1));
-    c.add(17, "vz", g, Unit::MetrePerSecond, None, "vertical speed of the centre, up positive", y(v + 2));
-    c.add(18, "rollRate", g, Unit::RadianPerSecond, None, "time derivative of the roll angle", y(v + 4));
-    c.add(19, "yawRate", g, Unit::RadianPerSecond, None, "time derivative of the yaw angle", y(v + 3));
-    c.add(20, "pitchRate", g, Unit::RadianPerSecond, None, "time derivative of the pitch angle, rolling forward positive", y(v + 5));
-    c.add(21, "ax", g, Unit::MetrePerSecond2, None, "acceleration of the centre along the track (zero under an imposed speed)", dy(v));
-    c.add(22, "ay", g, Unit::MetrePerSecond2, All, "lateral acceleration of the centre, left positive", dy(v + 1));
-    c.add(23, "az", g, Unit::MetrePerSecond2, All, "vertical acceleration of the centre, up positive", dy(v + 2));
-    c.add(24, "rollAcceleration", g, Unit::RadianPerSecond2, BothFrictions, "second time derivative of the roll angle", dy(v + 4));
-    c.add(25, "yawAcceleration", g, Unit::RadianPerSecond2, BothFrictions, "second time derivative of the yaw angle", dy(v + 3));
-    c.add(26, "pitchAcceleration", g, Unit::RadianPerSecond2, All, "second time derivative of the pitch angle", dy(v + 5));
+    c.add(10, "distance", g, Unit::Distance, STATE, "distance of the centre along the track", y(q));
+    c.add(11, "y", g, Unit::Metre, STATE, "lateral displacement of the centre, left positive", y(q + 1));
+    c.add(12, "z", g, Unit::Metre, STATE, "height of the centre over the nominal contact height", y(q + 2));
+    c.add(13, "roll", g, Unit::Radian, STATE, "roll angle, left side up positive", y(q + 4));
+    c.add(14, "yaw", g, Unit::Radian, STATE, "yaw angle, nose left positive", y(q + 3));
+    c.add(15, "vx", g, Unit::TravelSpeed, STATE, "speed of the centre along the track", y(v));
+    c.add(16, "vy", g, Unit::MetrePerSecond, STATE, "lateral speed of the centre, left positive", y(v + 1));
+    c.add(17, "vz", g, Unit::MetrePerSecond, STATE, "vertical speed of the centre, up positive", y(v + 2));
+    c.add(18, "rollRate", g, Unit::RadianPerSecond, STATE, "time derivative of the roll angle", y(v + 4));
+    c.add(19, "yawRate", g, Unit::RadianPerSecond, STATE, "time derivative of the yaw angle", y(v + 3));
+    c.add(20, "pitchRate", g, Unit::RadianPerSecond, STATE, "time derivative of the pitch angle, rolling forward positive", y(v + 5));
+    c.add(21, "ax", g, Unit::MetrePerSecond2, STATE, "acceleration of the centre along the track (zero under an imposed speed)", dy(v));
+    c.add(
+        22,
+        "ay",
+        g,
+        Unit::MetrePerSecond2,
+        &[LATERAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION],
+        "lateral acceleration of the centre, left positive",
+        dy(v + 1),
+    );
+    c.add(
+        23,
+        "az",
+        g,
+        Unit::MetrePerSecond2,
+        &[VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION],
+        "vertical acceleration of the centre, up positive",
+        dy(v + 2),
+    );
+    c.add(24, "rollAcceleration", g, Unit::RadianPerSecond2, FRICTIONS, "second time derivative of the roll angle", dy(v + 4));
+    c.add(25, "yawAcceleration", g, Unit::RadianPerSecond2, FRICTIONS, "second time derivative of the yaw angle", dy(v + 3));
+    c.add(
+        26,
+        "pitchAcceleration",
+        g,
+        Unit::RadianPerSecond2,
+        &[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION],
+        "second time derivative of the pitch angle",
+        dy(v + 5),
+    );
 }
 
 /// Wheel unloading below this force [N] makes quotients meaningless; they are reported as zero.
 const UNLOADED: f64 = 1.0;
 
-fn wheel(c: &mut Collector, contact: usize, side: Side) {
-    let friction = Feedthrough::Friction(side);
-    let none = Feedthrough::None;
+fn wheel(c: &mut Collector, contact: usize, side: Side, distance: usize) {
+    let friction = if side == Side::Left { LEFT } else { RIGHT };
+    let none = STATE;
     let prefix = c.prefix.clone();
     let outward = side.sign();
     c.prefix = format!("{prefix}.{}", side.name());
@@ -358,7 +299,8 @@ fn wheel(c: &mut Collector, contact: usize, side: Side) {
         "contact on the wheel: angle about the axle ahead of the lowest point",
         of(|k| k.parameters.angle),
     );
-    c.add(14, "lead", g, Unit::Metre, none, "contact on the rail: distance ahead of the wheelset's centre", of(|k| k.parameters.lead));
+    let text = "contact on the rail: distance along the track";
+    c.add(14, "railDistance", g, Unit::Distance, none, text, move |s| s.y[distance] + s.workspace.contacts[contact].parameters.lead);
     c.prefix = prefix;
     c.base = base;
 }

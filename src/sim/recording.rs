@@ -64,7 +64,8 @@ pub struct Interrupted {
 
 /// Communication points from `start` in steps of `step` to `stop`, the last one being `stop` itself.
 pub fn communication_points(start: f64, stop: f64, step: f64) -> impl Iterator<Item = f64> {
-    let count = ((stop - start) / step - 1e-9).ceil().max(0.0) as u64;
+    let least = if stop > start { 1.0 } else { 0.0 };
+    let count = ((stop - start) / step - 1e-9).ceil().max(least) as u64;
     (1..=count).map(move |i| if i == count { stop } else { start + i as f64 * step })
 }
 

@@ -9,23 +9,25 @@ mod dormand_prince;
 mod rk4;
 mod state;
 
+pub use dormand_prince::DormandPrince;
+pub use rk4::RungeKutta4;
 pub use state::{IntegrationState, Statistics};
 
 use crate::settings::{Entry, Section, SettingsError, choose};
+use crate::units::Dimension;
+use std::fmt::Debug;
+use std::sync::Arc;
 
 /// A system `y' = f(t, y)`.
 pub trait Dynamics {
-    /// Why an evaluation failed.
-    type Error: std::error::Error;
-
     /// Length of y.
     fn dimension(&self) -> usize;
 
     /// Writes f(t, y) to `dy`. `memory` is the system's own record (warm starts) and belongs to the state.
     ///
     /// # Errors
-    /// When f is not defined at (t, y); the integrator then tries a shorter step.
-    fn derivative(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Self::Error>;
+    /// [`Undefined`] when f is not defined at (t, y); the integrator then tries a shorter step. The system keeps the reason.
+    fn derivative(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined>;
 
     /// Is the local error of component `i` controlled? (positions and angles, in metres and radians)
     fn controlled(&self, i: usize) -> bool;
@@ -35,40 +37,62 @@ pub trait Dynamics {
     fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64;
 }
 
+/// f is not defined where it was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Undefined;
+
 /// An integration stopped.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SolveError<E: std::error::Error> {
-    #[error("{0}")]
-    Evaluation(E),
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SolveError {
+    #[error("t = {time:.9} s: the system can't be evaluated")]
+    Undefined { time: f64 },
     #[error(
         "t = {time:.9} s: a step of {step:.1e} s still misses the tolerance {tolerance:.1e}; loosen solver.tolerance or look for a jump in the scene"
     )]
     StepTooSmall { time: f64, step: f64, tolerance: f64 },
+    #[error("t = {time:.9e} s: a step of {step:.1e} s no longer moves time; start closer to 0 or use a longer step")]
+    NoProgress { time: f64, step: f64 },
     #[error("t = {time:.9} s: the solution is no longer finite; reduce solver.step (it is {step:.1e} s)")]
     NotFinite { time: f64, step: f64 },
 }
 
-/// A method with its settings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Integrator {
-    /// Adaptive Dormand-Prince 5(4) with continuous output of order 4; `tolerance` bounds the local error of each
-    /// controlled component, m and rad.
-    DormandPrince { tolerance: f64 },
-    /// Classical Runge-Kutta of order 4 with a fixed step, s; cubic Hermite output.
-    RungeKutta4 { step: f64 },
+/// What the number that governs an integrator means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SettingKind {
+    /// Bound of the local error of each controlled component, m and rad.
+    Tolerance,
+    /// Step, s.
+    Step,
 }
 
-impl Integrator {
-    /// Evaluations of f per attempted step, and the number of vectors of length n that the dense output needs.
-    fn dense_vectors(self) -> usize {
-        match self {
-            Integrator::DormandPrince { .. } => dormand_prince::DENSE_VECTORS,
-            Integrator::RungeKutta4 { .. } => rk4::DENSE_VECTORS,
-        }
-    }
+/// The number that governs an integrator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    pub kind: SettingKind,
+    pub value: f64,
+    /// Smallest and largest value that make sense.
+    pub range: (f64, f64),
+}
+
+/// A method with its setting.
+pub trait Integrator: Send + Sync + Debug {
+    /// The number that governs it.
+    fn setting(&self) -> Setting;
+
+    /// The same method with another number.
+    fn with_setting(&self, value: f64) -> Arc<dyn Integrator>;
+
+    /// Number of vectors of length n that its continuous output needs.
+    fn dense_vectors(&self) -> usize;
+
+    /// One accepted step, which ends at the next break at the latest.
+    ///
+    /// # Errors
+    /// [`SolveError`]; the state then stands at the last successful step.
+    fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError>;
 
     /// A state at (t, y) with the system's initial memory; the first step length is found when it is needed.
-    pub fn start(self, t: f64, y: &[f64], memory: &[f64]) -> IntegrationState {
+    fn start(&self, t: f64, y: &[f64], memory: &[f64]) -> IntegrationState {
         IntegrationState::new(t, y, memory, self.dense_vectors())
     }
 
@@ -77,33 +101,17 @@ impl Integrator {
     ///
     /// # Errors
     /// [`SolveError`]; the state then stands at the last successful step.
-    pub fn advance<D: Dynamics>(
-        self,
-        dynamics: &mut D,
+    fn advance(
+        &self,
+        dynamics: &mut dyn Dynamics,
         state: &mut IntegrationState,
         scratch: &mut Scratch,
         target: f64,
-    ) -> Result<(), SolveError<D::Error>> {
+    ) -> Result<(), SolveError> {
         while state.t < target {
             self.step(dynamics, state, scratch)?;
         }
         Ok(())
-    }
-
-    /// One accepted step, which ends at the next break at the latest.
-    ///
-    /// # Errors
-    /// See [`Integrator::advance`].
-    pub fn step<D: Dynamics>(
-        self,
-        dynamics: &mut D,
-        state: &mut IntegrationState,
-        scratch: &mut Scratch,
-    ) -> Result<(), SolveError<D::Error>> {
-        match self {
-            Integrator::DormandPrince { tolerance } => dormand_prince::step(tolerance, dynamics, state, scratch),
-            Integrator::RungeKutta4 { step } => rk4::step(step, dynamics, state, scratch),
-        }
     }
 }
 
@@ -121,7 +129,7 @@ impl Scratch {
     }
 }
 
-type Parse = fn(&Section) -> Result<Integrator, SettingsError>;
+type Parse = fn(&Section) -> Result<Arc<dyn Integrator>, SettingsError>;
 
 /// Every integrator that a scene can name.
 pub static REGISTRY: &[Entry<Parse>] = &[dormand_prince::ENTRY, rk4::ENTRY];
@@ -130,11 +138,26 @@ pub static REGISTRY: &[Entry<Parse>] = &[dormand_prince::ENTRY, rk4::ENTRY];
 ///
 /// # Errors
 /// [`SettingsError`] with file and line.
-pub fn parse(section: &Section) -> Result<(&'static str, Integrator), SettingsError> {
+pub fn parse(section: &Section) -> Result<(&'static str, Arc<dyn Integrator>), SettingsError> {
     let entry = choose(REGISTRY, section, "integrator")?;
     // Each method takes the one that it needs; the other may stay for the next choice.
-    let _ = (section.has("tolerance"), section.has("step"));
+    section.optional("tolerance", Dimension::Length)?;
+    section.optional("step", Dimension::Time)?;
     Ok((entry.name, (entry.parse)(section)?))
+}
+
+/// Reads the number that governs a method and checks its range.
+fn parse_setting(
+    section: &Section,
+    key: &'static str,
+    dimension: Dimension,
+    (smallest, largest): (f64, f64),
+) -> Result<f64, SettingsError> {
+    let value = section.number(key, dimension)?;
+    if (smallest..=largest).contains(&value) {
+        return Ok(value);
+    }
+    Err(section.error(key, format!("found {value:?}, expected {smallest:?} to {largest:?}")))
 }
 
 #[cfg(test)]

@@ -3,9 +3,10 @@
 //! Steps stand on the grid `start + k step`; a step that would pass a point where the system is not smooth is
 //! shortened to end there, and the grid starts anew.
 
-use super::{Dynamics, IntegrationState, Integrator, Scratch, SolveError};
+use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
+use std::sync::Arc;
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
     name: "rk4",
@@ -14,31 +15,52 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
     parse,
 };
 
-fn parse(section: &Section) -> Result<Integrator, SettingsError> {
-    Ok(Integrator::RungeKutta4 { step: section.positive("step", Dimension::Time)? })
+fn parse(section: &Section) -> Result<Arc<dyn Integrator>, SettingsError> {
+    Ok(Arc::new(RungeKutta4 { step: parse_setting(section, "step", Dimension::Time, STEPS)? }))
 }
 
+/// The method with a fixed step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RungeKutta4 {
+    /// s.
+    pub step: f64,
+}
+
+/// Steps that end in this life, s.
+const STEPS: (f64, f64) = (1e-8, 1.0);
+
 /// Continuous output: powers 0 to 3 of theta.
-pub(super) const DENSE_VECTORS: usize = 4;
+const DENSE_VECTORS: usize = 4;
+
+impl Integrator for RungeKutta4 {
+    fn setting(&self) -> Setting {
+        Setting { kind: SettingKind::Step, value: self.step, range: STEPS }
+    }
+
+    fn with_setting(&self, step: f64) -> Arc<dyn Integrator> {
+        Arc::new(RungeKutta4 { step })
+    }
+
+    fn dense_vectors(&self) -> usize {
+        DENSE_VECTORS
+    }
+
+    fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+        step(self.step, dynamics, state, scratch)
+    }
+}
 
 /// One step.
-pub(super) fn step<D: Dynamics>(
-    step: f64,
-    dynamics: &mut D,
-    state: &mut IntegrationState,
-    scratch: &mut Scratch,
-) -> Result<(), SolveError<D::Error>> {
-    if !state.derivative_known {
-        let IntegrationState { t, y, memory, derivative, .. } = state;
-        dynamics.derivative(*t, y, memory, derivative).map_err(SolveError::Evaluation)?;
-        state.derivative_known = true;
-        state.statistics.evaluations += 1;
-    }
+fn step(step: f64, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+    state.evaluate_begin(dynamics)?;
     let limit = dynamics.next_break(state.t, &state.y, &state.memory);
     let next = state.grid_start + (state.grid_count + 1) as f64 * step;
     let cut = next >= limit - 1e-9 * step;
     let end = if cut { limit } else { next };
     let h = end - state.t;
+    if !(h > 0.0) {
+        return Err(SolveError::NoProgress { time: state.t, step });
+    }
 
     let n = state.y.len();
     scratch.memory.copy_from_slice(&state.memory);
@@ -68,30 +90,24 @@ pub(super) fn step<D: Dynamics>(
             state.dense[power * n + i] = coefficient;
         }
     }
-    state.t_begin = state.t;
-    state.t = end;
-    state.y.copy_from_slice(&scratch.trial);
-    state.memory.copy_from_slice(&scratch.memory);
-    state.derivative.copy_from_slice(&scratch.stages[4]);
-    state.derivative_known = !cut;
+    state.accept(end, scratch, 4, !cut);
     if cut {
         state.grid_start = end;
         state.grid_count = 0;
     } else {
         state.grid_count += 1;
     }
-    state.statistics.steps += 1;
     Ok(())
 }
 
-fn evaluate<D: Dynamics>(
-    dynamics: &mut D,
+fn evaluate(
+    dynamics: &mut dyn Dynamics,
     state: &mut IntegrationState,
     t: f64,
     y: &[f64],
     memory: &mut [f64],
     dy: &mut [f64],
-) -> Result<(), SolveError<D::Error>> {
+) -> Result<(), SolveError> {
     state.statistics.evaluations += 1;
-    dynamics.derivative(t, y, memory, dy).map_err(SolveError::Evaluation)
+    dynamics.derivative(t, y, memory, dy).map_err(|_| SolveError::Undefined { time: state.t })
 }

@@ -1,5 +1,6 @@
 //! All memory of an integration: cloning it is saving the simulation.
 
+use super::{Dynamics, Scratch, SolveError};
 use serde::{Deserialize, Serialize};
 
 /// Work done so far.
@@ -82,9 +83,36 @@ impl IntegrationState {
         }
     }
 
+    /// Evaluates f at the begin of a step where it is not known from the step before.
+    pub(super) fn evaluate_begin(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
+        if !self.derivative_known {
+            let IntegrationState { t, y, memory, derivative, .. } = self;
+            dynamics.derivative(*t, y, memory, derivative).map_err(|_| SolveError::Undefined { time: *t })?;
+            self.derivative_known = true;
+            self.statistics.evaluations += 1;
+        }
+        Ok(())
+    }
+
+    /// Takes over the trial solution in `scratch` as the solution at `end`; the stage `last` was evaluated there and
+    /// serves as f of the next step where the system is `smooth`.
+    pub(super) fn accept(&mut self, end: f64, scratch: &Scratch, last: usize, smooth: bool) {
+        self.t_begin = self.t;
+        self.t = end;
+        self.y.copy_from_slice(&scratch.trial);
+        self.memory.copy_from_slice(&scratch.memory);
+        self.derivative.copy_from_slice(&scratch.stages[last]);
+        self.derivative_known = smooth;
+        self.statistics.steps += 1;
+    }
+
     /// Takes the solution back to `time` within the last step and starts anew there, because the system changes.
     /// Step-size control is kept: a jump of an input rarely changes the scale of the solution.
     pub fn restart_at(&mut self, time: f64) {
+        let fresh = time == self.t && self.t_begin == self.t && !self.derivative_known;
+        if fresh {
+            return;
+        }
         if time < self.t {
             let mut y = std::mem::take(&mut self.derivative);
             self.interpolate(time, &mut y);

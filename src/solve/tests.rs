@@ -1,17 +1,14 @@
 //! Order tests on problems with known solutions, which implement the same trait as the vehicle.
 
 use super::*;
-use std::convert::Infallible;
-
 /// Forced oscillator y'' = -y + t with solution t + sin t (start 0, 2): smooth, not autonomous.
 struct Oscillator;
 
 impl Dynamics for Oscillator {
-    type Error = Infallible;
     fn dimension(&self) -> usize {
         2
     }
-    fn derivative(&mut self, t: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Infallible> {
+    fn derivative(&mut self, t: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = y[1];
         dy[1] = -y[0] + t;
         Ok(())
@@ -24,7 +21,7 @@ impl Dynamics for Oscillator {
     }
 }
 
-fn oscillator(integrator: Integrator) -> (IntegrationState, Scratch) {
+fn oscillator(integrator: &dyn Integrator) -> (IntegrationState, Scratch) {
     (integrator.start(0.0, &[0.0, 2.0], &[]), Scratch::new(2, 0))
 }
 
@@ -32,11 +29,10 @@ fn oscillator(integrator: Integrator) -> (IntegrationState, Scratch) {
 struct Power(i32);
 
 impl Dynamics for Power {
-    type Error = Infallible;
     fn dimension(&self) -> usize {
         1
     }
-    fn derivative(&mut self, t: f64, _: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Infallible> {
+    fn derivative(&mut self, t: f64, _: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = f64::from(self.0) * t.powi(self.0 - 1);
         Ok(())
     }
@@ -49,7 +45,7 @@ impl Dynamics for Power {
 }
 
 /// Largest error at the steps' ends and inside the steps (dense output), with a step forced to `h`.
-fn errors(integrator: Integrator, h: f64) -> (f64, f64) {
+fn errors(integrator: &dyn Integrator, h: f64) -> (f64, f64) {
     let (mut state, mut scratch) = oscillator(integrator);
     let (mut end, mut dense) = (0f64, 0f64);
     let mut y = [0.0; 2];
@@ -69,7 +65,7 @@ fn errors(integrator: Integrator, h: f64) -> (f64, f64) {
 #[test]
 fn order_dormand_prince_converges_with_order_5_and_dense_output_with_order_4_locally_5() {
     // tolerance so loose that the forced step is always accepted
-    let at = |h| errors(Integrator::DormandPrince { tolerance: 1e9 }, h);
+    let at = |h| errors(&DormandPrince { tolerance: 1e9 }, h);
     let (coarse, fine) = (at(0.1), at(0.025));
     let order = (coarse.0 / fine.0).log2() / 2.0;
     let dense = (coarse.1 / fine.1).log2() / 2.0;
@@ -79,7 +75,7 @@ fn order_dormand_prince_converges_with_order_5_and_dense_output_with_order_4_loc
 
 #[test]
 fn order_rk4_converges_with_order_4_inside_too() {
-    let at = |h| errors(Integrator::RungeKutta4 { step: h }, h);
+    let at = |h| errors(&RungeKutta4 { step: h }, h);
     let (coarse, fine) = (at(0.05), at(0.0125));
     let order = (coarse.0 / fine.0).log2() / 2.0;
     let dense = (coarse.1 / fine.1).log2() / 2.0;
@@ -89,8 +85,8 @@ fn order_rk4_converges_with_order_4_inside_too() {
 
 #[test]
 fn order_methods_are_exact_on_polynomials_of_their_order() {
-    for (integrator, exact, dense) in [(Integrator::DormandPrince { tolerance: 1e9 }, 5, 4), (Integrator::RungeKutta4 { step: 0.7 }, 4, 3)]
-    {
+    let methods: [(&dyn Integrator, i32, i32); 2] = [(&DormandPrince { tolerance: 1e9 }, 5, 4), (&RungeKutta4 { step: 0.7 }, 4, 3)];
+    for (integrator, exact, dense) in methods {
         for degree in 1..=exact + 1 {
             let mut state = integrator.start(0.0, &[0.0], &[]);
             state.next_step = 0.7;
@@ -109,8 +105,8 @@ fn order_methods_are_exact_on_polynomials_of_their_order() {
 #[test]
 fn order_error_falls_with_tolerance_and_work_is_pinned() {
     let run = |tolerance| {
-        let integrator = Integrator::DormandPrince { tolerance };
-        let (mut state, mut scratch) = oscillator(integrator);
+        let integrator = DormandPrince { tolerance };
+        let (mut state, mut scratch) = oscillator(&integrator);
         integrator.advance(&mut Oscillator, &mut state, &mut scratch, 20.0).unwrap();
         let mut y = [0.0; 2];
         state.interpolate(20.0, &mut y);
@@ -128,11 +124,10 @@ fn order_error_falls_with_tolerance_and_work_is_pinned() {
 struct Kink;
 
 impl Dynamics for Kink {
-    type Error = Infallible;
     fn dimension(&self) -> usize {
         1
     }
-    fn derivative(&mut self, t: f64, _: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Infallible> {
+    fn derivative(&mut self, t: f64, _: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = if t < 1.0 / 3.0 { 1.0 } else { 2.0 };
         Ok(())
     }
@@ -148,7 +143,7 @@ impl Dynamics for Kink {
 fn analytic_steps_end_where_the_system_is_not_smooth() {
     // The last stage lies on the kink's far side, so the step before it is exact only to the weight of that stage
     // in the solution, which is zero for Dormand-Prince; RK4 uses it with weight 1/6.
-    let integrator = Integrator::DormandPrince { tolerance: 1e-3 };
+    let integrator = DormandPrince { tolerance: 1e-3 };
     let mut state = integrator.start(0.0, &[0.0], &[]);
     let mut ends = vec![];
     let mut scratch = Scratch::new(1, 0);
@@ -157,7 +152,7 @@ fn analytic_steps_end_where_the_system_is_not_smooth() {
         ends.push(state.t);
     }
     assert!(ends.contains(&(1.0 / 3.0)));
-    let rk4 = Integrator::RungeKutta4 { step: 0.05 };
+    let rk4 = RungeKutta4 { step: 0.05 };
     let mut state = rk4.start(0.0, &[0.0], &[]);
     rk4.advance(&mut Kink, &mut state, &mut scratch, 0.5).unwrap();
     assert!((state.grid_start - 1.0 / 3.0).abs() < 1e-15, "the grid starts anew at the kink");
@@ -165,7 +160,8 @@ fn analytic_steps_end_where_the_system_is_not_smooth() {
 
 #[test]
 fn prop_result_does_not_depend_on_where_it_is_read() {
-    for integrator in [Integrator::DormandPrince { tolerance: 1e-7 }, Integrator::RungeKutta4 { step: 0.013 }] {
+    let methods: [&dyn Integrator; 2] = [&DormandPrince { tolerance: 1e-7 }, &RungeKutta4 { step: 0.013 }];
+    for integrator in methods {
         let read = |steps: u32| {
             let (mut state, mut scratch) = oscillator(integrator);
             let mut y = [0.0; 2];
@@ -182,8 +178,8 @@ fn prop_result_does_not_depend_on_where_it_is_read() {
 
 #[test]
 fn prop_restart_continues_from_the_dense_output() {
-    let integrator = Integrator::DormandPrince { tolerance: 1e-9 };
-    let (mut state, mut scratch) = oscillator(integrator);
+    let integrator = DormandPrince { tolerance: 1e-9 };
+    let (mut state, mut scratch) = oscillator(&integrator);
     integrator.advance(&mut Oscillator, &mut state, &mut scratch, 1.234).unwrap();
     assert!(state.t > 1.234);
     state.restart_at(1.234);
@@ -199,11 +195,10 @@ fn prop_restart_continues_from_the_dense_output() {
 struct Pole;
 
 impl Dynamics for Pole {
-    type Error = Infallible;
     fn dimension(&self) -> usize {
         1
     }
-    fn derivative(&mut self, _: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Infallible> {
+    fn derivative(&mut self, _: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = y[0] * y[0];
         Ok(())
     }
@@ -218,9 +213,54 @@ impl Dynamics for Pole {
 #[test]
 fn hard_a_pole_ends_in_an_error_and_keeps_the_last_good_state() {
     let mut scratch = Scratch::new(1, 0);
-    for integrator in [Integrator::DormandPrince { tolerance: 1e-6 }, Integrator::RungeKutta4 { step: 0.01 }] {
+    let methods: [&dyn Integrator; 2] = [&DormandPrince { tolerance: 1e-6 }, &RungeKutta4 { step: 0.01 }];
+    for integrator in methods {
         let mut state = integrator.start(0.0, &[1.0], &[]);
         let error = integrator.advance(&mut Pole, &mut state, &mut scratch, 2.0).unwrap_err();
         assert!(state.y[0].is_finite() && state.t < 1.2, "{error} at {}", state.t);
+    }
+}
+
+#[test]
+fn hard_a_time_that_no_longer_moves_is_an_error_and_not_a_loop() {
+    for start in [1e12, 1e16] {
+        let methods: [&dyn Integrator; 2] = [&DormandPrince { tolerance: 1e-9 }, &RungeKutta4 { step: 1e-5 }];
+        for integrator in methods {
+            let mut state = integrator.start(start, &[0.0, 2.0], &[]);
+            let error = integrator.advance(&mut Oscillator, &mut state, &mut Scratch::new(2, 0), start + 4.0).unwrap_err();
+            assert!(matches!(error, SolveError::NoProgress { .. }), "{error}");
+        }
+    }
+}
+
+#[test]
+fn hard_a_start_of_unix_epoch_size_loses_only_the_digits_of_time() {
+    // t = 1.7e9 s is known to 2.4e-7 s only; steps must still fit together.
+    let start = 1.7e9;
+    let integrator = DormandPrince { tolerance: 1e-9 };
+    let mut state = integrator.start(start, &[1.0], &[]);
+    let mut scratch = Scratch::new(1, 0);
+    integrator.advance(&mut Decay, &mut state, &mut scratch, start + 2.0).unwrap();
+    let mut y = [0.0];
+    state.interpolate(start + 2.0, &mut y);
+    assert!((y[0] - (-2f64).exp()).abs() < 1e-8, "{}", y[0]);
+}
+
+/// y' = -y.
+struct Decay;
+
+impl Dynamics for Decay {
+    fn dimension(&self) -> usize {
+        1
+    }
+    fn derivative(&mut self, _: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        dy[0] = -y[0];
+        Ok(())
+    }
+    fn controlled(&self, _: usize) -> bool {
+        true
+    }
+    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+        f64::INFINITY
     }
 }

@@ -58,6 +58,11 @@ impl Log {
         self.send(status, category, message);
     }
 
+    /// Something that the host should know even when it did not ask for messages.
+    pub fn remark(&self, message: &str) {
+        self.send(Status::Warning, c"logEvents", message);
+    }
+
     /// Something worth knowing, when the host asked for it.
     pub fn event(&self, message: &str) {
         let wanted = |name: &String| name == "logEvents" || name == "logAll";

@@ -10,11 +10,19 @@ use std::path::Path;
 #[derive(Debug, thiserror::Error)]
 pub enum HostError {
     #[error("the FMU's library can't be loaded: {0}")]
-    Load(#[from] libloading::Error),
+    Load(String),
     #[error("fmi2Instantiate failed{0}")]
     Instantiate(String),
     #[error("{function} answered {status:?}{message}")]
     Call { function: &'static str, status: Status, message: String },
+}
+
+impl From<libloading::Error> for HostError {
+    /// With what the system's loader says itself.
+    fn from(error: libloading::Error) -> Self {
+        let cause = std::error::Error::source(&error).map(|source| format!(": {source}")).unwrap_or_default();
+        HostError::Load(format!("{error}{cause}"))
+    }
 }
 
 thread_local! {

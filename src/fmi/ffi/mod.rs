@@ -58,7 +58,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
 ) -> Component {
     let made = catch_unwind(AssertUnwindSafe(|| {
         let name = unsafe { text(instance_name) };
-        let log = unsafe { Log::new(name.as_deref(), functions, logging_on == TRUE) };
+        let log = unsafe { Log::new(name.as_deref(), functions, logging_on != FALSE) };
         let made = (|| {
             if fmu_type != CO_SIMULATION {
                 return Err("this FMU is for co-simulation; fmi2ModelExchange is not supported".to_string());
@@ -66,7 +66,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
             if functions.is_null() {
                 return Err("the callback functions are NULL".into());
             }
-            name.filter(|name| !name.trim().is_empty()).ok_or("the instance name is missing")?;
+            name.filter(|name| !name.trim().is_empty()).ok_or("the instance name is missing or not UTF-8")?;
             let guid = unsafe { text(guid) }.ok_or("the GUID is missing")?;
             let location = unsafe { text(resource_location) }.ok_or("the resource location is missing")?;
             let folder = super::uri::path(&location)?;
@@ -80,7 +80,11 @@ pub unsafe extern "C" fn fmi2Instantiate(
             }
         }
     }));
-    made.unwrap_or(std::ptr::null_mut())
+    made.unwrap_or_else(|_| {
+        let log = unsafe { Log::new(None, functions, true) };
+        log.error(Status::Error, "internal error while making an instance, please report it");
+        std::ptr::null_mut()
+    })
 }
 
 /// Frees an instance; null does nothing.
@@ -113,7 +117,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(c: Component, logging_on: Boolean, 
                 }
             }
         }
-        component.log.configure(logging_on == TRUE, names);
+        component.log.configure(logging_on != FALSE, names);
         Status::Ok
     })
 }
@@ -132,8 +136,15 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     guard(c, |component| {
         let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
         let stop = (stop_time_defined != FALSE).then_some(stop_time);
-        let answer = component.instance.setup_experiment(tolerance, start_time, stop);
-        report(component, answer)
+        match component.instance.setup_experiment(tolerance, start_time, stop) {
+            Ok(remark) => {
+                if let Some(remark) = remark {
+                    component.log.remark(&remark);
+                }
+                Status::Ok
+            }
+            Err(error) => refuse(component, &error.to_string()),
+        }
     })
 }
 

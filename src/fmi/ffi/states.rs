@@ -5,7 +5,7 @@ use super::common::{guard, refuse, report, slice};
 use super::types::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Behind an fmi2FMUstate. The mark catches pointers that were never one (or were freed and reused).
+/// Behind an fmi2FMUstate. The mark often catches a pointer that is not one; FMI obliges the host to pass none.
 struct Held {
     mark: u64,
     state: SavedState,
@@ -58,22 +58,24 @@ pub unsafe extern "C" fn fmi2SetFMUstate(c: Component, state: FmuState) -> Statu
 /// `state` must be null or point to null or to a state of this library.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeFMUstate(c: Component, state: *mut FmuState) -> Status {
-    guard(c, |component| {
-        let Some(target) = (unsafe { state.as_mut() }) else { return refuse(component, "fmi2FreeFMUstate: the state pointer is NULL") };
-        if target.is_null() {
-            return Status::Ok;
-        }
-        match unsafe { held(*target) } {
-            Some(held) => {
-                held.mark = 0;
-                let pointer: *mut Held = held;
-                let _ = catch_unwind(AssertUnwindSafe(|| drop(unsafe { Box::from_raw(pointer) })));
-                *target = std::ptr::null_mut();
-                Status::Ok
-            }
-            None => refuse(component, "fmi2FreeFMUstate: the pointer is not a state of this FMU"),
-        }
-    })
+    // A stopped instance must still be able to give its states back.
+    let freed = catch_unwind(AssertUnwindSafe(|| {
+        let target = unsafe { state.as_mut() }.filter(|_| !c.is_null())?;
+        let held = unsafe { held(*target) }?;
+        held.mark = 0;
+        let pointer: *mut Held = held;
+        *target = std::ptr::null_mut();
+        drop(unsafe { Box::from_raw(pointer) });
+        Some(())
+    }));
+    match freed {
+        Ok(Some(())) if !c.is_null() => Status::Ok,
+        _ => guard(c, |component| match unsafe { state.as_ref() } {
+            None => refuse(component, "fmi2FreeFMUstate: the state pointer is NULL"),
+            Some(target) if target.is_null() => Status::Ok,
+            Some(_) => refuse(component, "fmi2FreeFMUstate: the pointer is not a state of this FMU"),
+        }),
+    }
 }
 
 /// # Safety

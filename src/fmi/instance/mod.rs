@@ -15,7 +15,7 @@ use crate::scene::load;
 use crate::scene::spec::Scene;
 use crate::sim::outputs::outputs;
 use crate::sim::{Simulation, SimulationError};
-use crate::solve::Integrator;
+use crate::solve::SettingKind;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -137,11 +137,11 @@ impl Instance {
         if allowed.contains(&self.phase) { Ok(()) } else { Err(CallError::Phase { function, phase: self.phase }) }
     }
 
-    /// fmi2SetupExperiment.
+    /// fmi2SetupExperiment. Returns a remark for the log when the tolerance could not be taken as it is.
     ///
     /// # Errors
     /// [`CallError`] for times that make no sense or a call that comes too late.
-    pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<(), CallError> {
+    pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Option<String>, CallError> {
         self.require("fmi2SetupExperiment", &[Phase::Instantiated])?;
         if !start.is_finite() {
             return Err(CallError::Time { what: "startTime", value: start, expected: "a finite number".into() });
@@ -153,12 +153,20 @@ impl Instance {
                 expected: format!("a finite number not before startTime = {start}"),
             });
         }
-        if let Some(tolerance) = tolerance.filter(|tolerance| !(1e-14..=1e-3).contains(tolerance)) {
-            return Err(CallError::Time { what: "tolerance", value: tolerance, expected: "1e-14 to 1e-3 (m and rad per step)".into() });
+        if let Some(tolerance) = tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
+            return Err(CallError::Time { what: "tolerance", value: tolerance, expected: "a finite number greater than 0".into() });
         }
         self.experiment = Experiment { start, stop, tolerance };
         self.simulation = None;
-        Ok(())
+        let setting = self.scene.solver.integrator.setting();
+        Ok(match (setting.kind, tolerance) {
+            (SettingKind::Step, Some(_)) => Some("the integrator has a fixed step; the tolerance has no effect".into()),
+            (SettingKind::Tolerance, Some(wanted)) if wanted.clamp(setting.range.0, setting.range.1) != wanted => {
+                let used = wanted.clamp(setting.range.0, setting.range.1);
+                Some(format!("tolerance {wanted:?} is outside what contact allows; {used:?} (m and rad per step) is used"))
+            }
+            _ => None,
+        })
     }
 
     /// fmi2EnterInitializationMode.
@@ -204,8 +212,11 @@ impl Instance {
     /// The scene with the parameters and the tolerance that hold now.
     fn effective_scene(&self) -> Scene {
         let mut scene = self.scene.clone();
-        if let (Some(wanted), Integrator::DormandPrince { tolerance }) = (self.experiment.tolerance, &mut scene.solver.integrator) {
-            *tolerance = wanted;
+        if let Some(tolerance) = self.experiment.tolerance {
+            let setting = scene.solver.integrator.setting();
+            if setting.kind == SettingKind::Tolerance {
+                scene.solver.integrator = scene.solver.integrator.with_setting(tolerance.clamp(setting.range.0, setting.range.1));
+            }
         }
         scene
     }

@@ -13,7 +13,7 @@ pub struct SavedState {
     experiment: Experiment,
     /// Values of all real parameters and of `fromEquilibrium`, in table order.
     parameters: Vec<f64>,
-    /// Inputs as they were set before a simulation existed: value, first and second derivative.
+    /// Inputs as they were set last: value, first and second derivative.
     inputs: Vec<[f64; 3]>,
     simulation: Option<SimulationState>,
 }

@@ -7,7 +7,7 @@ use crate::fmi::variables::{Kind, Role, Variable};
 impl Instance {
     fn lookup(&self, reference: u32, kind: Kind) -> Result<&Variable, CallError> {
         match self.table.find(reference) {
-            Some((_, variable)) if variable.kind == kind => Ok(variable),
+            Some(variable) if variable.kind == kind => Ok(variable),
             _ => Err(CallError::UnknownReference { reference, kind }),
         }
     }
@@ -52,7 +52,7 @@ impl Instance {
     pub fn get_integer(&mut self, reference: u32) -> Result<i32, CallError> {
         match self.lookup(reference, Kind::Integer)?.role {
             Role::Counter(read) => {
-                let count = self.simulation.as_ref().map_or(0, |simulation| read(&simulation.statistics()));
+                let count = self.simulation.as_ref().map_or(0, |simulation| read(simulation.state()));
                 Ok(i32::try_from(count).unwrap_or(i32::MAX))
             }
             _ => Err(CallError::UnknownReference { reference, kind: Kind::Integer }),

@@ -58,11 +58,11 @@ fn parse(section: &Section, part: Part) -> Result<ProfileChoice, SettingsError> 
     };
     let path = folder.join(&name);
     let content = std::fs::read(&path).map_err(|error| section.error("file", format!("can't read \"{}\": {error}", path.display())))?;
-    let points = read(&content, &name, part)?;
+    let points = read(&content, &path.display().to_string(), part)?;
     let profile = SplineProfile::through(&points).map_err(|error| section.error("file", format!("\"{name}\": {error}")))?;
     Ok(ProfileChoice {
         profile: Arc::new(profile),
-        file: Some(ProfileFile { key: section.error("file", "").key, path: Path::new(&name).to_path_buf(), content }),
+        file: Some(ProfileFile { key: section.full_key("file"), path: Path::new(&name).to_path_buf(), content }),
     })
 }
 

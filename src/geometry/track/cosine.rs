@@ -46,12 +46,19 @@ impl DeviationShape for CosineBump {
     }
 }
 
+/// Slope of a rail, -, beyond which one point of contact per wheel makes no sense.
+const STEEPEST: f64 = 0.5;
+
 fn parse(section: &Section) -> Result<Arc<dyn DeviationShape>, SettingsError> {
     let amplitude = section.number("amplitude", Dimension::Length)?;
     let from = section.number("from", Dimension::Length)?;
     let to = section.number("to", Dimension::Length)?;
     if to <= from {
         return Err(section.error("to", format!("found {to}, expected more than from = {from}")));
+    }
+    let steepest = std::f64::consts::PI * amplitude.abs() / (to - from);
+    if steepest > STEEPEST {
+        return Err(section.error("to", format!("the rail would run {steepest:.2} m aside per metre; expected at most {STEEPEST}")));
     }
     Ok(Arc::new(CosineBump { amplitude, from, to }))
 }

@@ -22,6 +22,8 @@ pub enum TrackAxis {
 #[derive(Debug, Clone)]
 pub struct GuidedSpring {
     pub name: String,
+    /// See [`ForceElement::output_number`].
+    pub output_number: u32,
     pub body: usize,
     pub axis: TrackAxis,
     /// Attachment in axle axes, m.
@@ -66,8 +68,8 @@ impl ForceElement for GuidedSpring {
         wrenches[self.body].add_at(self.axis() * force, &point, &body.position);
     }
 
-    fn is_axial(&self) -> bool {
-        true
+    fn output_number(&self) -> Option<u32> {
+        Some(self.output_number)
     }
 
     fn scalar_force(&self, bodies: &[BodyMotion]) -> Option<f64> {

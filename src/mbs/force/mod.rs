@@ -21,9 +21,9 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     /// The element's scalar force [N], for elements that act along one line; `None` otherwise.
     fn scalar_force(&self, bodies: &[BodyMotion]) -> Option<f64>;
 
-    /// Does [`ForceElement::scalar_force`] give a number?
-    fn is_axial(&self) -> bool {
-        false
+    /// The fixed number (0 to 99) of the element's scalar force among the outputs of its body; `None`: it has none.
+    fn output_number(&self) -> Option<u32> {
+        None
     }
 
     /// A copy behind a pointer.
@@ -53,6 +53,7 @@ mod tests {
     fn prop_each_element_pays_its_energy_bill() {
         let spring = |axis, side: f64| GuidedSpring {
             name: "s".into(),
+            output_number: 0,
             body: 0,
             axis,
             attachment: Vector3::new(0.0, side * 0.45, 0.0),
