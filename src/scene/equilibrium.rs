@@ -70,26 +70,26 @@ pub fn steady_rolling(scene: &Scene, model: &Model) -> Result<SteadyRolling, Equ
     let at = |x: &Vector2<f64>| (z + height * x[0], speed / radius + turn * x[1]);
     let scale = Vector2::new(1.0 / load, 1.0 / (load * radius));
     let mut failure = None;
-    let mut evaluate = |x: &Vector2<f64>| {
-        let mut residual = |x: &Vector2<f64>| {
-            let (z, pitch_rate) = at(x);
-            balance.residual(z, pitch_rate).map(|r| r.component_mul(&scale)).unwrap_or_else(|error| {
-                failure = Some(error);
-                Vector2::repeat(f64::NAN)
-            })
-        };
+    let mut residual = |x: &Vector2<f64>| {
+        let (z, pitch_rate) = at(x);
+        balance.residual(z, pitch_rate).map(|r| r.component_mul(&scale)).unwrap_or_else(|error| {
+            failure = Some(error);
+            Vector2::repeat(f64::NAN)
+        })
+    };
+    const H: f64 = 1e-5;
+    let evaluate = |x: &Vector2<f64>| {
         let mut here = residual(x);
-        const H: f64 = 1e-5;
         let columns = [Vector2::new(H, 0.0), Vector2::new(0.0, H)].map(|h| (residual(&(x + h)) - residual(&(x - h))) / (2.0 * H));
         let mut jacobian = Matrix2::from_columns(&columns);
         if jacobian[(1, 1)] == 0.0 {
             // Without friction any pitch rate will do: it stays that of the tread circle.
             (here[1], jacobian[(1, 1)]) = (x[1], 1.0);
         }
-        (here, jacobian, ())
+        (here, jacobian)
     };
     let mut x = Vector2::zeros();
-    let solved = newton::solve(&mut x, NewtonLimits { next_step: 1e-13, iterations: 60 }, &mut evaluate);
+    let solved = newton::solve(&mut x, NewtonLimits { next_step: 1e-13, iterations: 60 }, evaluate, |_, jacobian| *jacobian);
     let (z, pitch_rate) = at(&x);
     match (solved, failure) {
         (Err(_), Some(error)) => Err(EquilibriumError::Evaluation(error)),

@@ -14,7 +14,7 @@
 //! `delta = -r . n`, positive when the surfaces overlap.
 
 use crate::geometry::profile::ProfilePoint;
-use crate::geometry::surface::{Wheel, rail_point};
+use crate::geometry::surface::{SurfacePoint, Wheel, rail_point};
 use crate::geometry::track::Rail;
 use crate::math::newton::{self, NewtonFailure, NewtonLimits};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
@@ -71,45 +71,56 @@ impl ContactLocation {
 /// contact changes the penetration by less than rounding and the creepage by less than 1e-12.
 const LIMITS: NewtonLimits = NewtonLimits { next_step: 1e-11, iterations: 25 };
 
-/// Residual of the four equations, their exact Jacobian (Eq. 26) and the location at `x = (u, angle, lead, eta)`.
-#[inline]
-fn equations(
-    wheel: &Wheel,
-    rail: &Rail,
-    centre: &Vector3<f64>,
-    axes: &Matrix3<f64>,
-    distance: f64,
-    x: &Vector4<f64>,
-) -> (Vector4<f64>, Matrix4<f64>, ContactLocation) {
-    let (w, wheel_profile) = wheel.point(centre, axes, x[0], x[1]);
-    let (r, rail_profile) = rail_point(rail, distance + x[2], x[3]);
-    let gap = w.position - r.position;
-    let sign = rail.side.sign();
-    let normal = r.t1.cross(&r.t2) * sign;
-    // The mixed derivative of the rail is zero while sections stay parallel; it is kept for what it says.
-    let normal_s = (r.t11.cross(&r.t2) + r.t1.cross(&r.t12)) * sign;
-    let normal_eta = (r.t12.cross(&r.t2) + r.t1.cross(&r.t22)) * sign;
+/// Everything that the equations take from the surfaces at one choice of parameters.
+#[derive(Clone, Copy)]
+struct Candidate {
+    wheel: SurfacePoint,
+    rail: SurfacePoint,
+    wheel_profile: ProfilePoint,
+    rail_profile: ProfilePoint,
+    gap: Vector3<f64>,
+    /// Not normalised.
+    normal: Vector3<f64>,
+}
 
-    let residual = Vector4::new(r.t1.dot(&gap), r.t2.dot(&gap), w.t1.dot(&normal), w.t2.dot(&normal));
-    #[rustfmt::skip]
-    let jacobian = Matrix4::new(
-        r.t1.dot(&w.t1), r.t1.dot(&w.t2), r.t11.dot(&gap) - r.t1.dot(&r.t1), r.t12.dot(&gap) - r.t1.dot(&r.t2),
-        r.t2.dot(&w.t1), r.t2.dot(&w.t2), r.t12.dot(&gap) - r.t2.dot(&r.t1), r.t22.dot(&gap) - r.t2.dot(&r.t2),
-        w.t11.dot(&normal), w.t12.dot(&normal), w.t1.dot(&normal_s), w.t1.dot(&normal_eta),
-        w.t12.dot(&normal), w.t22.dot(&normal), w.t2.dot(&normal_s), w.t2.dot(&normal_eta),
-    );
-    let unit = normal.normalize();
-    let location = ContactLocation {
-        parameters: SurfaceParameters { wheel: x[0], angle: x[1], lead: x[2], rail: x[3] },
-        wheel_point: w.position,
-        normal: unit,
-        forward: r.t1,
-        penetration: -gap.dot(&unit),
-        wheel_profile,
-        rail_profile,
-        iterations: 0,
-    };
-    (residual, jacobian, location)
+/// One wheel, one rail and where the wheelset stands.
+struct Pair<'a> {
+    wheel: &'a Wheel,
+    rail: &'a Rail,
+    centre: &'a Vector3<f64>,
+    axes: &'a Matrix3<f64>,
+    distance: f64,
+}
+
+impl Pair<'_> {
+    /// Residual of the four equations at `x = (u, angle, lead, eta)`.
+    #[inline]
+    fn residual(&self, x: &Vector4<f64>) -> (Vector4<f64>, Candidate) {
+        let (w, wheel_profile) = self.wheel.point(self.centre, self.axes, x[0], x[1]);
+        let (r, rail_profile) = rail_point(self.rail, self.distance + x[2], x[3]);
+        let gap = w.position - r.position;
+        let normal = r.t1.cross(&r.t2) * self.rail.side.sign();
+        let residual = Vector4::new(r.t1.dot(&gap), r.t2.dot(&gap), w.t1.dot(&normal), w.t2.dot(&normal));
+        (residual, Candidate { wheel: w, rail: r, wheel_profile, rail_profile, gap, normal })
+    }
+
+    /// Exact Jacobian of the residual (Eq. 26).
+    #[inline]
+    fn jacobian(&self, at: &Candidate) -> Matrix4<f64> {
+        let Candidate { wheel: w, rail: r, gap, normal, .. } = at;
+        let sign = self.rail.side.sign();
+        // The mixed derivative of the rail is zero while sections stay parallel; it is kept for what it says.
+        let normal_s = (r.t11.cross(&r.t2) + r.t1.cross(&r.t12)) * sign;
+        let normal_eta = (r.t12.cross(&r.t2) + r.t1.cross(&r.t22)) * sign;
+        #[rustfmt::skip]
+        let jacobian = Matrix4::new(
+            r.t1.dot(&w.t1), r.t1.dot(&w.t2), r.t11.dot(gap) - r.t1.dot(&r.t1), r.t12.dot(gap) - r.t1.dot(&r.t2),
+            r.t2.dot(&w.t1), r.t2.dot(&w.t2), r.t12.dot(gap) - r.t2.dot(&r.t1), r.t22.dot(gap) - r.t2.dot(&r.t2),
+            w.t11.dot(normal), w.t12.dot(normal), w.t1.dot(&normal_s), w.t1.dot(&normal_eta),
+            w.t12.dot(normal), w.t22.dot(normal), w.t2.dot(&normal_s), w.t2.dot(&normal_eta),
+        );
+        jacobian
+    }
 }
 
 /// Finds the contact of one wheel from a warm start.
@@ -128,10 +139,20 @@ pub fn locate(
     distance: f64,
     start: &SurfaceParameters,
 ) -> Result<ContactLocation, NewtonFailure> {
+    let pair = Pair { wheel, rail, centre, axes, distance };
     let mut x = Vector4::new(start.wheel, start.angle, start.lead, start.rail);
-    let (mut location, iterations) = newton::solve(&mut x, LIMITS, |x| equations(wheel, rail, centre, axes, distance, x))?;
-    location.iterations = iterations;
-    Ok(location)
+    let (found, iterations) = newton::solve(&mut x, LIMITS, |x| pair.residual(x), |_, at| pair.jacobian(at))?;
+    let normal = found.normal.normalize();
+    Ok(ContactLocation {
+        parameters: SurfaceParameters { wheel: x[0], angle: x[1], lead: x[2], rail: x[3] },
+        wheel_point: found.wheel.position,
+        normal,
+        forward: found.rail.t1,
+        penetration: -found.gap.dot(&normal),
+        wheel_profile: found.wheel_profile,
+        rail_profile: found.rail_profile,
+        iterations,
+    })
 }
 
 #[cfg(test)]
@@ -195,12 +216,13 @@ mod tests {
             let frame = AxleFrame::new(0.02, 0.01);
             let centre = Vector3::new(3.0, 0.004, 0.457);
             let x = Vector4::new(0.004, 0.01, 0.003, -0.006);
-            let (_, jacobian, _) = equations(&wheel, &rail, &centre, &frame.axes, 3.0, &x);
+            let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &frame.axes, distance: 3.0 };
+            let jacobian = pair.jacobian(&pair.residual(&x).1);
             for column in 0..4 {
                 let mut step = Vector4::zeros();
                 step[column] = 1e-6;
-                let ahead = equations(&wheel, &rail, &centre, &frame.axes, 3.0, &(x + step)).0;
-                let behind = equations(&wheel, &rail, &centre, &frame.axes, 3.0, &(x - step)).0;
+                let ahead = pair.residual(&(x + step)).0;
+                let behind = pair.residual(&(x - step)).0;
                 assert!(((ahead - behind) / 2e-6 - jacobian.column(column)).norm() < 1e-9, "{side:?} column {column}");
             }
         }
