@@ -3,36 +3,12 @@
 mod common;
 
 use common::{column, largest_difference, read, run, scene, start, table};
-use std::fmt::Write;
 use wheelrail::scene::load;
-
-/// Writes the scene's analytic profiles as CSV points and returns a scene file that uses them.
-fn scene_with_points(folder: &std::path::Path, points: usize) -> std::path::PathBuf {
-    let mut wheel = String::from("u,radius\n");
-    let mut rail = String::from("eta,height\n");
-    for i in 0..points {
-        let t = i as f64 / (points - 1) as f64 - 0.5;
-        let u = 0.1 * t;
-        writeln!(wheel, "{u:?},{:?}", 0.457 - 0.025 * u).unwrap();
-        let eta = 0.06 * t;
-        writeln!(rail, "{eta:?},{:?}", -eta * eta / ((0.09f64 - eta * eta).sqrt() + 0.3)).unwrap();
-    }
-    std::fs::write(folder.join("wheel.csv"), wheel).unwrap();
-    std::fs::write(folder.join("rail.csv"), rail).unwrap();
-    let text = wheelrail::scene::embedded::find("suspended_wheelset").unwrap().text;
-    let text = text
-        .replace("kind = \"cone\"             # paper: \"approximate conicity of 1/40\"\nradius = 0.457            # m at the tread circle (choice)\nslope = 0.025", "kind = \"points\"\nfile = \"wheel.csv\"")
-        .replace("kind = \"arc\"\nradius = 0.3              # m (choice)", "kind = \"points\"\nfile = \"rail.csv\"");
-    let file = folder.join("points.toml");
-    std::fs::write(&file, text).unwrap();
-    file
-}
 
 #[test]
 fn equiv_analytic_profiles_and_their_201_point_splines() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = scene_with_points(folder.path(), 201);
-    let splined = load::open(file.to_str().unwrap(), &["solver.tolerance=1e-13".into()]).unwrap();
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/measured_profiles/scene.toml");
+    let splined = load::open(file, &["solver.tolerance=1e-13".into()]).unwrap();
     assert_eq!(splined.files().count(), 2, "both profiles must come from files");
     let (a, b) = (run(&scene(&["solver.tolerance=1e-13"]), 5.0, 0.01), run(&splined, 5.0, 0.01));
     // The rail's curvature is off by h^2 f''''/12 = 8e-8 relative at h = 0.3 mm, which moves the normal force.

@@ -15,7 +15,7 @@ pub enum CallError {
     UnknownReference { reference: u32, kind: Kind },
     #[error("\"{name}\" is {causality}, {variability}; it can't be set {}", phase.words())]
     NotSettable { name: String, causality: &'static str, variability: &'static str, phase: Phase },
-    #[error("\"{name}\" can't be set to {value}: {problem}")]
+    #[error("\"{name}\" can't be set to {value:?}: {problem}")]
     Value { name: String, value: f64, problem: String },
     #[error("\"{name}\" is not a real input, so it has no input derivative")]
     NotAnInput { name: String },
@@ -23,7 +23,7 @@ pub enum CallError {
     NotAnOutput { name: String },
     #[error("derivative order {order} of \"{name}\" is not supported; expected 1 to {largest}")]
     Order { name: String, order: i32, largest: i32 },
-    #[error("{what} is {value}; expected {expected}")]
+    #[error("{what} is {value:?}; expected {expected}")]
     Time { what: &'static str, value: f64, expected: String },
     #[error("the saved state does not fit this instance")]
     ForeignState,
