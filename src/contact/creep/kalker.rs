@@ -193,7 +193,7 @@ mod tests {
             }
         }
         println!("largest difference from the exact program at nu = 0.28: c11, c22, c23, c33 {worst:.4?}");
-        assert!(worst[0] < 0.02 && worst[1] < 0.02 && worst[2] < 0.05 && worst[3] < 0.07, "{worst:?}");
+        assert!(worst[0] < 0.02 && worst[1] < 0.02 && worst[2] < 0.035 && worst[3] < 0.055, "{worst:?}");
     }
 
     #[test]
