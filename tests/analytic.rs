@@ -130,8 +130,8 @@ impl Dynamics for EnergyAudit {
         extra[0] = power;
         Ok(())
     }
-    fn controlled(&self, i: usize) -> bool {
-        i < 6
+    fn error_weight(&self, i: usize) -> f64 {
+        if i < 6 { 1.0 } else { 0.0 }
     }
     fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
         f64::INFINITY

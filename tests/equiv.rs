@@ -85,3 +85,16 @@ fn equiv_mirrored_scene_gives_mirrored_results() {
     assert!(largest_difference(&column(&a, "yaw"), &opposite("yaw")) < 1e-11);
     assert!(largest_difference(&column(&a, "left.normalForce"), &column(&b, "right.normalForce")) < 1e-4);
 }
+
+#[test]
+fn equiv_rolling_backward_over_the_mirrored_disturbance() {
+    // The disturbance is symmetric about 25 m: backward from 50 m is forward from 0 m seen in a mirror.
+    let (forward, backward) =
+        (scene(&["solver.tolerance=1e-13"]), scene(&["solver.tolerance=1e-13", "vehicle.speed=-40", "vehicle.initial.distance=50"]));
+    let (a, b) = (run(&forward, 2.0, 0.01), run(&backward, 2.0, 0.01));
+    let opposite = |name: &str| column(&b, name).iter().map(|value| -value).collect::<Vec<_>>();
+    assert!(largest_difference(&column(&a, "y"), &column(&b, "y")) < 1e-11);
+    assert!(largest_difference(&column(&a, "yaw"), &opposite("yaw")) < 1e-11);
+    assert!(largest_difference(&column(&a, "drivingForce"), &opposite("drivingForce")) < 1e-3);
+    assert!(largest_difference(&column(&a, "left.lateralForce"), &column(&b, "left.lateralForce")) < 1e-2);
+}

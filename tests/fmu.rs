@@ -11,8 +11,10 @@ use std::process::Command;
 use std::sync::{LazyLock, OnceLock};
 use wheelrail::fmi::description;
 use wheelrail::fmi::ffi::host::LoadedFmu;
+use wheelrail::fmi::instance::{Instance, StepOutcome};
 use wheelrail::fmi::package;
 use wheelrail::fmi::uri;
+use wheelrail::formulation::{DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION};
 use wheelrail::scene::{embedded, load};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -43,7 +45,10 @@ fn python() -> &'static Path {
         let wanted = std::fs::read(&requirements).unwrap();
         if std::fs::read(&stamp).ok().as_deref() != Some(&wanted) {
             let _ = std::fs::remove_dir_all(&folder);
-            run(Command::new(if cfg!(windows) { "python" } else { "python3" }).args(["-m", "venv"]).arg(&folder));
+            let system = if cfg!(windows) { "python" } else { "python3" };
+            let old = "import sys; sys.exit(0 if sys.version_info >= (3, 11) else 'the FMU tests need Python 3.11 or newer, found ' + sys.version)";
+            run(Command::new(system).args(["-c", old]));
+            run(Command::new(system).args(["-m", "venv"]).arg(&folder));
             run(Command::new(&program).args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"]).arg(&requirements));
             std::fs::write(&stamp, wanted).unwrap();
         }
@@ -143,6 +148,19 @@ fn fmu_native_run_is_the_same_to_the_last_bit() {
     let (mut time, mut rows) = (0.0, 0);
     while time < 1.5 {
         let step = [0.001, 0.00237, 0.01, 0.0005][rows % 4];
+        // Inputs change too: steps of torque and force, a ramp and a parabola.
+        let change = [(30, DRIVE_TORQUE, [800.0, 0.0, 0.0]), (90, LATERAL_FORCE, [0.0, 4e3, 2e3]), (200, LEFT_FRICTION, [0.5, 0.0, 0.0])];
+        for (at, input, [value, first, second]) in change {
+            if rows == at {
+                let reference = 1001 + input as u32;
+                fmu.set_real(reference, value).unwrap();
+                if first != 0.0 {
+                    fmu.set_input_derivatives(reference, first, second).unwrap();
+                    native.set_input(input, value, 0.0, 0.0);
+                }
+                native.set_input(input, value, first, second);
+            }
+        }
         fmu.do_step(time, step).unwrap();
         time += step;
         native.advance(time).unwrap();
@@ -153,6 +171,7 @@ fn fmu_native_run_is_the_same_to_the_last_bit() {
             assert_eq!(output.value(snapshot).to_bits(), theirs.to_bits(), "{output:?} at t = {time}");
         }
     }
+    assert!(rows > 210 && native.statistics().restarts >= 3, "every change must have been made");
     println!("{rows} steps, {} outputs, all equal to the last bit", outputs.len());
 }
 
@@ -234,15 +253,145 @@ fn fmu_c_host_resource_uris() {
     c_host_mode("urls", &[]);
 }
 
+/// A C99 hexadecimal float as `%a` writes it.
+fn hex_float(text: &str) -> f64 {
+    let (sign, rest) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
+    let (digits, exponent) = rest.trim_start_matches("0x").split_once('p').unwrap_or_else(|| panic!("not a hex float: {text}"));
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let mantissa = u64::from_str_radix(&format!("{whole}{fraction}"), 16).unwrap();
+    let exponent: i32 = exponent.parse::<i32>().unwrap() - 4 * fraction.len() as i32;
+    // Two exact powers, so that neither overflows.
+    sign * mantissa as f64 * 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2)
+}
+
+#[test]
+fn fmu_c_host_run_with_parameters_is_the_native_run_to_the_last_bit() {
+    let (steps, out) = (scratch().join("steps.txt"), scratch().join("c_host.csv"));
+    let pairs: Vec<(f64, f64)> = (0..100)
+        .scan(0.0, |time, i| {
+            let pair = (*time, [0.004, 0.0071, 0.01][i % 3]);
+            *time = pair.0 + pair.1;
+            Some(pair)
+        })
+        .collect();
+    std::fs::write(&steps, pairs.iter().map(|(time, step)| format!("{time:?} {step:?}\n")).collect::<String>()).unwrap();
+    let values = ["wheelset.mass=1700", "wheelset.initial.y=0.001", "wheelset.driveTorque=500"];
+    let mut extra = vec![steps.to_str().unwrap(), out.to_str().unwrap()];
+    extra.extend(values);
+    run(Command::new(c_host()).args(host_arguments("csv", &extra)));
+
+    let mut scene = common::scene(&[]);
+    scene.vehicle.wheelset.mass = 1700.0;
+    scene.vehicle.initial.values[1] = 0.001;
+    let mut native = common::start(&scene);
+    native.set_input(DRIVE_TORQUE, 500.0, 0.0, 0.0);
+    let outputs = common::table(&native, &scene);
+    let text = std::fs::read_to_string(&out).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').map(|name| name.trim_matches('"')).collect();
+    let mut compared = 0;
+    for (row, line) in lines.enumerate() {
+        if row > 0 {
+            let (time, step) = pairs[row - 1];
+            native.advance(time + step).unwrap();
+        }
+        let snapshot = native.snapshot().unwrap();
+        for (name, cell) in names.iter().zip(line.split(',')) {
+            if let Some(output) = outputs.iter().find(|output| output.name == *name) {
+                assert_eq!(
+                    hex_float(cell).to_bits(),
+                    output.value(snapshot).to_bits(),
+                    "{name} in row {row}: {cell} {}",
+                    output.value(snapshot)
+                );
+                compared += 1;
+            }
+        }
+    }
+    assert_eq!(compared, 101 * outputs.len());
+}
+
+#[test]
+fn fmu_c_host_benchmark_runs() {
+    // Prints the cost per simulated second through C; nothing about time is asserted.
+    for step in ["0.01", "0.001"] {
+        let text = run(Command::new(c_host()).args(host_arguments("bench", &[step, "5"])));
+        for line in text.lines().filter(|line| line.starts_with("bench step")) {
+            println!("{line}");
+        }
+        assert!(text.contains("cpu_seconds_per_simulated_second"), "{text}");
+    }
+}
+
+#[test]
+fn fmu_c_host_damaged_profile_files() {
+    // An FMU that carries profile files must refuse them when they are damaged.
+    let file = scratch().join("measured_profiles.fmu");
+    export(&format!("{ROOT}/examples/measured_profiles/scene.toml"), &file);
+    let unpacked = scratch().join("measured_profiles");
+    let _ = std::fs::remove_dir_all(&unpacked);
+    zip::ZipArchive::new(std::fs::File::open(&file).unwrap()).unwrap().extract(&unpacked).unwrap();
+    let scene = load::open(&format!("{ROOT}/examples/measured_profiles/scene.toml"), &[]).unwrap();
+    let packed = package::pack_scene(&scene).unwrap();
+    let library = unpacked.join("binaries").join(package::platform()).join(format!("measured_profiles{}", std::env::consts::DLL_SUFFIX));
+    let mut command = Command::new(c_host());
+    command.arg("bad").arg(library).arg(uri::from_path(&unpacked.join("resources"))).arg(&packed.description.guid).arg(variable_list());
+    let text = run(command.args(["profiles/wheel.csv", "profiles/rail.csv"]));
+    assert!(text.contains(" 0 failed") && text.contains("wheel.csv"), "{text}");
+}
+
+#[test]
+fn fmu_serialised_states_say_why_they_are_refused() {
+    let resources = FMU.folder.join("resources");
+    let instance = Instance::new(&resources, &FMU.guid).unwrap();
+    let blob = instance.serialize(&instance.save()).unwrap();
+    assert_eq!(instance.deserialize(&blob).unwrap(), instance.save());
+    let refused = |change: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = blob.clone();
+        change(&mut bytes);
+        instance.deserialize(&bytes).unwrap_err().to_string()
+    };
+    // Layout: magic 8, version 4, GUID 38, length 8, checksum 32, payload.
+    assert!(refused(&|b| b[0] ^= 1).contains("not a serialised state of this program"));
+    assert!(refused(&|b| b[8] = 9).contains("format version 9"));
+    assert!(refused(&|b| b[12..50].copy_from_slice(b"{00000000-0000-0000-0000-000000000000}")).contains("another FMU"));
+    assert!(refused(&|b| b[50] ^= 1).contains("bytes long"));
+    assert!(refused(&|b| b[60] ^= 1).contains("checksum"));
+    assert!(refused(&|b| *b.last_mut().unwrap() ^= 1).contains("checksum"));
+    assert!(
+        refused(&|b| {
+            b.pop();
+        })
+        .contains("bytes long")
+    );
+    assert!(refused(&|b| b.push(0)).contains("bytes long"));
+    assert!(refused(&Vec::clear).contains("bytes long"));
+}
+
+#[test]
+fn fmu_communication_points_far_from_zero_are_checked_by_the_step() {
+    let mut instance = Instance::new(&FMU.folder.join("resources"), &FMU.guid).unwrap();
+    let start = 1e9;
+    instance.setup_experiment(None, start, Some(start + 1.0)).unwrap();
+    instance.enter_initialization().unwrap();
+    instance.exit_initialization().unwrap();
+    assert!(instance.do_step(start + 0.5, 0.01).is_err(), "half a second off is not the instance's time");
+    assert!(matches!(instance.do_step(start, 0.01), Ok(StepOutcome::Done)));
+    assert!(instance.do_step(start + 0.01, 1.2).is_err(), "past the stop time");
+    assert!((instance.time() - start - 0.01).abs() < 1e-6);
+}
+
 #[test]
 fn fmu_c_host_under_valgrind() {
     let installed = Command::new("valgrind").arg("--version").output().is_ok_and(|output| output.status.success());
     if !installed {
         assert!(std::env::var_os("WHEELRAIL_REQUIRE_VALGRIND").is_none(), "valgrind is required here but not installed");
-        println!("valgrind is not installed: the memory check of the C host was left out");
+        // Past the test runner's capture, so that it is seen.
+        let _ =
+            std::io::Write::write_all(&mut std::io::stderr(), b"valgrind is not installed: the memory check of the C host was left out\n");
         return;
     }
-    for (mode, extra) in [("abi", vec![]), ("bad", vec![]), ("states", vec![]), ("threads", vec!["4"])] {
+    for (mode, extra) in [("abi", vec![]), ("bad", vec![]), ("states", vec![]), ("urls", vec![]), ("threads", vec!["4"])] {
         let mut command = Command::new("valgrind");
         command.args(["-q", "--leak-check=full", "--show-leak-kinds=definite,indirect", "--error-exitcode=9"]).arg(c_host());
         let text = run(command.args(host_arguments(mode, &extra)));

@@ -112,16 +112,16 @@ fn hard_steps_end_at_the_disturbance() {
 
 #[test]
 fn hard_the_loosest_tolerance_still_gives_sane_wheel_loads() {
-    // The local error allowed is 1.4 % of the penetration; stability-limited steps add it up.
-    for (tolerance, allowed) in [("1e-6", 0.15), ("1e-7", 0.02), ("1e-8", 0.003)] {
+    // Height is held 100 times tighter than the tolerance: 1e-7 m of a penetration of 7e-5 m at the loosest.
+    for (tolerance, allowed) in [("1e-5", 0.02), ("1e-6", 0.002), ("1e-8", 2e-5)] {
         let recording = run(&straight(&[&format!("solver.tolerance={tolerance}")]), 2.0, 1e-3);
         let load = (1568.0 * 9.81 + 98_000.0) / 2.0;
         let worst = column(&recording, "left.verticalForce").iter().map(|q| (q / load - 1.0).abs()).fold(0.0, f64::max);
         println!("tolerance {tolerance}: wheel load off by {:.2} %", 100.0 * worst);
         assert!(worst < allowed, "{tolerance}: {worst}");
     }
-    let error = wheelrail::scene::load::open("suspended_wheelset", &["solver.tolerance=1e-5".into()]).err().unwrap();
-    assert!(error.to_string().contains("expected 1e-14 to 1e-6"), "{error}");
+    let error = wheelrail::scene::load::open("suspended_wheelset", &["solver.tolerance=1e-4".into()]).err().unwrap();
+    assert!(error.to_string().contains("expected 1e-15 to 1e-5"), "{error}");
 }
 
 #[test]
@@ -132,6 +132,8 @@ fn regress_work_of_the_default_scene() {
     let s = simulation.statistics();
     let per_search = simulation.state().search_iterations as f64 / (2 * s.evaluations) as f64;
     println!("{s:?}, {per_search:.3} Newton iterations per contact search");
-    assert!(per_search < 1.1, "warm starts must serve: {per_search}");
-    assert!((2000..3200).contains(&s.steps) && s.rejected < 200 && s.evaluations < 20_000, "{s:?}");
+    assert!(per_search < 1.01, "warm starts must serve: {per_search}");
+    // Numbers of this machine's libm; another one may differ in the last bit and so in a few steps.
+    let near = |found: u64, pinned: u64| found.abs_diff(pinned) * 50 <= pinned;
+    assert!(near(s.steps, 2646) && near(s.evaluations, 16_066) && s.rejected < 60, "{s:?}");
 }

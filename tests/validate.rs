@@ -52,6 +52,9 @@ const COLUMNS: &[(&str, &str)] = &[
 /// Largest difference allowed for a column, in its unit: 1e-11 for lengths and angles, a relative 1e-8 of the column's size
 /// for the rest.
 fn allowed(name: &str, size: f64) -> f64 {
+    if name == "y" || name == "yaw" {
+        return 5e-14;
+    }
     let small = ["distance", "y", "z", "roll", "yaw", "u_", "eta_", "penetration_"];
     if small.iter().any(|prefix| name == *prefix || (prefix.ends_with('_') && name.starts_with(prefix))) { 1e-11 } else { 2e-8 * size }
 }

@@ -206,7 +206,7 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
         variables.push(Variable {
             reference: WHEELSET + 460,
             name: format!("{w}.initial.fromEquilibrium"),
-            description: "true: the steady rolling equilibrium for the parameters then set (no inputs acting) is found on leaving initialization mode and initial.* are added to it; false: initial.* are absolute".into(),
+            description: "true: the steady rolling equilibrium for the parameters then set (no inputs acting) is found on leaving initialization mode and initial.* are added to it; false: initial.* are absolute, so at least z (about the wheel's radius) and pitchRate (speed over radius) must be set".into(),
             kind: Kind::Boolean,
             causality: "parameter",
             variability: "fixed",
@@ -229,7 +229,7 @@ fn solver_row(scene: &Scene) -> Row {
             7,
             "solver.tolerance",
             Unit::Metre,
-            "bound of the local error of positions (m) and angles (rad) per step; the tolerance of fmi2SetupExperiment overrides it",
+            "bound of the local error of positions (m) and angles (rad) per step; the tolerance of fmi2SetupExperiment overrides it (this variable then still reads as it was set)",
         ),
         SettingKind::Step => (8, "solver.step", Unit::Second, "fixed step of the integrator"),
     };
@@ -283,7 +283,7 @@ fn initial_rows(w: &str) -> Vec<Row> {
             unit,
             min: None,
             max: None,
-            text: "initial value: added to the steady rolling equilibrium when initial.fromEquilibrium is true, else absolute",
+            text: "initial value: added to the steady rolling equilibrium when initial.fromEquilibrium is true, else absolute (z and pitchRate must be given then)",
             index,
             get: |scene, index| scene.vehicle.initial.values[index],
             set: |scene, index, value| scene.vehicle.initial.values[index] = value,

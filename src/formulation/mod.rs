@@ -193,7 +193,7 @@ pub enum ContactFailure {
     #[error("{0}")]
     Conformal(#[from] ConformalContact),
     #[error(
-        "penetration of {penetration:.4} m is beyond elastic contact (wheelset at z = {z:.4} m): check the initial position, an impact, or a solver.tolerance that is too large"
+        "penetration of {penetration:.4} m is beyond elastic contact (wheelset at z = {z:.4} m): an initial position that is too low, or an impact"
     )]
     TooDeep { penetration: f64, z: f64 },
 }

@@ -6,6 +6,12 @@ use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use crate::solve::{Dynamics, Undefined};
 
+/// Weight of a wheelset's height and roll in the error control: a loaded wheel's penetration is 0.07 mm, so that an error of
+/// 1e-6 m there would be one of 2 % (1.6 kN) in the wheel load. With the weight, wheel loads are about as exact as lateral motion.
+const PRESSING: f64 = 100.0;
+const HEIGHT: usize = 2;
+const ROLL: usize = 4;
+
 /// A model under given input signals.
 pub struct ModelDynamics<'a> {
     model: &'a Model,
@@ -41,9 +47,14 @@ impl Dynamics for ModelDynamics<'_> {
         })
     }
 
-    /// Positions and angles, in metres and radians.
-    fn controlled(&self, i: usize) -> bool {
-        i < COORDINATES * self.model.system.bodies.len()
+    /// Positions and angles in metres and radians; those that press wheels into rails weigh more.
+    fn error_weight(&self, i: usize) -> f64 {
+        if i >= COORDINATES * self.model.system.bodies.len() {
+            return 0.0;
+        }
+        let presses =
+            matches!(i % COORDINATES, HEIGHT | ROLL) && self.model.wheelsets.iter().any(|wheelset| wheelset.body == i / COORDINATES);
+        if presses { PRESSING } else { 1.0 }
     }
 
     /// When a wheel's contact reaches a place where its rail is not smooth. The contact moves with the centre and,

@@ -116,7 +116,7 @@ fn motion(c: &mut Collector, body: usize, bodies: usize) {
     let g = "motion";
     c.add(10, "distance", g, Unit::Distance, STATE, "distance of the centre along the track", y(q));
     c.add(11, "y", g, Unit::Metre, STATE, "lateral displacement of the centre, left positive", y(q + 1));
-    c.add(12, "z", g, Unit::Metre, STATE, "height of the centre over the nominal contact height", y(q + 2));
+    c.add(12, "z", g, Unit::Distance, STATE, "height of the centre over the nominal contact height", y(q + 2));
     c.add(13, "roll", g, Unit::Radian, STATE, "roll angle, left side up positive", y(q + 4));
     c.add(14, "yaw", g, Unit::Radian, STATE, "yaw angle, nose left positive", y(q + 3));
     c.add(15, "vx", g, Unit::TravelSpeed, STATE, "speed of the centre along the track", y(v));

@@ -5,12 +5,15 @@
 //! output of the last step, so results do not depend on where a master looks. Steps end where the system is not
 //! smooth ([`Dynamics::next_break`]).
 
+mod adaptive;
 mod dormand_prince;
 mod rk4;
+mod rk43;
 mod state;
 
 pub use dormand_prince::DormandPrince;
 pub use rk4::RungeKutta4;
+pub use rk43::RungeKutta43;
 pub use state::{IntegrationState, Statistics};
 
 use crate::settings::{Entry, Section, SettingsError, choose};
@@ -29,8 +32,9 @@ pub trait Dynamics {
     /// [`Undefined`] when f is not defined at (t, y); the integrator then tries a shorter step. The system keeps the reason.
     fn derivative(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined>;
 
-    /// Is the local error of component `i` controlled? (positions and angles, in metres and radians)
-    fn controlled(&self, i: usize) -> bool;
+    /// Weight of the local error of component `i` against the tolerance: 1 for positions and angles in metres and radians,
+    /// more where a small error has large consequences, 0 where the error is not controlled.
+    fn error_weight(&self, i: usize) -> f64;
 
     /// The next time after `t` where f is not smooth; infinity when there is none. A prediction is enough: it is
     /// asked for before each step.
@@ -59,7 +63,7 @@ pub enum SolveError {
 /// What the number that governs an integrator means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SettingKind {
-    /// Bound of the local error of each controlled component, m and rad.
+    /// Bound of the weighted local error, m and rad.
     Tolerance,
     /// Step, s.
     Step,
@@ -132,7 +136,7 @@ impl Scratch {
 type Parse = fn(&Section) -> Result<Arc<dyn Integrator>, SettingsError>;
 
 /// Every integrator that a scene can name.
-pub static REGISTRY: &[Entry<Parse>] = &[dormand_prince::ENTRY, rk4::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] = &[dormand_prince::ENTRY, rk43::ENTRY, rk4::ENTRY];
 
 /// Reads `[solver]`; returns the method's name and the method.
 ///

@@ -3,7 +3,7 @@
 //! Steps stand on the grid `start + k step`; a step that would pass a point where the system is not smooth is
 //! shortened to end there, and the grid starts anew.
 
-use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, parse_setting};
+use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub struct RungeKutta4 {
 const STEPS: (f64, f64) = (1e-8, 1.0);
 
 /// Continuous output: powers 0 to 3 of theta.
-const DENSE_VECTORS: usize = 4;
+pub(super) const DENSE_VECTORS: usize = 4;
 
 impl Integrator for RungeKutta4 {
     fn setting(&self) -> Setting {
@@ -62,34 +62,12 @@ fn step(step: f64, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, sc
         return Err(SolveError::NoProgress { time: state.t, step });
     }
 
-    let n = state.y.len();
     scratch.memory.copy_from_slice(&state.memory);
-    scratch.stages[0].copy_from_slice(&state.derivative);
-    let points = [(0.5, 0.5 * h), (0.5, 0.5 * h), (1.0, h)];
-    for (stage, (fraction, weight)) in points.into_iter().enumerate() {
-        let (done, rest) = scratch.stages.split_at_mut(stage + 1);
-        for (i, value) in scratch.trial.iter_mut().enumerate() {
-            *value = state.y[i] + weight * done[stage][i];
-        }
-        evaluate(dynamics, state, state.t + fraction * h, &scratch.trial, &mut scratch.memory, &mut rest[0])?;
-    }
-    for (i, value) in scratch.trial.iter_mut().enumerate() {
-        let k = |j: usize| scratch.stages[j][i];
-        *value = state.y[i] + h / 6.0 * (k(0) + 2.0 * (k(1) + k(2)) + k(3));
-    }
+    stages(dynamics, state, scratch, end, h).map_err(|Undefined| SolveError::Undefined { time: state.t })?;
     if !scratch.trial.iter().all(|value| value.is_finite()) {
         return Err(SolveError::NotFinite { time: state.t, step });
     }
-    evaluate(dynamics, state, end, &scratch.trial, &mut scratch.memory, &mut scratch.stages[4])?;
-
-    for i in 0..n {
-        let (begin, difference) = (state.y[i], scratch.trial[i] - state.y[i]);
-        let (first, last) = (h * scratch.stages[0][i], h * scratch.stages[4][i]);
-        let coefficients = [begin, first, 3.0 * difference - 2.0 * first - last, first + last - 2.0 * difference];
-        for (power, coefficient) in coefficients.into_iter().enumerate() {
-            state.dense[power * n + i] = coefficient;
-        }
-    }
+    write_dense(state, scratch, h);
     state.accept(end, scratch, 4, !cut);
     if cut {
         state.grid_start = end;
@@ -100,14 +78,41 @@ fn step(step: f64, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, sc
     Ok(())
 }
 
-fn evaluate(
+/// The four stages, the solution at `end` = t + h in `scratch.trial`, and f there as fifth stage.
+pub(super) fn stages(
     dynamics: &mut dyn Dynamics,
     state: &mut IntegrationState,
-    t: f64,
-    y: &[f64],
-    memory: &mut [f64],
-    dy: &mut [f64],
-) -> Result<(), SolveError> {
+    scratch: &mut Scratch,
+    end: f64,
+    h: f64,
+) -> Result<(), Undefined> {
+    let Scratch { stages, trial, memory } = scratch;
+    stages[0].copy_from_slice(&state.derivative);
+    let points = [(0.5, 0.5 * h), (0.5, 0.5 * h), (1.0, h)];
+    for (stage, (fraction, weight)) in points.into_iter().enumerate() {
+        for (i, value) in trial.iter_mut().enumerate() {
+            *value = state.y[i] + weight * stages[stage][i];
+        }
+        state.statistics.evaluations += 1;
+        dynamics.derivative(state.t + fraction * h, trial, memory, &mut stages[stage + 1])?;
+    }
+    for (i, value) in trial.iter_mut().enumerate() {
+        let k = |j: usize| stages[j][i];
+        *value = state.y[i] + h / 6.0 * (k(0) + 2.0 * (k(1) + k(2)) + k(3));
+    }
     state.statistics.evaluations += 1;
-    dynamics.derivative(t, y, memory, dy).map_err(|_| SolveError::Undefined { time: state.t })
+    dynamics.derivative(end, trial, memory, &mut stages[4])
+}
+
+/// Cubic Hermite polynomial through both ends of the step in powers of theta.
+pub(super) fn write_dense(state: &mut IntegrationState, scratch: &Scratch, h: f64) {
+    let n = state.y.len();
+    for i in 0..n {
+        let (begin, difference) = (state.y[i], scratch.trial[i] - state.y[i]);
+        let (first, last) = (h * scratch.stages[0][i], h * scratch.stages[4][i]);
+        let coefficients = [begin, first, 3.0 * difference - 2.0 * first - last, first + last - 2.0 * difference];
+        for (power, coefficient) in coefficients.into_iter().enumerate() {
+            state.dense[power * n + i] = coefficient;
+        }
+    }
 }

@@ -60,7 +60,7 @@ impl Log {
 
     /// Something that the host should know even when it did not ask for messages.
     pub fn remark(&self, message: &str) {
-        self.send(Status::Warning, c"logEvents", message);
+        self.send(Status::Warning, c"logStatusWarning", message);
     }
 
     /// Something worth knowing, when the host asked for it.

@@ -49,6 +49,8 @@ type Free = unsafe extern "C" fn(Component);
 type Setup = unsafe extern "C" fn(Component, Boolean, Real, Real, Boolean, Real) -> Status;
 type Simple = unsafe extern "C" fn(Component) -> Status;
 type DoStep = unsafe extern "C" fn(Component, Real, Real, Boolean) -> Status;
+type SetReal = unsafe extern "C" fn(Component, *const ValueReference, usize, *const Real) -> Status;
+type SetDerivatives = unsafe extern "C" fn(Component, *const ValueReference, usize, *const Integer, *const Real) -> Status;
 type GetReal = unsafe extern "C" fn(Component, *const ValueReference, usize, *mut Real) -> Status;
 
 /// An instance made through the C functions of a loaded library.
@@ -56,6 +58,8 @@ pub struct LoadedFmu {
     component: Component,
     get_real: GetReal,
     do_step: DoStep,
+    set_real: SetReal,
+    set_derivatives: SetDerivatives,
     free: Free,
     // Dropped last: the functions live in it.
     _library: Library,
@@ -81,7 +85,7 @@ impl LoadedFmu {
             component_environment: std::ptr::null_mut(),
         });
         let library = unsafe { Library::new(library)? };
-        let (instantiate, free, setup, enter, exit, do_step, get_real) = unsafe {
+        let (instantiate, free, setup, enter, exit, do_step, get_real, set_real, set_derivatives) = unsafe {
             (
                 *library.get::<Instantiate>(b"fmi2Instantiate\0")?,
                 *library.get::<Free>(b"fmi2FreeInstance\0")?,
@@ -90,6 +94,8 @@ impl LoadedFmu {
                 *library.get::<Simple>(b"fmi2ExitInitializationMode\0")?,
                 *library.get::<DoStep>(b"fmi2DoStep\0")?,
                 *library.get::<GetReal>(b"fmi2GetReal\0")?,
+                *library.get::<SetReal>(b"fmi2SetReal\0")?,
+                *library.get::<SetDerivatives>(b"fmi2SetRealInputDerivatives\0")?,
             )
         };
         let (guid, resources) = (CString::new(guid).unwrap_or_default(), CString::new(resources).unwrap_or_default());
@@ -98,7 +104,7 @@ impl LoadedFmu {
         if component.is_null() {
             return Err(HostError::Instantiate(last_message()));
         }
-        let fmu = LoadedFmu { component, get_real, do_step, free, _library: library, _callbacks: callbacks };
+        let fmu = LoadedFmu { component, get_real, do_step, set_real, set_derivatives, free, _library: library, _callbacks: callbacks };
         check("fmi2SetupExperiment", unsafe { setup(component, FALSE, 0.0, 0.0, FALSE, 0.0) })?;
         check("fmi2EnterInitializationMode", unsafe { enter(component) })?;
         check("fmi2ExitInitializationMode", unsafe { exit(component) })?;
@@ -111,6 +117,24 @@ impl LoadedFmu {
     /// [`HostError::Call`] for any status but fmi2OK.
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<(), HostError> {
         check("fmi2DoStep", unsafe { (self.do_step)(self.component, time, step, TRUE) })
+    }
+
+    /// fmi2SetReal of one variable.
+    ///
+    /// # Errors
+    /// [`HostError::Call`] for any status but fmi2OK.
+    pub fn set_real(&mut self, reference: u32, value: f64) -> Result<(), HostError> {
+        check("fmi2SetReal", unsafe { (self.set_real)(self.component, &reference, 1, &value) })
+    }
+
+    /// fmi2SetRealInputDerivatives of one input: first and second order.
+    ///
+    /// # Errors
+    /// [`HostError::Call`] for any status but fmi2OK.
+    pub fn set_input_derivatives(&mut self, reference: u32, first: f64, second: f64) -> Result<(), HostError> {
+        let (references, orders, values) = ([reference; 2], [1, 2], [first, second]);
+        let status = unsafe { (self.set_derivatives)(self.component, references.as_ptr(), 2, orders.as_ptr(), values.as_ptr()) };
+        check("fmi2SetRealInputDerivatives", status)
     }
 
     /// fmi2GetReal.

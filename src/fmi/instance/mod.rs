@@ -69,11 +69,11 @@ pub struct Instance {
     simulation: Option<Simulation>,
 }
 
-/// Times agree when they differ by no more than this, relative to their size (at least 1 s).
-const TIME_SLACK: f64 = 1e-9;
-
-fn slack(time: f64) -> f64 {
-    TIME_SLACK * time.abs().max(1.0)
+/// By how much two communication times may differ and still be the same: 1e-9 of their size (at least of 1 s), but no more
+/// than a thousandth of the step, lest a master far from t = 0 skips time unnoticed, and no less than rounding.
+fn slack(time: f64, step: f64) -> f64 {
+    let size = time.abs().max(1.0);
+    (1e-9 * size).min(1e-3 * step.abs()).max(8.0 * f64::EPSILON * size)
 }
 
 impl Instance {
@@ -163,7 +163,7 @@ impl Instance {
             (SettingKind::Step, Some(_)) => Some("the integrator has a fixed step; the tolerance has no effect".into()),
             (SettingKind::Tolerance, Some(wanted)) if wanted.clamp(setting.range.0, setting.range.1) != wanted => {
                 let used = wanted.clamp(setting.range.0, setting.range.1);
-                Some(format!("tolerance {wanted:?} is outside what contact allows; {used:?} (m and rad per step) is used"))
+                Some(format!("tolerance {wanted:?} is outside the range of the integrator; {used:?} (m and rad per step) is used"))
             }
             _ => None,
         })
@@ -246,18 +246,18 @@ impl Instance {
     pub fn do_step(&mut self, current: f64, step: f64) -> Result<StepOutcome, CallError> {
         self.require("fmi2DoStep", &[Phase::Stepping])?;
         let time = self.time();
-        if !((current - time).abs() <= slack(time)) {
+        if !(step > 0.0 && step.is_finite()) {
+            return Err(CallError::Time { what: "communicationStepSize", value: step, expected: "a finite number greater than 0".into() });
+        }
+        if !((current - time).abs() <= slack(time, step)) {
             return Err(CallError::Time {
                 what: "currentCommunicationPoint",
                 value: current,
                 expected: format!("the instance's time {time}"),
             });
         }
-        if !(step > 0.0 && step.is_finite()) {
-            return Err(CallError::Time { what: "communicationStepSize", value: step, expected: "a finite number greater than 0".into() });
-        }
         let target = current + step;
-        if let Some(stop) = self.experiment.stop.filter(|stop| target > stop + slack(*stop)) {
+        if let Some(stop) = self.experiment.stop.filter(|stop| target > stop + slack(*stop, step)) {
             return Err(CallError::Time {
                 what: "communicationStepSize",
                 value: step,
