@@ -9,7 +9,7 @@ WHEELRAIL_BLESS=1 cargo test --release --test cli docs_list >/dev/null
     echo "# Accuracy and cost"
     echo
     echo "Printed by \`cargo bench\` ($(date +%Y-%m-%d), $(nproc) cores, $(uname -sm), $(rustc --version | cut -d' ' -f1,2)); made by docs/generate.sh."
-    echo "One core is used. Times vary by 10 to 20 % from run to run on a shared machine. Errors are against a run with tolerance 1e-13,"
+    echo "One core is used. Errors are against a run with tolerance 1e-13,"
     echo "which agrees with an independent program to 1e-14 m in that displacement (tests/validate.rs). Aims: a contact below 1 us; 200"
     echo "times real time at 1e-6 m on one core (lines marked * are that exact); the FMU within 10 % of native. The virtual machine used"
     echo "changes its speed by half from minute to minute: compare lines of one run, not runs."
