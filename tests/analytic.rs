@@ -109,9 +109,6 @@ impl EnergyAudit {
 }
 
 impl Dynamics for EnergyAudit {
-    fn dimension(&self) -> usize {
-        self.model.system.dimension() + 1
-    }
     fn derivative(&mut self, _: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         let n = y.len() - 1;
         let (dy, extra) = dy.split_at_mut(n);

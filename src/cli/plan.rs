@@ -3,6 +3,7 @@
 use super::{Failure, SceneArguments, print};
 use crate::contact::creepage::in_rolling_direction;
 use crate::contact::search::algebraic::{SurfaceParameters, locate};
+use crate::formulation::contact_index;
 use crate::geometry::Side;
 use crate::scene::plan;
 use crate::sim::Simulation;
@@ -71,7 +72,7 @@ fn costs(simulation: &mut Simulation) -> Vec<(&'static str, f64)> {
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
         let motion = &snapshot.workspace.system.motions[wheelset.body];
         for side in Side::BOTH {
-            let report = &snapshot.workspace.contacts[2 * index + usize::from(side == Side::Right)];
+            let report = &snapshot.workspace.contacts[contact_index(index, side)];
             let (wheel, rail) = (wheelset.wheel(side), model.track.rail(side));
             let find = |start: &SurfaceParameters| locate(wheel, rail, &motion.position, &motion.frame.axes, motion.position.x, start);
             // A start as far off as it is from stage to stage of a step.

@@ -119,8 +119,7 @@ pub fn pack_scene(scene: &Scene) -> Result<PackedScene, PackageError> {
     resources.insert("scene.toml".into(), text.clone().into_bytes());
 
     // Read it back from a folder, exactly as an instance will.
-    let folder =
-        tempfile::tempdir().map_err(|error| PackageError::Unwritable { path: std::env::temp_dir(), problem: error.to_string() })?;
+    let folder = scratch_folder()?;
     write_folder(folder.path(), &resources)?;
     let source = Source { file: "resources/scene.toml".into(), text, overridden: vec![], folder: Some(folder.path().into()) };
     let scene = load::read(&scene.name, source, &[])?;
@@ -141,6 +140,16 @@ fn set_text(document: &mut DocumentMut, key: &str, text: &str) {
     *item = toml_edit::value(text);
 }
 
+/// A folder that is removed when it is dropped.
+fn scratch_folder() -> Result<tempfile::TempDir, PackageError> {
+    tempfile::tempdir().map_err(|error| PackageError::Unwritable { path: std::env::temp_dir(), problem: error.to_string() })
+}
+
+/// Where an FMU keeps its library for this host.
+pub fn library_path(identifier: &str) -> String {
+    format!("binaries/{}/{identifier}{}", platform(), std::env::consts::DLL_SUFFIX)
+}
+
 fn write_folder(folder: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), PackageError> {
     for (name, content) in files {
         let path = folder.join(name);
@@ -157,7 +166,7 @@ fn write_folder(folder: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), 
 pub fn files(packed: &PackedScene, library: &[u8]) -> BTreeMap<String, Vec<u8>> {
     let mut files: BTreeMap<String, Vec<u8>> = BTreeMap::new();
     files.insert("modelDescription.xml".into(), packed.description.xml.clone().into_bytes());
-    files.insert(format!("binaries/{}/{}{}", platform(), packed.scene.name, std::env::consts::DLL_SUFFIX), library.to_vec());
+    files.insert(library_path(&packed.scene.name), library.to_vec());
     files.insert("documentation/index.html".into(), documentation::html(packed).into_bytes());
     files.insert("documentation/license.txt".into(), include_bytes!("../../LICENSE").to_vec());
     files.insert("model.png".into(), include_bytes!("../../fmu/model.png").to_vec());
@@ -220,10 +229,9 @@ pub fn check(
     step: f64,
     rows: usize,
 ) -> Result<Vec<CheckRow>, PackageError> {
-    let folder =
-        tempfile::tempdir().map_err(|error| PackageError::Unwritable { path: std::env::temp_dir(), problem: error.to_string() })?;
+    let folder = scratch_folder()?;
     write_folder(folder.path(), files)?;
-    let library = folder.path().join("binaries").join(platform()).join(format!("{}{}", packed.scene.name, std::env::consts::DLL_SUFFIX));
+    let library = folder.path().join(library_path(&packed.scene.name));
     let resources = super::uri::from_path(&folder.path().join("resources"));
     let mut fmu = host::LoadedFmu::start(&library, &packed.description.guid, &resources)?;
     let mut table = vec![(0.0, fmu.get_real(references)?)];

@@ -56,6 +56,8 @@ pub struct Variable {
 pub struct VariableTable {
     pub variables: Vec<Variable>,
     pub outputs: Vec<Output>,
+    /// Values of all inputs of the model, shown or not, before a master sets any.
+    pub neutral_inputs: Vec<f64>,
     /// Index of each reference.
     index: HashMap<u32, usize>,
 }
@@ -86,7 +88,7 @@ impl VariableTable {
         variables.extend(parameters::parameters(scene));
         variables.extend(locals());
         let index = variables.iter().enumerate().map(|(index, variable)| (variable.reference, index)).collect();
-        VariableTable { variables, outputs, index }
+        VariableTable { variables, outputs, neutral_inputs: model.neutral_inputs(), index }
     }
 
     /// The variable with a reference.

@@ -10,7 +10,8 @@
 //! Memory per contact: the four surface parameters of the last evaluation, as warm start.
 
 use super::{
-    ContactFailure, ContactReport, EvaluationError, Formulation, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace,
+    ContactFailure, ContactReport, EvaluationError, Formulation, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset,
+    Workspace, contact_index,
 };
 use crate::contact::creepage::{ContactAxes, in_rolling_direction};
 use crate::contact::normal::damped_force;
@@ -63,7 +64,7 @@ impl Formulation for EcfA {
             let wrench = &mut workspace.system.wrenches[wheelset.body];
             *wrench += external_wrench(&motion, inputs);
             for (side, friction) in [(Side::Left, inputs[LEFT_FRICTION]), (Side::Right, inputs[RIGHT_FRICTION])] {
-                let contact = 2 * index + usize::from(side == Side::Right);
+                let contact = contact_index(index, side);
                 let memory = &mut memory[contact * MEMORY..(contact + 1) * MEMORY];
                 let report = wheel_contact(model, wheelset, side, &motion, friction, memory, wrench).map_err(|cause| EvaluationError {
                     time: t,

@@ -48,6 +48,11 @@ impl Wheelset {
     }
 }
 
+/// Place of a wheel's contact in [`Workspace::contacts`] and, times the memory per contact, in the state's memory.
+pub fn contact_index(wheelset: usize, side: Side) -> usize {
+    2 * wheelset + usize::from(side == Side::Right)
+}
+
 /// Laws and constants of contact.
 #[derive(Debug)]
 pub struct ContactLaws {
@@ -108,9 +113,9 @@ impl Model {
         }
     }
 
-    /// Length of the input vector.
-    pub fn input_count(&self) -> usize {
-        WHEELSET_INPUTS * self.wheelsets.len()
+    /// Values of all inputs that leave the model alone.
+    pub fn neutral_inputs(&self) -> Vec<f64> {
+        NEUTRAL_INPUTS.iter().copied().cycle().take(WHEELSET_INPUTS * self.wheelsets.len()).collect()
     }
 
     /// Derivative `dy` of the state `y` at time `t` under `inputs`; leaves motions, wrenches and contacts in the workspace.

@@ -43,14 +43,14 @@ pub enum EquilibriumError {
 ///
 /// # Errors
 /// [`EquilibriumError`].
-pub fn steady_rolling(scene: &Scene, model: &Model) -> Result<SteadyRolling, EquilibriumError> {
+pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> {
     let spec = &scene.vehicle.wheelset;
     let load = spec.mass * scene.vehicle.gravity + spec.vertical_load;
     if load <= 0.0 {
         return Err(EquilibriumError::NoLoad { load });
     }
-    let mut balance = Balance::new(scene, model);
-    let radius = model.wheelsets[0].left.profile.at(0.0).value;
+    let mut balance = Balance::new(scene);
+    let radius = balance.model.wheelsets[0].left.profile.at(0.0).value;
     let speed = scene.vehicle.speed;
 
     // Start: the height at which the deeper wheel carries half the load with the stiffness of the first touch.
@@ -115,9 +115,9 @@ struct Balance {
 }
 
 impl Balance {
-    fn new(scene: &Scene, model: &Model) -> Self {
-        let mut model = Model { track: model.track.ideal(), ..super::assemble::model(scene) };
-        model.wheelsets.truncate(1);
+    fn new(scene: &Scene) -> Self {
+        let mut model = super::assemble::model(scene);
+        model.track = model.track.ideal();
         let dimension = model.system.dimension();
         let mut y = vec![0.0; dimension];
         y[COORDINATES] = scene.vehicle.speed;

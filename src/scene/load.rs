@@ -1,6 +1,5 @@
 //! Opens a scene: an embedded one by name or a file, with `--set key=value` applied to its text.
 
-use super::assemble;
 use super::embedded;
 use super::equilibrium::{self, EquilibriumError};
 use super::spec::{INITIAL, Scene};
@@ -151,7 +150,7 @@ fn resolve_initial(scene: &mut Scene) -> Result<(), SceneError> {
     let needed = initial.from_equilibrium
         || INITIAL.iter().zip(initial.given).any(|(key, given)| given.is_none() && ["z", "pitch_rate"].contains(&key.0));
     let found = if needed {
-        equilibrium::steady_rolling(scene, &assemble::model(scene))
+        equilibrium::steady_rolling(scene)
             .map_err(|error| SceneError::Equilibrium { file: scene.source.file.clone(), error })?
             .initial_values()
     } else {

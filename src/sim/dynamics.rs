@@ -1,7 +1,7 @@
 //! The model with its inputs as a system that an integrator can advance.
 
 use super::input::{self, InputSignal};
-use crate::formulation::{EvaluationError, Model, Workspace};
+use crate::formulation::{EvaluationError, Model, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use crate::solve::{Dynamics, Undefined};
@@ -32,10 +32,6 @@ impl<'a> ModelDynamics<'a> {
 }
 
 impl Dynamics for ModelDynamics<'_> {
-    fn dimension(&self) -> usize {
-        self.model.system.dimension()
-    }
-
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         if !self.constant {
@@ -66,7 +62,7 @@ impl Dynamics for ModelDynamics<'_> {
             let q = &y[self.model.system.coordinates(wheelset.body)];
             let v = &y[self.model.system.velocities(wheelset.body)];
             for side in Side::BOTH {
-                let contact = 2 * index + usize::from(side == Side::Right);
+                let contact = contact_index(index, side);
                 let lead = self.model.formulation.lead(&memory[contact * per_contact..(contact + 1) * per_contact]);
                 let wheel = wheelset.wheel(side);
                 let speed = v[0] - side.sign() * wheel.half_spacing * q[3].cos() * v[3];

@@ -9,7 +9,7 @@ pub mod outputs;
 pub mod recording;
 pub mod unit;
 
-use crate::formulation::{EvaluationError, Model, NEUTRAL_INPUTS, WHEELSET_INPUTS, Workspace};
+use crate::formulation::{EvaluationError, Model, WHEELSET_INPUTS, Workspace};
 use crate::mbs::body::COORDINATES;
 use crate::scene::assemble;
 use crate::scene::equilibrium::{self, EquilibriumError};
@@ -95,8 +95,7 @@ impl Simulation {
         let model = assemble::model(scene);
         let y = initial_state(scene, &model)?;
         let memory = vec![0.0; 2 * model.wheelsets.len() * model.formulation.memory_per_contact()];
-        let inputs: Vec<InputSignal> =
-            NEUTRAL_INPUTS.iter().cycle().take(model.input_count()).map(|value| InputSignal::constant(start, *value)).collect();
+        let inputs: Vec<InputSignal> = model.neutral_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
         let integration = scene.solver.integrator.start(start, &y, &memory);
         let workspace = model.workspace();
         let snapshot = Snapshot {
@@ -230,7 +229,7 @@ fn initial_state(scene: &Scene, model: &Model) -> Result<Vec<f64>, SimulationErr
     let initial = &scene.vehicle.initial;
     let mut values = initial.values;
     if initial.from_equilibrium {
-        let found = equilibrium::steady_rolling(scene, model)?.initial_values();
+        let found = equilibrium::steady_rolling(scene)?.initial_values();
         for (value, found) in values.iter_mut().zip(found) {
             *value += found;
         }

@@ -2,7 +2,7 @@
 
 use super::Snapshot;
 use super::unit::Unit;
-use crate::formulation::{ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, Model, RIGHT_FRICTION, VERTICAL_FORCE};
+use crate::formulation::{ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, Model, RIGHT_FRICTION, VERTICAL_FORCE, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 
@@ -90,7 +90,7 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
             collector.add(30, "drivingForce", "motion", Unit::Newton, FRICTIONS, text, move |s| s.workspace.system.drive_forces[drive]);
         }
         for side in Side::BOTH {
-            wheel(&mut collector, 2 * index + usize::from(side == Side::Right), side, wheelset.body * COORDINATES);
+            wheel(&mut collector, contact_index(index, side), side, wheelset.body * COORDINATES);
         }
         for (element, force) in model.system.forces.iter().enumerate() {
             let Some(number) = force.output_number() else { continue };

@@ -23,9 +23,6 @@ use std::sync::Arc;
 
 /// A system `y' = f(t, y)`.
 pub trait Dynamics {
-    /// Length of y.
-    fn dimension(&self) -> usize;
-
     /// Writes f(t, y) to `dy`. `memory` is the system's own record (warm starts) and belongs to the state.
     ///
     /// # Errors

@@ -127,7 +127,7 @@ impl IntegrationState {
         self.statistics.restarts += 1;
     }
 
-    /// Are dimensions those of a system with `dimension` components and `memory` numbers of memory?
+    /// Could this state have come from the same system and method as `other`?
     pub fn fits(&self, other: &IntegrationState) -> bool {
         self.y.len() == other.y.len()
             && self.memory.len() == other.memory.len()

@@ -5,9 +5,6 @@ use super::*;
 struct Oscillator;
 
 impl Dynamics for Oscillator {
-    fn dimension(&self) -> usize {
-        2
-    }
     fn derivative(&mut self, t: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = y[1];
         dy[1] = -y[0] + t;
@@ -29,9 +26,6 @@ fn oscillator(integrator: &dyn Integrator) -> (IntegrationState, Scratch) {
 struct Power(i32);
 
 impl Dynamics for Power {
-    fn dimension(&self) -> usize {
-        1
-    }
     fn derivative(&mut self, t: f64, _: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = f64::from(self.0) * t.powi(self.0 - 1);
         Ok(())
@@ -144,9 +138,6 @@ fn order_error_falls_with_tolerance_and_work_is_pinned() {
 struct Kink;
 
 impl Dynamics for Kink {
-    fn dimension(&self) -> usize {
-        1
-    }
     fn derivative(&mut self, t: f64, _: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = if t < 1.0 / 3.0 { 1.0 } else { 2.0 };
         Ok(())
@@ -216,9 +207,6 @@ fn prop_restart_continues_from_the_dense_output() {
 struct Pole;
 
 impl Dynamics for Pole {
-    fn dimension(&self) -> usize {
-        1
-    }
     fn derivative(&mut self, _: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = y[0] * y[0];
         Ok(())
@@ -272,9 +260,6 @@ fn hard_a_start_of_unix_epoch_size_loses_only_the_digits_of_time() {
 struct Decay;
 
 impl Dynamics for Decay {
-    fn dimension(&self) -> usize {
-        1
-    }
     fn derivative(&mut self, _: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = -y[0];
         Ok(())

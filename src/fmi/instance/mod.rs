@@ -10,7 +10,7 @@ pub use errors::{CallError, InstantiateError};
 pub use saved::SavedState;
 
 use super::description;
-use super::variables::{Role, VariableTable};
+use super::variables::VariableTable;
 use crate::scene::load;
 use crate::scene::spec::Scene;
 use crate::sim::outputs::outputs;
@@ -99,14 +99,6 @@ impl Instance {
             inputs,
             simulation: None,
         })
-    }
-
-    pub fn phase(&self) -> Phase {
-        self.phase
-    }
-
-    pub fn guid(&self) -> &str {
-        &self.guid
     }
 
     /// The present time, s.
@@ -280,9 +272,5 @@ impl Instance {
 
 /// Start values of all inputs of the model.
 fn neutral_inputs(table: &VariableTable) -> Vec<[f64; 3]> {
-    // Inputs that the interface does not show keep their neutral value too.
-    let count =
-        table.variables.iter().filter_map(|v| if let Role::Input(input) = v.role { Some(input + 1) } else { None }).max().unwrap_or(0);
-    let model_inputs = count.div_ceil(crate::formulation::WHEELSET_INPUTS).max(1) * crate::formulation::WHEELSET_INPUTS;
-    crate::formulation::NEUTRAL_INPUTS.iter().cycle().take(model_inputs).map(|value| [*value, 0.0, 0.0]).collect()
+    table.neutral_inputs.iter().map(|value| [*value, 0.0, 0.0]).collect()
 }
