@@ -7,9 +7,10 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 use wheelrail::contact::creepage::in_rolling_direction;
-use wheelrail::contact::search::algebraic::{SurfaceParameters, locate};
+use wheelrail::contact::search::algebraic::{Pair, SurfaceParameters};
 use wheelrail::fmi::ffi::host::LoadedFmu;
 use wheelrail::fmi::{package, uri};
+use wheelrail::formulation::Evaluation;
 use wheelrail::geometry::Side;
 use wheelrail::scene::load;
 use wheelrail::sim::Simulation;
@@ -175,7 +176,8 @@ fn benchmarks(criterion: &mut Criterion) {
     criterion.bench_function("contact: search, Hertz and creep", |bencher| {
         bencher.iter(|| {
             let (wheel, rail) = (wheelset.wheel(Side::Right), model.track.rail(Side::Right));
-            let found = locate(wheel, rail, &motion.position, &motion.frame.axes, motion.position.x, black_box(&start));
+            let (centre, axes) = (&motion.position, &motion.frame.axes);
+            let found = Pair { wheel, rail, centre, axes, distance: centre.x }.locate(black_box(&start));
             let Ok(found) = found else { return None };
             let (rolling, across) = found.half_curvatures();
             let elastic = model.laws.normal.contact(rolling, across, found.penetration).ok()?;
@@ -187,7 +189,10 @@ fn benchmarks(criterion: &mut Criterion) {
     let mut workspace = model.workspace();
     let (mut memory, mut dy) = (snapshot.memory().to_vec(), snapshot.dy.clone());
     criterion.bench_function("right-hand side", |bencher| {
-        bencher.iter(|| model.derivative(&mut workspace, 0.6, snapshot.inputs(), black_box(&snapshot.y), &mut memory, &mut dy).is_ok());
+        bencher.iter(|| {
+            let at = Evaluation { t: 0.6, inputs: snapshot.inputs(), y: black_box(&snapshot.y), memory: &mut memory };
+            model.derivative(&mut workspace, at, &mut dy).is_ok()
+        });
     });
     criterion.bench_function("one simulated second, native", |bencher| {
         let saved = self::simulation(&[]).state().clone();

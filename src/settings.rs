@@ -160,6 +160,11 @@ impl<'a> Section<'a> {
         self.match_word(key, word, allowed)
     }
 
+    /// One word out of `allowed`, or `default`.
+    pub fn word_or(&self, key: &'static str, allowed: &[&'static str], default: &'static str) -> Result<&'static str, SettingsError> {
+        if self.has(key) { self.word(key, allowed) } else { Ok(default) }
+    }
+
     fn match_word(&self, key: &str, word: &str, allowed: &[&'static str]) -> Result<&'static str, SettingsError> {
         allowed
             .iter()

@@ -130,7 +130,7 @@ fn regress_work_of_the_default_scene() {
     let mut simulation = start(&scene);
     simulation.advance(5.0).unwrap();
     let s = simulation.statistics();
-    let per_search = simulation.state().search_iterations as f64 / (2 * s.evaluations) as f64;
+    let per_search = simulation.state().work.search_iterations as f64 / (2 * s.evaluations) as f64;
     println!("{s:?}, {per_search:.3} Newton iterations per contact search");
     assert!(per_search < 1.01, "warm starts must serve: {per_search}");
     // Numbers of this machine's libm; another one may differ in the last bit and so in a few steps.

@@ -2,8 +2,8 @@
 
 use super::{Failure, SceneArguments, print};
 use crate::contact::creepage::in_rolling_direction;
-use crate::contact::search::algebraic::{SurfaceParameters, locate};
-use crate::formulation::contact_index;
+use crate::contact::search::algebraic::{Pair, SurfaceParameters};
+use crate::formulation::{Evaluation, contact_index};
 use crate::geometry::Side;
 use crate::scene::plan;
 use crate::sim::Simulation;
@@ -74,7 +74,9 @@ fn costs(simulation: &mut Simulation) -> Vec<(&'static str, f64)> {
         for side in Side::BOTH {
             let report = &snapshot.workspace.contacts[contact_index(index, side)];
             let (wheel, rail) = (wheelset.wheel(side), model.track.rail(side));
-            let find = |start: &SurfaceParameters| locate(wheel, rail, &motion.position, &motion.frame.axes, motion.position.x, start);
+            let (centre, axes) = (&motion.position, &motion.frame.axes);
+            let pair = Pair { wheel, rail, centre, axes, distance: centre.x };
+            let find = |start: &SurfaceParameters| pair.locate(start);
             // A start as far off as it is from stage to stage of a step.
             let start = SurfaceParameters { rail: report.parameters.rail + 1e-6, ..report.parameters };
             search += time(|| {
@@ -94,7 +96,8 @@ fn costs(simulation: &mut Simulation) -> Vec<(&'static str, f64)> {
     let mut workspace = model.workspace();
     let (mut memory, mut dy) = (snapshot.memory().to_vec(), snapshot.dy.clone());
     let total = time(|| {
-        let _ = black_box(model.derivative(&mut workspace, 0.0, snapshot.inputs(), black_box(&snapshot.y), &mut memory, &mut dy));
+        let at = Evaluation { t: 0.0, inputs: snapshot.inputs(), y: black_box(&snapshot.y), memory: &mut memory };
+        let _ = black_box(model.derivative(&mut workspace, at, &mut dy));
     });
     let rest = (total - search - normal - creep).max(0.0);
     vec![("contact search", search), ("normal force and patch", normal), ("creep forces", creep), ("multibody system and the rest", rest)]

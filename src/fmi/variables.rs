@@ -168,7 +168,7 @@ fn locals() -> Vec<Variable> {
         counter(901, "solver.rejectedSteps", "rejected attempts", |s| s.integration.statistics.rejected),
         counter(902, "solver.evaluations", "evaluations of the right-hand side", |s| s.integration.statistics.evaluations),
         counter(903, "solver.restarts", "restarts at changes of inputs", |s| s.integration.statistics.restarts),
-        counter(904, "solver.searchIterations", "Newton iterations of contact searches", |s| s.search_iterations),
+        counter(904, "solver.searchIterations", "Newton iterations of contact searches", |s| s.work.search_iterations),
         Variable {
             reference: 910,
             name: "scene.title".into(),

@@ -2,9 +2,19 @@
 //!
 //! A [`Model`] is constant while time runs. A formulation evaluates the derivative of the state from the model, the
 //! inputs and the state; everything that moves lives in the [`Workspace`] (scratch) or in the state's memory (warm
-//! starts of the contact search).
+//! starts of the contact search, contact modes).
+//!
+//! The state vector holds the bodies' coordinates and velocities (see `mbs::system`), then each contact's own states, wheel by
+//! wheel: none in ECF-A and ECCF, the surface parameters and their rates in ACCF, the arc length in ECF-N.
 
+mod accf;
+mod eccf;
 mod ecf_a;
+pub mod events;
+mod lift;
+mod loading;
+mod rigid;
+pub mod work;
 
 use crate::contact::Patch;
 use crate::contact::creep::CreepLaw;
@@ -16,7 +26,11 @@ use crate::geometry::surface::Wheel;
 use crate::geometry::track::Track;
 use crate::mbs::system::{System, SystemWorkspace};
 use crate::settings::{Entry, Section, SettingsError, choose};
+use events::ContactEvent;
 use nalgebra::Vector3;
+use rigid::RigidScratch;
+use std::sync::Arc;
+use work::Work;
 
 /// Inputs of one wheelset, in the order in which they stand in the input vector.
 pub const WHEELSET_INPUTS: usize = 5;
@@ -37,6 +51,8 @@ pub struct Wheelset {
     pub right: Wheel,
     /// Imposed travelling speed [m/s], `None` when the wheelset is free along the track.
     pub imposed_speed: Option<f64>,
+    /// Vertical force of each wheel on level track at rest, N.
+    pub static_wheel_load: f64,
 }
 
 impl Wheelset {
@@ -64,6 +80,15 @@ pub struct ContactLaws {
     pub friction: f64,
 }
 
+/// Everything that stays constant during a simulation, before a formulation is chosen.
+#[derive(Debug)]
+pub struct Parts {
+    pub system: System,
+    pub track: Track,
+    pub wheelsets: Vec<Wheelset>,
+    pub laws: ContactLaws,
+}
+
 /// Everything that stays constant during a simulation.
 #[derive(Debug)]
 pub struct Model {
@@ -71,7 +96,7 @@ pub struct Model {
     pub track: Track,
     pub wheelsets: Vec<Wheelset>,
     pub laws: ContactLaws,
-    pub formulation: &'static dyn Formulation,
+    pub formulation: Box<dyn Formulation>,
 }
 
 /// One contact as it was found and loaded at one instant.
@@ -92,24 +117,79 @@ pub struct ContactReport {
     /// Force on the wheelset in the track frame, N.
     pub force: Vector3<f64>,
     pub iterations: usize,
+    /// Is the contact a constraint (its normal force a multiplier), not elastic?
+    pub constrained: bool,
 }
 
 /// Scratch of an evaluation; holds its findings until the next one.
 #[derive(Clone, Debug)]
 pub struct Workspace {
     pub system: SystemWorkspace,
-    /// Contacts in the order wheelset 1 left, right, wheelset 2 left, ...
+    /// First contacts of all wheels in the order wheelset 1 left, right, wheelset 2 left, ...
     pub contacts: Vec<ContactReport>,
-    /// Newton iterations of contact searches; counted up by each evaluation.
-    pub search_iterations: u64,
+    /// Second contacts in the same order; empty where the formulation finds only one.
+    pub second_contacts: Vec<ContactReport>,
+    /// What constraint formulations work in.
+    pub(crate) rigid: Option<RigidScratch>,
+    /// Counted up by each evaluation.
+    pub work: Work,
+    /// Lift-offs and landings since they were last taken away.
+    pub events: Vec<ContactEvent>,
+}
+
+/// Time, inputs and state of an evaluation; the memory is both read and written.
+#[derive(Debug)]
+pub struct Evaluation<'a> {
+    pub t: f64,
+    pub inputs: &'a [f64],
+    pub y: &'a [f64],
+    pub memory: &'a mut [f64],
 }
 
 impl Model {
+    /// Completes the parts with a formulation.
+    pub fn new(parts: Parts, build: &Build) -> Model {
+        let formulation = build(&parts);
+        let Parts { system, track, wheelsets, laws } = parts;
+        Model { system, track, wheelsets, laws, formulation }
+    }
+
+    pub fn contacts(&self) -> usize {
+        2 * self.wheelsets.len()
+    }
+
+    /// Length of the state vector.
+    pub fn dimension(&self) -> usize {
+        self.system.dimension() + self.contacts() * self.formulation.states_per_contact()
+    }
+
+    /// Length of the state's memory.
+    pub fn memory(&self) -> usize {
+        self.contacts() * self.formulation.memory_per_contact()
+    }
+
+    /// A contact's own states in the state vector.
+    pub fn contact_states(&self, contact: usize) -> std::ops::Range<usize> {
+        let count = self.formulation.states_per_contact();
+        let start = self.system.dimension() + contact * count;
+        start..start + count
+    }
+
+    /// A contact's part of the state's memory.
+    pub fn contact_memory(&self, contact: usize) -> std::ops::Range<usize> {
+        let count = self.formulation.memory_per_contact();
+        contact * count..(contact + 1) * count
+    }
+
     pub fn workspace(&self) -> Workspace {
+        let second = if self.formulation.points_per_wheel() > 1 { self.contacts() } else { 0 };
         Workspace {
             system: self.system.workspace(),
-            contacts: vec![ContactReport::default(); 2 * self.wheelsets.len()],
-            search_iterations: 0,
+            contacts: vec![ContactReport::default(); self.contacts()],
+            second_contacts: vec![ContactReport::default(); second],
+            rigid: self.formulation.rigid_scratch(self.system.bodies.len(), &self.wheelsets),
+            work: Work::default(),
+            events: Vec::new(),
         }
     }
 
@@ -118,57 +198,144 @@ impl Model {
         NEUTRAL_INPUTS.iter().copied().cycle().take(WHEELSET_INPUTS * self.wheelsets.len()).collect()
     }
 
-    /// Derivative `dy` of the state `y` at time `t` under `inputs`; leaves motions, wrenches and contacts in the workspace.
+    /// Derivative `dy` of the state `at.y` at time `at.t`; leaves motions, wrenches and contacts in the workspace.
     ///
     /// # Errors
     /// [`EvaluationError`] when a contact cannot be found or lies outside what the laws cover.
     #[inline]
-    pub fn derivative(
-        &self,
-        workspace: &mut Workspace,
-        t: f64,
-        inputs: &[f64],
-        y: &[f64],
-        memory: &mut [f64],
-        dy: &mut [f64],
-    ) -> Result<(), EvaluationError> {
-        self.formulation.derivative(self, workspace, t, inputs, y, memory, dy)
+    pub fn derivative(&self, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
+        self.formulation.derivative(self, workspace, at, dy)
     }
 }
 
 /// How the contact problem is solved.
+///
+/// `y` and `memory` are those of the whole model.
 pub trait Formulation: Send + Sync + std::fmt::Debug {
-    /// Numbers per contact that the formulation keeps in the state's memory.
+    /// States that each contact adds to the state vector.
+    fn states_per_contact(&self) -> usize {
+        0
+    }
+
+    /// Numbers per contact that the formulation keeps in the state's memory; the first four are the surface parameters of the
+    /// last evaluation (u, angle, lead, eta).
     fn memory_per_contact(&self) -> usize;
 
-    /// How far ahead of its wheelset's centre a contact lies [m], from that contact's memory.
-    fn lead(&self, memory: &[f64]) -> f64;
+    /// Contacts per wheel that can be loaded at the same time.
+    fn points_per_wheel(&self) -> usize {
+        1
+    }
+
+    /// Is the contact a constraint, with the normal force as multiplier?
+    fn constrains(&self) -> bool {
+        false
+    }
+
+    /// Fills the contacts' states and memory for a start at `y`'s body coordinates and velocities.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] when a contact cannot be found.
+    fn start(
+        &self,
+        _model: &Model,
+        _workspace: &mut Workspace,
+        _t: f64,
+        _y: &mut [f64],
+        _memory: &mut [f64],
+    ) -> Result<(), EvaluationError> {
+        Ok(())
+    }
 
     /// See [`Model::derivative`].
-    #[allow(clippy::too_many_arguments)]
-    fn derivative(
+    ///
+    /// # Errors
+    /// [`EvaluationError`].
+    fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError>;
+
+    /// Moves positions and velocities onto the constraints; returns whether `y` was changed.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] when there is no such state near `y`.
+    fn project(
+        &self,
+        _model: &Model,
+        _workspace: &mut Workspace,
+        _t: f64,
+        _y: &mut [f64],
+        _memory: &mut [f64],
+    ) -> Result<bool, EvaluationError> {
+        Ok(false)
+    }
+
+    /// Weight of state `i`'s local error, given that of a plain position in metres or radians.
+    fn error_weight(&self, _model: &Model, _workspace: &Workspace, _i: usize, plain: f64) -> f64 {
+        plain
+    }
+
+    /// The smallest normal force of a constrained contact as it was found last, over its static load; `None` when there is no
+    /// constraint that could pull.
+    fn margin(&self, _model: &Model, _memory: &[f64]) -> Option<f64> {
+        None
+    }
+
+    /// When an elastic contact becomes a constraint again if nothing disturbs it, s; infinity for never.
+    fn next_event(&self, _model: &Model, _memory: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Moves the state onto the constraint of a contact that has just become one again.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] when there is no such state near `y`.
+    fn land(
         &self,
         model: &Model,
         workspace: &mut Workspace,
+        _contact: usize,
         t: f64,
-        inputs: &[f64],
-        y: &[f64],
+        y: &mut [f64],
         memory: &mut [f64],
-        dy: &mut [f64],
-    ) -> Result<(), EvaluationError>;
+    ) -> Result<(), EvaluationError> {
+        self.project(model, workspace, t, y, memory).map(|_| ())
+    }
+
+    /// Scratch for constraint rows, for formulations that need it.
+    fn rigid_scratch(&self, _bodies: usize, _wheelsets: &[Wheelset]) -> Option<RigidScratch> {
+        None
+    }
+
+    /// Changes the mode of the contacts that are to change it.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] when the formulation can't go on.
+    fn switch(
+        &self,
+        _model: &Model,
+        _workspace: &mut Workspace,
+        _t: f64,
+        _y: &mut [f64],
+        _memory: &mut [f64],
+    ) -> Result<(), EvaluationError> {
+        Ok(())
+    }
 }
 
-type Parse = fn(&Section) -> Result<&'static dyn Formulation, SettingsError>;
+/// Builds a formulation for the parts of a model.
+pub type Build = Arc<dyn Fn(&Parts) -> Box<dyn Formulation> + Send + Sync>;
+
+type Parse = fn(&Section) -> Result<Build, SettingsError>;
 
 /// Every formulation that a scene can name.
-pub static REGISTRY: &[Entry<Parse>] = &[ecf_a::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] = &[accf::ENTRY, eccf::ENTRY, ecf_a::ENTRY];
 
 /// Reads `contact.formulation`; returns its name and the formulation.
 ///
 /// # Errors
 /// [`SettingsError`] with file and line.
-pub fn parse(section: &Section) -> Result<(&'static str, &'static dyn Formulation), SettingsError> {
+pub fn parse(section: &Section) -> Result<(&'static str, Build), SettingsError> {
     let entry = choose(REGISTRY, section, "formulation")?;
+    // Each formulation takes what it needs; the rest may stay for the next choice.
+    lift::parse(section)?;
     Ok((entry.name, (entry.parse)(section)?))
 }
 
@@ -181,6 +348,12 @@ pub struct EvaluationError {
     pub wheelset: String,
     pub side: Side,
     pub cause: ContactFailure,
+}
+
+impl EvaluationError {
+    fn new(time: f64, wheelset: &Wheelset, side: Side, cause: ContactFailure) -> Self {
+        EvaluationError { time, wheelset: wheelset.name.clone(), side, cause }
+    }
 }
 
 /// What went wrong at one contact.
@@ -201,4 +374,21 @@ pub enum ContactFailure {
         "penetration of {penetration:.4} m is beyond elastic contact (wheelset at z = {z:.4} m): an initial position that is too low, or an impact"
     )]
     TooDeep { penetration: f64, z: f64 },
+    #[error(
+        "the contact constraint would have to pull (normal force {normal_force:.3e} N): the wheel lifts off; use an elastic \
+         formulation (contact.formulation = \"ECF-A\") or contact.on_lift = \"elastic\""
+    )]
+    Tensile { normal_force: f64 },
+    #[error(
+        "normal force and creep forces do not settle ({iterations} iterations, rest {residual:.1e} N): friction too large for a rigid contact this steep"
+    )]
+    NotSettled { iterations: usize, residual: f64 },
+    #[error("the constraints of the contact are not independent: the surfaces touch along a line or are conformal here")]
+    Dependent,
+    #[error("the contact constraints do not determine the normal forces (wheelset at y = {y:.4} m)")]
+    Singular { y: f64 },
+    #[error(
+        "no position near this one satisfies the contact constraints ({iterations} iterations, gap {gap:.1e} m, wheelset at y = {y:.4} m)"
+    )]
+    NotClosed { iterations: usize, gap: f64, y: f64 },
 }

@@ -19,6 +19,21 @@ pub struct SurfacePoint {
     pub t22: Vector3<f64>,
 }
 
+/// Third derivatives of a surface that the equations use: d3r/dp3, d3r/dp2dq, d3r/dpdq2, d3r/dq3.
+#[derive(Clone, Copy, Debug)]
+pub struct ThirdDerivatives {
+    pub t111: Vector3<f64>,
+    pub t112: Vector3<f64>,
+    pub t122: Vector3<f64>,
+    pub t222: Vector3<f64>,
+}
+
+/// Third derivatives of the rail surface at distance `s` where its profile is `profile`.
+pub fn rail_third_derivatives(rail: &Rail, s: f64, profile: &ProfilePoint) -> ThirdDerivatives {
+    let zero = Vector3::zeros();
+    ThirdDerivatives { t111: rail.section(s).d3, t112: zero, t122: zero, t222: rail.up * profile.d3 }
+}
+
 /// Rail surface over (s, eta): distance along the track [m] and coordinate across the section [m].
 ///
 /// `r = origin(s) + eta * outward + f(eta) * up` (Eqs. 5 and 6). Returns the profile value too, whose
@@ -72,6 +87,14 @@ impl Wheel {
         };
         (point, r)
     }
+
+    /// Third derivatives of the wheel surface at `angle` where its profile is `profile`.
+    pub fn third_derivatives(&self, axes: &Matrix3<f64>, angle: f64, profile: &ProfilePoint) -> ThirdDerivatives {
+        let (sin, cos) = angle.sin_cos();
+        let radial = axes.column(0) * sin - axes.column(2) * cos;
+        let around = axes.column(0) * cos + axes.column(2) * sin;
+        ThirdDerivatives { t111: radial * profile.d3, t112: around * profile.d2, t122: radial * -profile.d1, t222: around * -profile.value }
+    }
 }
 
 #[cfg(test)]
@@ -82,7 +105,7 @@ mod tests {
     use std::sync::Arc;
 
     /// Central differences of a surface against its analytic derivatives.
-    fn check(surface: impl Fn(f64, f64) -> SurfacePoint, p: f64, q: f64) {
+    fn check(surface: impl Fn(f64, f64) -> SurfacePoint, third: ThirdDerivatives, p: f64, q: f64) {
         let h = 1e-5;
         let point = surface(p, q);
         let along = |f: &dyn Fn(SurfacePoint) -> Vector3<f64>, dp: f64, dq: f64| {
@@ -95,13 +118,17 @@ mod tests {
         near(point.t12, along(&|x| x.t1, 0.0, 1.0), "t12");
         near(point.t12, along(&|x| x.t2, 1.0, 0.0), "t21");
         near(point.t22, along(&|x| x.t2, 0.0, 1.0), "t22");
+        near(third.t111, along(&|x| x.t11, 1.0, 0.0), "t111");
+        near(third.t112, along(&|x| x.t11, 0.0, 1.0), "t112");
+        near(third.t122, along(&|x| x.t22, 1.0, 0.0), "t122");
+        near(third.t222, along(&|x| x.t22, 0.0, 1.0), "t222");
     }
 
     #[derive(Debug)]
     struct Bent;
     impl Profile for Bent {
         fn at(&self, x: f64) -> ProfilePoint {
-            ProfilePoint { value: 0.46 - 0.1 * x - 2.0 * x * x, d1: -0.1 - 4.0 * x, d2: -4.0, d3: 0.0 }
+            ProfilePoint { value: 0.46 - 0.1 * x - 2.0 * x * x + x * x * x, d1: -0.1 - 4.0 * x + 3.0 * x * x, d2: -4.0 + 6.0 * x, d3: 6.0 }
         }
         fn range(&self) -> (f64, f64) {
             (-1.0, 1.0)
@@ -130,11 +157,12 @@ mod tests {
         for side in Side::BOTH {
             let wheel = Wheel { side, profile: Arc::new(Bent), half_spacing: 0.716 };
             let frame = AxleFrame::new(0.03, -0.02);
-            check(|u, angle| wheel.point(&Vector3::new(1.0, 0.01, 0.45), &frame.axes, u, angle).0, 0.01, 0.05);
+            let third = wheel.third_derivatives(&frame.axes, 0.05, &Bent.at(0.01));
+            check(|u, angle| wheel.point(&Vector3::new(1.0, 0.01, 0.45), &frame.axes, u, angle).0, third, 0.01, 0.05);
 
             let deviation = |direction| Deviation { side, direction, shape: Arc::new(Wave) };
             let rail = Rail::new(side, Arc::new(Bent), 0.716, 0.025, &[deviation(Direction::Lateral), deviation(Direction::Vertical)]);
-            check(|s, eta| rail_point(&rail, s, eta).0, 0.8, 0.01);
+            check(|s, eta| rail_point(&rail, s, eta).0, rail_third_derivatives(&rail, 0.8, &Bent.at(0.01)), 0.8, 0.01);
         }
     }
 

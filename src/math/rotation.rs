@@ -32,6 +32,17 @@ impl AxleFrame {
     }
 }
 
+/// Motion of a frame, in the parent frame.
+#[derive(Clone, Copy, Debug)]
+pub struct CarrierMotion {
+    /// Of its origin, m/s.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity, rad/s.
+    pub rotation: Vector3<f64>,
+    /// Angular acceleration when the angles that describe the frame do not accelerate, rad/s2.
+    pub rotation_bias: Vector3<f64>,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

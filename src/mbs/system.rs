@@ -7,6 +7,7 @@
 
 use super::body::{Body, BodyMotion, COORDINATES, Wrench};
 use super::force::ForceElement;
+use super::kkt::Mobility;
 
 /// A body whose centre travels with imposed constant speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,13 +60,19 @@ impl System {
         start..start + COORDINATES
     }
 
+    /// Fills the workspace with the bodies' motion.
+    #[inline]
+    pub fn set_motions(&self, y: &[f64], workspace: &mut SystemWorkspace) {
+        for body in 0..self.bodies.len() {
+            workspace.motions[body] = BodyMotion::new(&y[self.coordinates(body)], &y[self.velocities(body)]);
+        }
+    }
+
     /// Fills the workspace with the bodies' motion and the force elements' wrenches.
     #[inline]
     pub fn apply_forces(&self, y: &[f64], workspace: &mut SystemWorkspace) {
-        for body in 0..self.bodies.len() {
-            workspace.motions[body] = BodyMotion::new(&y[self.coordinates(body)], &y[self.velocities(body)]);
-            workspace.wrenches[body] = Wrench::default();
-        }
+        self.set_motions(y, workspace);
+        workspace.wrenches.fill(Wrench::default());
         for force in &self.forces {
             force.apply(&workspace.motions, &mut workspace.wrenches);
         }
@@ -82,6 +89,40 @@ impl System {
         }
         for (drive, force) in self.drives.iter().zip(&mut workspace.drive_forces) {
             dy[self.velocities(drive.body).start] = 0.0;
+            *force = -workspace.wrenches[drive.body].force.x;
+        }
+    }
+
+    /// A body's mobility with the coordinate that is imposed on it held.
+    #[inline]
+    pub fn mobility(&self, body: usize, motion: &BodyMotion) -> Mobility {
+        let mut mobility = self.bodies[body].mobility(motion);
+        if self.drives.iter().any(|drive| drive.body == body) {
+            // x is coupled to no other coordinate.
+            mobility[(0, 0)] = 0.0;
+        }
+        mobility
+    }
+
+    /// Accelerations of all coordinates under the wrenches in the workspace, without constraint rows.
+    #[inline]
+    pub fn free_accelerations(&self, workspace: &SystemWorkspace, free: &mut [f64]) {
+        for (body, data) in self.bodies.iter().enumerate() {
+            free[self.coordinates(body)].copy_from_slice(&data.accelerations(&workspace.motions[body], &workspace.wrenches[body]));
+        }
+        for drive in &self.drives {
+            free[COORDINATES * drive.body] = 0.0;
+        }
+    }
+
+    /// Derivative of the state for accelerations that were found elsewhere; the workspace holds all wrenches, those of constraints
+    /// too.
+    #[inline]
+    pub fn accept(&self, y: &[f64], workspace: &mut SystemWorkspace, accelerations: &[f64], dy: &mut [f64]) {
+        let count = COORDINATES * self.bodies.len();
+        dy[..count].copy_from_slice(&y[count..2 * count]);
+        dy[count..2 * count].copy_from_slice(accelerations);
+        for (drive, force) in self.drives.iter().zip(&mut workspace.drive_forces) {
             *force = -workspace.wrenches[drive.body].force.x;
         }
     }

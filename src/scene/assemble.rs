@@ -1,7 +1,7 @@
 //! From scene data to a model: only what the scene calls for becomes an object.
 
 use super::spec::{Scene, SuspensionSpec};
-use crate::formulation::{ContactLaws, Model, Wheelset};
+use crate::formulation::{ContactLaws, Model, Parts, Wheelset};
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Rail, Track};
@@ -28,7 +28,7 @@ pub fn model(scene: &Scene) -> Model {
     let track = &scene.track;
     let rail = |side| Rail::new(side, track.rail.profile.clone(), track.half_rail_distance, track.inclination, &track.deviations);
     let contact = &scene.contact;
-    Model {
+    let parts = Parts {
         system: System { bodies: vec![body], forces, drives: vec![DrivingConstraint { body: 0, speed: scene.vehicle.speed }] },
         track: Track { left: rail(Side::Left), right: rail(Side::Right) },
         wheelsets: vec![Wheelset {
@@ -37,6 +37,7 @@ pub fn model(scene: &Scene) -> Model {
             left: wheel(Side::Left),
             right: wheel(Side::Right),
             imposed_speed: Some(scene.vehicle.speed),
+            static_wheel_load: 0.5 * (spec.mass * scene.vehicle.gravity + spec.vertical_load),
         }],
         laws: ContactLaws {
             normal: (contact.normal)(contact.material),
@@ -44,8 +45,8 @@ pub fn model(scene: &Scene) -> Model {
             damping: contact.damping,
             friction: contact.friction,
         },
-        formulation: contact.formulation,
-    }
+    };
+    Model::new(parts, &contact.formulation)
 }
 
 /// The suspension's elements; a direction that the scene does not call for has none.

@@ -2,13 +2,14 @@
 //!
 //! The wheelset stands centred (y = roll = yaw = 0), does not move sideways or vertically and no input acts. On
 //! straight, undisturbed track two numbers are left: z, which fixes the load, and the pitch rate, which fixes the
-//! longitudinal creepage so that friction and spin moments about the axle cancel.
+//! longitudinal creepage so that friction and spin moments about the axle cancel. Where contact is a constraint, z closes the
+//! gaps and the load is carried by itself.
 
 use super::spec::Scene;
-use crate::formulation::{EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
+use crate::formulation::{Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
 use crate::math::newton::{self, NewtonLimits};
 use crate::mbs::body::COORDINATES;
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix1, Matrix2, Vector1, Vector2};
 
 /// The equilibrium of a wheelset.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +53,10 @@ pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> 
     let mut balance = Balance::new(scene);
     let radius = balance.model.wheelsets[0].left.profile.at(0.0).value;
     let speed = scene.vehicle.speed;
+
+    if balance.model.formulation.constrains() {
+        return balance.on_constraints(radius, speed / radius, load);
+    }
 
     // Start: the height at which the deeper wheel carries half the load with the stiffness of the first touch.
     const TOUCH: f64 = 1e-5;
@@ -102,6 +107,9 @@ pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> 
     }
 }
 
+/// Place of the pitch rate in the state of one wheelset.
+const PITCH_RATE: usize = 2 * COORDINATES - 1;
+
 /// Forces relative to the load, and moments relative to load times radius, that count as zero.
 const BALANCED: f64 = 1e-11;
 
@@ -118,23 +126,58 @@ impl Balance {
     fn new(scene: &Scene) -> Self {
         let mut model = super::assemble::model(scene);
         model.track = model.track.ideal();
-        let dimension = model.system.dimension();
+        let dimension = model.dimension();
         let mut y = vec![0.0; dimension];
         y[COORDINATES] = scene.vehicle.speed;
-        Balance {
-            workspace: model.workspace(),
-            dy: vec![0.0; dimension],
-            memory: vec![0.0; 2 * model.formulation.memory_per_contact()],
-            model,
-            y,
+        Balance { workspace: model.workspace(), dy: vec![0.0; dimension], memory: vec![0.0; model.memory()], model, y }
+    }
+
+    /// Equilibrium on contacts that are constraints: they fix the height, and the pitch rate must not change.
+    fn on_constraints(&mut self, radius: f64, pitch_rate: f64, load: f64) -> Result<SteadyRolling, EquilibriumError> {
+        let formulation = &self.model.formulation;
+        (self.y[2], self.y[PITCH_RATE]) = (radius, pitch_rate);
+        formulation
+            .start(&self.model, &mut self.workspace, 0.0, &mut self.y, &mut self.memory)
+            .and_then(|()| formulation.project(&self.model, &mut self.workspace, 0.0, &mut self.y, &mut self.memory))
+            .map_err(EquilibriumError::Evaluation)?;
+        let start = self.y[PITCH_RATE];
+        let axial = self.model.system.bodies[0].axial_inertia;
+        let mut failure = None;
+        let mut moment = |x: f64| {
+            self.y[PITCH_RATE] = start * (1.0 + 1e-3 * x);
+            let at = Evaluation { t: 0.0, inputs: &NEUTRAL_INPUTS, y: &self.y, memory: &mut self.memory };
+            match self.model.derivative(&mut self.workspace, at, &mut self.dy) {
+                Ok(()) => self.dy[PITCH_RATE] * axial / (load * radius),
+                Err(error) => {
+                    failure = Some(error);
+                    f64::NAN
+                }
+            }
+        };
+        const H: f64 = 1e-5;
+        let evaluate = |x: &Vector1<f64>| {
+            let (here, slope) = (moment(x[0]), (moment(x[0] + H) - moment(x[0] - H)) / (2.0 * H));
+            // Without friction any pitch rate will do: it stays that of the tread circle.
+            let (here, slope) = if slope == 0.0 { (x[0], 1.0) } else { (here, slope) };
+            (Vector1::new(here), Matrix1::new(slope))
+        };
+        let mut x = Vector1::zeros();
+        let solved = newton::solve(&mut x, NewtonLimits { next_step: 1e-13, iterations: 60 }, evaluate, |_, slope| *slope);
+        match (solved, failure) {
+            (Err(_), Some(error)) => Err(EquilibriumError::Evaluation(error)),
+            (Err(failed), None) if failed.residual.is_nan() || failed.residual > BALANCED => {
+                Err(EquilibriumError::NotFound { force: 0.0, moment: failed.residual * load * radius })
+            }
+            _ => Ok(SteadyRolling { z: self.y[2], pitch_rate: start * (1.0 + 1e-3 * x[0]) }),
         }
     }
 
     /// Vertical force [N] and moment about the axle [N m].
     fn residual(&mut self, z: f64, pitch_rate: f64) -> Result<Vector2<f64>, EvaluationError> {
         self.y[2] = z;
-        self.y[2 * COORDINATES - 1] = pitch_rate;
-        self.model.derivative(&mut self.workspace, 0.0, &NEUTRAL_INPUTS, &self.y, &mut self.memory, &mut self.dy)?;
+        self.y[PITCH_RATE] = pitch_rate;
+        let at = Evaluation { t: 0.0, inputs: &NEUTRAL_INPUTS, y: &self.y, memory: &mut self.memory };
+        self.model.derivative(&mut self.workspace, at, &mut self.dy)?;
         let wrench = &self.workspace.system.wrenches[0];
         let axle = self.workspace.system.motions[0].axle();
         Ok(Vector2::new(wrench.force.z, wrench.moment.dot(&axle)))

@@ -80,14 +80,14 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
             if shown { format!("interface.inputs has \"{group}\"") } else { format!("interface.inputs lacks \"{group}\": no variable") };
         effect(name, shown, why, 0);
     }
-    let contacts = 2 * model.wheelsets.len();
+    let contacts = model.contacts();
     Plan {
         scene: scene.name.clone(),
         bodies: model.system.bodies.len(),
         contacts,
         force_elements: model.system.forces.len(),
-        states: model.system.dimension(),
-        memory: contacts * model.formulation.memory_per_contact(),
+        states: model.dimension(),
+        memory: model.memory(),
         effects,
     }
 }

@@ -3,7 +3,7 @@
 //! FMU parameters are fields of this data; a model is assembled from it anew when they are set.
 
 use crate::contact::{Material, creep, normal};
-use crate::formulation::{self, Formulation};
+use crate::formulation;
 use crate::geometry::profile::{self, Part, ProfileChoice};
 use crate::geometry::track::{self, Deviation};
 use crate::settings::{Section, SettingsError, Source};
@@ -113,7 +113,7 @@ pub struct TrackSpec {
 #[derive(Clone)]
 pub struct ContactSpec {
     pub formulation_name: &'static str,
-    pub formulation: &'static dyn Formulation,
+    pub formulation: formulation::Build,
     /// mu, -.
     pub friction: f64,
     /// C of Eq. 28, N s/m2.

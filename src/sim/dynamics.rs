@@ -1,7 +1,7 @@
 //! The model with its inputs as a system that an integrator can advance.
 
 use super::input::{self, InputSignal};
-use crate::formulation::{EvaluationError, Model, Workspace, contact_index};
+use crate::formulation::{Evaluation, EvaluationError, Model, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use crate::solve::{Dynamics, Undefined};
@@ -11,6 +11,8 @@ use crate::solve::{Dynamics, Undefined};
 const PRESSING: f64 = 100.0;
 const HEIGHT: usize = 2;
 const ROLL: usize = 4;
+/// Place of the lead in a contact's memory.
+const LEAD: usize = 2;
 
 /// A model under given input signals.
 pub struct ModelDynamics<'a> {
@@ -31,39 +33,66 @@ impl<'a> ModelDynamics<'a> {
     }
 }
 
+/// Keeps the reason of a failure for whoever advanced the simulation.
+fn keep<T>(failure: &mut Option<EvaluationError>, result: Result<T, EvaluationError>) -> Result<T, Undefined> {
+    result.map_err(|error| {
+        *failure = Some(error);
+        Undefined
+    })
+}
+
 impl Dynamics for ModelDynamics<'_> {
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
         if !self.constant {
             input::evaluate(self.signals, t, self.values);
         }
-        self.model.derivative(self.workspace, t, self.values, y, memory, dy).map_err(|error| {
-            self.failure = Some(error);
-            Undefined
-        })
+        let at = Evaluation { t, inputs: self.values, y, memory };
+        keep(&mut self.failure, self.model.derivative(self.workspace, at, dy))
     }
 
     /// Positions and angles in metres and radians; those that press wheels into rails weigh more.
     fn error_weight(&self, i: usize) -> f64 {
-        if i >= COORDINATES * self.model.system.bodies.len() {
-            return 0.0;
-        }
-        let presses =
-            matches!(i % COORDINATES, HEIGHT | ROLL) && self.model.wheelsets.iter().any(|wheelset| wheelset.body == i / COORDINATES);
-        if presses { PRESSING } else { 1.0 }
+        let system = &self.model.system;
+        let plain = if i >= COORDINATES * system.bodies.len() && i < system.dimension() {
+            0.0
+        } else if i < system.dimension()
+            && matches!(i % COORDINATES, HEIGHT | ROLL)
+            && self.model.wheelsets.iter().any(|wheelset| wheelset.body == i / COORDINATES)
+        {
+            PRESSING
+        } else {
+            1.0
+        };
+        self.model.formulation.error_weight(self.model, self.workspace, i, plain)
+    }
+
+    fn project(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
+        keep(&mut self.failure, self.model.formulation.project(self.model, self.workspace, t, y, memory))
+    }
+
+    fn margin(&self, memory: &[f64]) -> Option<f64> {
+        self.model.formulation.margin(self.model, memory)
+    }
+
+    fn switch_due(&self, t: f64, memory: &[f64]) -> bool {
+        t >= self.model.formulation.next_event(self.model, memory)
+    }
+
+    fn switch(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), Undefined> {
+        keep(&mut self.failure, self.model.formulation.switch(self.model, self.workspace, t, y, memory))
     }
 
     /// When a wheel's contact reaches a place where its rail is not smooth. The contact moves with the centre and,
     /// when the wheelset yaws, with its wheel.
     fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64 {
-        let mut next = f64::INFINITY;
-        let per_contact = self.model.formulation.memory_per_contact();
+        let mut next = self.model.formulation.next_event(self.model, memory);
         for (index, wheelset) in self.model.wheelsets.iter().enumerate() {
             let q = &y[self.model.system.coordinates(wheelset.body)];
             let v = &y[self.model.system.velocities(wheelset.body)];
             for side in Side::BOTH {
                 let contact = contact_index(index, side);
-                let lead = self.model.formulation.lead(&memory[contact * per_contact..(contact + 1) * per_contact]);
+                let lead = memory[self.model.contact_memory(contact)][LEAD];
                 let wheel = wheelset.wheel(side);
                 let speed = v[0] - side.sign() * wheel.half_spacing * q[3].cos() * v[3];
                 if let Some(place) = self.model.track.rail(side).next_break(q[0] + lead, speed) {

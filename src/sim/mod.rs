@@ -9,7 +9,9 @@ pub mod outputs;
 pub mod recording;
 pub mod unit;
 
-use crate::formulation::{EvaluationError, Model, WHEELSET_INPUTS, Workspace};
+use crate::formulation::events::ContactEvent;
+use crate::formulation::work::Work;
+use crate::formulation::{Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
 use crate::mbs::body::COORDINATES;
 use crate::scene::assemble;
 use crate::scene::equilibrium::{self, EquilibriumError};
@@ -28,8 +30,8 @@ pub struct SimulationState {
     pub integration: IntegrationState,
     /// One signal per input of the model.
     pub inputs: Vec<InputSignal>,
-    /// Newton iterations of contact searches on the stepping path.
-    pub search_iterations: u64,
+    /// Work of the formulation on the stepping path.
+    pub work: Work,
 }
 
 impl SimulationState {
@@ -93,11 +95,13 @@ impl Simulation {
     /// [`SimulationError`] when there is no equilibrium or the initial state cannot be evaluated.
     pub fn new(scene: &Scene, start: f64) -> Result<Self, SimulationError> {
         let model = assemble::model(scene);
-        let y = initial_state(scene, &model)?;
-        let memory = vec![0.0; 2 * model.wheelsets.len() * model.formulation.memory_per_contact()];
+        let mut y = initial_state(scene, &model)?;
+        let mut memory = vec![0.0; model.memory()];
+        let mut workspace = model.workspace();
+        model.formulation.start(&model, &mut workspace, start, &mut y, &mut memory)?;
+        model.formulation.project(&model, &mut workspace, start, &mut y, &mut memory)?;
         let inputs: Vec<InputSignal> = model.neutral_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
         let integration = scene.solver.integrator.start(start, &y, &memory);
-        let workspace = model.workspace();
         let snapshot = Snapshot {
             time: start,
             dy: vec![0.0; y.len()],
@@ -109,7 +113,7 @@ impl Simulation {
         let mut simulation = Simulation {
             integrator: scene.solver.integrator.clone(),
             scratch: Scratch::new(y.len(), memory.len()),
-            state: SimulationState { time: start, integration, inputs, search_iterations: 0 },
+            state: SimulationState { time: start, integration, inputs, work: Work::default() },
             workspace,
             snapshot,
             snapshot_valid: false,
@@ -118,7 +122,25 @@ impl Simulation {
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
         simulation.snapshot()?;
         simulation.state.integration.memory.clone_from(&simulation.snapshot.memory);
+        if simulation.model.formulation.margin(&simulation.model, &simulation.snapshot.memory).is_some_and(|margin| margin < 0.0) {
+            simulation.switch_at_start(start)?;
+        }
         Ok(simulation)
+    }
+
+    /// A contact that would be pulled on in the initial state changes its mode before the first step.
+    fn switch_at_start(&mut self, start: f64) -> Result<(), SimulationError> {
+        let IntegrationState { y, memory, .. } = &mut self.state.integration;
+        self.model.formulation.switch(&self.model, &mut self.workspace, start, y, memory)?;
+        self.snapshot_valid = false;
+        self.snapshot()?;
+        Ok(())
+    }
+
+    /// Lift-offs and landings since they were last taken, in the order in which they were met. The integrator runs ahead of the
+    /// simulation's time by up to a step.
+    pub fn take_events(&mut self) -> Vec<ContactEvent> {
+        std::mem::take(&mut self.workspace.events)
     }
 
     pub fn model(&self) -> &Model {
@@ -170,11 +192,11 @@ impl Simulation {
     /// [`SimulationError`]; time then stands where the last successful step ended.
     pub fn advance(&mut self, target: f64) -> Result<(), SimulationError> {
         self.snapshot_valid = false;
-        self.workspace.search_iterations = 0;
+        self.workspace.work = Work::default();
         let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, &self.state.inputs, &mut self.snapshot.inputs);
         let advanced = self.integrator.advance(&mut dynamics, &mut self.state.integration, &mut self.scratch, target);
         let failure = dynamics.failure.take();
-        self.state.search_iterations += self.workspace.search_iterations;
+        self.state.work += self.workspace.work;
         self.state.time = if advanced.is_ok() { target } else { self.state.integration.t.max(self.state.time) };
         advanced.map_err(|error| match (error, failure) {
             (SolveError::Undefined { .. }, Some(reason)) => SimulationError::Evaluation(reason),
@@ -200,7 +222,9 @@ impl Simulation {
         self.state.integration.interpolate(*time, y);
         memory.copy_from_slice(&self.state.integration.memory);
         input::evaluate(&self.state.inputs, *time, inputs);
-        self.model.derivative(workspace, *time, inputs, y, memory, dy)?;
+        // The continuous output leaves constraints by its error.
+        self.model.formulation.project(&self.model, workspace, *time, y, memory)?;
+        self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
         self.snapshot_valid = true;
         Ok(&self.snapshot)
     }
@@ -219,7 +243,7 @@ impl Simulation {
         }
         *time += offset;
         input::evaluate(&self.state.inputs, *time, inputs);
-        self.model.derivative(workspace, *time, inputs, y, memory, dy)?;
+        self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
         Ok(&self.snapshot)
     }
 }
@@ -235,7 +259,7 @@ fn initial_state(scene: &Scene, model: &Model) -> Result<Vec<f64>, SimulationErr
         }
     }
     let [distance, y, z, roll, yaw, vy, vz, roll_rate, yaw_rate, pitch_rate] = values;
-    let mut state = vec![0.0; model.system.dimension()];
+    let mut state = vec![0.0; model.dimension()];
     state[..COORDINATES].copy_from_slice(&[distance, y, z, yaw, roll, 0.0]);
     state[COORDINATES..2 * COORDINATES].copy_from_slice(&[scene.vehicle.speed, vy, vz, yaw_rate, roll_rate, pitch_rate]);
     Ok(state)

@@ -3,10 +3,12 @@
 //! A system implements [`Dynamics`]; an [`Integrator`] advances an [`IntegrationState`], which holds all memory of the
 //! past. Steps are the integrator's own: they pass communication points, where the solution is read from the dense
 //! output of the last step, so results do not depend on where a master looks. Steps end where the system is not
-//! smooth ([`Dynamics::next_break`]).
+//! smooth ([`Dynamics::next_break`]). After each step the solution is brought back onto what the system must keep exactly
+//! ([`Dynamics::project`]), and the step is cut where the system changes its form ([`Dynamics::margin`]).
 
 mod adaptive;
 mod dormand_prince;
+mod events;
 mod rk4;
 mod rk43;
 mod state;
@@ -36,6 +38,34 @@ pub trait Dynamics {
     /// The next time after `t` where f is not smooth; infinity when there is none. A prediction is enough: it is
     /// asked for before each step.
     fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64;
+
+    /// Moves `y` onto the constraints that it must satisfy exactly; called at the end of each accepted step. Returns whether
+    /// `y` was changed.
+    ///
+    /// # Errors
+    /// [`Undefined`] when there is no such point near `y`.
+    fn project(&mut self, _t: f64, _y: &mut [f64], _memory: &mut [f64]) -> Result<bool, Undefined> {
+        Ok(false)
+    }
+
+    /// How far the system was from changing its form in the last evaluation: an event takes place where this falls below zero.
+    /// `None`: it never changes.
+    fn margin(&self, _memory: &[f64]) -> Option<f64> {
+        None
+    }
+
+    /// Does an event that was foreseen by [`Dynamics::next_break`] take place at the end of this step?
+    fn switch_due(&self, _t: f64, _memory: &[f64]) -> bool {
+        false
+    }
+
+    /// Changes the system's form at an event; may change `y` and the memory.
+    ///
+    /// # Errors
+    /// [`Undefined`] when it can't go on from here.
+    fn switch(&mut self, _t: f64, _y: &mut [f64], _memory: &mut [f64]) -> Result<(), Undefined> {
+        Ok(())
+    }
 }
 
 /// f is not defined where it was asked for.
@@ -110,7 +140,9 @@ pub trait Integrator: Send + Sync + Debug {
         target: f64,
     ) -> Result<(), SolveError> {
         while state.t < target {
+            state.switch_if_due(dynamics)?;
             self.step(dynamics, state, scratch)?;
+            state.complete(dynamics, scratch)?;
         }
         Ok(())
     }

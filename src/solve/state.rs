@@ -14,6 +14,10 @@ pub struct Statistics {
     pub evaluations: u64,
     /// Restarts after a jump of an input.
     pub restarts: u64,
+    /// Steps whose end was moved onto the constraints.
+    pub projections: u64,
+    /// Changes of the system's form.
+    pub events: u64,
 }
 
 /// Time, solution, the last step's continuous output and the step-size control.
@@ -33,6 +37,8 @@ pub struct IntegrationState {
     /// f(t, y), valid when `derivative_known`.
     pub(super) derivative: Vec<f64>,
     pub(super) derivative_known: bool,
+    /// Does the system change its form at `t`, before the next step?
+    pub(super) switch_due: bool,
     /// Length of the next step, s; 0 when it has to be found.
     pub(super) next_step: f64,
     /// Scaled error of the last accepted step, for the step-size controller.
@@ -53,6 +59,7 @@ impl IntegrationState {
             dense: vec![0.0; dense_vectors * y.len()],
             derivative: vec![0.0; y.len()],
             derivative_known: false,
+            switch_due: false,
             next_step: 0.0,
             last_error: 1e-4,
             grid_start: t,
@@ -118,6 +125,8 @@ impl IntegrationState {
             self.interpolate(time, &mut y);
             std::mem::swap(&mut self.y, &mut y);
             self.derivative = y;
+            // An event beyond is undone; it will be met again if it still takes place.
+            self.switch_due = false;
         }
         self.t = time;
         self.t_begin = time;

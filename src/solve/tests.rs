@@ -271,3 +271,92 @@ impl Dynamics for Decay {
         f64::INFINITY
     }
 }
+
+/// A ball that falls from 1 m and bounces: the margin is its height; each event turns its speed.
+struct Ball {
+    height: f64,
+}
+impl Dynamics for Ball {
+    fn derivative(&mut self, _: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        (dy[0], dy[1]) = (y[1], -10.0);
+        self.height = y[0];
+        Ok(())
+    }
+    fn error_weight(&self, _: usize) -> f64 {
+        1.0
+    }
+    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+    fn margin(&self, _: &[f64]) -> Option<f64> {
+        Some(self.height)
+    }
+    fn switch(&mut self, _: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), Undefined> {
+        y[1] = -0.5 * y[1];
+        y[0] = 0.0;
+        memory[0] += 1.0;
+        Ok(())
+    }
+}
+
+#[test]
+fn analytic_events_are_located_and_read_in_the_right_form() {
+    for integrator in [&DormandPrince { tolerance: 1e-10 } as &dyn Integrator, &RungeKutta4 { step: 0.01 }] {
+        let mut state = integrator.start(0.0, &[1.0, 0.0], &[0.0]);
+        let mut scratch = Scratch::new(2, 1);
+        let mut ball = Ball { height: 1.0 };
+        // It lands at sqrt(0.2) with -sqrt(20), rises to a quarter, and lands again sqrt(0.2) later.
+        let landing = 0.2f64.sqrt();
+        let mut y = [0.0; 2];
+        for (time, height, speed) in [(0.9 * landing, 1.0 - 0.81, -0.9 * 20f64.sqrt()), (1.5 * landing, 0.25, 0.0)] {
+            integrator.advance(&mut ball, &mut state, &mut scratch, time).unwrap();
+            state.interpolate(time, &mut y);
+            assert!((y[0] - height).abs() < 1e-9 && (y[1] - speed).abs() < 1e-9, "{time}: {y:?}");
+        }
+        assert_eq!((state.statistics.events, state.memory[0]), (1, 1.0));
+        integrator.advance(&mut ball, &mut state, &mut scratch, 2.1 * landing).unwrap();
+        assert_eq!(state.statistics.events, 2);
+    }
+}
+
+#[test]
+fn prop_a_restart_before_an_event_undoes_it() {
+    let integrator = DormandPrince { tolerance: 1e-10 };
+    let mut state = integrator.start(0.0, &[1.0, 0.0], &[0.0]);
+    let (mut scratch, mut ball) = (Scratch::new(2, 1), Ball { height: 1.0 });
+    // Steps are long: the step that holds the landing has begun before 0.4.
+    integrator.advance(&mut ball, &mut state, &mut scratch, 0.4).unwrap();
+    assert!(state.switch_due && (state.t - 0.2f64.sqrt()).abs() < 1e-9, "{}", state.t);
+    state.restart_at(0.4);
+    assert!(!state.switch_due && state.t == 0.4 && (state.y[0] - 0.2).abs() < 1e-12);
+}
+
+/// A point on the unit circle whose speed is slightly wrong outward: projection must bring it back.
+struct Circle;
+impl Dynamics for Circle {
+    fn derivative(&mut self, _: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        (dy[0], dy[1]) = (-y[1] + 1e-3 * y[0], y[0] + 1e-3 * y[1]);
+        Ok(())
+    }
+    fn error_weight(&self, _: usize) -> f64 {
+        1.0
+    }
+    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+    fn project(&mut self, _: f64, y: &mut [f64], _: &mut [f64]) -> Result<bool, Undefined> {
+        let radius = y[0].hypot(y[1]);
+        y.iter_mut().for_each(|value| *value /= radius);
+        Ok(true)
+    }
+}
+
+#[test]
+fn analytic_projection_holds_the_circle_and_is_counted() {
+    let integrator = RungeKutta4 { step: 0.01 };
+    let mut state = integrator.start(0.0, &[1.0, 0.0], &[]);
+    integrator.advance(&mut Circle, &mut state, &mut Scratch::new(2, 0), 3.0).unwrap();
+    assert!((state.y[0].hypot(state.y[1]) - 1.0).abs() < 1e-15);
+    assert!((state.y[0] - 3f64.cos()).abs() < 1e-6);
+    assert_eq!(state.statistics.projections, state.statistics.steps);
+}

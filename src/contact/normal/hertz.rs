@@ -1,6 +1,6 @@
 //! Hertz's theory of elliptic contact.
 
-use super::hertz_table::{EllipseTable, SharedTable};
+use super::hertz_table::{EllipseFunctions, EllipseTable, SharedTable};
 use super::{Build, ConformalContact, ElasticContact, NormalLaw};
 use crate::contact::{Material, Patch};
 use crate::settings::{Entry, Section, SettingsError};
@@ -31,21 +31,40 @@ impl Hertz {
     }
 }
 
-impl NormalLaw for Hertz {
+impl Hertz {
+    /// The ellipse's functions, A + B and K_h.
     #[inline]
-    fn contact(&self, rolling: f64, across: f64, penetration: f64) -> Result<ElasticContact, ConformalContact> {
+    fn ellipse(&self, rolling: f64, across: f64) -> Result<(EllipseFunctions, f64, f64), ConformalContact> {
         if !(rolling > 0.0 && across > 0.0) {
             return Err(ConformalContact { rolling, across });
         }
         let functions = self.table.at((across / rolling).ln());
         let sum = rolling + across;
-        let c0 = (penetration / (functions.approach * sum)).sqrt();
-        let stiffness = self.modulus / (functions.approach * (functions.approach * sum).sqrt());
-        Ok(ElasticContact {
-            stiffness,
-            force: stiffness * penetration * penetration.sqrt(),
-            patch: Patch { a: functions.m_a * c0, b: functions.m_b * c0 },
-        })
+        Ok((functions, sum, self.modulus / (functions.approach * (functions.approach * sum).sqrt())))
+    }
+}
+
+/// Patch whose centre has approached by `penetration`.
+#[inline]
+fn patch(functions: &EllipseFunctions, sum: f64, penetration: f64) -> Patch {
+    let c0 = (penetration / (functions.approach * sum)).sqrt();
+    Patch { a: functions.m_a * c0, b: functions.m_b * c0 }
+}
+
+impl NormalLaw for Hertz {
+    #[inline]
+    fn contact(&self, rolling: f64, across: f64, penetration: f64) -> Result<ElasticContact, ConformalContact> {
+        let (functions, sum, stiffness) = self.ellipse(rolling, across)?;
+        let force = stiffness * penetration * penetration.sqrt();
+        Ok(ElasticContact { stiffness, force, patch: patch(&functions, sum, penetration) })
+    }
+
+    #[inline]
+    fn contact_under(&self, rolling: f64, across: f64, force: f64) -> Result<(f64, ElasticContact), ConformalContact> {
+        let (functions, sum, stiffness) = self.ellipse(rolling, across)?;
+        let root = (force / stiffness).cbrt();
+        let penetration = root * root;
+        Ok((penetration, ElasticContact { stiffness, force, patch: patch(&functions, sum, penetration) }))
     }
 }
 
@@ -94,6 +113,17 @@ mod tests {
             assert!((contact.patch.b / (exact.m_b * c0) - 1.0).abs() < 1e-10);
             assert!((delta / (exact.approach * (rolling + across) * c0 * c0) - 1.0).abs() < 1e-10);
         }
+    }
+
+    #[test]
+    fn analytic_force_and_penetration_are_inverse() {
+        let law = Hertz::new(Material { youngs_modulus: 2.07e11, poisson_ratio: 0.28 });
+        for delta in [1e-7, 6e-5, 1e-3] {
+            let contact = law.contact(1.09, 1.7, delta).unwrap();
+            let (found, under) = law.contact_under(1.09, 1.7, contact.force).unwrap();
+            assert!((found / delta - 1.0).abs() < 1e-14 && (under.patch.a / contact.patch.a - 1.0).abs() < 1e-14);
+        }
+        assert_eq!(law.contact_under(1.09, 1.7, 0.0).unwrap().1.patch, Patch::default());
     }
 
     #[test]

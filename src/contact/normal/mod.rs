@@ -34,6 +34,13 @@ pub trait NormalLaw: Send + Sync + std::fmt::Debug {
     /// # Errors
     /// [`ConformalContact`] when the law does not hold for these curvatures.
     fn contact(&self, rolling: f64, across: f64, penetration: f64) -> Result<ElasticContact, ConformalContact>;
+
+    /// The same law read the other way: the penetration [m] under which the elastic force is `force` >= 0 [N], and what belongs
+    /// to it.
+    ///
+    /// # Errors
+    /// [`ConformalContact`] when the law does not hold for these curvatures.
+    fn contact_under(&self, rolling: f64, across: f64, force: f64) -> Result<(f64, ElasticContact), ConformalContact>;
 }
 
 /// Builds a law for a material.

@@ -73,29 +73,33 @@ const LIMITS: NewtonLimits = NewtonLimits { next_step: 1e-11, iterations: 25 };
 
 /// Everything that the equations take from the surfaces at one choice of parameters.
 #[derive(Clone, Copy)]
-struct Candidate {
-    wheel: SurfacePoint,
-    rail: SurfacePoint,
-    wheel_profile: ProfilePoint,
-    rail_profile: ProfilePoint,
-    gap: Vector3<f64>,
+pub(super) struct Candidate {
+    pub wheel: SurfacePoint,
+    pub rail: SurfacePoint,
+    pub wheel_profile: ProfilePoint,
+    pub rail_profile: ProfilePoint,
+    /// Wheel point minus rail point, m.
+    pub gap: Vector3<f64>,
     /// Not normalised.
-    normal: Vector3<f64>,
+    pub normal: Vector3<f64>,
 }
 
 /// One wheel, one rail and where the wheelset stands.
-struct Pair<'a> {
-    wheel: &'a Wheel,
-    rail: &'a Rail,
-    centre: &'a Vector3<f64>,
-    axes: &'a Matrix3<f64>,
-    distance: f64,
+#[derive(Clone, Copy)]
+pub struct Pair<'a> {
+    pub wheel: &'a Wheel,
+    pub rail: &'a Rail,
+    /// Position of the wheelset, m, and its frame that does not spin.
+    pub centre: &'a Vector3<f64>,
+    pub axes: &'a Matrix3<f64>,
+    /// Place of the wheelset along the track, m.
+    pub distance: f64,
 }
 
 impl Pair<'_> {
     /// Residual of the four equations at `x = (u, angle, lead, eta)`.
     #[inline]
-    fn residual(&self, x: &Vector4<f64>) -> (Vector4<f64>, Candidate) {
+    pub(super) fn residual(&self, x: &Vector4<f64>) -> (Vector4<f64>, Candidate) {
         let (w, wheel_profile) = self.wheel.point(self.centre, self.axes, x[0], x[1]);
         let (r, rail_profile) = rail_point(self.rail, self.distance + x[2], x[3]);
         let gap = w.position - r.position;
@@ -104,14 +108,19 @@ impl Pair<'_> {
         (residual, Candidate { wheel: w, rail: r, wheel_profile, rail_profile, gap, normal })
     }
 
+    /// Derivatives of the rail's normal (not normalised) with respect to s and eta.
+    #[inline]
+    pub(super) fn normal_derivatives(&self, at: &Candidate) -> (Vector3<f64>, Vector3<f64>) {
+        let (r, sign) = (&at.rail, self.rail.side.sign());
+        // The mixed derivative of the rail is zero while sections stay parallel; it is kept for what it says.
+        ((r.t11.cross(&r.t2) + r.t1.cross(&r.t12)) * sign, (r.t12.cross(&r.t2) + r.t1.cross(&r.t22)) * sign)
+    }
+
     /// Exact Jacobian of the residual (Eq. 26).
     #[inline]
-    fn jacobian(&self, at: &Candidate) -> Matrix4<f64> {
+    pub(super) fn jacobian(&self, at: &Candidate) -> Matrix4<f64> {
         let Candidate { wheel: w, rail: r, gap, normal, .. } = at;
-        let sign = self.rail.side.sign();
-        // The mixed derivative of the rail is zero while sections stay parallel; it is kept for what it says.
-        let normal_s = (r.t11.cross(&r.t2) + r.t1.cross(&r.t12)) * sign;
-        let normal_eta = (r.t12.cross(&r.t2) + r.t1.cross(&r.t22)) * sign;
+        let (normal_s, normal_eta) = self.normal_derivatives(at);
         #[rustfmt::skip]
         let jacobian = Matrix4::new(
             r.t1.dot(&w.t1), r.t1.dot(&w.t2), r.t11.dot(gap) - r.t1.dot(&r.t1), r.t12.dot(gap) - r.t1.dot(&r.t2),
@@ -123,36 +132,43 @@ impl Pair<'_> {
     }
 }
 
-/// Finds the contact of one wheel from a warm start.
-///
-/// `centre` [m] and `axes` are the wheelset's position and its frame that does not spin, `distance` [m] its
-/// place along the track.
-///
-/// # Errors
-/// [`NewtonFailure`] when the iteration finds no solution.
-#[inline]
-pub fn locate(
-    wheel: &Wheel,
-    rail: &Rail,
-    centre: &Vector3<f64>,
-    axes: &Matrix3<f64>,
-    distance: f64,
-    start: &SurfaceParameters,
-) -> Result<ContactLocation, NewtonFailure> {
-    let pair = Pair { wheel, rail, centre, axes, distance };
-    let mut x = Vector4::new(start.wheel, start.angle, start.lead, start.rail);
-    let (found, iterations) = newton::solve(&mut x, LIMITS, |x| pair.residual(x), |_, at| pair.jacobian(at))?;
-    let normal = found.normal.normalize();
-    Ok(ContactLocation {
-        parameters: SurfaceParameters { wheel: x[0], angle: x[1], lead: x[2], rail: x[3] },
-        wheel_point: found.wheel.position,
-        normal,
-        forward: found.rail.t1,
-        penetration: -found.gap.dot(&normal),
-        wheel_profile: found.wheel_profile,
-        rail_profile: found.rail_profile,
-        iterations,
-    })
+impl Candidate {
+    #[inline]
+    pub(super) fn location(&self, x: &Vector4<f64>, iterations: usize) -> ContactLocation {
+        let normal = self.normal.normalize();
+        ContactLocation {
+            parameters: SurfaceParameters { wheel: x[0], angle: x[1], lead: x[2], rail: x[3] },
+            wheel_point: self.wheel.position,
+            normal,
+            forward: self.rail.t1,
+            penetration: -self.gap.dot(&normal),
+            wheel_profile: self.wheel_profile,
+            rail_profile: self.rail_profile,
+            iterations,
+        }
+    }
+}
+
+impl Pair<'_> {
+    /// Finds the contact and what the surfaces are like there, from a warm start.
+    ///
+    /// # Errors
+    /// [`NewtonFailure`] when the iteration finds no solution.
+    #[inline]
+    pub(super) fn solve(&self, start: &SurfaceParameters) -> Result<(ContactLocation, Candidate), NewtonFailure> {
+        let mut x = Vector4::new(start.wheel, start.angle, start.lead, start.rail);
+        let (found, iterations) = newton::solve(&mut x, LIMITS, |x| self.residual(x), |_, at| self.jacobian(at))?;
+        Ok((found.location(&x, iterations), found))
+    }
+
+    /// Finds the contact from a warm start.
+    ///
+    /// # Errors
+    /// [`NewtonFailure`] when the iteration finds no solution.
+    #[inline]
+    pub fn locate(&self, start: &SurfaceParameters) -> Result<ContactLocation, NewtonFailure> {
+        self.solve(start).map(|(location, _)| location)
+    }
 }
 
 #[cfg(test)]
@@ -201,6 +217,16 @@ mod tests {
         }
     }
 
+    fn locate(
+        wheel: &Wheel,
+        rail: &Rail,
+        centre: &Vector3<f64>,
+        axes: &Matrix3<f64>,
+        distance: f64,
+    ) -> Result<ContactLocation, NewtonFailure> {
+        Pair { wheel, rail, centre, axes, distance }.locate(&SurfaceParameters::default())
+    }
+
     fn pair(side: Side, slope: f64, wavy: bool) -> (Wheel, Rail) {
         let wheel = Wheel { side, profile: Arc::new(Parabola { value: 0.457, slope: -slope, curvature: -0.3 }), half_spacing: 0.716 };
         let deviation = |direction| Deviation { side, direction, shape: Arc::new(Wave) };
@@ -235,7 +261,7 @@ mod tests {
                 let (wheel, rail) = pair(side, 0.05, true);
                 let frame = AxleFrame::new(yaw, roll);
                 let centre = Vector3::new(s, y, 0.457);
-                let found = locate(&wheel, &rail, &centre, &frame.axes, s, &SurfaceParameters::default()).unwrap();
+                let found = locate(&wheel, &rail, &centre, &frame.axes, s).unwrap();
                 let p = found.parameters;
                 let tangents = wheel.point(&centre, &frame.axes, p.wheel, p.angle).0;
                 assert!(tangents.t1.dot(&found.normal).abs() < 1e-10 && tangents.t2.dot(&found.normal).abs() < 1e-10);
@@ -256,9 +282,7 @@ mod tests {
             let head = Arc::new(Parabola { value: 0.0, slope: 0.0, curvature: -1.0 / 0.3 });
             let rail = Rail::new(side, head, 0.716, 0.025f64.atan(), &[]);
             let yaw = 1e-4;
-            let found =
-                locate(&wheel, &rail, &Vector3::new(0.0, 0.0, 0.457), &AxleFrame::new(yaw, 0.0).axes, 0.0, &SurfaceParameters::default())
-                    .unwrap();
+            let found = locate(&wheel, &rail, &Vector3::new(0.0, 0.0, 0.457), &AxleFrame::new(yaw, 0.0).axes, 0.0).unwrap();
             let angle_lead = 0.457 * found.parameters.angle;
             assert!((angle_lead - side.sign() * 0.457 * 0.025 * yaw).abs() < 1e-9, "{side:?}: {angle_lead}");
         }
@@ -269,7 +293,7 @@ mod tests {
         let frame = |sign: f64| AxleFrame::new(sign * 0.01, sign * 0.003).axes;
         let solve = |side: Side, sign: f64| {
             let (wheel, rail) = pair(side, 0.05, false);
-            locate(&wheel, &rail, &Vector3::new(0.0, sign * 0.004, 0.4569), &frame(sign), 0.0, &SurfaceParameters::default()).unwrap()
+            locate(&wheel, &rail, &Vector3::new(0.0, sign * 0.004, 0.4569), &frame(sign), 0.0).unwrap()
         };
         let (left, right) = (solve(Side::Left, 1.0), solve(Side::Right, -1.0));
         assert!((left.penetration - right.penetration).abs() < 1e-15);

@@ -67,9 +67,10 @@ pub fn parse_deviation(section: Section) -> Result<Deviation, SettingsError> {
 pub struct RailSection {
     /// Origin of the section, m.
     pub origin: Vector3<f64>,
-    /// First and second derivative of the origin with respect to distance.
+    /// First, second and third derivative of the origin with respect to distance.
     pub d1: Vector3<f64>,
     pub d2: Vector3<f64>,
+    pub d3: Vector3<f64>,
 }
 
 /// One rail of the track.
@@ -126,9 +127,10 @@ impl Rail {
     /// The section at distance `s` [m].
     #[inline]
     pub fn section(&self, s: f64) -> RailSection {
-        let mut section = RailSection { origin: Vector3::new(s, self.offset, 0.0), d1: Vector3::x(), d2: Vector3::zeros() };
+        let mut section =
+            RailSection { origin: Vector3::new(s, self.offset, 0.0), d1: Vector3::x(), d2: Vector3::zeros(), d3: Vector3::zeros() };
         for (direction, shape) in &self.deviations {
-            let [value, d1, d2, _] = shape.at(s);
+            let [value, d1, d2, d3] = shape.at(s);
             let axis = match direction {
                 Direction::Lateral => 1,
                 Direction::Vertical => 2,
@@ -136,6 +138,7 @@ impl Rail {
             section.origin[axis] += value;
             section.d1[axis] += d1;
             section.d2[axis] += d2;
+            section.d3[axis] += d3;
         }
         section
     }

@@ -1,0 +1,374 @@
+//! ACCF: contact as augmented constraints (Eqs. 9-14 of the paper).
+//!
+//! Five constraints per contact (Eq. 10 with its missing fifth row); the surface parameters s are coordinates without inertia, so
+//! that coordinates, surface parameters and multipliers solve Eq. 13 together:
+//!
+//! ```text
+//! M q'' + C_q^T lambda = Q,   C_s^T lambda = 0,   C_q q'' + C_s s'' = Q_c
+//! ```
+//!
+//! C_s is block-diagonal, one 5 x 4 block per contact, so Eq. 13 is solved block by block: the second equation leaves one free
+//! multiplier per contact, `lambda = w mu` with the vector w that spans the null space of C_s^T (its components are the 4 x 4
+//! minors of C_s, none preferred), and `w . C_q q'' = w . Q_c` is one row in the coordinates. With w scaled such that the
+//! normal's row has `w_3 |m| = 1`, mu is minus the normal force. s'' follows from the four constraints left.
+//!
+//! Independent variables (coordinates or surface parameters, see `partition`) are integrated; the dependent ones follow from the
+//! constraints in every evaluation, on position level by Newton iteration, on velocity level linearly. The partition is made
+//! per wheelset: contact constraints tie no two wheelsets to each other.
+//!
+//! States per contact: u, angle, s, eta (s along the track) and their rates. Memory per contact: that of `rigid`, and in the left
+//! contact's the partition and the conditioning that it had when it was chosen.
+
+mod partition;
+
+use super::lift::{self, OnLift};
+use super::loading::{keep, pair};
+use super::rigid::{self, ConstraintRow, RigidScratch, is_elastic, wheels};
+use super::{
+    Build, ContactFailure, Evaluation, EvaluationError, Formulation, Model, Parts, Wheelset, Workspace, contact_index, eccf,
+};
+use crate::contact::search::algebraic::SurfaceParameters;
+use crate::contact::search::point_contact::{CONSTRAINTS, PARAMETERS, ParameterJacobian, PointContact, Residual};
+use crate::geometry::Side;
+use crate::math::newton::{self, NewtonLimits};
+use crate::mbs::body::{BodyMotion, COORDINATES};
+use crate::mbs::kkt::Coefficients;
+use crate::settings::{Entry, Section, SettingsError};
+use nalgebra::{Matrix4, Vector4};
+pub(super) use partition::Partition;
+use partition::{Jacobian, Rows, Variables, conditioning};
+use std::sync::Arc;
+
+pub(super) const ENTRY: Entry<super::Parse> = Entry {
+    name: "ACCF",
+    summary: "contact as five constraints, surface parameters as further coordinates, independent ones picked by pivoting",
+    reference: "paper, section 3.2, Eqs. 9-14",
+    parse,
+};
+
+fn parse(section: &Section) -> Result<Build, SettingsError> {
+    let on_lift = lift::parse(section)?;
+    Ok(Arc::new(move |_: &Parts| Box::new(Accf { on_lift })))
+}
+
+#[derive(Debug)]
+struct Accf {
+    on_lift: OnLift,
+}
+
+/// Surface parameters and their rates.
+const STATES: usize = 2 * PARAMETERS;
+/// Places in the left contact's memory.
+const PARTITION: usize = rigid::MEMORY;
+const CONDITIONING: usize = rigid::MEMORY + 1;
+const MEMORY: usize = rigid::MEMORY + 2;
+
+/// A partition is given up when its conditioning has fallen to this part of what it was.
+const WORSE: f64 = 0.5;
+
+/// Steps below this (m, rad) end the iteration on position level.
+const POSITION: NewtonLimits = NewtonLimits { next_step: 1e-13, iterations: 12 };
+
+impl Formulation for Accf {
+    fn states_per_contact(&self) -> usize {
+        STATES
+    }
+
+    fn memory_per_contact(&self) -> usize {
+        MEMORY
+    }
+
+    fn constrains(&self) -> bool {
+        true
+    }
+
+    fn rigid_scratch(&self, bodies: usize, wheelsets: &[Wheelset]) -> Option<RigidScratch> {
+        Some(RigidScratch::new(bodies, wheelsets, bodies * 2 * COORDINATES + 2 * wheelsets.len() * STATES))
+    }
+
+    fn start(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
+        lift::start(model, memory);
+        reset(model, workspace, t, y, memory)
+    }
+
+    fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
+        let Evaluation { t, inputs, y, memory } = at;
+        // The dependent part of y only starts the iteration: the equations hold at the point that the constraints give.
+        let Some(rigid) = &mut workspace.rigid else { return Ok(()) };
+        let mut consistent = std::mem::take(&mut rigid.consistent);
+        consistent.copy_from_slice(y);
+        let done = evaluate(model, workspace, t, inputs, &mut consistent, memory, dy);
+        if let Some(rigid) = &mut workspace.rigid {
+            rigid.consistent = consistent;
+        }
+        done
+    }
+
+    /// Writes the dependent variables into `y`. An evaluation before and after it gives the same: it says `false`.
+    fn project(
+        &self,
+        model: &Model,
+        workspace: &mut Workspace,
+        t: f64,
+        y: &mut [f64],
+        memory: &mut [f64],
+    ) -> Result<bool, EvaluationError> {
+        for (index, wheelset) in model.wheelsets.iter().enumerate() {
+            let jacobian = close(model, workspace, index, wheelset, t, y, memory)?;
+            let memory = &mut memory[model.contact_memory(contact_index(index, Side::Left))];
+            let kept = Partition::from_mask(memory[PARTITION]).map_or(0.0, |partition| conditioning(&partition.block(&jacobian)));
+            if kept < WORSE * memory[CONDITIONING] {
+                choose(&jacobian, wheelset, t, memory)?;
+                workspace.work.partitions += 1;
+            }
+        }
+        lift::watch(model, workspace, t, memory);
+        Ok(false)
+    }
+
+    /// The local error of independent variables is controlled; of an elastic contact that of all coordinates.
+    fn error_weight(&self, model: &Model, workspace: &Workspace, i: usize, plain: f64) -> f64 {
+        let plain = lift::error_weight(model, workspace, i, plain);
+        let Some(rigid) = &workspace.rigid else { return plain };
+        let count = model.system.dimension();
+        let dependent = |wheelset: usize, variable: usize| rigid.partitions[wheelset].is_some_and(|p: Partition| p.is_dependent(variable));
+        if i >= count {
+            let (contact, state) = ((i - count) / STATES, (i - count) % STATES);
+            let variable = COORDINATES + contact % 2 * PARAMETERS + state;
+            let integrated = state < PARAMETERS && workspace.contacts[contact].constrained && !dependent(contact / 2, variable);
+            return if integrated { plain } else { 0.0 };
+        }
+        let owner = model.wheelsets.iter().position(|wheelset| i / COORDINATES == wheelset.body && i < count / 2);
+        match owner {
+            Some(wheelset) if plain == 1.0 && dependent(wheelset, i % COORDINATES) => 0.0,
+            _ => plain,
+        }
+    }
+
+    fn margin(&self, model: &Model, memory: &[f64]) -> Option<f64> {
+        rigid::smallest_normal_force(model, memory)
+    }
+
+    fn next_event(&self, model: &Model, memory: &[f64]) -> f64 {
+        lift::next_return(model, memory)
+    }
+
+    fn switch(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
+        lift::switch(self.on_lift, self, model, workspace, t, y, memory)
+    }
+
+    fn land(
+        &self,
+        model: &Model,
+        workspace: &mut Workspace,
+        _contact: usize,
+        t: f64,
+        y: &mut [f64],
+        memory: &mut [f64],
+    ) -> Result<(), EvaluationError> {
+        reset(model, workspace, t, y, memory)
+    }
+}
+
+/// Brings the coordinates onto the constraints without regard to a partition (mass-weighted, as in ECCF), takes the surface
+/// parameters from the located contacts and chooses a partition.
+fn reset(model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
+    if let Some(mut scratch) = workspace.rigid.take() {
+        let projected = eccf::project(model, workspace, &mut scratch, t, y, memory);
+        workspace.rigid = Some(scratch);
+        projected?;
+    }
+    model.system.set_motions(y, &mut workspace.system);
+    for (contact, wheelset, side) in wheels(model) {
+        let motion = &workspace.system.motions[wheelset.body];
+        let found = eccf::locate(model, wheelset, side, motion, &mut memory[model.contact_memory(contact)])
+            .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
+        let p = found.location.parameters;
+        let states = &mut y[model.contact_states(contact)];
+        states[..PARAMETERS].copy_from_slice(&[p.wheel, p.angle, p.lead + motion.position.x, p.rail]);
+        states[PARAMETERS..].copy_from_slice(found.parameter_rates.as_slice());
+    }
+    for (index, wheelset) in model.wheelsets.iter().enumerate() {
+        let (variables, _) = gather(model, index, wheelset, y);
+        let (_, jacobian) = constraints(model, index, wheelset, memory, &variables);
+        choose(&jacobian, wheelset, t, &mut memory[model.contact_memory(contact_index(index, Side::Left))])?;
+    }
+    Ok(())
+}
+
+/// Chooses a partition and keeps it in the left contact's memory.
+fn choose(jacobian: &Jacobian, wheelset: &Wheelset, t: f64, memory: &mut [f64]) -> Result<(), EvaluationError> {
+    let partition = Partition::choose(jacobian).ok_or_else(|| EvaluationError::new(t, wheelset, Side::Left, ContactFailure::Dependent))?;
+    memory[PARTITION] = partition.mask();
+    memory[CONDITIONING] = conditioning(&partition.block(jacobian));
+    Ok(())
+}
+
+/// A wheelset's variables and their rates from the state.
+fn gather(model: &Model, index: usize, wheelset: &Wheelset, y: &[f64]) -> (Variables, Variables) {
+    let (mut values, mut rates) = (Variables::zeros(), Variables::zeros());
+    values.as_mut_slice()[..COORDINATES].copy_from_slice(&y[model.system.coordinates(wheelset.body)]);
+    rates.as_mut_slice()[..COORDINATES].copy_from_slice(&y[model.system.velocities(wheelset.body)]);
+    for (side, offset) in [(Side::Left, COORDINATES), (Side::Right, COORDINATES + PARAMETERS)] {
+        let states = &y[model.contact_states(contact_index(index, side))];
+        values.as_mut_slice()[offset..offset + PARAMETERS].copy_from_slice(&states[..PARAMETERS]);
+        rates.as_mut_slice()[offset..offset + PARAMETERS].copy_from_slice(&states[PARAMETERS..]);
+    }
+    (values, rates)
+}
+
+/// Puts a wheelset's variables and rates back into the state.
+fn scatter(model: &Model, index: usize, wheelset: &Wheelset, values: &Variables, rates: &Variables, y: &mut [f64]) {
+    y[model.system.coordinates(wheelset.body)].copy_from_slice(&values.as_slice()[..COORDINATES]);
+    y[model.system.velocities(wheelset.body)].copy_from_slice(&rates.as_slice()[..COORDINATES]);
+    for (side, offset) in [(Side::Left, COORDINATES), (Side::Right, COORDINATES + PARAMETERS)] {
+        let states = &mut y[model.contact_states(contact_index(index, side))];
+        states[..PARAMETERS].copy_from_slice(&values.as_slice()[offset..offset + PARAMETERS]);
+        states[PARAMETERS..].copy_from_slice(&rates.as_slice()[offset..offset + PARAMETERS]);
+    }
+}
+
+/// Residual and Jacobian of a wheelset's ten constraints. A contact that is elastic at present keeps its four equations for the
+/// surface parameters; instead of the normal constraint one coordinate that no contact determines is held (pitch or x).
+fn constraints(model: &Model, index: usize, wheelset: &Wheelset, memory: &[f64], values: &Variables) -> (Rows, Jacobian) {
+    let motion = BodyMotion::new(&values.as_slice()[..COORDINATES], &[0.0; COORDINATES]);
+    let (mut residual, mut jacobian) = (Rows::zeros(), Jacobian::zeros());
+    for (side, row, column, held) in
+        [(Side::Left, 0, COORDINATES, COORDINATES - 1), (Side::Right, CONSTRAINTS, COORDINATES + PARAMETERS, 0)]
+    {
+        let found = pair(model, wheelset, side, &motion).point_contact(&parameters(values, column));
+        residual.fixed_rows_mut::<CONSTRAINTS>(row).copy_from(&found.residual);
+        jacobian.fixed_view_mut::<CONSTRAINTS, PARAMETERS>(row, column).copy_from(&found.by_parameters);
+        for i in 0..CONSTRAINTS {
+            let coefficients = motion.coefficients(&found.by_velocity[i], &found.by_rotation[i]);
+            jacobian.fixed_view_mut::<1, COORDINATES>(row + i, 0).copy_from(&coefficients.transpose());
+        }
+        if is_elastic(&memory[model.contact_memory(contact_index(index, side))]) {
+            residual[row + NORMAL] = 0.0;
+            jacobian.row_mut(row + NORMAL).fill(0.0);
+            jacobian[(row + NORMAL, held)] = 1.0;
+        }
+    }
+    (residual, jacobian)
+}
+
+/// The row of Eq. 10 along the normal.
+const NORMAL: usize = 2;
+
+fn parameters(values: &Variables, column: usize) -> Vector4<f64> {
+    values.fixed_rows::<PARAMETERS>(column).into_owned()
+}
+
+/// Makes a wheelset's dependent variables and rates in `y` satisfy the constraints; returns the Jacobian there.
+fn close(
+    model: &Model,
+    workspace: &mut Workspace,
+    index: usize,
+    wheelset: &Wheelset,
+    t: f64,
+    y: &mut [f64],
+    memory: &mut [f64],
+) -> Result<Jacobian, EvaluationError> {
+    let left = &memory[model.contact_memory(contact_index(index, Side::Left))];
+    let fail = |cause| EvaluationError::new(t, wheelset, Side::Left, cause);
+    let partition = Partition::from_mask(left[PARTITION]).ok_or_else(|| fail(ContactFailure::Dependent))?;
+    let (mut values, mut rates) = gather(model, index, wheelset, y);
+    let base = values;
+    let at = |change: &Rows| {
+        let mut values = base;
+        partition.add(&mut values, change);
+        values
+    };
+    let mut change = Rows::zeros();
+    let evaluate = |change: &Rows| constraints(model, index, wheelset, memory, &at(change));
+    let solved = newton::solve(&mut change, POSITION, evaluate, |_, jacobian| partition.block(jacobian));
+    let (jacobian, iterations) = solved.map_err(|failure| {
+        fail(ContactFailure::NotClosed { iterations: failure.iterations, gap: failure.residual, y: base[1] })
+    })?;
+    workspace.work.constraint_iterations += iterations as u64;
+    values = at(&change);
+    let mut excess: Rows = jacobian * rates;
+    for (side, row) in [(Side::Left, NORMAL), (Side::Right, CONSTRAINTS + NORMAL)] {
+        if is_elastic(&memory[model.contact_memory(contact_index(index, side))]) {
+            excess[row] = 0.0;
+        }
+    }
+    if !partition.block(&jacobian).lu().solve_mut(&mut excess) {
+        return Err(fail(ContactFailure::Dependent));
+    }
+    partition.add(&mut rates, &-excess);
+    scatter(model, index, wheelset, &values, &rates, y);
+    if let Some(rigid) = &mut workspace.rigid {
+        rigid.partitions[index] = Some(partition);
+    }
+    Ok(jacobian)
+}
+
+/// The equations of motion at a state that is made consistent first.
+fn evaluate(
+    model: &Model,
+    workspace: &mut Workspace,
+    t: f64,
+    inputs: &[f64],
+    y: &mut [f64],
+    memory: &mut [f64],
+    dy: &mut [f64],
+) -> Result<(), EvaluationError> {
+    for (index, wheelset) in model.wheelsets.iter().enumerate() {
+        close(model, workspace, index, wheelset, t, y, memory)?;
+    }
+    rigid::derivative(model, workspace, Evaluation { t, inputs, y, memory }, dy, |contact, wheelset, side, motion, memory| {
+        let own = &y[model.contact_states(contact)];
+        let pair = pair(model, wheelset, side, motion);
+        let found = pair.point_contact(&Vector4::from_column_slice(&own[..PARAMETERS]));
+        let rates = Vector4::from_column_slice(&own[PARAMETERS..]);
+        let bias = pair.bias(&found, &rates, &motion.carrier());
+        keep(&SurfaceParameters { wheel: own[0], angle: own[1], lead: own[2] - motion.position.x, rail: own[3] }, memory);
+        let weights = free_multiplier(&found).ok_or(ContactFailure::Dependent)?;
+        let mut row = Coefficients::zeros();
+        for (i, weight) in weights.iter().enumerate() {
+            row += motion.coefficients(&found.by_velocity[i], &found.by_rotation[i]) * *weight;
+        }
+        Ok(ConstraintRow { location: pair.location(&found), row, bias: weights.dot(&bias) })
+    })?;
+    // s'' from the constraints (Eq. 12), now that the coordinates' accelerations are known.
+    for (contact, wheelset, side) in wheels(model) {
+        let range = model.contact_states(contact);
+        let own = &y[range.clone()];
+        let motion = workspace.system.motions[wheelset.body];
+        let pair = pair(model, wheelset, side, &motion);
+        let (found, rates) =
+            (pair.point_contact(&Vector4::from_column_slice(&own[..PARAMETERS])), Vector4::from_column_slice(&own[PARAMETERS..]));
+        let accelerations = Coefficients::from_column_slice(&dy[model.system.velocities(wheelset.body)]);
+        let mut rest = pair.bias(&found, &rates, &motion.carrier());
+        for i in 0..CONSTRAINTS {
+            rest[i] += motion.coefficients(&found.by_velocity[i], &found.by_rotation[i]).dot(&accelerations);
+        }
+        let accelerations = parameter_accelerations(&found, &rest)
+            .ok_or_else(|| EvaluationError::new(t, wheelset, side, ContactFailure::Dependent))?;
+        dy[range.start..range.start + PARAMETERS].copy_from_slice(rates.as_slice());
+        dy[range.start + PARAMETERS..range.end].copy_from_slice(accelerations.as_slice());
+    }
+    Ok(())
+}
+
+/// The four rows of C_s that are left without row `out`.
+fn without(by_parameters: &ParameterJacobian, out: usize) -> Matrix4<f64> {
+    Matrix4::from_fn(|row, column| by_parameters[(row + usize::from(row >= out), column)])
+}
+
+/// Multipliers `w` with `C_s^T w = 0` (Eq. 14), scaled such that they press with 1 N along the normal.
+fn free_multiplier(contact: &PointContact) -> Option<Residual> {
+    let minors = Residual::from_fn(|row, _| {
+        let minor = without(&contact.by_parameters, row).determinant();
+        if row % 2 == 0 { minor } else { -minor }
+    });
+    let pressing = minors[NORMAL] * contact.normal_length();
+    (pressing != 0.0).then(|| minors / pressing)
+}
+
+/// s'' from `C_s s'' = -rest`: four rows serve, the one along the normal holds by itself (it has no part in C_s).
+fn parameter_accelerations(contact: &PointContact, rest: &Residual) -> Option<Vector4<f64>> {
+    let inverse = without(&contact.by_parameters, NORMAL).try_inverse()?;
+    Some(-(inverse * Vector4::from_fn(|row, _| rest[row + usize::from(row >= NORMAL)])))
+}

@@ -1,0 +1,114 @@
+//! Which variables of a wheelset are independent (section 3.2 of the paper).
+//!
+//! Variables are the wheelset's six coordinates and the four surface parameters of each wheel; two contacts make ten constraints.
+//! A factorisation of their Jacobian with column pivoting picks ten variables that the constraints determine best; the rest,
+//! coordinates or surface parameters, is integrated. The choice holds until the block of the dependent ones has become
+//! clearly worse conditioned than it was.
+
+use crate::contact::search::point_contact::{CONSTRAINTS, PARAMETERS};
+use crate::mbs::body::COORDINATES;
+use nalgebra::{SMatrix, SVector};
+
+pub const ROWS: usize = 2 * CONSTRAINTS;
+pub const VARIABLES: usize = COORDINATES + 2 * PARAMETERS;
+
+/// Constraints by variables.
+pub type Jacobian = SMatrix<f64, ROWS, VARIABLES>;
+pub type Square = SMatrix<f64, ROWS, ROWS>;
+pub type Variables = SVector<f64, VARIABLES>;
+pub type Rows = SVector<f64, ROWS>;
+
+/// The dependent variables, in increasing order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Partition {
+    dependent: [usize; ROWS],
+}
+
+impl Partition {
+    /// Picks dependent variables by pivoting; `None` when the constraints are not independent.
+    pub fn choose(jacobian: &Jacobian) -> Option<Partition> {
+        const INDEPENDENT: f64 = 1e-9;
+        let factors = jacobian.col_piv_qr();
+        let r = factors.r();
+        let first = r[(0, 0)].abs();
+        if !(0..ROWS).all(|i| r[(i, i)].abs() > INDEPENDENT * first) {
+            return None;
+        }
+        let mut order = SMatrix::<f64, 1, VARIABLES>::from_fn(|_, column| column as f64);
+        factors.p().permute_columns(&mut order);
+        let mut dependent: [usize; ROWS] = std::array::from_fn(|i| order[i] as usize);
+        dependent.sort_unstable();
+        Some(Partition { dependent })
+    }
+
+    /// The choice as a number that the state's memory can hold: bit i says that variable i is dependent.
+    pub fn mask(&self) -> f64 {
+        f64::from(self.dependent.iter().fold(0u32, |mask, variable| mask | 1 << variable))
+    }
+
+    /// The choice that a number stands for; `None` when it is none.
+    pub fn from_mask(mask: f64) -> Option<Partition> {
+        let bits = mask as u32;
+        let mut variables = (0..VARIABLES).filter(|variable| bits >> variable & 1 == 1);
+        let mut dependent = [0; ROWS];
+        for slot in &mut dependent {
+            *slot = variables.next()?;
+        }
+        variables.next().is_none().then_some(Partition { dependent })
+    }
+
+    pub fn is_dependent(&self, variable: usize) -> bool {
+        self.dependent.contains(&variable)
+    }
+
+    /// Columns of the dependent variables.
+    pub fn block(&self, jacobian: &Jacobian) -> Square {
+        Square::from_fn(|row, column| jacobian[(row, self.dependent[column])])
+    }
+
+    /// Adds changes of the dependent variables to all variables.
+    pub fn add(&self, variables: &mut Variables, change: &Rows) {
+        for (variable, change) in self.dependent.iter().zip(change.iter()) {
+            variables[*variable] += change;
+        }
+    }
+}
+
+/// How well the block of the dependent variables is conditioned: its smallest over its largest pivot.
+pub fn conditioning(block: &Square) -> f64 {
+    let u = block.lu().u();
+    let pivots = (0..ROWS).map(|i| u[(i, i)].abs());
+    pivots.clone().fold(f64::INFINITY, f64::min) / pivots.fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prop_pivoting_leaves_out_columns_that_say_nothing() {
+        // Column 5 is empty, columns 1 and 7 nearly parallel, 3 and 4 tiny.
+        let mut state = 7u32;
+        let mut jacobian = Jacobian::from_fn(|_, _| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state) / f64::from(u32::MAX) - 0.5
+        });
+        jacobian.column_mut(5).fill(0.0);
+        let copy = jacobian.column(1) * (1.0 + 1e-6);
+        jacobian.set_column(7, &copy);
+        for tiny in [3, 4] {
+            let scaled = jacobian.column(tiny) * 1e-3;
+            jacobian.set_column(tiny, &scaled);
+        }
+        let partition = Partition::choose(&jacobian).unwrap();
+        assert!([3, 4, 5].iter().all(|tiny| !partition.is_dependent(*tiny)));
+        assert!(!(partition.is_dependent(1) && partition.is_dependent(7)));
+        assert!(conditioning(&partition.block(&jacobian)) > 1e-2);
+        assert_eq!(Partition::from_mask(partition.mask()), Some(partition));
+        assert_eq!(Partition::from_mask(0.0), None);
+
+        let row = jacobian.row(2) + jacobian.row(3);
+        jacobian.set_row(4, &row);
+        assert_eq!(Partition::choose(&jacobian), None, "dependent rows must be noticed");
+    }
+}

@@ -1,0 +1,42 @@
+//! Lift-off and landing of contacts that are constraints while they are loaded.
+
+use crate::geometry::Side;
+
+/// What happened to a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ContactChange {
+    /// The constraint would have begun to pull; the contact is elastic from here.
+    Lifted,
+    /// The contact has settled and is a constraint again.
+    Landed {
+        /// Penetration that the projection removed, m.
+        penetration: f64,
+        /// Rate of the penetration that it removed, m/s.
+        rate: f64,
+        /// Energy that the system lost, elastic energy of the contact included, J.
+        energy: f64,
+    },
+}
+
+/// A change of one contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactEvent {
+    /// s.
+    pub time: f64,
+    pub wheelset: String,
+    pub side: Side,
+    pub change: ContactChange,
+}
+
+impl std::fmt::Display for ContactEvent {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "t = {:.9} s, {}, {} wheel: ", self.time, self.wheelset, self.side.name())?;
+        match self.change {
+            ContactChange::Lifted => write!(f, "normal force fell to zero, the contact is elastic from here"),
+            ContactChange::Landed { penetration, rate, energy } => write!(
+                f,
+                "the contact has settled and is a constraint again; removed {penetration:.3e} m of penetration, {rate:.3e} m/s and {energy:.3e} J"
+            ),
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! Lift-off and landing of contacts that are constraints (`contact.on_lift`).
+
+use super::eccf;
+use super::events::{ContactChange, ContactEvent};
+use super::rigid::{MODE, NORMAL_FORCE, SETTLED_SINCE, is_elastic, wheels};
+use super::{ContactFailure, EvaluationError, Formulation, Model, Workspace};
+use crate::settings::{Section, SettingsError};
+
+/// What to do where the constraint would begin to pull.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum OnLift {
+    /// End the run with an error that says so.
+    Stop,
+    /// Hand the contact to elastic forces until it has settled again.
+    Elastic,
+}
+
+/// Reads `contact.on_lift`.
+pub(super) fn parse(section: &Section) -> Result<OnLift, SettingsError> {
+    Ok(match section.word_or("on_lift", &["stop", "elastic"], "stop")? {
+        "elastic" => OnLift::Elastic,
+        _ => OnLift::Stop,
+    })
+}
+
+/// A penetration that stays this close to its static value (relative) ...
+const SETTLED: f64 = 0.01;
+/// ... for this long [s] ends the elastic mode.
+const SETTLING_TIME: f64 = 5e-3;
+
+/// All contacts begin as constraints that carry the static load.
+pub(super) fn start(model: &Model, memory: &mut [f64]) {
+    for (contact, wheelset, _) in wheels(model) {
+        let memory = &mut memory[model.contact_memory(contact)];
+        (memory[NORMAL_FORCE], memory[MODE], memory[SETTLED_SINCE]) = (wheelset.static_wheel_load, 0.0, f64::INFINITY);
+    }
+}
+
+/// Watches at the end of a step whether elastic contacts have settled; their reports are those of the step's end.
+pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [f64]) {
+    for (contact, wheelset, _) in wheels(model) {
+        let memory = &mut memory[model.contact_memory(contact)];
+        if !is_elastic(memory) {
+            continue;
+        }
+        let report = &workspace.contacts[contact];
+        let settled = report.stiffness > 0.0 && {
+            // N = K delta^1.5 with the vertical part of N equal to the static load.
+            let at_rest = (wheelset.static_wheel_load / (report.axes.normal.z * report.stiffness)).cbrt().powi(2);
+            (report.penetration / at_rest - 1.0).abs() <= SETTLED
+        };
+        if !settled {
+            memory[SETTLED_SINCE] = f64::INFINITY;
+        } else if memory[SETTLED_SINCE].is_infinite() {
+            memory[SETTLED_SINCE] = t;
+        }
+    }
+}
+
+/// When the next elastic contact becomes a constraint if it stays settled, s.
+pub(super) fn next_return(model: &Model, memory: &[f64]) -> f64 {
+    let since = wheels(model).map(|(contact, ..)| memory[model.contact_memory(contact)][SETTLED_SINCE]);
+    since.fold(f64::INFINITY, f64::min) + SETTLING_TIME
+}
+
+/// Height and roll of a wheelset weigh no more than other coordinates while both wheels are constraints: no penetration
+/// depends on them.
+pub(super) fn error_weight(model: &Model, workspace: &Workspace, i: usize, plain: f64) -> f64 {
+    if plain <= 1.0 {
+        return plain;
+    }
+    let body = i / crate::mbs::body::COORDINATES;
+    let rests = wheels(model).filter(|(_, wheelset, _)| wheelset.body == body).all(|(contact, ..)| workspace.contacts[contact].constrained);
+    if rests { 1.0 } else { plain }
+}
+
+/// Changes the mode of the contacts that have settled, or else of those that would be pulled on.
+pub(super) fn switch(
+    on_lift: OnLift,
+    formulation: &dyn Formulation,
+    model: &Model,
+    workspace: &mut Workspace,
+    t: f64,
+    y: &mut [f64],
+    memory: &mut [f64],
+) -> Result<(), EvaluationError> {
+    let settled = |memory: &[f64]| is_elastic(memory) && t >= memory[SETTLED_SINCE] + SETTLING_TIME;
+    if let Some((contact, wheelset, side)) = wheels(model).find(|w| settled(&memory[model.contact_memory(w.0)])) {
+        let change = land(contact, formulation, model, workspace, t, y, memory)?;
+        workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
+        return Ok(());
+    }
+    for (contact, wheelset, side) in wheels(model) {
+        let memory = &mut memory[model.contact_memory(contact)];
+        if is_elastic(memory) || memory[NORMAL_FORCE] >= 0.0 {
+            continue;
+        }
+        if on_lift == OnLift::Stop {
+            return Err(EvaluationError::new(t, wheelset, side, ContactFailure::Tensile { normal_force: memory[NORMAL_FORCE] }));
+        }
+        (memory[MODE], memory[NORMAL_FORCE], memory[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
+        workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change: ContactChange::Lifted });
+    }
+    formulation.project(model, workspace, t, y, memory).map(|_| ())
+}
+
+/// Makes an elastic contact a constraint again: positions, then velocities are projected.
+fn land(
+    contact: usize,
+    formulation: &dyn Formulation,
+    model: &Model,
+    workspace: &mut Workspace,
+    t: f64,
+    y: &mut [f64],
+    memory: &mut [f64],
+) -> Result<ContactChange, EvaluationError> {
+    let Some((_, wheelset, side)) = wheels(model).find(|w| w.0 == contact) else { return Ok(ContactChange::Lifted) };
+    model.system.set_motions(y, &mut workspace.system);
+    let motion = workspace.system.motions[wheelset.body];
+    let range = model.contact_memory(contact);
+    let found = eccf::locate(model, wheelset, side, &motion, &mut memory[range.clone()])
+        .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
+    let mechanical = |workspace: &Workspace| {
+        let motions = &workspace.system.motions;
+        model.system.kinetic_energy(motions) + model.system.potential_energy(motions)
+    };
+    let penetration = found.location.penetration;
+    // K delta^1.5 integrated.
+    let elastic = 0.4 * workspace.contacts[contact].stiffness * penetration.max(0.0).powf(2.5);
+    let before = mechanical(workspace) + elastic;
+    let memory_of = &mut memory[range];
+    (memory_of[MODE], memory_of[NORMAL_FORCE], memory_of[SETTLED_SINCE]) = (0.0, wheelset.static_wheel_load, f64::INFINITY);
+    formulation.land(model, workspace, contact, t, y, memory)?;
+    model.system.set_motions(y, &mut workspace.system);
+    Ok(ContactChange::Landed { penetration, rate: -found.gap_rate, energy: before - mechanical(workspace) })
+}

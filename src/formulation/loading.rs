@@ -1,0 +1,150 @@
+//! What all formulations share: loads from outside and the laws of contact at a point that was found.
+
+use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LATERAL_FORCE, Model, VERTICAL_FORCE, Wheelset};
+use crate::contact::creepage::{ContactAxes, in_rolling_direction};
+use crate::contact::normal::{ConformalContact, damped_force};
+use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
+use crate::geometry::Side;
+use crate::math::newton::NewtonFailure;
+use crate::mbs::body::{BodyMotion, Wrench};
+use nalgebra::Vector3;
+
+/// Deeper than this, half-space elasticity has long ended: the initial position is wrong.
+const DEEPEST: f64 = 5e-3;
+
+/// Torque about the axle and forces at the centre that a master applies.
+#[inline]
+pub(super) fn external_wrench(motion: &BodyMotion, inputs: &[f64]) -> Wrench {
+    Wrench { force: Vector3::new(0.0, inputs[LATERAL_FORCE], inputs[VERTICAL_FORCE]), moment: motion.axle() * inputs[DRIVE_TORQUE] }
+}
+
+/// A contact whose place and motion are known.
+pub(super) struct Contact<'a> {
+    pub model: &'a Model,
+    pub wheelset: &'a Wheelset,
+    pub side: Side,
+    pub motion: &'a BodyMotion,
+    /// Factor of the friction coefficient.
+    pub friction: f64,
+    pub found: &'a ContactLocation,
+}
+
+impl Contact<'_> {
+    /// Place and kinematics, no load.
+    #[inline]
+    pub fn report(&self) -> ContactReport {
+        let found = self.found;
+        let axes = ContactAxes::new(found.normal, found.forward);
+        let velocity = self.motion.material_velocity(&found.wheel_point);
+        ContactReport {
+            parameters: found.parameters,
+            penetration: found.penetration,
+            penetration_rate: -velocity.dot(&found.normal),
+            axes,
+            iterations: found.iterations,
+            creepage: axes.creepage(&velocity, &self.motion.rotation, self.speed()),
+            ..ContactReport::default()
+        }
+    }
+
+    fn speed(&self) -> f64 {
+        self.wheelset.imposed_speed.unwrap_or(self.motion.velocity.x)
+    }
+
+    /// Elastic contact (Eq. 28): the penetration gives the normal force; adds the contact's wrench. Without penetration there
+    /// is no force and no creepage.
+    #[inline]
+    pub fn elastic(&self, wrench: &mut Wrench) -> Result<ContactReport, ContactFailure> {
+        let (mut report, found) = (self.report(), self.found);
+        if !(found.penetration > 0.0) {
+            report.creepage = Default::default();
+            return Ok(report);
+        }
+        self.check_place()?;
+        if found.penetration > DEEPEST {
+            return Err(ContactFailure::TooDeep { penetration: found.penetration, z: self.motion.position.z });
+        }
+        let (rolling, across) = found.half_curvatures();
+        let elastic = self.model.laws.normal.contact(rolling, across, found.penetration)?;
+        report.stiffness = elastic.stiffness;
+        report.patch = elastic.patch;
+        report.normal_force = damped_force(elastic.force, self.model.laws.damping, found.penetration, report.penetration_rate);
+        self.creep(&mut report);
+        self.add(&report, report.force, wrench);
+        Ok(report)
+    }
+
+    /// Contact of rigid surfaces that press with `normal_force` [N]: patch and creep forces, which the report keeps. The normal
+    /// force itself belongs to the constraint; only the creep forces are added to the wrench.
+    #[inline]
+    pub fn pressed(&self, report: &mut ContactReport, normal_force: f64, wrench: &mut Wrench) -> Result<(), ConformalContact> {
+        let (rolling, across) = self.found.half_curvatures();
+        let (_, elastic) = self.model.laws.normal.contact_under(rolling, across, normal_force.max(0.0))?;
+        report.stiffness = elastic.stiffness;
+        report.patch = elastic.patch;
+        report.normal_force = normal_force;
+        self.creep(report);
+        self.add(report, report.force - report.axes.normal * normal_force, wrench);
+        Ok(())
+    }
+
+    /// Creep forces from patch, normal force and creepage, and the total force.
+    #[inline]
+    fn creep(&self, report: &mut ContactReport) {
+        // A polynomial input may pass below zero between communication points.
+        let friction = self.model.laws.friction * self.friction.max(0.0);
+        report.creep_force = in_rolling_direction(self.speed(), report.creepage, |creepage| {
+            self.model.laws.creep.force(report.patch, report.normal_force.max(0.0), friction, creepage)
+        });
+        let (axes, creep) = (&report.axes, &report.creep_force);
+        report.force = axes.normal * report.normal_force + axes.e1 * creep.longitudinal + axes.e2 * creep.lateral;
+    }
+
+    #[inline]
+    fn add(&self, report: &ContactReport, force: Vector3<f64>, wrench: &mut Wrench) {
+        wrench.add_at(force, &self.found.wheel_point, &self.motion.position);
+        wrench.moment += report.axes.normal * report.creep_force.spin_moment;
+    }
+
+    /// A loaded contact must lie on both profiles.
+    #[inline]
+    pub fn check_place(&self) -> Result<(), ContactFailure> {
+        let y = self.motion.position.y;
+        let (wheel, rail) = (self.wheelset.wheel(self.side), self.model.track.rail(self.side));
+        let places =
+            [("wheel", self.found.parameters.wheel, wheel.profile.range()), ("rail", self.found.parameters.rail, rail.profile.range())];
+        for (part, found, (first, last)) in places {
+            if !(found >= first && found <= last) {
+                return Err(ContactFailure::OffProfile { part, found, first, last, y });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Wheel and rail of one side where they stand.
+#[inline]
+pub(super) fn pair<'a>(model: &'a Model, wheelset: &'a Wheelset, side: Side, motion: &'a BodyMotion) -> Pair<'a> {
+    Pair {
+        wheel: wheelset.wheel(side),
+        rail: model.track.rail(side),
+        centre: &motion.position,
+        axes: &motion.frame.axes,
+        distance: motion.position.x,
+    }
+}
+
+/// The surface parameters that a contact's memory begins with.
+#[inline]
+pub(super) fn warm_start(memory: &[f64]) -> SurfaceParameters {
+    SurfaceParameters { wheel: memory[0], angle: memory[1], lead: memory[2], rail: memory[3] }
+}
+
+#[inline]
+pub(super) fn keep(p: &SurfaceParameters, memory: &mut [f64]) {
+    memory[..4].copy_from_slice(&[p.wheel, p.angle, p.lead, p.rail]);
+}
+
+pub(super) fn not_found(motion: &BodyMotion, failure: NewtonFailure) -> ContactFailure {
+    ContactFailure::NotFound { iterations: failure.iterations, residual: failure.residual, y: motion.position.y }
+}

@@ -1,0 +1,233 @@
+//! Contacts as constraints: what ACCF and ECCF share once each has found its constraint row.
+//!
+//! Per contact one row `H q'' = Q_cn` stands in the equations of motion (Eq. 23); its multiplier is minus the normal force N,
+//! because n points out of the rail. Patch and friction bound depend on N and creep forces act on the accelerations, so that N
+//! is found from `N = -lambda(creep forces(N))` in every evaluation, to 1e-11 relative; the last N is only the start.
+//!
+//! A contact whose N would fall below zero is an event (`on_lift`): it ends the run, or hands the contact to elastic forces
+//! (ECF-A) at N = 0 and zero penetration. Such a contact becomes a constraint again when its penetration has stayed within 1 % of
+//! its static value for 5 ms; what penetration is left is removed by projection.
+//!
+//! Memory per contact: surface parameters, N, mode (0 constraint, 1 elastic), since when the penetration is settled (infinity: it
+//! is not).
+
+use super::accf::Partition;
+use super::ecf_a::elastic_contact;
+use super::loading::{Contact, external_wrench};
+use super::{
+    ContactFailure, ContactReport, Evaluation, EvaluationError, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace,
+    contact_index,
+};
+use crate::contact::search::algebraic::ContactLocation;
+use crate::geometry::Side;
+use crate::math::fixed_point::{self, Limits, NotSettled};
+use crate::mbs::body::{BodyMotion, COORDINATES, Wrench};
+use crate::mbs::kkt::{Coefficients, Kkt, RowBodies};
+
+/// Numbers per contact in the memory, and their places after the surface parameters.
+pub(super) const MEMORY: usize = 7;
+pub(super) const NORMAL_FORCE: usize = 4;
+pub(super) const MODE: usize = 5;
+pub(super) const SETTLED_SINCE: usize = 6;
+
+/// The loop between normal forces and creep forces ends when it changes them by less than this; the floor is in newtons.
+const LOOP: Limits = Limits { relative: 1e-11, floor: 1e-7, iterations: 60 };
+
+/// Is the contact an elastic one at present?
+#[inline]
+pub(super) fn is_elastic(memory: &[f64]) -> bool {
+    memory[MODE] != 0.0
+}
+
+/// A contact's constraint at one instant.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ConstraintRow {
+    pub location: ContactLocation,
+    /// H on the wheelset's coordinates.
+    pub row: Coefficients,
+    /// -Q_cn: second derivative of the gap when no coordinate accelerates, m/s2.
+    pub bias: f64,
+}
+
+/// Scratch of the constraint formulations.
+#[derive(Clone, Debug)]
+pub struct RigidScratch {
+    pub(super) kkt: Kkt,
+    rows: Vec<Option<ConstraintRow>>,
+    /// Wrenches without the creep forces of constrained contacts.
+    base: Vec<Wrench>,
+    free: Vec<f64>,
+    pub(super) accelerations: Vec<f64>,
+    gamma: Vec<f64>,
+    multipliers: Vec<f64>,
+    normal_forces: Vec<f64>,
+    work: fixed_point::Work,
+    /// Of constrained contacts, m and m/s; zero for the others.
+    pub(super) gaps: Vec<f64>,
+    pub(super) gap_rates: Vec<f64>,
+    pub(super) change: Vec<f64>,
+    /// A state that the constraints have been made to hold in (ACCF).
+    pub(super) consistent: Vec<f64>,
+    /// The partition of each wheelset in the last evaluation (ACCF).
+    pub(super) partitions: Vec<Option<Partition>>,
+}
+
+impl RigidScratch {
+    /// `states`: length of a state to work in, 0 where none is needed.
+    pub(super) fn new(bodies: usize, wheelsets: &[Wheelset], states: usize) -> Self {
+        let rows: Vec<RowBodies> = wheelsets.iter().flat_map(|w| [RowBodies { first: w.body, second: None }; 2]).collect();
+        let (count, coordinates) = (rows.len(), COORDINATES * bodies);
+        RigidScratch {
+            kkt: Kkt::new(bodies, &rows),
+            rows: vec![None; count],
+            base: vec![Wrench::default(); bodies],
+            free: vec![0.0; coordinates],
+            accelerations: vec![0.0; coordinates],
+            gamma: vec![0.0; count],
+            multipliers: vec![0.0; count],
+            normal_forces: vec![0.0; count],
+            work: fixed_point::Work::new(count),
+            gaps: vec![0.0; count],
+            gap_rates: vec![0.0; count],
+            change: vec![0.0; coordinates],
+            consistent: vec![0.0; states],
+            partitions: vec![None; wheelsets.len()],
+        }
+    }
+}
+
+/// Visits all contacts in the order of their index.
+pub(super) fn wheels(model: &Model) -> impl Iterator<Item = (usize, &Wheelset, Side)> {
+    let both = |(index, wheelset)| Side::BOTH.map(|side| (contact_index(index, side), wheelset, side));
+    model.wheelsets.iter().enumerate().flat_map(both)
+}
+
+/// Evaluates the equations of motion with a constraint row per contact; `find` locates a contact that is a constraint.
+pub(super) fn derivative(
+    model: &Model,
+    workspace: &mut Workspace,
+    at: Evaluation,
+    dy: &mut [f64],
+    mut find: impl FnMut(usize, &Wheelset, Side, &BodyMotion, &mut [f64]) -> Result<ConstraintRow, ContactFailure>,
+) -> Result<(), EvaluationError> {
+    let Evaluation { t, inputs, y, memory } = at;
+    model.system.apply_forces(y, &mut workspace.system);
+    let Some(mut rigid) = workspace.rigid.take() else { return Ok(()) };
+    let done = (|| {
+        for (index, wheelset) in model.wheelsets.iter().enumerate() {
+            let motion = &workspace.system.motions[wheelset.body];
+            workspace.system.wrenches[wheelset.body] += external_wrench(motion, &inputs[index * WHEELSET_INPUTS..]);
+            rigid.kkt.set_mobility(wheelset.body, &model.system.mobility(wheelset.body, motion));
+        }
+        for (contact, wheelset, side) in wheels(model) {
+            let motion = workspace.system.motions[wheelset.body];
+            let memory = &mut memory[model.contact_memory(contact)];
+            let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
+            if is_elastic(memory) {
+                let wrench = &mut workspace.system.wrenches[wheelset.body];
+                let friction = friction(inputs, contact, side);
+                let report = elastic_contact(model, wheelset, side, &motion, friction, memory, wrench).map_err(fail)?;
+                workspace.work.search_iterations += report.iterations as u64;
+                workspace.contacts[contact] = report;
+                rigid.rows[contact] = None;
+                rigid.kkt.set_active(contact, false);
+                rigid.gamma[contact] = 0.0;
+                rigid.normal_forces[contact] = 0.0;
+                continue;
+            }
+            let found = find(contact, wheelset, side, &motion, memory).map_err(fail)?;
+            let load = Contact { model, wheelset, side, motion: &motion, friction: 0.0, found: &found.location };
+            load.check_place().map_err(fail)?;
+            workspace.contacts[contact] = ContactReport { constrained: true, ..load.report() };
+            workspace.work.search_iterations += found.location.iterations as u64;
+            rigid.kkt.set_active(contact, true);
+            rigid.kkt.set_row(contact, &found.row, &Coefficients::zeros());
+            rigid.gamma[contact] = -found.bias;
+            rigid.normal_forces[contact] = memory[NORMAL_FORCE];
+            rigid.rows[contact] = Some(found);
+        }
+        rigid.kkt.factorise().map_err(|singular| {
+            let (wheelset, side) = wheels(model).find(|w| w.0 == singular.row).map_or((&model.wheelsets[0], Side::Left), |w| (w.1, w.2));
+            let y = workspace.system.motions[wheelset.body].position.y;
+            EvaluationError::new(t, wheelset, side, ContactFailure::Singular { y })
+        })?;
+        settle(model, workspace, &mut rigid, t, inputs)?;
+        for (contact, wheelset, _) in wheels(model) {
+            let memory = &mut memory[model.contact_memory(contact)];
+            memory[NORMAL_FORCE] = rigid.normal_forces[contact];
+            if rigid.rows[contact].is_some() {
+                // The constraint's force, for whoever reads wrenches and the driving force.
+                let report = &workspace.contacts[contact];
+                let motion = &workspace.system.motions[wheelset.body];
+                let point = rigid.rows[contact].map_or(motion.position, |row| row.location.wheel_point);
+                workspace.system.wrenches[wheelset.body].add_at(report.axes.normal * report.normal_force, &point, &motion.position);
+            }
+        }
+        model.system.accept(y, &mut workspace.system, &rigid.accelerations, dy);
+        Ok(())
+    })();
+    workspace.rigid = Some(rigid);
+    done
+}
+
+fn friction(inputs: &[f64], contact: usize, side: Side) -> f64 {
+    let inputs = &inputs[contact / 2 * WHEELSET_INPUTS..];
+    if side == Side::Left { inputs[LEFT_FRICTION] } else { inputs[RIGHT_FRICTION] }
+}
+
+/// A failure inside the loop, before it is known where it happened.
+enum LoopFailure {
+    NotSettled(NotSettled),
+    At(EvaluationError),
+}
+
+impl From<NotSettled> for LoopFailure {
+    fn from(failure: NotSettled) -> Self {
+        LoopFailure::NotSettled(failure)
+    }
+}
+
+/// Finds the normal forces with which creep forces and multipliers agree; leaves wrenches with creep forces in the workspace and
+/// the accelerations in the scratch.
+fn settle(model: &Model, workspace: &mut Workspace, rigid: &mut RigidScratch, t: f64, inputs: &[f64]) -> Result<(), EvaluationError> {
+    let RigidScratch { kkt, rows, base, free, accelerations, gamma, multipliers, normal_forces, work, .. } = rigid;
+    base.copy_from_slice(&workspace.system.wrenches);
+    let Workspace { system, contacts, .. } = workspace;
+    let iterate = |forces: &[f64], next: &mut [f64]| -> Result<(), LoopFailure> {
+        system.wrenches.copy_from_slice(base);
+        for (contact, wheelset, side) in wheels(model) {
+            let Some(found) = &rows[contact] else { continue };
+            let motion = &system.motions[wheelset.body];
+            let friction = friction(inputs, contact, side);
+            let load = Contact { model, wheelset, side, motion, friction, found: &found.location };
+            load.pressed(&mut contacts[contact], forces[contact], &mut system.wrenches[wheelset.body])
+                .map_err(|cause| LoopFailure::At(EvaluationError::new(t, wheelset, side, cause.into())))?;
+        }
+        model.system.free_accelerations(system, free);
+        kkt.solve(free, gamma, accelerations, multipliers);
+        for (next, multiplier) in next.iter_mut().zip(multipliers.iter()) {
+            *next = -multiplier;
+        }
+        Ok(())
+    };
+    match fixed_point::settle(normal_forces, LOOP, work, iterate) {
+        Ok(iterations) => {
+            workspace.work.force_iterations += iterations as u64;
+            Ok(())
+        }
+        Err(LoopFailure::At(error)) => Err(error),
+        Err(LoopFailure::NotSettled(NotSettled { iterations, residual })) => {
+            let cause = ContactFailure::NotSettled { iterations, residual };
+            Err(EvaluationError::new(t, &model.wheelsets[0], Side::Left, cause))
+        }
+    }
+}
+
+/// The smallest normal force of a constrained contact over its static load; `None` without constrained contacts.
+pub(super) fn smallest_normal_force(model: &Model, memory: &[f64]) -> Option<f64> {
+    let pressing = wheels(model).filter_map(|(contact, wheelset, _)| {
+        let memory = &memory[model.contact_memory(contact)];
+        (!is_elastic(memory)).then(|| memory[NORMAL_FORCE] / wheelset.static_wheel_load)
+    });
+    pressing.reduce(f64::min)
+}

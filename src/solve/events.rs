@@ -1,0 +1,112 @@
+//! What happens at the end of a step: projection, and events between the ends of the step.
+//!
+//! An event is where [`Dynamics::margin`] falls below zero. It is located on the continuous output of the step; the step is cut
+//! there, and the system changes its form when the next step begins. So a solution that is read before the event is that of
+//! the old form, and a restart before it (a jump of an input) undoes it.
+
+use super::{Dynamics, IntegrationState, Scratch, SolveError, Undefined};
+
+/// An event is located to this fraction of the step, and never finer than rounding of time.
+const RESOLUTION: f64 = 1e-12;
+const ITERATIONS: usize = 60;
+
+impl IntegrationState {
+    /// Changes the system's form if an event ended the last step.
+    pub(super) fn switch_if_due(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
+        if self.switch_due {
+            let IntegrationState { t, y, memory, .. } = self;
+            dynamics.switch(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })?;
+            self.switch_due = false;
+            self.t_begin = self.t;
+            self.derivative_known = false;
+            self.statistics.events += 1;
+        }
+        Ok(())
+    }
+
+    /// Completes an accepted step: moves its end onto the constraints, and cuts it where the system changes its form.
+    pub(super) fn complete(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
+        self.project(dynamics)?;
+        if dynamics.margin(&self.memory).is_some() {
+            self.evaluate_begin(dynamics)?;
+            if let Some(margin) = dynamics.margin(&self.memory).filter(|margin| *margin < 0.0) {
+                return self.cut_at_event(dynamics, scratch, margin);
+            }
+        }
+        self.switch_due = dynamics.switch_due(self.t, &self.memory);
+        Ok(())
+    }
+
+    fn project(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
+        let IntegrationState { t, y, memory, .. } = self;
+        if dynamics.project(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })? {
+            self.derivative_known = false;
+            self.statistics.projections += 1;
+        }
+        Ok(())
+    }
+
+    /// Finds where the margin passes zero within the last step (Illinois variant of the false position) and ends the step there.
+    fn cut_at_event(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch, at_end: f64) -> Result<(), SolveError> {
+        let (mut low, mut high) = (0.0, 1.0);
+        let mut above = self.margin_at(dynamics, scratch, low)?;
+        let mut below = at_end;
+        if above > 0.0 {
+            let mut kept_low = false;
+            let mut kept_high = false;
+            for _ in 0..ITERATIONS {
+                let theta = low + (high - low) * above / (above - below);
+                if high - low <= RESOLUTION || !(theta > low && theta < high) {
+                    break;
+                }
+                let margin = self.margin_at(dynamics, scratch, theta)?;
+                // An end that stays twice in a row weighs half as much.
+                if margin >= 0.0 {
+                    (low, above) = (theta, margin);
+                    below *= if kept_high { 0.5 } else { 1.0 };
+                } else {
+                    (high, below) = (theta, margin);
+                    above *= if kept_low { 0.5 } else { 1.0 };
+                }
+                (kept_low, kept_high) = (margin < 0.0, margin >= 0.0);
+            }
+        } else {
+            // The margin was used up before the step began.
+            high = 0.0;
+        }
+        if high < 1.0 {
+            self.cut(high);
+        }
+        self.switch_due = true;
+        Ok(())
+    }
+
+    /// The margin at a fraction of the last step.
+    fn margin_at(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch, theta: f64) -> Result<f64, SolveError> {
+        let time = self.t_begin + theta * (self.t - self.t_begin);
+        self.interpolate(time, &mut scratch.trial);
+        scratch.memory.copy_from_slice(&self.memory);
+        self.statistics.evaluations += 1;
+        let evaluated = dynamics.derivative(time, &scratch.trial, &mut scratch.memory, &mut scratch.stages[1]);
+        evaluated.map_err(|Undefined| SolveError::Undefined { time })?;
+        Ok(dynamics.margin(&scratch.memory).unwrap_or(f64::INFINITY))
+    }
+
+    /// Ends the last step at a fraction of its length; the continuous output then spans the shorter step.
+    fn cut(&mut self, theta: f64) {
+        let time = self.t_begin + theta * (self.t - self.t_begin);
+        let mut y = std::mem::take(&mut self.derivative);
+        self.interpolate(time, &mut y);
+        std::mem::swap(&mut self.y, &mut y);
+        self.derivative = y;
+        self.derivative_known = false;
+        let mut power = 1.0;
+        for vector in self.dense.chunks_exact_mut(self.y.len()) {
+            vector.iter_mut().for_each(|coefficient| *coefficient *= power);
+            power *= theta;
+        }
+        self.t = time;
+        self.grid_start = time;
+        self.grid_count = 0;
+    }
+}
