@@ -173,49 +173,12 @@ impl Pair<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::test_surfaces::{Parabola, pair};
     use super::*;
     use crate::geometry::Side;
-    use crate::geometry::profile::{Profile, ProfilePoint};
-    use crate::geometry::track::{Deviation, DeviationShape, Direction, Rail};
+    use crate::geometry::track::Rail;
     use crate::math::rotation::AxleFrame;
     use std::sync::Arc;
-
-    #[derive(Debug)]
-    struct Parabola {
-        value: f64,
-        slope: f64,
-        curvature: f64,
-    }
-    impl Profile for Parabola {
-        fn at(&self, x: f64) -> ProfilePoint {
-            ProfilePoint {
-                value: self.value + x * (self.slope + 0.5 * self.curvature * x),
-                d1: self.slope + self.curvature * x,
-                d2: self.curvature,
-                d3: 0.0,
-            }
-        }
-        fn range(&self) -> (f64, f64) {
-            (-1.0, 1.0)
-        }
-        fn describe(&self) -> String {
-            "parabola".into()
-        }
-    }
-
-    #[derive(Debug)]
-    struct Wave;
-    impl DeviationShape for Wave {
-        fn at(&self, s: f64) -> [f64; 4] {
-            [0.004 * s.sin(), 0.004 * s.cos(), -0.004 * s.sin(), -0.004 * s.cos()]
-        }
-        fn breaks(&self) -> Vec<f64> {
-            vec![]
-        }
-        fn describe(&self) -> String {
-            "wave".into()
-        }
-    }
 
     fn locate(
         wheel: &Wheel,
@@ -225,14 +188,6 @@ mod tests {
         distance: f64,
     ) -> Result<ContactLocation, NewtonFailure> {
         Pair { wheel, rail, centre, axes, distance }.locate(&SurfaceParameters::default())
-    }
-
-    fn pair(side: Side, slope: f64, wavy: bool) -> (Wheel, Rail) {
-        let wheel = Wheel { side, profile: Arc::new(Parabola { value: 0.457, slope: -slope, curvature: -0.3 }), half_spacing: 0.716 };
-        let deviation = |direction| Deviation { side, direction, shape: Arc::new(Wave) };
-        let deviations = if wavy { vec![deviation(Direction::Lateral), deviation(Direction::Vertical)] } else { vec![] };
-        let head = Arc::new(Parabola { value: 0.0, slope: 0.0, curvature: -1.0 / 0.3 });
-        (wheel, Rail::new(side, head, 0.716, slope.atan(), &deviations))
     }
 
     #[test]

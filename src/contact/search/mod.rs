@@ -3,3 +3,5 @@
 pub mod algebraic;
 pub mod kinematics;
 pub mod point_contact;
+#[cfg(test)]
+mod test_surfaces;

@@ -114,3 +114,81 @@ impl PointContact {
         self.at.normal.norm()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_surfaces::{Wave, pair};
+    use super::*;
+    use crate::geometry::Side;
+    use crate::math::rotation::AxleFrame;
+
+    /// Position, yaw and roll of a wheelset that moves without accelerating in its coordinates.
+    struct Path {
+        centre: Vector3<f64>,
+        velocity: Vector3<f64>,
+        angles: [f64; 2],
+        angle_rates: [f64; 2],
+        parameters: Vector4<f64>,
+        rates: Vector4<f64>,
+    }
+
+    impl Path {
+        fn example(side: Side) -> Path {
+            Path {
+                centre: Vector3::new(3.0, 0.004, 0.4571),
+                velocity: Vector3::new(20.0, 0.3, -0.2),
+                angles: [0.02, 0.01],
+                angle_rates: [0.4, -0.3],
+                parameters: Vector4::new(0.004, 0.01, 3.003, -0.006),
+                rates: Vector4::new(0.2, 0.3, 20.1, side.sign() * 0.15),
+            }
+        }
+
+        fn at(&self, side: Side, t: f64) -> (PointContact, Residual) {
+            let (wheel, rail) = pair(side, 0.05, true);
+            let centre = self.centre + self.velocity * t;
+            let frame = AxleFrame::new(self.angles[0] + t * self.angle_rates[0], self.angles[1] + t * self.angle_rates[1]);
+            let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &frame.axes, distance: centre.x };
+            let contact = pair.point_contact(&(self.parameters + self.rates * t));
+            let rotation = frame.axes * frame.frame_rate(self.angle_rates[0], self.angle_rates[1]);
+            let bias = Vector3::z().cross(&frame.axes.column(0)) * (self.angle_rates[0] * self.angle_rates[1]);
+            let carrier = CarrierMotion { velocity: self.velocity, rotation, rotation_bias: bias };
+            (contact, pair.bias(&contact, &self.rates, &carrier))
+        }
+    }
+
+    #[test]
+    fn analytic_derivatives_along_a_motion_match_differences() {
+        for side in Side::BOTH {
+            let path = Path::example(side);
+            let (contact, bias) = path.at(side, 0.0);
+            let value = |t: f64| path.at(side, t).0.residual;
+            let h = 1e-5;
+            let first = (value(h) - value(-h)) / (2.0 * h);
+            let rotation = AxleFrame::new(path.angles[0], path.angles[1]);
+            let rotation = rotation.axes * rotation.frame_rate(path.angle_rates[0], path.angle_rates[1]);
+            let mut expected = contact.by_parameters * path.rates;
+            for i in 0..CONSTRAINTS {
+                expected[i] += contact.by_velocity[i].dot(&path.velocity) + contact.by_rotation[i].dot(&rotation);
+            }
+            assert!((first - expected).norm() < 1e-7 * expected.norm(), "{side:?}: {first} {expected}");
+            let h = 2e-4;
+            // Fourth order, so that rounding and truncation both stay small.
+            let second = (-value(2.0 * h) + 16.0 * value(h) - 30.0 * value(0.0) + 16.0 * value(-h) - value(-2.0 * h)) / (12.0 * h * h);
+            for i in 0..CONSTRAINTS {
+                assert!((second[i] - bias[i]).abs() < 1e-5 * (1.0 + bias[i].abs()), "{side:?} row {i}: {} {}", second[i], bias[i]);
+            }
+        }
+    }
+
+    #[test]
+    fn prop_the_wave_has_the_derivatives_that_it_states() {
+        use crate::geometry::track::DeviationShape;
+        let (h, s) = (1e-4, 0.7);
+        let [_, d1, d2, d3] = Wave.at(s);
+        let [ahead, behind] = [Wave.at(s + h), Wave.at(s - h)];
+        for (order, exact) in [(0, d1), (1, d2), (2, d3)] {
+            assert!(((ahead[order] - behind[order]) / (2.0 * h) - exact).abs() < 1e-8);
+        }
+    }
+}

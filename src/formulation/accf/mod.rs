@@ -16,6 +16,10 @@
 //! constraints in every evaluation, on position level by Newton iteration, on velocity level linearly. The partition is made
 //! per wheelset: contact constraints tie no two wheelsets to each other.
 //!
+//! Where a rail's second derivative jumps (the end of a deviation), the rates of surface parameters jump while the coordinates'
+//! do not: within 20 ms of such a place coordinates are the independent variables; elsewhere pivoting chooses. Profiles must have a
+//! continuous curvature.
+//!
 //! States per contact: u, angle, s, eta (s along the track) and their rates. Memory per contact: that of `rigid`, and in the left
 //! contact's the partition and the conditioning that it had when it was chosen.
 
@@ -24,9 +28,7 @@ mod partition;
 use super::lift::{self, OnLift};
 use super::loading::{keep, pair};
 use super::rigid::{self, ConstraintRow, RigidScratch, is_elastic, wheels};
-use super::{
-    Build, ContactFailure, Evaluation, EvaluationError, Formulation, Model, Parts, Wheelset, Workspace, contact_index, eccf,
-};
+use super::{Build, ContactFailure, Evaluation, EvaluationError, Formulation, Model, Parts, Wheelset, Workspace, contact_index, eccf};
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::contact::search::point_contact::{CONSTRAINTS, PARAMETERS, ParameterJacobian, PointContact, Residual};
 use crate::geometry::Side;
@@ -115,10 +117,12 @@ impl Formulation for Accf {
     ) -> Result<bool, EvaluationError> {
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let jacobian = close(model, workspace, index, wheelset, t, y, memory)?;
+            let crossing = crosses_break(model, index, y);
             let memory = &mut memory[model.contact_memory(contact_index(index, Side::Left))];
             let kept = Partition::from_mask(memory[PARTITION]).map_or(0.0, |partition| conditioning(&partition.block(&jacobian)));
-            if kept < WORSE * memory[CONDITIONING] {
-                choose(&jacobian, wheelset, t, memory)?;
+            // A partition for a crossing has infinity as mark.
+            if crossing != memory[CONDITIONING].is_infinite() || (!crossing && kept < WORSE * memory[CONDITIONING]) {
+                choose(&jacobian, crossing, wheelset, t, memory)?;
                 workspace.work.partitions += 1;
             }
         }
@@ -191,16 +195,37 @@ fn reset(model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
         let (variables, _) = gather(model, index, wheelset, y);
         let (_, jacobian) = constraints(model, index, wheelset, memory, &variables);
-        choose(&jacobian, wheelset, t, &mut memory[model.contact_memory(contact_index(index, Side::Left))])?;
+        let crossing = crosses_break(model, index, y);
+        choose(&jacobian, crossing, wheelset, t, &mut memory[model.contact_memory(contact_index(index, Side::Left))])?;
     }
     Ok(())
 }
 
-/// Chooses a partition and keeps it in the left contact's memory.
-fn choose(jacobian: &Jacobian, wheelset: &Wheelset, t: f64, memory: &mut [f64]) -> Result<(), EvaluationError> {
-    let partition = Partition::choose(jacobian).ok_or_else(|| EvaluationError::new(t, wheelset, Side::Left, ContactFailure::Dependent))?;
+/// Does one of a wheelset's contacts pass a place where its rail is not smooth, now or within the length of a step?
+fn crosses_break(model: &Model, index: usize, y: &[f64]) -> bool {
+    Side::BOTH.into_iter().any(|side| {
+        let states = &y[model.contact_states(contact_index(index, side))];
+        model.track.rail(side).has_break_near(states[DISTANCE], LONGEST_STEP * states[PARAMETERS + DISTANCE].abs())
+    })
+}
+
+/// No step is longer, s: creepage and suspension move within 10 ms.
+const LONGEST_STEP: f64 = 0.02;
+
+/// Place of s among the surface parameters.
+const DISTANCE: usize = 2;
+
+/// Chooses a partition and keeps it in the left contact's memory. One for a crossing ends with it.
+fn choose(jacobian: &Jacobian, crossing: bool, wheelset: &Wheelset, t: f64, memory: &mut [f64]) -> Result<(), EvaluationError> {
+    let mut free = *jacobian;
+    if wheelset.imposed_speed.is_some() {
+        // x is given: constraints must not change it.
+        free.column_mut(0).fill(0.0);
+    }
+    let partition = if crossing { Partition::of_coordinates(&free) } else { Partition::choose(&free) };
+    let partition = partition.ok_or_else(|| EvaluationError::new(t, wheelset, Side::Left, ContactFailure::Dependent))?;
     memory[PARTITION] = partition.mask();
-    memory[CONDITIONING] = conditioning(&partition.block(jacobian));
+    memory[CONDITIONING] = if crossing { f64::INFINITY } else { conditioning(&partition.block(jacobian)) };
     Ok(())
 }
 
@@ -282,9 +307,8 @@ fn close(
     let mut change = Rows::zeros();
     let evaluate = |change: &Rows| constraints(model, index, wheelset, memory, &at(change));
     let solved = newton::solve(&mut change, POSITION, evaluate, |_, jacobian| partition.block(jacobian));
-    let (jacobian, iterations) = solved.map_err(|failure| {
-        fail(ContactFailure::NotClosed { iterations: failure.iterations, gap: failure.residual, y: base[1] })
-    })?;
+    let (jacobian, iterations) =
+        solved.map_err(|failure| fail(ContactFailure::NotClosed { iterations: failure.iterations, gap: failure.residual, y: base[1] }))?;
     workspace.work.constraint_iterations += iterations as u64;
     values = at(&change);
     let mut excess: Rows = jacobian * rates;
@@ -344,8 +368,8 @@ fn evaluate(
         for i in 0..CONSTRAINTS {
             rest[i] += motion.coefficients(&found.by_velocity[i], &found.by_rotation[i]).dot(&accelerations);
         }
-        let accelerations = parameter_accelerations(&found, &rest)
-            .ok_or_else(|| EvaluationError::new(t, wheelset, side, ContactFailure::Dependent))?;
+        let accelerations =
+            parameter_accelerations(&found, &rest).ok_or_else(|| EvaluationError::new(t, wheelset, side, ContactFailure::Dependent))?;
         dy[range.start..range.start + PARAMETERS].copy_from_slice(rates.as_slice());
         dy[range.start + PARAMETERS..range.end].copy_from_slice(accelerations.as_slice());
     }

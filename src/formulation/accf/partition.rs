@@ -41,6 +41,15 @@ impl Partition {
         Some(Partition { dependent })
     }
 
+    /// Makes all surface parameters dependent, and the coordinates that are determined best with them. (Their columns outweigh
+    /// all others, so that pivoting takes them first.)
+    pub fn of_coordinates(jacobian: &Jacobian) -> Option<Partition> {
+        const OUTWEIGH: f64 = 1e4;
+        let mut weighted = *jacobian;
+        weighted.columns_mut(COORDINATES, VARIABLES - COORDINATES).scale_mut(OUTWEIGH);
+        Self::choose(&weighted)
+    }
+
     /// The choice as a number that the state's memory can hold: bit i says that variable i is dependent.
     pub fn mask(&self) -> f64 {
         f64::from(self.dependent.iter().fold(0u32, |mask, variable| mask | 1 << variable))

@@ -111,6 +111,11 @@ impl Rail {
         }
     }
 
+    /// Is there a place within `reach` [m] of `s` where the rail is not smooth?
+    pub fn has_break_near(&self, s: f64, reach: f64) -> bool {
+        self.breaks.iter().any(|b| (b - s).abs() <= reach)
+    }
+
     /// The nearest distance beyond `s` in the direction of travel (sign of `speed`) where the rail is not smooth. A
     /// break closer than a micrometre counts as passed: the second derivatives that jump there act over nanoseconds.
     pub fn next_break(&self, s: f64, speed: f64) -> Option<f64> {
