@@ -11,6 +11,7 @@
 //! p = roll',  w = yaw' sin roll,  q = pitch' + w,  r = yaw' cos roll
 //! ```
 
+use super::kkt::{Coefficients, Mobility};
 use crate::math::rotation::AxleFrame;
 use nalgebra::Vector3;
 
@@ -81,6 +82,14 @@ impl BodyMotion {
         self.velocity + self.frame_rotation.cross(&(point - self.position))
     }
 
+    /// A wrench's generalised force on the six coordinates: force, then moment about the axes of yaw, roll and pitch.
+    #[inline]
+    pub fn generalised_force(&self, wrench: &Wrench) -> Coefficients {
+        let (force, moment) = (wrench.force, wrench.moment);
+        let roll_axis = self.frame.axes.column(0);
+        Coefficients::new(force.x, force.y, force.z, moment.z, roll_axis.dot(&moment), self.axle().dot(&moment))
+    }
+
     /// Unit vector of the axle, pointing left.
     pub fn axle(&self) -> Vector3<f64> {
         self.frame.axes.column(1).into_owned()
@@ -133,6 +142,24 @@ impl Body {
         [linear.x, linear.y, linear.z, yaw, p_dot, pitch]
     }
 
+    /// Inverse of the mass matrix of the six coordinates. With s, c of roll, the kinetic energy of rotation is
+    /// `(J (roll'^2 + c^2 yaw'^2) + I (pitch' + s yaw')^2) / 2`.
+    #[inline]
+    pub fn mobility(&self, motion: &BodyMotion) -> Mobility {
+        let (sin, cos) = (motion.frame.sin_roll, motion.frame.cos_roll);
+        let yaw = 1.0 / (self.transverse_inertia * cos * cos);
+        let mut mobility = Mobility::zeros();
+        for i in 0..3 {
+            mobility[(i, i)] = 1.0 / self.mass;
+        }
+        mobility[(3, 3)] = yaw;
+        mobility[(4, 4)] = 1.0 / self.transverse_inertia;
+        mobility[(5, 5)] = 1.0 / self.axial_inertia + sin * sin * yaw;
+        mobility[(3, 5)] = -sin * yaw;
+        mobility[(5, 3)] = -sin * yaw;
+        mobility
+    }
+
     /// Kinetic energy, J.
     pub fn kinetic_energy(&self, motion: &BodyMotion) -> f64 {
         let rate = motion.frame.body_rate(motion.yaw_rate, motion.roll_rate, motion.pitch_rate);
@@ -170,6 +197,24 @@ mod tests {
             momentum(&body, &q, &v)
         };
         assert!(((at(h) - at(-h)) / (2.0 * h) - wrench.moment).norm() < 1e-6);
+    }
+
+    #[test]
+    fn analytic_mobility_turns_generalised_force_into_acceleration() {
+        let body = gyroscope();
+        let motion = BodyMotion::new(&[0.0, 0.0, 0.0, 0.4, -0.3, 1.0], &[1.0, 0.0, 2.0, 0.7, 0.5, 20.0]);
+        let wrench = Wrench { force: Vector3::new(1.0, 2.0, -3.0), moment: Vector3::new(3.0, -2.0, 5.0) };
+        let loaded = Coefficients::from(body.accelerations(&motion, &wrench));
+        let free = Coefficients::from(body.accelerations(&motion, &Wrench::default()));
+        let expected = body.mobility(&motion) * motion.generalised_force(&wrench);
+        assert!((loaded - free - expected).norm() < 1e-13 * loaded.norm());
+        // The work of the wrench is that of the generalised force.
+        let power = wrench.force.dot(&motion.velocity) + wrench.moment.dot(&motion.rotation);
+        let rates = Coefficients::new(1.0, 0.0, 2.0, 0.7, 0.5, 20.0);
+        assert!((motion.generalised_force(&wrench).dot(&rates) - power).abs() < 1e-12 * power.abs());
+        // The mass matrix, whose quadratic form is twice the kinetic energy.
+        let mass = body.mobility(&motion).try_inverse().unwrap();
+        assert!((0.5 * rates.dot(&(mass * rates)) - body.kinetic_energy(&motion)).abs() < 1e-12 * body.kinetic_energy(&motion));
     }
 
     #[test]

@@ -2,4 +2,5 @@
 
 pub mod body;
 pub mod force;
+pub mod kkt;
 pub mod system;
