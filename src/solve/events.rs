@@ -9,6 +9,8 @@ use super::{Dynamics, IntegrationState, Scratch, SolveError, Undefined};
 /// An event is located to this fraction of the step, and never finer than rounding of time.
 const RESOLUTION: f64 = 1e-12;
 const ITERATIONS: usize = 60;
+/// How often a step is halved to find a margin.
+const LOOKS: i32 = 12;
 
 impl IntegrationState {
     /// Changes the system's form if an event ended the last step.
@@ -51,6 +53,19 @@ impl IntegrationState {
         let (mut low, mut high) = (0.0, 1.0);
         let mut above = self.margin_at(dynamics, scratch, low)?;
         let mut below = at_end;
+        // Right after an event the margin may begin at zero: then it is looked for inside the step.
+        for halvings in 1..=LOOKS {
+            if above > 0.0 {
+                break;
+            }
+            let theta = 0.5f64.powi(halvings);
+            let margin = self.margin_at(dynamics, scratch, theta)?;
+            if margin > 0.0 {
+                (low, above) = (theta, margin);
+            } else {
+                (high, below) = (theta, margin);
+            }
+        }
         if above > 0.0 {
             let mut kept_low = false;
             let mut kept_high = false;
@@ -71,7 +86,7 @@ impl IntegrationState {
                 (kept_low, kept_high) = (margin < 0.0, margin >= 0.0);
             }
         } else {
-            // The margin was used up before the step began.
+            // The margin is used up when the step begins.
             high = 0.0;
         }
         if high < 1.0 {
