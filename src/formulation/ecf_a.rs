@@ -28,7 +28,7 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 };
 
 fn parse(_: &Section) -> Result<Build, SettingsError> {
-    Ok(Arc::new(|_| Box::new(EcfA)))
+    Ok(Arc::new(|_| Ok(Box::new(EcfA))))
 }
 
 /// The formulation has no settings of its own.

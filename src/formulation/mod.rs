@@ -10,6 +10,7 @@
 mod accf;
 mod eccf;
 mod ecf_a;
+mod ecf_n;
 pub mod events;
 mod lift;
 mod loading;
@@ -21,6 +22,7 @@ use crate::contact::creep::CreepLaw;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage};
 use crate::contact::normal::{ConformalContact, NormalLaw};
 use crate::contact::search::algebraic::SurfaceParameters;
+use crate::contact::search::nodes::NodeError;
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::Track;
@@ -148,10 +150,13 @@ pub struct Evaluation<'a> {
 
 impl Model {
     /// Completes the parts with a formulation.
-    pub fn new(parts: Parts, build: &Build) -> Model {
-        let formulation = build(&parts);
+    ///
+    /// # Errors
+    /// [`AssemblyError`] when the formulation can't treat the parts.
+    pub fn new(parts: Parts, build: &Build) -> Result<Model, AssemblyError> {
+        let formulation = build(&parts)?;
         let Parts { system, track, wheelsets, laws } = parts;
-        Model { system, track, wheelsets, laws, formulation }
+        Ok(Model { system, track, wheelsets, laws, formulation })
     }
 
     pub fn contacts(&self) -> usize {
@@ -321,12 +326,19 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
 }
 
 /// Builds a formulation for the parts of a model.
-pub type Build = Arc<dyn Fn(&Parts) -> Box<dyn Formulation> + Send + Sync>;
+pub type Build = Arc<dyn Fn(&Parts) -> Result<Box<dyn Formulation>, AssemblyError> + Send + Sync>;
+
+/// A formulation can't treat a model.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AssemblyError {
+    #[error("contact.node_spacing: {0}")]
+    Nodes(NodeError),
+}
 
 type Parse = fn(&Section) -> Result<Build, SettingsError>;
 
 /// Every formulation that a scene can name.
-pub static REGISTRY: &[Entry<Parse>] = &[accf::ENTRY, eccf::ENTRY, ecf_a::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] = &[accf::ENTRY, eccf::ENTRY, ecf_a::ENTRY, ecf_n::ENTRY];
 
 /// Reads `contact.formulation`; returns its name and the formulation.
 ///
@@ -336,6 +348,7 @@ pub fn parse(section: &Section) -> Result<(&'static str, Build), SettingsError> 
     let entry = choose(REGISTRY, section, "formulation")?;
     // Each formulation takes what it needs; the rest may stay for the next choice.
     lift::parse(section)?;
+    ecf_n::parse_spacing(section)?;
     Ok((entry.name, (entry.parse)(section)?))
 }
 
@@ -368,6 +381,8 @@ pub enum ContactFailure {
         "contact at the {part} coordinate {found:.4} m, but its profile reaches only from {first:.4} m to {last:.4} m (wheelset at y = {y:.4} m)"
     )]
     OffProfile { part: &'static str, found: f64, first: f64, last: f64, y: f64 },
+    #[error("no node of the wheel stands over a node of the rail (wheelset at y = {y:.4} m): the wheelset has left the rails")]
+    OffRail { y: f64 },
     #[error("{0}")]
     Conformal(#[from] ConformalContact),
     #[error(

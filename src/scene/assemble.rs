@@ -1,7 +1,7 @@
 //! From scene data to a model: only what the scene calls for becomes an object.
 
 use super::spec::{Scene, SuspensionSpec};
-use crate::formulation::{ContactLaws, Model, Parts, Wheelset};
+use crate::formulation::{AssemblyError, ContactLaws, Model, Parts, Wheelset};
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Rail, Track};
@@ -10,7 +10,10 @@ use crate::mbs::force::{ForceElement, Gravity, GuidedSpring, TrackAxis, Vertical
 use crate::mbs::system::{DrivingConstraint, System};
 
 /// Assembles the model of a scene.
-pub fn model(scene: &Scene) -> Model {
+///
+/// # Errors
+/// [`AssemblyError`] when the formulation can't treat the scene.
+pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     let spec = &scene.vehicle.wheelset;
     let body =
         Body { name: spec.name.clone(), mass: spec.mass, transverse_inertia: spec.transverse_inertia, axial_inertia: spec.axial_inertia };

@@ -6,7 +6,7 @@
 //! gaps and the load is carried by itself.
 
 use super::spec::Scene;
-use crate::formulation::{Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
+use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
 use crate::math::newton::{self, NewtonLimits};
 use crate::mbs::body::COORDINATES;
 use nalgebra::{Matrix1, Matrix2, Vector1, Vector2};
@@ -38,6 +38,8 @@ pub enum EquilibriumError {
     NotFound { force: f64, moment: f64 },
     #[error("no steady rolling equilibrium: {0}")]
     Evaluation(EvaluationError),
+    #[error("{0}")]
+    Assembly(#[from] AssemblyError),
 }
 
 /// Finds the equilibrium of the scene's wheelset.
@@ -50,7 +52,7 @@ pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> 
     if load <= 0.0 {
         return Err(EquilibriumError::NoLoad { load });
     }
-    let mut balance = Balance::new(scene);
+    let mut balance = Balance::new(scene)?;
     let radius = balance.model.wheelsets[0].left.profile.at(0.0).value;
     let speed = scene.vehicle.speed;
 
@@ -123,13 +125,13 @@ struct Balance {
 }
 
 impl Balance {
-    fn new(scene: &Scene) -> Self {
-        let mut model = super::assemble::model(scene);
+    fn new(scene: &Scene) -> Result<Self, AssemblyError> {
+        let mut model = super::assemble::model(scene)?;
         model.track = model.track.ideal();
         let dimension = model.dimension();
         let mut y = vec![0.0; dimension];
         y[COORDINATES] = scene.vehicle.speed;
-        Balance { workspace: model.workspace(), dy: vec![0.0; dimension], memory: vec![0.0; model.memory()], model, y }
+        Ok(Balance { workspace: model.workspace(), dy: vec![0.0; dimension], memory: vec![0.0; model.memory()], model, y })
     }
 
     /// Equilibrium on contacts that are constraints: they fix the height, and the pitch rate must not change.

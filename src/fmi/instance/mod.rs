@@ -11,7 +11,7 @@ pub use saved::SavedState;
 
 use super::description;
 use super::variables::VariableTable;
-use crate::scene::load;
+use crate::scene::load::{self, SceneError};
 use crate::scene::spec::Scene;
 use crate::sim::outputs::outputs;
 use crate::sim::{Simulation, SimulationError};
@@ -83,7 +83,7 @@ impl Instance {
     /// [`InstantiateError`].
     pub fn new(resources: &Path, guid: &str) -> Result<Self, InstantiateError> {
         let scene = load::open_file(&resources.join("scene.toml"), "scene", &[])?;
-        let table = VariableTable::new(&scene);
+        let table = VariableTable::new(&scene).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
         let found = description::describe(&scene, &table).guid;
         if found != guid {
             return Err(InstantiateError::Guid { found, wanted: guid.chars().filter(|c| !c.is_control()).collect() });

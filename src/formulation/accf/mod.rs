@@ -50,7 +50,7 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 
 fn parse(section: &Section) -> Result<Build, SettingsError> {
     let on_lift = lift::parse(section)?;
-    Ok(Arc::new(move |_: &Parts| Box::new(Accf { on_lift })))
+    Ok(Arc::new(move |_: &Parts| Ok(Box::new(Accf { on_lift }))))
 }
 
 #[derive(Debug)]
