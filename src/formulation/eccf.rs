@@ -38,6 +38,10 @@ struct Eccf {
 }
 
 impl Formulation for Eccf {
+    fn describe(&self) -> String {
+        format!("constraint, one multiplier per wheel; {} (contact.on_lift)", self.on_lift.describe())
+    }
+
     fn memory_per_contact(&self) -> usize {
         rigid::MEMORY
     }

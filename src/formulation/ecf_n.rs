@@ -66,6 +66,10 @@ struct EcfN {
 const MEMORY: usize = 4;
 
 impl Formulation for EcfN {
+    fn describe(&self) -> String {
+        format!("elastic, up to two points per wheel among nodes every {} mm (contact.node_spacing)", 1e3 * self.spacing)
+    }
+
     fn states_per_contact(&self) -> usize {
         1
     }

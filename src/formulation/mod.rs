@@ -217,6 +217,9 @@ impl Model {
 ///
 /// `y` and `memory` are those of the whole model.
 pub trait Formulation: Send + Sync + std::fmt::Debug {
+    /// How it finds and treats contacts, for `wheelrail plan`.
+    fn describe(&self) -> String;
+
     /// States that each contact adds to the state vector.
     fn states_per_contact(&self) -> usize {
         0
@@ -288,19 +291,11 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
         f64::INFINITY
     }
 
-    /// Moves the state onto the constraint of a contact that has just become one again.
+    /// Moves the state onto the constraints after contacts have changed their mode.
     ///
     /// # Errors
     /// [`EvaluationError`] when there is no such state near `y`.
-    fn land(
-        &self,
-        model: &Model,
-        workspace: &mut Workspace,
-        _contact: usize,
-        t: f64,
-        y: &mut [f64],
-        memory: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn resettle(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
         self.project(model, workspace, t, y, memory).map(|_| ())
     }
 

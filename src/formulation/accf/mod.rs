@@ -72,6 +72,10 @@ const WORSE: f64 = 0.5;
 const POSITION: NewtonLimits = NewtonLimits { next_step: 1e-13, iterations: 12 };
 
 impl Formulation for Accf {
+    fn describe(&self) -> String {
+        format!("constraint, five multipliers per wheel, surface parameters as states; {} (contact.on_lift)", self.on_lift.describe())
+    }
+
     fn states_per_contact(&self) -> usize {
         STATES
     }
@@ -161,15 +165,7 @@ impl Formulation for Accf {
         lift::switch(self.on_lift, self, model, workspace, t, y, memory)
     }
 
-    fn land(
-        &self,
-        model: &Model,
-        workspace: &mut Workspace,
-        _contact: usize,
-        t: f64,
-        y: &mut [f64],
-        memory: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn resettle(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
         reset(model, workspace, t, y, memory)
     }
 }
@@ -219,8 +215,11 @@ const DISTANCE: usize = 2;
 fn choose(jacobian: &Jacobian, crossing: bool, wheelset: &Wheelset, t: f64, memory: &mut [f64]) -> Result<(), EvaluationError> {
     let mut free = *jacobian;
     if wheelset.imposed_speed.is_some() {
-        // x is given: constraints must not change it.
+        // x is given: constraints must not change it. (Where an elastic contact's row holds x itself, that entry stays.)
+        let held = free[(CONSTRAINTS + NORMAL, 0)];
+        let holds = free.row(CONSTRAINTS + NORMAL).norm() == held.abs();
         free.column_mut(0).fill(0.0);
+        free[(CONSTRAINTS + NORMAL, 0)] = if holds { held } else { 0.0 };
     }
     let partition = if crossing { Partition::of_coordinates(&free) } else { Partition::choose(&free) };
     let partition = partition.ok_or_else(|| EvaluationError::new(t, wheelset, Side::Left, ContactFailure::Dependent))?;
