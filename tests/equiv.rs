@@ -152,3 +152,46 @@ fn equiv_elastic_contact_tends_to_the_constraint_with_stiffness() {
         last = Some((lateral, lower[0]));
     }
 }
+
+#[test]
+fn equiv_nodal_search_tends_to_algebraic_equations_with_spacing() {
+    let algebraic = with("ECF-A", &["solver.tolerance=1e-10"]);
+    let mut last = f64::INFINITY;
+    for spacing in ["1.6 mm", "0.4 mm", "0.1 mm", "0.025 mm"] {
+        let nodal = with("ECF-N", &[&format!("contact.node_spacing={spacing}"), "solver.tolerance=1e-8"]);
+        let differences = ["y", "z", "left.normalForce"].map(|name| largest_difference(&column(&algebraic, name), &column(&nodal, name)));
+        println!(
+            "ECF-N, nodes every {spacing}: y {:.1e} m, z {:.1e} m, normal force {:.1e} N",
+            differences[0], differences[1], differences[2]
+        );
+        assert!(differences[0] < 0.5 * last, "a quarter of the spacing must at least halve the difference: {} {last}", differences[0]);
+        last = differences[0];
+    }
+    assert!(last < 5e-6, "{last}");
+}
+
+#[test]
+fn equiv_nodal_search_jumps_where_the_algebraic_one_does_not() {
+    // Section 4.2: contact jumps from node to node; rolling radius, creepages and creep forces jump with it.
+    let jump = |formulation: &str, spacing: &str| {
+        let formulation = format!("contact.formulation={formulation}");
+        let scene = scene(&[&formulation, &format!("contact.node_spacing={spacing}")]);
+        let mut simulation = start(&scene);
+        let outputs = table(&simulation, &scene);
+        simulation.advance(0.6).unwrap();
+        let (mut largest, mut last) = (0f64, None);
+        for row in 1..=20_000 {
+            simulation.advance(0.6 + 1e-5 * f64::from(row)).unwrap();
+            let force = read(&mut simulation, &outputs)["right.contact[1].creepForceX"];
+            largest = last.map_or(largest, |last: f64| largest.max((force - last).abs()));
+            last = Some(force);
+        }
+        println!("{formulation}, nodes every {spacing}: largest change of Fx within 10 us {largest:.2} N");
+        largest
+    };
+    let smooth = jump("ECF-A", "1 mm");
+    let (coarse, fine) = (jump("ECF-N", "1 mm"), jump("ECF-N", "0.1 mm"));
+    // One node of a 1:40 cone changes the rolling radius by 0.025 mm, the creepage by 5.5e-5 and Fx by Kalker's c11 G a b of it.
+    assert!(coarse > 100.0 * smooth, "{coarse} {smooth}");
+    assert!((5.0..20.0).contains(&(coarse / fine)), "jumps shrink with the spacing: {coarse} {fine}");
+}
