@@ -2,5 +2,6 @@
 
 pub mod body;
 pub mod force;
+pub mod inertia;
 pub mod kkt;
 pub mod system;

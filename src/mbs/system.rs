@@ -63,7 +63,7 @@ impl System {
     #[inline]
     pub fn apply_forces(&self, y: &[f64], workspace: &mut SystemWorkspace) {
         for body in 0..self.bodies.len() {
-            workspace.motions[body] = BodyMotion::new(&y[self.coordinates(body)], &y[self.velocities(body)]);
+            workspace.motions[body] = self.bodies[body].motion(&y[self.coordinates(body)], &y[self.velocities(body)]);
             workspace.wrenches[body] = Wrench::default();
         }
         for force in &self.forces {

@@ -7,13 +7,14 @@ use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Rail, Track};
 use crate::mbs::body::Body;
 use crate::mbs::force::{ForceElement, Gravity, GuidedSpring, TrackAxis, VerticalLoad};
+use crate::mbs::inertia::Inertia;
 use crate::mbs::system::{DrivingConstraint, System};
 
 /// Assembles the model of a scene.
 pub fn model(scene: &Scene) -> Model {
     let spec = &scene.vehicle.wheelset;
-    let body =
-        Body { name: spec.name.clone(), mass: spec.mass, transverse_inertia: spec.transverse_inertia, axial_inertia: spec.axial_inertia };
+    let inertia = Inertia::Revolution { transverse: spec.transverse_inertia, axial: spec.axial_inertia };
+    let body = Body { name: spec.name.clone(), mass: spec.mass, inertia };
     let mut forces: Vec<Box<dyn ForceElement>> = Vec::new();
     if scene.vehicle.gravity != 0.0 {
         forces.push(Box::new(Gravity { body: 0, mass: spec.mass, acceleration: scene.vehicle.gravity }));
