@@ -3,5 +3,6 @@
 pub mod body;
 pub mod force;
 pub mod inertia;
+pub mod joint;
 pub mod kkt;
 pub mod system;
