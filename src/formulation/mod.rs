@@ -107,7 +107,7 @@ pub struct Workspace {
 impl Model {
     pub fn workspace(&self) -> Workspace {
         Workspace {
-            system: self.system.workspace(),
+            system: self.system.workspace(&[]),
             contacts: vec![ContactReport::default(); 2 * self.wheelsets.len()],
             search_iterations: 0,
         }

@@ -30,7 +30,13 @@ pub fn model(scene: &Scene) -> Model {
     let rail = |side| Rail::new(side, track.rail.profile.clone(), track.half_rail_distance, track.inclination, &track.deviations);
     let contact = &scene.contact;
     Model {
-        system: System { bodies: vec![body], forces, drives: vec![DrivingConstraint { body: 0, speed: scene.vehicle.speed }] },
+        system: System {
+            bodies: vec![body],
+            forces,
+            drives: vec![DrivingConstraint { body: 0, speed: scene.vehicle.speed }],
+            joints: Vec::new(),
+            redundant: Vec::new(),
+        },
         track: Track { left: rail(Side::Left), right: rail(Side::Right) },
         wheelsets: vec![Wheelset {
             name: spec.name.clone(),
