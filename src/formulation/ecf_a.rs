@@ -10,6 +10,7 @@
 //! Memory per contact: the four surface parameters of the last evaluation, as warm start.
 
 use super::loading::{Contact, external_wrench, keep, not_found, pair, warm_start};
+use super::rigid;
 use super::{
     Build, ContactFailure, ContactReport, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS,
     Wheelset, Workspace, contact_index,
@@ -65,8 +66,7 @@ impl Formulation for EcfA {
                 workspace.contacts[contact] = report;
             }
         }
-        model.system.derivative(y, &mut workspace.system, dy);
-        Ok(())
+        rigid::finish_elastic(model, workspace, t, y, dy)
     }
 }
 

@@ -12,6 +12,7 @@
 //! the wheel stands; nothing is taken from them.
 
 use super::loading::{Contact, external_wrench, keep};
+use super::rigid;
 use super::{
     AssemblyError, Build, ContactFailure, ContactReport, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, Parts,
     RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace, contact_index,
@@ -83,7 +84,7 @@ impl Formulation for EcfN {
     }
 
     fn start(&self, model: &Model, workspace: &mut Workspace, _: f64, y: &mut [f64], _: &mut [f64]) -> Result<(), EvaluationError> {
-        model.system.set_motions(y, &mut workspace.system);
+        model.system.move_bodies(y, &mut workspace.system);
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let motion = &workspace.system.motions[wheelset.body];
             for side in Side::BOTH {
@@ -108,7 +109,7 @@ impl Formulation for EcfN {
                 let section = model.track.rail(side).section(y[state]);
                 let search = &self.searches[contact];
                 let centre = search.centre_point(&motion.position, &motion.frame.axes);
-                dy[state] = arc_rate(&section, &centre, &motion.axle_velocity(&centre));
+                dy[state] = arc_rate(&section, &centre, &motion.attachment_velocity(&centre));
                 let found = search.search(&motion.position, &motion.frame.axes, motion.position.x, y[state], &section);
                 workspace.work.search_iterations += found.evaluated as u64;
                 let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
@@ -126,8 +127,7 @@ impl Formulation for EcfN {
                 workspace.second_contacts[contact] = second.map_err(fail)?;
             }
         }
-        model.system.derivative(y, &mut workspace.system, dy);
-        Ok(())
+        rigid::finish_elastic(model, workspace, t, y, dy)
     }
 }
 

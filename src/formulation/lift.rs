@@ -124,7 +124,7 @@ fn land(
     memory: &mut [f64],
 ) -> Result<ContactChange, EvaluationError> {
     let Some((_, wheelset, side)) = wheels(model).find(|w| w.0 == contact) else { return Ok(ContactChange::Lifted) };
-    model.system.set_motions(y, &mut workspace.system);
+    model.system.move_bodies(y, &mut workspace.system);
     let motion = workspace.system.motions[wheelset.body];
     let range = model.contact_memory(contact);
     let found = eccf::locate(model, wheelset, side, &motion, &mut memory[range.clone()])
@@ -140,6 +140,6 @@ fn land(
     let memory_of = &mut memory[range];
     (memory_of[MODE], memory_of[NORMAL_FORCE], memory_of[SETTLED_SINCE]) = (0.0, wheelset.static_wheel_load, f64::INFINITY);
     formulation.resettle(model, workspace, t, y, memory)?;
-    model.system.set_motions(y, &mut workspace.system);
+    model.system.move_bodies(y, &mut workspace.system);
     Ok(ContactChange::Landed { penetration, rate: -found.gap_rate, energy: mechanical(workspace) - before })
 }

@@ -187,12 +187,15 @@ impl Model {
     }
 
     pub fn workspace(&self) -> Workspace {
+        let both = |wheelset: &Wheelset| [wheelset.body; 2];
+        let constrained: Vec<usize> =
+            if self.formulation.constrains() { self.wheelsets.iter().flat_map(both).collect() } else { Vec::new() };
         let second = if self.formulation.points_per_wheel() > 1 { self.contacts() } else { 0 };
         Workspace {
-            system: self.system.workspace(),
+            system: self.system.workspace(&constrained),
             contacts: vec![ContactReport::default(); self.contacts()],
             second_contacts: vec![ContactReport::default(); second],
-            rigid: self.formulation.rigid_scratch(self.system.bodies.len(), &self.wheelsets),
+            rigid: self.formulation.constrains().then(|| RigidScratch::new(self)),
             work: Work::default(),
             events: Vec::new(),
         }
@@ -266,13 +269,16 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
     /// [`EvaluationError`] when there is no such state near `y`.
     fn project(
         &self,
-        _model: &Model,
-        _workspace: &mut Workspace,
-        _t: f64,
-        _y: &mut [f64],
+        model: &Model,
+        workspace: &mut Workspace,
+        t: f64,
+        y: &mut [f64],
         _memory: &mut [f64],
     ) -> Result<bool, EvaluationError> {
-        Ok(false)
+        if model.system.joints.is_empty() {
+            return Ok(false);
+        }
+        rigid::project(model, workspace, t, y, |_| Ok(()))
     }
 
     /// Weight of state `i`'s local error, given that of a plain position in metres or radians.
@@ -297,11 +303,6 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
     /// [`EvaluationError`] when there is no such state near `y`.
     fn resettle(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
         self.project(model, workspace, t, y, memory).map(|_| ())
-    }
-
-    /// Scratch for constraint rows, for formulations that need it.
-    fn rigid_scratch(&self, _bodies: usize, _wheelsets: &[Wheelset]) -> Option<RigidScratch> {
-        None
     }
 
     /// Changes the mode of the contacts that are to change it.
@@ -395,10 +396,8 @@ pub enum ContactFailure {
     NotSettled { iterations: usize, residual: f64 },
     #[error("the constraints of the contact are not independent: the surfaces touch along a line or are conformal here")]
     Dependent,
-    #[error("the contact constraints do not determine the normal forces (wheelset at y = {y:.4} m)")]
-    Singular { y: f64 },
-    #[error(
-        "no position near this one satisfies the contact constraints ({iterations} iterations, gap {gap:.1e} m, wheelset at y = {y:.4} m)"
-    )]
+    #[error("the constraints do not determine their forces (row {row}; wheelset at y = {y:.4} m)")]
+    Singular { row: usize, y: f64 },
+    #[error("no position near this one satisfies the constraints ({iterations} iterations, gap {gap:.1e} m, wheelset at y = {y:.4} m)")]
     NotClosed { iterations: usize, gap: f64, y: f64 },
 }

@@ -57,7 +57,7 @@ pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> 
     let speed = scene.vehicle.speed;
 
     if balance.model.formulation.constrains() {
-        return balance.on_constraints(radius, speed / radius, load);
+        return balance.on_constraints(radius, speed / radius, spec.axial_inertia, load);
     }
 
     // Start: the height at which the deeper wheel carries half the load with the stiffness of the first touch.
@@ -135,7 +135,7 @@ impl Balance {
     }
 
     /// Equilibrium on contacts that are constraints: they fix the height, and the pitch rate must not change.
-    fn on_constraints(&mut self, radius: f64, pitch_rate: f64, load: f64) -> Result<SteadyRolling, EquilibriumError> {
+    fn on_constraints(&mut self, radius: f64, pitch_rate: f64, axial_inertia: f64, load: f64) -> Result<SteadyRolling, EquilibriumError> {
         let formulation = &self.model.formulation;
         (self.y[2], self.y[PITCH_RATE]) = (radius, pitch_rate);
         formulation
@@ -143,13 +143,12 @@ impl Balance {
             .and_then(|()| formulation.project(&self.model, &mut self.workspace, 0.0, &mut self.y, &mut self.memory))
             .map_err(EquilibriumError::Evaluation)?;
         let start = self.y[PITCH_RATE];
-        let axial = self.model.system.bodies[0].axial_inertia;
         let mut failure = None;
         let mut moment = |x: f64| {
             self.y[PITCH_RATE] = start * (1.0 + 1e-3 * x);
             let at = Evaluation { t: 0.0, inputs: &NEUTRAL_INPUTS, y: &self.y, memory: &mut self.memory };
             match self.model.derivative(&mut self.workspace, at, &mut self.dy) {
-                Ok(()) => self.dy[PITCH_RATE] * axial / (load * radius),
+                Ok(()) => self.dy[PITCH_RATE] * axial_inertia / (load * radius),
                 Err(error) => {
                     failure = Some(error);
                     f64::NAN

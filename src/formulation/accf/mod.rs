@@ -27,7 +27,7 @@ mod partition;
 
 use super::lift::{self, OnLift};
 use super::loading::{keep, pair};
-use super::rigid::{self, ConstraintRow, RigidScratch, is_elastic, wheels};
+use super::rigid::{self, ConstraintRow, is_elastic, wheels};
 use super::{Build, ContactFailure, Evaluation, EvaluationError, Formulation, Model, Parts, Wheelset, Workspace, contact_index, eccf};
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::contact::search::point_contact::{CONSTRAINTS, PARAMETERS, ParameterJacobian, PointContact, Residual};
@@ -86,10 +86,6 @@ impl Formulation for Accf {
 
     fn constrains(&self) -> bool {
         true
-    }
-
-    fn rigid_scratch(&self, bodies: usize, wheelsets: &[Wheelset]) -> Option<RigidScratch> {
-        Some(RigidScratch::new(bodies, wheelsets, bodies * 2 * COORDINATES + 2 * wheelsets.len() * STATES))
     }
 
     fn start(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
@@ -173,12 +169,8 @@ impl Formulation for Accf {
 /// Brings the coordinates onto the constraints without regard to a partition (mass-weighted, as in ECCF), takes the surface
 /// parameters from the located contacts and chooses a partition.
 fn reset(model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-    if let Some(mut scratch) = workspace.rigid.take() {
-        let projected = eccf::project(model, workspace, &mut scratch, t, y, memory);
-        workspace.rigid = Some(scratch);
-        projected?;
-    }
-    model.system.set_motions(y, &mut workspace.system);
+    eccf::project(model, workspace, t, y, memory)?;
+    model.system.move_bodies(y, &mut workspace.system);
     for (contact, wheelset, side) in wheels(model) {
         let motion = &workspace.system.motions[wheelset.body];
         let found = eccf::locate(model, wheelset, side, motion, &mut memory[model.contact_memory(contact)])
