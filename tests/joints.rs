@@ -501,7 +501,7 @@ fn analytic_drive_between_two_bodies_follows_its_law() {
 /// A hanging chain of `links` bodies with hinges turned by 90 degrees from link to link, started level.
 fn chain(links: usize) -> (Mechanism, Vec<f64>) {
     let bodies = vec![brick(1.0, 0.01, 0.02, 0.02); links];
-    let axis = |k: usize| if k % 2 == 0 { Vector3::y() } else { Vector3::new(0.0, 0.6, 0.8) };
+    let axis = |k: usize| if k.is_multiple_of(2) { Vector3::y() } else { Vector3::new(0.0, 0.6, 0.8) };
     let joints = (0..links).map(|k| {
         let place = |x: f64| Place::along(Vector3::new(x, 0.0, 0.0), &axis(k));
         match k.checked_sub(1) {
