@@ -77,6 +77,60 @@ fn accuracy_table() {
     }
 }
 
+const FORMULATIONS: [&str; 4] = ["ECF-A", "ECCF", "ACCF", "ECF-N"];
+
+/// Cost of one right-hand side in the middle of the disturbance, s: best of several rounds.
+fn cost_of_right_hand_side(formulation: &str) -> f64 {
+    const CALLS: u32 = 2000;
+    let mut simulation = simulation(&[&format!("contact.formulation={formulation}")]);
+    simulation.advance(0.6).unwrap_or_else(|error| panic!("{error}"));
+    let snapshot = simulation.snapshot().unwrap_or_else(|error| panic!("{error}")).clone();
+    let model = simulation.model();
+    let mut workspace = model.workspace();
+    let (mut memory, mut dy) = (snapshot.memory().to_vec(), snapshot.dy.clone());
+    // As far off as it is from stage to stage of a step: warm starts must not be exact.
+    let mut y = snapshot.y.clone();
+    let mut best = f64::INFINITY;
+    for _ in 0..20 {
+        let clock = Instant::now();
+        for call in 0..CALLS {
+            y[1] = snapshot.y[1] + if call % 2 == 0 { 1e-6 } else { 0.0 };
+            let at = Evaluation { t: 0.6, inputs: snapshot.inputs(), y: black_box(&y), memory: &mut memory };
+            model.derivative(&mut workspace, at, &mut dy).unwrap_or_else(|error| panic!("{error}"));
+        }
+        best = best.min(clock.elapsed().as_secs_f64() / f64::from(CALLS));
+    }
+    best
+}
+
+/// Each formulation's cost per right-hand side and per simulated second, and its error against itself at 1e-13.
+fn formulation_table() {
+    println!("formulations, scene {SCENE}, dormand_prince: cost per right-hand side; error of y, cost per simulated second (5 s)");
+    let elastic = cost_of_right_hand_side(FORMULATIONS[0]);
+    for formulation in FORMULATIONS {
+        let one = cost_of_right_hand_side(formulation);
+        let named = format!("contact.formulation={formulation}");
+        // Jumps from node to node keep ECF-N from a tight tolerance.
+        let (reference, tolerances) = match formulation {
+            "ECF-N" => ("solver.tolerance=1e-10", &["1e-7", "1e-8"][..]),
+            _ => ("solver.tolerance=1e-13", &["1e-7", "1e-8", "1e-10"][..]),
+        };
+        let reference = displacement(&mut simulation(&[&named, reference]));
+        println!("  {formulation:6} {:6.2} us per right-hand side, {:.2} times ECF-A", 1e6 * one, one / elastic);
+        for tolerance in tolerances {
+            let changes = [named.as_str(), &format!("solver.tolerance={tolerance}")];
+            let found = displacement(&mut simulation(&changes));
+            let error = found.iter().zip(&reference).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let cost = cost(&changes);
+            let per_second = 1e3 * cost;
+            println!(
+                "         tolerance {tolerance}: error {error:8.1e} m, {per_second:7.2} ms per simulated second, {:5.0} times real time",
+                1.0 / cost
+            );
+        }
+    }
+}
+
 /// The FMU's library as an instance in initialized state, and the folder that must outlive it.
 fn loaded() -> Option<(tempfile::TempDir, std::path::PathBuf, String, String)> {
     let library = package::find_library(None).map_err(|error| println!("FMU part left out: {error}")).ok()?;
@@ -160,6 +214,7 @@ fn overhead() {
 
 fn benchmarks(criterion: &mut Criterion) {
     accuracy_table();
+    formulation_table();
     fmu_table();
     overhead();
 

@@ -28,7 +28,14 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn prop_stepping_and_looking_do_not_allocate() {
-    for changes in [&[][..], &["solver.integrator=rk43"], &["solver.integrator=rk4", "solver.step=0.001"]] {
+    for changes in [
+        &[][..],
+        &["solver.integrator=rk43"],
+        &["solver.integrator=rk4", "solver.step=0.001"],
+        &["contact.formulation=ECCF"],
+        &["contact.formulation=ACCF"],
+        &["contact.formulation=ECF-N"],
+    ] {
         let scene = common::scene(changes);
         let mut simulation = common::start(&scene);
         let outputs = common::table(&simulation, &scene);

@@ -5,8 +5,8 @@ mod common;
 use common::{column, read, run, scene, start, straight, table};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use std::f64::consts::PI;
-use wheelrail::contact::search::algebraic::{ContactLocation, SurfaceParameters, locate};
-use wheelrail::formulation::{EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
+use wheelrail::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
+use wheelrail::formulation::{Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
 use wheelrail::geometry::Side;
 use wheelrail::math::rotation::AxleFrame;
 use wheelrail::solve::{DormandPrince, Dynamics, Integrator, Scratch, Undefined};
@@ -33,7 +33,8 @@ fn rigid_contacts(model: &Model, y: f64) -> (f64, [ContactLocation; 2]) {
         Side::BOTH.map(|side| {
             let axes = AxleFrame::new(0.0, roll).axes;
             let (wheel, rail) = (wheelset.wheel(side), model.track.rail(side));
-            locate(wheel, rail, &Vector3::new(0.0, y, z), &axes, 0.0, &SurfaceParameters::default()).unwrap()
+            let centre = Vector3::new(0.0, y, z);
+            Pair { wheel, rail, centre: &centre, axes: &axes, distance: 0.0 }.locate(&SurfaceParameters::default()).unwrap()
         })
     };
     let mut x = Vector2::new(0.457, 0.0);
@@ -58,7 +59,7 @@ fn analytic_klingel_wavelength_with_the_roll_term() {
     wheelset.vehicle.suspension = None;
     let (r0, s) = (0.457, 0.716);
     let y = 1e-4;
-    let model = wheelrail::scene::assemble::model(&wheelset);
+    let model = wheelrail::scene::assemble::model(&wheelset).unwrap();
     let (roll_left, left) = rigid_contacts(&model, y);
     let (roll_right, _) = rigid_contacts(&model, -y);
     let conicity = (left[0].wheel_profile.value - left[1].wheel_profile.value) / (2.0 * y);
@@ -93,7 +94,7 @@ struct EnergyAudit {
 
 impl EnergyAudit {
     fn evaluate(&mut self, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
-        self.model.derivative(&mut self.workspace, 0.0, &NEUTRAL_INPUTS, y, memory, dy)
+        self.model.derivative(&mut self.workspace, Evaluation { t: 0.0, inputs: &NEUTRAL_INPUTS, y, memory }, dy)
     }
 
     /// Kinetic, gravity, load, spring and contact energy minus the integral, J.
@@ -149,7 +150,7 @@ fn analytic_energy_without_creep_and_damping_is_constant() {
     ];
     let scene = straight(&changes);
     let drift = |tolerance: f64| {
-        let model = wheelrail::scene::assemble::model(&scene);
+        let model = wheelrail::scene::assemble::model(&scene).unwrap();
         let mut simulation = start(&scene);
         let mut y = simulation.snapshot().unwrap().y.clone();
         let rest = start(&straight(&changes[..4])).snapshot().unwrap().y.clone();

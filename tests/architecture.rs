@@ -92,7 +92,8 @@ fn prop_files_stay_small_and_unsafe_stays_in_ffi() {
 fn prop_no_unwrap_or_expect_outside_tests() {
     for (file, text) in sources() {
         let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-        if file.ends_with("solve/tests.rs") {
+        // A file of tests is as good as a module of tests.
+        if file.file_name().is_some_and(|name| name == "tests.rs" || name == "test_surfaces.rs") {
             continue;
         }
         for (number, line) in code.lines().enumerate() {

@@ -98,3 +98,100 @@ fn equiv_rolling_backward_over_the_mirrored_disturbance() {
     assert!(largest_difference(&column(&a, "drivingForce"), &opposite("drivingForce")) < 1e-3);
     assert!(largest_difference(&column(&a, "left.lateralForce"), &column(&b, "left.lateralForce")) < 1e-2);
 }
+
+/// Runs the paper's scene with a formulation and further changes, 5 s every 10 ms.
+fn with(formulation: &str, changes: &[&str]) -> wheelrail::sim::recording::Recording {
+    let formulation = format!("contact.formulation={formulation}");
+    let mut all = vec![formulation.as_str()];
+    all.extend(changes);
+    run(&scene(&all), 5.0, 0.01)
+}
+
+#[test]
+fn equiv_accf_and_eccf_solve_the_same_equations() {
+    let (augmented, embedded) = (with("ACCF", &["solver.tolerance=1e-13"]), with("ECCF", &["solver.tolerance=1e-13"]));
+    // Normal forces jump at the ends of the deviation (50 and 75 rows down), where the side of the jump is a matter of rounding.
+    let away = |name: &str, recording: &_| {
+        let kinks = |row: &usize| ![50, 75].contains(row);
+        column(recording, name).into_iter().enumerate().filter(|(row, _)| kinks(row)).map(|(_, value)| value).collect::<Vec<_>>()
+    };
+    for (name, allowed) in
+        [("y", 1e-9), ("yaw", 1e-9), ("z", 1e-12), ("roll", 1e-10), ("left.normalForce", 0.05), ("right.normalForce", 0.05)]
+    {
+        let difference = largest_difference(&away(name, &augmented), &away(name, &embedded));
+        println!("ACCF against ECCF, {name}: largest difference {difference:.1e}");
+        assert!(difference < allowed, "{name}: {difference:e}");
+        assert!(difference > 0.0, "{name}: one of them must have been run twice");
+    }
+}
+
+#[test]
+fn equiv_elastic_contact_tends_to_the_constraint_with_stiffness() {
+    let mut last: Option<(f64, f64)> = None;
+    for factor in [1.0, 8.0, 64.0] {
+        let modulus = format!("contact.material.youngs_modulus={:e}", 2.07e11 * factor);
+        // Stiffer contact vibrates faster; damping as it is, so that the vibration decays as fast or faster than before.
+        let changes = [modulus.as_str(), "solver.tolerance=1e-12"];
+        let (elastic, rigid) = (with("ECF-A", &changes), with("ECCF", &changes));
+        let lateral = largest_difference(&column(&elastic, "y"), &column(&rigid, "y"));
+        let lower: Vec<f64> = column(&rigid, "z").iter().zip(column(&elastic, "z")).map(|(rigid, elastic)| rigid - elastic).collect();
+        let penetration = column(&elastic, "left.contact[1].penetration");
+        println!(
+            "E x {factor}: lateral difference {lateral:.2e} m, lower by {:.4e} m, static penetration {:.4e} m",
+            lower[0], penetration[0]
+        );
+        // At rest the elastic wheelset stands lower by the penetration, over the cosine of the contact angle (1:40).
+        assert!((lower[0] * 0.025f64.atan().cos() / penetration[0] - 1.0).abs() < 1e-6);
+        assert!(lateral < 5e-6 && lateral > 0.0);
+        if let Some((lateral_before, lower_before)) = last {
+            // E^(-2/3): a quarter for eight times the modulus.
+            assert!((lower_before / lower[0] / 4.0 - 1.0).abs() < 1e-6, "{}", lower_before / lower[0]);
+            let ratio = lateral_before / lateral;
+            assert!((3.5..4.5).contains(&ratio), "the lateral difference must fall fourfold: {ratio}");
+        }
+        last = Some((lateral, lower[0]));
+    }
+}
+
+#[test]
+fn equiv_nodal_search_tends_to_algebraic_equations_with_spacing() {
+    let algebraic = with("ECF-A", &["solver.tolerance=1e-10"]);
+    let mut last = f64::INFINITY;
+    for spacing in ["1.6 mm", "0.4 mm", "0.1 mm", "0.025 mm"] {
+        let nodal = with("ECF-N", &[&format!("contact.node_spacing={spacing}"), "solver.tolerance=1e-8"]);
+        let differences = ["y", "z", "left.normalForce"].map(|name| largest_difference(&column(&algebraic, name), &column(&nodal, name)));
+        println!(
+            "ECF-N, nodes every {spacing}: y {:.1e} m, z {:.1e} m, normal force {:.1e} N",
+            differences[0], differences[1], differences[2]
+        );
+        assert!(differences[0] < 0.5 * last, "a quarter of the spacing must at least halve the difference: {} {last}", differences[0]);
+        last = differences[0];
+    }
+    assert!(last < 5e-6, "{last}");
+}
+
+#[test]
+fn equiv_nodal_search_jumps_where_the_algebraic_one_does_not() {
+    // Section 4.2: contact jumps from node to node; rolling radius, creepages and creep forces jump with it.
+    let jump = |formulation: &str, spacing: &str| {
+        let formulation = format!("contact.formulation={formulation}");
+        let scene = scene(&[&formulation, &format!("contact.node_spacing={spacing}")]);
+        let mut simulation = start(&scene);
+        let outputs = table(&simulation, &scene);
+        simulation.advance(0.6).unwrap();
+        let (mut largest, mut last) = (0f64, None);
+        for row in 1..=20_000 {
+            simulation.advance(0.6 + 1e-5 * f64::from(row)).unwrap();
+            let force = read(&mut simulation, &outputs)["right.contact[1].creepForceX"];
+            largest = last.map_or(largest, |last: f64| largest.max((force - last).abs()));
+            last = Some(force);
+        }
+        println!("{formulation}, nodes every {spacing}: largest change of Fx within 10 us {largest:.2} N");
+        largest
+    };
+    let smooth = jump("ECF-A", "1 mm");
+    let (coarse, fine) = (jump("ECF-N", "1 mm"), jump("ECF-N", "0.1 mm"));
+    // One node of a 1:40 cone changes the rolling radius by 0.025 mm, the creepage by 5.5e-5 and Fx by Kalker's c11 G a b of it.
+    assert!(coarse > 100.0 * smooth, "{coarse} {smooth}");
+    assert!((5.0..20.0).contains(&(coarse / fine)), "jumps shrink with the spacing: {coarse} {fine}");
+}

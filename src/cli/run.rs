@@ -26,6 +26,9 @@ pub(super) struct Arguments {
     json: bool,
 }
 
+/// Most lift-offs and landings that are printed.
+const EVENTS_SHOWN: usize = 20;
+
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
     let (stop, step) = arguments.times.read(&scene)?;
@@ -63,6 +66,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             Err(error) => failure = failure.or(Some(error)),
         }
     }
+    let events: Vec<String> = simulation.take_events().iter().map(ToString::to_string).collect();
+    for event in events.iter().take(EVENTS_SHOWN) {
+        super::say(event);
+    }
+    if events.len() > EVENTS_SHOWN {
+        super::say(&format!("... and {} more lift-offs and landings (--json lists all)", events.len() - EVENTS_SHOWN));
+    }
     let statistics = simulation.statistics();
     let simulated = simulation.time();
     if arguments.json {
@@ -72,7 +82,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             .collect();
         let value = serde_json::json!({
             "scene": scene.name, "simulated": simulated, "seconds": elapsed, "statistics": statistics,
-            "extremes": extremes, "error": failure,
+            "extremes": extremes, "events": events, "error": failure,
         });
         print(&format!("{value}\n"));
     } else if !to_stdout {

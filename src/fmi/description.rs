@@ -12,7 +12,7 @@ use toml_edit::{DocumentMut, TableLike};
 /// Categories of log messages.
 pub const LOG_CATEGORIES: &[(&str, &str)] = &[
     ("logEvents", "initial equilibrium, restarts and work done"),
-    ("logStatusWarning", "remarks on calls that were taken otherwise than meant (always logged)"),
+    ("logStatusWarning", "calls that were taken otherwise than meant; wheels that lift off or land on rigid contact (always logged)"),
     ("logStatusDiscard", "steps that ended early, and why"),
     ("logStatusError", "calls that were refused, and why (always logged)"),
     ("logAll", "everything"),

@@ -123,7 +123,7 @@ pub fn pack_scene(scene: &Scene) -> Result<PackedScene, PackageError> {
     write_folder(folder.path(), &resources)?;
     let source = Source { file: "resources/scene.toml".into(), text, overridden: vec![], folder: Some(folder.path().into()) };
     let scene = load::read(&scene.name, source, &[])?;
-    let table = VariableTable::new(&scene);
+    let table = VariableTable::new(&scene).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
     let description = description::describe(&scene, &table);
     Ok(PackedScene { scene, table, description, resources })
 }

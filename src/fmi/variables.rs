@@ -1,7 +1,9 @@
 //! The table of FMU variables: inputs, outputs, parameters and what they mean.
 
 use super::parameters::{self, RealParameter};
-use crate::formulation::{DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, NEUTRAL_INPUTS, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS};
+use crate::formulation::{
+    AssemblyError, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, NEUTRAL_INPUTS, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS,
+};
 use crate::scene::assemble;
 use crate::scene::spec::Scene;
 use crate::sim::outputs::{Output, outputs};
@@ -67,8 +69,11 @@ pub(super) const WHEELSET: u32 = 1000;
 
 impl VariableTable {
     /// Builds the table of a scene.
-    pub fn new(scene: &Scene) -> Self {
-        let model = assemble::model(scene);
+    ///
+    /// # Errors
+    /// [`AssemblyError`] when the formulation can't treat the scene.
+    pub fn new(scene: &Scene) -> Result<Self, AssemblyError> {
+        let model = assemble::model(scene)?;
         let outputs = outputs(&model, &scene.interface.outputs);
         let mut variables = inputs(scene);
         variables.extend(outputs.iter().enumerate().map(|(index, output)| Variable {
@@ -88,7 +93,7 @@ impl VariableTable {
         variables.extend(parameters::parameters(scene));
         variables.extend(locals());
         let index = variables.iter().enumerate().map(|(index, variable)| (variable.reference, index)).collect();
-        VariableTable { variables, outputs, neutral_inputs: model.neutral_inputs(), index }
+        Ok(VariableTable { variables, outputs, neutral_inputs: model.neutral_inputs(), index })
     }
 
     /// The variable with a reference.

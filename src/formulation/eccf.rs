@@ -10,7 +10,7 @@
 
 use super::lift::{self, OnLift};
 use super::loading::{keep, not_found, pair, warm_start};
-use super::rigid::{self, ConstraintRow, RigidScratch, is_elastic, wheels};
+use super::rigid::{self, ConstraintRow, is_elastic, wheels};
 use super::{Build, ContactFailure, Evaluation, EvaluationError, Formulation, Model, Parts, Wheelset, Workspace};
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::contact::search::kinematics::MovingContact;
@@ -29,7 +29,7 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 
 fn parse(section: &Section) -> Result<Build, SettingsError> {
     let on_lift = lift::parse(section)?;
-    Ok(Arc::new(move |_: &Parts| Box::new(Eccf { on_lift })))
+    Ok(Arc::new(move |_: &Parts| Ok(Box::new(Eccf { on_lift }))))
 }
 
 #[derive(Debug)]
@@ -38,16 +38,16 @@ struct Eccf {
 }
 
 impl Formulation for Eccf {
+    fn describe(&self) -> String {
+        format!("constraint, one multiplier per wheel; {} (contact.on_lift)", self.on_lift.describe())
+    }
+
     fn memory_per_contact(&self) -> usize {
         rigid::MEMORY
     }
 
     fn constrains(&self) -> bool {
         true
-    }
-
-    fn rigid_scratch(&self, bodies: usize, wheelsets: &[Wheelset]) -> Option<RigidScratch> {
-        Some(RigidScratch::new(bodies, wheelsets, 0))
     }
 
     fn start(&self, model: &Model, _: &mut Workspace, _: f64, _: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
@@ -73,11 +73,9 @@ impl Formulation for Eccf {
         y: &mut [f64],
         memory: &mut [f64],
     ) -> Result<bool, EvaluationError> {
-        let Some(mut scratch) = workspace.rigid.take() else { return Ok(false) };
-        let changed = project(model, workspace, &mut scratch, t, y, memory);
-        workspace.rigid = Some(scratch);
+        let changed = project(model, workspace, t, y, memory)?;
         lift::watch(model, workspace, t, memory);
-        changed
+        Ok(changed)
     }
 
     fn error_weight(&self, model: &Model, workspace: &Workspace, i: usize, plain: f64) -> f64 {
@@ -115,85 +113,36 @@ pub(super) fn locate(
     Ok(found)
 }
 
-/// A gap below this [m] is closed, and a gap rate below this [m/s] is none.
-const CLOSED: f64 = 1e-13;
-const AT_REST: f64 = 1e-12;
-const ITERATIONS: usize = 12;
-
-/// Moves coordinates, then velocities onto the constraints; `t` is for messages.
+/// Moves coordinates, then velocities onto the constraints; returns whether anything was moved.
 pub(super) fn project(
     model: &Model,
     workspace: &mut Workspace,
-    scratch: &mut RigidScratch,
     t: f64,
     y: &mut [f64],
     memory: &mut [f64],
 ) -> Result<bool, EvaluationError> {
-    let coordinates = scratch.change.len();
-    let mut last = f64::INFINITY;
-    for iteration in 0..=ITERATIONS {
-        let gaps = gaps(model, workspace, scratch, t, y, memory)?;
-        let fail = |cause| EvaluationError::new(t, gaps.wheelset, gaps.side, cause);
-        let place = workspace.system.motions[gaps.wheelset.body].position.y;
-        // Rounding may hold the last digit.
-        let closed = gaps.gap <= CLOSED || (gaps.gap >= last && gaps.gap <= 100.0 * CLOSED);
-        if closed && gaps.rate <= AT_REST {
-            return Ok(iteration > 0);
+    let mut searches = 0;
+    let changed = rigid::project(model, workspace, t, y, |system| {
+        for (contact, wheelset, side) in wheels(model) {
+            let memory = &mut memory[model.contact_memory(contact)];
+            let elastic = is_elastic(memory);
+            let row = system.constraints.joint_rows + contact;
+            system.constraints.kkt.set_active(row, !elastic);
+            (system.constraints.residual[row], system.constraints.rate[row]) = (0.0, 0.0);
+            if elastic {
+                continue;
+            }
+            let motion = &system.motions[wheelset.body];
+            let found = locate(model, wheelset, side, motion, memory).map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
+            searches += found.location.iterations as u64;
+            let normal = found.location.normal;
+            let coefficients = motion.coefficients(&normal, &found.arm.cross(&normal));
+            system.constraints.kkt.set_row(row, &coefficients, &Coefficients::zeros());
+            system.constraints.residual[row] = -found.location.penetration;
+            system.constraints.rate[row] = found.gap_rate;
         }
-        scratch.kkt.factorise().map_err(|_| fail(ContactFailure::Singular { y: place }))?;
-        let (residual, values) = if closed { (&scratch.gap_rates, coordinates..2 * coordinates) } else { (&scratch.gaps, 0..coordinates) };
-        scratch.kkt.correction(residual, &mut scratch.change);
-        y[values].iter_mut().zip(&scratch.change).for_each(|(value, change)| *value += change);
-        if closed {
-            return Ok(true);
-        }
-        workspace.work.constraint_iterations += 1;
-        last = gaps.gap;
-    }
-    let gaps = gaps(model, workspace, scratch, t, y, memory)?;
-    let place = workspace.system.motions[gaps.wheelset.body].position.y;
-    let cause = ContactFailure::NotClosed { iterations: ITERATIONS, gap: gaps.gap, y: place };
-    Err(EvaluationError::new(t, gaps.wheelset, gaps.side, cause))
-}
-
-/// The largest gap and gap rate, and where the gap is.
-struct Gaps<'a> {
-    gap: f64,
-    rate: f64,
-    wheelset: &'a Wheelset,
-    side: Side,
-}
-
-/// Locates all constrained contacts; leaves their rows, gaps and gap rates in the scratch.
-fn gaps<'a>(
-    model: &'a Model,
-    workspace: &mut Workspace,
-    scratch: &mut RigidScratch,
-    t: f64,
-    y: &[f64],
-    memory: &mut [f64],
-) -> Result<Gaps<'a>, EvaluationError> {
-    model.system.set_motions(y, &mut workspace.system);
-    let mut worst = Gaps { gap: 0.0, rate: 0.0, wheelset: &model.wheelsets[0], side: Side::Left };
-    for (contact, wheelset, side) in wheels(model) {
-        let memory = &mut memory[model.contact_memory(contact)];
-        scratch.kkt.set_active(contact, !is_elastic(memory));
-        (scratch.gaps[contact], scratch.gap_rates[contact]) = (0.0, 0.0);
-        if is_elastic(memory) {
-            continue;
-        }
-        let motion = &workspace.system.motions[wheelset.body];
-        let found = locate(model, wheelset, side, motion, memory).map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
-        workspace.work.search_iterations += found.location.iterations as u64;
-        let normal = found.location.normal;
-        scratch.kkt.set_mobility(wheelset.body, &model.system.mobility(wheelset.body, motion));
-        scratch.kkt.set_row(contact, &motion.coefficients(&normal, &found.arm.cross(&normal)), &Coefficients::zeros());
-        let gap = -found.location.penetration;
-        (scratch.gaps[contact], scratch.gap_rates[contact]) = (gap, found.gap_rate);
-        worst.rate = worst.rate.max(found.gap_rate.abs());
-        if gap.abs() > worst.gap {
-            worst = Gaps { gap: gap.abs(), wheelset, side, ..worst };
-        }
-    }
-    Ok(worst)
+        Ok(())
+    });
+    workspace.work.search_iterations += searches;
+    changed
 }

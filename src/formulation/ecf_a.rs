@@ -10,6 +10,7 @@
 //! Memory per contact: the four surface parameters of the last evaluation, as warm start.
 
 use super::loading::{Contact, external_wrench, keep, not_found, pair, warm_start};
+use super::rigid;
 use super::{
     Build, ContactFailure, ContactReport, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS,
     Wheelset, Workspace, contact_index,
@@ -28,7 +29,7 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 };
 
 fn parse(_: &Section) -> Result<Build, SettingsError> {
-    Ok(Arc::new(|_| Box::new(EcfA)))
+    Ok(Arc::new(|_| Ok(Box::new(EcfA))))
 }
 
 /// The formulation has no settings of its own.
@@ -39,6 +40,10 @@ struct EcfA;
 const MEMORY: usize = 4;
 
 impl Formulation for EcfA {
+    fn describe(&self) -> String {
+        "elastic, one point per wheel from four equations".into()
+    }
+
     fn memory_per_contact(&self) -> usize {
         MEMORY
     }
@@ -61,8 +66,7 @@ impl Formulation for EcfA {
                 workspace.contacts[contact] = report;
             }
         }
-        model.system.derivative(y, &mut workspace.system, dy);
-        Ok(())
+        rigid::finish_elastic(model, workspace, t, y, dy)
     }
 }
 

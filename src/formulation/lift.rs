@@ -15,6 +15,15 @@ pub(super) enum OnLift {
     Elastic,
 }
 
+impl OnLift {
+    pub fn describe(self) -> &'static str {
+        match self {
+            OnLift::Stop => "a wheel that lifts ends the run",
+            OnLift::Elastic => "a wheel that lifts is elastic until it has settled",
+        }
+    }
+}
+
 /// Reads `contact.on_lift`.
 pub(super) fn parse(section: &Section) -> Result<OnLift, SettingsError> {
     Ok(match section.word_or("on_lift", &["stop", "elastic"], "stop")? {
@@ -101,7 +110,7 @@ pub(super) fn switch(
         (memory[MODE], memory[NORMAL_FORCE], memory[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
         workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change: ContactChange::Lifted });
     }
-    formulation.project(model, workspace, t, y, memory).map(|_| ())
+    formulation.resettle(model, workspace, t, y, memory)
 }
 
 /// Makes an elastic contact a constraint again: positions, then velocities are projected.
@@ -115,7 +124,7 @@ fn land(
     memory: &mut [f64],
 ) -> Result<ContactChange, EvaluationError> {
     let Some((_, wheelset, side)) = wheels(model).find(|w| w.0 == contact) else { return Ok(ContactChange::Lifted) };
-    model.system.set_motions(y, &mut workspace.system);
+    model.system.move_bodies(y, &mut workspace.system);
     let motion = workspace.system.motions[wheelset.body];
     let range = model.contact_memory(contact);
     let found = eccf::locate(model, wheelset, side, &motion, &mut memory[range.clone()])
@@ -130,7 +139,7 @@ fn land(
     let before = mechanical(workspace) + elastic;
     let memory_of = &mut memory[range];
     (memory_of[MODE], memory_of[NORMAL_FORCE], memory_of[SETTLED_SINCE]) = (0.0, wheelset.static_wheel_load, f64::INFINITY);
-    formulation.land(model, workspace, contact, t, y, memory)?;
-    model.system.set_motions(y, &mut workspace.system);
-    Ok(ContactChange::Landed { penetration, rate: -found.gap_rate, energy: before - mechanical(workspace) })
+    formulation.resettle(model, workspace, t, y, memory)?;
+    model.system.move_bodies(y, &mut workspace.system);
+    Ok(ContactChange::Landed { penetration, rate: -found.gap_rate, energy: mechanical(workspace) - before })
 }

@@ -10,6 +10,7 @@
 mod accf;
 mod eccf;
 mod ecf_a;
+mod ecf_n;
 pub mod events;
 mod lift;
 mod loading;
@@ -21,6 +22,7 @@ use crate::contact::creep::CreepLaw;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage};
 use crate::contact::normal::{ConformalContact, NormalLaw};
 use crate::contact::search::algebraic::SurfaceParameters;
+use crate::contact::search::nodes::NodeError;
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::Track;
@@ -148,10 +150,13 @@ pub struct Evaluation<'a> {
 
 impl Model {
     /// Completes the parts with a formulation.
-    pub fn new(parts: Parts, build: &Build) -> Model {
-        let formulation = build(&parts);
+    ///
+    /// # Errors
+    /// [`AssemblyError`] when the formulation can't treat the parts.
+    pub fn new(parts: Parts, build: &Build) -> Result<Model, AssemblyError> {
+        let formulation = build(&parts)?;
         let Parts { system, track, wheelsets, laws } = parts;
-        Model { system, track, wheelsets, laws, formulation }
+        Ok(Model { system, track, wheelsets, laws, formulation })
     }
 
     pub fn contacts(&self) -> usize {
@@ -182,12 +187,15 @@ impl Model {
     }
 
     pub fn workspace(&self) -> Workspace {
+        let both = |wheelset: &Wheelset| [wheelset.body; 2];
+        let constrained: Vec<usize> =
+            if self.formulation.constrains() { self.wheelsets.iter().flat_map(both).collect() } else { Vec::new() };
         let second = if self.formulation.points_per_wheel() > 1 { self.contacts() } else { 0 };
         Workspace {
-            system: self.system.workspace(),
+            system: self.system.workspace(&constrained),
             contacts: vec![ContactReport::default(); self.contacts()],
             second_contacts: vec![ContactReport::default(); second],
-            rigid: self.formulation.rigid_scratch(self.system.bodies.len(), &self.wheelsets),
+            rigid: self.formulation.constrains().then(|| RigidScratch::new(self)),
             work: Work::default(),
             events: Vec::new(),
         }
@@ -212,6 +220,9 @@ impl Model {
 ///
 /// `y` and `memory` are those of the whole model.
 pub trait Formulation: Send + Sync + std::fmt::Debug {
+    /// How it finds and treats contacts, for `wheelrail plan`.
+    fn describe(&self) -> String;
+
     /// States that each contact adds to the state vector.
     fn states_per_contact(&self) -> usize {
         0
@@ -258,13 +269,16 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
     /// [`EvaluationError`] when there is no such state near `y`.
     fn project(
         &self,
-        _model: &Model,
-        _workspace: &mut Workspace,
-        _t: f64,
-        _y: &mut [f64],
+        model: &Model,
+        workspace: &mut Workspace,
+        t: f64,
+        y: &mut [f64],
         _memory: &mut [f64],
     ) -> Result<bool, EvaluationError> {
-        Ok(false)
+        if model.system.joints.is_empty() {
+            return Ok(false);
+        }
+        rigid::project(model, workspace, t, y, |_| Ok(()))
     }
 
     /// Weight of state `i`'s local error, given that of a plain position in metres or radians.
@@ -283,25 +297,12 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
         f64::INFINITY
     }
 
-    /// Moves the state onto the constraint of a contact that has just become one again.
+    /// Moves the state onto the constraints after contacts have changed their mode.
     ///
     /// # Errors
     /// [`EvaluationError`] when there is no such state near `y`.
-    fn land(
-        &self,
-        model: &Model,
-        workspace: &mut Workspace,
-        _contact: usize,
-        t: f64,
-        y: &mut [f64],
-        memory: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn resettle(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
         self.project(model, workspace, t, y, memory).map(|_| ())
-    }
-
-    /// Scratch for constraint rows, for formulations that need it.
-    fn rigid_scratch(&self, _bodies: usize, _wheelsets: &[Wheelset]) -> Option<RigidScratch> {
-        None
     }
 
     /// Changes the mode of the contacts that are to change it.
@@ -321,12 +322,19 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
 }
 
 /// Builds a formulation for the parts of a model.
-pub type Build = Arc<dyn Fn(&Parts) -> Box<dyn Formulation> + Send + Sync>;
+pub type Build = Arc<dyn Fn(&Parts) -> Result<Box<dyn Formulation>, AssemblyError> + Send + Sync>;
+
+/// A formulation can't treat a model.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AssemblyError {
+    #[error("contact.node_spacing: {0}")]
+    Nodes(NodeError),
+}
 
 type Parse = fn(&Section) -> Result<Build, SettingsError>;
 
 /// Every formulation that a scene can name.
-pub static REGISTRY: &[Entry<Parse>] = &[accf::ENTRY, eccf::ENTRY, ecf_a::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] = &[accf::ENTRY, eccf::ENTRY, ecf_a::ENTRY, ecf_n::ENTRY];
 
 /// Reads `contact.formulation`; returns its name and the formulation.
 ///
@@ -336,6 +344,7 @@ pub fn parse(section: &Section) -> Result<(&'static str, Build), SettingsError> 
     let entry = choose(REGISTRY, section, "formulation")?;
     // Each formulation takes what it needs; the rest may stay for the next choice.
     lift::parse(section)?;
+    ecf_n::parse_spacing(section)?;
     Ok((entry.name, (entry.parse)(section)?))
 }
 
@@ -368,6 +377,8 @@ pub enum ContactFailure {
         "contact at the {part} coordinate {found:.4} m, but its profile reaches only from {first:.4} m to {last:.4} m (wheelset at y = {y:.4} m)"
     )]
     OffProfile { part: &'static str, found: f64, first: f64, last: f64, y: f64 },
+    #[error("no node of the wheel stands over a node of the rail (wheelset at y = {y:.4} m): the wheelset has left the rails")]
+    OffRail { y: f64 },
     #[error("{0}")]
     Conformal(#[from] ConformalContact),
     #[error(
@@ -385,10 +396,8 @@ pub enum ContactFailure {
     NotSettled { iterations: usize, residual: f64 },
     #[error("the constraints of the contact are not independent: the surfaces touch along a line or are conformal here")]
     Dependent,
-    #[error("the contact constraints do not determine the normal forces (wheelset at y = {y:.4} m)")]
-    Singular { y: f64 },
-    #[error(
-        "no position near this one satisfies the contact constraints ({iterations} iterations, gap {gap:.1e} m, wheelset at y = {y:.4} m)"
-    )]
+    #[error("the constraints do not determine their forces (row {row}; wheelset at y = {y:.4} m)")]
+    Singular { row: usize, y: f64 },
+    #[error("no position near this one satisfies the constraints ({iterations} iterations, gap {gap:.1e} m, wheelset at y = {y:.4} m)")]
     NotClosed { iterations: usize, gap: f64, y: f64 },
 }

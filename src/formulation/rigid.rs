@@ -21,8 +21,10 @@ use super::{
 use crate::contact::search::algebraic::ContactLocation;
 use crate::geometry::Side;
 use crate::math::fixed_point::{self, Limits, NotSettled};
-use crate::mbs::body::{BodyMotion, COORDINATES, Wrench};
-use crate::mbs::kkt::{Coefficients, Kkt, RowBodies};
+use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::kkt::{Coefficients, SingularConstraints};
+use crate::mbs::projection::ProjectionError;
+use crate::mbs::system::SystemWorkspace;
 
 /// Numbers per contact in the memory, and their places after the surface parameters.
 pub(super) const MEMORY: usize = 7;
@@ -49,23 +51,14 @@ pub(super) struct ConstraintRow {
     pub bias: f64,
 }
 
-/// Scratch of the constraint formulations.
+/// Scratch of the constraint formulations; rows and multipliers are in the system's workspace.
 #[derive(Clone, Debug)]
 pub struct RigidScratch {
-    pub(super) kkt: Kkt,
     rows: Vec<Option<ConstraintRow>>,
     /// Wrenches without the creep forces of constrained contacts.
     base: Vec<Wrench>,
-    free: Vec<f64>,
-    pub(super) accelerations: Vec<f64>,
-    gamma: Vec<f64>,
-    multipliers: Vec<f64>,
     normal_forces: Vec<f64>,
     work: fixed_point::Work,
-    /// Of constrained contacts, m and m/s; zero for the others.
-    pub(super) gaps: Vec<f64>,
-    pub(super) gap_rates: Vec<f64>,
-    pub(super) change: Vec<f64>,
     /// A state that the constraints have been made to hold in (ACCF).
     pub(super) consistent: Vec<f64>,
     /// The partition of each wheelset in the last evaluation (ACCF).
@@ -73,25 +66,15 @@ pub struct RigidScratch {
 }
 
 impl RigidScratch {
-    /// `states`: length of a state to work in, 0 where none is needed.
-    pub(super) fn new(bodies: usize, wheelsets: &[Wheelset], states: usize) -> Self {
-        let rows: Vec<RowBodies> = wheelsets.iter().flat_map(|w| [RowBodies { first: w.body, second: None }; 2]).collect();
-        let (count, coordinates) = (rows.len(), COORDINATES * bodies);
+    pub(super) fn new(model: &Model) -> Self {
+        let count = model.contacts();
         RigidScratch {
-            kkt: Kkt::new(bodies, &rows),
             rows: vec![None; count],
-            base: vec![Wrench::default(); bodies],
-            free: vec![0.0; coordinates],
-            accelerations: vec![0.0; coordinates],
-            gamma: vec![0.0; count],
-            multipliers: vec![0.0; count],
+            base: vec![Wrench::default(); model.system.bodies.len()],
             normal_forces: vec![0.0; count],
             work: fixed_point::Work::new(count),
-            gaps: vec![0.0; count],
-            gap_rates: vec![0.0; count],
-            change: vec![0.0; coordinates],
-            consistent: vec![0.0; states],
-            partitions: vec![None; wheelsets.len()],
+            consistent: vec![0.0; model.dimension()],
+            partitions: vec![None; model.wheelsets.len()],
         }
     }
 }
@@ -117,22 +100,24 @@ pub(super) fn derivative(
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let motion = &workspace.system.motions[wheelset.body];
             workspace.system.wrenches[wheelset.body] += external_wrench(motion, &inputs[index * WHEELSET_INPUTS..]);
-            rigid.kkt.set_mobility(wheelset.body, &model.system.mobility(wheelset.body, motion));
         }
+        model.system.prepare_constraints(t, &mut workspace.system);
         for (contact, wheelset, side) in wheels(model) {
             let motion = workspace.system.motions[wheelset.body];
             let memory = &mut memory[model.contact_memory(contact)];
             let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
-            if is_elastic(memory) {
+            let elastic = is_elastic(memory);
+            let constraints = &mut workspace.system.constraints;
+            let row = constraints.joint_rows + contact;
+            constraints.kkt.set_active(row, !elastic);
+            if elastic {
+                constraints.gamma[row] = 0.0;
                 let wrench = &mut workspace.system.wrenches[wheelset.body];
                 let friction = friction(inputs, contact, side);
                 let report = elastic_contact(model, wheelset, side, &motion, friction, memory, wrench).map_err(fail)?;
                 workspace.work.search_iterations += report.iterations as u64;
                 workspace.contacts[contact] = report;
-                rigid.rows[contact] = None;
-                rigid.kkt.set_active(contact, false);
-                rigid.gamma[contact] = 0.0;
-                rigid.normal_forces[contact] = 0.0;
+                (rigid.rows[contact], rigid.normal_forces[contact]) = (None, 0.0);
                 continue;
             }
             let found = find(contact, wheelset, side, &motion, memory).map_err(fail)?;
@@ -140,34 +125,86 @@ pub(super) fn derivative(
             load.check_place().map_err(fail)?;
             workspace.contacts[contact] = ContactReport { constrained: true, ..load.report() };
             workspace.work.search_iterations += found.location.iterations as u64;
-            rigid.kkt.set_active(contact, true);
-            rigid.kkt.set_row(contact, &found.row, &Coefficients::zeros());
-            rigid.gamma[contact] = -found.bias;
+            constraints.kkt.set_row(row, &found.row, &Coefficients::zeros());
+            constraints.gamma[row] = -found.bias;
             rigid.normal_forces[contact] = memory[NORMAL_FORCE];
             rigid.rows[contact] = Some(found);
         }
-        rigid.kkt.factorise().map_err(|singular| {
-            let (wheelset, side) = wheels(model).find(|w| w.0 == singular.row).map_or((&model.wheelsets[0], Side::Left), |w| (w.1, w.2));
-            let y = workspace.system.motions[wheelset.body].position.y;
-            EvaluationError::new(t, wheelset, side, ContactFailure::Singular { y })
-        })?;
+        workspace.system.constraints.kkt.factorise().map_err(|error| singular(model, &workspace.system, t, error))?;
         settle(model, workspace, &mut rigid, t, inputs)?;
-        for (contact, wheelset, _) in wheels(model) {
-            let memory = &mut memory[model.contact_memory(contact)];
-            memory[NORMAL_FORCE] = rigid.normal_forces[contact];
-            if rigid.rows[contact].is_some() {
-                // The constraint's force, for whoever reads wrenches and the driving force.
-                let report = &workspace.contacts[contact];
-                let motion = &workspace.system.motions[wheelset.body];
-                let point = rigid.rows[contact].map_or(motion.position, |row| row.location.wheel_point);
-                workspace.system.wrenches[wheelset.body].add_at(report.axes.normal * report.normal_force, &point, &motion.position);
-            }
+        for (contact, ..) in wheels(model) {
+            memory[model.contact_memory(contact)][NORMAL_FORCE] = rigid.normal_forces[contact];
         }
-        model.system.accept(y, &mut workspace.system, &rigid.accelerations, dy);
+        model.system.constrained_result(y, &mut workspace.system, dy);
         Ok(())
     })();
     workspace.rigid = Some(rigid);
     done
+}
+
+/// The last step of an elastic evaluation: accelerations under the wrenches and the joints.
+#[inline]
+pub(super) fn finish_elastic(model: &Model, workspace: &mut Workspace, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
+    let done = model.system.constrained_derivative(t, y, &mut workspace.system, dy);
+    done.map_err(|error| singular(model, &workspace.system, t, error))
+}
+
+/// The wheel that belongs to a row of the constraints; the first one for rows of joints.
+fn wheel_of<'a>(model: &'a Model, system: &SystemWorkspace, row: usize) -> (&'a Wheelset, Side) {
+    let contact = row.checked_sub(system.constraints.joint_rows);
+    contact.and_then(|contact| wheels(model).find(|wheel| wheel.0 == contact)).map_or((&model.wheelsets[0], Side::Left), |w| (w.1, w.2))
+}
+
+fn singular(model: &Model, system: &SystemWorkspace, t: f64, error: SingularConstraints) -> EvaluationError {
+    let (wheelset, side) = wheel_of(model, system, error.row);
+    let y = system.motions[wheelset.body].position.y;
+    EvaluationError::new(t, wheelset, side, ContactFailure::Singular { row: error.row, y })
+}
+
+/// Positions are on a constraint when it is violated by less than this, m.
+const CLOSED: f64 = 1e-13;
+/// A change of velocity below this [m/s] counts as none.
+const AT_REST: f64 = 1e-12;
+
+/// A failure on the way, with the place still to be found.
+enum ProjectionFailure {
+    System(ProjectionError),
+    At(EvaluationError),
+}
+
+impl From<ProjectionError> for ProjectionFailure {
+    fn from(error: ProjectionError) -> Self {
+        ProjectionFailure::System(error)
+    }
+}
+
+/// Moves coordinates, then velocities onto all constraints; `contacts` fills the contacts' rows. Returns whether anything was
+/// moved.
+pub(super) fn project(
+    model: &Model,
+    workspace: &mut Workspace,
+    t: f64,
+    y: &mut [f64],
+    mut contacts: impl FnMut(&mut SystemWorkspace) -> Result<(), EvaluationError>,
+) -> Result<bool, EvaluationError> {
+    let system = &mut workspace.system;
+    let projected = model.system.project(t, y, system, CLOSED, |system| contacts(system).map_err(ProjectionFailure::At));
+    let failure = match projected {
+        Ok(done) => {
+            workspace.work.constraint_iterations += done.iterations as u64;
+            return Ok(done.iterations > 0 || done.velocity_change > AT_REST);
+        }
+        Err(ProjectionFailure::At(error)) => return Err(error),
+        Err(ProjectionFailure::System(error)) => error,
+    };
+    let (gap, row) = system.constraints.largest(&system.constraints.residual);
+    let (wheelset, side) = wheel_of(model, system, row);
+    let place = system.motions[wheelset.body].position.y;
+    let cause = match failure {
+        ProjectionError::NotConverged { iterations, .. } => ContactFailure::NotClosed { iterations, gap, y: place },
+        ProjectionError::Singular { .. } => ContactFailure::Singular { row, y: place },
+    };
+    Err(EvaluationError::new(t, wheelset, side, cause))
 }
 
 fn friction(inputs: &[f64], contact: usize, side: Side) -> f64 {
@@ -190,7 +227,7 @@ impl From<NotSettled> for LoopFailure {
 /// Finds the normal forces with which creep forces and multipliers agree; leaves wrenches with creep forces in the workspace and
 /// the accelerations in the scratch.
 fn settle(model: &Model, workspace: &mut Workspace, rigid: &mut RigidScratch, t: f64, inputs: &[f64]) -> Result<(), EvaluationError> {
-    let RigidScratch { kkt, rows, base, free, accelerations, gamma, multipliers, normal_forces, work, .. } = rigid;
+    let RigidScratch { rows, base, normal_forces, work, .. } = rigid;
     base.copy_from_slice(&workspace.system.wrenches);
     let Workspace { system, contacts, .. } = workspace;
     let iterate = |forces: &[f64], next: &mut [f64]| -> Result<(), LoopFailure> {
@@ -203,9 +240,10 @@ fn settle(model: &Model, workspace: &mut Workspace, rigid: &mut RigidScratch, t:
             load.pressed(&mut contacts[contact], forces[contact], &mut system.wrenches[wheelset.body])
                 .map_err(|cause| LoopFailure::At(EvaluationError::new(t, wheelset, side, cause.into())))?;
         }
-        model.system.free_accelerations(system, free);
-        kkt.solve(free, gamma, accelerations, multipliers);
-        for (next, multiplier) in next.iter_mut().zip(multipliers.iter()) {
+        model.system.free_accelerations(system);
+        system.constraints.solve();
+        let multipliers = &system.constraints.multipliers[system.constraints.joint_rows..];
+        for (next, multiplier) in next.iter_mut().zip(multipliers) {
             *next = -multiplier;
         }
         Ok(())

@@ -1,33 +1,27 @@
-//! A rigid body of revolution that may spin, described in the frame that does not spin with it.
+//! Rigid bodies: coordinates, motion, wrenches.
 //!
 //! Coordinates: position x, y, z [m] of the centre of mass in the track frame, yaw, roll, pitch [rad] of
-//! `Rz(yaw) Rx(roll) Ry(pitch)`; velocities are their time derivatives. The body's inertia is the same about every
-//! axis across the axle, so the equations are written in the axle frame `Rz Rx`, and the step size is not tied to
-//! the revolutions. With the body's angular velocity `(p, q, r)` and the frame's `(p, w, r)` in that frame,
-//! transverse inertia J, axial inertia I and moment M about the centre:
-//!
-//! ```text
-//! J p' = Mx - w J r + r I q,     I q' = My,     J r' = Mz - p I q + w J p
-//! p = roll',  w = yaw' sin roll,  q = pitch' + w,  r = yaw' cos roll
-//! ```
+//! `Rz(yaw) Rx(roll) Ry(pitch)`; velocities are their time derivatives. A body of revolution that may spin is
+//! described in the axle frame `Rz Rx`, which does not spin with it, so the step size is not tied to the
+//! revolutions. What is attached to such a body (a spring at its bearing, a joint) sits in the axle frame; what is
+//! attached to any other body sits in the body's own axes `Rz Rx Ry`. The coordinates are singular at a roll of
+//! 90 degrees.
 
+use super::inertia::Inertia;
 use super::kkt::{Coefficients, Mobility};
 use crate::math::rotation::{AxleFrame, CarrierMotion};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Coordinates of one body in the state vector: x, y, z, yaw, roll, pitch.
 pub const COORDINATES: usize = 6;
 
-/// Mass properties of a body of revolution.
+/// Mass properties of a rigid body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     pub name: String,
     /// kg.
     pub mass: f64,
-    /// Moment of inertia about any axis through the centre across the axle, kg m2.
-    pub transverse_inertia: f64,
-    /// Moment of inertia about the axle, kg m2.
-    pub axial_inertia: f64,
+    pub inertia: Inertia,
 }
 
 /// Position and velocity of one body at one instant.
@@ -36,35 +30,52 @@ pub struct BodyMotion {
     /// Centre of mass in the track frame, m and m/s.
     pub position: Vector3<f64>,
     pub velocity: Vector3<f64>,
+    /// Follows yaw and roll, does not spin.
     pub frame: AxleFrame,
-    /// Angular velocity of the axle frame in the track frame, rad/s.
-    pub frame_rotation: Vector3<f64>,
+    /// Axes of the attachments in the track frame: those of `frame` for a body of revolution, the body's own otherwise.
+    pub axes: Matrix3<f64>,
+    /// Angular velocity of `axes` in the track frame, rad/s.
+    pub axes_rotation: Vector3<f64>,
+    /// Whether `axes` follow the pitch too: the body is not one of revolution.
+    pub axes_pitch: bool,
     /// Angular velocity of the body in the track frame, rad/s.
     pub rotation: Vector3<f64>,
     pub yaw: f64,
     pub roll: f64,
+    pub pitch: f64,
     pub yaw_rate: f64,
     pub roll_rate: f64,
     pub pitch_rate: f64,
 }
 
 impl BodyMotion {
-    /// From the body's six coordinates and six velocities.
+    /// A body of revolution, from its six coordinates and six velocities.
     #[inline]
     pub fn new(q: &[f64], v: &[f64]) -> Self {
         let frame = AxleFrame::new(q[3], q[4]);
         BodyMotion {
             position: Vector3::new(q[0], q[1], q[2]),
             velocity: Vector3::new(v[0], v[1], v[2]),
-            frame_rotation: frame.axes * frame.frame_rate(v[3], v[4]),
+            axes: frame.axes,
+            axes_rotation: frame.axes * frame.frame_rate(v[3], v[4]),
+            axes_pitch: false,
             rotation: frame.axes * frame.body_rate(v[3], v[4], v[5]),
             frame,
             yaw: q[3],
             roll: q[4],
+            pitch: q[5],
             yaw_rate: v[3],
             roll_rate: v[4],
             pitch_rate: v[5],
         }
+    }
+
+    /// Any other body: its attachments follow the pitch.
+    pub fn general(q: &[f64], v: &[f64]) -> Self {
+        let motion = Self::new(q, v);
+        let (sin, cos) = q[5].sin_cos();
+        let axes = motion.frame.axes * Matrix3::new(cos, 0.0, sin, 0.0, 1.0, 0.0, -sin, 0.0, cos);
+        BodyMotion { axes, axes_rotation: motion.rotation, axes_pitch: true, ..motion }
     }
 
     /// Velocity of the body's material point at `point` [m, track frame].
@@ -72,14 +83,14 @@ impl BodyMotion {
         self.velocity + self.rotation.cross(&(point - self.position))
     }
 
-    /// Track-frame position of a point that is given in axle axes and does not spin.
-    pub fn axle_point(&self, local: &Vector3<f64>) -> Vector3<f64> {
-        self.position + self.frame.axes * local
+    /// Track-frame position of an attachment that is given in `axes`.
+    pub fn attachment_point(&self, local: &Vector3<f64>) -> Vector3<f64> {
+        self.position + self.axes * local
     }
 
-    /// Velocity of a point that moves with the axle but does not spin.
-    pub fn axle_velocity(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        self.velocity + self.frame_rotation.cross(&(point - self.position))
+    /// Velocity of an attachment that is at `point` [m, track frame]; on a body of revolution it does not spin.
+    pub fn attachment_velocity(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.velocity + self.axes_rotation.cross(&(point - self.position))
     }
 
     /// Motion of the frame that carries what does not spin.
@@ -87,7 +98,7 @@ impl BodyMotion {
     pub fn carrier(&self) -> CarrierMotion {
         // W = Z yaw' + X roll' with X turning about Z.
         let bias = Vector3::z().cross(&self.frame.axes.column(0)) * (self.yaw_rate * self.roll_rate);
-        CarrierMotion { velocity: self.velocity, rotation: self.frame_rotation, rotation_bias: bias }
+        CarrierMotion { velocity: self.velocity, rotation: self.axes_rotation, rotation_bias: bias }
     }
 
     /// Coefficients on the body's coordinates of a quantity that changes with `by_velocity . v + by_rotation . W`, where v and W
@@ -138,113 +149,36 @@ impl std::ops::AddAssign for Wrench {
 }
 
 impl Body {
+    /// From the body's six coordinates and six velocities.
+    #[inline]
+    pub fn motion(&self, q: &[f64], v: &[f64]) -> BodyMotion {
+        match self.inertia {
+            Inertia::Revolution { .. } => BodyMotion::new(q, v),
+            Inertia::General { .. } => BodyMotion::general(q, v),
+        }
+    }
+
     /// Accelerations of the six coordinates under a wrench.
     #[inline]
     pub fn accelerations(&self, motion: &BodyMotion, wrench: &Wrench) -> [f64; COORDINATES] {
-        let moment = motion.frame.axes.tr_mul(&wrench.moment);
-        let (sin, cos) = (motion.frame.sin_roll, motion.frame.cos_roll);
-        let (j, i) = (self.transverse_inertia, self.axial_inertia);
-        let p = motion.roll_rate;
-        let w = motion.yaw_rate * sin;
-        let q = motion.pitch_rate + w;
-        let r = motion.yaw_rate * cos;
-        let p_dot = (moment.x - w * j * r + r * i * q) / j;
-        let q_dot = moment.y / i;
-        let r_dot = (moment.z - p * i * q + w * j * p) / j;
-        // r = yaw' cos roll and q = pitch' + yaw' sin roll, differentiated.
-        let yaw = (r_dot + motion.yaw_rate * sin * p) / cos;
-        let pitch = q_dot - yaw * sin - motion.yaw_rate * cos * p;
+        let [yaw, roll, pitch] = self.inertia.accelerations(motion, &wrench.moment);
         let linear = wrench.force / self.mass;
-        [linear.x, linear.y, linear.z, yaw, p_dot, pitch]
+        [linear.x, linear.y, linear.z, yaw, roll, pitch]
     }
 
-    /// Inverse of the mass matrix of the six coordinates. With s, c of roll, the kinetic energy of rotation is
-    /// `(J (roll'^2 + c^2 yaw'^2) + I (pitch' + s yaw')^2) / 2`.
+    /// Inverse of the mass matrix of the six coordinates.
     #[inline]
     pub fn mobility(&self, motion: &BodyMotion) -> Mobility {
-        let (sin, cos) = (motion.frame.sin_roll, motion.frame.cos_roll);
-        let yaw = 1.0 / (self.transverse_inertia * cos * cos);
         let mut mobility = Mobility::zeros();
         for i in 0..3 {
             mobility[(i, i)] = 1.0 / self.mass;
         }
-        mobility[(3, 3)] = yaw;
-        mobility[(4, 4)] = 1.0 / self.transverse_inertia;
-        mobility[(5, 5)] = 1.0 / self.axial_inertia + sin * sin * yaw;
-        mobility[(3, 5)] = -sin * yaw;
-        mobility[(5, 3)] = -sin * yaw;
+        mobility.fixed_view_mut::<3, 3>(3, 3).copy_from(&self.inertia.mobility(motion));
         mobility
     }
 
     /// Kinetic energy, J.
     pub fn kinetic_energy(&self, motion: &BodyMotion) -> f64 {
-        let rate = motion.frame.body_rate(motion.yaw_rate, motion.roll_rate, motion.pitch_rate);
-        0.5 * self.mass * motion.velocity.norm_squared()
-            + 0.5 * (self.transverse_inertia * (rate.x * rate.x + rate.z * rate.z) + self.axial_inertia * rate.y * rate.y)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn gyroscope() -> Body {
-        Body { name: "gyroscope".into(), mass: 2.0, transverse_inertia: 3.0, axial_inertia: 1.2 }
-    }
-
-    /// Angular momentum in the track frame.
-    fn momentum(body: &Body, q: &[f64], v: &[f64]) -> Vector3<f64> {
-        let motion = BodyMotion::new(q, v);
-        let rate = motion.frame.body_rate(v[3], v[4], v[5]);
-        motion.frame.axes * Vector3::new(body.transverse_inertia * rate.x, body.axial_inertia * rate.y, body.transverse_inertia * rate.z)
-    }
-
-    #[test]
-    fn analytic_rate_of_angular_momentum_is_the_moment() {
-        let body = gyroscope();
-        let q = [0.0, 0.0, 0.0, 0.4, -0.3, 1.0];
-        let v = [0.0, 0.0, 0.0, 0.7, 0.5, 20.0];
-        let wrench = Wrench { force: Vector3::zeros(), moment: Vector3::new(3.0, -2.0, 5.0) };
-        let a = body.accelerations(&BodyMotion::new(&q, &v), &wrench);
-        let h = 1e-6;
-        let at = |h: f64| {
-            let q: Vec<f64> = (0..6).map(|i| q[i] + h * v[i]).collect();
-            let v: Vec<f64> = (0..6).map(|i| v[i] + h * a[i]).collect();
-            momentum(&body, &q, &v)
-        };
-        assert!(((at(h) - at(-h)) / (2.0 * h) - wrench.moment).norm() < 1e-6);
-    }
-
-    #[test]
-    fn analytic_mobility_turns_generalised_force_into_acceleration() {
-        let body = gyroscope();
-        let motion = BodyMotion::new(&[0.0, 0.0, 0.0, 0.4, -0.3, 1.0], &[1.0, 0.0, 2.0, 0.7, 0.5, 20.0]);
-        let wrench = Wrench { force: Vector3::new(1.0, 2.0, -3.0), moment: Vector3::new(3.0, -2.0, 5.0) };
-        let loaded = Coefficients::from(body.accelerations(&motion, &wrench));
-        let free = Coefficients::from(body.accelerations(&motion, &Wrench::default()));
-        let expected = body.mobility(&motion) * motion.generalised_force(&wrench);
-        assert!((loaded - free - expected).norm() < 1e-13 * loaded.norm());
-        // The work of the wrench is that of the generalised force.
-        let power = wrench.force.dot(&motion.velocity) + wrench.moment.dot(&motion.rotation);
-        let rates = Coefficients::new(1.0, 0.0, 2.0, 0.7, 0.5, 20.0);
-        assert!((motion.generalised_force(&wrench).dot(&rates) - power).abs() < 1e-12 * power.abs());
-        // The mass matrix, whose quadratic form is twice the kinetic energy.
-        let mass = body.mobility(&motion).try_inverse().unwrap();
-        assert!((0.5 * rates.dot(&(mass * rates)) - body.kinetic_energy(&motion)).abs() < 1e-12 * body.kinetic_energy(&motion));
-    }
-
-    #[test]
-    fn analytic_free_spin_keeps_kinetic_energy() {
-        // d(T)/dt = 0 without a wrench: the gyroscopic terms do no work.
-        let body = gyroscope();
-        let (q, v) = ([0.0, 0.0, 0.0, 0.4, -0.3, 1.0], [1.0, 0.0, 2.0, 0.7, 0.5, 20.0]);
-        let a = body.accelerations(&BodyMotion::new(&q, &v), &Wrench::default());
-        let h = 1e-6;
-        let at = |h: f64| {
-            let q: Vec<f64> = (0..6).map(|i| q[i] + h * v[i]).collect();
-            let v: Vec<f64> = (0..6).map(|i| v[i] + h * a[i]).collect();
-            body.kinetic_energy(&BodyMotion::new(&q, &v))
-        };
-        assert!(((at(h) - at(-h)) / (2.0 * h)).abs() < 1e-6);
+        0.5 * self.mass * motion.velocity.norm_squared() + self.inertia.kinetic_energy(motion)
     }
 }

@@ -1,6 +1,11 @@
 //! Floor 3: bodies, forces between them, and their equations of motion.
 
 pub mod body;
+pub mod constraints;
 pub mod force;
+pub mod inertia;
+pub mod joint;
 pub mod kkt;
+pub mod projection;
+pub mod redundancy;
 pub mod system;

@@ -1,13 +1,15 @@
-//! Bodies, force elements and driving constraints as one system: state layout and accelerations.
+//! Bodies, force elements, driving constraints and joints as one system: state layout and accelerations.
 //!
 //! The state vector holds the coordinates of all bodies (x, y, z, yaw, roll, pitch each), then their velocities in
 //! the same order. A driving constraint `x' = V` removes its coordinate's acceleration exactly: the centre of mass
 //! is the body's origin, so X is not coupled to other coordinates by inertia, the acceleration is zero and the
-//! constraint force is minus the sum of all other longitudinal forces.
+//! constraint force is minus the sum of all other longitudinal forces. Joints and contact constraints are solved
+//! for together ([`super::constraints`]); a system that has none pays nothing for them.
 
 use super::body::{Body, BodyMotion, COORDINATES, Wrench};
+use super::constraints::Constraints;
 use super::force::ForceElement;
-use super::kkt::Mobility;
+use super::joint::Joint;
 
 /// A body whose centre travels with imposed constant speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,15 +25,19 @@ pub struct System {
     pub bodies: Vec<Body>,
     pub forces: Vec<Box<dyn ForceElement>>,
     pub drives: Vec<DrivingConstraint>,
+    pub joints: Vec<Joint>,
+    /// Rows of joints that repeat what others demand ([`System::find_redundant`]); they are left out.
+    pub redundant: Vec<usize>,
 }
 
 /// What is computed on the way to the accelerations; nothing in here outlives an evaluation.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct SystemWorkspace {
     pub motions: Vec<BodyMotion>,
     pub wrenches: Vec<Wrench>,
     /// Force of each driving constraint, N, forward positive.
     pub drive_forces: Vec<f64>,
+    pub constraints: Constraints,
 }
 
 impl System {
@@ -40,12 +46,15 @@ impl System {
         2 * COORDINATES * self.bodies.len()
     }
 
-    pub fn workspace(&self) -> SystemWorkspace {
+    /// With one more scalar constraint, on one body each, for every element of `contact_bodies`; they follow the rows
+    /// of the joints.
+    pub fn workspace(&self, contact_bodies: &[usize]) -> SystemWorkspace {
         let zero = BodyMotion::new(&[0.0; COORDINATES], &[0.0; COORDINATES]);
         SystemWorkspace {
             motions: vec![zero; self.bodies.len()],
             wrenches: vec![Wrench::default(); self.bodies.len()],
             drive_forces: vec![0.0; self.drives.len()],
+            constraints: Constraints::new(self, contact_bodies),
         }
     }
 
@@ -62,23 +71,24 @@ impl System {
 
     /// Fills the workspace with the bodies' motion.
     #[inline]
-    pub fn set_motions(&self, y: &[f64], workspace: &mut SystemWorkspace) {
+    pub fn move_bodies(&self, y: &[f64], workspace: &mut SystemWorkspace) {
         for body in 0..self.bodies.len() {
-            workspace.motions[body] = BodyMotion::new(&y[self.coordinates(body)], &y[self.velocities(body)]);
+            workspace.motions[body] = self.bodies[body].motion(&y[self.coordinates(body)], &y[self.velocities(body)]);
         }
     }
 
     /// Fills the workspace with the bodies' motion and the force elements' wrenches.
     #[inline]
     pub fn apply_forces(&self, y: &[f64], workspace: &mut SystemWorkspace) {
-        self.set_motions(y, workspace);
+        self.move_bodies(y, workspace);
         workspace.wrenches.fill(Wrench::default());
         for force in &self.forces {
             force.apply(&workspace.motions, &mut workspace.wrenches);
         }
     }
 
-    /// Derivative of the state under the wrenches in the workspace; fills the constraint forces.
+    /// Derivative of the state under the wrenches in the workspace, without joints and contact constraints; fills the
+    /// driving constraints' forces.
     #[inline]
     pub fn derivative(&self, y: &[f64], workspace: &mut SystemWorkspace, dy: &mut [f64]) {
         for (body, data) in self.bodies.iter().enumerate() {
@@ -89,40 +99,6 @@ impl System {
         }
         for (drive, force) in self.drives.iter().zip(&mut workspace.drive_forces) {
             dy[self.velocities(drive.body).start] = 0.0;
-            *force = -workspace.wrenches[drive.body].force.x;
-        }
-    }
-
-    /// A body's mobility with the coordinate that is imposed on it held.
-    #[inline]
-    pub fn mobility(&self, body: usize, motion: &BodyMotion) -> Mobility {
-        let mut mobility = self.bodies[body].mobility(motion);
-        if self.drives.iter().any(|drive| drive.body == body) {
-            // x is coupled to no other coordinate.
-            mobility[(0, 0)] = 0.0;
-        }
-        mobility
-    }
-
-    /// Accelerations of all coordinates under the wrenches in the workspace, without constraint rows.
-    #[inline]
-    pub fn free_accelerations(&self, workspace: &SystemWorkspace, free: &mut [f64]) {
-        for (body, data) in self.bodies.iter().enumerate() {
-            free[self.coordinates(body)].copy_from_slice(&data.accelerations(&workspace.motions[body], &workspace.wrenches[body]));
-        }
-        for drive in &self.drives {
-            free[COORDINATES * drive.body] = 0.0;
-        }
-    }
-
-    /// Derivative of the state for accelerations that were found elsewhere; the workspace holds all wrenches, those of constraints
-    /// too.
-    #[inline]
-    pub fn accept(&self, y: &[f64], workspace: &mut SystemWorkspace, accelerations: &[f64], dy: &mut [f64]) {
-        let count = COORDINATES * self.bodies.len();
-        dy[..count].copy_from_slice(&y[count..2 * count]);
-        dy[count..2 * count].copy_from_slice(accelerations);
-        for (drive, force) in self.drives.iter().zip(&mut workspace.drive_forces) {
             *force = -workspace.wrenches[drive.body].force.x;
         }
     }

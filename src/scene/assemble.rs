@@ -1,19 +1,23 @@
 //! From scene data to a model: only what the scene calls for becomes an object.
 
 use super::spec::{Scene, SuspensionSpec};
-use crate::formulation::{ContactLaws, Model, Parts, Wheelset};
+use crate::formulation::{AssemblyError, ContactLaws, Model, Parts, Wheelset};
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Rail, Track};
 use crate::mbs::body::Body;
 use crate::mbs::force::{ForceElement, Gravity, GuidedSpring, TrackAxis, VerticalLoad};
+use crate::mbs::inertia::Inertia;
 use crate::mbs::system::{DrivingConstraint, System};
 
 /// Assembles the model of a scene.
-pub fn model(scene: &Scene) -> Model {
+///
+/// # Errors
+/// [`AssemblyError`] when the formulation can't treat the scene.
+pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     let spec = &scene.vehicle.wheelset;
-    let body =
-        Body { name: spec.name.clone(), mass: spec.mass, transverse_inertia: spec.transverse_inertia, axial_inertia: spec.axial_inertia };
+    let inertia = Inertia::Revolution { transverse: spec.transverse_inertia, axial: spec.axial_inertia };
+    let body = Body { name: spec.name.clone(), mass: spec.mass, inertia };
     let mut forces: Vec<Box<dyn ForceElement>> = Vec::new();
     if scene.vehicle.gravity != 0.0 {
         forces.push(Box::new(Gravity { body: 0, mass: spec.mass, acceleration: scene.vehicle.gravity }));
@@ -29,7 +33,13 @@ pub fn model(scene: &Scene) -> Model {
     let rail = |side| Rail::new(side, track.rail.profile.clone(), track.half_rail_distance, track.inclination, &track.deviations);
     let contact = &scene.contact;
     let parts = Parts {
-        system: System { bodies: vec![body], forces, drives: vec![DrivingConstraint { body: 0, speed: scene.vehicle.speed }] },
+        system: System {
+            bodies: vec![body],
+            forces,
+            drives: vec![DrivingConstraint { body: 0, speed: scene.vehicle.speed }],
+            joints: Vec::new(),
+            redundant: Vec::new(),
+        },
         track: Track { left: rail(Side::Left), right: rail(Side::Right) },
         wheelsets: vec![Wheelset {
             name: spec.name.clone(),

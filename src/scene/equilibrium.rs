@@ -6,7 +6,7 @@
 //! gaps and the load is carried by itself.
 
 use super::spec::Scene;
-use crate::formulation::{Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
+use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
 use crate::math::newton::{self, NewtonLimits};
 use crate::mbs::body::COORDINATES;
 use nalgebra::{Matrix1, Matrix2, Vector1, Vector2};
@@ -38,6 +38,8 @@ pub enum EquilibriumError {
     NotFound { force: f64, moment: f64 },
     #[error("no steady rolling equilibrium: {0}")]
     Evaluation(EvaluationError),
+    #[error("{0}")]
+    Assembly(#[from] AssemblyError),
 }
 
 /// Finds the equilibrium of the scene's wheelset.
@@ -50,12 +52,12 @@ pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> 
     if load <= 0.0 {
         return Err(EquilibriumError::NoLoad { load });
     }
-    let mut balance = Balance::new(scene);
+    let mut balance = Balance::new(scene)?;
     let radius = balance.model.wheelsets[0].left.profile.at(0.0).value;
     let speed = scene.vehicle.speed;
 
     if balance.model.formulation.constrains() {
-        return balance.on_constraints(radius, speed / radius, load);
+        return balance.on_constraints(radius, speed / radius, spec.axial_inertia, load);
     }
 
     // Start: the height at which the deeper wheel carries half the load with the stiffness of the first touch.
@@ -123,17 +125,17 @@ struct Balance {
 }
 
 impl Balance {
-    fn new(scene: &Scene) -> Self {
-        let mut model = super::assemble::model(scene);
+    fn new(scene: &Scene) -> Result<Self, AssemblyError> {
+        let mut model = super::assemble::model(scene)?;
         model.track = model.track.ideal();
         let dimension = model.dimension();
         let mut y = vec![0.0; dimension];
         y[COORDINATES] = scene.vehicle.speed;
-        Balance { workspace: model.workspace(), dy: vec![0.0; dimension], memory: vec![0.0; model.memory()], model, y }
+        Ok(Balance { workspace: model.workspace(), dy: vec![0.0; dimension], memory: vec![0.0; model.memory()], model, y })
     }
 
     /// Equilibrium on contacts that are constraints: they fix the height, and the pitch rate must not change.
-    fn on_constraints(&mut self, radius: f64, pitch_rate: f64, load: f64) -> Result<SteadyRolling, EquilibriumError> {
+    fn on_constraints(&mut self, radius: f64, pitch_rate: f64, axial_inertia: f64, load: f64) -> Result<SteadyRolling, EquilibriumError> {
         let formulation = &self.model.formulation;
         (self.y[2], self.y[PITCH_RATE]) = (radius, pitch_rate);
         formulation
@@ -141,13 +143,12 @@ impl Balance {
             .and_then(|()| formulation.project(&self.model, &mut self.workspace, 0.0, &mut self.y, &mut self.memory))
             .map_err(EquilibriumError::Evaluation)?;
         let start = self.y[PITCH_RATE];
-        let axial = self.model.system.bodies[0].axial_inertia;
         let mut failure = None;
         let mut moment = |x: f64| {
             self.y[PITCH_RATE] = start * (1.0 + 1e-3 * x);
             let at = Evaluation { t: 0.0, inputs: &NEUTRAL_INPUTS, y: &self.y, memory: &mut self.memory };
             match self.model.derivative(&mut self.workspace, at, &mut self.dy) {
-                Ok(()) => self.dy[PITCH_RATE] * axial / (load * radius),
+                Ok(()) => self.dy[PITCH_RATE] * axial_inertia / (load * radius),
                 Err(error) => {
                     failure = Some(error);
                     f64::NAN

@@ -1,8 +1,10 @@
 //! Opens a scene: an embedded one by name or a file, with `--set key=value` applied to its text.
 
+use super::assemble;
 use super::embedded;
 use super::equilibrium::{self, EquilibriumError};
 use super::spec::{INITIAL, Scene};
+use crate::formulation::AssemblyError;
 use crate::settings::{Section, SettingsError, Source, did_you_mean};
 use std::path::{Path, PathBuf};
 use toml_edit::{Document, DocumentMut, Item, Table};
@@ -20,6 +22,8 @@ pub enum SceneError {
     Override { argument: String, problem: String },
     #[error("{0}")]
     Settings(#[from] SettingsError),
+    #[error("{file}: {error}")]
+    Assembly { file: String, error: AssemblyError },
     #[error("{file}: {error}")]
     Equilibrium { file: String, error: EquilibriumError },
 }
@@ -75,6 +79,8 @@ pub fn read(name: &str, mut source: Source, overrides: &[String]) -> Result<Scen
     let document = Document::parse(source.text.clone()).map_err(|error| syntax(&source, &error))?;
     let root = Section::root(document.as_table(), &source);
     let mut scene = Scene::read(name, root, source.clone())?;
+    // What a formulation refuses is known before anything is run.
+    assemble::model(&scene).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
     resolve_initial(&mut scene)?;
     Ok(scene)
 }

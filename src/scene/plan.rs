@@ -66,11 +66,14 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         effect(name, !shapes.is_empty(), why, 0);
     }
     let contact = &scene.contact;
-    effect("contact search", true, format!("contact.formulation = \"{}\", one point per wheel", contact.formulation_name), 0);
+    let formulation = format!("contact.formulation = \"{}\": {}", contact.formulation_name, model.formulation.describe());
+    effect("contact", true, formulation, model.contacts() * model.formulation.states_per_contact());
     effect("wheel profile", true, vehicle.wheelset.profile.profile.describe(), 0);
     effect("rail profile", true, scene.track.rail.profile.describe(), 0);
     effect("normal force", true, format!("contact.normal.law = \"{}\"", contact.normal_name), 0);
-    effect("contact damping", true, format!("contact.damping = {:?} N s/m2", contact.damping), 0);
+    let damped = !model.formulation.constrains();
+    let why = if damped { "" } else { " (only for a wheel that has lifted: rigid contact has no penetration)" };
+    effect("contact damping", damped, format!("contact.damping = {:?} N s/m2{why}", contact.damping), 0);
     effect("creep forces", true, format!("contact.creep.law = \"{}\", friction {}", contact.creep_name, contact.friction), 0);
     for (name, group) in
         [("drive torque input", "drive_torque"), ("centre force inputs", "centre_forces"), ("friction factor inputs", "friction")]

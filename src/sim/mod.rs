@@ -11,7 +11,7 @@ pub mod unit;
 
 use crate::formulation::events::ContactEvent;
 use crate::formulation::work::Work;
-use crate::formulation::{Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
+use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
 use crate::mbs::body::COORDINATES;
 use crate::scene::assemble;
 use crate::scene::equilibrium::{self, EquilibriumError};
@@ -44,6 +44,8 @@ impl SimulationState {
 /// Why a simulation could not start or go on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SimulationError {
+    #[error("{0}")]
+    Assembly(#[from] AssemblyError),
     #[error("{0}")]
     Equilibrium(#[from] EquilibriumError),
     #[error("{0}")]
@@ -94,7 +96,7 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`] when there is no equilibrium or the initial state cannot be evaluated.
     pub fn new(scene: &Scene, start: f64) -> Result<Self, SimulationError> {
-        let model = assemble::model(scene);
+        let model = assemble::model(scene)?;
         let mut y = initial_state(scene, &model)?;
         let mut memory = vec![0.0; model.memory()];
         let mut workspace = model.workspace();

@@ -5,15 +5,25 @@ use super::unit::Unit;
 use crate::formulation::{ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, Model, RIGHT_FRICTION, VERTICAL_FORCE, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
+use nalgebra::Vector3;
 
-/// Inputs of the wheelset (see `formulation`) that an output depends on at the same instant.
-pub type Feedthrough = &'static [usize];
+/// What an output depends on at the same instant.
+#[derive(Clone, Copy)]
+enum Depends {
+    /// Coordinates and velocities alone.
+    State,
+    /// The normal force, which is a matter of state where contact is elastic, and of accelerations where it is a constraint.
+    Pressing,
+    /// Inputs of the wheelset (see `formulation`), and the normal force.
+    On(&'static [usize]),
+}
 
-/// A coordinate or velocity, or computed from those alone.
-const STATE: Feedthrough = &[];
-const LEFT: Feedthrough = &[LEFT_FRICTION];
-const RIGHT: Feedthrough = &[RIGHT_FRICTION];
-const FRICTIONS: Feedthrough = &[LEFT_FRICTION, RIGHT_FRICTION];
+const STATE: Depends = Depends::State;
+const PRESSING: Depends = Depends::Pressing;
+const LEFT: Depends = Depends::On(&[LEFT_FRICTION]);
+const RIGHT: Depends = Depends::On(&[RIGHT_FRICTION]);
+const FRICTIONS: Depends = Depends::On(&[LEFT_FRICTION, RIGHT_FRICTION]);
+const ALL: &[usize] = &[DRIVE_TORQUE, LATERAL_FORCE, VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION];
 
 type Read = Box<dyn Fn(&Snapshot) -> f64 + Send + Sync>;
 
@@ -27,7 +37,8 @@ pub struct Output {
     pub group: &'static str,
     pub unit: Unit,
     pub description: String,
-    pub feedthrough: Feedthrough,
+    /// Inputs of the wheelset (see `formulation`) that it depends on at the same instant.
+    pub feedthrough: &'static [usize],
     read: Read,
 }
 
@@ -49,6 +60,8 @@ struct Collector<'a> {
     prefix: String,
     base: u32,
     groups: &'a [&'static str],
+    /// Is the normal force a multiplier?
+    constrained: bool,
     outputs: &'a mut Vec<Output>,
 }
 
@@ -60,10 +73,16 @@ impl Collector<'_> {
         name: &str,
         group: &'static str,
         unit: Unit,
-        feedthrough: Feedthrough,
+        depends: Depends,
         text: &str,
         read: impl Fn(&Snapshot) -> f64 + Send + Sync + 'static,
     ) {
+        let feedthrough = match depends {
+            Depends::State => &[],
+            Depends::Pressing | Depends::On(_) if self.constrained => ALL,
+            Depends::Pressing => &[],
+            Depends::On(inputs) => inputs,
+        };
         if self.groups.contains(&group) {
             self.outputs.push(Output {
                 reference: self.base + id,
@@ -83,14 +102,21 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
     let mut outputs = Vec::new();
     let bodies = model.system.bodies.len();
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
-        let mut collector = Collector { prefix: wheelset.name.clone(), base: (index as u32 + 1) * 1000, groups, outputs: &mut outputs };
+        let mut collector = Collector {
+            prefix: wheelset.name.clone(),
+            base: (index as u32 + 1) * 1000,
+            groups,
+            constrained: model.formulation.constrains(),
+            outputs: &mut outputs,
+        };
         motion(&mut collector, wheelset.body, bodies);
         if let Some(drive) = model.system.drives.iter().position(|drive| drive.body == wheelset.body) {
             let text = "force of the driving constraint, forward positive: what a locomotive must supply to keep the imposed speed";
             collector.add(30, "drivingForce", "motion", Unit::Newton, FRICTIONS, text, move |s| s.workspace.system.drive_forces[drive]);
         }
         for side in Side::BOTH {
-            wheel(&mut collector, contact_index(index, side), side, wheelset.body * COORDINATES);
+            let points = model.formulation.points_per_wheel();
+            wheel(&mut collector, contact_index(index, side), points, side, wheelset.body * COORDINATES);
         }
         for (element, force) in model.system.forces.iter().enumerate() {
             let Some(number) = force.output_number() else { continue };
@@ -131,7 +157,7 @@ fn motion(c: &mut Collector, body: usize, bodies: usize) {
         "ay",
         g,
         Unit::MetrePerSecond2,
-        &[LATERAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION],
+        Depends::On(&[LATERAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION]),
         "lateral acceleration of the centre, left positive",
         dy(v + 1),
     );
@@ -140,7 +166,7 @@ fn motion(c: &mut Collector, body: usize, bodies: usize) {
         "az",
         g,
         Unit::MetrePerSecond2,
-        &[VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION],
+        Depends::On(&[VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION]),
         "vertical acceleration of the centre, up positive",
         dy(v + 2),
     );
@@ -151,7 +177,7 @@ fn motion(c: &mut Collector, body: usize, bodies: usize) {
         "pitchAcceleration",
         g,
         Unit::RadianPerSecond2,
-        &[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION],
+        Depends::On(&[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION]),
         "second time derivative of the pitch angle",
         dy(v + 5),
     );
@@ -160,15 +186,17 @@ fn motion(c: &mut Collector, body: usize, bodies: usize) {
 /// Wheel unloading below this force [N] makes quotients meaningless; they are reported as zero.
 const UNLOADED: f64 = 1.0;
 
-fn wheel(c: &mut Collector, contact: usize, side: Side, distance: usize) {
+fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, distance: usize) {
     let friction = if side == Side::Left { LEFT } else { RIGHT };
-    let none = STATE;
     let prefix = c.prefix.clone();
     let outward = side.sign();
     c.prefix = format!("{prefix}.{}", side.name());
     let base = c.base;
     c.base = base + if side == Side::Left { 100 } else { 200 };
-    let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| read(&s.workspace.contacts[contact]);
+    // Sum over the wheel's contacts.
+    let of = |read: fn(&ContactReport) -> f64| {
+        move |s: &Snapshot| read(&s.workspace.contacts[contact]) + s.workspace.second_contacts.get(contact).map_or(0.0, read)
+    };
 
     let g = "wheels";
     c.add(
@@ -190,10 +218,10 @@ fn wheel(c: &mut Collector, contact: usize, side: Side, distance: usize) {
         "longitudinal force of the rail on the wheel in the track frame, forward positive",
         of(|k| k.force.x),
     );
-    c.add(3, "normalForce", g, Unit::Newton, none, "sum of the normal forces of the wheel's contacts", of(|k| k.normal_force));
+    c.add(3, "normalForce", g, Unit::Newton, PRESSING, "sum of the normal forces of the wheel's contacts", of(|k| k.normal_force));
     let text = "guiding force of the wheel on the rail, outward positive, over Q: positive when a flange climbs; 0 below Q = 1 N";
     c.add(4, "derailmentQuotient", g, Unit::One, friction, text, move |s| {
-        let force = s.workspace.contacts[contact].force;
+        let force = s.workspace.contacts[contact].force + s.workspace.second_contacts.get(contact).map_or(Vector3::zeros(), |k| k.force);
         if force.z > UNLOADED { -outward * force.y / force.z } else { 0.0 }
     });
     let text = "T-gamma without spin: |Fx xi_x| + |Fy xi_y|, summed over the wheel's contacts (energy per distance, J/m)";
@@ -207,10 +235,24 @@ fn wheel(c: &mut Collector, contact: usize, side: Side, distance: usize) {
         of(|k| (k.creep_force.longitudinal * k.creepage.longitudinal).abs() + (k.creep_force.lateral * k.creepage.lateral).abs()),
     );
 
-    c.prefix = format!("{prefix}.{}.contact[1]", side.name());
-    c.base += 20;
+    for index in 0..points {
+        point_of_contact(c, &format!("{prefix}.{}.contact[{}]", side.name(), index + 1), index, contact, side, distance);
+    }
+    c.prefix = prefix;
+    c.base = base;
+}
+
+/// Outputs of one of a wheel's contacts: the first (tread) or the second.
+fn point_of_contact(c: &mut Collector, name: &str, index: usize, contact: usize, side: Side, distance: usize) {
+    let friction = if side == Side::Left { LEFT } else { RIGHT };
+    let none = STATE;
+    let outward = side.sign();
+    let report = move |s: &Snapshot| if index == 0 { s.workspace.contacts[contact] } else { s.workspace.second_contacts[contact] };
+    let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| read(&report(s));
+    let (prefix, base) = (std::mem::replace(&mut c.prefix, name.into()), c.base);
+    c.base += 20 * (index as u32 + 1);
     let g = "contacts";
-    c.add(0, "normalForce", g, Unit::Newton, none, "normal force", of(|k| k.normal_force));
+    c.add(0, "normalForce", g, Unit::Newton, PRESSING, "normal force", of(|k| k.normal_force));
     c.add(
         1,
         "penetration",
@@ -274,8 +316,8 @@ fn wheel(c: &mut Collector, contact: usize, side: Side, distance: usize) {
         "spin moment on the wheel about the contact normal",
         of(|k| k.creep_force.spin_moment),
     );
-    c.add(8, "semiAxisA", g, Unit::Metre, none, "semi-axis of the contact patch along e1 (rolling direction)", of(|k| k.patch.a));
-    c.add(9, "semiAxisB", g, Unit::Metre, none, "semi-axis of the contact patch along e2", of(|k| k.patch.b));
+    c.add(8, "semiAxisA", g, Unit::Metre, PRESSING, "semi-axis of the contact patch along e1 (rolling direction)", of(|k| k.patch.a));
+    c.add(9, "semiAxisB", g, Unit::Metre, PRESSING, "semi-axis of the contact patch along e2", of(|k| k.patch.b));
     c.add(
         10,
         "wheelCoordinate",
@@ -287,7 +329,7 @@ fn wheel(c: &mut Collector, contact: usize, side: Side, distance: usize) {
     );
     c.add(11, "railCoordinate", g, Unit::Metre, none, "eta: contact on the rail profile, outward positive", of(|k| k.parameters.rail));
     c.add(12, "angle", g, Unit::Radian, none, "contact angle: lean of the normal toward the track centre in the cross-section", move |s| {
-        let n = s.workspace.contacts[contact].axes.normal;
+        let n = report(s).axes.normal;
         (-outward * n.y).atan2(n.z)
     });
     c.add(
@@ -300,7 +342,7 @@ fn wheel(c: &mut Collector, contact: usize, side: Side, distance: usize) {
         of(|k| k.parameters.angle),
     );
     let text = "contact on the rail: distance along the track";
-    c.add(14, "railDistance", g, Unit::Distance, none, text, move |s| s.y[distance] + s.workspace.contacts[contact].parameters.lead);
+    c.add(14, "railDistance", g, Unit::Distance, none, text, move |s| s.y[distance] + report(s).parameters.lead);
     c.prefix = prefix;
     c.base = base;
 }

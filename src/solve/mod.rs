@@ -144,7 +144,8 @@ pub trait Integrator: Send + Sync + Debug {
             self.step(dynamics, state, scratch)?;
             state.complete(dynamics, scratch)?;
         }
-        Ok(())
+        // An event at the target itself is over when the solution is read there.
+        if state.t <= target { state.switch_if_due(dynamics) } else { Ok(()) }
     }
 }
 

@@ -292,7 +292,7 @@ impl Dynamics for Ball {
         Some(self.height)
     }
     fn switch(&mut self, _: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), Undefined> {
-        y[1] = -0.5 * y[1];
+        y[1] *= -0.5;
         y[0] = 0.0;
         memory[0] += 1.0;
         Ok(())

@@ -171,6 +171,19 @@ impl Pair<'_> {
     }
 }
 
+/// The contact found from the pieces that tests have at hand.
+#[cfg(test)]
+pub(super) fn locate(
+    wheel: &Wheel,
+    rail: &Rail,
+    centre: &Vector3<f64>,
+    axes: &Matrix3<f64>,
+    distance: f64,
+    start: &SurfaceParameters,
+) -> Result<ContactLocation, NewtonFailure> {
+    Pair { wheel, rail, centre, axes, distance }.locate(start)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::test_surfaces::{Parabola, pair};
@@ -179,16 +192,6 @@ mod tests {
     use crate::geometry::track::Rail;
     use crate::math::rotation::AxleFrame;
     use std::sync::Arc;
-
-    fn locate(
-        wheel: &Wheel,
-        rail: &Rail,
-        centre: &Vector3<f64>,
-        axes: &Matrix3<f64>,
-        distance: f64,
-    ) -> Result<ContactLocation, NewtonFailure> {
-        Pair { wheel, rail, centre, axes, distance }.locate(&SurfaceParameters::default())
-    }
 
     #[test]
     fn analytic_jacobian_matches_central_differences() {
@@ -216,7 +219,7 @@ mod tests {
                 let (wheel, rail) = pair(side, 0.05, true);
                 let frame = AxleFrame::new(yaw, roll);
                 let centre = Vector3::new(s, y, 0.457);
-                let found = locate(&wheel, &rail, &centre, &frame.axes, s).unwrap();
+                let found = locate(&wheel, &rail, &centre, &frame.axes, s, &SurfaceParameters::default()).unwrap();
                 let p = found.parameters;
                 let tangents = wheel.point(&centre, &frame.axes, p.wheel, p.angle).0;
                 assert!(tangents.t1.dot(&found.normal).abs() < 1e-10 && tangents.t2.dot(&found.normal).abs() < 1e-10);
@@ -237,7 +240,9 @@ mod tests {
             let head = Arc::new(Parabola { value: 0.0, slope: 0.0, curvature: -1.0 / 0.3 });
             let rail = Rail::new(side, head, 0.716, 0.025f64.atan(), &[]);
             let yaw = 1e-4;
-            let found = locate(&wheel, &rail, &Vector3::new(0.0, 0.0, 0.457), &AxleFrame::new(yaw, 0.0).axes, 0.0).unwrap();
+            let found =
+                locate(&wheel, &rail, &Vector3::new(0.0, 0.0, 0.457), &AxleFrame::new(yaw, 0.0).axes, 0.0, &SurfaceParameters::default())
+                    .unwrap();
             let angle_lead = 0.457 * found.parameters.angle;
             assert!((angle_lead - side.sign() * 0.457 * 0.025 * yaw).abs() < 1e-9, "{side:?}: {angle_lead}");
         }
@@ -248,7 +253,7 @@ mod tests {
         let frame = |sign: f64| AxleFrame::new(sign * 0.01, sign * 0.003).axes;
         let solve = |side: Side, sign: f64| {
             let (wheel, rail) = pair(side, 0.05, false);
-            locate(&wheel, &rail, &Vector3::new(0.0, sign * 0.004, 0.4569), &frame(sign), 0.0).unwrap()
+            locate(&wheel, &rail, &Vector3::new(0.0, sign * 0.004, 0.4569), &frame(sign), 0.0, &SurfaceParameters::default()).unwrap()
         };
         let (left, right) = (solve(Side::Left, 1.0), solve(Side::Right, -1.0));
         assert!((left.penetration - right.penetration).abs() < 1e-15);

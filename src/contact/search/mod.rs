@@ -2,6 +2,8 @@
 
 pub mod algebraic;
 pub mod kinematics;
+pub mod nodal;
+pub mod nodes;
 pub mod point_contact;
 #[cfg(test)]
 mod test_surfaces;

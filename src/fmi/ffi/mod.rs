@@ -212,6 +212,13 @@ pub unsafe extern "C" fn fmi2DoStep(
             component.last_step = Status::Ok;
             Status::Ok
         }
+        Ok(StepOutcome::DoneWithEvents(events)) => {
+            for event in &events {
+                component.log.remark(&event.to_string());
+            }
+            component.last_step = Status::Warning;
+            Status::Warning
+        }
         Ok(StepOutcome::Discarded(error)) => {
             component.last_step = Status::Discard;
             let reached = component.instance.time();

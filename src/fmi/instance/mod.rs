@@ -11,7 +11,8 @@ pub use saved::SavedState;
 
 use super::description;
 use super::variables::VariableTable;
-use crate::scene::load;
+use crate::formulation::events::ContactEvent;
+use crate::scene::load::{self, SceneError};
 use crate::scene::spec::Scene;
 use crate::sim::outputs::outputs;
 use crate::sim::{Simulation, SimulationError};
@@ -43,6 +44,8 @@ impl Phase {
 #[derive(Debug)]
 pub enum StepOutcome {
     Done,
+    /// Contacts that are constraints lifted off or landed on the way.
+    DoneWithEvents(Vec<ContactEvent>),
     /// The model could not be advanced to the end; time stands at the last successful step.
     Discarded(SimulationError),
 }
@@ -83,7 +86,7 @@ impl Instance {
     /// [`InstantiateError`].
     pub fn new(resources: &Path, guid: &str) -> Result<Self, InstantiateError> {
         let scene = load::open_file(&resources.join("scene.toml"), "scene", &[])?;
-        let table = VariableTable::new(&scene);
+        let table = VariableTable::new(&scene).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
         let found = description::describe(&scene, &table).guid;
         if found != guid {
             return Err(InstantiateError::Guid { found, wanted: guid.chars().filter(|c| !c.is_control()).collect() });
@@ -263,8 +266,12 @@ impl Instance {
                 expected: format!("a step that moves time beyond {time}"),
             });
         }
-        match self.started()?.advance(target) {
-            Ok(()) => Ok(StepOutcome::Done),
+        let simulation = self.started()?;
+        match simulation.advance(target) {
+            Ok(()) => {
+                let events = simulation.take_events();
+                Ok(if events.is_empty() { StepOutcome::Done } else { StepOutcome::DoneWithEvents(events) })
+            }
             Err(error) => Ok(StepOutcome::Discarded(error)),
         }
     }

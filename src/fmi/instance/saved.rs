@@ -71,7 +71,7 @@ impl Instance {
                 let mut other = Instance {
                     exported: self.exported.clone(),
                     scene,
-                    table: VariableTable::new(&self.exported),
+                    table: VariableTable::new(&self.exported).map_err(|error| CallError::Start(error.into()))?,
                     guid: self.guid.clone(),
                     phase: saved.phase,
                     experiment: saved.experiment,

@@ -27,7 +27,7 @@ mod partition;
 
 use super::lift::{self, OnLift};
 use super::loading::{keep, pair};
-use super::rigid::{self, ConstraintRow, RigidScratch, is_elastic, wheels};
+use super::rigid::{self, ConstraintRow, is_elastic, wheels};
 use super::{Build, ContactFailure, Evaluation, EvaluationError, Formulation, Model, Parts, Wheelset, Workspace, contact_index, eccf};
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::contact::search::point_contact::{CONSTRAINTS, PARAMETERS, ParameterJacobian, PointContact, Residual};
@@ -50,7 +50,7 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 
 fn parse(section: &Section) -> Result<Build, SettingsError> {
     let on_lift = lift::parse(section)?;
-    Ok(Arc::new(move |_: &Parts| Box::new(Accf { on_lift })))
+    Ok(Arc::new(move |_: &Parts| Ok(Box::new(Accf { on_lift }))))
 }
 
 #[derive(Debug)]
@@ -72,6 +72,10 @@ const WORSE: f64 = 0.5;
 const POSITION: NewtonLimits = NewtonLimits { next_step: 1e-13, iterations: 12 };
 
 impl Formulation for Accf {
+    fn describe(&self) -> String {
+        format!("constraint, five multipliers per wheel, surface parameters as states; {} (contact.on_lift)", self.on_lift.describe())
+    }
+
     fn states_per_contact(&self) -> usize {
         STATES
     }
@@ -82,10 +86,6 @@ impl Formulation for Accf {
 
     fn constrains(&self) -> bool {
         true
-    }
-
-    fn rigid_scratch(&self, bodies: usize, wheelsets: &[Wheelset]) -> Option<RigidScratch> {
-        Some(RigidScratch::new(bodies, wheelsets, bodies * 2 * COORDINATES + 2 * wheelsets.len() * STATES))
     }
 
     fn start(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
@@ -161,15 +161,7 @@ impl Formulation for Accf {
         lift::switch(self.on_lift, self, model, workspace, t, y, memory)
     }
 
-    fn land(
-        &self,
-        model: &Model,
-        workspace: &mut Workspace,
-        _contact: usize,
-        t: f64,
-        y: &mut [f64],
-        memory: &mut [f64],
-    ) -> Result<(), EvaluationError> {
+    fn resettle(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
         reset(model, workspace, t, y, memory)
     }
 }
@@ -177,12 +169,8 @@ impl Formulation for Accf {
 /// Brings the coordinates onto the constraints without regard to a partition (mass-weighted, as in ECCF), takes the surface
 /// parameters from the located contacts and chooses a partition.
 fn reset(model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-    if let Some(mut scratch) = workspace.rigid.take() {
-        let projected = eccf::project(model, workspace, &mut scratch, t, y, memory);
-        workspace.rigid = Some(scratch);
-        projected?;
-    }
-    model.system.set_motions(y, &mut workspace.system);
+    eccf::project(model, workspace, t, y, memory)?;
+    model.system.move_bodies(y, &mut workspace.system);
     for (contact, wheelset, side) in wheels(model) {
         let motion = &workspace.system.motions[wheelset.body];
         let found = eccf::locate(model, wheelset, side, motion, &mut memory[model.contact_memory(contact)])
@@ -219,8 +207,11 @@ const DISTANCE: usize = 2;
 fn choose(jacobian: &Jacobian, crossing: bool, wheelset: &Wheelset, t: f64, memory: &mut [f64]) -> Result<(), EvaluationError> {
     let mut free = *jacobian;
     if wheelset.imposed_speed.is_some() {
-        // x is given: constraints must not change it.
+        // x is given: constraints must not change it. (Where an elastic contact's row holds x itself, that entry stays.)
+        let held = free[(CONSTRAINTS + NORMAL, 0)];
+        let holds = free.row(CONSTRAINTS + NORMAL).norm() == held.abs();
         free.column_mut(0).fill(0.0);
+        free[(CONSTRAINTS + NORMAL, 0)] = if holds { held } else { 0.0 };
     }
     let partition = if crossing { Partition::of_coordinates(&free) } else { Partition::choose(&free) };
     let partition = partition.ok_or_else(|| EvaluationError::new(t, wheelset, Side::Left, ContactFailure::Dependent))?;

@@ -38,8 +38,8 @@ impl GuidedSpring {
     /// d [m], d' [m/s] and the attachment point [m].
     #[inline]
     fn displacement(&self, body: &BodyMotion) -> (f64, f64, Vector3<f64>) {
-        let point = body.axle_point(&self.attachment);
-        let velocity = body.axle_velocity(&point);
+        let point = body.attachment_point(&self.attachment);
+        let velocity = body.attachment_velocity(&point);
         match self.axis {
             // The frame's X is the centre's X, its speed the centre's speed.
             TrackAxis::Longitudinal => (point.x - body.position.x - self.attachment.x, velocity.x - body.velocity.x, point),

@@ -1,0 +1,1106 @@
+//! Contact search over nodes of the profiles (section 4.2, ECF-N).
+//!
+//! *Rail section.* Eq. 29 follows the wheel's point Q (centre of the tread circle, on the axle) along the rail; see
+//! [`arc_rate`]. The rail's section at that distance s is searched: origin R, tangent t = R'(s), axes o (outward) and p
+//! (up). t need not be normal to the section.
+//!
+//! *Wheel section.* The paper leaves open how the wheel angle is found. Here each wheel node takes the angle at which
+//! the wheel's normal is normal to t, where its circle comes nearest to a rail that runs straight along t. With the
+//! axle frame's axes X, Y, Z, `S = +1` left and `-1` right, and R(u) the wheel profile:
+//!
+//! ```text
+//! sin(angle) (X.t) - cos(angle) (Z.t) = R'(u) S (Y.t)
+//! angle = b + c,   tan b = (Z.t) / (X.t),   sin c = k R'(u),   k = S (Y.t) / sqrt((X.t)^2 + (Z.t)^2)
+//! ```
+//!
+//! *Pairs.* The node is brought into the rail's section along t. That replaces the rail by its tangent: with the
+//! node's distance a along the rail the error is `a^2 |R''| / 2` (for a deviation of 10 mm over 10 m, R'' < 2e-3 1/m,
+//! and a = 5 mm: 2.5e-8 m; on a flange of slope 3 at 20 mrad yaw a = 27 mm: 7e-7 m). In the section
+//!
+//! ```text
+//! (eta, h) = (e0, h0) + (eY, hY) (u - k^2 R R') + (eD, hD) sqrt(R^2 - (k R R')^2)
+//! ```
+//!
+//! where (e0, h0) is the point Q, (eY, hY) the axle's outward direction and (eD, hD) that of angle b, all brought into
+//! the section along t. The gap in height is taken over the tangent at the rail node i nearest in eta, and a node with
+//! G < 0 touches:
+//!
+//! ```text
+//! G = h - f_i - f_i' (eta - eta_i)
+//! ```
+//!
+//! Its partner j is the rail node nearest to the foot of the normal, `eta + f_i' G / (1 + f_i'^2)`, and the penetration
+//! is that of the pair: with the rail's unit normal n at j (normal to t and to the profile) and the gap
+//! r = r_wheel - r_rail without its part along t
+//!
+//! ```text
+//! delta = -r . n = -(h - f_j - f_j' (eta - eta_j)) / N,   N = |n| when its part along p is 1
+//! ```
+//!
+//! On a tread i and j are the same. On a flank the node nearest in eta is `delta f' / sqrt(1 + f'^2)` beside the foot; as
+//! partner it would make delta jump by `curvature delta f' spacing` when it changes (slope 2, corner of 13 mm, 0.1 mm
+//! spacing: 2 % of delta), where the foot's node makes it jump by a third-order amount. A tangent used up to half a
+//! spacing d aside costs at most `curvature sqrt(1 + f'^2) d^2 / 8` in delta. A wheel node without a rail node within half
+//! a spacing in eta has no partner; a node that does not touch is paired with i.
+//!
+//! *Batches.* Consecutive wheel nodes with delta > 0; the deepest pair of each is its contact. The two deepest batches
+//! are returned, the one further out (greater u) first: the flange is the inner end of the profile, so a tread contact
+//! stays in place 0 when a flange contact comes and goes, whichever is deeper. A contact that is alone is in place 0.
+//!
+//! *Passing over nodes.* From node to node G changes by at least `-D` (see [`Section::fall`]), so from a gap G > 0 the
+//! next `G / D` nodes cannot touch. Both profiles' bounds enter, so D is the closing slope of the surfaces and not
+//! the slope of either.
+
+use super::algebraic::{ContactLocation, SurfaceParameters};
+use super::nodes::{Bounds, NodeError, NodeTable};
+use crate::geometry::surface::Wheel;
+use crate::geometry::track::{Rail, RailSection};
+use nalgebra::{Matrix3, Vector3};
+
+/// Rate of the rail's distance s [m/s] that belongs to a point (Eq. 29, made exact), from the rail's section at s and
+/// the point's position and velocity in the track frame.
+///
+/// Keeps the point in the plane normal to the rail's space curve R(s): `(r - R) . R' = 0` differentiated gives
+///
+/// ```text
+/// s' = v . R' / (|R'|^2 - (r - R) . R'')
+/// ```
+///
+/// Eq. 29 has `s' = v . t1`. With s counted along the curve that is the same without `(r - R) . R''` (curvature times
+/// the point's offset toward the centre of curvature); here s is counted along the track's centre line, hence
+/// `|R'|^2`. What Eq. 29 leaves out adds up: R(s) falls behind or runs ahead of the point.
+#[inline]
+pub fn arc_rate(section: &RailSection, point: &Vector3<f64>, velocity: &Vector3<f64>) -> f64 {
+    velocity.dot(&section.d1) / (section.d1.norm_squared() - (point - section.origin).dot(&section.d2))
+}
+
+/// Rounding of G, m, with a wide margin: a node passed over is at least this far from touching.
+const MARGIN: f64 = 1e-12;
+
+/// Largest `(k R')^2` with which nodes are passed over: beyond, a yawed steep flank moves too fast along u.
+const TURNED: f64 = 0.5;
+
+/// Wheel nodes without bounds asked for after bounds have gained nothing.
+const PATIENCE: usize = 4;
+
+/// What a search found.
+#[derive(Clone, Copy, Debug)]
+pub struct NodalContacts {
+    /// The contacts, outer one first. With `count == 0` place 0 holds the pair that comes closest, its penetration not
+    /// positive; it is empty only when no wheel node stands above a rail node.
+    pub contacts: [Option<ContactLocation>; 2],
+    /// Number of contacts, 0 to 2.
+    pub count: usize,
+    /// Pairs whose gap was evaluated.
+    pub evaluated: usize,
+    /// Bounds of stretches of nodes that were looked up.
+    pub looked_up: usize,
+}
+
+/// Nodes of one wheel and its rail, made once.
+#[derive(Clone, Debug)]
+pub struct NodalSearch {
+    wheel: NodeTable,
+    rail: NodeTable,
+    half_spacing: f64,
+    sign: f64,
+    outward: Vector3<f64>,
+    up: Vector3<f64>,
+}
+
+/// How the wheel's nodes come into the rail's section in one pose.
+#[derive(Clone, Copy)]
+struct Section {
+    /// k and k^2.
+    turn: f64,
+    turn2: f64,
+    /// (eta, h) of Q, of the axle's outward direction, of the direction of angle b.
+    base: (f64, f64),
+    axle: (f64, f64),
+    down: (f64, f64),
+    /// b, rad.
+    angle: f64,
+    /// Part of the rail's normal along the section's normal, when its part along p is 1: `lean.0 + lean.1 f'`.
+    lean: (f64, f64),
+}
+
+/// A wheel node in the rail's section and its partner.
+#[derive(Clone, Copy)]
+struct Pair {
+    wheel: usize,
+    rail: usize,
+    /// delta, m.
+    penetration: f64,
+}
+
+impl Section {
+    /// N.
+    #[inline]
+    fn norm(&self, slope: f64) -> f64 {
+        let lean = self.lean.0 + self.lean.1 * slope;
+        (1.0 + slope * slope + lean * lean).sqrt()
+    }
+
+    /// (eta, h) of a point `R(u)` with slope `R'`; `None` where no point of the circle has its normal in the section.
+    #[inline]
+    fn place(&self, u: f64, radius: f64, slope: f64) -> Option<(f64, f64)> {
+        let lever = radius * slope;
+        let across = u - self.turn2 * lever;
+        let under = radius * radius - self.turn2 * lever * lever;
+        let down = under.sqrt();
+        (under > 0.0)
+            .then(|| (self.base.0 + self.axle.0 * across + self.down.0 * down, self.base.1 + self.axle.1 * across + self.down.1 * down))
+    }
+
+    /// Least and greatest changes of `u - k^2 R R'` and of `sqrt(R^2 - (k R R')^2)` per spacing, -; `None` when the
+    /// wheel is too steep for its yaw.
+    ///
+    /// The second is `(R + R_next) / (sum of roots) * slope - k^2 (sum of R R') / (sum of roots) * bend`, and each root
+    /// is at least `R sqrt(1 - (k R')^2)`.
+    #[inline]
+    fn steps(&self, wheel: &Bounds) -> Option<Steps> {
+        let turned = self.turn2 * wheel.steepest * wheel.steepest;
+        if !(turned < TURNED) {
+            return None;
+        }
+        let stretched = 1.0 / (1.0 - turned).sqrt();
+        let bend = self.turn2 * wheel.bend;
+        let slack = bend * wheel.steepest * stretched;
+        Some(Steps {
+            across: (1.0 - bend, 1.0 + bend),
+            down: (wheel.lowest.min(wheel.lowest * stretched) - slack, wheel.highest.max(wheel.highest * stretched) + slack),
+        })
+    }
+
+    /// Least and greatest change of eta per spacing, -.
+    #[inline]
+    fn drift(&self, steps: &Steps) -> (f64, f64) {
+        let (across, down) = (interval(self.axle.0, steps.across), interval(self.down.0, steps.down));
+        (across.0 + down.0, across.1 + down.1)
+    }
+
+    /// D: the most by which G falls per spacing, -, apart from the misfit of the tangents. The rail's height changes by
+    /// slope times the change of eta, so what is left is linear in that slope and in both steps: the least is at a
+    /// corner.
+    #[inline]
+    fn fall(&self, steps: &Steps, rail: &Bounds) -> f64 {
+        let rise = |slope: f64| {
+            interval(self.axle.1 - slope * self.axle.0, steps.across).0 + interval(self.down.1 - slope * self.down.0, steps.down).0
+        };
+        -rise(rail.lowest).min(rise(rail.highest))
+    }
+}
+
+/// Changes from a wheel node to the next, per spacing, -.
+#[derive(Clone, Copy)]
+struct Steps {
+    across: (f64, f64),
+    down: (f64, f64),
+}
+
+/// `factor * x` for x between two bounds.
+#[inline]
+fn interval(factor: f64, x: (f64, f64)) -> (f64, f64) {
+    let (a, b) = (factor * x.0, factor * x.1);
+    if a < b { (a, b) } else { (b, a) }
+}
+
+impl NodalSearch {
+    /// Nodes of a wheel and its rail, `spacing` [m] apart.
+    ///
+    /// # Errors
+    /// [`NodeError`] when a profile and the spacing give no usable nodes.
+    pub fn new(wheel: &Wheel, rail: &Rail, spacing: f64) -> Result<Self, NodeError> {
+        Ok(NodalSearch {
+            wheel: NodeTable::new(wheel.profile.as_ref(), "wheel", spacing)?,
+            rail: NodeTable::new(rail.profile.as_ref(), "rail", spacing)?,
+            half_spacing: wheel.half_spacing,
+            sign: wheel.side.sign(),
+            outward: rail.outward,
+            up: rail.up,
+        })
+    }
+
+    /// The wheel's point Q that [`arc_rate`] follows, m.
+    #[inline]
+    pub fn centre_point(&self, centre: &Vector3<f64>, axes: &Matrix3<f64>) -> Vector3<f64> {
+        centre + axes.column(1) * (self.sign * self.half_spacing)
+    }
+
+    /// Contacts of one wheel.
+    ///
+    /// `centre` [m] and `axes` are the wheelset's position and its frame that does not spin, `distance` [m] its place
+    /// along the track (leads count from there), `arc` [m] the rail's distance s and `section` the rail there.
+    pub fn search(&self, centre: &Vector3<f64>, axes: &Matrix3<f64>, distance: f64, arc: f64, section: &RailSection) -> NodalContacts {
+        let plane = self.section(centre, axes, section);
+        let mut walk = Walk::default();
+        self.walk(&plane, &mut walk);
+        if walk.deepest.is_none() {
+            // Nothing touches: once more, for the pair that comes closest.
+            walk.closest_wanted = true;
+            self.walk(&plane, &mut walk);
+        }
+        let mut found = walk.batches();
+        if let [Some(first), Some(second)] = found
+            && second.wheel > first.wheel
+        {
+            found.swap(0, 1);
+        }
+        let count = found.iter().flatten().count();
+        if count == 0 {
+            found[0] = walk.closest;
+        }
+        NodalContacts {
+            contacts: found.map(|pair| pair.map(|pair| self.location(&pair, &plane, centre, axes, (distance, arc), section))),
+            count,
+            evaluated: walk.evaluated,
+            looked_up: walk.looked_up,
+        }
+    }
+
+    /// Axes, angle and normals of the rail's section as this wheel sees it.
+    fn section(&self, centre: &Vector3<f64>, axes: &Matrix3<f64>, section: &RailSection) -> Section {
+        let t = &section.d1;
+        let across = self.outward.cross(&self.up);
+        let along = across.dot(t);
+        let flat = |v: &Vector3<f64>| {
+            let ahead = across.dot(v) / along;
+            (self.outward.dot(v) - ahead * self.outward.dot(t), self.up.dot(v) - ahead * self.up.dot(t))
+        };
+        let (x, y, z) = (axes.column(0), axes.column(1) * self.sign, axes.column(2));
+        let (xt, zt) = (x.dot(t), z.dot(t));
+        let length = xt.hypot(zt);
+        let turn = y.dot(t) / length;
+        Section {
+            turn,
+            turn2: turn * turn,
+            base: flat(&(centre + y * self.half_spacing - section.origin)),
+            axle: flat(&y),
+            down: flat(&((x * zt - z * xt) / length)),
+            angle: zt.atan2(xt),
+            lean: (-self.up.dot(t) / along, self.outward.dot(t) / along),
+        }
+    }
+
+    /// Height of a place in the section over the tangent at a rail node, m.
+    #[inline]
+    fn gap(&self, rail: usize, eta: f64, height: f64) -> f64 {
+        let f = self.rail.point(rail);
+        height - f.value - f.d1 * (eta - self.rail.coordinate(rail))
+    }
+
+    /// Visits every wheel node that a bound does not exclude.
+    #[inline]
+    fn walk(&self, plane: &Section, walk: &mut Walk) {
+        let nodes = self.wheel.count();
+        let mut level = self.wheel.top();
+        let mut ask = 0;
+        let mut index = 0;
+        while index < nodes {
+            let wheel = self.wheel.point(index);
+            let Some((eta, height)) = plane.place(self.wheel.coordinate(index), wheel.value, wheel.d1) else {
+                walk.close();
+                index += 1;
+                continue;
+            };
+            let place = self.rail.place(eta);
+            let on_rail = place >= -0.5 && place < self.rail.count() as f64 - 0.5;
+            let mut gap = f64::NAN;
+            if on_rail {
+                let rail = (place + 0.5) as usize;
+                let slope = self.rail.point(rail).d1;
+                gap = self.gap(rail, eta, height);
+                walk.evaluated += 1;
+                if gap < 0.0 {
+                    let foot = self.rail.place(eta + slope * gap / (1.0 + slope * slope)) + 0.5;
+                    // A cast of a negative number gives 0.
+                    let rail = (foot as usize).min(self.rail.count() - 1);
+                    let penetration = -self.gap(rail, eta, height) / plane.norm(self.rail.point(rail).d1);
+                    walk.touching(Pair { wheel: index, rail, penetration });
+                    index += 1;
+                    continue;
+                }
+                walk.apart(Pair { wheel: index, rail, penetration: -gap / plane.norm(slope) });
+            }
+            walk.close();
+            let mut passed = 0;
+            if index >= ask {
+                passed = self.pass(plane, walk, index, place, gap, &mut level);
+                if passed == 0 {
+                    ask = index + PATIENCE;
+                }
+            }
+            index += 1 + passed;
+        }
+        walk.close();
+    }
+
+    /// Number of wheel nodes after `index` that have no partner or cannot touch (or come closer than the closest pair so
+    /// far). `gap` is NaN at a node that stands beside the rail.
+    fn pass(&self, plane: &Section, walk: &mut Walk, index: usize, place: f64, gap: f64, level: &mut usize) -> usize {
+        let last = self.rail.count() as f64 - 1.0;
+        loop {
+            walk.looked_up += 1;
+            let length = NodeTable::stretch(*level);
+            let wheel = self.wheel.bounds(index as f64, (index + length - 1) as f64, *level);
+            let mut passed = 0;
+            if let Some(steps) = plane.steps(&wheel) {
+                let (back, ahead) = plane.drift(&steps);
+                let reach = length as f64;
+                let free = if gap.is_nan() {
+                    // Distance to the rail's nearer end over the speed toward it.
+                    let (beside, speed) = if place < 0.0 { (-0.5 - place, ahead) } else { (place - last - 0.5, -back) };
+                    if speed > 0.0 { (beside - MARGIN / self.rail.spacing) / speed } else { reach }
+                } else {
+                    let rail = self.rail.bounds(place + reach * back.min(0.0), place + reach * ahead.max(0.0), *level);
+                    let fall = plane.fall(&steps, &rail) * self.wheel.spacing;
+                    let spare = gap - 2.0 * rail.misfit - walk.least_gap(plane, &rail) - MARGIN;
+                    if spare < 0.0 {
+                        0.0
+                    } else if fall > 0.0 {
+                        spare / fall
+                    } else {
+                        reach
+                    }
+                };
+                // A cast of a negative number gives 0.
+                passed = free.min(reach) as usize;
+            }
+            if passed == length && *level < self.wheel.top() {
+                *level += 1;
+            }
+            if 2 * passed >= length || *level == 0 {
+                return passed;
+            }
+            *level -= 1;
+        }
+    }
+
+    /// Everything that the laws of contact need from a pair.
+    fn location(
+        &self,
+        pair: &Pair,
+        plane: &Section,
+        centre: &Vector3<f64>,
+        axes: &Matrix3<f64>,
+        (distance, arc): (f64, f64),
+        section: &RailSection,
+    ) -> ContactLocation {
+        let (u, eta) = (self.wheel.coordinate(pair.wheel), self.rail.coordinate(pair.rail));
+        let (wheel, rail) = (*self.wheel.point(pair.wheel), *self.rail.point(pair.rail));
+        let angle = plane.angle + (plane.turn * wheel.d1).asin();
+        let (sin, cos) = angle.sin_cos();
+        let radial = axes.column(0) * sin - axes.column(2) * cos;
+        let wheel_point = self.centre_point(centre, axes) + axes.column(1) * (self.sign * u) + radial * wheel.value;
+        let across = self.outward.cross(&self.up);
+        let ahead = across.dot(&(wheel_point - section.origin)) / across.dot(&section.d1);
+        let lean = plane.lean.0 + plane.lean.1 * rail.d1;
+        ContactLocation {
+            parameters: SurfaceParameters { wheel: u, angle, lead: arc + ahead - distance, rail: eta },
+            wheel_point,
+            normal: (self.up - self.outward * rail.d1 + across * lean) / plane.norm(rail.d1),
+            forward: section.d1,
+            penetration: pair.penetration,
+            wheel_profile: wheel,
+            rail_profile: rail,
+            iterations: 0,
+        }
+    }
+}
+
+/// What has been seen on the way along the wheel's profile.
+#[derive(Default)]
+struct Walk {
+    /// Deepest pair of the batch that is open.
+    open: Option<Pair>,
+    /// Deepest pairs of the deepest batch and of the next.
+    deepest: Option<Pair>,
+    second: Option<Pair>,
+    /// Pair with the greatest penetration, touching or not.
+    closest: Option<Pair>,
+    /// Only pairs that cannot come closer than `closest` may be passed over.
+    closest_wanted: bool,
+    evaluated: usize,
+    looked_up: usize,
+}
+
+impl Walk {
+    #[inline]
+    fn touching(&mut self, pair: Pair) {
+        // Between two nodes the two tangents may differ in their last digits about whether anything touches.
+        if pair.penetration > 0.0 && self.open.is_none_or(|open| pair.penetration > open.penetration) {
+            self.open = Some(pair);
+        }
+    }
+
+    #[inline]
+    fn apart(&mut self, pair: Pair) {
+        if self.closest.is_none_or(|closest| pair.penetration > closest.penetration) {
+            self.closest = Some(pair);
+        }
+    }
+
+    /// Ends the open batch.
+    #[inline]
+    fn close(&mut self) {
+        let Some(pair) = self.open.take() else { return };
+        let deeper = |other: Option<Pair>| other.is_none_or(|other| pair.penetration > other.penetration);
+        if deeper(self.deepest) {
+            self.second = self.deepest;
+            self.deepest = Some(pair);
+        } else if deeper(self.second) {
+            self.second = Some(pair);
+        }
+    }
+
+    fn batches(&self) -> [Option<Pair>; 2] {
+        [self.deepest, self.second]
+    }
+
+    /// Least G, m, of a node that may be passed over on a rail with these bounds: the normal gap of the closest pair
+    /// against the steepest normal.
+    #[inline]
+    fn least_gap(&self, plane: &Section, rail: &Bounds) -> f64 {
+        match self.closest {
+            Some(closest) if self.closest_wanted => {
+                let lean = plane.lean.0.abs() + plane.lean.1.abs() * rail.steepest;
+                -closest.penetration * (1.0 + rail.steepest * rail.steepest + lean * lean).sqrt()
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::algebraic::locate;
+    use super::*;
+    use crate::geometry::Side;
+    use crate::geometry::profile::{Profile, ProfilePoint};
+    use crate::geometry::surface::rail_point;
+    use crate::geometry::track::{Deviation, DeviationShape, Direction};
+    use crate::math::rotation::AxleFrame;
+    use crate::math::spline::CubicSpline;
+    use proptest::prelude::*;
+    use proptest::test_runner::TestRunner;
+    use std::cell::Cell;
+    use std::f64::consts::{PI, TAU};
+    use std::sync::Arc;
+
+    const RADIUS: f64 = 0.457;
+    const HALF_SPACING: f64 = 0.716;
+
+    /// A profile from its function and range.
+    struct Shape<F>(F, (f64, f64));
+    impl<F> std::fmt::Debug for Shape<F> {
+        fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            write!(f, "shape {:?}", self.1)
+        }
+    }
+    impl<F: Fn(f64) -> [f64; 3] + Send + Sync> Profile for Shape<F> {
+        fn at(&self, x: f64) -> ProfilePoint {
+            let [value, d1, d2] = (self.0)(x);
+            ProfilePoint { value, d1, d2, d3: 0.0 }
+        }
+        fn range(&self) -> (f64, f64) {
+            self.1
+        }
+        fn describe(&self) -> String {
+            format!("{self:?}")
+        }
+    }
+
+    fn cone_over(slope: f64, range: (f64, f64)) -> Arc<dyn Profile> {
+        Arc::new(Shape(move |u| [RADIUS - slope * u, -slope, 0.0], range))
+    }
+
+    fn cone(slope: f64) -> Arc<dyn Profile> {
+        cone_over(slope, (-0.07, 0.07))
+    }
+
+    fn hollow() -> Arc<dyn Profile> {
+        let k = TAU / 0.016;
+        let wave = move |u: f64| {
+            let (sin, cos) = (k * u).sin_cos();
+            [RADIUS - 0.025 * u - 2e-4 * cos, -0.025 + 2e-4 * k * sin, 2e-4 * k * k * cos]
+        };
+        Arc::new(Shape(wave, (-0.06, 0.06)))
+    }
+
+    /// Tread of slope 1/40 that runs into a flange of slope 3 with a rounded tip, as points through a spline.
+    fn flanged() -> Arc<dyn Profile> {
+        let smooth = |x: f64| {
+            let x = x.clamp(0.0, 1.0);
+            x * x * (3.0 - 2.0 * x)
+        };
+        let slope = |u: f64| -0.025 - 3.0 * smooth((-0.030 - u) / 0.012) + 6.0 * smooth((-0.046 - u) / 0.008);
+        let fine = 5e-5;
+        // From the tread circle inward and outward; every tenth point carries the spline.
+        let side = |sign: f64, steps: usize| {
+            let mut radius = RADIUS;
+            let mut points = Vec::new();
+            for k in 0..=steps {
+                let u = sign * fine * k as f64;
+                if k % 10 == 0 {
+                    points.push((u, radius));
+                }
+                radius += sign * fine * slope(u + 0.5 * sign * fine);
+            }
+            points
+        };
+        let mut points = side(-1.0, 1200);
+        points.reverse();
+        points.pop();
+        points.extend(side(1.0, 1200));
+        let spline = CubicSpline::natural(&points).unwrap();
+        let range = spline.range();
+        let at = move |u| {
+            let [value, d1, d2, _] = spline.at(u);
+            [value, d1, d2]
+        };
+        Arc::new(Shape(at, range))
+    }
+
+    fn arc_over(radius: f64, range: (f64, f64)) -> Arc<dyn Profile> {
+        let at = move |x: f64| {
+            let drop = (radius * radius - x * x).sqrt();
+            [-x * x / (drop + radius), -x / drop, -radius * radius / drop.powi(3)]
+        };
+        Arc::new(Shape(at, range))
+    }
+
+    fn arc(radius: f64) -> Arc<dyn Profile> {
+        arc_over(radius, (-0.036, 0.036))
+    }
+
+    /// Crown of 300 mm between corners of 13 mm that end with a vertical tangent 36 mm from the middle.
+    fn head() -> Arc<dyn Profile> {
+        let (crown, corner, half_width) = (0.3f64, 0.013, 0.036);
+        let centre = half_width - corner;
+        let height = ((crown - corner).powi(2) - centre * centre).sqrt() - crown;
+        let at = move |x: f64| {
+            let begin = centre * crown / (crown - corner);
+            let (radius, x, base) = if x.abs() < begin { (crown, x, -crown) } else { (corner, x - centre.copysign(x), height) };
+            let root = (radius * radius - x * x).sqrt();
+            [base + root, -x / root, -radius * radius / root.powi(3)]
+        };
+        Arc::new(Shape(at, (-half_width, half_width)))
+    }
+
+    /// `amplitude / 2 (1 - cos(2 pi s / 10 m))`.
+    #[derive(Debug)]
+    struct Cosine(f64);
+    impl DeviationShape for Cosine {
+        fn at(&self, s: f64) -> [f64; 4] {
+            let k = TAU / 10.0;
+            let (sin, cos) = (k * s).sin_cos();
+            let half = 0.5 * self.0;
+            [half * (1.0 - cos), half * k * sin, half * k * k * cos, -half * k * k * k * sin]
+        }
+        fn breaks(&self) -> Vec<f64> {
+            vec![]
+        }
+        fn describe(&self) -> String {
+            "cosine".into()
+        }
+    }
+
+    fn rail(side: Side, head: Arc<dyn Profile>, inclination: f64, lateral: f64, vertical: f64) -> Rail {
+        let deviation = |direction, amplitude| Deviation { side, direction, shape: Arc::new(Cosine(amplitude)) };
+        let deviations = [deviation(Direction::Lateral, lateral), deviation(Direction::Vertical, vertical)];
+        Rail::new(side, head, HALF_SPACING, inclination, &deviations)
+    }
+
+    fn wheel(side: Side, profile: Arc<dyn Profile>) -> Wheel {
+        Wheel { side, profile, half_spacing: HALF_SPACING }
+    }
+
+    /// s of a point: root of `(r - R) . R' = 0`.
+    fn project(rail: &Rail, point: &Vector3<f64>) -> f64 {
+        let mut s = point.x;
+        for _ in 0..20 {
+            let section = rail.section(s);
+            let r = point - section.origin;
+            s += r.dot(&section.d1) / (section.d1.norm_squared() - r.dot(&section.d2));
+        }
+        s
+    }
+
+    struct Stand {
+        wheel: Wheel,
+        rail: Rail,
+        search: NodalSearch,
+    }
+
+    impl Stand {
+        fn new(wheel: Wheel, rail: Rail, spacing: f64) -> Self {
+            let search = NodalSearch::new(&wheel, &rail, spacing).unwrap();
+            Stand { wheel, rail, search }
+        }
+
+        fn search(&self, centre: &Vector3<f64>, axes: &Matrix3<f64>) -> NodalContacts {
+            let arc = project(&self.rail, &self.search.centre_point(centre, axes));
+            self.search.search(centre, axes, centre.x, arc, &self.rail.section(arc))
+        }
+
+        /// The one contact, or the closest pair.
+        fn first(&self, centre: &Vector3<f64>, axes: &Matrix3<f64>) -> ContactLocation {
+            self.search(centre, axes).contacts[0].unwrap()
+        }
+
+        fn exact(&self, centre: &Vector3<f64>, axes: &Matrix3<f64>, start: &SurfaceParameters) -> ContactLocation {
+            locate(&self.wheel, &self.rail, centre, axes, centre.x, start).unwrap()
+        }
+
+        /// Height of the centre at which the deepest pair penetrates by about `penetration` [m].
+        fn settle(&self, mut centre: Vector3<f64>, axes: &Matrix3<f64>, penetration: f64) -> Vector3<f64> {
+            for _ in 0..4 {
+                let deepest = self.search(&centre, axes).contacts.iter().flatten().map(|c| c.penetration).fold(-1.0, f64::max);
+                centre.z += deepest - penetration;
+            }
+            centre
+        }
+    }
+
+    fn tread(side: Side, spacing: f64, lateral: f64, vertical: f64) -> Stand {
+        Stand::new(wheel(side, cone(0.025)), rail(side, arc(0.3), 0.025f64.atan(), lateral, vertical), spacing)
+    }
+
+    // Eq. 29.
+
+    /// Q as it travels: straight on at 40 m/s with a lateral and a vertical motion.
+    fn travelling(t: f64) -> (Vector3<f64>, Vector3<f64>) {
+        let (y, z) = (9.0 * t, 14.0 * t);
+        (
+            Vector3::new(40.0 * t, HALF_SPACING + 0.004 * y.sin(), RADIUS + 0.002 * z.sin()),
+            Vector3::new(40.0, 0.036 * y.cos(), 0.028 * z.cos()),
+        )
+    }
+
+    /// Largest |s - projection| [m] along one wave of the deviation when `rate` is integrated by RK4 in `steps` steps.
+    fn slip(rail: &Rail, steps: usize, rate: impl Fn(&RailSection, &Vector3<f64>, &Vector3<f64>) -> f64) -> f64 {
+        let h = 0.25 / steps as f64;
+        let at = |t: f64, s: f64| {
+            let (point, velocity) = travelling(t);
+            rate(&rail.section(s), &point, &velocity)
+        };
+        let mut s = project(rail, &travelling(0.0).0);
+        let mut worst: f64 = 0.0;
+        for step in 0..steps {
+            let t = h * step as f64;
+            let k1 = at(t, s);
+            let k2 = at(t + 0.5 * h, s + 0.5 * h * k1);
+            let k3 = at(t + 0.5 * h, s + 0.5 * h * k2);
+            let k4 = at(t + h, s + h * k3);
+            s += h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
+            worst = worst.max((s - project(rail, &travelling(t + h).0)).abs());
+        }
+        worst
+    }
+
+    #[test]
+    fn order_arc_rate_keeps_the_projection_to_integration_accuracy() {
+        let rail = rail(Side::Left, arc(0.3), 0.025, 0.01, 0.01);
+        let errors: Vec<f64> = [10, 20, 40].map(|steps| slip(&rail, steps, arc_rate)).to_vec();
+        let order = (errors[0] / errors[2]).log2() / 2.0;
+        println!("|s - projection|: {errors:?} m, order {order:.2}");
+        assert!((order - 4.0).abs() < 0.4 && slip(&rail, 500, arc_rate) < 1e-12);
+    }
+
+    #[test]
+    fn analytic_printed_arc_rate_slips_by_millimetres_over_a_bump() {
+        // Eq. 29 with the unit tangent, s per centre-line distance: v . R' / |R'|^2.
+        let printed = |section: &RailSection, _: &Vector3<f64>, v: &Vector3<f64>| v.dot(&section.d1) / section.d1.norm_squared();
+        // The unit tangent taken for R' itself.
+        let unit = |section: &RailSection, _: &Vector3<f64>, v: &Vector3<f64>| v.dot(&section.d1) / section.d1.norm();
+        let bare = |section: &RailSection, _: &Vector3<f64>, v: &Vector3<f64>| v.dot(&section.d1);
+        let of = |lateral, vertical| {
+            let rail = rail(Side::Left, arc(0.3), 0.025, lateral, vertical);
+            [slip(&rail, 500, printed), slip(&rail, 500, unit), slip(&rail, 500, bare), slip(&rail, 500, arc_rate)]
+        };
+        let (lateral, vertical) = (of(0.01, 0.0), of(0.0, 0.01));
+        println!("10 mm over 10 m, slip of v.R'/|R'|^2, v.R'/|R'|, v.R', corrected [m]");
+        println!("lateral  {lateral:?}\nvertical {vertical:?}");
+        // Vertical: Q stands the radius R over the curve, so s differs by R times the slope, at most R pi A / L.
+        let expected = RADIUS * PI * 0.01 / 10.0;
+        assert!((vertical[0] / expected - 1.0).abs() < 0.05, "{} {expected}", vertical[0]);
+        assert!(vertical[3] < 1e-12 && lateral[3] < 1e-12);
+        // Lateral: offsets of 4 to 10 mm only, hence some tens of micrometres.
+        assert!(lateral[0] > 5e-6 && lateral[0] < 1e-4);
+    }
+
+    // Wheel angle and the node in the section.
+
+    #[test]
+    fn prop_wheel_angle_turns_the_normal_into_the_section() {
+        for side in Side::BOTH {
+            let stand = Stand::new(wheel(side, flanged()), rail(side, head(), 0.025, 0.01, 0.01), 1e-3);
+            for (yaw, roll) in [(0.03, 0.01), (-0.02, 0.004), (0.1, -0.02), (0.0, 0.0)] {
+                let axes = AxleFrame::new(yaw, roll).axes;
+                let centre = Vector3::new(2.5, 0.003, 0.46);
+                let arc = project(&stand.rail, &stand.search.centre_point(&centre, &axes));
+                let section = stand.rail.section(arc);
+                let plane = stand.search.section(&centre, &axes, &section);
+                for index in 0..stand.search.wheel.count() {
+                    let u = stand.search.wheel.coordinate(index);
+                    let angle = plane.angle + (plane.turn * stand.search.wheel.point(index).d1).asin();
+                    let (w, profile) = stand.wheel.point(&centre, &axes, u, angle);
+                    let normal = w.t1.cross(&w.t2).normalize();
+                    assert!(normal.dot(&section.d1).abs() < 1e-13, "{side:?} {yaw} {u}");
+                    // The point itself, brought into the section along the tangent.
+                    let r = w.position - section.origin;
+                    let r = r - section.d1 * (r.x / section.d1.x);
+                    let (eta, height) = plane.place(u, profile.value, profile.d1).unwrap();
+                    assert!((r - stand.rail.outward * eta - stand.rail.up * height).norm() < 1e-14, "{side:?} {yaw} {u}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn analytic_yawed_wheel_keeps_its_lead() {
+        // R slope yaw to first order: ahead on the left for yaw > 0, behind on the right.
+        for side in Side::BOTH {
+            for yaw in [1e-3, -5e-3, 0.02] {
+                let stand = tread(side, 1e-4, 0.0, 0.0);
+                let axes = AxleFrame::new(yaw, 0.0).axes;
+                // Q moves along the track by the yaw; the lead counts from the wheelset's centre.
+                let centre = stand.settle(Vector3::new(3.0, 0.0, RADIUS), &axes, 1e-4);
+                let (found, exact) = (stand.first(&centre, &axes), stand.exact(&centre, &axes, &SurfaceParameters::default()));
+                let lead = RADIUS * found.parameters.angle;
+                let expected = side.sign() * RADIUS * 0.025 * yaw;
+                assert!((lead - expected).abs() < 1e-3 * expected.abs(), "{side:?} {lead} {expected}");
+                let (p, e) = (found.parameters, exact.parameters);
+                println!("{side:?} yaw {yaw}: angle {:.3e} off {:.1e}, lead off {:.1e} m", p.angle, p.angle - e.angle, p.lead - e.lead);
+                assert!((p.angle - e.angle).abs() < 1e-9);
+                // What is left is yaw times the distance to the node.
+                assert!((p.lead - e.lead).abs() < 1.01 * yaw.abs() * (p.wheel - e.wheel).abs() + 1e-8);
+            }
+        }
+    }
+
+    // All pairs.
+
+    /// Batches of all wheel nodes from the surfaces in space, without any of the search's shortcuts.
+    fn all_pairs(stand: &Stand, centre: &Vector3<f64>, axes: &Matrix3<f64>) -> (Vec<(f64, f64, f64)>, Option<f64>) {
+        let arc = project(&stand.rail, &stand.search.centre_point(centre, axes));
+        let section = stand.rail.section(arc);
+        let (wheel, rail) = (&stand.search.wheel, &stand.search.rail);
+        let nodes: Vec<f64> = (0..rail.count()).map(|j| rail.coordinate(j)).collect();
+        let (mut batches, mut open, mut closest) = (Vec::new(), None::<(f64, f64, f64)>, None::<f64>);
+        for i in 0..wheel.count() {
+            let u = wheel.coordinate(i);
+            // Secant steps on normal . t = 0.
+            let tilt = |angle: f64| {
+                let w = stand.wheel.point(centre, axes, u, angle).0;
+                w.t1.cross(&w.t2).dot(&section.d1) / RADIUS
+            };
+            let (mut a, mut b) = (0.0, 1e-3);
+            for _ in 0..30 {
+                let (fa, fb) = (tilt(a), tilt(b));
+                if fa == fb {
+                    break;
+                }
+                (a, b) = (b, b - fb * (b - a) / (fb - fa));
+            }
+            let r = stand.wheel.point(centre, axes, u, b).0.position - section.origin;
+            let r = r - section.d1 * (r.x / section.d1.x);
+            let across = r.dot(&stand.rail.outward);
+            let nearest = |at: f64| (0..nodes.len()).min_by(|&j, &k| (nodes[j] - at).abs().total_cmp(&(nodes[k] - at).abs())).unwrap();
+            let against = |j: usize| {
+                let (p, f) = rail_point(&stand.rail, arc, nodes[j]);
+                let normal = (p.t1.cross(&p.t2) * stand.rail.side.sign()).normalize();
+                (-(r - (p.position - section.origin)).dot(&normal), r.dot(&stand.rail.up) - f.value - f.d1 * (across - nodes[j]), f.d1)
+            };
+            let mut j = nearest(across);
+            let mut penetration = -1.0;
+            if (nodes[j] - across).abs() <= 0.5 * rail.spacing {
+                let (normal_gap, gap, slope) = against(j);
+                penetration = normal_gap;
+                if gap < 0.0 {
+                    j = nearest(across + slope * gap / (1.0 + slope * slope));
+                    penetration = against(j).0;
+                }
+                closest = Some(closest.map_or(penetration, |c| c.max(penetration)));
+            }
+            if penetration > 0.0 {
+                if open.is_none_or(|o| penetration > o.0) {
+                    open = Some((penetration, u, nodes[j]));
+                }
+            } else if let Some(batch) = open.take() {
+                batches.push(batch);
+            }
+        }
+        batches.extend(open);
+        batches.sort_by(|a, b| b.0.total_cmp(&a.0));
+        batches.truncate(2);
+        batches.sort_by(|a, b| b.1.total_cmp(&a.1));
+        (batches, closest)
+    }
+
+    #[test]
+    fn prop_search_finds_what_all_pairs_give() {
+        let wheels: Vec<Arc<dyn Profile>> = vec![cone(0.025), hollow(), flanged(), cone(-0.2)];
+        let rails: Vec<Arc<dyn Profile>> = vec![arc(0.3), head(), arc(0.08), arc_over(0.02, (-0.0199, 0.02))];
+        let counts = [const { Cell::new(0u32) }; 3];
+        let flange = Cell::new(0u32);
+        let nodes = Cell::new((0usize, 0usize));
+        let poses = (
+            (
+                prop_oneof![Just(0usize), Just(1), Just(1), Just(2), Just(2), Just(3)],
+                0usize..4,
+                any::<bool>(),
+                prop_oneof![Just(2e-4), Just(5e-4), Just(1.1e-3)],
+            ),
+            (prop_oneof![-0.012..0.012f64, 0.003..0.009f64], -0.04..0.04f64, -0.02..0.02f64, 0.0..10.0f64),
+            (-5e-4..8e-4f64, 0.0..0.06f64, -0.01..0.01f64, -0.01..0.01f64),
+        );
+        let mut config = ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() };
+        config.max_shrink_iters = 200;
+        let mut runner = TestRunner::new_with_rng(config, proptest::test_runner::TestRng::deterministic_rng(Default::default()));
+        runner
+            .run(&poses, |((w, r, left, spacing), (y, yaw, roll, x), (penetration, inclination, lateral, vertical))| {
+                let side = if left { Side::Left } else { Side::Right };
+                let stand =
+                    Stand::new(wheel(side, wheels[w].clone()), rail(side, rails[r].clone(), inclination, lateral, vertical), spacing);
+                let axes = AxleFrame::new(yaw, roll).axes;
+                let centre = stand.settle(Vector3::new(x, side.sign() * y, RADIUS), &axes, penetration);
+                let found = stand.search(&centre, &axes);
+                let (batches, closest) = all_pairs(&stand, &centre, &axes);
+                prop_assert_eq!(found.count, batches.len());
+                counts[found.count].set(counts[found.count].get() + 1);
+                for (contact, batch) in found.contacts.iter().flatten().zip(&batches) {
+                    prop_assert!((contact.penetration - batch.0).abs() < 1e-12, "{} {}", contact.penetration, batch.0);
+                    prop_assert_eq!((contact.parameters.wheel, contact.parameters.rail), (batch.1, batch.2));
+                    flange.set(flange.get() + u32::from(contact.rail_profile.d1.abs() > 0.8));
+                }
+                match (found.count, found.contacts[0]) {
+                    (0, Some(pair)) => prop_assert!((pair.penetration - closest.unwrap()).abs() < 1e-12),
+                    (0, None) => prop_assert!(closest.is_none()),
+                    _ => nodes.set((nodes.get().0 + found.evaluated, nodes.get().1 + stand.search.wheel.count())),
+                }
+                Ok(())
+            })
+            .unwrap();
+        let counts = counts.map(|c| c.get());
+        let (evaluated, all) = nodes.get();
+        println!("poses with 0, 1, 2 contacts: {counts:?}; contacts on a slope above 0.8: {}", flange.get());
+        println!("evaluated {evaluated} of {all} wheel nodes");
+        assert!(counts.iter().all(|&count| count > 30) && flange.get() > 30 && evaluated < all / 2);
+    }
+
+    #[test]
+    fn regress_tread_stays_in_place_0_when_the_flange_touches() {
+        for side in Side::BOTH {
+            let stand = Stand::new(wheel(side, flanged()), rail(side, head(), 0.025, 0.0, 0.0), 1e-4);
+            let axes = AxleFrame::new(0.0, 0.0).axes;
+            let (mut deeper_flange, mut deeper_tread, mut single) = (0, 0, 0);
+            // Outward: the flange comes to the gauge corner and goes deeper than the tread, which rests at its height.
+            for step in 0..400 {
+                let y = side.sign() * 2e-5 * step as f64;
+                let found = stand.search(&Vector3::new(0.0, y, RADIUS - 1e-4), &axes);
+                let first = found.contacts[0].unwrap();
+                assert!(first.parameters.wheel > -0.028, "{side:?} {y} {}", first.parameters.wheel);
+                match found.contacts[1] {
+                    Some(second) if second.penetration > first.penetration => deeper_flange += 1,
+                    Some(second) => {
+                        assert!(second.parameters.wheel < -0.03);
+                        deeper_tread += 1;
+                    }
+                    None => single += 1,
+                }
+                if deeper_flange == 20 {
+                    break;
+                }
+            }
+            println!("{side:?}: tread alone {single}, with a flange contact that is less deep {deeper_tread}, deeper {deeper_flange}");
+            assert!(deeper_flange > 0 && deeper_tread > 0 && single > 0);
+        }
+    }
+
+    // Accuracy.
+
+    #[test]
+    fn order_contact_converges_to_the_algebraic_search() {
+        for (name, lateral, vertical) in [("straight", 0.0, 0.0), ("deviated", 0.01, 0.01)] {
+            for side in Side::BOTH {
+                let mut depth = Vec::new();
+                for spacing in [4e-4, 2e-4, 1e-4, 5e-5] {
+                    let stand = tread(side, spacing, lateral, vertical);
+                    let mut worst = [0.0f64; 4];
+                    for step in 0..60 {
+                        let phase = step as f64;
+                        let axes = AxleFrame::new(0.01 * (0.7 * phase).sin(), 0.002 * (1.3 * phase).cos()).axes;
+                        let centre = Vector3::new(0.17 * phase, -0.003 + 1.017e-4 * phase, RADIUS);
+                        let centre = stand.settle(centre, &axes, 1e-4);
+                        let (found, exact) = (stand.first(&centre, &axes), stand.exact(&centre, &axes, &SurfaceParameters::default()));
+                        let (p, e) = (found.parameters, exact.parameters);
+                        let errors = [p.wheel - e.wheel, p.rail - e.rail, p.lead - e.lead, found.penetration - exact.penetration];
+                        for (worst, error) in worst.iter_mut().zip(errors) {
+                            *worst = worst.max(error.abs());
+                        }
+                    }
+                    let [u, eta, lead, penetration] = worst;
+                    println!("{name} {side:?} {spacing:.0e}: u {u:.2e}, eta {eta:.2e}, lead {lead:.2e}, penetration {penetration:.2e} m");
+                    assert!(u < 1.1 * spacing && eta < 1.1 * spacing && lead < 0.012 * spacing + 2e-6);
+                    depth.push(penetration);
+                }
+                let order = (depth[0] / depth[2]).log2() / 2.0;
+                println!("  order of the penetration {order:.2}");
+                assert!((order - 2.0).abs() < 0.5);
+            }
+        }
+    }
+
+    #[test]
+    fn order_flange_contact_converges() {
+        // Flank against gauge corner, where half a spacing in eta is longer along the slope.
+        for spacing in [4e-4, 2e-4, 1e-4, 5e-5, 1e-5] {
+            let stand = Stand::new(wheel(Side::Left, flanged()), rail(Side::Left, head(), 0.025, 0.0, 0.0), spacing);
+            let mut worst = [0.0f64; 4];
+            for step in 0..40 {
+                let axes = AxleFrame::new(0.01, 0.0).axes;
+                let centre = Vector3::new(0.0, 0.006 + 3.7e-6 * f64::from(step), RADIUS + 2e-4);
+                let mut centre = centre;
+                // Pushed outward until the flange is 0.1 mm deep, clear of the tread.
+                for _ in 0..30 {
+                    let found = stand.search(&centre, &axes).contacts;
+                    let flange = found.iter().flatten().find(|c| c.parameters.wheel < -0.03);
+                    centre.y += flange.map_or(5e-5, |c| 1e-4 - c.penetration);
+                }
+                let found = *stand.search(&centre, &axes).contacts.iter().flatten().find(|c| c.parameters.wheel < -0.03).unwrap();
+                let exact = stand.exact(&centre, &axes, &found.parameters);
+                let slope = found.rail_profile.d1;
+                let (p, e) = (found.parameters, exact.parameters);
+                worst = [
+                    worst[0].max((p.wheel - e.wheel).abs()),
+                    worst[1].max((p.rail - e.rail).abs()),
+                    worst[2].max(slope),
+                    worst[3].max((found.penetration - exact.penetration).abs()),
+                ];
+            }
+            let [u, eta, slope, penetration] = worst;
+            println!("{spacing:.0e}: slope {slope:.2}, u {u:.2e}, eta {eta:.2e}, penetration {penetration:.2e} m");
+            assert!(slope > 1.0 && u < 2.0 * spacing + 1e-4 && eta < 2.0 * spacing + 1e-4);
+            assert!(penetration < 2.0 * 77.0 * (1.0 + slope * slope) * spacing * spacing / 8.0 + 1e-8);
+        }
+    }
+
+    #[test]
+    fn prop_mirrored_pose_gives_mirrored_contacts() {
+        for (w, r) in [(cone(0.025), arc(0.3)), (hollow(), arc(0.3)), (flanged(), head())] {
+            let find = |side: Side, sign: f64| {
+                let stand = Stand::new(wheel(side, w.clone()), rail(side, r.clone(), 0.025, sign * 0.01, 0.004), 1e-4);
+                let axes = AxleFrame::new(sign * 0.01, sign * 0.003).axes;
+                let centre = stand.settle(Vector3::new(1.0, sign * 0.004, RADIUS), &axes, 2e-4);
+                stand.search(&centre, &axes)
+            };
+            let (left, right) = (find(Side::Left, 1.0), find(Side::Right, -1.0));
+            assert!(left.count == right.count && left.count > 0 && left.evaluated == right.evaluated);
+            for (a, b) in left.contacts.iter().flatten().zip(right.contacts.iter().flatten()) {
+                assert_eq!((a.penetration, a.parameters.wheel, a.parameters.rail), (b.penetration, b.parameters.wheel, b.parameters.rail));
+                assert!((a.wheel_point.y + b.wheel_point.y).abs() < 1e-15 && (a.normal.y + b.normal.y).abs() < 1e-15);
+                assert!((a.normal.norm() - 1.0).abs() < 1e-15 && a.normal.dot(&a.forward).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn prop_penetration_is_continuous_while_the_deepest_node_changes() {
+        for (name, w, r, sweep, allowed) in
+            [("cone on arc", cone(0.025), arc(0.3), (-4e-3, 4e-3), 1e-10), ("flange", flanged(), head(), (4.0e-3, 4.3e-3), 1e-7)]
+        {
+            let stand = Stand::new(wheel(Side::Left, w), rail(Side::Left, r, 0.025f64.atan(), 0.0, 0.0), 1e-4);
+            let axes = AxleFrame::new(0.002, 0.0).axes;
+            // The innermost contact: the only one, or that of the flange.
+            let at = |y: f64| {
+                let found = stand.search(&Vector3::new(0.0, y, RADIUS - 1e-4), &axes);
+                found.contacts[found.count - 1].unwrap()
+            };
+            let (mut jump, mut radius_jump, mut changes, mut deepest, mut steepest) = (0.0f64, 0.0f64, 0, 0.0f64, 0.0f64);
+            // Coarse over the sweep; where the pair changes, again in fine steps.
+            let (coarse, fine) = (2e-6, 1e-8);
+            let mut y = sweep.0;
+            let mut before = at(y);
+            while y < sweep.1 {
+                let after = at(y + coarse);
+                if (after.parameters.wheel, after.parameters.rail) != (before.parameters.wheel, before.parameters.rail) {
+                    changes += 1;
+                    let mut a = before;
+                    for k in 1..=200 {
+                        let b = at(y + fine * f64::from(k));
+                        // The wheel moves by `fine`: that alone changes the depth by at most the normal's lateral part.
+                        jump = jump.max((b.penetration - a.penetration).abs() - fine * a.normal.y.abs().max(b.normal.y.abs()));
+                        radius_jump = radius_jump.max((b.wheel_profile.value - a.wheel_profile.value).abs());
+                        a = b;
+                    }
+                }
+                deepest = deepest.max(after.penetration);
+                steepest = steepest.max(after.rail_profile.d1.abs());
+                before = after;
+                y += coarse;
+            }
+            println!("{name}: {changes} changes up to {deepest:.1e} m deep on slopes up to {steepest:.2};");
+            println!("  largest jump of the penetration {jump:.1e} m, of the rolling radius {radius_jump:.1e} m");
+            assert!(changes > 1 && jump < allowed);
+        }
+    }
+
+    // Cost.
+
+    #[test]
+    fn prop_cost_grows_with_the_nodes_near_contact_only() {
+        let count = |wheel_half: f64, rail_half: f64, spacing: f64, penetration: f64| {
+            let stand = Stand::new(
+                wheel(Side::Left, cone_over(0.025, (-wheel_half, wheel_half))),
+                rail(Side::Left, arc_over(0.3, (-rail_half, rail_half)), 0.025f64.atan(), 0.0, 0.0),
+                spacing,
+            );
+            let axes = AxleFrame::new(0.003, 0.001).axes;
+            let centre = stand.settle(Vector3::new(0.0, 0.001, RADIUS), &axes, penetration);
+            let found = stand.search(&centre, &axes);
+            // Nodes with delta > 0 on this arc: all of them must be seen.
+            let inside = 2.0 * (2.0 * 0.3 * penetration).sqrt() / spacing;
+            (found.evaluated, found.looked_up, inside, stand.search.wheel.count())
+        };
+        let short = count(0.03, 0.03, 1e-4, 1e-4);
+        for (wheel_half, rail_half) in [(0.06, 0.03), (0.06, 0.06), (0.2, 0.2), (0.4, 0.25)] {
+            let long = count(wheel_half, rail_half, 1e-4, 1e-4);
+            println!("{} wheel nodes: {} pairs, {} bounds (short: {short:?})", long.3, long.0, long.1);
+            assert!(long.0 <= short.0 + 10 && long.1 <= short.1 + 30);
+        }
+        for spacing in [4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5] {
+            let (pairs, bounds, inside, all) = count(0.07, 0.036, spacing, 1e-4);
+            println!("{spacing:.1e}: {pairs} pairs, {bounds} bounds, {inside:.0} nodes inside, {all} nodes");
+            assert!((pairs as f64) < 1.15 * inside + 40.0 && pairs as f64 >= inside - 2.0);
+        }
+    }
+
+    #[test]
+    #[ignore = "prints the time of a search; meant for a release build"]
+    fn regress_time_of_a_search() {
+        for (name, w, r) in [("cone on arc", cone(0.025), arc(0.3)), ("flanged on head", flanged(), head())] {
+            for spacing in [4e-4, 2e-4, 1e-4, 5e-5] {
+                let stand = Stand::new(wheel(Side::Left, w.clone()), rail(Side::Left, r.clone(), 0.025f64.atan(), 0.0, 0.0), spacing);
+                for penetration in [1e-4, -1e-4, -1e-2] {
+                    let axes = AxleFrame::new(0.003, 0.001).axes;
+                    let mut centre = stand.settle(Vector3::new(0.0, 0.001, RADIUS), &axes, penetration);
+                    let section = stand.rail.section(0.0);
+                    let runs = 200_000;
+                    let mut sum = 0.0;
+                    let mut work = (0, 0);
+                    let begin = std::time::Instant::now();
+                    for k in 0..runs {
+                        centre.y = 0.001 + 1e-9 * f64::from(k % 1000);
+                        let found = stand.search.search(&centre, &axes, 0.0, 0.0, &section);
+                        sum += found.contacts[0].map_or(0.0, |c| c.penetration);
+                        work = (found.evaluated, found.looked_up);
+                    }
+                    let time = begin.elapsed().as_secs_f64() / f64::from(runs);
+                    println!("{name} {spacing:.0e} delta {penetration:.0e}: {:.2} us, {work:?} ({sum:.3})", 1e6 * time);
+                    assert!(sum.is_finite());
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! ECF-N: elastic contact found among nodes of the profiles (section 4.2 of the paper).
+//!
+//! The wheel has six degrees of freedom relative to the rail. The rail's section in which a wheel is searched follows the wheel's
+//! centre by Eq. 29, a first-order state per wheel; in the section, penetrating pairs of nodes form batches, at most two, and
+//! the deepest pair of each is loaded as in ECF-A (Eq. 28). See `contact::search::nodal` for the rules that the paper leaves
+//! open and the slips that are corrected.
+//!
+//! The contact jumps from node to node, so that rolling radius and spin, with them creepages and creep forces, jump too: the right-hand
+//! side is not continuous, and accurate integration with an adaptive method costs many small steps.
+//!
+//! State per contact: s of the section, m. Memory per contact: the surface parameters of the first contact, for whoever asks where
+//! the wheel stands; nothing is taken from them.
+
+use super::loading::{Contact, external_wrench, keep};
+use super::rigid;
+use super::{
+    AssemblyError, Build, ContactFailure, ContactReport, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, Parts,
+    RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace, contact_index,
+};
+use crate::contact::search::algebraic::ContactLocation;
+use crate::contact::search::nodal::{NodalSearch, arc_rate};
+use crate::geometry::Side;
+use crate::geometry::track::Rail;
+use crate::mbs::body::BodyMotion;
+use crate::settings::{Entry, Section, SettingsError};
+use crate::units::Dimension;
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+pub(super) const ENTRY: Entry<super::Parse> = Entry {
+    name: "ECF-N",
+    summary: "elastic contact, points found among nodes of the profiles (`contact.node_spacing`), up to two per wheel",
+    reference: "paper, section 4.2, Eq. 29",
+    parse,
+};
+
+/// Spacing of the nodes where the scene names none, m.
+const SPACING: f64 = 1e-4;
+
+/// Reads `contact.node_spacing`.
+pub(super) fn parse_spacing(section: &Section) -> Result<f64, SettingsError> {
+    let spacing = section.number_or("node_spacing", Dimension::Length, SPACING)?;
+    if (1e-6..=5e-3).contains(&spacing) {
+        return Ok(spacing);
+    }
+    Err(section.error("node_spacing", format!("found {spacing:?} m, expected 1 um to 5 mm")))
+}
+
+fn parse(section: &Section) -> Result<Build, SettingsError> {
+    let spacing = parse_spacing(section)?;
+    Ok(Arc::new(move |parts: &Parts| {
+        let both = parts.wheelsets.iter().flat_map(|wheelset| Side::BOTH.map(|side| (wheelset.wheel(side), parts.track.rail(side))));
+        let searches = both.map(|(wheel, rail)| NodalSearch::new(wheel, rail, spacing)).collect::<Result<_, _>>();
+        Ok(Box::new(EcfN { spacing, searches: searches.map_err(AssemblyError::Nodes)? }))
+    }))
+}
+
+#[derive(Debug)]
+struct EcfN {
+    /// m.
+    spacing: f64,
+    /// Node tables of all wheels in the order of their contacts.
+    searches: Vec<NodalSearch>,
+}
+
+/// Surface parameters.
+const MEMORY: usize = 4;
+
+impl Formulation for EcfN {
+    fn describe(&self) -> String {
+        format!("elastic, up to two points per wheel among nodes every {} mm (contact.node_spacing)", 1e3 * self.spacing)
+    }
+
+    fn states_per_contact(&self) -> usize {
+        1
+    }
+
+    fn memory_per_contact(&self) -> usize {
+        MEMORY
+    }
+
+    fn points_per_wheel(&self) -> usize {
+        2
+    }
+
+    fn start(&self, model: &Model, workspace: &mut Workspace, _: f64, y: &mut [f64], _: &mut [f64]) -> Result<(), EvaluationError> {
+        model.system.move_bodies(y, &mut workspace.system);
+        for (index, wheelset) in model.wheelsets.iter().enumerate() {
+            let motion = &workspace.system.motions[wheelset.body];
+            for side in Side::BOTH {
+                let contact = contact_index(index, side);
+                let point = self.searches[contact].centre_point(&motion.position, &motion.frame.axes);
+                y[model.contact_states(contact)].fill(foot(model.track.rail(side), &point));
+            }
+        }
+        Ok(())
+    }
+
+    fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
+        let Evaluation { t, inputs, y, memory } = at;
+        model.system.apply_forces(y, &mut workspace.system);
+        for (index, wheelset) in model.wheelsets.iter().enumerate() {
+            let motion = workspace.system.motions[wheelset.body];
+            let inputs = &inputs[index * WHEELSET_INPUTS..(index + 1) * WHEELSET_INPUTS];
+            workspace.system.wrenches[wheelset.body] += external_wrench(&motion, inputs);
+            for (side, friction) in [(Side::Left, inputs[LEFT_FRICTION]), (Side::Right, inputs[RIGHT_FRICTION])] {
+                let contact = contact_index(index, side);
+                let state = model.contact_states(contact).start;
+                let section = model.track.rail(side).section(y[state]);
+                let search = &self.searches[contact];
+                let centre = search.centre_point(&motion.position, &motion.frame.axes);
+                dy[state] = arc_rate(&section, &centre, &motion.attachment_velocity(&centre));
+                let found = search.search(&motion.position, &motion.frame.axes, motion.position.x, y[state], &section);
+                workspace.work.search_iterations += found.evaluated as u64;
+                let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
+                let [first, second] = &found.contacts;
+                let first = first.as_ref().ok_or_else(|| fail(ContactFailure::OffRail { y: motion.position.y }))?;
+                keep(&first.parameters, &mut memory[model.contact_memory(contact)]);
+                let mut load = |found: &ContactLocation| {
+                    self.check_ends(model, wheelset, side, found, &motion)?;
+                    let wrench = &mut workspace.system.wrenches[wheelset.body];
+                    Contact { model, wheelset, side, motion: &motion, friction, found }.elastic(wrench)
+                };
+                let reports = [Some(first), second.as_ref()].map(|found| found.map_or(Ok(ContactReport::default()), &mut load));
+                let [first, second] = reports;
+                workspace.contacts[contact] = first.map_err(fail)?;
+                workspace.second_contacts[contact] = second.map_err(fail)?;
+            }
+        }
+        rigid::finish_elastic(model, workspace, t, y, dy)
+    }
+}
+
+impl EcfN {
+    /// A loaded contact at the last node of a profile lies beyond it.
+    fn check_ends(
+        &self,
+        model: &Model,
+        wheelset: &Wheelset,
+        side: Side,
+        found: &ContactLocation,
+        motion: &BodyMotion,
+    ) -> Result<(), ContactFailure> {
+        let places = [
+            ("wheel", found.parameters.wheel, wheelset.wheel(side).profile.range()),
+            ("rail", found.parameters.rail, model.track.rail(side).profile.range()),
+        ];
+        for (part, place, (first, last)) in places {
+            if found.penetration > 0.0 && !(place - first > self.spacing && last - place > self.spacing) {
+                return Err(ContactFailure::OffProfile { part, found: place, first, last, y: motion.position.y });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The distance s at which the plane normal to the rail's space curve goes through `point`.
+fn foot(rail: &Rail, point: &Vector3<f64>) -> f64 {
+    let mut s = point.x;
+    for _ in 0..20 {
+        let section = rail.section(s);
+        let gap = point - section.origin;
+        let step = gap.dot(&section.d1) / (section.d1.norm_squared() - gap.dot(&section.d2));
+        s += step;
+        if step.abs() < 1e-14 {
+            break;
+        }
+    }
+    s
+}

@@ -1,0 +1,156 @@
+//! Accelerations of a system with joints and contact constraints.
+//!
+//! The rows are those of the joints, in order, then one per contact (on one body each), which the formulation fills.
+//! An evaluation goes in steps, so that contact forces that depend on the constraint forces can be iterated between
+//! them:
+//!
+//! ```text
+//! apply_forces, prepare_constraints, (contact rows), constraints.kkt.factorise,
+//! { free_accelerations, constraints.solve }, constrained_result
+//! ```
+
+use super::body::COORDINATES;
+use super::kkt::{Kkt, RowBodies, SingularConstraints};
+use super::system::{System, SystemWorkspace};
+
+/// Rows and results of the constraints at one instant; all vectors are empty when there are none.
+#[derive(Clone, Debug)]
+pub struct Constraints {
+    pub kkt: Kkt,
+    /// Number of rows that belong to joints; those of contacts follow.
+    pub joint_rows: usize,
+    /// Per row: the constraint phi and its rate phi'.
+    pub residual: Vec<f64>,
+    pub rate: Vec<f64>,
+    /// Right-hand side of `J q'' = gamma`, per row.
+    pub gamma: Vec<f64>,
+    /// Accelerations without constraints, six per body.
+    pub free: Vec<f64>,
+    pub accelerations: Vec<f64>,
+    /// lambda of `M q'' + J^T lambda = Q`, per row.
+    pub multipliers: Vec<f64>,
+}
+
+impl Constraints {
+    pub(super) fn new(system: &System, contact_bodies: &[usize]) -> Self {
+        let joints = system.joints.iter().flat_map(|joint| std::iter::repeat_n(joint.bodies, joint.rows()));
+        let mut rows: Vec<RowBodies> = joints.collect();
+        let joint_rows = rows.len();
+        rows.extend(contact_bodies.iter().map(|body| RowBodies { first: *body, second: None }));
+        let per_row = vec![0.0; rows.len()];
+        let per_coordinate = vec![0.0; if rows.is_empty() { 0 } else { COORDINATES * system.bodies.len() }];
+        let mut kkt = Kkt::new(system.bodies.len(), &rows);
+        for row in &system.redundant {
+            kkt.set_active(*row, false);
+        }
+        Constraints {
+            kkt,
+            joint_rows,
+            residual: per_row.clone(),
+            rate: per_row.clone(),
+            gamma: per_row.clone(),
+            free: per_coordinate.clone(),
+            accelerations: per_coordinate,
+            multipliers: per_row,
+        }
+    }
+
+    /// Accelerations and multipliers from `free` and `gamma`. Needs a factorisation.
+    #[inline]
+    pub fn solve(&mut self) {
+        self.kkt.solve(&self.free, &self.gamma, &mut self.accelerations, &mut self.multipliers);
+    }
+
+    /// Largest absolute value of one number per row (residuals, rates) over the active rows, and its row.
+    pub fn largest(&self, values: &[f64]) -> (f64, usize) {
+        let active = values.iter().enumerate().filter(|(row, _)| self.kkt.is_active(*row));
+        active.fold((0.0, 0), |largest, (row, value)| if value.abs() > largest.0 || value.is_nan() { (value.abs(), row) } else { largest })
+    }
+}
+
+impl System {
+    /// Fills mobilities and the joints' rows, residuals, rates and gamma from the workspace's motions, at time t [s].
+    #[inline]
+    pub fn prepare_constraints(&self, t: f64, workspace: &mut SystemWorkspace) {
+        let constraints = &mut workspace.constraints;
+        for (body, (data, motion)) in self.bodies.iter().zip(&workspace.motions).enumerate() {
+            constraints.kkt.set_mobility(body, &data.mobility(motion));
+        }
+        for drive in &self.drives {
+            // The centre of mass is the origin: X is coupled to no other coordinate.
+            let mut mobility = *constraints.kkt.mobility(drive.body);
+            mobility[(0, 0)] = 0.0;
+            constraints.kkt.set_mobility(drive.body, &mobility);
+        }
+        let mut row = 0;
+        for joint in &self.joints {
+            for values in joint.evaluate(t, &workspace.motions) {
+                constraints.kkt.set_row(row, &values.first, &values.second);
+                constraints.residual[row] = values.residual;
+                constraints.rate[row] = values.rate;
+                constraints.gamma[row] = values.gamma;
+                row += 1;
+            }
+        }
+    }
+
+    /// Fills the accelerations that the workspace's wrenches cause without constraints (but with imposed speeds).
+    #[inline]
+    pub fn free_accelerations(&self, workspace: &mut SystemWorkspace) {
+        let free = workspace.constraints.free.chunks_exact_mut(COORDINATES);
+        let loads = workspace.motions.iter().zip(&workspace.wrenches);
+        for ((free, data), (motion, wrench)) in free.zip(&self.bodies).zip(loads) {
+            free.copy_from_slice(&data.accelerations(motion, wrench));
+        }
+        for drive in &self.drives {
+            workspace.constraints.free[COORDINATES * drive.body] = 0.0;
+        }
+    }
+
+    /// Derivative of the state from the solved accelerations; fills the driving constraints' forces.
+    #[inline]
+    pub fn constrained_result(&self, y: &[f64], workspace: &mut SystemWorkspace, dy: &mut [f64]) {
+        let (positions, velocities) = dy.split_at_mut(COORDINATES * self.bodies.len());
+        positions.copy_from_slice(&y[positions.len()..]);
+        velocities.copy_from_slice(&workspace.constraints.accelerations);
+        let SystemWorkspace { constraints, wrenches, drive_forces, .. } = workspace;
+        for (drive, force) in self.drives.iter().zip(drive_forces) {
+            *force = -wrenches[drive.body].force.x - constraints.kkt.constraint_force(drive.body, 0, &constraints.multipliers);
+        }
+    }
+
+    /// Derivative of the state under the wrenches in the workspace and all joints, without contact constraints.
+    ///
+    /// # Errors
+    /// The constraints do not determine their forces.
+    pub fn constrained_derivative(
+        &self,
+        t: f64,
+        y: &[f64],
+        workspace: &mut SystemWorkspace,
+        dy: &mut [f64],
+    ) -> Result<(), SingularConstraints> {
+        if self.joints.is_empty() {
+            self.derivative(y, workspace, dy);
+            return Ok(());
+        }
+        self.prepare_constraints(t, workspace);
+        workspace.constraints.kkt.factorise()?;
+        self.free_accelerations(workspace);
+        workspace.constraints.solve();
+        self.constrained_result(y, workspace, dy);
+        Ok(())
+    }
+
+    /// Name of a row in messages: joint and scalar constraint, or the contact's number.
+    pub fn row_name(&self, row: usize) -> String {
+        let mut first = 0;
+        for joint in &self.joints {
+            if row < first + joint.rows() {
+                return joint.row_name(row - first);
+            }
+            first += joint.rows();
+        }
+        format!("contact constraint {}", row - first + 1)
+    }
+}
