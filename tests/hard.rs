@@ -197,7 +197,8 @@ fn hard_lift_off_is_handed_to_elastic_contact_and_taken_back() {
         landings.push(landing.time);
         assert_eq!(simulation.statistics().events, 2);
     }
-    assert!((landings[0] - landings[1]).abs() < 1e-4, "{landings:?}");
+    // Settling is looked at where steps end.
+    assert!((landings[0] - landings[1]).abs() < 5e-4, "{landings:?}");
 }
 
 #[test]

@@ -110,9 +110,10 @@ impl System {
     /// Derivative of the state from the solved accelerations; fills the driving constraints' forces.
     #[inline]
     pub fn constrained_result(&self, y: &[f64], workspace: &mut SystemWorkspace, dy: &mut [f64]) {
-        let (positions, velocities) = dy.split_at_mut(COORDINATES * self.bodies.len());
-        positions.copy_from_slice(&y[positions.len()..]);
-        velocities.copy_from_slice(&workspace.constraints.accelerations);
+        // A state may go on after the bodies' part.
+        let count = COORDINATES * self.bodies.len();
+        dy[..count].copy_from_slice(&y[count..2 * count]);
+        dy[count..2 * count].copy_from_slice(&workspace.constraints.accelerations);
         let SystemWorkspace { constraints, wrenches, drive_forces, .. } = workspace;
         for (drive, force) in self.drives.iter().zip(drive_forces) {
             *force = -wrenches[drive.body].force.x - constraints.kkt.constraint_force(drive.body, 0, &constraints.multipliers);

@@ -29,19 +29,19 @@
 //! G = h - f_i - f_i' (eta - eta_i)
 //! ```
 //!
-//! Its partner j is the rail node nearest to the foot of the normal, `eta + f_i' G / (1 + f_i'^2)`, and the penetration
-//! is that of the pair: with the rail's unit normal n at j (normal to t and to the profile) and the gap
-//! r = r_wheel - r_rail without its part along t
+//! Its partner j is the rail node next to the foot of the normal, found by projecting the node on tangents (first on
+//! that of i: `eta + f_i' G / (1 + f_i'^2)`), and the penetration is that of the pair: with the rail's unit normal n at j
+//! (normal to t and to the profile) and the gap r = r_wheel - r_rail without its part along t
 //!
 //! ```text
 //! delta = -r . n = -(h - f_j - f_j' (eta - eta_j)) / N,   N = |n| when its part along p is 1
 //! ```
 //!
-//! On a tread i and j are the same. On a flank the node nearest in eta is `delta f' / sqrt(1 + f'^2)` beside the foot; as
-//! partner it would make delta jump by `curvature delta f' spacing` when it changes (slope 2, corner of 13 mm, 0.1 mm
-//! spacing: 2 % of delta), where the foot's node makes it jump by a third-order amount. A tangent used up to half a
-//! spacing d aside costs at most `curvature sqrt(1 + f'^2) d^2 / 8` in delta. A wheel node without a rail node within half
-//! a spacing in eta has no partner; a node that does not touch is paired with i.
+//! On a tread i and j are the same. On a flank i is `delta f' / sqrt(1 + f'^2)` beside the foot; as partner it would make
+//! delta jump by the share `curvature f' sqrt(1 + f'^2) spacing` when it changes (slope 2 in a corner of 13 mm, 0.1 mm
+//! spacing: 3 %), where the foot's node leaves a jump of third order in the spacing. A tangent used up to half a spacing d
+//! aside costs at most `curvature (1 + f'^2) d^2 / 8` in delta. A wheel node without a rail node within half a spacing in
+//! eta has no partner; a node that does not touch is paired with i.
 //!
 //! *Batches.* Consecutive wheel nodes with delta > 0; the deepest pair of each is its contact. The two deepest batches
 //! are returned, the one further out (greater u) first: the flange is the inner end of the profile, so a tread contact
@@ -82,6 +82,9 @@ const TURNED: f64 = 0.5;
 
 /// Wheel nodes without bounds asked for after bounds have gained nothing.
 const PATIENCE: usize = 4;
+
+/// Projections on tangents in search of the foot; each leaves about `curvature delta` of the error before it.
+const PROJECTIONS: usize = 4;
 
 /// What a search found.
 #[derive(Clone, Copy, Debug)]
@@ -124,7 +127,16 @@ struct Section {
     lean: (f64, f64),
 }
 
-/// A wheel node in the rail's section and its partner.
+/// A wheel node in the rail's section: (eta, h), its place among the rail's nodes and the nearest of them.
+#[derive(Clone, Copy)]
+struct Node {
+    eta: f64,
+    height: f64,
+    place: f64,
+    rail: Option<usize>,
+}
+
+/// A wheel node and its partner.
 #[derive(Clone, Copy)]
 struct Pair {
     wheel: usize,
@@ -134,11 +146,11 @@ struct Pair {
 }
 
 impl Section {
-    /// N.
+    /// N^2.
     #[inline]
-    fn norm(&self, slope: f64) -> f64 {
+    fn norm2(&self, slope: f64) -> f64 {
         let lean = self.lean.0 + self.lean.1 * slope;
-        (1.0 + slope * slope + lean * lean).sqrt()
+        1.0 + slope * slope + lean * lean
     }
 
     /// (eta, h) of a point `R(u)` with slope `R'`; `None` where no point of the circle has its normal in the section.
@@ -148,8 +160,8 @@ impl Section {
         let across = u - self.turn2 * lever;
         let under = radius * radius - self.turn2 * lever * lever;
         let down = under.sqrt();
-        (under > 0.0)
-            .then(|| (self.base.0 + self.axle.0 * across + self.down.0 * down, self.base.1 + self.axle.1 * across + self.down.1 * down))
+        let (base, axle, inward) = (self.base, self.axle, self.down);
+        (under > 0.0).then_some((base.0 + axle.0 * across + inward.0 * down, base.1 + axle.1 * across + inward.1 * down))
     }
 
     /// Least and greatest changes of `u - k^2 R R'` and of `sqrt(R^2 - (k R R')^2)` per spacing, -; `None` when the
@@ -282,57 +294,100 @@ impl NodalSearch {
         }
     }
 
-    /// Height of a place in the section over the tangent at a rail node, m.
+    /// Height of a wheel node over the tangent at a rail node, m.
     #[inline]
-    fn gap(&self, rail: usize, eta: f64, height: f64) -> f64 {
+    fn gap(&self, rail: usize, node: &Node) -> f64 {
         let f = self.rail.point(rail);
-        height - f.value - f.d1 * (eta - self.rail.coordinate(rail))
+        node.height - f.value - f.d1 * (node.eta - self.rail.coordinate(rail))
+    }
+
+    /// Place of a wheel node in the section and among the rail's nodes.
+    #[inline]
+    fn node(&self, plane: &Section, index: usize) -> Option<Node> {
+        let wheel = self.wheel.point(index);
+        let (eta, height) = plane.place(self.wheel.coordinate(index), wheel.value, wheel.d1)?;
+        let place = self.rail.place(eta);
+        let over_rail = place >= -0.5 && place < self.rail.count() as f64 - 0.5;
+        let rail = over_rail.then(|| self.rail.nearest(place));
+        Some(Node { eta, height, place, rail })
+    }
+
+    /// Partner of a touching node and the node's depth under the partner's tangent, m, from the nearest rail node and the
+    /// gap there: the node is projected on the tangent until it falls next to the tangent's own node.
+    #[inline]
+    fn foot(&self, nearest: usize, mut gap: f64, node: &Node) -> (usize, f64) {
+        let mut rail = nearest;
+        for _ in 0..PROJECTIONS {
+            let slope = self.rail.point(rail).d1;
+            let eta = node.eta + slope * gap / (1.0 + slope * slope);
+            // On a tread the first guess holds; asking is cheaper than looking up.
+            if (eta - self.rail.coordinate(rail)).abs() <= 0.5 * self.rail.spacing {
+                break;
+            }
+            rail = self.rail.nearest(self.rail.place(eta));
+            gap = self.gap(rail, node);
+        }
+        (rail, -gap)
     }
 
     /// Visits every wheel node that a bound does not exclude.
-    #[inline]
     fn walk(&self, plane: &Section, walk: &mut Walk) {
         let nodes = self.wheel.count();
         let mut level = self.wheel.top();
         let mut ask = 0;
         let mut index = 0;
         while index < nodes {
-            let wheel = self.wheel.point(index);
-            let Some((eta, height)) = plane.place(self.wheel.coordinate(index), wheel.value, wheel.d1) else {
-                walk.close();
+            let Some(node) = self.node(plane, index) else {
                 index += 1;
                 continue;
             };
-            let place = self.rail.place(eta);
-            let on_rail = place >= -0.5 && place < self.rail.count() as f64 - 0.5;
             let mut gap = f64::NAN;
-            if on_rail {
-                let rail = (place + 0.5) as usize;
-                let slope = self.rail.point(rail).d1;
-                gap = self.gap(rail, eta, height);
-                walk.evaluated += 1;
+            if let Some(rail) = node.rail {
+                gap = self.gap(rail, &node);
                 if gap < 0.0 {
-                    let foot = self.rail.place(eta + slope * gap / (1.0 + slope * slope)) + 0.5;
-                    // A cast of a negative number gives 0.
-                    let rail = (foot as usize).min(self.rail.count() - 1);
-                    let penetration = -self.gap(rail, eta, height) / plane.norm(self.rail.point(rail).d1);
-                    walk.touching(Pair { wheel: index, rail, penetration });
-                    index += 1;
+                    index = self.batch(plane, walk, index);
                     continue;
                 }
-                walk.apart(Pair { wheel: index, rail, penetration: -gap / plane.norm(slope) });
+                walk.evaluated += 1;
+                walk.apart(Pair { wheel: index, rail, penetration: -gap / plane.norm2(self.rail.point(rail).d1).sqrt() });
             }
-            walk.close();
             let mut passed = 0;
             if index >= ask {
-                passed = self.pass(plane, walk, index, place, gap, &mut level);
+                passed = self.pass(plane, walk, index, node.place, gap, &mut level);
                 if passed == 0 {
                     ask = index + PATIENCE;
                 }
             }
             index += 1 + passed;
         }
-        walk.close();
+    }
+
+    /// Takes the batch that begins at the wheel node `begin`; returns the node after its last.
+    fn batch(&self, plane: &Section, walk: &mut Walk, begin: usize) -> usize {
+        // Depth over the tangent and N^2 of the deepest pair: penetrations are compared by their squares.
+        let (mut depth, mut norm2, mut best) = (0.0, 1.0, (begin, 0));
+        let mut index = begin;
+        while index < self.wheel.count()
+            && let Some(node) = self.node(plane, index)
+            && let Some(nearest) = node.rail
+        {
+            let gap = self.gap(nearest, &node);
+            if !(gap < 0.0) {
+                break;
+            }
+            let (foot, below) = self.foot(nearest, gap, &node);
+            let across = plane.norm2(self.rail.point(foot).d1);
+            // Between two nodes the two tangents may differ in their last digits about whether anything touches.
+            if below > 0.0 && below * below * norm2 > depth * depth * across {
+                (depth, norm2, best) = (below, across, (index, foot));
+            }
+            index += 1;
+        }
+        walk.evaluated += index - begin;
+        if depth > 0.0 {
+            walk.keep(Pair { wheel: best.0, rail: best.1, penetration: depth / norm2.sqrt() });
+        }
+        index
     }
 
     /// Number of wheel nodes after `index` that have no partner or cannot touch (or come closer than the closest pair so
@@ -398,7 +453,7 @@ impl NodalSearch {
         ContactLocation {
             parameters: SurfaceParameters { wheel: u, angle, lead: arc + ahead - distance, rail: eta },
             wheel_point,
-            normal: (self.up - self.outward * rail.d1 + across * lean) / plane.norm(rail.d1),
+            normal: (self.up - self.outward * rail.d1 + across * lean) / plane.norm2(rail.d1).sqrt(),
             forward: section.d1,
             penetration: pair.penetration,
             wheel_profile: wheel,
@@ -411,8 +466,6 @@ impl NodalSearch {
 /// What has been seen on the way along the wheel's profile.
 #[derive(Default)]
 struct Walk {
-    /// Deepest pair of the batch that is open.
-    open: Option<Pair>,
     /// Deepest pairs of the deepest batch and of the next.
     deepest: Option<Pair>,
     second: Option<Pair>,
@@ -426,24 +479,14 @@ struct Walk {
 
 impl Walk {
     #[inline]
-    fn touching(&mut self, pair: Pair) {
-        // Between two nodes the two tangents may differ in their last digits about whether anything touches.
-        if pair.penetration > 0.0 && self.open.is_none_or(|open| pair.penetration > open.penetration) {
-            self.open = Some(pair);
-        }
-    }
-
-    #[inline]
     fn apart(&mut self, pair: Pair) {
         if self.closest.is_none_or(|closest| pair.penetration > closest.penetration) {
             self.closest = Some(pair);
         }
     }
 
-    /// Ends the open batch.
-    #[inline]
-    fn close(&mut self) {
-        let Some(pair) = self.open.take() else { return };
+    /// Keeps the deepest pair of a batch if the batch is one of the two deepest so far.
+    fn keep(&mut self, pair: Pair) {
         let deeper = |other: Option<Pair>| other.is_none_or(|other| pair.penetration > other.penetration);
         if deeper(self.deepest) {
             self.second = self.deepest;
@@ -815,12 +858,12 @@ mod tests {
             let mut j = nearest(across);
             let mut penetration = -1.0;
             if (nodes[j] - across).abs() <= 0.5 * rail.spacing {
-                let (normal_gap, gap, slope) = against(j);
-                penetration = normal_gap;
-                if gap < 0.0 {
+                let touching = against(j).1 < 0.0;
+                for _ in 0..if touching { PROJECTIONS } else { 0 } {
+                    let (_, gap, slope) = against(j);
                     j = nearest(across + slope * gap / (1.0 + slope * slope));
-                    penetration = against(j).0;
                 }
+                penetration = against(j).0;
                 closest = Some(closest.map_or(penetration, |c| c.max(penetration)));
             }
             if penetration > 0.0 {
@@ -1007,43 +1050,54 @@ mod tests {
 
     #[test]
     fn prop_penetration_is_continuous_while_the_deepest_node_changes() {
-        for (name, w, r, sweep, allowed) in
-            [("cone on arc", cone(0.025), arc(0.3), (-4e-3, 4e-3), 1e-10), ("flange", flanged(), head(), (4.0e-3, 4.3e-3), 1e-7)]
+        // The flange moves outward and up along its flank, so that the contact wanders around the gauge corner.
+        let (still, along) = (Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 1.0, 2.33));
+        let flange = |spacing| ("flange", flanged(), head(), spacing, 4.1e-3, along, 2e-3);
+        let mut jumps = Vec::new();
+        for (name, w, r, spacing, from, way, length) in
+            [("cone on arc", cone(0.025), arc(0.3), 1e-4, -4e-3, still, 8e-3), flange(2e-4), flange(1e-4), flange(5e-5)]
         {
-            let stand = Stand::new(wheel(Side::Left, w), rail(Side::Left, r, 0.025f64.atan(), 0.0, 0.0), 1e-4);
+            let stand = Stand::new(wheel(Side::Left, w), rail(Side::Left, r, 0.025f64.atan(), 0.0, 0.0), spacing);
             let axes = AxleFrame::new(0.002, 0.0).axes;
             // The innermost contact: the only one, or that of the flange.
-            let at = |y: f64| {
-                let found = stand.search(&Vector3::new(0.0, y, RADIUS - 1e-4), &axes);
-                found.contacts[found.count - 1].unwrap()
+            let at = |q: f64| {
+                let found = stand.search(&(Vector3::new(0.0, from, RADIUS - 1e-4) + way * q), &axes);
+                found.contacts.into_iter().flatten().last().unwrap()
             };
-            let (mut jump, mut radius_jump, mut changes, mut deepest, mut steepest) = (0.0f64, 0.0f64, 0, 0.0f64, 0.0f64);
+            let pair = |c: &ContactLocation| (c.parameters.wheel, c.parameters.rail);
+            let (mut jump, mut radius_jump, mut changes) = (0.0f64, 0.0f64, 0);
+            let (mut depth, mut steepness) = ((1.0f64, 0.0f64), (9.0f64, 0.0f64));
             // Coarse over the sweep; where the pair changes, again in fine steps.
             let (coarse, fine) = (2e-6, 1e-8);
-            let mut y = sweep.0;
-            let mut before = at(y);
-            while y < sweep.1 {
-                let after = at(y + coarse);
-                if (after.parameters.wheel, after.parameters.rail) != (before.parameters.wheel, before.parameters.rail) {
+            let mut q = 0.0;
+            let mut before = at(q);
+            while q < length {
+                let after = at(q + coarse);
+                if pair(&after) != pair(&before) {
                     changes += 1;
                     let mut a = before;
                     for k in 1..=200 {
-                        let b = at(y + fine * f64::from(k));
-                        // The wheel moves by `fine`: that alone changes the depth by at most the normal's lateral part.
-                        jump = jump.max((b.penetration - a.penetration).abs() - fine * a.normal.y.abs().max(b.normal.y.abs()));
+                        let b = at(q + fine * f64::from(k));
+                        // The motion itself changes the depth by its part along the normal.
+                        let moved = fine * way.dot(&a.normal).abs().max(way.dot(&b.normal).abs());
+                        jump = jump.max((b.penetration - a.penetration).abs() - moved);
                         radius_jump = radius_jump.max((b.wheel_profile.value - a.wheel_profile.value).abs());
                         a = b;
                     }
                 }
-                deepest = deepest.max(after.penetration);
-                steepest = steepest.max(after.rail_profile.d1.abs());
+                let slope = after.rail_profile.d1.abs();
+                depth = (depth.0.min(after.penetration), depth.1.max(after.penetration));
+                steepness = (steepness.0.min(slope), steepness.1.max(slope));
                 before = after;
-                y += coarse;
+                q += coarse;
             }
-            println!("{name}: {changes} changes up to {deepest:.1e} m deep on slopes up to {steepest:.2};");
+            println!("{name} {spacing:.0e}: {changes} changes, {depth:?} m deep, on slopes {steepness:?};");
             println!("  largest jump of the penetration {jump:.1e} m, of the rolling radius {radius_jump:.1e} m");
-            assert!(changes > 1 && jump < allowed);
+            assert!(changes > 5 && depth.0 > 0.0 && radius_jump < 1.1 * spacing * steepness.1.max(0.025));
+            jumps.push(jump);
         }
+        // On the tread nothing; on the flank third order.
+        assert!(jumps[0] < 1e-10 && jumps[2] < 5e-7 && jumps[3] < jumps[1] / 16.0, "{jumps:?}");
     }
 
     // Cost.
@@ -1086,7 +1140,7 @@ mod tests {
                     let axes = AxleFrame::new(0.003, 0.001).axes;
                     let mut centre = stand.settle(Vector3::new(0.0, 0.001, RADIUS), &axes, penetration);
                     let section = stand.rail.section(0.0);
-                    let runs = 200_000;
+                    let runs = 50_000;
                     let mut sum = 0.0;
                     let mut work = (0, 0);
                     let begin = std::time::Instant::now();
@@ -1097,6 +1151,13 @@ mod tests {
                         work = (found.evaluated, found.looked_up);
                     }
                     let time = begin.elapsed().as_secs_f64() / f64::from(runs);
+                    let begin = std::time::Instant::now();
+                    for k in 0..runs {
+                        centre.y = 0.001 + 1e-9 * f64::from(k % 1000);
+                        sum += stand.exact(&centre, &axes, &SurfaceParameters::default()).penetration;
+                    }
+                    let algebraic = 1e6 * begin.elapsed().as_secs_f64() / f64::from(runs);
+                    println!("algebraic, cold: {algebraic:.2} us");
                     println!("{name} {spacing:.0e} delta {penetration:.0e}: {:.2} us, {work:?} ({sum:.3})", 1e6 * time);
                     assert!(sum.is_finite());
                 }

@@ -60,6 +60,7 @@ impl Bounds {
 pub struct NodeTable {
     /// m.
     pub spacing: f64,
+    per_spacing: f64,
     /// Coordinate of the first node in spacings.
     first: f64,
     points: Vec<ProfilePoint>,
@@ -104,7 +105,7 @@ impl NodeTable {
             points.push(profile.at(k * spacing));
         }
         let levels = levels(&points, spacing);
-        Ok(NodeTable { spacing, first, points, levels })
+        Ok(NodeTable { spacing, per_spacing: 1.0 / spacing, first, points, levels })
     }
 
     /// Number of nodes.
@@ -128,7 +129,14 @@ impl NodeTable {
     /// Place of the coordinate `x` [m] among the nodes: 0 at the first node, 1 at the second, ...
     #[inline]
     pub(super) fn place(&self, x: f64) -> f64 {
-        x / self.spacing - self.first
+        x * self.per_spacing - self.first
+    }
+
+    /// Node nearest to a place among the nodes.
+    #[inline]
+    pub(super) fn nearest(&self, place: f64) -> usize {
+        // A cast of a negative number gives 0.
+        ((place + 0.5) as usize).min(self.points.len() - 1)
     }
 
     /// Highest level of [`NodeTable::bounds`]: its stretch covers the table.
