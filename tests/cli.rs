@@ -72,7 +72,7 @@ fn prop_compare_prints_every_formulation_and_draws_pairs() {
     }
     assert!(!stdout.contains("FAILED"), "{stdout}");
     for quantity in ["lateral_displacement", "yaw", "normal_force_right", "normal_force_left"] {
-        for pair in ["ACCF_ECCF", "ECF-A_ECCF"] {
+        for pair in ["ACCF_ECCF", "ECF-A_ECF-N", "ECF-A_ECCF"] {
             let svg = std::fs::read_to_string(pictures.join(format!("suspended_wheelset_{quantity}_{pair}.svg"))).unwrap();
             for word in pair.split('_').chain(["distance [m]", "difference [", "<polyline"]) {
                 assert!(svg.contains(word), "{quantity} {pair}: {word}");

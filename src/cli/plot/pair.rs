@@ -139,7 +139,7 @@ fn draw_difference<'a>(area: &Area<'a>, diagram: &PairDiagram, range: (f64, f64)
     let unit = format!("{prefix}{}", diagram.unit);
     let values: Vec<(f64, f64)> = diagram.difference.iter().map(|(x, value)| (*x, value / size)).collect();
     let (low, high) = limits(values.iter().map(|point| point.1));
-    let (along, up) = (Axis { range, most: 11 }, Axis { range: (low, high), most: 4 });
+    let (along, up) = (Axis { range, most: 11 }, Axis { range: (low, high), most: 5 });
     let [first, second] = [diagram.curves[0].label, diagram.curves[1].label];
     let caption = if largest.1 == 0.0 {
         format!("{first} minus {second}: no difference")
