@@ -4,6 +4,42 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release
 ./target/release/wheelrail run suspended_wheelset --plot docs/images >/dev/null
+comparison=$(./target/release/wheelrail compare suspended_wheelset -o docs/images 2>/dev/null)
+picture() { # quantity, pair, caption; pairs of which a formulation is missing have no picture
+    local file="images/suspended_wheelset_$1_$2.svg"
+    if [ -e "docs/$file" ]; then printf '\n![%s](%s)\n\n*%s*\n' "$3" "$file" "$3"; fi
+}
+{
+    echo "# The formulations compared"
+    echo
+    echo "Printed by \`wheelrail compare suspended_wheelset\` ($(date +%Y-%m-%d), $(nproc) cores, $(uname -sm), $(rustc --version | cut -d' ' -f1,2)); made by docs/generate.sh."
+    echo "Times are those of this machine and change from minute to minute; steps and differences do not. The figures are those of the"
+    echo "paper (section 3.4: ACCF and ECCF; section 4.3: ECF-A and ECF-N) with the values that the scene chooses where the paper gives none."
+    echo
+    echo '```text'
+    echo "$comparison"
+    echo '```'
+    echo
+    echo "## ACCF and ECCF: rigid contact in two sets of variables"
+    picture lateral_displacement ACCF_ECCF "Lateral displacement (Fig. 7)"
+    picture yaw ACCF_ECCF "Yaw (Fig. 8)"
+    picture normal_force_right ACCF_ECCF "Normal force of the right wheel (Fig. 9)"
+    picture normal_force_left ACCF_ECCF "Normal force of the left wheel (Fig. 10)"
+    if compgen -G "docs/images/suspended_wheelset_*_ECF-A_ECF-N.svg" >/dev/null; then
+        echo
+        echo "## ECF-A and ECF-N: elastic contact, points from equations or from nodes"
+        picture lateral_displacement ECF-A_ECF-N "Lateral displacement (Fig. 12)"
+        picture yaw ECF-A_ECF-N "Yaw (Fig. 13)"
+        picture normal_force_right ECF-A_ECF-N "Normal force of the right wheel (Fig. 14)"
+        picture normal_force_left ECF-A_ECF-N "Normal force of the left wheel"
+    fi
+    echo
+    echo "## ECF-A and ECCF: elastic against rigid contact"
+    picture lateral_displacement ECF-A_ECCF "Lateral displacement"
+    picture yaw ECF-A_ECCF "Yaw"
+    picture normal_force_right ECF-A_ECCF "Normal force of the right wheel"
+    picture normal_force_left ECF-A_ECCF "Normal force of the left wheel"
+} >docs/formulations_compared.md
 WHEELRAIL_BLESS=1 cargo test --release --test cli docs_list >/dev/null
 {
     echo "# Accuracy and cost"

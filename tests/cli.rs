@@ -48,6 +48,99 @@ fn prop_json_is_json() {
     }
 }
 
+/// The formulations that `wheelrail list` names.
+fn formulations() -> Vec<String> {
+    let (stdout, _, _) = text(&wheelrail(&["list", "formulations", "--json"]));
+    let list: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    list["formulations"].as_array().unwrap().iter().map(|entry| entry["name"].as_str().unwrap().to_string()).collect()
+}
+
+#[test]
+fn prop_compare_prints_every_formulation_and_draws_pairs() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = folder.path().join("new/pictures");
+    let arguments = ["compare", "suspended_wheelset", "--stop", "0.6", "--set", "contact.formulation=ECF-A", "-o"];
+    let (stdout, stderr, code) = text(&wheelrail(&[&arguments[..], &[pictures.to_str().unwrap()]].concat()));
+    assert_eq!(code, 0, "{stderr}");
+    let names = formulations();
+    let head = stdout.lines().find(|line| line.split_whitespace().eq(names.iter().map(String::as_str)));
+    assert!(head.is_some() && names.len() >= 3, "a column of costs for each formulation:\n{stdout}");
+    for words in
+        ["CPU time per simulated second [ms]", "ACCF against ECCF (numerical)", "ECF-A against ECCF (models)", "solver.tolerance = 1e-10"]
+    {
+        assert!(stdout.contains(words), "{words}:\n{stdout}");
+    }
+    assert!(!stdout.contains("FAILED"), "{stdout}");
+    for quantity in ["lateral_displacement", "yaw", "normal_force_right", "normal_force_left"] {
+        for pair in ["ACCF_ECCF", "ECF-A_ECF-N", "ECF-A_ECCF"] {
+            let svg = std::fs::read_to_string(pictures.join(format!("suspended_wheelset_{quantity}_{pair}.svg"))).unwrap();
+            for word in pair.split('_').chain(["distance [m]", "difference [", "<polyline"]) {
+                assert!(svg.contains(word), "{quantity} {pair}: {word}");
+            }
+        }
+    }
+    assert_eq!(stderr.lines().count(), std::fs::read_dir(&pictures).unwrap().count(), "one message per picture, no progress bar: {stderr}");
+}
+
+/// Two rigid formulations agree to the error of their integration; a rigid and an elastic one differ by the elastic wheel's
+/// sinking into the rail, about 0.07 mm.
+#[test]
+fn prop_compare_as_json_tells_models_from_numerics() {
+    let folder = tempfile::tempdir().unwrap();
+    let (stdout, stderr, code) = text(&wheelrail(&[
+        "compare",
+        "suspended_wheelset",
+        "--stop",
+        "0.6",
+        "--step",
+        "0.01",
+        "--json",
+        "-o",
+        folder.path().to_str().unwrap(),
+    ]));
+    assert_eq!(code, 0, "{stderr}");
+    let found: serde_json::Value = serde_json::from_str(&stdout).unwrap_or_else(|error| panic!("{error}\n{stdout}"));
+    let names: Vec<&str> = found["formulations"].as_array().unwrap().iter().map(|run| run["name"].as_str().unwrap()).collect();
+    assert_eq!(names, formulations());
+    for run in found["formulations"].as_array().unwrap() {
+        assert!(run["error"].is_null() && run["cost"]["cpu_seconds"].as_array().unwrap().len() == 3, "{run}");
+        assert!(run["cost"]["statistics"]["evaluations"].as_u64().unwrap() > 100, "{run}");
+    }
+    let height = |first: &str, second: &str| {
+        let pairs = found["differences"].as_array().unwrap();
+        let pair = pairs.iter().find(|pair| pair["first"] == first && pair["second"] == second).unwrap();
+        pair["quantities"]["height"]["largest"].as_f64().unwrap()
+    };
+    let (numerical, models) = (height("ACCF", "ECCF"), height("ECF-A", "ECCF"));
+    println!("largest difference in height: {numerical:.1e} m between rigid ones, {models:.1e} m between elastic and rigid");
+    assert!(numerical < 1e-8 && (3e-5..2e-4).contains(&models), "{numerical} {models}");
+}
+
+/// Behind a short bump rigid formulations, told to stop at lift-off, can't go on; elastic ones can.
+#[test]
+fn hard_compare_goes_on_without_formulations_that_fail() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path().to_str().unwrap();
+    let compare = |stop: &str, changes: &[&str]| {
+        let fixed = ["compare", "suspended_wheelset", "--step", "0.01", "-o", folder, "--set", "contact.on_lift=stop", "--stop", stop];
+        let changes: Vec<&str> = changes.iter().flat_map(|change| ["--set", *change]).collect();
+        text(&wheelrail(&[&fixed[..], &changes].concat()))
+    };
+    let bump = ["track.deviation[1].direction=vertical", "track.deviation[1].to=22 m", "track.deviation[1].amplitude=10 mm"];
+    let (stdout, stderr, code) = compare("0.6", &bump);
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    assert!(stdout.contains("FAILED: t = ") && stdout.contains("lifts off"), "{stdout}");
+    // What it did until then is compared and drawn; costs are those of the others.
+    assert!(stdout.contains("ECF-A against ECCF (models)") && stderr.contains("_ECF-A_ECCF.svg"), "{stdout}{stderr}");
+    let costs = stdout.lines().skip_while(|line| !line.starts_with("Cost")).nth(2).unwrap();
+    assert!(costs.contains("ECF-A") && !costs.contains("ECCF"), "{stdout}");
+    // A wheelset beside its rails is nothing that any formulation can begin with.
+    let (stdout, stderr, code) = compare("0.1", &["vehicle.initial.y=2"]);
+    assert_eq!(code, 1, "{stdout}{stderr}");
+    assert!(stdout.matches("FAILED").count() == formulations().len(), "{stdout}");
+    assert!(stderr.contains("no formulation ran to the end"), "{stderr}");
+}
+
 #[test]
 fn prop_bad_input_is_exit_code_2_with_a_sentence_that_helps() {
     let cases: &[(&[&str], &str)] = &[
@@ -62,6 +155,10 @@ fn prop_bad_input_is_exit_code_2_with_a_sentence_that_helps() {
         (&["run", "suspended_wheelset", "--set", "vehicle.wheelset.inertia_zz=1"], "body of revolution"),
         (&["run", "suspended_wheelset", "--step", "0"], "--step 0"),
         (&["run", "suspended_wheelset", "--stop", "-1"], "--stop"),
+        (&["compare", "suspended_wheelsets"], "did you mean \"suspended_wheelset\"?"),
+        (&["compare", "suspended_wheelset", "--set", "vehicle.sped=30"], "did you mean \"speed\"?"),
+        (&["compare", "suspended_wheelset", "--stop", "0"], "nothing to compare"),
+        (&["compare", "suspended_wheelset", "-o", env!("CARGO_MANIFEST_PATH")], "can't be made"),
         (&["list", "creep-law"], "did you mean \"creep-laws\"?"),
         (&["export", "suspended_wheelset", "-o", "/no/such/folder/x.fmu"], "can't be written"),
         (&["export", "suspended_wheelset", "--library", env!("CARGO_MANIFEST_PATH")], "not an FMU library of wheelrail"),

@@ -1,13 +1,15 @@
 //! The command line: results on stdout, messages on stderr, exit code 0, 1 (run failed) or 2 (bad input).
 
+mod compare;
 mod export;
 mod list;
 mod plan;
 mod plot;
+mod progress;
 mod run;
 
 use crate::scene::load::{self, SceneError};
-use crate::scene::spec::Scene;
+use crate::scene::spec::{MOST_STEPS, Scene};
 use crate::sim::Simulation;
 use clap::{Args, Parser, Subcommand};
 use std::process::ExitCode;
@@ -26,6 +28,8 @@ enum Command {
     Export(export::Arguments),
     /// Simulate a scene natively: CSV, SVG, summary
     Run(run::Arguments),
+    /// Run a scene with every contact formulation: cost, differences, pictures
+    Compare(compare::Arguments),
     /// Show what a scene makes the program compute, and what not
     Plan(plan::Arguments),
     /// List scenes, profiles, laws, formulations, integrators ...
@@ -48,6 +52,35 @@ impl SceneArguments {
     }
 }
 
+/// Simulated time and its sampling.
+#[derive(Args)]
+struct TimeArguments {
+    /// Stop time in s [default: run.stop of the scene]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    stop: Option<f64>,
+    /// Output step in s [default: run.step of the scene]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    step: Option<f64>,
+}
+
+impl TimeArguments {
+    /// Stop time and output step, s.
+    fn read(&self, scene: &Scene) -> Result<(f64, f64), Failure> {
+        let stop = self.stop.unwrap_or(scene.run.stop);
+        let step = self.step.unwrap_or(scene.run.step);
+        if !(stop.is_finite() && stop >= 0.0) {
+            return Err(Failure::Input(format!("--stop {stop}: expected a time of 0 s or more")));
+        }
+        if !(step.is_finite() && step > 0.0) {
+            return Err(Failure::Input(format!("--step {step}: expected a time greater than 0 s")));
+        }
+        if stop / step > MOST_STEPS {
+            return Err(Failure::Input(format!("--step {step:?}: that would be {:.1e} output rows", stop / step)));
+        }
+        Ok((stop, step))
+    }
+}
+
 /// How a command failed: the exit code says whose turn it is.
 enum Failure {
     /// The simulation could not be finished (1).
@@ -67,6 +100,7 @@ pub fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Export(arguments) => export::export(&arguments),
         Command::Run(arguments) => run::run(&arguments),
+        Command::Compare(arguments) => compare::compare(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::List(arguments) => list::list(&arguments),
     };

@@ -1,11 +1,10 @@
 //! `wheelrail run SCENE`: a native simulation with CSV, SVG and a summary.
 
-use super::{Failure, SceneArguments, plot, print, table};
-use crate::scene::spec::MOST_STEPS;
+use super::progress::Progress;
+use super::{Failure, SceneArguments, TimeArguments, plot, print, table};
 use crate::sim::outputs::outputs;
 use crate::sim::recording::{self, Recording};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -20,35 +19,19 @@ pub(super) struct Arguments {
     /// Draw lateral displacement, yaw and wheel loads over distance as SVG into a folder
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
-    /// Stop time in s [default: run.stop of the scene]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    stop: Option<f64>,
-    /// Output step in s [default: run.step of the scene]
-    #[arg(long, value_name = "H", allow_negative_numbers = true)]
-    step: Option<f64>,
+    #[command(flatten)]
+    times: TimeArguments,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
 }
 
-/// Smallest number of simulated seconds that gets a progress bar (on a terminal).
-const LONG: f64 = 30.0;
 /// Most lift-offs and landings that are printed.
 const EVENTS_SHOWN: usize = 20;
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
-    let stop = arguments.stop.unwrap_or(scene.run.stop);
-    let step = arguments.step.unwrap_or(scene.run.step);
-    if !(stop.is_finite() && stop >= 0.0) {
-        return Err(Failure::Input(format!("--stop {stop}: expected a time of 0 s or more")));
-    }
-    if !(step.is_finite() && step > 0.0) {
-        return Err(Failure::Input(format!("--step {step}: expected a time greater than 0 s")));
-    }
-    if stop / step > MOST_STEPS {
-        return Err(Failure::Input(format!("--step {step:?}: that would be {:.1e} output rows", stop / step)));
-    }
+    let (stop, step) = arguments.times.read(&scene)?;
     let to_stdout = arguments.output.as_deref() == Some(Path::new("-"));
     if to_stdout && arguments.json {
         return Err(Failure::Input("-o - and --json both write to stdout; choose one".into()));
@@ -60,11 +43,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         plot::prepare(folder, &scene.interface.outputs).map_err(Failure::Input)?;
     }
     let outputs = outputs(simulation.model(), &scene.interface.outputs);
-    let bar = progress_bar(stop);
+    let progress = Progress::new(stop);
     let clock = Instant::now();
-    let done = recording::record(&mut simulation, &outputs, stop, step, |time| bar.set_position((1e3 * time) as u64));
+    let done = recording::record(&mut simulation, &outputs, stop, step, |time| progress.at(time));
     let elapsed = clock.elapsed().as_secs_f64();
-    bar.finish_and_clear();
+    progress.finish();
     // What was computed before a failure is written too.
     let (recording, mut failure) = match done {
         Ok(recording) => (recording, None),
@@ -126,15 +109,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(error) => Err(Failure::Run(error)),
         None => Ok(()),
     }
-}
-
-fn progress_bar(stop: f64) -> ProgressBar {
-    if stop < LONG {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new((1e3 * stop) as u64);
-    let style = ProgressStyle::with_template("{wide_bar} {percent} % {eta}").unwrap_or_else(|_| ProgressStyle::default_bar());
-    bar.with_style(style)
 }
 
 fn open_csv(path: &Path) -> Result<Box<dyn Write>, Failure> {

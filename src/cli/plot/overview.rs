@@ -1,13 +1,9 @@
-//! Diagrams of a run as SVG.
+//! One sheet per run: lateral displacement, yaw and wheel loads over distance.
 
+use super::{Area, BLUE, DrawingError, GREY, ORANGE, distance_range, limits, short};
 use crate::sim::recording::Recording;
-use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::path::{Path, PathBuf};
-
-const BLUE: RGBColor = RGBColor(31, 95, 168);
-const ORANGE: RGBColor = RGBColor(208, 98, 36);
-const GREY: RGBColor = RGBColor(120, 120, 120);
 
 struct Curve<'a> {
     column: &'a str,
@@ -25,7 +21,7 @@ struct Panel<'a> {
 const NEEDS: &str = "the plot needs the output group \"motion\"; add it to interface.outputs";
 
 /// Can a plot be drawn into `folder`? Asked before the run, so that nothing computed is lost.
-pub(super) fn prepare(folder: &Path, groups: &[&str]) -> Result<(), String> {
+pub(in crate::cli) fn prepare(folder: &Path, groups: &[&str]) -> Result<(), String> {
     if !groups.contains(&"motion") {
         return Err(NEEDS.into());
     }
@@ -33,7 +29,7 @@ pub(super) fn prepare(folder: &Path, groups: &[&str]) -> Result<(), String> {
 }
 
 /// Lateral displacement, yaw and wheel loads over distance on one sheet, `DIR/NAME.svg`.
-pub(super) fn overview(folder: &Path, name: &str, title: &str, wheelset: &str, recording: &Recording) -> Result<PathBuf, String> {
+pub(in crate::cli) fn overview(folder: &Path, name: &str, title: &str, wheelset: &str, recording: &Recording) -> Result<PathBuf, String> {
     let distance = recording.column(&format!("{wheelset}.distance")).ok_or(NEEDS)?;
     let file = folder.join(format!("{name}.svg"));
     let panels = [
@@ -70,15 +66,7 @@ pub(super) fn overview(folder: &Path, name: &str, title: &str, wheelset: &str, r
     Ok(file)
 }
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
-fn draw_panel<'a>(
-    area: &Area<'a>,
-    panel: &Panel,
-    wheelset: &str,
-    distance: &[f64],
-    recording: &Recording,
-) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>> {
+fn draw_panel<'a>(area: &Area<'a>, panel: &Panel, wheelset: &str, distance: &[f64], recording: &Recording) -> Result<(), DrawingError<'a>> {
     let curves: Vec<(&Curve, Vec<f64>)> = panel
         .curves
         .iter()
@@ -88,9 +76,7 @@ fn draw_panel<'a>(
         })
         .collect();
     let (low, high) = limits(curves.iter().flat_map(|(_, values)| values.iter().copied()));
-    let (first, last) =
-        (distance.iter().copied().fold(f64::INFINITY, f64::min), distance.iter().copied().fold(f64::NEG_INFINITY, f64::max));
-    let last = if last > first { last } else { first + 1.0 };
+    let (first, last) = distance_range(distance.iter().copied());
     let mut chart = ChartBuilder::on(area)
         .caption(panel.title, ("sans-serif", 15))
         .margin(8)
@@ -128,21 +114,4 @@ fn draw_panel<'a>(
             .draw()?;
     }
     Ok(())
-}
-
-/// A range with some air around the values.
-fn limits(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
-    if !(low.is_finite() && high.is_finite()) {
-        return (-1.0, 1.0);
-    }
-    let air = (0.08 * (high - low)).max(1e-6 * high.abs()).max(1e-9);
-    (low - air, high + air)
-}
-
-/// A label without needless zeros.
-fn short(value: f64) -> String {
-    let text = format!("{value:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".into() } else { text.into() }
 }

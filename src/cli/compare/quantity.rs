@@ -1,0 +1,232 @@
+//! What is compared between two runs, and how far the runs are apart at equal times.
+//!
+//! Where the curvature of a rail jumps, the normal force of a rigid wheel jumps too: it has two values there, and rounding picks
+//! one. A sample that falls on such a place says nothing about the difference of two runs and is left out.
+
+use crate::formulation::Model;
+use crate::geometry::Side;
+use crate::sim::recording::Recording;
+
+/// An output that is compared.
+pub(super) struct Quantity {
+    /// In file names and JSON.
+    pub key: &'static str,
+    /// Output of the wheelset.
+    pub output: &'static str,
+    pub title: &'static str,
+    /// Column of the table, in `fine` units.
+    pub column: &'static str,
+    /// SI unit, and how many fine units it has: differences are small.
+    pub unit: &'static str,
+    pub fine: f64,
+    /// Axis of its picture and how many of the axis' units an SI unit has; `None`: no picture.
+    pub axis: Option<(&'static str, f64)>,
+}
+
+/// Lateral displacement, yaw and normal forces as in the paper's Figs. 7-10 and 12-14, and the height.
+pub(super) const QUANTITIES: [Quantity; 5] = [
+    Quantity {
+        key: "lateral_displacement",
+        output: "y",
+        title: "Lateral displacement",
+        column: "y [um]",
+        unit: "m",
+        fine: 1e6,
+        axis: Some(("y [mm], left positive", 1e3)),
+    },
+    Quantity {
+        key: "yaw",
+        output: "yaw",
+        title: "Yaw",
+        column: "yaw [urad]",
+        unit: "rad",
+        fine: 1e6,
+        axis: Some(("yaw [mrad], nose left positive", 1e3)),
+    },
+    Quantity { key: "height", output: "z", title: "Height", column: "z [um]", unit: "m", fine: 1e6, axis: None },
+    Quantity {
+        key: "normal_force_right",
+        output: "right.normalForce",
+        title: "Normal force of the right wheel",
+        column: "N right [N]",
+        unit: "N",
+        fine: 1.0,
+        axis: Some(("N right [kN]", 1e-3)),
+    },
+    Quantity {
+        key: "normal_force_left",
+        output: "left.normalForce",
+        title: "Normal force of the left wheel",
+        column: "N left [N]",
+        unit: "N",
+        fine: 1.0,
+        axis: Some(("N left [kN]", 1e-3)),
+    },
+];
+
+/// The output groups that these quantities stand in.
+pub(super) const GROUPS: [&str; 3] = ["motion", "wheels", "contacts"];
+
+/// A contact closer than this to a place where its rail's curvature jumps may be on either side of it, m.
+const ON_JUMP: f64 = 1e-6;
+
+/// A recorded run.
+#[derive(Default)]
+pub(super) struct Samples {
+    recording: Recording,
+    /// For each row: does no wheel stand where the curvature of its rail jumps?
+    smooth: Vec<bool>,
+}
+
+impl Samples {
+    pub(super) fn new(recording: Recording, model: &Model) -> Samples {
+        let mut smooth = vec![true; recording.rows.len()];
+        for wheelset in &model.wheelsets {
+            for side in Side::BOTH {
+                let name = format!("{}.{}.contact[1].railDistance", wheelset.name, side.name());
+                let places = recording.column(&name).unwrap_or_default();
+                for (smooth, place) in smooth.iter_mut().zip(places) {
+                    *smooth &= !model.track.rail(side).has_break_near(place, ON_JUMP);
+                }
+            }
+        }
+        Samples { recording, smooth }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.smooth.len()
+    }
+
+    /// Samples on a jump.
+    pub(super) fn jumps(&self) -> usize {
+        self.smooth.iter().filter(|smooth| !**smooth).count()
+    }
+
+    /// One quantity of a wheelset; empty when nothing was recorded.
+    pub(super) fn trace(&self, wheelset: &str, quantity: &Quantity) -> Trace {
+        let column = |name: &str| self.recording.column(name).unwrap_or_default();
+        let output = |name: &str| column(&format!("{wheelset}.{name}"));
+        Trace { times: column("time"), distances: output("distance"), values: output(quantity.output), smooth: self.smooth.clone() }
+    }
+}
+
+/// One quantity over time, s, and distance, m.
+pub(super) struct Trace {
+    times: Vec<f64>,
+    distances: Vec<f64>,
+    values: Vec<f64>,
+    smooth: Vec<bool>,
+}
+
+impl Trace {
+    /// Values over distance.
+    pub(super) fn points(&self) -> Vec<(f64, f64)> {
+        self.distances.iter().copied().zip(self.values.iter().copied()).collect()
+    }
+
+    /// Largest change since the start; `None` when nothing was recorded.
+    pub(super) fn change(&self) -> Option<f64> {
+        let first = self.values.first()?;
+        self.values.iter().map(|value| (value - first).abs()).reduce(f64::max)
+    }
+
+    /// This minus the other at equal times as (time, distance, difference), as long as both lasted.
+    fn differences(&self, other: &Trace) -> impl Iterator<Item = (f64, f64, f64)> {
+        let both = self.values.iter().zip(&other.values);
+        let smooth = self.smooth.iter().zip(&other.smooth).map(|(a, b)| *a && *b);
+        let places = self.times.iter().zip(&self.distances);
+        both.zip(smooth).zip(places).filter(|((_, smooth), _)| *smooth).map(|(((a, b), _), (time, x))| (*time, *x, a - b))
+    }
+
+    /// This minus the other over distance.
+    pub(super) fn minus(&self, other: &Trace) -> Vec<(f64, f64)> {
+        self.differences(other).map(|(_, x, difference)| (x, difference)).collect()
+    }
+
+    /// How far the two are apart; `None` when they share no time.
+    pub(super) fn apart(&self, other: &Trace) -> Option<Apart> {
+        let (mut count, mut squares) = (0.0, 0.0);
+        let mut largest: Option<Apart> = None;
+        for (time, distance, difference) in self.differences(other) {
+            (count, squares) = (count + 1.0, squares + difference * difference);
+            if largest.is_none_or(|known| difference.abs() > known.largest) {
+                largest = Some(Apart { largest: difference.abs(), time, distance, rms: 0.0 });
+            }
+        }
+        largest.map(|apart| Apart { rms: (squares / count).sqrt(), ..apart })
+    }
+}
+
+/// Distance between two traces, SI.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub(super) struct Apart {
+    pub largest: f64,
+    /// Where the largest difference is, s and m.
+    pub time: f64,
+    pub distance: f64,
+    /// Root mean square over the samples.
+    pub rms: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trace(values: &[f64]) -> Trace {
+        let times: Vec<f64> = (0..values.len()).map(|i| 0.5 * i as f64).collect();
+        let (distances, smooth) = (times.iter().map(|t| 40.0 * t).collect(), vec![true; values.len()]);
+        Trace { distances, times, values: values.to_vec(), smooth }
+    }
+
+    #[test]
+    fn analytic_largest_difference_its_place_and_rms() {
+        let apart = trace(&[1.0, 2.0, 3.0, 4.0]).apart(&trace(&[1.0, 5.0, 3.0, 8.0])).unwrap();
+        assert_eq!((apart.largest, apart.time, apart.distance, apart.rms), (4.0, 1.5, 60.0, 2.5));
+    }
+
+    #[test]
+    fn analytic_change_is_counted_from_the_start() {
+        assert_eq!(trace(&[5.0, 6.0, 2.0]).change(), Some(3.0));
+    }
+
+    #[test]
+    fn prop_a_sample_on_a_jump_of_either_run_is_left_out() {
+        let (mut jumps, other) = (trace(&[0.0, 50.0, 2.0]), trace(&[0.0, 0.0, 0.0]));
+        jumps.smooth[1] = false;
+        assert_eq!((jumps.apart(&other).unwrap().largest, other.apart(&jumps).unwrap().largest), (2.0, 2.0));
+        assert_eq!(jumps.minus(&other), vec![(0.0, 0.0), (40.0, 2.0)]);
+    }
+
+    /// The embedded scene's deviation ends at 20 m and 30 m on the right rail.
+    #[test]
+    fn prop_samples_on_the_ends_of_a_deviation_are_found() {
+        let scene = crate::scene::load::open("suspended_wheelset", &["contact.formulation=ECCF".into()]).unwrap();
+        let mut simulation = crate::sim::Simulation::new(&scene, 0.0).unwrap();
+        let outputs = crate::sim::outputs::outputs(simulation.model(), &GROUPS);
+        let recording = crate::sim::recording::record(&mut simulation, &outputs, 0.8, 0.1, |_| {}).unwrap();
+        let samples = Samples::new(recording, simulation.model());
+        let places: Vec<f64> = samples.trace("wheelset", &QUANTITIES[0]).points().iter().map(|point| point.0).collect();
+        let jumps: Vec<f64> = places.iter().zip(&samples.smooth).filter(|(_, smooth)| !**smooth).map(|(place, _)| *place).collect();
+        println!("samples on jumps: {jumps:?}");
+        assert!(samples.len() == 9 && samples.jumps() == 1 && (jumps[0] - 20.0).abs() < 1e-6, "{jumps:?}");
+    }
+
+    #[test]
+    fn hard_a_run_that_ended_early_is_compared_as_far_as_it_went() {
+        let long = trace(&[0.0, 1.0, 100.0]);
+        let short = trace(&[0.0, 3.0]);
+        assert_eq!(long.apart(&short).unwrap().largest, 2.0);
+        assert_eq!(short.apart(&long).unwrap().largest, 2.0);
+        assert!(long.apart(&trace(&[])).is_none() && trace(&[]).apart(&long).is_none() && trace(&[]).change().is_none());
+    }
+
+    #[test]
+    fn prop_every_quantity_is_an_output_of_the_embedded_scene() {
+        let scene = crate::scene::load::open("suspended_wheelset", &[]).unwrap();
+        let simulation = crate::sim::Simulation::new(&scene, 0.0).unwrap();
+        let outputs = crate::sim::outputs::outputs(simulation.model(), &GROUPS);
+        for name in QUANTITIES.iter().map(|quantity| quantity.output).chain(["distance"]) {
+            assert!(outputs.iter().any(|output| output.name == format!("wheelset.{name}")), "{name}");
+        }
+    }
+}
