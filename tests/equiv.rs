@@ -195,3 +195,71 @@ fn equiv_nodal_search_jumps_where_the_algebraic_one_does_not() {
     assert!(coarse > 100.0 * smooth, "{coarse} {smooth}");
     assert!((5.0..20.0).contains(&(coarse / fine)), "jumps shrink with the spacing: {coarse} {fine}");
 }
+
+#[test]
+fn equiv_block_solution_of_the_augmented_system_is_the_dense_one() {
+    // Eq. 13 written out for one wheelset: 5 coordinates (x is imposed), 8 surface parameters, 10 multipliers.
+    use nalgebra::{DMatrix, DVector, Matrix6, Vector4};
+    use wheelrail::contact::search::algebraic::Pair;
+    use wheelrail::formulation::contact_index;
+    use wheelrail::geometry::Side;
+    let scene = scene(&["contact.formulation=ACCF", "vehicle.initial.y=4 mm", "vehicle.initial.yaw=3 mrad"]);
+    let mut simulation = start(&scene);
+    for time in [0.02, 0.55, 0.63, 0.71] {
+        simulation.advance(time).unwrap();
+        let snapshot = simulation.snapshot().unwrap().clone();
+        let model = simulation.model();
+        let (system, wheelset) = (&snapshot.workspace.system, &model.wheelsets[0]);
+        let (motion, body) = (&system.motions[0], &model.system.bodies[0]);
+        let mass: Matrix6<f64> = body.mobility(motion).try_inverse().unwrap();
+        // The wrenches hold everything but the normal forces.
+        let free = nalgebra::Vector6::from(body.accelerations(motion, &system.wrenches[0]));
+        let force = mass * free;
+        let mut matrix = DMatrix::zeros(23, 23);
+        let mut right = DVector::zeros(23);
+        matrix.view_mut((0, 0), (5, 5)).copy_from(&mass.fixed_view::<5, 5>(1, 1));
+        right.rows_mut(0, 5).copy_from(&force.fixed_rows::<5>(1));
+        let mut normal_lengths = Vec::new();
+        for (index, side) in Side::BOTH.into_iter().enumerate() {
+            let own = &snapshot.y[model.contact_states(contact_index(0, side))];
+            let (wheel, rail) = (wheelset.wheel(side), model.track.rail(side));
+            let pair = Pair { wheel, rail, centre: &motion.position, axes: &motion.frame.axes, distance: motion.position.x };
+            let contact = pair.point_contact(&Vector4::from_column_slice(&own[..4]));
+            let bias = pair.bias(&contact, &Vector4::from_column_slice(&own[4..]), &motion.carrier());
+            assert!(contact.residual.norm() < 1e-12, "constraints hold: {}", contact.residual);
+            for i in 0..5 {
+                let row = 13 + 5 * index + i;
+                let coefficients = motion.coefficients(&contact.by_velocity[i], &contact.by_rotation[i]);
+                for j in 0..5 {
+                    matrix[(row, j)] = coefficients[j + 1];
+                    matrix[(j, row)] = coefficients[j + 1];
+                }
+                for j in 0..4 {
+                    matrix[(row, 5 + 4 * index + j)] = contact.by_parameters[(i, j)];
+                    matrix[(5 + 4 * index + j, row)] = contact.by_parameters[(i, j)];
+                }
+                right[row] = -bias[i];
+            }
+            normal_lengths.push(contact.normal_length());
+        }
+        let solution = matrix.full_piv_lu().solve(&right).unwrap();
+        for j in 0..5 {
+            let ours = snapshot.dy[6 + 1 + j];
+            assert!((solution[j] - ours).abs() < 1e-8 * (1.0 + ours.abs()), "t = {time}, coordinate {j}: {} {ours}", solution[j]);
+        }
+        for (index, side) in Side::BOTH.into_iter().enumerate() {
+            let range = model.contact_states(contact_index(0, side));
+            for j in 0..4 {
+                let (theirs, ours) = (solution[5 + 4 * index + j], snapshot.dy[range.start + 4 + j]);
+                assert!((theirs - ours).abs() < 1e-8 * (1.0 + ours.abs()), "t = {time}, {side:?} parameter {j}: {theirs} {ours}");
+            }
+            let normal_force = -solution[13 + 5 * index + 2] * normal_lengths[index];
+            let ours = snapshot.workspace.contacts[index].normal_force;
+            assert!((normal_force / ours - 1.0).abs() < 1e-9, "t = {time}: {normal_force} {ours}");
+            // Eq. 14: only the multiplier along the normal is left.
+            for i in [0, 1, 3, 4] {
+                assert!(solution[13 + 5 * index + i].abs() < 1e-5, "multiplier {i}: {}", solution[13 + 5 * index + i]);
+            }
+        }
+    }
+}

@@ -95,6 +95,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             statistics.rejected,
             statistics.evaluations
         ));
+        if simulation.model().formulation.constrains() {
+            let work = simulation.state().work;
+            print(&format!(
+                "  {} ends of steps projected, {:.1} evaluations of the creep law per right-hand side, {} lift-offs and landings\n",
+                statistics.projections,
+                work.force_iterations as f64 / statistics.evaluations.max(1) as f64,
+                statistics.events
+            ));
+        }
     }
     match failure {
         Some(error) => Err(Failure::Run(error)),

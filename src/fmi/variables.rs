@@ -91,7 +91,7 @@ impl VariableTable {
             role: Role::Output(index),
         }));
         variables.extend(parameters::parameters(scene));
-        variables.extend(locals());
+        variables.extend(locals(model.formulation.constrains()));
         let index = variables.iter().enumerate().map(|(index, variable)| (variable.reference, index)).collect();
         Ok(VariableTable { variables, outputs, neutral_inputs: model.neutral_inputs(), index })
     }
@@ -153,7 +153,8 @@ fn inputs(scene: &Scene) -> Vec<Variable> {
         .collect()
 }
 
-fn locals() -> Vec<Variable> {
+/// Counters of work; those of constraints only where contact is one.
+fn locals(constrains: bool) -> Vec<Variable> {
     let counter = |reference, name: &str, text: &str, read: fn(&SimulationState) -> u64| Variable {
         reference,
         name: name.into(),
@@ -168,12 +169,14 @@ fn locals() -> Vec<Variable> {
         max: None,
         role: Role::Counter(read),
     };
-    vec![
+    let mut locals = vec![
         counter(900, "solver.steps", "accepted steps of the integrator since the start", |s| s.integration.statistics.steps),
         counter(901, "solver.rejectedSteps", "rejected attempts", |s| s.integration.statistics.rejected),
         counter(902, "solver.evaluations", "evaluations of the right-hand side", |s| s.integration.statistics.evaluations),
         counter(903, "solver.restarts", "restarts at changes of inputs", |s| s.integration.statistics.restarts),
-        counter(904, "solver.searchIterations", "Newton iterations of contact searches", |s| s.work.search_iterations),
+        counter(904, "solver.searchIterations", "Newton iterations of contact searches; pairs of nodes looked at in ECF-N", |s| {
+            s.work.search_iterations
+        }),
         Variable {
             reference: 910,
             name: "scene.title".into(),
@@ -188,5 +191,16 @@ fn locals() -> Vec<Variable> {
             max: None,
             role: Role::Title,
         },
-    ]
+    ];
+    if constrains {
+        locals.extend([
+            counter(905, "solver.projections", "steps whose end was moved onto the constraints (in ACCF every evaluation does it)", |s| {
+                s.integration.statistics.projections
+            }),
+            counter(906, "solver.events", "lift-offs and landings", |s| s.integration.statistics.events),
+            counter(907, "solver.constraintIterations", "Newton iterations on the position constraints", |s| s.work.constraint_iterations),
+            counter(908, "solver.forceIterations", "evaluations of the loop between normal and creep forces", |s| s.work.force_iterations),
+        ]);
+    }
+    locals
 }
