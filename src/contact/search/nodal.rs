@@ -47,7 +47,7 @@
 //! are returned, the one further out (greater u) first: the flange is the inner end of the profile, so a tread contact
 //! stays in place 0 when a flange contact comes and goes, whichever is deeper. A contact that is alone is in place 0.
 //!
-//! *Passing over nodes.* From node to node G changes by at least `-D` (see [`Section::fall`]), so from a gap G > 0 the
+//! *Passing over nodes.* From node to node G changes by at least `-D` (see `Section::fall`), so from a gap G > 0 the
 //! next `G / D` nodes cannot touch. Both profiles' bounds enter, so D is the closing slope of the surfaces and not
 //! the slope of either.
 
