@@ -139,7 +139,7 @@ impl NodeTable {
         ((place + 0.5) as usize).min(self.points.len() - 1)
     }
 
-    /// Highest level of [`NodeTable::bounds`]: its stretch covers the table.
+    /// Highest level of `bounds`: its stretch covers the table.
     #[inline]
     pub(super) fn top(&self) -> usize {
         self.levels.len() - 1
