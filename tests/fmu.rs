@@ -15,6 +15,7 @@ use wheelrail::fmi::instance::{Instance, StepOutcome};
 use wheelrail::fmi::package;
 use wheelrail::fmi::uri;
 use wheelrail::formulation::{DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION};
+use wheelrail::scene::spec::Scene;
 use wheelrail::scene::{embedded, load};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -65,8 +66,8 @@ struct Fmu {
 
 impl Fmu {
     fn library(&self) -> PathBuf {
-        let name = self.file.file_stem().unwrap().to_string_lossy().into_owned();
-        self.folder.join("binaries").join(package::platform()).join(format!("{name}{}", std::env::consts::DLL_SUFFIX))
+        let name = format!("suspended_wheelset{}", std::env::consts::DLL_SUFFIX);
+        self.folder.join("binaries").join(package::platform()).join(name)
     }
     fn resources(&self) -> String {
         uri::from_path(&self.folder.join("resources"))
@@ -74,7 +75,13 @@ impl Fmu {
 }
 
 fn export(scene: &str, file: &Path) -> String {
-    run(Command::new(env!("CARGO_BIN_EXE_wheelrail")).args(["export", scene, "-o"]).arg(file))
+    export_changed(scene, &[], file)
+}
+
+fn export_changed(scene: &str, changes: &[&str], file: &Path) -> String {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_wheelrail"));
+    command.args(["export", scene]).args(changes.iter().flat_map(|change| ["--set", change]));
+    run(command.arg("-o").arg(file))
 }
 
 static FMU: LazyLock<Fmu> = LazyLock::new(|| {
@@ -90,6 +97,35 @@ static FMU: LazyLock<Fmu> = LazyLock::new(|| {
     let packed = package::pack_scene(&load::open("suspended_wheelset", &[]).unwrap()).unwrap();
     Fmu { file, folder: unpacked, guid: packed.description.guid }
 });
+
+/// The shipped scene with a formulation each.
+const FORMULATIONS: [(&str, &[&str]); 4] = [
+    ("ACCF", &["contact.formulation=ACCF"]),
+    ("ECCF", &["contact.formulation=ECCF"]),
+    ("ECF-A", &["contact.formulation=ECF-A"]),
+    ("ECF-N", &["contact.formulation=ECF-N"]),
+];
+
+/// A dip of the right rail that its wheel can't follow.
+const DIP: [&str; 3] = ["track.deviation[1].direction=vertical", "track.deviation[1].amplitude=-25 mm", "track.deviation[1].to=23"];
+
+/// A constraint formulation in the dip. A lift-off that ends the run would end the check of the export too: it stops before.
+fn dip(formulation: &'static str, on_lift: &'static str) -> Vec<&'static str> {
+    let mut changes = DIP.to_vec();
+    changes.push(formulation);
+    changes.extend(if on_lift == "stop" { ["contact.on_lift=stop", "run.stop=0.4"] } else { ["contact.on_lift=elastic", "run.stop=1.0"] });
+    changes
+}
+
+/// The FMU of a scene with changes, as `FOLDER/NAME.fmu` and unpacked.
+fn changed_fmu(folder: &Path, name: &str, changes: &[&str]) -> Fmu {
+    let file = folder.join(format!("{name}.fmu"));
+    export_changed("suspended_wheelset", changes, &file);
+    let unpacked = folder.join(name);
+    zip::ZipArchive::new(std::fs::File::open(&file).unwrap()).unwrap().extract(&unpacked).unwrap();
+    let guid = package::pack_scene(&common::scene(changes)).unwrap().description.guid;
+    Fmu { file, folder: unpacked, guid }
+}
 
 fn script(name: &str, extra: &[&OsStr]) {
     let script = Path::new(ROOT).join("tests/fmu").join(name);
@@ -137,16 +173,29 @@ fn fmu_output_derivatives() {
 }
 
 #[test]
-fn fmu_native_run_is_the_same_to_the_last_bit() {
-    // The same sequence of (time, step) pairs, steps uneven on purpose.
-    let scene = load::open("suspended_wheelset", &[]).unwrap();
-    let packed = package::pack_scene(&scene).unwrap();
+fn fmu_every_formulation() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, changes) in FORMULATIONS {
+        export_changed("suspended_wheelset", changes, &folder.path().join(format!("{name}.fmu")));
+    }
+    for (name, changes) in &FORMULATIONS[..2] {
+        for on_lift in ["stop", "elastic"] {
+            export_changed("suspended_wheelset", &dip(changes[0], on_lift), &folder.path().join(format!("{name}-{on_lift}.fmu")));
+        }
+    }
+    script("formulations.py", &[folder.path().as_os_str()]);
+}
+
+/// Runs a scene natively and as FMU through the same sequence of (time, step) pairs, steps uneven on purpose; returns the number
+/// of steps in which wheels lifted off or landed.
+fn native_run_is_the_same(scene: &Scene, fmu: &Fmu, stop: f64) -> usize {
+    let packed = package::pack_scene(scene).unwrap();
     let references: Vec<u32> = packed.table.outputs.iter().map(|output| output.reference).collect();
-    let mut fmu = LoadedFmu::start(&FMU.library(), &FMU.guid, &FMU.resources()).unwrap();
-    let mut native = common::start(&scene);
-    let outputs = common::table(&native, &scene);
-    let (mut time, mut rows) = (0.0, 0);
-    while time < 1.5 {
+    let mut fmu = LoadedFmu::start(&fmu.library(), &fmu.guid, &fmu.resources()).unwrap();
+    let mut native = common::start(scene);
+    let outputs = common::table(&native, scene);
+    let (mut time, mut rows, mut warnings) = (0.0, 0, 0);
+    while time < stop {
         let step = [0.001, 0.00237, 0.01, 0.0005][rows % 4];
         // Inputs change too: steps of torque and force, a ramp and a parabola.
         let change = [(30, DRIVE_TORQUE, [800.0, 0.0, 0.0]), (90, LATERAL_FORCE, [0.0, 4e3, 2e3]), (200, LEFT_FRICTION, [0.5, 0.0, 0.0])];
@@ -161,9 +210,11 @@ fn fmu_native_run_is_the_same_to_the_last_bit() {
                 native.set_input(input, value, first, second);
             }
         }
-        fmu.do_step(time, step).unwrap();
+        let warned = fmu.do_step(time, step).unwrap();
         time += step;
         native.advance(time).unwrap();
+        assert_eq!(warned, !native.take_events().is_empty(), "the FMU warns of lift-offs and landings, at t = {time}");
+        warnings += usize::from(warned);
         rows += 1;
         let theirs = fmu.get_real(&references).unwrap();
         let snapshot = native.snapshot().unwrap();
@@ -172,7 +223,30 @@ fn fmu_native_run_is_the_same_to_the_last_bit() {
         }
     }
     assert!(rows > 210 && native.statistics().restarts >= 3, "every change must have been made");
-    println!("{rows} steps, {} outputs, all equal to the last bit", outputs.len());
+    println!("{}: {rows} steps, {} outputs, all equal to the last bit, {warnings} warnings", scene.contact.formulation_name, outputs.len());
+    warnings
+}
+
+#[test]
+fn fmu_native_run_is_the_same_to_the_last_bit() {
+    let scene = load::open("suspended_wheelset", &[]).unwrap();
+    assert_eq!(native_run_is_the_same(&scene, &FMU, 1.5), 0);
+}
+
+#[test]
+fn fmu_native_run_is_the_same_to_the_last_bit_in_every_formulation() {
+    let folder = tempfile::tempdir().unwrap();
+    // Twelve states of the wheelset, and two contacts' own.
+    for ((name, changes), states) in FORMULATIONS.iter().zip([12 + 16, 12, 12, 12 + 2]) {
+        let scene = common::scene(changes);
+        assert_eq!(common::start(&scene).model().dimension(), states, "{name}");
+        assert_eq!(native_run_is_the_same(&scene, &changed_fmu(folder.path(), name, changes), 0.8), 0, "{name}");
+    }
+    for (name, changes) in &FORMULATIONS[..2] {
+        let changes = dip(changes[0], "elastic");
+        let fmu = changed_fmu(folder.path(), &format!("{name}-elastic"), &changes);
+        assert_eq!(native_run_is_the_same(&common::scene(&changes), &fmu, 0.8), 2, "{name}: a lift-off and a landing");
+    }
 }
 
 /// The folder of the official FMI 2.0 headers in the fmpy package.

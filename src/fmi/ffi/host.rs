@@ -107,16 +107,16 @@ impl LoadedFmu {
         let fmu = LoadedFmu { component, get_real, do_step, set_real, set_derivatives, free, _library: library, _callbacks: callbacks };
         check("fmi2SetupExperiment", unsafe { setup(component, FALSE, 0.0, 0.0, FALSE, 0.0) })?;
         check("fmi2EnterInitializationMode", unsafe { enter(component) })?;
-        check("fmi2ExitInitializationMode", unsafe { exit(component) })?;
+        warned("fmi2ExitInitializationMode", unsafe { exit(component) })?;
         Ok(fmu)
     }
 
-    /// fmi2DoStep.
+    /// fmi2DoStep. Returns whether it answered fmi2Warning: wheels lifted off or landed.
     ///
     /// # Errors
-    /// [`HostError::Call`] for any status but fmi2OK.
-    pub fn do_step(&mut self, time: f64, step: f64) -> Result<(), HostError> {
-        check("fmi2DoStep", unsafe { (self.do_step)(self.component, time, step, TRUE) })
+    /// [`HostError::Call`] for any status but fmi2OK and fmi2Warning.
+    pub fn do_step(&mut self, time: f64, step: f64) -> Result<bool, HostError> {
+        warned("fmi2DoStep", unsafe { (self.do_step)(self.component, time, step, TRUE) })
     }
 
     /// fmi2SetReal of one variable.
@@ -152,6 +152,11 @@ impl Drop for LoadedFmu {
     fn drop(&mut self) {
         unsafe { (self.free)(self.component) };
     }
+}
+
+/// Did it end with a warning?
+fn warned(function: &'static str, status: Status) -> Result<bool, HostError> {
+    if status == Status::Warning { Ok(true) } else { check(function, status).map(|()| false) }
 }
 
 fn check(function: &'static str, status: Status) -> Result<(), HostError> {

@@ -11,6 +11,7 @@ mod states;
 pub mod types;
 mod values;
 
+use crate::formulation::events::ContactEvent;
 use common::{guard, refuse, report, text};
 use component::{Component as Instance, Log};
 use std::ffi::{c_char, c_int};
@@ -162,13 +163,12 @@ pub unsafe extern "C" fn fmi2EnterInitializationMode(c: Component) -> Status {
 /// The component must be null or come from fmi2Instantiate.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2ExitInitializationMode(c: Component) -> Status {
-    guard(c, |component| {
-        let answer = component.instance.exit_initialization();
-        let status = report(component, answer);
-        if status == Status::Ok {
+    guard(c, |component| match component.instance.exit_initialization() {
+        Ok(events) => {
             component.log.event(&component.instance.summary());
+            remarks(component, &events)
         }
-        status
+        Err(error) => refuse(component, &error.to_string()),
     })
 }
 
@@ -197,6 +197,14 @@ pub unsafe extern "C" fn fmi2Reset(c: Component) -> Status {
     })
 }
 
+/// Logs lift-offs and landings: a warning when there are any.
+fn remarks(component: &Instance, events: &[ContactEvent]) -> Status {
+    for event in events {
+        component.log.remark(&event.to_string());
+    }
+    if events.is_empty() { Status::Ok } else { Status::Warning }
+}
+
 /// # Safety
 /// The component must be null or come from fmi2Instantiate.
 #[unsafe(no_mangle)]
@@ -213,13 +221,11 @@ pub unsafe extern "C" fn fmi2DoStep(
             Status::Ok
         }
         Ok(StepOutcome::DoneWithEvents(events)) => {
-            for event in &events {
-                component.log.remark(&event.to_string());
-            }
-            component.last_step = Status::Warning;
-            Status::Warning
+            component.last_step = remarks(component, &events);
+            component.last_step
         }
-        Ok(StepOutcome::Discarded(error)) => {
+        Ok(StepOutcome::Discarded(error, events)) => {
+            remarks(component, &events);
             component.last_step = Status::Discard;
             let reached = component.instance.time();
             component.log.error(Status::Discard, &format!("the step ended early at t = {reached} s: {error}"));

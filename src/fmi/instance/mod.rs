@@ -46,8 +46,8 @@ pub enum StepOutcome {
     Done,
     /// Contacts that are constraints lifted off or landed on the way.
     DoneWithEvents(Vec<ContactEvent>),
-    /// The model could not be advanced to the end; time stands at the last successful step.
-    Discarded(SimulationError),
+    /// The model could not be advanced to the end; time stands at the last successful step. With what happened before.
+    Discarded(SimulationError, Vec<ContactEvent>),
 }
 
 /// What fmi2SetupExperiment says.
@@ -174,15 +174,16 @@ impl Instance {
         Ok(())
     }
 
-    /// fmi2ExitInitializationMode: the model is assembled with the parameters then set.
+    /// fmi2ExitInitializationMode: the model is assembled with the parameters then set. Returns the contacts that lift off in
+    /// the initial state.
     ///
     /// # Errors
     /// [`CallError::Start`] when there is no valid initial state; the instance stays in initialization mode.
-    pub fn exit_initialization(&mut self) -> Result<(), CallError> {
+    pub fn exit_initialization(&mut self) -> Result<Vec<ContactEvent>, CallError> {
         self.require("fmi2ExitInitializationMode", &[Phase::Initialization])?;
-        self.started()?;
+        let events = self.started()?.take_events();
         self.phase = Phase::Stepping;
-        Ok(())
+        Ok(events)
     }
 
     /// fmi2Terminate.
@@ -267,13 +268,14 @@ impl Instance {
             });
         }
         let simulation = self.started()?;
-        match simulation.advance(target) {
-            Ok(()) => {
-                let events = simulation.take_events();
-                Ok(if events.is_empty() { StepOutcome::Done } else { StepOutcome::DoneWithEvents(events) })
-            }
-            Err(error) => Ok(StepOutcome::Discarded(error)),
-        }
+        let advanced = simulation.advance(target);
+        // None may be left for a later step, which may begin elsewhere.
+        let events = simulation.take_events();
+        Ok(match advanced {
+            Ok(()) if events.is_empty() => StepOutcome::Done,
+            Ok(()) => StepOutcome::DoneWithEvents(events),
+            Err(error) => StepOutcome::Discarded(error, events),
+        })
     }
 }
 

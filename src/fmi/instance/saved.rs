@@ -78,10 +78,15 @@ impl Instance {
                     inputs: saved.inputs.clone(),
                     simulation: None,
                 };
-                if let Some(state) = state
-                    && !other.started()?.restore(state)
-                {
-                    return Err(CallError::ForeignState);
+                if let Some(state) = state {
+                    let simulation = other.started()?;
+                    if !simulation.restore(state) {
+                        return Err(CallError::ForeignState);
+                    }
+                    // Lift-offs of its own start say nothing about the state that was put back, unless that is still to start.
+                    if saved.phase != Phase::Initialization {
+                        simulation.take_events();
+                    }
                 }
                 *self = other;
             }
