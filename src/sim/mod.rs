@@ -124,6 +124,9 @@ impl Simulation {
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
         simulation.snapshot()?;
         simulation.state.integration.memory.clone_from(&simulation.snapshot.memory);
+        // What is shown belongs to the state: a cold start differs in the last digits.
+        simulation.snapshot_valid = false;
+        simulation.snapshot()?;
         if simulation.model.formulation.margin(&simulation.model, &simulation.snapshot.memory).is_some_and(|margin| margin < 0.0) {
             simulation.switch_at_start(start)?;
         }

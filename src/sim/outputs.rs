@@ -23,6 +23,8 @@ const PRESSING: Depends = Depends::Pressing;
 const LEFT: Depends = Depends::On(&[LEFT_FRICTION]);
 const RIGHT: Depends = Depends::On(&[RIGHT_FRICTION]);
 const FRICTIONS: Depends = Depends::On(&[LEFT_FRICTION, RIGHT_FRICTION]);
+/// A torque about the axle turns it by rounding only, but not by nothing.
+const TURNING: Depends = Depends::On(&[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION]);
 const ALL: &[usize] = &[DRIVE_TORQUE, LATERAL_FORCE, VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION];
 
 type Read = Box<dyn Fn(&Snapshot) -> f64 + Send + Sync>;
@@ -170,8 +172,8 @@ fn motion(c: &mut Collector, body: usize, bodies: usize) {
         "vertical acceleration of the centre, up positive",
         dy(v + 2),
     );
-    c.add(24, "rollAcceleration", g, Unit::RadianPerSecond2, FRICTIONS, "second time derivative of the roll angle", dy(v + 4));
-    c.add(25, "yawAcceleration", g, Unit::RadianPerSecond2, FRICTIONS, "second time derivative of the yaw angle", dy(v + 3));
+    c.add(24, "rollAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the roll angle", dy(v + 4));
+    c.add(25, "yawAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the yaw angle", dy(v + 3));
     c.add(
         26,
         "pitchAcceleration",

@@ -90,6 +90,10 @@ impl IntegrationState {
             high = 0.0;
         }
         if high < 1.0 {
+            // The memory must be that of the event, where it tells what changes, not that of the step's end.
+            if self.margin_at(dynamics, scratch, high)? < 0.0 {
+                self.memory.copy_from_slice(&scratch.memory);
+            }
             self.cut(high);
         }
         self.switch_due = true;
