@@ -254,7 +254,7 @@ fn hard_dead_centre_is_reported() {
     let (_, y) = slider_crank_at(0.0);
     let error = mechanism.assemble(&y).unwrap_err();
     println!("{error}");
-    assert!(matches!(&error, AssemblyError::SpecialPosition { names } if !names.is_empty()), "{error}");
+    assert!(matches!(&error, AssemblyError::SpecialPosition { names } if names == "piston.x"), "{error}");
     // Beside it the same drive is one of the mechanism's 18 independent rows.
     let (slider, y) = slider_crank_at(0.5);
     let law = Prescribed::new(move |_| [slider, 0.0, 0.0]);
@@ -270,12 +270,12 @@ fn hard_contradictions_are_named() {
     let second = |speed| driven("second", to_ground(0), 5, Level::Speed, Prescribed::uniform(0.0, speed));
     mechanism.system.joints.push(second(7.0));
     let named = mechanism.assemble(&y).unwrap();
-    assert!(named == ["second.pitch"] || named == ["motor.pitch"], "{named:?}");
+    assert_eq!(named, ["second.pitch"]);
     mechanism.system.joints.pop();
     mechanism.system.joints.push(second(8.0));
     let error = mechanism.assemble(&y).unwrap_err();
     println!("{error}");
-    assert!(matches!(&error, AssemblyError::Contradiction { names } if names == "second.pitch" || names == "motor.pitch"), "{error}");
+    assert!(matches!(&error, AssemblyError::Contradiction { names } if names == "second.pitch"), "{error}");
 }
 
 #[test]
@@ -295,8 +295,7 @@ fn analytic_hookes_joint_speed_ratio() {
     y[23] = speed * beta.cos();
     let names = mechanism.assemble(&y).unwrap();
     println!("redundant: {names:?}");
-    assert_eq!(names.len(), 3);
-    assert!(["x", "y", "z"].iter().all(|axis| names.iter().any(|name| name.ends_with(&format!(".{axis}")))));
+    assert_eq!(names, ["cross.x", "cross.y", "cross.z"]);
     let mut worst: f64 = 0.0;
     for end in [0.1, 0.35, 0.7, 1.2] {
         let (y, _) = mechanism.run(&y, end, 10, 1e-11);
@@ -332,8 +331,7 @@ fn analytic_parallelogram_in_space_with_redundant_rows() {
     let names = mechanism.assemble(&y).unwrap();
     println!("redundant: {names:?}");
     // 18 coordinates, one free motion, 20 rows: three too many, all of them out of the plane.
-    assert_eq!(names.len(), 3);
-    assert!(names.iter().all(|name| name.ends_with(".y") || name.contains(".tilt")), "{names:?}");
+    assert_eq!(names, ["d.y", "d.tilt_x", "d.tilt_y"]);
     let before = mechanism.energy(&y);
     let (end, drift) = mechanism.run(&y, 1.1, 11, 1e-11);
     let error = (mechanism.energy(&end) - before).abs();
@@ -400,7 +398,7 @@ fn analytic_sliding_on_an_inclined_axis() {
         let expected = axis * if spinning { spin } else { 0.0 };
         assert!((motion.rotation - expected).norm() < 1e-10);
         let turned = Rotation3::from_scaled_axis(expected * end) * Rotation3::from_axis_angle(&Vector3::y_axis(), alpha);
-        assert!((motion.axes - turned.matrix()).norm() < 1e-10);
+        assert!((motion.frame.axes - turned.matrix()).norm() < 1e-10);
     }
 }
 
@@ -420,7 +418,7 @@ fn equiv_rigidly_joined_bodies_swing_as_one() {
         for shift in shifts {
             let motion =
                 BodyMotion::general(&[0.0, 0.0, 0.0, angles[0], angles[1], angles[2]], &[0.0, 0.0, 0.0, rates[0], rates[1], rates[2]]);
-            let arm = motion.axes * Vector3::new(*shift, 0.0, -0.9);
+            let arm = motion.frame.axes * Vector3::new(*shift, 0.0, -0.9);
             let velocity = motion.rotation.cross(&arm);
             positions.extend(arm.iter().chain(&angles));
             velocities.extend(velocity.iter().chain(&rates));
@@ -498,7 +496,8 @@ fn analytic_drive_between_two_bodies_follows_its_law() {
     assert!(moved.abs() < 1e-10);
 }
 
-/// A hanging chain of `links` bodies with hinges turned by 90 degrees from link to link, started level.
+/// A chain of `links` bodies 0.2 m long, fixed at one end, with hinges across it that lie in different directions,
+/// each bent by some angle.
 fn chain(links: usize) -> (Mechanism, Vec<f64>) {
     let bodies = vec![brick(1.0, 0.01, 0.02, 0.02); links];
     let axis = |k: usize| if k.is_multiple_of(2) { Vector3::y() } else { Vector3::new(0.0, 0.6, 0.8) };
@@ -509,7 +508,17 @@ fn chain(links: usize) -> (Mechanism, Vec<f64>) {
             Some(before) => revolute(&format!("link{k}"), between(k, before), &place(-0.1), &place(0.1)),
         }
     });
-    let coordinates: Vec<[f64; 6]> = (0..links).map(|k| [0.1 + 0.2 * k as f64, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
+    let (mut end, mut turned) = (Vector3::zeros(), Rotation3::identity());
+    let coordinates: Vec<[f64; 6]> = (0..links)
+        .map(|k| {
+            turned *= Rotation3::from_scaled_axis(axis(k) * 0.4 * (1.7 * k as f64).sin());
+            let middle: Vector3<f64> = end + turned * Vector3::new(0.1, 0.0, 0.0);
+            end += turned * Vector3::new(0.2, 0.0, 0.0);
+            let axes = turned.matrix();
+            let (yaw, roll) = ((-axes[(0, 1)]).atan2(axes[(1, 1)]), axes[(2, 1)].asin());
+            [middle.x, middle.y, middle.z, yaw, roll, (-axes[(2, 0)]).atan2(axes[(2, 2)])]
+        })
+        .collect();
     (Mechanism::new(bodies, joints.collect()), at_rest(&coordinates))
 }
 
@@ -521,7 +530,6 @@ fn prop_cost_of_a_chain_is_linear_and_nothing_allocates() {
         let start = Instant::now();
         assert_eq!(chain.assemble(&y), Ok(vec![]));
         let assembly = start.elapsed().as_secs_f64();
-        // A bent position: a few steps from the level one.
         let integrator = RungeKutta4 { step: 0.01 };
         let mut scratch = Scratch::new(y.len(), 0);
         let mut state = integrator.start(0.0, &y, &[]);

@@ -30,14 +30,13 @@ pub struct BodyMotion {
     /// Centre of mass in the track frame, m and m/s.
     pub position: Vector3<f64>,
     pub velocity: Vector3<f64>,
-    /// Follows yaw and roll, does not spin.
+    /// Frame of the attachments: yaw and roll, and for a body that is not one of revolution the pitch too, so that
+    /// its axes are the body's own. The sine and cosine are the roll's in both cases.
     pub frame: AxleFrame,
-    /// Axes of the attachments in the track frame: those of `frame` for a body of revolution, the body's own otherwise.
-    pub axes: Matrix3<f64>,
-    /// Angular velocity of `axes` in the track frame, rad/s.
-    pub axes_rotation: Vector3<f64>,
-    /// Whether `axes` follow the pitch too: the body is not one of revolution.
-    pub axes_pitch: bool,
+    /// Angular velocity of `frame` in the track frame, rad/s.
+    pub frame_rotation: Vector3<f64>,
+    /// Sine and cosine of the pitch if `frame` follows it.
+    pub turn: Option<(f64, f64)>,
     /// Angular velocity of the body in the track frame, rad/s.
     pub rotation: Vector3<f64>,
     pub yaw: f64,
@@ -50,15 +49,14 @@ pub struct BodyMotion {
 
 impl BodyMotion {
     /// A body of revolution, from its six coordinates and six velocities.
-    #[inline]
+    #[inline(always)] // on the wheelset's path, with several callers
     pub fn new(q: &[f64], v: &[f64]) -> Self {
         let frame = AxleFrame::new(q[3], q[4]);
         BodyMotion {
             position: Vector3::new(q[0], q[1], q[2]),
             velocity: Vector3::new(v[0], v[1], v[2]),
-            axes: frame.axes,
-            axes_rotation: frame.axes * frame.frame_rate(v[3], v[4]),
-            axes_pitch: false,
+            frame_rotation: frame.axes * frame.frame_rate(v[3], v[4]),
+            turn: None,
             rotation: frame.axes * frame.body_rate(v[3], v[4], v[5]),
             frame,
             yaw: q[3],
@@ -72,10 +70,27 @@ impl BodyMotion {
 
     /// Any other body: its attachments follow the pitch.
     pub fn general(q: &[f64], v: &[f64]) -> Self {
-        let motion = Self::new(q, v);
-        let (sin, cos) = q[5].sin_cos();
-        let axes = motion.frame.axes * Matrix3::new(cos, 0.0, sin, 0.0, 1.0, 0.0, -sin, 0.0, cos);
-        BodyMotion { axes, axes_rotation: motion.rotation, axes_pitch: true, ..motion }
+        let mut motion = Self::new(q, v);
+        motion.follow_pitch();
+        motion
+    }
+
+    /// Overwrites with the motion of `body`; in place, because copies would cost more than what is computed.
+    #[inline(always)] // on the wheelset's path, with several callers
+    pub fn set(&mut self, body: &Body, q: &[f64], v: &[f64]) {
+        *self = Self::new(q, v);
+        if let Inertia::General { .. } = body.inertia {
+            self.follow_pitch();
+        }
+    }
+
+    /// Lets the frame turn with the body. Out of line: the wheelset's path has no use for it.
+    #[inline(never)]
+    fn follow_pitch(&mut self) {
+        let turn = self.pitch.sin_cos();
+        self.frame.axes *= turn_about_y(turn);
+        self.frame_rotation = self.rotation;
+        self.turn = Some(turn);
     }
 
     /// Velocity of the body's material point at `point` [m, track frame].
@@ -83,14 +98,14 @@ impl BodyMotion {
         self.velocity + self.rotation.cross(&(point - self.position))
     }
 
-    /// Track-frame position of an attachment that is given in `axes`.
+    /// Track-frame position of an attachment that is given in the axes of `frame`.
     pub fn attachment_point(&self, local: &Vector3<f64>) -> Vector3<f64> {
-        self.position + self.axes * local
+        self.position + self.frame.axes * local
     }
 
     /// Velocity of an attachment that is at `point` [m, track frame]; on a body of revolution it does not spin.
     pub fn attachment_velocity(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        self.velocity + self.axes_rotation.cross(&(point - self.position))
+        self.velocity + self.frame_rotation.cross(&(point - self.position))
     }
 
     /// Motion of the frame that carries what does not spin.
@@ -113,14 +128,29 @@ impl BodyMotion {
     #[inline]
     pub fn generalised_force(&self, wrench: &Wrench) -> Coefficients {
         let (force, moment) = (wrench.force, wrench.moment);
-        let roll_axis = self.frame.axes.column(0);
+        let roll_axis = self.roll_axis();
         Coefficients::new(force.x, force.y, force.z, moment.z, roll_axis.dot(&moment), self.axle().dot(&moment))
     }
 
-    /// Unit vector of the axle, pointing left.
+    /// Unit vector about which the roll turns.
+    #[inline]
+    pub fn roll_axis(&self) -> Vector3<f64> {
+        let (x, z) = (self.frame.axes.column(0), self.frame.axes.column(2));
+        match self.turn {
+            None => x.into_owned(),
+            Some((sin, cos)) => x * cos + z * sin,
+        }
+    }
+
+    /// Unit vector of the axle, about which the pitch turns, pointing left.
     pub fn axle(&self) -> Vector3<f64> {
         self.frame.axes.column(1).into_owned()
     }
+}
+
+/// Rotation about Y, from sine and cosine.
+pub(super) fn turn_about_y((sin, cos): (f64, f64)) -> Matrix3<f64> {
+    Matrix3::new(cos, 0.0, sin, 0.0, 1.0, 0.0, -sin, 0.0, cos)
 }
 
 /// Force and moment about the body's centre, in the track frame.
@@ -150,7 +180,6 @@ impl std::ops::AddAssign for Wrench {
 
 impl Body {
     /// From the body's six coordinates and six velocities.
-    #[inline]
     pub fn motion(&self, q: &[f64], v: &[f64]) -> BodyMotion {
         match self.inertia {
             Inertia::Revolution { .. } => BodyMotion::new(q, v),
@@ -159,7 +188,7 @@ impl Body {
     }
 
     /// Accelerations of the six coordinates under a wrench.
-    #[inline]
+    #[inline(always)] // on the wheelset's path, with several callers
     pub fn accelerations(&self, motion: &BodyMotion, wrench: &Wrench) -> [f64; COORDINATES] {
         let [yaw, roll, pitch] = self.inertia.accelerations(motion, &wrench.moment);
         let linear = wrench.force / self.mass;

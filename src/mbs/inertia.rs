@@ -13,7 +13,7 @@
 //! Euler's equations in them, `T o' = M - o x T o`; the components of its angular acceleration in the axle frame,
 //! less the turning of that frame, `(p, w, r) x (p, q, r)`, are `(p', q', r')`.
 
-use super::body::BodyMotion;
+use super::body::{BodyMotion, turn_about_y};
 use nalgebra::{Matrix3, Vector3};
 
 /// Moments of inertia about axes through the centre of mass, kg m2.
@@ -35,7 +35,7 @@ pub enum Inertia {
 
 impl Inertia {
     /// Accelerations of yaw, roll and pitch under a moment [N m, track frame].
-    #[inline]
+    #[inline(always)] // on the wheelset's path, with several callers
     pub fn accelerations(&self, motion: &BodyMotion, moment: &Vector3<f64>) -> [f64; 3] {
         let (sin, cos) = (motion.frame.sin_roll, motion.frame.cos_roll);
         let p = motion.roll_rate;
@@ -69,7 +69,7 @@ impl Inertia {
             Inertia::General { principal } => {
                 // (yaw', roll', pitch') from the angular velocity in body axes, by way of the axle frame.
                 let from_frame = Matrix3::new(0.0, 0.0, 1.0 / cos, 1.0, 0.0, 0.0, 0.0, 1.0, -sin / cos);
-                let from_body = from_frame * motion.frame.axes.tr_mul(&motion.axes);
+                let from_body = from_frame * turn_about_y(motion.turn.unwrap_or((0.0, 1.0)));
                 from_body * Matrix3::from_diagonal(&principal.map(|i| 1.0 / i)) * from_body.transpose()
             }
         }
@@ -83,7 +83,7 @@ impl Inertia {
                 0.5 * (transverse * (rate.x * rate.x + rate.z * rate.z) + axial * rate.y * rate.y)
             }
             Inertia::General { principal } => {
-                let rate = motion.axes.tr_mul(&motion.rotation);
+                let rate = motion.frame.axes.tr_mul(&motion.rotation);
                 0.5 * principal.component_mul(&rate).dot(&rate)
             }
         }
@@ -91,13 +91,15 @@ impl Inertia {
 }
 
 /// p', q', r' of a general body.
+#[inline(never)]
 fn general_rates(principal: &Vector3<f64>, motion: &BodyMotion, moment: &Vector3<f64>) -> Vector3<f64> {
-    let rate = motion.axes.tr_mul(&motion.rotation);
+    let axes = motion.frame.axes;
+    let rate = axes.tr_mul(&motion.rotation);
     let momentum = principal.component_mul(&rate);
-    let acceleration = (motion.axes.tr_mul(moment) - rate.cross(&momentum)).component_div(principal);
+    let acceleration = (axes.tr_mul(moment) - rate.cross(&momentum)).component_div(principal);
     let frame_rate = motion.frame.frame_rate(motion.yaw_rate, motion.roll_rate);
     let body_rate = motion.frame.body_rate(motion.yaw_rate, motion.roll_rate, motion.pitch_rate);
-    motion.frame.axes.tr_mul(&(motion.axes * acceleration)) - frame_rate.cross(&body_rate)
+    turn_about_y(motion.turn.unwrap_or((0.0, 1.0))) * acceleration - frame_rate.cross(&body_rate)
 }
 
 #[cfg(test)]
@@ -145,7 +147,7 @@ mod tests {
                     let axes = motion.frame.axes;
                     axes * axes.tr_mul(&motion.rotation).component_mul(&Vector3::new(*j, *i, *j))
                 }
-                Inertia::General { principal } => motion.axes * motion.axes.tr_mul(&motion.rotation).component_mul(principal),
+                Inertia::General { principal } => motion.frame.axes * motion.frame.axes.tr_mul(&motion.rotation).component_mul(principal),
             };
             let error = (rate(&body, &wrench(), momentum) - wrench().moment).norm();
             println!("{}: {error:.1e} N m", body.name);
@@ -171,7 +173,7 @@ mod tests {
         assert!((round.mobility(&a) - general.mobility(&b)).norm() < 1e-14);
         assert!((round.kinetic_energy(&a) - general.kinetic_energy(&b)).abs() < 1e-12);
         // Only the attachments differ.
-        assert!((b.axes - a.axes).norm() > 0.1 && (b.axes_rotation - a.rotation).norm() == 0.0);
+        assert!((b.frame.axes - a.frame.axes).norm() > 0.1 && (b.frame_rotation - a.rotation).norm() == 0.0);
     }
 
     #[test]

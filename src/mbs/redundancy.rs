@@ -10,7 +10,7 @@ use super::body::COORDINATES;
 use super::kkt::{Coefficients, Kkt, Mobility};
 use super::projection::ProjectionError;
 use super::system::{System, SystemWorkspace};
-use nalgebra::{DMatrix, RowDVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// Sine of the angle between a row and the others below which it depends on them.
 const DEPENDENT: f64 = 1e-6;
@@ -246,13 +246,35 @@ fn root(matrix: &Mobility) -> Mobility {
     eigen.eigenvectors * Mobility::from_diagonal(&eigen.eigenvalues.map(|value| value.max(0.0).sqrt())) * eigen.eigenvectors.transpose()
 }
 
-/// Columns (of length one) that depend on the others.
+/// Columns (of length one) that depend on the others. The rank comes from a QR factorisation with pivoting. The
+/// columns to blame are those that depend on columns before them, so that what was added last is named; if that does
+/// not add up to the rank (columns nearly depend), they are those that the pivoting left over.
 fn dependent_columns(matrix: DMatrix<f64>) -> Vec<usize> {
     let columns = matrix.ncols();
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    let mut late = Vec::new();
+    for column in 0..columns {
+        let mut rest = matrix.column(column).into_owned();
+        // Twice, so that rounding does not leave a part along the basis.
+        for _ in 0..2 {
+            for direction in &basis {
+                rest.axpy(-direction.dot(&rest), direction, 1.0);
+            }
+        }
+        let length = rest.norm();
+        if length > DEPENDENT {
+            basis.push(rest / length);
+        } else {
+            late.push(column);
+        }
+    }
     let qr = matrix.col_piv_qr();
-    let mut order = RowDVector::from_fn(columns, |_, column| column as f64);
-    qr.p().permute_columns(&mut order);
     let r = qr.r();
     let rank = (0..r.nrows().min(columns)).filter(|k| r[(*k, *k)].abs() > DEPENDENT).count();
+    if rank == basis.len() {
+        return late;
+    }
+    let mut order = RowDVector::from_fn(columns, |_, column| column as f64);
+    qr.p().permute_columns(&mut order);
     order.iter().skip(rank).map(|column| *column as usize).collect()
 }

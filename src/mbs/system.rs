@@ -70,15 +70,15 @@ impl System {
     }
 
     /// Fills the workspace with the bodies' motion.
-    #[inline]
+    #[inline(always)] // on the wheelset's path, with several callers
     pub fn move_bodies(&self, y: &[f64], workspace: &mut SystemWorkspace) {
         for body in 0..self.bodies.len() {
-            workspace.motions[body] = self.bodies[body].motion(&y[self.coordinates(body)], &y[self.velocities(body)]);
+            workspace.motions[body].set(&self.bodies[body], &y[self.coordinates(body)], &y[self.velocities(body)]);
         }
     }
 
     /// Fills the workspace with the bodies' motion and the force elements' wrenches.
-    #[inline]
+    #[inline(always)] // on the wheelset's path, with several callers
     pub fn apply_forces(&self, y: &[f64], workspace: &mut SystemWorkspace) {
         self.move_bodies(y, workspace);
         workspace.wrenches.fill(Wrench::default());
@@ -89,7 +89,7 @@ impl System {
 
     /// Derivative of the state under the wrenches in the workspace, without joints and contact constraints; fills the
     /// driving constraints' forces.
-    #[inline]
+    #[inline(always)] // on the wheelset's path, with several callers
     pub fn derivative(&self, y: &[f64], workspace: &mut SystemWorkspace, dy: &mut [f64]) {
         for (body, data) in self.bodies.iter().enumerate() {
             let accelerations = data.accelerations(&workspace.motions[body], &workspace.wrenches[body]);

@@ -26,18 +26,18 @@ pub(super) struct Attachment {
 
 impl Attachment {
     pub fn of(motion: &BodyMotion) -> Self {
-        let roll_axis = motion.frame.axes.column(0).into_owned();
+        let roll_axis = motion.roll_axis();
         let mut rotation_bias = Vector3::z().cross(&roll_axis) * (motion.yaw_rate * motion.roll_rate);
         let mut pitch_axis = Vector3::zeros();
-        if motion.axes_pitch {
+        if motion.turn.is_some() {
             pitch_axis = motion.axle();
             rotation_bias += motion.rotation.cross(&pitch_axis) * motion.pitch_rate;
         }
         Attachment {
             centre: motion.position,
             velocity: motion.velocity,
-            axes: motion.axes,
-            rotation: motion.axes_rotation,
+            axes: motion.frame.axes,
+            rotation: motion.frame_rotation,
             rotation_bias,
             roll_axis,
             pitch_axis,

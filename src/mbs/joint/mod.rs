@@ -68,7 +68,10 @@ impl Place {
     /// The same place seen from a body that moves as `motion` (`None`: the ground); `self` is in the track frame.
     pub fn seen_from(&self, motion: Option<&BodyMotion>) -> Self {
         match motion {
-            Some(motion) => Place { point: motion.axes.tr_mul(&(self.point - motion.position)), axes: motion.axes.tr_mul(&self.axes) },
+            Some(motion) => {
+                let axes = motion.frame.axes;
+                Place { point: axes.tr_mul(&(self.point - motion.position)), axes: axes.tr_mul(&self.axes) }
+            }
             None => *self,
         }
     }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::math::rotation::AxleFrame;
 use crate::mbs::body::Body;
 use crate::mbs::inertia::Inertia;
 use nalgebra::DMatrix;
@@ -87,8 +88,7 @@ fn analytic_rows_and_gamma_are_derivatives_of_the_residual() {
     println!("largest difference from central differences: {worst:.1e}");
 }
 
-/// Rows of a joint as a matrix over the velocities of the attachments' frames, so that a spin that moves nothing
-/// does not count.
+/// Rank of a joint's rows on its first body.
 fn relative_rank(joint: &Joint) -> usize {
     let rows: Vec<RowValues> = joint.evaluate(0.0, &motions(0.0)).collect();
     DMatrix::from_fn(rows.len(), 6, |r, c| rows[r].first[c]).rank(1e-9)
@@ -105,7 +105,6 @@ fn analytic_free_motions_are_six_less_the_rank() {
     }
 }
 
-/// Twist of the first body (moved to satisfy the joint) relative to the second that leaves all rows at rest.
 #[test]
 fn analytic_free_motion_is_the_one_of_the_name() {
     // One general body against the ground, places that coincide.
@@ -134,7 +133,7 @@ fn analytic_free_motion_is_the_one_of_the_name() {
         let twists = [rotation(&z), rotation(&across), (z, Vector3::zeros()), (across, Vector3::zeros())];
         for ((velocity, omega), free) in twists.into_iter().zip(free) {
             // Coordinate rates of the twist: yaw', roll', pitch' from the angular velocity in the axle frame.
-            let local = motion.frame.axes.tr_mul(&omega);
+            let local = AxleFrame::new(motion.yaw, motion.roll).axes.tr_mul(&omega);
             let yaw = local.z / motion.frame.cos_roll;
             let rates = Coefficients::new(velocity.x, velocity.y, velocity.z, yaw, local.x, local.y - yaw * motion.frame.sin_roll);
             let largest = rows.iter().map(|row| row.first.dot(&rates).abs()).fold(0.0, f64::max);
