@@ -270,3 +270,82 @@ fn hard_accf_gives_up_a_badly_conditioned_partition() {
     let y = [&mut disturbed, &mut undisturbed].map(|simulation| simulation.snapshot().unwrap().y[1]);
     assert!((y[0] - y[1]).abs() < 1e-8, "{y:?}");
 }
+
+#[test]
+fn hard_both_wheels_lift_and_land_again() {
+    // Lifted by 150 kN for 0.1 s, then left to fall: both wheels land and settle at the same time.
+    for formulation in ["ECCF", "ACCF"] {
+        let scene = straight(&[&format!("contact.formulation={formulation}"), "contact.on_lift=elastic"]);
+        let mut simulation = start(&scene);
+        simulation.advance(0.1).unwrap();
+        simulation.set_input(VERTICAL_FORCE, 150e3, 0.0, 0.0);
+        simulation.advance(0.11).unwrap();
+        simulation.set_input(VERTICAL_FORCE, 0.0, 0.0, 0.0);
+        simulation.advance(2.0).unwrap();
+        let events = simulation.take_events();
+        let count =
+            |lifted: bool| events.iter().filter(|e| (e.change == wheelrail::formulation::events::ContactChange::Lifted) == lifted).count();
+        assert_eq!((count(true), count(false)), (2, 2), "{events:?}");
+        let outputs = table(&simulation, &scene);
+        let found = read(&mut simulation, &outputs);
+        assert!((found["left.normalForce"] / 56_680.6 - 1.0).abs() < 1e-6 && found["left.contact[1].penetration"].abs() < 1e-12);
+    }
+}
+
+#[test]
+fn hard_one_wheel_lifts_and_the_other_goes_on_pressing() {
+    // A lateral force shifts load before the vertical force takes it away: the wheels lift one after the other.
+    let mut times = Vec::new();
+    for (formulation, tolerance) in [("ECCF", "1e-8"), ("ECCF", "1e-12"), ("ACCF", "1e-8")] {
+        let scene =
+            straight(&[&format!("contact.formulation={formulation}"), "contact.on_lift=elastic", &format!("solver.tolerance={tolerance}")]);
+        let mut simulation = start(&scene);
+        simulation.set_input(LATERAL_FORCE, 20e3, 0.0, 0.0);
+        simulation.set_input(VERTICAL_FORCE, 0.0, 1e6, 0.0);
+        simulation.advance(0.12).unwrap();
+        let events = simulation.take_events();
+        assert_eq!(events.len(), 2, "{events:?}");
+        assert!(events[0].side != events[1].side && events[1].time - events[0].time > 1e-3, "{formulation} {tolerance}: {events:?}");
+        times.push([events[0].time, events[1].time]);
+    }
+    assert!(times.iter().all(|t| (t[0] - times[0][0]).abs() < 1e-7 && (t[1] - times[0][1]).abs() < 1e-6), "{times:?}");
+}
+
+#[test]
+fn hard_a_force_that_pulls_and_is_taken_away_again_leaves_the_contact_alone() {
+    for formulation in ["ECCF", "ACCF"] {
+        let scene = straight(&[&format!("contact.formulation={formulation}")]);
+        let mut simulation = start(&scene);
+        simulation.advance(0.1).unwrap();
+        simulation.set_input(VERTICAL_FORCE, 2e5, 0.0, 0.0);
+        assert!(simulation.advance(0.2).unwrap_err().to_string().contains("would have to pull"));
+        assert_eq!(simulation.time(), 0.1);
+        simulation.set_input(VERTICAL_FORCE, 0.0, 0.0, 0.0);
+        simulation.advance(0.2).unwrap();
+        assert!(simulation.take_events().is_empty());
+    }
+}
+
+#[test]
+fn hard_a_load_that_points_up_ends_instead_of_hanging() {
+    for on_lift in ["stop", "elastic"] {
+        let scene = scene(&[
+            "contact.formulation=ECCF",
+            &format!("contact.on_lift={on_lift}"),
+            "vehicle.gravity=0",
+            "vehicle.wheelset.vertical_load=-1e4",
+            "vehicle.initial.from_equilibrium=false",
+            "vehicle.initial.z=457 mm",
+            "vehicle.initial.pitch_rate=87.5",
+        ]);
+        match (Simulation::new(&scene, 0.0), on_lift) {
+            (Err(error), "stop") => assert!(error.to_string().contains("would have to pull"), "{error}"),
+            (Ok(mut simulation), _) => {
+                simulation.set_input(VERTICAL_FORCE, -1e5, 0.0, 0.0);
+                simulation.advance(0.5).unwrap();
+                assert!(simulation.snapshot().unwrap().y[2].is_finite());
+            }
+            (outcome, on_lift) => panic!("{on_lift}: {:?}", outcome.err()),
+        }
+    }
+}

@@ -2,8 +2,9 @@
 
 use super::eccf;
 use super::events::{ContactChange, ContactEvent};
-use super::rigid::{MODE, NORMAL_FORCE, SETTLED_SINCE, is_elastic, wheels};
-use super::{ContactFailure, EvaluationError, Formulation, Model, Workspace};
+use super::rigid::{MODE, NORMAL_FORCE, SETTLED_SINCE, is_elastic, least_pressed, wheels};
+use super::{ContactFailure, EvaluationError, Formulation, Model, Wheelset, Workspace};
+use crate::geometry::Side;
 use crate::settings::{Section, SettingsError};
 
 /// What to do where the constraint would begin to pull.
@@ -60,8 +61,9 @@ pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [
         };
         if !settled {
             memory[SETTLED_SINCE] = f64::INFINITY;
-        } else if memory[SETTLED_SINCE].is_infinite() {
-            memory[SETTLED_SINCE] = t;
+        } else {
+            // A time to come belongs to a step that was cut.
+            memory[SETTLED_SINCE] = memory[SETTLED_SINCE].min(t);
         }
     }
 }
@@ -94,28 +96,32 @@ pub(super) fn switch(
     memory: &mut [f64],
 ) -> Result<(), EvaluationError> {
     let settled = |memory: &[f64]| is_elastic(memory) && t >= memory[SETTLED_SINCE] + SETTLING_TIME;
-    if let Some((contact, wheelset, side)) = wheels(model).find(|w| settled(&memory[model.contact_memory(w.0)])) {
-        let change = land(contact, formulation, model, workspace, t, y, memory)?;
-        workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
+    let mut landed = false;
+    for wheel @ (contact, wheelset, side) in wheels(model) {
+        if settled(&memory[model.contact_memory(contact)]) {
+            let change = land(wheel, formulation, model, workspace, t, y, memory)?;
+            workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
+            landed = true;
+        }
+    }
+    if landed {
         return Ok(());
     }
-    for (contact, wheelset, side) in wheels(model) {
-        let memory = &mut memory[model.contact_memory(contact)];
-        if is_elastic(memory) || memory[NORMAL_FORCE] >= 0.0 {
-            continue;
-        }
-        if on_lift == OnLift::Stop {
-            return Err(EvaluationError::new(t, wheelset, side, ContactFailure::Tensile { normal_force: memory[NORMAL_FORCE] }));
-        }
-        (memory[MODE], memory[NORMAL_FORCE], memory[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
-        workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change: ContactChange::Lifted });
+    // The least pressed contact alone: once it is free the others may press again.
+    let Some((contact, normal_force)) = least_pressed(model, memory) else { return Ok(()) };
+    let Some((_, wheelset, side)) = wheels(model).find(|wheel| wheel.0 == contact) else { return Ok(()) };
+    if on_lift == OnLift::Stop {
+        return Err(EvaluationError::new(t, wheelset, side, ContactFailure::Tensile { normal_force }));
     }
+    let own = &mut memory[model.contact_memory(contact)];
+    (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
+    workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change: ContactChange::Lifted });
     formulation.resettle(model, workspace, t, y, memory)
 }
 
 /// Makes an elastic contact a constraint again: positions, then velocities are projected.
 fn land(
-    contact: usize,
+    (contact, wheelset, side): (usize, &Wheelset, Side),
     formulation: &dyn Formulation,
     model: &Model,
     workspace: &mut Workspace,
@@ -123,7 +129,6 @@ fn land(
     y: &mut [f64],
     memory: &mut [f64],
 ) -> Result<ContactChange, EvaluationError> {
-    let Some((_, wheelset, side)) = wheels(model).find(|w| w.0 == contact) else { return Ok(ContactChange::Lifted) };
     model.system.move_bodies(y, &mut workspace.system);
     let motion = workspace.system.motions[wheelset.body];
     let range = model.contact_memory(contact);
@@ -135,7 +140,10 @@ fn land(
     };
     let penetration = found.location.penetration;
     // K delta^1.5 integrated.
-    let elastic = 0.4 * workspace.contacts[contact].stiffness * penetration.max(0.0).powf(2.5);
+    let (rolling, across) = found.location.half_curvatures();
+    let law = model.laws.normal.contact(rolling, across, penetration.max(0.0));
+    let stiffness = law.map_err(|cause| EvaluationError::new(t, wheelset, side, cause.into()))?.stiffness;
+    let elastic = 0.4 * stiffness * penetration.max(0.0).powf(2.5);
     let before = mechanical(workspace) + elastic;
     let memory_of = &mut memory[range];
     (memory_of[MODE], memory_of[NORMAL_FORCE], memory_of[SETTLED_SINCE]) = (0.0, wheelset.static_wheel_load, f64::INFINITY);

@@ -132,7 +132,7 @@ pub struct Workspace {
     /// Second contacts in the same order; empty where the formulation finds only one.
     pub second_contacts: Vec<ContactReport>,
     /// What constraint formulations work in.
-    pub(crate) rigid: Option<RigidScratch>,
+    pub(crate) rigid: RigidScratch,
     /// Counted up by each evaluation.
     pub work: Work,
     /// Lift-offs and landings since they were last taken away.
@@ -195,7 +195,7 @@ impl Model {
             system: self.system.workspace(&constrained),
             contacts: vec![ContactReport::default(); self.contacts()],
             second_contacts: vec![ContactReport::default(); second],
-            rigid: self.formulation.constrains().then(|| RigidScratch::new(self)),
+            rigid: if self.formulation.constrains() { RigidScratch::new(self) } else { RigidScratch::default() },
             work: Work::default(),
             events: Vec::new(),
         }
@@ -286,10 +286,15 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
         plain
     }
 
-    /// The smallest normal force of a constrained contact as it was found last, over its static load; `None` when there is no
-    /// constraint that could pull.
+    /// The smallest normal force [N] of a constrained contact as it was found last; `None` when there is no constraint that could
+    /// pull.
     fn margin(&self, _model: &Model, _memory: &[f64]) -> Option<f64> {
         None
+    }
+
+    /// A further time at which a step must end, s; infinity for never.
+    fn next_break(&self, _model: &Model, _t: f64, _y: &[f64]) -> f64 {
+        f64::INFINITY
     }
 
     /// When an elastic contact becomes a constraint again if nothing disturbs it, s; infinity for never.
@@ -302,7 +307,7 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
     /// # Errors
     /// [`EvaluationError`] when there is no such state near `y`.
     fn resettle(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-        self.project(model, workspace, t, y, memory).map(|_| ())
+        eccf::project(model, workspace, t, y, memory).map(|_| ())
     }
 
     /// Changes the mode of the contacts that are to change it.
@@ -386,7 +391,7 @@ pub enum ContactFailure {
     )]
     TooDeep { penetration: f64, z: f64 },
     #[error(
-        "the contact constraint would have to pull (normal force {normal_force:.3e} N): the wheel lifts off; use an elastic \
+        "the normal force has come to {normal_force:.1e} N and the contact constraint would have to pull: the wheel lifts off; use an elastic \
          formulation (contact.formulation = \"ECF-A\") or contact.on_lift = \"elastic\""
     )]
     Tensile { normal_force: f64 },

@@ -52,7 +52,7 @@ pub(super) struct ConstraintRow {
 }
 
 /// Scratch of the constraint formulations; rows and multipliers are in the system's workspace.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct RigidScratch {
     rows: Vec<Option<ConstraintRow>>,
     /// Wrenches without the creep forces of constrained contacts.
@@ -95,7 +95,7 @@ pub(super) fn derivative(
 ) -> Result<(), EvaluationError> {
     let Evaluation { t, inputs, y, memory } = at;
     model.system.apply_forces(y, &mut workspace.system);
-    let Some(mut rigid) = workspace.rigid.take() else { return Ok(()) };
+    let mut rigid = std::mem::take(&mut workspace.rigid);
     let done = (|| {
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let motion = &workspace.system.motions[wheelset.body];
@@ -138,7 +138,7 @@ pub(super) fn derivative(
         model.system.constrained_result(y, &mut workspace.system, dy);
         Ok(())
     })();
-    workspace.rigid = Some(rigid);
+    workspace.rigid = rigid;
     done
 }
 
@@ -261,11 +261,16 @@ fn settle(model: &Model, workspace: &mut Workspace, rigid: &mut RigidScratch, t:
     }
 }
 
-/// The smallest normal force of a constrained contact over its static load; `None` without constrained contacts.
+/// The smallest normal force of a constrained contact, N; `None` without constrained contacts.
 pub(super) fn smallest_normal_force(model: &Model, memory: &[f64]) -> Option<f64> {
-    let pressing = wheels(model).filter_map(|(contact, wheelset, _)| {
+    least_pressed(model, memory).map(|(_, force)| force)
+}
+
+/// The constrained contact with the smallest normal force [N].
+pub(super) fn least_pressed(model: &Model, memory: &[f64]) -> Option<(usize, f64)> {
+    let pressing = wheels(model).filter_map(|(contact, ..)| {
         let memory = &memory[model.contact_memory(contact)];
-        (!is_elastic(memory)).then(|| memory[NORMAL_FORCE] / wheelset.static_wheel_load)
+        (!is_elastic(memory)).then_some((contact, memory[NORMAL_FORCE]))
     });
-    pressing.reduce(f64::min)
+    pressing.reduce(|least, other| if other.1 < least.1 { other } else { least })
 }

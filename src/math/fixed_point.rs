@@ -25,7 +25,7 @@ pub struct NotSettled {
 }
 
 /// Scratch for vectors of one length.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Work {
     image: Vec<f64>,
     last_image: Vec<f64>,

@@ -113,7 +113,7 @@ impl BodyMotion {
     pub fn carrier(&self) -> CarrierMotion {
         // W = Z yaw' + X roll' with X turning about Z.
         let bias = Vector3::z().cross(&self.frame.axes.column(0)) * (self.yaw_rate * self.roll_rate);
-        CarrierMotion { velocity: self.velocity, rotation: self.axes_rotation, rotation_bias: bias }
+        CarrierMotion { velocity: self.velocity, rotation: self.frame_rotation, rotation_bias: bias }
     }
 
     /// Coefficients on the body's coordinates of a quantity that changes with `by_velocity . v + by_rotation . W`, where v and W

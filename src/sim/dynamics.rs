@@ -86,7 +86,8 @@ impl Dynamics for ModelDynamics<'_> {
     /// When a wheel's contact reaches a place where its rail is not smooth. The contact moves with the centre and,
     /// when the wheelset yaws, with its wheel.
     fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64 {
-        let mut next = self.model.formulation.next_event(self.model, memory);
+        let formulation = &self.model.formulation;
+        let mut next = formulation.next_event(self.model, memory).min(formulation.next_break(self.model, t, y));
         for (index, wheelset) in self.model.wheelsets.iter().enumerate() {
             let q = &y[self.model.system.coordinates(wheelset.body)];
             let v = &y[self.model.system.velocities(wheelset.body)];

@@ -165,6 +165,7 @@ impl Simulation {
         let fits = self.state.fits(state);
         if fits {
             self.state.clone_from(state);
+            self.workspace.events.clear();
             self.snapshot_valid = false;
         }
         fits
@@ -202,7 +203,7 @@ impl Simulation {
         let advanced = self.integrator.advance(&mut dynamics, &mut self.state.integration, &mut self.scratch, target);
         let failure = dynamics.failure.take();
         self.state.work += self.workspace.work;
-        self.state.time = if advanced.is_ok() { target } else { self.state.integration.t.max(self.state.time) };
+        self.state.time = if advanced.is_ok() { target } else { self.state.integration.t.max(self.state.time).min(target) };
         advanced.map_err(|error| match (error, failure) {
             (SolveError::Undefined { .. }, Some(reason)) => SimulationError::Evaluation(reason),
             _ => SimulationError::Solve(error),

@@ -11,11 +11,25 @@ const RESOLUTION: f64 = 1e-12;
 const ITERATIONS: usize = 60;
 /// How often a step is halved to find a margin.
 const LOOKS: i32 = 12;
+/// More changes of form at one time are a contradiction of the system's.
+const MOST_CHANGES: usize = 100;
+/// A step that cannot be completed is tried again shorter, down to this, s.
+pub(super) const SHORTEST_RETRY: f64 = 1e-9;
 
 impl IntegrationState {
-    /// Changes the system's form if an event ended the last step.
-    pub(super) fn switch_if_due(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
-        if self.switch_due {
+    /// Changes the system's form as often as that is due before the next step: events that ended the last step, events that a
+    /// jump of an input has brought about, and those that follow from them at the same time.
+    pub(super) fn begin(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
+        for _ in 0..MOST_CHANGES {
+            let mut due = self.switch_due || dynamics.switch_due(self.t, &self.memory);
+            if due || dynamics.margin(&self.memory).is_some() {
+                // What changes is decided from an evaluation at this very state.
+                self.evaluate_begin(dynamics)?;
+                due |= dynamics.margin(&self.memory).is_some_and(|margin| margin < 0.0);
+            }
+            if !due {
+                return Ok(());
+            }
             let IntegrationState { t, y, memory, .. } = self;
             dynamics.switch(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })?;
             self.switch_due = false;
@@ -23,11 +37,27 @@ impl IntegrationState {
             self.derivative_known = false;
             self.statistics.events += 1;
         }
-        Ok(())
+        Err(SolveError::EndlessEvents { time: self.t })
     }
 
-    /// Completes an accepted step: moves its end onto the constraints, and cuts it where the system changes its form.
+    /// Completes an accepted step: moves its end onto the constraints, and cuts it where the system changes its form. A step that
+    /// cannot be completed is taken back.
     pub(super) fn complete(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
+        let done = self.try_complete(dynamics, scratch);
+        if done.is_err() {
+            let count = self.y.len();
+            self.y.copy_from_slice(&self.dense[..count]);
+            self.t = self.t_begin;
+            self.grid_start = self.t;
+            self.grid_count = 0;
+            self.derivative_known = false;
+            self.next_step *= 0.25;
+            self.statistics.rejected += 1;
+        }
+        done
+    }
+
+    fn try_complete(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
         self.project(dynamics)?;
         if dynamics.margin(&self.memory).is_some() {
             self.evaluate_begin(dynamics)?;
@@ -35,7 +65,6 @@ impl IntegrationState {
                 return self.cut_at_event(dynamics, scratch, margin);
             }
         }
-        self.switch_due = dynamics.switch_due(self.t, &self.memory);
         Ok(())
     }
 
@@ -90,10 +119,6 @@ impl IntegrationState {
             high = 0.0;
         }
         if high < 1.0 {
-            // The memory must be that of the event, where it tells what changes, not that of the step's end.
-            if self.margin_at(dynamics, scratch, high)? < 0.0 {
-                self.memory.copy_from_slice(&scratch.memory);
-            }
             self.cut(high);
         }
         self.switch_due = true;

@@ -54,7 +54,7 @@ pub trait Dynamics {
         None
     }
 
-    /// Does an event that was foreseen by [`Dynamics::next_break`] take place at the end of this step?
+    /// Does an event that was foreseen by [`Dynamics::next_break`] take place now?
     fn switch_due(&self, _t: f64, _memory: &[f64]) -> bool {
         false
     }
@@ -83,6 +83,8 @@ pub enum SolveError {
     StepTooSmall { time: f64, step: f64, tolerance: f64 },
     #[error("t = {time:.9e} s: a step of {step:.1e} s no longer moves time; start closer to 0 or use a longer step")]
     NoProgress { time: f64, step: f64 },
+    #[error("t = {time:.9} s: the system changes its form again and again without moving on")]
+    EndlessEvents { time: f64 },
     #[error("t = {time:.9} s: the solution is no longer finite; reduce solver.step (it is {step:.1e} s)")]
     NotFinite { time: f64, step: f64 },
 }
@@ -140,12 +142,17 @@ pub trait Integrator: Send + Sync + Debug {
         target: f64,
     ) -> Result<(), SolveError> {
         while state.t < target {
-            state.switch_if_due(dynamics)?;
+            state.begin(dynamics)?;
             self.step(dynamics, state, scratch)?;
-            state.complete(dynamics, scratch)?;
+            // A fixed step has no shorter one to try.
+            if let Err(error) = state.complete(dynamics, scratch)
+                && state.next_step < events::SHORTEST_RETRY
+            {
+                return Err(error);
+            }
         }
         // An event at the target itself is over when the solution is read there.
-        if state.t <= target { state.switch_if_due(dynamics) } else { Ok(()) }
+        if state.t <= target { state.begin(dynamics) } else { Ok(()) }
     }
 }
 

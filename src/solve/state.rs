@@ -125,9 +125,9 @@ impl IntegrationState {
             self.interpolate(time, &mut y);
             std::mem::swap(&mut self.y, &mut y);
             self.derivative = y;
-            // An event beyond is undone; it will be met again if it still takes place.
-            self.switch_due = false;
         }
+        // An event here or beyond will be met again if it still takes place.
+        self.switch_due = false;
         self.t = time;
         self.t_begin = time;
         self.derivative_known = false;

@@ -157,7 +157,9 @@ impl Pair<'_> {
     #[inline]
     pub(super) fn solve(&self, start: &SurfaceParameters) -> Result<(ContactLocation, Candidate), NewtonFailure> {
         let mut x = Vector4::new(start.wheel, start.angle, start.lead, start.rail);
-        let (found, iterations) = newton::solve(&mut x, LIMITS, |x| self.residual(x), |_, at| self.jacobian(at))?;
+        // Far along the track distances are rounded more coarsely.
+        let limits = NewtonLimits { next_step: LIMITS.next_step.max(4.0 * f64::EPSILON * self.distance.abs()), ..LIMITS };
+        let (found, iterations) = newton::solve(&mut x, limits, |x| self.residual(x), |_, at| self.jacobian(at))?;
         Ok((found.location(&x, iterations), found))
     }
 

@@ -96,13 +96,10 @@ impl Formulation for Accf {
     fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
         let Evaluation { t, inputs, y, memory } = at;
         // The dependent part of y only starts the iteration: the equations hold at the point that the constraints give.
-        let Some(rigid) = &mut workspace.rigid else { return Ok(()) };
-        let mut consistent = std::mem::take(&mut rigid.consistent);
+        let mut consistent = std::mem::take(&mut workspace.rigid.consistent);
         consistent.copy_from_slice(y);
         let done = evaluate(model, workspace, t, inputs, &mut consistent, memory, dy);
-        if let Some(rigid) = &mut workspace.rigid {
-            rigid.consistent = consistent;
-        }
+        workspace.rigid.consistent = consistent;
         done
     }
 
@@ -130,12 +127,14 @@ impl Formulation for Accf {
         Ok(false)
     }
 
-    /// The local error of independent variables is controlled; of an elastic contact that of all coordinates.
+    /// The local error of independent variables is controlled; while a wheel is elastic that of all coordinates.
     fn error_weight(&self, model: &Model, workspace: &Workspace, i: usize, plain: f64) -> f64 {
         let plain = lift::error_weight(model, workspace, i, plain);
-        let Some(rigid) = &workspace.rigid else { return plain };
         let count = model.system.dimension();
-        let dependent = |wheelset: usize, variable: usize| rigid.partitions[wheelset].is_some_and(|p: Partition| p.is_dependent(variable));
+        let dependent = |wheelset: usize, variable: usize| {
+            workspace.rigid.partitions[wheelset].is_some_and(|p: Partition| p.is_dependent(variable))
+                && Side::BOTH.into_iter().all(|side| workspace.contacts[contact_index(wheelset, side)].constrained)
+        };
         if i >= count {
             let (contact, state) = ((i - count) / STATES, (i - count) % STATES);
             let variable = COORDINATES + contact % 2 * PARAMETERS + state;
@@ -151,6 +150,17 @@ impl Formulation for Accf {
 
     fn margin(&self, model: &Model, memory: &[f64]) -> Option<f64> {
         rigid::smallest_normal_force(model, memory)
+    }
+
+    /// Steps end where the independent variables have to change.
+    fn next_break(&self, model: &Model, t: f64, y: &[f64]) -> f64 {
+        let times = wheels(model).filter_map(|(contact, _, side)| {
+            let own = &y[model.contact_states(contact)];
+            let (s, speed) = (own[DISTANCE], own[PARAMETERS + DISTANCE]);
+            let ahead = model.track.rail(side).distance_to_break(s, speed)? - CROSSING * speed.abs();
+            (ahead > 0.0).then(|| t + (ahead + INSIDE) / speed.abs())
+        });
+        times.fold(f64::INFINITY, f64::min)
     }
 
     fn next_event(&self, model: &Model, memory: &[f64]) -> f64 {
@@ -189,16 +199,18 @@ fn reset(model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory
     Ok(())
 }
 
-/// Does one of a wheelset's contacts pass a place where its rail is not smooth, now or within the length of a step?
+/// Is one of a wheelset's contacts near a place where its rail is not smooth?
 fn crosses_break(model: &Model, index: usize, y: &[f64]) -> bool {
     Side::BOTH.into_iter().any(|side| {
         let states = &y[model.contact_states(contact_index(index, side))];
-        model.track.rail(side).has_break_near(states[DISTANCE], LONGEST_STEP * states[PARAMETERS + DISTANCE].abs())
+        model.track.rail(side).has_break_near(states[DISTANCE], CROSSING * states[PARAMETERS + DISTANCE].abs())
     })
 }
 
-/// No step is longer, s: creepage and suspension move within 10 ms.
-const LONGEST_STEP: f64 = 0.02;
+/// Half the time of a crossing, s.
+const CROSSING: f64 = 0.02;
+/// How far inside the crossing the step that reaches it ends, m: the contact may move a little on its wheel meanwhile.
+const INSIDE: f64 = 1e-5;
 
 /// Place of s among the surface parameters.
 const DISTANCE: usize = 2;
@@ -313,9 +325,7 @@ fn close(
     }
     partition.add(&mut rates, &-excess);
     scatter(model, index, wheelset, &values, &rates, y);
-    if let Some(rigid) = &mut workspace.rigid {
-        rigid.partitions[index] = Some(partition);
-    }
+    workspace.rigid.partitions[index] = Some(partition);
     Ok(jacobian)
 }
 

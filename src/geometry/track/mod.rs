@@ -116,6 +116,13 @@ impl Rail {
         self.breaks.iter().any(|b| (b - s).abs() <= reach)
     }
 
+    /// How far ahead in the direction of travel the next place is where the rail is not smooth, m.
+    pub fn distance_to_break(&self, s: f64, speed: f64) -> Option<f64> {
+        let direction = speed.signum();
+        let ahead = self.breaks.iter().map(|b| (b - s) * direction).filter(|ahead| *ahead > 0.0);
+        ahead.reduce(f64::min)
+    }
+
     /// Where the next step must end at the latest when it travels from `s` with `speed`: a micrometre before the next place
     /// where the rail is not smooth, then a micrometre behind it. So every evaluation of a long step sees one side only; the
     /// short step across takes 2 um.
