@@ -1,8 +1,9 @@
 //! Mechanisms with joints against formulas: pendulums, slider-crank, Hooke's joint, parallelogram, gyroscope, chains.
 
+#[path = "common/counting.rs"]
+mod counting;
+
 use nalgebra::{Rotation3, Vector3};
-use std::alloc::{GlobalAlloc, Layout};
-use std::cell::Cell;
 use std::f64::consts::PI;
 use std::time::Instant;
 use wheelrail::mbs::body::{Body, BodyMotion, Wrench};
@@ -14,27 +15,6 @@ use wheelrail::mbs::projection::{Projection, ProjectionError};
 use wheelrail::mbs::redundancy::AssemblyError;
 use wheelrail::mbs::system::{DrivingConstraint, System, SystemWorkspace};
 use wheelrail::solve::{DormandPrince, Dynamics, IntegrationState, Integrator, RungeKutta4, Scratch, Undefined};
-
-thread_local! {
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-/// Counts the allocations of each thread.
-struct Counting;
-
-// The only way to watch the allocator; it hands everything on.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
-        unsafe { std::alloc::System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { std::alloc::System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 const G: f64 = 9.81;
 
@@ -536,7 +516,7 @@ fn prop_cost_of_a_chain_is_linear_and_nothing_allocates() {
         integrator.advance(&mut chain, &mut state, &mut scratch, 0.1).unwrap();
         y.copy_from_slice(&state.y);
         let mut dy = vec![0.0; y.len()];
-        let before = COUNT.with(Cell::get);
+        let before = counting::count();
         let start = Instant::now();
         let projection = chain.project(0.1, &mut y);
         let projecting = start.elapsed().as_secs_f64();
@@ -545,7 +525,7 @@ fn prop_cost_of_a_chain_is_linear_and_nothing_allocates() {
             chain.derivative(0.1, &y, &mut [], &mut dy).unwrap();
         }
         let derivative = start.elapsed().as_secs_f64() / 10.0;
-        assert_eq!(COUNT.with(Cell::get), before, "the stepping path allocates");
+        assert_eq!(counting::count(), before, "the stepping path allocates");
         let again = chain.project(0.1, &mut y);
         let (matrix, factor) = chain.workspace.constraints.kkt.stored();
         println!(

@@ -46,8 +46,8 @@ impl Formulation for Eccf {
         rigid::MEMORY
     }
 
-    fn constrains(&self) -> bool {
-        true
+    fn on_lift(&self) -> Option<OnLift> {
+        Some(self.on_lift)
     }
 
     fn start(&self, model: &Model, _: &mut Workspace, _: f64, _: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
@@ -59,9 +59,7 @@ impl Formulation for Eccf {
     fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
         rigid::derivative(model, workspace, at, dy, |_, wheelset, side, motion, memory| {
             let found = locate(model, wheelset, side, motion, memory)?;
-            let normal = found.location.normal;
-            let row = motion.coefficients(&normal, &found.arm.cross(&normal));
-            Ok(ConstraintRow { location: found.location, row, bias: found.gap_bias })
+            Ok(ConstraintRow { location: found.location, row: row(motion, &found), bias: found.gap_bias })
         })
     }
 
@@ -80,18 +78,6 @@ impl Formulation for Eccf {
 
     fn error_weight(&self, model: &Model, workspace: &Workspace, i: usize, plain: f64) -> f64 {
         lift::error_weight(model, workspace, i, plain)
-    }
-
-    fn margin(&self, model: &Model, memory: &[f64]) -> Option<f64> {
-        rigid::smallest_normal_force(model, memory)
-    }
-
-    fn next_event(&self, model: &Model, memory: &[f64]) -> f64 {
-        lift::next_return(model, memory)
-    }
-
-    fn switch(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-        lift::switch(self.on_lift, self, model, workspace, t, y, memory)
     }
 }
 
@@ -113,6 +99,13 @@ pub(super) fn locate(
     Ok(found)
 }
 
+/// H of Eq. 23 on the wheelset's coordinates.
+#[inline]
+fn row(motion: &BodyMotion, found: &MovingContact) -> Coefficients {
+    let normal = found.location.normal;
+    motion.coefficients(&normal, &found.arm.cross(&normal))
+}
+
 /// Moves coordinates, then velocities onto the constraints; returns whether anything was moved.
 pub(super) fn project(
     model: &Model,
@@ -126,20 +119,18 @@ pub(super) fn project(
         for (contact, wheelset, side) in wheels(model) {
             let memory = &mut memory[model.contact_memory(contact)];
             let elastic = is_elastic(memory);
-            let row = system.constraints.joint_rows + contact;
-            system.constraints.kkt.set_active(row, !elastic);
-            (system.constraints.residual[row], system.constraints.rate[row]) = (0.0, 0.0);
+            let index = system.constraints.joint_rows + contact;
+            system.constraints.kkt.set_active(index, !elastic);
+            (system.constraints.residual[index], system.constraints.rate[index]) = (0.0, 0.0);
             if elastic {
                 continue;
             }
             let motion = &system.motions[wheelset.body];
             let found = locate(model, wheelset, side, motion, memory).map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
             searches += found.location.iterations as u64;
-            let normal = found.location.normal;
-            let coefficients = motion.coefficients(&normal, &found.arm.cross(&normal));
-            system.constraints.kkt.set_row(row, &coefficients, &Coefficients::zeros());
-            system.constraints.residual[row] = -found.location.penetration;
-            system.constraints.rate[row] = found.gap_rate;
+            system.constraints.kkt.set_row(index, &row(motion, &found), &Coefficients::zeros());
+            system.constraints.residual[index] = -found.location.penetration;
+            system.constraints.rate[index] = found.gap_rate;
         }
         Ok(())
     });

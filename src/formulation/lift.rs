@@ -3,13 +3,13 @@
 use super::eccf;
 use super::events::{ContactChange, ContactEvent};
 use super::rigid::{MODE, NORMAL_FORCE, SETTLED_SINCE, is_elastic, least_pressed, wheels};
-use super::{ContactFailure, EvaluationError, Formulation, Model, Wheelset, Workspace};
+use super::{ContactFailure, EvaluationError, Model, Wheelset, Workspace};
 use crate::geometry::Side;
 use crate::settings::{Section, SettingsError};
 
 /// What to do where the constraint would begin to pull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum OnLift {
+pub enum OnLift {
     /// End the run with an error that says so.
     Stop,
     /// Hand the contact to elastic forces until it has settled again.
@@ -88,7 +88,6 @@ pub(super) fn error_weight(model: &Model, workspace: &Workspace, i: usize, plain
 /// Changes the mode of the contacts that have settled, or else of those that would be pulled on.
 pub(super) fn switch(
     on_lift: OnLift,
-    formulation: &dyn Formulation,
     model: &Model,
     workspace: &mut Workspace,
     t: f64,
@@ -99,7 +98,7 @@ pub(super) fn switch(
     let mut landed = false;
     for wheel @ (contact, wheelset, side) in wheels(model) {
         if settled(&memory[model.contact_memory(contact)]) {
-            let change = land(wheel, formulation, model, workspace, t, y, memory)?;
+            let change = land(wheel, model, workspace, t, y, memory)?;
             workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
             landed = true;
         }
@@ -116,13 +115,12 @@ pub(super) fn switch(
     let own = &mut memory[model.contact_memory(contact)];
     (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
     workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change: ContactChange::Lifted });
-    formulation.resettle(model, workspace, t, y, memory)
+    model.formulation.resettle(model, workspace, t, y, memory)
 }
 
 /// Makes an elastic contact a constraint again: positions, then velocities are projected.
 fn land(
     (contact, wheelset, side): (usize, &Wheelset, Side),
-    formulation: &dyn Formulation,
     model: &Model,
     workspace: &mut Workspace,
     t: f64,
@@ -147,7 +145,7 @@ fn land(
     let before = mechanical(workspace) + elastic;
     let memory_of = &mut memory[range];
     (memory_of[MODE], memory_of[NORMAL_FORCE], memory_of[SETTLED_SINCE]) = (0.0, wheelset.static_wheel_load, f64::INFINITY);
-    formulation.resettle(model, workspace, t, y, memory)?;
+    model.formulation.resettle(model, workspace, t, y, memory)?;
     model.system.move_bodies(y, &mut workspace.system);
     Ok(ContactChange::Landed { penetration, rate: -found.gap_rate, energy: mechanical(workspace) - before })
 }

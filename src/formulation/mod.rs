@@ -29,6 +29,7 @@ use crate::geometry::track::Track;
 use crate::mbs::system::{System, SystemWorkspace};
 use crate::settings::{Entry, Section, SettingsError, choose};
 use events::ContactEvent;
+use lift::OnLift;
 use nalgebra::Vector3;
 use rigid::RigidScratch;
 use std::sync::Arc;
@@ -214,6 +215,25 @@ impl Model {
     pub fn derivative(&self, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
         self.formulation.derivative(self, workspace, at, dy)
     }
+
+    /// The smallest normal force [N] of a constrained contact as it was found last; `None` when there is no constraint that could
+    /// pull.
+    pub fn margin(&self, memory: &[f64]) -> Option<f64> {
+        self.formulation.on_lift().and_then(|_| rigid::least_pressed(self, memory)).map(|(_, force)| force)
+    }
+
+    /// When an elastic contact becomes a constraint again if nothing disturbs it, s; infinity for never.
+    pub fn next_return(&self, memory: &[f64]) -> f64 {
+        self.formulation.on_lift().map_or(f64::INFINITY, |_| lift::next_return(self, memory))
+    }
+
+    /// Changes the mode of the contacts that are to change it.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] when the formulation can't go on.
+    pub fn switch(&self, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
+        self.formulation.on_lift().map_or(Ok(()), |on_lift| lift::switch(on_lift, self, workspace, t, y, memory))
+    }
 }
 
 /// How the contact problem is solved.
@@ -237,9 +257,14 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
         1
     }
 
+    /// What it does where a constraint would begin to pull; `None`: contact is no constraint.
+    fn on_lift(&self) -> Option<OnLift> {
+        None
+    }
+
     /// Is the contact a constraint, with the normal force as multiplier?
     fn constrains(&self) -> bool {
-        false
+        self.on_lift().is_some()
     }
 
     /// Fills the contacts' states and memory for a start at `y`'s body coordinates and velocities.
@@ -286,19 +311,8 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
         plain
     }
 
-    /// The smallest normal force [N] of a constrained contact as it was found last; `None` when there is no constraint that could
-    /// pull.
-    fn margin(&self, _model: &Model, _memory: &[f64]) -> Option<f64> {
-        None
-    }
-
     /// A further time at which a step must end, s; infinity for never.
     fn next_break(&self, _model: &Model, _t: f64, _y: &[f64]) -> f64 {
-        f64::INFINITY
-    }
-
-    /// When an elastic contact becomes a constraint again if nothing disturbs it, s; infinity for never.
-    fn next_event(&self, _model: &Model, _memory: &[f64]) -> f64 {
         f64::INFINITY
     }
 
@@ -308,21 +322,6 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
     /// [`EvaluationError`] when there is no such state near `y`.
     fn resettle(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
         eccf::project(model, workspace, t, y, memory).map(|_| ())
-    }
-
-    /// Changes the mode of the contacts that are to change it.
-    ///
-    /// # Errors
-    /// [`EvaluationError`] when the formulation can't go on.
-    fn switch(
-        &self,
-        _model: &Model,
-        _workspace: &mut Workspace,
-        _t: f64,
-        _y: &mut [f64],
-        _memory: &mut [f64],
-    ) -> Result<(), EvaluationError> {
-        Ok(())
     }
 }
 

@@ -19,6 +19,7 @@ use super::{
     contact_index,
 };
 use crate::contact::search::algebraic::ContactLocation;
+use crate::contact::search::point_contact::{PointContact, Residual};
 use crate::geometry::Side;
 use crate::math::fixed_point::{self, Limits, NotSettled};
 use crate::mbs::body::{BodyMotion, Wrench};
@@ -61,6 +62,8 @@ pub struct RigidScratch {
     work: fixed_point::Work,
     /// A state that the constraints have been made to hold in (ACCF).
     pub(super) consistent: Vec<f64>,
+    /// Each contact's five constraints there with their second derivatives (ACCF).
+    pub(super) points: Vec<(PointContact, Residual)>,
     /// The partition of each wheelset in the last evaluation (ACCF).
     pub(super) partitions: Vec<Option<Partition>>,
 }
@@ -74,6 +77,7 @@ impl RigidScratch {
             normal_forces: vec![0.0; count],
             work: fixed_point::Work::new(count),
             consistent: vec![0.0; model.dimension()],
+            points: Vec::with_capacity(count),
             partitions: vec![None; model.wheelsets.len()],
         }
     }
@@ -259,11 +263,6 @@ fn settle(model: &Model, workspace: &mut Workspace, rigid: &mut RigidScratch, t:
             Err(EvaluationError::new(t, &model.wheelsets[0], Side::Left, cause))
         }
     }
-}
-
-/// The smallest normal force of a constrained contact, N; `None` without constrained contacts.
-pub(super) fn smallest_normal_force(model: &Model, memory: &[f64]) -> Option<f64> {
-    least_pressed(model, memory).map(|(_, force)| force)
 }
 
 /// The constrained contact with the smallest normal force [N].

@@ -72,22 +72,21 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn margin(&self, memory: &[f64]) -> Option<f64> {
-        self.model.formulation.margin(self.model, memory)
+        self.model.margin(memory)
     }
 
     fn switch_due(&self, t: f64, memory: &[f64]) -> bool {
-        t >= self.model.formulation.next_event(self.model, memory)
+        t >= self.model.next_return(memory)
     }
 
     fn switch(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), Undefined> {
-        keep(&mut self.failure, self.model.formulation.switch(self.model, self.workspace, t, y, memory))
+        keep(&mut self.failure, self.model.switch(self.workspace, t, y, memory))
     }
 
     /// When a wheel's contact reaches a place where its rail is not smooth. The contact moves with the centre and,
     /// when the wheelset yaws, with its wheel.
     fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64 {
-        let formulation = &self.model.formulation;
-        let mut next = formulation.next_event(self.model, memory).min(formulation.next_break(self.model, t, y));
+        let mut next = self.model.next_return(memory).min(self.model.formulation.next_break(self.model, t, y));
         for (index, wheelset) in self.model.wheelsets.iter().enumerate() {
             let q = &y[self.model.system.coordinates(wheelset.body)];
             let v = &y[self.model.system.velocities(wheelset.body)];

@@ -127,7 +127,7 @@ impl Simulation {
         // What is shown belongs to the state: a cold start differs in the last digits.
         simulation.snapshot_valid = false;
         simulation.snapshot()?;
-        if simulation.model.formulation.margin(&simulation.model, &simulation.snapshot.memory).is_some_and(|margin| margin < 0.0) {
+        if simulation.model.margin(&simulation.snapshot.memory).is_some_and(|margin| margin < 0.0) {
             simulation.switch_at_start(start)?;
         }
         Ok(simulation)
@@ -136,7 +136,7 @@ impl Simulation {
     /// A contact that would be pulled on in the initial state changes its mode before the first step.
     fn switch_at_start(&mut self, start: f64) -> Result<(), SimulationError> {
         let IntegrationState { y, memory, .. } = &mut self.state.integration;
-        self.model.formulation.switch(&self.model, &mut self.workspace, start, y, memory)?;
+        self.model.switch(&mut self.workspace, start, y, memory)?;
         self.snapshot_valid = false;
         self.snapshot()?;
         Ok(())

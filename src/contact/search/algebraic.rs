@@ -72,7 +72,7 @@ impl ContactLocation {
 const LIMITS: NewtonLimits = NewtonLimits { next_step: 1e-11, iterations: 25 };
 
 /// Everything that the equations take from the surfaces at one choice of parameters.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
     pub wheel: SurfacePoint,
     pub rail: SurfacePoint,

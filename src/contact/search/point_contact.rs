@@ -24,7 +24,7 @@ pub type Residual = SVector<f64, CONSTRAINTS>;
 pub type ParameterJacobian = SMatrix<f64, CONSTRAINTS, PARAMETERS>;
 
 /// Residual and first derivatives at one choice of parameters.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct PointContact {
     at: Candidate,
     parameters: Vector4<f64>,

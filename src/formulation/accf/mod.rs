@@ -84,8 +84,8 @@ impl Formulation for Accf {
         MEMORY
     }
 
-    fn constrains(&self) -> bool {
-        true
+    fn on_lift(&self) -> Option<OnLift> {
+        Some(self.on_lift)
     }
 
     fn start(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
@@ -148,10 +148,6 @@ impl Formulation for Accf {
         }
     }
 
-    fn margin(&self, model: &Model, memory: &[f64]) -> Option<f64> {
-        rigid::smallest_normal_force(model, memory)
-    }
-
     /// Steps end where the independent variables have to change.
     fn next_break(&self, model: &Model, t: f64, y: &[f64]) -> f64 {
         let times = wheels(model).filter_map(|(contact, _, side)| {
@@ -161,14 +157,6 @@ impl Formulation for Accf {
             (ahead > 0.0).then(|| t + (ahead + INSIDE) / speed.abs())
         });
         times.fold(f64::INFINITY, f64::min)
-    }
-
-    fn next_event(&self, model: &Model, memory: &[f64]) -> f64 {
-        lift::next_return(model, memory)
-    }
-
-    fn switch(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-        lift::switch(self.on_lift, self, model, workspace, t, y, memory)
     }
 
     fn resettle(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
@@ -342,36 +330,54 @@ fn evaluate(
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
         close(model, workspace, index, wheelset, t, y, memory)?;
     }
-    rigid::derivative(model, workspace, Evaluation { t, inputs, y, memory }, dy, |contact, wheelset, side, motion, memory| {
+    let mut points = std::mem::take(&mut workspace.rigid.points);
+    points.clear();
+    model.system.move_bodies(y, &mut workspace.system);
+    for (contact, wheelset, side) in wheels(model) {
         let own = &y[model.contact_states(contact)];
+        let motion = &workspace.system.motions[wheelset.body];
         let pair = pair(model, wheelset, side, motion);
         let found = pair.point_contact(&Vector4::from_column_slice(&own[..PARAMETERS]));
-        let rates = Vector4::from_column_slice(&own[PARAMETERS..]);
-        let bias = pair.bias(&found, &rates, &motion.carrier());
+        let bias = pair.bias(&found, &Vector4::from_column_slice(&own[PARAMETERS..]), &motion.carrier());
+        points.push((found, bias));
+    }
+    let done = rigid::derivative(model, workspace, Evaluation { t, inputs, y, memory }, dy, |contact, wheelset, side, motion, memory| {
+        let own = &y[model.contact_states(contact)];
+        let (found, bias) = &points[contact];
         keep(&SurfaceParameters { wheel: own[0], angle: own[1], lead: own[2] - motion.position.x, rail: own[3] }, memory);
-        let weights = free_multiplier(&found).ok_or(ContactFailure::Dependent)?;
+        let weights = free_multiplier(found).ok_or(ContactFailure::Dependent)?;
         let mut row = Coefficients::zeros();
         for (i, weight) in weights.iter().enumerate() {
             row += motion.coefficients(&found.by_velocity[i], &found.by_rotation[i]) * *weight;
         }
-        Ok(ConstraintRow { location: pair.location(&found), row, bias: weights.dot(&bias) })
-    })?;
-    // s'' from the constraints (Eq. 12), now that the coordinates' accelerations are known.
-    for (contact, wheelset, side) in wheels(model) {
+        Ok(ConstraintRow { location: pair(model, wheelset, side, motion).location(found), row, bias: weights.dot(bias) })
+    });
+    let done = done.and_then(|()| parameter_derivatives(model, workspace, t, y, &points, dy));
+    workspace.rigid.points = points;
+    done
+}
+
+/// Derivatives of the surface parameters and of their rates: s'' from the constraints (Eq. 12), now that the coordinates'
+/// accelerations are known.
+fn parameter_derivatives(
+    model: &Model,
+    workspace: &Workspace,
+    t: f64,
+    y: &[f64],
+    points: &[(PointContact, Residual)],
+    dy: &mut [f64],
+) -> Result<(), EvaluationError> {
+    for ((contact, wheelset, side), (found, bias)) in wheels(model).zip(points) {
         let range = model.contact_states(contact);
-        let own = &y[range.clone()];
-        let motion = workspace.system.motions[wheelset.body];
-        let pair = pair(model, wheelset, side, &motion);
-        let (found, rates) =
-            (pair.point_contact(&Vector4::from_column_slice(&own[..PARAMETERS])), Vector4::from_column_slice(&own[PARAMETERS..]));
+        let motion = &workspace.system.motions[wheelset.body];
         let accelerations = Coefficients::from_column_slice(&dy[model.system.velocities(wheelset.body)]);
-        let mut rest = pair.bias(&found, &rates, &motion.carrier());
+        let mut rest = *bias;
         for i in 0..CONSTRAINTS {
             rest[i] += motion.coefficients(&found.by_velocity[i], &found.by_rotation[i]).dot(&accelerations);
         }
         let accelerations =
-            parameter_accelerations(&found, &rest).ok_or_else(|| EvaluationError::new(t, wheelset, side, ContactFailure::Dependent))?;
-        dy[range.start..range.start + PARAMETERS].copy_from_slice(rates.as_slice());
+            parameter_accelerations(found, &rest).ok_or_else(|| EvaluationError::new(t, wheelset, side, ContactFailure::Dependent))?;
+        dy[range.start..range.start + PARAMETERS].copy_from_slice(&y[range.start + PARAMETERS..range.end]);
         dy[range.start + PARAMETERS..range.end].copy_from_slice(accelerations.as_slice());
     }
     Ok(())
