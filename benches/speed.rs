@@ -6,6 +6,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
+use wheelrail::contact::creep::RollingContact;
 use wheelrail::contact::creepage::in_rolling_direction;
 use wheelrail::contact::search::algebraic::{Pair, SurfaceParameters};
 use wheelrail::fmi::ffi::host::LoadedFmu;
@@ -237,7 +238,8 @@ fn benchmarks(criterion: &mut Criterion) {
             let (rolling, across) = found.half_curvatures();
             let elastic = model.laws.normal.contact(rolling, across, found.penetration).ok()?;
             Some(in_rolling_direction(40.0, report.creepage, |creepage| {
-                model.laws.creep.force(elastic.patch, elastic.force, model.laws.friction, creepage)
+                let (patch, normal_force, friction) = (elastic.patch, elastic.force, model.laws.friction);
+                model.laws.creep.force(&RollingContact { patch, normal_force, friction, creepage, speed: 40.0 })
             }))
         });
     });

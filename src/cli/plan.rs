@@ -1,9 +1,10 @@
 //! `wheelrail plan SCENE`: effects in and out, sizes, and where the time of one evaluation goes.
 
 use super::{Failure, SceneArguments, print};
+use crate::contact::creep::RollingContact;
 use crate::contact::creepage::in_rolling_direction;
 use crate::contact::search::algebraic::{Pair, SurfaceParameters};
-use crate::formulation::{Evaluation, contact_index};
+use crate::formulation::{ContactReport, Evaluation, contact_index};
 use crate::geometry::Side;
 use crate::scene::plan;
 use crate::sim::Simulation;
@@ -88,7 +89,9 @@ fn costs(simulation: &mut Simulation, formulation: &str) -> Vec<(&'static str, f
                 let _ = black_box(model.laws.normal.contact(black_box(rolling), across, found.penetration.max(1e-9)));
             });
             creep += time(|| {
-                let law = |creepage| model.laws.creep.force(report.patch, report.normal_force, model.laws.friction, creepage);
+                let ContactReport { patch, normal_force, .. } = *report;
+                let friction = model.laws.friction;
+                let law = |creepage| model.laws.creep.force(&RollingContact { patch, normal_force, friction, creepage, speed: 1.0 });
                 black_box(in_rolling_direction(1.0, black_box(report.creepage), law));
             });
         }

@@ -1,6 +1,7 @@
 //! What all formulations share: loads from outside and the laws of contact at a point that was found.
 
 use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LATERAL_FORCE, Model, VERTICAL_FORCE, Wheelset};
+use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{ContactAxes, in_rolling_direction};
 use crate::contact::normal::{ConformalContact, damped_force};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
@@ -93,8 +94,9 @@ impl Contact<'_> {
     fn creep(&self, report: &mut ContactReport) {
         // A polynomial input may pass below zero between communication points.
         let friction = self.model.laws.friction * self.friction.max(0.0);
-        report.creep_force = in_rolling_direction(self.speed(), report.creepage, |creepage| {
-            self.model.laws.creep.force(report.patch, report.normal_force.max(0.0), friction, creepage)
+        let (patch, normal_force, speed) = (report.patch, report.normal_force.max(0.0), self.speed());
+        report.creep_force = in_rolling_direction(speed, report.creepage, |creepage| {
+            self.model.laws.creep.force(&RollingContact { patch, normal_force, friction, creepage, speed: speed.abs() })
         });
         let (axes, creep) = (&report.axes, &report.creep_force);
         report.force = axes.normal * report.normal_force + axes.e1 * creep.longitudinal + axes.e2 * creep.lateral;

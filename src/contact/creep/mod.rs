@@ -8,11 +8,31 @@ use super::{Material, Patch};
 use crate::settings::{Entry, Section, SettingsError, choose};
 use std::sync::Arc;
 
+/// A loaded patch that rolls along +e1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RollingContact {
+    pub patch: Patch,
+    /// N, N, not negative.
+    pub normal_force: f64,
+    /// mu, -, not negative.
+    pub friction: f64,
+    pub creepage: Creepage,
+    /// V, m/s, not negative: creepage times V is the speed of sliding, which friction may depend on.
+    pub speed: f64,
+}
+
+impl RollingContact {
+    /// mu N, N.
+    #[inline]
+    pub fn bound(&self) -> f64 {
+        self.friction * self.normal_force
+    }
+}
+
 /// A steady creep law.
 pub trait CreepLaw: Send + Sync + std::fmt::Debug {
-    /// Force on the wheel for a patch loaded with `normal_force` >= 0 [N] under friction coefficient `friction` >= 0.
-    /// Finite for every finite input; zero where the friction bound is zero.
-    fn force(&self, patch: Patch, normal_force: f64, friction: f64, creepage: Creepage) -> CreepForce;
+    /// Force on the wheel. Finite for every finite input; zero where the friction bound is zero.
+    fn force(&self, contact: &RollingContact) -> CreepForce;
 }
 
 /// Builds a law for a material.

@@ -6,9 +6,8 @@
 //! an approximation (the moment has no bound of its own in theory, and pure spin's force is overestimated).
 
 use super::kalker::LinearTheory;
-use super::{Build, CreepLaw};
-use crate::contact::Patch;
-use crate::contact::creepage::{CreepForce, Creepage};
+use super::{Build, CreepLaw, RollingContact};
+use crate::contact::creepage::CreepForce;
 use crate::settings::{Entry, Section, SettingsError};
 use std::sync::Arc;
 
@@ -37,10 +36,10 @@ fn saturation(linear: f64, bound: f64) -> f64 {
 
 impl CreepLaw for ShenHedrickElkins {
     #[inline]
-    fn force(&self, patch: Patch, normal_force: f64, friction: f64, creepage: Creepage) -> CreepForce {
-        let linear = self.linear.force(patch, creepage);
+    fn force(&self, contact: &RollingContact) -> CreepForce {
+        let linear = self.linear.force(contact.patch, contact.creepage);
         let resultant = (linear.longitudinal * linear.longitudinal + linear.lateral * linear.lateral).sqrt();
-        let factor = saturation(resultant, friction * normal_force);
+        let factor = saturation(resultant, contact.bound());
         CreepForce {
             longitudinal: factor * linear.longitudinal,
             lateral: factor * linear.lateral,
@@ -56,13 +55,18 @@ fn parse(_: &Section) -> Result<Build, SettingsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::Material;
+    use crate::contact::creepage::Creepage;
+    use crate::contact::{Material, Patch};
     use proptest::prelude::*;
 
     fn law() -> ShenHedrickElkins {
         ShenHedrickElkins { linear: LinearTheory::new(Material { youngs_modulus: 2.07e11, poisson_ratio: 0.28 }) }
     }
     const PATCH: Patch = Patch { a: 6e-3, b: 4.5e-3 };
+
+    fn loaded(normal_force: f64, friction: f64, creepage: Creepage) -> RollingContact {
+        RollingContact { patch: PATCH, normal_force, friction, creepage, speed: 20.0 }
+    }
 
     #[test]
     fn analytic_saturation_is_smooth_at_full_slip() {
@@ -77,7 +81,7 @@ mod tests {
     #[test]
     fn analytic_slope_at_zero_is_kalkers() {
         let small = Creepage { longitudinal: 1e-9, lateral: -2e-9, spin: 1e-8 };
-        let (linear, found) = (law().linear.force(PATCH, small), law().force(PATCH, 6e4, 0.5, small));
+        let (linear, found) = (law().linear.force(PATCH, small), law().force(&loaded(6e4, 0.5, small)));
         assert!((found.longitudinal / linear.longitudinal - 1.0).abs() < 1e-6);
         assert!((found.spin_moment / linear.spin_moment - 1.0).abs() < 1e-6);
     }
@@ -85,7 +89,7 @@ mod tests {
     proptest! {
         #[test]
         fn prop_bounded_and_mirror_symmetric(x in -0.02..0.02f64, y in -0.02..0.02f64, spin in -3.0..3.0f64, mu in 0.0..0.8f64) {
-            let at = |x, y, spin| law().force(PATCH, 5.5e4, mu, Creepage { longitudinal: x, lateral: y, spin });
+            let at = |x, y, spin| law().force(&loaded(5.5e4, mu, Creepage { longitudinal: x, lateral: y, spin }));
             let f = at(x, y, spin);
             prop_assert!(f.longitudinal.hypot(f.lateral) <= mu * 5.5e4 * (1.0 + 1e-12));
             // Longitudinal creepage alone mirrored: only Fx changes sign. Lateral and spin mirrored: Fy and Mz do.
