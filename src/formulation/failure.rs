@@ -1,0 +1,59 @@
+//! What can go wrong in an evaluation, with the place where it did.
+
+use super::Wheelset;
+use crate::contact::normal::ConformalContact;
+use crate::geometry::Side;
+
+/// Why the equations could not be evaluated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("t = {time:.9} s, {wheelset}, {} wheel: {cause}", side.name())]
+pub struct EvaluationError {
+    /// s.
+    pub time: f64,
+    pub wheelset: String,
+    pub side: Side,
+    pub cause: ContactFailure,
+}
+
+impl EvaluationError {
+    pub(super) fn new(time: f64, wheelset: &Wheelset, side: Side, cause: ContactFailure) -> Self {
+        EvaluationError { time, wheelset: wheelset.name.clone(), side, cause }
+    }
+}
+
+/// What went wrong at one contact.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ContactFailure {
+    #[error(
+        "the contact search found no solution ({iterations} iterations, residual {residual:.1e}, wheelset at y = {y:.4} m); \
+         the wheelset may have left the rails, or the profile is not smooth enough for ECF-A"
+    )]
+    NotFound { iterations: usize, residual: f64, y: f64 },
+    #[error(
+        "contact at the {part} coordinate {found:.4} m, but its profile reaches only from {first:.4} m to {last:.4} m (wheelset at y = {y:.4} m)"
+    )]
+    OffProfile { part: &'static str, found: f64, first: f64, last: f64, y: f64 },
+    #[error("no node of the wheel stands over a node of the rail (wheelset at y = {y:.4} m): the wheelset has left the rails")]
+    OffRail { y: f64 },
+    #[error("{0}")]
+    Conformal(#[from] ConformalContact),
+    #[error(
+        "penetration of {penetration:.4} m is beyond elastic contact (wheelset at z = {z:.4} m): an initial position that is too low, or an impact"
+    )]
+    TooDeep { penetration: f64, z: f64 },
+    #[error(
+        "the normal force has come to {normal_force:.1e} N and the contact constraint would have to pull: the wheel lifts off; use an elastic \
+         formulation (contact.formulation = \"ECF-A\") or contact.on_lift = \"elastic\""
+    )]
+    Tensile { normal_force: f64 },
+    #[error(
+        "normal force and creep forces do not settle ({iterations} iterations, rest {residual:.1e} N): friction too large for a rigid contact this steep"
+    )]
+    NotSettled { iterations: usize, residual: f64 },
+    #[error("the constraints of the contact are not independent: the surfaces touch along a line or are conformal here")]
+    Dependent,
+    #[error("the constraints do not determine their forces (row {row}; wheelset at y = {y:.4} m)")]
+    Singular { row: usize, y: f64 },
+    #[error("no position near this one satisfies the constraints ({iterations} iterations, gap {gap:.1e} m, wheelset at y = {y:.4} m)")]
+    NotClosed { iterations: usize, gap: f64, y: f64 },
+}

@@ -1,0 +1,217 @@
+//! What stays constant during a simulation, and the scratch of its evaluations.
+
+use super::events::ContactEvent;
+use super::rigid::{self, RigidScratch};
+use super::work::Work;
+use super::{AssemblyError, Build, EvaluationError, Formulation, lift};
+use crate::contact::Patch;
+use crate::contact::creep::CreepLaw;
+use crate::contact::creepage::{ContactAxes, CreepForce, Creepage};
+use crate::contact::normal::NormalLaw;
+use crate::contact::search::algebraic::SurfaceParameters;
+use crate::geometry::Side;
+use crate::geometry::surface::Wheel;
+use crate::geometry::track::Track;
+use crate::mbs::system::{System, SystemWorkspace};
+use nalgebra::Vector3;
+
+/// Inputs of one wheelset, in the order in which they stand in the input vector.
+pub const WHEELSET_INPUTS: usize = 5;
+pub const DRIVE_TORQUE: usize = 0;
+pub const LATERAL_FORCE: usize = 1;
+pub const VERTICAL_FORCE: usize = 2;
+pub const LEFT_FRICTION: usize = 3;
+pub const RIGHT_FRICTION: usize = 4;
+/// Values of a wheelset's inputs that leave it alone.
+pub const NEUTRAL_INPUTS: [f64; WHEELSET_INPUTS] = [0.0, 0.0, 0.0, 1.0, 1.0];
+
+/// A body with two wheels on the track.
+#[derive(Debug)]
+pub struct Wheelset {
+    pub name: String,
+    pub body: usize,
+    pub left: Wheel,
+    pub right: Wheel,
+    /// Imposed travelling speed [m/s], `None` when the wheelset is free along the track.
+    pub imposed_speed: Option<f64>,
+    /// Vertical force of each wheel on level track at rest, N.
+    pub static_wheel_load: f64,
+}
+
+impl Wheelset {
+    pub fn wheel(&self, side: Side) -> &Wheel {
+        match side {
+            Side::Left => &self.left,
+            Side::Right => &self.right,
+        }
+    }
+}
+
+/// Place of a wheel's contact in [`Workspace::contacts`] and, times the memory per contact, in the state's memory.
+pub fn contact_index(wheelset: usize, side: Side) -> usize {
+    2 * wheelset + usize::from(side == Side::Right)
+}
+
+/// Laws and constants of contact.
+#[derive(Debug)]
+pub struct ContactLaws {
+    pub normal: Box<dyn NormalLaw>,
+    pub creep: Box<dyn CreepLaw>,
+    /// C of Eq. 28, N s/m2.
+    pub damping: f64,
+    /// mu, -.
+    pub friction: f64,
+}
+
+/// Everything that stays constant during a simulation, before a formulation is chosen.
+#[derive(Debug)]
+pub struct Parts {
+    pub system: System,
+    pub track: Track,
+    pub wheelsets: Vec<Wheelset>,
+    pub laws: ContactLaws,
+}
+
+/// Everything that stays constant during a simulation.
+#[derive(Debug)]
+pub struct Model {
+    pub system: System,
+    pub track: Track,
+    pub wheelsets: Vec<Wheelset>,
+    pub laws: ContactLaws,
+    pub formulation: Box<dyn Formulation>,
+}
+
+/// One contact as it was found and loaded at one instant.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ContactReport {
+    pub parameters: SurfaceParameters,
+    /// delta, m, negative when the surfaces are apart; its rate, m/s.
+    pub penetration: f64,
+    pub penetration_rate: f64,
+    /// K_h, N/m^1.5; zero without contact.
+    pub stiffness: f64,
+    /// N, N.
+    pub normal_force: f64,
+    pub patch: Patch,
+    pub axes: ContactAxes,
+    pub creepage: Creepage,
+    pub creep_force: CreepForce,
+    /// Force on the wheelset in the track frame, N.
+    pub force: Vector3<f64>,
+    pub iterations: usize,
+    /// Is the contact a constraint (its normal force a multiplier), not elastic?
+    pub constrained: bool,
+}
+
+/// Scratch of an evaluation; holds its findings until the next one.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    pub system: SystemWorkspace,
+    /// First contacts of all wheels in the order wheelset 1 left, right, wheelset 2 left, ...
+    pub contacts: Vec<ContactReport>,
+    /// Second contacts in the same order; empty where the formulation finds only one.
+    pub second_contacts: Vec<ContactReport>,
+    /// What constraint formulations work in.
+    pub(crate) rigid: RigidScratch,
+    /// Counted up by each evaluation.
+    pub work: Work,
+    /// Lift-offs and landings since they were last taken away.
+    pub events: Vec<ContactEvent>,
+}
+
+/// Time, inputs and state of an evaluation; the memory is both read and written.
+#[derive(Debug)]
+pub struct Evaluation<'a> {
+    pub t: f64,
+    pub inputs: &'a [f64],
+    pub y: &'a [f64],
+    pub memory: &'a mut [f64],
+}
+
+impl Model {
+    /// Completes the parts with a formulation.
+    ///
+    /// # Errors
+    /// [`AssemblyError`] when the formulation can't treat the parts.
+    pub fn new(parts: Parts, build: &Build) -> Result<Model, AssemblyError> {
+        let formulation = build(&parts)?;
+        let Parts { system, track, wheelsets, laws } = parts;
+        Ok(Model { system, track, wheelsets, laws, formulation })
+    }
+
+    pub fn contacts(&self) -> usize {
+        2 * self.wheelsets.len()
+    }
+
+    /// Length of the state vector.
+    pub fn dimension(&self) -> usize {
+        self.system.dimension() + self.contacts() * self.formulation.states_per_contact()
+    }
+
+    /// Length of the state's memory.
+    pub fn memory(&self) -> usize {
+        self.contacts() * self.formulation.memory_per_contact()
+    }
+
+    /// A contact's own states in the state vector.
+    pub fn contact_states(&self, contact: usize) -> std::ops::Range<usize> {
+        let count = self.formulation.states_per_contact();
+        let start = self.system.dimension() + contact * count;
+        start..start + count
+    }
+
+    /// A contact's part of the state's memory.
+    pub fn contact_memory(&self, contact: usize) -> std::ops::Range<usize> {
+        let count = self.formulation.memory_per_contact();
+        contact * count..(contact + 1) * count
+    }
+
+    pub fn workspace(&self) -> Workspace {
+        let both = |wheelset: &Wheelset| [wheelset.body; 2];
+        let constrained: Vec<usize> =
+            if self.formulation.constrains() { self.wheelsets.iter().flat_map(both).collect() } else { Vec::new() };
+        let second = if self.formulation.points_per_wheel() > 1 { self.contacts() } else { 0 };
+        Workspace {
+            system: self.system.workspace(&constrained),
+            contacts: vec![ContactReport::default(); self.contacts()],
+            second_contacts: vec![ContactReport::default(); second],
+            rigid: if self.formulation.constrains() { RigidScratch::new(self) } else { RigidScratch::default() },
+            work: Work::default(),
+            events: Vec::new(),
+        }
+    }
+
+    /// Values of all inputs that leave the model alone.
+    pub fn neutral_inputs(&self) -> Vec<f64> {
+        NEUTRAL_INPUTS.iter().copied().cycle().take(WHEELSET_INPUTS * self.wheelsets.len()).collect()
+    }
+
+    /// Derivative `dy` of the state `at.y` at time `at.t`; leaves motions, wrenches and contacts in the workspace.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] when a contact cannot be found or lies outside what the laws cover.
+    #[inline]
+    pub fn derivative(&self, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
+        self.formulation.derivative(self, workspace, at, dy)
+    }
+
+    /// The smallest normal force [N] of a constrained contact as it was found last; `None` when there is no constraint that could
+    /// pull.
+    pub fn margin(&self, memory: &[f64]) -> Option<f64> {
+        self.formulation.on_lift().and_then(|_| rigid::least_pressed(self, memory)).map(|(_, force)| force)
+    }
+
+    /// When an elastic contact becomes a constraint again if nothing disturbs it, s; infinity for never.
+    pub fn next_return(&self, memory: &[f64]) -> f64 {
+        self.formulation.on_lift().map_or(f64::INFINITY, |_| lift::next_return(self, memory))
+    }
+
+    /// Changes the mode of the contacts that are to change it.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] when the formulation can't go on.
+    pub fn switch(&self, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
+        self.formulation.on_lift().map_or(Ok(()), |on_lift| lift::switch(on_lift, self, workspace, t, y, memory))
+    }
+}
