@@ -2,7 +2,8 @@
 
 use super::parameters::{self, RealParameter};
 use crate::formulation::{
-    AssemblyError, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, NEUTRAL_INPUTS, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS,
+    AssemblyError, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, NEUTRAL_INPUTS, RIGHT_FRICTION, VERTICAL_FORCE,
+    WHEELSET_INPUTS,
 };
 use crate::scene::assemble;
 use crate::scene::spec::Scene;
@@ -133,8 +134,19 @@ fn inputs(scene: &Scene) -> Vec<Variable> {
             RIGHT_FRICTION,
             "factor on the friction coefficient at the right wheel",
         ),
+        (
+            6,
+            "centre_forces",
+            "longitudinalForceInput",
+            Unit::Newton,
+            None,
+            LONGITUDINAL_FORCE,
+            "external longitudinal force on the centre, forward positive",
+        ),
     ];
-    let shown = rows.into_iter().filter(|row| scene.interface.inputs.contains(&row.1));
+    // Along the track an imposed speed leaves no room for a force.
+    let moves = |input| input != LONGITUDINAL_FORCE || !scene.vehicle.speed_imposed;
+    let shown = rows.into_iter().filter(|row| scene.interface.inputs.contains(&row.1) && moves(row.5));
     shown
         .map(|(id, _, name, unit, min, input, text)| Variable {
             reference: WHEELSET + id,

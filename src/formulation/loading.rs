@@ -1,6 +1,6 @@
 //! What all formulations share: loads from outside and the laws of contact at a point that was found.
 
-use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LATERAL_FORCE, Model, VERTICAL_FORCE, Wheelset};
+use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LONGITUDINAL_FORCE, Model, VERTICAL_FORCE, Wheelset};
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{ContactAxes, in_rolling_direction};
 use crate::contact::normal::{ConformalContact, damped_force};
@@ -16,7 +16,10 @@ const DEEPEST: f64 = 5e-3;
 /// Torque about the axle and forces at the centre that a master applies.
 #[inline]
 pub(super) fn external_wrench(motion: &BodyMotion, inputs: &[f64]) -> Wrench {
-    Wrench { force: Vector3::new(0.0, inputs[LATERAL_FORCE], inputs[VERTICAL_FORCE]), moment: motion.axle() * inputs[DRIVE_TORQUE] }
+    Wrench {
+        force: Vector3::new(inputs[LONGITUDINAL_FORCE], inputs[LATERAL_FORCE], inputs[VERTICAL_FORCE]),
+        moment: motion.axle() * inputs[DRIVE_TORQUE],
+    }
 }
 
 /// A contact whose place and motion are known.

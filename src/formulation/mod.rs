@@ -21,8 +21,8 @@ pub mod work;
 
 pub use failure::{ContactFailure, EvaluationError};
 pub use model::{
-    ContactLaws, ContactReport, DRIVE_TORQUE, Evaluation, LATERAL_FORCE, LEFT_FRICTION, Model, NEUTRAL_INPUTS, Parts, RIGHT_FRICTION,
-    VERTICAL_FORCE, WHEELSET_INPUTS, Wheelset, Workspace, contact_index,
+    ContactLaws, ContactReport, DRIVE_TORQUE, Evaluation, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, Model, NEUTRAL_INPUTS, Parts,
+    RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS, Wheelset, Workspace, contact_index,
 };
 
 use crate::contact::search::nodes::NodeError;

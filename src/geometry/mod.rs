@@ -27,6 +27,11 @@ impl Side {
         }
     }
 
+    /// Place in arrays that hold left and right.
+    pub fn index(self) -> usize {
+        usize::from(self == Side::Right)
+    }
+
     pub fn name(self) -> &'static str {
         match self {
             Side::Left => "left",

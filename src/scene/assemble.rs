@@ -20,7 +20,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     let body = Body { name: spec.name.clone(), mass: spec.mass, inertia };
     let mut forces: Vec<Box<dyn ForceElement>> = Vec::new();
     if scene.vehicle.gravity != 0.0 {
-        forces.push(Box::new(Gravity { body: 0, mass: spec.mass, acceleration: scene.vehicle.gravity }));
+        forces.push(Box::new(Gravity { body: 0, mass: spec.mass, acceleration: scene.vehicle.gravity, grade: scene.track.grade }));
     }
     if spec.vertical_load != 0.0 {
         forces.push(Box::new(VerticalLoad { body: 0, force: spec.vertical_load }));
@@ -28,15 +28,20 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     if let Some(suspension) = &scene.vehicle.suspension {
         forces.extend(springs(suspension).map(|spring| Box::new(spring) as Box<dyn ForceElement>));
     }
-    let wheel = |side| Wheel { side, profile: spec.profile.profile.clone(), half_spacing: spec.half_tread_circle_distance };
+    let wheel =
+        |side: Side| Wheel { side, profile: spec.profiles[side.index()].profile.clone(), half_spacing: spec.half_tread_circle_distance };
     let track = &scene.track;
-    let rail = |side| Rail::new(side, track.rail.profile.clone(), track.half_rail_distance, track.inclination, &track.deviations);
+    let rail = |side: Side| {
+        let profile = track.rails[side.index()].profile.clone();
+        Rail::new(side, profile, track.half_rail_distance, track.inclination, &track.deviations)
+    };
+    let imposed_speed = scene.vehicle.speed_imposed.then_some(scene.vehicle.speed);
     let contact = &scene.contact;
     let parts = Parts {
         system: System {
             bodies: vec![body],
             forces,
-            drives: vec![DrivingConstraint { body: 0, speed: scene.vehicle.speed }],
+            drives: imposed_speed.map(|speed| DrivingConstraint { body: 0, speed }).into_iter().collect(),
             joints: Vec::new(),
             redundant: Vec::new(),
         },
@@ -46,8 +51,8 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
             body: 0,
             left: wheel(Side::Left),
             right: wheel(Side::Right),
-            imposed_speed: Some(scene.vehicle.speed),
-            static_wheel_load: 0.5 * (spec.mass * scene.vehicle.gravity + spec.vertical_load),
+            imposed_speed,
+            static_wheel_load: 0.5 * (spec.mass * scene.vehicle.gravity * track.grade.cos() + spec.vertical_load),
         }],
         laws: ContactLaws {
             normal: (contact.normal)(contact.material),

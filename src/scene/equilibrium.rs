@@ -48,7 +48,7 @@ pub enum EquilibriumError {
 /// [`EquilibriumError`].
 pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> {
     let spec = &scene.vehicle.wheelset;
-    let load = spec.mass * scene.vehicle.gravity + spec.vertical_load;
+    let load = spec.mass * scene.vehicle.gravity * scene.track.grade.cos() + spec.vertical_load;
     if load <= 0.0 {
         return Err(EquilibriumError::NoLoad { load });
     }

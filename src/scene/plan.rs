@@ -33,7 +33,11 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     let mut effect = |name, included, why: String, states| effects.push(Effect { name, included, why, states });
     let vehicle = &scene.vehicle;
     effect("rigid bodies", true, format!("vehicle.template = \"{}\"", vehicle.template), model.system.dimension());
-    effect("driving constraint", true, format!("vehicle.speed = {} m/s: removes the acceleration along the track", vehicle.speed), 0);
+    let why = match vehicle.speed_imposed {
+        true => format!("vehicle.speed = {} m/s: removes the acceleration along the track", vehicle.speed),
+        false => "vehicle.travel = \"free\"".into(),
+    };
+    effect("driving constraint", vehicle.speed_imposed, why, 0);
     effect("gravity", vehicle.gravity != 0.0, format!("vehicle.gravity = {} m/s2", vehicle.gravity), 0);
     let load = vehicle.wheelset.vertical_load;
     effect("vertical load", load != 0.0, format!("vehicle.wheelset.vertical_load = {load} N"), 0);
@@ -68,8 +72,11 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     let contact = &scene.contact;
     let formulation = format!("contact.formulation = \"{}\": {}", contact.formulation_name, model.formulation.describe());
     effect("contact", true, formulation, model.contacts() * model.formulation.states_per_contact());
-    effect("wheel profile", true, vehicle.wheelset.profile.profile.describe(), 0);
-    effect("rail profile", true, scene.track.rail.profile.describe(), 0);
+    for (name, profiles) in [("wheel profile", &vehicle.wheelset.profiles), ("rail profile", &scene.track.rails)] {
+        let [left, right] = [0, 1].map(|side| profiles[side].profile.describe());
+        let why = if left == right { left } else { format!("left: {left}; right: {right}") };
+        effect(name, true, why, 0);
+    }
     effect("normal force", true, format!("contact.normal.law = \"{}\"", contact.normal_name), 0);
     let damped = !model.formulation.constrains();
     let why = if damped { "" } else { " (only for a wheel that has lifted: rigid contact has no penetration)" };

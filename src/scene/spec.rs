@@ -5,7 +5,7 @@
 use crate::contact::{Material, creep, normal};
 use crate::formulation;
 use crate::geometry::profile::{self, Part, ProfileChoice};
-use crate::geometry::track::{self, Deviation};
+use crate::geometry::track::{self, Deviation, gauge};
 use crate::settings::{Section, SettingsError, Source};
 use crate::solve::{self, Integrator};
 use crate::units::Dimension;
@@ -34,6 +34,8 @@ pub struct VehicleSpec {
     pub template: &'static str,
     /// V, m/s; negative rolls backward.
     pub speed: f64,
+    /// Is the speed imposed? Otherwise it is that at the start.
+    pub speed_imposed: bool,
     /// g, m/s2.
     pub gravity: f64,
     pub wheelset: WheelsetSpec,
@@ -55,7 +57,8 @@ pub struct WheelsetSpec {
     pub vertical_load: f64,
     /// Half the distance between the tread circles, m.
     pub half_tread_circle_distance: f64,
-    pub profile: ProfileChoice,
+    /// Of the left and the right wheel.
+    pub profiles: [ProfileChoice; 2],
 }
 
 /// `[vehicle.suspension]`: two elements in each direction.
@@ -105,7 +108,10 @@ pub struct TrackSpec {
     pub half_rail_distance: f64,
     /// Of the rail sections toward the track centre, rad.
     pub inclination: f64,
-    pub rail: ProfileChoice,
+    /// Of the track, rad, climbing positive.
+    pub grade: f64,
+    /// Left and right.
+    pub rails: [ProfileChoice; 2],
     pub deviations: Vec<Deviation>,
 }
 
@@ -207,7 +213,13 @@ impl Scene {
 
     /// Files that the scene refers to.
     pub fn files(&self) -> impl Iterator<Item = &profile::ProfileFile> {
-        [&self.vehicle.wheelset.profile, &self.track.rail].into_iter().filter_map(|choice| choice.file.as_ref())
+        let [left_wheel, right_wheel] = &self.vehicle.wheelset.profiles;
+        let [left_rail, right_rail] = &self.track.rails;
+        let choices = [(left_wheel, None), (right_wheel, Some(left_wheel)), (left_rail, None), (right_rail, Some(left_rail))];
+        // Both sides may share one table.
+        let key = |choice: &ProfileChoice| choice.file.as_ref().map(|file| file.key.clone());
+        let own = choices.into_iter().filter(move |(choice, other)| other.is_none_or(|other| key(other) != key(choice)));
+        own.filter_map(|(choice, _)| choice.file.as_ref())
     }
 }
 
@@ -219,7 +231,8 @@ fn read_vehicle(section: Section) -> Result<VehicleSpec, SettingsError> {
     let names: Vec<&'static str> = TEMPLATES.iter().map(|template| template.0).collect();
     let template = section.word("template", &names)?;
     let speed = section.number("speed", Dimension::Speed)?;
-    if speed == 0.0 {
+    let speed_imposed = section.word_or("travel", &["imposed", "free"], "imposed")? == "imposed";
+    if speed == 0.0 && speed_imposed {
         return Err(section.error("speed", "found 0, but creepages are relative to the travelling speed; expected any other number"));
     }
     let gravity = section.not_negative("gravity", Dimension::Acceleration)?;
@@ -230,7 +243,7 @@ fn read_vehicle(section: Section) -> Result<VehicleSpec, SettingsError> {
         None => Initial { from_equilibrium: true, values: [0.0; 10], given: [None; 10] },
     };
     section.finish()?;
-    Ok(VehicleSpec { template, speed, gravity, wheelset, suspension, initial })
+    Ok(VehicleSpec { template, speed, speed_imposed, gravity, wheelset, suspension, initial })
 }
 
 fn read_wheelset(section: Section) -> Result<WheelsetSpec, SettingsError> {
@@ -247,10 +260,24 @@ fn read_wheelset(section: Section) -> Result<WheelsetSpec, SettingsError> {
         axial_inertia: section.at_least("inertia_yy", Dimension::Inertia, SMALLEST)?,
         vertical_load: section.number("vertical_load", Dimension::Force)?,
         half_tread_circle_distance: 0.5 * section.positive("tread_circle_distance", Dimension::Length)?,
-        profile: profile::parse(section.section("profile")?, Part::Wheel)?,
+        profiles: read_profiles(&section, ["profile", "left_profile", "right_profile"], Part::Wheel)?,
     };
     section.finish()?;
     Ok(spec)
+}
+
+/// One table for both sides, or one for each.
+fn read_profiles(section: &Section, [both, left, right]: [&'static str; 3], part: Part) -> Result<[ProfileChoice; 2], SettingsError> {
+    let (own_left, own_right) = (section.optional_section(left)?, section.optional_section(right)?);
+    if let (Some(left), Some(right)) = (own_left, own_right) {
+        if section.has(both) {
+            return Err(section.error(both, "each side has its own table: this one serves nothing"));
+        }
+        return Ok([profile::parse(left, part)?, profile::parse(right, part)?]);
+    }
+    let shared = profile::parse(section.section(both)?, part)?;
+    let own = |key| section.optional_section(key)?.map(|own| profile::parse(own, part)).transpose();
+    Ok([own(left)?.unwrap_or(shared.clone()), own(right)?.unwrap_or(shared)])
 }
 
 fn read_suspension(section: Section) -> Result<SuspensionSpec, SettingsError> {
@@ -287,12 +314,27 @@ fn read_initial(section: Section) -> Result<Initial, SettingsError> {
 }
 
 fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
-    let half_rail_distance = 0.5 * section.positive("rail_distance", Dimension::Length)?;
     let inclination = read_inclination(&section)?;
-    let rail = profile::parse(section.section("rail")?, Part::Rail)?;
+    let grade = section.number_or("grade", Dimension::Angle, 0.0)?;
+    let rails = read_profiles(&section, ["rail", "left_rail", "right_rail"], Part::Rail)?;
+    let half_rail_distance = read_half_distance(&section, &rails, inclination)?;
     let deviations = section.sections("deviation")?.into_iter().map(track::parse_deviation).collect::<Result<_, _>>()?;
     section.finish()?;
-    Ok(TrackSpec { half_rail_distance, inclination, rail, deviations })
+    Ok(TrackSpec { half_rail_distance, inclination, grade, rails, deviations })
+}
+
+/// Half of `rail_distance`, or what `gauge` makes of it.
+fn read_half_distance(section: &Section, rails: &[ProfileChoice; 2], inclination: f64) -> Result<f64, SettingsError> {
+    if !section.has("gauge") {
+        return Ok(0.5 * section.positive("rail_distance", Dimension::Length)?);
+    }
+    if section.has("rail_distance") {
+        return Err(section.error("gauge", "stands beside rail_distance; expected one of them"));
+    }
+    const DEPTH: f64 = 14e-3;
+    let depth = section.number_or("gauge_depth", Dimension::Length, DEPTH)?;
+    let reach = |choice: &ProfileChoice| gauge::reach(choice.profile.as_ref(), inclination, depth);
+    Ok(0.5 * (section.positive("gauge", Dimension::Length)? + reach(&rails[0]) + reach(&rails[1])))
 }
 
 /// `"1:40"` is atan(1/40); otherwise an angle.

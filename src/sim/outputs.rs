@@ -2,7 +2,9 @@
 
 use super::Snapshot;
 use super::unit::Unit;
-use crate::formulation::{ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, Model, RIGHT_FRICTION, VERTICAL_FORCE, contact_index};
+use crate::formulation::{
+    ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, Model, RIGHT_FRICTION, VERTICAL_FORCE, contact_index,
+};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use nalgebra::Vector3;
@@ -25,7 +27,7 @@ const RIGHT: Depends = Depends::On(&[RIGHT_FRICTION]);
 const FRICTIONS: Depends = Depends::On(&[LEFT_FRICTION, RIGHT_FRICTION]);
 /// A torque about the axle turns it by rounding only, but not by nothing.
 const TURNING: Depends = Depends::On(&[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION]);
-const ALL: &[usize] = &[DRIVE_TORQUE, LATERAL_FORCE, VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION];
+const ALL: &[usize] = &[DRIVE_TORQUE, LATERAL_FORCE, VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LONGITUDINAL_FORCE];
 
 type Read = Box<dyn Fn(&Snapshot) -> f64 + Send + Sync>;
 
@@ -111,8 +113,10 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
             constrained: model.formulation.constrains(),
             outputs: &mut outputs,
         };
-        motion(&mut collector, wheelset.body, bodies);
-        if let Some(drive) = model.system.drives.iter().position(|drive| drive.body == wheelset.body) {
+        let drive = model.system.drives.iter().position(|drive| drive.body == wheelset.body);
+        let along = if drive.is_some() { STATE } else { Depends::On(&[LONGITUDINAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION]) };
+        motion(&mut collector, wheelset.body, bodies, along);
+        if let Some(drive) = drive {
             let text = "force of the driving constraint, forward positive: what a locomotive must supply to keep the imposed speed";
             collector.add(30, "drivingForce", "motion", Unit::Newton, FRICTIONS, text, move |s| s.workspace.system.drive_forces[drive]);
         }
@@ -136,7 +140,7 @@ fn element_force(model: &Model, element: usize) -> impl Fn(&Snapshot) -> f64 + S
     move |s| force.scalar_force(&s.workspace.system.motions).unwrap_or(0.0)
 }
 
-fn motion(c: &mut Collector, body: usize, bodies: usize) {
+fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
     let q = body * COORDINATES;
     let v = (bodies + body) * COORDINATES;
     let y = |at: usize| move |s: &Snapshot| s.y[at];
@@ -153,7 +157,7 @@ fn motion(c: &mut Collector, body: usize, bodies: usize) {
     c.add(18, "rollRate", g, Unit::RadianPerSecond, STATE, "time derivative of the roll angle", y(v + 4));
     c.add(19, "yawRate", g, Unit::RadianPerSecond, STATE, "time derivative of the yaw angle", y(v + 3));
     c.add(20, "pitchRate", g, Unit::RadianPerSecond, STATE, "time derivative of the pitch angle, rolling forward positive", y(v + 5));
-    c.add(21, "ax", g, Unit::MetrePerSecond2, STATE, "acceleration of the centre along the track (zero under an imposed speed)", dy(v));
+    c.add(21, "ax", g, Unit::MetrePerSecond2, along, "acceleration of the centre along the track (zero under an imposed speed)", dy(v));
     c.add(
         22,
         "ay",

@@ -4,6 +4,7 @@
 //! turning it, so the section axes are constant on straight track (Eqs. 5 and 6 with constant A^rp).
 
 mod cosine;
+pub mod gauge;
 
 use super::Side;
 use super::profile::Profile;

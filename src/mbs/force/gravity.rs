@@ -1,4 +1,4 @@
-//! Weight: `F = -m g Z` at the centre.
+//! Weight: `F = -m g (sin(grade) X + cos(grade) Z)` at the centre, in a track frame that climbs with `grade`.
 
 use super::ForceElement;
 use crate::mbs::body::{BodyMotion, Wrench};
@@ -11,6 +11,8 @@ pub struct Gravity {
     pub mass: f64,
     /// g, m/s2.
     pub acceleration: f64,
+    /// Of the track, rad, climbing positive.
+    pub grade: f64,
 }
 
 impl ForceElement for Gravity {
@@ -20,7 +22,9 @@ impl ForceElement for Gravity {
 
     #[inline]
     fn apply(&self, _: &[BodyMotion], wrenches: &mut [Wrench]) {
-        wrenches[self.body].force.z -= self.mass * self.acceleration;
+        let weight = self.mass * self.acceleration;
+        wrenches[self.body].force.x -= weight * self.grade.sin();
+        wrenches[self.body].force.z -= weight * self.grade.cos();
     }
 
     fn scalar_force(&self, _: &[BodyMotion]) -> Option<f64> {
@@ -32,7 +36,8 @@ impl ForceElement for Gravity {
     }
 
     fn potential_energy(&self, bodies: &[BodyMotion]) -> f64 {
-        self.mass * self.acceleration * bodies[self.body].position.z
+        let position = &bodies[self.body].position;
+        self.mass * self.acceleration * (position.x * self.grade.sin() + position.z * self.grade.cos())
     }
 
     fn dissipated_power(&self, _: &[BodyMotion]) -> f64 {

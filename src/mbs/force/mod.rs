@@ -61,7 +61,7 @@ mod tests {
             damping: 2.0e4,
         };
         let elements: Vec<Box<dyn ForceElement>> = vec![
-            Box::new(Gravity { body: 0, mass: 12.0, acceleration: 9.81 }),
+            Box::new(Gravity { body: 0, mass: 12.0, acceleration: 9.81, grade: 0.03 }),
             Box::new(VerticalLoad { body: 0, force: 500.0 }),
             Box::new(spring(TrackAxis::Longitudinal, 1.0)),
             Box::new(spring(TrackAxis::Lateral, -1.0)),
