@@ -1,21 +1,28 @@
 //! Steady rolling on straight track: height and pitch rate such that vertical force and axle moment vanish.
 //!
-//! The wheelset stands centred (y = roll = yaw = 0), does not move sideways or vertically and no input acts. On
+//! The wheelset stands centred (y = yaw = 0), does not move sideways or vertically and no input acts. On
 //! straight, undisturbed track two numbers are left: z, which fixes the load, and the pitch rate, which fixes the
-//! longitudinal creepage so that friction and spin moments about the axle cancel. Where contact is a constraint, z closes the
-//! gaps and the load is carried by itself.
+//! longitudinal creepage so that friction and spin moments about the axle cancel. Where the sides differ (profiles or radii) the
+//! roll angle comes third, for the roll moment; lateral force and yaw moment then remain: the wheelset starts off its running
+//! line. Where contact is a constraint, z and roll close the gaps and the load is carried by itself.
+//!
+//! A wheelset that starts at rest has pitch rate 0 and the height of slow rolling.
 
 use super::spec::Scene;
 use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
+use crate::geometry::profile::Profile;
 use crate::math::newton::{self, NewtonLimits};
 use crate::mbs::body::COORDINATES;
-use nalgebra::{Matrix1, Matrix2, Vector1, Vector2};
+use nalgebra::{Matrix1, SMatrix, SVector, Vector1, Vector3};
+use std::sync::Arc;
 
 /// The equilibrium of a wheelset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteadyRolling {
     /// Height of the centre, m.
     pub z: f64,
+    /// rad; 0 where both sides are alike.
+    pub roll: f64,
     /// rad/s.
     pub pitch_rate: f64,
 }
@@ -23,7 +30,7 @@ pub struct SteadyRolling {
 impl SteadyRolling {
     /// In the order of [`super::spec::INITIAL`].
     pub fn initial_values(&self) -> [f64; 10] {
-        [0.0, 0.0, self.z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, self.pitch_rate]
+        [0.0, 0.0, self.z, self.roll, 0.0, 0.0, 0.0, 0.0, 0.0, self.pitch_rate]
     }
 }
 
@@ -52,71 +59,114 @@ pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> 
     if load <= 0.0 {
         return Err(EquilibriumError::NoLoad { load });
     }
-    let mut balance = Balance::new(scene)?;
-    let radius = balance.model.wheelsets[0].left.profile.at(0.0).value;
-    let speed = scene.vehicle.speed;
+    let speed = if scene.vehicle.speed == 0.0 { CREEPING } else { scene.vehicle.speed };
+    let mut balance = Balance::new(scene, speed)?;
+    let wheelset = &balance.model.wheelsets[0];
+    let radius = wheelset.left.profile.at(0.0).value;
+    let same = |a: &Arc<dyn Profile>, b: &Arc<dyn Profile>| Arc::ptr_eq(a, b);
+    let track = &balance.model.track;
+    balance.alike = same(&wheelset.left.profile, &wheelset.right.profile) && same(&track.left.profile, &track.right.profile);
+    let mut found = balance.steady_rolling(scene, radius, speed, load)?;
+    if scene.vehicle.speed == 0.0 {
+        found.pitch_rate = 0.0;
+    }
+    Ok(found)
+}
 
-    if balance.model.formulation.constrains() {
-        return balance.on_constraints(radius, speed / radius, spec.axial_inertia, load);
+impl Balance {
+    fn steady_rolling(&mut self, scene: &Scene, radius: f64, speed: f64, load: f64) -> Result<SteadyRolling, EquilibriumError> {
+        if self.model.formulation.constrains() {
+            return self.on_constraints(radius, speed / radius, scene.vehicle.wheelset.axial_inertia, load);
+        }
+        let start = self.touch(radius, speed / radius, load)?;
+        if self.alike { self.on_springs::<2>(start, radius, load) } else { self.on_springs::<3>(start, radius, load) }
     }
 
-    // Start: the height at which the deeper wheel carries half the load with the stiffness of the first touch.
-    const TOUCH: f64 = 1e-5;
-    let mut z = radius;
-    for _ in 0..3 {
-        balance.residual(z, speed / radius).map_err(EquilibriumError::Evaluation)?;
-        let deepest = balance.workspace.contacts.iter().map(|contact| contact.penetration).fold(f64::MIN, f64::max);
-        z += deepest - TOUCH;
+    /// A place at which both wheels (or the deeper one, where they are alike) carry half the load with the stiffness of the first
+    /// touch.
+    fn touch(&mut self, radius: f64, pitch_rate: f64, load: f64) -> Result<SteadyRolling, EquilibriumError> {
+        const TOUCH: f64 = 1e-5;
+        let mut at = SteadyRolling { z: radius, roll: 0.0, pitch_rate };
+        for _ in 0..3 {
+            self.residual(&at).map_err(EquilibriumError::Evaluation)?;
+            if !self.alike {
+                let [left, right] = [0, 1].map(|side| self.workspace.contacts[side].penetration);
+                at.roll += (left - right) / (2.0 * self.model.wheelsets[0].left.half_spacing);
+                self.residual(&at).map_err(EquilibriumError::Evaluation)?;
+            }
+            let deepest = self.workspace.contacts.iter().map(|contact| contact.penetration).fold(f64::MIN, f64::max);
+            at.z += deepest - TOUCH;
+        }
+        self.residual(&at).map_err(EquilibriumError::Evaluation)?;
+        let stiffness = self.workspace.contacts.iter().map(|contact| contact.stiffness).fold(0.0, f64::max);
+        at.z += TOUCH - (0.5 * load / stiffness).powf(2.0 / 3.0);
+        Ok(at)
     }
-    balance.residual(z, speed / radius).map_err(EquilibriumError::Evaluation)?;
-    let stiffness = balance.workspace.contacts.iter().map(|contact| contact.stiffness).fold(0.0, f64::max);
-    z += TOUCH - (0.5 * load / stiffness).powf(2.0 / 3.0);
 
-    // Unknowns scaled to be of order one; differences serve as Jacobian here, off the stepping path.
-    let (height, turn) = (1e-4, 1e-3 * speed / radius);
-    let at = |x: &Vector2<f64>| (z + height * x[0], speed / radius + turn * x[1]);
-    let scale = Vector2::new(1.0 / load, 1.0 / (load * radius));
-    let mut failure = None;
-    let mut residual = |x: &Vector2<f64>| {
-        let (z, pitch_rate) = at(x);
-        balance.residual(z, pitch_rate).map(|r| r.component_mul(&scale)).unwrap_or_else(|error| {
-            failure = Some(error);
-            Vector2::repeat(f64::NAN)
-        })
-    };
-    const H: f64 = 1e-5;
-    let evaluate = |x: &Vector2<f64>| {
-        let mut here = residual(x);
-        let columns = [Vector2::new(H, 0.0), Vector2::new(0.0, H)].map(|h| (residual(&(x + h)) - residual(&(x - h))) / (2.0 * H));
-        let mut jacobian = Matrix2::from_columns(&columns);
-        if jacobian[(1, 1)] == 0.0 {
-            // Without friction any pitch rate will do: it stays that of the tread circle.
-            (here[1], jacobian[(1, 1)]) = (x[1], 1.0);
+    /// Height, pitch rate and, with N = 3, roll on elastic contacts.
+    fn on_springs<const N: usize>(&mut self, start: SteadyRolling, radius: f64, load: f64) -> Result<SteadyRolling, EquilibriumError> {
+        // Unknowns scaled to be of order one; differences serve as Jacobian here, off the stepping path.
+        let (height, turn, tilt) = (1e-4, 1e-3 * start.pitch_rate, 1e-4);
+        let at = |x: &SVector<f64, N>| SteadyRolling {
+            z: start.z + height * x[0],
+            pitch_rate: start.pitch_rate + turn * x[1],
+            roll: if N > 2 { start.roll + tilt * x[2] } else { 0.0 },
+        };
+        let scale = Vector3::new(1.0 / load, 1.0 / (load * radius), 1.0 / load);
+        let mut failure = None;
+        let mut residual = |x: &SVector<f64, N>| {
+            let found = self.residual(&at(x)).map(|r| r.component_mul(&scale)).unwrap_or_else(|error| {
+                failure = Some(error);
+                Vector3::repeat(f64::NAN)
+            });
+            found.fixed_rows::<N>(0).into_owned()
+        };
+        const H: f64 = 1e-5;
+        let evaluate = |x: &SVector<f64, N>| {
+            let mut here = residual(x);
+            let mut jacobian = SMatrix::<f64, N, N>::zeros();
+            for column in 0..N {
+                let mut h = SVector::<f64, N>::zeros();
+                h[column] = H;
+                jacobian.set_column(column, &((residual(&(x + h)) - residual(&(x - h))) / (2.0 * H)));
+            }
+            if jacobian[(1, 1)] == 0.0 {
+                // Without friction any pitch rate will do: it stays that of the tread circle.
+                (here[1], jacobian[(1, 1)]) = (x[1], 1.0);
+            }
+            (here, jacobian)
+        };
+        let mut x = SVector::<f64, N>::zeros();
+        let solved = newton::solve(&mut x, NewtonLimits { next_step: 1e-13, iterations: 60 }, evaluate, |_, jacobian| *jacobian);
+        let found = at(&x);
+        match (solved, failure) {
+            (Err(_), Some(error)) => Err(EquilibriumError::Evaluation(error)),
+            // Rounding may stop the iteration before the foreseen step is short enough.
+            (Err(failed), None) if failed.residual.is_nan() || failed.residual > BALANCED => {
+                let rest = self.residual(&found).map_err(EquilibriumError::Evaluation)?;
+                Err(EquilibriumError::NotFound { force: rest[0], moment: rest[1] })
+            }
+            _ => Ok(found),
         }
-        (here, jacobian)
-    };
-    let mut x = Vector2::zeros();
-    let solved = newton::solve(&mut x, NewtonLimits { next_step: 1e-13, iterations: 60 }, evaluate, |_, jacobian| *jacobian);
-    let (z, pitch_rate) = at(&x);
-    match (solved, failure) {
-        (Err(_), Some(error)) => Err(EquilibriumError::Evaluation(error)),
-        // Rounding may stop the iteration before the foreseen step is short enough.
-        (Err(failed), None) if failed.residual.is_nan() || failed.residual > BALANCED => {
-            let rest = balance.residual(z, pitch_rate).map_err(EquilibriumError::Evaluation)?;
-            Err(EquilibriumError::NotFound { force: rest[0], moment: rest[1] })
-        }
-        _ => Ok(SteadyRolling { z, pitch_rate }),
     }
 }
 
 /// Place of the pitch rate in the state of one wheelset.
 const PITCH_RATE: usize = 2 * COORDINATES - 1;
 
+/// Rounds in which a wheelset on unlike sides is brought back to the centre; each leaves a few per cent of the shift.
+const CENTRED: usize = 12;
+
 /// Forces relative to the load, and moments relative to load times radius, that count as zero.
 const BALANCED: f64 = 1e-11;
 
+/// Speed at which a wheelset that starts at rest is balanced, m/s.
+const CREEPING: f64 = 1.0;
+
 /// Forces on the centred wheelset on straight track.
 struct Balance {
+    /// Are both sides the same?
+    alike: bool,
     model: Model,
     workspace: Workspace,
     y: Vec<f64>,
@@ -125,23 +175,27 @@ struct Balance {
 }
 
 impl Balance {
-    fn new(scene: &Scene) -> Result<Self, AssemblyError> {
+    fn new(scene: &Scene, speed: f64) -> Result<Self, AssemblyError> {
         let mut model = super::assemble::model(scene)?;
         model.track = model.track.ideal();
         let dimension = model.dimension();
         let mut y = vec![0.0; dimension];
-        y[COORDINATES] = scene.vehicle.speed;
-        Ok(Balance { workspace: model.workspace(), dy: vec![0.0; dimension], memory: vec![0.0; model.memory()], model, y })
+        y[COORDINATES] = speed;
+        Ok(Balance { alike: true, workspace: model.workspace(), dy: vec![0.0; dimension], memory: vec![0.0; model.memory()], model, y })
     }
 
     /// Equilibrium on contacts that are constraints: they fix the height, and the pitch rate must not change.
     fn on_constraints(&mut self, radius: f64, pitch_rate: f64, axial_inertia: f64, load: f64) -> Result<SteadyRolling, EquilibriumError> {
         let formulation = &self.model.formulation;
         (self.y[2], self.y[PITCH_RATE]) = (radius, pitch_rate);
-        formulation
-            .start(&self.model, &mut self.workspace, 0.0, &mut self.y, &mut self.memory)
-            .and_then(|()| formulation.project(&self.model, &mut self.workspace, 0.0, &mut self.y, &mut self.memory))
-            .map_err(EquilibriumError::Evaluation)?;
+        // Closing the gaps of unlike sides also moves the wheelset sideways a little: back to the centre, and again.
+        for _ in 0..if self.alike { 1 } else { CENTRED } {
+            (self.y[1], self.y[3]) = (0.0, 0.0);
+            formulation
+                .start(&self.model, &mut self.workspace, 0.0, &mut self.y, &mut self.memory)
+                .and_then(|()| formulation.project(&self.model, &mut self.workspace, 0.0, &mut self.y, &mut self.memory))
+                .map_err(EquilibriumError::Evaluation)?;
+        }
         let start = self.y[PITCH_RATE];
         let mut failure = None;
         let mut moment = |x: f64| {
@@ -169,18 +223,19 @@ impl Balance {
             (Err(failed), None) if failed.residual.is_nan() || failed.residual > BALANCED => {
                 Err(EquilibriumError::NotFound { force: 0.0, moment: failed.residual * load * radius })
             }
-            _ => Ok(SteadyRolling { z: self.y[2], pitch_rate: start * (1.0 + 1e-3 * x[0]) }),
+            _ => Ok(SteadyRolling { z: self.y[2], roll: self.y[4], pitch_rate: start * (1.0 + 1e-3 * x[0]) }),
         }
     }
 
-    /// Vertical force [N] and moment about the axle [N m].
-    fn residual(&mut self, z: f64, pitch_rate: f64) -> Result<Vector2<f64>, EvaluationError> {
-        self.y[2] = z;
-        self.y[PITCH_RATE] = pitch_rate;
+    /// Vertical force [N], moment about the axle and moment about the direction of travel [N m].
+    fn residual(&mut self, at: &SteadyRolling) -> Result<Vector3<f64>, EvaluationError> {
+        self.y[2] = at.z;
+        self.y[4] = at.roll;
+        self.y[PITCH_RATE] = at.pitch_rate;
         let at = Evaluation { t: 0.0, inputs: &NEUTRAL_INPUTS, y: &self.y, memory: &mut self.memory };
         self.model.derivative(&mut self.workspace, at, &mut self.dy)?;
         let wrench = &self.workspace.system.wrenches[0];
         let axle = self.workspace.system.motions[0].axle();
-        Ok(Vector2::new(wrench.force.z, wrench.moment.dot(&axle)))
+        Ok(Vector3::new(wrench.force.z, wrench.moment.dot(&axle), wrench.moment.x))
     }
 }
