@@ -9,15 +9,12 @@
 //!
 //! Memory per contact: the four surface parameters of the last evaluation, as warm start.
 
-use super::loading::{Contact, external_wrench, keep, not_found, pair, warm_start};
-use super::rigid;
+use super::loading::{WheelAt, external_wrench};
 use super::{
-    Build, ContactFailure, ContactReport, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS,
-    Wheelset, Workspace, contact_index,
+    Build, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Workspace, contact_index,
 };
-use crate::contact::search::algebraic::SurfaceParameters;
+use super::{points, rigid};
 use crate::geometry::Side;
-use crate::mbs::body::{BodyMotion, Wrench};
 use crate::settings::{Entry, Section, SettingsError};
 use std::sync::Arc;
 
@@ -59,33 +56,13 @@ impl Formulation for EcfA {
             *wrench += external_wrench(&motion, inputs);
             for (side, friction) in [(Side::Left, inputs[LEFT_FRICTION]), (Side::Right, inputs[RIGHT_FRICTION])] {
                 let contact = contact_index(index, side);
-                let memory = &mut memory[contact * MEMORY..(contact + 1) * MEMORY];
-                let report = elastic_contact(model, wheelset, side, &motion, friction, memory, wrench)
+                let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction };
+                let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
+                points::elastic_wheel(&wheel, &mut memory[model.contact_memory(contact)], wrench, reports)
                     .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
-                workspace.work.search_iterations += report.iterations as u64;
-                workspace.contacts[contact] = report;
+                workspace.work.search_iterations += workspace.contacts[contact].iterations as u64;
             }
         }
         rigid::finish_elastic(model, workspace, t, y, dy)
     }
-}
-
-/// Locates one wheel's contact, loads it and adds its forces to the wheelset's wrench. `memory` holds the warm start.
-#[inline]
-pub(super) fn elastic_contact(
-    model: &Model,
-    wheelset: &Wheelset,
-    side: Side,
-    motion: &BodyMotion,
-    friction: f64,
-    memory: &mut [f64],
-    wrench: &mut Wrench,
-) -> Result<ContactReport, ContactFailure> {
-    let pair = pair(model, wheelset, side, motion);
-    let start = warm_start(memory);
-    // A warm start that has gone stale (a jump of state) must not fail where a cold start succeeds.
-    let found =
-        pair.locate(&start).or_else(|_| pair.locate(&SurfaceParameters::default())).map_err(|failure| not_found(motion, failure))?;
-    keep(&found.parameters, memory);
-    Contact { model, wheelset, side, motion, friction, found: &found }.elastic(wrench)
 }

@@ -11,7 +11,7 @@
 //! State per contact: s of the section, m. Memory per contact: the surface parameters of the first contact, for whoever asks where
 //! the wheel stands; nothing is taken from them.
 
-use super::loading::{Contact, external_wrench, keep};
+use super::loading::{Contact, WheelAt, external_wrench, keep};
 use super::rigid;
 use super::{
     AssemblyError, Build, ContactFailure, ContactReport, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, Parts,
@@ -116,15 +116,16 @@ impl Formulation for EcfN {
                 let [first, second] = &found.contacts;
                 let first = first.as_ref().ok_or_else(|| fail(ContactFailure::OffRail { y: motion.position.y }))?;
                 keep(&first.parameters, &mut memory[model.contact_memory(contact)]);
+                let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction };
                 let mut load = |found: &ContactLocation| {
                     self.check_ends(model, wheelset, side, found, &motion)?;
                     let wrench = &mut workspace.system.wrenches[wheelset.body];
-                    Contact { model, wheelset, side, motion: &motion, friction, found }.elastic(wrench)
+                    Contact { wheel: &wheel, found, depth: found.penetration }.elastic(wrench)
                 };
                 let reports = [Some(first), second.as_ref()].map(|found| found.map_or(Ok(ContactReport::default()), &mut load));
                 let [first, second] = reports;
                 workspace.contacts[contact] = first.map_err(fail)?;
-                workspace.second_contacts[contact] = second.map_err(fail)?;
+                workspace.further_contacts[contact] = second.map_err(fail)?;
             }
         }
         rigid::finish_elastic(model, workspace, t, y, dy)

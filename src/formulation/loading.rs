@@ -22,15 +22,39 @@ pub(super) fn external_wrench(motion: &BodyMotion, inputs: &[f64]) -> Wrench {
     }
 }
 
-/// A contact whose place and motion are known.
-pub(super) struct Contact<'a> {
+/// One wheel at one instant.
+#[derive(Clone, Copy)]
+pub(super) struct WheelAt<'a> {
     pub model: &'a Model,
     pub wheelset: &'a Wheelset,
     pub side: Side,
+    /// Index of the wheel's first contact.
+    pub contact: usize,
     pub motion: &'a BodyMotion,
     /// Factor of the friction coefficient.
     pub friction: f64,
+}
+
+/// A contact whose place and motion are known.
+pub(super) struct Contact<'a> {
+    pub wheel: &'a WheelAt<'a>,
     pub found: &'a ContactLocation,
+    /// Penetration that is loaded, m: the geometric one, or what is left to a contact that shares its patch with another.
+    pub depth: f64,
+}
+
+impl WheelAt<'_> {
+    /// Wheel and rail where they stand.
+    #[inline]
+    pub fn pair(&self) -> Pair<'_> {
+        pair(self.model, self.wheelset, self.side, self.motion)
+    }
+
+    /// Travelling speed that creepages are relative to, m/s; with the sign of the direction.
+    #[inline]
+    fn speed(&self) -> f64 {
+        self.wheelset.imposed_speed.unwrap_or(self.motion.velocity.x)
+    }
 }
 
 impl Contact<'_> {
@@ -39,40 +63,37 @@ impl Contact<'_> {
     pub fn report(&self) -> ContactReport {
         let found = self.found;
         let axes = ContactAxes::new(found.normal, found.forward);
-        let velocity = self.motion.material_velocity(&found.wheel_point);
+        let motion = self.wheel.motion;
+        let velocity = motion.material_velocity(&found.wheel_point);
         ContactReport {
             parameters: found.parameters,
             penetration: found.penetration,
             penetration_rate: -velocity.dot(&found.normal),
             axes,
             iterations: found.iterations,
-            creepage: axes.creepage(&velocity, &self.motion.rotation, self.speed()),
+            creepage: axes.creepage(&velocity, &motion.rotation, self.wheel.speed()),
             ..ContactReport::default()
         }
-    }
-
-    fn speed(&self) -> f64 {
-        self.wheelset.imposed_speed.unwrap_or(self.motion.velocity.x)
     }
 
     /// Elastic contact (Eq. 28): the penetration gives the normal force; adds the contact's wrench. Without penetration there
     /// is no force and no creepage.
     #[inline]
     pub fn elastic(&self, wrench: &mut Wrench) -> Result<ContactReport, ContactFailure> {
-        let (mut report, found) = (self.report(), self.found);
-        if !(found.penetration > 0.0) {
+        let (mut report, found, model) = (self.report(), self.found, self.wheel.model);
+        if !(self.depth > 0.0) {
             report.creepage = Default::default();
             return Ok(report);
         }
         self.check_place()?;
         if found.penetration > DEEPEST {
-            return Err(ContactFailure::TooDeep { penetration: found.penetration, z: self.motion.position.z });
+            return Err(ContactFailure::TooDeep { penetration: found.penetration, z: self.wheel.motion.position.z });
         }
         let (rolling, across) = found.half_curvatures();
-        let elastic = self.model.laws.normal.contact(rolling, across, found.penetration)?;
+        let elastic = model.laws.normal.contact(rolling, across, self.depth)?;
         report.stiffness = elastic.stiffness;
         report.patch = elastic.patch;
-        report.normal_force = damped_force(elastic.force, self.model.laws.damping, found.penetration, report.penetration_rate);
+        report.normal_force = damped_force(elastic.force, model.laws.damping, self.depth, report.penetration_rate);
         self.creep(&mut report);
         self.add(&report, report.force, wrench);
         Ok(report)
@@ -83,7 +104,7 @@ impl Contact<'_> {
     #[inline]
     pub fn pressed(&self, report: &mut ContactReport, normal_force: f64, wrench: &mut Wrench) -> Result<(), ConformalContact> {
         let (rolling, across) = self.found.half_curvatures();
-        let (_, elastic) = self.model.laws.normal.contact_under(rolling, across, normal_force.max(0.0))?;
+        let (_, elastic) = self.wheel.model.laws.normal.contact_under(rolling, across, normal_force.max(0.0))?;
         report.stiffness = elastic.stiffness;
         report.patch = elastic.patch;
         report.normal_force = normal_force;
@@ -95,11 +116,12 @@ impl Contact<'_> {
     /// Creep forces from patch, normal force and creepage, and the total force.
     #[inline]
     fn creep(&self, report: &mut ContactReport) {
+        let laws = &self.wheel.model.laws;
         // A polynomial input may pass below zero between communication points.
-        let friction = self.model.laws.friction * self.friction.max(0.0);
-        let (patch, normal_force, speed) = (report.patch, report.normal_force.max(0.0), self.speed());
+        let friction = laws.friction * self.wheel.friction.max(0.0);
+        let (patch, normal_force, speed) = (report.patch, report.normal_force.max(0.0), self.wheel.speed());
         report.creep_force = in_rolling_direction(speed, report.creepage, |creepage| {
-            self.model.laws.creep.force(&RollingContact { patch, normal_force, friction, creepage, speed: speed.abs() })
+            laws.creep.force(&RollingContact { patch, normal_force, friction, creepage, speed: speed.abs() })
         });
         let (axes, creep) = (&report.axes, &report.creep_force);
         report.force = axes.normal * report.normal_force + axes.e1 * creep.longitudinal + axes.e2 * creep.lateral;
@@ -107,20 +129,20 @@ impl Contact<'_> {
 
     #[inline]
     fn add(&self, report: &ContactReport, force: Vector3<f64>, wrench: &mut Wrench) {
-        wrench.add_at(force, &self.found.wheel_point, &self.motion.position);
+        wrench.add_at(force, &self.found.wheel_point, &self.wheel.motion.position);
         wrench.moment += report.axes.normal * report.creep_force.spin_moment;
     }
 
     /// A loaded contact must lie on both profiles.
     #[inline]
     pub fn check_place(&self) -> Result<(), ContactFailure> {
-        let y = self.motion.position.y;
-        let (wheel, rail) = (self.wheelset.wheel(self.side), self.model.track.rail(self.side));
+        let WheelAt { model, wheelset, side, motion, .. } = *self.wheel;
+        let (wheel, rail) = (wheelset.wheel(side), model.track.rail(side));
         let places =
             [("wheel", self.found.parameters.wheel, wheel.profile.range()), ("rail", self.found.parameters.rail, rail.profile.range())];
         for (part, found, (first, last)) in places {
             if !(found >= first && found <= last) {
-                return Err(ContactFailure::OffProfile { part, found, first, last, y });
+                return Err(ContactFailure::OffProfile { part, found, first, last, y: motion.position.y });
             }
         }
         Ok(())

@@ -111,8 +111,8 @@ pub struct Workspace {
     pub system: SystemWorkspace,
     /// First contacts of all wheels in the order wheelset 1 left, right, wheelset 2 left, ...
     pub contacts: Vec<ContactReport>,
-    /// Second contacts in the same order; empty where the formulation finds only one.
-    pub second_contacts: Vec<ContactReport>,
+    /// The other contacts of all wheels in the same order, as many for each as the model allows; empty where it is one.
+    pub further_contacts: Vec<ContactReport>,
     /// What constraint formulations work in.
     pub(crate) rigid: RigidScratch,
     /// Counted up by each evaluation.
@@ -139,6 +139,11 @@ impl Model {
         let formulation = build(&parts)?;
         let Parts { system, track, wheelsets, laws } = parts;
         Ok(Model { system, track, wheelsets, laws, formulation })
+    }
+
+    /// Contacts that each wheel may have at the same time.
+    pub fn points_per_wheel(&self) -> usize {
+        self.formulation.points_per_wheel()
     }
 
     pub fn contacts(&self) -> usize {
@@ -172,15 +177,27 @@ impl Model {
         let both = |wheelset: &Wheelset| [wheelset.body; 2];
         let constrained: Vec<usize> =
             if self.formulation.constrains() { self.wheelsets.iter().flat_map(both).collect() } else { Vec::new() };
-        let second = if self.formulation.points_per_wheel() > 1 { self.contacts() } else { 0 };
+        let further = (self.points_per_wheel() - 1) * self.contacts();
         Workspace {
             system: self.system.workspace(&constrained),
             contacts: vec![ContactReport::default(); self.contacts()],
-            second_contacts: vec![ContactReport::default(); second],
+            further_contacts: vec![ContactReport::default(); further],
             rigid: if self.formulation.constrains() { RigidScratch::new(self) } else { RigidScratch::default() },
             work: Work::default(),
             events: Vec::new(),
         }
+    }
+
+    /// The reports of one wheel's contacts: the first and the others.
+    #[inline]
+    pub(super) fn reports<'a>(
+        &self,
+        contact: usize,
+        first: &'a mut [ContactReport],
+        further: &'a mut [ContactReport],
+    ) -> (&'a mut ContactReport, &'a mut [ContactReport]) {
+        let count = self.points_per_wheel() - 1;
+        (&mut first[contact], &mut further[contact * count..(contact + 1) * count])
     }
 
     /// Values of all inputs that leave the model alone.

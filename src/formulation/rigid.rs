@@ -12,8 +12,8 @@
 //! is not).
 
 use super::accf::Partition;
-use super::ecf_a::elastic_contact;
-use super::loading::{Contact, external_wrench};
+use super::loading::{Contact, WheelAt, external_wrench};
+use super::points;
 use super::{
     ContactFailure, ContactReport, Evaluation, EvaluationError, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace,
     contact_index,
@@ -111,23 +111,25 @@ pub(super) fn derivative(
             let memory = &mut memory[model.contact_memory(contact)];
             let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
             let elastic = is_elastic(memory);
+            let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction: friction(inputs, contact, side) };
+            let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
+            let wrench = &mut workspace.system.wrenches[wheelset.body];
             let constraints = &mut workspace.system.constraints;
             let row = constraints.joint_rows + contact;
             constraints.kkt.set_active(row, !elastic);
             if elastic {
                 constraints.gamma[row] = 0.0;
-                let wrench = &mut workspace.system.wrenches[wheelset.body];
-                let friction = friction(inputs, contact, side);
-                let report = elastic_contact(model, wheelset, side, &motion, friction, memory, wrench).map_err(fail)?;
-                workspace.work.search_iterations += report.iterations as u64;
-                workspace.contacts[contact] = report;
+                points::elastic_wheel(&wheel, memory, wrench, reports).map_err(fail)?;
+                workspace.work.search_iterations += workspace.contacts[contact].iterations as u64;
                 (rigid.rows[contact], rigid.normal_forces[contact]) = (None, 0.0);
                 continue;
             }
             let found = find(contact, wheelset, side, &motion, memory).map_err(fail)?;
-            let load = Contact { model, wheelset, side, motion: &motion, friction: 0.0, found: &found.location };
+            let load = Contact { wheel: &wheel, found: &found.location, depth: 0.0 };
             load.check_place().map_err(fail)?;
-            workspace.contacts[contact] = ContactReport { constrained: true, ..load.report() };
+            let (first, further) = reports;
+            *first = ContactReport { constrained: true, ..load.report() };
+            points::elastic_beside(&wheel, &found.location, memory, wrench, further).map_err(fail)?;
             workspace.work.search_iterations += found.location.iterations as u64;
             constraints.kkt.set_row(row, &found.row, &Coefficients::zeros());
             constraints.gamma[row] = -found.bias;
@@ -240,7 +242,8 @@ fn settle(model: &Model, workspace: &mut Workspace, rigid: &mut RigidScratch, t:
             let Some(found) = &rows[contact] else { continue };
             let motion = &system.motions[wheelset.body];
             let friction = friction(inputs, contact, side);
-            let load = Contact { model, wheelset, side, motion, friction, found: &found.location };
+            let wheel = WheelAt { model, wheelset, side, contact, motion, friction };
+            let load = Contact { wheel: &wheel, found: &found.location, depth: 0.0 };
             load.pressed(&mut contacts[contact], forces[contact], &mut system.wrenches[wheelset.body])
                 .map_err(|cause| LoopFailure::At(EvaluationError::new(t, wheelset, side, cause.into())))?;
         }

@@ -121,7 +121,7 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
             collector.add(30, "drivingForce", "motion", Unit::Newton, FRICTIONS, text, move |s| s.workspace.system.drive_forces[drive]);
         }
         for side in Side::BOTH {
-            let points = model.formulation.points_per_wheel();
+            let points = model.points_per_wheel();
             wheel(&mut collector, contact_index(index, side), points, side, wheelset.body * COORDINATES);
         }
         for (element, force) in model.system.forces.iter().enumerate() {
@@ -201,7 +201,10 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, distance:
     c.base = base + if side == Side::Left { 100 } else { 200 };
     // Sum over the wheel's contacts.
     let of = |read: fn(&ContactReport) -> f64| {
-        move |s: &Snapshot| read(&s.workspace.contacts[contact]) + s.workspace.second_contacts.get(contact).map_or(0.0, read)
+        move |s: &Snapshot| {
+            let further = &s.workspace.further_contacts[contact * (points - 1)..(contact + 1) * (points - 1)];
+            further.iter().fold(read(&s.workspace.contacts[contact]), |sum, report| sum + read(report))
+        }
     };
 
     let g = "wheels";
@@ -227,7 +230,8 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, distance:
     c.add(3, "normalForce", g, Unit::Newton, PRESSING, "sum of the normal forces of the wheel's contacts", of(|k| k.normal_force));
     let text = "guiding force of the wheel on the rail, outward positive, over Q: positive when a flange climbs; 0 below Q = 1 N";
     c.add(4, "derailmentQuotient", g, Unit::One, friction, text, move |s| {
-        let force = s.workspace.contacts[contact].force + s.workspace.second_contacts.get(contact).map_or(Vector3::zeros(), |k| k.force);
+        let further = &s.workspace.further_contacts[contact * (points - 1)..(contact + 1) * (points - 1)];
+        let force: Vector3<f64> = further.iter().fold(s.workspace.contacts[contact].force, |sum, report| sum + report.force);
         if force.z > UNLOADED { -outward * force.y / force.z } else { 0.0 }
     });
     let text = "T-gamma without spin: |Fx xi_x| + |Fy xi_y|, summed over the wheel's contacts (energy per distance, J/m)";
@@ -242,18 +246,19 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, distance:
     );
 
     for index in 0..points {
-        point_of_contact(c, &format!("{prefix}.{}.contact[{}]", side.name(), index + 1), index, contact, side, distance);
+        let report = if index == 0 { None } else { Some(contact * (points - 1) + index - 1) };
+        point_of_contact(c, &format!("{prefix}.{}.contact[{}]", side.name(), index + 1), (index, report), contact, side, distance);
     }
     c.prefix = prefix;
     c.base = base;
 }
 
-/// Outputs of one of a wheel's contacts: the first (tread) or the second.
-fn point_of_contact(c: &mut Collector, name: &str, index: usize, contact: usize, side: Side, distance: usize) {
+/// Outputs of one of a wheel's contacts: the first (tread), or one of the others at `further`.
+fn point_of_contact(c: &mut Collector, name: &str, (index, further): (usize, Option<usize>), contact: usize, side: Side, distance: usize) {
     let friction = if side == Side::Left { LEFT } else { RIGHT };
     let none = STATE;
     let outward = side.sign();
-    let report = move |s: &Snapshot| if index == 0 { s.workspace.contacts[contact] } else { s.workspace.second_contacts[contact] };
+    let report = move |s: &Snapshot| further.map_or(s.workspace.contacts[contact], |place| s.workspace.further_contacts[place]);
     let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| read(&report(s));
     let (prefix, base) = (std::mem::replace(&mut c.prefix, name.into()), c.base);
     c.base += 20 * (index as u32 + 1);
