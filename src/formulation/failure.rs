@@ -35,6 +35,13 @@ pub enum ContactFailure {
     OffProfile { part: &'static str, found: f64, first: f64, last: f64, y: f64 },
     #[error("no node of the wheel stands over a node of the rail (wheelset at y = {y:.4} m): the wheelset has left the rails")]
     OffRail { y: f64 },
+    #[error("derailed: {how} (wheelset at y = {y:.4} m, z = {z:.4} m)")]
+    Derailed { how: &'static str, y: f64, z: f64 },
+    #[error(
+        "the travelling speed has fallen to {speed:.3} m/s, and steady creepages are relative to it; for low speed and standstill give the scene \
+         a table [contact.transient]"
+    )]
+    TooSlow { speed: f64 },
     #[error("{0}")]
     Conformal(#[from] ConformalContact),
     #[error(

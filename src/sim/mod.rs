@@ -11,7 +11,7 @@ pub mod unit;
 
 use crate::formulation::events::ContactEvent;
 use crate::formulation::work::Work;
-use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
+use crate::formulation::{AssemblyError, ContactFailure, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
 use crate::mbs::body::COORDINATES;
 use crate::scene::assemble;
 use crate::scene::equilibrium::{self, EquilibriumError};
@@ -52,6 +52,13 @@ pub enum SimulationError {
     Evaluation(#[from] EvaluationError),
     #[error("{0}")]
     Solve(#[from] SolveError),
+}
+
+impl SimulationError {
+    /// Has a wheel left its rail? (Not a failure of the program: the run ends there.)
+    pub fn is_derailed(&self) -> bool {
+        matches!(self, SimulationError::Evaluation(EvaluationError { cause: ContactFailure::Derailed { .. }, .. }))
+    }
 }
 
 /// A running simulation of one scene.

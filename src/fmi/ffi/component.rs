@@ -11,6 +11,8 @@ pub struct Component {
     pub log: Log,
     /// Status of the last fmi2DoStep.
     pub last_step: Status,
+    /// Did the last step end because a wheel left its rail? The slave then wants to end the simulation.
+    pub derailed: bool,
     /// Set by a panic: the instance then answers fmi2Error for ever.
     pub poisoned: bool,
     /// Strings given to the host; they live until the next call on this instance.
@@ -19,7 +21,7 @@ pub struct Component {
 
 impl Component {
     pub fn new(instance: instance::Instance, log: Log) -> Self {
-        Component { instance, log, last_step: Status::Ok, poisoned: false, strings: Vec::new() }
+        Component { instance, log, last_step: Status::Ok, derailed: false, poisoned: false, strings: Vec::new() }
     }
 }
 

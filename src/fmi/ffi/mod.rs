@@ -218,14 +218,17 @@ pub unsafe extern "C" fn fmi2DoStep(
     guard(c, |component| match component.instance.do_step(current_communication_point, communication_step_size) {
         Ok(StepOutcome::Done) => {
             component.last_step = Status::Ok;
+            component.derailed = false;
             Status::Ok
         }
         Ok(StepOutcome::DoneWithEvents(events)) => {
             component.last_step = remarks(component, &events);
+            component.derailed = false;
             component.last_step
         }
         Ok(StepOutcome::Discarded(error, events)) => {
             remarks(component, &events);
+            component.derailed = error.is_derailed();
             component.last_step = Status::Discard;
             let reached = component.instance.time();
             component.log.error(Status::Discard, &format!("the step ended early at t = {reached} s: {error}"));
@@ -285,7 +288,7 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(c: Component, kind: c_int, value: 
 /// The component must be null or come from fmi2Instantiate, `value` null or valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status {
-    step_status(c, value, kind, |_, kind| (kind == TERMINATED).then_some(FALSE))
+    step_status(c, value, kind, |component, kind| (kind == TERMINATED).then_some(Boolean::from(component.derailed)))
 }
 
 /// # Safety
