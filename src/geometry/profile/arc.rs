@@ -46,9 +46,9 @@ impl Profile for Arch {
 
 fn parse(section: &Section, part: Part) -> Result<ProfileChoice, SettingsError> {
     if part == Part::Wheel {
-        return Err(section.error("kind", "an arc is a rail profile; expected \"cone\" or \"points\" for a wheel"));
+        return Err(section.error("kind", "an arc is a rail profile; a wheel may be \"s1002\", \"cone\", \"points\", ..."));
     }
-    Ok(ProfileChoice { profile: Arc::new(Arch { radius: section.positive("radius", Dimension::Length)? }), file: None })
+    Ok(ProfileChoice::own(Arc::new(Arch { radius: section.positive("radius", Dimension::Length)? })))
 }
 
 #[cfg(test)]

@@ -40,12 +40,12 @@ impl Profile for Cone {
 
 fn parse(section: &Section, part: Part) -> Result<ProfileChoice, SettingsError> {
     if part == Part::Rail {
-        return Err(section.error("kind", "a cone is a wheel profile; expected \"arc\" or \"points\" for a rail"));
+        return Err(section.error("kind", "a cone is a wheel profile; a rail may be \"60e1\", \"arc\", \"points\", ..."));
     }
     let radius = section.positive("radius", Dimension::Length)?;
     let slope = section.number("slope", Dimension::None)?;
     if slope.abs() * HALF_WIDTH >= radius {
         return Err(section.error("slope", format!("found {slope}, but the cone's tip must stay off the tread (radius {radius} m)")));
     }
-    Ok(ProfileChoice { profile: Arc::new(Cone { radius, slope }), file: None })
+    Ok(ProfileChoice::own(Arc::new(Cone { radius, slope })))
 }

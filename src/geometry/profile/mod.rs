@@ -4,9 +4,17 @@
 //! positive (flange at negative u). A rail profile is the height f(eta) [m] over the section's base line, eta
 //! [m] outward positive. Both are the paper's g and f (Eqs. 6 and 8).
 
+mod apta;
 mod arc;
 mod cone;
+mod drawing;
+mod outline;
+mod piecewise;
 mod points;
+mod rail_head;
+mod s1002;
+#[cfg(test)]
+mod test_support;
 
 use crate::settings::{Entry, Section, SettingsError, choose};
 use std::path::PathBuf;
@@ -36,6 +44,17 @@ pub trait Profile: Send + Sync + std::fmt::Debug {
 
     /// One line for `wheelrail plan`.
     fn describe(&self) -> String;
+
+    /// Coordinates [m], increasing, at which the second derivative jumps: what depends on curvature steps there.
+    fn joints(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Coordinates [m], increasing, at which the slope jumps. No profile of this program has any: angles of
+    /// drawings are rounded when they are read.
+    fn kinks(&self) -> Vec<f64> {
+        Vec::new()
+    }
 }
 
 /// Wheel or rail: the two readings of a profile file.
@@ -51,6 +70,15 @@ pub struct ProfileChoice {
     pub profile: Arc<dyn Profile>,
     /// File and its content, which an FMU must carry with it.
     pub file: Option<ProfileFile>,
+    /// What the user should know about how the profile was read: assumed datums, points left out.
+    pub notes: Vec<String>,
+}
+
+impl ProfileChoice {
+    /// A profile that needs no file.
+    fn own(profile: Arc<dyn Profile>) -> Self {
+        ProfileChoice { profile, file: None, notes: Vec::new() }
+    }
 }
 
 /// A file that a scene refers to.
@@ -65,7 +93,8 @@ pub struct ProfileFile {
 type Parse = fn(&Section, Part) -> Result<ProfileChoice, SettingsError>;
 
 /// Every profile format that a scene can name with `kind`.
-pub static REGISTRY: &[Entry<Parse>] = &[cone::ENTRY, arc::ENTRY, points::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] =
+    &[cone::ENTRY, s1002::ENTRY, apta::ENTRY, arc::ENTRY, rail_head::E1, rail_head::E2, rail_head::UIC60, points::ENTRY];
 
 /// Reads a profile table `{ kind = "...", ... }`.
 ///

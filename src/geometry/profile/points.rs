@@ -63,6 +63,7 @@ fn parse(section: &Section, part: Part) -> Result<ProfileChoice, SettingsError> 
     Ok(ProfileChoice {
         profile: Arc::new(profile),
         file: Some(ProfileFile { key: section.full_key("file"), path: Path::new(&name).to_path_buf(), content }),
+        notes: Vec::new(),
     })
 }
 
