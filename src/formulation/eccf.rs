@@ -50,8 +50,8 @@ impl Formulation for Eccf {
         Some(self.on_lift)
     }
 
-    fn start(&self, model: &Model, _: &mut Workspace, _: f64, _: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-        lift::start(model, memory);
+    fn start(&self, model: &Model, workspace: &mut Workspace, _: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
+        lift::start(model, workspace, y, memory);
         Ok(())
     }
 

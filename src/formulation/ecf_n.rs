@@ -120,7 +120,7 @@ impl Formulation for EcfN {
                 let mut load = |found: &ContactLocation| {
                     self.check_ends(model, wheelset, side, found, &motion)?;
                     let wrench = &mut workspace.system.wrenches[wheelset.body];
-                    Contact { wheel: &wheel, found, depth: found.penetration }.elastic(wrench)
+                    Contact { wheel: &wheel, found, share: 1.0 }.elastic(wrench)
                 };
                 let reports = [Some(first), second.as_ref()].map(|found| found.map_or(Ok(ContactReport::default()), &mut load));
                 let [first, second] = reports;

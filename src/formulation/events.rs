@@ -1,4 +1,4 @@
-//! Lift-off and landing of contacts that are constraints while they are loaded.
+//! Lift-off and landing of contacts that are constraints while they are loaded; begin and end of contacts beside the first.
 
 use crate::geometry::Side;
 
@@ -7,6 +7,9 @@ use crate::geometry::Side;
 pub enum ContactChange {
     /// The constraint would have begun to pull; the contact is elastic from here.
     Lifted,
+    /// The place that was constrained no longer exists (the distance of the surfaces has no minimum there any more); the wheel is
+    /// elastic from here.
+    Vanished,
     /// The contact has settled and is a constraint again.
     Landed {
         /// Penetration that the projection removed, m.
@@ -17,6 +20,20 @@ pub enum ContactChange {
         /// costs more than the contact held: at rest it grows by 0.6 N delta.
         energy: f64,
     },
+    /// A contact beside the first has begun, without a jump in force.
+    Touched {
+        /// Its number, from 2.
+        contact: usize,
+    },
+    /// It has ended.
+    Parted { contact: usize },
+}
+
+impl ContactChange {
+    /// Does the contact change from constraint to elastic force or back? (The others belong to ordinary running.)
+    pub fn changes_mode(&self) -> bool {
+        matches!(self, ContactChange::Lifted | ContactChange::Vanished | ContactChange::Landed { .. })
+    }
 }
 
 /// A change of one contact.
@@ -34,6 +51,9 @@ impl std::fmt::Display for ContactEvent {
         write!(f, "t = {:.9} s, {}, {} wheel: ", self.time, self.wheelset, self.side.name())?;
         match self.change {
             ContactChange::Lifted => write!(f, "normal force fell to zero, the contact is elastic from here"),
+            ContactChange::Vanished => write!(f, "the contact point has ceased to exist under load, the wheel is elastic from here"),
+            ContactChange::Touched { contact } => write!(f, "contact {contact} begins"),
+            ContactChange::Parted { contact } => write!(f, "contact {contact} ends"),
             ContactChange::Landed { penetration, rate, energy } => write!(
                 f,
                 "the contact has settled and is a constraint again; {penetration:.3e} m of penetration and {rate:.3e} m/s removed, energy changed by {energy:+.3e} J"

@@ -2,8 +2,10 @@
 
 use super::eccf;
 use super::events::{ContactChange, ContactEvent};
+use super::loading::{keep, pair};
+use super::points;
 use super::rigid::{MODE, NORMAL_FORCE, SETTLED_SINCE, is_elastic, least_pressed, wheels};
-use super::{ContactFailure, EvaluationError, Model, Wheelset, Workspace};
+use super::{ContactFailure, ContactReport, EvaluationError, Model, Wheelset, Workspace};
 use crate::geometry::Side;
 use crate::settings::{Section, SettingsError};
 
@@ -38,10 +40,15 @@ const SETTLED: f64 = 0.01;
 /// ... for this long [s] ends the elastic mode.
 const SETTLING_TIME: f64 = 5e-3;
 
-/// All contacts begin as constraints that carry the static load.
-pub(super) fn start(model: &Model, memory: &mut [f64]) {
-    for (contact, wheelset, _) in wheels(model) {
+/// All contacts begin as constraints that carry the static load, each at its wheel's deepest place.
+pub(super) fn start(model: &Model, workspace: &mut Workspace, y: &[f64], memory: &mut [f64]) {
+    model.system.move_bodies(y, &mut workspace.system);
+    for (contact, wheelset, side) in wheels(model) {
         let memory = &mut memory[model.contact_memory(contact)];
+        let pair = pair(model, wheelset, side, &workspace.system.motions[wheelset.body]);
+        if let Some(place) = points::deepest(model, contact, &pair) {
+            keep(&place, memory);
+        }
         (memory[NORMAL_FORCE], memory[MODE], memory[SETTLED_SINCE]) = (wheelset.static_wheel_load, 0.0, f64::INFINITY);
     }
 }
@@ -53,8 +60,8 @@ pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [
         if !is_elastic(memory) {
             continue;
         }
-        let report = &workspace.contacts[contact];
-        let settled = report.stiffness > 0.0 && {
+        let report = most_pressed(model, workspace, contact);
+        let settled = report.stiffness > 0.0 && pressed(model, workspace, contact) == 1 && {
             // N = K delta^1.5 with the vertical part of N equal to the static load.
             let at_rest = (wheelset.static_wheel_load / (report.axes.normal.z * report.stiffness)).cbrt().powi(2);
             (report.penetration / at_rest - 1.0).abs() <= SETTLED
@@ -66,6 +73,21 @@ pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [
             memory[SETTLED_SINCE] = memory[SETTLED_SINCE].min(t);
         }
     }
+}
+
+/// Reports of all contacts of a wheel.
+fn reports<'a>(model: &Model, workspace: &'a Workspace, contact: usize) -> impl Iterator<Item = &'a ContactReport> {
+    let others = &workspace.further_contacts[contact * (model.points - 1)..(contact + 1) * (model.points - 1)];
+    std::iter::once(&workspace.contacts[contact]).chain(others)
+}
+
+fn pressed(model: &Model, workspace: &Workspace, contact: usize) -> usize {
+    reports(model, workspace, contact).filter(|report| report.normal_force > 0.0).count()
+}
+
+fn most_pressed<'a>(model: &Model, workspace: &'a Workspace, contact: usize) -> &'a ContactReport {
+    let first = &workspace.contacts[contact];
+    reports(model, workspace, contact).fold(first, |most, other| if other.normal_force > most.normal_force { other } else { most })
 }
 
 /// When the next elastic contact becomes a constraint if it stays settled, s.
@@ -118,6 +140,29 @@ pub(super) fn switch(
     model.formulation.resettle(model, workspace, t, y, memory)
 }
 
+/// Frees the wheel whose contact was not found.
+pub(super) fn release(
+    failure: &EvaluationError,
+    model: &Model,
+    workspace: &mut Workspace,
+    t: f64,
+    y: &mut [f64],
+    memory: &mut [f64],
+) -> Result<bool, EvaluationError> {
+    let lost = wheels(model).find(|(_, wheelset, side)| wheelset.name == failure.wheelset && *side == failure.side);
+    let Some((contact, wheelset, side)) = lost else { return Ok(false) };
+    let own = &mut memory[model.contact_memory(contact)];
+    let searched = model.searches[contact].is_some();
+    let lost = matches!(failure.cause, ContactFailure::NotFound { .. } | ContactFailure::NotClosed { .. } | ContactFailure::Dependent);
+    if !(searched && lost) || is_elastic(own) {
+        return Ok(false);
+    }
+    (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
+    workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change: ContactChange::Vanished });
+    model.formulation.resettle(model, workspace, t, y, memory)?;
+    Ok(true)
+}
+
 /// Makes an elastic contact a constraint again: positions, then velocities are projected.
 fn land(
     (contact, wheelset, side): (usize, &Wheelset, Side),
@@ -130,6 +175,7 @@ fn land(
     model.system.move_bodies(y, &mut workspace.system);
     let motion = workspace.system.motions[wheelset.body];
     let range = model.contact_memory(contact);
+    points::promote(model, workspace, contact, &mut memory[range.clone()]);
     let found = eccf::locate(model, wheelset, side, &motion, &mut memory[range.clone()])
         .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
     let mechanical = |workspace: &Workspace| {

@@ -1,6 +1,7 @@
 //! What all formulations share: loads from outside and the laws of contact at a point that was found.
 
 use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LONGITUDINAL_FORCE, Model, VERTICAL_FORCE, Wheelset};
+use crate::contact::Patch;
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{ContactAxes, in_rolling_direction};
 use crate::contact::normal::{ConformalContact, damped_force};
@@ -39,8 +40,8 @@ pub(super) struct WheelAt<'a> {
 pub(super) struct Contact<'a> {
     pub wheel: &'a WheelAt<'a>,
     pub found: &'a ContactLocation,
-    /// Penetration that is loaded, m: the geometric one, or what is left to a contact that shares its patch with another.
-    pub depth: f64,
+    /// Of its Hertzian force that it carries: 1, or less where it shares its patch with another (see `points`).
+    pub share: f64,
 }
 
 impl WheelAt<'_> {
@@ -81,7 +82,7 @@ impl Contact<'_> {
     #[inline]
     pub fn elastic(&self, wrench: &mut Wrench) -> Result<ContactReport, ContactFailure> {
         let (mut report, found, model) = (self.report(), self.found, self.wheel.model);
-        if !(self.depth > 0.0) {
+        if !(found.penetration > 0.0) {
             report.creepage = Default::default();
             return Ok(report);
         }
@@ -90,10 +91,12 @@ impl Contact<'_> {
             return Err(ContactFailure::TooDeep { penetration: found.penetration, z: self.wheel.motion.position.z });
         }
         let (rolling, across) = found.half_curvatures();
-        let elastic = model.laws.normal.contact(rolling, across, self.depth)?;
+        let elastic = model.laws.normal.contact(rolling, across, found.penetration)?;
+        // Half-axes of a Hertzian patch grow with the cube root of its force.
+        let narrower = self.share.cbrt();
         report.stiffness = elastic.stiffness;
-        report.patch = elastic.patch;
-        report.normal_force = damped_force(elastic.force, model.laws.damping, self.depth, report.penetration_rate);
+        report.patch = Patch { a: narrower * elastic.patch.a, b: narrower * elastic.patch.b };
+        report.normal_force = self.share * damped_force(elastic.force, model.laws.damping, found.penetration, report.penetration_rate);
         self.creep(&mut report);
         self.add(&report, report.force, wrench);
         Ok(report)

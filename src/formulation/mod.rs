@@ -16,7 +16,7 @@ mod failure;
 mod lift;
 mod loading;
 mod model;
-mod points;
+pub mod points;
 mod rigid;
 pub mod work;
 

@@ -1,6 +1,8 @@
 //! What stays constant during a simulation, and the scratch of its evaluations.
 
 use super::events::ContactEvent;
+use super::lift::OnLift;
+use super::points::{self, WheelSearch};
 use super::rigid::{self, RigidScratch};
 use super::work::Work;
 use super::{AssemblyError, Build, EvaluationError, Formulation, lift};
@@ -71,6 +73,8 @@ pub struct Parts {
     pub track: Track,
     pub wheelsets: Vec<Wheelset>,
     pub laws: ContactLaws,
+    /// Contacts that each wheel may have at the same time, at least 1.
+    pub points: usize,
 }
 
 /// Everything that stays constant during a simulation.
@@ -81,6 +85,10 @@ pub struct Model {
     pub wheelsets: Vec<Wheelset>,
     pub laws: ContactLaws,
     pub formulation: Box<dyn Formulation>,
+    /// Contacts that each wheel may have at the same time.
+    pub points: usize,
+    /// Per wheel: the search for all of them; `None` where one place alone can touch.
+    pub(super) searches: Vec<Option<WheelSearch>>,
 }
 
 /// One contact as it was found and loaded at one instant.
@@ -137,13 +145,11 @@ impl Model {
     /// [`AssemblyError`] when the formulation can't treat the parts.
     pub fn new(parts: Parts, build: &Build) -> Result<Model, AssemblyError> {
         let formulation = build(&parts)?;
-        let Parts { system, track, wheelsets, laws } = parts;
-        Ok(Model { system, track, wheelsets, laws, formulation })
-    }
-
-    /// Contacts that each wheel may have at the same time.
-    pub fn points_per_wheel(&self) -> usize {
-        self.formulation.points_per_wheel()
+        let Parts { system, track, wheelsets, laws, points } = parts;
+        let own = formulation.points_per_wheel();
+        let searches = points::searches(&wheelsets, &track, if own > 1 { 1 } else { points.min(points::MOST_POINTS) });
+        let points = if searches.iter().any(Option::is_some) { points } else { own };
+        Ok(Model { system, track, wheelsets, laws, formulation, points, searches })
     }
 
     pub fn contacts(&self) -> usize {
@@ -157,7 +163,12 @@ impl Model {
 
     /// Length of the state's memory.
     pub fn memory(&self) -> usize {
-        self.contacts() * self.formulation.memory_per_contact()
+        self.contacts() * self.memory_per_contact()
+    }
+
+    fn memory_per_contact(&self) -> usize {
+        let record = if self.searches.iter().any(Option::is_some) { points::record_length(self.points) } else { 0 };
+        self.formulation.memory_per_contact() + record
     }
 
     /// A contact's own states in the state vector.
@@ -169,7 +180,7 @@ impl Model {
 
     /// A contact's part of the state's memory.
     pub fn contact_memory(&self, contact: usize) -> std::ops::Range<usize> {
-        let count = self.formulation.memory_per_contact();
+        let count = self.memory_per_contact();
         contact * count..(contact + 1) * count
     }
 
@@ -177,7 +188,7 @@ impl Model {
         let both = |wheelset: &Wheelset| [wheelset.body; 2];
         let constrained: Vec<usize> =
             if self.formulation.constrains() { self.wheelsets.iter().flat_map(both).collect() } else { Vec::new() };
-        let further = (self.points_per_wheel() - 1) * self.contacts();
+        let further = (self.points - 1) * self.contacts();
         Workspace {
             system: self.system.workspace(&constrained),
             contacts: vec![ContactReport::default(); self.contacts()],
@@ -196,7 +207,7 @@ impl Model {
         first: &'a mut [ContactReport],
         further: &'a mut [ContactReport],
     ) -> (&'a mut ContactReport, &'a mut [ContactReport]) {
-        let count = self.points_per_wheel() - 1;
+        let count = self.points - 1;
         (&mut first[contact], &mut further[contact * count..(contact + 1) * count])
     }
 
@@ -214,10 +225,12 @@ impl Model {
         self.formulation.derivative(self, workspace, at, dy)
     }
 
-    /// The smallest normal force [N] of a constrained contact as it was found last; `None` when there is no constraint that could
-    /// pull.
+    /// The smallest normal force [N] of a constrained contact as it was found last, or how far (times a stiffness) a contact beside
+    /// the first is from beginning or ending; `None` when there is neither.
     pub fn margin(&self, memory: &[f64]) -> Option<f64> {
-        self.formulation.on_lift().and_then(|_| rigid::least_pressed(self, memory)).map(|(_, force)| force)
+        let pressing = self.formulation.on_lift().and_then(|_| rigid::least_pressed(self, memory)).map(|(_, force)| force);
+        let touching = points::margin(self, memory);
+        pressing.into_iter().chain(touching).reduce(f64::min)
     }
 
     /// When an elastic contact becomes a constraint again if nothing disturbs it, s; infinity for never.
@@ -230,6 +243,28 @@ impl Model {
     /// # Errors
     /// [`EvaluationError`] when the formulation can't go on.
     pub fn switch(&self, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
+        if points::switch(self, workspace, t, memory) {
+            return Ok(());
+        }
         self.formulation.on_lift().map_or(Ok(()), |on_lift| lift::switch(on_lift, self, workspace, t, y, memory))
+    }
+
+    /// Hands a constrained contact that can't be found any more to elastic forces, where the scene allows it; returns whether it
+    /// did.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] when there is no state near `y` in which the other constraints hold.
+    pub fn release(
+        &self,
+        failure: &EvaluationError,
+        workspace: &mut Workspace,
+        t: f64,
+        y: &mut [f64],
+        memory: &mut [f64],
+    ) -> Result<bool, EvaluationError> {
+        match self.formulation.on_lift() {
+            Some(OnLift::Elastic) => lift::release(failure, self, workspace, t, y, memory),
+            _ => Ok(false),
+        }
     }
 }

@@ -125,7 +125,7 @@ pub(super) fn derivative(
                 continue;
             }
             let found = find(contact, wheelset, side, &motion, memory).map_err(fail)?;
-            let load = Contact { wheel: &wheel, found: &found.location, depth: 0.0 };
+            let load = Contact { wheel: &wheel, found: &found.location, share: 1.0 };
             load.check_place().map_err(fail)?;
             let (first, further) = reports;
             *first = ContactReport { constrained: true, ..load.report() };
@@ -243,7 +243,7 @@ fn settle(model: &Model, workspace: &mut Workspace, rigid: &mut RigidScratch, t:
             let motion = &system.motions[wheelset.body];
             let friction = friction(inputs, contact, side);
             let wheel = WheelAt { model, wheelset, side, contact, motion, friction };
-            let load = Contact { wheel: &wheel, found: &found.location, depth: 0.0 };
+            let load = Contact { wheel: &wheel, found: &found.location, share: 1.0 };
             load.pressed(&mut contacts[contact], forces[contact], &mut system.wrenches[wheelset.body])
                 .map_err(|cause| LoopFailure::At(EvaluationError::new(t, wheelset, side, cause.into())))?;
         }

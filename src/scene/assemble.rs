@@ -60,6 +60,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
             damping: contact.damping,
             friction: contact.friction,
         },
+        points: contact.points,
     };
     Model::new(parts, &contact.formulation)
 }

@@ -3,7 +3,7 @@
 //! FMU parameters are fields of this data; a model is assembled from it anew when they are set.
 
 use crate::contact::{Material, creep, normal};
-use crate::formulation;
+use crate::formulation::{self, points::MOST_POINTS};
 use crate::geometry::profile::{self, Part, ProfileChoice};
 use crate::geometry::track::{self, Deviation, gauge};
 use crate::settings::{Section, SettingsError, Source};
@@ -124,6 +124,8 @@ pub struct ContactSpec {
     pub friction: f64,
     /// C of Eq. 28, N s/m2.
     pub damping: f64,
+    /// Contacts that each wheel may have at the same time.
+    pub points: usize,
     pub material: Material,
     pub normal_name: String,
     pub normal: normal::Build,
@@ -374,6 +376,7 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
         formulation,
         friction: section.not_negative("friction", Dimension::None)?,
         damping: section.not_negative("damping", Dimension::PenetrationDamping)?,
+        points: read_points(&section)?,
         material: constants,
         normal_name,
         normal,
@@ -382,6 +385,15 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
     };
     section.finish()?;
     Ok(spec)
+}
+
+/// `contact.points`: 2 when absent.
+fn read_points(section: &Section) -> Result<usize, SettingsError> {
+    let points = section.number_or("points", Dimension::None, 2.0)?;
+    if points.fract() == 0.0 && (1.0..=MOST_POINTS as f64).contains(&points) {
+        return Ok(points as usize);
+    }
+    Err(section.error("points", format!("found {points:?}, expected a whole number from 1 to {MOST_POINTS}")))
 }
 
 fn read_interface(section: Section) -> Result<InterfaceSpec, SettingsError> {

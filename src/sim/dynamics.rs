@@ -83,6 +83,11 @@ impl Dynamics for ModelDynamics<'_> {
         keep(&mut self.failure, self.model.switch(self.workspace, t, y, memory))
     }
 
+    fn release(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
+        let Some(failure) = self.failure.clone() else { return Ok(false) };
+        keep(&mut self.failure, self.model.release(&failure, self.workspace, t, y, memory))
+    }
+
     /// When a wheel's contact reaches a place where its rail is not smooth. The contact moves with the centre and,
     /// when the wheelset yaws, with its wheel.
     fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64 {

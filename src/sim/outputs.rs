@@ -121,7 +121,7 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
             collector.add(30, "drivingForce", "motion", Unit::Newton, FRICTIONS, text, move |s| s.workspace.system.drive_forces[drive]);
         }
         for side in Side::BOTH {
-            let points = model.points_per_wheel();
+            let points = model.points;
             wheel(&mut collector, contact_index(index, side), points, side, wheelset.body * COORDINATES);
         }
         for (element, force) in model.system.forces.iter().enumerate() {

@@ -40,6 +40,20 @@ impl IntegrationState {
         Err(SolveError::EndlessEvents { time: self.t })
     }
 
+    /// After a step that failed because the system is not defined further on: asks for another form of it.
+    pub(super) fn release(&mut self, dynamics: &mut dyn Dynamics, error: SolveError) -> Result<bool, SolveError> {
+        let SolveError::Undefined { .. } = error else { return Ok(false) };
+        let IntegrationState { t, y, memory, .. } = self;
+        let released = dynamics.release(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })?;
+        if released {
+            self.t_begin = self.t;
+            self.derivative_known = false;
+            self.next_step = 0.0;
+            self.statistics.events += 1;
+        }
+        Ok(released)
+    }
+
     /// Completes an accepted step: moves its end onto the constraints, and cuts it where the system changes its form. A step that
     /// cannot be completed is taken back.
     pub(super) fn complete(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {

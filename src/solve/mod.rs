@@ -66,6 +66,14 @@ pub trait Dynamics {
     fn switch(&mut self, _t: f64, _y: &mut [f64], _memory: &mut [f64]) -> Result<(), Undefined> {
         Ok(())
     }
+
+    /// Changes the system's form where the present one has no solution beyond `t`; returns whether there is another form.
+    ///
+    /// # Errors
+    /// [`Undefined`] when it can't go on from here.
+    fn release(&mut self, _t: f64, _y: &mut [f64], _memory: &mut [f64]) -> Result<bool, Undefined> {
+        Ok(false)
+    }
 }
 
 /// f is not defined where it was asked for.
@@ -143,10 +151,16 @@ pub trait Integrator: Send + Sync + Debug {
     ) -> Result<(), SolveError> {
         while state.t < target {
             state.begin(dynamics)?;
-            self.step(dynamics, state, scratch)?;
+            if let Err(error) = self.step(dynamics, state, scratch) {
+                if !state.release(dynamics, error)? {
+                    return Err(error);
+                }
+                continue;
+            }
             // A fixed step has no shorter one to try.
             if let Err(error) = state.complete(dynamics, scratch)
                 && state.next_step < events::SHORTEST_RETRY
+                && !state.release(dynamics, error)?
             {
                 return Err(error);
             }

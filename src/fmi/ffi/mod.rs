@@ -197,12 +197,12 @@ pub unsafe extern "C" fn fmi2Reset(c: Component) -> Status {
     })
 }
 
-/// Logs lift-offs and landings: a warning when there are any.
+/// Logs events of contacts: a warning when one has changed between constraint and elastic force.
 fn remarks(component: &Instance, events: &[ContactEvent]) -> Status {
     for event in events {
         component.log.remark(&event.to_string());
     }
-    if events.is_empty() { Status::Ok } else { Status::Warning }
+    if events.iter().any(|event| event.change.changes_mode()) { Status::Warning } else { Status::Ok }
 }
 
 /// # Safety

@@ -89,7 +89,7 @@ impl Formulation for Accf {
     }
 
     fn start(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-        lift::start(model, memory);
+        lift::start(model, workspace, y, memory);
         reset(model, workspace, t, y, memory)
     }
 

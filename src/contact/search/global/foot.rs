@@ -71,7 +71,8 @@ impl RailCurve {
                 (first as u32, last as u32)
             })
             .collect();
-        let mut levels: Vec<Vec<Facing>> = vec![curve.stretches.iter().map(|b| Facing { angle: b.angle, curvature: b.curvature }).collect()];
+        let mut levels: Vec<Vec<Facing>> =
+            vec![curve.stretches.iter().map(|b| Facing { angle: b.angle, curvature: b.curvature }).collect()];
         let mut width = 1;
         while 2 * width <= count {
             let below = &levels[levels.len() - 1];
@@ -216,7 +217,11 @@ impl RailCurve {
         for _ in 0..40 {
             let rise = c.y - p.value;
             let sigma = (c.x - eta) + rise * p.d1;
-            if sigma > 0.0 { low = eta } else { high = eta }
+            if sigma > 0.0 {
+                low = eta
+            } else {
+                high = eta
+            }
             let slope = -(1.0 + p.d1 * p.d1) + rise * p.d2;
             let step = sigma / slope;
             let trial = eta - step;

@@ -106,8 +106,15 @@ impl Profile for Pieces {
 
 /// A wheel of straight lines and parabolas with kinks: flange, root and a broken tread.
 fn kinked_wheel() -> Arc<dyn Profile> {
-    let pieces =
-        [(-0.065, 1.5, -150.0), (-0.045, -1.5, 0.0), (-0.035, -1.5, 120.0), (-0.024, -0.1, 0.0), (0.0, -0.03, 0.0), (0.02, -0.06, -0.5), (0.04, -0.2, 0.0)];
+    let pieces = [
+        (-0.065, 1.5, -150.0),
+        (-0.045, -1.5, 0.0),
+        (-0.035, -1.5, 120.0),
+        (-0.024, -0.1, 0.0),
+        (0.0, -0.03, 0.0),
+        (0.02, -0.06, -0.5),
+        (0.04, -0.2, 0.0),
+    ];
     Pieces::new(0.466, &pieces, 0.06)
 }
 
@@ -211,7 +218,8 @@ impl Brute {
     /// Signed distance: nearest of all coarse points, then the segments around it.
     fn distance(&self, p: &Vector2<f64>) -> f64 {
         let last = self.rail.len() - 2;
-        let coarse = (0..=last).step_by(self.skip).map(|i| (i, (self.rail[i] - p).norm_squared())).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap().0;
+        let coarse =
+            (0..=last).step_by(self.skip).map(|i| (i, (self.rail[i] - p).norm_squared())).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap().0;
         let near = coarse.saturating_sub(2 * self.skip)..=(coarse + 2 * self.skip).min(last);
         let ends = [0, last];
         let best = near.chain(ends).map(|i| (i, self.segment(i, p))).min_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
@@ -416,7 +424,8 @@ fn equiv_candidates_solve_the_four_equations_on_a_straight_rail() {
                     rough += 1;
                 }
                 smooth += 1;
-                let place = (a.wheel - b.wheel).abs().max((a.rail - b.rail).abs()).max((a.lead - b.lead).abs()).max((a.angle - b.angle).abs());
+                let place =
+                    (a.wheel - b.wheel).abs().max((a.rail - b.rail).abs()).max((a.lead - b.lead).abs()).max((a.angle - b.angle).abs());
                 worst.0 = worst.0.max(place);
                 worst.1 = worst.1.max((polished.location.penetration + m.distance).abs());
             }

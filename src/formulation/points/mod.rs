@@ -1,0 +1,273 @@
+//! Elastic contacts of one wheel: all places where it presses on its rail.
+//!
+//! Profiles that can touch at one place only (strictly convex against each other) are served by one Newton iteration. For all
+//! others [`GlobalSearch`] finds every least distance between wheel and rail, from the pose alone: tread, flange root, flange. Each
+//! is a contact with its own normal and creep forces, which begin at zero penetration and are continuous in the pose:
+//!
+//! *Contacts that share a patch.* Two least distances may merge while both are pressed, the ridge between them being pressed
+//! too (nearly conformal profiles). With penetrations d1, d2, ridge r = max(0, penetration at the ridge) and heights above it
+//! p = d - r, contact 1 carries the share
+//!
+//! ```text
+//! s1 = 1 - (r / d1) p2 / (p1 + p2)
+//! ```
+//!
+//! of its Hertzian force. Apart (r = 0) it is 1; where contact 2 merges with the ridge (p2 = 0) it is 1 for contact 1
+//! and 0 for contact 2, which disappears without a jump; while both melt together (r -> d) the shares add up to 1, so that a
+//! patch is not counted twice. The rule is ours: between these limits it is an interpolation. Only where both merge at the very
+//! same pose (p1 = p2 = 0, a symmetric pair) the limit depends on the way.
+//!
+//! *Guard.* A search says by how much the wheel may move until another place can come near (`budget`); until then only the
+//! known places are followed, each by its own Newton iteration, and places far away (a flange) cost nothing.
+//!
+//! *Identity.* A contact keeps its number while it exists; a new one takes the lowest free number. Forces do not depend on it.
+//! The search forgets nothing and waits for nothing: no hysteresis.
+
+mod record;
+mod touch;
+
+use super::loading::{Contact, WheelAt, keep, not_found, warm_start};
+use super::{ContactFailure, ContactReport, Model, Workspace};
+use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
+use crate::contact::search::global::{GlobalSearch, Minima};
+use crate::geometry::Side;
+use crate::geometry::profile::Profile;
+use crate::geometry::surface::Wheel;
+use crate::geometry::track::Rail;
+use crate::mbs::body::Wrench;
+pub(super) use record::{Record, record_length};
+pub(super) use touch::{margin, switch};
+
+/// Most contacts of one wheel that a scene can ask for.
+pub const MOST_POINTS: usize = 4;
+
+/// Places that are further apart are not followed, m.
+const REACH: f64 = 5e-4;
+/// A wheel that is further away from its rail has left it, m.
+const FAR: f64 = 0.15;
+/// A wheel whose contact lies this much higher than the tread has a flange, m.
+const FLANGE: f64 = 10e-3;
+
+/// All contacts of one wheel.
+#[derive(Debug)]
+pub struct WheelSearch {
+    search: GlobalSearch,
+    /// Wheel coordinate of the flange's tip, m; minus infinity without a flange.
+    tip: f64,
+}
+
+impl WheelSearch {
+    /// `None` when there is nothing to search for: only one place can ever touch.
+    pub fn new(wheel: &Wheel, rail: &Rail) -> Option<Self> {
+        let search = GlobalSearch::new(wheel, rail);
+        (!search.strictly_convex()).then(|| WheelSearch { search, tip: flange_tip(wheel.profile.as_ref()) })
+    }
+}
+
+/// Where a wheel's radius is greatest, if that is on a flange.
+fn flange_tip(profile: &dyn Profile) -> f64 {
+    const STEPS: usize = 2000;
+    let (first, last) = profile.range();
+    let at = |index: usize| first + (last - first) * index as f64 / STEPS as f64;
+    let radius = |index: usize| profile.at(at(index)).value;
+    let tip = (0..=STEPS).max_by(|a, b| radius(*a).total_cmp(&radius(*b))).unwrap_or(0);
+    let tread = profile.at(0.0f64.clamp(first, last)).value;
+    if radius(tip) > tread + FLANGE && at(tip) < 0.0 { at(tip) } else { f64::NEG_INFINITY }
+}
+
+/// A place where wheel and rail are near each other.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    location: ContactLocation,
+    /// Of its Hertzian force that the contact carries, 0 to 1.
+    share: f64,
+}
+
+/// By number of the contact.
+type Places = [Option<Place>; MOST_POINTS];
+
+/// Locates a wheel's elastic contacts, loads them and adds their forces to the wheelset's wrench.
+#[inline]
+pub(super) fn elastic_wheel(
+    wheel: &WheelAt,
+    memory: &mut [f64],
+    wrench: &mut Wrench,
+    (first, further): (&mut ContactReport, &mut [ContactReport]),
+) -> Result<(), ContactFailure> {
+    let Some(search) = &wheel.model.searches[wheel.contact] else {
+        let pair = wheel.pair();
+        // A warm start that has gone stale (a jump of state) must not fail where a cold start succeeds.
+        let found = pair
+            .locate(&warm_start(memory))
+            .or_else(|_| pair.locate(&SurfaceParameters::default()))
+            .map_err(|failure| not_found(wheel.motion, failure))?;
+        keep(&found.parameters, memory);
+        *first = Contact { wheel, found: &found, share: 1.0 }.elastic(wrench)?;
+        return Ok(());
+    };
+    let places = search.places(wheel, None, memory)?;
+    for (place, report) in places.iter().zip(std::iter::once(first).chain(further)) {
+        *report = search.load(wheel, place.as_ref(), wrench)?;
+    }
+    Ok(())
+}
+
+/// Loads the elastic contacts of a wheel whose tread contact, at `tread`, is a constraint.
+#[inline]
+pub(super) fn elastic_beside(
+    wheel: &WheelAt,
+    tread: &ContactLocation,
+    memory: &mut [f64],
+    wrench: &mut Wrench,
+    further: &mut [ContactReport],
+) -> Result<(), ContactFailure> {
+    let Some(search) = &wheel.model.searches[wheel.contact] else { return Ok(()) };
+    let places = search.places(wheel, Some(tread), memory)?;
+    for (place, report) in places[1..].iter().zip(further) {
+        *report = search.load(wheel, place.as_ref(), wrench)?;
+    }
+    Ok(())
+}
+
+/// The place of a wheel's deepest contact when nothing is known of it: where a constraint may begin. `None` where there is but
+/// one place.
+pub(super) fn deepest(model: &Model, contact: usize, pair: &Pair) -> Option<SurfaceParameters> {
+    let search = &model.searches[contact].as_ref()?.search;
+    let mut minima = Minima::default();
+    search.find(pair, FAR, &mut minima);
+    minima.deepest().map(|minimum| search.polish(pair, minimum).location.parameters)
+}
+
+/// Makes the most pressed contact of a wheel its first; the reports are those of the present state.
+pub(super) fn promote(model: &Model, workspace: &Workspace, contact: usize, memory: &mut [f64]) {
+    if model.searches[contact].is_none() {
+        return;
+    }
+    let others = &workspace.further_contacts[contact * (model.points - 1)..(contact + 1) * (model.points - 1)];
+    let first = workspace.contacts[contact].normal_force;
+    let most = others.iter().enumerate().max_by(|a, b| a.1.normal_force.total_cmp(&b.1.normal_force));
+    if let Some((slot, report)) = most
+        && report.normal_force > first
+    {
+        let (own, rest) = memory.split_at_mut(model.formulation.memory_per_contact());
+        Record::new(rest, model.points).promote(slot + 1, own);
+    }
+}
+
+impl WheelSearch {
+    #[inline]
+    fn load(&self, wheel: &WheelAt, place: Option<&Place>, wrench: &mut Wrench) -> Result<ContactReport, ContactFailure> {
+        let Some(Place { location, share }) = place else { return Ok(ContactReport::default()) };
+        if location.penetration > 0.0 && location.parameters.wheel < self.tip {
+            return Err(derailed(wheel, "the tip of the flange stands on the rail"));
+        }
+        Contact { wheel, found: location, share: *share }.elastic(wrench)
+    }
+
+    /// All places near the rail by number of the contact. With a `tread` that is a constraint, number 0 is that and stays empty.
+    fn places(&self, wheel: &WheelAt, tread: Option<&ContactLocation>, memory: &mut [f64]) -> Result<Places, ContactFailure> {
+        let own = wheel.model.formulation.memory_per_contact();
+        let (memory, rest) = memory.split_at_mut(own);
+        let mut record = Record::new(rest, wheel.model.points);
+        if record.holds(wheel)
+            && let Some(places) = self.follow(wheel, tread.is_some(), memory, &mut record)
+        {
+            return Ok(places);
+        }
+        self.search(wheel, tread, memory, &mut record)
+    }
+
+    /// The known places, each from where it was; `None` where one of them is not found so.
+    #[inline]
+    fn follow(&self, wheel: &WheelAt, constrained: bool, memory: &mut [f64], record: &mut Record) -> Option<Places> {
+        let pair = wheel.pair();
+        let mut places = Places::default();
+        for (slot, place) in places.iter_mut().enumerate().take(wheel.model.points).skip(usize::from(constrained)) {
+            if !record.is_tracked(slot) {
+                continue;
+            }
+            let start = if slot == 0 { warm_start(memory) } else { record.parameters(slot) };
+            let location = pair.locate(&start).ok()?;
+            record.keep(slot, &location.parameters, location.penetration, memory);
+            *place = Some(Place { location, share: 1.0 });
+        }
+        Some(places)
+    }
+
+    /// A search from nothing.
+    fn search(
+        &self,
+        wheel: &WheelAt,
+        tread: Option<&ContactLocation>,
+        memory: &mut [f64],
+        record: &mut Record,
+    ) -> Result<Places, ContactFailure> {
+        let pair = wheel.pair();
+        let mut minima = Minima::default();
+        self.search.find(&pair, REACH, &mut minima);
+        if minima.is_empty() {
+            // In flight: the nearest place is what is shown.
+            self.search.find(&pair, FAR, &mut minima);
+        }
+        if minima.is_empty() {
+            return Err(derailed(wheel, "the wheel has left the rail"));
+        }
+        let count = minima.len();
+        let mut chosen = [true; crate::contact::search::global::MOST];
+        if let Some(tread) = tread {
+            // The minimum that the constraint is at.
+            let distance = |i: &usize| (minima[*i].parameters.wheel - tread.parameters.wheel).abs();
+            if let Some(own) = (0..count).min_by(|a, b| distance(a).total_cmp(&distance(b))) {
+                chosen[own] = false;
+            }
+        }
+        let free = wheel.model.points - usize::from(tread.is_some());
+        while (0..count).filter(|i| chosen[*i]).count() > free {
+            let shallowest = (0..count).filter(|i| chosen[*i]).max_by(|a, b| minima[*a].distance.total_cmp(&minima[*b].distance));
+            if let Some(shallowest) = shallowest {
+                chosen[shallowest] = false;
+            }
+        }
+        let mut places = Places::default();
+        let numbers = record.assign(&minima, &chosen[..count], tread.is_some(), memory);
+        for (i, minimum) in minima.iter().enumerate().filter(|(i, _)| chosen[*i]) {
+            let Some(slot) = numbers[i] else { continue };
+            let location = self.search.polish(&pair, minimum).location;
+            record.keep(slot, &location.parameters, location.penetration, memory);
+            places[slot] = Some(Place { location, share: share(&minima, i) });
+        }
+        // Contacts whose ridge is pressed, or soon may be, share a patch: that takes a search.
+        let ridges = minima.iter().filter_map(|minimum| minimum.ridge_to_next).map(|ridge| ridge.distance);
+        let steady = if minima.delicate { 0.0 } else { minima.steady.min(minima.clearance) };
+        record.renew(wheel, ridges.fold(steady, f64::min).max(0.0));
+        Ok(places)
+    }
+}
+
+/// Share of contact `i` beside its neighbours.
+fn share(minima: &[crate::contact::search::global::Minimum], i: usize) -> f64 {
+    let depth = -minima[i].distance;
+    if !(depth > 0.0) {
+        return 1.0;
+    }
+    let beside = |ridge: f64, neighbour: f64| {
+        let ridge = ridge.max(0.0);
+        let (own, other) = (depth - ridge, (neighbour - ridge).max(0.0));
+        let sum = own.max(0.0) + other;
+        1.0 - ridge / depth * if sum > 0.0 { other / sum } else { 0.5 }
+    };
+    let after = minima[i].ridge_to_next.filter(|_| i + 1 < minima.len()).map_or(1.0, |r| beside(-r.distance, -minima[i + 1].distance));
+    let before = i.checked_sub(1).and_then(|before| minima[before].ridge_to_next.map(|r| beside(-r.distance, -minima[before].distance)));
+    after * before.unwrap_or(1.0)
+}
+
+fn derailed(wheel: &WheelAt, how: &'static str) -> ContactFailure {
+    let position = &wheel.motion.position;
+    ContactFailure::Derailed { how, y: position.y, z: position.z }
+}
+
+/// Searches for all wheels whose profiles can touch at more than one place; none where `points` is 1.
+pub(super) fn searches(wheelsets: &[super::Wheelset], track: &crate::geometry::track::Track, points: usize) -> Vec<Option<WheelSearch>> {
+    let both = wheelsets.iter().flat_map(|wheelset| Side::BOTH.map(|side| (wheelset.wheel(side), track.rail(side))));
+    both.map(|(wheel, rail)| if points > 1 { WheelSearch::new(wheel, rail) } else { None }).collect()
+}

@@ -1,0 +1,151 @@
+//! What a wheel with several contacts remembers: where they were, and how long no search is needed.
+//!
+//! Part of the contact's memory behind that of its formulation: budget [m], the pose it counts from (6 numbers), one mark per
+//! contact (1: followed), then for each contact but the first (whose place stands where that of a single contact does) u,
+//! angle, lead, eta, penetration and a mark (1: it was pressed at the last event).
+
+use super::super::loading::{WheelAt, keep};
+use super::MOST_POINTS;
+use crate::contact::search::algebraic::SurfaceParameters;
+use crate::contact::search::global::{MOST, Minimum};
+
+const POSE: usize = 1;
+const MARKS: usize = 7;
+const PER_CONTACT: usize = 6;
+const DEPTH: usize = 4;
+const PRESSED: usize = 5;
+
+/// From the wheelset's centre to the furthest point of a wheel that can touch, m.
+const ARM: f64 = 1.0;
+/// Furthest lead of a contact, m: so much a change of the rail's direction moves the rail there.
+const LEAD: f64 = 0.05;
+
+/// Length of the record for `points` contacts per wheel.
+pub(in super::super) fn record_length(points: usize) -> usize {
+    MARKS + points + PER_CONTACT * (points - 1)
+}
+
+/// A view of the memory.
+pub(in super::super) struct Record<'a> {
+    values: &'a mut [f64],
+    points: usize,
+}
+
+impl<'a> Record<'a> {
+    pub fn new(values: &'a mut [f64], points: usize) -> Self {
+        Record { values, points }
+    }
+
+    fn place(&self, slot: usize) -> usize {
+        MARKS + self.points + PER_CONTACT * (slot - 1)
+    }
+
+    pub fn is_tracked(&self, slot: usize) -> bool {
+        self.values[MARKS + slot] != 0.0
+    }
+
+    pub fn parameters(&self, slot: usize) -> SurfaceParameters {
+        super::warm_start(&self.values[self.place(slot)..])
+    }
+
+    /// Keeps where a contact was found; that of the first stands in `own`.
+    pub fn keep(&mut self, slot: usize, found: &SurfaceParameters, penetration: f64, own: &mut [f64]) {
+        self.values[MARKS + slot] = 1.0;
+        if slot == 0 {
+            return keep(found, own);
+        }
+        let place = self.place(slot);
+        keep(found, &mut self.values[place..]);
+        self.values[place + DEPTH] = penetration;
+    }
+
+    /// Has the wheel moved less than the budget against its rail since the last search?
+    #[inline]
+    pub fn holds(&self, wheel: &WheelAt) -> bool {
+        let budget = self.values[0];
+        budget > 0.0 && {
+            let then = &self.values[POSE..MARKS];
+            let now = pose(wheel);
+            let change = |i: usize| (now[i] - then[i]).abs();
+            change(0) + change(1) + ARM * (change(2) + change(3)) + LEAD * (change(4) + change(5)) < budget
+        }
+    }
+
+    /// A search has been made here.
+    pub fn renew(&mut self, wheel: &WheelAt, budget: f64) {
+        self.values[0] = budget;
+        self.values[POSE..MARKS].copy_from_slice(&pose(wheel));
+    }
+
+    /// Gives each chosen minimum the number of the contact that was in its basin, or else the lowest that is free, the deepest
+    /// first. With `constrained` the first number is taken.
+    pub fn assign(&mut self, minima: &[Minimum], chosen: &[bool], constrained: bool, own: &[f64]) -> [Option<usize>; MOST] {
+        let mut numbers = [None; MOST];
+        let mut taken = [false; MOST_POINTS];
+        taken[0] = constrained;
+        for slot in usize::from(constrained)..self.points {
+            if !self.is_tracked(slot) {
+                continue;
+            }
+            let u = if slot == 0 { own[0] } else { self.parameters(slot).wheel };
+            let here = |i: &usize| chosen[*i] && numbers[*i].is_none() && (minima[*i].basin.0..=minima[*i].basin.1).contains(&u);
+            if let Some(i) = (0..minima.len()).find(here) {
+                numbers[i] = Some(slot);
+                taken[slot] = true;
+            }
+        }
+        loop {
+            let new = (0..minima.len()).filter(|i| chosen[*i] && numbers[*i].is_none());
+            let deepest = new.min_by(|a, b| minima[*a].distance.total_cmp(&minima[*b].distance));
+            let free = (0..self.points).find(|slot| !taken[*slot]);
+            let (Some(i), Some(slot)) = (deepest, free) else { break };
+            numbers[i] = Some(slot);
+            taken[slot] = true;
+        }
+        for slot in usize::from(constrained)..self.points {
+            self.values[MARKS + slot] = if taken[slot] { 1.0 } else { 0.0 };
+            if slot > 0 && !taken[slot] {
+                let place = self.place(slot);
+                self.values[place..place + PER_CONTACT].fill(0.0);
+            }
+        }
+        numbers
+    }
+
+    /// Penetration [m] of a contact beside the first, and whether it was pressed at the last event; `None` when there is none.
+    pub fn other(&self, slot: usize) -> Option<(f64, bool)> {
+        let place = self.place(slot);
+        self.is_tracked(slot).then(|| (self.values[place + DEPTH], self.values[place + PRESSED] != 0.0))
+    }
+
+    /// The same for all of them, with their numbers, from the bare memory.
+    pub fn others(values: &[f64], points: usize) -> impl Iterator<Item = (usize, f64, bool)> + '_ {
+        (1..points).filter(move |slot| values[MARKS + slot] != 0.0).map(move |slot| {
+            let place = MARKS + points + PER_CONTACT * (slot - 1);
+            (slot, values[place + DEPTH], values[place + PRESSED] != 0.0)
+        })
+    }
+
+    /// Makes a contact the first one.
+    pub fn promote(&mut self, slot: usize, own: &mut [f64]) {
+        let place = self.place(slot);
+        own[..4].swap_with_slice(&mut self.values[place..place + 4]);
+        self.values.swap(MARKS, MARKS + slot);
+        self.values[0] = 0.0;
+    }
+
+    pub fn set_pressed(&mut self, slot: usize, pressed: bool) {
+        let place = self.place(slot);
+        self.values[place + PRESSED] = f64::from(u8::from(pressed));
+    }
+}
+
+/// Where the wheelset stands against the rail: offset of the centre from the rail's line (lateral, vertical) [m], direction of the
+/// axle (X and Z parts) and of the rail (Y and Z parts).
+#[inline]
+fn pose(wheel: &WheelAt) -> [f64; 6] {
+    let motion = wheel.motion;
+    let section = wheel.model.track.rail(wheel.side).section(motion.position.x);
+    let (offset, axle) = (motion.position - section.origin, motion.frame.axes.column(1));
+    [offset.y, offset.z, axle.x, axle.z, section.d1.y, section.d1.z]
+}
