@@ -27,9 +27,9 @@
 //! * psi is 0 for p sign V < 1/4 and 1 above 3/4: relaxation needs a net way in one direction (1.4 l from p = 0).
 //!   A braked wheel that trembles rolls by micrometres to and fro; the material inside its patch is the same all the time,
 //!   and |V| alone would let its force leak away. Only ways count here, no speed is "small".
-//! * D = sqrt(1 + (T lambda)^2) with lambda = V_r / L: no time constant is below T / 8 (T / 8 while alpha is between 0 and 1,
-//!   else T), whatever the speed. Where L/V is long against T it changes nothing ((T V/L)^2 / 2 of the length),
-//!   and never a steady state. D_p likewise.
+//! * D = sqrt(1 + (T lambda)^2) with lambda = V_r / L bounds the rates of lasting motion whatever v and V: below 8 / T
+//!   (measured 6 / T, where alpha is between 0 and 1; 1 / T in rolling and in full sliding). It changes no steady state, and where
+//!   L/V is long against T little else ((T V/L)^2 / 2 of the length). D_p likewise.
 //! * w is 1 below half the scene's speed `below` and 0 above `below`, twice continuously differentiable:
 //!   above, the force is the steady law of v/V and of nothing else, and u relaxes harmlessly to a bounded value.
 //! * tau: material damping (Kelvin-Voigt) of the deflection, inside the law and so under its bound; it vanishes in steady
@@ -69,7 +69,7 @@ pub const STATES: usize = 3;
 pub struct TransientSettings {
     /// |V| from which on the steady law holds exactly, m/s; pure transient below half of it.
     pub below: f64,
-    /// T, s: no time constant is shorter than T / 8.
+    /// T, s: rates of lasting motion stay below 8 / T.
     pub time_floor: f64,
     /// tau, s.
     pub damping_time: f64,
