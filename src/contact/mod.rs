@@ -4,6 +4,7 @@ pub mod creep;
 pub mod creepage;
 pub mod normal;
 pub mod search;
+pub mod transient;
 
 /// Elastic constants shared by wheel and rail.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,295 @@
+//! Tangential contact at low speed and standstill: an elastic deflection between wheel and rail that relaxes while
+//! the patch rolls on.
+//!
+//! The steady creepage v/V has no meaning at V = 0. Each contact gets three first-order states: the tangential
+//! deflection u_x, u_y [m] and the rolled-in direction p [-] (1: rolled forward by several patch lengths, -1: backward).
+//! With the slip velocity v [m/s] of the wheel's material point and the signed rolling speed V:
+//!
+//! ```text
+//! zeta_i = u_i / L_i                                   creepage that the deflection amounts to
+//! u_i'   = (v_i - V_r zeta_i) / D - (1 - r_2/r)_+ u_i / T
+//! V_r    = |V| psi(p sign V) + alpha(r) (v . u)_+ / sum(u_i^2 / L_i)
+//! p'     = (V - |V| p) / (l D_p),   l = a / 2
+//! F      = law(w (zeta + tau u'/L) + (1 - w) v/|V|,  spin omega_n / V,  speed w V_r + (1 - w) |V|)
+//! ```
+//!
+//! * Steady rolling: zeta = v/V, and F is the steady law exactly. V = 0: u' = v, a spring of stiffness F'(0)/L (see
+//!   [`relaxation`]). In between the lag over the length L of the tyre models (Pacejka, Tire and Vehicle Dynamics, ch. 7,
+//!   with the deflection as the state, so that nothing is divided by V). V_r zeta is the part of v that does not go
+//!   into the deflection: creep and sliding. So the law's sliding speed, creepage times speed, is right too.
+//! * r = k |u| / (mu N) is the deflection against that of the friction bound. Below r_1 it is purely elastic and the
+//!   law's curve is retraced: an oscillating force below the bound makes no drift, unlike in the models of Dahl or LuGre.
+//!   Above, alpha rises from 0 to 1 at r_2 and takes away the growth of u: the wheel slides and u stays bounded.
+//!   (v . u)_+ vanishes when the slip reverses: unloading starts at once. This is the elasto-plastic idea of Dupont, Hayward,
+//!   Armstrong, Altpeter, IEEE Trans. Autom. Control 47 (2002) 787. r_1 is measured from the law when the model is
+//!   made: 1.12 times the r from which on the force stays within 0.1 % of its full-slip value; r_2 = 1.25 r_1. The spin's
+//!   share of the linear force is added to both, so that spin can't hide the bound.
+//! * psi is 0 for p sign V < 1/4 and 1 above 3/4: relaxation needs a net way in one direction (1.4 l from p = 0).
+//!   A braked wheel that trembles rolls by micrometres to and fro; the material inside its patch is the same all the time,
+//!   and |V| alone would let its force leak away. Only ways count here, no speed is "small".
+//! * D = sqrt(1 + (T lambda)^2) with lambda = V_r / L bounds the rates of lasting motion whatever v and V: below 8 / T
+//!   (measured 6 / T, where alpha is between 0 and 1; 1 / T in rolling and in full sliding). It changes no steady state, and where
+//!   L/V is long against T little else ((T V/L)^2 / 2 of the length). D_p likewise.
+//! * w is 1 below half the scene's speed `below` and 0 above `below`, twice continuously differentiable:
+//!   above, the force is the steady law of v/V and of nothing else, and u relaxes harmlessly to a bounded value.
+//! * tau: material damping (Kelvin-Voigt) of the deflection, inside the law and so under its bound; it vanishes in steady
+//!   states. The ratio of damping at the circular frequency f is tau f / 2.
+//! * Spin has no state. omega_n / V has the sign of V: with it the in-plane law is the same for both rolling directions
+//!   (see below) and a wheel on an inclined contact, whose omega_n changes sign with V, passes V = 0 without any jump.
+//!   For |V| < v_0 = below/100, 1/V is replaced by an odd polynomial and the moment's sign by another: no spin at
+//!   rest. What is left out is the twisting spring of a resting patch, of the order G (ab)^1.5, 1e-5 of what the two
+//!   wheels' longitudinal springs do to yaw.
+//! * Unloaded (N = 0 or an empty patch): u' = -u/T, p' = -p/T. A falling N leads there continuously.
+//!
+//! Rolling backward the law is called in axes turned by 180 degrees (`in_rolling_direction`). All laws are
+//! mirror-symmetric: (Fx, Fy, Mz)(-x, y, s) = (-Fx, Fy, Mz) and (x, -y, -s) -> (Fx, -Fy, -Mz). So the turned law is
+//! F(x, y, -s) in the plane and -Mz(x, y, -s): one call with the signed spin ratio serves both directions.
+//!
+//! Limits: with the law as the force-deflection curve, full sliding at rest begins after r = 3 (Shen, Hedrick, Elkins) where
+//! the exact theory has 1.5 (Cattaneo, Mindlin); micro-slip makes no hysteresis below r_1; a law that nears its
+//! bound slowly is kept to 0.1 % of mu N beyond r_1 while |V| < below. At |V| between below/2 and below the force
+//! depends on v directly, as that of the steady law does.
+
+pub mod relaxation;
+#[cfg(test)]
+mod tests;
+
+use super::creep::{CreepLaw, RollingContact};
+use super::creepage::{CreepForce, Creepage};
+use super::{Material, Patch};
+use crate::settings::{Section, SettingsError};
+use crate::units::Dimension;
+use relaxation::{Elasticity, Relaxation};
+
+/// States of one contact: deflection along e1 and e2 [m], rolled-in direction [-].
+pub const STATES: usize = 3;
+
+/// What `[contact.transient]` says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TransientSettings {
+    /// |V| from which on the steady law holds exactly, m/s; pure transient below half of it.
+    pub below: f64,
+    /// T, s: rates of lasting motion stay below 8 / T.
+    pub time_floor: f64,
+    /// tau, s.
+    pub damping_time: f64,
+}
+
+impl TransientSettings {
+    /// Reads the table `transient` of `[contact]`; `None` when it is absent.
+    ///
+    /// # Errors
+    /// [`SettingsError`] with file and line.
+    pub fn parse(contact: &Section) -> Result<Option<Self>, SettingsError> {
+        let Some(section) = contact.optional_section("transient")? else { return Ok(None) };
+        let below = section.positive("below", Dimension::Speed)?;
+        let time_floor = section.number_or("time_floor", Dimension::Time, 2e-3)?;
+        if !(1e-6..=0.1).contains(&time_floor) {
+            return Err(section.error("time_floor", format!("found {time_floor:?}, expected 1 us to 0.1 s")));
+        }
+        let damping_time = section.number_or("damping_time", Dimension::Time, 5e-5)?;
+        if !(0.0..=1e-3).contains(&damping_time) {
+            return Err(section.error("damping_time", format!("found {damping_time:?}, expected 0 to 1 ms")));
+        }
+        section.finish()?;
+        Ok(Some(TransientSettings { below, time_floor, damping_time }))
+    }
+}
+
+/// A pressed contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LoadedPatch {
+    pub patch: Patch,
+    /// N, N, not negative.
+    pub normal_force: f64,
+    /// mu, -.
+    pub friction: f64,
+}
+
+/// Motion of the wheel's material point against the rail, in e1, e2, n.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SlipVelocity {
+    /// v . e1, m/s.
+    pub longitudinal: f64,
+    /// v . e2, m/s.
+    pub lateral: f64,
+    /// omega . n, rad/s.
+    pub spin: f64,
+    /// V, m/s, positive rolling along +e1. For a wheel that slides much, the mean of its travelling and its circumferential speed.
+    pub rolling: f64,
+}
+
+/// What [`TransientContact::evaluate`] finds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Evaluation {
+    /// On the wheel, along e1, e2, n.
+    pub force: CreepForce,
+    /// Time derivatives of the states, m/s, m/s, 1/s.
+    pub rates: [f64; STATES],
+    /// Effective creepage; v/|V|, omega_n/|V| in steady rolling.
+    pub creepage: Creepage,
+}
+
+/// The transient model around one creep law and material.
+#[derive(Clone, Debug)]
+pub struct TransientContact {
+    settings: TransientSettings,
+    relaxation: Relaxation,
+    /// r_1 without spin, -.
+    slide_from: f64,
+}
+
+/// r_2 / r_1.
+const SLIDE_WIDTH: f64 = 1.25;
+
+impl TransientContact {
+    /// Measures the law's saturation (a few hundred calls); not for the stepping path.
+    pub fn new(settings: TransientSettings, material: Material, law: &dyn CreepLaw) -> Self {
+        let relaxation = Relaxation::new(material);
+        let slide_from = 1.12 * saturation_ratio(&relaxation, law);
+        TransientContact { settings, relaxation, slide_from }
+    }
+
+    pub fn settings(&self) -> &TransientSettings {
+        &self.settings
+    }
+
+    /// r_1 and r_2 without spin, -: deflection over mu N / k at which sliding begins and is complete.
+    pub fn sliding_range(&self) -> [f64; 2] {
+        [self.slide_from, SLIDE_WIDTH * self.slide_from]
+    }
+
+    /// L along e1 and e2 [m] and k [N/m]; `None` for an empty patch.
+    pub fn elasticity(&self, patch: Patch) -> Option<Elasticity> {
+        self.relaxation.of(patch)
+    }
+
+    /// States of steady rolling with `slip`, V not zero: to start a run without a transient.
+    pub fn steady_state(&self, contact: &LoadedPatch, slip: &SlipVelocity) -> [f64; STATES] {
+        let Some(elastic) = self.relaxation.of(contact.patch) else { return [0.0; STATES] };
+        let speed = slip.rolling.abs();
+        if !(speed > 0.0 && contact.normal_force > 0.0) {
+            return [0.0; STATES];
+        }
+        let u = [slip.longitudinal / speed * elastic.length[0], slip.lateral / speed * elastic.length[1]];
+        let bound = contact.friction * contact.normal_force;
+        let ratio = elastic.stiffness * u[0].hypot(u[1]);
+        let scale = (SLIDE_WIDTH * self.slide_from * bound / ratio).min(1.0);
+        let scale = if scale.is_finite() { scale } else { 0.0 };
+        [scale * u[0], scale * u[1], slip.rolling.signum()]
+    }
+
+    /// Force and rates. Finite for every finite input; allocates nothing.
+    pub fn evaluate(&self, law: &dyn CreepLaw, contact: &LoadedPatch, slip: &SlipVelocity, state: &[f64; STATES]) -> Evaluation {
+        let floor = self.settings.time_floor;
+        let [ux, uy, p] = *state;
+        let elastic = match self.relaxation.of(contact.patch) {
+            Some(elastic) if contact.normal_force > 0.0 => elastic,
+            _ => return Evaluation { rates: state.map(|x| -x / floor), ..Evaluation::default() },
+        };
+        let speed = slip.rolling.abs();
+        let bound = contact.friction * contact.normal_force;
+        let spin_ratio = slip.spin * self.inverse_speed(slip.rolling);
+
+        // How far the deflection has gone towards sliding.
+        let slide_from = self.slide_from * bound + elastic.spin_coupling * spin_ratio.abs();
+        let load = elastic.stiffness * ux.hypot(uy);
+        let slide_full = SLIDE_WIDTH * slide_from;
+        let alpha = if load > slide_from { smooth_step((load - slide_from) / (slide_full - slide_from)) } else { 0.0 };
+        let sliding = if alpha > 0.0 {
+            let power = slip.longitudinal * ux + slip.lateral * uy;
+            // The least divisor only matters without friction, where any deflection slides.
+            alpha * power.max(0.0) / (ux * ux / elastic.length[0] + uy * uy / elastic.length[1]).max(1e-60)
+        } else {
+            0.0
+        };
+        let excess = if load > slide_full { 1.0 - slide_full / load } else { 0.0 };
+
+        // Deflection: what the slip brings less what rolling on, sliding and lost load take away.
+        let rolling = speed * smooth_step(2.0 * (p * slip.rolling.signum() - 0.25));
+        let relaxing = rolling + sliding;
+        let rate = |u: f64, v: f64, length: f64| {
+            let lambda = relaxing / length;
+            (v - lambda * u) / (1.0 + (floor * lambda).powi(2)).sqrt() - excess * u / floor
+        };
+        let rates_xy = [rate(ux, slip.longitudinal, elastic.length[0]), rate(uy, slip.lateral, elastic.length[1])];
+        let way = 0.5 * contact.patch.a;
+        let rate_p = (slip.rolling - speed * p) / way / (1.0 + (floor * speed / way).powi(2)).sqrt();
+
+        // Creepage for the law: the deflection's below, v/V above.
+        let weight = self.transient_weight(speed);
+        let blend = |u: f64, u_rate: f64, v: f64, length: f64| {
+            let deflection = (u + self.settings.damping_time * u_rate) / length;
+            if weight == 1.0 { deflection } else { weight * deflection + (1.0 - weight) * v / speed }
+        };
+        let longitudinal = blend(ux, rates_xy[0], slip.longitudinal, elastic.length[0]);
+        let lateral = blend(uy, rates_xy[1], slip.lateral, elastic.length[1]);
+        // Sliding shrinks the whole creepage vector, spin included, so that its direction is kept.
+        let shrink = if sliding > 0.0 { speed / (speed + sliding) } else { 1.0 };
+        let spin = spin_ratio * (1.0 - weight + weight * shrink);
+        let law_speed = weight * relaxing + (1.0 - weight) * speed;
+        let found = law.force(&RollingContact {
+            patch: contact.patch,
+            normal_force: contact.normal_force,
+            friction: contact.friction,
+            creepage: Creepage { longitudinal, lateral, spin },
+            speed: law_speed,
+        });
+        let turn = self.smooth_sign(slip.rolling);
+        Evaluation {
+            force: CreepForce { spin_moment: turn * found.spin_moment, ..found },
+            rates: [rates_xy[0], rates_xy[1], rate_p],
+            creepage: Creepage { longitudinal, lateral, spin: turn * spin },
+        }
+    }
+
+    /// w(|V|).
+    fn transient_weight(&self, speed: f64) -> f64 {
+        let x = 2.0 * speed / self.settings.below - 1.0;
+        if x <= 0.0 {
+            1.0
+        } else if x >= 1.0 {
+            0.0
+        } else {
+            1.0 - x * x * x * (10.0 - x * (15.0 - 6.0 * x))
+        }
+    }
+
+    /// 1/V, below v_0 an odd polynomial through 0 with equal value, slope and curvature at v_0.
+    fn inverse_speed(&self, v: f64) -> f64 {
+        let small = 0.01 * self.settings.below;
+        let x = v / small;
+        if x.abs() >= 1.0 { 1.0 / v } else { x * (3.0 - x * x * (3.0 - x * x)) / small }
+    }
+
+    /// sign V, below v_0 an odd polynomial likewise.
+    fn smooth_sign(&self, v: f64) -> f64 {
+        let x = v / (0.01 * self.settings.below);
+        if x.abs() >= 1.0 { x.signum() } else { x * (15.0 - x * x * (10.0 - 3.0 * x * x)) / 8.0 }
+    }
+}
+
+/// 3 x^2 - 2 x^3, held outside 0 .. 1.
+#[inline]
+fn smooth_step(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
+/// The r = (linear force) / (mu N) from which on the law's force stays within 0.1 % of its value at r = 100; at most 20.
+fn saturation_ratio(relaxation: &Relaxation, law: &dyn CreepLaw) -> f64 {
+    const PATCH: Patch = Patch { a: 5e-3, b: 5e-3 };
+    const BOUND: f64 = 2e4;
+    let Some(elastic) = relaxation.of(PATCH) else { return 3.0 };
+    let force = |r: f64| {
+        let longitudinal = r * BOUND / (elastic.stiffness * elastic.length[0]);
+        let creepage = Creepage { longitudinal, ..Creepage::default() };
+        law.force(&RollingContact { patch: PATCH, normal_force: BOUND / 0.3, friction: 0.3, creepage, speed: 0.0 }).longitudinal.abs()
+    };
+    let full = force(100.0);
+    let mut r = 20.0;
+    while r > 0.5 && (force(0.99 * r) / full - 1.0).abs() <= 1e-3 {
+        r *= 0.99;
+    }
+    r
+}
