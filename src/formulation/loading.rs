@@ -3,7 +3,8 @@
 use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LATERAL_FORCE, Model, VERTICAL_FORCE, Wheelset};
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{ContactAxes, in_rolling_direction};
-use crate::contact::normal::{ConformalContact, damped_force};
+use crate::contact::normal::ConformalContact;
+use crate::contact::normal::damping::damped_force;
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
 use crate::geometry::Side;
 use crate::math::newton::NewtonFailure;
@@ -65,11 +66,11 @@ impl Contact<'_> {
         if found.penetration > DEEPEST {
             return Err(ContactFailure::TooDeep { penetration: found.penetration, z: self.motion.position.z });
         }
-        let (rolling, across) = found.half_curvatures();
-        let elastic = self.model.laws.normal.contact(rolling, across, found.penetration)?;
+        let shape = found.shape(self.wheelset.wheel(self.side), self.model.track.rail(self.side));
+        let elastic = self.model.laws.normal.contact(&shape, found.penetration)?;
         report.stiffness = elastic.stiffness;
         report.patch = elastic.patch;
-        report.normal_force = damped_force(elastic.force, self.model.laws.damping, found.penetration, report.penetration_rate);
+        report.normal_force = damped_force(self.model.laws.damping.as_ref(), elastic.force, found.penetration, report.penetration_rate);
         self.creep(&mut report);
         self.add(&report, report.force, wrench);
         Ok(report)
@@ -79,8 +80,8 @@ impl Contact<'_> {
     /// force itself belongs to the constraint; only the creep forces are added to the wrench.
     #[inline]
     pub fn pressed(&self, report: &mut ContactReport, normal_force: f64, wrench: &mut Wrench) -> Result<(), ConformalContact> {
-        let (rolling, across) = self.found.half_curvatures();
-        let (_, elastic) = self.model.laws.normal.contact_under(rolling, across, normal_force.max(0.0))?;
+        let shape = self.found.shape(self.wheelset.wheel(self.side), self.model.track.rail(self.side));
+        let (_, elastic) = self.model.laws.normal.contact_under(&shape, normal_force.max(0.0))?;
         report.stiffness = elastic.stiffness;
         report.patch = elastic.patch;
         report.normal_force = normal_force;
