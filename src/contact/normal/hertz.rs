@@ -55,8 +55,8 @@ impl Hertz {
         Ok((functions, sum, self.modulus / (functions.approach * (functions.approach * sum).sqrt())))
     }
 
-    /// The curvature over the patch that belongs to `force`: `delta = (N / K_h(B(delta)))^(2/3)` by secants. The right side
-    /// changes by at most a third of a relative change of delta, so the plain iteration converges too.
+    /// The curvature over the patch that belongs to `force`: `delta = (N / K_h(B(delta)))^(2/3)` by secants between bounds. N
+    /// grows with delta, so the right side exceeds delta below the root and falls short of it above.
     fn across_under(&self, shape: &ContactShape, force: f64) -> Result<f64, ConformalContact> {
         let image = |across: f64| {
             let (.., stiffness) = self.ellipse(shape.rolling, across)?;
@@ -65,6 +65,7 @@ impl Hertz {
         };
         let mut penetration = image(self.rule.guess(shape))?;
         let mut across = self.rule.across(shape, penetration)?;
+        let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut last: Option<(f64, f64)> = None;
         for _ in 1..EVALUATIONS {
             let found = image(across)?;
@@ -72,8 +73,17 @@ impl Hertz {
             if difference.abs() <= SETTLED * found {
                 break;
             }
-            let theta = last.map_or(0.0, |(_, before)| (difference / (difference - before)).clamp(-1.0, 1.0));
-            let next = last.map_or(found, |(image_before, _)| found - theta * (found - image_before));
+            if difference > 0.0 {
+                low = penetration
+            } else {
+                high = penetration
+            }
+            let mut next = last.map_or(found, |(image_before, difference_before)| {
+                found - difference / (difference - difference_before) * (found - image_before)
+            });
+            if !(next > low && next < high) {
+                next = if high.is_finite() { 0.5 * (low + high) } else { 2.0 * low };
+            }
             last = Some((found, difference));
             penetration = next;
             across = self.rule.across(shape, penetration)?;

@@ -39,7 +39,6 @@ pub struct ContactShape<'a> {
 struct Tangent<'a> {
     section: &'a Section<'a>,
     cos: f64,
-    dx: f64,
 }
 
 /// Where a profile is: (t, h), dt/dx and dh/dt.
@@ -52,28 +51,39 @@ struct Off {
 
 impl<'a> Tangent<'a> {
     #[inline]
-    fn new(section: &'a Section<'a>, t: f64) -> Self {
-        let slope = section.point.d1;
-        let cos = 1.0 / (1.0 + slope * slope).sqrt();
-        Tangent { section, cos, dx: cos * t }
+    fn new(section: &'a Section<'a>) -> Self {
+        Tangent { section, cos: 1.0 / (1.0 + section.point.d1 * section.point.d1).sqrt() }
     }
 
     #[inline]
-    fn off(&self) -> Off {
+    fn off(&self, dx: f64) -> Off {
         let Section { profile, at, point } = self.section;
-        let (there, p, dx) = (profile.at(at + self.dx), point.d1, self.dx);
+        let (there, p) = (profile.at(at + dx), point.d1);
         let dy = there.value - point.value;
         let turn = 1.0 + p * there.d1;
         Off { t: self.cos * (dx + p * dy), h: self.cos * (dy - p * dx), stretch: self.cos * turn, slope: (there.d1 - p) / turn }
     }
 }
 
-/// Relative error of t at which the search ends; the step that follows would be about its square.
-const SETTLED: f64 = 1e-8;
+/// The gap by the tangents of a point on either profile: `at_zero + opening t`, exact to first order in the points' distances
+/// from t; `None` where a profile has turned by a right angle, beyond any contact.
+#[inline]
+fn opening(w: &Off, r: &Off) -> Option<(f64, f64)> {
+    let at_zero = -(w.h + r.h) + w.slope * w.t + r.slope * r.t;
+    (w.stretch > 0.0 && r.stretch > 0.0).then_some((at_zero, -(w.slope + r.slope)))
+}
+
+/// Relative step of t after which the search ends; the next one would be about its square.
+const SETTLED: f64 = 1e-6;
 const ITERATIONS: usize = 40;
 
 /// Two points whose t differ by less than this share tell on which side of the root they are.
 const APART: f64 = 1e-3;
+
+/// Gauss's three points and weights on [-1, 1]: exact for the parabola's (1 - x^2)^2.
+const GAUSS: [(f64, f64); 3] = [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+/// Panels of the integral, each after the second twice as wide as the one before.
+const PANELS: usize = 8;
 
 impl<'a> ContactShape<'a> {
     #[inline]
@@ -86,61 +96,93 @@ impl<'a> ContactShape<'a> {
         ContactShape { rolling, across, sections: None }
     }
 
-    /// Distances t > 0 [m] to either side, inner side first, at which the profiles have parted by `level` > 0 [m]. `start` [m] is
-    /// where the search begins; `None` for a side on which they have not parted by that within `reach` [m].
+    /// For the side of t < 0 and that of t > 0 the mean depth of the overlap, in the form
+    ///
+    /// ```text
+    /// integral over |t| of (1 - G / L)^2 where G < L,   G(t) = the largest g between the contact and t [m]
+    /// ```
+    ///
+    /// with L = `level` > 0 [m]. `None` for a side on which the profiles have not parted by L / 4 within `reach` [m]. `start` [m] is
+    /// where L is expected to be reached. G instead of g lets a second place of contact beyond a ridge count as little as the
+    /// ridge is low under L.
     #[inline]
-    pub fn parting(&self, level: f64, start: f64, reach: f64) -> [Option<f64>; 2] {
+    pub fn overlap(&self, level: f64, start: f64, reach: f64) -> [Option<f64>; 2] {
         match &self.sections {
             None => {
                 let t = (level / self.across).sqrt();
                 // NaN of a hollow shape is not within reach.
-                [(t <= reach).then_some(t); 2]
+                [(0.5 * t <= reach).then_some(8.0 / 15.0 * t); 2]
             }
-            Some(sections) => [-1.0, 1.0].map(|side| part(sections, side, level, start.min(reach), reach)),
+            Some([wheel, rail]) => {
+                let (wheel, rail) = (Tangent::new(wheel), Tangent::new(rail));
+                [-1.0, 1.0].map(|side| {
+                    let half = part(&wheel, &rail, side, 0.25 * level, (0.5 * start).min(reach), reach)?;
+                    Some(integrate(&wheel, &rail, side, level, half))
+                })
+            }
         }
     }
 }
 
-/// Newton's method for g(t) = level on one side, both profiles at once: each step puts the two points on the t where their
-/// tangents have the wanted gap. Steps that leave the interval known to hold a root halve it or, while no end is known, double
-/// the distance.
-fn part([wheel, rail]: &[Section; 2], side: f64, level: f64, start: f64, reach: f64) -> Option<f64> {
-    let (mut wheel, mut rail) = (Tangent::new(wheel, side * start), Tangent::new(rail, side * start));
-    let (mut inside, mut outside) = (0.0, f64::INFINITY);
-    for _ in 0..ITERATIONS {
-        let (w, r) = (wheel.off(), rail.off());
-        if !(w.stretch > 0.0 && r.stretch > 0.0) {
-            // A profile has turned by a right angle: beyond any contact.
-            outside = side * 0.5 * (w.t + r.t);
-            let t = 0.5 * (inside + outside);
-            (wheel.dx, rail.dx) = (side * t * wheel.cos, side * t * rail.cos);
-            continue;
+/// The integral of [`ContactShape::overlap`] on one side, from panels as wide as `first` (for a parabola half of what is
+/// wanted), twice that, and so on. The integrand is C1, so fixed points keep the sum smooth in the pose.
+#[inline]
+fn integrate(wheel: &Tangent, rail: &Tangent, side: f64, level: f64, first: f64) -> f64 {
+    let (mut sum, mut largest, mut from, mut half) = (0.0, 0.0f64, 0.0, 0.5 * first);
+    for panel in 0..PANELS {
+        for (x, weight) in GAUSS {
+            let t = side * (from + half * (1.0 + x));
+            let Some((at_zero, opening)) = opening(&wheel.off(wheel.cos * t), &rail.off(rail.cos * t)) else { return sum };
+            largest = largest.max(at_zero + opening * t);
+            if largest >= level {
+                return sum;
+            }
+            let depth = 1.0 - largest / level;
+            sum += weight * half * depth * depth;
         }
-        // Gap by the tangents at t: at_zero + opening t, exact where both points have the same t.
-        let opening = -(w.slope + r.slope);
-        let at_zero = -(w.h + r.h) + w.slope * w.t + r.slope * r.t;
-        let here = 0.5 * (w.t + r.t);
-        let far = side * here;
+        from += 2.0 * half;
+        if panel > 0 {
+            half *= 2.0;
+        }
+    }
+    sum
+}
+
+/// The distance t > 0 on one side at which the profiles have parted by `level`: Newton's method on both profiles at once, each
+/// step putting the two points on the t where their tangents have the wanted gap. Steps that leave the interval known to hold a
+/// root halve it or, while no end is known, double the distance.
+#[inline]
+fn part(wheel: &Tangent, rail: &Tangent, side: f64, level: f64, start: f64, reach: f64) -> Option<f64> {
+    let (mut u, mut eta) = (side * start * wheel.cos, side * start * rail.cos);
+    let (mut inside, mut outside) = (0.0f64, f64::INFINITY);
+    for _ in 0..ITERATIONS {
+        let (w, r) = (wheel.off(u), rail.off(eta));
+        let far = side * 0.5 * (w.t + r.t);
+        let Some((at_zero, opening)) = opening(&w, &r) else {
+            outside = outside.min(side * u / wheel.cos).min(side * eta / rail.cos);
+            let t = side * 0.5 * (inside + outside);
+            (u, eta) = (t * wheel.cos, t * rail.cos);
+            continue;
+        };
         if (w.t - r.t).abs() < APART * far {
-            if at_zero + opening * here < level {
+            if at_zero + opening * side * far < level {
                 inside = far.max(inside);
             } else {
                 outside = far.min(outside);
             }
         }
-        let mut t = (level - at_zero) / opening;
-        let slack = APART * far;
-        let between = side * t >= inside - slack && side * t <= outside + slack;
-        if !between || opening * side <= 0.0 || side * t > 2.0 * far.max(reach) {
-            t = side * if outside.is_finite() { 0.5 * (inside + outside) } else { 2.0 * far };
-        } else if (w.t - t).abs().max((r.t - t).abs()) <= SETTLED * far {
-            return (side * t <= reach).then_some(side * t);
-        }
         if inside > reach {
             return None;
         }
-        wheel.dx += (t - w.t) / w.stretch;
-        rail.dx += (t - r.t) / r.stretch;
+        let mut t = side * (level - at_zero) / opening;
+        let slack = APART * far;
+        if !(opening * side > 0.0 && t >= inside - slack && t <= outside + slack && t <= 8.0 * far) {
+            t = if outside.is_finite() { 0.5 * (inside + outside) } else { 2.0 * far };
+        } else if (side * w.t - t).abs().max((side * r.t - t).abs()) <= SETTLED * far {
+            return (t <= reach).then_some(t);
+        }
+        u += (side * t - w.t) / w.stretch;
+        eta += (side * t - r.t) / r.stretch;
     }
     (inside <= reach).then_some(inside)
 }

@@ -76,21 +76,31 @@ fn touching<'a>(wheel: &'a Shape, rail: &'a Shape, rolling: f64) -> ContactShape
 }
 
 #[test]
-fn analytic_gap_of_a_circle_on_its_tangent_at_any_slope() {
-    // g(t) = r - sqrt(r^2 - t^2) = L at t = sqrt(2 r L - L^2), however steep the flank is.
-    for slope in [0.0, 0.03, -1.0, 2.5] {
-        for radius in [0.013, 0.08, 0.3] {
-            let wheel = Shape::new(0.46, -slope, &[(0.0, 0.0)]);
-            let rail = Shape::new(0.0, slope, &[(0.0, -1.0 / radius)]);
-            let shape = touching(&wheel, &rail, 1.09);
-            for level in [1e-6, 4e-5] {
-                let exact = f64::sqrt(2.0 * radius * level - level * level);
-                for start in [0.02, 0.3, 1.0, 3.0] {
-                    for t in shape.parting(level, start * exact, 0.1) {
-                        assert!((t.unwrap() / exact - 1.0).abs() < 1e-15 / level, "{slope} {radius} {start} {t:?} {exact}");
+fn analytic_overlap_of_a_circle_with_its_tangent_at_any_slope() {
+    // g(t) = r - sqrt(r^2 - t^2): the integral of (1 - g/L)^2 by Simpson's rule, however steep the flank is.
+    for radius in [0.013, 0.08, 0.3] {
+        for level in [1e-6, 6e-5] {
+            let end = f64::sqrt(2.0 * radius * level - level * level);
+            let depth = |i: u32| {
+                let t = end * f64::from(i) / 1000.0;
+                (1.0 - t * t / (radius + f64::sqrt(radius * radius - t * t)) / level).powi(2)
+            };
+            let exact = (0..500).map(|i| depth(2 * i) + 4.0 * depth(2 * i + 1) + depth(2 * i + 2)).sum::<f64>() * end / 3000.0;
+            for slope in [0.0, 0.03, -0.5, 1.0] {
+                let wheel = Shape::new(0.46, -slope, &[(0.0, 0.0)]);
+                let rail = Shape::new(0.0, slope, &[(0.0, -1.0 / radius)]);
+                let shape = touching(&wheel, &rail, 1.09);
+                for start in [0.1, 0.3, 1.0, 3.0] {
+                    for found in shape.overlap(level, start * end, 0.1) {
+                        let error = found.unwrap() / exact - 1.0;
+                        // Sections are read at points that lie p h beside the wanted ones: (L/r)^2 of the gap, times slopes.
+                        assert!(
+                            error.abs() < 1e-8 + 1e-15 / level + (0.02 + 0.2 * slope.abs()) * level / radius,
+                            "{slope} {radius} {start} {error:e}"
+                        );
                     }
                 }
-                assert_eq!(shape.parting(level, exact, 0.9 * exact), [None; 2]);
+                assert_eq!(shape.overlap(level, end, 0.49 * end), [None; 2]);
             }
         }
     }
@@ -104,14 +114,15 @@ fn analytic_constant_curvature_gives_the_point_rule() {
         let (a, b) = (point.contact(&shape, delta).unwrap(), patch.contact(&shape, delta).unwrap());
         assert!((a.force / b.force - 1.0).abs() < 1e-14 && (a.patch.b / b.patch.b - 1.0).abs() < 1e-14);
     }
-    // Arcs: 1 / (2 r - L) instead of 1 / (2 r), L = 0.55 delta.
+    // Arcs: B (1 + 3/14 L/r), L = 0.9 delta.
     let wheel = Shape::new(0.46, 0.4, &[(0.0, 0.0)]);
     for radius in [0.013, 0.3] {
         let rail = Shape::new(0.0, -0.4, &[(0.0, -1.0 / radius)]);
         let shape = touching(&wheel, &rail, 1.09);
         let rule = Rule { across: Across::Patch, conformal: Conformal::Error };
         let found = rule.across(&shape, 7e-5).unwrap();
-        assert!((found * (2.0 * radius - 0.55 * 7e-5) - 1.0).abs() < 1e-10, "{radius}: {found}");
+        let expected = (1.0 + 3.0 / 14.0 * 0.9 * 7e-5 / radius) / (2.0 * radius);
+        assert!((found / expected - 1.0).abs() < 0.05 * 0.9 * 7e-5 / radius, "{radius}: {found} {expected}");
         let (a, b) = (point.contact(&shape, 7e-5).unwrap(), patch.contact(&shape, 7e-5).unwrap());
         println!("arc of {radius} m: N over the patch / at the point - 1 = {:.1e}", b.force / a.force - 1.0);
         assert!((b.force / a.force - 1.0).abs() < 5e-4);
@@ -124,11 +135,11 @@ fn analytic_two_radii_that_meet_under_the_contact_give_the_mean_width() {
     // The first piece serves x < 0.
     let rail = Shape::new(0.0, 0.0, &[(0.0, -1.0 / 0.3), (0.0, -1.0 / 0.08)]);
     let shape = touching(&wheel, &rail, 1.09);
-    let level = 0.55 * 7e-5;
-    let t = |radius: f64| f64::sqrt(2.0 * radius * level - level * level);
-    let half_width = 0.5 * (t(0.3) + t(0.08));
+    let level = 0.9 * 7e-5;
+    let half_width = 0.5 * f64::sqrt(2.0 * level) * (f64::sqrt(0.3) + f64::sqrt(0.08));
     let found = Rule { across: Across::Patch, conformal: Conformal::Error }.across(&shape, 7e-5).unwrap();
-    assert!((found / (level / (half_width * half_width)) - 1.0).abs() < 1e-10, "{found}");
+    // But for 0.21 L / r.
+    assert!((found / (level / (half_width * half_width)) - 1.0).abs() < 2e-4, "{found}");
 }
 
 /// A wheel on a rail of arcs, pose by pose.
@@ -138,14 +149,33 @@ struct Stand {
 }
 
 impl Stand {
-    fn new(wheel: Shape, rail: Shape, inclination: f64, rail_offset: f64) -> Self {
+    fn new(wheel: Shape, rail: Shape) -> Self {
         let wheel = Wheel { side: Side::Left, profile: Arc::new(wheel), half_spacing: 0.75 };
-        Stand { wheel, rail: Rail::new(Side::Left, Arc::new(rail), 0.75 + rail_offset, inclination, &[]) }
+        Stand { wheel, rail: Rail::new(Side::Left, Arc::new(rail), 0.75, 0.0, &[]) }
     }
 
     fn find(&self, y: f64, z: f64, start: &SurfaceParameters) -> Option<ContactLocation> {
         let (centre, frame) = (Vector3::new(0.0, y, z), AxleFrame::new(0.0, 0.0));
         Pair { wheel: &self.wheel, rail: &self.rail, centre: &centre, axes: &frame.axes, distance: 0.0 }.locate(start).ok()
+    }
+
+    /// S1002 (tread circles 1500 mm apart) on 60E1, 1:40.
+    fn s1002_on_60e1() -> Self {
+        let wheel = Wheel { side: Side::Left, profile: Arc::new(S1002), half_spacing: 0.75 };
+        Stand { wheel, rail: Rail::new(Side::Left, Arc::new(rail_60e1()), 0.7535, 0.025, &[]) }
+    }
+
+    /// The contact at a stated penetration.
+    fn pressed(&self, y: f64, penetration: f64, start: &SurfaceParameters) -> Option<ContactLocation> {
+        let mut z = 0.46;
+        for _ in 0..8 {
+            let found = self.find(y, z, start)?;
+            if (found.penetration / penetration - 1.0).abs() < 1e-6 {
+                return Some(found);
+            }
+            z += (found.penetration - penetration) / found.normal.z;
+        }
+        None
     }
 
     fn force(&self, law: &dyn NormalLaw, found: &ContactLocation) -> f64 {
@@ -161,7 +191,7 @@ fn analytic_force_is_smooth_where_the_contact_crosses_a_jump_of_curvature() {
     let slope = rail.at(joint).d1;
     // A hollow wheel (radius 400 mm), so that the contact moves with y.
     let wheel = Shape::new(0.46, -slope, &[(0.0, 1.0 / 0.4)]);
-    let stand = Stand::new(wheel, rail, 0.0, 0.0);
+    let stand = Stand::new(wheel, rail);
     let z = 0.46 - 7e-5 + stand.rail.profile.at(joint).value;
     let (point, patch) = (law(Across::Point, Conformal::Error), law(Across::Patch, Conformal::Error));
     let mut memory = SurfaceParameters { rail: joint, ..Default::default() };
@@ -175,7 +205,7 @@ fn analytic_force_is_smooth_where_the_contact_crosses_a_jump_of_curvature() {
     let (mut low, mut high) = (-2e-3, 2e-3);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if at(middle).0 < 0.0 { low = middle } else { high = middle }
+        if at(middle).0 > 0.0 { low = middle } else { high = middle }
     }
     let crossing = 0.5 * (low + high);
     let h = 1e-6;
@@ -188,11 +218,11 @@ fn analytic_force_is_smooth_where_the_contact_crosses_a_jump_of_curvature() {
     println!("the contact moves {:.2} and {:.2} m per m of the wheelset", before.2, after.2);
     println!("jump of N: at the point {:.2e}, over the patch {:.2e}", jump[0], jump[1]);
     println!("slope of N before and after, N/m: {:.4e} {:.4e}; N {:.4e}", before.1[1], after.1[1], before.0[1]);
-    assert!(jump[0].abs() > 0.05 && jump[1].abs() < 1e-6);
+    assert!(jump[0].abs() > 0.5 && jump[1].abs() < 2e-6);
     // What is left of a kink, as a change of N over the patch's half width of 5 mm.
     let kink = (after.1[1] - before.1[1]).abs() * 5e-3 / before.0[1];
     println!("kink over 5 mm: {kink:.1e} of N");
-    assert!(kink < 0.02);
+    assert!(kink < 1e-3);
     // The whole crossing: no step of N stands out from its neighbours.
     let forces: Vec<f64> = (-400..=400).map(|i| at(crossing + 1e-5 * f64::from(i)).1[1]).collect();
     let second: Vec<f64> = forces.windows(3).map(|n| (n[0] - 2.0 * n[1] + n[2]) / n[1]).collect();
@@ -273,10 +303,42 @@ impl Profile for S1002 {
 }
 
 #[test]
+fn validate_force_over_the_patch_against_half_space_solutions() {
+    // Boundary elements of 0.3 mm on an elastic half space (conjugate gradients, FFT; another program), given penetration 70 um,
+    // E 207 GPa, nu 0.28, S1002 on 60E1 inclined 1:40, gap of the profiles taken along the normal; kN.
+    let exact = [
+        (-3.0, 58.53),
+        (-1.0, 66.11),
+        (-0.5, 70.77),
+        (0.0, 79.10),
+        (0.5, 89.16),
+        (1.0, 80.67),
+        (1.2, 73.10),
+        (1.5, 63.20),
+        (2.0, 51.78),
+        (2.5, 47.41),
+        (3.0, 46.50),
+        (4.0, 47.25),
+    ];
+    let stand = Stand::s1002_on_60e1();
+    let (point, patch) = (law(Across::Point, Conformal::Error), law(Across::Patch, Conformal::Error));
+    let (mut worst_point, mut worst_patch) = (0.0f64, 0.0f64);
+    for (y, force) in exact {
+        // To the right of y = 0.7 mm the contact lies on the rail's inner radius of 80 mm.
+        let start = if y < 0.7 { 0.0 } else { -0.011 };
+        let start = SurfaceParameters { rail: start, wheel: start, ..Default::default() };
+        let found = stand.pressed(1e-3 * y, 7e-5, &start).unwrap();
+        let [at_point, over_patch] = [&point, &patch].map(|law| 1e-3 * stand.force(law, &found) / force - 1.0);
+        println!("y {y:4.1} mm: at the point {:+6.1} %, over the patch {:+6.1} %", 100.0 * at_point, 100.0 * over_patch);
+        worst_point = worst_point.max(at_point.abs());
+        worst_patch = worst_patch.max(over_patch.abs());
+    }
+    assert!(worst_patch < 0.06 && worst_point > 0.25, "{worst_patch} {worst_point}");
+}
+
+#[test]
 fn hard_s1002_on_60e1_never_fails_when_bounded_and_does_not_jump() {
-    let wheel = Wheel { side: Side::Left, profile: Arc::new(S1002), half_spacing: 0.75 };
-    let rail = Rail::new(Side::Left, Arc::new(rail_60e1()), 0.7535, 0.025, &[]);
-    let stand = Stand { wheel, rail };
+    let stand = Stand::s1002_on_60e1();
     let laws = [
         law(Across::Point, Conformal::Error),
         law(Across::Point, Conformal::Bounded),
@@ -291,14 +353,7 @@ fn hard_s1002_on_60e1_never_fails_when_bounded_and_does_not_jump() {
     let mut bounded_changes = 0;
     for i in -600..=600 {
         let y = 1e-5 * f64::from(i);
-        let mut z = 0.46;
-        let mut found = None;
-        for _ in 0..8 {
-            found = stand.find(y, z, &memory);
-            let Some(at) = &found else { break };
-            z += (at.penetration - delta) / at.normal.z;
-        }
-        let Some(found) = found.filter(|at| (at.penetration / delta - 1.0).abs() < 1e-3) else {
+        let Some(found) = stand.pressed(y, delta, &memory) else {
             (last, memory) = (None, SurfaceParameters::default());
             continue;
         };
@@ -338,7 +393,7 @@ fn hard_s1002_on_60e1_never_fails_when_bounded_and_does_not_jump() {
     println!("bounded changes the force over the patch at {bounded_changes} places");
     assert!(count > 900);
     assert!(ratios[1] > 0.05 && ratios[3] > 0.05);
-    assert!(steepest[3] < 0.3 * steepest[1], "{steepest:?}");
+    assert!(steepest[3] < 0.05, "{steepest:?}");
 }
 
 #[test]
@@ -391,9 +446,9 @@ fn analytic_bounds_are_smooth_keep_axes_within_1_to_20_and_leave_the_rest_alone(
 
 #[test]
 fn hard_hollow_surfaces_are_refused_or_bounded_over_the_patch() {
-    // A wheel throat of 13 mm on a rail corner of 14 mm: the bodies never part.
-    let wheel = Shape::new(0.46, 1.0, &[(0.0, 1.0 / 0.013)]);
-    let rail = Shape::new(0.0, -1.0, &[(0.0, -1.0 / 0.014)]);
+    // A wheel throat that is narrower than the rail: the bodies never part.
+    let wheel = Shape::new(0.46, 0.2, &[(0.0, 1.0 / 0.30)]);
+    let rail = Shape::new(0.0, -0.2, &[(0.0, -1.0 / 0.31)]);
     let shape = touching(&wheel, &rail, 0.8);
     assert!(shape.across < 0.0);
     assert_eq!(
@@ -464,4 +519,61 @@ fn validate_published_hertz_coefficients_in_full() {
         rows += 1;
     }
     assert_eq!(rows, 27);
+}
+
+/// Prints what the rules cost; run with --ignored --nocapture in release.
+#[test]
+#[ignore = "prints times"]
+fn regress_print_cost_of_the_rules() {
+    let stand = Stand::s1002_on_60e1();
+    for (y, start) in [(-3.0e-3, 0.0), (2e-3, -0.011)] {
+        let start = SurfaceParameters { rail: start, wheel: start, ..Default::default() };
+        let found = stand.pressed(y, 7e-5, &start).unwrap();
+        // Splines, as scenes have them.
+        let spline = |profile: &dyn Profile, from: f64| {
+            let points: Vec<(f64, f64)> = (0..140).map(|i| from + 5e-4 * f64::from(i)).map(|x| (x, profile.at(x).value)).collect();
+            crate::math::spline::CubicSpline::natural(&points).unwrap()
+        };
+        let wheel = Splined(spline(&S1002, -0.035));
+        let rail = Splined(spline(&rail_60e1(), -0.035));
+        let p = found.parameters;
+        let shape = ContactShape::new(
+            found.half_curvatures().0,
+            found.half_curvatures().1,
+            ProfileSection { profile: &wheel, at: p.wheel, point: wheel.at(p.wheel) },
+            ProfileSection { profile: &rail, at: p.rail, point: rail.at(p.rail) },
+        );
+        for across in [Across::Point, Across::Patch] {
+            let law: Box<dyn NormalLaw> = Box::new(law(across, Conformal::Bounded));
+            let force = law.contact(&shape, 7e-5).unwrap().force;
+            let calls = 100_000;
+            let clock = std::time::Instant::now();
+            for _ in 0..calls {
+                let _ = std::hint::black_box(law.contact(std::hint::black_box(&shape), 7e-5));
+            }
+            let contact = clock.elapsed().as_secs_f64() / f64::from(calls);
+            let clock = std::time::Instant::now();
+            for _ in 0..calls {
+                let _ = std::hint::black_box(law.contact_under(std::hint::black_box(&shape), 1.1 * force));
+            }
+            let under = clock.elapsed().as_secs_f64() / f64::from(calls);
+            println!("{across:?}: contact {:.0} ns, contact_under {:.0} ns", 1e9 * contact, 1e9 * under);
+        }
+    }
+}
+
+#[derive(Debug)]
+struct Splined(crate::math::spline::CubicSpline);
+
+impl Profile for Splined {
+    fn at(&self, x: f64) -> ProfilePoint {
+        let [value, d1, d2, d3] = self.0.at(x);
+        ProfilePoint { value, d1, d2, d3 }
+    }
+    fn range(&self) -> (f64, f64) {
+        self.0.range()
+    }
+    fn describe(&self) -> String {
+        "spline".into()
+    }
 }
