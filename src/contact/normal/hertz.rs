@@ -40,7 +40,7 @@ impl Hertz {
 }
 
 /// Relative accuracy of a penetration whose curvature depends on it, and evaluations for it.
-const SETTLED: f64 = 1e-12;
+const SETTLED: f64 = 1e-10;
 const EVALUATIONS: usize = 30;
 
 impl Hertz {

@@ -7,6 +7,8 @@ mod hertz;
 pub mod hertz_table;
 mod shape;
 #[cfg(test)]
+mod test_surfaces;
+#[cfg(test)]
 mod tests;
 
 use super::{Material, Patch};

@@ -71,7 +71,7 @@ fn analytic_lankarani_nikravesh_loses_what_its_factor_says() {
         println!("e {e}: rebound {found:.6}, exact for this factor {exact:.6}");
         assert!((found - exact).abs() < 1e-7 && (lost - (1.0 - exact * exact)).abs() < 1e-7);
         // The published claim: right for e near 1.
-        assert!(found >= e && found - e < 1.4 * (1.0 - e) * (1.0 - e), "{found}");
+        assert!(found >= e && found - e < 1.6 * (1.0 - e) * (1.0 - e), "{found}");
         // At half the speed the rebound is a larger share.
         assert!((impact(&law, 0.1).0 - restitution(0.375 * (1.0 - e * e))).abs() < 1e-7);
     }
