@@ -235,8 +235,7 @@ fn benchmarks(criterion: &mut Criterion) {
             let (centre, axes) = (&motion.position, &motion.frame.axes);
             let found = Pair { wheel, rail, centre, axes, distance: centre.x }.locate(black_box(&start));
             let Ok(found) = found else { return None };
-            let (rolling, across) = found.half_curvatures();
-            let elastic = model.laws.normal.contact(rolling, across, found.penetration).ok()?;
+            let elastic = model.laws.normal.contact(&found.shape(wheel, rail), found.penetration).ok()?;
             Some(in_rolling_direction(40.0, report.creepage, |creepage| {
                 let (patch, normal_force, friction) = (elastic.patch, elastic.force, model.laws.friction);
                 model.laws.creep.force(&RollingContact { patch, normal_force, friction, creepage, speed: 40.0 })

@@ -99,6 +99,11 @@ impl<'a> Section<'a> {
         self.find(key).is_some()
     }
 
+    /// Is `key` given as a table?
+    pub fn has_table(&self, key: &'static str) -> bool {
+        self.find(key).is_some_and(|item| item.as_table_like().is_some())
+    }
+
     /// A finite number in SI, `None` when absent.
     pub fn optional(&self, key: &'static str, dimension: Dimension) -> Result<Option<f64>, SettingsError> {
         let Some(item) = self.find(key) else { return Ok(None) };

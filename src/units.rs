@@ -17,6 +17,8 @@ pub enum Dimension {
     Damping,
     /// Factor of penetration times penetration speed in the paper's Eq. 28, N s/m2.
     PenetrationDamping,
+    /// K_h of the paper's Eq. 28, N/m^1.5.
+    ContactStiffness,
     Pressure,
 }
 
@@ -43,6 +45,7 @@ impl Dimension {
             Dimension::Stiffness => &[("N/m", 1.0), ("kN/m", 1e3), ("kN/mm", 1e6), ("MN/m", 1e6)],
             Dimension::Damping => &[("N s/m", 1.0), ("kN s/m", 1e3)],
             Dimension::PenetrationDamping => &[("N s/m2", 1.0)],
+            Dimension::ContactStiffness => &[("N/m^1.5", 1.0)],
             Dimension::Pressure => &[("Pa", 1.0), ("MPa", 1e6), ("GPa", 1e9)],
         }
     }

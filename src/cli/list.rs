@@ -13,7 +13,7 @@ use clap::Args;
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// Only this kind: scenes, templates, profiles, deviations, formulations, normal-laws, creep-laws, integrators, forces, groups
+    /// Only this kind: scenes, templates, profiles, deviations, formulations, normal-laws, damping-laws, creep-laws, integrators, forces, groups
     kind: Option<String>,
     /// Print the list as JSON
     #[arg(long)]
@@ -45,6 +45,7 @@ fn kinds() -> Vec<(&'static str, &'static str, Vec<Row>)> {
         ("deviations", "shape of [[track.deviation]]", rows(track::REGISTRY)),
         ("formulations", "contact.formulation", rows(formulation::REGISTRY)),
         ("normal-laws", "contact.normal.law", rows(normal::REGISTRY)),
+        ("damping-laws", "contact.damping.law", rows(normal::damping::REGISTRY)),
         ("creep-laws", "contact.creep.law", rows(creep::REGISTRY)),
         ("integrators", "solver.integrator", rows(solve::REGISTRY)),
         ("forces", "force elements of templates", plain(force::KINDS.iter().copied())),

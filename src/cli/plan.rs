@@ -84,9 +84,9 @@ fn costs(simulation: &mut Simulation, formulation: &str) -> Vec<(&'static str, f
                 let _ = black_box(find(black_box(&start)));
             });
             let Ok(found) = find(&start) else { continue };
-            let (rolling, across) = found.half_curvatures();
+            let shape = found.shape(wheel, rail);
             normal += time(|| {
-                let _ = black_box(model.laws.normal.contact(black_box(rolling), across, found.penetration.max(1e-9)));
+                let _ = black_box(model.laws.normal.contact(black_box(&shape), found.penetration.max(1e-9)));
             });
             creep += time(|| {
                 let ContactReport { patch, normal_force, .. } = *report;

@@ -144,6 +144,9 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
             vehicle.wheelset.vertical_load
         ),
     ];
+    if scene.contact.damping_law.name != "proportional" {
+        rows.retain(|row| row.name != "contact.damping");
+    }
     if let Some(suspension) = &scene.vehicle.suspension {
         let name = |field: &str| format!("{w}.suspension.{field}");
         if suspension.longitudinal {

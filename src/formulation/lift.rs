@@ -183,9 +183,9 @@ fn land(
         model.system.kinetic_energy(motions) + model.system.potential_energy(motions)
     };
     let penetration = found.location.penetration;
-    // K delta^1.5 integrated.
-    let (rolling, across) = found.location.half_curvatures();
-    let law = model.laws.normal.contact(rolling, across, penetration.max(0.0));
+    // K delta^1.5 integrated; a curvature taken over the patch changes K a little on the way, which is left out.
+    let shape = found.location.shape(wheelset.wheel(side), model.track.rail(side));
+    let law = model.laws.normal.contact(&shape, penetration.max(0.0));
     let stiffness = law.map_err(|cause| EvaluationError::new(t, wheelset, side, cause.into()))?.stiffness;
     let elastic = 0.4 * stiffness * penetration.max(0.0).powf(2.5);
     let before = mechanical(workspace) + elastic;

@@ -4,7 +4,8 @@ use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LONGITUD
 use crate::contact::Patch;
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{ContactAxes, in_rolling_direction};
-use crate::contact::normal::{ConformalContact, damped_force};
+use crate::contact::normal::damping::damped_force;
+use crate::contact::normal::{ConformalContact, ContactShape};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
 use crate::geometry::Side;
 use crate::math::newton::NewtonFailure;
@@ -59,6 +60,12 @@ impl WheelAt<'_> {
 }
 
 impl Contact<'_> {
+    /// What the normal law may ask of the surfaces.
+    #[inline]
+    fn shape(&self) -> ContactShape<'_> {
+        self.found.shape(self.wheel.wheelset.wheel(self.wheel.side), self.wheel.model.track.rail(self.wheel.side))
+    }
+
     /// Place and kinematics, no load.
     #[inline]
     pub fn report(&self) -> ContactReport {
@@ -90,13 +97,13 @@ impl Contact<'_> {
         if found.penetration > DEEPEST {
             return Err(ContactFailure::TooDeep { penetration: found.penetration, z: self.wheel.motion.position.z });
         }
-        let (rolling, across) = found.half_curvatures();
-        let elastic = model.laws.normal.contact(rolling, across, found.penetration)?;
+        let elastic = model.laws.normal.contact(&self.shape(), found.penetration)?;
         // Half-axes of a Hertzian patch grow with the cube root of its force.
         let narrower = self.share.cbrt();
         report.stiffness = elastic.stiffness;
         report.patch = Patch { a: narrower * elastic.patch.a, b: narrower * elastic.patch.b };
-        report.normal_force = self.share * damped_force(elastic.force, model.laws.damping, found.penetration, report.penetration_rate);
+        report.normal_force =
+            self.share * damped_force(model.laws.damping.as_ref(), elastic.force, found.penetration, report.penetration_rate);
         self.creep(&mut report);
         self.add(&report, report.force, wrench);
         Ok(report)
@@ -106,8 +113,7 @@ impl Contact<'_> {
     /// force itself belongs to the constraint; only the creep forces are added to the wrench.
     #[inline]
     pub fn pressed(&self, report: &mut ContactReport, normal_force: f64, wrench: &mut Wrench) -> Result<(), ConformalContact> {
-        let (rolling, across) = self.found.half_curvatures();
-        let (_, elastic) = self.wheel.model.laws.normal.contact_under(rolling, across, normal_force.max(0.0))?;
+        let (_, elastic) = self.wheel.model.laws.normal.contact_under(&self.shape(), normal_force.max(0.0))?;
         report.stiffness = elastic.stiffness;
         report.patch = elastic.patch;
         report.normal_force = normal_force;

@@ -10,6 +10,7 @@ use crate::contact::Patch;
 use crate::contact::creep::CreepLaw;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage};
 use crate::contact::normal::NormalLaw;
+use crate::contact::normal::damping::DampingLaw;
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
@@ -60,8 +61,7 @@ pub fn contact_index(wheelset: usize, side: Side) -> usize {
 pub struct ContactLaws {
     pub normal: Box<dyn NormalLaw>,
     pub creep: Box<dyn CreepLaw>,
-    /// C of Eq. 28, N s/m2.
-    pub damping: f64,
+    pub damping: Box<dyn DampingLaw>,
     /// mu, -.
     pub friction: f64,
 }

@@ -57,7 +57,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
         laws: ContactLaws {
             normal: (contact.normal)(contact.material),
             creep: (contact.creep)(contact.material),
-            damping: contact.damping,
+            damping: (contact.damping_law.build)(contact.damping),
             friction: contact.friction,
         },
         points: contact.points,

@@ -77,10 +77,11 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         let why = if left == right { left } else { format!("left: {left}; right: {right}") };
         effect(name, true, why, 0);
     }
-    effect("normal force", true, format!("contact.normal.law = \"{}\"", contact.normal_name), 0);
-    let damped = !model.formulation.constrains();
-    let why = if damped { "" } else { " (only for a wheel that has lifted: rigid contact has no penetration)" };
-    effect("contact damping", damped, format!("contact.damping = {:?} N s/m2{why}", contact.damping), 0);
+    effect("normal force", true, format!("contact.normal.law = \"{}\"{}", contact.normal_name, model.laws.normal.describe()), 0);
+    let elastic = !model.formulation.constrains();
+    let why = if elastic { "" } else { " (only for a wheel that has lifted: rigid contact has no penetration)" };
+    let damped = elastic && contact.damping_law.name != "none";
+    effect("contact damping", damped, format!("contact.damping {}{why}", model.laws.damping.describe()), 0);
     effect("creep forces", true, format!("contact.creep.law = \"{}\", friction {}", contact.creep_name, contact.friction), 0);
     for (name, group) in
         [("drive torque input", "drive_torque"), ("centre force inputs", "centre_forces"), ("friction factor inputs", "friction")]

@@ -122,10 +122,11 @@ pub struct ContactSpec {
     pub formulation: formulation::Build,
     /// mu, -.
     pub friction: f64,
-    /// C of Eq. 28, N s/m2.
+    /// C of Eq. 28, N s/m2; 0 with another law.
     pub damping: f64,
     /// Contacts that each wheel may have at the same time.
     pub points: usize,
+    pub damping_law: normal::damping::Choice,
     pub material: Material,
     pub normal_name: String,
     pub normal: normal::Build,
@@ -371,12 +372,14 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
     let creep = creep::parse(&creep_section)?;
     let creep_name = creep_section.text("law")?;
     creep_section.finish()?;
+    let (damping, damping_law) = normal::damping::parse(&section)?;
     let spec = ContactSpec {
         formulation_name,
         formulation,
         friction: section.not_negative("friction", Dimension::None)?,
-        damping: section.not_negative("damping", Dimension::PenetrationDamping)?,
         points: read_points(&section)?,
+        damping,
+        damping_law,
         material: constants,
         normal_name,
         normal,

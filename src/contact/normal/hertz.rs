@@ -1,14 +1,15 @@
 //! Hertz's theory of elliptic contact.
 
+use super::curvature::{self, Across, Conformal, Rule};
 use super::hertz_table::{EllipseFunctions, EllipseTable, SharedTable};
-use super::{Build, ConformalContact, ElasticContact, NormalLaw};
+use super::{Build, ConformalContact, ContactShape, ElasticContact, NormalLaw};
 use crate::contact::{Material, Patch};
 use crate::settings::{Entry, Section, SettingsError};
 use std::sync::Arc;
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
     name: "hertz",
-    summary: "elliptic contact of elastic bodies, K_h from the curvatures at the contact",
+    summary: "elliptic contact of elastic bodies, K_h from the curvatures at the contact or over the patch",
     reference: "Hertz 1882; Johnson, Contact Mechanics (1985), chapter 4; paper, Eq. 28",
     parse,
 };
@@ -16,20 +17,32 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 /// `N = K_h delta^1.5` with `K_h = 2 E / (3 (1 - nu^2)) xi^-1.5 (A + B)^-0.5`, wheel and rail of the same material.
 ///
 /// The patch is that of the elastic force: `a = m_a c0`, `b = m_b c0`, `c0^2 = delta / (xi (A + B))`, so it depends
-/// on the penetration alone. (With damping, N differs from the elastic force while the penetration changes.)
+/// on the penetration alone. (With damping, N differs from the elastic force while the penetration changes.) What B is, see
+/// `curvature.rs`.
 #[derive(Debug)]
 pub struct Hertz {
     /// 2 E / (3 (1 - nu^2)), Pa.
     modulus: f64,
     table: SharedTable,
+    rule: Rule,
 }
 
 impl Hertz {
+    #[cfg(test)]
+    /// Curvatures at the point; conformal contact is an error.
     pub fn new(material: Material) -> Self {
+        Self::with(material, Rule { across: Across::Point, conformal: Conformal::Error })
+    }
+
+    pub(super) fn with(material: Material, rule: Rule) -> Self {
         let modulus = 2.0 * material.youngs_modulus / (3.0 * (1.0 - material.poisson_ratio * material.poisson_ratio));
-        Hertz { modulus, table: EllipseTable::shared() }
+        Hertz { modulus, table: EllipseTable::shared(), rule }
     }
 }
+
+/// Relative accuracy of a penetration whose curvature depends on it, and evaluations for it.
+const SETTLED: f64 = 1e-10;
+const EVALUATIONS: usize = 30;
 
 impl Hertz {
     /// The ellipse's functions, A + B and K_h.
@@ -42,6 +55,42 @@ impl Hertz {
         let sum = rolling + across;
         Ok((functions, sum, self.modulus / (functions.approach * (functions.approach * sum).sqrt())))
     }
+
+    /// The curvature over the patch that belongs to `force`: `delta = (N / K_h(B(delta)))^(2/3)` by secants between bounds. N
+    /// grows with delta, so the right side exceeds delta below the root and falls short of it above.
+    fn across_under(&self, shape: &ContactShape, force: f64) -> Result<f64, ConformalContact> {
+        let image = |across: f64| {
+            let (.., stiffness) = self.ellipse(shape.rolling, across)?;
+            let root = (force / stiffness).cbrt();
+            Ok(root * root)
+        };
+        let mut penetration = image(self.rule.guess(shape))?;
+        let mut across = self.rule.across(shape, penetration)?;
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        let mut last: Option<(f64, f64)> = None;
+        for _ in 1..EVALUATIONS {
+            let found = image(across)?;
+            let difference = found - penetration;
+            if difference.abs() <= SETTLED * found {
+                break;
+            }
+            if difference > 0.0 {
+                low = penetration
+            } else {
+                high = penetration
+            }
+            let mut next = last.map_or(found, |(image_before, difference_before)| {
+                found - difference / (difference - difference_before) * (found - image_before)
+            });
+            if !(next > low && next < high) {
+                next = if high.is_finite() { 0.5 * (low + high) } else { 2.0 * low };
+            }
+            last = Some((found, difference));
+            penetration = next;
+            across = self.rule.across(shape, penetration)?;
+        }
+        Ok(across)
+    }
 }
 
 /// Patch whose centre has approached by `penetration`.
@@ -53,23 +102,29 @@ fn patch(functions: &EllipseFunctions, sum: f64, penetration: f64) -> Patch {
 
 impl NormalLaw for Hertz {
     #[inline]
-    fn contact(&self, rolling: f64, across: f64, penetration: f64) -> Result<ElasticContact, ConformalContact> {
-        let (functions, sum, stiffness) = self.ellipse(rolling, across)?;
+    fn contact(&self, shape: &ContactShape, penetration: f64) -> Result<ElasticContact, ConformalContact> {
+        let (functions, sum, stiffness) = self.ellipse(shape.rolling, self.rule.across(shape, penetration)?)?;
         let force = stiffness * penetration * penetration.sqrt();
         Ok(ElasticContact { stiffness, force, patch: patch(&functions, sum, penetration) })
     }
 
     #[inline]
-    fn contact_under(&self, rolling: f64, across: f64, force: f64) -> Result<(f64, ElasticContact), ConformalContact> {
-        let (functions, sum, stiffness) = self.ellipse(rolling, across)?;
+    fn contact_under(&self, shape: &ContactShape, force: f64) -> Result<(f64, ElasticContact), ConformalContact> {
+        let across = if self.rule.needs_penetration() { self.across_under(shape, force)? } else { self.rule.across(shape, 0.0)? };
+        let (functions, sum, stiffness) = self.ellipse(shape.rolling, across)?;
         let root = (force / stiffness).cbrt();
         let penetration = root * root;
         Ok((penetration, ElasticContact { stiffness, force, patch: patch(&functions, sum, penetration) }))
     }
+
+    fn describe(&self) -> String {
+        self.rule.describe()
+    }
 }
 
-fn parse(_: &Section) -> Result<Build, SettingsError> {
-    Ok(Arc::new(|material| Box::new(Hertz::new(material))))
+fn parse(section: &Section) -> Result<Build, SettingsError> {
+    let rule = curvature::parse(section)?;
+    Ok(Arc::new(move |material| Box::new(Hertz::with(material, rule))))
 }
 
 #[cfg(test)]
@@ -81,7 +136,7 @@ mod tests {
         // Cylinders of 0.46 m and 0.30 m radius, 100 kN, E 210 GPa, nu 0.3: a 7.1617 mm, b 5.3872 mm, approach
         // 0.104119 mm (complete elliptic integrals, another program; see docs/sources.md).
         let law = Hertz::new(Material { youngs_modulus: 2.1e11, poisson_ratio: 0.3 });
-        let contact = law.contact(0.5 / 0.46, 0.5 / 0.30, 0.104119e-3).unwrap();
+        let contact = law.contact(&ContactShape::of_constant_curvature(0.5 / 0.46, 0.5 / 0.30), 0.104119e-3).unwrap();
         assert!((contact.force / 1e5 - 1.0).abs() < 2e-5, "{}", contact.force);
         assert!((contact.patch.a - 7.1617e-3).abs() < 1e-7 && (contact.patch.b - 5.3872e-3).abs() < 1e-7, "{:?}", contact.patch);
     }
@@ -91,7 +146,7 @@ mod tests {
         // Sphere of radius R: N = 4/3 E* sqrt(R) delta^1.5, a^2 = R delta.
         let law = Hertz::new(Material { youngs_modulus: 2.07e11, poisson_ratio: 0.28 });
         let (radius, delta) = (0.4, 5e-5);
-        let contact = law.contact(0.5 / radius, 0.5 / radius, delta).unwrap();
+        let contact = law.contact(&ContactShape::of_constant_curvature(0.5 / radius, 0.5 / radius), delta).unwrap();
         let modulus = 2.07e11 / (2.0 * (1.0 - 0.28f64.powi(2)));
         let force = 4.0 / 3.0 * modulus * f64::sqrt(radius) * delta.powf(1.5);
         assert!((contact.force / force - 1.0).abs() < 1e-10);
@@ -106,7 +161,7 @@ mod tests {
         let law = Hertz::new(Material { youngs_modulus: 2.07e11, poisson_ratio: 0.28 });
         for across in [0.2, 1.0, 1.7, 40.0] {
             let (rolling, delta) = (1.09, 6e-5);
-            let contact = law.contact(rolling, across, delta).unwrap();
+            let contact = law.contact(&ContactShape::of_constant_curvature(rolling, across), delta).unwrap();
             let exact = super::super::hertz_table::ellipse_functions_exact((across / rolling).ln());
             let c0 = (3.0 * contact.force * (1.0 - 0.28f64.powi(2)) / (2.0 * 2.07e11 * (rolling + across))).cbrt();
             assert!((contact.patch.a / (exact.m_a * c0) - 1.0).abs() < 1e-10);
@@ -119,16 +174,19 @@ mod tests {
     fn analytic_force_and_penetration_are_inverse() {
         let law = Hertz::new(Material { youngs_modulus: 2.07e11, poisson_ratio: 0.28 });
         for delta in [1e-7, 6e-5, 1e-3] {
-            let contact = law.contact(1.09, 1.7, delta).unwrap();
-            let (found, under) = law.contact_under(1.09, 1.7, contact.force).unwrap();
+            let contact = law.contact(&ContactShape::of_constant_curvature(1.09, 1.7), delta).unwrap();
+            let (found, under) = law.contact_under(&ContactShape::of_constant_curvature(1.09, 1.7), contact.force).unwrap();
             assert!((found / delta - 1.0).abs() < 1e-14 && (under.patch.a / contact.patch.a - 1.0).abs() < 1e-14);
         }
-        assert_eq!(law.contact_under(1.09, 1.7, 0.0).unwrap().1.patch, Patch::default());
+        assert_eq!(law.contact_under(&ContactShape::of_constant_curvature(1.09, 1.7), 0.0).unwrap().1.patch, Patch::default());
     }
 
     #[test]
     fn hard_hollow_surfaces_are_refused() {
         let law = Hertz::new(Material { youngs_modulus: 2.07e11, poisson_ratio: 0.28 });
-        assert_eq!(law.contact(1.1, -0.1, 1e-5).unwrap_err(), ConformalContact { rolling: 1.1, across: -0.1 });
+        assert_eq!(
+            law.contact(&ContactShape::of_constant_curvature(1.1, -0.1), 1e-5).unwrap_err(),
+            ConformalContact { rolling: 1.1, across: -0.1 }
+        );
     }
 }

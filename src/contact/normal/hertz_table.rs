@@ -40,6 +40,11 @@ fn curvature_ratio(g: f64) -> f64 {
     r_d(0.0, 1.0, g * g) / r_d(0.0, g * g, 1.0)
 }
 
+/// B / A of the ellipse with semi-axes a (along e1) and b of ratio `a / b`.
+pub(super) fn curvature_ratio_of_axes(ratio: f64) -> f64 {
+    if ratio >= 1.0 { curvature_ratio(1.0 / ratio) } else { 1.0 / curvature_ratio(ratio) }
+}
+
 /// `g = minor / major` for `ln(larger / smaller curvature) = x >= 0`, by Newton in `ln g` from `start`.
 fn axis_ratio(x: f64, start: f64) -> f64 {
     let mut log_g = start.ln();

@@ -1,11 +1,21 @@
 //! Normal contact laws: penetration to force and patch.
 
+mod assumed;
+mod curvature;
+pub mod damping;
 mod hertz;
 pub mod hertz_table;
+mod shape;
+#[cfg(test)]
+mod test_surfaces;
+#[cfg(test)]
+mod tests;
 
 use super::{Material, Patch};
 use crate::settings::{Entry, Section, SettingsError, choose};
 use std::sync::Arc;
+
+pub use shape::{ContactShape, Section as ProfileSection};
 
 /// Elastic part of a normal contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,21 +36,23 @@ pub struct ConformalContact {
     pub across: f64,
 }
 
-/// A law from penetration and curvature to elastic force.
+/// A law from penetration and the surfaces' shape to elastic force.
 pub trait NormalLaw: Send + Sync + std::fmt::Debug {
-    /// `rolling` and `across` are half the relative curvatures A (along e1) and B (along e2) [1/m],
     /// `penetration` > 0 [m].
     ///
     /// # Errors
-    /// [`ConformalContact`] when the law does not hold for these curvatures.
-    fn contact(&self, rolling: f64, across: f64, penetration: f64) -> Result<ElasticContact, ConformalContact>;
+    /// [`ConformalContact`] when the law does not hold for this shape.
+    fn contact(&self, shape: &ContactShape, penetration: f64) -> Result<ElasticContact, ConformalContact>;
 
     /// The same law read the other way: the penetration [m] under which the elastic force is `force` >= 0 [N], and what belongs
     /// to it.
     ///
     /// # Errors
-    /// [`ConformalContact`] when the law does not hold for these curvatures.
-    fn contact_under(&self, rolling: f64, across: f64, force: f64) -> Result<(f64, ElasticContact), ConformalContact>;
+    /// [`ConformalContact`] when the law does not hold for this shape.
+    fn contact_under(&self, shape: &ContactShape, force: f64) -> Result<(f64, ElasticContact), ConformalContact>;
+
+    /// What `wheelrail plan` says behind the law's name.
+    fn describe(&self) -> String;
 }
 
 /// Builds a law for a material.
@@ -48,7 +60,7 @@ pub type Build = Arc<dyn Fn(Material) -> Box<dyn NormalLaw> + Send + Sync>;
 type Parse = fn(&Section) -> Result<Build, SettingsError>;
 
 /// Every normal law that a scene can name.
-pub static REGISTRY: &[Entry<Parse>] = &[hertz::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] = &[hertz::ENTRY, assumed::ENTRY];
 
 /// Reads `[contact.normal]`.
 ///
@@ -56,13 +68,4 @@ pub static REGISTRY: &[Entry<Parse>] = &[hertz::ENTRY];
 /// [`SettingsError`] with file and line.
 pub fn parse(section: &Section) -> Result<Build, SettingsError> {
     (choose(REGISTRY, section, "law")?.parse)(section)
-}
-
-/// Elastic force with penetration-proportional damping (Eq. 28 with delta > 0 in contact):
-/// `N = K_h delta^1.5 + C delta delta'`, never tensile.
-///
-/// `damping` is C [N s/m2], `rate` the penetration's time derivative [m/s].
-#[inline]
-pub fn damped_force(elastic: f64, damping: f64, penetration: f64, rate: f64) -> f64 {
-    (elastic + damping * penetration * rate).max(0.0)
 }

@@ -13,6 +13,7 @@
 //! with n not normalised (same roots, polynomial derivatives); the penetration (Eq. 27) uses the unit normal:
 //! `delta = -r . n`, positive when the surfaces overlap.
 
+use crate::contact::normal::{ContactShape, ProfileSection};
 use crate::geometry::profile::ProfilePoint;
 use crate::geometry::surface::{SurfacePoint, Wheel, rail_point};
 use crate::geometry::track::Rail;
@@ -64,6 +65,15 @@ impl ContactLocation {
         let rolling = 1.0 / (wheel.value * wheel_arc.sqrt());
         let across = -wheel.d2 / (wheel_arc * wheel_arc.sqrt()) - rail.d2 / (rail_arc * rail_arc.sqrt());
         (0.5 * rolling, 0.5 * across)
+    }
+
+    /// What a normal law may ask of this contact of `wheel` and `rail`.
+    #[inline]
+    pub fn shape<'a>(&self, wheel: &'a Wheel, rail: &'a Rail) -> ContactShape<'a> {
+        let (rolling, across) = self.half_curvatures();
+        let wheel = ProfileSection { profile: wheel.profile.as_ref(), at: self.parameters.wheel, point: self.wheel_profile };
+        let rail = ProfileSection { profile: rail.profile.as_ref(), at: self.parameters.rail, point: self.rail_profile };
+        ContactShape::new(rolling, across, wheel, rail)
     }
 }
 

@@ -1,0 +1,131 @@
+use super::hunt_crossley::Hysteresis;
+use super::linear::Linear;
+use super::*;
+use crate::settings::Source;
+
+/// Reads the damping of a scene's `[contact]`.
+fn read(text: &str) -> Result<(f64, Choice), SettingsError> {
+    let source = Source { file: "a.toml".into(), text: text.into(), overridden: vec![], folder: None };
+    let document = toml_edit::Document::parse(source.text.clone()).unwrap();
+    parse(&Section::root(document.as_table(), &source))
+}
+
+/// A mass meets a contact with the speed `v`: (speed of rebound / v, damping's work / kinetic energy).
+fn impact(law: &dyn DampingLaw, v: f64) -> (f64, f64) {
+    let (stiffness, mass): (f64, f64) = (1e11, 800.0);
+    // The time of contact is about 3 (m^2 / (K^2 v))^(1/5).
+    let step = 3.0 * (mass * mass / (stiffness * stiffness * v)).powf(0.2) / 20_000.0;
+    let rates = |delta: f64, rate: f64| {
+        let delta = delta.max(0.0);
+        let elastic = stiffness * delta * delta.sqrt();
+        let force = damped_force(law, elastic, delta, rate);
+        (rate, -force / mass, (force - elastic) * rate)
+    };
+    let (mut delta, mut rate, mut work) = (0.0, v, 0.0);
+    loop {
+        let k1 = rates(delta, rate);
+        let k2 = rates(delta + 0.5 * step * k1.0, rate + 0.5 * step * k1.1);
+        let k3 = rates(delta + 0.5 * step * k2.0, rate + 0.5 * step * k2.1);
+        let k4 = rates(delta + step * k3.0, rate + step * k3.1);
+        let mean = |a: f64, b: f64, c: f64, d: f64| step / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+        delta += mean(k1.0, k2.0, k3.0, k4.0);
+        rate += mean(k1.1, k2.1, k3.1, k4.1);
+        work += mean(k1.2, k2.2, k3.2, k4.2);
+        if delta <= 0.0 {
+            return (-rate / v, work / (0.5 * mass * v * v));
+        }
+    }
+}
+
+/// e of a mass that meets `N = K delta^n (1 + mu delta')` with d = mu v, from the exact relation.
+fn restitution(d: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..100 {
+        let e = 0.5 * (low + high);
+        let excess = d.ln_1p() - (-e * d).ln_1p() - (1.0 + e) * d;
+        if excess < 0.0 { low = e } else { high = e }
+    }
+    0.5 * (low + high)
+}
+
+#[test]
+fn analytic_hunt_crossley_rebounds_with_the_stated_restitution() {
+    for e in [0.3, 0.5, 0.7, 0.9, 0.99] {
+        let law = Hysteresis::new(e, 0.2, hunt_crossley::factor);
+        let (found, lost) = impact(&law, 0.2);
+        println!("e {e}: rebound {found:.8}, mu v {:.6}, first order {:.6}", law.per_rate * 0.2, 1.5 * (1.0 - e));
+        assert!((found - e).abs() < 1e-7, "{found} {e}");
+        assert!((lost - (1.0 - e * e)).abs() < 1e-7, "{lost}");
+    }
+    assert_eq!(Hysteresis::new(1.0, 0.2, hunt_crossley::factor).per_rate, 0.0);
+    // Hunt and Crossley's own factor is the limit.
+    assert!((hunt_crossley::factor(0.999) / 1.5e-3 - 1.0).abs() < 2e-3);
+}
+
+#[test]
+fn analytic_lankarani_nikravesh_loses_what_its_factor_says() {
+    for e in [0.5, 0.7, 0.9, 0.99] {
+        let law = Hysteresis::new(e, 0.2, lankarani_nikravesh::factor);
+        let (found, lost) = impact(&law, 0.2);
+        let exact = restitution(0.75 * (1.0 - e * e));
+        println!("e {e}: rebound {found:.6}, exact for this factor {exact:.6}");
+        assert!((found - exact).abs() < 1e-7 && (lost - (1.0 - exact * exact)).abs() < 1e-7);
+        // The published claim: right for e near 1.
+        assert!(found >= e && found - e < 1.6 * (1.0 - e) * (1.0 - e), "{found}");
+        // At half the speed the rebound is a larger share.
+        assert!((impact(&law, 0.1).0 - restitution(0.375 * (1.0 - e * e))).abs() < 1e-7);
+    }
+}
+
+#[test]
+fn prop_no_law_pulls_and_all_begin_at_zero() {
+    let laws: [Box<dyn DampingLaw>; 5] = [
+        (read("damping = 2e9").unwrap().1.build)(2e9),
+        Box::new(Hysteresis::new(0.3, 0.1, hunt_crossley::factor)),
+        Box::new(Hysteresis::new(0.3, 0.1, lankarani_nikravesh::factor)),
+        Box::new(Linear { coefficient: 1e5, full_at: 1e-5 }),
+        (read("[damping]\nlaw = \"none\"").unwrap().1.build)(0.0),
+    ];
+    for law in &laws {
+        let force = |delta: f64, rate: f64| damped_force(law.as_ref(), 1e11 * delta.powf(1.5), delta, rate);
+        for rate in [-5.0, -0.1, 0.0, 0.1, 5.0] {
+            assert_eq!(force(0.0, rate), 0.0, "{law:?}");
+            assert!(force(1e-12, rate) < 0.02, "{law:?}");
+            assert!((0..200).all(|i| force(1e-6 * i as f64, rate) >= 0.0), "{law:?}");
+        }
+        let (rebound, lost) = impact(law.as_ref(), 0.1);
+        println!("{:?}: rebound {rebound:.4}, lost {lost:.4}", law.describe());
+        assert!(rebound <= 1.0 + 1e-9 && (lost - (1.0 - rebound * rebound)).abs() < 1e-5, "{law:?} {rebound} {lost}");
+    }
+}
+
+#[test]
+fn analytic_linear_damping_is_smooth_at_its_end() {
+    let law = Linear { coefficient: 1e5, full_at: 1e-5 };
+    let force = |delta: f64| law.force(&Approach { elastic: 0.0, penetration: delta, rate: 0.2 });
+    assert!((force(1e-5) - 2e4).abs() < 1e-9 && (force(3e-5) - 2e4).abs() < 1e-9 && (force(5e-6) - 1e4).abs() < 1e-9);
+    let slope = |delta: f64| (force(delta + 1e-10) - force(delta - 1e-10)) / 2e-10;
+    assert!(slope(1e-5 - 1e-9).abs() < 1e-3 * slope(5e-6) && slope(1e-9) < 1e-3 * slope(5e-6));
+}
+
+#[test]
+fn prop_scenes_give_a_number_or_a_table() {
+    let (coefficient, law) = read("damping = 2e9").unwrap();
+    assert!(coefficient == 2e9 && law.name == "proportional");
+    assert_eq!((law.build)(2e9).describe(), "= 2000000000.0 N s/m2");
+    let at = Approach { elastic: 1e5, penetration: 7e-5, rate: 0.01 };
+    assert_eq!((law.build)(2e9).force(&at), 2e9 * 7e-5 * 0.01);
+    let (coefficient, law) = read("damping = { law = \"proportional\", coefficient = 1e9 }").unwrap();
+    assert!(coefficient == 1e9 && law.name == "proportional");
+    let (_, law) = read("[damping]\nlaw = \"hunt_crossley\"\nrestitution = 0.8\nimpact_speed = \"100 mm/s\"").unwrap();
+    assert!((law.build)(0.0).describe().contains("restitution 0.8 at 0.1 m/s"));
+    let wrong = |text: &str| read(text).err().unwrap().to_string();
+    assert_eq!(wrong("damping = -1"), "a.toml:1: damping: found -1.0, expected 0 or more");
+    assert!(wrong("[damping]\nlaw = \"hunt\"").starts_with("a.toml:2: damping.law: found \"hunt\""));
+    assert!(
+        wrong("damping = { law = \"lankarani_nikravesh\", restitution = 1.5, impact_speed = 1 }")
+            .contains("damping.restitution: found 1.5")
+    );
+    assert!(wrong("damping = { law = \"none\", coefficient = 1 }").contains("unknown key"));
+    assert!(wrong("friction = 1").contains("damping: is missing"));
+}
