@@ -194,7 +194,7 @@ proptest! {
 
     #[test]
     fn prop_closed_cycles_never_create_energy(
-        amplitudes in proptest::array::uniform4(-2e-4..2e-4f64), phases in proptest::array::uniform4(0.0..6.28f64),
+        amplitudes in proptest::array::uniform4(-2e-4..2e-4f64), phases in proptest::array::uniform4(0.0..std::f64::consts::TAU),
         rolling in 0.0..0.02f64, scale in 0.01..1.0f64, frequency in 0.5..30.0f64,
     ) {
         // Shifts x, y of the wheel: two harmonics each; rolling to and fro by up to a quarter of the patch.
