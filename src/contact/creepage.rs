@@ -14,6 +14,23 @@ pub struct Creepage {
     pub spin: f64,
 }
 
+/// Velocity of the wheel's material point at the contact along e1 and e2 [m/s] and angular velocity about n [rad/s].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slip {
+    pub longitudinal: f64,
+    pub lateral: f64,
+    pub spin: f64,
+}
+
+impl Slip {
+    /// Creepages of a wheelset that travels with `speed` [m/s], not zero.
+    #[inline]
+    pub fn creepage(&self, speed: f64) -> Creepage {
+        let per_speed = 1.0 / speed.abs();
+        Creepage { longitudinal: self.longitudinal * per_speed, lateral: self.lateral * per_speed, spin: self.spin * per_speed }
+    }
+}
+
 /// Tangential force on the wheel along e1, e2 [N] and moment about n [N m].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CreepForce {
@@ -37,15 +54,10 @@ impl ContactAxes {
         ContactAxes { e1, e2: normal.cross(&e1), normal }
     }
 
-    /// Creepages of a point that moves with `velocity` [m/s] on a body that turns with `angular_velocity` [rad/s]
-    /// while the wheelset travels with `speed` [m/s], not zero.
-    pub fn creepage(&self, velocity: &Vector3<f64>, angular_velocity: &Vector3<f64>, speed: f64) -> Creepage {
-        let per_speed = 1.0 / speed.abs();
-        Creepage {
-            longitudinal: velocity.dot(&self.e1) * per_speed,
-            lateral: velocity.dot(&self.e2) * per_speed,
-            spin: angular_velocity.dot(&self.normal) * per_speed,
-        }
+    /// Slip of a point that moves with `velocity` [m/s] on a body that turns with `angular_velocity` [rad/s].
+    #[inline]
+    pub fn slip(&self, velocity: &Vector3<f64>, angular_velocity: &Vector3<f64>) -> Slip {
+        Slip { longitudinal: velocity.dot(&self.e1), lateral: velocity.dot(&self.e2), spin: angular_velocity.dot(&self.normal) }
     }
 }
 
@@ -83,7 +95,7 @@ mod tests {
     fn analytic_axes_are_right_handed_and_point_left() {
         let axes = ContactAxes::new(Vector3::z(), Vector3::new(2.0, 0.0, 0.0));
         assert_eq!(axes.e2, Vector3::y());
-        let creepage = axes.creepage(&Vector3::new(0.4, -0.2, 0.0), &Vector3::new(0.0, 90.0, 1.0), -20.0);
+        let creepage = axes.slip(&Vector3::new(0.4, -0.2, 0.0), &Vector3::new(0.0, 90.0, 1.0)).creepage(-20.0);
         assert!((creepage.longitudinal - 0.02).abs() < 1e-16 && (creepage.lateral + 0.01).abs() < 1e-16 && creepage.spin == 0.05);
     }
 }

@@ -56,7 +56,7 @@ impl Formulation for EcfA {
             *wrench += external_wrench(&motion, inputs);
             for (side, friction) in [(Side::Left, inputs[LEFT_FRICTION]), (Side::Right, inputs[RIGHT_FRICTION])] {
                 let contact = contact_index(index, side);
-                let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction };
+                let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction, y };
                 let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
                 points::elastic_wheel(&wheel, &mut memory[model.contact_memory(contact)], wrench, reports)
                     .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;

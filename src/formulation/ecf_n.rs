@@ -116,13 +116,14 @@ impl Formulation for EcfN {
                 let [first, second] = &found.contacts;
                 let first = first.as_ref().ok_or_else(|| fail(ContactFailure::OffRail { y: motion.position.y }))?;
                 keep(&first.parameters, &mut memory[model.contact_memory(contact)]);
-                let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction };
-                let mut load = |found: &ContactLocation| {
+                let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction, y };
+                let mut load = |(slot, found): (usize, &ContactLocation)| {
                     self.check_ends(model, wheelset, side, found, &motion)?;
                     let wrench = &mut workspace.system.wrenches[wheelset.body];
-                    Contact { wheel: &wheel, found, share: 1.0 }.elastic(wrench)
+                    Contact { wheel: &wheel, found, slot, share: 1.0 }.elastic(wrench)
                 };
-                let reports = [Some(first), second.as_ref()].map(|found| found.map_or(Ok(ContactReport::default()), &mut load));
+                let found = [Some((0, first)), second.as_ref().map(|second| (1, second))];
+                let reports = found.map(|found| found.map_or(Ok(ContactReport::default()), &mut load));
                 let [first, second] = reports;
                 workspace.contacts[contact] = first.map_err(fail)?;
                 workspace.further_contacts[contact] = second.map_err(fail)?;

@@ -3,10 +3,11 @@
 use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LONGITUDINAL_FORCE, Model, VERTICAL_FORCE, Wheelset};
 use crate::contact::Patch;
 use crate::contact::creep::RollingContact;
-use crate::contact::creepage::{ContactAxes, in_rolling_direction};
+use crate::contact::creepage::{ContactAxes, Creepage, in_rolling_direction};
 use crate::contact::normal::damping::damped_force;
 use crate::contact::normal::{ConformalContact, ContactShape};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
+use crate::contact::transient::{self, LoadedPatch};
 use crate::geometry::Side;
 use crate::math::newton::NewtonFailure;
 use crate::mbs::body::{BodyMotion, Wrench};
@@ -14,6 +15,8 @@ use nalgebra::Vector3;
 
 /// Deeper than this, half-space elasticity has long ended: the initial position is wrong.
 const DEEPEST: f64 = 5e-3;
+/// Below this speed [m/s] steady creepage makes equations that are too stiff to be of use.
+const SLOWEST: f64 = 0.05;
 
 /// Torque about the axle and forces at the centre that a master applies.
 #[inline]
@@ -35,12 +38,16 @@ pub(super) struct WheelAt<'a> {
     pub motion: &'a BodyMotion,
     /// Factor of the friction coefficient.
     pub friction: f64,
+    /// The whole state, of which the contact takes its tangential states.
+    pub y: &'a [f64],
 }
 
 /// A contact whose place and motion are known.
 pub(super) struct Contact<'a> {
     pub wheel: &'a WheelAt<'a>,
     pub found: &'a ContactLocation,
+    /// Number of the contact on its wheel, from 0.
+    pub slot: usize,
     /// Of its Hertzian force that it carries: 1, or less where it shares its patch with another (see `points`).
     pub share: f64,
 }
@@ -52,10 +59,9 @@ impl WheelAt<'_> {
         pair(self.model, self.wheelset, self.side, self.motion)
     }
 
-    /// Travelling speed that creepages are relative to, m/s; with the sign of the direction.
     #[inline]
     fn speed(&self) -> f64 {
-        self.wheelset.imposed_speed.unwrap_or(self.motion.velocity.x)
+        self.wheelset.speed(self.motion)
     }
 }
 
@@ -73,13 +79,15 @@ impl Contact<'_> {
         let axes = ContactAxes::new(found.normal, found.forward);
         let motion = self.wheel.motion;
         let velocity = motion.material_velocity(&found.wheel_point);
+        let slip = axes.slip(&velocity, &motion.rotation);
         ContactReport {
             parameters: found.parameters,
             penetration: found.penetration,
             penetration_rate: -velocity.dot(&found.normal),
             axes,
             iterations: found.iterations,
-            creepage: axes.creepage(&velocity, &motion.rotation, self.wheel.speed()),
+            slip,
+            creepage: if self.wheel.model.laws.transient.is_some() { Creepage::default() } else { slip.creepage(self.wheel.speed()) },
             ..ContactReport::default()
         }
     }
@@ -129,9 +137,17 @@ impl Contact<'_> {
         // A polynomial input may pass below zero between communication points.
         let friction = laws.friction * self.wheel.friction.max(0.0);
         let (patch, normal_force, speed) = (report.patch, report.normal_force.max(0.0), self.wheel.speed());
-        report.creep_force = in_rolling_direction(speed, report.creepage, |creepage| {
-            laws.creep.force(&RollingContact { patch, normal_force, friction, creepage, speed: speed.abs() })
-        });
+        if let Some(transient) = &laws.transient {
+            let mut state = [0.0; transient::STATES];
+            state.copy_from_slice(&self.wheel.y[self.wheel.model.deflection(self.wheel.contact, self.slot)]);
+            let loaded = LoadedPatch { patch, normal_force, friction };
+            let found = transient.evaluate(laws.creep.as_ref(), &loaded, &report.slip.rolling(speed), &state);
+            (report.creep_force, report.creepage, report.deflection_rates) = (found.force, found.creepage, found.rates);
+        } else {
+            report.creep_force = in_rolling_direction(speed, report.creepage, |creepage| {
+                laws.creep.force(&RollingContact { patch, normal_force, friction, creepage, speed: speed.abs() })
+            });
+        }
         let (axes, creep) = (&report.axes, &report.creep_force);
         report.force = axes.normal * report.normal_force + axes.e1 * creep.longitudinal + axes.e2 * creep.lateral;
     }
@@ -142,10 +158,14 @@ impl Contact<'_> {
         wrench.moment += report.axes.normal * report.creep_force.spin_moment;
     }
 
-    /// A loaded contact must lie on both profiles.
+    /// A loaded contact must lie on both profiles, and roll fast enough for the laws of creepage.
     #[inline]
     pub fn check_place(&self) -> Result<(), ContactFailure> {
         let WheelAt { model, wheelset, side, motion, .. } = *self.wheel;
+        let speed = self.wheel.speed();
+        if !(speed.abs() >= SLOWEST) && model.laws.transient.is_none() {
+            return Err(ContactFailure::TooSlow { speed });
+        }
         let (wheel, rail) = (wheelset.wheel(side), model.track.rail(side));
         let places =
             [("wheel", self.found.parameters.wheel, wheel.profile.range()), ("rail", self.found.parameters.rail, rail.profile.range())];

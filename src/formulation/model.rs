@@ -8,13 +8,15 @@ use super::work::Work;
 use super::{AssemblyError, Build, EvaluationError, Formulation, lift};
 use crate::contact::Patch;
 use crate::contact::creep::CreepLaw;
-use crate::contact::creepage::{ContactAxes, CreepForce, Creepage};
+use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
 use crate::contact::normal::NormalLaw;
 use crate::contact::normal::damping::DampingLaw;
 use crate::contact::search::algebraic::SurfaceParameters;
+use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::Track;
+use crate::mbs::body::BodyMotion;
 use crate::mbs::system::{System, SystemWorkspace};
 use nalgebra::Vector3;
 
@@ -43,6 +45,12 @@ pub struct Wheelset {
 }
 
 impl Wheelset {
+    /// Travelling speed that creepages are relative to, m/s; with the sign of the direction.
+    #[inline]
+    pub fn speed(&self, motion: &BodyMotion) -> f64 {
+        self.imposed_speed.unwrap_or(motion.velocity.x)
+    }
+
     pub fn wheel(&self, side: Side) -> &Wheel {
         match side {
             Side::Left => &self.left,
@@ -62,6 +70,8 @@ pub struct ContactLaws {
     pub normal: Box<dyn NormalLaw>,
     pub creep: Box<dyn CreepLaw>,
     pub damping: Box<dyn DampingLaw>,
+    /// Tangential contact at low speed; `None` where the scene does not call for it.
+    pub transient: Option<TransientContact>,
     /// mu, -.
     pub friction: f64,
 }
@@ -106,6 +116,10 @@ pub struct ContactReport {
     pub axes: ContactAxes,
     pub creepage: Creepage,
     pub creep_force: CreepForce,
+    /// Velocity of the wheel's material point along e1 and e2 [m/s] and angular velocity about n [rad/s].
+    pub slip: Slip,
+    /// Rates of the tangential states, where there are any.
+    pub deflection_rates: [f64; transient::STATES],
     /// Force on the wheelset in the track frame, N.
     pub force: Vector3<f64>,
     pub iterations: usize,
@@ -158,7 +172,62 @@ impl Model {
 
     /// Length of the state vector.
     pub fn dimension(&self) -> usize {
+        self.deflections_begin() + self.contacts() * self.points * self.deflection_states()
+    }
+
+    fn deflections_begin(&self) -> usize {
         self.system.dimension() + self.contacts() * self.formulation.states_per_contact()
+    }
+
+    /// States of the tangential deflection of one contact: none without `contact.transient`.
+    pub fn deflection_states(&self) -> usize {
+        if self.laws.transient.is_some() { transient::STATES } else { 0 }
+    }
+
+    /// The tangential states of a wheel's contact `slot` (from 0) in the state vector; they stand at its end.
+    pub fn deflection(&self, contact: usize, slot: usize) -> std::ops::Range<usize> {
+        let start = self.deflections_begin() + (contact * self.points + slot) * self.deflection_states();
+        start..start + self.deflection_states()
+    }
+
+    /// Writes the rates of all tangential states, which the contacts' reports hold.
+    #[inline]
+    pub(super) fn deflection_rates(&self, workspace: &Workspace, y: &[f64], dy: &mut [f64]) {
+        let Some(transient) = &self.laws.transient else { return };
+        for contact in 0..self.contacts() {
+            for slot in 0..self.points {
+                let report = match slot {
+                    0 => &workspace.contacts[contact],
+                    _ => &workspace.further_contacts[contact * (self.points - 1) + slot - 1],
+                };
+                let range = self.deflection(contact, slot);
+                let unloaded = || {
+                    let mut state = [0.0; transient::STATES];
+                    state.copy_from_slice(&y[range.clone()]);
+                    let (patch, slip) = (LoadedPatch::default(), SlipVelocity::default());
+                    transient.evaluate(self.laws.creep.as_ref(), &patch, &slip, &state).rates
+                };
+                let rates = if report.normal_force > 0.0 { report.deflection_rates } else { unloaded() };
+                dy[range].copy_from_slice(&rates);
+            }
+        }
+    }
+
+    /// Puts the tangential states where they are in steady rolling with the contacts as they were found last.
+    pub fn settle_deflections(&self, workspace: &Workspace, y: &mut [f64]) {
+        let Some(transient) = &self.laws.transient else { return };
+        for (contact, wheelset, _) in rigid::wheels(self) {
+            for slot in 0..self.points {
+                let report = match slot {
+                    0 => &workspace.contacts[contact],
+                    _ => &workspace.further_contacts[contact * (self.points - 1) + slot - 1],
+                };
+                let speed = wheelset.speed(&workspace.system.motions[wheelset.body]);
+                let patch = LoadedPatch { patch: report.patch, normal_force: report.normal_force, friction: self.laws.friction };
+                let state = transient.steady_state(&patch, &report.slip.rolling(speed));
+                y[self.deflection(contact, slot)].copy_from_slice(&state);
+            }
+        }
     }
 
     /// Length of the state's memory.

@@ -111,7 +111,7 @@ pub(super) fn derivative(
             let memory = &mut memory[model.contact_memory(contact)];
             let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
             let elastic = is_elastic(memory);
-            let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction: friction(inputs, contact, side) };
+            let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction: friction(inputs, contact, side), y };
             let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
             let wrench = &mut workspace.system.wrenches[wheelset.body];
             let constraints = &mut workspace.system.constraints;
@@ -125,7 +125,7 @@ pub(super) fn derivative(
                 continue;
             }
             let found = find(contact, wheelset, side, &motion, memory).map_err(fail)?;
-            let load = Contact { wheel: &wheel, found: &found.location, share: 1.0 };
+            let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
             load.check_place().map_err(fail)?;
             let (first, further) = reports;
             *first = ContactReport { constrained: true, ..load.report() };
@@ -137,11 +137,12 @@ pub(super) fn derivative(
             rigid.rows[contact] = Some(found);
         }
         workspace.system.constraints.kkt.factorise().map_err(|error| singular(model, &workspace.system, t, error))?;
-        settle(model, workspace, &mut rigid, t, inputs)?;
+        settle(model, workspace, &mut rigid, t, y, inputs)?;
         for (contact, ..) in wheels(model) {
             memory[model.contact_memory(contact)][NORMAL_FORCE] = rigid.normal_forces[contact];
         }
         model.system.constrained_result(y, &mut workspace.system, dy);
+        model.deflection_rates(workspace, y, dy);
         Ok(())
     })();
     workspace.rigid = rigid;
@@ -151,6 +152,7 @@ pub(super) fn derivative(
 /// The last step of an elastic evaluation: accelerations under the wrenches and the joints.
 #[inline]
 pub(super) fn finish_elastic(model: &Model, workspace: &mut Workspace, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
+    model.deflection_rates(workspace, y, dy);
     let done = model.system.constrained_derivative(t, y, &mut workspace.system, dy);
     done.map_err(|error| singular(model, &workspace.system, t, error))
 }
@@ -232,7 +234,14 @@ impl From<NotSettled> for LoopFailure {
 
 /// Finds the normal forces with which creep forces and multipliers agree; leaves wrenches with creep forces in the workspace and
 /// the accelerations in the scratch.
-fn settle(model: &Model, workspace: &mut Workspace, rigid: &mut RigidScratch, t: f64, inputs: &[f64]) -> Result<(), EvaluationError> {
+fn settle(
+    model: &Model,
+    workspace: &mut Workspace,
+    rigid: &mut RigidScratch,
+    t: f64,
+    y: &[f64],
+    inputs: &[f64],
+) -> Result<(), EvaluationError> {
     let RigidScratch { rows, base, normal_forces, work, .. } = rigid;
     base.copy_from_slice(&workspace.system.wrenches);
     let Workspace { system, contacts, .. } = workspace;
@@ -242,8 +251,8 @@ fn settle(model: &Model, workspace: &mut Workspace, rigid: &mut RigidScratch, t:
             let Some(found) = &rows[contact] else { continue };
             let motion = &system.motions[wheelset.body];
             let friction = friction(inputs, contact, side);
-            let wheel = WheelAt { model, wheelset, side, contact, motion, friction };
-            let load = Contact { wheel: &wheel, found: &found.location, share: 1.0 };
+            let wheel = WheelAt { model, wheelset, side, contact, motion, friction, y };
+            let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
             load.pressed(&mut contacts[contact], forces[contact], &mut system.wrenches[wheelset.body])
                 .map_err(|cause| LoopFailure::At(EvaluationError::new(t, wheelset, side, cause.into())))?;
         }

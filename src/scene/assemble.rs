@@ -1,6 +1,7 @@
 //! From scene data to a model: only what the scene calls for becomes an object.
 
 use super::spec::{Scene, SuspensionSpec};
+use crate::contact::transient::TransientContact;
 use crate::formulation::{AssemblyError, ContactLaws, Model, Parts, Wheelset};
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
@@ -37,6 +38,8 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     };
     let imposed_speed = scene.vehicle.speed_imposed.then_some(scene.vehicle.speed);
     let contact = &scene.contact;
+    let creep = (contact.creep)(contact.material);
+    let transient = contact.transient.map(|settings| TransientContact::new(settings, contact.material, creep.as_ref()));
     let parts = Parts {
         system: System {
             bodies: vec![body],
@@ -56,9 +59,10 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
         }],
         laws: ContactLaws {
             normal: (contact.normal)(contact.material),
-            creep: (contact.creep)(contact.material),
+            creep,
             damping: (contact.damping_law.build)(contact.damping),
             friction: contact.friction,
+            transient,
         },
         points: contact.points,
     };

@@ -178,6 +178,8 @@ impl Balance {
     fn new(scene: &Scene, speed: f64) -> Result<Self, AssemblyError> {
         let mut model = super::assemble::model(scene)?;
         model.track = model.track.ideal();
+        // In steady rolling the transient model says what the law says.
+        model.laws.transient = None;
         let dimension = model.dimension();
         let mut y = vec![0.0; dimension];
         y[COORDINATES] = speed;

@@ -82,6 +82,10 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     let why = if elastic { "" } else { " (only for a wheel that has lifted: rigid contact has no penetration)" };
     let damped = elastic && contact.damping_law.name != "none";
     effect("contact damping", damped, format!("contact.damping {}{why}", model.laws.damping.describe()), 0);
+    let transient = contact.transient.map(|t| format!("contact.transient.below = {} m/s", t.below));
+    let why = transient.clone().unwrap_or("no [contact.transient]: steady creepage only".into());
+    let states = model.contacts() * model.points * model.deflection_states();
+    effect("transient tangential contact", transient.is_some(), why, states);
     effect("creep forces", true, format!("contact.creep.law = \"{}\", friction {}", contact.creep_name, contact.friction), 0);
     for (name, group) in
         [("drive torque input", "drive_torque"), ("centre force inputs", "centre_forces"), ("friction factor inputs", "friction")]

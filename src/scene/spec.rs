@@ -2,6 +2,7 @@
 //!
 //! FMU parameters are fields of this data; a model is assembled from it anew when they are set.
 
+use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
 use crate::formulation::{self, points::MOST_POINTS};
 use crate::geometry::profile::{self, Part, ProfileChoice};
@@ -132,6 +133,7 @@ pub struct ContactSpec {
     pub normal: normal::Build,
     pub creep_name: String,
     pub creep: creep::Build,
+    pub transient: Option<TransientSettings>,
 }
 
 /// `[solver]`.
@@ -385,6 +387,7 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
         normal,
         creep_name,
         creep,
+        transient: TransientSettings::parse(&section)?,
     };
     section.finish()?;
     Ok(spec)

@@ -131,6 +131,7 @@ impl Simulation {
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
         simulation.snapshot()?;
         simulation.state.integration.memory.clone_from(&simulation.snapshot.memory);
+        simulation.model.settle_deflections(&simulation.snapshot.workspace, &mut simulation.state.integration.y);
         // What is shown belongs to the state: a cold start differs in the last digits.
         simulation.snapshot_valid = false;
         simulation.snapshot()?;

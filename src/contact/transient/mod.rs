@@ -55,7 +55,7 @@ pub mod relaxation;
 mod tests;
 
 use super::creep::{CreepLaw, RollingContact};
-use super::creepage::{CreepForce, Creepage};
+use super::creepage::{CreepForce, Creepage, Slip};
 use super::{Material, Patch};
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
@@ -63,6 +63,14 @@ use relaxation::{Elasticity, Relaxation};
 
 /// States of one contact: deflection along e1 and e2 [m], rolled-in direction [-].
 pub const STATES: usize = 3;
+
+impl Slip {
+    /// The slip of a wheel that rolls with a signed speed [m/s].
+    #[inline]
+    pub fn rolling(&self, speed: f64) -> SlipVelocity {
+        SlipVelocity { longitudinal: self.longitudinal, lateral: self.lateral, spin: self.spin, rolling: speed }
+    }
+}
 
 /// What `[contact.transient]` says.
 #[derive(Clone, Copy, Debug, PartialEq)]

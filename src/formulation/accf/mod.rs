@@ -135,6 +135,9 @@ impl Formulation for Accf {
             workspace.rigid.partitions[wheelset].is_some_and(|p: Partition| p.is_dependent(variable))
                 && Side::BOTH.into_iter().all(|side| workspace.contacts[contact_index(wheelset, side)].constrained)
         };
+        if i >= count + model.contacts() * STATES {
+            return plain;
+        }
         if i >= count {
             let (contact, state) = ((i - count) / STATES, (i - count) % STATES);
             let variable = COORDINATES + contact % 2 * PARAMETERS + state;

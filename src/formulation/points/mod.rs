@@ -102,12 +102,12 @@ pub(super) fn elastic_wheel(
             .or_else(|_| pair.locate(&SurfaceParameters::default()))
             .map_err(|failure| not_found(wheel.motion, failure))?;
         keep(&found.parameters, memory);
-        *first = Contact { wheel, found: &found, share: 1.0 }.elastic(wrench)?;
+        *first = Contact { wheel, found: &found, slot: 0, share: 1.0 }.elastic(wrench)?;
         return Ok(());
     };
     let places = search.places(wheel, None, memory)?;
-    for (place, report) in places.iter().zip(std::iter::once(first).chain(further)) {
-        *report = search.load(wheel, place.as_ref(), wrench)?;
+    for (slot, (place, report)) in places.iter().zip(std::iter::once(first).chain(further)).enumerate() {
+        *report = search.load(wheel, slot, place.as_ref(), wrench)?;
     }
     Ok(())
 }
@@ -123,8 +123,8 @@ pub(super) fn elastic_beside(
 ) -> Result<(), ContactFailure> {
     let Some(search) = &wheel.model.searches[wheel.contact] else { return Ok(()) };
     let places = search.places(wheel, Some(tread), memory)?;
-    for (place, report) in places[1..].iter().zip(further) {
-        *report = search.load(wheel, place.as_ref(), wrench)?;
+    for (slot, (place, report)) in (1..).zip(places[1..].iter().zip(further)) {
+        *report = search.load(wheel, slot, place.as_ref(), wrench)?;
     }
     Ok(())
 }
@@ -156,12 +156,12 @@ pub(super) fn promote(model: &Model, workspace: &Workspace, contact: usize, memo
 
 impl WheelSearch {
     #[inline]
-    fn load(&self, wheel: &WheelAt, place: Option<&Place>, wrench: &mut Wrench) -> Result<ContactReport, ContactFailure> {
+    fn load(&self, wheel: &WheelAt, slot: usize, place: Option<&Place>, wrench: &mut Wrench) -> Result<ContactReport, ContactFailure> {
         let Some(Place { location, share }) = place else { return Ok(ContactReport::default()) };
         if location.penetration > 0.0 && location.parameters.wheel < self.tip {
             return Err(derailed(wheel, "the tip of the flange stands on the rail"));
         }
-        Contact { wheel, found: location, share: *share }.elastic(wrench)
+        Contact { wheel, found: location, slot, share: *share }.elastic(wrench)
     }
 
     /// All places near the rail by number of the contact. With a `tread` that is a constraint, number 0 is that and stays empty.
