@@ -84,7 +84,7 @@ const APART: f64 = 1e-3;
 /// Gauss's three points and weights on [-1, 1]: exact for the parabola's (1 - x^2)^2.
 const GAUSS: [(f64, f64); 3] = [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 /// Panels of the integral, each after the second twice as wide as the one before.
-const PANELS: usize = 7;
+const PANELS: usize = 8;
 
 impl<'a> ContactShape<'a> {
     #[inline]
@@ -125,11 +125,11 @@ impl<'a> ContactShape<'a> {
     }
 }
 
-/// The integral of [`ContactShape::overlap`] on one side, from panels as wide as twice `first` (for a parabola all of it), the same
-/// again, twice that, and so on. The integrand is C1, so fixed points keep the sum smooth in the pose.
+/// The integral of [`ContactShape::overlap`] on one side, from panels as wide as `first` (for a parabola half of what is
+/// wanted), twice that, and so on. The integrand is C1, so fixed points keep the sum smooth in the pose.
 #[inline]
 fn integrate(wheel: &Tangent, rail: &Tangent, side: f64, level: f64, first: f64) -> f64 {
-    let (mut sum, mut largest, mut from, mut half) = (0.0, 0.0f64, 0.0, first);
+    let (mut sum, mut largest, mut from, mut half) = (0.0, 0.0f64, 0.0, 0.5 * first);
     for panel in 0..PANELS {
         for (x, weight) in GAUSS {
             let t = side * (from + half * (1.0 + x));

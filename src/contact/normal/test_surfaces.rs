@@ -182,10 +182,11 @@ impl Profile for S1002 {
 }
 
 #[derive(Debug)]
-pub struct Splined(pub crate::math::spline::CubicSpline);
+pub struct Splined(pub crate::math::spline::CubicSpline, pub std::sync::atomic::AtomicUsize);
 
 impl Profile for Splined {
     fn at(&self, x: f64) -> ProfilePoint {
+        self.1.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let [value, d1, d2, d3] = self.0.at(x);
         ProfilePoint { value, d1, d2, d3 }
     }
