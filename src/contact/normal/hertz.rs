@@ -1,6 +1,6 @@
 //! Hertz's theory of elliptic contact.
 
-use super::curvature::{self, Across, Conformal, Rule};
+use super::curvature::{self, Rule};
 use super::hertz_table::{EllipseFunctions, EllipseTable, SharedTable};
 use super::{Build, ConformalContact, ContactShape, ElasticContact, NormalLaw};
 use crate::contact::{Material, Patch};
@@ -31,6 +31,7 @@ impl Hertz {
     #[cfg(test)]
     /// Curvatures at the point; conformal contact is an error.
     pub fn new(material: Material) -> Self {
+        use super::curvature::{Across, Conformal};
         Self::with(material, Rule { across: Across::Point, conformal: Conformal::Error })
     }
 

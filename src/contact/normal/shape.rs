@@ -73,9 +73,9 @@ fn opening(w: &Off, r: &Off) -> Option<(f64, f64)> {
     (w.stretch > 0.0 && r.stretch > 0.0).then_some((at_zero, -(w.slope + r.slope)))
 }
 
-/// Relative step of t after which the search ends; the next one would be about its square. The distance only scales the panels of
-/// an integral, whose error (below 1 %) is all that changes with it.
-const SETTLED: f64 = 1e-3;
+/// Relative step of t after which the search ends; the next one would be about its square. The distance scales the panels of
+/// an integral, so its rounding must stay far below what the loop between normal and creep forces can see.
+const SETTLED: f64 = 1e-5;
 const ITERATIONS: usize = 40;
 
 /// Two points whose t differ by less than this share tell on which side of the root they are.

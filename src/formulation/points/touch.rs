@@ -11,6 +11,8 @@ use super::Record;
 
 /// Metres become numbers of the size of normal forces, with which they are compared: a contact's stiffness, N/m.
 const SCALE: f64 = 1e9;
+/// A change of side counts from here, m: rounding must not make it come back at once. The force there is below 1e-3 N.
+const SURE: f64 = 1e-11;
 
 /// The least margin over all contacts beside the first; `None` without any.
 pub(in super::super) fn margin(model: &Model, memory: &[f64]) -> Option<f64> {
@@ -19,7 +21,7 @@ pub(in super::super) fn margin(model: &Model, memory: &[f64]) -> Option<f64> {
     for (contact, _) in model.searches.iter().enumerate().filter(|(_, search)| search.is_some()) {
         let range = model.contact_memory(contact);
         for (_, depth, pressed) in Record::others(&memory[range.start + own..range.end], model.points) {
-            let margin = SCALE * if pressed { depth } else { -depth };
+            let margin = SCALE * (if pressed { depth } else { -depth } + SURE);
             least = Some(least.map_or(margin, |least: f64| least.min(margin)));
         }
     }
@@ -38,7 +40,7 @@ pub(in super::super) fn switch(model: &Model, workspace: &mut Workspace, t: f64,
         let mut record = Record::new(&mut memory[range.start + own..range.end], model.points);
         for slot in 1..model.points {
             let Some((depth, pressed)) = record.other(slot) else { continue };
-            if (depth > 0.0) == pressed {
+            if SCALE * (if pressed { depth } else { -depth } + SURE) >= 0.0 {
                 continue;
             }
             record.set_pressed(slot, !pressed);
