@@ -171,24 +171,25 @@ impl<'a> Scan<'a> {
         let curl = view.most_yaw_turn(wheel.steepest);
         let length = self.trace_length(wheel);
         // Feet run forward all the way while the trace does and faces the rail.
-        let backward = a.phi.abs().max(b.phi.abs()) > 1.3 || view.k2 * wheel.swell * wheel.curvature.0 < -0.9;
+        let backward = more(a.phi.abs(), b.phi.abs()) > 1.3 || view.k2 * wheel.swell * wheel.curvature.0 < -0.9;
         let rail = self.search.rail.facing(a.foot, b.foot, if backward { 1.5 * length } else { 0.0 });
         let phi = (view.turn + wheel.angle.0 - curl - rail.angle.1, view.turn + wheel.angle.1 + curl - rail.angle.0);
-        let (down, up) = ((-phi.0).clamp(0.0, 1.0), phi.1.clamp(0.0, 1.0));
+        let (down, up) = (less(more(-phi.0, 0.0), 1.0), less(more(phi.1, 0.0), 1.0));
+        let (lower, upper) = if a.distance < b.distance { (a.distance, b.distance) } else { (b.distance, a.distance) };
         let low = if down > 0.0 && up > 0.0 {
-            (up * a.distance + down * b.distance - down * up * length) / (down + up)
+            less((up * a.distance + down * b.distance - down * up * length) / (down + up), lower)
         } else {
-            a.distance.min(b.distance)
+            lower
         };
-        let high = a.distance.max(b.distance) + 0.5 * length * up.max(down);
-        Limits { phi, rail: rail.curvature, distance: (low.min(a.distance).min(b.distance) - ROUGH, high + ROUGH) }
+        let high = upper + 0.5 * length * more(up, down);
+        Limits { phi, rail: rail.curvature, distance: (low - ROUGH, high + ROUGH) }
     }
 
     /// Least and greatest phi' over a block, 1/m; infinite where unknown. Where the foot jumps across a convex place of the rail
     /// phi jumps upward, so that the lower bound holds there too.
     #[inline]
     fn bending(&self, wheel: &Bounds, limits: &Limits) -> (f64, f64) {
-        let most = limits.phi.0.abs().max(limits.phi.1.abs());
+        let most = more(limits.phi.0.abs(), limits.phi.1.abs());
         let cos = 1.0 - 0.5 * most * most;
         let own = trace_curvature(wheel, self.view.k2);
         if cos <= 0.0 {
@@ -216,13 +217,16 @@ impl<'a> Scan<'a> {
     }
 
     fn block(&mut self, block: usize, first: usize, size: usize, a: &State, b: &State) {
+        if size > self.search.coarse {
+            return self.split(block, first, size, a, b);
+        }
         let wheel = &self.search.tree[block];
         let limits = self.limits(wheel, a, b);
         if limits.distance.0 > self.reach + MOST_STEADY {
             return self.beyond(limits.distance.0, a, b);
         }
         // Feet that move by the slack are within the bounds already; directions turn with the wheel.
-        let margin = limits.phi.0.max(-limits.phi.1);
+        let margin = more(limits.phi.0, -limits.phi.1);
         if margin > MOST_STEADY / ARM {
             return self.pass(b);
         }
@@ -244,6 +248,10 @@ impl<'a> Scan<'a> {
         if size == 1 {
             return self.stretch(first, &bending, a, b);
         }
+        self.split(block, first, size, a, b);
+    }
+
+    fn split(&mut self, block: usize, first: usize, size: usize, a: &State, b: &State) {
         let half = size / 2;
         let middle = first + half;
         let last = self.search.wheel.stretches.len();
@@ -328,6 +336,17 @@ impl<'a> Scan<'a> {
             self.found(*a, *b, (stretch, stretch + 1), a.phi < 0.0);
         }
     }
+}
+
+/// The lesser and the greater of two numbers, neither NaN: quicker than `f64::min` and `f64::max`.
+#[inline]
+pub(super) fn less(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline]
+pub(super) fn more(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 #[inline]
