@@ -216,6 +216,12 @@ impl<'a> Scan<'a> {
         (own.0 - high, own.1 - low)
     }
 
+    /// How much phi changes at most for a motion by one metre, 1/m: the foot moves along a curved rail, and the wheel turns.
+    fn turning(limits: &Limits) -> f64 {
+        let swing = |c: f64| (c / (1.0 - c * limits.distance.0).max(0.1)).abs();
+        1.2 * swing(limits.rail.0).max(swing(limits.rail.1)) + 1.0 / ARM
+    }
+
     fn block(&mut self, block: usize, first: usize, size: usize, a: &State, b: &State) {
         if size > self.search.coarse {
             return self.split(block, first, size, a, b);
@@ -246,7 +252,7 @@ impl<'a> Scan<'a> {
             return self.pass(b);
         }
         if size == 1 {
-            return self.stretch(first, &bending, a, b);
+            return self.stretch(first, &bending, &limits, a, b);
         }
         self.split(block, first, size, a, b);
     }
@@ -297,7 +303,7 @@ impl<'a> Scan<'a> {
     }
 
     /// A stretch that bounds don't decide.
-    fn stretch(&mut self, stretch: usize, bending: &(f64, f64), a: &State, b: &State) {
+    fn stretch(&mut self, stretch: usize, bending: &(f64, f64), limits: &Limits, a: &State, b: &State) {
         let wheel = &self.search.wheel.stretches[stretch];
         let most = bending.1.max(-bending.0);
         if wheel.length == 0.0 {
@@ -305,7 +311,7 @@ impl<'a> Scan<'a> {
             self.ends(stretch, a, b);
         } else {
             let margin = self.halve(stretch, most, self.trace_length(wheel), DEPTH, a, b);
-            self.steady = self.steady.min((margin / (most + 1.0 / ARM)).max(0.0));
+            self.steady = self.steady.min((margin / Self::turning(limits)).max(0.0));
         }
         self.pass(b);
     }

@@ -2,9 +2,9 @@
 //!
 //! The four equations of [`super::algebraic`] hold at every stationary distance: minima (tread, flange root, flange), the
 //! ridges between them, and whatever lies near the start of the iteration. Here the wheel is seen along the rail as a plane
-//! curve ([`view`]), its signed distance d(u) from the rail's section (negative where the surfaces overlap) is bounded over
-//! stretches of both profiles ([`curve`], [`foot`]), and branch and bound ([`branch`]) leaves brackets of all minima below a
-//! reach, which Newton then makes exact ([`refine`]). On a straight rail they solve the four equations; on one that bends they
+//! curve (`view`), its signed distance d(u) from the rail's section (negative where the surfaces overlap) is bounded over
+//! stretches of both profiles (`curve`, `foot`), and branch and bound (`branch`) leaves brackets of all minima below a
+//! reach, which Newton then makes exact (`refine`). On a straight rail they solve the four equations; on one that bends they
 //! start [`GlobalSearch::polish`].
 //!
 //! *Limits.* A rail is its profile continued straight beyond its ends; minima there, and those at the ends of the wheel's

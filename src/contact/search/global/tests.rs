@@ -1,3 +1,6 @@
+//! The search against plain looking on grids, against the four equations, and against itself in mirrored and moved poses.
+
+#[cfg(test)]
 use super::*;
 use crate::contact::search::test_surfaces::Wave;
 use crate::geometry::Side;
@@ -559,7 +562,8 @@ fn prop_steady_motion_keeps_the_minima() {
             let moved = Pose { centre: turned + shift, axes, roll: pose.roll + turn, ..pose.clone() };
             scene.search.find(&scene.pair(&moved), REACH, &mut b);
             let sure = |list: &Minima| list.iter().filter(|m| m.distance < REACH - 1.5 * steady).count();
-            assert!(sure(&a) <= b.len() && sure(&b) <= a.len(), "{} {pose:?} {moved:?}\n{a:?}\n{b:?}", scene.name);
+            let (before, after) = (&a[..], &b[..]);
+            assert!(sure(&a) <= b.len() && sure(&b) <= a.len(), "{} {pose:?} {moved:?}\n{before:?}\n{after:?}", scene.name);
         }
     }
     println!("{certified} of {all} poses certified");
