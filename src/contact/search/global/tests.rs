@@ -82,7 +82,7 @@ struct Pieces {
     last: f64,
 }
 impl Pieces {
-    fn new(start: f64, pieces: &[(f64, f64, f64)], last: f64) -> Arc<dyn Profile> {
+    fn through(start: f64, pieces: &[(f64, f64, f64)], last: f64) -> Arc<dyn Profile> {
         let mut value = start;
         let mut list = vec![];
         for (i, (from, slope, curvature)) in pieces.iter().enumerate() {
@@ -118,13 +118,13 @@ fn kinked_wheel() -> Arc<dyn Profile> {
         (0.02, -0.08, -0.5),
         (0.04, -0.2, 0.0),
     ];
-    Pieces::new(0.4675, &pieces, 0.06)
+    Pieces::through(0.4675, &pieces, 0.06)
 }
 
 /// A rail of parabolas with kinks that point up.
 fn kinked_rail() -> Arc<dyn Profile> {
     let pieces = [(-0.034, 2.0, -80.0), (-0.02, 0.5, -10.0), (-0.01, 0.15, -5.0), (0.01, -0.02, -3.0), (0.025, -0.3, -60.0)];
-    Pieces::new(-0.02, &pieces, 0.034)
+    Pieces::through(-0.02, &pieces, 0.034)
 }
 
 struct Scene {
@@ -305,7 +305,8 @@ fn sampled_minima(d: &[(f64, f64, bool)], reach: f64, depth: f64) -> Vec<(f64, f
         let ahead = i + 1 == d.len() || d[i + 1].1 >= d[i].1;
         let behind = i == 0 || d[i - 1].1 > d[i].1;
         let (from, to) = (i.saturating_sub(1), (i + 1).min(d.len() - 1));
-        if d[i].1 >= reach || !ahead || !behind || !(d[from].2 && d[i].2 && d[to].2) {
+        let forward = d[from].2 && d[i].2 && d[to].2;
+        if d[i].1 >= reach || !ahead || !behind || !forward {
             continue;
         }
         // How far it rises on both sides before it falls below.
