@@ -5,6 +5,7 @@
 //! straight. The foot is found by walking from a guess, so it is the near one where a hollow rail offers several; at concave
 //! kinks, where two always compete, the nearer wins.
 
+use super::branch::{less, more};
 use super::curve::{Bounds, Curve};
 use crate::geometry::profile::Profile;
 use nalgebra::Vector2;
@@ -250,8 +251,8 @@ impl Facing {
     #[inline]
     fn merge(&self, other: &Facing) -> Facing {
         Facing {
-            angle: (self.angle.0.min(other.angle.0), self.angle.1.max(other.angle.1)),
-            curvature: (self.curvature.0.min(other.curvature.0), self.curvature.1.max(other.curvature.1)),
+            angle: (less(self.angle.0, other.angle.0), more(self.angle.1, other.angle.1)),
+            curvature: (less(self.curvature.0, other.curvature.0), more(self.curvature.1, other.curvature.1)),
         }
     }
 }
