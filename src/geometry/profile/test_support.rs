@@ -2,10 +2,16 @@
 
 use super::Profile;
 use crate::settings::{Section, Source};
+use std::path::Path;
 
 /// Calls `read` with the settings of `text`.
 pub(super) fn with_section<T>(text: &str, read: impl FnOnce(&Section) -> T) -> T {
-    let source = Source { file: "t.toml".into(), text: text.into(), overridden: vec![], folder: None };
+    in_folder(None, text, read)
+}
+
+/// Calls `read` with the settings of `text`, whose files are in `folder`.
+pub(super) fn in_folder<T>(folder: Option<&Path>, text: &str, read: impl FnOnce(&Section) -> T) -> T {
+    let source = Source { file: "t.toml".into(), text: text.into(), overridden: vec![], folder: folder.map(Path::to_path_buf) };
     let document = toml_edit::Document::parse(text.to_string()).unwrap();
     read(&Section::root(document.as_table(), &source))
 }
