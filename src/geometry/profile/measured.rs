@@ -109,6 +109,16 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
         sample.x = if mirrored { -sample.x } else { sample.x } - tread_circle + shift.0;
     }
     enough(&samples).map_err(|problem| wrong(0, problem))?;
+    let off_origin = |samples: &[Sample]| {
+        let (low, high) = extent(samples);
+        let keys = if wheel_of_heights { "tread_circle, shift_y or mirror" } else { "shift_y or mirror" };
+        wrong(0, format!("the points reach from {:.2} mm to {:.2} mm: not over the origin; see {keys}", 1e3 * low, 1e3 * high))
+    };
+    // Cleaning works from the origin outward.
+    let (low, high) = extent(&samples);
+    if !(low <= 0.0 && high >= 0.0) {
+        return Err(off_origin(&samples));
+    }
 
     let mut outliers = Vec::new();
     match order {
@@ -126,11 +136,7 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     judge_outliers(&outliers, drop_outliers, &mut notes, &wrong)?;
     enough(&samples).map_err(|problem| wrong(0, problem))?;
 
-    let Some(middle) = value_at(&samples, 0.0) else {
-        let (first, last) = (1e3 * samples[0].x, 1e3 * samples[samples.len() - 1].x);
-        let keys = if wheel_of_heights { "tread_circle, shift_y or mirror" } else { "shift_y or mirror" };
-        return Err(wrong(0, format!("the points reach from {first:.2} mm to {last:.2} mm: not over the origin; see {keys}")));
-    };
+    let Some(middle) = value_at(&samples, 0.0) else { return Err(off_origin(&samples)) };
     if level == Level::EitherWay && downward(&samples, middle, part) {
         samples.iter_mut().for_each(|sample| sample.z = -sample.z);
         notes.push("heights were downward positive (seen from the shape)".into());
@@ -158,6 +164,12 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     if let Some(rms) = smoothing {
         points = smoothed(&points, rms, &mut notes).map_err(|problem| section.error("smoothing", problem))?;
     }
+    if let Some(radius) = radius {
+        // The radius holds for the spline itself, not for the chord between two points.
+        let spline = CubicSpline::natural(&points).map_err(|error| wrong(0, error.to_string()))?;
+        let rest = radius + shift.1 - spline.at(0.0)[0];
+        points.iter_mut().for_each(|point| point.1 += rest);
+    }
     let profile = SplineProfile::through(&points).map_err(|error| section.error("file", format!("\"{}\": {error}", file.path)))?;
     Ok(ProfileChoice { profile: Arc::new(profile), file: Some(file.kept), notes })
 }
@@ -167,13 +179,17 @@ fn enough(samples: &[Sample]) -> Result<(), String> {
     if samples.len() < LEAST_POINTS {
         return Err(format!("found {} points, expected at least {LEAST_POINTS}", samples.len()));
     }
-    let (low, high) =
-        samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), sample| (low.min(sample.x), high.max(sample.x)));
+    let (low, high) = extent(samples);
     if high - low < WIDTHS.0 || high - low > WIDTHS.1 {
         let wanted = format!("expected {} to {} mm", 1e3 * WIDTHS.0, 1e3 * WIDTHS.1);
         return Err(format!("the points are {:.3} mm wide, {wanted}: another unit of length?", 1e3 * (high - low)));
     }
     Ok(())
+}
+
+/// Smallest and largest coordinate.
+fn extent(samples: &[Sample]) -> (f64, f64) {
+    samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), sample| (low.min(sample.x), high.max(sample.x)))
 }
 
 fn judge_outliers(
