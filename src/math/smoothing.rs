@@ -1,10 +1,10 @@
 //! Cubic smoothing spline (Reinsch, Numerische Mathematik 10 (1967), 177-183) of a plane curve.
 //!
 //! The points (x_i, y_i) are functions of the length s along their polygon. Each coordinate v is replaced by the
-//! natural cubic spline g(s) that minimises `sum (v_i - g_i)^2 + lambda * integral g''^2 ds`. With h_i = s_(i+1)
-//! - s_i, the second derivatives c of g at the inner knots solve `(R + lambda Q'Q) c = Q'v` (five diagonals,
-//! positive definite) and `g = v - lambda Q c`. Smoothing over s treats flat and steep parts of a curve alike,
-//! and lambda is the one number for both coordinates that leaves a wanted root-mean-square distance.
+//! natural cubic spline g(s) that minimises `sum (v_i - g_i)^2 + lambda integral g''^2 ds`. With the distances
+//! `h_i = s_(i+1) - s_i`, the second derivatives c of g at the inner knots solve `(R + lambda Q'Q) c = Q'v` (five
+//! diagonals, positive definite), and `g = v - lambda Q c`. Smoothing over s treats flat and steep parts of a curve
+//! alike; lambda is the one number for both coordinates that leaves a wanted root-mean-square distance.
 
 /// A curve's points after smoothing.
 #[derive(Clone, Debug)]

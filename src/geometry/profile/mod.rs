@@ -19,8 +19,6 @@ mod rail_head;
 mod s1002;
 mod simpack;
 #[cfg(test)]
-mod test_support;
-#[cfg(test)]
 mod tests;
 
 use crate::settings::{Entry, Section, SettingsError, choose};
