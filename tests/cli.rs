@@ -224,3 +224,48 @@ fn regress_docs_list_every_name() {
     }
     assert_eq!(std::fs::read_to_string(&file).unwrap_or_default(), page, "run WHEELRAIL_BLESS=1 cargo test docs_list");
 }
+
+#[test]
+fn equiv_profile_written_as_csv_reads_back_as_itself() {
+    use wheelrail::geometry::profile::{self, Part, Profile};
+    use wheelrail::settings::{Section, Source};
+    let folder = tempfile::tempdir().unwrap();
+    let read = |settings: &str, part: Part| -> std::sync::Arc<dyn Profile> {
+        let text = format!("profile = {settings}\n");
+        let source = Source { file: "t".into(), text: text.clone(), overridden: vec![], folder: Some(folder.path().into()) };
+        let document = toml_edit::Document::parse(text).unwrap();
+        profile::parse(Section::root(document.as_table(), &source).section("profile").unwrap(), part).unwrap().profile
+    };
+    for (settings, part, word) in [("{ kind = \"s1002\", radius = 0.46 }", Part::Wheel, "S1002"), ("60e1", Part::Rail, "60E1")] {
+        let (csv, svg) = (folder.path().join("p.csv"), folder.path().join("p.svg"));
+        let files = ["--points", "1001", "-o", csv.to_str().unwrap(), "--plot", svg.to_str().unwrap()];
+        let (stdout, stderr, code) = text(&wheelrail(&[&["profile", settings][..], &files].concat()));
+        assert_eq!(code, 0, "{stderr}");
+        assert!(stdout.contains(word) && stdout.contains("curvature [1/m]"), "{stdout}");
+        let drawn = std::fs::read_to_string(&svg).unwrap();
+        assert!(["outward", "curvature [1/m]", "<polyline"].iter().all(|word| drawn.contains(word)));
+        let wanted = read(if part == Part::Wheel { settings } else { "{ kind = \"60e1\" }" }, part);
+        let found = read("{ kind = \"points\", file = \"p.csv\" }", part);
+        assert_eq!(found.range(), wanted.range());
+        let (first, last) = wanted.range();
+        let mut largest = 0.0f64;
+        for i in 0..5000 {
+            let x = first + (last - first) * (f64::from(i) + 0.5) / 5000.0;
+            let (a, b) = (found.at(x), wanted.at(x));
+            largest = largest.max((a.value - b.value).abs() / (1.0 + b.d1 * b.d1).sqrt());
+        }
+        println!("{word}: largest distance {:.3} um", 1e6 * largest);
+        assert!(largest < 2e-6);
+        for row in std::fs::read_to_string(&csv).unwrap().lines().skip(1) {
+            let n: Vec<f64> = row.split(',').map(|word| word.parse().unwrap()).collect();
+            assert_eq!((n[1], n[2]), (wanted.at(n[0]).value, wanted.at(n[0]).d1), "exact at the points");
+        }
+        let (bare, _, _) = text(&wheelrail(&["profile", csv.to_str().unwrap(), "--bare", "--points", "11", "-o", "-"]));
+        assert_eq!(bare.lines().count(), 12, "{bare}");
+        assert!(bare.lines().all(|line| line.matches(',').count() == 1));
+    }
+    let (_, stderr, code) = text(&wheelrail(&["profile", "60e3"]));
+    assert!(code == 2 && stderr.contains("profile.kind: found \"60e3\" (did you mean \"60e"), "{stderr}");
+    let (_, stderr, code) = text(&wheelrail(&["profile", "s1002"]));
+    assert!(code == 2 && stderr.contains("profile.radius: is missing"), "{stderr}");
+}

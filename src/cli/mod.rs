@@ -5,6 +5,7 @@ mod export;
 mod list;
 mod plan;
 mod plot;
+mod profile;
 mod progress;
 mod run;
 
@@ -32,6 +33,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Show what a scene makes the program compute, and what not
     Plan(plan::Arguments),
+    /// Show a wheel or rail profile: table, CSV, diagram
+    Profile(profile::Arguments),
     /// List scenes, profiles, laws, formulations, integrators ...
     List(list::Arguments),
 }
@@ -102,6 +105,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
+        Command::Profile(arguments) => profile::profile(&arguments),
         Command::List(arguments) => list::list(&arguments),
     };
     let (message, code) = match done {

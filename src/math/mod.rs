@@ -3,4 +3,5 @@
 pub mod fixed_point;
 pub mod newton;
 pub mod rotation;
+pub mod smoothing;
 pub mod spline;

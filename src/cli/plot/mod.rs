@@ -3,8 +3,10 @@
 mod axis;
 mod overview;
 pub(super) mod pair;
+mod section;
 
 pub(super) use overview::{overview, prepare};
+pub(super) use section::section;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;

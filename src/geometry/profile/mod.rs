@@ -6,15 +6,20 @@
 
 mod apta;
 mod arc;
+mod cleaning;
 mod cone;
 mod drawing;
+mod file;
+mod measured;
+mod miniprof;
 mod outline;
 mod piecewise;
 mod points;
 mod rail_head;
 mod s1002;
+mod simpack;
 #[cfg(test)]
-mod test_support;
+mod tests;
 
 use crate::settings::{Entry, Section, SettingsError, choose};
 use std::path::PathBuf;
@@ -93,8 +98,18 @@ pub struct ProfileFile {
 type Parse = fn(&Section, Part) -> Result<ProfileChoice, SettingsError>;
 
 /// Every profile format that a scene can name with `kind`.
-pub static REGISTRY: &[Entry<Parse>] =
-    &[cone::ENTRY, s1002::ENTRY, apta::ENTRY, arc::ENTRY, rail_head::E1, rail_head::E2, rail_head::UIC60, points::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] = &[
+    cone::ENTRY,
+    s1002::ENTRY,
+    apta::ENTRY,
+    arc::ENTRY,
+    rail_head::E1,
+    rail_head::E2,
+    rail_head::UIC60,
+    points::ENTRY,
+    miniprof::ENTRY,
+    simpack::ENTRY,
+];
 
 /// Reads a profile table `{ kind = "...", ... }`.
 ///

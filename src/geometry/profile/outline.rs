@@ -6,8 +6,9 @@
 //! 1. [`Outline::cut_steep`]: ends that are steeper than a limit are cut (a vertical tangent has no finite slope).
 //! 2. [`Outline::close`]: at each joint one of the two pieces, the softer or else the shorter one, gets a cubic
 //!    (a straight line where its other end is free) that takes up the step, and the angle where it is small.
-//! 3. [`Outline::round`]: what remains as an angle is rounded by a fillet of a given radius: in the lateral
-//!    coordinate a cubic that leaves both neighbours tangentially.
+//! 3. [`Outline::round`]: what remains as an angle is rounded over the length that a fillet of a given radius
+//!    would take between straight lines, by a cubic in the lateral coordinate that leaves both neighbours
+//!    tangentially. Between arcs its curvature is about the fillet's and the arcs' together.
 
 use super::piecewise::{Curve, Piece, hermite};
 

@@ -94,7 +94,7 @@ fn parse(section: &Section, part: Part, rail: &str) -> Result<ProfileChoice, Set
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_support::{check_derivatives, with_section};
+    use super::super::tests::{check_derivatives, with_section};
     use super::*;
     use crate::geometry::profile::Profile;
 

@@ -89,7 +89,7 @@ fn parse(section: &Section, part: Part) -> Result<ProfileChoice, SettingsError> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_support::{check_derivatives, with_section};
+    use super::super::tests::{check_derivatives, with_section};
     use super::*;
     use crate::geometry::profile::Profile;
 

@@ -1,0 +1,278 @@
+//! Measured points made a function of the lateral coordinate: order, duplicates, folds, steep ends, outliers.
+//!
+//! Points are taken along the profile, as instruments write them; from the point nearest the origin outward, each
+//! must lie further out than all before it. Points that run backward are left out; those after the last one that
+//! does not form an overhang (flange back, rail flank) and are cut, as are ends steeper than [`STEEPEST`] over
+//! 0.5 mm. An outlier is a point that stands off the cubic through its four neighbours by more than 0.05 mm, more
+//! than 0.6 times the spacing there, and more than eight times the median of all such distances; or, along a
+//! profile, a spike out and back. (A corner of the profile stands off by 2/3 of spacing times angle: one of 45
+//! degrees is no outlier.) The two points at each end are not judged.
+
+/// A point of a profile, m, and its line in the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sample {
+    pub x: f64,
+    pub z: f64,
+    pub line: usize,
+}
+
+/// Slope of the end of a profile beyond which it is cut. A rail's flank, 20, is kept.
+pub(super) const STEEPEST: f64 = 25.0;
+/// Length over which the slope of an end is taken, m.
+const SLOPE_LENGTH: f64 = 0.5e-3;
+/// Points nearer to each other than this are one, m.
+const SAME: f64 = 1e-8;
+/// An outlier stands off by more than this, m ...
+const OUTLIER: f64 = 0.05e-3;
+/// ... and by more than this share of the spacing ...
+const OUTLIER_SHARE: f64 = 0.6;
+/// ... and by more than this many medians.
+const OUTLIER_MEDIANS: f64 = 8.0;
+
+fn distance(a: &Sample, b: &Sample) -> f64 {
+    (a.x - b.x).hypot(a.z - b.z)
+}
+
+/// Sorts points that come in any order; an error names the two lines that give one coordinate two values.
+pub(super) fn sort(samples: &mut Vec<Sample>, notes: &mut Vec<String>) -> Result<(), (Sample, Sample)> {
+    samples.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.line.cmp(&b.line)));
+    let before = samples.len();
+    let mut conflict = None;
+    samples.dedup_by(|next, kept| {
+        let same = next.x == kept.x;
+        if same && (next.z - kept.z).abs() > SAME {
+            conflict = conflict.or(Some((*kept, *next)));
+        }
+        same
+    });
+    if let Some(conflict) = conflict {
+        return Err(conflict);
+    }
+    duplicates_note(before - samples.len(), notes);
+    Ok(())
+}
+
+fn duplicates_note(count: usize, notes: &mut Vec<String>) {
+    if count > 0 {
+        notes.push(format!("{count} points given twice, used once"));
+    }
+}
+
+/// Makes points along a profile run outward in x: direction, duplicates, folds and overhangs.
+pub(super) fn unfold(samples: &mut Vec<Sample>, notes: &mut Vec<String>) {
+    if samples.first().zip(samples.last()).is_some_and(|(first, last)| last.x < first.x) {
+        samples.reverse();
+    }
+    let before = samples.len();
+    samples.dedup_by(|next, kept| distance(next, kept) < SAME);
+    duplicates_note(before - samples.len(), notes);
+    let Some(start) = nearest(samples, 0.0) else { return };
+    // Outward to the right, then the same on the mirrored left part.
+    let outward = |points: &mut dyn Iterator<Item = Sample>, sign: f64| {
+        let (mut kept, mut behind, mut folded) = (Vec::new(), Vec::new(), 0);
+        let mut furthest = f64::NEG_INFINITY;
+        for point in points {
+            if sign * point.x > furthest {
+                furthest = sign * point.x;
+                folded += behind.len();
+                behind.clear();
+                kept.push(point);
+            } else {
+                behind.push(point);
+            }
+        }
+        (kept, folded, behind.len())
+    };
+    let (right, folded_right, beyond_right) = outward(&mut samples[start..].iter().copied(), 1.0);
+    let (left, folded_left, beyond_left) = outward(&mut samples[..=start].iter().rev().copied(), -1.0);
+    if folded_left + folded_right > 0 {
+        notes.push(format!("{} points that run backward left out", folded_left + folded_right));
+    }
+    for (count, end) in [(beyond_left, left.last()), (beyond_right, right.last())] {
+        if let Some(end) = end.filter(|_| count > 0) {
+            notes.push(format!("{count} points that overhang beyond {:.2} mm cut off", 1e3 * end.x));
+        }
+    }
+    *samples = left.into_iter().rev().chain(right.into_iter().skip(1)).collect();
+}
+
+/// The index of the point whose coordinate is nearest to `x`.
+fn nearest(samples: &[Sample], x: f64) -> Option<usize> {
+    (0..samples.len()).min_by(|&a, &b| (samples[a].x - x).abs().total_cmp(&(samples[b].x - x).abs()))
+}
+
+/// Cuts both ends where they are steeper than [`STEEPEST`].
+pub(super) fn cut_steep(samples: &mut Vec<Sample>, notes: &mut Vec<String>) {
+    let Some(start) = nearest(samples, 0.0) else { return };
+    // The last point that is kept, going from `start` in steps of `step`.
+    let last_kept = |step: isize| {
+        let (mut behind, mut at) = (start as isize, start as isize + step);
+        while at >= 0 && (at as usize) < samples.len() {
+            while behind != at - step && distance(&samples[(behind + step) as usize], &samples[at as usize]) >= SLOPE_LENGTH {
+                behind += step;
+            }
+            let (a, b) = (&samples[behind as usize], &samples[at as usize]);
+            if (b.z - a.z).abs() > STEEPEST * (b.x - a.x).abs() {
+                return behind as usize;
+            }
+            at += step;
+        }
+        (at - step) as usize
+    };
+    let (first, last) = (last_kept(-1), last_kept(1));
+    for (count, end) in [(first, first), (samples.len() - 1 - last, last)] {
+        if count > 0 {
+            notes.push(format!("{count} points steeper than {STEEPEST} beyond {:.2} mm cut off", 1e3 * samples[end].x));
+        }
+    }
+    samples.truncate(last + 1);
+    samples.drain(..first);
+}
+
+/// Value at `x` of the cubic through four points.
+fn cubic(points: [&Sample; 4], x: f64) -> f64 {
+    (0..4)
+        .map(|i| {
+            let others = (0..4).filter(|&j| j != i);
+            others.fold(points[i].z, |term, j| term * (x - points[j].x) / (points[i].x - points[j].x))
+        })
+        .sum()
+}
+
+/// How far point `i` stands off its neighbours, across the profile, and the spacing there, m.
+fn standing_off(samples: &[Sample], i: usize) -> (f64, f64) {
+    let [a, b, point, c, d] = [i - 2, i - 1, i, i + 1, i + 2].map(|i| &samples[i]);
+    let slope = (c.z - b.z) / (c.x - b.x);
+    let off = (point.z - cubic([a, b, c, d], point.x)).abs() / (1.0 + slope * slope).sqrt();
+    (off, 0.5 * distance(b, c))
+}
+
+/// Takes the outliers out of points with increasing coordinates.
+pub(super) fn take_outliers(samples: &mut Vec<Sample>) -> Vec<Sample> {
+    let mut found = Vec::new();
+    while samples.len() > 8 {
+        let off: Vec<(f64, f64)> = (2..samples.len() - 2).map(|i| standing_off(samples, i)).collect();
+        let mut sorted: Vec<f64> = off.iter().map(|off| off.0).collect();
+        sorted.sort_by(f64::total_cmp);
+        let least = OUTLIER.max(OUTLIER_MEDIANS * sorted[sorted.len() / 2]);
+        // Neighbours of an outlier stand off too, but less: one at a time.
+        let worst = off
+            .iter()
+            .enumerate()
+            .filter(|(_, (off, spacing))| *off > least && *off > OUTLIER_SHARE * spacing)
+            .max_by(|a, b| a.1.0.total_cmp(&b.1.0));
+        let Some((index, _)) = worst else { break };
+        found.push(samples.remove(index + 2));
+    }
+    found
+}
+
+/// Takes out points along a profile from which the way leads out and back.
+pub(super) fn take_spikes(samples: &mut Vec<Sample>) -> Vec<Sample> {
+    let mut steps: Vec<f64> = samples.windows(2).map(|pair| distance(&pair[0], &pair[1])).collect();
+    steps.sort_by(f64::total_cmp);
+    let Some(&median) = steps.get(steps.len() / 2) else { return Vec::new() };
+    let mut found = Vec::new();
+    let mut i = 1;
+    while i + 1 < samples.len() {
+        let [a, b, c] = [&samples[i - 1], &samples[i], &samples[i + 1]];
+        let (there, back) = (distance(a, b), distance(b, c));
+        if there.min(back) > (5.0 * median).max(OUTLIER) && there + back > 4.0 * distance(a, c) {
+            found.push(samples.remove(i));
+        } else {
+            i += 1;
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn parabola(n: usize) -> Vec<Sample> {
+        (0..n)
+            .map(|i| {
+                let x = 0.06 * (i as f64 / (n - 1) as f64 - 0.5);
+                Sample { x, z: -x * x / 0.6, line: i + 2 }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn prop_one_bad_point_is_found_and_no_good_one() {
+        let clean = parabola(201);
+        assert!(take_outliers(&mut clean.clone()).is_empty());
+        assert!(take_spikes(&mut clean.clone()).is_empty());
+        for (at, size) in [(40, 3e-4), (100, -2e-4), (150, 5e-3)] {
+            let mut bad = clean.clone();
+            bad[at].z += size;
+            let found = take_outliers(&mut bad);
+            assert_eq!(found.iter().map(|sample| sample.line).collect::<Vec<_>>(), vec![at + 2]);
+        }
+        // Far off along the profile: it would hide all points that it has overtaken.
+        let mut bad = clean.clone();
+        bad[120].x += 0.02;
+        assert_eq!(take_spikes(&mut bad).iter().map(|sample| sample.line).collect::<Vec<_>>(), vec![122]);
+        assert_eq!(bad.len(), 200);
+    }
+
+    #[test]
+    fn hard_coarse_points_of_a_round_corner_are_no_outliers() {
+        // 13 mm radius, a point every 2 mm along the arc.
+        let mut arc: Vec<Sample> = (-9..=9)
+            .map(|i| {
+                let a = 2.0 / 13.0 * f64::from(i);
+                Sample { x: 0.013 * a.sin(), z: 0.013 * a.cos(), line: 0 }
+            })
+            .collect();
+        assert!(take_outliers(&mut arc).is_empty());
+    }
+
+    #[test]
+    fn prop_overhangs_and_folds_are_left_out_and_named() {
+        // From a flank that leans back, over the top, with a step back in the middle.
+        let mut samples: Vec<Sample> =
+            (0..10).map(|i| Sample { x: -0.0301 + 1e-5 * f64::from(9 - i), z: -0.02 + 1e-3 * f64::from(i), line: 1 }).collect();
+        samples.extend(parabola(61));
+        let fold = Sample { x: 0.0095, z: -1.5e-4, line: 99 };
+        let at = samples.iter().position(|sample| sample.x > 0.0105).unwrap();
+        samples.insert(at, fold);
+        let mut notes = Vec::new();
+        let mut forward = samples.clone();
+        unfold(&mut forward, &mut notes);
+        assert!(forward.windows(2).all(|pair| pair[1].x > pair[0].x) && !forward.contains(&fold));
+        assert!(notes.iter().any(|note| note.starts_with("1 points that run backward")), "{notes:?}");
+        assert!(notes.iter().any(|note| note.starts_with("9 points that overhang beyond -30.10 mm")), "{notes:?}");
+        samples.reverse();
+        let mut backward = samples;
+        unfold(&mut backward, &mut Vec::new());
+        assert!((forward.len() as i32 - backward.len() as i32).abs() <= 1);
+    }
+
+    #[test]
+    fn prop_steep_ends_are_cut() {
+        let mut samples = parabola(61);
+        for i in 0..20 {
+            samples.push(Sample { x: 0.03 + 1e-6 * f64::from(i + 1), z: -1.5e-3 - 1e-4 * f64::from(i + 1), line: 0 });
+        }
+        let mut notes = Vec::new();
+        cut_steep(&mut samples, &mut notes);
+        assert!((samples.len() as i32 - 61).abs() < 8 && samples.len() >= 59, "{}", samples.len());
+        assert!(notes.len() == 1 && notes[0].contains("steeper than 25 beyond 30.0"), "{notes:?}");
+    }
+
+    proptest! {
+        #[test]
+        fn prop_order_does_not_matter(order in Just((0..50usize).collect::<Vec<_>>()).prop_shuffle(), twice in 0..50usize) {
+            let clean = parabola(50);
+            let mut mixed: Vec<Sample> = order.iter().map(|&i| clean[i]).collect();
+            mixed.push(clean[twice]);
+            let mut notes = Vec::new();
+            sort(&mut mixed, &mut notes).unwrap();
+            prop_assert_eq!(&mixed, &clean);
+            prop_assert_eq!(notes, vec!["1 points given twice, used once".to_string()]);
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! From the points of a file to a profile: datum, directions, cleaning, smoothing, a natural cubic spline.
+//!
+//! Scene keys, the same for every format: `mirror` (the file's lateral axis is reversed), `shift_y`, `shift_z`
+//! (added after mirroring), `smoothing` (root-mean-square distance by which the points may move, none by default:
+//! the spline interpolates), `drop_outliers` (otherwise an outlier is an error that names its line). A wheel whose
+//! file gives heights only needs `radius`, at the tread circle, and takes `tread_circle`, the file's lateral
+//! coordinate of u = 0. Which way is up is seen from the shape where the format leaves it open: a rail's head is
+//! convex, a wheel's flange (u = -62 .. -42 mm) stands above its tread.
+
+use super::cleaning::{self, Sample};
+use super::file::OpenFile;
+use super::s1002::wheel_radius;
+use super::{Part, Profile, ProfileChoice, ProfilePoint};
+use crate::math::smoothing::smooth;
+use crate::math::spline::{CubicSpline, SplineError};
+use crate::settings::{Section, SettingsError};
+use crate::units::Dimension;
+use std::sync::Arc;
+
+/// Do points come along the profile, or in any order?
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Order {
+    Along,
+    Any,
+}
+
+/// What the second coordinate of a file is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Level {
+    /// Radius of the wheel, or height of the rail, upward.
+    Absolute,
+    /// Height over a level of the file's own, toward flange tip or crown.
+    Height,
+    /// Height, upward or downward.
+    EitherWay,
+}
+
+/// What a reader found in a file, m.
+pub(super) struct Reading {
+    pub samples: Vec<Sample>,
+    pub order: Order,
+    pub level: Level,
+    /// Lateral coordinate of a wheel's tread circle unless the scene says otherwise.
+    pub tread_circle: f64,
+    /// The file's lateral coordinate grows toward the track centre.
+    pub inward: bool,
+    /// Columns, for messages.
+    pub columns: &'static str,
+    pub notes: Vec<String>,
+}
+
+/// Fewest points of a profile.
+const LEAST_POINTS: usize = 3;
+/// Widths that a profile can have, m.
+const WIDTHS: (f64, f64) = (0.01, 0.5);
+/// Where a wheel's flange is, m.
+const FLANGE: (f64, f64) = (-0.062, -0.042);
+/// A flange is higher over the tread than this; a rail never rises this much over its middle, m.
+const FLANGE_HEIGHT: f64 = 0.01;
+
+/// A natural cubic spline through points.
+#[derive(Debug, Clone)]
+pub struct SplineProfile {
+    spline: CubicSpline,
+    description: String,
+}
+
+impl SplineProfile {
+    /// A profile through `(coordinate, value)` points [m] with increasing coordinates.
+    ///
+    /// # Errors
+    /// [`SplineError`] for too few, unordered or non-finite points.
+    pub fn through(points: &[(f64, f64)]) -> Result<Self, SplineError> {
+        let spline = CubicSpline::natural(points)?;
+        let (first, last) = spline.range();
+        Ok(SplineProfile { spline, description: format!("{} points from {:.1} mm to {:.1} mm", points.len(), 1e3 * first, 1e3 * last) })
+    }
+}
+
+impl Profile for SplineProfile {
+    #[inline]
+    fn at(&self, x: f64) -> ProfilePoint {
+        let [value, d1, d2, d3] = self.spline.at(x);
+        ProfilePoint { value, d1, d2, d3 }
+    }
+
+    fn range(&self) -> (f64, f64) {
+        self.spline.range()
+    }
+
+    fn describe(&self) -> String {
+        self.description.clone()
+    }
+}
+
+/// Cleans, places and smooths the points, and carries them by a spline.
+pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Reading) -> Result<ProfileChoice, SettingsError> {
+    let Reading { mut samples, order, level, tread_circle, inward, columns, mut notes } = reading;
+    let wheel_of_heights = part == Part::Wheel && level != Level::Absolute;
+    let radius = wheel_of_heights.then(|| wheel_radius(section, 0.03)).transpose()?;
+    let tread_circle = if wheel_of_heights { section.number_or("tread_circle", Dimension::Length, tread_circle)? } else { 0.0 };
+    let mirrored = section.flag_or("mirror", false)? != inward;
+    let shift = (section.number_or("shift_y", Dimension::Length, 0.0)?, section.number_or("shift_z", Dimension::Length, 0.0)?);
+    let drop_outliers = section.flag_or("drop_outliers", false)?;
+    let smoothing = if section.has("smoothing") { Some(section.positive("smoothing", Dimension::Length)?) } else { None };
+
+    let wrong = |line: usize, problem: String| file.error(line, columns, problem);
+    for sample in &mut samples {
+        sample.x = if mirrored { -sample.x } else { sample.x } - tread_circle + shift.0;
+    }
+    enough(&samples).map_err(|problem| wrong(0, problem))?;
+    let off_origin = |samples: &[Sample]| {
+        let (low, high) = extent(samples);
+        let keys = if wheel_of_heights { "tread_circle, shift_y or mirror" } else { "shift_y or mirror" };
+        wrong(0, format!("the points reach from {:.2} mm to {:.2} mm: not over the origin; see {keys}", 1e3 * low, 1e3 * high))
+    };
+    // Cleaning works from the origin outward.
+    let (low, high) = extent(&samples);
+    if !(low <= 0.0 && high >= 0.0) {
+        return Err(off_origin(&samples));
+    }
+
+    let mut outliers = Vec::new();
+    match order {
+        Order::Any => cleaning::sort(&mut samples, &mut notes).map_err(|(kept, next)| {
+            let coordinate = columns.split(',').next().unwrap_or_default();
+            wrong(next.line, format!("{coordinate} = {} was given before in line {}", next.x, kept.line))
+        })?,
+        Order::Along => {
+            outliers = cleaning::take_spikes(&mut samples);
+            cleaning::unfold(&mut samples, &mut notes);
+            cleaning::cut_steep(&mut samples, &mut notes);
+        }
+    }
+    outliers.extend(cleaning::take_outliers(&mut samples));
+    judge_outliers(&outliers, drop_outliers, &mut notes, &wrong)?;
+    enough(&samples).map_err(|problem| wrong(0, problem))?;
+
+    let Some(middle) = value_at(&samples, 0.0) else { return Err(off_origin(&samples)) };
+    if level == Level::EitherWay && downward(&samples, middle, part) {
+        samples.iter_mut().for_each(|sample| sample.z = -sample.z);
+        notes.push("heights were downward positive (seen from the shape)".into());
+    }
+    let middle = value_at(&samples, 0.0).unwrap_or_default();
+    check_shape(&samples, middle, part).map_err(|(line, problem)| wrong(line, problem))?;
+    let datum = match radius {
+        Some(radius) => {
+            if middle.abs() > 0.05e-3 {
+                notes.push(format!("height {:.3} mm at the tread circle taken off: the radius is given there", 1e3 * middle));
+            }
+            radius - middle
+        }
+        None => 0.0,
+    };
+    samples.iter_mut().for_each(|sample| sample.z += datum + shift.1);
+    if part == Part::Rail && (middle + shift.1).abs() > 1e-3 {
+        notes.push(format!("the rail's height at eta = 0 is {:.3} mm, not 0: see shift_z", 1e3 * (middle + shift.1)));
+    }
+    if let Some(sample) = samples.iter().find(|sample| part == Part::Wheel && !(sample.z > 0.0)) {
+        return Err(wrong(sample.line, format!("found radius {}, expected more than 0", sample.z)));
+    }
+
+    let mut points: Vec<(f64, f64)> = samples.iter().map(|sample| (sample.x, sample.z)).collect();
+    if let Some(rms) = smoothing {
+        points = smoothed(&points, rms, &mut notes).map_err(|problem| section.error("smoothing", problem))?;
+    }
+    if let Some(radius) = radius {
+        // The radius holds for the spline itself, not for the chord between two points.
+        let spline = CubicSpline::natural(&points).map_err(|error| wrong(0, error.to_string()))?;
+        let rest = radius + shift.1 - spline.at(0.0)[0];
+        points.iter_mut().for_each(|point| point.1 += rest);
+    }
+    let profile = SplineProfile::through(&points).map_err(|error| section.error("file", format!("\"{}\": {error}", file.path)))?;
+    Ok(ProfileChoice { profile: Arc::new(profile), file: Some(file.kept), notes })
+}
+
+/// Are these points that a profile can be made of?
+fn enough(samples: &[Sample]) -> Result<(), String> {
+    if samples.len() < LEAST_POINTS {
+        return Err(format!("found {} points, expected at least {LEAST_POINTS}", samples.len()));
+    }
+    let (low, high) = extent(samples);
+    if high - low < WIDTHS.0 || high - low > WIDTHS.1 {
+        let wanted = format!("expected {} to {} mm", 1e3 * WIDTHS.0, 1e3 * WIDTHS.1);
+        return Err(format!("the points are {:.3} mm wide, {wanted}: another unit of length?", 1e3 * (high - low)));
+    }
+    Ok(())
+}
+
+/// Smallest and largest coordinate.
+fn extent(samples: &[Sample]) -> (f64, f64) {
+    samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), sample| (low.min(sample.x), high.max(sample.x)))
+}
+
+fn judge_outliers(
+    outliers: &[Sample],
+    drop: bool,
+    notes: &mut Vec<String>,
+    wrong: &impl Fn(usize, String) -> SettingsError,
+) -> Result<(), SettingsError> {
+    let mut lines: Vec<usize> = outliers.iter().map(|sample| sample.line).collect();
+    lines.sort_unstable();
+    let Some(&first) = lines.first() else { return Ok(()) };
+    let shown: Vec<String> = lines.iter().take(10).map(usize::to_string).collect();
+    let more = if lines.len() > 10 { format!(" and {} more", lines.len() - 10) } else { String::new() };
+    let list = format!("lines {}{more}", shown.join(", "));
+    if !drop {
+        return Err(wrong(first, format!("found outliers in {list}; mend them, or set drop_outliers = true to leave them out")));
+    }
+    notes.push(format!("{} outliers left out: {list}", lines.len()));
+    Ok(())
+}
+
+/// Height at `x` between two points; `None` beyond them.
+fn value_at(samples: &[Sample], x: f64) -> Option<f64> {
+    let pair = samples.windows(2).find(|pair| pair[0].x <= x && x <= pair[1].x)?;
+    Some(pair[0].z + (x - pair[0].x) / (pair[1].x - pair[0].x) * (pair[1].z - pair[0].z))
+}
+
+/// Do heights grow downward (rail), or away from the flange tip (wheel)?
+fn downward(samples: &[Sample], middle: f64, part: Part) -> bool {
+    match part {
+        Part::Rail => 0.5 * (samples[0].z + samples[samples.len() - 1].z) > middle,
+        Part::Wheel => {
+            let flange = samples.iter().filter(|sample| (FLANGE.0..FLANGE.1).contains(&sample.x)).map(|sample| sample.z - middle);
+            flange.sum::<f64>() < 0.0
+        }
+    }
+}
+
+/// Is it the part that it should be, the right way round? An error names the line of the point that shows it.
+fn check_shape(samples: &[Sample], middle: f64, part: Part) -> Result<(), (usize, String)> {
+    let highest = |keep: &dyn Fn(f64) -> bool| {
+        samples.iter().filter(|sample| keep(sample.x)).max_by(|a, b| a.z.total_cmp(&b.z)).filter(|top| top.z - middle > FLANGE_HEIGHT)
+    };
+    match part {
+        Part::Rail => match highest(&|_| true) {
+            Some(top) => {
+                Err((top.line, format!("rises {:.1} mm over the middle: a rail does not; is this a wheel?", 1e3 * (top.z - middle))))
+            }
+            None => Ok(()),
+        },
+        Part::Wheel => match (highest(&|x| x < -0.02), highest(&|x| x > 0.02)) {
+            (None, Some(top)) => {
+                Err((top.line, format!("the flange stands at u = {:.1} mm, on the outer side: set mirror, or tread_circle", 1e3 * top.x)))
+            }
+            _ => Ok(()),
+        },
+    }
+}
+
+fn smoothed(points: &[(f64, f64)], rms: f64, notes: &mut Vec<String>) -> Result<Vec<(f64, f64)>, String> {
+    let found = smooth(points, rms).ok_or("needs at least 4 points")?;
+    if found.points.windows(2).any(|pair| !(pair[1].0 > pair[0].0)) {
+        return Err(format!("found {:.4} mm, with which the profile folds; take less", 1e3 * rms));
+    }
+    let largest = points.iter().zip(&found.points).map(|(a, b)| (a.0 - b.0).hypot(a.1 - b.1)).fold(0.0, f64::max);
+    notes.push(format!("smoothed: points moved by {:.4} mm (root mean square), at most {:.4} mm", 1e3 * found.rms, 1e3 * largest));
+    Ok(found.points)
+}
