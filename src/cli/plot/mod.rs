@@ -3,6 +3,7 @@
 mod axis;
 mod overview;
 pub(super) mod pair;
+pub(super) mod scatter;
 mod section;
 
 pub(super) use overview::{overview, prepare};

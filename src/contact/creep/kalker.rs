@@ -140,6 +140,17 @@ impl LinearTheory {
         LinearTheory { shear_modulus: material.shear_modulus(), table: KalkerTable::new(material.poisson_ratio) }
     }
 
+    /// G, Pa.
+    pub fn shear_modulus(&self) -> f64 {
+        self.shear_modulus
+    }
+
+    /// Creep coefficients of a patch that is not empty.
+    #[inline]
+    pub fn coefficients(&self, patch: Patch) -> Coefficients {
+        self.table.at(patch.a / patch.b)
+    }
+
     /// Forces without slip, not bounded by friction; zero on an empty patch.
     #[inline]
     pub fn force(&self, patch: Patch, creepage: Creepage) -> CreepForce {

@@ -1,7 +1,17 @@
 //! Creep laws: creepage to tangential force, for steady rolling along +e1.
 
+mod demand;
+mod falling_friction;
+mod fastrip;
+mod fastsim;
+pub mod inline;
 pub mod kalker;
+mod kalker_linear;
+mod polach;
 mod shen_hedrick_elkins;
+mod strips;
+#[cfg(test)]
+mod tests;
 
 use super::creepage::{CreepForce, Creepage};
 use super::{Material, Patch};
@@ -27,6 +37,13 @@ impl RollingContact {
     pub fn bound(&self) -> f64 {
         self.friction * self.normal_force
     }
+
+    /// Speed of rigid sliding without spin, `V sqrt(xi_x^2 + xi_y^2)`, m/s.
+    #[inline]
+    pub fn sliding_speed(&self) -> f64 {
+        let (x, y) = (self.creepage.longitudinal, self.creepage.lateral);
+        self.speed * (x * x + y * y).sqrt()
+    }
 }
 
 /// A steady creep law.
@@ -40,7 +57,7 @@ pub type Build = Arc<dyn Fn(Material) -> Box<dyn CreepLaw> + Send + Sync>;
 type Parse = fn(&Section) -> Result<Build, SettingsError>;
 
 /// Every creep law that a scene can name.
-pub static REGISTRY: &[Entry<Parse>] = &[shen_hedrick_elkins::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] = &[kalker_linear::ENTRY, shen_hedrick_elkins::ENTRY, polach::ENTRY, fastsim::ENTRY, fastrip::ENTRY];
 
 /// Reads `[contact.creep]`.
 ///
