@@ -7,6 +7,7 @@ mod plan;
 mod plot;
 mod progress;
 mod run;
+mod table;
 
 use crate::scene::load::{self, SceneError};
 use crate::scene::spec::{MOST_STEPS, Scene};
@@ -34,6 +35,8 @@ enum Command {
     Plan(plan::Arguments),
     /// List scenes, profiles, laws, formulations, integrators ...
     List(list::Arguments),
+    /// Compute the creep-force table of the creep law `usetab`
+    Table(table::Arguments),
 }
 
 /// A scene and changes to it.
@@ -103,6 +106,7 @@ pub fn main() -> ExitCode {
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::List(arguments) => list::list(&arguments),
+        Command::Table(arguments) => table::table(&arguments),
     };
     let (message, code) = match done {
         Ok(()) => return ExitCode::SUCCESS,

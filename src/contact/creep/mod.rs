@@ -1,7 +1,9 @@
 //! Creep laws: creepage to tangential force, for steady rolling along +e1.
 
+pub mod exact;
 pub mod kalker;
 mod shen_hedrick_elkins;
+pub mod usetab;
 
 use super::creepage::{CreepForce, Creepage};
 use super::{Material, Patch};
@@ -40,7 +42,7 @@ pub type Build = Arc<dyn Fn(Material) -> Box<dyn CreepLaw> + Send + Sync>;
 type Parse = fn(&Section) -> Result<Build, SettingsError>;
 
 /// Every creep law that a scene can name.
-pub static REGISTRY: &[Entry<Parse>] = &[shen_hedrick_elkins::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] = &[shen_hedrick_elkins::ENTRY, exact::ENTRY, usetab::ENTRY];
 
 /// Reads `[contact.creep]`.
 ///
