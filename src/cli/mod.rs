@@ -9,6 +9,7 @@ mod plot;
 mod profile;
 mod progress;
 mod run;
+mod table;
 
 use crate::scene::load::{self, SceneError};
 use crate::scene::spec::{MOST_STEPS, Scene};
@@ -40,6 +41,8 @@ enum Command {
     Profile(profile::Arguments),
     /// List scenes, profiles, laws, formulations, integrators ...
     List(list::Arguments),
+    /// Compute the creep-force table of the creep law `usetab`
+    Table(table::Arguments),
 }
 
 /// A scene and changes to it.
@@ -111,6 +114,7 @@ pub fn main() -> ExitCode {
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::Profile(arguments) => profile::profile(&arguments),
         Command::List(arguments) => list::list(&arguments),
+        Command::Table(arguments) => table::table(&arguments),
     };
     let (message, code) = match done {
         Ok(()) => return ExitCode::SUCCESS,

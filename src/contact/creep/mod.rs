@@ -1,6 +1,7 @@
 //! Creep laws: creepage to tangential force, for steady rolling along +e1.
 
 mod demand;
+pub mod exact;
 mod falling_friction;
 mod fastrip;
 mod fastsim;
@@ -12,6 +13,7 @@ mod shen_hedrick_elkins;
 mod strips;
 #[cfg(test)]
 mod tests;
+pub mod usetab;
 
 use super::creepage::{CreepForce, Creepage};
 use super::{Material, Patch};
@@ -57,7 +59,8 @@ pub type Build = Arc<dyn Fn(Material) -> Box<dyn CreepLaw> + Send + Sync>;
 type Parse = fn(&Section) -> Result<Build, SettingsError>;
 
 /// Every creep law that a scene can name.
-pub static REGISTRY: &[Entry<Parse>] = &[kalker_linear::ENTRY, shen_hedrick_elkins::ENTRY, polach::ENTRY, fastsim::ENTRY, fastrip::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] =
+    &[kalker_linear::ENTRY, shen_hedrick_elkins::ENTRY, polach::ENTRY, fastsim::ENTRY, fastrip::ENTRY, usetab::ENTRY, exact::ENTRY];
 
 /// Reads `[contact.creep]`.
 ///
