@@ -1,6 +1,7 @@
 //! Contact search: the points of wheel and rail that touch or come closest.
 
 pub mod algebraic;
+pub mod global;
 pub mod kinematics;
 pub mod nodal;
 pub mod nodes;

@@ -1,0 +1,334 @@
+//! Branch and bound over the wheel's coordinate: brackets of all stationary distances below the reach.
+//!
+//! With phi the direction of the wheel's trace minus that of the rail at the foot, kappa their curvatures and s the length
+//! along the trace,
+//!
+//! ```text
+//! d' = sin phi,   phi' = kappa_w - cos phi kappa_r / (1 - kappa_r d)
+//! ```
+//!
+//! so minima are where phi grows through 0. A block of stretches whose ends are known is done when
+//!
+//! 1. phi has one sign all over it (bounds of both directions, the rail's over the feet between those of the ends),
+//! 2. phi' has one sign all over it: at most one root, which the ends show,
+//! 3. d stays above the reach: `d >= (s2 d_a + s1 d_b - s1 s2 L) / (s1 + s2)`, slopes from -s1 to s2, length L,
+//!
+//! and is halved otherwise. A stretch that can't be decided so is halved on with its own bound on |phi'|; at a 32nd of a
+//! stretch the search gives up: what may be missed there is a pair of minimum and maximum whose depths differ by less than
+//! `|phi'| (L / 32)^2 / 8`, 2e-8 m for a curvature of 150 1/m.
+
+use super::GlobalSearch;
+use super::curve::Bounds;
+use super::foot::Foot;
+use super::view::View;
+use crate::contact::search::algebraic::Pair;
+use nalgebra::Vector2;
+
+/// One place of the wheel seen from the rail.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct State {
+    pub u: f64,
+    pub distance: f64,
+    pub phi: f64,
+    pub foot: f64,
+}
+
+/// Two neighbouring places between which phi changes its sign.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bracket {
+    pub a: State,
+    pub b: State,
+    /// The stretch of wheel between them.
+    pub stretch: usize,
+    /// Does phi grow?
+    pub minimum: bool,
+    /// Last place with a distance above the reach before it, and the next one behind it, u.
+    pub basin: (f64, f64),
+}
+
+/// Most roots that are looked into; no pair of profiles in use has more than nine.
+const MOST: usize = 24;
+/// Halvings of a single stretch.
+const DEPTH: usize = 5;
+/// Motion for which certificates are asked at most, m. Feet then move by less than the slack of the rail's bounds.
+pub(super) const MOST_STEADY: f64 = 3e-4;
+/// Error of distances from knots, m, with a wide margin.
+const ROUGH: f64 = 1e-5;
+/// Directions from knots are trusted from here on, rad.
+const TRUSTED: f64 = 2e-3;
+/// A rotation moves some point of the wheel by at least this arm, m: half the width of a tread.
+const ARM: f64 = 0.06;
+
+pub(super) struct Scan<'a> {
+    pub search: &'a GlobalSearch,
+    pub pair: &'a Pair<'a>,
+    pub view: View,
+    pub reach: f64,
+    pub brackets: [Option<Bracket>; MOST],
+    pub count: usize,
+    /// Last place known to be above the reach, u.
+    above: f64,
+    pub clearance: f64,
+    pub steady: f64,
+}
+
+struct Limits {
+    phi: (f64, f64),
+    rail: (f64, f64),
+    distance: (f64, f64),
+}
+
+impl<'a> Scan<'a> {
+    /// A scan that has not begun.
+    pub fn seen(search: &'a GlobalSearch, pair: &'a Pair<'a>, view: View) -> Self {
+        Scan {
+            search,
+            pair,
+            view,
+            reach: f64::INFINITY,
+            brackets: [None; MOST],
+            count: 0,
+            above: search.wheel.knots[0].x,
+            clearance: f64::INFINITY,
+            steady: MOST_STEADY,
+        }
+    }
+
+    pub fn run(search: &'a GlobalSearch, pair: &'a Pair<'a>, view: View, reach: f64) -> Self {
+        let knots = &search.wheel.knots;
+        let mut scan = Scan { reach, ..Scan::seen(search, pair, view) };
+        let last = knots.len() - 1;
+        let a = scan.at_knot(0, 0.0);
+        let b = scan.at_knot(last, search.rail.curve.stretches.len() as f64);
+        // An end of the profile is a minimum when the distance grows from it inward.
+        if a.phi >= 0.0 && a.distance < reach {
+            scan.found(State { phi: 0.0, ..a }, a, 0, true);
+        }
+        scan.block(1, 0, search.leaves, &a, &b);
+        if b.phi < 0.0 && b.distance < reach {
+            scan.found(b, State { phi: 0.0, ..b }, last - 1, true);
+        }
+        for bracket in scan.brackets.iter_mut().flatten() {
+            if bracket.basin.1.is_infinite() {
+                bracket.basin.1 = b.u;
+            }
+        }
+        scan
+    }
+
+    #[inline]
+    fn at_knot(&self, knot: usize, guess: f64) -> State {
+        let knot = &self.search.wheel.knots[knot];
+        let trace = self.view.trace(knot.x, knot.y, knot.slope);
+        let foot = self.search.rail.foot(&trace.point, guess);
+        let phi = self.view.turn + knot.angle - self.view.yaw_turn(knot.slope, trace.cos) - foot.angle;
+        if phi.abs() < TRUSTED { self.precise(knot.x, &trace.point, &trace.tangent, &foot) } else { state(knot.x, &foot, phi) }
+    }
+
+    /// Any place on a stretch of wheel, from the profiles themselves.
+    pub fn at(&self, u: f64, guess: f64) -> State {
+        let wheel = self.pair.wheel.profile.at(u);
+        let trace = self.view.trace(u, wheel.value, wheel.d1);
+        let foot = self.search.rail.foot(&trace.point, guess);
+        self.precise(u, &trace.point, &trace.tangent, &foot)
+    }
+
+    pub fn precise(&self, u: f64, point: &Vector2<f64>, tangent: &Vector2<f64>, foot: &Foot) -> State {
+        let exact = self.search.rail.exact(self.pair.rail.profile.as_ref(), point, foot);
+        State { u, distance: exact.distance, phi: exact.tangent.perp(tangent).atan2(exact.tangent.dot(tangent)), foot: foot.place }
+    }
+
+    /// Notes a change of sign.
+    fn found(&mut self, a: State, b: State, stretch: usize, minimum: bool) {
+        if self.count < MOST {
+            self.brackets[self.count] = Some(Bracket { a, b, stretch, minimum, basin: (self.above, f64::INFINITY) });
+            self.count += 1;
+        }
+    }
+
+    /// The search has come to `u`, where the distance is above the reach.
+    #[inline]
+    fn leave(&mut self, u: f64) {
+        self.above = u;
+        for bracket in self.brackets[..self.count].iter_mut().rev().flatten() {
+            if bracket.basin.1.is_finite() {
+                break;
+            }
+            bracket.basin.1 = u;
+        }
+    }
+
+    /// Bounds over a block of the wheel.
+    #[inline]
+    fn limits(&self, wheel: &Bounds, a: &State, b: &State) -> Limits {
+        let view = &self.view;
+        let curl = view.most_yaw_turn(wheel.steepest);
+        let length = wheel.length * (1.0 + view.k2 * wheel.steepest * wheel.steepest) + view.k2 * wheel.swing;
+        // Feet run forward all the way while the trace does and faces the rail.
+        let backward = a.phi.abs().max(b.phi.abs()) > 1.3 || view.k2 * wheel.swell * wheel.curvature.0 < -0.9;
+        let rail = self.search.rail.facing(a.foot, b.foot, if backward { 1.5 * length } else { 0.0 });
+        let phi = (view.turn + wheel.angle.0 - curl - rail.angle.1, view.turn + wheel.angle.1 + curl - rail.angle.0);
+        let (down, up) = ((-phi.0).clamp(0.0, 1.0), phi.1.clamp(0.0, 1.0));
+        let low = if down > 0.0 && up > 0.0 {
+            (up * a.distance + down * b.distance - down * up * length) / (down + up)
+        } else {
+            a.distance.min(b.distance)
+        };
+        let high = a.distance.max(b.distance) + 0.5 * length * up.max(down);
+        Limits { phi, rail: rail.curvature, distance: (low.min(a.distance).min(b.distance) - ROUGH, high + ROUGH) }
+    }
+
+    /// Least and greatest phi' over a block, 1/m.
+    #[inline]
+    fn bending(&self, wheel: &Bounds, limits: &Limits) -> (f64, f64) {
+        let most = limits.phi.0.abs().max(limits.phi.1.abs());
+        let cos = 1.0 - 0.5 * most * most;
+        let (near, far) = limits.distance;
+        let open = |curvature: f64, d: f64| 1.0 - curvature * d;
+        let safe = open(limits.rail.0, near).min(open(limits.rail.1, near)).min(open(limits.rail.0, far)).min(open(limits.rail.1, far));
+        let own = trace_curvature(wheel, self.view.k2);
+        if cos <= 0.0 || safe <= 0.05 || !own.0.is_finite() {
+            return (f64::NEG_INFINITY, f64::INFINITY);
+        }
+        let at = |curvature: f64| {
+            let (x, y) = (curvature / open(curvature, near), curvature / open(curvature, far));
+            (x.min(y), x.max(y))
+        };
+        // A factor between cos and 1.
+        let (low, high) = (at(limits.rail.0).0, at(limits.rail.1).1);
+        let low = if low < 0.0 { low } else { low * cos };
+        let high = if high < 0.0 { high * cos } else { high };
+        (own.0 - high, own.1 - low)
+    }
+
+    /// How much phi changes at most for a motion by one metre, 1/m.
+    #[inline]
+    fn turning(limits: &Limits) -> f64 {
+        let swing = |c: f64| (c / (1.0 - c * limits.distance.0).max(0.1)).abs();
+        1.2 * swing(limits.rail.0).max(swing(limits.rail.1)) + 1.0 / ARM
+    }
+
+    fn block(&mut self, block: usize, first: usize, size: usize, a: &State, b: &State) {
+        let wheel = self.search.tree[block];
+        let limits = self.limits(&wheel, a, b);
+        let near = limits.distance.0 < self.reach + MOST_STEADY;
+        let margin = limits.phi.0.max(-limits.phi.1);
+        if margin > 0.0 && (!near || margin > MOST_STEADY * Self::turning(&limits)) {
+            return self.pass(b);
+        }
+        let bending = self.bending(&wheel, &limits);
+        if bending.0 > 0.0 || bending.1 < 0.0 {
+            let minimum = bending.0 > 0.0;
+            if (a.phi < 0.0) == minimum && (b.phi < 0.0) != minimum {
+                self.descend(first, (first + size).min(self.search.wheel.stretches.len()), a, b, minimum);
+            }
+            return self.pass(b);
+        }
+        if limits.distance.0 > self.reach {
+            self.clearance = self.clearance.min(limits.distance.0);
+            self.leave(a.u);
+            self.above = b.u;
+            return;
+        }
+        if margin > 0.0 {
+            self.steady = self.steady.min(margin / Self::turning(&limits));
+            return self.pass(b);
+        }
+        if size == 1 {
+            return self.stretch(first, &wheel, &limits, a, b);
+        }
+        let half = size / 2;
+        let middle = first + half;
+        let last = self.search.wheel.stretches.len();
+        if middle >= last {
+            return self.block(2 * block, first, half, a, b);
+        }
+        let m = self.at_knot(middle, 0.5 * (a.foot + b.foot));
+        self.block(2 * block, first, half, a, &m);
+        self.block(2 * block + 1, middle, half, &m, b);
+    }
+
+    #[inline]
+    fn pass(&mut self, b: &State) {
+        if b.distance > self.reach {
+            self.leave(b.u);
+        }
+    }
+
+    /// The one root in a block, enclosed between neighbouring knots.
+    fn descend(&mut self, first: usize, last: usize, a: &State, b: &State, minimum: bool) {
+        let (mut low, mut high, mut a, mut b) = (first, last, *a, *b);
+        while high - low > 1 {
+            // The chord, pulled to the middle.
+            let share = (0.2 + 0.6 * a.phi / (a.phi - b.phi)).clamp(0.0, 1.0);
+            let middle = (low + (share * (high - low) as f64) as usize).clamp(low + 1, high - 1);
+            let m = self.at_knot(middle, a.foot + share * (b.foot - a.foot));
+            if (m.phi < 0.0) == minimum { (low, a) = (middle, m) } else { (high, b) = (middle, m) }
+        }
+        self.found(a, b, low, minimum);
+    }
+
+    /// A stretch that bounds don't decide.
+    fn stretch(&mut self, stretch: usize, wheel: &Bounds, limits: &Limits, a: &State, b: &State) {
+        let bending = self.bending(wheel, limits);
+        let most = bending.1.max(-bending.0);
+        let length = wheel.length * (1.0 + self.view.k2 * wheel.steepest * wheel.steepest) + self.view.k2 * wheel.swing;
+        if wheel.length == 0.0 || !most.is_finite() {
+            self.steady = 0.0;
+            if wheel.length == 0.0 {
+                self.ends(stretch, a, b);
+            } else {
+                self.halve(stretch, f64::INFINITY, length, DEPTH, a, b);
+            }
+        } else {
+            let rate = Self::turning(limits);
+            let margin = self.halve(stretch, most, length, DEPTH, a, b);
+            self.steady = self.steady.min((margin / rate).max(0.0));
+        }
+        self.pass(b);
+    }
+
+    /// Looks at a part of a stretch where `|phi'| <= most`; by how much phi stays away from a double root.
+    fn halve(&mut self, stretch: usize, most: f64, length: f64, depth: usize, a: &State, b: &State) -> f64 {
+        let same = (a.phi < 0.0) == (b.phi < 0.0);
+        let margin = 0.5 * ((a.phi + b.phi).abs() - most * length);
+        if depth == 0 || same && margin > 0.0 {
+            self.ends(stretch, a, b);
+            return margin;
+        }
+        let m = self.at(0.5 * (a.u + b.u), 0.5 * (a.foot + b.foot));
+        let left = self.halve(stretch, most, 0.5 * length, depth - 1, a, &m);
+        left.min(self.halve(stretch, most, 0.5 * length, depth - 1, &m, b))
+    }
+
+    fn ends(&mut self, stretch: usize, a: &State, b: &State) {
+        if (a.phi < 0.0) != (b.phi < 0.0) && a.distance.min(b.distance) < self.reach + 1e-3 {
+            self.found(*a, *b, stretch, a.phi < 0.0);
+        }
+    }
+}
+
+#[inline]
+fn state(u: f64, foot: &Foot, phi: f64) -> State {
+    State { u, distance: foot.distance, phi, foot: foot.place }
+}
+
+/// Bounds on the trace's curvature, `kappa / ((1 + ..k^2) (1 + k^2 swell kappa))` in sense; infinite where the trace may turn
+/// back.
+#[inline]
+pub(super) fn trace_curvature(wheel: &Bounds, k2: f64) -> (f64, f64) {
+    let slope = 2.0 * k2 * (1.0 + wheel.steepest * wheel.steepest);
+    if slope > 0.9 {
+        return (f64::NEG_INFINITY, f64::INFINITY);
+    }
+    let (low, high) = wheel.curvature;
+    let swell = k2 * wheel.swell;
+    let low = if low >= 0.0 {
+        low / ((1.0 + slope) * (1.0 + swell * low))
+    } else {
+        let speed = (1.0 - slope) + swell * low;
+        if speed < 0.1 { f64::NEG_INFINITY } else { low / ((1.0 - slope) * speed) }
+    };
+    let high = if high >= 0.0 { high / (1.0 - slope) } else { high / (1.0 + slope) };
+    (low, high)
+}

@@ -1,0 +1,535 @@
+use super::*;
+use crate::contact::search::test_surfaces::Wave;
+use crate::geometry::Side;
+use crate::geometry::profile::{Part, Profile, ProfilePoint, parse};
+use crate::geometry::track::{Deviation, Direction};
+use crate::math::rotation::AxleFrame;
+use crate::math::spline::CubicSpline;
+use crate::settings::{Section, Source};
+use nalgebra::{Matrix3, Vector2, Vector3};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Random numbers that are the same in each run (SplitMix64).
+struct Random(u64);
+impl Random {
+    fn new(seed: u64) -> Self {
+        Random(seed)
+    }
+    /// Between -1 and 1.
+    fn sign(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+const RELEASE: bool = !cfg!(debug_assertions);
+
+fn built_in(text: &str, part: Part) -> Arc<dyn Profile> {
+    let source = Source { file: "t.toml".into(), text: text.into(), overridden: vec![], folder: None };
+    let document = toml_edit::Document::parse(text.to_string()).unwrap();
+    parse(Section::root(document.as_table(), &source), part).unwrap().profile
+}
+
+fn s1002() -> Arc<dyn Profile> {
+    built_in("kind = \"s1002\"\nradius = 0.46\n", Part::Wheel)
+}
+
+fn rail_60e1() -> Arc<dyn Profile> {
+    built_in("kind = \"60e1\"\n", Part::Rail)
+}
+
+#[derive(Debug)]
+struct Worn(CubicSpline);
+impl Profile for Worn {
+    fn at(&self, x: f64) -> ProfilePoint {
+        let [value, d1, d2, d3] = self.0.at(x);
+        ProfilePoint { value, d1, d2, d3 }
+    }
+    fn range(&self) -> (f64, f64) {
+        self.0.range()
+    }
+    fn describe(&self) -> String {
+        "worn".into()
+    }
+}
+
+/// A spline through points about `spacing` apart along `base`, each off it by up to `wear`.
+fn worn(base: &dyn Profile, spacing: f64, wear: f64, random: &mut Random) -> Arc<dyn Profile> {
+    let (mut x, last) = base.range();
+    let mut points = vec![];
+    while x < last {
+        let p = base.at(x);
+        let rise = (1.0 + p.d1 * p.d1).sqrt();
+        if p.d1.abs() < 6.0 {
+            points.push((x, p.value + wear * random.sign() * rise));
+        }
+        x += spacing / rise;
+    }
+    Arc::new(Worn(CubicSpline::natural(&points).unwrap()))
+}
+
+/// Pieces of parabolas: (from, slope, curvature) continued with equal value; kinks and jumps of curvature as given.
+#[derive(Debug)]
+struct Pieces {
+    pieces: Vec<(f64, f64, f64, f64)>,
+    last: f64,
+}
+impl Pieces {
+    fn new(start: f64, pieces: &[(f64, f64, f64)], last: f64) -> Arc<dyn Profile> {
+        let mut value = start;
+        let mut list = vec![];
+        for (i, (from, slope, curvature)) in pieces.iter().enumerate() {
+            list.push((*from, value, *slope, *curvature));
+            let x = pieces.get(i + 1).map_or(last, |p| p.0) - from;
+            value += x * (slope + 0.5 * x * curvature);
+        }
+        Arc::new(Pieces { pieces: list, last })
+    }
+}
+impl Profile for Pieces {
+    fn at(&self, x: f64) -> ProfilePoint {
+        let (from, value, slope, curvature) = *self.pieces.iter().rev().find(|p| p.0 <= x).unwrap_or(&self.pieces[0]);
+        let x = x - from;
+        ProfilePoint { value: value + x * (slope + 0.5 * x * curvature), d1: slope + x * curvature, d2: curvature, d3: 0.0 }
+    }
+    fn range(&self) -> (f64, f64) {
+        (self.pieces[0].0, self.last)
+    }
+    fn describe(&self) -> String {
+        "pieces".into()
+    }
+}
+
+/// A wheel of straight lines and parabolas with kinks: flange, root and a broken tread.
+fn kinked_wheel() -> Arc<dyn Profile> {
+    let pieces =
+        [(-0.065, 1.5, -150.0), (-0.045, -1.5, 0.0), (-0.035, -1.5, 120.0), (-0.024, -0.1, 0.0), (0.0, -0.03, 0.0), (0.02, -0.06, -0.5), (0.04, -0.2, 0.0)];
+    Pieces::new(0.466, &pieces, 0.06)
+}
+
+/// A rail of parabolas with kinks that point up.
+fn kinked_rail() -> Arc<dyn Profile> {
+    let pieces = [(-0.034, 2.0, -80.0), (-0.02, 0.5, -10.0), (-0.01, 0.15, -5.0), (0.01, -0.02, -3.0), (0.025, -0.3, -60.0)];
+    Pieces::new(-0.02, &pieces, 0.034)
+}
+
+struct Scene {
+    name: String,
+    wheel: Wheel,
+    rail: Rail,
+    search: GlobalSearch,
+}
+
+impl Scene {
+    fn new(name: &str, side: Side, wheel: Arc<dyn Profile>, rail: Arc<dyn Profile>) -> Scene {
+        let wheel = Wheel { side, profile: wheel, half_spacing: 0.75 };
+        let rail = Rail::new(side, rail, 0.75, 0.025, &[]);
+        let search = GlobalSearch::new(&wheel, &rail);
+        Scene { name: name.into(), wheel, rail, search }
+    }
+    fn all() -> Vec<Scene> {
+        let mut random = Random::new(7);
+        let mut scenes = vec![
+            Scene::new("S1002 on 60E1", Side::Left, s1002(), rail_60e1()),
+            Scene::new("S1002 on 60E1, right", Side::Right, s1002(), rail_60e1()),
+            Scene::new("kinked wheel", Side::Left, kinked_wheel(), rail_60e1()),
+            Scene::new("kinked rail", Side::Left, s1002(), kinked_rail()),
+            Scene::new("both kinked", Side::Right, kinked_wheel(), kinked_rail()),
+        ];
+        for i in 0..4 {
+            let wheel = worn(s1002().as_ref(), 4e-3, 1e-5 * f64::from(i + 1), &mut random);
+            let rail = worn(rail_60e1().as_ref(), 4e-3, 5e-6 * f64::from(i + 1), &mut random);
+            scenes.push(Scene::new(&format!("worn {i}"), Side::BOTH[i as usize % 2], wheel, rail));
+        }
+        scenes
+    }
+    fn pair<'a>(&'a self, pose: &'a Pose) -> Pair<'a> {
+        Pair { wheel: &self.wheel, rail: &self.rail, centre: &pose.centre, axes: &pose.axes, distance: 0.0 }
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Pose {
+    centre: Vector3<f64>,
+    axes: Matrix3<f64>,
+    yaw: f64,
+    roll: f64,
+}
+
+impl Pose {
+    fn new(y: f64, z: f64, yaw: f64, roll: f64) -> Pose {
+        Pose { centre: Vector3::new(0.0, y, z), axes: AxleFrame::new(yaw, roll).axes, yaw, roll }
+    }
+}
+
+/// The same distances by plain looking: points of wheel and rail on grids.
+struct Brute {
+    wheel: Vec<(f64, ProfilePoint)>,
+    /// In the track frame (Y, Z).
+    rail: Vec<Vector2<f64>>,
+    skip: usize,
+}
+
+impl Brute {
+    fn new(scene: &Scene, step: f64) -> Brute {
+        let knots = &scene.search.wheel.knots;
+        let (first, last) = (knots[0].x, knots[knots.len() - 1].x);
+        let count = ((last - first) / step).ceil() as usize;
+        let wheel = (0..=count).map(|i| first + (last - first) * i as f64 / count as f64).map(|u| (u, scene.wheel.profile.at(u)));
+        let (from, to) = scene.search.rail.ends();
+        let point = |eta: f64, h: f64| {
+            let p = scene.rail.section(0.0).origin + scene.rail.outward * eta + scene.rail.up * h;
+            Vector2::new(p.y * scene.rail.side.sign(), p.z)
+        };
+        let mut rail = vec![];
+        let (a, b) = (scene.rail.profile.at(from + 1e-9), scene.rail.profile.at(to - 1e-9));
+        let far = 0.2;
+        rail.push(point(from - far / (1.0 + a.d1 * a.d1).sqrt(), a.value - a.d1 * far / (1.0 + a.d1 * a.d1).sqrt()));
+        let mut eta = from;
+        while eta < to {
+            let p = scene.rail.profile.at(eta);
+            rail.push(point(eta, p.value));
+            eta += 0.5 * step / (1.0 + p.d1 * p.d1).sqrt();
+        }
+        rail.push(point(to, b.value));
+        rail.push(point(to + far / (1.0 + b.d1 * b.d1).sqrt(), b.value + b.d1 * far / (1.0 + b.d1 * b.d1).sqrt()));
+        let skip = (1e-3 / step) as usize;
+        Brute { wheel: wheel.collect(), rail, skip }
+    }
+
+    fn segment(&self, i: usize, p: &Vector2<f64>) -> (f64, f64) {
+        let (a, b) = (self.rail[i], self.rail[i + 1]);
+        let along = b - a;
+        let share = (along.dot(&(p - a)) / along.norm_squared()).clamp(0.0, 1.0);
+        ((p - a - along * share).norm_squared(), along.perp(&(p - a)) / along.norm())
+    }
+
+    /// Signed distance: nearest of all coarse points, then the segments around it.
+    fn distance(&self, p: &Vector2<f64>) -> f64 {
+        let last = self.rail.len() - 2;
+        let coarse = (0..=last).step_by(self.skip).map(|i| (i, (self.rail[i] - p).norm_squared())).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap().0;
+        let near = coarse.saturating_sub(2 * self.skip)..=(coarse + 2 * self.skip).min(last);
+        let ends = [0, last];
+        let best = near.chain(ends).map(|i| (i, self.segment(i, p))).min_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
+        // Beside a point between two segments, the side of the bisector counts.
+        let (i, (square, mut side)) = best;
+        for other in [i.wrapping_sub(1), i + 1] {
+            if other <= last {
+                let (distance, other_side) = self.segment(other, p);
+                if (distance - square).abs() < 1e-12 * square + 1e-24 {
+                    side += other_side;
+                }
+            }
+        }
+        square.sqrt().copysign(side)
+    }
+
+    /// (u, distance, does the trace run forward?) at each place of the wheel.
+    fn all(&self, scene: &Scene, pose: &Pose, step: usize) -> Vec<(f64, f64, bool)> {
+        let sign = scene.wheel.side.sign();
+        let (axle, x, z) = (pose.axes.column(1) * sign, pose.axes.column(0), pose.axes.column(2));
+        let (ahead, up) = (x.x, z.x);
+        let mut points: Vec<(f64, Vector2<f64>)> = vec![];
+        for (u, p) in self.wheel.iter().step_by(step) {
+            // sin(angle) X.t - cos(angle) Z.t = R' a.t
+            let angle = up.atan2(ahead) + (p.d1 * axle.x / ahead.hypot(up)).asin();
+            let (sin, cos) = angle.sin_cos();
+            let r = pose.centre + axle * (scene.wheel.half_spacing + u) + (x * sin - z * cos) * p.value;
+            points.push((*u, Vector2::new(r.y * sign, r.z)));
+        }
+        let k2 = axle.x * axle.x / (1.0 - axle.x * axle.x);
+        points
+            .iter()
+            .map(|(u, point)| {
+                let p = scene.wheel.profile.at(*u);
+                (*u, self.distance(point), 1.0 - k2 * (p.d1 * p.d1 + p.value * p.d2) > 0.0)
+            })
+            .collect()
+    }
+}
+
+/// Minima of sampled distances below `reach` that lie deeper than their surroundings by `depth`: (u, distance).
+fn sampled_minima(d: &[(f64, f64, bool)], reach: f64, depth: f64) -> Vec<(f64, f64, f64)> {
+    let mut minima: Vec<(f64, f64, f64)> = vec![];
+    for i in 0..d.len() {
+        let ahead = i + 1 == d.len() || d[i + 1].1 >= d[i].1;
+        let behind = i == 0 || d[i - 1].1 > d[i].1;
+        let (from, to) = (i.saturating_sub(1), (i + 1).min(d.len() - 1));
+        if d[i].1 >= reach || !ahead || !behind || !(d[from].2 && d[i].2 && d[to].2) {
+            continue;
+        }
+        // How far it rises on both sides before it falls below.
+        let rise = |side: &mut dyn Iterator<Item = usize>| {
+            let mut most = f64::NEG_INFINITY;
+            let mut any = false;
+            for j in side {
+                any = true;
+                if !d[j].2 || d[j].1 < d[i].1 {
+                    return most - d[i].1;
+                }
+                most = most.max(d[j].1);
+            }
+            if any { f64::INFINITY } else { f64::INFINITY }
+        };
+        let prominence = rise(&mut (0..i).rev()).min(rise(&mut (i + 1..d.len())));
+        if prominence > depth {
+            minima.push((d[i].0, d[i].1, prominence));
+        }
+    }
+    minima
+}
+
+/// A random pose whose least distance is about `gap`.
+fn random_pose(scene: &Scene, brute: &Brute, random: &mut Random, wide: bool) -> Pose {
+    let (y, yaw, gap) = (0.06 * random.sign(), 0.05 * random.sign(), 5e-3 * random.sign());
+    let roll = if wide { 0.1 } else { 0.03 } * random.sign();
+    let mut pose = Pose::new(y, 0.46, yaw, roll);
+    pose.centre.y -= (pose.axes * Vector3::new(0.0, 0.0, -0.46)).y;
+    for _ in 0..2 {
+        let least = brute.all(scene, &pose, brute.skip).iter().map(|d| d.1).fold(f64::INFINITY, f64::min);
+        pose.centre.z += gap - least;
+    }
+    pose
+}
+
+#[derive(Default, Debug)]
+struct Tally {
+    poses: usize,
+    minima: usize,
+    several: usize,
+    kinks: usize,
+    edges: usize,
+    delicate: usize,
+    worst: f64,
+    missed: Vec<String>,
+}
+
+fn compare(scene: &Scene, brute: &Brute, step: usize, pose: &Pose, reach: f64, depth: f64, tally: &mut Tally) {
+    let pair = scene.pair(pose);
+    let mut found = Minima::default();
+    scene.search.find(&pair, reach, &mut found);
+    let sampled = brute.all(scene, pose, step);
+    let spacing = sampled[1].0 - sampled[0].0;
+    let wanted = sampled_minima(&sampled, reach, depth);
+    tally.poses += 1;
+    tally.minima += found.len();
+    tally.several += usize::from(found.len() > 1);
+    tally.kinks += found.iter().filter(|m| m.kink != Kink::None).count();
+    tally.edges += found.iter().filter(|m| m.at_edge).count();
+    tally.delicate += usize::from(found.delicate);
+    let what = || {
+        let got: Vec<_> = found.iter().map(|m| (m.parameters.wheel, m.distance, m.kink, m.at_edge)).collect();
+        format!("{}: {pose:?} reach {reach}\n found {got:?}\n wanted {wanted:?}", scene.name)
+    };
+    for (u, distance, _) in &wanted {
+        let near = found
+            .iter()
+            .map(|m| ((m.parameters.wheel - u).abs(), (m.distance - distance).abs()))
+            .min_by(|a, b| (a.0 + 10.0 * a.1).total_cmp(&(b.0 + 10.0 * b.1)));
+        match near {
+            Some((_, error)) if error < depth => tally.worst = tally.worst.max(error),
+            _ if *distance > reach - depth => {}
+            _ => tally.missed.push(format!("missed u {u} d {distance}: {}", what())),
+        }
+    }
+    // What was found is there: no sample in its basin is lower.
+    for m in found.iter() {
+        let lowest = sampled
+            .iter()
+            .filter(|d| d.2 && d.0 >= m.basin.0 + spacing && d.0 <= m.basin.1 - spacing)
+            .map(|d| d.1)
+            .fold(f64::INFINITY, f64::min);
+        if lowest < m.distance - depth {
+            tally.missed.push(format!("at u {} a basin falls to {lowest}: {}", m.parameters.wheel, what()));
+        }
+    }
+}
+
+fn report(name: &str, tally: &Tally, start: Instant) {
+    println!(
+        "{name}: {} poses, {} minima, {} poses with several, {} kinks, {} edges, {} delicate, worst difference {:.1e} m, {:.1} s",
+        tally.poses,
+        tally.minima,
+        tally.several,
+        tally.kinks,
+        tally.edges,
+        tally.delicate,
+        tally.worst,
+        start.elapsed().as_secs_f64()
+    );
+    for missed in tally.missed.iter().take(3) {
+        println!("{missed}");
+    }
+}
+
+#[test]
+fn prop_minima_agree_with_a_fine_grid() {
+    let mut failures = 0;
+    for scene in Scene::all() {
+        let brute = Brute::new(&scene, 2e-5);
+        let (mut random, mut tally, start) = (Random::new(1), Tally::default(), Instant::now());
+        for i in 0..if RELEASE { 60 } else { 4 } {
+            let pose = random_pose(&scene, &brute, &mut random, i % 4 == 0);
+            compare(&scene, &brute, 1, &pose, 6e-3, 1e-7, &mut tally);
+        }
+        report(&scene.name, &tally, start);
+        failures += tally.missed.len();
+    }
+    assert_eq!(failures, 0);
+}
+
+#[test]
+fn prop_no_contact_is_missed_in_many_poses() {
+    let mut failures = 0;
+    for scene in Scene::all() {
+        let brute = Brute::new(&scene, 2e-4);
+        let (mut random, mut tally, start) = (Random::new(2), Tally::default(), Instant::now());
+        for i in 0..if RELEASE { 11_200 } else { 60 } {
+            let pose = random_pose(&scene, &brute, &mut random, i % 4 == 0);
+            compare(&scene, &brute, 1, &pose, 2e-3, 3e-6, &mut tally);
+        }
+        report(&scene.name, &tally, start);
+        failures += tally.missed.len();
+    }
+    assert_eq!(failures, 0);
+}
+
+#[test]
+fn equiv_candidates_solve_the_four_equations_on_a_straight_rail() {
+    for scene in Scene::all() {
+        let brute = Brute::new(&scene, 2e-4);
+        let mut random = Random::new(3);
+        let (mut worst, mut smooth, mut rough) = ((0.0f64, 0.0f64), 0, 0);
+        for _ in 0..if RELEASE { 2000 } else { 100 } {
+            let pose = random_pose(&scene, &brute, &mut random, false);
+            let pair = scene.pair(&pose);
+            let mut found = Minima::default();
+            scene.search.find(&pair, 2e-3, &mut found);
+            for m in found.iter().filter(|m| m.kink == Kink::None && !m.at_edge) {
+                let polished = scene.search.polish(&pair, m);
+                let (a, b) = (polished.location.parameters, m.parameters);
+                if !polished.smooth {
+                    rough += 1;
+                }
+                smooth += 1;
+                let place = (a.wheel - b.wheel).abs().max((a.rail - b.rail).abs()).max((a.lead - b.lead).abs()).max((a.angle - b.angle).abs());
+                worst.0 = worst.0.max(place);
+                worst.1 = worst.1.max((polished.location.penetration + m.distance).abs());
+            }
+        }
+        println!("{}: {smooth} minima, {rough} narrowed, place {:.1e} m, distance {:.1e} m", scene.name, worst.0, worst.1);
+        assert!(worst.0 < 1e-9 && worst.1 < 1e-12, "{} {worst:?}", scene.name);
+    }
+}
+
+#[test]
+fn prop_mirrored_pose_gives_mirrored_minima() {
+    let scenes = Scene::all();
+    let (left, right) = (&scenes[0], &scenes[1]);
+    let brute = Brute::new(left, 2e-4);
+    let mut random = Random::new(4);
+    for _ in 0..if RELEASE { 1000 } else { 100 } {
+        let pose = random_pose(left, &brute, &mut random, true);
+        let mirrored = Pose::new(-pose.centre.y, pose.centre.z, -pose.yaw, -pose.roll);
+        let (mut a, mut b) = (Minima::default(), Minima::default());
+        left.search.find(&left.pair(&pose), 3e-3, &mut a);
+        right.search.find(&right.pair(&mirrored), 3e-3, &mut b);
+        assert_eq!(a.len(), b.len());
+        for (a, b) in a.iter().zip(b.iter()) {
+            assert!((a.distance - b.distance).abs() < 1e-14 && (a.parameters.wheel - b.parameters.wheel).abs() < 1e-11);
+            assert!((a.parameters.lead - b.parameters.lead).abs() < 1e-11);
+        }
+    }
+}
+
+#[test]
+fn prop_speed() {
+    let arch = built_in("kind = \"arc\"\nradius = 0.3\n", Part::Rail);
+    let cone = built_in("kind = \"cone\"\nradius = 0.46\nslope = 0.025\n", Part::Wheel);
+    let mut scenes = Scene::all();
+    scenes.push(Scene::new("cone on arc", Side::Left, cone, arch));
+    for scene in scenes {
+        let brute = Brute::new(&scene, 2e-4);
+        for (name, reach, small) in [("running", 5e-4, true), ("running, reach 2 mm", 2e-3, true), ("anywhere", 5e-4, false)] {
+            let mut random = Random::new(5);
+            let poses: Vec<Pose> = (0..200)
+                .map(|_| {
+                    let mut pose = random_pose(&scene, &brute, &mut random, false);
+                    if small {
+                        pose = Pose::new(0.007 * random.sign(), 0.46, 0.01 * random.sign(), 0.003 * random.sign());
+                        let least = brute.all(&scene, &pose, 1).iter().map(|d| d.1).fold(f64::INFINITY, f64::min);
+                        pose.centre.z -= least + 5e-5;
+                    }
+                    pose
+                })
+                .collect();
+            let mut found = Minima::default();
+            let (mut best, mut count, mut delicate) = (f64::INFINITY, 0, 0);
+            let mut steady = 0.0;
+            for _ in 0..if RELEASE { 40 } else { 1 } {
+                let start = Instant::now();
+                (count, delicate, steady) = (0, 0, 0.0);
+                for pose in &poses {
+                    scene.search.find(&scene.pair(pose), reach, &mut found);
+                    count += found.len();
+                    delicate += usize::from(found.delicate);
+                    steady += found.steady;
+                }
+                best = best.min(start.elapsed().as_secs_f64() / poses.len() as f64);
+            }
+            println!(
+                "{} ({} stretches of wheel, {} of rail), {name}: {:.2} us, {:.2} minima, {delicate} of 200 delicate, mean steady {:.0} um, convex {}",
+                scene.name,
+                scene.search.wheel.stretches.len(),
+                scene.search.rail.curve.stretches.len(),
+                1e6 * best,
+                count as f64 / poses.len() as f64,
+                1e6 * steady / poses.len() as f64,
+                scene.search.strictly_convex()
+            );
+            assert!(count > 0);
+        }
+    }
+}
+
+/// Keeps the wavy surfaces of the neighbours in use here.
+fn wavy(side: Side) -> Rail {
+    let deviation = |direction| Deviation { side, direction, shape: Arc::new(Wave) };
+    Rail::new(side, rail_60e1(), 0.75, 0.025, &[deviation(Direction::Lateral), deviation(Direction::Vertical)])
+}
+
+#[test]
+fn equiv_polished_minima_solve_the_equations_on_a_rail_that_bends() {
+    let straight = Scene::new("straight", Side::Left, s1002(), rail_60e1());
+    let brute = Brute::new(&straight, 2e-4);
+    let scene = Scene { rail: wavy(Side::Left), ..Scene::new("wavy", Side::Left, s1002(), rail_60e1()) };
+    let mut random = Random::new(6);
+    let (mut shift, mut count, mut rough) = (0.0f64, 0, 0);
+    for _ in 0..if RELEASE { 2000 } else { 100 } {
+        let mut pose = random_pose(&straight, &brute, &mut random, false);
+        let s = 3.0 * random.sign();
+        let origin = scene.rail.section(s).origin - straight.rail.section(s).origin;
+        pose.centre += origin;
+        pose.centre.x = s;
+        let pair = Pair { distance: s, ..scene.pair(&pose) };
+        let mut found = Minima::default();
+        scene.search.find(&pair, 2e-3, &mut found);
+        for m in found.iter().filter(|m| !m.at_edge) {
+            let polished = scene.search.polish(&pair, m);
+            let p = polished.location.parameters;
+            shift = shift.max((p.wheel - m.parameters.wheel).abs());
+            count += 1;
+            rough += usize::from(!polished.smooth);
+            let (residual, _) = pair.residual(&nalgebra::Vector4::new(p.wheel, p.angle, p.lead, p.rail));
+            if polished.smooth {
+                assert!(residual.norm() < 1e-10, "{residual} {m:?} {polished:?}");
+            }
+        }
+    }
+    println!("{count} minima, {rough} narrowed, shift by bending up to {shift:.1e} m");
+    assert!(count > 50 && rough * 50 < count);
+}
