@@ -27,7 +27,9 @@ struct Mechanism {
 impl Mechanism {
     /// With gravity on all bodies.
     fn new(bodies: Vec<Body>, joints: Vec<Joint>) -> Self {
-        let weight = |(body, data): (usize, &Body)| Box::new(Gravity { body, mass: data.mass, acceleration: G, grade: 0.0 }) as Box<dyn ForceElement>;
+        let weight = |(body, data): (usize, &Body)| {
+            Box::new(Gravity { body, mass: data.mass, acceleration: G, grade: 0.0 }) as Box<dyn ForceElement>
+        };
         let forces = bodies.iter().enumerate().map(weight).collect();
         Self::of(System { bodies, forces, drives: Vec::new(), joints, redundant: Vec::new() })
     }

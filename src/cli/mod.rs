@@ -1,6 +1,7 @@
 //! The command line: results on stdout, messages on stderr, exit code 0, 1 (run failed) or 2 (bad input).
 
 mod compare;
+mod contact;
 mod export;
 mod list;
 mod plan;
@@ -30,6 +31,8 @@ enum Command {
     Run(run::Arguments),
     /// Run a scene with every contact formulation: cost, differences, pictures
     Compare(compare::Arguments),
+    /// Contact geometry of a wheelset over its lateral shift, equivalent conicity
+    Contact(contact::Arguments),
     /// Show what a scene makes the program compute, and what not
     Plan(plan::Arguments),
     /// List scenes, profiles, laws, formulations, integrators ...
@@ -101,6 +104,7 @@ pub fn main() -> ExitCode {
         Command::Export(arguments) => export::export(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
+        Command::Contact(arguments) => contact::contact(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::List(arguments) => list::list(&arguments),
     };
