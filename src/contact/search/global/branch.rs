@@ -13,9 +13,9 @@
 //! 2. phi' has one sign all over it: at most one root, which the ends show,
 //! 3. d stays above the reach: `d >= (s2 d_a + s1 d_b - s1 s2 L) / (s1 + s2)`, slopes from -s1 to s2, length L,
 //!
-//! and is halved otherwise. A stretch that can't be decided so is halved on with its own bound on |phi'|; at a 32nd of a
-//! stretch the search gives up: what may be missed there is a pair of minimum and maximum whose depths differ by less than
-//! `|phi'| (L / 32)^2 / 8`, 2e-8 m for a curvature of 150 1/m.
+//! and is halved otherwise. A stretch that can't be decided so is halved on with its own bound on |phi'|. The search gives
+//! up where a pair of minimum and maximum could differ in depth by no more than `|phi'| L^2 / 8 = 2e-8 m`, or at a 64th of the
+//! stretch.
 
 use super::GlobalSearch;
 use super::curve::Bounds;
@@ -38,8 +38,8 @@ pub(super) struct State {
 pub(super) struct Bracket {
     pub a: State,
     pub b: State,
-    /// The stretch of wheel between them.
-    pub stretch: usize,
+    /// Knots of the wheel at or around them; equal at an end of the wheel.
+    pub knots: (usize, usize),
     /// Does phi grow?
     pub minimum: bool,
     /// Last place with a distance above the reach before it, and the next one behind it, u.
@@ -48,8 +48,11 @@ pub(super) struct Bracket {
 
 /// Most roots that are looked into; no pair of profiles in use has more than nine.
 const MOST: usize = 24;
-/// Halvings of a single stretch.
-const DEPTH: usize = 5;
+/// Halvings of a single stretch at most, and the difference in depth, m, of a pair of minimum and maximum that may be missed.
+const DEPTH: usize = 6;
+const SHALLOW: f64 = 2e-8;
+/// Stretches over which Newton is trusted to find a root that is known to be the only one.
+const NARROW: usize = 6;
 /// Motion for which certificates are asked at most, m. Feet then move by less than the slack of the rail's bounds.
 pub(super) const MOST_STEADY: f64 = 3e-4;
 /// Error of distances from knots, m, with a wide margin.
@@ -102,11 +105,11 @@ impl<'a> Scan<'a> {
         let b = scan.at_knot(last, search.rail.curve.stretches.len() as f64);
         // An end of the profile is a minimum when the distance grows from it inward.
         if a.phi >= 0.0 && a.distance < reach {
-            scan.found(State { phi: 0.0, ..a }, a, 0, true);
+            scan.found(a, a, (0, 0), true);
         }
         scan.block(1, 0, search.leaves, &a, &b);
         if b.phi < 0.0 && b.distance < reach {
-            scan.found(b, State { phi: 0.0, ..b }, last - 1, true);
+            scan.found(b, b, (last, last), true);
         }
         for bracket in scan.brackets.iter_mut().flatten() {
             if bracket.basin.1.is_infinite() {
@@ -121,7 +124,7 @@ impl<'a> Scan<'a> {
         let knot = &self.search.wheel.knots[knot];
         let trace = self.view.trace(knot.x, knot.y, knot.slope);
         let foot = self.search.rail.foot(&trace.point, guess);
-        let phi = self.view.turn + knot.angle - self.view.yaw_turn(knot.slope, trace.cos) - foot.angle;
+        let phi = self.view.turn + knot.angle - self.view.yaw_turn(knot.slope) - foot.angle;
         if phi.abs() < TRUSTED { self.precise(knot.x, &trace.point, &trace.tangent, &foot) } else { state(knot.x, &foot, phi) }
     }
 
@@ -135,13 +138,16 @@ impl<'a> Scan<'a> {
 
     pub fn precise(&self, u: f64, point: &Vector2<f64>, tangent: &Vector2<f64>, foot: &Foot) -> State {
         let exact = self.search.rail.exact(self.pair.rail.profile.as_ref(), point, foot);
-        State { u, distance: exact.distance, phi: exact.tangent.perp(tangent).atan2(exact.tangent.dot(tangent)), foot: foot.place }
+        let (sin, cos) = (exact.tangent.perp(tangent), exact.tangent.dot(tangent));
+        // Only the sign and the size near 0 matter.
+        let phi = if sin.abs() < cos { sin / cos } else { sin.atan2(cos) };
+        State { u, distance: exact.distance, phi, foot: foot.place }
     }
 
     /// Notes a change of sign.
-    fn found(&mut self, a: State, b: State, stretch: usize, minimum: bool) {
+    fn found(&mut self, a: State, b: State, knots: (usize, usize), minimum: bool) {
         if self.count < MOST {
-            self.brackets[self.count] = Some(Bracket { a, b, stretch, minimum, basin: (self.above, f64::INFINITY) });
+            self.brackets[self.count] = Some(Bracket { a, b, knots, minimum, basin: (self.above, f64::INFINITY) });
             self.count += 1;
         }
     }
@@ -163,7 +169,7 @@ impl<'a> Scan<'a> {
     fn limits(&self, wheel: &Bounds, a: &State, b: &State) -> Limits {
         let view = &self.view;
         let curl = view.most_yaw_turn(wheel.steepest);
-        let length = wheel.length * (1.0 + view.k2 * wheel.steepest * wheel.steepest) + view.k2 * wheel.swing;
+        let length = self.trace_length(wheel);
         // Feet run forward all the way while the trace does and faces the rail.
         let backward = a.phi.abs().max(b.phi.abs()) > 1.3 || view.k2 * wheel.swell * wheel.curvature.0 < -0.9;
         let rail = self.search.rail.facing(a.foot, b.foot, if backward { 1.5 * length } else { 0.0 });
@@ -178,45 +184,49 @@ impl<'a> Scan<'a> {
         Limits { phi, rail: rail.curvature, distance: (low.min(a.distance).min(b.distance) - ROUGH, high + ROUGH) }
     }
 
-    /// Least and greatest phi' over a block, 1/m.
+    /// Least and greatest phi' over a block, 1/m; infinite where unknown. Where the foot jumps across a convex place of the rail
+    /// phi jumps upward, so that the lower bound holds there too.
     #[inline]
     fn bending(&self, wheel: &Bounds, limits: &Limits) -> (f64, f64) {
         let most = limits.phi.0.abs().max(limits.phi.1.abs());
         let cos = 1.0 - 0.5 * most * most;
-        let (near, far) = limits.distance;
-        let open = |curvature: f64, d: f64| 1.0 - curvature * d;
-        let safe = open(limits.rail.0, near).min(open(limits.rail.1, near)).min(open(limits.rail.0, far)).min(open(limits.rail.1, far));
         let own = trace_curvature(wheel, self.view.k2);
-        if cos <= 0.0 || safe <= 0.05 || !own.0.is_finite() {
+        if cos <= 0.0 {
             return (f64::NEG_INFINITY, f64::INFINITY);
         }
-        let at = |curvature: f64| {
-            let (x, y) = (curvature / open(curvature, near), curvature / open(curvature, far));
-            (x.min(y), x.max(y))
+        // kappa / (1 - kappa d) grows with both; the factor lies between cos and 1.
+        let (near, far) = limits.distance;
+        let open = 1.0 - limits.rail.1 * far;
+        let high = if open < 0.05 {
+            f64::INFINITY
+        } else if limits.rail.1 < 0.0 {
+            limits.rail.1 * cos / open
+        } else {
+            limits.rail.1 / open
         };
-        // A factor between cos and 1.
-        let (low, high) = (at(limits.rail.0).0, at(limits.rail.1).1);
-        let low = if low < 0.0 { low } else { low * cos };
-        let high = if high < 0.0 { high * cos } else { high };
+        let open = 1.0 - limits.rail.0 * near;
+        let low = if open < 0.05 {
+            f64::NEG_INFINITY
+        } else if limits.rail.0 < 0.0 {
+            limits.rail.0 / open
+        } else {
+            limits.rail.0 * cos / open
+        };
         (own.0 - high, own.1 - low)
     }
 
-    /// How much phi changes at most for a motion by one metre, 1/m.
-    #[inline]
-    fn turning(limits: &Limits) -> f64 {
-        let swing = |c: f64| (c / (1.0 - c * limits.distance.0).max(0.1)).abs();
-        1.2 * swing(limits.rail.0).max(swing(limits.rail.1)) + 1.0 / ARM
-    }
-
     fn block(&mut self, block: usize, first: usize, size: usize, a: &State, b: &State) {
-        let wheel = self.search.tree[block];
-        let limits = self.limits(&wheel, a, b);
-        let near = limits.distance.0 < self.reach + MOST_STEADY;
+        let wheel = &self.search.tree[block];
+        let limits = self.limits(wheel, a, b);
+        if limits.distance.0 > self.reach + MOST_STEADY {
+            return self.beyond(limits.distance.0, a, b);
+        }
+        // Feet that move by the slack are within the bounds already; directions turn with the wheel.
         let margin = limits.phi.0.max(-limits.phi.1);
-        if margin > 0.0 && (!near || margin > MOST_STEADY * Self::turning(&limits)) {
+        if margin > MOST_STEADY / ARM {
             return self.pass(b);
         }
-        let bending = self.bending(&wheel, &limits);
+        let bending = self.bending(wheel, &limits);
         if bending.0 > 0.0 || bending.1 < 0.0 {
             let minimum = bending.0 > 0.0;
             if (a.phi < 0.0) == minimum && (b.phi < 0.0) != minimum {
@@ -225,17 +235,14 @@ impl<'a> Scan<'a> {
             return self.pass(b);
         }
         if limits.distance.0 > self.reach {
-            self.clearance = self.clearance.min(limits.distance.0);
-            self.leave(a.u);
-            self.above = b.u;
-            return;
+            return self.beyond(limits.distance.0, a, b);
         }
         if margin > 0.0 {
-            self.steady = self.steady.min(margin / Self::turning(&limits));
+            self.steady = self.steady.min(margin * ARM);
             return self.pass(b);
         }
         if size == 1 {
-            return self.stretch(first, &wheel, &limits, a, b);
+            return self.stretch(first, &bending, a, b);
         }
         let half = size / 2;
         let middle = first + half;
@@ -248,6 +255,14 @@ impl<'a> Scan<'a> {
         self.block(2 * block + 1, middle, half, &m, b);
     }
 
+    /// A block that stays above the reach.
+    #[inline]
+    fn beyond(&mut self, least: f64, a: &State, b: &State) {
+        self.clearance = self.clearance.min(least);
+        self.leave(a.u);
+        self.above = b.u;
+    }
+
     #[inline]
     fn pass(&mut self, b: &State) {
         if b.distance > self.reach {
@@ -255,46 +270,53 @@ impl<'a> Scan<'a> {
         }
     }
 
-    /// The one root in a block, enclosed between neighbouring knots.
+    /// The one root in a block, enclosed between knots not far apart.
     fn descend(&mut self, first: usize, last: usize, a: &State, b: &State, minimum: bool) {
-        let (mut low, mut high, mut a, mut b) = (first, last, *a, *b);
-        while high - low > 1 {
+        let (low, high, a, b) = self.enclose(first, last, *a, *b, NARROW);
+        self.found(a, b, (low, high), minimum);
+    }
+
+    /// Knots at most `width` apart between which phi changes its sign.
+    pub fn enclose(&self, mut low: usize, mut high: usize, mut a: State, mut b: State, width: usize) -> (usize, usize, State, State) {
+        while high - low > width {
             // The chord, pulled to the middle.
             let share = (0.2 + 0.6 * a.phi / (a.phi - b.phi)).clamp(0.0, 1.0);
             let middle = (low + (share * (high - low) as f64) as usize).clamp(low + 1, high - 1);
             let m = self.at_knot(middle, a.foot + share * (b.foot - a.foot));
-            if (m.phi < 0.0) == minimum { (low, a) = (middle, m) } else { (high, b) = (middle, m) }
+            if (m.phi < 0.0) == (a.phi < 0.0) { (low, a) = (middle, m) } else { (high, b) = (middle, m) }
         }
-        self.found(a, b, low, minimum);
+        (low, high, a, b)
     }
 
     /// A stretch that bounds don't decide.
-    fn stretch(&mut self, stretch: usize, wheel: &Bounds, limits: &Limits, a: &State, b: &State) {
-        let bending = self.bending(wheel, limits);
+    fn stretch(&mut self, stretch: usize, bending: &(f64, f64), a: &State, b: &State) {
+        let wheel = &self.search.wheel.stretches[stretch];
         let most = bending.1.max(-bending.0);
-        let length = wheel.length * (1.0 + self.view.k2 * wheel.steepest * wheel.steepest) + self.view.k2 * wheel.swing;
-        if wheel.length == 0.0 || !most.is_finite() {
+        if wheel.length == 0.0 {
             self.steady = 0.0;
-            if wheel.length == 0.0 {
-                self.ends(stretch, a, b);
-            } else {
-                self.halve(stretch, f64::INFINITY, length, DEPTH, a, b);
-            }
+            self.ends(stretch, a, b);
         } else {
-            let rate = Self::turning(limits);
-            let margin = self.halve(stretch, most, length, DEPTH, a, b);
-            self.steady = self.steady.min((margin / rate).max(0.0));
+            let margin = self.halve(stretch, most, self.trace_length(wheel), DEPTH, a, b);
+            self.steady = self.steady.min((margin / (most + 1.0 / ARM)).max(0.0));
         }
         self.pass(b);
+    }
+
+    #[inline]
+    fn trace_length(&self, wheel: &Bounds) -> f64 {
+        wheel.length * (1.0 + self.view.k2 * wheel.steepest * wheel.steepest) + self.view.k2 * wheel.swing
     }
 
     /// Looks at a part of a stretch where `|phi'| <= most`; by how much phi stays away from a double root.
     fn halve(&mut self, stretch: usize, most: f64, length: f64, depth: usize, a: &State, b: &State) -> f64 {
         let same = (a.phi < 0.0) == (b.phi < 0.0);
         let margin = 0.5 * ((a.phi + b.phi).abs() - most * length);
-        if depth == 0 || same && margin > 0.0 {
-            self.ends(stretch, a, b);
+        if same && margin > 0.0 {
             return margin;
+        }
+        if depth == 0 || most * length * length < 8.0 * SHALLOW {
+            self.ends(stretch, a, b);
+            return 0.0;
         }
         let m = self.at(0.5 * (a.u + b.u), 0.5 * (a.foot + b.foot));
         let left = self.halve(stretch, most, 0.5 * length, depth - 1, a, &m);
@@ -303,7 +325,7 @@ impl<'a> Scan<'a> {
 
     fn ends(&mut self, stretch: usize, a: &State, b: &State) {
         if (a.phi < 0.0) != (b.phi < 0.0) && a.distance.min(b.distance) < self.reach + 1e-3 {
-            self.found(*a, *b, stretch, a.phi < 0.0);
+            self.found(*a, *b, (stretch, stretch + 1), a.phi < 0.0);
         }
     }
 }

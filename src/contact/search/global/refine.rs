@@ -61,19 +61,29 @@ impl Scan<'_> {
     /// `None` when the line along the rail enters the wheel there, so that nothing touches.
     pub fn refine(&self, bracket: &Bracket) -> Option<Spot> {
         let (a, b) = (bracket.a, bracket.b);
-        let vertex = self.search.wheel.stretches[bracket.stretch].length == 0.0;
-        if a.u == b.u && !vertex {
+        let (low, high) = bracket.knots;
+        if low == high {
             // The end of the wheel's profile.
             let wheel = self.pair.wheel.profile.at(a.u);
             let (eta, distance) = self.foot(a.u, &wheel, a.foot);
             return Some(Spot { u: a.u, slope: wheel.d1, eta, distance, kink: Kink::None, edge: true });
         }
-        if vertex {
-            return Some(self.wheel_kink(bracket));
-        }
-        let spot = self.newton(&a, &b).or_else(|| self.narrowed(a, b))?;
+        let spot = match if a.u < b.u { self.newton(&a, &b) } else { None } {
+            Some(spot) => spot,
+            None => self.careful(low, high, a, b)?,
+        };
         let wheel = self.pair.wheel.profile.at(spot.u);
-        (self.view.speed(&wheel) > 0.0).then_some(spot)
+        (spot.kink == Kink::Wheel || self.view.speed(&wheel) > 0.0).then_some(spot)
+    }
+
+    #[cold]
+    fn careful(&self, low: usize, high: usize, a: State, b: State) -> Option<Spot> {
+        let (low, high, a, b) = if high - low > 1 { self.enclose(low, high, a, b, 1) } else { (low, high, a, b) };
+        debug_assert!(high == low + 1);
+        if self.search.wheel.stretches[low].length == 0.0 {
+            return Some(self.wheel_kink(low, a, b));
+        }
+        self.newton(&a, &b).or_else(|| self.narrowed(a, b))
     }
 
     fn foot(&self, u: f64, wheel: &ProfilePoint, guess: f64) -> (f64, f64) {
@@ -167,14 +177,14 @@ impl Scan<'_> {
         Some(Spot { u, slope: wheel.d1, eta, distance, kink, edge: self.off_rail(eta) })
     }
 
-    fn wheel_kink(&self, bracket: &Bracket) -> Spot {
-        let (from, to) = (&self.search.wheel.knots[bracket.stretch], &self.search.wheel.knots[bracket.stretch + 1]);
+    fn wheel_kink(&self, stretch: usize, a: State, b: State) -> Spot {
+        let (from, to) = (&self.search.wheel.knots[stretch], &self.search.wheel.knots[stretch + 1]);
         let at = |slope: f64, guess: f64| {
             let trace = self.view.trace(from.x, from.y, slope);
             let foot = self.search.rail.foot(&trace.point, guess);
             self.precise(slope, &trace.point, &trace.tangent, &foot)
         };
-        let (a, b) = (State { u: from.slope, ..bracket.a }, State { u: to.slope, ..bracket.b });
+        let (a, b) = (State { u: from.slope, ..a }, State { u: to.slope, ..b });
         let found = self.close(a, b, at).0;
         let trace = self.view.trace(from.x, from.y, found.u);
         let near = self.search.rail.foot(&trace.point, found.foot);
