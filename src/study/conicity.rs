@@ -194,7 +194,8 @@ fn half_wave(lines: impl Iterator<Item = Line>, c: f64, amplitude: f64, side: f6
     let (mut sum, mut energy) = (0.0, 0.0);
     for (outer, inner) in lines {
         let width = (outer.0 - inner.0).abs();
-        if width == 0.0 {
+        // A cut of the length of rounding beside a point.
+        if width < 1e-12 * amplitude {
             continue;
         }
         // Angle from the end of the motion, without loss of digits beside it: A - |y - c| = A (1 - cos t) = 2 A sin^2(t / 2).
@@ -215,4 +216,79 @@ fn half_wave(lines: impl Iterator<Item = Line>, c: f64, amplitude: f64, side: f6
         energy += side * 0.5 * (outer.1 + inner.1) * width;
     }
     Ok(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points at every `step` of -8 .. 8 mm.
+    fn sampled(step: f64, dr: impl Fn(f64) -> f64) -> RadiusDifference {
+        let count = (8e-3 / step).round() as i32;
+        RadiusDifference::new((-count..=count).map(|k| step * f64::from(k)).map(|y| (y, dr(y))))
+    }
+
+    #[test]
+    fn analytic_cone_about_any_middle() {
+        for c in [0.0, 0.7e-3, -1.1e-3] {
+            let cone = sampled(1e-4, |y| 2.0 * 0.1 * (y - c));
+            for amplitude in [0.37e-3, 3e-3, 6.9e-3] {
+                for found in [cone.en15302(amplitude).unwrap(), cone.harmonic(amplitude).unwrap()] {
+                    assert!((found.value - 0.1).abs() < 1e-12 && (found.centre - c).abs() < 1e-12, "{c} {amplitude}: {found:?}");
+                }
+            }
+        }
+        assert_eq!(sampled(1e-4, |y| y).en15302(8.1e-3), Err(NoConicity::BeyondRange));
+        assert_eq!(sampled(1e-4, |y| y - 6e-3).harmonic(3e-3), Err(NoConicity::BeyondRange));
+    }
+
+    #[test]
+    fn analytic_cubic_difference() {
+        // dr = k y^3: E = k (A^4 - y^4) / 4, so that G = 2 sqrt(2 / k) / A times the lemniscate integral 1.311028777146060 of
+        // 1 / sqrt(1 - x^4), 0 .. 1. Harmonic: 3 k A^2 / 8.
+        let k = 4e4;
+        let cubic = sampled(1e-5, |y| k * y * y * y);
+        for a in [1e-3f64, 3e-3, 8e-3] {
+            let g = 2.0 * (2.0f64 / k).sqrt() / a * 1.311_028_777_146_06;
+            let wanted = PI * PI / (2.0 * g * g);
+            let (en, harmonic) = (cubic.en15302(a).unwrap().value, cubic.harmonic(a).unwrap().value);
+            assert!((en / wanted - 1.0).abs() < 2e-4 * (1e-3 / a).powi(2), "{a}: {en} {wanted}");
+            assert!((harmonic / (0.375 * k * a * a) - 1.0).abs() < 2e-4 * (1e-3 / a).powi(2), "{harmonic}");
+        }
+    }
+
+    #[test]
+    fn analytic_jump_at_the_middle() {
+        // dr = d sign(y): G = 2 sqrt(2 A / d), lambda = pi^2 d / (16 A); harmonic 2 d / (pi A).
+        let d = 0.5e-3;
+        let jump = RadiusDifference::new([(-8e-3, -d), (-0.5e-9, -d), (0.5e-9, d), (8e-3, d)]);
+        for a in [1e-3, 3e-3] {
+            let (en, harmonic) = (jump.en15302(a).unwrap().value, jump.harmonic(a).unwrap().value);
+            assert!((en - PI * PI * d / (16.0 * a)).abs() < 1e-4 * en, "{en}");
+            assert!((harmonic - 2.0 * d / (PI * a)).abs() < 1e-9, "{harmonic}");
+        }
+    }
+
+    #[test]
+    fn analytic_unlike_cones() {
+        // dr = 2 g1 y to the left, 2 g2 y to the right: half a wave of each, with g1 y1^2 = g2 y2^2 and y1 + y2 = 2 A.
+        let (g1, g2) = (0.3f64, 0.05f64);
+        let unlike = sampled(1e-4, |y| 2.0 * if y > 0.0 { g1 } else { g2 } * y);
+        let amplitude = 2e-3;
+        let y1 = 2.0 * amplitude / (1.0 + (g1 / g2).sqrt());
+        let half = 0.5 * (1.0 / g1.sqrt() + 1.0 / g2.sqrt());
+        let found = unlike.en15302(amplitude).unwrap();
+        assert!((found.centre - (y1 - amplitude)).abs() < 1e-12 && (found.value - 1.0 / (half * half)).abs() < 1e-6, "{found:?}");
+    }
+
+    #[test]
+    fn hard_a_difference_that_drives_away_has_no_wave() {
+        // A cone upside down, and one with a hump in the middle that is higher than the ends.
+        let away = sampled(1e-4, |y| -0.1 * y);
+        assert_eq!(away.en15302(3e-3), Err(NoConicity::NoWave));
+        assert!((away.harmonic(3e-3).unwrap().value + 0.05).abs() < 1e-12);
+        let hump = sampled(1e-4, |y| if y.abs() > 2e-3 { 0.1 * (y - 2e-3 * y.signum()) } else { -0.1 * y });
+        assert_eq!(hump.en15302(3e-3), Err(NoConicity::NoWave));
+        assert!(hump.en15302(8e-3).is_ok());
+    }
 }

@@ -115,8 +115,9 @@ impl From<&Stand> for Start {
     }
 }
 
-/// Minima are looked for within this distance, m; where there is none, farther away.
-const REACH: f64 = 5e-3;
+/// Minima are looked for within this distance, m (or that of second places); where there is none, farther away. One that is
+/// missed shows at the next step, when it has entered its rail.
+const REACH: f64 = 3e-4;
 const FARTHEST: f64 = 0.16;
 /// Steps of height [m] and roll [rad] that are taken for nothing.
 const STEP: f64 = 1e-12;
@@ -217,7 +218,7 @@ impl WheelsetOnTrack {
         let frame = AxleFrame::new(self.attitude.yaw, roll);
         let centre = Vector3::new(self.station, y, height);
         let pair = Pair { wheel, rail, centre: &centre, axes: &frame.axes, distance: self.station };
-        let mut reach = REACH;
+        let mut reach = REACH.max(self.attitude.near);
         while reach < FARTHEST {
             self.searches[side.index()].find(&pair, reach, minima);
             if !minima.is_empty() {

@@ -39,7 +39,7 @@ const PLACE: f64 = 5e-5;
 /// Two stands nearer than this stand on the two sides of a jump, m.
 const SHARP: f64 = 1e-9;
 /// Shortest move of the contact on wheel or rail that is called a jump, m.
-const JUMP: f64 = 2e-5;
+const JUMP: f64 = 1e-4;
 
 impl Sweep {
     /// Stands at `-range, ... -step, 0, step, ... range` [m] and what is needed in between.

@@ -75,6 +75,25 @@ fn geometry_panels<'a>(study: &Study) -> Vec<Panel<'a>> {
     panels
 }
 
+/// The rolling-radius difference within 4/3 of the chosen amplitude, and the cone that is equivalent at that amplitude.
+fn near_difference<'a>(study: &Study) -> Panel<'a> {
+    let range = 1e3 * study.chosen.amplitude * 4.0 / 3.0;
+    let mut panel = difference(study);
+    for curve in &mut panel.curves {
+        for branch in &mut curve.branches {
+            branch.retain(|point| point.0.abs() <= range);
+        }
+        curve.branches.retain(|branch| !branch.is_empty());
+        curve.label = "profiles";
+    }
+    if let Ok(found) = study.chosen.en15302 {
+        let end = 1e3 * study.chosen.amplitude;
+        let cone = [-end, end].map(|y| (1e3 * found.centre + y, 2.0 * found.value * y)).to_vec();
+        panel.curves.push(Curve { label: "equivalent cone", color: ORANGE, dashed: true, branches: vec![cone] });
+    }
+    panel
+}
+
 fn conicity_panels<'a>(study: &Study) -> Vec<Panel<'a>> {
     let line = |label, color, dashed, value: fn(&Conicities) -> Result<Conicity, NoConicity>| {
         // A gap where there is no conicity, as between branches.
@@ -96,7 +115,7 @@ fn conicity_panels<'a>(study: &Study) -> Vec<Panel<'a>> {
         |found| vec![((1e3 * chosen.amplitude, found.value), format!("{:.3} at {} mm", found.value, 1e3 * chosen.amplitude))],
     );
     let conicity = Panel { title: "Equivalent conicity", x: "amplitude [mm]", y: "conicity [-]", curves, marks, from_zero: true };
-    vec![difference(study), conicity]
+    vec![near_difference(study), conicity]
 }
 
 /// How far the wheel is lifted in the picture of contact points, mm.

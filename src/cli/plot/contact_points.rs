@@ -21,10 +21,11 @@ pub(in crate::cli) struct Section {
 }
 
 /// Pixels.
-const PANEL: (u32, u32) = (600, 420);
+const PANEL: (u32, u32) = (600, 370);
 const HEAD: u32 = 66;
 const FOOT: u32 = 30;
-const LEFT: u32 = 56;
+const LEFT: u32 = 52;
+const MARGIN: u32 = 12;
 const BOTTOM: u32 = 46;
 const TOP: u32 = 30;
 const RIGHT: u32 = 16;
@@ -34,7 +35,7 @@ const FONT: &str = "sans-serif";
 
 /// Width and height [mm] that a section shows.
 pub(in crate::cli) fn size() -> (f64, f64) {
-    (f64::from(PANEL.0 - LEFT - RIGHT) / SCALE, f64::from(PANEL.1 - TOP - BOTTOM) / SCALE)
+    (f64::from(PANEL.0 - MARGIN - LEFT - RIGHT) / SCALE, f64::from(PANEL.1 - TOP - BOTTOM) / SCALE)
 }
 
 /// Draws both sides.
@@ -68,9 +69,10 @@ fn draw_section<'a>(area: &Area<'a>, section: &Section) -> Result<(), DrawingErr
     let (width, height) = size();
     let (x, z) = section.corner;
     let caption = (FONT, px(16)).into_text_style(area).pos(Pos::new(HPos::Center, VPos::Top));
-    area.draw(&Text::new(section.title, (px(LEFT + (PANEL.0 - LEFT - RIGHT) / 2), px(6)), caption))?;
+    area.draw(&Text::new(section.title, (px(MARGIN + LEFT + (PANEL.0 - MARGIN - LEFT - RIGHT) / 2), px(6)), caption))?;
     let mut chart = ChartBuilder::on(area)
         .margin_top(px(TOP))
+        .margin_left(px(MARGIN))
         .margin_right(px(RIGHT))
         .x_label_area_size(px(BOTTOM))
         .y_label_area_size(px(LEFT))
@@ -96,18 +98,22 @@ fn draw_section<'a>(area: &Area<'a>, section: &Section) -> Result<(), DrawingErr
         let shown: Vec<(f64, f64)> = profile.iter().filter(|point| inside(point)).copied().collect();
         chart.draw_series(LineSeries::new(shown, BLACK_GREY.stroke_width(FINE * 2)))?;
     }
-    // Numbers above the wheel's points, as far as they do not touch each other.
-    let label = (FONT, px(12)).into_text_style(area).pos(Pos::new(HPos::Center, VPos::Bottom));
+    // Numbers beyond the wheel's points, as far as they do not touch each other.
+    let label = (FONT, px(11)).into_text_style(area).pos(Pos::new(HPos::Center, VPos::Center));
     let mut taken: Vec<(f64, f64)> = Vec::new();
     let mut labelled: Vec<&(f64, (f64, f64), (f64, f64))> = section.pairs.iter().filter(|pair| inside(&pair.1)).collect();
     labelled.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-    for (y, wheel, _) in labelled {
-        let free = |other: &(f64, f64)| (other.0 - wheel.0).abs() > 18.0 / SCALE || (other.1 - wheel.1).abs() > 13.0 / SCALE;
+    for (y, wheel, rail) in labelled {
+        let (across, up) = (wheel.0 - rail.0, wheel.1 - rail.1);
+        let length = across.hypot(up).max(1e-6);
+        let beyond = 9.0 / SCALE;
+        let place = (wheel.0 + beyond * across / length, wheel.1 + beyond * up / length);
+        let free = |other: &(f64, f64)| (other.0 - place.0).abs() > 12.0 / SCALE || (other.1 - place.1).abs() > 11.0 / SCALE;
         if taken.iter().all(free) {
-            taken.push(*wheel);
+            taken.push(place);
             let ink = color(*y);
             let style = label.clone().color(&ink);
-            chart.draw_series([EmptyElement::at(*wheel) + Text::new(super::short(*y), (0, -px(5)), style)])?;
+            chart.draw_series([EmptyElement::at(place) + Text::new(super::short(*y), (0, 0), style)])?;
         }
     }
     Ok(())
@@ -115,8 +121,8 @@ fn draw_section<'a>(area: &Area<'a>, section: &Section) -> Result<(), DrawingErr
 
 fn legend<'a>(area: &Area<'a>) -> Result<(), DrawingError<'a>> {
     let name = (FONT, px(13)).into_text_style(area).pos(Pos::new(HPos::Left, VPos::Center));
-    let words = ["lateral shift to the left [mm]", "centred", "to the right [mm]"];
-    let mut x = px(LEFT);
+    let words = ["numbers: lateral shift in mm, to the left", "centred", "to the right"];
+    let mut x = px(MARGIN + LEFT);
     for (words, color) in words.into_iter().zip([BLUE, BLACK_GREY, ORANGE]) {
         area.draw(&PathElement::new([(x, px(12)), (x + px(26), px(12))], color.stroke_width(FINE * 2)))?;
         area.draw(&Text::new(words, (x + px(32), px(12)), name.clone()))?;

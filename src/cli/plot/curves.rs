@@ -33,6 +33,9 @@ pub(in crate::cli) struct Panel<'a> {
 /// Pixels.
 const PANEL: (u32, u32) = (560, 330);
 const HEAD: u32 = 66;
+/// Title and legend of a panel; labels of its vertical axis.
+const STRIP: u32 = 30;
+const LABELS: u32 = 62;
 const FONT: &str = "sans-serif";
 
 /// Draws panels in rows of `columns`.
@@ -57,13 +60,16 @@ fn draw_panel<'a>(area: &Area<'a>, panel: &Panel) -> Result<(), DrawingError<'a>
     let (low, high) = limits(points().map(|point| point.1).chain(zero));
     let (first, last) = extent(points().map(|point| point.0));
     let range = if last > first { (first, last) } else { (first - 1.0, first + 1.0) };
-    let mut chart = ChartBuilder::on(area)
-        .caption(panel.title, (FONT, px(16)))
+    let (strip, below) = area.split_vertically(px(STRIP));
+    let title = (FONT, px(16)).into_text_style(&strip).pos(Pos::new(HPos::Left, VPos::Center));
+    strip.draw(&Text::new(panel.title, (px(10 + LABELS), px(STRIP / 2)), title))?;
+    legend(&strip, panel)?;
+    let mut chart = ChartBuilder::on(&below)
         .margin_left(px(10))
         .margin_right(px(18))
         .margin_bottom(px(10))
         .x_label_area_size(px(42))
-        .y_label_area_size(px(62))
+        .y_label_area_size(px(LABELS))
         .build_cartesian_2d(Axis { range, most: 9 }, Axis { range: (low, high), most: 7 })?;
     chart
         .configure_mesh()
@@ -94,17 +100,17 @@ fn draw_panel<'a>(area: &Area<'a>, panel: &Panel) -> Result<(), DrawingError<'a>
         let text = EmptyElement::at(*point) + Text::new(words.clone(), (px(8), -px(20)), label);
         chart.draw_series([text])?;
     }
-    legend(area, panel)
+    Ok(())
 }
 
-/// Names beside short lines, at the right end of the line that holds the title.
+/// Names beside short lines, at the right end of the strip that holds the title.
 fn legend<'a>(area: &Area<'a>, panel: &Panel) -> Result<(), DrawingError<'a>> {
     let name = (FONT, px(13)).into_text_style(area).pos(Pos::new(HPos::Left, VPos::Center));
     let names: Vec<&Curve> = panel.curves.iter().filter(|curve| !curve.label.is_empty()).collect();
     // A letter is about 7 pixels wide.
     let width = |curve: &Curve| px(44 + 7 * curve.label.chars().count() as u32);
     let mut x = px(PANEL.0 - 18) - names.iter().map(|curve| width(curve)).sum::<i32>();
-    let y = px(14);
+    let y = px(STRIP / 2);
     for curve in names {
         let (line, style) = ([(x, y), (x + px(26), y)], curve.color.stroke_width(FINE * 2));
         if curve.dashed {
