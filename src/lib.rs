@@ -3,7 +3,7 @@
 //!
 //! The house has floors; a module uses only lower ones (`tests/architecture.rs` checks it): mathematics, units and
 //! settings (0), geometry (1), contact (2), multibody system (3), formulations (4), integration (5, needs only 0),
-//! scenes (6), simulation (7), FMI and command line (8).
+//! scenes (6), simulation (7), FMI and studies (8), command line (9).
 #![deny(unsafe_code)]
 
 pub mod cli;
@@ -17,4 +17,5 @@ pub mod scene;
 pub mod settings;
 pub mod sim;
 pub mod solve;
+pub mod study;
 pub mod units;

@@ -15,6 +15,7 @@ const FLOORS: &[(&str, u32)] = &[
     ("scene", 6),
     ("sim", 7),
     ("fmi", 8),
+    ("study", 8),
     ("cli", 9),
 ];
 

@@ -1,6 +1,7 @@
 //! The command line: results on stdout, messages on stderr, exit code 0, 1 (run failed) or 2 (bad input).
 
 mod compare;
+mod contact;
 mod creep;
 mod export;
 mod list;
@@ -33,6 +34,8 @@ enum Command {
     Run(run::Arguments),
     /// Run a scene with every contact formulation: cost, differences, pictures
     Compare(compare::Arguments),
+    /// Contact geometry of a wheelset over its lateral shift, equivalent conicity
+    Contact(contact::Arguments),
     /// Compute creep forces of a table of contacts with one or several laws, or compare laws on random contacts
     Creep(creep::Arguments),
     /// Show what a scene makes the program compute, and what not
@@ -110,6 +113,7 @@ pub fn main() -> ExitCode {
         Command::Export(arguments) => export::export(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
+        Command::Contact(arguments) => contact::contact(&arguments),
         Command::Creep(arguments) => creep::creep(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::Profile(arguments) => profile::profile(&arguments),

@@ -111,7 +111,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-fn open_csv(path: &Path) -> Result<Box<dyn Write>, Failure> {
+pub(super) fn open_csv(path: &Path) -> Result<Box<dyn Write>, Failure> {
     if path == Path::new("-") {
         return Ok(Box::new(std::io::stdout().lock()));
     }
@@ -120,7 +120,7 @@ fn open_csv(path: &Path) -> Result<Box<dyn Write>, Failure> {
 }
 
 /// A reader that has seen enough (`| head`) is no error.
-fn closed_pipe(error: &csv::Error) -> bool {
+pub(super) fn closed_pipe(error: &csv::Error) -> bool {
     matches!(error.kind(), csv::ErrorKind::Io(error) if error.kind() == std::io::ErrorKind::BrokenPipe)
 }
 

@@ -7,8 +7,10 @@ pub struct EmbeddedScene {
 }
 
 /// Every embedded scene; tests walk this list.
-pub static SCENES: &[EmbeddedScene] =
-    &[EmbeddedScene { name: "suspended_wheelset", text: include_str!("../../fmu/scenes/suspended_wheelset.toml") }];
+pub static SCENES: &[EmbeddedScene] = &[
+    EmbeddedScene { name: "suspended_wheelset", text: include_str!("../../fmu/scenes/suspended_wheelset.toml") },
+    EmbeddedScene { name: "wheelset_s1002", text: include_str!("../../fmu/scenes/wheelset_s1002.toml") },
+];
 
 /// The embedded scene of that name.
 pub fn find(name: &str) -> Option<&'static EmbeddedScene> {

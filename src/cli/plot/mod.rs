@@ -1,6 +1,8 @@
 //! Diagrams as SVG: colours, ranges and labels that they share.
 
 mod axis;
+pub(super) mod contact_points;
+pub(super) mod curves;
 mod overview;
 pub(super) mod pair;
 pub(super) mod scatter;
@@ -11,13 +13,38 @@ pub(super) use section::section;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use std::path::Path;
 
-const BLUE: RGBColor = RGBColor(31, 95, 168);
-const ORANGE: RGBColor = RGBColor(208, 98, 36);
+pub(super) const BLUE: RGBColor = RGBColor(31, 95, 168);
+pub(super) const ORANGE: RGBColor = RGBColor(208, 98, 36);
 const GREY: RGBColor = RGBColor(120, 120, 120);
+const BLACK_GREY: RGBColor = RGBColor(50, 50, 50);
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type DrawingError<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
+
+/// Units of a fine sheet per pixel: the drawing library rounds coordinates to whole units.
+const FINE: u32 = 8;
+
+/// Units of a fine sheet for a length in pixels.
+const fn px(pixels: u32) -> i32 {
+    (FINE * pixels) as i32
+}
+
+/// Draws a sheet of a size in pixels [`FINE`] times larger and writes it so that it is shown in that size.
+fn write_sheet(file: &Path, size: (u32, u32), draw: impl Fn(&Area) -> Result<(), Box<dyn std::error::Error>>) -> Result<(), String> {
+    let mut svg = String::new();
+    let words = |error: &dyn std::fmt::Display| format!("{}: can't be drawn: {error}", file.display());
+    {
+        let root = SVGBackend::with_string(&mut svg, (FINE * size.0, FINE * size.1)).into_drawing_area();
+        root.fill(&WHITE).map_err(|error| words(&error))?;
+        draw(&root).map_err(|error| words(&error))?;
+        root.present().map_err(|error| words(&error))?;
+    }
+    let drawn = format!("width=\"{}\" height=\"{}\"", FINE * size.0, FINE * size.1);
+    let svg = svg.replacen(&drawn, &format!("width=\"{}\" height=\"{}\"", size.0, size.1), 1);
+    std::fs::write(file, svg).map_err(|error| format!("{}: can't be written: {error}", file.display()))
+}
 
 /// A range with some air around the values.
 fn limits(values: impl Iterator<Item = f64>) -> (f64, f64) {
