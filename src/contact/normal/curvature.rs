@@ -16,8 +16,9 @@
 //! The integral is over places in space, whatever point between them is called the contact, and g is C1: so is B, also where
 //! contact and curvature jump (what quadrature leaves of a kink is measured in the tests). A second place of contact close
 //! by joins gradually: G stays close to L behind the ridge between them. b grows with delta, so B grows at most like
-//! delta and N at least like delta. 0.9 and the square are chosen by comparison with half-space solutions for S1002 on
-//! 60E1 (docs/model.md): with 0.7 to 1.0 the force changes by 2 to 5 % where two places of contact join and by less than 1 % elsewhere.
+//! delta and N at least like delta. The square is what makes the integrand C1; 0.9 was
+//! then fitted to half-space solutions for S1002 on 60E1 (docs/model.md): 0.7 instead lowers the force by 5 % where two places
+//! of contact join and by 1 % elsewhere.
 //!
 //! *Conformal contact.* Hertz's theory needs B > 0. `error` refuses others; `bounded` keeps B between A / 117 and 117 A, where the
 //! ellipse has axes of about 1:20. Within a factor of 2 of a bound the curvature is bent towards it with a C1 parabola, elsewhere it is

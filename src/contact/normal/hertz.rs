@@ -28,13 +28,6 @@ pub struct Hertz {
 }
 
 impl Hertz {
-    #[cfg(test)]
-    /// Curvatures at the point; conformal contact is an error.
-    pub fn new(material: Material) -> Self {
-        use super::curvature::{Across, Conformal};
-        Self::with(material, Rule { across: Across::Point, conformal: Conformal::Error })
-    }
-
     pub(super) fn with(material: Material, rule: Rule) -> Self {
         let modulus = 2.0 * material.youngs_modulus / (3.0 * (1.0 - material.poisson_ratio * material.poisson_ratio));
         Hertz { modulus, table: EllipseTable::shared(), rule }
@@ -130,7 +123,15 @@ fn parse(section: &Section) -> Result<Build, SettingsError> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::curvature::{Across, Conformal};
     use super::*;
+
+    impl Hertz {
+        /// Curvatures at the point; conformal contact is an error.
+        fn new(material: Material) -> Self {
+            Self::with(material, Rule { across: Across::Point, conformal: Conformal::Error })
+        }
+    }
 
     #[test]
     fn validate_crossed_cylinders() {
