@@ -171,24 +171,25 @@ impl<'a> Scan<'a> {
         let curl = view.most_yaw_turn(wheel.steepest);
         let length = self.trace_length(wheel);
         // Feet run forward all the way while the trace does and faces the rail.
-        let backward = a.phi.abs().max(b.phi.abs()) > 1.3 || view.k2 * wheel.swell * wheel.curvature.0 < -0.9;
+        let backward = more(a.phi.abs(), b.phi.abs()) > 1.3 || view.k2 * wheel.swell * wheel.curvature.0 < -0.9;
         let rail = self.search.rail.facing(a.foot, b.foot, if backward { 1.5 * length } else { 0.0 });
         let phi = (view.turn + wheel.angle.0 - curl - rail.angle.1, view.turn + wheel.angle.1 + curl - rail.angle.0);
-        let (down, up) = ((-phi.0).clamp(0.0, 1.0), phi.1.clamp(0.0, 1.0));
+        let (down, up) = (less(more(-phi.0, 0.0), 1.0), less(more(phi.1, 0.0), 1.0));
+        let (lower, upper) = if a.distance < b.distance { (a.distance, b.distance) } else { (b.distance, a.distance) };
         let low = if down > 0.0 && up > 0.0 {
-            (up * a.distance + down * b.distance - down * up * length) / (down + up)
+            less((up * a.distance + down * b.distance - down * up * length) / (down + up), lower)
         } else {
-            a.distance.min(b.distance)
+            lower
         };
-        let high = a.distance.max(b.distance) + 0.5 * length * up.max(down);
-        Limits { phi, rail: rail.curvature, distance: (low.min(a.distance).min(b.distance) - ROUGH, high + ROUGH) }
+        let high = upper + 0.5 * length * more(up, down);
+        Limits { phi, rail: rail.curvature, distance: (low - ROUGH, high + ROUGH) }
     }
 
     /// Least and greatest phi' over a block, 1/m; infinite where unknown. Where the foot jumps across a convex place of the rail
     /// phi jumps upward, so that the lower bound holds there too.
     #[inline]
     fn bending(&self, wheel: &Bounds, limits: &Limits) -> (f64, f64) {
-        let most = limits.phi.0.abs().max(limits.phi.1.abs());
+        let most = more(limits.phi.0.abs(), limits.phi.1.abs());
         let cos = 1.0 - 0.5 * most * most;
         let own = trace_curvature(wheel, self.view.k2);
         if cos <= 0.0 {
@@ -215,14 +216,23 @@ impl<'a> Scan<'a> {
         (own.0 - high, own.1 - low)
     }
 
+    /// How much phi changes at most for a motion by one metre, 1/m: the foot moves along a curved rail, and the wheel turns.
+    fn turning(limits: &Limits) -> f64 {
+        let swing = |c: f64| (c / (1.0 - c * limits.distance.0).max(0.1)).abs();
+        1.2 * swing(limits.rail.0).max(swing(limits.rail.1)) + 1.0 / ARM
+    }
+
     fn block(&mut self, block: usize, first: usize, size: usize, a: &State, b: &State) {
+        if size > self.search.coarse {
+            return self.split(block, first, size, a, b);
+        }
         let wheel = &self.search.tree[block];
         let limits = self.limits(wheel, a, b);
         if limits.distance.0 > self.reach + MOST_STEADY {
             return self.beyond(limits.distance.0, a, b);
         }
         // Feet that move by the slack are within the bounds already; directions turn with the wheel.
-        let margin = limits.phi.0.max(-limits.phi.1);
+        let margin = more(limits.phi.0, -limits.phi.1);
         if margin > MOST_STEADY / ARM {
             return self.pass(b);
         }
@@ -242,8 +252,12 @@ impl<'a> Scan<'a> {
             return self.pass(b);
         }
         if size == 1 {
-            return self.stretch(first, &bending, a, b);
+            return self.stretch(first, &bending, &limits, a, b);
         }
+        self.split(block, first, size, a, b);
+    }
+
+    fn split(&mut self, block: usize, first: usize, size: usize, a: &State, b: &State) {
         let half = size / 2;
         let middle = first + half;
         let last = self.search.wheel.stretches.len();
@@ -289,7 +303,7 @@ impl<'a> Scan<'a> {
     }
 
     /// A stretch that bounds don't decide.
-    fn stretch(&mut self, stretch: usize, bending: &(f64, f64), a: &State, b: &State) {
+    fn stretch(&mut self, stretch: usize, bending: &(f64, f64), limits: &Limits, a: &State, b: &State) {
         let wheel = &self.search.wheel.stretches[stretch];
         let most = bending.1.max(-bending.0);
         if wheel.length == 0.0 {
@@ -297,7 +311,7 @@ impl<'a> Scan<'a> {
             self.ends(stretch, a, b);
         } else {
             let margin = self.halve(stretch, most, self.trace_length(wheel), DEPTH, a, b);
-            self.steady = self.steady.min((margin / (most + 1.0 / ARM)).max(0.0));
+            self.steady = self.steady.min((margin / Self::turning(limits)).max(0.0));
         }
         self.pass(b);
     }
@@ -328,6 +342,17 @@ impl<'a> Scan<'a> {
             self.found(*a, *b, (stretch, stretch + 1), a.phi < 0.0);
         }
     }
+}
+
+/// The lesser and the greater of two numbers, neither NaN: quicker than `f64::min` and `f64::max`.
+#[inline]
+pub(super) fn less(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline]
+pub(super) fn more(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 #[inline]

@@ -5,6 +5,7 @@
 //! straight. The foot is found by walking from a guess, so it is the near one where a hollow rail offers several; at concave
 //! kinks, where two always compete, the nearer wins.
 
+use super::branch::{less, more};
 use super::curve::{Bounds, Curve};
 use crate::geometry::profile::Profile;
 use nalgebra::Vector2;
@@ -71,7 +72,8 @@ impl RailCurve {
                 (first as u32, last as u32)
             })
             .collect();
-        let mut levels: Vec<Vec<Facing>> = vec![curve.stretches.iter().map(|b| Facing { angle: b.angle, curvature: b.curvature }).collect()];
+        let mut levels: Vec<Vec<Facing>> =
+            vec![curve.stretches.iter().map(|b| Facing { angle: b.angle, curvature: b.curvature }).collect()];
         let mut width = 1;
         while 2 * width <= count {
             let below = &levels[levels.len() - 1];
@@ -216,7 +218,11 @@ impl RailCurve {
         for _ in 0..40 {
             let rise = c.y - p.value;
             let sigma = (c.x - eta) + rise * p.d1;
-            if sigma > 0.0 { low = eta } else { high = eta }
+            if sigma > 0.0 {
+                low = eta
+            } else {
+                high = eta
+            }
             let slope = -(1.0 + p.d1 * p.d1) + rise * p.d2;
             let step = sigma / slope;
             let trial = eta - step;
@@ -245,8 +251,8 @@ impl Facing {
     #[inline]
     fn merge(&self, other: &Facing) -> Facing {
         Facing {
-            angle: (self.angle.0.min(other.angle.0), self.angle.1.max(other.angle.1)),
-            curvature: (self.curvature.0.min(other.curvature.0), self.curvature.1.max(other.curvature.1)),
+            angle: (less(self.angle.0, other.angle.0), more(self.angle.1, other.angle.1)),
+            curvature: (less(self.curvature.0, other.curvature.0), more(self.curvature.1, other.curvature.1)),
         }
     }
 }

@@ -2,9 +2,9 @@
 //!
 //! The four equations of [`super::algebraic`] hold at every stationary distance: minima (tread, flange root, flange), the
 //! ridges between them, and whatever lies near the start of the iteration. Here the wheel is seen along the rail as a plane
-//! curve ([`view`]), its signed distance d(u) from the rail's section (negative where the surfaces overlap) is bounded over
-//! stretches of both profiles ([`curve`], [`foot`]), and branch and bound ([`branch`]) leaves brackets of all minima below a
-//! reach, which Newton then makes exact ([`refine`]). On a straight rail they solve the four equations; on one that bends they
+//! curve (`view`), its signed distance d(u) from the rail's section (negative where the surfaces overlap) is bounded over
+//! stretches of both profiles (`curve`, `foot`), and branch and bound (`branch`) leaves brackets of all minima below a
+//! reach, which Newton then makes exact (`refine`). On a straight rail they solve the four equations; on one that bends they
 //! start [`GlobalSearch::polish`].
 //!
 //! *Limits.* A rail is its profile continued straight beyond its ends; minima there, and those at the ends of the wheel's
@@ -126,6 +126,8 @@ pub struct GlobalSearch {
     tree: Vec<Bounds>,
     /// Stretches under the first block, a power of 2.
     leaves: usize,
+    /// Blocks above this size are hardly ever decided.
+    coarse: usize,
     rail: RailCurve,
 }
 
@@ -138,7 +140,12 @@ impl GlobalSearch {
         for i in (1..leaves).rev() {
             tree[i] = tree[2 * i].merge(&tree[2 * i + 1]);
         }
-        GlobalSearch { wheel, tree, leaves, rail: RailCurve::new(rail.profile.as_ref()) }
+        let rail = RailCurve::new(rail.profile.as_ref());
+        let mut search = GlobalSearch { wheel, tree, leaves, coarse: leaves, rail };
+        if !search.strictly_convex() {
+            search.coarse = (leaves / 8).max(1);
+        }
+        search
     }
 
     /// All minima with a distance below `reach` [m], by growing u; of more than [`MOST`] the deepest.
@@ -148,31 +155,39 @@ impl GlobalSearch {
         found.clearance = scan.clearance;
         found.steady = scan.steady;
         let mut ridge: Option<Ridge> = None;
+        // Where the basins of neighbours part: at a ridge, also one that is hidden or above the reach.
+        let mut parting: Option<f64> = None;
         for bracket in scan.brackets[..scan.count].iter().flatten() {
-            let Some(spot) = scan.refine(bracket) else {
+            let spot = scan.refine(bracket);
+            if !bracket.minimum {
+                parting = Some(spot.map_or(bracket.a.u, |spot| spot.u));
+            }
+            let Some(spot) = spot else {
                 found.steady = 0.0;
                 continue;
             };
-            if spot.distance >= reach {
-                found.clearance = found.clearance.min(if bracket.minimum { spot.distance } else { f64::INFINITY });
-                continue;
-            }
-            let parameters = scan.view.parameters(pair, spot.u, spot.slope, spot.eta);
+            let near = spot.distance < reach;
             if !bracket.minimum {
-                ridge = Some(Ridge { parameters, distance: spot.distance });
+                let at = |spot: Spot| scan.view.parameters(pair, spot.u, spot.slope, spot.eta);
+                ridge = near.then(|| Ridge { parameters: at(spot), distance: spot.distance });
+            }
+            if !near && bracket.minimum {
+                found.clearance = found.clearance.min(spot.distance);
+            }
+            if !near || !bracket.minimum {
                 continue;
             }
             let Spot { distance, kink, slope, edge, .. } = spot;
+            let parameters = scan.view.parameters(pair, spot.u, slope, spot.eta);
             let mut basin = bracket.basin;
-            let before = found.count.checked_sub(1).map(|i| &mut found.list[i]);
-            if let (Some(before), Some(ridge)) = (before, ridge)
-                && before.basin.1 > ridge.parameters.wheel
+            if let Some(before) = found.count.checked_sub(1).map(|i| &mut found.list[i])
+                && before.basin.1 > basin.0
             {
-                before.ridge_to_next = Some(ridge);
-                before.basin.1 = ridge.parameters.wheel;
-                basin.0 = ridge.parameters.wheel;
+                // No place above the reach in between.
+                let edge = parting.unwrap_or(0.5 * (before.parameters.wheel + spot.u));
+                (before.basin.1, basin.0, before.ridge_to_next) = (edge, edge, ridge);
             }
-            ridge = None;
+            (ridge, parting) = (None, None);
             found.push(Minimum { parameters, distance, basin, kink, slope, at_edge: edge, ridge_to_next: None });
         }
         found.delicate = found.steady == 0.0;

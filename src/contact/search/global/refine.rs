@@ -144,7 +144,11 @@ impl Scan<'_> {
         for i in 0..120 {
             let share = if i % 3 == 2 { 0.5 } else { (a.phi / (a.phi - b.phi)).clamp(0.01, 0.99) };
             let m = at(a.u + share * (b.u - a.u), a.foot + share * (b.foot - a.foot));
-            if (m.phi < 0.0) == (a.phi < 0.0) { a = m } else { b = m }
+            if (m.phi < 0.0) == (a.phi < 0.0) {
+                a = m
+            } else {
+                b = m
+            }
             if m.phi.abs() < 1e-15 || (b.u - a.u).abs() < 1e-14 {
                 if m.phi.abs() < 1e-15 {
                     return (m, m);

@@ -1,3 +1,6 @@
+//! The search against plain looking on grids, against the four equations, and against itself in mirrored and moved poses.
+
+#[cfg(test)]
 use super::*;
 use crate::contact::search::test_surfaces::Wave;
 use crate::geometry::Side;
@@ -79,7 +82,7 @@ struct Pieces {
     last: f64,
 }
 impl Pieces {
-    fn new(start: f64, pieces: &[(f64, f64, f64)], last: f64) -> Arc<dyn Profile> {
+    fn through(start: f64, pieces: &[(f64, f64, f64)], last: f64) -> Arc<dyn Profile> {
         let mut value = start;
         let mut list = vec![];
         for (i, (from, slope, curvature)) in pieces.iter().enumerate() {
@@ -104,17 +107,24 @@ impl Profile for Pieces {
     }
 }
 
-/// A wheel of straight lines and parabolas with kinks: flange, root and a broken tread.
+/// A wheel of straight lines and parabolas with kinks: flange, root and a broken tread, all kinks convex.
 fn kinked_wheel() -> Arc<dyn Profile> {
-    let pieces =
-        [(-0.065, 1.5, -150.0), (-0.045, -1.5, 0.0), (-0.035, -1.5, 120.0), (-0.024, -0.1, 0.0), (0.0, -0.03, 0.0), (0.02, -0.06, -0.5), (0.04, -0.2, 0.0)];
-    Pieces::new(0.466, &pieces, 0.06)
+    let pieces = [
+        (-0.065, 1.5, -150.0),
+        (-0.045, -1.5, 0.0),
+        (-0.035, -1.5, 134.5),
+        (-0.024, -0.025, 0.0),
+        (0.0, -0.05, 0.0),
+        (0.02, -0.08, -0.5),
+        (0.04, -0.2, 0.0),
+    ];
+    Pieces::through(0.4675, &pieces, 0.06)
 }
 
 /// A rail of parabolas with kinks that point up.
 fn kinked_rail() -> Arc<dyn Profile> {
     let pieces = [(-0.034, 2.0, -80.0), (-0.02, 0.5, -10.0), (-0.01, 0.15, -5.0), (0.01, -0.02, -3.0), (0.025, -0.3, -60.0)];
-    Pieces::new(-0.02, &pieces, 0.034)
+    Pieces::through(-0.02, &pieces, 0.034)
 }
 
 struct Scene {
@@ -146,6 +156,12 @@ impl Scene {
             scenes.push(Scene::new(&format!("worn {i}"), Side::BOTH[i as usize % 2], wheel, rail));
         }
         scenes
+    }
+    fn kinked(&self) -> bool {
+        self.name.contains("kinked")
+    }
+    fn rail_kinked(&self) -> bool {
+        self.kinked() && self.name != "kinked wheel"
     }
     fn pair<'a>(&'a self, pose: &'a Pose) -> Pair<'a> {
         Pair { wheel: &self.wheel, rail: &self.rail, centre: &pose.centre, axes: &pose.axes, distance: 0.0 }
@@ -220,7 +236,8 @@ impl Brute {
     /// Signed distance: nearest of all coarse points, then the segments around it.
     fn distance(&self, p: &Vector2<f64>) -> f64 {
         let last = self.rail.len() - 2;
-        let coarse = (0..=last).step_by(self.skip).map(|i| (i, (self.rail[i] - p).norm_squared())).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap().0;
+        let coarse =
+            (0..=last).step_by(self.skip).map(|i| (i, (self.rail[i] - p).norm_squared())).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap().0;
         let near = coarse.saturating_sub(2 * self.skip)..=(coarse + 2 * self.skip).min(last);
         let ends = [0, last];
         let best = near.chain(ends).map(|i| (i, self.segment(i, p))).min_by(|a, b| a.1.0.total_cmp(&b.1.0)).unwrap();
@@ -288,7 +305,8 @@ fn sampled_minima(d: &[(f64, f64, bool)], reach: f64, depth: f64) -> Vec<(f64, f
         let ahead = i + 1 == d.len() || d[i + 1].1 >= d[i].1;
         let behind = i == 0 || d[i - 1].1 > d[i].1;
         let (from, to) = (i.saturating_sub(1), (i + 1).min(d.len() - 1));
-        if d[i].1 >= reach || !ahead || !behind || !(d[from].2 && d[i].2 && d[to].2) {
+        let forward = d[from].2 && d[i].2 && d[to].2;
+        if d[i].1 >= reach || !ahead || !behind || !forward {
             continue;
         }
         // How far it rises on both sides before it falls below.
@@ -340,8 +358,9 @@ fn compare(scene: &Scene, brute: &Brute, pose: &Pose, reach: f64, depth: f64, ta
     let mut found = Minima::default();
     scene.search.find(&pair, reach, &mut found);
     let sampled = brute.all(scene, pose, 1);
-    // Deeper than that the nearest side of the rail may be another one.
-    if sampled.iter().any(|d| d.1 < -6e-3) {
+    // Deeper than that the nearest side of the rail may be another one; a vertex is measured along the wheel's normal.
+    let deepest = if scene.rail_kinked() { -5e-4 } else { -5e-3 };
+    if sampled.iter().any(|d| d.1 < deepest) {
         return;
     }
     let spacing = 3e-4;
@@ -405,7 +424,7 @@ fn prop_minima_agree_with_a_fine_grid() {
         let (mut random, mut tally, start) = (Random::new(1), Tally::default(), Instant::now());
         for i in 0..if RELEASE { 60 } else { 4 } {
             let pose = random_pose(&scene, &brute, &mut random, i % 4 == 0);
-            compare(&scene, &brute, &pose, 6e-3, 2e-7, &mut tally);
+            compare(&scene, &brute, &pose, 6e-3, if scene.kinked() { 5e-6 } else { 2e-7 }, &mut tally);
         }
         report(&scene.name, &tally, start);
         failures += tally.missed.len();
@@ -421,7 +440,7 @@ fn prop_no_contact_is_missed_in_many_poses() {
         let (mut random, mut tally, start) = (Random::new(2), Tally::default(), Instant::now());
         for i in 0..if RELEASE { 11_200 } else { 60 } {
             let pose = random_pose(&scene, &brute, &mut random, i % 4 == 0);
-            let depth = if scene.name.contains("kinked") { 2e-5 } else { 3e-6 };
+            let depth = if scene.kinked() { 5e-5 } else { 1e-5 };
             compare(&scene, &brute, &pose, 2e-3, depth, &mut tally);
         }
         report(&scene.name, &tally, start);
@@ -448,7 +467,8 @@ fn equiv_candidates_solve_the_four_equations_on_a_straight_rail() {
                     rough += 1;
                 }
                 smooth += 1;
-                let place = (a.wheel - b.wheel).abs().max((a.rail - b.rail).abs()).max((a.lead - b.lead).abs()).max((a.angle - b.angle).abs());
+                let place =
+                    (a.wheel - b.wheel).abs().max((a.rail - b.rail).abs()).max((a.lead - b.lead).abs()).max((a.angle - b.angle).abs());
                 worst.0 = worst.0.max(place);
                 worst.1 = worst.1.max((polished.location.penetration + m.distance).abs());
             }
@@ -476,6 +496,101 @@ fn prop_mirrored_pose_gives_mirrored_minima() {
             assert!((a.parameters.lead - b.parameters.lead).abs() < 1e-11);
         }
     }
+}
+
+/// A minimum of `b` that goes on from one of `a` when the wheel moved by `step`.
+fn goes_on(a: &[Minimum], b: &Minimum, step: f64) -> bool {
+    a.iter().any(|a| (a.distance - b.distance).abs() < 1.2 * step + 1e-12 && (a.parameters.wheel - b.parameters.wheel).abs() < 4e-3)
+}
+
+/// Depth of minimum i below the nearer ridge beside it.
+fn depth(list: &[Minimum], i: usize) -> f64 {
+    let before = i.checked_sub(1).and_then(|i| list[i].ridge_to_next);
+    [before, list[i].ridge_to_next].iter().flatten().map(|r| r.distance - list[i].distance).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn prop_minima_are_continuous_but_for_births_and_deaths_beside_a_ridge() {
+    const STEP: f64 = 5e-6;
+    for scene in Scene::all().iter().filter(|s| !s.kinked()) {
+        for (yaw, roll) in [(0.0, 0.0), (0.02, 0.004), (-0.04, -0.01)] {
+            let (mut before, mut events, mut deepest) = (Minima::default(), 0, 0.0f64);
+            for i in 0..if RELEASE { 4000 } else { 800 } {
+                let pose = Pose::new(-0.01 + STEP * f64::from(i), 0.46, yaw, roll);
+                let mut now = Minima::default();
+                scene.search.find(&scene.pair(&pose), 4e-3, &mut now);
+                for (from, to) in [(&before, &now), (&now, &before)] {
+                    for (j, m) in to.iter().enumerate().filter(|(_, m)| i > 0 && m.distance < 4e-3 - 2.0 * STEP) {
+                        if !goes_on(from, m, STEP) {
+                            events += 1;
+                            deepest = deepest.max(depth(to, j));
+                        }
+                    }
+                }
+                before = now;
+            }
+            println!("{} yaw {yaw}: {events} births and deaths, deepest {deepest:.1e} m below its ridge", scene.name);
+            assert!(deepest < 3e-6, "{}", scene.name);
+        }
+    }
+}
+
+#[test]
+fn prop_steady_motion_keeps_the_minima() {
+    const REACH: f64 = 1e-3;
+    let (mut certified, mut all) = (0, 0);
+    for scene in Scene::all() {
+        let brute = Brute::new(&scene, 2e-4);
+        let mut random = Random::new(8);
+        for i in 0..if RELEASE { 4000 } else { 200 } {
+            let mut pose = random_pose(&scene, &brute, &mut random, false);
+            if i % 2 == 0 {
+                pose = Pose::new(0.008 * random.sign(), 0.46 + 5e-4 * random.sign(), 0.01 * random.sign(), 0.003 * random.sign());
+            }
+            let (mut a, mut b) = (Minima::default(), Minima::default());
+            scene.search.find(&scene.pair(&pose), REACH, &mut a);
+            all += 1;
+            if a.delicate || a.iter().any(|m| m.distance < -4e-3) {
+                continue;
+            }
+            certified += 1;
+            // Half of the motion by shifting, the rest by turning about a point on the tread.
+            let (steady, turn) = (a.steady, 0.3 * a.steady / 0.08 * random.sign());
+            let about = Vector3::new(0.0, scene.wheel.side.sign() * 0.75 + pose.centre.y, 0.0);
+            let axes = AxleFrame::new(pose.yaw, pose.roll + turn).axes;
+            let turned = AxleFrame::new(0.0, turn).axes * (pose.centre - about) + about;
+            let shift = Vector3::new(0.0, random.sign(), random.sign()) * (0.45 * steady);
+            let moved = Pose { centre: turned + shift, axes, roll: pose.roll + turn, ..pose.clone() };
+            scene.search.find(&scene.pair(&moved), REACH, &mut b);
+            let sure = |list: &Minima| list.iter().filter(|m| m.distance < REACH - 1.5 * steady).count();
+            let (before, after) = (&a[..], &b[..]);
+            assert!(sure(&a) <= b.len() && sure(&b) <= a.len(), "{} {pose:?} {moved:?}\n{before:?}\n{after:?}", scene.name);
+        }
+    }
+    println!("{certified} of {all} poses certified");
+    assert!(certified * 2 > all);
+}
+
+#[test]
+fn analytic_cone_on_arc() {
+    // The distance of the circle's centre from the cone's line, minus the radius.
+    let arch = built_in("kind = \"arc\"\nradius = 0.3\n", Part::Rail);
+    let cone = built_in("kind = \"cone\"\nradius = 0.46\nslope = 0.025\n", Part::Wheel);
+    let scene = Scene::new("cone on arc", Side::Left, cone, arch);
+    assert!(scene.search.strictly_convex());
+    for (y, roll, gap) in [(0.0, 0.0, 0.0), (0.004, 0.002, 1e-4), (-0.006, -0.003, -2e-4)] {
+        let pose = Pose::new(y, 0.46 + gap, 0.0, roll);
+        let mut found = Minima::default();
+        scene.search.find(&scene.pair(&pose), 0.01, &mut found);
+        let angle = roll + 0.025f64.atan();
+        let tread = pose.centre + pose.axes * Vector3::new(0.0, 0.75, -0.46);
+        let middle = scene.rail.section(0.0).origin - scene.rail.up * 0.3;
+        let expected = (tread - middle).dot(&Vector3::new(0.0, -angle.sin(), angle.cos())) - 0.3;
+        assert_eq!(found.len(), 1);
+        assert!((found[0].distance - expected).abs() < 1e-15 + 1e-13, "{} {expected}", found[0].distance);
+        assert!(!found.delicate && found.steady > 1e-4 && found[0].kink == Kink::None && !found[0].at_edge);
+    }
+    assert!(Scene::all().iter().all(|scene| !scene.search.strictly_convex()));
 }
 
 #[test]
@@ -513,6 +628,7 @@ fn prop_speed() {
                 }
                 best = best.min(start.elapsed().as_secs_f64() / poses.len() as f64);
             }
+            assert!(!small || scene.kinked() || count >= poses.len(), "{}: {count}", scene.name);
             println!(
                 "{} ({} stretches of wheel, {} of rail), {name}: {:.2} us, {:.2} minima, {delicate} of 200 delicate, mean steady {:.0} um, convex {}",
                 scene.name,
