@@ -93,3 +93,59 @@ WHEELRAIL_BLESS=1 cargo test --release --test cli docs_list >/dev/null
     cargo test --release --test equiv -- --nocapture --test-threads 1 2>/dev/null | grep -oE '(E x |ECF-N, nodes|ACCF against|contact.formulation=ECF).*'
     echo '```'
 } >docs/evidence.md
+./target/release/wheelrail contact wheelset_s1002 --plot docs/images >/dev/null
+{
+    cat <<'TEXT'
+# Contact geometry and equivalent conicity
+
+    wheelrail contact SCENE [--range "8 mm"] [--step "0.1 mm"] [--no-roll] [--yaw ANGLE] [--at DISTANCE] [-o FILE.csv] [--plot DIR] [--json]
+
+sets the scene's wheelset on its rails at each lateral shift y (left positive) and says where each wheel touches. Made by docs/generate.sh.
+
+![Contact geometry](images/wheelset_s1002_contact_geometry.svg)
+
+![Contact points](images/wheelset_s1002_contact_points.svg)
+
+![Conicity](images/wheelset_s1002_conicity.svg)
+
+## What is computed
+
+Wheels and rails are rigid. Height and roll are found so that the least distance of each wheel to its rail is zero; yaw is given. With
+`--no-roll` the axle is held level and each wheel has its own height: the figures of EN 15302 are made like that. y is the shift of the
+wheelset's centre, which stands a wheel radius above the rails: roll moves the treads sideways by r0 times roll (0.09 mm at y = 3 mm below).
+
+A contact may *jump*: two places of a wheel touch at once, and beyond that shift the other one carries. The jump is closed in to a
+nanometre; CSV and pictures show both of its sides, and nothing is drawn across. `contact[2]` in the CSV is a second place that is nearer
+than `--near`. A real, elastic wheel shares its load between both places near a jump, so the true jump is less sharp.
+
+**Equivalent conicity.** With dr = r_left - r_right, the distance e of the tread circles and the nominal radius r0 a free wheelset follows
+y'' = -dr(y) / (e r0) over the distance. *EN 15302*: lambda = 2 pi^2 e r0 / L^2 with the wavelength L of that motion; L is a quadrature of
+the first integral, and e and r0 drop out of lambda. *Harmonic linearisation*: the first harmonic of dr over a sine. The amplitude is half
+of the motion from peak to peak; with unlike sides the motion swings about the shift c that makes it periodic ("about y").
+
+## Checks (tests/contact_geometry.rs)
+
+- S1002 on 60E1, 1:40, gauge 1435 mm, 3 mm, no roll: EN 15302 0.174, harmonic 0.176; with the older UIC60 0.180 and 0.182. The two rails
+  differ by 0.04 mm on the gauge corner: that is what 0.006 of conicity hang on.
+- EN 15302:2021, annexes J and K: wheels A, B and unlike wheels A and B on rail A.
+- Cones on circles with roll against the exact solution, hollow circles against the classical formula (Wickens), odd differences, mirrored poses.
+
+TEXT
+    echo "## S1002 on 60E1 1:40: both wheels touch"
+    echo
+    echo '```text'
+    ./target/release/wheelrail contact wheelset_s1002 2>/dev/null
+    echo '```'
+    echo
+    echo "## The same with a level axle (EN 15302)"
+    echo
+    echo '```text'
+    ./target/release/wheelrail contact wheelset_s1002 --no-roll 2>/dev/null | sed -n '/^  Contact jumps/,$p'
+    echo '```'
+    echo
+    echo "## With the older UIC60"
+    echo
+    echo '```text'
+    ./target/release/wheelrail contact wheelset_s1002 --no-roll --set track.rail.kind=uic60 --range "4 mm" 2>/dev/null | sed -n '/^Equivalent/,$p'
+    echo '```'
+} >docs/contact_geometry.md

@@ -150,7 +150,7 @@ fn cone(slope: f64) -> Arc<dyn Profile> {
 }
 
 fn circle(radius: f64) -> Arc<dyn Profile> {
-    Arc::new(Zones(vec![(-0.6 * radius.min(0.06), 0.6 * radius.min(0.06), arc(-radius, 0.0, radius, 1.0))]))
+    Arc::new(Zones(vec![(-0.036, 0.036, arc(-radius, 0.0, radius, 1.0))]))
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn validate_s1002_on_60e1_and_uic60_at_3_mm() {
     // 0.180, harmonic 0.176 and 0.182. A separate program (vertical distances on a grid of 0.5 um, numpy) gave 0.17416, 0.18043,
     // 0.17568 and 0.18199.
     for (rail, wanted) in [("60e1", [0.17416, 0.17568]), ("uic60", [0.18043, 0.18199])] {
-        let wheelset = s1002(&[&format!("track.rail.kind={rail}")], LEVEL);
+        let wheelset = s1002(&[&format!("track.rail.kind=\"{rail}\"")], LEVEL);
         let sweep = Sweep::new(&wheelset, 4e-3, 1e-4).unwrap();
         let difference = difference(&sweep);
         let found = [difference.en15302(3e-3).unwrap(), difference.harmonic(3e-3).unwrap()];
@@ -238,12 +238,18 @@ fn validate_en_15302_reference_results() {
             count += 1;
             assert!((found - wanted).abs() < 1.5e-3, "{name} at {y} mm: {found} against {wanted} mm");
         }
+        // Wheel B jumps at 3.000 mm: closing the steps of its rounded numbers (1e-4 mm) moves that by 1e-4 mm.
+        let at_jump = |amplitude: f64| name == "B" && amplitude == 3.0;
+        if name == "B" {
+            assert!(sweep.jumps().iter().any(|jump| (jump.before.y - 3e-3).abs() < 1e-6), "{:?}", sweep.jumps());
+        }
         let mut worst = (0.0f64, 0.0);
         for row in &conicities {
             let [amplitude, wanted] = [0, column + 1].map(|k| row[k].parse::<f64>().unwrap());
             let found = difference.en15302(1e-3 * amplitude).unwrap();
             let off = (found.value - wanted).abs();
-            if off > worst.0 {
+            assert!(!at_jump(amplitude) || off < 8e-3);
+            if off > worst.0 && !at_jump(amplitude) {
                 worst = (off, amplitude);
             }
             println!("{name} {amplitude:.1} mm: {:.4} ({wanted})", found.value);
@@ -347,15 +353,19 @@ fn equiv_stands_touch_by_the_four_equations_too() {
                 let centre = Vector3::new(0.0, y, found.height[side.index()]);
                 let (wheel, rail) = (&wheelset.wheels[side.index()], wheelset.track.rail(side));
                 let pair = Pair { wheel, rail, centre: &centre, axes: &frame.axes, distance: 0.0 };
-                let angle = if attitude.yaw == 0.0 { 0.0 } else { touch.lead / touch.rolling_radius };
+                // The wheel turns with the wheelset; on the wheel the contact leads by R tan(angle) yaw to first order: yaw > 0 ahead
+                // on the left, behind on the right.
+                let angle = -side.sign() * wheel.profile.at(touch.wheel).d1 * attitude.yaw;
                 let start = SurfaceParameters { wheel: touch.wheel, angle, lead: touch.lead, rail: touch.rail };
-                let exact = pair.locate(&start).unwrap_or_else(|error| panic!("{y} {side:?}: {error}"));
+                let exact = pair.locate(&start).unwrap_or_else(|error| panic!("{y} {side:?}: {error:?}"));
                 assert!(exact.penetration.abs() < 2e-12, "{y} {side:?}: {}", exact.penetration);
                 assert!((exact.parameters.wheel - touch.wheel).abs() < 1e-7 && (exact.normal - touch.normal).norm() < 1e-5, "{y} {side:?}");
-                // yaw > 0: the left wheel touches ahead, the right one behind, by R tan(angle) yaw to first order.
-                let slope = wheel.profile.at(touch.wheel).d1;
-                let lead = side.sign() * touch.rolling_radius * -slope * attitude.yaw;
-                assert!((touch.lead - lead).abs() < 0.02 * lead.abs() + 1e-12, "{y} {side:?}: {} {lead}", touch.lead);
+                let lead = touch.rolling_radius * angle - side.sign() * (wheel.half_spacing + touch.wheel) * attitude.yaw;
+                assert!(
+                    (touch.lead - lead).abs() < 0.02 * (touch.rolling_radius * angle).abs() + 1e-6,
+                    "{y} {side:?}: {} {lead}",
+                    touch.lead
+                );
             }
         }
     }
@@ -396,4 +406,37 @@ fn hard_a_sweep_ends_where_the_wheel_leaves_its_rail() {
     assert_eq!(difference(&sweep).en15302(0.08), Err(NoConicity::BeyondRange));
     let start = Start { height: [0.46; 2], roll: 0.0 };
     assert!(wheelset.stand(0.5, start).is_err());
+}
+
+#[test]
+fn prop_the_command_prints_writes_and_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_wheelrail"));
+        let output = command.arg("contact").args(arguments).current_dir(folder.path()).output().unwrap();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (text(&output.stdout), text(&output.stderr), output.status.code().unwrap())
+    };
+    let (stdout, stderr, code) =
+        run(&["wheelset_s1002", "--no-roll", "--range", "4 mm", "--step", "0.5 mm", "-o", "c.csv", "--plot", "plots"]);
+    assert!(code == 0 && stdout.contains("Equivalent conicity at 3.000 mm: 0.174") && stderr.contains("wrote "), "{stdout}{stderr}");
+    let csv = std::fs::read_to_string(folder.path().join("c.csv")).unwrap();
+    assert!(csv.starts_with("wheelset.y [m],wheelset.rollingRadiusDifference [m],wheelset.left.z [m],wheelset.right.z [m],"), "{csv}");
+    // 17 shifts, two jumps with two sides each.
+    assert_eq!(csv.lines().count(), 1 + 17 + 4);
+    for (name, words) in [("contact_geometry", "Contact angle"), ("conicity", "EN 15302"), ("contact_points", "Left wheel and rail")] {
+        let svg = std::fs::read_to_string(folder.path().join(format!("plots/wheelset_s1002_{name}.svg"))).unwrap();
+        assert!(svg.contains(words) && svg.contains("<polyline") && !svg.contains("NaN"), "{name}");
+    }
+    let (stdout, _, code) = run(&["suspended_wheelset", "--json", "--range", "3 mm", "--step", "1 mm"]);
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert!(code == 0 && json["shifts"].as_array().unwrap().len() == 7 && json["roll"] == "found", "{json}");
+    // The paper's cone of 1/40 on heads of 0.3 m, with roll: 2.7 % more than its slope.
+    let conicity = json["conicity"]["en15302"]["value"].as_f64().unwrap();
+    assert!((conicity - 0.025 * (1.0 + 0.025 * (0.457 + 0.3) / 0.716)).abs() < 3e-5, "{conicity}");
+    for wrong in [&["--range", "0"][..], &["--step", "1 kg"], &["--yaw", "1"], &["--step", "1"], &["--json", "-o", "-"]] {
+        let mut arguments = vec!["wheelset_s1002"];
+        arguments.extend(wrong);
+        assert_eq!(run(&arguments).2, 2, "{wrong:?}");
+    }
 }

@@ -182,30 +182,29 @@ impl RadiusDifference {
         let (low, high) = (c - amplitude, c + amplitude);
         // From each end inward, so that E is a sum of small positive parts near it. E(y) = area from y to the upper end = minus
         // the area from the lower end to y.
-        let upper = half_wave(self.lines(c, high).rev().map(|(a, b)| (b, a)), c, amplitude, 1.0)?;
-        let lower = half_wave(self.lines(low, c), c, amplitude, -1.0)?;
+        let upper = half_wave(self.lines(c, high).rev().map(|(a, b)| (b, a)), amplitude, 1.0)?;
+        let lower = half_wave(self.lines(low, c), amplitude, -1.0)?;
         let g = upper + lower;
         Ok(Conicity { value: PI * PI / (2.0 * g * g), centre: c })
     }
 }
 
 /// The part of G between one end of the motion and its middle; lines come from that end inward.
-fn half_wave(lines: impl Iterator<Item = Line>, c: f64, amplitude: f64, side: f64) -> Result<f64, NoConicity> {
-    let (mut sum, mut energy) = (0.0, 0.0);
+fn half_wave(lines: impl Iterator<Item = Line>, amplitude: f64, side: f64) -> Result<f64, NoConicity> {
+    let (mut sum, mut energy, mut gone) = (0.0, 0.0, 0.0);
+    // Angle t from the end of the motion at a way from that end, way = A (1 - cos t) = 2 A sin^2(t / 2): no digits are lost there.
+    let angle = |way: f64| 2.0 * (way / (2.0 * amplitude)).clamp(0.0, 0.5).sqrt().asin();
     for (outer, inner) in lines {
         let width = (outer.0 - inner.0).abs();
-        // A cut of the length of rounding beside a point.
-        if width < 1e-12 * amplitude {
+        if width == 0.0 {
             continue;
         }
-        // Angle from the end of the motion, without loss of digits beside it: A - |y - c| = A (1 - cos t) = 2 A sin^2(t / 2).
-        let angle = |y: f64| 2.0 * (((amplitude - side * (y - c)) / (2.0 * amplitude)).clamp(0.0, 0.5)).sqrt().asin();
-        let (from, to) = (angle(outer.0), angle(inner.0));
+        let (from, to) = (angle(gone), angle(gone + width));
         let half = 0.5 * (to - from);
         for (node, weight) in GAUSS {
             let t = 0.5 * (from + to) + half * node;
-            let y = c + side * amplitude * t.cos();
-            let depth = (side * (outer.0 - y)).clamp(0.0, width);
+            let way = 2.0 * amplitude * (0.5 * t).sin().powi(2);
+            let depth = (way - gone).clamp(0.0, width);
             let dr = outer.1 + (inner.1 - outer.1) * depth / width;
             let e = energy + side * 0.5 * (outer.1 + dr) * depth;
             if !(e > 0.0) {
@@ -214,6 +213,7 @@ fn half_wave(lines: impl Iterator<Item = Line>, c: f64, amplitude: f64, side: f6
             sum += half * weight * amplitude * t.sin() / (2.0 * e).sqrt();
         }
         energy += side * 0.5 * (outer.1 + inner.1) * width;
+        gone += width;
     }
     Ok(sum)
 }
