@@ -2,7 +2,7 @@
 //!
 //! The idea is Kalker's USETAB: because force over mu N depends only on a/b, nu and three dimensionless creepages, the
 //! exact theory can be solved in advance. Coordinates, lattice and interpolation are our own, see
-//! [`coordinates`], [`table`]; [`generate`] makes the table (`wheelrail table`).
+//! [`coordinates`], [`table`], [`spline`]; [`generate`] makes the table (`wheelrail table`).
 //!
 //! - Force and moment have continuous first derivatives in all creepages and in a/b.
 //! - `|F| <= mu N` always: an interpolated force within 0.4 % of mu N or above it is bent onto mu N by a parabola.
@@ -19,6 +19,7 @@
 
 pub(crate) mod coordinates;
 pub mod generate;
+mod spline;
 pub mod table;
 #[cfg(test)]
 mod tests;

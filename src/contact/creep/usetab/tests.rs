@@ -101,26 +101,25 @@ fn validate_slopes_at_zero_are_kalkers() {
         println!("nu {nu} a/b {a_over_b}: % off Kalker's c11 {c11:.2} c22 {c22:.2} c23 {c23:.2} c32 {c32:.2} c33 {c33:.2}");
         assert!(c11.abs() < 2.0 && c22.abs() < 2.0 && c23.abs() < 2.0);
         assert!((c32 - c23).abs() < 0.1 || nu != 0.28);
-        assert!(c33.abs() < 6.0 || nu != 0.28);
+        assert!(c33.abs() < 3.0 || nu != 0.28);
     }
 }
 
 #[test]
 fn equiv_other_poisson_ratios_are_scaled() {
-    for (nu, limit) in [(0.25, 0.02), (0.3, 0.01)] {
-        let (mut random, kalker) = (Random(7), KalkerTable::new(nu));
-        let (mut sum, mut worst, cases) = (0.0, 0f64, 60);
+    let cells = LAW.table.layout().cells;
+    for (nu, mean, most) in [(0.0, 0.04, 0.15), (0.25, 0.006, 0.03), (0.3, 0.005, 0.03), (0.5, 0.04, 0.15)] {
+        let (mut random, mut sum, mut worst, cases) = (Random(7), 0.0, 0f64, 60);
         for _ in 0..cases {
             let a_over_b = 0.1 * 100f64.powf(random.next());
             let v = random.creepage();
-            let exact = Shape::new(a_over_b, nu, 16).solver().force(v);
+            let exact = Shape::new(a_over_b, nu, cells).solver().force(v);
             let (force, _) = off(exact, LAW.share(a_over_b, v));
-            sum += force;
+            sum += force / f64::from(cases);
             worst = worst.max(force);
-            assert!(kalker.at(a_over_b).c11 > 0.0);
         }
-        println!("nu {nu}: |dF| / mu N mean {:.4}, worst {worst:.4}", sum / f64::from(cases));
-        assert!(sum / f64::from(cases) < limit, "{nu} {sum}");
+        println!("nu {nu}: |dF| / mu N mean {sum:.4}, worst {worst:.4}");
+        assert!(sum < mean && worst < most, "{nu} {sum} {worst}");
     }
 }
 
