@@ -7,7 +7,7 @@
 //!
 //! Reference: Unser, Splines: a perfect fit for signal and image processing, IEEE Signal Processing Magazine 16 (1999).
 
-use super::coordinates::{RATIOS, Triple, size};
+use super::coordinates::{RATIOS, Triple, size, spin_weight};
 use super::table::{Layout, Slopes};
 
 /// Coefficients of K and of the slopes.
@@ -45,16 +45,14 @@ fn filter<const C: usize>(line: &mut [[f64; C]], scratch: &mut Vec<f64>) {
     for i in 1..n - 1 {
         let pivot = 1.0 / (6.0 - scratch[i - 1]);
         scratch.push(pivot);
-        for c in 0..C {
-            // The end is known, so its term moves to the right-hand side.
-            let end = if i + 2 == n { line[n - 1][c] } else { 0.0 };
-            line[i][c] = (8.0 * line[i][c] - line[i - 1][c] - end) * pivot;
-        }
+        // The end is known, so its term moves to the right-hand side.
+        let end = if i + 2 == n { line[n - 1] } else { [0.0; C] };
+        let before = line[i - 1];
+        line[i] = std::array::from_fn(|c| (8.0 * line[i][c] - before[c] - end[c]) * pivot);
     }
     for i in (1..n.saturating_sub(2)).rev() {
-        for c in 0..C {
-            line[i][c] -= scratch[i] * line[i + 1][c];
-        }
+        let next = line[i + 1];
+        line[i] = std::array::from_fn(|c| line[i][c] - scratch[i] * next[c]);
     }
 }
 
@@ -140,7 +138,12 @@ impl Spline {
         let mut whole = Whole::new(layout, stored);
         whole.filter();
         let (side, last) = (whole.side, slopes.len() - 1);
-        let given: Vec<[f64; 5]> = slopes.iter().map(|slopes| slopes.0).collect();
+        // The slope of Fy over Z contains 1/k, which is not left to the spline.
+        let scaled = |(shape, slopes): (usize, &Slopes)| {
+            let [xx, yy, yz, zy, zz] = slopes.0;
+            [xx, yy, yz * spin_weight(layout.ratio(shape)), zy, zz]
+        };
+        let given: Vec<[f64; 5]> = slopes.iter().enumerate().map(scaled).collect();
         let mut slopes = vec![beyond(given[0], given[1], given[2])];
         slopes.extend(&given);
         slopes.push(beyond(given[last], given[last - 1], given[last - 2]));
@@ -182,17 +185,17 @@ impl Spline {
         let wk = wk.map(|w| w as f32);
         let mut sum = [0f32; 4];
         let mut slopes = [0.0; 5];
-        for s in 0..3 {
+        for (s, ws) in ws.into_iter().enumerate() {
             for (slope, c) in slopes.iter_mut().zip(&self.slopes[shape + s]) {
-                *slope += ws[s] * c;
+                *slope += ws * c;
             }
-            for di in 0..3 {
+            for (di, wi) in wi.into_iter().enumerate() {
                 let start = (((shape + s) * self.depth + i + di) * self.rows + j) * self.depth + k;
-                let outer = ws[s] * wi[di];
-                for dj in 0..3 {
+                let outer = ws * wi;
+                for (dj, wj) in wj.into_iter().enumerate() {
                     let line = self.values.get(start + dj * self.depth..).and_then(|rest| rest.first_chunk::<3>());
                     let Some([p, q, r]) = line else { continue };
-                    let weight = (outer * wj[dj]) as f32;
+                    let weight = (outer * wj) as f32;
                     let w = wk.map(|w| w * weight);
                     for c in 0..4 {
                         sum[c] += w[0] * p[c] + w[1] * q[c] + w[2] * r[c];
@@ -200,6 +203,7 @@ impl Spline {
                 }
             }
         }
+        slopes[2] /= spin_weight(a_over_b);
         let linear = Slopes(slopes).force(u);
         let radius = size(u);
         let force: Triple = std::array::from_fn(|c| linear[c] + radius * f64::from(sum[c]));

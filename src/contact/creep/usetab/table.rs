@@ -113,8 +113,8 @@ pub(crate) fn pack(layout: Layout, slopes: &[Slopes], values: &[Triple]) -> Vec<
         body.extend(scale.to_le_bytes());
     }
     for value in values {
-        for c in 0..3 {
-            body.extend(((value[c] / scales[c]).round() as i16).to_le_bytes());
+        for (value, scale) in value.iter().zip(scales) {
+            body.extend(((value / scale).round() as i16).to_le_bytes());
         }
     }
     let mut bytes = MAGIC.to_vec();
