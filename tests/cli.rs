@@ -210,6 +210,24 @@ fn regress_plan_of_the_embedded_scene() {
     assert!(stdout.contains("%  contact search"));
 }
 
+#[test]
+fn prop_creep_force_table_does_not_depend_on_the_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = ["1", "3"].map(|threads| {
+        let file = folder.path().join(threads);
+        let output = Command::new(env!("CARGO_BIN_EXE_wheelrail"))
+            .args(["table", "--grid", "8", "--steps", "4", "--shapes", "4", "-o", file.to_str().unwrap()])
+            .env("RAYON_NUM_THREADS", threads)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", text(&output).1);
+        std::fs::read(&file).unwrap()
+    });
+    assert!(written[0].len() > 5000 && written[0] == written[1]);
+    let (_, stderr, code) = text(&wheelrail(&["table", "--grid", "9", "-o", "x"]));
+    assert!(code == 2 && stderr.contains("--grid 9: expected an even number"), "{stderr}");
+}
+
 /// docs/names.md is the list of everything a scene can name; `WHEELRAIL_BLESS=1 cargo test` writes it anew.
 #[test]
 fn regress_docs_list_every_name() {

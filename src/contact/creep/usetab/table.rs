@@ -1,10 +1,9 @@
-//! The packed table and its interpolation.
+//! The packed table.
 //!
 //! Over the unit ball of [`super::coordinates`] the force is `F(u) = L u + |u| K(u)`: L is the linear law of each shape
 //! (slopes of the exact theory at zero), K, zero at the middle, is tabulated on a cubic lattice of spacing 1/n and on a
-//! geometric sequence of a/b. K is interpolated by Keys' cubic convolution in all four directions: continuous first
-//! derivatives, error of third order. Half of the lattice with xi >= 0 and phi >= 0 is stored; the rest follows from
-//! the mirror symmetries
+//! geometric sequence of a/b; [`super::spline`] interpolates it. The quarter of the lattice with xi >= 0 and phi >= 0 is
+//! stored; the rest follows from the mirror symmetries
 //!
 //! ```text
 //! xi -> -xi:                Fx odd,  Fy even, Mz even
@@ -15,13 +14,11 @@
 //! five slopes (f64) per shape; scales of the three components (f64); K as i16.
 
 use super::coordinates::{RATIOS, Triple, size};
+use super::spline::Spline;
 
 const MAGIC: &[u8; 8] = b"WRCREEP\0";
 /// To be raised whenever the meaning of the numbers changes.
 const VERSION: u32 = 1;
-
-/// Room for the shapes beyond the ends.
-const MARGIN: f64 = 1.25;
 
 /// Why bytes are not a table for this program.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -96,14 +93,7 @@ impl Slopes {
 #[derive(Clone, Debug)]
 pub struct Table {
     layout: Layout,
-    slopes: Vec<Slopes>,
-    /// K over `scales`, with mirror images and one more shape at each end; three components and a gap. Whole numbers
-    /// of two bytes, because the time of a call goes into fetching them.
-    values: Vec<[i16; 4]>,
-    scales: Triple,
-    /// Shapes per unit of ln(a/b), and ln of the smallest.
-    shapes_per_unit: f64,
-    first: f64,
+    spline: Spline,
 }
 
 fn checksum(bytes: &[u8]) -> u64 {
@@ -118,13 +108,13 @@ pub(crate) fn pack(layout: Layout, slopes: &[Slopes], values: &[Triple]) -> Vec<
         body.extend(slope.to_le_bytes());
     }
     let largest: Triple = std::array::from_fn(|c| values.iter().fold(0.0, |most, value| value[c].abs().max(most)));
-    let scales = largest.map(|largest| MARGIN * largest.max(1e-12) / f64::from(i16::MAX));
+    let scales = largest.map(|largest| largest.max(1e-12) / f64::from(i16::MAX));
     for scale in scales {
         body.extend(scale.to_le_bytes());
     }
     for value in values {
-        for c in 0..3 {
-            body.extend(((value[c] / scales[c]).round() as i16).to_le_bytes());
+        for (value, scale) in value.iter().zip(scales) {
+            body.extend(((value / scale).round() as i16).to_le_bytes());
         }
     }
     let mut bytes = MAGIC.to_vec();
@@ -154,13 +144,6 @@ impl Reader<'_> {
     fn number(&mut self) -> Result<f64, TableError> {
         Ok(f64::from_le_bytes(self.take()?))
     }
-}
-
-/// Weights of Keys' cubic convolution at `t` between the second and third of four points.
-#[inline]
-fn keys(t: f64) -> [f64; 4] {
-    let (s, tt) = (1.0 - t, t * t);
-    [-0.5 * t * s * s, 1.0 - 2.5 * tt + 1.5 * tt * t, 1.0 - 2.5 * s * s + 1.5 * s * s * s, -0.5 * tt * s]
 }
 
 impl Table {
@@ -200,105 +183,19 @@ impl Table {
             .as_chunks::<6>()
             .0
             .iter()
-            .map(|b| std::array::from_fn(|c| f64::from(i16::from_le_bytes([b[2 * c], b[2 * c + 1]]))))
+            .map(|b| std::array::from_fn(|c| scales[c] * f64::from(i16::from_le_bytes([b[2 * c], b[2 * c + 1]]))))
             .collect();
-        let (first, last) = (RATIOS.0.ln(), RATIOS.1.ln());
-        let shapes_per_unit = (shapes - 1) as f64 / (last - first);
-        let mut table = Table { layout, slopes, values: Vec::new(), scales, shapes_per_unit, first };
-        table.unfold(&stored);
-        Ok(table)
+        Ok(Table { layout, spline: Spline::new(&layout, &slopes, &stored) })
     }
 
+    /// Sizes of the table.
     pub fn layout(&self) -> Layout {
         self.layout
-    }
-
-    /// Mirror images below X = 0 and Z = 0; one shape more at each end, on the parabola through the last three.
-    fn unfold(&mut self, stored: &[Triple]) {
-        let (half, full, points) = (self.layout.half(), self.layout.full(), self.layout.points());
-        let shape = |s: usize, index: usize| -> Triple {
-            let at = |s: usize| stored[s * points + index];
-            let beyond = |a: Triple, b: Triple, c: Triple| std::array::from_fn(|k| 3.0 * (a[k] - b[k]) + c[k]);
-            let last = self.layout.shapes - 1;
-            match s {
-                0 => beyond(at(0), at(1), at(2)),
-                s if s <= last + 1 => at(s - 1),
-                _ => beyond(at(last), at(last - 1), at(last - 2)),
-            }
-        };
-        let mut values = Vec::with_capacity((self.layout.shapes + 2) * (half + 1) * full * (half + 1));
-        for s in 0..self.layout.shapes + 2 {
-            for i in 0..=half {
-                for j in 0..full {
-                    for k in 0..=half {
-                        let (mut sign, mut row) = ([1.0; 3], j);
-                        if i == 0 {
-                            sign = [-1.0, 1.0, 1.0];
-                        }
-                        if k == 0 {
-                            (sign, row) = ([sign[0], -sign[1], -sign[2]], full - 1 - j);
-                        }
-                        let index = (i.abs_diff(1) * full + row) * half + k.abs_diff(1);
-                        let value = shape(s, index);
-                        values.push([0, 1, 2, 3].map(|c| if c < 3 { (sign[c] * value[c]).round() as i16 } else { 0 }));
-                    }
-                }
-            }
-        }
-        self.values = values;
     }
 
     /// Force in mu N and moment in mu N sqrt(a b) at `u` in the ball; `a_over_b` within the table.
     #[inline]
     pub(crate) fn force(&self, a_over_b: f64, u: Triple) -> Triple {
-        // Into the stored quarter.
-        let x_sign = if u[0] < 0.0 { -1.0 } else { 1.0 };
-        let z_sign = if u[2] < 0.0 { -1.0 } else { 1.0 };
-        let u = [x_sign * u[0], z_sign * u[1], z_sign * u[2]];
-        let place = (a_over_b.ln() - self.first) * self.shapes_per_unit;
-        let shape = (place.max(0.0) as usize).min(self.layout.shapes - 2);
-        let shape_weights = keys(place - shape as f64);
-        let n = self.layout.steps as f64;
-        let split = |x: f64| {
-            // As a whole number toward zero: x is not negative, and at most 2 n.
-            let cell = x as usize;
-            (cell, keys(x - cell as f64))
-        };
-        let ((i, wi), (j, wj), (k, wk)) = (split(u[0] * n), split(u[1] * n + n), split(u[2] * n));
-        let (depth, rows) = (self.layout.half() + 1, self.layout.full());
-        // Single precision: its error, 1e-7 of mu N, is far below the table's.
-        let wk = wk.map(|w| w as f32);
-        let mut sum = [0f32; 4];
-        for (s, ws) in shape_weights.into_iter().enumerate() {
-            for (di, wi) in wi.into_iter().enumerate() {
-                let (plane, outer) = (((shape + s) * depth + i + di) * rows + j, ws * wi);
-                for (dj, wj) in wj.into_iter().enumerate() {
-                    let row = self.values.get((plane + dj) * depth + k..).and_then(|rest| rest.first_chunk::<4>());
-                    let Some([p, q, r, t]) = row else { continue };
-                    let weight = (outer * wj) as f32;
-                    for c in 0..4 {
-                        let [p, q, r, t] = [p[c], q[c], r[c], t[c]].map(f32::from);
-                        sum[c] += weight * (wk[0] * p + wk[1] * q + wk[2] * r + wk[3] * t);
-                    }
-                }
-            }
-        }
-        let linear = self.slopes(shape, shape_weights).force(u);
-        let radius = size(u);
-        let force: Triple = std::array::from_fn(|c| linear[c] + radius * self.scales[c] * f64::from(sum[c]));
-        [x_sign * force[0], z_sign * force[1], z_sign * force[2]]
-    }
-
-    #[inline]
-    fn slopes(&self, shape: usize, weights: [f64; 4]) -> Slopes {
-        let last = self.slopes.len() - 1;
-        let at = |k: usize| self.slopes[k].0;
-        let mut mixed = [0.0; 5];
-        for (c, mixed) in mixed.iter_mut().enumerate() {
-            let before = if shape > 0 { at(shape - 1)[c] } else { 3.0 * (at(0)[c] - at(1)[c]) + at(2)[c] };
-            let after = if shape + 2 <= last { at(shape + 2)[c] } else { 3.0 * (at(last)[c] - at(last - 1)[c]) + at(last - 2)[c] };
-            *mixed = weights[0] * before + weights[1] * at(shape)[c] + weights[2] * at(shape + 1)[c] + weights[3] * after;
-        }
-        Slopes(mixed)
+        self.spline.force(a_over_b, u)
     }
 }

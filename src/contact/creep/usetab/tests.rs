@@ -35,6 +35,11 @@ impl Random {
     }
 }
 
+/// Random cases: all of them in release builds, fewer where they take long.
+fn cases(all: usize) -> usize {
+    if cfg!(debug_assertions) { all / 4 } else { all }
+}
+
 fn off(a: Triple, b: Triple) -> (f64, f64) {
     ((a[0] - b[0]).hypot(a[1] - b[1]), (a[2] - b[2]).abs())
 }
@@ -43,7 +48,7 @@ fn off(a: Triple, b: Triple) -> (f64, f64) {
 fn validate_against_the_exact_theory_at_random() {
     let mut random = Random(88_172_645_463_325_252);
     let (mut all, mut moments) = (Vec::new(), Vec::new());
-    for _ in 0..500 {
+    for _ in 0..cases(500) {
         let a_over_b = 0.1 * 100f64.powf(random.next());
         let v = random.creepage();
         let exact = Shape::new(a_over_b, 0.28, LAW.table.layout().cells).solver().force(v);
@@ -55,9 +60,10 @@ fn validate_against_the_exact_theory_at_random() {
     moments.sort_by(f64::total_cmp);
     let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
     println!("{:?}, {} bytes", LAW.table.layout(), EMBEDDED.len());
-    println!("|dF| / mu N: mean {:.5}, 95 % below {:.5}, worst {:.5}", mean(&all), all[475], all[499]);
-    println!("|dM| / (mu N c): mean {:.5}, 95 % below {:.5}, worst {:.5}", mean(&moments), moments[475], moments[499]);
-    assert!(mean(&all) < 0.005 && all[499] < 0.03 && mean(&moments) < 0.005 && moments[499] < 0.06);
+    let (most, last) = (all.len() * 95 / 100, all.len() - 1);
+    println!("|dF| / mu N: mean {:.5}, 95 % below {:.5}, worst {:.5}", mean(&all), all[most], all[last]);
+    println!("|dM| / (mu N c): mean {:.5}, 95 % below {:.5}, worst {:.5}", mean(&moments), moments[most], moments[last]);
+    assert!(mean(&all) < 0.003 && all[last] < 0.03 && mean(&moments) < 0.002 && moments[last] < 0.03);
 }
 
 #[test]
@@ -100,27 +106,27 @@ fn validate_slopes_at_zero_are_kalkers() {
         let [c11, c22, c23, c32, c33] = [off[0][0], off[1][1], off[2][1], off[1][2], off[2][2]];
         println!("nu {nu} a/b {a_over_b}: % off Kalker's c11 {c11:.2} c22 {c22:.2} c23 {c23:.2} c32 {c32:.2} c33 {c33:.2}");
         assert!(c11.abs() < 2.0 && c22.abs() < 2.0 && c23.abs() < 2.0);
-        assert!((c32 - c23).abs() < 0.1 || nu != 0.28);
-        assert!(c33.abs() < 6.0 || nu != 0.28);
+        // Equal at the tabulated a/b; between them each has its own spline.
+        assert!((c32 - c23).abs() < 1.0 || nu != 0.28);
+        assert!(c33.abs() < 3.0 || nu != 0.28);
     }
 }
 
 #[test]
 fn equiv_other_poisson_ratios_are_scaled() {
-    for (nu, limit) in [(0.25, 0.02), (0.3, 0.01)] {
-        let (mut random, kalker) = (Random(7), KalkerTable::new(nu));
-        let (mut sum, mut worst, cases) = (0.0, 0f64, 60);
+    let cells = LAW.table.layout().cells;
+    for (nu, mean, most) in [(0.0, 0.04, 0.15), (0.25, 0.006, 0.03), (0.3, 0.005, 0.03), (0.5, 0.04, 0.15)] {
+        let (mut random, mut sum, mut worst, cases) = (Random(7), 0.0, 0f64, cases(60));
         for _ in 0..cases {
             let a_over_b = 0.1 * 100f64.powf(random.next());
             let v = random.creepage();
-            let exact = Shape::new(a_over_b, nu, 16).solver().force(v);
+            let exact = Shape::new(a_over_b, nu, cells).solver().force(v);
             let (force, _) = off(exact, LAW.share(a_over_b, v));
-            sum += force;
+            sum += force / cases as f64;
             worst = worst.max(force);
-            assert!(kalker.at(a_over_b).c11 > 0.0);
         }
-        println!("nu {nu}: |dF| / mu N mean {:.4}, worst {worst:.4}", sum / f64::from(cases));
-        assert!(sum / f64::from(cases) < limit, "{nu} {sum}");
+        println!("nu {nu}: |dF| / mu N mean {sum:.4}, worst {worst:.4}");
+        assert!(sum < mean && worst < most, "{nu} {sum} {worst}");
     }
 }
 
