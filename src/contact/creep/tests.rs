@@ -20,14 +20,16 @@ struct Checks {
     bounded: bool,
     /// Relative difference of the slopes at zero from the linear theory.
     slope: f64,
+    /// Linear force over mu N at which that slope is taken: small, but above what an iteration leaves.
+    small: f64,
 }
 
 fn checks() -> Vec<Checks> {
-    let usual = |name| Checks { name, samples: 300, bounded: true, slope: 1e-6 };
+    let usual = |name| Checks { name, samples: 300, bounded: true, slope: 1e-6, small: 1e-7 };
     let special = |name| match name {
         "kalker_linear" => Checks { bounded: false, ..usual(name) },
         // Coefficients of their own: those of the exact theory, which differ from the published table by up to 4 %.
-        "exact" => Checks { samples: 4, slope: 0.06, ..usual(name) },
+        "exact" => Checks { samples: 4, slope: 0.06, small: 1e-3, ..usual(name) },
         "usetab" => Checks { slope: 0.06, ..usual(name) },
         _ => usual(name),
     };
@@ -147,10 +149,10 @@ fn analytic_slopes_at_zero_are_kalkers() {
             let slopes = linear(contact.patch, contact.bound());
             for (axis, slope) in slopes.into_iter().enumerate() {
                 let mut creepage = [0.0; 3];
-                creepage[axis] = 1e-7 / slope;
+                creepage[axis] = check.small / slope;
                 let [longitudinal, lateral, spin] = creepage;
                 let force = law.force(&RollingContact { creepage: Creepage { longitudinal, lateral, spin }, ..contact });
-                let found = -if axis == 0 { force.longitudinal } else { force.lateral } / contact.bound() / 1e-7;
+                let found = -if axis == 0 { force.longitudinal } else { force.lateral } / contact.bound() / check.small;
                 assert!(
                     (found - 1.0).abs() < check.slope,
                     "{}: axis {axis}, a/b {}: {found}",

@@ -284,7 +284,8 @@ fn smooth_step(x: f64) -> f64 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// The r = (linear force) / (mu N) from which on the law's force stays within 0.1 % of its value at r = 100; at most 20.
+/// The r = (linear force) / (mu N) from which on the law's force stays within 0.1 % of its value at r = 100; at most 20. Infinite
+/// for a law without bound: its contact never slides.
 fn saturation_ratio(relaxation: &Relaxation, law: &dyn CreepLaw) -> f64 {
     const PATCH: Patch = Patch { a: 5e-3, b: 5e-3 };
     const BOUND: f64 = 2e4;
@@ -295,6 +296,9 @@ fn saturation_ratio(relaxation: &Relaxation, law: &dyn CreepLaw) -> f64 {
         law.force(&RollingContact { patch: PATCH, normal_force: BOUND / 0.3, friction: 0.3, creepage, speed: 0.0 }).longitudinal.abs()
     };
     let full = force(100.0);
+    if force(50.0) < 0.8 * full {
+        return f64::INFINITY;
+    }
     let mut r = 20.0;
     while r > 0.5 && (force(0.99 * r) / full - 1.0).abs() <= 1e-3 {
         r *= 0.99;
