@@ -125,18 +125,14 @@ impl RadiusDifference {
         let way = -here.signum();
         let end = if way > 0.0 { high } else { low };
         const STEPS: usize = 64;
-        let mut inside = 0.0;
+        let (mut inside, mut value) = (0.0, here);
         for k in 1..=STEPS {
             let c = end * k as f64 / STEPS as f64;
-            if mean(c) * here <= 0.0 {
-                let (mut a, mut b) = (inside, c);
-                for _ in 0..80 {
-                    let m = 0.5 * (a + b);
-                    if mean(m) * here > 0.0 { a = m } else { b = m }
-                }
-                return Ok(0.5 * (a + b));
+            let next = mean(c);
+            if next * here <= 0.0 {
+                return Ok(root((inside, value), (c, next), 1e-13 * amplitude, mean));
             }
-            inside = c;
+            (inside, value) = (c, next);
         }
         // Rounding of a motion that just fits.
         if here.abs() < 1e-12 * amplitude { Ok(0.0) } else { Err(NoConicity::BeyondRange) }
@@ -187,6 +183,28 @@ impl RadiusDifference {
         let g = upper + lower;
         Ok(Conicity { value: PI * PI / (2.0 * g * g), centre: c })
     }
+}
+
+/// The root between two places and values of unlike sign, to `accuracy`: false position with the Illinois halving.
+fn root(mut a: (f64, f64), mut b: (f64, f64), accuracy: f64, f: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..100 {
+        if b.1 == 0.0 || (b.0 - a.0).abs() < accuracy {
+            break;
+        }
+        let place = (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1);
+        let next = (place, f(place));
+        let moved = (next.0 - b.0).abs();
+        if next.1 * b.1 < 0.0 {
+            a = b;
+        } else {
+            a.1 *= 0.5;
+        }
+        b = next;
+        if moved < accuracy {
+            break;
+        }
+    }
+    b.0
 }
 
 /// The part of G between one end of the motion and its middle; lines come from that end inward.
