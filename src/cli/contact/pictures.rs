@@ -1,7 +1,7 @@
 //! The contact geometry as diagrams.
 
 use super::{Conicities, Study};
-use crate::cli::plot::contact_points::{self, Section};
+use crate::cli::plot::contact_points::{self, Section, Touching};
 use crate::cli::plot::curves::{self, Curve, Panel};
 use crate::cli::plot::{BLUE, ORANGE};
 use crate::geometry::Side;
@@ -145,7 +145,7 @@ fn section(study: &Study, side: Side) -> Section {
     };
     let pair = |sample: &Sample| {
         let touch = &sample.stand.contacts[side.index()];
-        (1e3 * sample.stand.y, wheel_point(touch.wheel), rail_at(touch.rail))
+        Touching { shift: 1e3 * sample.stand.y, wheel: wheel_point(touch.wheel), rail: rail_at(touch.rail) }
     };
     let centre = rail_at(0.0);
     let (width, tall) = contact_points::size();

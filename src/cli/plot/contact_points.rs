@@ -9,13 +9,19 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::path::Path;
 
+/// Points that touch at a lateral shift [mm].
+pub(in crate::cli) struct Touching {
+    pub shift: f64,
+    pub wheel: (f64, f64),
+    pub rail: (f64, f64),
+}
+
 /// One side; all points are (to the right, up) in mm in the track's section.
 pub(in crate::cli) struct Section {
     pub title: &'static str,
     pub wheel: Vec<(f64, f64)>,
     pub rail: Vec<(f64, f64)>,
-    /// Lateral shift [mm], point of the wheel, point of the rail.
-    pub pairs: Vec<(f64, (f64, f64), (f64, f64))>,
+    pub pairs: Vec<Touching>,
     /// Where the picture begins at the left and at the bottom, mm.
     pub corner: (f64, f64),
 }
@@ -89,7 +95,7 @@ fn draw_section<'a>(area: &Area<'a>, section: &Section) -> Result<(), DrawingErr
         .label_style((FONT, px(13)))
         .draw()?;
     let inside = |point: &(f64, f64)| point.0 >= x && point.0 <= x + width && point.1 >= z && point.1 <= z + height;
-    for (y, wheel, rail) in section.pairs.iter().filter(|pair| inside(&pair.1) && inside(&pair.2)) {
+    for Touching { shift: y, wheel, rail } in section.pairs.iter().filter(|pair| inside(&pair.wheel) && inside(&pair.rail)) {
         let style = color(*y).mix(0.8).stroke_width(FINE + FINE / 4);
         chart.draw_series(LineSeries::new([*wheel, *rail], style))?;
         chart.draw_series([*wheel, *rail].map(|point| Circle::new(point, px(2), color(*y).filled())))?;
@@ -101,9 +107,9 @@ fn draw_section<'a>(area: &Area<'a>, section: &Section) -> Result<(), DrawingErr
     // Numbers beyond the wheel's points, as far as they do not touch each other.
     let label = (FONT, px(11)).into_text_style(area).pos(Pos::new(HPos::Center, VPos::Center));
     let mut taken: Vec<(f64, f64)> = Vec::new();
-    let mut labelled: Vec<&(f64, (f64, f64), (f64, f64))> = section.pairs.iter().filter(|pair| inside(&pair.1)).collect();
-    labelled.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-    for (y, wheel, rail) in labelled {
+    let mut labelled: Vec<&Touching> = section.pairs.iter().filter(|pair| inside(&pair.wheel)).collect();
+    labelled.sort_by(|a, b| a.shift.abs().total_cmp(&b.shift.abs()));
+    for Touching { shift: y, wheel, rail } in labelled {
         let (across, up) = (wheel.0 - rail.0, wheel.1 - rail.1);
         let length = across.hypot(up).max(1e-6);
         let beyond = 9.0 / SCALE;

@@ -84,10 +84,11 @@ fn draw_panel<'a>(area: &Area<'a>, panel: &Panel) -> Result<(), DrawingError<'a>
     for curve in &panel.curves {
         let style = curve.color.stroke_width(FINE * 2);
         for branch in &curve.branches {
+            let points = thinned(branch, (range.1 - range.0, high - low));
             if curve.dashed {
-                chart.draw_series(DashedLineSeries::new(branch.iter().copied(), px(7), px(5), style))?;
+                chart.draw_series(DashedLineSeries::new(points, px(7), px(5), style))?;
             } else {
-                chart.draw_series(LineSeries::new(branch.iter().copied(), style))?;
+                chart.draw_series(LineSeries::new(points, style))?;
             }
         }
         // Where branches meet, the contact jumps.
@@ -101,6 +102,19 @@ fn draw_panel<'a>(area: &Area<'a>, panel: &Panel) -> Result<(), DrawingError<'a>
         chart.draw_series([text])?;
     }
     Ok(())
+}
+
+/// A branch without points that are less than half a pixel beside the one before; `size` is that of the diagram.
+fn thinned(branch: &[(f64, f64)], size: (f64, f64)) -> Vec<(f64, f64)> {
+    let (width, height) = (size.0 / f64::from(2 * PANEL.0), size.1 / f64::from(2 * PANEL.1));
+    let mut kept: Vec<(f64, f64)> = Vec::new();
+    for (index, point) in branch.iter().enumerate() {
+        let far = |last: &(f64, f64)| (point.0 - last.0).abs() > width || (point.1 - last.1).abs() > height;
+        if index + 1 == branch.len() || kept.last().is_none_or(far) {
+            kept.push(*point);
+        }
+    }
+    kept
 }
 
 /// Names beside short lines, at the right end of the strip that holds the title.
