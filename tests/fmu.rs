@@ -214,9 +214,13 @@ fn fmu_brakes_to_a_standstill_holds_and_drives_off() {
 #[test]
 fn fmu_flange_contact_and_derailment() {
     let folder = tempfile::tempdir().unwrap();
-    for formulation in ["ECF-A", "ECCF"] {
-        let change = format!("contact.formulation={formulation}");
-        export_changed(&flange_scene(), &[&change], &folder.path().join(format!("{formulation}.fmu")));
+    let cases: [(&str, &[&str]); 3] = [
+        ("ECF-A", &["contact.formulation=ECF-A"]),
+        ("ECCF", &["contact.formulation=ECCF", "contact.on_lift=elastic"]),
+        ("ECCF-stop", &["contact.formulation=ECCF", "contact.on_lift=stop"]),
+    ];
+    for (name, changes) in cases {
+        export_changed(&flange_scene(), changes, &folder.path().join(format!("{name}.fmu")));
     }
     script("derailment.py", &[folder.path().as_os_str()]);
 }

@@ -109,12 +109,10 @@ fn costs(simulation: &mut Simulation, formulation: &str) -> Vec<(&'static str, f
     let rest = (total - search - normal - creep).max(0.0);
     match formulation {
         "ECF-A" => {
-            vec![
-                ("contact search", search),
-                ("normal force and patch", normal),
-                ("creep forces", creep),
-                ("multibody system and the rest", rest),
-            ]
+            let searches = (0..model.contacts()).any(|contact| model.searches_contacts(contact));
+            let others =
+                if searches { "multibody system, further contacts and the search for them" } else { "multibody system and the rest" };
+            vec![("contact search", search), ("normal force and patch", normal), ("creep forces", creep), (others, rest)]
         }
         "ECCF" => vec![("contact search", search), ("kinematics, loop of normal and creep forces, multibody system", total - search)],
         _ => vec![

@@ -86,7 +86,9 @@ def brakes_and_holds(report, fmu, instance, driver):
     speed = values[f"{W}.vx"]
     stands = int(np.argmax(speed < 1e-3))
     report.check(0 < stands, "it comes to a standstill", f"after {(stands + 1) * STEP:.3f} s, {values[f'{W}.distance'][stands]:.4f} m")
-    report.check(np.min(speed) > -0.05, "it does not jerk back far", f"{np.min(speed):.4f} m/s")
+    # The twist that the brake gives back when the wheel stands is all that can throw it back.
+    back = Brake.most / math.sqrt(Brake.stiffness * (MASS + PITCH_INERTIA / RADIUS**2))
+    report.below(-np.min(speed), back, "speed of the jerk back", "m/s")
     # With the full torque and both downhill forces.
     full = slice(round(Brake.filling / STEP) + 20, stands - 50)
     expected = -(Brake.most / RADIUS + DOWNHILL) / (MASS + PITCH_INERTIA / RADIUS**2)
