@@ -601,6 +601,23 @@ fn fmu_golden_description_of_each_scene() {
 }
 
 #[test]
+fn prop_a_parameter_without_effect_is_not_there() {
+    let names = |scene: &str, changes: &[&str]| -> Vec<String> {
+        let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+        let packed = package::pack_scene(&load::open(scene, &changes).unwrap()).unwrap();
+        packed.table.variables.iter().map(|variable| variable.name.clone()).collect()
+    };
+    let has = |names: &[String], name: &str| names.iter().any(|found| found == name);
+    assert!(has(&names("suspended_wheelset", &[]), "contact.damping"));
+    // A law with numbers of its own knows no C of Eq. 28.
+    assert!(!has(&names("suspended_wheelset", &["contact.damping={ law = \"none\" }"]), "contact.damping"));
+    for (changes, force, input) in [(&[][..], true, false), (&["vehicle.travel=free"], false, true)] {
+        let names = names("suspended_wheelset", changes);
+        assert_eq!((has(&names, "wheelset.drivingForce"), has(&names, "wheelset.longitudinalForceInput")), (force, input));
+    }
+}
+
+#[test]
 fn prop_value_references_are_unique_and_stable() {
     let packed = package::pack_scene(&load::open("suspended_wheelset", &[]).unwrap()).unwrap();
     let by_reference: BTreeMap<u32, &str> = packed.table.variables.iter().map(|v| (v.reference, v.name.as_str())).collect();

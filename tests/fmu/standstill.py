@@ -132,8 +132,20 @@ def drives_off(report, fmu, instance, driver):
     return rows
 
 
+def starts_from_rest(report, fmu):
+    report.section("started from rest")
+    with fmu.instance({"speed": 0.0, ALONG: -BODY_PULL}) as instance:
+        torque = (Traction.most + DOWNHILL * RADIUS) / 2
+        instance.set({TORQUE: torque})
+        report.check(np.all(np.isfinite(instance.outputs())), "all outputs are numbers at rest")
+        instance.run(grid(1.0, 0.01), [])
+        expected = (torque / RADIUS - DOWNHILL) / (MASS + PITCH_INERTIA / RADIUS**2)
+        report.near(instance.get(f"{W}.vx"), expected, 1e-2 * expected, "speed after 1 s", "m/s")
+
+
 def script(report, _shipped, path):
     with Fmu(path) as fmu:
+        starts_from_rest(report, fmu)
         report.check(fmu.variables[ALONG].valueReference == 1006 and fmu.variables[ALONG].causality == "input", ALONG)
         with fmu.instance({ALONG: -BODY_PULL}) as instance, fmu.instance({ALONG: -BODY_PULL}) as other:
             report.near(instance.get(f"{W}.vx"), START_SPEED, 1e-12, "speed at the start", "m/s")
