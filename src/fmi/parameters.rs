@@ -187,9 +187,6 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
             ));
         }
     }
-    if !scene.contact.damping_law.has_coefficient() {
-        rows.retain(|row| row.name != "contact.damping");
-    }
     rows.push(solver_row(scene));
     rows.extend(initial_rows(w));
     let mut variables: Vec<Variable> = rows

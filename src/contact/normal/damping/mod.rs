@@ -49,13 +49,6 @@ pub struct Choice {
     pub build: Build,
 }
 
-impl Choice {
-    /// Is C of Eq. 28 this law's number? The others have their own, or none.
-    pub fn has_coefficient(&self) -> bool {
-        self.name == proportional::ENTRY.name
-    }
-}
-
 /// Every damping law that a scene can name.
 pub static REGISTRY: &[Entry<Parse>] = &[proportional::ENTRY, hunt_crossley::ENTRY, lankarani_nikravesh::ENTRY, linear::ENTRY, none::ENTRY];
 
