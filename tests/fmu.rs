@@ -304,13 +304,17 @@ fn fmu_native_run_is_the_same_to_the_last_bit_with_several_contacts_and_at_low_s
         ("s1002", "wheelset_s1002", &[], 0),
         ("standstill", "wheelset_standstill", &["vehicle.speed=0.02"], 0),
         ("standstill_ECCF", "wheelset_standstill", &["vehicle.speed=0.02", "contact.formulation=ECCF"], 0),
-        ("flange", &apta, &["vehicle.initial.vy=0.3"], 2),
-        ("flange_ECCF", &apta, &["vehicle.initial.vy=0.3", "contact.formulation=ECCF"], 2),
+        ("flange", &apta, &["vehicle.initial.vy=1"], 2),
+        ("flange_ECCF", &apta, &["vehicle.initial.vy=1", "contact.formulation=ECCF", "contact.on_lift=elastic"], 2),
     ];
     for (name, scene, changes, least) in cases {
         let (scene, fmu) = scene_fmu(folder.path(), name, scene, changes);
         let (warnings, others) = native_run_is_the_same(&scene, &fmu, 0.8);
-        assert!(warnings == 0 && others >= *least, "{name}: {warnings} warnings, {others} begins and ends of contacts");
+        // Thrown so hard, a wheel of rigid contact lifts off.
+        assert!(
+            (warnings == 0) != changes.contains(&"contact.on_lift=elastic") && others >= *least,
+            "{name}: {warnings} warnings, {others} begins and ends of contacts"
+        );
     }
 }
 
