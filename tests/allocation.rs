@@ -31,3 +31,57 @@ fn prop_stepping_and_looking_do_not_allocate() {
         assert!(counting::count() > after, "the counter must count");
     }
 }
+
+/// Runs on from `begin` [s]; returns allocations and the number of contact events.
+fn watched(simulation: &mut wheelrail::sim::Simulation, outputs: &[wheelrail::sim::outputs::Output], begin: f64) -> (u64, u64) {
+    let before = counting::count();
+    for i in 1..=50 {
+        simulation.set_input(wheelrail::formulation::DRIVE_TORQUE, f64::from(i), 10.0, 0.0);
+        simulation.advance(begin + 0.01 * f64::from(i)).unwrap();
+        let snapshot = simulation.snapshot().unwrap();
+        assert!(outputs.iter().all(|output| output.value(snapshot).is_finite()));
+    }
+    let after = counting::count();
+    (after - before, simulation.take_events().len() as u64)
+}
+
+#[test]
+fn prop_searches_for_contacts_and_transient_contact_do_not_allocate() {
+    let apta = common::data("scenes/apta_flange.toml");
+    let apta = apta.to_str().unwrap();
+    // Scene, lateral force [N] that is on for 2 s before, changes, whether its flange must press.
+    let cases: &[(&str, f64, &[&str], bool)] = &[
+        ("wheelset_s1002", 0.0, &[], false),
+        ("wheelset_standstill", 0.0, &[], false),
+        ("wheelset_standstill", 0.0, &["vehicle.speed=0"], false),
+        (apta, 25e3, &[], true),
+        (apta, 0.0, &["vehicle.initial.vy=1"], false),
+    ];
+    for (name, force, changes, flange) in cases {
+        for formulation in ["ECF-A", "ECCF"] {
+            let mut all = vec![format!("contact.formulation={formulation}")];
+            if formulation == "ECCF" {
+                all.push("contact.on_lift=elastic".into());
+            }
+            all.extend(changes.iter().map(|change| (*change).to_string()));
+            let scene = wheelrail::scene::load::open(name, &all).unwrap();
+            let mut simulation = common::start(&scene);
+            let outputs = common::table(&simulation, &scene);
+            let mut begin = 1e-3;
+            if *force != 0.0 {
+                simulation.set_input(wheelrail::formulation::LATERAL_FORCE, 0.0, force / 0.5, 0.0);
+                simulation.advance(0.5).unwrap();
+                simulation.set_input(wheelrail::formulation::LATERAL_FORCE, *force, 0.0, 0.0);
+                begin = 2.0;
+            }
+            simulation.advance(begin).unwrap();
+            simulation.take_events();
+            let (found, events) = watched(&mut simulation, &outputs, begin);
+            println!("{} {formulation} {changes:?}: {found} allocations, {events} events", scene.name);
+            // An event carries a name and stands in a list that grows.
+            assert!(found <= 2 * events, "{name} {formulation} {changes:?}: {found} allocations, {events} events");
+            let pressed = common::read(&mut simulation, &outputs)["left.contact[2].normalForce"] > 0.0;
+            assert!(pressed || !flange, "the flange must press");
+        }
+    }
+}

@@ -202,12 +202,59 @@ fn hard_a_failing_run_is_exit_code_1_and_keeps_its_rows() {
 }
 
 #[test]
-fn regress_plan_of_the_embedded_scene() {
-    let (stdout, _, code) = text(&wheelrail(&["plan", "suspended_wheelset"]));
-    assert_eq!(code, 0);
-    let effects: Vec<&str> = stdout.lines().filter(|line| line.starts_with("  in ") || line.starts_with("  out ")).collect();
-    insta::assert_snapshot!(effects.join("\n"));
-    assert!(stdout.contains("%  contact search"));
+fn regress_plan_of_each_embedded_scene() {
+    for scene in wheelrail::scene::embedded::SCENES {
+        let (stdout, stderr, code) = text(&wheelrail(&["plan", scene.name]));
+        assert_eq!(code, 0, "{stderr}");
+        let (plan, costs) = stdout.split_once("\nOne evaluation").unwrap();
+        insta::assert_snapshot!(format!("plan_{}", scene.name), plan.trim_end());
+        assert!(costs.contains("%  contact search"), "{stdout}");
+    }
+}
+
+#[test]
+fn prop_plan_says_what_is_there_and_why() {
+    let line = |effect: &str, changes: &[&str]| {
+        let changes: Vec<&str> = changes.iter().flat_map(|change| ["--set", *change]).collect();
+        let (stdout, stderr, code) = text(&wheelrail(&[&["plan", "wheelset_s1002"][..], &changes].concat()));
+        assert_eq!(code, 0, "{stderr}");
+        stdout.lines().find(|line| line.contains(effect)).unwrap_or_else(|| panic!("no {effect}:\n{stdout}")).to_string()
+    };
+    let cone = "vehicle.wheelset.profile={ kind = \"cone\", radius = 0.46, slope = 0.025 }";
+    let arc = "track.rail={ kind = \"arc\", radius = 0.3 }";
+    let left_arc = "track.left_rail={ kind = \"arc\", radius = 0.3 }";
+    let cases: &[(&str, &[&str], bool, &str)] = &[
+        ("several contacts", &[], true, "contact.points = 2: searched for"),
+        ("several contacts", &["contact.points=1"], false, "contact.points = 1"),
+        ("several contacts", &[cone, arc], false, "strictly convex"),
+        ("several contacts", &[cone, left_arc], true, "searched for on the right; on the left only one place"),
+        ("longitudinal force input", &[], false, "imposed speed leaves no room"),
+        ("longitudinal force input", &["vehicle.travel=free"], true, "vehicle.travel = \"free\""),
+        ("longitudinal force input", &["vehicle.travel=free", "interface.inputs=[]"], false, "lacks \"centre_forces\""),
+        ("grade", &[], false, "no track.grade"),
+        ("grade", &["track.grade=0.02"], true, "0.02 rad"),
+        ("contact damping", &["contact.formulation=ECCF"], true, "contacts beside the first"),
+        ("contact damping", &["contact.formulation=ECCF", "contact.points=1"], false, "wheel that has lifted"),
+        ("transient tangential", &["contact.transient={ below = \"2 m/s\" }"], true, "below = 2 m/s"),
+    ];
+    for (effect, changes, included, words) in cases {
+        let line = line(effect, changes);
+        assert!(line.starts_with(if *included { "  in " } else { "  out" }) && line.contains(words), "{changes:?}: {line}");
+    }
+}
+
+/// A measured profile's datum that the scene does not give is assumed, and said.
+#[test]
+fn prop_plan_tells_what_was_assumed_in_reading_profiles() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.toml");
+    let embedded = wheelrail::scene::embedded::find("wheelset_s1002").unwrap().text;
+    std::fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/profiles/rail_60e1.prr"), folder.path().join("rail.prr")).unwrap();
+    std::fs::write(&scene, embedded.replace("kind = \"60e1\"", "kind = \"simpack\"\nfile = \"rail.prr\"")).unwrap();
+    let (stdout, stderr, code) = text(&wheelrail(&["plan", scene.to_str().unwrap()]));
+    assert_eq!(code, 0, "{stderr}");
+    let notes: Vec<&str> = stdout.lines().filter(|line| line.starts_with("  note: ")).collect();
+    assert!(!notes.is_empty() && notes.iter().all(|note| note.contains("left rail profile")), "each note once: {stdout}");
 }
 
 #[test]

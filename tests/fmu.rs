@@ -59,6 +59,8 @@ fn python() -> &'static Path {
 
 /// The exported FMU, unpacked beside it.
 struct Fmu {
+    /// Of the scene.
+    name: String,
     file: PathBuf,
     folder: PathBuf,
     guid: String,
@@ -66,7 +68,7 @@ struct Fmu {
 
 impl Fmu {
     fn library(&self) -> PathBuf {
-        let name = format!("suspended_wheelset{}", std::env::consts::DLL_SUFFIX);
+        let name = format!("{}{}", self.name, std::env::consts::DLL_SUFFIX);
         self.folder.join("binaries").join(package::platform()).join(name)
     }
     fn resources(&self) -> String {
@@ -95,7 +97,7 @@ static FMU: LazyLock<Fmu> = LazyLock::new(|| {
     let mut archive = zip::ZipArchive::new(std::fs::File::open(&file).unwrap()).unwrap();
     archive.extract(&unpacked).unwrap();
     let packed = package::pack_scene(&load::open("suspended_wheelset", &[]).unwrap()).unwrap();
-    Fmu { file, folder: unpacked, guid: packed.description.guid }
+    Fmu { name: "suspended_wheelset".into(), file, folder: unpacked, guid: packed.description.guid }
 });
 
 /// The shipped scene with a formulation each.
@@ -117,14 +119,27 @@ fn dip(formulation: &'static str, on_lift: &'static str) -> Vec<&'static str> {
     changes
 }
 
-/// The FMU of a scene with changes, as `FOLDER/NAME.fmu` and unpacked.
+/// The FMU of the shipped scene with changes, as `FOLDER/NAME.fmu` and unpacked.
 fn changed_fmu(folder: &Path, name: &str, changes: &[&str]) -> Fmu {
+    scene_fmu(folder, name, "suspended_wheelset", changes).1
+}
+
+/// A scene with changes, and its FMU as `FOLDER/NAME.fmu` and unpacked.
+fn scene_fmu(folder: &Path, name: &str, scene: &str, changes: &[&str]) -> (Scene, Fmu) {
     let file = folder.join(format!("{name}.fmu"));
-    export_changed("suspended_wheelset", changes, &file);
+    export_changed(scene, changes, &file);
     let unpacked = folder.join(name);
     zip::ZipArchive::new(std::fs::File::open(&file).unwrap()).unwrap().extract(&unpacked).unwrap();
-    let guid = package::pack_scene(&common::scene(changes)).unwrap().description.guid;
-    Fmu { file, folder: unpacked, guid }
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+    let scene = load::open(scene, &changes).unwrap();
+    let guid = package::pack_scene(&scene).unwrap().description.guid;
+    let fmu = Fmu { name: scene.name.clone(), file, folder: unpacked, guid };
+    (scene, fmu)
+}
+
+/// A wheelset with flanges that tests push about.
+fn flange_scene() -> String {
+    common::data("scenes/apta_flange.toml").to_str().unwrap().into()
 }
 
 fn script(name: &str, extra: &[&OsStr]) {
@@ -186,15 +201,39 @@ fn fmu_every_formulation() {
     script("formulations.py", &[folder.path().as_os_str()]);
 }
 
+#[test]
+fn fmu_brakes_to_a_standstill_holds_and_drives_off() {
+    let file = scratch().join("wheelset_standstill.fmu");
+    export("wheelset_standstill", &file);
+    script("standstill.py", &[file.as_os_str()]);
+    let script = Path::new(ROOT).join("tests/fmu/check_description.py");
+    let text = run(Command::new(python()).arg("-B").arg(script).arg(&file));
+    assert!(text.contains(" 0 failed"), "{text}");
+}
+
+#[test]
+fn fmu_flange_contact_and_derailment() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases: [(&str, &[&str]); 3] = [
+        ("ECF-A", &["contact.formulation=ECF-A"]),
+        ("ECCF", &["contact.formulation=ECCF", "contact.on_lift=elastic"]),
+        ("ECCF-stop", &["contact.formulation=ECCF", "contact.on_lift=stop"]),
+    ];
+    for (name, changes) in cases {
+        export_changed(&flange_scene(), changes, &folder.path().join(format!("{name}.fmu")));
+    }
+    script("derailment.py", &[folder.path().as_os_str()]);
+}
+
 /// Runs a scene natively and as FMU through the same sequence of (time, step) pairs, steps uneven on purpose; returns the number
-/// of steps in which wheels lifted off or landed.
-fn native_run_is_the_same(scene: &Scene, fmu: &Fmu, stop: f64) -> usize {
+/// of steps in which wheels lifted off or landed, and how often contacts beside the first began or ended.
+fn native_run_is_the_same(scene: &Scene, fmu: &Fmu, stop: f64) -> (usize, usize) {
     let packed = package::pack_scene(scene).unwrap();
     let references: Vec<u32> = packed.table.outputs.iter().map(|output| output.reference).collect();
     let mut fmu = LoadedFmu::start(&fmu.library(), &fmu.guid, &fmu.resources()).unwrap();
     let mut native = common::start(scene);
     let outputs = common::table(&native, scene);
-    let (mut time, mut rows, mut warnings) = (0.0, 0, 0);
+    let (mut time, mut rows, mut warnings, mut others) = (0.0, 0, 0, 0);
     while time < stop {
         let step = [0.001, 0.00237, 0.01, 0.0005][rows % 4];
         // Inputs change too: steps of torque and force, a ramp and a parabola.
@@ -213,7 +252,9 @@ fn native_run_is_the_same(scene: &Scene, fmu: &Fmu, stop: f64) -> usize {
         let warned = fmu.do_step(time, step).unwrap();
         time += step;
         native.advance(time).unwrap();
-        assert_eq!(warned, !native.take_events().is_empty(), "the FMU warns of lift-offs and landings, at t = {time}");
+        let (lifts, others_now): (Vec<_>, Vec<_>) = native.take_events().into_iter().partition(|event| event.change.changes_mode());
+        assert_eq!(warned, !lifts.is_empty(), "the FMU warns of lift-offs and landings, at t = {time}");
+        others += others_now.len();
         warnings += usize::from(warned);
         rows += 1;
         let theirs = fmu.get_real(&references).unwrap();
@@ -223,14 +264,19 @@ fn native_run_is_the_same(scene: &Scene, fmu: &Fmu, stop: f64) -> usize {
         }
     }
     assert!(rows > 210 && native.statistics().restarts >= 3, "every change must have been made");
-    println!("{}: {rows} steps, {} outputs, all equal to the last bit, {warnings} warnings", scene.contact.formulation_name, outputs.len());
-    warnings
+    println!(
+        "{} {}: {rows} steps, {} outputs, all equal to the last bit, {warnings} warnings, {others} begins and ends",
+        scene.name,
+        scene.contact.formulation_name,
+        outputs.len()
+    );
+    (warnings, others)
 }
 
 #[test]
 fn fmu_native_run_is_the_same_to_the_last_bit() {
     let scene = load::open("suspended_wheelset", &[]).unwrap();
-    assert_eq!(native_run_is_the_same(&scene, &FMU, 1.5), 0);
+    assert_eq!(native_run_is_the_same(&scene, &FMU, 1.5), (0, 0));
 }
 
 #[test]
@@ -240,12 +286,35 @@ fn fmu_native_run_is_the_same_to_the_last_bit_in_every_formulation() {
     for ((name, changes), states) in FORMULATIONS.iter().zip([12 + 16, 12, 12, 12 + 2]) {
         let scene = common::scene(changes);
         assert_eq!(common::start(&scene).model().dimension(), states, "{name}");
-        assert_eq!(native_run_is_the_same(&scene, &changed_fmu(folder.path(), name, changes), 0.8), 0, "{name}");
+        assert_eq!(native_run_is_the_same(&scene, &changed_fmu(folder.path(), name, changes), 0.8), (0, 0), "{name}");
     }
     for (name, changes) in &FORMULATIONS[..2] {
         let changes = dip(changes[0], "elastic");
         let fmu = changed_fmu(folder.path(), &format!("{name}-elastic"), &changes);
-        assert_eq!(native_run_is_the_same(&common::scene(&changes), &fmu, 0.8), 2, "{name}: a lift-off and a landing");
+        assert_eq!(native_run_is_the_same(&common::scene(&changes), &fmu, 0.8), (2, 0), "{name}: a lift-off and a landing");
+    }
+}
+
+#[test]
+fn fmu_native_run_is_the_same_to_the_last_bit_with_several_contacts_and_at_low_speed() {
+    let folder = tempfile::tempdir().unwrap();
+    let apta = flange_scene();
+    // On the grade it stops, rolls back and is driven on; the wheelset with flanges is thrown against them.
+    let cases: &[(&str, &str, &[&str], usize)] = &[
+        ("s1002", "wheelset_s1002", &[], 0),
+        ("standstill", "wheelset_standstill", &["vehicle.speed=0.02"], 0),
+        ("standstill_ECCF", "wheelset_standstill", &["vehicle.speed=0.02", "contact.formulation=ECCF"], 0),
+        ("flange", &apta, &["vehicle.initial.vy=1"], 2),
+        ("flange_ECCF", &apta, &["vehicle.initial.vy=1", "contact.formulation=ECCF", "contact.on_lift=elastic"], 2),
+    ];
+    for (name, scene, changes, least) in cases {
+        let (scene, fmu) = scene_fmu(folder.path(), name, scene, changes);
+        let (warnings, others) = native_run_is_the_same(&scene, &fmu, 0.8);
+        // Thrown so hard, a wheel of rigid contact lifts off.
+        assert!(
+            (warnings == 0) != changes.contains(&"contact.on_lift=elastic") && others >= *least,
+            "{name}: {warnings} warnings, {others} begins and ends of contacts"
+        );
     }
 }
 
@@ -532,6 +601,23 @@ fn fmu_golden_description_of_each_scene() {
             scene.name,
             file.display()
         );
+    }
+}
+
+#[test]
+fn prop_a_parameter_without_effect_is_not_there() {
+    let names = |scene: &str, changes: &[&str]| -> Vec<String> {
+        let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+        let packed = package::pack_scene(&load::open(scene, &changes).unwrap()).unwrap();
+        packed.table.variables.iter().map(|variable| variable.name.clone()).collect()
+    };
+    let has = |names: &[String], name: &str| names.iter().any(|found| found == name);
+    assert!(has(&names("suspended_wheelset", &[]), "contact.damping"));
+    // A law with numbers of its own knows no C of Eq. 28.
+    assert!(!has(&names("suspended_wheelset", &["contact.damping={ law = \"none\" }"]), "contact.damping"));
+    for (changes, force, input) in [(&[][..], true, false), (&["vehicle.travel=free"], false, true)] {
+        let names = names("suspended_wheelset", changes);
+        assert_eq!((has(&names, "wheelset.drivingForce"), has(&names, "wheelset.longitudinalForceInput")), (force, input));
     }
 }
 

@@ -118,6 +118,26 @@ fn hard_too_slow_without_the_model_is_said() {
 }
 
 #[test]
+fn prop_slow_rolling_starts_in_the_same_equilibrium_at_any_speed() {
+    let initial = |speed: &str| {
+        let scene = straight(&[FREE, TRANSIENT, &format!("vehicle.speed={speed}")]);
+        let mut simulation = start(&scene);
+        let outputs = table(&simulation, &scene);
+        let first = read(&mut simulation, &outputs);
+        simulation.advance(0.05).unwrap();
+        let later = read(&mut simulation, &outputs);
+        assert!((later["z"] - first["z"]).abs() < 1e-9 && (later["vx"] - first["vx"]).abs() < 1e-6, "{speed}");
+        (first["z"], first["pitchRate"])
+    };
+    let (height, turn) = initial("1");
+    for (speed, factor) in [("0.2", 0.2), ("0.02", 0.02), ("1e-6", 1e-6), ("-0.02", -0.02), ("0", 0.0)] {
+        let (z, pitch_rate) = initial(speed);
+        println!("{speed} m/s: z differs by {:.1e} m, pitch rate {pitch_rate:.6e} rad/s", z - height);
+        assert!((z - height).abs() < 1e-7 && (pitch_rate - factor * turn).abs() <= 1e-5 * factor.abs() * turn);
+    }
+}
+
+#[test]
 fn hard_starts_from_rest() {
     let scene = straight(&[FREE, TRANSIENT, "vehicle.speed=0"]);
     let mut simulation = start(&scene);

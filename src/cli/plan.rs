@@ -33,14 +33,17 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(());
     }
     print(&format!(
-        "{}: {}\n  {} states ({} bodies), {} contacts, {} force elements, {} numbers of search memory\n\n",
-        plan.scene, scene.title, plan.states, plan.bodies, plan.contacts, plan.force_elements, plan.memory
+        "{}: {}\n  {} states ({} bodies), {} wheels with up to {} contacts each, {} force elements, {} numbers of search memory\n\n",
+        plan.scene, scene.title, plan.states, plan.bodies, plan.contacts, plan.points, plan.force_elements, plan.memory
     ));
     let width = plan.effects.iter().map(|effect| effect.name.len()).max().unwrap_or(0);
     for effect in &plan.effects {
         let states = if effect.states > 0 { format!("{} states", effect.states) } else { String::new() };
         let mark = if effect.included { "in " } else { "out" };
         print(&format!("  {mark}  {:width$}  {states:9}  {}\n", effect.name, effect.why));
+    }
+    for note in &plan.notes {
+        print(&format!("  note: {note}\n"));
     }
     let total = costs.iter().map(|cost| cost.1).sum::<f64>();
     print(&format!("\nOne evaluation of the right-hand side, measured at the initial state: {:.2} us\n", 1e6 * total));
@@ -106,12 +109,10 @@ fn costs(simulation: &mut Simulation, formulation: &str) -> Vec<(&'static str, f
     let rest = (total - search - normal - creep).max(0.0);
     match formulation {
         "ECF-A" => {
-            vec![
-                ("contact search", search),
-                ("normal force and patch", normal),
-                ("creep forces", creep),
-                ("multibody system and the rest", rest),
-            ]
+            let searches = (0..model.contacts()).any(|contact| model.searches_contacts(contact));
+            let others =
+                if searches { "multibody system, further contacts and the search for them" } else { "multibody system and the rest" };
+            vec![("contact search", search), ("normal force and patch", normal), ("creep forces", creep), (others, rest)]
         }
         "ECCF" => vec![("contact search", search), ("kinematics, loop of normal and creep forces, multibody system", total - search)],
         _ => vec![

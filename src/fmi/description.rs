@@ -11,7 +11,7 @@ use toml_edit::{DocumentMut, TableLike};
 
 /// Categories of log messages.
 pub const LOG_CATEGORIES: &[(&str, &str)] = &[
-    ("logEvents", "initial equilibrium, restarts and work done"),
+    ("logEvents", "initial equilibrium, restarts and work done; contacts beside the first that begin or end"),
     ("logStatusWarning", "calls that were taken otherwise than meant; wheels that lift off or land on rigid contact (always logged)"),
     ("logStatusDiscard", "steps that ended early, and why"),
     ("logStatusError", "calls that were refused, and why (always logged)"),

@@ -69,17 +69,22 @@ macro_rules! suspension_row {
 /// All parameters of a scene.
 pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
     let w = &scene.vehicle.wheelset.name;
+    let mut speed = row!(
+        1,
+        "vehicle",
+        "speed",
+        TravelSpeed,
+        None,
+        None,
+        "imposed travelling speed of the centre, forward positive; not 0",
+        vehicle.speed
+    );
+    // Where it is only that of the start it may be 0.
+    if !scene.vehicle.speed_imposed {
+        speed.text = "travelling speed of the centre at the start, forward positive";
+    }
     let mut rows = vec![
-        row!(
-            1,
-            "vehicle",
-            "speed",
-            TravelSpeed,
-            None,
-            None,
-            "imposed travelling speed of the centre, forward positive; not 0",
-            vehicle.speed
-        ),
+        speed,
         row!(2, "vehicle", "gravity", MetrePerSecond2, Some(0.0), None, "gravitational acceleration", vehicle.gravity),
         row!(3, "contact", "contact.friction", One, Some(0.0), None, "friction coefficient mu", contact.friction),
         row!(

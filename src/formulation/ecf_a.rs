@@ -38,7 +38,7 @@ const MEMORY: usize = 4;
 
 impl Formulation for EcfA {
     fn describe(&self) -> String {
-        "elastic, one point per wheel from four equations".into()
+        "elastic, each point from four equations".into()
     }
 
     fn memory_per_contact(&self) -> usize {

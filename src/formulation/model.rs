@@ -170,6 +170,11 @@ impl Model {
         2 * self.wheelsets.len()
     }
 
+    /// Are the places of a wheel's contacts searched for? Otherwise only one can touch (or the formulation knows them itself).
+    pub fn searches_contacts(&self, contact: usize) -> bool {
+        self.searches[contact].is_some()
+    }
+
     /// Length of the state vector.
     pub fn dimension(&self) -> usize {
         self.deflections_begin() + self.contacts() * self.points * self.deflection_states()

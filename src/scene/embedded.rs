@@ -10,6 +10,7 @@ pub struct EmbeddedScene {
 pub static SCENES: &[EmbeddedScene] = &[
     EmbeddedScene { name: "suspended_wheelset", text: include_str!("../../fmu/scenes/suspended_wheelset.toml") },
     EmbeddedScene { name: "wheelset_s1002", text: include_str!("../../fmu/scenes/wheelset_s1002.toml") },
+    EmbeddedScene { name: "wheelset_standstill", text: include_str!("../../fmu/scenes/wheelset_standstill.toml") },
 ];
 
 /// The embedded scene of that name.

@@ -59,7 +59,10 @@ pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> 
     if load <= 0.0 {
         return Err(EquilibriumError::NoLoad { load });
     }
-    let speed = if scene.vehicle.speed == 0.0 { CREEPING } else { scene.vehicle.speed };
+    // In slow rolling creepages, and with them this equilibrium, do not depend on the speed.
+    let wanted = scene.vehicle.speed;
+    let slow = wanted == 0.0 || (scene.contact.transient.is_some() && wanted.abs() < CREEPING);
+    let speed = if slow { CREEPING.copysign(wanted) } else { wanted };
     let mut balance = Balance::new(scene, speed)?;
     let wheelset = &balance.model.wheelsets[0];
     let radius = wheelset.left.profile.at(0.0).value;
@@ -67,8 +70,8 @@ pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> 
     let track = &balance.model.track;
     balance.alike = same(&wheelset.left.profile, &wheelset.right.profile) && same(&track.left.profile, &track.right.profile);
     let mut found = balance.steady_rolling(scene, radius, speed, load)?;
-    if scene.vehicle.speed == 0.0 {
-        found.pitch_rate = 0.0;
+    if slow {
+        found.pitch_rate *= wanted / speed;
     }
     Ok(found)
 }

@@ -1,7 +1,8 @@
 //! What a scene makes the program compute, and what not: the list behind `wheelrail plan`.
 
 use super::spec::Scene;
-use crate::formulation::Model;
+use crate::formulation::{Model, contact_index};
+use crate::geometry::Side;
 use serde::Serialize;
 
 /// One effect that the program knows.
@@ -20,11 +21,15 @@ pub struct Effect {
 pub struct Plan {
     pub scene: String,
     pub bodies: usize,
+    /// Wheels on rails, and how many contacts each may have at the same time.
     pub contacts: usize,
+    pub points: usize,
     pub force_elements: usize,
     pub states: usize,
     pub memory: usize,
     pub effects: Vec<Effect>,
+    /// What was assumed where the scene leaves something open, e.g. in reading profile files.
+    pub notes: Vec<String>,
 }
 
 /// Lists the effects of a scene and its model.
@@ -35,10 +40,13 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     effect("rigid bodies", true, format!("vehicle.template = \"{}\"", vehicle.template), model.system.dimension());
     let why = match vehicle.speed_imposed {
         true => format!("vehicle.speed = {} m/s: removes the acceleration along the track", vehicle.speed),
-        false => "vehicle.travel = \"free\"".into(),
+        false => format!("vehicle.travel = \"free\": starts with {} m/s", vehicle.speed),
     };
     effect("driving constraint", vehicle.speed_imposed, why, 0);
     effect("gravity", vehicle.gravity != 0.0, format!("vehicle.gravity = {} m/s2", vehicle.gravity), 0);
+    let grade = scene.track.grade;
+    let why = if grade == 0.0 { "no track.grade".into() } else { format!("track.grade = {grade} rad: gravity pulls along the track too") };
+    effect("grade", grade != 0.0, why, 0);
     let load = vehicle.wheelset.vertical_load;
     effect("vertical load", load != 0.0, format!("vehicle.wheelset.vertical_load = {load} N"), 0);
     for (name, stiffness, damping) in [
@@ -58,7 +66,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
             _ => effect(name, false, "no [vehicle.suspension]".into(), 0),
         }
     }
-    for (name, side) in [("left rail deviations", crate::geometry::Side::Left), ("right rail deviations", crate::geometry::Side::Right)] {
+    for (name, side) in [("left rail deviations", Side::Left), ("right rail deviations", Side::Right)] {
         let shapes: Vec<String> = scene
             .track
             .deviations
@@ -72,6 +80,8 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     let contact = &scene.contact;
     let formulation = format!("contact.formulation = \"{}\": {}", contact.formulation_name, model.formulation.describe());
     effect("contact", true, formulation, model.contacts() * model.formulation.states_per_contact());
+    let (several, why) = several_contacts(scene, model);
+    effect("several contacts per wheel", several, why, 0);
     for (name, profiles) in [("wheel profile", &vehicle.wheelset.profiles), ("rail profile", &scene.track.rails)] {
         let [left, right] = [0, 1].map(|side| profiles[side].profile.describe());
         let why = if left == right { left } else { format!("left: {left}; right: {right}") };
@@ -79,8 +89,12 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     }
     effect("normal force", true, format!("contact.normal.law = \"{}\"{}", contact.normal_name, model.laws.normal.describe()), 0);
     let elastic = !model.formulation.constrains();
-    let why = if elastic { "" } else { " (only for a wheel that has lifted: rigid contact has no penetration)" };
-    let damped = elastic && contact.damping_law.name != "none";
+    let why = match (elastic, several) {
+        (true, _) => "",
+        (false, true) => " (of contacts beside the first and of a wheel that has lifted: rigid contact has no penetration)",
+        (false, false) => " (only for a wheel that has lifted: rigid contact has no penetration)",
+    };
+    let damped = (elastic || several) && contact.damping_law.name != "none";
     effect("contact damping", damped, format!("contact.damping {}{why}", model.laws.damping.describe()), 0);
     let transient = contact.transient.map(|t| format!("contact.transient.below = {} m/s", t.below));
     let why = transient.clone().unwrap_or("no [contact.transient]: steady creepage only".into());
@@ -95,14 +109,55 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
             if shown { format!("interface.inputs has \"{group}\"") } else { format!("interface.inputs lacks \"{group}\": no variable") };
         effect(name, shown, why, 0);
     }
-    let contacts = model.contacts();
+    let (shown, free) = (scene.interface.inputs.contains(&"centre_forces"), !vehicle.speed_imposed);
+    let why = match (shown, free) {
+        (true, true) => "interface.inputs has \"centre_forces\", vehicle.travel = \"free\"",
+        (true, false) => "the imposed speed leaves no room for a force along the track (vehicle.travel = \"free\" does)",
+        (false, _) => "interface.inputs lacks \"centre_forces\": no variable",
+    };
+    effect("longitudinal force input", shown && free, why.into(), 0);
     Plan {
         scene: scene.name.clone(),
         bodies: model.system.bodies.len(),
-        contacts,
+        contacts: model.contacts(),
+        points: model.points,
         force_elements: model.system.forces.len(),
         states: model.dimension(),
         memory: model.memory(),
         effects,
+        notes: profile_notes(scene),
     }
+}
+
+/// May wheels have several contacts at the same time, and why?
+fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
+    let points = scene.contact.points;
+    let own = model.formulation.points_per_wheel();
+    if own > 1 {
+        return (true, format!("contact.formulation = \"{}\" finds up to {own} by itself", scene.contact.formulation_name));
+    }
+    if points == 1 {
+        return (false, "contact.points = 1: the place that is nearest to where it was before".into());
+    }
+    const CONVEX: &str = "only one place can touch (the profiles are strictly convex against each other)";
+    let [left, right] = Side::BOTH.map(|side| model.searches_contacts(contact_index(0, side)));
+    match (left, right) {
+        (true, true) => (true, format!("contact.points = {points}: searched for")),
+        (false, false) => (false, CONVEX.into()),
+        (true, false) => (true, format!("contact.points = {points}: searched for on the left; on the right {CONVEX}")),
+        (false, true) => (true, format!("contact.points = {points}: searched for on the right; on the left {CONVEX}")),
+    }
+}
+
+/// What was assumed when profiles were read, each once.
+fn profile_notes(scene: &Scene) -> Vec<String> {
+    let parts = [("wheel", &scene.vehicle.wheelset.profiles), ("rail", &scene.track.rails)];
+    let all = parts.into_iter().flat_map(|(part, sides)| {
+        Side::BOTH.into_iter().flat_map(move |side| {
+            let same = side == Side::Right && sides[0].notes == sides[1].notes;
+            let notes = if same { &[][..] } else { &sides[side.index()].notes[..] };
+            notes.iter().map(move |note| format!("{} {part} profile: {note}", side.name()))
+        })
+    });
+    all.collect()
 }

@@ -28,7 +28,7 @@ FIXED_TIME = (1980, 1, 1, 0, 0, 0)
 
 REQUIRED_OUTPUTS = [f"{W}.{name}" for name in (
     "distance", "y", "z", "roll", "yaw", "pitchRate", "vy", "vz", "rollRate", "yawRate", "ay", "az",
-    "yawAcceleration", "drivingForce")]
+    "yawAcceleration")]
 REQUIRED_OUTPUTS += [f"{W}.{side}.{name}" for side in SIDES for name in (
     "verticalForce", "lateralForce", "longitudinalForce", "normalForce", "derailmentQuotient", "wearNumber")]
 REQUIRED_OUTPUTS += [f"{contact}.{name}" for contact in CONTACTS for name in (
@@ -194,6 +194,8 @@ def model_variables(report, variables):
     kinds = {v.get("name"): v.get("causality", "local") for v in variables}
     missing = [name for name in REQUIRED_OUTPUTS if kinds.get(name) != "output"]
     report.check(not missing, "outputs", f"missing {missing}" if missing else f"{len(REQUIRED_OUTPUTS)} wanted ones")
+    along = {kinds.get(f"{W}.drivingForce"), kinds.get(f"{W}.longitudinalForceInput")} - {None}
+    report.check(along in ({"output"}, {"input"}), "an imposed speed needs a driving force, a free wheelset has an input for it", str(along))
     missing = [name for name in INPUTS if kinds.get(name) != "input"]
     report.check(not missing, "inputs", f"missing {missing}" if missing else ", ".join(INPUTS))
     by_name = {v.get("name"): v[0] for v in variables}

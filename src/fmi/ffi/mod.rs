@@ -193,14 +193,19 @@ pub unsafe extern "C" fn fmi2Reset(c: Component) -> Status {
     guard(c, |component| {
         component.instance.reset();
         component.last_step = Status::Ok;
+        component.derailed = false;
         Status::Ok
     })
 }
 
-/// Logs events of contacts: a warning when one has changed between constraint and elastic force.
+/// Logs events of contacts: a warning when one has changed between constraint and elastic force; contacts beside the first that
+/// begin or end belong to ordinary running, and are for a host that asked for messages.
 fn remarks(component: &Instance, events: &[ContactEvent]) -> Status {
     for event in events {
-        component.log.remark(&event.to_string());
+        match event.change.changes_mode() {
+            true => component.log.remark(&event.to_string()),
+            false => component.log.event(&event.to_string()),
+        }
     }
     if events.iter().any(|event| event.change.changes_mode()) { Status::Warning } else { Status::Ok }
 }

@@ -47,6 +47,7 @@ pub unsafe extern "C" fn fmi2SetFMUstate(c: Component, state: FmuState) -> Statu
             let answer = component.instance.restore(&held.state);
             if answer.is_ok() {
                 component.last_step = Status::Ok;
+                component.derailed = false;
             }
             report(component, answer)
         }

@@ -44,7 +44,7 @@ impl Phase {
 #[derive(Debug)]
 pub enum StepOutcome {
     Done,
-    /// Contacts that are constraints lifted off or landed on the way.
+    /// Contacts that are constraints lifted off or landed on the way, or others began or ended.
     DoneWithEvents(Vec<ContactEvent>),
     /// The model could not be advanced to the end; time stands at the last successful step. With what happened before.
     Discarded(SimulationError, Vec<ContactEvent>),

@@ -102,7 +102,7 @@ impl Instance {
             format!("the smallest value is {}", variable.min.unwrap_or_default())
         } else if variable.max.is_some_and(|max| value > max) {
             format!("the largest value is {}", variable.max.unwrap_or_default())
-        } else if value == 0.0 && variable.name == "speed" {
+        } else if value == 0.0 && variable.name == "speed" && self.scene.vehicle.speed_imposed {
             "creepages are relative to the travelling speed".to_string()
         } else {
             return Ok(());
