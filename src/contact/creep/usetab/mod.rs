@@ -7,14 +7,14 @@
 //! - Force and moment have continuous first derivatives in all creepages and in a/b.
 //! - `|F| <= mu N` always: an interpolated force within 0.4 % of mu N or above it is bent onto mu N by a parabola.
 //! - At zero creepage the slopes are the exact theory's own, extrapolated from grids twice as fine as the table's:
-//!   within 1 % of Kalker's c11, c22, c23 and c33 (1.3 % for c22 at a/b = 10).
+//!   within 1 % of Kalker's c11, c22, c23 and c33 (at a/b = 10: c22 1.4 %, c33 4.5 %).
 //! - The mirror symmetries hold to the last digit.
 //! - Against the exact theory on the same grid, 500 random cases (a/b 0.1 to 10, linear forces of 0.05 to 20 mu N, with
 //!   spin): force off by 0.1 % of mu N on average, 0.4 % in 95 % of the cases, 2.9 % at worst (nearly pure spin, where
 //!   a little lateral creepage changes much); moment by 0.07 % of mu N sqrt(a b) on average, 1.5 % at worst.
 //! - The table is made for nu = 0.28. For another nu the creepages are scaled by Kalker's coefficients of that nu, so
-//!   the slopes by c11, c22 and c23 stay right; c33 and the shape of the curves remain those of 0.28. Error of the force:
-//!   0.2 % of mu N on average, 1.3 % at worst for 0.25 to 0.3; 1.3 % and 8 % for 0 and 0.5.
+//!   the slopes of the force (c11, c22, c23) stay right; the moment and the shape of the curves remain those of 0.28.
+//!   Error of the force: 0.2 % of mu N on average, 1.3 % at worst for 0.25 to 0.3; 1.3 % and 8 % for 0 and 0.5.
 //! - For a/b outside 0.1 to 10 the shape of the curves stays that of the nearest end while Kalker's coefficients, and
 //!   with them the slopes of Fx and Fy, follow a/b.
 //!
