@@ -143,6 +143,9 @@ fn csv(study: &Study) -> String {
 /// Writes creep_laws.csv, .md and .svg into a folder.
 pub(super) fn write(folder: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
     let failed = |path: &Path, error: std::io::Error| Failure::Input(format!("{}: can't be written: {error}", path.display()));
+    if folder.is_file() {
+        return Err(Failure::Input(format!("-o {}: is a file; --study writes a folder", folder.display())));
+    }
     std::fs::create_dir_all(folder).map_err(|error| failed(folder, error))?;
     let files = ["creep_laws.csv", "creep_laws.md", "creep_laws.svg"].map(|name| folder.join(name));
     std::fs::write(&files[0], csv(study)).map_err(|error| failed(&files[0], error))?;
@@ -151,10 +154,10 @@ pub(super) fn write(folder: &Path, study: &Study) -> Result<Vec<PathBuf>, Failur
         .lines
         .iter()
         .filter(|line| line.mean > 0.0 && line.time > 0.0)
-        .map(|line| Point { label: &line.law, x: line.time, y: line.mean })
+        .map(|line| Point { label: &line.law, x: 1e6 * line.time, y: line.mean })
         .collect();
     let subtitle = format!("{} random contacts against {}", study.count, study.reference);
-    scatter::draw(&files[2], "Creep laws: cost and distance", &subtitle, ["time per call [s]", "mean |dF| / (mu N)"], &points)
+    scatter::draw(&files[2], "Creep laws: cost and distance", &subtitle, ["time per call [us]", "mean |dF| / (mu N)"], &points)
         .map_err(Failure::Run)?;
     Ok(files.into())
 }
