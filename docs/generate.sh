@@ -170,16 +170,17 @@ study=$(mktemp -d)
 `[contact.creep] law = "..."` chooses how creepage becomes tangential force; [the scene file](scene.md) has every law's settings. All take the same
 loaded patch and steady creepages; `[contact.transient]` works with each.
 
-| law | good for | limits, sizes | source |
+| law | good for | limits, sizes (force off by, of mu N) | source |
 |---|---|---|---|
 | `kalker_linear` | eigenvalues, stability of the centred position; what the others must tend to | no friction bound: the force grows without end | Kalker 1990 |
-| `shen_hedrick_elkins` | tread contact, small spin; the cheapest | spin is only scaled: on a flange off by half of mu N, worst case by 0.9 | Shen, Hedrick, Elkins 1983 |
-| `polach` | traction and braking, dry and wet rails, falling friction | no spin moment; creepages mixed: 0.04 mu N off on average; corners at phi a = -2 xi_y | Polach 1999, 2005 |
-| `fastsim` | the usual choice in vehicle dynamics; falling friction | parabolic bound: 0.02 to 0.03 mu N off on average, 0.1 and more with large spin | Kalker 1982 |
-| `fastrip` | as `fastsim`, twice as near to the exact theory | moment of spin as rough as FASTSIM's | Sichani, Enblom, Berg 2016 |
-| `usetab` | everything with constant friction: near to `exact` at the price of a formula | made for nu = 0.28: another nu costs 0.2 % of mu N (0.25 to 0.3) to 1.3 % (0, 0.5) on average; shape of the curves held beyond a/b = 0.1 to 10 | after Kalker 1996 |
-| `exact` | the reference; checks, single contacts | 10 ms and more per call; half-spaces, elliptic patch, one friction coefficient; grid: 0.12 % of mu N on average, 0.6 % at worst | Kalker 1990 |
+| `shen_hedrick_elkins` | tread contact with small spin: 0.014 without spin; the cheapest | large spin is overestimated: 0.3 on average for pure spin, 0.9 at worst; not for flanges | Shen, Hedrick, Elkins 1983 |
+| `polach` | traction and braking, dry and wet rails, falling friction | 0.03 without spin, 0.05 pure spin, up to 0.9 where large spin and creepage mix; no spin moment; corners at phi a = -2 xi_y | Polach 1999, 2005 |
+| `fastsim` | flange and tread, the usual choice in vehicle dynamics; falling friction | parabolic bound: 0.02 to 0.03, 0.2 at worst | Kalker 1982 |
+| `fastrip` | as `fastsim`; nearer to the exact theory with little spin: 0.005 without, 0.02 pure spin | large spin with creepage: 0.5 at worst | Sichani, Enblom, Berg 2016 |
+| `usetab` | everything with constant friction: near to `exact` at the price of a formula | made for nu = 0.28, another nu adds 0.002 (0.25 to 0.3) to 0.013 (0, 0.5) on average; shape of the curves held beyond a/b = 0.1 to 10 | after Kalker 1996 |
+| `exact` | the reference; checks, single contacts | 10 ms and more per call; half-spaces, elliptic patch, one friction coefficient; grid 0.0012, 0.006 at worst | Kalker 1990 |
 
+Sizes without spin and for pure spin are those of 45 contacts against the open program CONTACT (`tests/data/creep_forces_exact.csv`), the others those of the study below.
 All but `exact` and `usetab` have Kalker's published slopes at zero creepage (Polach's without spin), those two their own, which differ by at most 1.4 % for c11,
 c22 and c23 and 4.5 % for c33. Falling friction is a function of the whole patch's sliding (`src/contact/creep/falling_friction.rs`).
 
@@ -193,12 +194,12 @@ TEXT
     cat <<'TEXT'
 
 Contacts: a/b from 0.1 to 10, sqrt(a b) from 2 to 8 mm, pressure 0.4 to 1.6 GPa, friction 0.1 to 0.6, steel (nu = 0.28); creepages in any direction, spin
-included, linear forces of 0.05 to 10 mu N: many more of them with large spin than a vehicle on its treads meets. The grid error of `exact` is 0.0012 on average
-(0.006 at worst), so that `usetab`, made with the same theory, is as good as this reference can tell.
+included, linear forces of 0.05 to 10 mu N: far more large spin than a vehicle on its treads meets, which is what `fastrip` loses by here. `usetab` was made with
+the reference itself: its distance is that of interpolation; the grid error of both (0.0012 on average) comes on top.
 
 TEXT
-    echo "Times: median of five passes over all contacts (a law that needs more than 2 s for them: one pass), one core of a shared 2-core x86-64 virtual machine"
-    echo "($(date +%Y-%m-%d)), whose speed changes by half from minute to minute. Distances are the same on every machine. To repeat it:"
+    echo "Times: best of ten passes over all contacts (of \`exact\` one pass only), one core of a shared 2-core x86-64 virtual machine"
+    echo "($(date +%Y-%m-%d)), whose speed changes by half from minute to minute. Distances do not depend on the machine. To repeat it:"
     cat <<'TEXT'
 
     wheelrail creep --study 600 --seed 1 --reference exact -o DIR \
