@@ -23,7 +23,9 @@ fn decades(values: impl Iterator<Item = f64>) -> (f64, f64) {
     if !(low > 0.0 && high.is_finite()) {
         return (0.1, 1.0);
     }
-    (10f64.powf((low.log10() - 0.1).floor()), 10f64.powf((high.log10() + 0.1).ceil()))
+    // A little more: rounding must not take the labels of the ends.
+    const MORE: f64 = 1.0 + 1e-9;
+    (10f64.powf((low.log10() - 0.1).floor()) / MORE, 10f64.powf((high.log10() + 0.1).ceil()) * MORE)
 }
 
 /// Decades: 1e-7 -> "1e-7", 0.01 -> "0.01", 10 -> "10".
