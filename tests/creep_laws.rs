@@ -55,6 +55,10 @@ fn prop_bad_input_is_named_and_gives_2() {
     assert!(code == 2 && stderr.contains("cases.csv:2: column \"N\": found \"-1e5\""), "{code} {stderr}");
     let (_, stderr, code) = wheelrail(&["creep", cases, "--law", "fastsmi"]);
     assert!(code == 2 && stderr.contains("did you mean \"fastsim\""), "{code} {stderr}");
+    let (_, stderr, code) = wheelrail(&["creep", cases, "--law", "fastsim{strips=10"]);
+    assert!(code == 2 && stderr.contains("the brace is not closed"), "{code} {stderr}");
+    let (_, stderr, code) = wheelrail(&["creep", cases, "--law", ","]);
+    assert!(code == 2 && stderr.contains("names no law"), "{code} {stderr}");
     let (_, stderr, code) = wheelrail(&["creep", "nowhere.csv", "--law", "fastsim"]);
     assert!(code == 2 && stderr.contains("nowhere.csv"), "{code} {stderr}");
     assert_eq!(wheelrail(&["creep", "--law", "fastsim"]).2, 2);

@@ -96,11 +96,13 @@ fn open(arguments: &Arguments) -> Result<(Part, ProfileChoice), Failure> {
         let root = Section::root(document.as_table(), &source);
         Ok((part, profile::parse(root.section("profile")?, part)?))
     };
+    // The command line has no lines, a profile file has.
+    let plain = |error: SettingsError| if error.file == source.file { SettingsError { line: 0, ..error } } else { error };
     let words = |error: SettingsError| Failure::Input(error.to_string());
     if let Some(part) = arguments.part {
-        return read(part.into()).map_err(words);
+        return read(part.into()).map_err(plain).map_err(words);
     }
-    let (wheel, rail) = (read(Part::Wheel), read(Part::Rail));
+    let (wheel, rail) = (read(Part::Wheel).map_err(plain), read(Part::Rail).map_err(plain));
     match (wheel, rail) {
         (Ok(_), Ok(_)) => Err(Failure::Input("this may be a wheel or a rail; say --part wheel or --part rail".into())),
         (Ok(found), _) | (_, Ok(found)) => Ok(found),
@@ -168,6 +170,12 @@ fn write(path: &Path, text: &str) -> Result<(), Failure> {
     done.map_err(|error| Failure::Input(format!("{}: can't be written: {error}", path.display())))
 }
 
+/// A number with a fixed count of decimals; what rounds to zero has no sign.
+fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    if text.trim_start_matches('-').chars().all(|letter| "0.".contains(letter)) { text.trim_start_matches('-').into() } else { text }
+}
+
 fn summary(part: Part, profile: &dyn Profile) -> String {
     let (coordinate, value) = names(part);
     let (first, last) = profile.range();
@@ -184,11 +192,11 @@ fn summary(part: Part, profile: &dyn Profile) -> String {
         .iter()
         .map(|(x, point)| {
             vec![
-                format!("{:.3}", 1e3 * x),
-                format!("{:.4}", 1e3 * point.value),
-                format!("{:.5}", point.d1),
-                format!("{:.2}", point.d1.atan().to_degrees()),
-                format!("{:.3}", curvature(point)),
+                fixed(1e3 * x, 3),
+                fixed(1e3 * point.value, 4),
+                fixed(point.d1, 5),
+                fixed(point.d1.atan().to_degrees(), 2),
+                fixed(curvature(point), 3),
             ]
         })
         .collect();

@@ -8,6 +8,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 
 #[derive(Args)]
+#[command(after_help = "\
+The program carries the table of the defaults, src/contact/creep/usetab/table.bin: a new one takes effect when it replaces that file and \
+the program is built anew. It takes some minutes.")]
 pub(super) struct Arguments {
     /// File to write
     #[arg(short, long, value_name = "FILE")]
@@ -37,6 +40,9 @@ pub(super) fn table(arguments: &Arguments) -> Result<(), Failure> {
     if !(0.0..=0.5).contains(nu) {
         return Err(Failure::Input(format!("--nu {nu}: expected a number from 0 to 0.5")));
     }
+    // Before minutes of work: can the file be written at all?
+    let failed = |error: std::io::Error| format!("{}: can't be written: {error}", output.display());
+    drop(std::fs::OpenOptions::new().write(true).create(true).truncate(false).open(output).map_err(|error| Failure::Input(failed(error)))?);
     let style = ProgressStyle::with_template("{wide_bar} {percent} % {eta}").unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::new(0).with_style(style);
     let bytes = generate(Layout { steps: *steps, shapes: *shapes, cells: *grid, nu: *nu }, &|ready, all| {
@@ -46,7 +52,7 @@ pub(super) fn table(arguments: &Arguments) -> Result<(), Failure> {
     bar.finish_and_clear();
     // What was written must be readable.
     Table::read(&bytes).map_err(|error| Failure::Run(error.to_string()))?;
-    std::fs::write(output, &bytes).map_err(|error| Failure::Run(format!("{}: {error}", output.display())))?;
+    std::fs::write(output, &bytes).map_err(|error| Failure::Run(failed(error)))?;
     print(&format!("{}: {} bytes\n", output.display(), bytes.len()));
     Ok(())
 }

@@ -102,6 +102,10 @@ fn positive(name: &str, text: &str) -> Result<f64, Failure> {
 pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
     let (range, step) = (positive("range", &arguments.range)?, positive("step", &arguments.step)?);
+    const FURTHEST: f64 = 0.2;
+    if range > FURTHEST {
+        return Err(Failure::Input(format!("--range {}: {range} m, expected at most {FURTHEST} m, e.g. \"8 mm\"", arguments.range)));
+    }
     if range / step > MOST || range < step {
         let count = range / step;
         return Err(Failure::Input(format!("--step {}: {count:.1e} shifts to each side; expected 1 to {MOST:.0e}", arguments.step)));

@@ -6,6 +6,7 @@ mod timing;
 
 use super::{Failure, print, say};
 use crate::contact::creep::{Build, inline};
+use crate::settings::SettingsError;
 use cases::Case;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -25,7 +26,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", requires = "output", requires = "reference")]
     study: Option<usize>,
     /// Start of the random numbers of --study
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, requires = "study")]
     seed: u64,
     /// Law that --study takes for the truth
     #[arg(long, value_name = "LAW", requires = "study")]
@@ -42,13 +43,17 @@ struct Named {
 }
 
 fn named(text: &str, place: &str) -> Result<Named, Failure> {
-    let build = inline::law(text, place).map_err(|error| Failure::Input(error.to_string()))?;
+    // A word on the command line has no lines.
+    let build = inline::law(text, place).map_err(|error| Failure::Input(SettingsError { line: 0, ..error }.to_string()))?;
     Ok(Named { name: text.into(), build })
 }
 
 pub(super) fn creep(arguments: &Arguments) -> Result<(), Failure> {
     let texts: Vec<&str> = arguments.law.iter().flat_map(|list| inline::split(list)).collect();
     let laws = texts.into_iter().map(|text| named(text, "--law")).collect::<Result<Vec<Named>, Failure>>()?;
+    if laws.is_empty() {
+        return Err(Failure::Input("--law: names no law (see `wheelrail list creep-laws`)".into()));
+    }
     if let (Some(count), Some(reference), Some(folder)) = (arguments.study, &arguments.reference, &arguments.output) {
         let reference = named(reference, "--reference")?;
         let found = study::study(count, arguments.seed, &reference, &laws)?;

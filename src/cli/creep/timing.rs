@@ -33,7 +33,7 @@ pub(super) fn per_call(law: &dyn CreepLaw, contact: &RollingContact) -> f64 {
 }
 
 /// Median of a list that is not empty; 0 of an empty one.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
+fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or_default()
 }

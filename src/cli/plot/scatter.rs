@@ -23,12 +23,19 @@ fn decades(values: impl Iterator<Item = f64>) -> (f64, f64) {
     if !(low > 0.0 && high.is_finite()) {
         return (0.1, 1.0);
     }
-    (10f64.powf((low.log10() - 0.1).floor()), 10f64.powf((high.log10() + 0.1).ceil()))
+    // A little more: rounding must not take the labels of the ends.
+    const MORE: f64 = 1.0 + 1e-9;
+    (10f64.powf((low.log10() - 0.1).floor()) / MORE, 10f64.powf((high.log10() + 0.1).ceil()) * MORE)
 }
 
-/// 1e-7 -> "1e-7".
+/// Decades: 1e-7 -> "1e-7", 0.01 -> "0.01", 10 -> "10".
 fn power(value: &f64) -> String {
-    format!("1e{:.0}", value.log10())
+    let exponent = value.log10().round() as i32;
+    match exponent {
+        -3..0 => format!("{value:.0$}", exponent.unsigned_abs() as usize),
+        0..=4 => format!("{value:.0}"),
+        _ => format!("1e{exponent}"),
+    }
 }
 
 /// Draws positive points into `file`; `axes`: captions of the horizontal and the vertical axis.
@@ -62,9 +69,9 @@ pub(in crate::cli) fn draw(file: &Path, title: &str, subtitle: &str, axes: [&str
             .label_style((FONT, 14))
             .draw()?;
         chart.draw_series(points.iter().map(|point| Circle::new((point.x, point.y), 5, BLUE.filled())))?;
-        for (point, at) in points.iter().zip(labels(points, x, y)) {
-            let style = (FONT, 14).into_text_style(&root).pos(Pos::new(at.2, VPos::Center));
-            root.draw(&Text::new(point.label.to_string(), (at.0, at.1), style))?;
+        for (point, label) in points.iter().zip(labels(points, x, y)) {
+            let style = (FONT, 14).into_text_style(&root).pos(Pos::new(label.anchor, VPos::Center));
+            root.draw(&Text::new(point.label.to_string(), (label.at.0 as i32, label.at.1 as i32), style))?;
         }
         root.present()
     };
@@ -72,26 +79,79 @@ pub(in crate::cli) fn draw(file: &Path, title: &str, subtitle: &str, axes: [&str
     std::fs::write(file, svg).map_err(|error| format!("{}: can't be written: {error}", file.display()))
 }
 
-/// Where labels stand, in pixels: beside their points, on the side that has room, moved down until they are clear of others.
-fn labels(points: &[Point], x: (f64, f64), y: (f64, f64)) -> Vec<(i32, i32, HPos)> {
+/// A rectangle on the sheet, in pixels.
+#[derive(Clone, Copy, Debug)]
+struct Area {
+    left: f64,
+    right: f64,
+    top: f64,
+    bottom: f64,
+}
+
+impl Area {
+    fn overlaps(&self, other: &Area) -> bool {
+        self.left < other.right && other.left < self.right && self.top < other.bottom && other.top < self.bottom
+    }
+
+    fn on_sheet(&self) -> bool {
+        let (width, height) = (f64::from(SIZE.0), f64::from(SIZE.1));
+        self.left > FRAME.0 && self.right < width - 4.0 && self.top > FRAME.2 && self.bottom < height - FRAME.3
+    }
+}
+
+/// Where a label stands, in pixels.
+struct Label {
+    at: (f64, f64),
+    anchor: HPos,
+    area: Area,
+}
+
+impl Label {
+    fn new(at: (f64, f64), anchor: HPos, letters: usize) -> Self {
+        const LETTER: f64 = 6.8;
+        let width = LETTER * letters as f64;
+        let left = match anchor {
+            HPos::Left => at.0,
+            HPos::Center => at.0 - 0.5 * width,
+            HPos::Right => at.0 - width,
+        };
+        Label { at, anchor, area: Area { left, right: left + width, top: at.1 - 8.0, bottom: at.1 + 8.0 } }
+    }
+}
+
+/// Labels beside their points, each at the first place that is clear of all points and of the labels before it.
+fn labels(points: &[Point], x: (f64, f64), y: (f64, f64)) -> Vec<Label> {
+    const RADIUS: f64 = 7.0;
+    const BESIDE: f64 = 12.0;
+    const LINE: f64 = 17.0;
+    const LINES: usize = 12;
     let part = |value: f64, range: (f64, f64)| (value / range.0).ln() / (range.1 / range.0).ln();
     let (width, height) = (f64::from(SIZE.0) - FRAME.0 - FRAME.1, f64::from(SIZE.1) - FRAME.2 - FRAME.3);
-    let mut taken: Vec<(f64, f64, f64)> = Vec::new();
-    points
+    let place = |point: &Point| (FRAME.0 + width * part(point.x, x), FRAME.2 + height * (1.0 - part(point.y, y)));
+    let mut taken: Vec<Area> = points
         .iter()
-        .map(|point| {
-            let (px, py) = (FRAME.0 + width * part(point.x, x), FRAME.2 + height * (1.0 - part(point.y, y)));
-            let length = 7.5 * point.label.chars().count() as f64;
-            let right = px + 12.0 + length < f64::from(SIZE.0) - 4.0;
-            let start = if right { px + 12.0 } else { px - 12.0 - length };
-            let mut down = py;
-            while taken.iter().any(|t| (t.1 - down).abs() < 15.0 && t.0 < start + length && start < t.0 + t.2) {
-                down += 3.0;
-            }
-            taken.push((start, down, length));
-            (if right { px + 12.0 } else { px - 12.0 } as i32, down as i32, if right { HPos::Left } else { HPos::Right })
-        })
-        .collect()
+        .map(place)
+        .map(|(px, py)| Area { left: px - RADIUS, right: px + RADIUS, top: py - RADIUS, bottom: py + RADIUS })
+        .collect();
+    let label = |point: &Point| {
+        let ((px, py), letters) = (place(point), point.label.chars().count());
+        let beside = |line: f64, anchor: HPos| {
+            let aside = match anchor {
+                HPos::Left => BESIDE,
+                HPos::Center => 0.0,
+                HPos::Right => -BESIDE,
+            };
+            Label::new((px + aside, py + line * LINE), anchor, letters)
+        };
+        let near = [(0.0, HPos::Left), (0.0, HPos::Right), (-1.0, HPos::Center), (1.0, HPos::Center)];
+        let further = (1..LINES).flat_map(|k| [1.0, -1.0].map(|side| (side * k as f64, HPos::Left)));
+        let mut places = near.into_iter().chain(further).map(|(line, anchor)| beside(line, anchor));
+        let clear = places.find(|label| label.area.on_sheet() && !taken.iter().any(|area| area.overlaps(&label.area)));
+        let label = clear.unwrap_or_else(|| beside(0.0, HPos::Left));
+        taken.push(label.area);
+        label
+    };
+    points.iter().map(label).collect()
 }
 
 #[cfg(test)]
@@ -110,7 +170,13 @@ mod tests {
             assert!(svg.contains(word), "{word}: {svg}");
         }
         let places = labels(&points, (1e-8, 1e-3), (1e-3, 1.0));
-        assert!((places[0].1 - places[1].1).abs() >= 15, "{:?} {:?}", places[0].1, places[1].1);
+        assert!(!places[0].area.overlaps(&places[1].area), "{:?} {:?}", places[0].area, places[1].area);
+        let crowd: Vec<Point> = (0..9).map(|i| point("a long name", 1e-6 * 1.02f64.powi(i), 0.01 * 1.1f64.powi(i))).collect();
+        let places = labels(&crowd, (1e-8, 1e-3), (1e-3, 1.0));
+        for (i, first) in places.iter().enumerate() {
+            assert!(first.area.on_sheet() && places[..i].iter().all(|other| !other.area.overlaps(&first.area)), "{:?}", first.area);
+        }
+        assert_eq!([1e-7, 0.01, 1.0, 10.0].map(|value| power(&value)), ["1e-7", "0.01", "1", "10"]);
         // No points at all: an empty diagram.
         draw(&file, "Title", "", ["along", "up"], &[]).unwrap();
     }

@@ -9,18 +9,19 @@ use crate::settings::{Section, SettingsError, Source};
 /// # Errors
 /// [`SettingsError`] for text that is no TOML, unknown laws and wrong settings.
 pub fn law(text: &str, place: &str) -> Result<Build, SettingsError> {
-    let (name, settings) = match text.trim().split_once('{') {
-        Some((name, rest)) => (name.trim(), rest.strip_suffix('}').unwrap_or(rest)),
-        None => (text.trim(), ""),
-    };
-    let text = format!("creep = {{ law = \"{name}\", {settings} }}\n");
-    let source = Source { file: place.into(), text, overridden: vec![], folder: None };
-    let document = toml_edit::Document::parse(source.text.clone()).map_err(|error| SettingsError {
+    let unreadable = |why: &str| SettingsError {
         file: place.into(),
         line: 0,
-        key: name.into(),
-        problem: format!("can't be read ({}); expected NAME or NAME{{key=value, ...}}", error.message()),
-    })?;
+        key: text.trim().into(),
+        problem: format!("can't be read ({why}); expected NAME or NAME{{key=value, ...}}"),
+    };
+    let (name, settings) = match text.trim().split_once('{') {
+        Some((name, rest)) => (name.trim(), rest.strip_suffix('}').ok_or_else(|| unreadable("the brace is not closed"))?),
+        None => (text.trim(), ""),
+    };
+    let scene = format!("creep = {{ law = \"{name}\", {settings} }}\n");
+    let source = Source { file: place.into(), text: scene, overridden: vec![], folder: None };
+    let document = toml_edit::Document::parse(source.text.clone()).map_err(|error| unreadable(error.message()))?;
     let root = Section::root(document.as_table(), &source);
     let section = root.section("creep")?;
     let build = parse(&section)?;

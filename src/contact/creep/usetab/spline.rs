@@ -181,9 +181,8 @@ impl Spline {
         let n = self.steps;
         let (shape, ws) = split(((a_over_b.ln() - self.first) * self.shapes_per_unit).clamp(0.0, (self.shapes - 3) as f64));
         let ((i, wi), (j, wj), (k, wk)) = (split(u[0] * n), split(u[1] * n + n), split(u[2] * n));
-        // Single precision: its error, 1e-7 of mu N, is far below the table's.
-        let wk = wk.map(|w| w as f32);
-        let mut sum = [0f32; 4];
+        // The table is kept in single precision, the sum is not: what integrates over it sees no noise.
+        let mut sum = [0f64; 4];
         let mut slopes = [0.0; 5];
         for (s, ws) in ws.into_iter().enumerate() {
             for (slope, c) in slopes.iter_mut().zip(&self.slopes[shape + s]) {
@@ -195,10 +194,10 @@ impl Spline {
                 for (dj, wj) in wj.into_iter().enumerate() {
                     let line = self.values.get(start + dj * self.depth..).and_then(|rest| rest.first_chunk::<3>());
                     let Some([p, q, r]) = line else { continue };
-                    let weight = (outer * wj) as f32;
+                    let weight = outer * wj;
                     let w = wk.map(|w| w * weight);
                     for c in 0..4 {
-                        sum[c] += w[0] * p[c] + w[1] * q[c] + w[2] * r[c];
+                        sum[c] += w[0] * f64::from(p[c]) + w[1] * f64::from(q[c]) + w[2] * f64::from(r[c]);
                     }
                 }
             }
@@ -206,7 +205,7 @@ impl Spline {
         slopes[2] /= spin_weight(a_over_b);
         let linear = Slopes(slopes).force(u);
         let radius = size(u);
-        let force: Triple = std::array::from_fn(|c| linear[c] + radius * f64::from(sum[c]));
+        let force: Triple = std::array::from_fn(|c| linear[c] + radius * sum[c]);
         [x_sign * force[0], z_sign * force[1], z_sign * force[2]]
     }
 }
