@@ -57,8 +57,8 @@ impl Formulation for Eccf {
 
     #[inline]
     fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
-        rigid::derivative(model, workspace, at, dy, |_, wheelset, side, motion, memory| {
-            let found = locate(model, wheelset, side, motion, memory)?;
+        rigid::derivative(model, workspace, at, dy, |contact, wheelset, side, motion, memory| {
+            let found = locate(model, (contact, wheelset, side), motion, memory)?;
             Ok(ConstraintRow { location: found.location, row: row(motion, &found), bias: found.gap_bias })
         })
     }
@@ -85,15 +85,18 @@ impl Formulation for Eccf {
 #[inline]
 pub(super) fn locate(
     model: &Model,
-    wheelset: &Wheelset,
-    side: Side,
+    (contact, wheelset, side): (usize, &Wheelset, Side),
     motion: &BodyMotion,
     memory: &mut [f64],
 ) -> Result<MovingContact, ContactFailure> {
     let pair = pair(model, wheelset, side, motion);
     let carrier = motion.carrier();
     let start = warm_start(memory);
-    let found = pair.locate_moving(&start, &carrier).or_else(|_| pair.locate_moving(&SurfaceParameters::default(), &carrier));
+    let mut found = pair.locate_moving(&start, &carrier);
+    // A constraint that is lost where others may take over must not jump to one of them.
+    if model.searches[contact].is_none() || is_elastic(memory) {
+        found = found.or_else(|_| pair.locate_moving(&SurfaceParameters::default(), &carrier));
+    }
     let found = found.map_err(|failure| not_found(motion, failure))?;
     keep(&found.location.parameters, memory);
     Ok(found)
@@ -126,7 +129,8 @@ pub(super) fn project(
                 continue;
             }
             let motion = &system.motions[wheelset.body];
-            let found = locate(model, wheelset, side, motion, memory).map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
+            let found =
+                locate(model, (contact, wheelset, side), motion, memory).map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
             searches += found.location.iterations as u64;
             system.constraints.kkt.set_row(index, &row(motion, &found), &Coefficients::zeros());
             system.constraints.residual[index] = -found.location.penetration;

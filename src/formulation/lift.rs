@@ -129,13 +129,14 @@ pub(super) fn switch(
         return Ok(());
     }
     // The least pressed contact alone: once it is free the others may press again.
-    let Some((contact, normal_force)) = least_pressed(model, memory) else { return Ok(()) };
+    let Some((contact, normal_force)) = least_pressed(model, memory).filter(|(_, force)| *force < 0.0) else { return Ok(()) };
     let Some((_, wheelset, side)) = wheels(model).find(|wheel| wheel.0 == contact) else { return Ok(()) };
     if on_lift == OnLift::Stop {
         return Err(EvaluationError::new(t, wheelset, side, ContactFailure::Tensile { normal_force }));
     }
     let own = &mut memory[model.contact_memory(contact)];
     (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
+    points::forget(model, contact, own);
     workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change: ContactChange::Lifted });
     model.formulation.resettle(model, workspace, t, y, memory)
 }
@@ -158,6 +159,7 @@ pub(super) fn release(
         return Ok(false);
     }
     (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
+    points::forget(model, contact, own);
     workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change: ContactChange::Vanished });
     model.formulation.resettle(model, workspace, t, y, memory)?;
     Ok(true)
@@ -175,8 +177,8 @@ fn land(
     model.system.move_bodies(y, &mut workspace.system);
     let motion = workspace.system.motions[wheelset.body];
     let range = model.contact_memory(contact);
-    points::promote(model, workspace, contact, &mut memory[range.clone()]);
-    let found = eccf::locate(model, wheelset, side, &motion, &mut memory[range.clone()])
+    points::promote(model, workspace, contact, y, &mut memory[range.clone()]);
+    let found = eccf::locate(model, (contact, wheelset, side), &motion, &mut memory[range.clone()])
         .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
     let mechanical = |workspace: &Workspace| {
         let motions = &workspace.system.motions;
@@ -191,6 +193,7 @@ fn land(
     let before = mechanical(workspace) + elastic;
     let memory_of = &mut memory[range];
     (memory_of[MODE], memory_of[NORMAL_FORCE], memory_of[SETTLED_SINCE]) = (0.0, wheelset.static_wheel_load, f64::INFINITY);
+    points::forget(model, contact, memory_of);
     model.formulation.resettle(model, workspace, t, y, memory)?;
     model.system.move_bodies(y, &mut workspace.system);
     Ok(ContactChange::Landed { penetration, rate: -found.gap_rate, energy: mechanical(workspace) - before })

@@ -97,7 +97,7 @@ impl Contact<'_> {
     #[inline]
     pub fn elastic(&self, wrench: &mut Wrench) -> Result<ContactReport, ContactFailure> {
         let (mut report, found, model) = (self.report(), self.found, self.wheel.model);
-        if !(found.penetration > 0.0) {
+        if !(found.penetration > 0.0 && self.share > 0.0) {
             report.creepage = Default::default();
             return Ok(report);
         }

@@ -125,6 +125,9 @@ pub(super) fn derivative(
                 continue;
             }
             let found = find(contact, wheelset, side, &motion, memory).map_err(fail)?;
+            if points::vanished(model, contact, &wheel.pair(), &found.location) {
+                return Err(fail(ContactFailure::Dependent));
+            }
             let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
             load.check_place().map_err(fail)?;
             let (first, further) = reports;

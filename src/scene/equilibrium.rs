@@ -91,10 +91,13 @@ impl Balance {
         const TOUCH: f64 = 1e-5;
         let mut at = SteadyRolling { z: radius, roll: 0.0, pitch_rate };
         for _ in 0..3 {
+            // Without memory the first contact is the deepest.
+            self.memory.fill(0.0);
             self.residual(&at).map_err(EquilibriumError::Evaluation)?;
             if !self.alike {
                 let [left, right] = [0, 1].map(|side| self.workspace.contacts[side].penetration);
                 at.roll += (left - right) / (2.0 * self.model.wheelsets[0].left.half_spacing);
+                self.memory.fill(0.0);
                 self.residual(&at).map_err(EquilibriumError::Evaluation)?;
             }
             let deepest = self.workspace.contacts.iter().map(|contact| contact.penetration).fold(f64::MIN, f64::max);

@@ -14,6 +14,9 @@ const ROLL: usize = 4;
 /// Place of the lead in a contact's memory.
 const LEAD: usize = 2;
 
+/// A failure before the present time by more than this lies behind, s.
+const PASSED: f64 = 1e-9;
+
 /// A model under given input signals.
 pub struct ModelDynamics<'a> {
     model: &'a Model,
@@ -84,7 +87,8 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn release(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
-        let Some(failure) = self.failure.clone() else { return Ok(false) };
+        // A failure that lies behind was overcome by a shorter step and says nothing.
+        let Some(failure) = self.failure.clone().filter(|failure| failure.time > t - PASSED) else { return Ok(false) };
         keep(&mut self.failure, self.model.release(&failure, self.workspace, t, y, memory))
     }
 

@@ -40,9 +40,9 @@ impl IntegrationState {
         Err(SolveError::EndlessEvents { time: self.t })
     }
 
-    /// After a step that failed because the system is not defined further on: asks for another form of it.
+    /// After a step that failed because the system is not defined, or not smooth, further on: asks for another form of it.
     pub(super) fn release(&mut self, dynamics: &mut dyn Dynamics, error: SolveError) -> Result<bool, SolveError> {
-        let SolveError::Undefined { .. } = error else { return Ok(false) };
+        let (SolveError::Undefined { .. } | SolveError::StepTooSmall { .. }) = error else { return Ok(false) };
         let IntegrationState { t, y, memory, .. } = self;
         let released = dynamics.release(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })?;
         if released {
@@ -113,7 +113,8 @@ impl IntegrationState {
             let mut kept_low = false;
             let mut kept_high = false;
             for _ in 0..ITERATIONS {
-                let theta = low + (high - low) * above / (above - below);
+                // A margin that only exists further on (infinite here) is approached by halving.
+                let theta = if above.is_finite() { low + (high - low) * above / (above - below) } else { 0.5 * (low + high) };
                 if high - low <= RESOLUTION || !(theta > low && theta < high) {
                     break;
                 }
@@ -129,8 +130,9 @@ impl IntegrationState {
                 (kept_low, kept_high) = (margin < 0.0, margin >= 0.0);
             }
         } else {
-            // The margin is used up when the step begins.
+            // The margin is used up when the step begins; the step after it is shorter, lest it end here again and again.
             high = 0.0;
+            self.next_step *= 0.25;
         }
         if high < 1.0 {
             self.cut(high);

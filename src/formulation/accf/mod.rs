@@ -174,7 +174,7 @@ fn reset(model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory
     model.system.move_bodies(y, &mut workspace.system);
     for (contact, wheelset, side) in wheels(model) {
         let motion = &workspace.system.motions[wheelset.body];
-        let found = eccf::locate(model, wheelset, side, motion, &mut memory[model.contact_memory(contact)])
+        let found = eccf::locate(model, (contact, wheelset, side), motion, &mut memory[model.contact_memory(contact)])
             .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
         let p = found.location.parameters;
         let states = &mut y[model.contact_states(contact)];

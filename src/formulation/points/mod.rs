@@ -29,7 +29,7 @@ mod touch;
 use super::loading::{Contact, WheelAt, keep, not_found, warm_start};
 use super::{ContactFailure, ContactReport, Model, Workspace};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
-use crate::contact::search::global::{GlobalSearch, Minima};
+use crate::contact::search::global::{GlobalSearch, Minima, is_least};
 use crate::geometry::Side;
 use crate::geometry::profile::Profile;
 use crate::geometry::surface::Wheel;
@@ -43,6 +43,8 @@ pub const MOST_POINTS: usize = 4;
 
 /// Places that are further apart are not followed, m.
 const REACH: f64 = 5e-4;
+/// Contacts that are nearer to each other on the wheel are the same one, m.
+const APART: f64 = 1e-7;
 /// A wheel that is further away from its rail has left it, m.
 const FAR: f64 = 0.15;
 /// A wheel whose contact lies this much higher than the tread has a flange, m.
@@ -138,19 +140,38 @@ pub(super) fn deepest(model: &Model, contact: usize, pair: &Pair) -> Option<Surf
     minima.deepest().map(|minimum| search.polish(pair, minimum).location.parameters)
 }
 
-/// Makes the most pressed contact of a wheel its first; the reports are those of the present state.
-pub(super) fn promote(model: &Model, workspace: &Workspace, contact: usize, memory: &mut [f64]) {
+/// Has a constrained contact run beyond the end of its least distance, onto a ridge?
+#[inline]
+pub(super) fn vanished(model: &Model, contact: usize, pair: &Pair, found: &ContactLocation) -> bool {
+    model.searches[contact].is_some() && !is_least(pair, found)
+}
+
+/// After a change between constraint and elastic force other contacts are followed: the next evaluation must search.
+pub(super) fn forget(model: &Model, contact: usize, memory: &mut [f64]) {
+    if model.searches[contact].is_some() {
+        Record::new(&mut memory[model.formulation.memory_per_contact()..], model.points).forget();
+    }
+}
+
+/// Makes the most pressed contact of a wheel its first, with its tangential states in `y`; the reports are those of the present
+/// state.
+pub(super) fn promote(model: &Model, workspace: &Workspace, contact: usize, y: &mut [f64], memory: &mut [f64]) {
     if model.searches[contact].is_none() {
         return;
     }
     let others = &workspace.further_contacts[contact * (model.points - 1)..(contact + 1) * (model.points - 1)];
-    let first = workspace.contacts[contact].normal_force;
+    let first = &workspace.contacts[contact];
     let most = others.iter().enumerate().max_by(|a, b| a.1.normal_force.total_cmp(&b.1.normal_force));
     if let Some((slot, report)) = most
-        && report.normal_force > first
+        && report.normal_force > first.normal_force
     {
         let (own, rest) = memory.split_at_mut(model.formulation.memory_per_contact());
-        Record::new(rest, model.points).promote(slot + 1, own);
+        let mut record = Record::new(rest, model.points);
+        record.promote(slot + 1, own);
+        record.set_pressed(slot + 1, first.normal_force > 0.0);
+        for (a, b) in model.deflection(contact, 0).zip(model.deflection(contact, slot + 1)) {
+            y.swap(a, b);
+        }
     }
 }
 
@@ -170,7 +191,7 @@ impl WheelSearch {
         let (memory, rest) = memory.split_at_mut(own);
         let mut record = Record::new(rest, wheel.model.points);
         if record.holds(wheel)
-            && let Some(places) = self.follow(wheel, tread.is_some(), memory, &mut record)
+            && let Some(places) = self.follow(wheel, tread, memory, &mut record)
         {
             return Ok(places);
         }
@@ -179,17 +200,25 @@ impl WheelSearch {
 
     /// The known places, each from where it was; `None` where one of them is not found so.
     #[inline]
-    fn follow(&self, wheel: &WheelAt, constrained: bool, memory: &mut [f64], record: &mut Record) -> Option<Places> {
+    fn follow(&self, wheel: &WheelAt, tread: Option<&ContactLocation>, memory: &mut [f64], record: &mut Record) -> Option<Places> {
+        let constrained = tread.is_some();
         let pair = wheel.pair();
         let mut places = Places::default();
-        for (slot, place) in places.iter_mut().enumerate().take(wheel.model.points).skip(usize::from(constrained)) {
+        for slot in usize::from(constrained)..wheel.model.points {
             if !record.is_tracked(slot) {
                 continue;
             }
             let start = if slot == 0 { warm_start(memory) } else { record.parameters(slot) };
             let location = pair.locate(&start).ok()?;
+            // Newton knows nothing of least distances: it may run to a ridge or to the place of another contact.
+            let u = location.parameters.wheel;
+            let taken = |known: f64| (known - u).abs() < APART;
+            let known = places[..slot].iter().flatten().map(|place| place.location.parameters.wheel);
+            if !is_least(&pair, &location) || known.chain(tread.map(|tread| tread.parameters.wheel)).any(taken) {
+                return None;
+            }
             record.keep(slot, &location.parameters, location.penetration, memory);
-            *place = Some(Place { location, share: 1.0 });
+            places[slot] = Some(Place { location, share: 1.0 });
         }
         Some(places)
     }
@@ -222,10 +251,11 @@ impl WheelSearch {
             }
         }
         let free = wheel.model.points - usize::from(tread.is_some());
+        let mut left = [false; crate::contact::search::global::MOST];
         while (0..count).filter(|i| chosen[*i]).count() > free {
             let shallowest = (0..count).filter(|i| chosen[*i]).max_by(|a, b| minima[*a].distance.total_cmp(&minima[*b].distance));
             if let Some(shallowest) = shallowest {
-                chosen[shallowest] = false;
+                (chosen[shallowest], left[shallowest]) = (false, true);
             }
         }
         let mut places = Places::default();
@@ -234,18 +264,23 @@ impl WheelSearch {
             let Some(slot) = numbers[i] else { continue };
             let location = self.search.polish(&pair, minimum).location;
             record.keep(slot, &location.parameters, location.penetration, memory);
-            places[slot] = Some(Place { location, share: share(&minima, i) });
+            places[slot] = Some(Place { location, share: share(&minima, &left, i) });
         }
         // Contacts whose ridge is pressed, or soon may be, share a patch: that takes a search.
         let ridges = minima.iter().filter_map(|minimum| minimum.ridge_to_next).map(|ridge| ridge.distance);
         let steady = if minima.delicate { 0.0 } else { minima.steady.min(minima.clearance) };
+        // One that found no number matters when it touches, or when it becomes deeper than one that has a number.
+        let deepest_left =
+            left.iter().take(count).enumerate().filter(|(_, left)| **left).map(|(i, _)| minima[i].distance).fold(f64::INFINITY, f64::min);
+        let shallowest = (0..count).filter(|i| chosen[*i]).map(|i| minima[i].distance).fold(f64::MIN, f64::max);
+        let steady = steady.min(deepest_left.max(0.5 * (deepest_left - shallowest)));
         record.renew(wheel, ridges.fold(steady, f64::min).max(0.0));
         Ok(places)
     }
 }
 
-/// Share of contact `i` beside its neighbours.
-fn share(minima: &[crate::contact::search::global::Minimum], i: usize) -> f64 {
+/// Share of contact `i` beside its neighbours; those that are `left` out carry nothing.
+fn share(minima: &[crate::contact::search::global::Minimum], left: &[bool], i: usize) -> f64 {
     let depth = -minima[i].distance;
     if !(depth > 0.0) {
         return 1.0;
@@ -256,9 +291,12 @@ fn share(minima: &[crate::contact::search::global::Minimum], i: usize) -> f64 {
         let sum = own.max(0.0) + other;
         1.0 - ridge / depth * if sum > 0.0 { other / sum } else { 0.5 }
     };
-    let after = minima[i].ridge_to_next.filter(|_| i + 1 < minima.len()).map_or(1.0, |r| beside(-r.distance, -minima[i + 1].distance));
-    let before = i.checked_sub(1).and_then(|before| minima[before].ridge_to_next.map(|r| beside(-r.distance, -minima[before].distance)));
-    after * before.unwrap_or(1.0)
+    let loaded = |i: usize| i < minima.len() && !left[i];
+    let after = minima[i].ridge_to_next.filter(|_| loaded(i + 1)).map_or(1.0, |r| beside(-r.distance, -minima[i + 1].distance));
+    let before = i.checked_sub(1).filter(|before| loaded(*before));
+    let before = before.and_then(|before| minima[before].ridge_to_next.map(|r| beside(-r.distance, -minima[before].distance)));
+    // Rounding may put a ridge below the contact.
+    (after * before.unwrap_or(1.0)).max(0.0)
 }
 
 fn derailed(wheel: &WheelAt, how: &'static str) -> ContactFailure {

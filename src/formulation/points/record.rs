@@ -77,6 +77,11 @@ impl<'a> Record<'a> {
         self.values[POSE..MARKS].copy_from_slice(&pose(wheel));
     }
 
+    /// No search has been made yet.
+    pub fn forget(&mut self) {
+        self.values[0] = 0.0;
+    }
+
     /// Gives each chosen minimum the number of the contact that was in its basin, or else the lowest that is free, the deepest
     /// first. With `constrained` the first number is taken.
     pub fn assign(&mut self, minima: &[Minimum], chosen: &[bool], constrained: bool, own: &[f64]) -> [Option<usize>; MOST] {
@@ -106,7 +111,8 @@ impl<'a> Record<'a> {
             self.values[MARKS + slot] = if taken[slot] { 1.0 } else { 0.0 };
             if slot > 0 && !taken[slot] {
                 let place = self.place(slot);
-                self.values[place..place + PER_CONTACT].fill(0.0);
+                // The mark stays: a contact that is lost in the middle of a step and found again has not begun anew.
+                self.values[place..place + PRESSED].fill(0.0);
             }
         }
         numbers
@@ -131,7 +137,7 @@ impl<'a> Record<'a> {
         let place = self.place(slot);
         own[..4].swap_with_slice(&mut self.values[place..place + 4]);
         self.values.swap(MARKS, MARKS + slot);
-        self.values[0] = 0.0;
+        self.forget();
     }
 
     pub fn set_pressed(&mut self, slot: usize, pressed: bool) {

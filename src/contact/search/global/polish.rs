@@ -82,6 +82,12 @@ impl GlobalSearch {
     }
 }
 
+/// Is a place that solves the four equations a least distance across the profiles, not a ridge?
+#[inline]
+pub fn is_least(pair: &Pair, at: &ContactLocation) -> bool {
+    bending(pair, at) > 0.0
+}
+
 /// Second derivative of the distance along the wheel's trace, 1/m; infinite curvature of the trace counts as positive.
 fn bending(pair: &Pair, at: &ContactLocation) -> f64 {
     let (wheel, rail) = (&at.wheel_profile, &at.rail_profile);
