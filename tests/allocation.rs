@@ -51,7 +51,8 @@ fn prop_searches_for_contacts_and_transient_contact_do_not_allocate() {
     let apta = apta.to_str().unwrap();
     const BOTH: &[&str] = &["ECF-A", "ECCF"];
     // Scene, lateral force [N] that is on for 2 s before, changes, formulations, whether its flange must press.
-    let cases: &[(&str, f64, &[&str], &[&str], bool)] = &[
+    type Case<'a> = (&'a str, f64, &'a [&'a str], &'a [&'a str], bool);
+    let cases: &[Case] = &[
         ("wheelset_s1002", 0.0, &[], &["ECF-A"], false),
         ("wheelset_standstill", 0.0, &[], BOTH, false),
         ("wheelset_standstill", 0.0, &["vehicle.speed=0"], BOTH, false),

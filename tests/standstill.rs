@@ -129,7 +129,7 @@ fn prop_slow_rolling_starts_in_the_same_equilibrium_at_any_speed() {
         let moved = [(later["z"] - first["z"]).abs(), (later["vx"] - first["vx"]).abs()];
         println!("{speed} m/s: after 50 ms z has moved by {:.1e} m, the speed changed by {:.1e} m/s", moved[0], moved[1]);
         // Rolling costs a little: the patches spin.
-        assert!(moved[0] < 1e-8 && moved[1] < 1e-4, "{speed} {moved:?}");
+        assert!(moved[0] < 1e-7 && moved[1] < 1e-4, "{speed} {moved:?}");
         (first["z"], first["pitchRate"])
     };
     let (height, turn) = initial("1");

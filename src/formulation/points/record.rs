@@ -88,7 +88,7 @@ impl<'a> Record<'a> {
         let mut numbers = [None; MOST];
         let mut taken = [false; MOST_POINTS];
         taken[0] = constrained;
-        for slot in usize::from(constrained)..self.points {
+        for (slot, taken) in taken.iter_mut().enumerate().take(self.points).skip(usize::from(constrained)) {
             if !self.is_tracked(slot) {
                 continue;
             }
@@ -96,7 +96,7 @@ impl<'a> Record<'a> {
             let here = |i: &usize| chosen[*i] && numbers[*i].is_none() && (minima[*i].basin.0..=minima[*i].basin.1).contains(&u);
             if let Some(i) = (0..minima.len()).find(here) {
                 numbers[i] = Some(slot);
-                taken[slot] = true;
+                *taken = true;
             }
         }
         loop {
@@ -107,9 +107,9 @@ impl<'a> Record<'a> {
             numbers[i] = Some(slot);
             taken[slot] = true;
         }
-        for slot in usize::from(constrained)..self.points {
-            self.values[MARKS + slot] = if taken[slot] { 1.0 } else { 0.0 };
-            if slot > 0 && !taken[slot] {
+        for (slot, taken) in taken.into_iter().enumerate().take(self.points).skip(usize::from(constrained)) {
+            self.values[MARKS + slot] = if taken { 1.0 } else { 0.0 };
+            if slot > 0 && !taken {
                 let place = self.place(slot);
                 // The mark stays: a contact that is lost in the middle of a step and found again has not begun anew.
                 self.values[place..place + PRESSED].fill(0.0);
