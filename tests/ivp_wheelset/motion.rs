@@ -15,7 +15,7 @@ use wheelrail::solve::{Dynamics, Undefined};
 pub const MULTIPLIERS: usize = 4;
 pub const MEMORY: usize = 6;
 
-const LOOP: Limits = Limits { relative: 1e-13, floor: 0.0, iterations: 50 };
+const LOOP: Limits = Limits { relative: 1e-13, floor: 0.0, iterations: 50, accepted: 0.0 };
 
 /// What rounding leaves of the constraints: m, m/s.
 const GAP_ROUNDING: f64 = 1e-16;
