@@ -130,9 +130,9 @@ impl<'a> Section<'a> {
     /// A finite number in SI, `None` when absent.
     pub fn optional(&self, key: &'static str, dimension: Dimension) -> Result<Option<f64>, SettingsError> {
         let Some(item) = self.find(key) else { return Ok(None) };
-        match item.as_value().and_then(|value| in_si(value, dimension)) {
-            Some(value) if value.is_finite() => Ok(Some(value)),
-            _ => Err(self.wrong(key, item, &dimension.expectation())),
+        match item.as_value().and_then(|value| number(value, dimension)) {
+            Some(value) => Ok(Some(value)),
+            None => Err(self.wrong(key, item, &dimension.expectation())),
         }
     }
 
@@ -164,22 +164,36 @@ impl<'a> Section<'a> {
         if value >= 0.0 { Ok(value) } else { Err(self.error(key, format!("found {value:?}, expected 0 or more"))) }
     }
 
-    /// A list of `N` finite numbers in SI, `None` when absent.
-    pub fn optional_numbers<const N: usize>(&self, key: &'static str, dimension: Dimension) -> Result<Option<[f64; N]>, SettingsError> {
-        let Some(item) = self.find(key) else { return Ok(None) };
-        let wrong = || self.wrong(key, item, &format!("a list of {N}, each {}", dimension.expectation()));
-        let array = item.as_array().filter(|array| array.len() == N).ok_or_else(wrong)?;
-        let mut numbers = [0.0; N];
-        for (number, value) in numbers.iter_mut().zip(array.iter()) {
-            *number = in_si(value, dimension).filter(|number| number.is_finite()).ok_or_else(wrong)?;
-        }
-        Ok(Some(numbers))
+    /// Three finite numbers `[x, y, z]` in SI, `None` when absent.
+    pub fn optional_triple(&self, key: &'static str, dimension: Dimension) -> Result<Option<[f64; 3]>, SettingsError> {
+        if self.has(key) { self.triple_or(key, dimension, [0.0; 3]).map(Some) } else { Ok(None) }
     }
 
-    /// A list of `N` finite numbers in SI that must be given.
-    pub fn numbers<const N: usize>(&self, key: &'static str, dimension: Dimension) -> Result<[f64; N], SettingsError> {
-        let expected = || self.missing(key, &format!("a list of {N}, each {}", dimension.expectation()));
-        self.optional_numbers(key, dimension)?.ok_or_else(expected)
+    /// Three finite numbers `[x, y, z]` in SI that must be given.
+    pub fn triple(&self, key: &'static str, dimension: Dimension) -> Result<[f64; 3], SettingsError> {
+        let expected = || self.missing(key, &format!("a list of three, each {}", dimension.expectation()));
+        self.optional_triple(key, dimension)?.ok_or_else(expected)
+    }
+
+    /// Three finite numbers `[x, y, z]` in SI, or `default`.
+    pub fn triple_or(&self, key: &'static str, dimension: Dimension, default: [f64; 3]) -> Result<[f64; 3], SettingsError> {
+        let Some(item) = self.find(key) else { return Ok(default) };
+        item.as_array()
+            .and_then(|array| array.iter().map(|value| number(value, dimension)).collect::<Option<Vec<f64>>>())
+            .and_then(|numbers| numbers.try_into().ok())
+            .ok_or_else(|| self.wrong(key, item, &format!("a list of three, each {}", dimension.expectation())))
+    }
+
+    /// Pairs of finite numbers `[[x, y], ...]` in SI.
+    pub fn pairs(&self, key: &'static str, x: Dimension, y: Dimension) -> Result<Vec<[f64; 2]>, SettingsError> {
+        let expected = || format!("a list of pairs [[x, y], ...], x {}, y {}", x.expectation(), y.expectation());
+        let item = self.find(key).ok_or_else(|| self.missing(key, &expected()))?;
+        let pair = |value: &Value| {
+            let pair = value.as_array().filter(|pair| pair.len() == 2)?;
+            Some([number(pair.get(0)?, x)?, number(pair.get(1)?, y)?])
+        };
+        let pairs = item.as_array().and_then(|array| array.iter().map(pair).collect());
+        pairs.ok_or_else(|| self.wrong(key, item, &expected()))
     }
 
     /// A string that must be given.
@@ -324,14 +338,15 @@ impl<'a> Section<'a> {
     }
 }
 
-/// A number, or a string with a unit, in SI.
-fn in_si(value: &Value, dimension: Dimension) -> Option<f64> {
-    match value {
+/// A finite number in SI, with or without unit.
+fn number(value: &Value, dimension: Dimension) -> Option<f64> {
+    let number = match value {
         Value::Float(value) => Some(*value.value()),
         Value::Integer(value) => Some(*value.value() as f64),
         Value::String(value) => dimension.parse(value.value()),
         _ => None,
-    }
+    };
+    number.filter(|number| number.is_finite())
 }
 
 fn one_of(words: &[&str]) -> String {

@@ -102,7 +102,7 @@ impl<'a> Expansion<'_, 'a> {
             if depth == DEEPEST {
                 return Err(section.error("module", format!("more than {DEEPEST} modules inside each other: does \"{wanted}\" place itself?")));
             }
-            let position: Vector3<f64> = section.numbers("position", Dimension::Length)?.into();
+            let position: Vector3<f64> = section.triple("position", Dimension::Length)?.into();
             section.finish()?;
             let prefix = format!("{prefix}{name}");
             self.take(&prefix, &table.clone())?;

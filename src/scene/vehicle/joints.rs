@@ -20,7 +20,7 @@ pub(super) fn read(name: &str, section: &Section, resolver: &Resolver) -> Result
     }
     let point = resolver.point(section, "at")?;
     let axis = |key: &'static str| -> Result<Vector3<f64>, SettingsError> {
-        let axis: Vector3<f64> = section.numbers(key, Dimension::None)?.into();
+        let axis: Vector3<f64> = section.triple(key, Dimension::None)?.into();
         if axis.norm() < 1e-9 {
             return Err(section.error(key, "found a vector of length 0, expected a direction"));
         }

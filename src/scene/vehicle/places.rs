@@ -68,12 +68,12 @@ impl<'f> Resolver<'f> {
 
     /// The design position `section.key` in the vehicle's design frame, m.
     pub fn point(&self, section: &Section, key: &'static str) -> Result<Vector3<f64>, SettingsError> {
-        Ok(self.placed(section.numbers(key, Dimension::Length)?.into()))
+        Ok(self.placed(section.triple(key, Dimension::Length)?.into()))
     }
 
     /// The same, `None` when absent.
     pub fn optional_point(&self, section: &Section, key: &'static str) -> Result<Option<Vector3<f64>>, SettingsError> {
-        Ok(section.optional_numbers(key, Dimension::Length)?.map(|point| self.placed(point.into())))
+        Ok(section.optional_triple(key, Dimension::Length)?.map(|point| self.placed(point.into())))
     }
 
     fn placed(&self, point: Vector3<f64>) -> Vector3<f64> {

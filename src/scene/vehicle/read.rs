@@ -73,7 +73,7 @@ fn body(entry: &Entry, flat: &Flat) -> Result<PlacedBody, SettingsError> {
     let Entry { name, scope, side, section } = entry;
     let inertia = |key| section.at_least(key, Dimension::Inertia, SMALLEST);
     let principal = Vector3::new(inertia("inertia_xx")?, inertia("inertia_yy")?, inertia("inertia_zz")?);
-    let mut position: Vector3<f64> = section.numbers("position", Dimension::Length)?.into();
+    let mut position: Vector3<f64> = section.triple("position", Dimension::Length)?.into();
     if *side == Some(Side::Right) {
         position.y = -position.y;
     }
