@@ -241,6 +241,13 @@ impl<'a> Section<'a> {
             .collect()
     }
 
+    /// A list of strings, `None` when absent.
+    pub fn optional_texts(&self, key: &'static str) -> Result<Option<Vec<String>>, SettingsError> {
+        let Some(item) = self.find(key) else { return Ok(None) };
+        let texts = item.as_array().and_then(|array| array.iter().map(|value| value.as_str().map(str::to_owned)).collect());
+        texts.map(Some).ok_or_else(|| self.wrong(key, item, "a list of strings"))
+    }
+
     /// A Boolean, or `default`.
     pub fn flag_or(&self, key: &'static str, default: bool) -> Result<bool, SettingsError> {
         let Some(item) = self.find(key) else { return Ok(default) };

@@ -132,7 +132,16 @@ pub fn pack_scene(scene: &Scene) -> Result<PackedScene, PackageError> {
 fn set_text(document: &mut DocumentMut, key: &str, text: &str) {
     let mut item = document.as_item_mut();
     for step in key.split('.') {
-        match item.get_mut(step) {
+        let (step, index) = match step.split_once('[') {
+            Some((step, index)) => (step, index.trim_end_matches(']').parse::<usize>().ok().and_then(|index| index.checked_sub(1))),
+            None => (step, None),
+        };
+        let next = item.get_mut(step);
+        let next = match index {
+            Some(index) => next.and_then(|list| list.get_mut(index)),
+            None => next,
+        };
+        match next {
             Some(next) => item = next,
             None => return,
         }

@@ -9,7 +9,7 @@ use crate::contact::{Material, creep, normal};
 use crate::formulation::{self, points::MOST_POINTS};
 use crate::geometry::profile::{self, Part, ProfileChoice};
 use crate::geometry::track::{self, Deviation, gauge};
-use crate::settings::{Section, SettingsError, Source};
+use crate::settings::{Section, SettingsError, Source, did_you_mean};
 use crate::solve::{self, Integrator};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -73,15 +73,25 @@ pub struct SolverSpec {
 
 /// Groups of inputs, outputs and parameters that an FMU may show.
 pub const INPUT_GROUPS: &[&str] = &["drive_torque", "centre_forces", "friction"];
-pub const OUTPUT_GROUPS: &[&str] = &["motion", "wheels", "contacts", "suspension"];
+pub const OUTPUT_GROUPS: &[&str] = &["motion", "wheels", "contacts", "suspension", "axles", "bodies", "sensors", "forces"];
 pub const PARAMETER_GROUPS: &[&str] = &["vehicle", "suspension", "contact", "solver", "initial"];
 
 /// `[interface]`: names of groups; all when absent.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct InterfaceSpec {
     pub inputs: Vec<&'static str>,
     pub outputs: Vec<&'static str>,
     pub parameters: Vec<&'static str>,
+    /// Parts of the vehicle whose variables are shown; `None`: all.
+    pub only: Option<Vec<String>>,
+}
+
+impl InterfaceSpec {
+    /// Are variables of that name, or of the part of that name, shown?
+    pub fn shows(&self, name: &str) -> bool {
+        let within = |part: &String| name.strip_prefix(part.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        self.only.as_ref().is_none_or(|only| only.iter().any(within))
+    }
 }
 
 /// Smallest mass [kg] and inertia [kg m2] that a scene or a master may set.
@@ -121,8 +131,13 @@ impl Scene {
         let (solver_name, integrator) = solve::parse(&solver)?;
         solver.finish()?;
         let interface = match root.optional_section("interface")? {
-            Some(section) => read_interface(section)?,
-            None => InterfaceSpec { inputs: INPUT_GROUPS.to_vec(), outputs: OUTPUT_GROUPS.to_vec(), parameters: PARAMETER_GROUPS.to_vec() },
+            Some(section) => read_interface(section, &vehicle)?,
+            None => InterfaceSpec {
+                inputs: INPUT_GROUPS.to_vec(),
+                outputs: OUTPUT_GROUPS.to_vec(),
+                parameters: PARAMETER_GROUPS.to_vec(),
+                only: None,
+            },
         };
         let run = root.section("run")?;
         let spec = RunSpec { stop: run.not_negative("stop", Dimension::Time)?, step: run.positive("step", Dimension::Time)? };
@@ -253,11 +268,21 @@ fn read_points(section: &Section) -> Result<usize, SettingsError> {
     Err(section.error("points", format!("found {points:?}, expected a whole number from 1 to {MOST_POINTS}")))
 }
 
-fn read_interface(section: Section) -> Result<InterfaceSpec, SettingsError> {
+fn read_interface(section: Section, vehicle: &VehicleSpec) -> Result<InterfaceSpec, SettingsError> {
+    let only = section.optional_texts("only")?;
+    let parts = vehicle.part_names();
+    for name in only.iter().flatten() {
+        let within = |part: &&str| part.strip_prefix(name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        if !parts.iter().any(within) {
+            let problem = format!("found \"{name}\"{}, expected parts of the vehicle: {}", did_you_mean(name, &parts), parts.join(", "));
+            return Err(section.error("only", problem));
+        }
+    }
     let spec = InterfaceSpec {
         inputs: section.words_or_all("inputs", INPUT_GROUPS)?,
         outputs: section.words_or_all("outputs", OUTPUT_GROUPS)?,
         parameters: section.words_or_all("parameters", PARAMETER_GROUPS)?,
+        only,
     };
     section.finish()?;
     Ok(spec)

@@ -8,6 +8,7 @@ pub mod input;
 pub mod outputs;
 pub mod recording;
 pub mod unit;
+pub mod vehicle_outputs;
 
 use crate::formulation::events::ContactEvent;
 use crate::formulation::work::Work;

@@ -144,6 +144,23 @@ impl VehicleSpec {
         }
     }
 
+    /// Name of each wheelset, and whether its speed is imposed.
+    pub fn axles(&self) -> Vec<(&str, bool)> {
+        match &self.free {
+            Some(free) => free.wheelsets.iter().map(|w| (w.spec.name.as_str(), self.speed_imposed && w.driven)).collect(),
+            None => vec![(&self.wheelset.name, self.speed_imposed)],
+        }
+    }
+
+    /// Names of all parts that have variables.
+    pub fn part_names(&self) -> Vec<&str> {
+        let Some(free) = &self.free else { return vec![&self.wheelset.name] };
+        let wheelsets = free.wheelsets.iter().map(|w| w.spec.name.as_str());
+        let bodies = free.bodies.iter().map(|b| b.body.name.as_str());
+        let forces = free.forces.iter().map(|force| force.0.name());
+        wheelsets.chain(bodies).chain(free.sensors.iter().map(|sensor| sensor.name.as_str())).chain(forces).collect()
+    }
+
     /// Files that profiles of wheels refer to, each once.
     pub fn files(&self) -> Vec<&profile::ProfileFile> {
         let mut files: Vec<&profile::ProfileFile> = Vec::new();
