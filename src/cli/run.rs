@@ -2,8 +2,8 @@
 
 use super::progress::Progress;
 use super::{Failure, SceneArguments, TimeArguments, plot, print, table};
-use crate::sim::vehicle_outputs::scene_outputs;
 use crate::sim::recording::{self, Recording};
+use crate::sim::vehicle_outputs::scene_outputs;
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! The table of parameters: fields of the scene that a master may set before initialization ends.
 
-use super::vehicle_parameters;
 use super::variables::{Kind, Role, Variable, WHEELSET};
+use super::vehicle_parameters;
 use crate::scene::spec::{INITIAL, SMALLEST, SMALLEST_MODULUS, Scene};
 use crate::sim::unit::Unit;
 use crate::solve::SettingKind;

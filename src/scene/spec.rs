@@ -171,7 +171,11 @@ impl Scene {
 }
 
 /// One table for both sides, or one for each.
-pub(super) fn read_profiles(section: &Section, [both, left, right]: [&'static str; 3], part: Part) -> Result<[ProfileChoice; 2], SettingsError> {
+pub(super) fn read_profiles(
+    section: &Section,
+    [both, left, right]: [&'static str; 3],
+    part: Part,
+) -> Result<[ProfileChoice; 2], SettingsError> {
     let (own_left, own_right) = (section.optional_section(left)?, section.optional_section(right)?);
     if let (Some(left), Some(right)) = (own_left, own_right) {
         if section.has(both) {

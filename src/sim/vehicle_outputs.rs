@@ -144,9 +144,7 @@ impl Collector<'_> {
                 // The element's constants are copied, so that outputs do not borrow the model.
                 let (element, states) = (self.model.system.forces[first + index].clone_box(), states.clone());
                 let label = Label { reference, name, group: "forces", unit, at_once: false };
-                self.add(label, quantity.description, move |s| {
-                    element.quantity(number, &s.workspace.system.motions, &s.y[states.clone()])
-                });
+                self.add(label, quantity.description, move |s| element.quantity(number, &s.workspace.system.motions, &s.y[states.clone()]));
             }
         }
     }

@@ -1,11 +1,13 @@
 //! From modules that place each other to one flat list of entries with full names.
 
 use crate::geometry::Side;
+use crate::geometry::profile::{Part, ProfileChoice};
+use crate::scene::spec::read_profiles;
 use crate::settings::{Section, SettingsError, did_you_mean};
 use crate::units::Dimension;
 use nalgebra::Vector3;
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 /// Where a module stands: names and positions in it are relative to this.
 #[derive(Debug)]
@@ -15,6 +17,8 @@ pub(super) struct Scope {
     /// Of the module's design frame in the vehicle's, m.
     pub offset: Vector3<f64>,
     pub parent: Option<usize>,
+    /// Of wheels without profiles of their own: `wheel_profile`.
+    wheel_profiles: Option<[ProfileChoice; 2]>,
 }
 
 /// One entry, or one side of a mirrored one.
@@ -41,19 +45,42 @@ pub(super) struct Flat<'a> {
     pub entries: [Vec<Entry<'a>>; 5],
 }
 
+impl Flat<'_> {
+    /// Profiles of wheels that stand in a module without profiles of their own: its own ones, or those of what surrounds it.
+    pub fn wheel_profiles(&self, scope: usize) -> Option<&[ProfileChoice; 2]> {
+        let scope = &self.scopes[scope];
+        scope.wheel_profiles.as_ref().or_else(|| scope.parent.and_then(|parent| self.wheel_profiles(parent)))
+    }
+}
+
 /// Modules within modules.
 const DEEPEST: usize = 8;
 
-/// Collects the entries of `vehicle` and of all modules that it places.
-pub(super) fn expand<'a>(vehicle: &Section<'a>) -> Result<Flat<'a>, SettingsError> {
-    let modules = vehicle.named_sections("module")?;
+/// Collects the entries of `vehicle` and of all modules that it places; `library` holds the templates that a module may lie over.
+pub(super) fn expand<'a>(vehicle: &Section<'a>, library: &[(&'static str, Section<'a>)]) -> Result<Flat<'a>, SettingsError> {
+    let mut modules = Vec::new();
+    let known: Vec<&'static str> = library.iter().map(|template| template.0).collect();
+    for (name, section) in vehicle.named_sections("module")? {
+        if !section.has("template") {
+            modules.push((name, section));
+            continue;
+        }
+        let wanted = section.word("template", &known)?;
+        let Some((_, base)) = library.iter().find(|template| template.0 == wanted) else { continue };
+        // The template's own modules come along; what the scene calls by the same name goes before them.
+        let inner = base.named_sections("module")?;
+        modules.push((name, section.over(base.clone())));
+        modules.extend(inner);
+    }
+    let mut seen = BTreeSet::new();
+    modules.retain(|module| seen.insert(module.0.clone()));
     let mut expansion = Expansion {
         modules: &modules,
         placed: vec![false; modules.len()],
-        names: BTreeMap::new(),
+        names: BTreeSet::new(),
         flat: Flat { scopes: Vec::new(), entries: Default::default() },
     };
-    expansion.collect(vehicle, Scope { prefix: String::new(), offset: Vector3::zeros(), parent: None }, 0)?;
+    expansion.collect(vehicle, (String::new(), Vector3::zeros(), None), 0)?;
     if let Some(idle) = expansion.placed.iter().position(|placed| !placed) {
         let problem = "is placed nowhere; expected a [[vehicle.place]] that names it, or no such module";
         return Err(modules[idle].1.error("", problem));
@@ -69,15 +96,21 @@ struct Expansion<'m, 'a> {
     modules: &'m [(String, Section<'a>)],
     placed: Vec<bool>,
     /// Every name so far.
-    names: BTreeMap<String, ()>,
+    names: BTreeSet<String>,
     flat: Flat<'a>,
 }
 
 impl<'a> Expansion<'_, 'a> {
-    fn collect(&mut self, table: &Section<'a>, scope: Scope, depth: usize) -> Result<(), SettingsError> {
-        let (prefix, offset) = (scope.prefix.clone(), scope.offset);
+    fn collect(
+        &mut self,
+        table: &Section<'a>,
+        (prefix, offset, parent): (String, Vector3<f64>, Option<usize>),
+        depth: usize,
+    ) -> Result<(), SettingsError> {
+        let keys = ["wheel_profile", "left_wheel_profile", "right_wheel_profile"];
+        let wheel_profiles = if table.has_table(keys[0]) { Some(read_profiles(table, keys, Part::Wheel)?) } else { None };
         let number = self.flat.scopes.len();
-        self.flat.scopes.push(scope);
+        self.flat.scopes.push(Scope { prefix: prefix.clone(), offset, parent, wheel_profiles });
         for (kind, key) in KINDS.into_iter().enumerate() {
             for section in table.sections(key)? {
                 let name = read_name(&section)?;
@@ -96,11 +129,14 @@ impl<'a> Expansion<'_, 'a> {
             let wanted = section.text("module")?;
             let Some(index) = self.modules.iter().position(|module| module.0 == wanted) else {
                 let known: Vec<&str> = self.modules.iter().map(|module| module.0.as_str()).collect();
-                let problem = format!("found \"{wanted}\"{}, expected the name of a module: {}", did_you_mean(&wanted, &known), known.join(", "));
+                let names = if known.is_empty() { "there is no [vehicle.module.NAME]".into() } else { known.join(", ") };
+                let problem = format!("found \"{wanted}\"{}, expected the name of a module: {names}", did_you_mean(&wanted, &known));
                 return Err(section.error("module", problem));
             };
             if depth == DEEPEST {
-                return Err(section.error("module", format!("more than {DEEPEST} modules inside each other: does \"{wanted}\" place itself?")));
+                return Err(
+                    section.error("module", format!("more than {DEEPEST} modules inside each other: does \"{wanted}\" place itself?"))
+                );
             }
             let position: Vector3<f64> = section.triple("position", Dimension::Length)?.into();
             section.finish()?;
@@ -108,18 +144,17 @@ impl<'a> Expansion<'_, 'a> {
             self.take(&prefix, &table.clone())?;
             self.placed[index] = true;
             let module = self.modules[index].1.clone();
-            let inner = Scope { prefix: format!("{prefix}."), offset: offset + position, parent: Some(number) };
-            self.collect(&module, inner, depth + 1)?;
+            self.collect(&module, (format!("{prefix}."), offset + position, Some(number)), depth + 1)?;
             module.finish()?;
         }
         Ok(())
     }
 
     fn take(&mut self, name: &str, section: &Section) -> Result<(), SettingsError> {
-        match self.names.insert(name.into(), ()) {
-            None => Ok(()),
-            Some(()) => Err(section.error("name", format!("\"{name}\" names something else already; expected a new name"))),
+        if self.names.insert(name.into()) {
+            return Ok(());
         }
+        Err(section.error("name", format!("\"{name}\" names something else already; expected a new name")))
     }
 }
 

@@ -4,7 +4,7 @@
 //! wheelsets, joints, forces and sensors by name. Groups of them that occur several times stand in `[vehicle.module.NAME]` and are
 //! put into place by `[[vehicle.place]]`; modules may place modules (a train places vehicles, a vehicle trucks). A template is
 //! such a table that the program carries ([`templates`]); what the scene says about an entry of the same name replaces single
-//! keys of it.
+//! keys of it. A module may lie over a template too (`template = "..."` in it): that is a vehicle of a train.
 //!
 //! *Design frame:* x forward, y left, z up, origin at rail height at the vehicle's middle (any point will do); every position in
 //! the scene is one in it, in the design configuration, in which all bodies' axes are parallel to it. A module has its own
@@ -197,6 +197,7 @@ pub static TEMPLATES: &[(&str, &str)] = &[
     ("free", "any vehicle: [[vehicle.body]], [[vehicle.wheelset]], [[vehicle.joint]], [[vehicle.force]], modules"),
     ("bogie", "one truck of the Manchester Benchmarks' coach under half of its body"),
     ("vehicle_manchester_1", "the passenger coach of the Manchester Benchmarks (Iwnicki 1999)"),
+    ("vehicle_equalised", "two trucks with equaliser bars, frame and bolster each, and a car body (paper, section 5): 13 bodies"),
 ];
 
 /// Reads `[vehicle]`.
@@ -208,7 +209,6 @@ pub(super) fn read(section: Section) -> Result<VehicleSpec, SettingsError> {
     let template = section.word("template", &names)?;
     match template {
         "suspended_wheelset" => suspended::read(section, template),
-        "free" => read::free(section, template),
         _ => templates::read(section, template),
     }
 }

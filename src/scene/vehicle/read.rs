@@ -5,7 +5,7 @@ use super::places::{Bodies, ElementPlaces, Resolver};
 use super::suspended::{Initial, WheelsetSpec};
 use super::{Element, FreeVehicle, PlacedBody, PlacedWheelset, Sensor, Travel, VehicleSpec, joints};
 use crate::geometry::Side;
-use crate::geometry::profile::{Part, ProfileChoice};
+use crate::geometry::profile::Part;
 use crate::mbs::body::Body;
 use crate::mbs::force::REGISTRY;
 use crate::mbs::inertia::Inertia;
@@ -15,12 +15,12 @@ use crate::units::Dimension;
 use nalgebra::Vector3;
 
 /// Reads `[vehicle]` of a free model, or of a template that is one.
-pub(super) fn free(section: Section, template: &'static str) -> Result<VehicleSpec, SettingsError> {
+pub(super) fn free<'a>(
+    section: Section<'a>,
+    template: &'static str,
+    library: &[(&'static str, Section<'a>)],
+) -> Result<VehicleSpec, SettingsError> {
     let Travel { speed, speed_imposed, gravity } = Travel::read(&section)?;
-    let profiles = match section.has_table("wheel_profile") {
-        true => Some(read_profiles(&section, ["wheel_profile", "left_wheel_profile", "right_wheel_profile"], Part::Wheel)?),
-        false => None,
-    };
     let distance = match section.optional_section("initial")? {
         Some(initial) => {
             let distance = initial.number_or("distance", Dimension::Length, 0.0)?;
@@ -29,8 +29,8 @@ pub(super) fn free(section: Section, template: &'static str) -> Result<VehicleSp
         }
         None => 0.0,
     };
-    let flat = expand(&section)?;
-    let mut wheelsets = flat.entries[WHEELSET].iter().map(|entry| wheelset(entry, &flat, profiles.as_ref())).collect::<Result<Vec<_>, _>>()?;
+    let flat = expand(&section, library)?;
+    let mut wheelsets = flat.entries[WHEELSET].iter().map(|entry| wheelset(entry, &flat)).collect::<Result<Vec<_>, _>>()?;
     // The entries are sorted by name, and this sort keeps their order where places are equal.
     wheelsets.sort_by(|a, b| b.x.total_cmp(&a.x));
     let Some(leading) = wheelsets.first() else {
@@ -42,8 +42,7 @@ pub(super) fn free(section: Section, template: &'static str) -> Result<VehicleSp
         return Err(section.error("travel", problem));
     }
     let bodies = flat.entries[BODY].iter().map(|entry| body(entry, &flat)).collect::<Result<Vec<_>, _>>()?;
-    let mut vehicle =
-        FreeVehicle { wheelsets, bodies, joints: Vec::new(), forces: Vec::new(), sensors: Vec::new(), distance };
+    let mut vehicle = FreeVehicle { wheelsets, bodies, joints: Vec::new(), forces: Vec::new(), sensors: Vec::new(), distance };
     let known = Bodies {
         names: vehicle.wheelsets.iter().map(|w| &w.spec.name).chain(vehicle.bodies.iter().map(|b| &b.body.name)).cloned().collect(),
         positions: (0..vehicle.body_count()).map(|body| vehicle.design_position(body)).collect(),
@@ -83,9 +82,9 @@ fn body(entry: &Entry, flat: &Flat) -> Result<PlacedBody, SettingsError> {
     Ok(PlacedBody { body, position: flat.scopes[*scope].offset + position })
 }
 
-fn wheelset(entry: &Entry, flat: &Flat, profiles: Option<&[ProfileChoice; 2]>) -> Result<PlacedWheelset, SettingsError> {
+fn wheelset(entry: &Entry, flat: &Flat) -> Result<PlacedWheelset, SettingsError> {
     let Entry { name, scope, section, .. } = entry;
-    let profiles = match profiles {
+    let profiles = match flat.wheel_profiles(*scope) {
         Some(profiles) if !section.has_table("profile") => profiles.clone(),
         _ => read_profiles(section, ["profile", "left_profile", "right_profile"], Part::Wheel)?,
     };
@@ -94,10 +93,7 @@ fn wheelset(entry: &Entry, flat: &Flat, profiles: Option<&[ProfileChoice; 2]>) -
         spec: WheelsetSpec::read(section, name.clone(), load, profiles)?,
         x: flat.scopes[*scope].offset.x + section.number("x", Dimension::Length)?,
         driven: section.flag_or("driven", false)?,
-        offset: [
-            section.number_or("initial_y", Dimension::Length, 0.0)?,
-            section.number_or("initial_yaw", Dimension::Angle, 0.0)?,
-        ],
+        offset: [section.number_or("initial_y", Dimension::Length, 0.0)?, section.number_or("initial_yaw", Dimension::Angle, 0.0)?],
     };
     section.clone().finish()?;
     Ok(wheelset)

@@ -321,19 +321,24 @@ impl<'a> Search<'a> {
         const MOTIONS: [&str; COORDINATES] =
             ["along x", "along y", "along z", "about z (yaw)", "about x (roll)", "about y (pitch, of a wheelset its spin)"];
         let name = |body: usize| self.model.system.bodies[body].name.clone();
-        let loose = jacobian.thin_svd().ok().and_then(|svd| {
-            let last = jacobian.ncols().checked_sub(1)?;
-            let least = svd.S().column_vector()[last];
-            let direction: Vec<f64> = (0..jacobian.ncols()).map(|row| svd.V()[(row, last)]).collect();
-            (least < LOOSE).then(|| self.unknowns[largest(&direction).1])
-        });
-        if let Some(Unknown::State { at, .. }) = loose {
-            let coordinates = COORDINATES * self.model.system.bodies.len();
-            let place = at % coordinates;
+        let coordinates = COORDINATES * self.model.system.bodies.len();
+        let per_body = if self.constrained { 2 * COORDINATES } else { COORDINATES };
+        // How far each unknown takes part in motions that nothing resists, times how far its body is off balance there.
+        let mut moved = vec![0.0; coordinates];
+        if let Ok(svd) = jacobian.thin_svd() {
+            for (column, unknown) in self.unknowns.iter().enumerate() {
+                let Unknown::State { at, .. } = unknown else { continue };
+                let loose = (0..jacobian.ncols()).filter(|k| svd.S().column_vector()[*k] < LOOSE);
+                let part: f64 = loose.map(|k| svd.V()[(column, k)].powi(2)).sum();
+                let place = at % coordinates;
+                moved[place] = part * rest[place / COORDINATES * per_body + place % COORDINATES].abs();
+            }
+        }
+        let (most, place) = largest(&moved);
+        if most > BALANCED {
             return EquilibriumError::Unsupported { body: name(place / COORDINATES), motion: MOTIONS[place % COORDINATES] };
         }
         let (worst, row) = largest(rest);
-        let per_body = if self.constrained { 2 * COORDINATES } else { COORDINATES };
         EquilibriumError::Unbalanced { body: name(row / per_body), acceleration: worst * UNIT }
     }
 

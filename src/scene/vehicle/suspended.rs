@@ -95,21 +95,23 @@ fn read_wheelset(section: Section) -> Result<WheelsetSpec, SettingsError> {
 impl WheelsetSpec {
     /// Reads the keys that every wheelset has.
     pub(super) fn read(section: &Section, name: String, vertical_load: f64, profiles: [ProfileChoice; 2]) -> Result<Self, SettingsError> {
-    let transverse_inertia = section.at_least("inertia_xx", Dimension::Inertia, SMALLEST)?;
-    let zz = section.at_least("inertia_zz", Dimension::Inertia, SMALLEST)?;
-    if zz != transverse_inertia {
-        return Err(section
-            .error("inertia_zz", format!("found {zz}, expected inertia_xx = {transverse_inertia}: a wheelset is a body of revolution")));
-    }
-    Ok(WheelsetSpec {
-        name,
-        mass: section.at_least("mass", Dimension::Mass, SMALLEST)?,
-        transverse_inertia,
-        axial_inertia: section.at_least("inertia_yy", Dimension::Inertia, SMALLEST)?,
-        vertical_load,
-        half_tread_circle_distance: 0.5 * section.positive("tread_circle_distance", Dimension::Length)?,
-        profiles,
-    })
+        let transverse_inertia = section.at_least("inertia_xx", Dimension::Inertia, SMALLEST)?;
+        let zz = section.at_least("inertia_zz", Dimension::Inertia, SMALLEST)?;
+        if zz != transverse_inertia {
+            return Err(section.error(
+                "inertia_zz",
+                format!("found {zz}, expected inertia_xx = {transverse_inertia}: a wheelset is a body of revolution"),
+            ));
+        }
+        Ok(WheelsetSpec {
+            name,
+            mass: section.at_least("mass", Dimension::Mass, SMALLEST)?,
+            transverse_inertia,
+            axial_inertia: section.at_least("inertia_yy", Dimension::Inertia, SMALLEST)?,
+            vertical_load,
+            half_tread_circle_distance: 0.5 * section.positive("tread_circle_distance", Dimension::Length)?,
+            profiles,
+        })
     }
 }
 
@@ -145,4 +147,3 @@ fn read_initial(section: Section) -> Result<Initial, SettingsError> {
     section.finish()?;
     Ok(Initial { from_equilibrium, values: [0.0; 10], given })
 }
-

@@ -14,6 +14,7 @@ pub struct Template {
 pub static VEHICLES: &[Template] = &[
     Template { name: "bogie", text: include_str!("../../../fmu/vehicles/bogie.toml") },
     Template { name: "vehicle_manchester_1", text: include_str!("../../../fmu/vehicles/vehicle_manchester_1.toml") },
+    Template { name: "vehicle_equalised", text: include_str!("../../../fmu/vehicles/vehicle_equalised.toml") },
 ];
 
 /// The text behind a template; `None` for those without one.
@@ -21,15 +22,26 @@ pub fn text(name: &str) -> Option<&'static str> {
     VEHICLES.iter().find(|template| template.name == name).map(|template| template.text)
 }
 
-/// Reads a scene's `[vehicle]` laid over the template of that name.
+/// Reads a free model, or what a scene's `[vehicle]` makes of the template of that name. Modules, too, may lie over a template.
 pub(super) fn read(section: Section, name: &'static str) -> Result<VehicleSpec, SettingsError> {
-    let Some(text) = text(name) else { return Err(section.error("template", format!("\"{name}\" has no text"))) };
-    let source = Source { file: format!("template {name}.toml"), text: text.into(), overridden: vec![], folder: None };
-    let document = Document::parse(source.text.clone()).map_err(|error| SettingsError {
-        file: source.file.clone(),
-        line: 0,
-        key: "vehicle.template".into(),
-        problem: error.message().trim().into(),
-    })?;
-    parts::free(section.over(Section::root(document.as_table(), &source)), name)
+    let mut parsed = Vec::new();
+    for template in VEHICLES {
+        let source =
+            Source { file: format!("template {}.toml", template.name), text: template.text.into(), overridden: vec![], folder: None };
+        let document = Document::parse(source.text.clone()).map_err(|error| SettingsError {
+            file: source.file.clone(),
+            line: 0,
+            key: "vehicle.template".into(),
+            problem: error.message().trim().into(),
+        })?;
+        parsed.push((template.name, source, document));
+    }
+    let library: Vec<(&'static str, Section)> =
+        parsed.iter().map(|(name, source, document)| (*name, Section::root(document.as_table(), source))).collect();
+    let base = library.iter().find(|template| template.0 == name).map(|template| template.1.clone());
+    let section = match base {
+        Some(base) => section.over(base),
+        None => section,
+    };
+    parts::free(section, name, &library)
 }
