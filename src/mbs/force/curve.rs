@@ -76,6 +76,11 @@ impl Curve {
         Some(Curve { force_at_zero, slope: slopes[0], ramps_at_zero, corners, rounding })
     }
 
+    /// The first place where the slope changes.
+    pub fn first_corner(&self) -> Option<f64> {
+        self.corners.first().map(|corner| corner.at)
+    }
+
     /// F(x), N.
     #[inline]
     pub fn force(&self, x: f64) -> f64 {

@@ -7,27 +7,37 @@
 //! Design configuration: the bodies stand where the scene puts them, their axes parallel to the world's. There the
 //! displacement of every element is zero and its force is its preload.
 
+mod anti_roll_bar;
 mod attachment;
+mod bump_stop;
 mod bushing;
+mod coupler;
 mod curve;
+mod dry_friction;
 mod gravity;
 mod guided_spring;
 mod line;
 mod load;
+mod maxwell_damper;
 mod orientation;
 mod spring_damper;
+mod stop;
 
+pub use anti_roll_bar::AntiRollBar;
 pub use attachment::{Attachment, Places};
 pub use bushing::Bushing;
 pub use curve::Curve;
+pub use dry_friction::DryFriction;
 pub use gravity::Gravity;
 pub use guided_spring::{GuidedSpring, TrackAxis};
 pub use line::{Direction, LineElement, LineLaw, Span, Stretch};
 pub use load::VerticalLoad;
+pub use maxwell_damper::MaxwellDamper;
 pub use spring_damper::SpringDamper;
+pub use stop::Stop;
 
 use super::body::{BodyMotion, Wrench};
-use crate::settings::{Entry, Section, SettingsError};
+use crate::settings::{Entry, Section, SettingsError, choose};
 
 /// A force that depends on position and velocity of bodies, and on states of its own where it has any.
 pub trait ForceElement: Send + Sync + std::fmt::Debug {
@@ -95,11 +105,19 @@ pub enum QuantityKind {
     Angle,
 }
 
-/// Reads an element from its section of a scene. Its key `kind` is already read.
+/// Reads an element from its section of a scene (`from`, `to` and its own keys).
 pub type Parse = fn(&Section, &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError>;
 
 /// The force elements that a scene can name in `kind`.
-pub static REGISTRY: &[Entry<Parse>] = &[spring_damper::ENTRY, bushing::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] = &[
+    spring_damper::ENTRY,
+    bushing::ENTRY,
+    maxwell_damper::ENTRY,
+    bump_stop::ENTRY,
+    anti_roll_bar::ENTRY,
+    dry_friction::ENTRY,
+    coupler::ENTRY,
+];
 
 /// The kinds of force element that templates place by themselves, for `wheelrail list`.
 pub static KINDS: &[(&str, &str)] = &[
@@ -108,5 +126,10 @@ pub static KINDS: &[(&str, &str)] = &[
     ("guided_spring", "linear spring and damper along one track axis, to a frame that travels on the centre line"),
 ];
 
-#[cfg(test)]
-mod tests;
+/// Reads the element that `kind` names; the caller finishes the section.
+///
+/// # Errors
+/// What is missing or wrong, with its place.
+pub fn read(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
+    (choose(REGISTRY, section, "kind")?.parse)(section, places)
+}

@@ -1,2 +1,0 @@
-use super::*;
-use nalgebra::Vector3;
