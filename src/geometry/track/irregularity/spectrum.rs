@@ -47,7 +47,7 @@ const fn ore(alignment: f64, vertical: f64, gauge: f64) -> Spectrum {
     Spectrum { roughness, long_corner: 0.0206, corner: 0.8246, difference_corner: 0.4380, band: ORE_BAND }
 }
 
-const FRA_REFERENCE: &str = "FRA/AAR spectra, coefficients as in the open program OpenRailVehicleDynamics and four other public codes";
+const FRA_REFERENCE: &str = "FRA/AAR spectra, coefficients as in the open program OpenRailVehicleDynamics and three other public codes";
 const ORE_REFERENCE: &str =
     "ORE (ERRI) B176, coefficients as quoted by OpenRailVehicleDynamics and four other public codes; gauge: one source";
 
