@@ -55,11 +55,6 @@ impl UniformSpline {
             k * k * k * (6.0 * a3 + t * (24.0 * a4 + t * 60.0 * a5)),
         ]
     }
-
-    /// Memory of the coefficients, bytes.
-    pub fn bytes(&self) -> usize {
-        size_of_val(self.coefficients.as_slice())
-    }
 }
 
 #[cfg(test)]
