@@ -107,15 +107,9 @@ impl<'a> Section<'a> {
     /// A finite number in SI, `None` when absent.
     pub fn optional(&self, key: &'static str, dimension: Dimension) -> Result<Option<f64>, SettingsError> {
         let Some(item) = self.find(key) else { return Ok(None) };
-        let number = match item.as_value() {
-            Some(Value::Float(value)) => Some(*value.value()),
-            Some(Value::Integer(value)) => Some(*value.value() as f64),
-            Some(Value::String(value)) => dimension.parse(value.value()),
-            _ => None,
-        };
-        match number {
-            Some(value) if value.is_finite() => Ok(Some(value)),
-            _ => Err(self.wrong(key, item, &dimension.expectation())),
+        match item.as_value().and_then(|value| number(value, dimension)) {
+            Some(value) => Ok(Some(value)),
+            None => Err(self.wrong(key, item, &dimension.expectation())),
         }
     }
 
@@ -145,6 +139,27 @@ impl<'a> Section<'a> {
     pub fn not_negative(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
         let value = self.number(key, dimension)?;
         if value >= 0.0 { Ok(value) } else { Err(self.error(key, format!("found {value:?}, expected 0 or more"))) }
+    }
+
+    /// Three finite numbers `[x, y, z]` in SI, or `default`.
+    pub fn triple_or(&self, key: &'static str, dimension: Dimension, default: [f64; 3]) -> Result<[f64; 3], SettingsError> {
+        let Some(item) = self.find(key) else { return Ok(default) };
+        item.as_array()
+            .and_then(|array| array.iter().map(|value| number(value, dimension)).collect::<Option<Vec<f64>>>())
+            .and_then(|numbers| numbers.try_into().ok())
+            .ok_or_else(|| self.wrong(key, item, &format!("a list of three, each {}", dimension.expectation())))
+    }
+
+    /// Pairs of finite numbers `[[x, y], ...]` in SI.
+    pub fn pairs(&self, key: &'static str, x: Dimension, y: Dimension) -> Result<Vec<[f64; 2]>, SettingsError> {
+        let expected = || format!("a list of pairs [[x, y], ...], x {}, y {}", x.expectation(), y.expectation());
+        let item = self.find(key).ok_or_else(|| self.missing(key, &expected()))?;
+        let pair = |value: &Value| {
+            let pair = value.as_array().filter(|pair| pair.len() == 2)?;
+            Some([number(pair.get(0)?, x)?, number(pair.get(1)?, y)?])
+        };
+        let pairs = item.as_array().and_then(|array| array.iter().map(pair).collect());
+        pairs.ok_or_else(|| self.wrong(key, item, &expected()))
     }
 
     /// A string that must be given.
@@ -244,6 +259,17 @@ impl<'a> Section<'a> {
         }
         Ok(())
     }
+}
+
+/// A finite number in SI, with or without unit.
+fn number(value: &Value, dimension: Dimension) -> Option<f64> {
+    let number = match value {
+        Value::Float(value) => Some(*value.value()),
+        Value::Integer(value) => Some(*value.value() as f64),
+        Value::String(value) => dimension.parse(value.value()),
+        _ => None,
+    };
+    number.filter(|number| number.is_finite())
 }
 
 fn one_of(words: &[&str]) -> String {

@@ -38,6 +38,8 @@ fn kinds() -> Vec<(&'static str, &'static str, Vec<Row>)> {
     });
     let groups = [("inputs", INPUT_GROUPS), ("outputs", OUTPUT_GROUPS), ("parameters", PARAMETER_GROUPS)];
     let groups = groups.map(|(key, names)| (format!("interface.{key}"), names.join(", "), String::new()));
+    let mut forces = rows(force::REGISTRY);
+    forces.extend(plain(force::KINDS.iter().copied()));
     vec![
         ("scenes", "SCENE of every command", scenes.collect()),
         ("templates", "vehicle.template", plain(TEMPLATES.iter().copied())),
@@ -50,7 +52,7 @@ fn kinds() -> Vec<(&'static str, &'static str, Vec<Row>)> {
         ("damping-laws", "contact.damping.law", rows(normal::damping::REGISTRY)),
         ("creep-laws", "contact.creep.law", rows(creep::REGISTRY)),
         ("integrators", "solver.integrator", rows(solve::REGISTRY)),
-        ("forces", "force elements of templates", plain(force::KINDS.iter().copied())),
+        ("forces", "kind of [[vehicle.force]]; the last ones are placed by templates", forces),
         ("groups", "interface", groups.to_vec()),
     ]
 }

@@ -97,6 +97,8 @@ pub struct Model {
     pub formulation: Box<dyn Formulation>,
     /// Contacts that each wheel may have at the same time.
     pub points: usize,
+    /// Where the contacts' states begin in the state vector (the system's dimension).
+    pub(super) contact_states_begin: usize,
     /// Per wheel: the search for all of them; `None` where one place alone can touch.
     pub(super) searches: Vec<Option<WheelSearch>>,
 }
@@ -187,7 +189,8 @@ impl Model {
         let own = formulation.points_per_wheel();
         let searches = points::searches(&wheelsets, &track, if own > 1 { 1 } else { points.min(points::MOST_POINTS) });
         let points = if searches.iter().any(Option::is_some) { points } else { own };
-        Ok(Model { system, track, wheelsets, laws, formulation, points, searches })
+        let contact_states_begin = system.dimension();
+        Ok(Model { system, track, wheelsets, laws, formulation, points, contact_states_begin, searches })
     }
 
     pub fn contacts(&self) -> usize {
@@ -205,7 +208,7 @@ impl Model {
     }
 
     fn deflections_begin(&self) -> usize {
-        self.system.dimension() + self.contacts() * self.formulation.states_per_contact()
+        self.contact_states_begin + self.contacts() * self.formulation.states_per_contact()
     }
 
     /// States of the tangential deflection of one contact: none without `contact.transient`.
@@ -266,7 +269,7 @@ impl Model {
     /// A contact's own states in the state vector.
     pub fn contact_states(&self, contact: usize) -> std::ops::Range<usize> {
         let count = self.formulation.states_per_contact();
-        let start = self.system.dimension() + contact * count;
+        let start = self.contact_states_begin + contact * count;
         start..start + count
     }
 

@@ -114,6 +114,7 @@ impl System {
         let count = COORDINATES * self.bodies.len();
         dy[..count].copy_from_slice(&y[count..2 * count]);
         dy[count..2 * count].copy_from_slice(&workspace.constraints.accelerations);
+        workspace.copy_force_rates(count, dy);
         let SystemWorkspace { constraints, wrenches, drive_forces, .. } = workspace;
         for (drive, force) in self.drives.iter().zip(drive_forces) {
             *force = -wrenches[drive.body].force.x - constraints.kkt.constraint_force(drive.body, 0, &constraints.multipliers);

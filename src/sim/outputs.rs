@@ -137,7 +137,8 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
 /// Reads one element's force: the element's constants are copied, so that outputs do not borrow the model.
 fn element_force(model: &Model, element: usize) -> impl Fn(&Snapshot) -> f64 + Send + Sync + 'static {
     let force = model.system.forces[element].clone_box();
-    move |s| force.scalar_force(&s.workspace.system.motions).unwrap_or(0.0)
+    let states = model.system.states_of_force(element);
+    move |s| force.scalar_force(&s.workspace.system.motions, &s.y[states.clone()]).unwrap_or(0.0)
 }
 
 fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {

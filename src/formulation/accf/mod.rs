@@ -130,7 +130,7 @@ impl Formulation for Accf {
     /// The local error of independent variables is controlled; while a wheel is elastic that of all coordinates.
     fn error_weight(&self, model: &Model, workspace: &Workspace, i: usize, plain: f64) -> f64 {
         let plain = lift::error_weight(model, workspace, i, plain);
-        let count = model.system.dimension();
+        let count = model.contact_states_begin;
         let dependent = |wheelset: usize, variable: usize| {
             workspace.rigid.partitions[wheelset].is_some_and(|p: Partition| p.is_dependent(variable))
                 && Side::BOTH.into_iter().all(|side| workspace.contacts[contact_index(wheelset, side)].constrained)
@@ -144,7 +144,7 @@ impl Formulation for Accf {
             let integrated = state < PARAMETERS && workspace.contacts[contact].constrained && !dependent(contact / 2, variable);
             return if integrated { plain } else { 0.0 };
         }
-        let owner = model.wheelsets.iter().position(|wheelset| i / COORDINATES == wheelset.body && i < count / 2);
+        let owner = model.wheelsets.iter().position(|wheelset| i / COORDINATES == wheelset.body);
         match owner {
             Some(wheelset) if plain == 1.0 && dependent(wheelset, i % COORDINATES) => 0.0,
             _ => plain,

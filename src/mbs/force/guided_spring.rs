@@ -61,7 +61,7 @@ impl ForceElement for GuidedSpring {
     }
 
     #[inline]
-    fn apply(&self, bodies: &[BodyMotion], wrenches: &mut [Wrench]) {
+    fn apply(&self, bodies: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let body = &bodies[self.body];
         let (d, rate, point) = self.displacement(body);
         let force = -self.stiffness * d - self.damping * rate;
@@ -72,7 +72,7 @@ impl ForceElement for GuidedSpring {
         Some(self.output_number)
     }
 
-    fn scalar_force(&self, bodies: &[BodyMotion]) -> Option<f64> {
+    fn scalar_force(&self, bodies: &[BodyMotion], _: &[f64]) -> Option<f64> {
         let (d, rate, _) = self.displacement(&bodies[self.body]);
         Some(-self.stiffness * d - self.damping * rate)
     }
@@ -81,12 +81,12 @@ impl ForceElement for GuidedSpring {
         Box::new(self.clone())
     }
 
-    fn potential_energy(&self, bodies: &[BodyMotion]) -> f64 {
+    fn potential_energy(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
         let (d, ..) = self.displacement(&bodies[self.body]);
         0.5 * self.stiffness * d * d
     }
 
-    fn dissipated_power(&self, bodies: &[BodyMotion]) -> f64 {
+    fn dissipated_power(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
         let (_, rate, _) = self.displacement(&bodies[self.body]);
         self.damping * rate * rate
     }
