@@ -2,8 +2,8 @@
 
 use super::progress::Progress;
 use super::{Failure, SceneArguments, TimeArguments, plot, print, table};
-use crate::sim::outputs::outputs;
 use crate::sim::recording::{self, Recording};
+use crate::sim::vehicle_outputs::scene_outputs;
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.plot {
         plot::prepare(folder, &scene.interface.outputs).map_err(Failure::Input)?;
     }
-    let outputs = outputs(simulation.model(), &scene.interface.outputs);
+    let outputs = scene_outputs(&scene, simulation.model());
     let progress = Progress::new(stop);
     let clock = Instant::now();
     let done = recording::record(&mut simulation, &outputs, stop, step, |time| progress.at(time));

@@ -29,7 +29,7 @@ const FRICTIONS: Depends = Depends::On(&[LEFT_FRICTION, RIGHT_FRICTION]);
 const TURNING: Depends = Depends::On(&[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION]);
 const ALL: &[usize] = &[DRIVE_TORQUE, LATERAL_FORCE, VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LONGITUDINAL_FORCE];
 
-type Read = Box<dyn Fn(&Snapshot) -> f64 + Send + Sync>;
+pub(super) type Read = Box<dyn Fn(&Snapshot) -> f64 + Send + Sync>;
 
 /// One output.
 pub struct Output {
@@ -41,12 +41,27 @@ pub struct Output {
     pub group: &'static str,
     pub unit: Unit,
     pub description: String,
-    /// Inputs of the wheelset (see `formulation`) that it depends on at the same instant.
+    /// Inputs of a wheelset (see `formulation`) that it depends on at the same instant.
     pub feedthrough: &'static [usize],
+    /// The wheelset whose inputs these are; `None`: of every wheelset.
+    pub wheelset: Option<usize>,
     read: Read,
 }
 
 impl Output {
+    /// An output that depends on all inputs `at_once`, or on none.
+    pub(super) fn new(
+        (reference, name): (u32, String),
+        group: &'static str,
+        unit: Unit,
+        description: &str,
+        at_once: bool,
+        read: Read,
+    ) -> Self {
+        let feedthrough = if at_once { ALL } else { &[] };
+        Output { reference, name, group, unit, description: description.into(), feedthrough, wheelset: None, read }
+    }
+
     /// The value in a snapshot, SI.
     pub fn value(&self, snapshot: &Snapshot) -> f64 {
         (self.read)(snapshot)
@@ -64,8 +79,10 @@ struct Collector<'a> {
     prefix: String,
     base: u32,
     groups: &'a [&'static str],
-    /// Is the normal force a multiplier?
+    /// Are there constraint forces, which depend on accelerations?
     constrained: bool,
+    /// The wheelset whose inputs matter; `None`: those of all.
+    wheelset: Option<usize>,
     outputs: &'a mut Vec<Output>,
 }
 
@@ -95,6 +112,7 @@ impl Collector<'_> {
                 unit,
                 description: text.into(),
                 feedthrough,
+                wheelset: self.wheelset,
                 read: Box::new(read),
             });
         }
@@ -105,12 +123,14 @@ impl Collector<'_> {
 pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
     let mut outputs = Vec::new();
     let bodies = model.system.bodies.len();
+    let constrained = model.formulation.constrains() || !model.system.joints.is_empty();
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
         let mut collector = Collector {
             prefix: wheelset.name.clone(),
             base: (index as u32 + 1) * 1000,
             groups,
-            constrained: model.formulation.constrains(),
+            constrained,
+            wheelset: (!constrained).then_some(index),
             outputs: &mut outputs,
         };
         let drive = model.system.drives.iter().position(|drive| drive.body == wheelset.body);
