@@ -13,7 +13,7 @@ use clap::Args;
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// Only this kind: scenes, templates, profiles, deviations, formulations, normal-laws, damping-laws, creep-laws, integrators, forces, groups
+    /// Only this kind: scenes, templates, profiles, deviations, irregularities, spectra, formulations, normal-laws, damping-laws, creep-laws, integrators, forces, groups
     kind: Option<String>,
     /// Print the list as JSON
     #[arg(long)]
@@ -45,6 +45,8 @@ fn kinds() -> Vec<(&'static str, &'static str, Vec<Row>)> {
         ("templates", "vehicle.template", plain(TEMPLATES.iter().copied())),
         ("profiles", "kind of [vehicle.wheelset.profile] and [track.rail]", rows(profile::REGISTRY)),
         ("deviations", "shape of [[track.deviation]]", rows(track::REGISTRY)),
+        ("irregularities", "kind of [[track.irregularity]]", rows(track::irregularity::REGISTRY)),
+        ("spectra", "spectrum of [[track.irregularity]]", rows(track::irregularity::spectrum::REGISTRY)),
         ("formulations", "contact.formulation", rows(formulation::REGISTRY)),
         ("normal-laws", "contact.normal.law", rows(normal::REGISTRY)),
         ("damping-laws", "contact.damping.law", rows(normal::damping::REGISTRY)),

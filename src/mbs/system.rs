@@ -158,14 +158,14 @@ impl System {
 
     /// Stored energy of all force elements, J; their states are those in `y`.
     pub fn potential_energy(&self, y: &[f64], motions: &[BodyMotion]) -> f64 {
-        let energy = |(element, force): (usize, &Box<dyn ForceElement>)| force.potential_energy(motions, &y[self.states_of_force(element)]);
-        self.forces.iter().enumerate().map(energy).sum()
+        let forces = self.forces.iter().enumerate();
+        forces.map(|(element, force)| force.potential_energy(motions, &y[self.states_of_force(element)])).sum()
     }
 
     /// Power that all force elements turn into heat, W; their states are those in `y`.
     pub fn dissipated_power(&self, y: &[f64], motions: &[BodyMotion]) -> f64 {
-        let power = |(element, force): (usize, &Box<dyn ForceElement>)| force.dissipated_power(motions, &y[self.states_of_force(element)]);
-        self.forces.iter().enumerate().map(power).sum()
+        let forces = self.forces.iter().enumerate();
+        forces.map(|(element, force)| force.dissipated_power(motions, &y[self.states_of_force(element)])).sum()
     }
 }
 

@@ -7,6 +7,7 @@ pub use super::vehicle::{TEMPLATES, VehicleSpec};
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
 use crate::formulation::{self, points::MOST_POINTS};
+use crate::geometry::file::SceneFile;
 use crate::geometry::profile::{self, Part, ProfileChoice};
 use crate::geometry::track::{self, Deviation, gauge};
 use crate::settings::{Section, SettingsError, Source, did_you_mean};
@@ -41,7 +42,10 @@ pub struct TrackSpec {
     pub grade: f64,
     /// Left and right.
     pub rails: [ProfileChoice; 2],
+    /// Of single rails, and those that irregularities make of both.
     pub deviations: Vec<Deviation>,
+    /// That irregularities were read from.
+    pub files: Vec<SceneFile>,
 }
 
 /// `[contact]`.
@@ -160,13 +164,13 @@ impl Scene {
     }
 
     /// Files that the scene refers to.
-    pub fn files(&self) -> impl Iterator<Item = &profile::ProfileFile> {
+    pub fn files(&self) -> impl Iterator<Item = &SceneFile> {
         let [left_rail, right_rail] = &self.track.rails;
         let choices = [(left_rail, None), (right_rail, Some(left_rail))];
         // Both sides may share one table.
         let key = |choice: &ProfileChoice| choice.file.as_ref().map(|file| file.key.clone());
         let own = choices.into_iter().filter(move |(choice, other)| other.is_none_or(|other| key(other) != key(choice)));
-        self.vehicle.files().into_iter().chain(own.filter_map(|(choice, _)| choice.file.as_ref()))
+        self.vehicle.files().into_iter().chain(own.filter_map(|(choice, _)| choice.file.as_ref())).chain(&self.track.files)
     }
 }
 
@@ -193,9 +197,17 @@ fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
     let grade = section.number_or("grade", Dimension::Angle, 0.0)?;
     let rails = read_profiles(&section, ["rail", "left_rail", "right_rail"], Part::Rail)?;
     let half_rail_distance = read_half_distance(&section, &rails, inclination)?;
-    let deviations = section.sections("deviation")?.into_iter().map(track::parse_deviation).collect::<Result<_, _>>()?;
+    let (mut deviations, mut files) = (Vec::new(), Vec::new());
+    for deviation in section.sections("deviation")? {
+        deviations.extend(track::parse_deviation(deviation)?);
+    }
+    for irregularity in section.sections("irregularity")? {
+        let irregularity = track::irregularity::parse(irregularity)?;
+        deviations.extend(irregularity.deviations);
+        files.extend(irregularity.file);
+    }
     section.finish()?;
-    Ok(TrackSpec { half_rail_distance, inclination, grade, rails, deviations })
+    Ok(TrackSpec { half_rail_distance, inclination, grade, rails, deviations, files })
 }
 
 /// Half of `rail_distance`, or what `gauge` makes of it.

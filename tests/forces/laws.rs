@@ -2,7 +2,7 @@
 
 use crate::stage::{Mechanism, Stage, alone, apply, brick, motions};
 use nalgebra::{Complex, Vector3};
-use wheelrail::mbs::force::{ForceElement, Gravity};
+use wheelrail::mbs::force::{Curve, ForceElement, Gravity};
 
 /// Tension of an element between the world and a body that is displaced along X.
 fn tension(element: &dyn ForceElement, x: f64, speed: f64, state: &[f64]) -> f64 {
@@ -210,4 +210,31 @@ fn prop_wrong_settings_are_refused_with_their_place() {
     }
     let same = stage.read("name = \"e\"\nkind = \"bushing\"\nfrom = \"body\"\nto = \"body\"\nstiffness = [1, 1, 1]").unwrap_err();
     assert!(same.to_string().contains("to: is on the same body as \"from\""), "{same}");
+}
+
+#[test]
+fn analytic_sharp_curve_passes_through_its_points_and_goes_on_straight() {
+    let points = [[-0.02, -900.0], [-0.01, -100.0], [0.0, 0.0], [0.03, 600.0], [0.04, 5000.0]];
+    let curve = Curve::new(&points, 0.0).unwrap();
+    for [x, force] in points {
+        assert!((curve.force(x) - force).abs() < 1e-9, "{x}: {}", curve.force(x));
+    }
+    assert!((curve.force(0.05) - 9400.0).abs() < 1e-9 && (curve.force(-0.03) + 1700.0).abs() < 1e-9);
+    // Trapezia from zero.
+    assert!((curve.energy(0.04) - (0.5 * 0.03 * 600.0 + 0.01 * 2800.0)).abs() < 1e-9);
+    assert!((curve.energy(-0.02) - (0.5 * 0.01 * 100.0 + 0.01 * 500.0)).abs() < 1e-9);
+    assert_eq!(curve.energy(0.0), 0.0);
+}
+
+#[test]
+fn analytic_rounded_corner_is_the_mean_of_the_sharp_one() {
+    let points = [[-0.1, -100.0], [0.0, 0.0], [0.01, 10.0], [0.03, 400.0], [0.1, 500.0]];
+    let (sharp, round) = (Curve::new(&points, 0.0).unwrap(), Curve::new(&points, 0.004).unwrap());
+    for x in [-0.05, 0.0, 0.007, 0.012, 0.031, 0.08] {
+        let mean = |x: f64| (sharp.energy(x + 0.004) - sharp.energy(x - 0.004)) / 0.008;
+        assert!((round.force(x) - (mean(x) - mean(0.0))).abs() < 1e-9, "{x}");
+        let h = 1e-5;
+        let slope = (round.energy(x + h) - round.energy(x - h)) / (2.0 * h);
+        assert!((slope - round.force(x)).abs() < 1e-4 * (1.0 + slope.abs()), "{x}: {slope}");
+    }
 }

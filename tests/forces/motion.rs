@@ -75,7 +75,7 @@ fn analytic_rebound_from_a_bump_stop() {
     let back = body.run(&start, 2.0 * flight + touching, 1e-10);
     assert!(back[0].abs() < 1e-6 && (back[6] + speed).abs() < 2e-5, "{back:?}");
     // With damping it comes back slower and what is missing is heat.
-    let mut damped = stop("damping = 0.5");
+    let mut damped = stop("damping = 0.5\nsides = \"extension\"");
     let begin = damped.energy(&start);
     let back = damped.run(&start, 0.1, 1e-10);
     println!("returns at {:.3} m/s, heat {:.2} J of {begin:.2} J", back[6], back[12]);

@@ -28,7 +28,8 @@ pub mod templates;
 #[cfg(test)]
 mod tests;
 
-use crate::geometry::profile::{self, ProfileChoice};
+use crate::geometry::file::SceneFile;
+use crate::geometry::profile::ProfileChoice;
 use crate::mbs::body::Body;
 use crate::mbs::force::ForceElement;
 use crate::mbs::joint::Joint;
@@ -162,8 +163,8 @@ impl VehicleSpec {
     }
 
     /// Files that profiles of wheels refer to, each once.
-    pub fn files(&self) -> Vec<&profile::ProfileFile> {
-        let mut files: Vec<&profile::ProfileFile> = Vec::new();
+    pub fn files(&self) -> Vec<&SceneFile> {
+        let mut files: Vec<&SceneFile> = Vec::new();
         for file in self.wheel_profiles().into_iter().flatten().filter_map(|choice| choice.file.as_ref()) {
             if files.iter().all(|other| other.key != file.key) {
                 files.push(file);
