@@ -169,6 +169,40 @@ def units(report, root, variables):
         report.note(f"units not used: {', '.join(sorted(set(defined) - used))}")
 
 
+def single_wheelset(report, variables, kinds):
+    """What the FMU of one wheelset must have."""
+    missing = [name for name in REQUIRED_OUTPUTS if kinds.get(name) != "output"]
+    report.check(not missing, "outputs", f"missing {missing}" if missing else f"{len(REQUIRED_OUTPUTS)} wanted ones")
+    along = {kinds.get(f"{W}.drivingForce"), kinds.get(f"{W}.longitudinalForceInput")} - {None}
+    report.check(along in ({"output"}, {"input"}), "an imposed speed needs a driving force, a free wheelset has an input for it", str(along))
+    missing = [name for name in INPUTS if kinds.get(name) != "input"]
+    report.check(not missing, "inputs", f"missing {missing}" if missing else ", ".join(INPUTS))
+    by_name = {v.get("name"): v[0] for v in variables}
+    for name in INPUTS[3:]:
+        value = by_name.get(name, {})
+        found = float(value.get("start", "nan")), float(value.get("min", "nan"))
+        report.check(found == (1.0, 0.0), name, f"start and min {found}")
+    for name, start in [(f"{W}.initial.y", 0.0), (f"{W}.initial.distance", 0.0)]:
+        value = by_name.get(name)
+        report.check(value is not None and kinds[name] == "parameter" and float(value.get("start")) == start, name,
+                     "no such variable" if value is None else f"{kinds[name]}, start {value.get('start')}")
+    name = f"{W}.initial.fromEquilibrium"
+    value = by_name.get(name)
+    report.check(value is not None and kinds[name] == "parameter" and value.tag == "Boolean"
+                 and value.get("start") in ("true", "1"), name,
+                 "no such variable" if value is None else f"{value.tag}, start {value.get('start')}")
+
+
+def vehicle(report, kinds):
+    """What the FMU of a vehicle must have, for each wheelset that it shows."""
+    wheelsets = sorted({name.removesuffix(".driveTorque") for name in kinds if name.endswith(".driveTorque")})
+    report.check(wheelsets, "wheelsets", ", ".join(wheelsets))
+    wanted = {"y": "output", "left.verticalForce": "output", "right.lateralForce": "output", "trackShiftingForce": "output",
+              "lateralForceInput": "input", "left.frictionFactor": "input", "initial.y": "parameter", "mass": "parameter"}
+    missing = [f"{w}.{name}" for w in wheelsets for name, kind in wanted.items() if kinds.get(f"{w}.{name}") != kind]
+    report.check(not missing, "variables of each wheelset", f"missing {missing}" if missing else ", ".join(wanted))
+
+
 def model_variables(report, variables):
     report.section("variables")
     names, references = [v.get("name") for v in variables], [v.get("valueReference") for v in variables]
@@ -192,26 +226,10 @@ def model_variables(report, variables):
     report.check(not bad, "start within min and max, nominal > 0", "; ".join(bad) or f"{bounded} with a bound")
 
     kinds = {v.get("name"): v.get("causality", "local") for v in variables}
-    missing = [name for name in REQUIRED_OUTPUTS if kinds.get(name) != "output"]
-    report.check(not missing, "outputs", f"missing {missing}" if missing else f"{len(REQUIRED_OUTPUTS)} wanted ones")
-    along = {kinds.get(f"{W}.drivingForce"), kinds.get(f"{W}.longitudinalForceInput")} - {None}
-    report.check(along in ({"output"}, {"input"}), "an imposed speed needs a driving force, a free wheelset has an input for it", str(along))
-    missing = [name for name in INPUTS if kinds.get(name) != "input"]
-    report.check(not missing, "inputs", f"missing {missing}" if missing else ", ".join(INPUTS))
-    by_name = {v.get("name"): v[0] for v in variables}
-    for name in INPUTS[3:]:
-        value = by_name.get(name, {})
-        found = float(value.get("start", "nan")), float(value.get("min", "nan"))
-        report.check(found == (1.0, 0.0), name, f"start and min {found}")
-    for name, start in [(f"{W}.initial.y", 0.0), (f"{W}.initial.distance", 0.0)]:
-        value = by_name.get(name)
-        report.check(value is not None and kinds[name] == "parameter" and float(value.get("start")) == start, name,
-                     "no such variable" if value is None else f"{kinds[name]}, start {value.get('start')}")
-    name = f"{W}.initial.fromEquilibrium"
-    value = by_name.get(name)
-    report.check(value is not None and kinds[name] == "parameter" and value.tag == "Boolean"
-                 and value.get("start") in ("true", "1"), name,
-                 "no such variable" if value is None else f"{value.tag}, start {value.get('start')}")
+    if f"{W}.y" in kinds:
+        single_wheelset(report, variables, kinds)
+    else:
+        vehicle(report, kinds)
     for word in ("mass", "speed", "tolerance"):
         found = [n for n in names if kinds[n] == "parameter" and word in n.lower()]
         report.check(found, f"a parameter for {word}", ", ".join(found))
@@ -298,7 +316,9 @@ def header(report, root):
     experiment = root.find("DefaultExperiment")
     experiment = {} if experiment is None else experiment.attrib
     found = [float(experiment.get(key, "nan")) for key in ("startTime", "stopTime", "stepSize")]
-    report.check(found == [0.0, 5.0, 0.0025], "default experiment", f"start, stop, step {found}")
+    vehicle = all(v.get("name") != f"{W}.y" for v in root.iterfind("ModelVariables/ScalarVariable"))
+    good = found[0] == 0.0 and 0.0 < found[2] <= found[1] if vehicle else found == [0.0, 5.0, 0.0025]
+    report.check(good, "default experiment", f"start, stop, step {found}")
 
 
 def archive(report, path, identifier, fmu):
