@@ -27,7 +27,7 @@ const RIGHT: Depends = Depends::On(&[RIGHT_FRICTION]);
 const FRICTIONS: Depends = Depends::On(&[LEFT_FRICTION, RIGHT_FRICTION]);
 /// A torque about the axle turns it by rounding only, but not by nothing.
 const TURNING: Depends = Depends::On(&[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION]);
-const ALL: &[usize] = &[DRIVE_TORQUE, LATERAL_FORCE, VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LONGITUDINAL_FORCE];
+pub(super) const ALL: &[usize] = &[DRIVE_TORQUE, LATERAL_FORCE, VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LONGITUDINAL_FORCE];
 
 pub(super) type Read = Box<dyn Fn(&Snapshot) -> f64 + Send + Sync>;
 
@@ -49,17 +49,15 @@ pub struct Output {
 }
 
 impl Output {
-    /// An output that depends on all inputs `at_once`, or on none.
     pub(super) fn new(
         (reference, name): (u32, String),
         group: &'static str,
         unit: Unit,
         description: &str,
-        at_once: bool,
+        (feedthrough, wheelset): (&'static [usize], Option<usize>),
         read: Read,
     ) -> Self {
-        let feedthrough = if at_once { ALL } else { &[] };
-        Output { reference, name, group, unit, description: description.into(), feedthrough, wheelset: None, read }
+        Output { reference, name, group, unit, description: description.into(), feedthrough, wheelset, read }
     }
 
     /// The value in a snapshot, SI.

@@ -4,9 +4,9 @@
 //! 3000000 + 100 s (from 0, in the order of names): they belong to the vehicle, whatever of it is shown.
 
 use super::Snapshot;
-use super::outputs::{Output, outputs};
+use super::outputs::{ALL, Output, outputs};
 use super::unit::Unit;
-use crate::formulation::{ContactReport, Model, contact_index};
+use crate::formulation::{ContactReport, LEFT_FRICTION, Model, RIGHT_FRICTION, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::force::QuantityKind;
@@ -46,22 +46,30 @@ struct Collector<'a> {
     outputs: Vec<Output>,
 }
 
+/// Nothing but the state.
+const STATE: (&[usize], Option<usize>) = (&[], None);
+
 /// What an output shows, beside its value.
 struct Label {
     reference: u32,
     name: String,
     group: &'static str,
     unit: Unit,
-    /// Does it depend on inputs at once?
-    at_once: bool,
+    /// Inputs that it depends on at once, and whose they are (`None`: every wheelset's).
+    feedthrough: (&'static [usize], Option<usize>),
 }
 
 impl Collector<'_> {
     fn add(&mut self, label: Label, text: &str, read: impl Fn(&Snapshot) -> f64 + Send + Sync + 'static) {
         if self.groups.contains(&label.group) {
-            let Label { reference, name, group, unit, at_once } = label;
-            self.outputs.push(Output::new((reference, name), group, unit, text, at_once, Box::new(read)));
+            let Label { reference, name, group, unit, feedthrough } = label;
+            self.outputs.push(Output::new((reference, name), group, unit, text, feedthrough, Box::new(read)));
         }
+    }
+
+    /// Are there constraint forces, which depend on all inputs at once?
+    fn coupled(&self) -> bool {
+        self.model.formulation.constrains() || !self.model.system.joints.is_empty()
     }
 
     fn axles(&mut self) {
@@ -72,7 +80,7 @@ impl Collector<'_> {
                 name: format!("{}.trackShiftingForce", wheelset.name),
                 group: "axles",
                 unit: Unit::Newton,
-                at_once: true,
+                feedthrough: if self.coupled() { (ALL, None) } else { (&[LEFT_FRICTION, RIGHT_FRICTION], Some(index)) },
             };
             let text = "sum of Y: lateral force of both wheels on the track, left positive";
             self.add(label, text, move |s| {
@@ -97,7 +105,7 @@ impl Collector<'_> {
             let q = COORDINATES * (free.wheelsets.len() + index);
             for (id, name, unit, coordinate, text) in lines {
                 let reference = BODY + STRIDE * index as u32 + id;
-                let label = Label { reference, name: format!("{}.{name}", placed.body.name), group: "bodies", unit, at_once: false };
+                let label = Label { reference, name: format!("{}.{name}", placed.body.name), group: "bodies", unit, feedthrough: STATE };
                 self.add(label, text, move |s| s.y[q + coordinate]);
             }
         }
@@ -105,15 +113,20 @@ impl Collector<'_> {
 
     fn sensor(&mut self, index: usize, sensor: &Sensor) {
         let base = SENSOR + STRIDE * index as u32;
-        let coupled = self.model.formulation.constrains() || !self.model.system.joints.is_empty();
         let on_wheelset = sensor.body < self.model.wheelsets.len();
+        // Forces of inputs reach other bodies through constraints alone.
+        let feedthrough = match (self.coupled(), on_wheelset) {
+            (true, _) => (ALL, None),
+            (false, true) => (ALL, Some(sensor.body)),
+            (false, false) => STATE,
+        };
         let (body, point) = (sensor.body, sensor.point);
         for (id, name, unit, axis, text) in [
             (0, "distance", Unit::Distance, 0, "distance of the point along the track"),
             (1, "y", Unit::Metre, 1, "lateral position of the point, left positive"),
             (2, "z", Unit::Distance, 2, "height of the point over the nominal contact height"),
         ] {
-            let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, at_once: false };
+            let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, feedthrough: STATE };
             self.add(label, text, move |s| s.workspace.system.motions[body].attachment_point(&point)[axis]);
         }
         for (id, name, axis, text) in [
@@ -122,8 +135,7 @@ impl Collector<'_> {
             (5, "az", 2, "acceleration of the point along the body's z axis, up positive (without gravity)"),
         ] {
             let unit = Unit::MetrePerSecond2;
-            let at_once = coupled || on_wheelset;
-            let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, at_once };
+            let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, feedthrough };
             self.add(label, text, move |s| acceleration(s, body, &point)[axis]);
         }
     }
@@ -143,7 +155,7 @@ impl Collector<'_> {
                 let name = format!("{}.{}", free.forces[index].0.name(), quantity.name);
                 // The element's constants are copied, so that outputs do not borrow the model.
                 let (element, states) = (self.model.system.forces[first + index].clone_box(), states.clone());
-                let label = Label { reference, name, group: "forces", unit, at_once: false };
+                let label = Label { reference, name, group: "forces", unit, feedthrough: STATE };
                 self.add(label, quantity.description, move |s| element.quantity(number, &s.workspace.system.motions, &s.y[states.clone()]));
             }
         }

@@ -27,6 +27,7 @@ use crate::scene::assemble;
 use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
 use faer::Mat;
+use faer::linalg::solvers::Svd;
 
 /// A state of steady running.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +58,7 @@ const BALANCED: f64 = 1e-6;
 /// Rest at which rounding is reached.
 const EXACT: f64 = 1e-13;
 const ITERATIONS: usize = 60;
-const HALVINGS: usize = 25;
+const HALVINGS: i32 = 25;
 /// Singular values below this part of the largest are noise.
 const NOISE: f64 = 1e-12;
 /// Restoring acceleration per displacement below which nothing holds a body, 1/s2 in parts of [`UNIT`].
@@ -225,8 +226,10 @@ impl<'a> Search<'a> {
         self.follow_pattern();
         let asked = self.y.clone();
         let done = self.evaluate();
-        let rest = self.rest(&asked);
-        if !(keep && done.is_ok()) {
+        let kept = keep && done.is_ok();
+        // A state that is kept stands on the constraints.
+        let rest = if kept { self.rest(&self.y) } else { self.rest(&asked) };
+        if !kept {
             (self.y, self.slowing) = before;
         }
         done.map(|()| rest)
@@ -257,9 +260,10 @@ impl<'a> Search<'a> {
             let along = if driven { 0.0 } else { -turning * turning * self.y[q] + self.slowing };
             let wanted = [along, turning * (speed - turning * self.y[q + 1]), 0.0, 0.0, 0.0, slower];
             rest.extend((0..COORDINATES).map(|i| (self.dy[v + i] - wanted[i]) / UNIT));
-            if self.constrained {
-                rest.extend((0..COORDINATES).map(|i| (self.y[q + i] - asked[q + i]) / MOVE));
-            }
+        }
+        if self.constrained {
+            let coordinates = COORDINATES * system.bodies.len();
+            rest.extend((0..coordinates).map(|i| (self.y[i] - asked[i]) / MOVE));
         }
         rest
     }
@@ -267,34 +271,41 @@ impl<'a> Search<'a> {
     fn balance(&mut self) -> Result<(), EquilibriumError> {
         let none = vec![0.0; self.unknowns.len()];
         let mut rest = self.residual(&none, true).map_err(EquilibriumError::Evaluation)?;
-        let mut jacobian = Mat::zeros(0, 0);
+        let mut slopes: Option<Svd<f64>> = None;
         for _ in 0..ITERATIONS {
             if largest(&rest).0 < EXACT {
                 break;
             }
-            jacobian = self.jacobian(rest.len()).map_err(EquilibriumError::Evaluation)?;
-            let Some(step) = shortest_solution(&jacobian, &rest) else { break };
-            let sum = |rest: &[f64]| rest.iter().map(|r| r * r).sum::<f64>();
-            let mut part = 1.0;
-            let mut next = None;
-            for _ in 0..HALVINGS {
-                let change: Vec<f64> = step.iter().map(|step| part * step).collect();
-                match self.residual(&change, false) {
-                    Ok(found) if sum(&found) < sum(&rest) => {
-                        next = Some(change);
-                        break;
-                    }
-                    _ => part *= 0.5,
-                }
-            }
-            let Some(change) = next else { break };
+            // Differences are dear: they serve for as long as they bring each step near the balance.
+            let fresh = slopes.is_none();
+            let known = match slopes.take() {
+                Some(known) => known,
+                None => match self.jacobian(rest.len()).map_err(EquilibriumError::Evaluation)?.thin_svd() {
+                    Ok(found) => found,
+                    Err(_) => break,
+                },
+            };
             let before = largest(&rest).0;
-            rest = self.residual(&change, true).map_err(EquilibriumError::Evaluation)?;
-            if largest(&rest).0 < BALANCED && largest(&rest).0 > 0.5 * before {
+            if let Some(change) = self.better(&shortest_solution(&known, &rest), &rest) {
+                rest = self.residual(&change, true).map_err(EquilibriumError::Evaluation)?;
+            }
+            let after = largest(&rest).0;
+            if fresh && !(after < 0.5 * before) && (after < BALANCED || after == before) {
                 break;
             }
+            slopes = (after < 0.1 * before).then_some(known);
         }
-        if largest(&rest).0 < BALANCED { Ok(()) } else { Err(self.unsupported(&jacobian, &rest)) }
+        if largest(&rest).0 < BALANCED { Ok(()) } else { Err(self.unsupported(&rest)) }
+    }
+
+    /// The step, shortened until it makes the sum of squares smaller.
+    fn better(&mut self, step: &[f64], rest: &[f64]) -> Option<Vec<f64>> {
+        // Along a step onto the constraints the moves are small of second order: only accelerations are compared.
+        let count = COORDINATES * self.model.system.bodies.len();
+        let sum = |rest: &[f64]| rest[..count].iter().map(|r| r * r).sum::<f64>();
+        let parts = (0..HALVINGS).map(|halvings| 0.5f64.powi(halvings));
+        let changes = parts.map(|part| step.iter().map(|step| part * step).collect::<Vec<f64>>());
+        changes.into_iter().find(|change| self.residual(change, false).is_ok_and(|found| sum(&found) < sum(rest)))
     }
 
     fn jacobian(&mut self, rows: usize) -> Result<Mat<f64>, EvaluationError> {
@@ -317,29 +328,29 @@ impl<'a> Search<'a> {
     }
 
     /// Why there is no balance: the body that nothing holds, or the one that is off it most.
-    fn unsupported(&self, jacobian: &Mat<f64>, rest: &[f64]) -> EquilibriumError {
+    fn unsupported(&mut self, rest: &[f64]) -> EquilibriumError {
         const MOTIONS: [&str; COORDINATES] =
             ["along x", "along y", "along z", "about z (yaw)", "about x (roll)", "about y (pitch, of a wheelset its spin)"];
+        let slopes = self.jacobian(rest.len()).ok().and_then(|jacobian| jacobian.thin_svd().ok());
         let name = |body: usize| self.model.system.bodies[body].name.clone();
         let coordinates = COORDINATES * self.model.system.bodies.len();
-        let per_body = if self.constrained { 2 * COORDINATES } else { COORDINATES };
         // How far each unknown takes part in motions that nothing resists, times how far its body is off balance there.
         let mut moved = vec![0.0; coordinates];
-        if let Ok(svd) = jacobian.thin_svd() {
+        if let Some(svd) = slopes {
             for (column, unknown) in self.unknowns.iter().enumerate() {
                 let Unknown::State { at, .. } = unknown else { continue };
-                let loose = (0..jacobian.ncols()).filter(|k| svd.S().column_vector()[*k] < LOOSE);
+                let loose = (0..svd.V().ncols()).filter(|k| svd.S().column_vector()[*k] < LOOSE);
                 let part: f64 = loose.map(|k| svd.V()[(column, k)].powi(2)).sum();
                 let place = at % coordinates;
-                moved[place] = part * rest[place / COORDINATES * per_body + place % COORDINATES].abs();
+                moved[place] = part * rest[place].abs();
             }
         }
         let (most, place) = largest(&moved);
         if most > BALANCED {
             return EquilibriumError::Unsupported { body: name(place / COORDINATES), motion: MOTIONS[place % COORDINATES] };
         }
-        let (worst, row) = largest(rest);
-        EquilibriumError::Unbalanced { body: name(row / per_body), acceleration: worst * UNIT }
+        let (worst, row) = largest(&rest[..coordinates]);
+        EquilibriumError::Unbalanced { body: name(row / COORDINATES), acceleration: worst * UNIT }
     }
 
     /// The state, with all speeds scaled.
@@ -372,17 +383,15 @@ fn largest(values: &[f64]) -> (f64, usize) {
     values.iter().enumerate().fold((0.0, 0), pick)
 }
 
-/// The shortest x that makes `|jacobian x + rest|` least; `None` when the matrix is not finite.
-fn shortest_solution(jacobian: &Mat<f64>, rest: &[f64]) -> Option<Vec<f64>> {
-    let svd = jacobian.thin_svd().ok()?;
-    let (left, values, right) = (svd.U(), svd.S().column_vector(), svd.V());
-    let count = jacobian.ncols().min(jacobian.nrows());
-    let mut solution = vec![0.0; jacobian.ncols()];
-    for k in (0..count).take_while(|k| values[*k] > NOISE * values[0]) {
+/// The shortest x that makes `|J x + rest|` least.
+fn shortest_solution(jacobian: &Svd<f64>, rest: &[f64]) -> Vec<f64> {
+    let (left, values, right) = (jacobian.U(), jacobian.S().column_vector(), jacobian.V());
+    let mut solution = vec![0.0; right.nrows()];
+    for k in (0..right.ncols()).take_while(|k| values[*k] > NOISE * values[0]) {
         let part: f64 = rest.iter().enumerate().map(|(row, rest)| left[(row, k)] * rest).sum::<f64>() / values[k];
         for (row, x) in solution.iter_mut().enumerate() {
             *x -= part * right[(row, k)];
         }
     }
-    solution.iter().all(|x| x.is_finite()).then_some(solution)
+    solution
 }
