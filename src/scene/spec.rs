@@ -4,7 +4,10 @@
 
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
-use crate::formulation::{self, points::MOST_POINTS};
+use crate::formulation::{
+    self,
+    points::{MOST_POINTS, PreparedSearches},
+};
 use crate::geometry::profile::{self, Part, ProfileChoice};
 use crate::geometry::track::{self, Deviation, gauge};
 use crate::settings::{Section, SettingsError, Source};
@@ -27,6 +30,8 @@ pub struct Scene {
     pub solver: SolverSpec,
     pub interface: InterfaceSpec,
     pub run: RunSpec,
+    /// What the models that are assembled from it share.
+    pub prepared: PreparedSearches,
 }
 
 /// `[vehicle]`, template `suspended_wheelset`.
@@ -213,6 +218,7 @@ impl Scene {
             solver: SolverSpec { name: solver_name, integrator },
             interface,
             run: spec,
+            prepared: PreparedSearches::default(),
         })
     }
 

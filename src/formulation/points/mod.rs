@@ -12,30 +12,34 @@
 //! s1 = 1 - (r / d1) p2 / (p1 + p2)
 //! ```
 //!
-//! of its Hertzian force. Apart (r = 0) it is 1; where contact 2 merges with the ridge (p2 = 0) it is 1 for contact 1
+//! of its Hertzian force (`share`). Apart (r = 0) it is 1; where contact 2 merges with the ridge (p2 = 0) it is 1 for contact 1
 //! and 0 for contact 2, which disappears without a jump; while both melt together (r -> d) the shares add up to 1, so that a
 //! patch is not counted twice. The rule is ours: between these limits it is an interpolation. Only where both merge at the very
 //! same pose (p1 = p2 = 0, a symmetric pair) the limit depends on the way.
 //!
 //! *Guard.* A search says by how much the wheel may move until another place can come near (`budget`); until then only the
-//! known places are followed, each by its own Newton iteration, and places far away (a flange) cost nothing.
+//! known places are followed, each by its own Newton iteration, and so are the ridges between them that are pressed or may soon be.
+//! Places far away (a flange) cost nothing.
 //!
 //! *Identity.* A contact keeps its number while it exists; a new one takes the lowest free number. Forces do not depend on it.
 //! The search forgets nothing and waits for nothing: no hysteresis.
 
+mod prepared;
 mod record;
+mod share;
 mod touch;
 
 use super::loading::{Contact, WheelAt, keep, not_found, warm_start};
 use super::{ContactFailure, ContactReport, Model, Workspace};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
-use crate::contact::search::global::{GlobalSearch, Minima, is_least};
+use crate::contact::search::global::{GlobalSearch, MOST, Minima, is_least};
 use crate::geometry::Side;
 use crate::geometry::profile::Profile;
-use crate::geometry::surface::Wheel;
-use crate::geometry::track::Rail;
 use crate::mbs::body::Wrench;
+pub use prepared::PreparedSearches;
 pub(super) use record::{Record, record_length};
+use share::{Saddle, Saddles, share_out};
+use std::sync::Arc;
 pub(super) use touch::{margin, switch};
 
 /// Most contacts of one wheel that a scene can ask for.
@@ -50,6 +54,9 @@ const FAR: f64 = 0.15;
 /// A wheel whose contact lies this much higher than the tread has a flange, m.
 const FLANGE: f64 = 10e-3;
 
+pub static SEARCHES: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
+pub static DELICATE: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
+pub static STEADY: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
 /// All contacts of one wheel.
 #[derive(Debug)]
 pub struct WheelSearch {
@@ -60,9 +67,9 @@ pub struct WheelSearch {
 
 impl WheelSearch {
     /// `None` when there is nothing to search for: only one place can ever touch.
-    pub fn new(wheel: &Wheel, rail: &Rail) -> Option<Self> {
+    pub fn new(wheel: &dyn Profile, rail: &dyn Profile) -> Option<Self> {
         let search = GlobalSearch::new(wheel, rail);
-        (!search.strictly_convex()).then(|| WheelSearch { search, tip: flange_tip(wheel.profile.as_ref()) })
+        (!search.strictly_convex()).then(|| WheelSearch { search, tip: flange_tip(wheel) })
     }
 }
 
@@ -220,6 +227,14 @@ impl WheelSearch {
             record.keep(slot, &location.parameters, location.penetration, memory);
             places[slot] = Some(Place { location, share: 1.0 });
         }
+        let mut saddles = Saddles::default();
+        for (i, saddle) in saddles.iter_mut().enumerate().take(wheel.model.points - 1) {
+            let Some((between, start)) = record.ridge(i) else { continue };
+            let found = Saddle::locate(&pair, &start, between, &places)?;
+            record.keep_ridge(i, &found);
+            *saddle = Some(found);
+        }
+        share_out(&mut places, &saddles);
         Some(places)
     }
 
@@ -231,9 +246,11 @@ impl WheelSearch {
         memory: &mut [f64],
         record: &mut Record,
     ) -> Result<Places, ContactFailure> {
+        SEARCHES.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let pair = wheel.pair();
         let mut minima = Minima::default();
         self.search.find(&pair, REACH, &mut minima);
+        if minima.delicate { DELICATE.fetch_add(1, std::sync::atomic::Ordering::Relaxed); } else {STEADY.fetch_add((minima.steady*1e9) as u64, std::sync::atomic::Ordering::Relaxed);}
         if minima.is_empty() {
             // In flight: the nearest place is what is shown.
             self.search.find(&pair, FAR, &mut minima);
@@ -242,7 +259,7 @@ impl WheelSearch {
             return Err(derailed(wheel, "the wheel has left the rail"));
         }
         let count = minima.len();
-        let mut chosen = [true; crate::contact::search::global::MOST];
+        let mut chosen = [true; MOST];
         if let Some(tread) = tread {
             // The minimum that the constraint is at.
             let distance = |i: &usize| (minima[*i].parameters.wheel - tread.parameters.wheel).abs();
@@ -251,7 +268,7 @@ impl WheelSearch {
             }
         }
         let free = wheel.model.points - usize::from(tread.is_some());
-        let mut left = [false; crate::contact::search::global::MOST];
+        let mut left = [false; MOST];
         while (0..count).filter(|i| chosen[*i]).count() > free {
             let shallowest = (0..count).filter(|i| chosen[*i]).max_by(|a, b| minima[*a].distance.total_cmp(&minima[*b].distance));
             if let Some(shallowest) = shallowest {
@@ -264,39 +281,35 @@ impl WheelSearch {
             let Some(slot) = numbers[i] else { continue };
             let location = self.search.polish(&pair, minimum).location;
             record.keep(slot, &location.parameters, location.penetration, memory);
-            places[slot] = Some(Place { location, share: share(&minima, &left, i) });
+            places[slot] = Some(Place { location, share: 1.0 });
         }
-        // Contacts whose ridge is pressed, or soon may be, share a patch: that takes a search.
-        let ridges = minima.iter().filter_map(|minimum| minimum.ridge_to_next).map(|ridge| ridge.distance);
         let steady = if minima.delicate { 0.0 } else { minima.steady.min(minima.clearance) };
         // One that found no number matters when it touches, or when it becomes deeper than one that has a number.
         let deepest_left =
             left.iter().take(count).enumerate().filter(|(_, left)| **left).map(|(i, _)| minima[i].distance).fold(f64::INFINITY, f64::min);
         let shallowest = (0..count).filter(|i| chosen[*i]).map(|i| minima[i].distance).fold(f64::MIN, f64::max);
-        let steady = steady.min(deepest_left.max(0.5 * (deepest_left - shallowest)));
-        record.renew(wheel, ridges.fold(steady, f64::min).max(0.0));
+        let steady = steady.min(deepest_left.max(0.5 * (deepest_left - shallowest))).max(0.0);
+        let (saddles, steady) = ridges(&pair, &minima, &numbers, &places, steady);
+        share_out(&mut places, &saddles);
+        record.renew(wheel, steady, &saddles);
         Ok(places)
     }
 }
 
-/// Share of contact `i` beside its neighbours; those that are `left` out carry nothing.
-fn share(minima: &[crate::contact::search::global::Minimum], left: &[bool], i: usize) -> f64 {
-    let depth = -minima[i].distance;
-    if !(depth > 0.0) {
-        return 1.0;
+/// Ridges between contacts that are pressed, or may be while the wheel moves by less than `steady` [m], and how long they can be
+/// followed, m.
+fn ridges(pair: &Pair, minima: &Minima, numbers: &[Option<usize>; MOST], places: &Places, steady: f64) -> (Saddles, f64) {
+    let (mut saddles, mut lasts) = (Saddles::default(), steady);
+    let neighbours = minima.iter().zip(numbers.iter().zip(&numbers[1..]));
+    let between = neighbours.filter_map(|(minimum, (below, above))| Some((minimum.ridge_to_next?, [(*below)?, (*above)?])));
+    for (saddle, (ridge, between)) in saddles.iter_mut().zip(between.filter(|(ridge, _)| ridge.distance <= steady)) {
+        let found = Saddle::locate(pair, &ridge.parameters, between, places);
+        if found.is_none() {
+            lasts = 0.0;
+        }
+        *saddle = found.or(Some(Saddle { between, parameters: ridge.parameters, penetration: -ridge.distance }));
     }
-    let beside = |ridge: f64, neighbour: f64| {
-        let ridge = ridge.max(0.0);
-        let (own, other) = (depth - ridge, (neighbour - ridge).max(0.0));
-        let sum = own.max(0.0) + other;
-        1.0 - ridge / depth * if sum > 0.0 { other / sum } else { 0.5 }
-    };
-    let loaded = |i: usize| i < minima.len() && !left[i];
-    let after = minima[i].ridge_to_next.filter(|_| loaded(i + 1)).map_or(1.0, |r| beside(-r.distance, -minima[i + 1].distance));
-    let before = i.checked_sub(1).filter(|before| loaded(*before));
-    let before = before.and_then(|before| minima[before].ridge_to_next.map(|r| beside(-r.distance, -minima[before].distance)));
-    // Rounding may put a ridge below the contact.
-    (after * before.unwrap_or(1.0)).max(0.0)
+    (saddles, lasts)
 }
 
 fn derailed(wheel: &WheelAt, how: &'static str) -> ContactFailure {
@@ -305,7 +318,12 @@ fn derailed(wheel: &WheelAt, how: &'static str) -> ContactFailure {
 }
 
 /// Searches for all wheels whose profiles can touch at more than one place; none where `points` is 1.
-pub(super) fn searches(wheelsets: &[super::Wheelset], track: &crate::geometry::track::Track, points: usize) -> Vec<Option<WheelSearch>> {
-    let both = wheelsets.iter().flat_map(|wheelset| Side::BOTH.map(|side| (wheelset.wheel(side), track.rail(side))));
-    both.map(|(wheel, rail)| if points > 1 { WheelSearch::new(wheel, rail) } else { None }).collect()
+pub(super) fn searches(
+    wheelsets: &[super::Wheelset],
+    track: &crate::geometry::track::Track,
+    points: usize,
+    prepared: &PreparedSearches,
+) -> Vec<Option<Arc<WheelSearch>>> {
+    let both = wheelsets.iter().flat_map(|wheelset| Side::BOTH.map(|side| (&wheelset.wheel(side).profile, &track.rail(side).profile)));
+    both.map(|(wheel, rail)| if points > 1 { prepared.of(wheel, rail) } else { None }).collect()
 }

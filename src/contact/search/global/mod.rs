@@ -24,8 +24,7 @@ pub use polish::{Polished, is_least};
 pub use refine::Kink;
 
 use super::algebraic::{Pair, SurfaceParameters};
-use crate::geometry::surface::Wheel;
-use crate::geometry::track::Rail;
+use crate::geometry::profile::Profile;
 use branch::Scan;
 use curve::{Bounds, Curve};
 use foot::RailCurve;
@@ -132,15 +131,15 @@ pub struct GlobalSearch {
 }
 
 impl GlobalSearch {
-    pub fn new(wheel: &Wheel, rail: &Rail) -> Self {
-        let wheel = Curve::new(wheel.profile.as_ref(), -1.0, STEEPEST);
+    pub fn new(wheel: &dyn Profile, rail: &dyn Profile) -> Self {
+        let wheel = Curve::new(wheel, -1.0, STEEPEST);
         let leaves = wheel.stretches.len().next_power_of_two();
         let mut tree = vec![Bounds::NONE; 2 * leaves];
         tree[leaves..leaves + wheel.stretches.len()].copy_from_slice(&wheel.stretches);
         for i in (1..leaves).rev() {
             tree[i] = tree[2 * i].merge(&tree[2 * i + 1]);
         }
-        let rail = RailCurve::new(rail.profile.as_ref());
+        let rail = RailCurve::new(rail);
         let mut search = GlobalSearch { wheel, tree, leaves, coarse: leaves, rail };
         if !search.strictly_convex() {
             search.coarse = (leaves / 8).max(1);

@@ -4,8 +4,9 @@
 use super::*;
 use crate::contact::search::test_surfaces::Wave;
 use crate::geometry::Side;
-use crate::geometry::profile::{Part, Profile, ProfilePoint, parse};
-use crate::geometry::track::{Deviation, Direction};
+use crate::geometry::profile::{Part, ProfilePoint, parse};
+use crate::geometry::surface::Wheel;
+use crate::geometry::track::{Deviation, Direction, Rail};
 use crate::math::rotation::AxleFrame;
 use crate::math::spline::CubicSpline;
 use crate::settings::{Section, Source};
@@ -138,7 +139,7 @@ impl Scene {
     fn new(name: &str, side: Side, wheel: Arc<dyn Profile>, rail: Arc<dyn Profile>) -> Scene {
         let wheel = Wheel { side, profile: wheel, half_spacing: 0.75 };
         let rail = Rail::new(side, rail, 0.75, 0.025, &[]);
-        let search = GlobalSearch::new(&wheel, &rail);
+        let search = GlobalSearch::new(wheel.profile.as_ref(), rail.profile.as_ref());
         Scene { name: name.into(), wheel, rail, search }
     }
     fn all() -> Vec<Scene> {
