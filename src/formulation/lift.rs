@@ -37,7 +37,8 @@ pub(super) fn parse(section: &Section) -> Result<OnLift, SettingsError> {
 
 /// A penetration that stays this close to its static value (relative) ...
 const SETTLED: f64 = 0.01;
-/// ... for this long [s] ends the elastic mode.
+/// ... for this long [s] ends the elastic mode, if one place carries the wheel alone and all others are further from their rail than
+/// it is pressed in: a rigid contact knows nothing of a load that moves from place to place.
 const SETTLING_TIME: f64 = 5e-3;
 
 /// All contacts begin as constraints that carry the static load, each at its wheel's deepest place.
@@ -64,7 +65,7 @@ pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [
         let settled = report.stiffness > 0.0 && pressed(model, workspace, contact) == 1 && {
             // N = K delta^1.5 with the vertical part of N equal to the static load.
             let at_rest = (wheelset.static_wheel_load / (report.axes.normal.z * report.stiffness)).cbrt().powi(2);
-            (report.penetration / at_rest - 1.0).abs() <= SETTLED
+            (report.penetration / at_rest - 1.0).abs() <= SETTLED && clearance(model, workspace, contact) > at_rest
         };
         if !settled {
             memory[SETTLED_SINCE] = f64::INFINITY;
@@ -83,6 +84,13 @@ fn reports<'a>(model: &Model, workspace: &'a Workspace, contact: usize) -> impl 
 
 fn pressed(model: &Model, workspace: &Workspace, contact: usize) -> usize {
     reports(model, workspace, contact).filter(|report| report.normal_force > 0.0).count()
+}
+
+/// Distance of the nearest place of a wheel that is not pressed, m.
+fn clearance(model: &Model, workspace: &Workspace, contact: usize) -> f64 {
+    // A report without iterations belongs to no place.
+    let free = reports(model, workspace, contact).filter(|report| report.iterations > 0 && !(report.normal_force > 0.0));
+    free.map(|report| -report.penetration).fold(f64::INFINITY, f64::min)
 }
 
 fn most_pressed<'a>(model: &Model, workspace: &'a Workspace, contact: usize) -> &'a ContactReport {

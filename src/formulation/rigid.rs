@@ -274,9 +274,9 @@ fn settle(
             Ok(())
         }
         Err(LoopFailure::At(error)) => Err(error),
-        Err(LoopFailure::NotSettled(NotSettled { iterations, residual })) => {
-            let cause = ContactFailure::NotSettled { iterations, residual };
-            Err(EvaluationError::new(t, &model.wheelsets[0], Side::Left, cause))
+        Err(LoopFailure::NotSettled(NotSettled { iterations, residual, component })) => {
+            let (wheelset, side) = wheel_of(model, system, system.constraints.joint_rows + component);
+            Err(EvaluationError::new(t, wheelset, side, ContactFailure::NotSettled { iterations, residual }))
         }
     }
 }

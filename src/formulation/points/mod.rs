@@ -32,7 +32,7 @@ mod touch;
 use super::loading::{Contact, WheelAt, keep, not_found, warm_start};
 use super::{ContactFailure, ContactReport, Model, Workspace};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
-use crate::contact::search::global::{GlobalSearch, MOST, Minima, is_least};
+use crate::contact::search::global::{GlobalSearch, MOST, Minima, Ridge, is_least};
 use crate::geometry::Side;
 use crate::geometry::profile::Profile;
 use crate::mbs::body::Wrench;
@@ -86,14 +86,14 @@ fn flange_tip(profile: &dyn Profile) -> f64 {
 
 /// A place where wheel and rail are near each other.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+pub(super) struct Place {
     location: ContactLocation,
     /// Of its Hertzian force that the contact carries, 0 to 1.
     share: f64,
 }
 
 /// By number of the contact.
-type Places = [Option<Place>; MOST_POINTS];
+pub(super) type Places = [Option<Place>; MOST_POINTS];
 
 /// Locates a wheel's elastic contacts, loads them and adds their forces to the wheelset's wrench.
 #[inline]
@@ -250,7 +250,11 @@ impl WheelSearch {
         let pair = wheel.pair();
         let mut minima = Minima::default();
         self.search.find(&pair, REACH, &mut minima);
-        if minima.delicate { DELICATE.fetch_add(1, std::sync::atomic::Ordering::Relaxed); } else {STEADY.fetch_add((minima.steady*1e9) as u64, std::sync::atomic::Ordering::Relaxed);}
+        if minima.delicate {
+            DELICATE.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        } else {
+            STEADY.fetch_add((minima.steady * 1e9) as u64, std::sync::atomic::Ordering::Relaxed);
+        }
         if minima.is_empty() {
             // In flight: the nearest place is what is shown.
             self.search.find(&pair, FAR, &mut minima);
@@ -297,17 +301,28 @@ impl WheelSearch {
 }
 
 /// Ridges between contacts that are pressed, or may be while the wheel moves by less than `steady` [m], and how long they can be
-/// followed, m.
+/// followed, m. Where a place without a number lies between two contacts, it is the highest ridge that parts them.
 fn ridges(pair: &Pair, minima: &Minima, numbers: &[Option<usize>; MOST], places: &Places, steady: f64) -> (Saddles, f64) {
-    let (mut saddles, mut lasts) = (Saddles::default(), steady);
-    let neighbours = minima.iter().zip(numbers.iter().zip(&numbers[1..]));
-    let between = neighbours.filter_map(|(minimum, (below, above))| Some((minimum.ridge_to_next?, [(*below)?, (*above)?])));
-    for (saddle, (ridge, between)) in saddles.iter_mut().zip(between.filter(|(ridge, _)| ridge.distance <= steady)) {
-        let found = Saddle::locate(pair, &ridge.parameters, between, places);
+    let (mut saddles, mut lasts, mut count) = (Saddles::default(), steady, 0);
+    let mut before: Option<(usize, usize)> = None;
+    for (i, slot) in numbers.iter().enumerate().filter_map(|(i, number)| Some((i, (*number)?))) {
+        let Some((first, other)) = before.replace((i, slot)) else { continue };
+        let apart = minima[first..i].iter().any(|minimum| minimum.ridge_to_next.is_none());
+        let by_height = |a: &Ridge, b: &Ridge| a.distance.total_cmp(&b.distance);
+        let Some(highest) = minima[first..i].iter().filter_map(|minimum| minimum.ridge_to_next).max_by(by_height) else { continue };
+        if apart || highest.distance > steady {
+            continue;
+        }
+        for ridge in minima[first..i].iter().filter_map(|minimum| minimum.ridge_to_next).filter(|ridge| *ridge != highest) {
+            lasts = lasts.min(0.5 * (highest.distance - ridge.distance));
+        }
+        let between = [other, slot];
+        let found = Saddle::locate(pair, &highest.parameters, between, places);
         if found.is_none() {
             lasts = 0.0;
         }
-        *saddle = found.or(Some(Saddle { between, parameters: ridge.parameters, penetration: -ridge.distance }));
+        saddles[count] = found.or(Some(Saddle { between, parameters: highest.parameters, penetration: -highest.distance }));
+        count += 1;
     }
     (saddles, lasts)
 }

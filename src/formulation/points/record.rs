@@ -65,7 +65,7 @@ impl<'a> Record<'a> {
     }
 
     #[inline]
-    pub fn keep_ridge(&mut self, ridge: usize, found: &Saddle) {
+    pub(super) fn keep_ridge(&mut self, ridge: usize, found: &Saddle) {
         let place = self.ridge_place(ridge);
         keep(&found.parameters, &mut self.values[place..]);
     }
@@ -94,7 +94,7 @@ impl<'a> Record<'a> {
     }
 
     /// A search has been made here.
-    pub fn renew(&mut self, wheel: &WheelAt, budget: f64, saddles: &Saddles) {
+    pub(super) fn renew(&mut self, wheel: &WheelAt, budget: f64, saddles: &Saddles) {
         self.values[0] = budget;
         self.values[POSE..MARKS].copy_from_slice(&pose(wheel));
         for (i, saddle) in saddles.iter().enumerate().take(self.points - 1) {

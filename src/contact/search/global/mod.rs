@@ -73,7 +73,8 @@ pub struct Minima {
     /// Every minimum that is not in the list has at least this distance, m (infinite when there is none at all).
     pub clearance: f64,
     /// The list keeps its length, but for minima that pass the reach, as long as no point of the wheel moves by more than
-    /// this relative to the rail, m (at most 0.3 mm; 0 when `delicate`).
+    /// this relative to the rail, m, and the wheel turns by no more than this over half a metre (at most 0.3 mm; 0 when
+    /// `delicate`).
     pub steady: f64,
     /// There is a stretch of wheel nearer than the reach where the relative curvature is not certified: minimum and ridge
     /// may be born or merge by a small motion.

@@ -556,7 +556,7 @@ fn prop_steady_motion_keeps_the_minima() {
             }
             certified += 1;
             // Half of the motion by shifting, the rest by turning about a point on the tread.
-            let (steady, turn) = (a.steady, 0.3 * a.steady / 0.08 * random.sign());
+            let (steady, turn) = (a.steady, 0.5 * a.steady / branch::ARM * random.sign());
             let about = Vector3::new(0.0, scene.wheel.side.sign() * 0.75 + pose.centre.y, 0.0);
             let axes = AxleFrame::new(pose.yaw, pose.roll + turn).axes;
             let turned = AxleFrame::new(0.0, turn).axes * (pose.centre - about) + about;
