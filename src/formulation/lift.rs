@@ -4,7 +4,7 @@ use super::eccf;
 use super::events::{ContactChange, ContactEvent};
 use super::loading::{keep, pair};
 use super::points;
-use super::rigid::{MODE, NORMAL_FORCE, SETTLED_SINCE, is_elastic, least_pressed, wheels};
+use super::rigid::{MODE, NORMAL_FORCE, SETTLED_SINCE, VANISHED, is_elastic, least_pressed, wheels};
 use super::{ContactFailure, ContactReport, EvaluationError, Model, Wheelset, Workspace};
 use crate::geometry::Side;
 use crate::settings::{Section, SettingsError};
@@ -40,6 +40,13 @@ const SETTLED: f64 = 0.01;
 /// ... for this long [s] ends the elastic mode, if one place carries the wheel alone and all others are further from their rail than
 /// it is pressed in: a rigid contact knows nothing of a load that moves from place to place.
 const SETTLING_TIME: f64 = 5e-3;
+/// By this factor the time grows with each place of the wheel that has ceased to exist after the first, so that a wheel on nearly
+/// conformal profiles does not become a constraint again and again.
+const PATIENCE: f64 = 8.0;
+
+fn settling_time(memory: &[f64]) -> f64 {
+    SETTLING_TIME * PATIENCE.powi((memory[VANISHED] as i32 - 1).clamp(0, 6))
+}
 
 /// All contacts begin as constraints that carry the static load, each at its wheel's deepest place.
 pub(super) fn start(model: &Model, workspace: &mut Workspace, y: &[f64], memory: &mut [f64]) {
@@ -61,11 +68,11 @@ pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [
         if !is_elastic(memory) {
             continue;
         }
-        let report = most_pressed(model, workspace, contact);
-        let settled = report.stiffness > 0.0 && pressed(model, workspace, contact) == 1 && {
+        let report = most_pressed(workspace, contact);
+        let settled = report.stiffness > 0.0 && pressed(workspace, contact) == 1 && {
             // N = K delta^1.5 with the vertical part of N equal to the static load.
             let at_rest = (wheelset.static_wheel_load / (report.axes.normal.z * report.stiffness)).cbrt().powi(2);
-            (report.penetration / at_rest - 1.0).abs() <= SETTLED && clearance(model, workspace, contact) > at_rest
+            (report.penetration / at_rest - 1.0).abs() <= SETTLED && clearance(workspace, contact) > at_rest
         };
         if !settled {
             memory[SETTLED_SINCE] = f64::INFINITY;
@@ -76,32 +83,29 @@ pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [
     }
 }
 
-/// Reports of all contacts of a wheel.
-fn reports<'a>(model: &Model, workspace: &'a Workspace, contact: usize) -> impl Iterator<Item = &'a ContactReport> {
-    let others = &workspace.further_contacts[contact * (model.points - 1)..(contact + 1) * (model.points - 1)];
-    std::iter::once(&workspace.contacts[contact]).chain(others)
-}
-
-fn pressed(model: &Model, workspace: &Workspace, contact: usize) -> usize {
-    reports(model, workspace, contact).filter(|report| report.normal_force > 0.0).count()
+fn pressed(workspace: &Workspace, contact: usize) -> usize {
+    workspace.reports(contact).filter(|report| report.normal_force > 0.0).count()
 }
 
 /// Distance of the nearest place of a wheel that is not pressed, m.
-fn clearance(model: &Model, workspace: &Workspace, contact: usize) -> f64 {
+fn clearance(workspace: &Workspace, contact: usize) -> f64 {
     // A report without iterations belongs to no place.
-    let free = reports(model, workspace, contact).filter(|report| report.iterations > 0 && !(report.normal_force > 0.0));
+    let free = workspace.reports(contact).filter(|report| report.iterations > 0 && !(report.normal_force > 0.0));
     free.map(|report| -report.penetration).fold(f64::INFINITY, f64::min)
 }
 
-fn most_pressed<'a>(model: &Model, workspace: &'a Workspace, contact: usize) -> &'a ContactReport {
+fn most_pressed(workspace: &Workspace, contact: usize) -> &ContactReport {
     let first = &workspace.contacts[contact];
-    reports(model, workspace, contact).fold(first, |most, other| if other.normal_force > most.normal_force { other } else { most })
+    workspace.reports(contact).fold(first, |most, other| if other.normal_force > most.normal_force { other } else { most })
 }
 
 /// When the next elastic contact becomes a constraint if it stays settled, s.
 pub(super) fn next_return(model: &Model, memory: &[f64]) -> f64 {
-    let since = wheels(model).map(|(contact, ..)| memory[model.contact_memory(contact)][SETTLED_SINCE]);
-    since.fold(f64::INFINITY, f64::min) + SETTLING_TIME
+    let returns = wheels(model).map(|(contact, ..)| {
+        let memory = &memory[model.contact_memory(contact)];
+        memory[SETTLED_SINCE] + settling_time(memory)
+    });
+    returns.fold(f64::INFINITY, f64::min)
 }
 
 /// Height and roll of a wheelset weigh no more than other coordinates while both wheels are constraints: no penetration
@@ -124,7 +128,7 @@ pub(super) fn switch(
     y: &mut [f64],
     memory: &mut [f64],
 ) -> Result<(), EvaluationError> {
-    let settled = |memory: &[f64]| is_elastic(memory) && t >= memory[SETTLED_SINCE] + SETTLING_TIME;
+    let settled = |memory: &[f64]| is_elastic(memory) && t >= memory[SETTLED_SINCE] + settling_time(memory);
     let mut landed = false;
     for wheel @ (contact, wheelset, side) in wheels(model) {
         if settled(&memory[model.contact_memory(contact)]) {
@@ -142,11 +146,7 @@ pub(super) fn switch(
     if on_lift == OnLift::Stop {
         return Err(EvaluationError::new(t, wheelset, side, ContactFailure::Tensile { normal_force }));
     }
-    let own = &mut memory[model.contact_memory(contact)];
-    (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
-    points::forget(model, contact, own);
-    workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change: ContactChange::Lifted });
-    model.formulation.resettle(model, workspace, t, y, memory)
+    free((contact, wheelset, side), ContactChange::Lifted, model, workspace, t, y, memory)
 }
 
 /// Frees the wheel whose contact was not found.
@@ -160,17 +160,34 @@ pub(super) fn release(
 ) -> Result<bool, EvaluationError> {
     let lost = wheels(model).find(|(_, wheelset, side)| wheelset.name == failure.wheelset && *side == failure.side);
     let Some((contact, wheelset, side)) = lost else { return Ok(false) };
-    let own = &mut memory[model.contact_memory(contact)];
+    let own = &memory[model.contact_memory(contact)];
     let searched = model.searches[contact].is_some();
     let lost = matches!(failure.cause, ContactFailure::NotFound { .. } | ContactFailure::NotClosed { .. } | ContactFailure::Dependent);
     if !(searched && lost) || is_elastic(own) {
         return Ok(false);
     }
-    (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
-    points::forget(model, contact, own);
-    workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change: ContactChange::Vanished });
-    model.formulation.resettle(model, workspace, t, y, memory)?;
+    free((contact, wheelset, side), ContactChange::Vanished, model, workspace, t, y, memory)?;
     Ok(true)
+}
+
+/// Makes a constraint an elastic contact and moves the state onto the constraints that are left.
+fn free(
+    (contact, wheelset, side): (usize, &Wheelset, Side),
+    change: ContactChange,
+    model: &Model,
+    workspace: &mut Workspace,
+    t: f64,
+    y: &mut [f64],
+    memory: &mut [f64],
+) -> Result<(), EvaluationError> {
+    let own = &mut memory[model.contact_memory(contact)];
+    (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
+    if change == ContactChange::Vanished {
+        own[VANISHED] += 1.0;
+    }
+    points::forget(model, contact, own);
+    workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
+    model.formulation.resettle(model, workspace, t, y, memory)
 }
 
 /// Makes an elastic contact a constraint again: positions, then velocities are projected.

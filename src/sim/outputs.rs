@@ -200,12 +200,7 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, distance:
     let base = c.base;
     c.base = base + if side == Side::Left { 100 } else { 200 };
     // Sum over the wheel's contacts.
-    let of = |read: fn(&ContactReport) -> f64| {
-        move |s: &Snapshot| {
-            let further = &s.workspace.further_contacts[contact * (points - 1)..(contact + 1) * (points - 1)];
-            further.iter().fold(read(&s.workspace.contacts[contact]), |sum, report| sum + read(report))
-        }
-    };
+    let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| s.workspace.reports(contact).map(read).sum::<f64>();
 
     let g = "wheels";
     c.add(
@@ -230,8 +225,7 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, distance:
     c.add(3, "normalForce", g, Unit::Newton, PRESSING, "sum of the normal forces of the wheel's contacts", of(|k| k.normal_force));
     let text = "guiding force of the wheel on the rail, outward positive, over Q: positive when a flange climbs; 0 below Q = 1 N";
     c.add(4, "derailmentQuotient", g, Unit::One, friction, text, move |s| {
-        let further = &s.workspace.further_contacts[contact * (points - 1)..(contact + 1) * (points - 1)];
-        let force: Vector3<f64> = further.iter().fold(s.workspace.contacts[contact].force, |sum, report| sum + report.force);
+        let force: Vector3<f64> = s.workspace.reports(contact).map(|report| report.force).sum();
         if force.z > UNLOADED { -outward * force.y / force.z } else { 0.0 }
     });
     let text = "T-gamma without spin: |Fx xi_x| + |Fy xi_y|, summed over the wheel's contacts (energy per distance, J/m)";
@@ -246,20 +240,18 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, distance:
     );
 
     for index in 0..points {
-        let report = if index == 0 { None } else { Some(contact * (points - 1) + index - 1) };
-        point_of_contact(c, &format!("{prefix}.{}.contact[{}]", side.name(), index + 1), (index, report), contact, side, distance);
+        point_of_contact(c, &format!("{prefix}.{}.contact[{}]", side.name(), index + 1), contact, index, side, distance);
     }
     c.prefix = prefix;
     c.base = base;
 }
 
-/// Outputs of one of a wheel's contacts: the first (tread), or one of the others at `further`.
-fn point_of_contact(c: &mut Collector, name: &str, (index, further): (usize, Option<usize>), contact: usize, side: Side, distance: usize) {
+/// Outputs of a wheel's contact number `index` from 0.
+fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize, side: Side, distance: usize) {
     let friction = if side == Side::Left { LEFT } else { RIGHT };
     let none = STATE;
     let outward = side.sign();
-    let report = move |s: &Snapshot| further.map_or(s.workspace.contacts[contact], |place| s.workspace.further_contacts[place]);
-    let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| read(&report(s));
+    let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| read(s.workspace.report(contact, index));
     let (prefix, base) = (std::mem::replace(&mut c.prefix, name.into()), c.base);
     c.base += 20 * (index as u32 + 1);
     let g = "contacts";
@@ -340,7 +332,7 @@ fn point_of_contact(c: &mut Collector, name: &str, (index, further): (usize, Opt
     );
     c.add(11, "railCoordinate", g, Unit::Metre, none, "eta: contact on the rail profile, outward positive", of(|k| k.parameters.rail));
     c.add(12, "angle", g, Unit::Radian, none, "contact angle: lean of the normal toward the track centre in the cross-section", move |s| {
-        let n = report(s).axes.normal;
+        let n = s.workspace.report(contact, index).axes.normal;
         (-outward * n.y).atan2(n.z)
     });
     c.add(
@@ -353,7 +345,7 @@ fn point_of_contact(c: &mut Collector, name: &str, (index, further): (usize, Opt
         of(|k| k.parameters.angle),
     );
     let text = "contact on the rail: distance along the track";
-    c.add(14, "railDistance", g, Unit::Distance, none, text, move |s| s.y[distance] + report(s).parameters.lead);
+    c.add(14, "railDistance", g, Unit::Distance, none, text, move |s| s.y[distance] + s.workspace.report(contact, index).parameters.lead);
     c.prefix = prefix;
     c.base = base;
 }

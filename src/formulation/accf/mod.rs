@@ -313,9 +313,14 @@ fn close(
     };
     let mut change = Rows::zeros();
     let evaluate = |change: &Rows| constraints(model, index, wheelset, memory, &at(change));
+    let elastic = Side::BOTH.map(|side| is_elastic(&memory[model.contact_memory(contact_index(index, side))]));
+    let uncertain =
+        |jacobian: &Jacobian| if elastic[0] == elastic[1] { least_certain(jacobian) } else { Side::BOTH[usize::from(elastic[0])] };
     let solved = newton::solve(&mut change, POSITION, evaluate, |_, jacobian| partition.block(jacobian));
-    let (jacobian, iterations) =
-        solved.map_err(|failure| fail(ContactFailure::NotClosed { iterations: failure.iterations, gap: failure.residual, y: base[1] }))?;
+    let (jacobian, iterations) = solved.map_err(|failure| {
+        let cause = ContactFailure::NotClosed { iterations: failure.iterations, gap: failure.residual, y: base[1] };
+        EvaluationError::new(t, wheelset, uncertain(&constraints(model, index, wheelset, memory, &at(&change)).1), cause)
+    })?;
     workspace.work.constraint_iterations += iterations as u64;
     values = at(&change);
     let mut excess: Rows = jacobian * rates;
@@ -325,12 +330,20 @@ fn close(
         }
     }
     if !partition.block(&jacobian).lu().solve_mut(&mut excess) {
-        return Err(fail(ContactFailure::Dependent));
+        return Err(EvaluationError::new(t, wheelset, uncertain(&jacobian), ContactFailure::Dependent));
     }
     partition.add(&mut rates, &-excess);
     scatter(model, index, wheelset, &values, &rates, y);
     workspace.rigid.partitions[index] = Some(partition);
     Ok(jacobian)
+}
+
+/// The side whose contact's place is least certain: where it ceases to exist the determinant of its equations falls to zero.
+fn least_certain(jacobian: &Jacobian) -> Side {
+    let certainty = |row: usize, column: usize| {
+        without(&jacobian.fixed_view::<CONSTRAINTS, PARAMETERS>(row, column).into_owned(), NORMAL).determinant().abs()
+    };
+    if certainty(0, COORDINATES) <= certainty(CONSTRAINTS, COORDINATES + PARAMETERS) { Side::Left } else { Side::Right }
 }
 
 /// The equations of motion at a state that is made consistent first.
