@@ -364,7 +364,7 @@ impl<'a> Scan<'a> {
         // By how much phi stays away from 0.
         let margin = if same { 0.5 * ((a.phi + b.phi).abs() - whole.most * length) } else { 0.0 };
         let free = margin / Self::turning(whole.limits);
-        if free >= self.steady.min(USEFUL) {
+        if margin > 0.0 && free >= self.steady.min(USEFUL) {
             (self.steady, self.bend) = (self.steady.min(free), None);
             return;
         }
