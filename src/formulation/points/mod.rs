@@ -54,9 +54,6 @@ const FAR: f64 = 0.15;
 /// A wheel whose contact lies this much higher than the tread has a flange, m.
 const FLANGE: f64 = 10e-3;
 
-pub static SEARCHES: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
-pub static DELICATE: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
-pub static STEADY: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
 /// All contacts of one wheel.
 #[derive(Debug)]
 pub struct WheelSearch {
@@ -245,15 +242,9 @@ impl WheelSearch {
         memory: &mut [f64],
         record: &mut Record,
     ) -> Result<Places, ContactFailure> {
-        SEARCHES.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let pair = wheel.pair();
         let mut minima = Minima::default();
         self.search.find(&pair, REACH, &mut minima);
-        if minima.delicate {
-            DELICATE.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        } else {
-            STEADY.fetch_add((minima.steady * 1e9) as u64, std::sync::atomic::Ordering::Relaxed);
-        }
         if minima.is_empty() {
             // In flight: the nearest place is what is shown.
             self.search.find(&pair, FAR, &mut minima);
