@@ -38,7 +38,7 @@ impl Stand {
         let model = simulation.model();
         let (wheel, rail) = (model.wheelsets[0].wheel(Side::Left).clone(), model.track.rail(Side::Left).clone());
         let law = (scene.contact.normal)(scene.contact.material);
-        let search = GlobalSearch::new(&wheel, &rail);
+        let search = GlobalSearch::new(wheel.profile.as_ref(), rail.profile.as_ref());
         Stand { wheel, rail, law, search, axes: AxleFrame::new(1e-3, 0.0).axes }
     }
 

@@ -4,7 +4,7 @@ use super::eccf;
 use super::events::{ContactChange, ContactEvent};
 use super::loading::{keep, pair};
 use super::points;
-use super::rigid::{MODE, NORMAL_FORCE, SETTLED_SINCE, is_elastic, least_pressed, wheels};
+use super::rigid::{MODE, NORMAL_FORCE, SETTLED_SINCE, VANISHED, is_elastic, least_pressed, wheels};
 use super::{ContactFailure, ContactReport, EvaluationError, Model, Wheelset, Workspace};
 use crate::geometry::Side;
 use crate::settings::{Section, SettingsError};
@@ -37,8 +37,16 @@ pub(super) fn parse(section: &Section) -> Result<OnLift, SettingsError> {
 
 /// A penetration that stays this close to its static value (relative) ...
 const SETTLED: f64 = 0.01;
-/// ... for this long [s] ends the elastic mode.
+/// ... for this long [s] ends the elastic mode, if one place carries the wheel alone and all others are further from their rail than
+/// it is pressed in: a rigid contact knows nothing of a load that moves from place to place.
 const SETTLING_TIME: f64 = 5e-3;
+/// By this factor the time grows with each place of the wheel that has ceased to exist after the first, so that a wheel on nearly
+/// conformal profiles does not become a constraint again and again.
+const PATIENCE: f64 = 8.0;
+
+fn settling_time(memory: &[f64]) -> f64 {
+    SETTLING_TIME * PATIENCE.powi((memory[VANISHED] as i32 - 1).clamp(0, 6))
+}
 
 /// All contacts begin as constraints that carry the static load, each at its wheel's deepest place.
 pub(super) fn start(model: &Model, workspace: &mut Workspace, y: &[f64], memory: &mut [f64]) {
@@ -64,7 +72,7 @@ pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [
         let settled = report.stiffness > 0.0 && pressed(workspace, contact) == 1 && {
             // N = K delta^1.5 with the vertical part of N equal to the static load.
             let at_rest = (wheelset.static_wheel_load / (report.axes.normal.z * report.stiffness)).cbrt().powi(2);
-            (report.penetration / at_rest - 1.0).abs() <= SETTLED
+            (report.penetration / at_rest - 1.0).abs() <= SETTLED && clearance(workspace, contact) > at_rest
         };
         if !settled {
             memory[SETTLED_SINCE] = f64::INFINITY;
@@ -79,6 +87,13 @@ fn pressed(workspace: &Workspace, contact: usize) -> usize {
     workspace.reports(contact).filter(|report| report.normal_force > 0.0).count()
 }
 
+/// Distance of the nearest place of a wheel that is not pressed, m.
+fn clearance(workspace: &Workspace, contact: usize) -> f64 {
+    // A report without iterations belongs to no place.
+    let free = workspace.reports(contact).filter(|report| report.iterations > 0 && !(report.normal_force > 0.0));
+    free.map(|report| -report.penetration).fold(f64::INFINITY, f64::min)
+}
+
 fn most_pressed(workspace: &Workspace, contact: usize) -> &ContactReport {
     let first = &workspace.contacts[contact];
     workspace.reports(contact).fold(first, |most, other| if other.normal_force > most.normal_force { other } else { most })
@@ -86,8 +101,11 @@ fn most_pressed(workspace: &Workspace, contact: usize) -> &ContactReport {
 
 /// When the next elastic contact becomes a constraint if it stays settled, s.
 pub(super) fn next_return(model: &Model, memory: &[f64]) -> f64 {
-    let since = wheels(model).map(|(contact, ..)| memory[model.contact_memory(contact)][SETTLED_SINCE]);
-    since.fold(f64::INFINITY, f64::min) + SETTLING_TIME
+    let returns = wheels(model).map(|(contact, ..)| {
+        let memory = &memory[model.contact_memory(contact)];
+        memory[SETTLED_SINCE] + settling_time(memory)
+    });
+    returns.fold(f64::INFINITY, f64::min)
 }
 
 /// Height and roll of a wheelset weigh no more than other coordinates while both wheels are constraints: no penetration
@@ -110,7 +128,7 @@ pub(super) fn switch(
     y: &mut [f64],
     memory: &mut [f64],
 ) -> Result<(), EvaluationError> {
-    let settled = |memory: &[f64]| is_elastic(memory) && t >= memory[SETTLED_SINCE] + SETTLING_TIME;
+    let settled = |memory: &[f64]| is_elastic(memory) && t >= memory[SETTLED_SINCE] + settling_time(memory);
     let mut landed = false;
     for wheel @ (contact, wheelset, side) in wheels(model) {
         if settled(&memory[model.contact_memory(contact)]) {
@@ -164,6 +182,9 @@ fn free(
 ) -> Result<(), EvaluationError> {
     let own = &mut memory[model.contact_memory(contact)];
     (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
+    if change == ContactChange::Vanished {
+        own[VANISHED] += 1.0;
+    }
     points::forget(model, contact, own);
     workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
     model.formulation.resettle(model, workspace, t, y, memory)

@@ -106,8 +106,8 @@ impl Contact<'_> {
             return Err(ContactFailure::TooDeep { penetration: found.penetration, z: self.wheel.motion.position.z });
         }
         let elastic = model.laws.normal.contact(&self.shape(), found.penetration)?;
-        // Half-axes of a Hertzian patch grow with the cube root of its force.
-        let narrower = self.share.cbrt();
+        // A place that carries a share of a patch's force covers that share of its area.
+        let narrower = self.share.sqrt();
         report.stiffness = elastic.stiffness;
         report.patch = Patch { a: narrower * elastic.patch.a, b: narrower * elastic.patch.b };
         report.normal_force =

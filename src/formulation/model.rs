@@ -2,7 +2,7 @@
 
 use super::events::ContactEvent;
 use super::lift::OnLift;
-use super::points::{self, WheelSearch};
+use super::points::{self, PreparedSearches, WheelSearch};
 use super::rigid::{self, RigidScratch};
 use super::work::Work;
 use super::{AssemblyError, Build, EvaluationError, Formulation, lift};
@@ -19,6 +19,7 @@ use crate::geometry::track::Track;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::system::{System, SystemWorkspace};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// Inputs of one wheelset, in the order in which they stand in the input vector.
 pub const WHEELSET_INPUTS: usize = 6;
@@ -85,6 +86,8 @@ pub struct Parts {
     pub laws: ContactLaws,
     /// Contacts that each wheel may have at the same time, at least 1.
     pub points: usize,
+    /// Searches for them that other models of the same scene have prepared.
+    pub prepared: PreparedSearches,
 }
 
 /// Everything that stays constant during a simulation.
@@ -100,7 +103,7 @@ pub struct Model {
     /// Where the contacts' states begin in the state vector (the system's dimension).
     pub(super) contact_states_begin: usize,
     /// Per wheel: the search for all of them; `None` where one place alone can touch.
-    pub(super) searches: Vec<Option<WheelSearch>>,
+    pub(super) searches: Vec<Option<Arc<WheelSearch>>>,
 }
 
 /// One contact as it was found and loaded at one instant.
@@ -185,9 +188,9 @@ impl Model {
     /// [`AssemblyError`] when the formulation can't treat the parts.
     pub fn new(parts: Parts, build: &Build) -> Result<Model, AssemblyError> {
         let formulation = build(&parts)?;
-        let Parts { system, track, wheelsets, laws, points } = parts;
+        let Parts { system, track, wheelsets, laws, points, prepared } = parts;
         let own = formulation.points_per_wheel();
-        let searches = points::searches(&wheelsets, &track, if own > 1 { 1 } else { points.min(points::MOST_POINTS) });
+        let searches = points::searches(&wheelsets, &track, if own > 1 { 1 } else { points.min(points::MOST_POINTS) }, &prepared);
         let points = if searches.iter().any(Option::is_some) { points } else { own };
         let contact_states_begin = system.dimension();
         Ok(Model { system, track, wheelsets, laws, formulation, points, contact_states_begin, searches })

@@ -9,7 +9,7 @@
 //! its static value for 5 ms; what penetration is left is removed by projection.
 //!
 //! Memory per contact: surface parameters, N, mode (0 constraint, 1 elastic), since when the penetration is settled (infinity: it
-//! is not).
+//! is not), how many of the wheel's places have ceased to exist.
 
 use super::accf::Partition;
 use super::loading::{Contact, WheelAt, external_wrench};
@@ -28,10 +28,11 @@ use crate::mbs::projection::ProjectionError;
 use crate::mbs::system::SystemWorkspace;
 
 /// Numbers per contact in the memory, and their places after the surface parameters.
-pub(super) const MEMORY: usize = 7;
+pub(super) const MEMORY: usize = 8;
 pub(super) const NORMAL_FORCE: usize = 4;
 pub(super) const MODE: usize = 5;
 pub(super) const SETTLED_SINCE: usize = 6;
+pub(super) const VANISHED: usize = 7;
 
 /// The loop between normal forces and creep forces ends when it changes them by less than this; the floor is in newtons. A patch
 /// whose size is a mean over real profiles is not smooth to the last digits everywhere: there 1e-4 of the force must do.
@@ -274,9 +275,9 @@ fn settle(
             Ok(())
         }
         Err(LoopFailure::At(error)) => Err(error),
-        Err(LoopFailure::NotSettled(NotSettled { iterations, residual })) => {
-            let cause = ContactFailure::NotSettled { iterations, residual };
-            Err(EvaluationError::new(t, &model.wheelsets[0], Side::Left, cause))
+        Err(LoopFailure::NotSettled(NotSettled { iterations, residual, component })) => {
+            let (wheelset, side) = wheel_of(model, system, system.constraints.joint_rows + component);
+            Err(EvaluationError::new(t, wheelset, side, ContactFailure::NotSettled { iterations, residual }))
         }
     }
 }

@@ -24,6 +24,8 @@ pub struct NotSettled {
     pub iterations: usize,
     /// Largest |g(x) - x| at the last point.
     pub residual: f64,
+    /// The component that is largest.
+    pub component: usize,
 }
 
 /// Scratch for vectors of one length.
@@ -59,7 +61,8 @@ pub fn settle<E: From<NotSettled>>(
         residual = image.iter().zip(x.iter()).fold(0.0, |largest: f64, (g, x)| largest.max((g - x).abs()));
         // f64::max passes over NaN.
         if !image.iter().all(|value| value.is_finite()) {
-            return Err(NotSettled { iterations: iteration, residual: f64::NAN }.into());
+            let component = image.iter().position(|value| !value.is_finite()).unwrap_or(0);
+            return Err(NotSettled { iterations: iteration, residual: f64::NAN, component }.into());
         }
         if residual <= (limits.relative * largest).max(limits.floor) {
             x.copy_from_slice(image);
@@ -84,7 +87,9 @@ pub fn settle<E: From<NotSettled>>(
         x.copy_from_slice(image);
         return Ok(limits.iterations);
     }
-    Err(NotSettled { iterations: limits.iterations, residual }.into())
+    // What was left in the last iteration.
+    let component = (0..last_difference.len()).max_by(|a, b| last_difference[*a].abs().total_cmp(&last_difference[*b].abs())).unwrap_or(0);
+    Err(NotSettled { iterations: limits.iterations, residual, component }.into())
 }
 
 #[cfg(test)]

@@ -33,6 +33,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
             transient,
         },
         points: contact.points,
+        prepared: scene.prepared.clone(),
     };
     Model::new(parts, &contact.formulation)
 }

@@ -6,7 +6,10 @@ pub use super::vehicle::suspended::{INITIAL, Initial, SuspensionSpec, WheelsetSp
 pub use super::vehicle::{TEMPLATES, VehicleSpec};
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
-use crate::formulation::{self, points::MOST_POINTS};
+use crate::formulation::{
+    self,
+    points::{MOST_POINTS, PreparedSearches},
+};
 use crate::geometry::file::SceneFile;
 use crate::geometry::profile::{self, Part, ProfileChoice};
 use crate::geometry::track::{self, Deviation, gauge};
@@ -29,6 +32,8 @@ pub struct Scene {
     pub solver: SolverSpec,
     pub interface: InterfaceSpec,
     pub run: RunSpec,
+    /// What the models that are assembled from it share.
+    pub prepared: PreparedSearches,
 }
 
 /// `[track]`.
@@ -160,6 +165,7 @@ impl Scene {
             solver: SolverSpec { name: solver_name, integrator },
             interface,
             run: spec,
+            prepared: PreparedSearches::default(),
         })
     }
 

@@ -144,7 +144,7 @@ impl WheelsetOnTrack {
 
     /// From wheels and rails; `station` [m] is where along the track the wheelset stands.
     pub fn from_parts(wheels: [Wheel; 2], track: Track, attitude: Attitude, station: f64) -> Self {
-        let searches = Side::BOTH.map(|side| GlobalSearch::new(&wheels[side.index()], track.rail(side)));
+        let searches = Side::BOTH.map(|side| GlobalSearch::new(wheels[side.index()].profile.as_ref(), track.rail(side).profile.as_ref()));
         WheelsetOnTrack { wheels, track, station, attitude, searches }
     }
 

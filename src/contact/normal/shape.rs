@@ -58,10 +58,10 @@ impl<'a> Tangent<'a> {
     #[inline]
     fn off(&self, dx: f64) -> Off {
         let Section { profile, at, point } = self.section;
-        let (there, p) = (profile.at(at + dx), point.d1);
-        let dy = there.value - point.value;
-        let turn = 1.0 + p * there.d1;
-        Off { t: self.cos * (dx + p * dy), h: self.cos * (dy - p * dx), stretch: self.cos * turn, slope: (there.d1 - p) / turn }
+        let ((value, slope), p) = (profile.value_and_slope(at + dx), point.d1);
+        let dy = value - point.value;
+        let turn = 1.0 + p * slope;
+        Off { t: self.cos * (dx + p * dy), h: self.cos * (dy - p * dx), stretch: self.cos * turn, slope: (slope - p) / turn }
     }
 }
 

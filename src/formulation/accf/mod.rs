@@ -17,8 +17,9 @@
 //! per wheelset: contact constraints tie no two wheelsets to each other.
 //!
 //! Where a rail's second derivative jumps (the end of a deviation), the rates of surface parameters jump while the coordinates'
-//! do not: within 20 ms of such a place coordinates are the independent variables; elsewhere pivoting chooses. Profiles must have a
-//! continuous curvature.
+//! do not: within 20 ms of such a place coordinates are the independent variables; elsewhere pivoting chooses. The same rates jump
+//! where the curvature of a profile does. A contact may stand at such a joint for long (S1002 on 60E1: 0.3 mm beside one at the
+//! place to which it jumps), so that on a pair of profiles with joints coordinates are independent all the time.
 //!
 //! States per contact: u, angle, s, eta (s along the track) and their rates. Memory per contact: that of `rigid`, and in the left
 //! contact's the partition and the conditioning that it had when it was chosen.
@@ -50,12 +51,22 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 
 fn parse(section: &Section) -> Result<Build, SettingsError> {
     let on_lift = lift::parse(section)?;
-    Ok(Arc::new(move |_: &Parts| Ok(Box::new(Accf { on_lift }))))
+    Ok(Arc::new(move |parts: &Parts| {
+        let joints = parts.wheelsets.iter().map(|wheelset| {
+            Side::BOTH.into_iter().any(|side| {
+                let profiles = [&wheelset.wheel(side).profile, &parts.track.rail(side).profile];
+                profiles.iter().any(|profile| !profile.joints().is_empty())
+            })
+        });
+        Ok(Box::new(Accf { on_lift, joints: joints.collect() }))
+    }))
 }
 
 #[derive(Debug)]
 struct Accf {
     on_lift: OnLift,
+    /// Per wheelset: does the curvature of one of its profiles jump?
+    joints: Vec<bool>,
 }
 
 /// Surface parameters and their rates.
@@ -90,7 +101,7 @@ impl Formulation for Accf {
 
     fn start(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
         lift::start(model, workspace, y, memory);
-        reset(model, workspace, t, y, memory)
+        self.reset(model, workspace, t, y, memory)
     }
 
     fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
@@ -114,7 +125,7 @@ impl Formulation for Accf {
     ) -> Result<bool, EvaluationError> {
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let jacobian = close(model, workspace, index, wheelset, t, y, memory)?;
-            let crossing = crosses_break(model, index, y);
+            let crossing = self.joints[index] || crosses_break(model, index, y);
             let memory = &mut memory[model.contact_memory(contact_index(index, Side::Left))];
             let kept = Partition::from_mask(memory[PARTITION]).map_or(0.0, |partition| conditioning(&partition.block(&jacobian)));
             // A partition for a crossing has infinity as mark.
@@ -163,31 +174,33 @@ impl Formulation for Accf {
     }
 
     fn resettle(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-        reset(model, workspace, t, y, memory)
+        self.reset(model, workspace, t, y, memory)
     }
 }
 
-/// Brings the coordinates onto the constraints without regard to a partition (mass-weighted, as in ECCF), takes the surface
-/// parameters from the located contacts and chooses a partition.
-fn reset(model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-    eccf::project(model, workspace, t, y, memory)?;
-    model.system.move_bodies(y, &mut workspace.system);
-    for (contact, wheelset, side) in wheels(model) {
-        let motion = &workspace.system.motions[wheelset.body];
-        let found = eccf::locate(model, (contact, wheelset, side), motion, &mut memory[model.contact_memory(contact)])
-            .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
-        let p = found.location.parameters;
-        let states = &mut y[model.contact_states(contact)];
-        states[..PARAMETERS].copy_from_slice(&[p.wheel, p.angle, p.lead + motion.position.x, p.rail]);
-        states[PARAMETERS..].copy_from_slice(found.parameter_rates.as_slice());
+impl Accf {
+    /// Brings the coordinates onto the constraints without regard to a partition (mass-weighted, as in ECCF), takes the surface
+    /// parameters from the located contacts and chooses a partition.
+    fn reset(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
+        eccf::project(model, workspace, t, y, memory)?;
+        model.system.move_bodies(y, &mut workspace.system);
+        for (contact, wheelset, side) in wheels(model) {
+            let motion = &workspace.system.motions[wheelset.body];
+            let found = eccf::locate(model, (contact, wheelset, side), motion, &mut memory[model.contact_memory(contact)])
+                .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
+            let p = found.location.parameters;
+            let states = &mut y[model.contact_states(contact)];
+            states[..PARAMETERS].copy_from_slice(&[p.wheel, p.angle, p.lead + motion.position.x, p.rail]);
+            states[PARAMETERS..].copy_from_slice(found.parameter_rates.as_slice());
+        }
+        for (index, wheelset) in model.wheelsets.iter().enumerate() {
+            let (variables, _) = gather(model, index, wheelset, y);
+            let (_, jacobian) = constraints(model, index, wheelset, memory, &variables);
+            let crossing = self.joints[index] || crosses_break(model, index, y);
+            choose(&jacobian, crossing, wheelset, t, &mut memory[model.contact_memory(contact_index(index, Side::Left))])?;
+        }
+        Ok(())
     }
-    for (index, wheelset) in model.wheelsets.iter().enumerate() {
-        let (variables, _) = gather(model, index, wheelset, y);
-        let (_, jacobian) = constraints(model, index, wheelset, memory, &variables);
-        let crossing = crosses_break(model, index, y);
-        choose(&jacobian, crossing, wheelset, t, &mut memory[model.contact_memory(contact_index(index, Side::Left))])?;
-    }
-    Ok(())
 }
 
 /// Is one of a wheelset's contacts near a place where its rail is not smooth?
@@ -300,9 +313,14 @@ fn close(
     };
     let mut change = Rows::zeros();
     let evaluate = |change: &Rows| constraints(model, index, wheelset, memory, &at(change));
+    let elastic = Side::BOTH.map(|side| is_elastic(&memory[model.contact_memory(contact_index(index, side))]));
+    let uncertain =
+        |jacobian: &Jacobian| if elastic[0] == elastic[1] { least_certain(jacobian) } else { Side::BOTH[usize::from(elastic[0])] };
     let solved = newton::solve(&mut change, POSITION, evaluate, |_, jacobian| partition.block(jacobian));
-    let (jacobian, iterations) =
-        solved.map_err(|failure| fail(ContactFailure::NotClosed { iterations: failure.iterations, gap: failure.residual, y: base[1] }))?;
+    let (jacobian, iterations) = solved.map_err(|failure| {
+        let cause = ContactFailure::NotClosed { iterations: failure.iterations, gap: failure.residual, y: base[1] };
+        EvaluationError::new(t, wheelset, uncertain(&constraints(model, index, wheelset, memory, &at(&change)).1), cause)
+    })?;
     workspace.work.constraint_iterations += iterations as u64;
     values = at(&change);
     let mut excess: Rows = jacobian * rates;
@@ -312,12 +330,20 @@ fn close(
         }
     }
     if !partition.block(&jacobian).lu().solve_mut(&mut excess) {
-        return Err(fail(ContactFailure::Dependent));
+        return Err(EvaluationError::new(t, wheelset, uncertain(&jacobian), ContactFailure::Dependent));
     }
     partition.add(&mut rates, &-excess);
     scatter(model, index, wheelset, &values, &rates, y);
     workspace.rigid.partitions[index] = Some(partition);
     Ok(jacobian)
+}
+
+/// The side whose contact's place is least certain: where it ceases to exist the determinant of its equations falls to zero.
+fn least_certain(jacobian: &Jacobian) -> Side {
+    let certainty = |row: usize, column: usize| {
+        without(&jacobian.fixed_view::<CONSTRAINTS, PARAMETERS>(row, column).into_owned(), NORMAL).determinant().abs()
+    };
+    if certainty(0, COORDINATES) <= certainty(CONSTRAINTS, COORDINATES + PARAMETERS) { Side::Left } else { Side::Right }
 }
 
 /// The equations of motion at a state that is made consistent first.

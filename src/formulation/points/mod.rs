@@ -12,30 +12,34 @@
 //! s1 = 1 - (r / d1) p2 / (p1 + p2)
 //! ```
 //!
-//! of its Hertzian force. Apart (r = 0) it is 1; where contact 2 merges with the ridge (p2 = 0) it is 1 for contact 1
+//! of its Hertzian force (`share`). Apart (r = 0) it is 1; where contact 2 merges with the ridge (p2 = 0) it is 1 for contact 1
 //! and 0 for contact 2, which disappears without a jump; while both melt together (r -> d) the shares add up to 1, so that a
 //! patch is not counted twice. The rule is ours: between these limits it is an interpolation. Only where both merge at the very
 //! same pose (p1 = p2 = 0, a symmetric pair) the limit depends on the way.
 //!
 //! *Guard.* A search says by how much the wheel may move until another place can come near (`budget`); until then only the
-//! known places are followed, each by its own Newton iteration, and places far away (a flange) cost nothing.
+//! known places are followed, each by its own Newton iteration, and so are the ridges between them that are pressed or may soon be.
+//! Places far away (a flange) cost nothing.
 //!
 //! *Identity.* A contact keeps its number while it exists; a new one takes the lowest free number. Forces do not depend on it.
 //! The search forgets nothing and waits for nothing: no hysteresis.
 
+mod prepared;
 mod record;
+mod share;
 mod touch;
 
 use super::loading::{Contact, WheelAt, keep, not_found, warm_start};
 use super::{ContactFailure, ContactReport, Model, Workspace};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
-use crate::contact::search::global::{GlobalSearch, Minima, is_least};
+use crate::contact::search::global::{GlobalSearch, MOST, Minima, Ridge, is_least};
 use crate::geometry::Side;
 use crate::geometry::profile::Profile;
-use crate::geometry::surface::Wheel;
-use crate::geometry::track::Rail;
 use crate::mbs::body::Wrench;
+pub use prepared::PreparedSearches;
 pub(super) use record::{Record, record_length};
+use share::{Saddle, Saddles, share_out};
+use std::sync::Arc;
 pub(super) use touch::{margin, switch};
 
 /// Most contacts of one wheel that a scene can ask for.
@@ -60,9 +64,9 @@ pub struct WheelSearch {
 
 impl WheelSearch {
     /// `None` when there is nothing to search for: only one place can ever touch.
-    pub fn new(wheel: &Wheel, rail: &Rail) -> Option<Self> {
+    pub fn new(wheel: &dyn Profile, rail: &dyn Profile) -> Option<Self> {
         let search = GlobalSearch::new(wheel, rail);
-        (!search.strictly_convex()).then(|| WheelSearch { search, tip: flange_tip(wheel.profile.as_ref()) })
+        (!search.strictly_convex()).then(|| WheelSearch { search, tip: flange_tip(wheel) })
     }
 }
 
@@ -79,14 +83,14 @@ fn flange_tip(profile: &dyn Profile) -> f64 {
 
 /// A place where wheel and rail are near each other.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+pub(super) struct Place {
     location: ContactLocation,
     /// Of its Hertzian force that the contact carries, 0 to 1.
     share: f64,
 }
 
 /// By number of the contact.
-type Places = [Option<Place>; MOST_POINTS];
+pub(super) type Places = [Option<Place>; MOST_POINTS];
 
 /// Locates a wheel's elastic contacts, loads them and adds their forces to the wheelset's wrench.
 #[inline]
@@ -219,6 +223,14 @@ impl WheelSearch {
             record.keep(slot, &location.parameters, location.penetration, memory);
             places[slot] = Some(Place { location, share: 1.0 });
         }
+        let mut saddles = Saddles::default();
+        for (i, saddle) in saddles.iter_mut().enumerate().take(wheel.model.points - 1) {
+            let Some((between, start)) = record.ridge(i) else { continue };
+            let found = Saddle::locate(&pair, &start, between, &places)?;
+            record.keep_ridge(i, &found);
+            *saddle = Some(found);
+        }
+        share_out(&mut places, &saddles);
         Some(places)
     }
 
@@ -241,7 +253,7 @@ impl WheelSearch {
             return Err(derailed(wheel, "the wheel has left the rail"));
         }
         let count = minima.len();
-        let mut chosen = [true; crate::contact::search::global::MOST];
+        let mut chosen = [true; MOST];
         if let Some(tread) = tread {
             // The minimum that the constraint is at.
             let distance = |i: &usize| (minima[*i].parameters.wheel - tread.parameters.wheel).abs();
@@ -250,7 +262,7 @@ impl WheelSearch {
             }
         }
         let free = wheel.model.points - usize::from(tread.is_some());
-        let mut left = [false; crate::contact::search::global::MOST];
+        let mut left = [false; MOST];
         while (0..count).filter(|i| chosen[*i]).count() > free {
             let shallowest = (0..count).filter(|i| chosen[*i]).max_by(|a, b| minima[*a].distance.total_cmp(&minima[*b].distance));
             if let Some(shallowest) = shallowest {
@@ -263,39 +275,46 @@ impl WheelSearch {
             let Some(slot) = numbers[i] else { continue };
             let location = self.search.polish(&pair, minimum).location;
             record.keep(slot, &location.parameters, location.penetration, memory);
-            places[slot] = Some(Place { location, share: share(&minima, &left, i) });
+            places[slot] = Some(Place { location, share: 1.0 });
         }
-        // Contacts whose ridge is pressed, or soon may be, share a patch: that takes a search.
-        let ridges = minima.iter().filter_map(|minimum| minimum.ridge_to_next).map(|ridge| ridge.distance);
         let steady = if minima.delicate { 0.0 } else { minima.steady.min(minima.clearance) };
         // One that found no number matters when it touches, or when it becomes deeper than one that has a number.
         let deepest_left =
             left.iter().take(count).enumerate().filter(|(_, left)| **left).map(|(i, _)| minima[i].distance).fold(f64::INFINITY, f64::min);
         let shallowest = (0..count).filter(|i| chosen[*i]).map(|i| minima[i].distance).fold(f64::MIN, f64::max);
-        let steady = steady.min(deepest_left.max(0.5 * (deepest_left - shallowest)));
-        record.renew(wheel, ridges.fold(steady, f64::min).max(0.0));
+        let steady = steady.min(deepest_left.max(0.5 * (deepest_left - shallowest))).max(0.0);
+        let (saddles, steady) = ridges(&pair, &minima, &numbers, &places, steady);
+        share_out(&mut places, &saddles);
+        record.renew(wheel, steady, &saddles);
         Ok(places)
     }
 }
 
-/// Share of contact `i` beside its neighbours; those that are `left` out carry nothing.
-fn share(minima: &[crate::contact::search::global::Minimum], left: &[bool], i: usize) -> f64 {
-    let depth = -minima[i].distance;
-    if !(depth > 0.0) {
-        return 1.0;
+/// Ridges between contacts that are pressed, or may be while the wheel moves by less than `steady` [m], and how long they can be
+/// followed, m. Where a place without a number lies between two contacts, it is the highest ridge that parts them.
+fn ridges(pair: &Pair, minima: &Minima, numbers: &[Option<usize>; MOST], places: &Places, steady: f64) -> (Saddles, f64) {
+    let (mut saddles, mut lasts, mut count) = (Saddles::default(), steady, 0);
+    let mut before: Option<(usize, usize)> = None;
+    for (i, slot) in numbers.iter().enumerate().filter_map(|(i, number)| Some((i, (*number)?))) {
+        let Some((first, other)) = before.replace((i, slot)) else { continue };
+        let apart = minima[first..i].iter().any(|minimum| minimum.ridge_to_next.is_none());
+        let by_height = |a: &Ridge, b: &Ridge| a.distance.total_cmp(&b.distance);
+        let Some(highest) = minima[first..i].iter().filter_map(|minimum| minimum.ridge_to_next).max_by(by_height) else { continue };
+        if apart || highest.distance > steady {
+            continue;
+        }
+        for ridge in minima[first..i].iter().filter_map(|minimum| minimum.ridge_to_next).filter(|ridge| *ridge != highest) {
+            lasts = lasts.min(0.5 * (highest.distance - ridge.distance));
+        }
+        let between = [other, slot];
+        let found = Saddle::locate(pair, &highest.parameters, between, places);
+        if found.is_none() {
+            lasts = 0.0;
+        }
+        saddles[count] = found.or(Some(Saddle { between, parameters: highest.parameters, penetration: -highest.distance }));
+        count += 1;
     }
-    let beside = |ridge: f64, neighbour: f64| {
-        let ridge = ridge.max(0.0);
-        let (own, other) = (depth - ridge, (neighbour - ridge).max(0.0));
-        let sum = own.max(0.0) + other;
-        1.0 - ridge / depth * if sum > 0.0 { other / sum } else { 0.5 }
-    };
-    let loaded = |i: usize| i < minima.len() && !left[i];
-    let after = minima[i].ridge_to_next.filter(|_| loaded(i + 1)).map_or(1.0, |r| beside(-r.distance, -minima[i + 1].distance));
-    let before = i.checked_sub(1).filter(|before| loaded(*before));
-    let before = before.and_then(|before| minima[before].ridge_to_next.map(|r| beside(-r.distance, -minima[before].distance)));
-    // Rounding may put a ridge below the contact.
-    (after * before.unwrap_or(1.0)).max(0.0)
+    (saddles, lasts)
 }
 
 fn derailed(wheel: &WheelAt, how: &'static str) -> ContactFailure {
@@ -304,7 +323,12 @@ fn derailed(wheel: &WheelAt, how: &'static str) -> ContactFailure {
 }
 
 /// Searches for all wheels whose profiles can touch at more than one place; none where `points` is 1.
-pub(super) fn searches(wheelsets: &[super::Wheelset], track: &crate::geometry::track::Track, points: usize) -> Vec<Option<WheelSearch>> {
-    let both = wheelsets.iter().flat_map(|wheelset| Side::BOTH.map(|side| (wheelset.wheel(side), track.rail(side))));
-    both.map(|(wheel, rail)| if points > 1 { WheelSearch::new(wheel, rail) } else { None }).collect()
+pub(super) fn searches(
+    wheelsets: &[super::Wheelset],
+    track: &crate::geometry::track::Track,
+    points: usize,
+    prepared: &PreparedSearches,
+) -> Vec<Option<Arc<WheelSearch>>> {
+    let both = wheelsets.iter().flat_map(|wheelset| Side::BOTH.map(|side| (&wheelset.wheel(side).profile, &track.rail(side).profile)));
+    both.map(|(wheel, rail)| if points > 1 { prepared.of(wheel, rail) } else { None }).collect()
 }

@@ -2,10 +2,12 @@
 //!
 //! Part of the contact's memory behind that of its formulation: budget [m], the pose it counts from (6 numbers), one mark per
 //! contact (1: followed), then for each contact but the first (whose place stands where that of a single contact does) u,
-//! angle, lead, eta, penetration and a mark (1: it was pressed at the last event).
+//! angle, lead, eta, penetration and a mark (1: it was pressed at the last event), then for as many ridges u, angle, lead, eta
+//! and the numbers, from 1, of the contacts on both sides (0: no ridge).
 
 use super::super::loading::{WheelAt, keep};
-use super::MOST_POINTS;
+use super::share::{Saddle, Saddles};
+use super::{MOST_POINTS, warm_start};
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::contact::search::global::{MOST, Minimum};
 
@@ -14,6 +16,8 @@ const MARKS: usize = 7;
 const PER_CONTACT: usize = 6;
 const DEPTH: usize = 4;
 const PRESSED: usize = 5;
+const PER_RIDGE: usize = 6;
+const BETWEEN: usize = 4;
 
 /// From the wheelset's centre to the furthest point of a wheel that can touch, m.
 const ARM: f64 = 1.0;
@@ -22,7 +26,7 @@ const LEAD: f64 = 0.05;
 
 /// Length of the record for `points` contacts per wheel.
 pub(in super::super) fn record_length(points: usize) -> usize {
-    MARKS + points + PER_CONTACT * (points - 1)
+    MARKS + points + (PER_CONTACT + PER_RIDGE) * (points - 1)
 }
 
 /// A view of the memory.
@@ -45,7 +49,25 @@ impl<'a> Record<'a> {
     }
 
     pub fn parameters(&self, slot: usize) -> SurfaceParameters {
-        super::warm_start(&self.values[self.place(slot)..])
+        warm_start(&self.values[self.place(slot)..])
+    }
+
+    fn ridge_place(&self, ridge: usize) -> usize {
+        MARKS + self.points + PER_CONTACT * (self.points - 1) + PER_RIDGE * ridge
+    }
+
+    /// The contacts on both sides of a ridge that is followed, and where it was.
+    #[inline]
+    pub fn ridge(&self, ridge: usize) -> Option<([usize; 2], SurfaceParameters)> {
+        let place = self.ridge_place(ridge);
+        let number = |i: usize| (self.values[place + BETWEEN + i] as usize).checked_sub(1);
+        Some(([number(0)?, number(1)?], warm_start(&self.values[place..])))
+    }
+
+    #[inline]
+    pub(super) fn keep_ridge(&mut self, ridge: usize, found: &Saddle) {
+        let place = self.ridge_place(ridge);
+        keep(&found.parameters, &mut self.values[place..]);
     }
 
     /// Keeps where a contact was found; that of the first stands in `own`.
@@ -72,9 +94,16 @@ impl<'a> Record<'a> {
     }
 
     /// A search has been made here.
-    pub fn renew(&mut self, wheel: &WheelAt, budget: f64) {
+    pub(super) fn renew(&mut self, wheel: &WheelAt, budget: f64, saddles: &Saddles) {
         self.values[0] = budget;
         self.values[POSE..MARKS].copy_from_slice(&pose(wheel));
+        for (i, saddle) in saddles.iter().enumerate().take(self.points - 1) {
+            let sides = self.ridge_place(i) + BETWEEN;
+            self.values[sides..sides + 2].copy_from_slice(&saddle.map_or([0.0; 2], |saddle| saddle.between.map(|slot| (slot + 1) as f64)));
+            if let Some(saddle) = saddle {
+                self.keep_ridge(i, saddle);
+            }
+        }
     }
 
     /// No search has been made yet.

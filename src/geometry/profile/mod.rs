@@ -43,6 +43,13 @@ pub trait Profile: Send + Sync + std::fmt::Debug {
     /// is a continuation that only serves iterations on their way.
     fn at(&self, x: f64) -> ProfilePoint;
 
+    /// Value and slope as [`Profile::at`] gives them, where nothing else is needed.
+    #[inline]
+    fn value_and_slope(&self, x: f64) -> (f64, f64) {
+        let p = self.at(x);
+        (p.value, p.d1)
+    }
+
     /// Coordinates [m] between which the profile describes a real surface.
     fn range(&self) -> (f64, f64);
 

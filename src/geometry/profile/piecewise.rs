@@ -116,6 +116,31 @@ impl Curve {
     }
 }
 
+impl Curve {
+    /// Value and slope, to the bit those of [`Curve::at`].
+    #[inline]
+    fn value_and_slope(&self, x: f64) -> (f64, f64) {
+        match self {
+            Curve::Arc { centre, crest, radius, branch, correction: [c0, c1, c2, c3] } => {
+                let t = x - centre;
+                let drop = (radius * radius - t * t).sqrt();
+                let inverse = branch / drop;
+                let value = crest - branch * t * t / (radius + drop) + (c0 + t * (c1 + t * (c2 + t * c3)));
+                (value, -t * inverse + (c1 + t * (2.0 * c2 + 3.0 * t * c3)))
+            }
+            Curve::Polynomial { origin, coefficients, degree } => {
+                let t = x - origin;
+                let (mut value, mut d1) = (coefficients[*degree], 0.0);
+                for c in coefficients[..*degree].iter().rev() {
+                    d1 = d1 * t + value;
+                    value = value * t + c;
+                }
+                (value, d1)
+            }
+        }
+    }
+}
+
 /// Coefficients of the cubic with (value, slope) at 0 and at `length`.
 pub(super) fn hermite(length: f64, from: (f64, f64), to: (f64, f64)) -> [f64; 4] {
     let rise = (to.0 - from.0) / length;
@@ -177,6 +202,21 @@ impl Piecewise {
         Some(Piecewise { begin, end, cells, cells_per_metre, description, pieces })
     }
 
+    /// The piece that holds `x`, which lies in the range.
+    #[inline]
+    fn piece(&self, x: f64, first: f64) -> &Piece {
+        let cell = (((x - first) * self.cells_per_metre) as usize).min(CELLS - 1);
+        let mut i = self.cells[cell] as usize;
+        // Rounding may put x one cell too far; then step back first.
+        while i > 0 && x < self.pieces[i].from {
+            i -= 1;
+        }
+        while i + 1 < self.pieces.len() && x >= self.pieces[i + 1].from {
+            i += 1;
+        }
+        &self.pieces[i]
+    }
+
     fn inner_joints(&self, jump: impl Fn(ProfilePoint, ProfilePoint) -> bool) -> Vec<f64> {
         let pairs = self.pieces.windows(2).filter(|pair| jump(pair[0].curve.at(pair[0].to), pair[1].curve.at(pair[0].to)));
         pairs.map(|pair| pair[0].to).collect()
@@ -207,16 +247,17 @@ impl Profile for Piecewise {
         if x > last {
             return straight_on(&self.end, x - last);
         }
-        let cell = (((x - first) * self.cells_per_metre) as usize).min(CELLS - 1);
-        let mut i = self.cells[cell] as usize;
-        // Rounding may put x one cell too far; then step back first.
-        while i > 0 && x < self.pieces[i].from {
-            i -= 1;
+        self.piece(x, first).curve.at(x)
+    }
+
+    #[inline]
+    fn value_and_slope(&self, x: f64) -> (f64, f64) {
+        let (first, last) = self.range();
+        if !(x >= first && x <= last) {
+            let p = self.at(x);
+            return (p.value, p.d1);
         }
-        while i + 1 < self.pieces.len() && x >= self.pieces[i + 1].from {
-            i += 1;
-        }
-        self.pieces[i].curve.at(x)
+        self.piece(x, first).curve.value_and_slope(x)
     }
 
     fn range(&self) -> (f64, f64) {

@@ -13,9 +13,13 @@
 //! 2. phi' has one sign all over it: at most one root, which the ends show,
 //! 3. d stays above the reach: `d >= (s2 d_a + s1 d_b - s1 s2 L) / (s1 + s2)`, slopes from -s1 to s2, length L,
 //!
-//! and is halved otherwise. A stretch that can't be decided so is halved on with its own bound on |phi'|. The search gives
-//! up where a pair of minimum and maximum could differ in depth by no more than `|phi'| L^2 / 8 = 2e-8 m`, or at a 64th of the
-//! stretch.
+//! and is halved otherwise. A stretch that can't be decided so is halved on (`halve`) with its own bound on |phi'| and the rail's
+//! curvature between the feet of its ends. The search gives up where a pair of minimum and maximum could differ in depth by no
+//! more than `|phi'| L^2 / 8 = 2e-8 m`, or at a 64th of the stretch.
+//!
+//! *Steadiness.* For each part it is also noted by how much the wheel may move until the decision could be another: 1 holds while
+//! phi keeps its margin, 2 while feet move by less than what the rail's bounds were widened by. Where phi' has opposite signs on
+//! both sides of a knot, a pair may be born at the knot itself: there phi must keep away from 0.
 
 use super::GlobalSearch;
 use super::curve::Bounds;
@@ -59,8 +63,14 @@ pub(super) const MOST_STEADY: f64 = 3e-4;
 const ROUGH: f64 = 1e-5;
 /// Directions from knots are trusted from here on, rad.
 const TRUSTED: f64 = 2e-3;
-/// A rotation moves some point of the wheel by at least this arm, m: half the width of a tread.
-const ARM: f64 = 0.06;
+/// A motion by some length turns the wheel by no more than that length over this arm, m.
+pub(super) const ARM: f64 = 0.5;
+/// Motions, m, for which a part of a stretch is tried to be certified by the sign of phi', and the share of it by which feet
+/// move at most.
+const LOCAL: [f64; 2] = [1e-4, 2e-5];
+const SWAY: f64 = 1.25;
+/// Certificates that are better than this, m, are not worth more halvings.
+const USEFUL: f64 = 4e-5;
 
 pub(super) struct Scan<'a> {
     pub search: &'a GlobalSearch,
@@ -73,12 +83,22 @@ pub(super) struct Scan<'a> {
     above: f64,
     pub clearance: f64,
     pub steady: f64,
+    /// Sign of phi' in the part that was decided last, if that was what decided it.
+    bend: Option<bool>,
 }
 
+#[derive(Clone, Copy)]
 struct Limits {
     phi: (f64, f64),
     rail: (f64, f64),
     distance: (f64, f64),
+}
+
+/// A stretch that bounds don't decide, with its greatest |phi'|, 1/m.
+struct Part<'a> {
+    stretch: usize,
+    most: f64,
+    limits: &'a Limits,
 }
 
 impl<'a> Scan<'a> {
@@ -94,6 +114,7 @@ impl<'a> Scan<'a> {
             above: search.wheel.knots[0].x,
             clearance: f64::INFINITY,
             steady: MOST_STEADY,
+            bend: None,
         }
     }
 
@@ -239,10 +260,11 @@ impl<'a> Scan<'a> {
         let bending = self.bending(wheel, &limits);
         if bending.0 > 0.0 || bending.1 < 0.0 {
             let minimum = bending.0 > 0.0;
+            self.bent(minimum, &limits, a);
             if (a.phi < 0.0) == minimum && (b.phi < 0.0) != minimum {
                 self.descend(first, (first + size).min(self.search.wheel.stretches.len()), a, b, minimum);
             }
-            return self.pass(b);
+            return self.leave_if_far(b);
         }
         if limits.distance.0 > self.reach {
             return self.beyond(limits.distance.0, a, b);
@@ -272,6 +294,7 @@ impl<'a> Scan<'a> {
     /// A block that stays above the reach.
     #[inline]
     fn beyond(&mut self, least: f64, a: &State, b: &State) {
+        self.bend = None;
         self.clearance = self.clearance.min(least);
         self.leave(a.u);
         self.above = b.u;
@@ -279,8 +302,22 @@ impl<'a> Scan<'a> {
 
     #[inline]
     fn pass(&mut self, b: &State) {
+        self.bend = None;
+        self.leave_if_far(b);
+    }
+
+    #[inline]
+    fn leave_if_far(&mut self, b: &State) {
         if b.distance > self.reach {
             self.leave(b.u);
+        }
+    }
+
+    /// From `a` on phi' has one sign. If it had the other one before, a pair may be born at `a`.
+    #[inline]
+    fn bent(&mut self, grows: bool, limits: &Limits, a: &State) {
+        if self.bend.replace(grows) == Some(!grows) {
+            self.steady = self.steady.min(a.phi.abs() / Self::turning(limits));
         }
     }
 
@@ -305,15 +342,15 @@ impl<'a> Scan<'a> {
     /// A stretch that bounds don't decide.
     fn stretch(&mut self, stretch: usize, bending: &(f64, f64), limits: &Limits, a: &State, b: &State) {
         let wheel = &self.search.wheel.stretches[stretch];
-        let most = bending.1.max(-bending.0);
         if wheel.length == 0.0 {
             self.steady = 0.0;
+            self.bend = None;
             self.ends(stretch, a, b);
         } else {
-            let margin = self.halve(stretch, most, self.trace_length(wheel), DEPTH, a, b);
-            self.steady = self.steady.min((margin / Self::turning(limits)).max(0.0));
+            let most = bending.1.max(-bending.0);
+            self.halve(&Part { stretch, most, limits }, self.trace_length(wheel), DEPTH, a, b);
         }
-        self.pass(b);
+        self.leave_if_far(b);
     }
 
     #[inline]
@@ -321,20 +358,33 @@ impl<'a> Scan<'a> {
         wheel.length * (1.0 + self.view.k2 * wheel.steepest * wheel.steepest) + self.view.k2 * wheel.swing
     }
 
-    /// Looks at a part of a stretch where `|phi'| <= most`; by how much phi stays away from a double root.
-    fn halve(&mut self, stretch: usize, most: f64, length: f64, depth: usize, a: &State, b: &State) -> f64 {
+    /// Looks at a part of a stretch, `length` long.
+    fn halve(&mut self, whole: &Part, length: f64, depth: usize, a: &State, b: &State) {
         let same = (a.phi < 0.0) == (b.phi < 0.0);
-        let margin = 0.5 * ((a.phi + b.phi).abs() - most * length);
-        if same && margin > 0.0 {
-            return margin;
+        // By how much phi stays away from 0.
+        let margin = if same { 0.5 * ((a.phi + b.phi).abs() - whole.most * length) } else { 0.0 };
+        let free = margin / Self::turning(whole.limits);
+        if margin > 0.0 && free >= self.steady.min(USEFUL) {
+            (self.steady, self.bend) = (self.steady.min(free), None);
+            return;
         }
-        if depth == 0 || most * length * length < 8.0 * SHALLOW {
-            self.ends(stretch, a, b);
-            return 0.0;
+        let most = more(a.phi.abs(), b.phi.abs()) + whole.most * length;
+        for motion in LOCAL.into_iter().filter(|motion| *motion > free) {
+            let rail = self.search.rail.facing_within(a.foot, b.foot, SWAY * motion).curvature;
+            let bending = self.bending(&self.search.wheel.stretches[whole.stretch], &Limits { phi: (-most, most), rail, ..*whole.limits });
+            if bending.0 > 0.0 || bending.1 < 0.0 {
+                self.steady = self.steady.min(motion);
+                self.bent(bending.0 > 0.0, whole.limits, a);
+                return self.ends(whole.stretch, a, b);
+            }
+        }
+        if depth == 0 || whole.most * length * length < 8.0 * SHALLOW {
+            (self.steady, self.bend) = (self.steady.min(free.max(0.0)), None);
+            return self.ends(whole.stretch, a, b);
         }
         let m = self.at(0.5 * (a.u + b.u), 0.5 * (a.foot + b.foot));
-        let left = self.halve(stretch, most, 0.5 * length, depth - 1, a, &m);
-        left.min(self.halve(stretch, most, 0.5 * length, depth - 1, &m, b))
+        self.halve(whole, 0.5 * length, depth - 1, a, &m);
+        self.halve(whole, 0.5 * length, depth - 1, &m, b);
     }
 
     fn ends(&mut self, stretch: usize, a: &State, b: &State) {

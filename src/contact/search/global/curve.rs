@@ -90,15 +90,31 @@ fn angle(p: &ProfilePoint) -> f64 {
 }
 
 fn curvature(p: &ProfilePoint) -> f64 {
-    p.d2 / (1.0 + p.d1 * p.d1).powf(1.5)
+    let rise = 1.0 + p.d1 * p.d1;
+    p.d2 / (rise * rise.sqrt())
 }
 
-/// Turn between two points that their curvatures don't explain, rad, and the difference of the curvatures times the length.
-fn surprise(profile: &dyn Profile, a: f64, b: f64) -> (f64, f64) {
-    let (p, q) = (profile.at(a), profile.at(b));
-    let length = (b - a).hypot(q.value - p.value);
-    let expected = 0.5 * (curvature(&p) + curvature(&q)) * length;
-    ((angle(&q) - angle(&p) - expected).abs(), (curvature(&q) - curvature(&p)).abs())
+/// A place of the profile: (x, y), direction and curvature.
+#[derive(Clone, Copy)]
+struct Sample {
+    x: f64,
+    y: f64,
+    angle: f64,
+    curvature: f64,
+}
+
+impl Sample {
+    fn new(profile: &dyn Profile, x: f64) -> Self {
+        let p = profile.at(x);
+        Sample { x, y: p.value, angle: angle(&p), curvature: curvature(&p) }
+    }
+}
+
+/// Turn between two places that their curvatures don't explain, rad, and the difference of the curvatures.
+fn surprise(p: &Sample, q: &Sample) -> (f64, f64) {
+    let (dx, dy) = (q.x - p.x, q.y - p.y);
+    let expected = 0.5 * (p.curvature + q.curvature) * (dx * dx + dy * dy).sqrt();
+    ((q.angle - p.angle - expected).abs(), (q.curvature - p.curvature).abs())
 }
 
 /// A place where the curve is cut; a kink needs both sides.
@@ -117,23 +133,22 @@ fn around(profile: &dyn Profile, x: f64) -> Cut {
 }
 
 /// Encloses a kink or a jump of the curvature between `a` and `b`, if there is one.
-fn cut(profile: &dyn Profile, mut a: f64, mut b: f64) -> Option<Cut> {
-    let (turn, jump) = surprise(profile, a, b);
-    let level = 0.5 + 0.02 * curvature(&profile.at(a)).abs();
+fn cut(profile: &dyn Profile, mut a: Sample, mut b: Sample) -> Option<Cut> {
+    let (turn, jump) = surprise(&a, &b);
+    let level = 0.5 + 0.02 * a.curvature.abs();
     if turn < 2.0 * KINK && jump < level {
         return None;
     }
-    while b - a > SHARP {
-        let middle = 0.5 * (a + b);
-        let ((turn_left, jump_left), (turn_right, jump_right)) = (surprise(profile, a, middle), surprise(profile, middle, b));
+    while b.x - a.x > SHARP {
+        let middle = Sample::new(profile, 0.5 * (a.x + b.x));
+        let ((turn_left, jump_left), (turn_right, jump_right)) = (surprise(&a, &middle), surprise(&middle, &b));
         // A kink hides in the half that turns by surprise, a jump in the half whose curvature changes more.
         let left = if turn_left.max(turn_right) > KINK { turn_left >= turn_right } else { jump_left >= jump_right };
         if left { b = middle } else { a = middle }
     }
-    let (p, q) = (profile.at(a), profile.at(b));
-    let kink = (angle(&q) - angle(&p)).abs() > KINK;
-    let jumps = (curvature(&q) - curvature(&p)).abs() > 0.5 * level;
-    (kink || jumps).then_some(Cut { before: a, behind: b, kink })
+    let kink = (b.angle - a.angle).abs() > KINK;
+    let jumps = (b.curvature - a.curvature).abs() > 0.5 * level;
+    (kink || jumps).then_some(Cut { before: a.x, behind: b.x, kink })
 }
 
 /// The part of a profile's range, around 0 or its middle, in which it is finite and no steeper than `steepest`.
@@ -176,8 +191,12 @@ impl Curve {
         for ends in [first].iter().chain(&known).zip(known.iter().chain(&[last])) {
             let (from, to) = (ends.0 + 2.0 * SHARP, ends.1 - 2.0 * SHARP);
             let samples = ((to - from) / GRID).clamp(1.0, MOST_SAMPLES).ceil();
-            let grid = |i: usize| from + (to - from) * i as f64 / samples;
-            cuts.extend((0..samples as usize).filter_map(|i| cut(profile, grid(i), grid(i + 1))));
+            let grid = |i: usize| Sample::new(profile, from + (to - from) * i as f64 / samples);
+            let mut before = grid(0);
+            cuts.extend((1..=samples as usize).filter_map(|i| {
+                let here = grid(i);
+                cut(profile, std::mem::replace(&mut before, here), here)
+            }));
         }
         cuts.sort_by(|a, b| a.before.total_cmp(&b.before));
         let mut curve = Curve { knots: vec![knot(profile, first, turn)], stretches: vec![] };
@@ -204,14 +223,18 @@ impl Curve {
         let x = |i: usize| if i == samples { to } else { from + (to - from) * i as f64 / samples as f64 };
         let mut share = Vec::with_capacity(samples + 1);
         share.push(0.0);
-        let mut previous = profile.at(from);
+        let place = |i: usize| {
+            let p = profile.at(x(i));
+            (x(i), p.value, angle(&p))
+        };
+        let mut previous = place(0);
         let mut total = 0.0;
         for i in 1..=samples {
-            let p = profile.at(x(i));
-            let length = (x(i) - x(i - 1)).hypot(p.value - previous.value);
-            total += length / LONGEST + (angle(&p) - angle(&previous)).abs() / MOST_TURN;
+            let here = place(i);
+            let (dx, dy) = (here.0 - previous.0, here.1 - previous.1);
+            total += (dx * dx + dy * dy).sqrt() / LONGEST + (here.2 - previous.2).abs() / MOST_TURN;
             share.push(total);
-            previous = p;
+            previous = here;
         }
         let count = total.ceil().max(1.0) as usize;
         let (mut left, mut i) = (from, 0);

@@ -111,6 +111,25 @@ impl RailCurve {
         self.levels[level][from].merge(&self.levels[level][to + 1 - (1 << level)])
     }
 
+    /// Bounds between two places, widened by `wider` [m] alone.
+    pub fn facing_within(&self, a: f64, b: f64, wider: f64) -> Facing {
+        let last = self.curve.stretches.len() - 1;
+        let (low, high) = if a < b { (a, b) } else { (b, a) };
+        let at = |place: f64| {
+            let j = (place as usize).min(last);
+            (j, self.lengths[j] + (place - j as f64).clamp(0.0, 1.0) * self.curve.stretches[j].length)
+        };
+        let ((mut from, start), (mut to, end)) = (at(low), at(high));
+        while from > 0 && self.lengths[from] > start - wider {
+            from -= 1;
+        }
+        while to < last && self.lengths[to + 1] < end + wider {
+            to += 1;
+        }
+        let level = (to + 1 - from).ilog2() as usize;
+        self.levels[level][from].merge(&self.levels[level][to + 1 - (1 << level)])
+    }
+
     #[inline]
     fn sigma(&self, c: &Vector2<f64>, knot: usize) -> f64 {
         let k = &self.curve.knots[knot];

@@ -24,8 +24,7 @@ pub use polish::{Polished, is_least};
 pub use refine::Kink;
 
 use super::algebraic::{Pair, SurfaceParameters};
-use crate::geometry::surface::Wheel;
-use crate::geometry::track::Rail;
+use crate::geometry::profile::Profile;
 use branch::Scan;
 use curve::{Bounds, Curve};
 use foot::RailCurve;
@@ -74,7 +73,8 @@ pub struct Minima {
     /// Every minimum that is not in the list has at least this distance, m (infinite when there is none at all).
     pub clearance: f64,
     /// The list keeps its length, but for minima that pass the reach, as long as no point of the wheel moves by more than
-    /// this relative to the rail, m (at most 0.3 mm; 0 when `delicate`).
+    /// this relative to the rail, m, and the wheel turns by no more than this over half a metre (at most 0.3 mm; 0 when
+    /// `delicate`).
     pub steady: f64,
     /// There is a stretch of wheel nearer than the reach where the relative curvature is not certified: minimum and ridge
     /// may be born or merge by a small motion.
@@ -132,15 +132,15 @@ pub struct GlobalSearch {
 }
 
 impl GlobalSearch {
-    pub fn new(wheel: &Wheel, rail: &Rail) -> Self {
-        let wheel = Curve::new(wheel.profile.as_ref(), -1.0, STEEPEST);
+    pub fn new(wheel: &dyn Profile, rail: &dyn Profile) -> Self {
+        let wheel = Curve::new(wheel, -1.0, STEEPEST);
         let leaves = wheel.stretches.len().next_power_of_two();
         let mut tree = vec![Bounds::NONE; 2 * leaves];
         tree[leaves..leaves + wheel.stretches.len()].copy_from_slice(&wheel.stretches);
         for i in (1..leaves).rev() {
             tree[i] = tree[2 * i].merge(&tree[2 * i + 1]);
         }
-        let rail = RailCurve::new(rail.profile.as_ref());
+        let rail = RailCurve::new(rail);
         let mut search = GlobalSearch { wheel, tree, leaves, coarse: leaves, rail };
         if !search.strictly_convex() {
             search.coarse = (leaves / 8).max(1);

@@ -4,8 +4,9 @@
 use super::*;
 use crate::contact::search::test_surfaces::Wave;
 use crate::geometry::Side;
-use crate::geometry::profile::{Part, Profile, ProfilePoint, parse};
-use crate::geometry::track::{Deviation, Direction};
+use crate::geometry::profile::{Part, ProfilePoint, parse};
+use crate::geometry::surface::Wheel;
+use crate::geometry::track::{Deviation, Direction, Rail};
 use crate::math::rotation::AxleFrame;
 use crate::math::spline::CubicSpline;
 use crate::settings::{Section, Source};
@@ -138,7 +139,7 @@ impl Scene {
     fn new(name: &str, side: Side, wheel: Arc<dyn Profile>, rail: Arc<dyn Profile>) -> Scene {
         let wheel = Wheel { side, profile: wheel, half_spacing: 0.75 };
         let rail = Rail::new(side, rail, 0.75, 0.025, &[]);
-        let search = GlobalSearch::new(&wheel, &rail);
+        let search = GlobalSearch::new(wheel.profile.as_ref(), rail.profile.as_ref());
         Scene { name: name.into(), wheel, rail, search }
     }
     fn all() -> Vec<Scene> {
@@ -555,7 +556,7 @@ fn prop_steady_motion_keeps_the_minima() {
             }
             certified += 1;
             // Half of the motion by shifting, the rest by turning about a point on the tread.
-            let (steady, turn) = (a.steady, 0.3 * a.steady / 0.08 * random.sign());
+            let (steady, turn) = (a.steady, 0.5 * a.steady / branch::ARM * random.sign());
             let about = Vector3::new(0.0, scene.wheel.side.sign() * 0.75 + pose.centre.y, 0.0);
             let axes = AxleFrame::new(pose.yaw, pose.roll + turn).axes;
             let turned = AxleFrame::new(0.0, turn).axes * (pose.centre - about) + about;
