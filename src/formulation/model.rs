@@ -5,7 +5,7 @@ use super::lift::OnLift;
 use super::points::{self, WheelSearch};
 use super::rigid::{self, RigidScratch};
 use super::work::Work;
-use super::{AssemblyError, Build, EvaluationError, Formulation, lift};
+use super::{AssemblyError, Build, EvaluationError, Formulation, lift, travel};
 use crate::contact::Patch;
 use crate::contact::creep::CreepLaw;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
@@ -48,7 +48,7 @@ impl Wheelset {
     /// Travelling speed that creepages are relative to, m/s; with the sign of the direction.
     #[inline]
     pub fn speed(&self, motion: &BodyMotion) -> f64 {
-        self.imposed_speed.unwrap_or(motion.velocity.x)
+        self.imposed_speed.unwrap_or(motion.speed)
     }
 
     pub fn wheel(&self, side: Side) -> &Wheel {
@@ -99,6 +99,8 @@ pub struct Model {
     pub points: usize,
     /// Per wheel: the search for all of them; `None` where one place alone can touch.
     pub(super) searches: Vec<Option<WheelSearch>>,
+    /// Bodies whose place along a curved track is asked for, ascending.
+    pub(super) followed: Vec<usize>,
 }
 
 /// One contact as it was found and loaded at one instant.
@@ -120,7 +122,7 @@ pub struct ContactReport {
     pub slip: Slip,
     /// Rates of the tangential states, where there are any.
     pub deflection_rates: [f64; transient::STATES],
-    /// Force on the wheelset in the track frame, N.
+    /// Force on the wheelset in the world (on straight track the track frame), N.
     pub force: Vector3<f64>,
     pub iterations: usize,
     /// Is the contact a constraint (its normal force a multiplier), not elastic?
@@ -163,7 +165,8 @@ impl Model {
         let own = formulation.points_per_wheel();
         let searches = points::searches(&wheelsets, &track, if own > 1 { 1 } else { points.min(points::MOST_POINTS) });
         let points = if searches.iter().any(Option::is_some) { points } else { own };
-        Ok(Model { system, track, wheelsets, laws, formulation, points, searches })
+        let followed = travel::followed(&system, &wheelsets);
+        Ok(Model { system, track, wheelsets, laws, formulation, points, searches, followed })
     }
 
     pub fn contacts(&self) -> usize {
@@ -237,7 +240,7 @@ impl Model {
 
     /// Length of the state's memory.
     pub fn memory(&self) -> usize {
-        self.contacts() * self.memory_per_contact()
+        self.contacts() * self.memory_per_contact() + self.followed().len()
     }
 
     fn memory_per_contact(&self) -> usize {
@@ -263,8 +266,10 @@ impl Model {
         let constrained: Vec<usize> =
             if self.formulation.constrains() { self.wheelsets.iter().flat_map(both).collect() } else { Vec::new() };
         let further = (self.points - 1) * self.contacts();
+        let mut system = self.system.workspace(&constrained);
+        self.add_stations(&mut system);
         Workspace {
-            system: self.system.workspace(&constrained),
+            system,
             contacts: vec![ContactReport::default(); self.contacts()],
             further_contacts: vec![ContactReport::default(); further],
             rigid: if self.formulation.constrains() { RigidScratch::new(self) } else { RigidScratch::default() },

@@ -99,12 +99,12 @@ pub(super) fn derivative(
     mut find: impl FnMut(usize, &Wheelset, Side, &BodyMotion, &mut [f64]) -> Result<ConstraintRow, ContactFailure>,
 ) -> Result<(), EvaluationError> {
     let Evaluation { t, inputs, y, memory } = at;
-    model.system.apply_forces(y, &mut workspace.system);
+    model.apply_forces(y, memory, &mut workspace.system);
     let mut rigid = std::mem::take(&mut workspace.rigid);
     let done = (|| {
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
-            let motion = &workspace.system.motions[wheelset.body];
-            workspace.system.wrenches[wheelset.body] += external_wrench(motion, &inputs[index * WHEELSET_INPUTS..]);
+            let applied = external_wrench(model, &workspace.system, wheelset.body, &inputs[index * WHEELSET_INPUTS..]);
+            workspace.system.wrenches[wheelset.body] += applied;
         }
         model.system.prepare_constraints(t, &mut workspace.system);
         for (contact, wheelset, side) in wheels(model) {
@@ -169,7 +169,7 @@ fn wheel_of<'a>(model: &'a Model, system: &SystemWorkspace, row: usize) -> (&'a 
 
 fn singular(model: &Model, system: &SystemWorkspace, t: f64, error: SingularConstraints) -> EvaluationError {
     let (wheelset, side) = wheel_of(model, system, error.row);
-    let y = system.motions[wheelset.body].position.y;
+    let y = model.beside(&system.motions[wheelset.body]).0;
     EvaluationError::new(t, wheelset, side, ContactFailure::Singular { row: error.row, y })
 }
 
@@ -211,7 +211,7 @@ pub(super) fn project(
     };
     let (gap, row) = system.constraints.largest(&system.constraints.residual);
     let (wheelset, side) = wheel_of(model, system, row);
-    let place = system.motions[wheelset.body].position.y;
+    let place = model.beside(&system.motions[wheelset.body]).0;
     let cause = match failure {
         ProjectionError::NotConverged { iterations, .. } => ContactFailure::NotClosed { iterations, gap, y: place },
         ProjectionError::Singular { .. } => ContactFailure::Singular { row, y: place },

@@ -3,13 +3,15 @@
 //! The state vector holds the coordinates of all bodies (x, y, z, yaw, roll, pitch each), then their velocities in
 //! the same order. A driving constraint `x' = V` removes its coordinate's acceleration exactly: the centre of mass
 //! is the body's origin, so X is not coupled to other coordinates by inertia, the acceleration is zero and the
-//! constraint force is minus the sum of all other longitudinal forces. Joints and contact constraints are solved
+//! constraint force is minus the sum of all other longitudinal forces. On a curved track the constraint holds the speed along the
+//! track's tangent ([`super::driving`]). Joints and contact constraints are solved
 //! for together ([`super::constraints`]); a system that has none pays nothing for them.
 
 use super::body::{Body, BodyMotion, COORDINATES, Wrench};
 use super::constraints::Constraints;
 use super::force::ForceElement;
 use super::joint::Joint;
+use crate::geometry::track::station::Station;
 
 /// A body whose centre travels with imposed constant speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +40,8 @@ pub struct SystemWorkspace {
     /// Force of each driving constraint, N, forward positive.
     pub drive_forces: Vec<f64>,
     pub constraints: Constraints,
+    /// By body, on a curved track for the bodies that are followed along it; empty on straight track.
+    pub stations: Vec<Station>,
 }
 
 impl System {
@@ -55,6 +59,7 @@ impl System {
             wrenches: vec![Wrench::default(); self.bodies.len()],
             drive_forces: vec![0.0; self.drives.len()],
             constraints: Constraints::new(self, contact_bodies),
+            stations: Vec::new(),
         }
     }
 
@@ -87,6 +92,14 @@ impl System {
         }
     }
 
+    /// Fills the workspace with the force elements' wrenches where motions and stations are known.
+    pub fn apply_forces_on_track(&self, workspace: &mut SystemWorkspace) {
+        workspace.wrenches.fill(Wrench::default());
+        for force in &self.forces {
+            force.apply_on_track(&workspace.motions, &workspace.stations, &mut workspace.wrenches);
+        }
+    }
+
     /// Derivative of the state under the wrenches in the workspace, without joints and contact constraints; fills the
     /// driving constraints' forces.
     #[inline(always)] // on the wheelset's path, with several callers
@@ -98,6 +111,13 @@ impl System {
             dy[velocities].copy_from_slice(&accelerations);
         }
         for (drive, force) in self.drives.iter().zip(&mut workspace.drive_forces) {
+            if let Some(station) = workspace.stations.get(drive.body) {
+                let linear = &mut dy[self.velocities(drive.body).start..][..3];
+                let demand = drive.hold(station, &workspace.motions[drive.body], linear);
+                let other = workspace.wrenches[drive.body].force.dot(&station.frame.along());
+                *force = self.bodies[drive.body].mass * demand - other;
+                continue;
+            }
             dy[self.velocities(drive.body).start] = 0.0;
             *force = -workspace.wrenches[drive.body].force.x;
         }
@@ -111,5 +131,15 @@ impl System {
     /// Stored energy of all force elements, J.
     pub fn potential_energy(&self, motions: &[BodyMotion]) -> f64 {
         self.forces.iter().map(|force| force.potential_energy(motions)).sum()
+    }
+
+    /// Kinetic and stored energy of the motion in the workspace, J.
+    pub fn mechanical_energy(&self, workspace: &SystemWorkspace) -> f64 {
+        let SystemWorkspace { motions, stations, .. } = workspace;
+        let stored = match stations.is_empty() {
+            true => self.potential_energy(motions),
+            false => self.forces.iter().map(|force| force.potential_energy_on_track(motions, stations)).sum(),
+        };
+        self.kinetic_energy(motions) + stored
     }
 }

@@ -16,6 +16,9 @@
 //! constraints in every evaluation, on position level by Newton iteration, on velocity level linearly. The partition is made
 //! per wheelset: contact constraints tie no two wheelsets to each other.
 //!
+//! On a curved track a wheelset's x, y, z are counted along the track frame's axes beside it, so that what is independent does not depend
+//! on the heading and an imposed speed stays out of the constraints' reach.
+//!
 //! Where a rail's second derivative jumps (the end of a deviation), the rates of surface parameters jump while the coordinates'
 //! do not: within 20 ms of such a place coordinates are the independent variables; elsewhere pivoting chooses. Profiles must have a
 //! continuous curvature.
@@ -36,7 +39,7 @@ use crate::math::newton::{self, NewtonLimits};
 use crate::mbs::body::{BodyMotion, COORDINATES};
 use crate::mbs::kkt::Coefficients;
 use crate::settings::{Entry, Section, SettingsError};
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix3, Matrix4, Vector4};
 pub(super) use partition::Partition;
 use partition::{Jacobian, Rows, Variables, conditioning};
 use std::sync::Arc;
@@ -146,6 +149,8 @@ impl Formulation for Accf {
         }
         let owner = model.wheelsets.iter().position(|wheelset| i / COORDINATES == wheelset.body && i < count / 2);
         match owner {
+            // On a curved track x and y of the world are no coordinates of the constraints.
+            Some(_) if i % COORDINATES < 2 && model.track.line().is_some() => plain,
             Some(wheelset) if plain == 1.0 && dependent(wheelset, i % COORDINATES) => 0.0,
             _ => plain,
         }
@@ -171,19 +176,20 @@ impl Formulation for Accf {
 /// parameters from the located contacts and chooses a partition.
 fn reset(model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
     eccf::project(model, workspace, t, y, memory)?;
-    model.system.move_bodies(y, &mut workspace.system);
+    model.move_bodies(y, memory, &mut workspace.system);
     for (contact, wheelset, side) in wheels(model) {
         let motion = &workspace.system.motions[wheelset.body];
         let found = eccf::locate(model, (contact, wheelset, side), motion, &mut memory[model.contact_memory(contact)])
             .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
         let p = found.location.parameters;
         let states = &mut y[model.contact_states(contact)];
-        states[..PARAMETERS].copy_from_slice(&[p.wheel, p.angle, p.lead + motion.position.x, p.rail]);
+        states[..PARAMETERS].copy_from_slice(&[p.wheel, p.angle, p.lead + motion.distance, p.rail]);
         states[PARAMETERS..].copy_from_slice(found.parameter_rates.as_slice());
     }
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
-        let (variables, _) = gather(model, index, wheelset, y);
-        let (_, jacobian) = constraints(model, index, wheelset, memory, &variables);
+        let axes = model.axes_beside(wheelset.body, y, memory);
+        let (variables, _) = gather(model, (index, wheelset), &axes, y);
+        let (_, jacobian) = constraints(model, (index, wheelset), &axes, memory, &variables);
         let crossing = crosses_break(model, index, y);
         choose(&jacobian, crossing, wheelset, t, &mut memory[model.contact_memory(contact_index(index, Side::Left))])?;
     }
@@ -223,8 +229,18 @@ fn choose(jacobian: &Jacobian, crossing: bool, wheelset: &Wheelset, t: f64, memo
     Ok(())
 }
 
+/// Axes along which a wheelset's x, y, z are counted; `None`: those of the world.
+type Axes = Option<Matrix3<f64>>;
+
+/// Counts x, y, z along the axes, or in the world again (`back`).
+fn turn(values: &mut Variables, axes: &Axes, back: bool) {
+    let Some(axes) = axes else { return };
+    let linear = values.fixed_rows::<3>(0).into_owned();
+    values.fixed_rows_mut::<3>(0).copy_from(&if back { axes * linear } else { axes.tr_mul(&linear) });
+}
+
 /// A wheelset's variables and their rates from the state.
-fn gather(model: &Model, index: usize, wheelset: &Wheelset, y: &[f64]) -> (Variables, Variables) {
+fn gather(model: &Model, (index, wheelset): (usize, &Wheelset), axes: &Axes, y: &[f64]) -> (Variables, Variables) {
     let (mut values, mut rates) = (Variables::zeros(), Variables::zeros());
     values.as_mut_slice()[..COORDINATES].copy_from_slice(&y[model.system.coordinates(wheelset.body)]);
     rates.as_mut_slice()[..COORDINATES].copy_from_slice(&y[model.system.velocities(wheelset.body)]);
@@ -233,11 +249,15 @@ fn gather(model: &Model, index: usize, wheelset: &Wheelset, y: &[f64]) -> (Varia
         values.as_mut_slice()[offset..offset + PARAMETERS].copy_from_slice(&states[..PARAMETERS]);
         rates.as_mut_slice()[offset..offset + PARAMETERS].copy_from_slice(&states[PARAMETERS..]);
     }
+    turn(&mut values, axes, false);
+    turn(&mut rates, axes, false);
     (values, rates)
 }
 
 /// Puts a wheelset's variables and rates back into the state.
-fn scatter(model: &Model, index: usize, wheelset: &Wheelset, values: &Variables, rates: &Variables, y: &mut [f64]) {
+fn scatter(model: &Model, (index, wheelset): (usize, &Wheelset), axes: &Axes, mut values: Variables, mut rates: Variables, y: &mut [f64]) {
+    turn(&mut values, axes, true);
+    turn(&mut rates, axes, true);
     y[model.system.coordinates(wheelset.body)].copy_from_slice(&values.as_slice()[..COORDINATES]);
     y[model.system.velocities(wheelset.body)].copy_from_slice(&rates.as_slice()[..COORDINATES]);
     for (side, offset) in [(Side::Left, COORDINATES), (Side::Right, COORDINATES + PARAMETERS)] {
@@ -249,8 +269,10 @@ fn scatter(model: &Model, index: usize, wheelset: &Wheelset, values: &Variables,
 
 /// Residual and Jacobian of a wheelset's ten constraints. A contact that is elastic at present keeps its four equations for the
 /// surface parameters; instead of the normal constraint one coordinate that no contact determines is held (pitch or x).
-fn constraints(model: &Model, index: usize, wheelset: &Wheelset, memory: &[f64], values: &Variables) -> (Rows, Jacobian) {
-    let motion = BodyMotion::new(&values.as_slice()[..COORDINATES], &[0.0; COORDINATES]);
+fn constraints(model: &Model, (index, wheelset): (usize, &Wheelset), axes: &Axes, memory: &[f64], values: &Variables) -> (Rows, Jacobian) {
+    let mut world = *values;
+    turn(&mut world, axes, true);
+    let motion = BodyMotion::new(&world.as_slice()[..COORDINATES], &[0.0; COORDINATES]);
     let (mut residual, mut jacobian) = (Rows::zeros(), Jacobian::zeros());
     for (side, row, column, held) in
         [(Side::Left, 0, COORDINATES, COORDINATES - 1), (Side::Right, CONSTRAINTS, COORDINATES + PARAMETERS, 0)]
@@ -259,7 +281,11 @@ fn constraints(model: &Model, index: usize, wheelset: &Wheelset, memory: &[f64],
         residual.fixed_rows_mut::<CONSTRAINTS>(row).copy_from(&found.residual);
         jacobian.fixed_view_mut::<CONSTRAINTS, PARAMETERS>(row, column).copy_from(&found.by_parameters);
         for i in 0..CONSTRAINTS {
-            let coefficients = motion.coefficients(&found.by_velocity[i], &found.by_rotation[i]);
+            let mut coefficients = motion.coefficients(&found.by_velocity[i], &found.by_rotation[i]);
+            if let Some(axes) = axes {
+                let linear = axes.tr_mul(&found.by_velocity[i]);
+                coefficients.fixed_rows_mut::<3>(0).copy_from(&linear);
+            }
             jacobian.fixed_view_mut::<1, COORDINATES>(row + i, 0).copy_from(&coefficients.transpose());
         }
         if is_elastic(&memory[model.contact_memory(contact_index(index, side))]) {
@@ -288,10 +314,12 @@ fn close(
     y: &mut [f64],
     memory: &mut [f64],
 ) -> Result<Jacobian, EvaluationError> {
-    let left = &memory[model.contact_memory(contact_index(index, Side::Left))];
+    let own = &*memory;
+    let left = &own[model.contact_memory(contact_index(index, Side::Left))];
     let fail = |cause| EvaluationError::new(t, wheelset, Side::Left, cause);
     let partition = Partition::from_mask(left[PARTITION]).ok_or_else(|| fail(ContactFailure::Dependent))?;
-    let (mut values, mut rates) = gather(model, index, wheelset, y);
+    let axes = model.axes_beside(wheelset.body, y, own);
+    let (mut values, mut rates) = gather(model, (index, wheelset), &axes, y);
     let base = values;
     let at = |change: &Rows| {
         let mut values = base;
@@ -299,7 +327,7 @@ fn close(
         values
     };
     let mut change = Rows::zeros();
-    let evaluate = |change: &Rows| constraints(model, index, wheelset, memory, &at(change));
+    let evaluate = |change: &Rows| constraints(model, (index, wheelset), &axes, own, &at(change));
     let solved = newton::solve(&mut change, POSITION, evaluate, |_, jacobian| partition.block(jacobian));
     let (jacobian, iterations) =
         solved.map_err(|failure| fail(ContactFailure::NotClosed { iterations: failure.iterations, gap: failure.residual, y: base[1] }))?;
@@ -307,7 +335,7 @@ fn close(
     values = at(&change);
     let mut excess: Rows = jacobian * rates;
     for (side, row) in [(Side::Left, NORMAL), (Side::Right, CONSTRAINTS + NORMAL)] {
-        if is_elastic(&memory[model.contact_memory(contact_index(index, side))]) {
+        if is_elastic(&own[model.contact_memory(contact_index(index, side))]) {
             excess[row] = 0.0;
         }
     }
@@ -315,7 +343,7 @@ fn close(
         return Err(fail(ContactFailure::Dependent));
     }
     partition.add(&mut rates, &-excess);
-    scatter(model, index, wheelset, &values, &rates, y);
+    scatter(model, (index, wheelset), &axes, values, rates, y);
     workspace.rigid.partitions[index] = Some(partition);
     Ok(jacobian)
 }
@@ -335,7 +363,7 @@ fn evaluate(
     }
     let mut points = std::mem::take(&mut workspace.rigid.points);
     points.clear();
-    model.system.move_bodies(y, &mut workspace.system);
+    model.move_bodies(y, memory, &mut workspace.system);
     for (contact, wheelset, side) in wheels(model) {
         let own = &y[model.contact_states(contact)];
         let motion = &workspace.system.motions[wheelset.body];
@@ -347,7 +375,7 @@ fn evaluate(
     let done = rigid::derivative(model, workspace, Evaluation { t, inputs, y, memory }, dy, |contact, wheelset, side, motion, memory| {
         let own = &y[model.contact_states(contact)];
         let (found, bias) = &points[contact];
-        keep(&SurfaceParameters { wheel: own[0], angle: own[1], lead: own[2] - motion.position.x, rail: own[3] }, memory);
+        keep(&SurfaceParameters { wheel: own[0], angle: own[1], lead: own[2] - motion.distance, rail: own[3] }, memory);
         let weights = free_multiplier(found).ok_or(ContactFailure::Dependent)?;
         let mut row = Coefficients::zeros();
         for (i, weight) in weights.iter().enumerate() {

@@ -9,6 +9,7 @@ pub use guided_spring::{GuidedSpring, TrackAxis};
 pub use load::VerticalLoad;
 
 use super::body::{BodyMotion, Wrench};
+use crate::geometry::track::station::Station;
 
 /// A force that depends on position and velocity of bodies.
 pub trait ForceElement: Send + Sync + std::fmt::Debug {
@@ -24,6 +25,31 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     /// The fixed number (0 to 99) of the element's scalar force among the outputs of its body; `None`: it has none.
     fn output_number(&self) -> Option<u32> {
         None
+    }
+
+    /// The body whose place on a curved track the element needs, for elements that follow the track frame.
+    fn follows(&self) -> Option<usize> {
+        None
+    }
+
+    /// [`ForceElement::apply`] on a curved track, with the stations by body.
+    fn apply_on_track(&self, bodies: &[BodyMotion], _stations: &[Station], wrenches: &mut [Wrench]) {
+        self.apply(bodies, wrenches);
+    }
+
+    /// [`ForceElement::scalar_force`] on a curved track.
+    fn scalar_force_on_track(&self, bodies: &[BodyMotion], _stations: &[Station]) -> Option<f64> {
+        self.scalar_force(bodies)
+    }
+
+    /// [`ForceElement::potential_energy`] on a curved track.
+    fn potential_energy_on_track(&self, bodies: &[BodyMotion], _stations: &[Station]) -> f64 {
+        self.potential_energy(bodies)
+    }
+
+    /// [`ForceElement::dissipated_power`] on a curved track.
+    fn dissipated_power_on_track(&self, bodies: &[BodyMotion], _stations: &[Station]) -> f64 {
+        self.dissipated_power(bodies)
     }
 
     /// A copy behind a pointer.
