@@ -200,7 +200,9 @@ pub(super) fn project(
     mut contacts: impl FnMut(&mut SystemWorkspace) -> Result<(), EvaluationError>,
 ) -> Result<bool, EvaluationError> {
     let system = &mut workspace.system;
-    let projected = model.system.project(t, y, system, CLOSED, |system| contacts(system).map_err(ProjectionFailure::At));
+    let rounding = |wheelset: &Wheelset| model.rounding(&y[model.system.coordinates(wheelset.body)]);
+    let closed = model.wheelsets.iter().map(rounding).fold(CLOSED, f64::max);
+    let projected = model.system.project(t, y, system, closed, |system| contacts(system).map_err(ProjectionFailure::At));
     let failure = match projected {
         Ok(done) => {
             workspace.work.constraint_iterations += done.iterations as u64;

@@ -328,7 +328,9 @@ fn close(
     };
     let mut change = Rows::zeros();
     let evaluate = |change: &Rows| constraints(model, (index, wheelset), &axes, own, &at(change));
-    let solved = newton::solve(&mut change, POSITION, evaluate, |_, jacobian| partition.block(jacobian));
+    let limits =
+        NewtonLimits { next_step: POSITION.next_step.max(model.rounding(&y[model.system.coordinates(wheelset.body)])), ..POSITION };
+    let solved = newton::solve(&mut change, limits, evaluate, |_, jacobian| partition.block(jacobian));
     let (jacobian, iterations) =
         solved.map_err(|failure| fail(ContactFailure::NotClosed { iterations: failure.iterations, gap: failure.residual, y: base[1] }))?;
     workspace.work.constraint_iterations += iterations as u64;
