@@ -32,6 +32,19 @@ fn prop_stepping_and_looking_do_not_allocate() {
     }
 }
 
+#[test]
+fn prop_curves_do_not_allocate() {
+    for formulation in ["ECF-A", "ECCF", "ACCF", "ECF-N"] {
+        let file = common::data("scenes/curve.toml");
+        let changes = [format!("contact.formulation={formulation}"), "vehicle.initial.distance=75".into()];
+        let scene = wheelrail::scene::load::open(file.to_str().unwrap(), &changes).unwrap();
+        let mut simulation = common::start(&scene);
+        let outputs = common::table(&simulation, &scene);
+        simulation.advance(0.01).unwrap();
+        assert_eq!(watched(&mut simulation, &outputs, 0.01).0, 0, "{formulation}");
+    }
+}
+
 /// Runs on from `begin` [s]; returns allocations and the number of contact events.
 fn watched(simulation: &mut wheelrail::sim::Simulation, outputs: &[wheelrail::sim::outputs::Output], begin: f64) -> (u64, u64) {
     let before = counting::count();

@@ -38,6 +38,14 @@ fn prop_zero_length_run_gives_the_initial_state() {
 }
 
 #[test]
+fn prop_set_keeps_words_that_look_like_numbers() {
+    // 60e1 is a rail; as a number it would be 600.
+    let arguments = ["plan", "wheelset_s1002", "--set", "track.rail.kind=60e1", "--set", "track.inclination=0.025"];
+    let (_, stderr, code) = text(&wheelrail(&arguments));
+    assert_eq!(code, 0, "{stderr}");
+}
+
+#[test]
 fn prop_json_is_json() {
     for arguments in
         [&["run", "suspended_wheelset", "--stop", "0.1", "--json"][..], &["plan", "suspended_wheelset", "--json"], &["list", "--json"]]

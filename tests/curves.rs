@@ -42,6 +42,8 @@ fn differences(a: &Recording, b: &Recording, names: &[(&str, f64)]) {
 const RADIUS: f64 = 582.192_365;
 const BASE: f64 = 1.432;
 const HEIGHT: f64 = 0.0762;
+/// s.
+const RUN: f64 = 25.0;
 
 /// A wheelset that has settled in a long curve: its forces in the track frame against Newton's law for its centre, which moves on a
 /// circle of radius R_P = R - (y cos f - z sin f) with the speed V:
@@ -57,14 +59,16 @@ fn analytic_forces_in_a_steady_curve() {
             // The load is mass here, so that it takes part in the balance.
             "vehicle.wheelset.mass=11568",
             "vehicle.wheelset.vertical_load=0",
+            "vehicle.suspension.lateral_damping=3e5",
             "vehicle.initial.distance=100",
+            "solver.tolerance=1e-9",
             &format!("contact.formulation={formulation}"),
         ]);
         let node = Node { curvature: 1.0 / RADIUS, superelevation: cant, ..Node::default() };
         lay(&mut scene, Alignment { nodes: vec![node], ..Alignment::default() }, Vector3::zeros(), 0.0);
         let mut simulation = start(&scene);
         let outputs = table(&simulation, &scene);
-        simulation.advance(12.0).unwrap();
+        simulation.advance(RUN).unwrap();
         let at = read(&mut simulation, &outputs);
         let sum = |name: &str| at[&format!("left.{name}")] + at[&format!("right.{name}")];
         let springs: f64 = ["left", "right"].iter().map(|side| at[&format!("suspension.{side}.lateralForce")]).sum();
@@ -90,7 +94,7 @@ fn analytic_forces_in_a_steady_curve() {
         let along: f64 = ["left", "right"].iter().map(|side| at[&format!("suspension.{side}.longitudinalForce")]).sum();
         assert!((drive + along).abs() < 0.02, "{drive} {along}");
         // Distance grows by s' = V / (1 - (P - C) . X_s).
-        let travelled = (at["distance"] - 100.0) / (12.0 * speed);
+        let travelled = (at["distance"] - 100.0) / (RUN * speed);
         let inside = (at["y"] * cant.cos() - at["z"] * cant.sin()) / RADIUS;
         assert!((travelled - 1.0 - inside).abs() < 1e-5, "{travelled} {inside}");
     }
@@ -128,6 +132,64 @@ fn equiv_turned_straight_track_is_straight_track() {
             println!("{name}: {difference:.1e} N");
             assert!(difference < 0.1 * loose, "{name}: {difference:e}");
         }
+    }
+}
+
+/// The same with profiles that are searched for several contacts.
+#[test]
+fn equiv_turned_straight_track_with_several_contacts() {
+    for formulation in ["ECF-A", "ECCF"] {
+        let changes = [format!("contact.formulation={formulation}"), "solver.tolerance=1e-9".into()];
+        let scene = || load::open("wheelset_s1002", &changes).unwrap();
+        let (a, b) = (common::run(&scene(), 1.5, 0.01), common::run(&moved(scene(), Vector3::new(50.0, -20.0, 5.0), 4.0), 1.5, 0.01));
+        println!("{formulation}");
+        let names = [("y", 1e-7), ("yaw", 1e-7), ("z", 1e-8), ("left.contact[1].wheelCoordinate", 1e-6), ("left.verticalForce", 20.0)];
+        differences(&a, &b, &names);
+    }
+}
+
+/// S1002 on 60E1 in a curve of 200 m: the outer (right) flange must guide, in both directions of the curve and in the constraint
+/// formulation too, and the track shifting force is what Newton's law asks for.
+#[test]
+fn hard_flange_guides_in_a_tight_curve() {
+    let scene = |formulation: &str, hand: f64| {
+        let changes = [
+            format!("contact.formulation={formulation}"),
+            "contact.on_lift=elastic".into(),
+            "vehicle.initial.distance=40".into(),
+            "vehicle.speed=12".into(),
+        ];
+        let mut scene = load::open("wheelset_s1002", &changes).unwrap();
+        let node =
+            |distance, share: f64| Node { distance, curvature: hand * share / 200.0, superelevation: -hand * share * 0.04, grade: 0.0 };
+        lay(
+            &mut scene,
+            Alignment { nodes: vec![node(45.0, 0.0), node(75.0, 1.0)], smoothing: 5.0, ..Alignment::default() },
+            Vector3::zeros(),
+            0.0,
+        );
+        scene
+    };
+    let mut last: Vec<f64> = Vec::new();
+    for (formulation, hand, outer, inner) in
+        [("ECF-A", 1.0, "right", "left"), ("ECF-A", -1.0, "left", "right"), ("ECCF", 1.0, "right", "left")]
+    {
+        let scene = scene(formulation, hand);
+        let mut simulation = start(&scene);
+        let outputs = table(&simulation, &scene);
+        simulation.advance(8.0).unwrap();
+        let at = read(&mut simulation, &outputs);
+        let guiding = [1, 2].map(|i| at[&format!("{outer}.contact[{i}].normalForce")]);
+        let angles = [1, 2].map(|i| at[&format!("{outer}.contact[{i}].angle")]);
+        let values = vec![hand * at["y"], hand * at["yaw"], at[&format!("{outer}.verticalForce")], at[&format!("{inner}.verticalForce")]];
+        println!("{formulation} {hand}: y, yaw, Q outer, Q inner {values:?}, outer contacts {guiding:?} N at {angles:?} rad");
+        assert!(hand * at["y"] < -4e-3, "{}", at["y"]);
+        assert!(guiding.iter().zip(angles).any(|(force, angle)| *force > 1e3 && angle > 0.3), "the flange must guide");
+        if !last.is_empty() {
+            let difference = (values[0] - last[0]).abs();
+            assert!(difference < 5e-5, "{difference:e} m");
+        }
+        last = values;
     }
 }
 
@@ -189,7 +251,7 @@ fn equiv_formulations_agree_in_a_curve() {
     println!("ECCF - ECF-A");
     differences(&embedded, &algebraic, &[("y", 1e-5), ("yaw", 1e-5)]);
     let (y, yaw) = (column(&algebraic, "y"), column(&algebraic, "yaw"));
-    println!("in the curve: y {:.3} mm, yaw {:.3} mrad", 1e3 * y[300], 1e3 * yaw[300]);
+    println!("in the curve: y {:.3} mm, yaw {:.3} mrad", 1e3 * y[y.len() - 1], 1e3 * yaw[y.len() - 1]);
     let least = column(&embedded, "right.normalForce").into_iter().fold(f64::INFINITY, f64::min);
     assert!(least > 3e4, "{least}");
 }

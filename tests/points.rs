@@ -33,12 +33,7 @@ fn with_and_without_memory(simulation: &mut Simulation) -> [Vec<f64>; 2] {
     let snapshot = simulation.snapshot().unwrap().clone();
     let model = simulation.model();
     let sums = |workspace: &wheelrail::formulation::Workspace| -> Vec<f64> {
-        (0..model.contacts())
-            .map(|contact| {
-                let others = &workspace.further_contacts[contact * (model.points - 1)..(contact + 1) * (model.points - 1)];
-                workspace.contacts[contact].normal_force + others.iter().map(|c| c.normal_force).sum::<f64>()
-            })
-            .collect()
+        (0..model.contacts()).map(|contact| workspace.reports(contact).map(|c| c.normal_force).sum()).collect()
     };
     [snapshot.memory().to_vec(), forgetful(model, snapshot.memory())].map(|mut memory| {
         let mut workspace = model.workspace();
@@ -119,13 +114,7 @@ fn prop_normal_forces_are_those_of_the_pose_whatever_was_before() {
                     break;
                 }
                 let sums = |workspace: &wheelrail::formulation::Workspace| -> Vec<f64> {
-                    let n = model.points - 1;
-                    (0..2)
-                        .map(|c| {
-                            workspace.contacts[c].normal_force
-                                + workspace.further_contacts[c * n..(c + 1) * n].iter().map(|c| c.normal_force).sum::<f64>()
-                        })
-                        .collect()
+                    (0..2).map(|contact| workspace.reports(contact).map(|c| c.normal_force).sum()).collect()
                 };
                 let with = sums(&workspace);
                 let pressed = workspace.contacts.iter().chain(&workspace.further_contacts).filter(|c| c.normal_force > 0.0).count();

@@ -60,8 +60,8 @@ pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [
         if !is_elastic(memory) {
             continue;
         }
-        let report = most_pressed(model, workspace, contact);
-        let settled = report.stiffness > 0.0 && pressed(model, workspace, contact) == 1 && {
+        let report = most_pressed(workspace, contact);
+        let settled = report.stiffness > 0.0 && pressed(workspace, contact) == 1 && {
             // N = K delta^1.5 with the vertical part of N equal to the static load.
             let at_rest = (wheelset.static_wheel_load / (report.axes.normal.z * report.stiffness)).cbrt().powi(2);
             (report.penetration / at_rest - 1.0).abs() <= SETTLED
@@ -75,19 +75,13 @@ pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [
     }
 }
 
-/// Reports of all contacts of a wheel.
-fn reports<'a>(model: &Model, workspace: &'a Workspace, contact: usize) -> impl Iterator<Item = &'a ContactReport> {
-    let others = &workspace.further_contacts[contact * (model.points - 1)..(contact + 1) * (model.points - 1)];
-    std::iter::once(&workspace.contacts[contact]).chain(others)
+fn pressed(workspace: &Workspace, contact: usize) -> usize {
+    workspace.reports(contact).filter(|report| report.normal_force > 0.0).count()
 }
 
-fn pressed(model: &Model, workspace: &Workspace, contact: usize) -> usize {
-    reports(model, workspace, contact).filter(|report| report.normal_force > 0.0).count()
-}
-
-fn most_pressed<'a>(model: &Model, workspace: &'a Workspace, contact: usize) -> &'a ContactReport {
+fn most_pressed(workspace: &Workspace, contact: usize) -> &ContactReport {
     let first = &workspace.contacts[contact];
-    reports(model, workspace, contact).fold(first, |most, other| if other.normal_force > most.normal_force { other } else { most })
+    workspace.reports(contact).fold(first, |most, other| if other.normal_force > most.normal_force { other } else { most })
 }
 
 /// When the next elastic contact becomes a constraint if it stays settled, s.
@@ -134,11 +128,7 @@ pub(super) fn switch(
     if on_lift == OnLift::Stop {
         return Err(EvaluationError::new(t, wheelset, side, ContactFailure::Tensile { normal_force }));
     }
-    let own = &mut memory[model.contact_memory(contact)];
-    (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
-    points::forget(model, contact, own);
-    workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change: ContactChange::Lifted });
-    model.formulation.resettle(model, workspace, t, y, memory)
+    free((contact, wheelset, side), ContactChange::Lifted, model, workspace, t, y, memory)
 }
 
 /// Frees the wheel whose contact was not found.
@@ -152,17 +142,31 @@ pub(super) fn release(
 ) -> Result<bool, EvaluationError> {
     let lost = wheels(model).find(|(_, wheelset, side)| wheelset.name == failure.wheelset && *side == failure.side);
     let Some((contact, wheelset, side)) = lost else { return Ok(false) };
-    let own = &mut memory[model.contact_memory(contact)];
+    let own = &memory[model.contact_memory(contact)];
     let searched = model.searches[contact].is_some();
     let lost = matches!(failure.cause, ContactFailure::NotFound { .. } | ContactFailure::NotClosed { .. } | ContactFailure::Dependent);
     if !(searched && lost) || is_elastic(own) {
         return Ok(false);
     }
+    free((contact, wheelset, side), ContactChange::Vanished, model, workspace, t, y, memory)?;
+    Ok(true)
+}
+
+/// Makes a constraint an elastic contact and moves the state onto the constraints that are left.
+fn free(
+    (contact, wheelset, side): (usize, &Wheelset, Side),
+    change: ContactChange,
+    model: &Model,
+    workspace: &mut Workspace,
+    t: f64,
+    y: &mut [f64],
+    memory: &mut [f64],
+) -> Result<(), EvaluationError> {
+    let own = &mut memory[model.contact_memory(contact)];
     (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
     points::forget(model, contact, own);
-    workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change: ContactChange::Vanished });
-    model.formulation.resettle(model, workspace, t, y, memory)?;
-    Ok(true)
+    workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
+    model.formulation.resettle(model, workspace, t, y, memory)
 }
 
 /// Makes an elastic contact a constraint again: positions, then velocities are projected.

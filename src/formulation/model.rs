@@ -154,6 +154,30 @@ pub struct Evaluation<'a> {
     pub memory: &'a mut [f64],
 }
 
+impl Workspace {
+    /// Reports of a wheel's contacts beyond the first.
+    #[inline]
+    fn further(&self, contact: usize) -> &[ContactReport] {
+        let count = self.further_contacts.len() / self.contacts.len();
+        &self.further_contacts[contact * count..(contact + 1) * count]
+    }
+
+    /// Reports of all contacts of the wheel whose first contact has the index `contact`.
+    #[inline]
+    pub fn reports(&self, contact: usize) -> impl Iterator<Item = &ContactReport> {
+        std::iter::once(&self.contacts[contact]).chain(self.further(contact))
+    }
+
+    /// Report of a wheel's contact `slot` (from 0).
+    #[inline]
+    pub fn report(&self, contact: usize, slot: usize) -> &ContactReport {
+        match slot {
+            0 => &self.contacts[contact],
+            _ => &self.further(contact)[slot - 1],
+        }
+    }
+}
+
 impl Model {
     /// Completes the parts with a formulation.
     ///
@@ -204,10 +228,7 @@ impl Model {
         let Some(transient) = &self.laws.transient else { return };
         for contact in 0..self.contacts() {
             for slot in 0..self.points {
-                let report = match slot {
-                    0 => &workspace.contacts[contact],
-                    _ => &workspace.further_contacts[contact * (self.points - 1) + slot - 1],
-                };
+                let report = workspace.report(contact, slot);
                 let range = self.deflection(contact, slot);
                 let unloaded = || {
                     let mut state = [0.0; transient::STATES];
@@ -226,10 +247,7 @@ impl Model {
         let Some(transient) = &self.laws.transient else { return };
         for (contact, wheelset, _) in rigid::wheels(self) {
             for slot in 0..self.points {
-                let report = match slot {
-                    0 => &workspace.contacts[contact],
-                    _ => &workspace.further_contacts[contact * (self.points - 1) + slot - 1],
-                };
+                let report = workspace.report(contact, slot);
                 let speed = wheelset.speed(&workspace.system.motions[wheelset.body]);
                 let patch = LoadedPatch { patch: report.patch, normal_force: report.normal_force, friction: self.laws.friction };
                 let state = transient.steady_state(&patch, &report.slip.rolling(speed));

@@ -133,6 +133,12 @@ fn apply_override(text: &str, argument: &str) -> Result<(String, String), SceneE
         };
     }
     match (table.get_mut(last), item) {
+        // A word stays one, whatever it looks like (60e1 is a rail, not 600); quantities may be numbers in quotes.
+        (Some(Item::Value(toml_edit::Value::String(old))), Item::Value(toml_edit::Value::Integer(_) | toml_edit::Value::Float(_))) => {
+            let mut new = toml_edit::Formatted::new(value.to_string());
+            *new.decor_mut() = old.decor().clone();
+            *old = new;
+        }
         // Keep the old value's surroundings (spaces, comments).
         (Some(Item::Value(old)), Item::Value(mut new)) => {
             *new.decor_mut() = old.decor().clone();

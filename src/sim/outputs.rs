@@ -230,17 +230,11 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usi
     let base = c.base;
     c.base = base + if side == Side::Left { 100 } else { 200 };
     // Sum over the wheel's contacts.
-    let of = |read: fn(&ContactReport) -> f64| {
-        move |s: &Snapshot| {
-            let further = &s.workspace.further_contacts[contact * (points - 1)..(contact + 1) * (points - 1)];
-            further.iter().fold(read(&s.workspace.contacts[contact]), |sum, report| sum + read(report))
-        }
-    };
+    let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| s.workspace.reports(contact).map(read).sum::<f64>();
 
     // The sum of their forces in the track frame.
     let total = move |s: &Snapshot| {
-        let further = &s.workspace.further_contacts[contact * (points - 1)..(contact + 1) * (points - 1)];
-        let force = further.iter().fold(s.workspace.contacts[contact].force, |sum, report| sum + report.force);
+        let force: Vector3<f64> = s.workspace.reports(contact).map(|report| report.force).sum();
         in_track(s, body, force)
     };
 
@@ -282,20 +276,18 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usi
     );
 
     for index in 0..points {
-        let report = if index == 0 { None } else { Some(contact * (points - 1) + index - 1) };
-        point_of_contact(c, &format!("{prefix}.{}.contact[{}]", side.name(), index + 1), (index, report), contact, side, body);
+        point_of_contact(c, &format!("{prefix}.{}.contact[{}]", side.name(), index + 1), contact, index, side, body);
     }
     c.prefix = prefix;
     c.base = base;
 }
 
-/// Outputs of one of a wheel's contacts: the first (tread), or one of the others at `further`.
-fn point_of_contact(c: &mut Collector, name: &str, (index, further): (usize, Option<usize>), contact: usize, side: Side, body: usize) {
+/// Outputs of a wheel's contact number `index` from 0.
+fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize, side: Side, body: usize) {
     let friction = if side == Side::Left { LEFT } else { RIGHT };
     let none = STATE;
     let outward = side.sign();
-    let report = move |s: &Snapshot| further.map_or(s.workspace.contacts[contact], |place| s.workspace.further_contacts[place]);
-    let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| read(&report(s));
+    let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| read(s.workspace.report(contact, index));
     let (prefix, base) = (std::mem::replace(&mut c.prefix, name.into()), c.base);
     c.base += 20 * (index as u32 + 1);
     let g = "contacts";
@@ -376,7 +368,7 @@ fn point_of_contact(c: &mut Collector, name: &str, (index, further): (usize, Opt
     );
     c.add(11, "railCoordinate", g, Unit::Metre, none, "eta: contact on the rail profile, outward positive", of(|k| k.parameters.rail));
     c.add(12, "angle", g, Unit::Radian, none, "contact angle: lean of the normal toward the track centre in the cross-section", move |s| {
-        let n = in_track(s, body, report(s).axes.normal);
+        let n = in_track(s, body, s.workspace.report(contact, index).axes.normal);
         (-outward * n.y).atan2(n.z)
     });
     c.add(
@@ -392,7 +384,7 @@ fn point_of_contact(c: &mut Collector, name: &str, (index, further): (usize, Opt
     c.add(14, "railDistance", g, Unit::Distance, none, text, move |s| {
         let distance =
             if s.workspace.system.stations.is_empty() { s.y[body * COORDINATES] } else { s.workspace.system.motions[body].distance };
-        distance + report(s).parameters.lead
+        distance + s.workspace.report(contact, index).parameters.lead
     });
     c.prefix = prefix;
     c.base = base;

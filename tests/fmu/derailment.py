@@ -8,27 +8,14 @@ import pathlib
 import re
 
 import numpy as np
-from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Discard, fmi2OK, fmi2Warning
 
-from common import W, Fmu, columns, grid, main
+from common import LAST_SUCCESSFUL_TIME, W, Fmu, columns, grid, main
 
 LATERAL, VERTICAL = f"{W}.lateralForceInput", f"{W}.verticalForceInput"
 FLANGE = f"{W}.left.contact[2]"
-DO_STEP_STATUS, LAST_SUCCESSFUL_TIME, TERMINATED = 0, 2, 3
+DO_STEP_STATUS, TERMINATED = 0, 3
 STEP = 2e-3  # s
-
-
-def step(instance, time):
-    """One communication step, whatever its status; returns the status and the messages that came with it."""
-    before = len(instance.log)
-    slave = instance.slave
-    try:
-        status = slave.fmi2DoStep(slave.component, instance.time, time - instance.time, 0)
-    except FMICallException as failure:
-        status = failure.status
-    instance.time = slave.getRealStatus(LAST_SUCCESSFUL_TIME)
-    return status, instance.log[before:]
 
 
 def push(instance, force, ramp):
@@ -44,7 +31,7 @@ def flange_contact(report, name, fmu):
         for begin, end, force, ramp in ((0.0, 0.5, 0.0, 60e3), (0.5, 1.0, 30e3, -60e3), (1.0, 1.5, 0.0, 0.0)):
             push(instance, force, ramp)
             for time in grid(end, STEP, begin):
-                status, messages = step(instance, time)
+                status, messages = instance.try_step(time)
                 rows.append(np.append(instance.outputs(), status))
                 found += [(time, *message) for message in messages]
         report.check(not instance.slave.getBooleanStatus(TERMINATED), "fmi2Terminated is false")
@@ -82,7 +69,7 @@ def only_stops(report, name, fmu):
         instance.set({VERTICAL: 60e3})
         push(instance, 0.0, 150e3 / 0.2)
         for time in grid(0.2, STEP):
-            status, messages = step(instance, time)
+            status, messages = instance.try_step(time)
             if status != fmi2OK:
                 break
         report.check(status == fmi2Discard, "fmi2DoStep: fmi2Discard", messages[-1][1] if messages else "")
@@ -102,7 +89,7 @@ def derails(report, name, fmu):
             if abs(time - STEP - 0.2) < 1e-9:
                 push(instance, 150e3, 0.0)
             last, row = instance.time, instance.outputs()
-            status, messages = step(instance, time)
+            status, messages = instance.try_step(time)
             finite = finite and np.all(np.isfinite(row))
             if not runs_on(status):
                 break
@@ -118,7 +105,7 @@ def derails(report, name, fmu):
         outputs = instance.outputs()
         report.check(np.all(np.isfinite(outputs)), "outputs are finite and can be read", f"{outputs.size} values")
         report.check(abs(instance.get(f"{W}.y")) > 8e-3, f"{W}.y", f"{instance.get(f'{W}.y'):.4f} m")
-        status, messages = step(instance, reached + STEP)
+        status, messages = instance.try_step(reached + STEP)
         report.check(status == fmi2Discard and slave.getBooleanStatus(TERMINATED), "tried again, the same")
         report.near(slave.getRealStatus(LAST_SUCCESSFUL_TIME), reached, STEP, "it goes no further", "s")
 
@@ -137,7 +124,7 @@ def derails(report, name, fmu):
         push(instance, 150e3, 0.0)
         status = fmi2OK
         for time in grid(instance.time + 5.0, STEP, instance.time):
-            status, _ = step(instance, time)
+            status, _ = instance.try_step(time)
             if not runs_on(status):
                 break
         report.check(status == fmi2Discard and slave.getBooleanStatus(TERMINATED), "pushed again, it derails again")

@@ -197,7 +197,7 @@ fn prop_slopes_are_continuous() {
 }
 
 /// Rows of tests/data/creep_forces_exact.csv: contact (SI), published force over mu N in named columns. Its units are mm and MPa.
-fn published() -> Vec<(RollingContact, std::collections::HashMap<String, f64>)> {
+pub(super) fn published() -> Vec<(RollingContact, std::collections::HashMap<String, f64>)> {
     let text = include_str!("../../../tests/data/creep_forces_exact.csv");
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();

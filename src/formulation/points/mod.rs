@@ -159,17 +159,16 @@ pub(super) fn promote(model: &Model, workspace: &Workspace, contact: usize, y: &
     if model.searches[contact].is_none() {
         return;
     }
-    let others = &workspace.further_contacts[contact * (model.points - 1)..(contact + 1) * (model.points - 1)];
     let first = &workspace.contacts[contact];
-    let most = others.iter().enumerate().max_by(|a, b| a.1.normal_force.total_cmp(&b.1.normal_force));
-    if let Some((slot, report)) = most
+    let others = workspace.reports(contact).enumerate().skip(1);
+    if let Some((slot, report)) = others.max_by(|a, b| a.1.normal_force.total_cmp(&b.1.normal_force))
         && report.normal_force > first.normal_force
     {
         let (own, rest) = memory.split_at_mut(model.formulation.memory_per_contact());
         let mut record = Record::new(rest, model.points);
-        record.promote(slot + 1, own);
-        record.set_pressed(slot + 1, first.normal_force > 0.0);
-        for (a, b) in model.deflection(contact, 0).zip(model.deflection(contact, slot + 1)) {
+        record.promote(slot, own);
+        record.set_pressed(slot, first.normal_force > 0.0);
+        for (a, b) in model.deflection(contact, 0).zip(model.deflection(contact, slot)) {
             y.swap(a, b);
         }
     }

@@ -16,7 +16,9 @@
 //! the given grid and one with half as many cells, `2 F(n) - F(n/2)`, and cut back to mu N where that overshoots.
 //! Over 40 random cases (a/b 0.1 to 10, with spin) against 128 and 64 cells: 32 cells alone are off by 0.6 % of mu N on
 //! average and 3.5 % at worst, 32 and 16 extrapolated by 0.12 % and 0.6 %; the moment by 0.2 % and 0.5 % of
-//! mu N sqrt(a b). The hard case is pure spin near its largest force on a long patch: 2.7 % at a/b = 5. The theory itself
+//! mu N sqrt(a b). The hard case is pure spin near its largest force on a long patch: 2.7 % at a/b = 5. Slopes at zero creepage
+//! against a spectral solution (tests/reference/adhesion.py), 48 and 24 cells: 0.12 % (c11, c22), 0.27 % (c23), 0.65 % (c33); c33
+//! of long patches needs them: by default it is 5 % off at a/b = 5, 23 % at a/b = 10. The theory itself
 //! leaves out the bodies' real shape (half-spaces), roughness, a third layer and falling friction.
 //!
 //! This is the slow reference: a call solves some 1500 coupled equations (milliseconds) and allocates its memory.

@@ -4,7 +4,7 @@
 //! `G c phi / (mu p0)`, and the force comes out in mu N, the moment in mu N c. Slip over the rolled distance, for a
 //! traction that stands still in the moving patch: `s = (xi - phi y, eta + phi x) - du/dx`, the derivative taken
 //! over one cell, from the cell's middle to the next middle ahead. (Taking x at the cell's middle, not half way to the
-//! next one, keeps c32 = -c23 on every grid to four digits; it is also what CONTACT does.)
+//! next one, keeps c32 = -c23 on every grid to four digits; CONTACT takes it a sixth of a cell ahead.)
 
 use super::influence::{Convolver, Influence, Kernel, Pair, rectangle};
 use super::normal::{LOAD, Pressure};
@@ -42,8 +42,12 @@ pub(crate) fn influence(size: Pair, nu: f64, shift: f64, (i, j): (i32, i32)) -> 
 
 impl SteadyPatch {
     pub(crate) fn new(a_over_b: f64, nu: f64, convolver: &Convolver) -> Self {
+        Self::on(Pressure::new(a_over_b, convolver.n), nu, convolver)
+    }
+
+    /// On given cells and pressures.
+    pub(crate) fn on(pressure: Pressure, nu: f64, convolver: &Convolver) -> Self {
         let n = convolver.n;
-        let pressure = Pressure::new(a_over_b, n);
         let size = pressure.size;
         // Each influence is needed for its own place and as the one ahead of another; xy is odd across the strips.
         let width = 2 * n as i32;

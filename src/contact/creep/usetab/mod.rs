@@ -7,7 +7,8 @@
 //! - Force and moment have continuous first derivatives in all creepages and in a/b.
 //! - `|F| <= mu N` always: an interpolated force within 0.4 % of mu N or above it is bent onto mu N by a parabola.
 //! - At zero creepage the slopes are the exact theory's own, extrapolated from grids twice as fine as the table's:
-//!   within 1 % of Kalker's c11, c22, c23 and c33 (at a/b = 10: c22 1.4 %, c33 4.5 %).
+//!   within 1 % of Kalker's c11, c22, c23 and c33 (at a/b = 10: c22 1.4 %, most of it the published table's; c33 4.5 %,
+//!   most of it the grid's).
 //! - The mirror symmetries hold to the last digit.
 //! - Against the exact theory on the same grid, 500 random cases (a/b 0.1 to 10, linear forces of 0.05 to 20 mu N, with
 //!   spin): force off by 0.1 % of mu N on average, 0.4 % in 95 % of the cases, 2.9 % at worst (nearly pure spin, where
