@@ -46,26 +46,42 @@ impl Source {
 }
 
 /// One table of settings. Remembers which keys were asked for, so that [`Section::finish`] can refuse others.
+#[derive(Clone)]
 pub struct Section<'a> {
     table: &'a dyn TableLike,
     path: String,
     source: &'a Source,
     known: RefCell<BTreeSet<&'static str>>,
     span: Option<Range<usize>>,
+    /// What stands for the keys that this table leaves out: the same table of a template.
+    base: Option<Box<Section<'a>>>,
 }
 
 impl<'a> Section<'a> {
     /// The whole document.
     pub fn root(table: &'a dyn TableLike, source: &'a Source) -> Self {
-        Section { table, path: String::new(), source, known: RefCell::default(), span: None }
+        Section { table, path: String::new(), source, known: RefCell::default(), span: None, base: None }
+    }
+
+    /// This table on top of another one, whose keys hold where this one is silent. Tables below are laid on each other in the
+    /// same way, and entries of `[[key]]` on those with the same `name`; a table that says its own `kind` stands alone.
+    pub fn over(self, base: Section<'a>) -> Self {
+        let base = if self.table.contains_key("kind") { None } else { Some(Box::new(base)) };
+        Section { base, ..self }
     }
 
     /// Dotted path of a key of this section.
     pub fn full_key(&self, key: &str) -> String {
-        if self.path.is_empty() { key.into() } else { format!("{}.{key}", self.path) }
+        if self.path.is_empty() || key.is_empty() { format!("{}{key}", self.path) } else { format!("{}.{key}", self.path) }
     }
 
     fn find(&self, key: &'static str) -> Option<&'a Item> {
+        let below = self.base.as_ref().and_then(|base| base.find(key));
+        self.find_here(key).or(below)
+    }
+
+    /// Without the base.
+    fn find_here(&self, key: &'static str) -> Option<&'a Item> {
         self.known.borrow_mut().insert(key);
         self.table.get(key).filter(|item| !item.is_none())
     }
@@ -77,6 +93,9 @@ impl<'a> Section<'a> {
 
     /// An error at `key` of this section.
     pub fn error(&self, key: &str, problem: impl Into<String>) -> SettingsError {
+        if let Some(base) = self.base.as_ref().filter(|base| !self.table.contains_key(key) && base.has_key(key)) {
+            return base.error(key, problem);
+        }
         let full = self.full_key(key);
         let span = self.table.get_key_value(key).and_then(|(name, item)| item.span().or(name.span())).or(self.span.clone());
         let mut problem = problem.into();
@@ -84,6 +103,10 @@ impl<'a> Section<'a> {
             problem.push_str(" (set on the command line)");
         }
         SettingsError { file: self.source.file.clone(), line: self.source.line(span), key: full, problem }
+    }
+
+    fn has_key(&self, key: &str) -> bool {
+        self.table.contains_key(key) || self.base.as_ref().is_some_and(|base| base.has_key(key))
     }
 
     fn missing(&self, key: &str, expected: &str) -> SettingsError {
@@ -107,15 +130,9 @@ impl<'a> Section<'a> {
     /// A finite number in SI, `None` when absent.
     pub fn optional(&self, key: &'static str, dimension: Dimension) -> Result<Option<f64>, SettingsError> {
         let Some(item) = self.find(key) else { return Ok(None) };
-        let number = match item.as_value() {
-            Some(Value::Float(value)) => Some(*value.value()),
-            Some(Value::Integer(value)) => Some(*value.value() as f64),
-            Some(Value::String(value)) => dimension.parse(value.value()),
-            _ => None,
-        };
-        match number {
-            Some(value) if value.is_finite() => Ok(Some(value)),
-            _ => Err(self.wrong(key, item, &dimension.expectation())),
+        match item.as_value().and_then(|value| number(value, dimension)) {
+            Some(value) => Ok(Some(value)),
+            None => Err(self.wrong(key, item, &dimension.expectation())),
         }
     }
 
@@ -155,6 +172,38 @@ impl<'a> Section<'a> {
     pub fn not_negative(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
         let value = self.number(key, dimension)?;
         if value >= 0.0 { Ok(value) } else { Err(self.error(key, format!("found {value:?}, expected 0 or more"))) }
+    }
+
+    /// Three finite numbers `[x, y, z]` in SI, `None` when absent.
+    pub fn optional_triple(&self, key: &'static str, dimension: Dimension) -> Result<Option<[f64; 3]>, SettingsError> {
+        if self.has(key) { self.triple_or(key, dimension, [0.0; 3]).map(Some) } else { Ok(None) }
+    }
+
+    /// Three finite numbers `[x, y, z]` in SI that must be given.
+    pub fn triple(&self, key: &'static str, dimension: Dimension) -> Result<[f64; 3], SettingsError> {
+        let expected = || self.missing(key, &format!("a list of three, each {}", dimension.expectation()));
+        self.optional_triple(key, dimension)?.ok_or_else(expected)
+    }
+
+    /// Three finite numbers `[x, y, z]` in SI, or `default`.
+    pub fn triple_or(&self, key: &'static str, dimension: Dimension, default: [f64; 3]) -> Result<[f64; 3], SettingsError> {
+        let Some(item) = self.find(key) else { return Ok(default) };
+        item.as_array()
+            .and_then(|array| array.iter().map(|value| number(value, dimension)).collect::<Option<Vec<f64>>>())
+            .and_then(|numbers| numbers.try_into().ok())
+            .ok_or_else(|| self.wrong(key, item, &format!("a list of three, each {}", dimension.expectation())))
+    }
+
+    /// Pairs of finite numbers `[[x, y], ...]` in SI.
+    pub fn pairs(&self, key: &'static str, x: Dimension, y: Dimension) -> Result<Vec<[f64; 2]>, SettingsError> {
+        let expected = || format!("a list of pairs [[x, y], ...], x {}, y {}", x.expectation(), y.expectation());
+        let item = self.find(key).ok_or_else(|| self.missing(key, &expected()))?;
+        let pair = |value: &Value| {
+            let pair = value.as_array().filter(|pair| pair.len() == 2)?;
+            Some([number(pair.get(0)?, x)?, number(pair.get(1)?, y)?])
+        };
+        let pairs = item.as_array().and_then(|array| array.iter().map(pair).collect());
+        pairs.ok_or_else(|| self.wrong(key, item, &expected()))
     }
 
     /// A string that must be given.
@@ -202,6 +251,13 @@ impl<'a> Section<'a> {
             .collect()
     }
 
+    /// A list of strings, `None` when absent.
+    pub fn optional_texts(&self, key: &'static str) -> Result<Option<Vec<String>>, SettingsError> {
+        let Some(item) = self.find(key) else { return Ok(None) };
+        let texts = item.as_array().and_then(|array| array.iter().map(|value| value.as_str().map(str::to_owned)).collect());
+        texts.map(Some).ok_or_else(|| self.wrong(key, item, "a list of strings"))
+    }
+
     /// A Boolean, or `default`.
     pub fn flag_or(&self, key: &'static str, default: bool) -> Result<bool, SettingsError> {
         let Some(item) = self.find(key) else { return Ok(default) };
@@ -210,9 +266,14 @@ impl<'a> Section<'a> {
 
     /// A table below this one, `None` when absent.
     pub fn optional_section(&self, key: &'static str) -> Result<Option<Section<'a>>, SettingsError> {
-        let Some(item) = self.find(key) else { return Ok(None) };
+        let base = self.base.as_ref().map(|base| base.optional_section(key)).transpose()?.flatten();
+        let Some(item) = self.find_here(key) else { return Ok(base) };
         let table = item.as_table_like().ok_or_else(|| self.wrong(key, item, "a table"))?;
-        Ok(Some(self.child(key.to_string(), table, item.span())))
+        let own = self.child(key.to_string(), table, item.span());
+        Ok(Some(match base {
+            Some(base) => own.over(base),
+            None => own,
+        }))
     }
 
     /// A table below this one that must be given.
@@ -222,7 +283,44 @@ impl<'a> Section<'a> {
 
     /// The tables of `[[key]]`, or of `key = [{...}, ...]`; none when absent.
     pub fn sections(&self, key: &'static str) -> Result<Vec<Section<'a>>, SettingsError> {
-        match self.find(key) {
+        let own = self.sections_here(key)?;
+        let Some(base) = &self.base else { return Ok(own) };
+        let mut all = base.sections(key)?;
+        for section in own {
+            let name = section.table.get("name").and_then(Item::as_str);
+            let same = all.iter().position(|other| name.is_some() && other.table.get("name").and_then(Item::as_str) == name);
+            match same {
+                Some(place) => {
+                    let below = all.remove(place);
+                    all.insert(place, section.over(below));
+                }
+                None => all.push(section),
+            }
+        }
+        Ok(all)
+    }
+
+    /// The tables `[key.NAME]`, with their names; none when absent.
+    pub fn named_sections(&self, key: &'static str) -> Result<Vec<(String, Section<'a>)>, SettingsError> {
+        let mut all = self.base.as_ref().map(|base| base.named_sections(key)).transpose()?.unwrap_or_default();
+        let Some(item) = self.find_here(key) else { return Ok(all) };
+        let tables = item.as_table_like().ok_or_else(|| self.wrong(key, item, "a table of tables"))?;
+        for (name, item) in tables.iter() {
+            let table = item.as_table_like().ok_or_else(|| self.error(key, format!("{name} is no table")))?;
+            let own = self.child(format!("{key}.{name}"), table, item.span());
+            match all.iter().position(|other| other.0 == name) {
+                Some(place) => {
+                    let below = all.remove(place).1;
+                    all.insert(place, (name.into(), own.over(below)));
+                }
+                None => all.push((name.into(), own)),
+            }
+        }
+        Ok(all)
+    }
+
+    fn sections_here(&self, key: &'static str) -> Result<Vec<Section<'a>>, SettingsError> {
+        match self.find_here(key) {
             None => Ok(Vec::new()),
             Some(Item::ArrayOfTables(tables)) => {
                 Ok(tables.iter().enumerate().map(|(i, table)| self.child(format!("{key}[{}]", i + 1), table, table.span())).collect())
@@ -240,7 +338,7 @@ impl<'a> Section<'a> {
     }
 
     fn child(&self, name: String, table: &'a dyn TableLike, span: Option<Range<usize>>) -> Section<'a> {
-        Section { table, path: self.full_key(&name), source: self.source, known: RefCell::default(), span }
+        Section { table, path: self.full_key(&name), source: self.source, known: RefCell::default(), span, base: None }
     }
 
     /// Refuses keys that nobody asked for.
@@ -252,8 +350,20 @@ impl<'a> Section<'a> {
                 return Err(self.error(key, format!("unknown key{}; expected {}", did_you_mean(key, &allowed), one_of(&allowed))));
             }
         }
-        Ok(())
+        drop(known);
+        self.base.map_or(Ok(()), |base| base.finish())
     }
+}
+
+/// A finite number in SI, with or without unit.
+fn number(value: &Value, dimension: Dimension) -> Option<f64> {
+    let number = match value {
+        Value::Float(value) => Some(*value.value()),
+        Value::Integer(value) => Some(*value.value() as f64),
+        Value::String(value) => dimension.parse(value.value()),
+        _ => None,
+    };
+    number.filter(|number| number.is_finite())
 }
 
 fn one_of(words: &[&str]) -> String {

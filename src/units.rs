@@ -15,6 +15,10 @@ pub enum Dimension {
     Force,
     Stiffness,
     Damping,
+    RotationalStiffness,
+    RotationalDamping,
+    /// Reciprocal of a speed: how a stop's force grows with the speed of pressing.
+    PerSpeed,
     /// Factor of penetration times penetration speed in the paper's Eq. 28, N s/m2.
     PenetrationDamping,
     /// K_h of the paper's Eq. 28, N/m^1.5.
@@ -48,6 +52,9 @@ impl Dimension {
             Dimension::Force => &[("N", 1.0), ("kN", 1e3)],
             Dimension::Stiffness => &[("N/m", 1.0), ("kN/m", 1e3), ("kN/mm", 1e6), ("MN/m", 1e6)],
             Dimension::Damping => &[("N s/m", 1.0), ("kN s/m", 1e3)],
+            Dimension::RotationalStiffness => &[("N m/rad", 1.0), ("kN m/rad", 1e3), ("MN m/rad", 1e6)],
+            Dimension::RotationalDamping => &[("N m s/rad", 1.0), ("kN m s/rad", 1e3)],
+            Dimension::PerSpeed => &[("s/m", 1.0)],
             Dimension::PenetrationDamping => &[("N s/m2", 1.0)],
             Dimension::ContactStiffness => &[("N/m^1.5", 1.0)],
             Dimension::Curvature => &[("1/m", 1.0), ("1/km", 1e-3), (CHORD_DEGREE, DEGREE / (100.0 * FOOT))],

@@ -163,9 +163,10 @@ fn hard_energy_is_conserved_in_flange_impacts_without_friction_and_damping() {
             // K delta^1.5 integrated.
             contacts.map(|c| 0.4 * c.stiffness * c.penetration.max(0.0).powf(2.5)).sum::<f64>()
         };
-        let motions = simulation.last_snapshot().workspace.system.motions.clone();
+        let snapshot = simulation.last_snapshot();
+        let (y, motions) = (snapshot.y.to_vec(), snapshot.workspace.system.motions.clone());
         let system = &simulation.model().system;
-        system.kinetic_energy(&motions) + system.potential_energy(&motions) + model_energy
+        system.kinetic_energy(&motions) + system.potential_energy(&y, &motions) + model_energy
     };
     let begin = energy(&mut simulation);
     let (mut worst, mut pressed, mut disturbance) = (0f64, false, 0f64);

@@ -319,6 +319,18 @@ fn fmu_native_run_is_the_same_to_the_last_bit_with_several_contacts_and_at_low_s
 }
 
 /// The folder of the official FMI 2.0 headers in the fmpy package.
+/// Vehicles: the trajectory of the native run to the last bit, and a description that fmpy accepts.
+#[test]
+fn fmu_vehicles_run_as_natively_and_pass_fmpy() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["bogie", "vehicle_manchester_1"] {
+        let (scene, fmu) = scene_fmu(folder.path(), name, name, &["run.stop=0.2"]);
+        native_run_is_the_same(&scene, &fmu, 0.8);
+        let script = Path::new(ROOT).join("tests/fmu/check_description.py");
+        assert!(run(Command::new(python()).arg("-B").arg(script).arg(&fmu.file)).contains(" 0 failed"));
+    }
+}
+
 fn headers() -> PathBuf {
     let text = run(Command::new(python()).args(["-c", "import fmpy, os; print(os.path.join(os.path.dirname(fmpy.__file__), 'c-code'))"]));
     PathBuf::from(text.trim())

@@ -52,7 +52,7 @@ impl Mechanism {
 
     fn energy(&mut self, y: &[f64]) -> f64 {
         self.system.move_bodies(y, &mut self.workspace);
-        self.system.kinetic_energy(&self.workspace.motions) + self.system.potential_energy(&self.workspace.motions)
+        self.system.kinetic_energy(&self.workspace.motions) + self.system.potential_energy(y, &self.workspace.motions)
     }
 
     /// Integrates from y at 0 to `end`, with a projection at the end of each of `parts` equal parts.
@@ -422,19 +422,19 @@ impl ForceElement for Push {
     fn name(&self) -> &str {
         "push"
     }
-    fn apply(&self, _: &[BodyMotion], wrenches: &mut [Wrench]) {
+    fn apply(&self, _: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         wrenches[self.0].force.x += self.1;
     }
-    fn scalar_force(&self, _: &[BodyMotion]) -> Option<f64> {
+    fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
         None
     }
     fn clone_box(&self) -> Box<dyn ForceElement> {
         Box::new(self.clone())
     }
-    fn potential_energy(&self, _: &[BodyMotion]) -> f64 {
+    fn potential_energy(&self, _: &[BodyMotion], _: &[f64]) -> f64 {
         0.0
     }
-    fn dissipated_power(&self, _: &[BodyMotion]) -> f64 {
+    fn dissipated_power(&self, _: &[BodyMotion], _: &[f64]) -> f64 {
         0.0
     }
 }

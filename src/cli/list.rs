@@ -13,7 +13,7 @@ use clap::Args;
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// Only this kind: scenes, templates, profiles, deviations, formulations, normal-laws, damping-laws, creep-laws, integrators, forces, groups
+    /// Only this kind: scenes, templates, profiles, deviations, irregularities, spectra, formulations, normal-laws, damping-laws, creep-laws, integrators, forces, groups
     kind: Option<String>,
     /// Print the list as JSON
     #[arg(long)]
@@ -38,17 +38,21 @@ fn kinds() -> Vec<(&'static str, &'static str, Vec<Row>)> {
     });
     let groups = [("inputs", INPUT_GROUPS), ("outputs", OUTPUT_GROUPS), ("parameters", PARAMETER_GROUPS)];
     let groups = groups.map(|(key, names)| (format!("interface.{key}"), names.join(", "), String::new()));
+    let mut forces = rows(force::REGISTRY);
+    forces.extend(plain(force::KINDS.iter().copied()));
     vec![
         ("scenes", "SCENE of every command", scenes.collect()),
         ("templates", "vehicle.template", plain(TEMPLATES.iter().copied())),
         ("profiles", "kind of [vehicle.wheelset.profile] and [track.rail]", rows(profile::REGISTRY)),
         ("deviations", "shape of [[track.deviation]]", rows(track::REGISTRY)),
+        ("irregularities", "kind of [[track.irregularity]]", rows(track::irregularity::REGISTRY)),
+        ("spectra", "spectrum of [[track.irregularity]]", rows(track::irregularity::spectrum::REGISTRY)),
         ("formulations", "contact.formulation", rows(formulation::REGISTRY)),
         ("normal-laws", "contact.normal.law", rows(normal::REGISTRY)),
         ("damping-laws", "contact.damping.law", rows(normal::damping::REGISTRY)),
         ("creep-laws", "contact.creep.law", rows(creep::REGISTRY)),
         ("integrators", "solver.integrator", rows(solve::REGISTRY)),
-        ("forces", "force elements of templates", plain(force::KINDS.iter().copied())),
+        ("forces", "kind of [[vehicle.force]]; the last ones are placed by templates", forces),
         ("groups", "interface", groups.to_vec()),
     ]
 }

@@ -14,6 +14,7 @@ mod table;
 
 use crate::scene::load::{self, SceneError};
 use crate::scene::spec::{MOST_STEPS, Scene};
+use crate::settings::did_you_mean;
 use crate::sim::Simulation;
 use clap::{Args, Parser, Subcommand};
 use std::process::ExitCode;
@@ -61,6 +62,27 @@ struct SceneArguments {
 impl SceneArguments {
     fn open(&self) -> Result<Scene, SceneError> {
         load::open(&self.scene, &self.overrides)
+    }
+}
+
+/// Which wheelset of a vehicle is shown.
+#[derive(Args)]
+struct WheelsetArgument {
+    /// Wheelset to show, e.g. "truck[2].wheelset[2]" [default: the leading one]
+    #[arg(long, value_name = "NAME")]
+    wheelset: Option<String>,
+}
+
+impl WheelsetArgument {
+    /// Its name.
+    fn choose<'a>(&self, scene: &'a Scene) -> Result<&'a str, Failure> {
+        let names: Vec<&str> = scene.vehicle.axles().into_iter().map(|axle| axle.0).collect();
+        let Some(wanted) = &self.wheelset else { return Ok(&scene.vehicle.wheelset.name) };
+        let unknown = || {
+            let hint = did_you_mean(wanted, &names);
+            Failure::Input(format!("--wheelset {wanted}{hint}: expected one of {}", names.join(", ")))
+        };
+        names.iter().find(|name| *name == wanted).copied().ok_or_else(unknown)
     }
 }
 

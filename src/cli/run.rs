@@ -1,9 +1,9 @@
 //! `wheelrail run SCENE`: a native simulation with CSV, SVG and a summary.
 
 use super::progress::Progress;
-use super::{Failure, SceneArguments, TimeArguments, plot, print, table};
-use crate::sim::outputs::outputs;
+use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, plot, print, table};
 use crate::sim::recording::{self, Recording};
+use crate::sim::vehicle_outputs::scene_outputs;
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -20,6 +20,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
     #[command(flatten)]
+    wheelset: WheelsetArgument,
+    #[command(flatten)]
     times: TimeArguments,
     /// Print the summary as JSON
     #[arg(long)]
@@ -32,6 +34,7 @@ const EVENTS_SHOWN: usize = 20;
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
     let (stop, step) = arguments.times.read(&scene)?;
+    let wheelset = arguments.wheelset.choose(&scene)?;
     let to_stdout = arguments.output.as_deref() == Some(Path::new("-"));
     if to_stdout && arguments.json {
         return Err(Failure::Input("-o - and --json both write to stdout; choose one".into()));
@@ -42,7 +45,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.plot {
         plot::prepare(folder, &scene.interface.outputs).map_err(Failure::Input)?;
     }
-    let outputs = outputs(simulation.model(), &scene.interface.outputs);
+    let outputs = scene_outputs(&scene, simulation.model());
     let progress = Progress::new(stop);
     let clock = Instant::now();
     let done = recording::record(&mut simulation, &outputs, stop, step, |time| progress.at(time));
@@ -60,8 +63,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     if let Some(folder) = &arguments.plot {
-        let name = &scene.vehicle.wheelset.name;
-        match plot::overview(folder, &scene.name, &scene.title, name, &recording) {
+        match plot::overview(folder, &scene.name, &scene.title, wheelset, &recording) {
             Ok(file) => super::say(&format!("wrote {}", file.display())),
             Err(error) => failure = failure.or(Some(error)),
         }
@@ -86,7 +88,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         });
         print(&format!("{value}\n"));
     } else if !to_stdout {
-        print(&summary(&scene.title, &scene.vehicle.wheelset.name, &recording));
+        print(&summary(&scene.title, wheelset, &recording));
         print(&format!(
             "\n  {simulated} s simulated in {elapsed:.3} s ({:.0} times real time with outputs every {} ms):\n  {} steps, {} rejected, {} evaluations of the right-hand side\n",
             simulated / elapsed.max(1e-9),

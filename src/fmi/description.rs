@@ -2,6 +2,7 @@
 
 use super::variables::{Kind, Role, Variable, VariableTable};
 use crate::scene::spec::Scene;
+use crate::scene::vehicle::templates;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 use sha2::{Digest, Sha256};
@@ -36,7 +37,10 @@ pub struct Description {
 pub fn describe(scene: &Scene, table: &VariableTable) -> Description {
     let without = document(scene, table, "");
     let mut hash = Sha256::new();
-    for part in [env!("CARGO_PKG_VERSION").as_bytes(), without.as_bytes(), scene.source.text.as_bytes()] {
+    let template = templates::text(scene.vehicle.template).unwrap_or_default();
+    let own = [env!("CARGO_PKG_VERSION").as_bytes(), without.as_bytes(), scene.source.text.as_bytes()];
+    // A scene without such a template keeps the hash that it would have had without any.
+    for part in own.into_iter().chain((!template.is_empty()).then_some(template.as_bytes())) {
         hash.update((part.len() as u64).to_le_bytes());
         hash.update(part);
     }

@@ -13,3 +13,4 @@ pub mod parameters;
 pub mod serialized;
 pub mod uri;
 pub mod variables;
+mod vehicle_parameters;

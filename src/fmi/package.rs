@@ -85,7 +85,7 @@ fn check_build(bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// A scene as it stands in an FMU: its text names itself and its files lie in `profiles/`.
+/// A scene as it stands in an FMU: its text names itself and its files lie in folders, one for each kind.
 pub struct PackedScene {
     pub scene: Scene,
     pub table: VariableTable,
@@ -106,11 +106,12 @@ pub fn pack_scene(scene: &Scene) -> Result<PackedScene, PackageError> {
     for file in scene.files() {
         let stem = file.path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| "profile".into());
         let extension = file.path.extension().map_or_else(|| "csv".into(), |extension| extension.to_string_lossy().into_owned());
-        let mut path = format!("profiles/{stem}.{extension}");
+        let folder = file.folder;
+        let mut path = format!("{folder}/{stem}.{extension}");
         let mut count = 1;
         while resources.get(&path).is_some_and(|content| *content != file.content) {
             count += 1;
-            path = format!("profiles/{stem}_{count}.{extension}");
+            path = format!("{folder}/{stem}_{count}.{extension}");
         }
         set_text(&mut document, &file.key, &path);
         resources.insert(path, file.content.clone());
@@ -132,7 +133,14 @@ pub fn pack_scene(scene: &Scene) -> Result<PackedScene, PackageError> {
 fn set_text(document: &mut DocumentMut, key: &str, text: &str) {
     let mut item = document.as_item_mut();
     for step in key.split('.') {
-        match item.get_mut(step) {
+        // `name`, or `name[number]` in a list, counted from 1.
+        let (name, number) = step.strip_suffix(']').and_then(|step| step.split_once('[')).map_or((step, None), |(name, n)| (name, Some(n)));
+        let index = number.map(|number| number.parse::<usize>().unwrap_or(0).wrapping_sub(1));
+        let next = item.get_mut(name).and_then(|entry| match index {
+            Some(index) => entry.get_mut(index),
+            None => Some(entry),
+        });
+        match next {
             Some(next) => item = next,
             None => return,
         }

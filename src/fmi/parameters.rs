@@ -1,6 +1,7 @@
 //! The table of parameters: fields of the scene that a master may set before initialization ends.
 
 use super::variables::{Kind, Role, Variable, WHEELSET};
+use super::vehicle_parameters;
 use crate::scene::spec::{INITIAL, SMALLEST, SMALLEST_MODULUS, Scene};
 use crate::sim::unit::Unit;
 use crate::solve::SettingKind;
@@ -24,17 +25,18 @@ impl RealParameter {
 }
 
 /// One row of the parameter table.
-struct Row {
-    id: u32,
-    group: &'static str,
-    name: String,
-    unit: Unit,
-    min: Option<f64>,
-    max: Option<f64>,
-    text: &'static str,
-    index: usize,
-    get: fn(&Scene, usize) -> f64,
-    set: fn(&mut Scene, usize, f64),
+pub(super) struct Row {
+    pub id: u32,
+    pub group: &'static str,
+    pub name: String,
+    pub unit: Unit,
+    pub min: Option<f64>,
+    pub max: Option<f64>,
+    pub text: &'static str,
+    /// Handed to `get` and `set`.
+    pub index: usize,
+    pub get: fn(&Scene, usize) -> f64,
+    pub set: fn(&mut Scene, usize, f64),
 }
 
 macro_rules! row {
@@ -117,38 +119,11 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
             "Poisson's ratio of wheel and rail",
             contact.material.poisson_ratio
         ),
-        row!(WHEELSET + 400, "vehicle", format!("{w}.mass"), Kilogram, Some(SMALLEST), None, "mass of the wheelset", vehicle.wheelset.mass),
-        row!(
-            WHEELSET + 401,
-            "vehicle",
-            format!("{w}.transverseInertia"),
-            KilogramMetre2,
-            Some(SMALLEST),
-            None,
-            "moment of inertia about any axis across the axle (Ixx = Izz)",
-            vehicle.wheelset.transverse_inertia
-        ),
-        row!(
-            WHEELSET + 402,
-            "vehicle",
-            format!("{w}.axialInertia"),
-            KilogramMetre2,
-            Some(SMALLEST),
-            None,
-            "moment of inertia about the axle (Iyy)",
-            vehicle.wheelset.axial_inertia
-        ),
-        row!(
-            WHEELSET + 403,
-            "vehicle",
-            format!("{w}.verticalLoad"),
-            Newton,
-            None,
-            None,
-            "constant vertical force on the centre, down positive; adds no mass",
-            vehicle.wheelset.vertical_load
-        ),
     ];
+    match &scene.vehicle.free {
+        None => rows.extend(wheelset_rows(w)),
+        Some(free) => rows.extend(vehicle_parameters::rows(scene, free)),
+    }
     if scene.contact.damping_law.name != "proportional" {
         rows.retain(|row| row.name != "contact.damping");
     }
@@ -188,7 +163,9 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
         }
     }
     rows.push(solver_row(scene));
-    rows.extend(initial_rows(w));
+    if scene.vehicle.free.is_none() {
+        rows.extend(initial_rows(w));
+    }
     let mut variables: Vec<Variable> = rows
         .into_iter()
         .filter(|row| scene.interface.parameters.contains(&row.group))
@@ -210,7 +187,7 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
             }
         })
         .collect();
-    if scene.interface.parameters.contains(&"initial") {
+    if scene.vehicle.free.is_none() && scene.interface.parameters.contains(&"initial") {
         variables.push(Variable {
             reference: WHEELSET + 460,
             name: format!("{w}.initial.fromEquilibrium"),
@@ -227,6 +204,43 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
         });
     }
     variables
+}
+
+/// The wheelset of the template `suspended_wheelset`.
+fn wheelset_rows(w: &str) -> Vec<Row> {
+    vec![
+        row!(WHEELSET + 400, "vehicle", format!("{w}.mass"), Kilogram, Some(SMALLEST), None, "mass of the wheelset", vehicle.wheelset.mass),
+        row!(
+            WHEELSET + 401,
+            "vehicle",
+            format!("{w}.transverseInertia"),
+            KilogramMetre2,
+            Some(SMALLEST),
+            None,
+            "moment of inertia about any axis across the axle (Ixx = Izz)",
+            vehicle.wheelset.transverse_inertia
+        ),
+        row!(
+            WHEELSET + 402,
+            "vehicle",
+            format!("{w}.axialInertia"),
+            KilogramMetre2,
+            Some(SMALLEST),
+            None,
+            "moment of inertia about the axle (Iyy)",
+            vehicle.wheelset.axial_inertia
+        ),
+        row!(
+            WHEELSET + 403,
+            "vehicle",
+            format!("{w}.verticalLoad"),
+            Newton,
+            None,
+            None,
+            "constant vertical force on the centre, down positive; adds no mass",
+            vehicle.wheelset.vertical_load
+        ),
+    ]
 }
 
 /// The integrator's own number.

@@ -7,8 +7,10 @@ use crate::formulation::{
 };
 use crate::scene::assemble;
 use crate::scene::spec::Scene;
-use crate::sim::outputs::{Output, outputs};
+use crate::sim::outputs::Output;
 use crate::sim::unit::Unit;
+pub(super) use crate::sim::vehicle_outputs::BODY;
+use crate::sim::vehicle_outputs::scene_outputs;
 use crate::sim::{SimulationState, input_index};
 use std::collections::HashMap;
 
@@ -75,7 +77,7 @@ impl VariableTable {
     /// [`AssemblyError`] when the formulation can't treat the scene.
     pub fn new(scene: &Scene) -> Result<Self, AssemblyError> {
         let model = assemble::model(scene)?;
-        let outputs = outputs(&model, &scene.interface.outputs);
+        let outputs = scene_outputs(scene, &model);
         let mut variables = inputs(scene);
         variables.extend(outputs.iter().enumerate().map(|(index, output)| Variable {
             reference: output.reference,
@@ -104,14 +106,19 @@ impl VariableTable {
 
     /// 1-based indices of the inputs that an output depends on.
     pub fn dependencies(&self, output: &Output) -> Vec<usize> {
-        let depends = |input: usize| output.feedthrough.contains(&(input % WHEELSET_INPUTS));
+        let whose = |input: usize| output.wheelset.is_none_or(|wheelset| wheelset == input / WHEELSET_INPUTS);
+        let depends = |input: usize| whose(input) && output.feedthrough.contains(&(input % WHEELSET_INPUTS));
         let indexed = self.variables.iter().enumerate();
         indexed.filter_map(|(index, variable)| matches!(variable.role, Role::Input(input) if depends(input)).then_some(index + 1)).collect()
     }
 }
 
 fn inputs(scene: &Scene) -> Vec<Variable> {
-    let wheelset = &scene.vehicle.wheelset.name;
+    let axles = scene.vehicle.axles().into_iter().enumerate();
+    axles.filter(|(_, axle)| scene.interface.shows(axle.0)).flat_map(|(index, axle)| axle_inputs(scene, index, axle)).collect()
+}
+
+fn axle_inputs(scene: &Scene, index: usize, (wheelset, driven): (&str, bool)) -> Vec<Variable> {
     let rows = [
         (1, "drive_torque", "driveTorque", Unit::NewtonMetre, None, DRIVE_TORQUE, "torque about the axle, positive drives forward"),
         (2, "centre_forces", "lateralForceInput", Unit::Newton, None, LATERAL_FORCE, "external lateral force on the centre, left positive"),
@@ -145,11 +152,11 @@ fn inputs(scene: &Scene) -> Vec<Variable> {
         ),
     ];
     // Along the track an imposed speed leaves no room for a force.
-    let moves = |input| input != LONGITUDINAL_FORCE || !scene.vehicle.speed_imposed;
+    let moves = |input| input != LONGITUDINAL_FORCE || !driven;
     let shown = rows.into_iter().filter(|row| scene.interface.inputs.contains(&row.1) && moves(row.5));
     shown
         .map(|(id, _, name, unit, min, input, text)| Variable {
-            reference: WHEELSET + id,
+            reference: WHEELSET * (index as u32 + 1) + id,
             name: format!("{wheelset}.{name}"),
             description: text.into(),
             kind: Kind::Real,
@@ -160,7 +167,7 @@ fn inputs(scene: &Scene) -> Vec<Variable> {
             start: Some(NEUTRAL_INPUTS[input]),
             min,
             max: None,
-            role: Role::Input(input_index(0, input)),
+            role: Role::Input(input_index(index, input)),
         })
         .collect()
 }

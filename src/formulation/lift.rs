@@ -184,18 +184,18 @@ fn land(
     points::promote(model, workspace, contact, y, &mut memory[range.clone()]);
     let found = eccf::locate(model, (contact, wheelset, side), &motion, &mut memory[range.clone()])
         .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
-    let mechanical = |workspace: &Workspace| model.system.mechanical_energy(&workspace.system);
+    let mechanical = |workspace: &Workspace, y: &[f64]| model.system.mechanical_energy(y, &workspace.system);
     let penetration = found.location.penetration;
     // K delta^1.5 integrated; a curvature taken over the patch changes K a little on the way, which is left out.
     let shape = found.location.shape(wheelset.wheel(side), model.track.rail(side));
     let law = model.laws.normal.contact(&shape, penetration.max(0.0));
     let stiffness = law.map_err(|cause| EvaluationError::new(t, wheelset, side, cause.into()))?.stiffness;
     let elastic = 0.4 * stiffness * penetration.max(0.0).powf(2.5);
-    let before = mechanical(workspace) + elastic;
+    let before = mechanical(workspace, y) + elastic;
     let memory_of = &mut memory[range];
     (memory_of[MODE], memory_of[NORMAL_FORCE], memory_of[SETTLED_SINCE]) = (0.0, wheelset.static_wheel_load, f64::INFINITY);
     points::forget(model, contact, memory_of);
     model.formulation.resettle(model, workspace, t, y, memory)?;
     model.move_bodies(y, memory, &mut workspace.system);
-    Ok(ContactChange::Landed { penetration, rate: -found.gap_rate, energy: mechanical(workspace) - before })
+    Ok(ContactChange::Landed { penetration, rate: -found.gap_rate, energy: mechanical(workspace, y) - before })
 }

@@ -129,6 +129,8 @@ pub type Build = Arc<dyn Fn(&Parts) -> Result<Box<dyn Formulation>, AssemblyErro
 pub enum AssemblyError {
     #[error("contact.node_spacing: {0}")]
     Nodes(NodeError),
+    #[error("vehicle.joint: {0}")]
+    Joints(crate::mbs::redundancy::AssemblyError),
 }
 
 type Parse = fn(&Section) -> Result<Build, SettingsError>;

@@ -5,7 +5,7 @@ use super::lift::OnLift;
 use super::points::{self, WheelSearch};
 use super::rigid::{self, RigidScratch};
 use super::work::Work;
-use super::{AssemblyError, Build, EvaluationError, Formulation, lift, travel};
+use super::{AssemblyError, Build, EvaluationError, Formulation, lift};
 use crate::contact::Patch;
 use crate::contact::creep::CreepLaw;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
@@ -97,10 +97,10 @@ pub struct Model {
     pub formulation: Box<dyn Formulation>,
     /// Contacts that each wheel may have at the same time.
     pub points: usize,
+    /// Where the contacts' states begin in the state vector (the system's dimension).
+    pub(super) contact_states_begin: usize,
     /// Per wheel: the search for all of them; `None` where one place alone can touch.
     pub(super) searches: Vec<Option<WheelSearch>>,
-    /// Bodies whose place along a curved track is asked for, ascending.
-    pub(super) followed: Vec<usize>,
 }
 
 /// One contact as it was found and loaded at one instant.
@@ -189,8 +189,8 @@ impl Model {
         let own = formulation.points_per_wheel();
         let searches = points::searches(&wheelsets, &track, if own > 1 { 1 } else { points.min(points::MOST_POINTS) });
         let points = if searches.iter().any(Option::is_some) { points } else { own };
-        let followed = travel::followed(&system, &wheelsets);
-        Ok(Model { system, track, wheelsets, laws, formulation, points, searches, followed })
+        let contact_states_begin = system.dimension();
+        Ok(Model { system, track, wheelsets, laws, formulation, points, contact_states_begin, searches })
     }
 
     pub fn contacts(&self) -> usize {
@@ -208,7 +208,7 @@ impl Model {
     }
 
     fn deflections_begin(&self) -> usize {
-        self.system.dimension() + self.contacts() * self.formulation.states_per_contact()
+        self.contact_states_begin + self.contacts() * self.formulation.states_per_contact()
     }
 
     /// States of the tangential deflection of one contact: none without `contact.transient`.
@@ -258,7 +258,7 @@ impl Model {
 
     /// Length of the state's memory.
     pub fn memory(&self) -> usize {
-        self.contacts() * self.memory_per_contact() + self.followed().len()
+        self.contacts() * self.memory_per_contact() + self.followed()
     }
 
     fn memory_per_contact(&self) -> usize {
@@ -269,7 +269,7 @@ impl Model {
     /// A contact's own states in the state vector.
     pub fn contact_states(&self, contact: usize) -> std::ops::Range<usize> {
         let count = self.formulation.states_per_contact();
-        let start = self.system.dimension() + contact * count;
+        let start = self.contact_states_begin + contact * count;
         start..start + count
     }
 

@@ -1,32 +1,21 @@
 //! Bodies along a curved track: where they are, and when their wheels come to a place where a rail is not smooth.
 //!
-//! Each body that is followed (wheelsets, bodies with an imposed speed or a guided spring) has one number at the end of the state's
-//! memory: its distance at the last evaluation, from which the next projection starts; what is found does not depend on it but
+//! Each body has one number at the end of the state's memory: its distance at the last evaluation, from which the next projection starts; what is found does not depend on it but
 //! for rounding. It is found once per evaluation and kept with the body's motion. On straight track there is nothing of all this.
 
-use super::{EvaluationError, LATERAL_FORCE, LONGITUDINAL_FORCE, Model, VERTICAL_FORCE, Wheelset, contact_index};
+use super::{EvaluationError, LATERAL_FORCE, LONGITUDINAL_FORCE, Model, VERTICAL_FORCE, contact_index};
 use crate::contact::search::nodal::arc_rate;
 use crate::geometry::Side;
 use crate::geometry::track::centre_line::CentreLine;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::BodyMotion;
-use crate::mbs::system::{System, SystemWorkspace};
+use crate::mbs::system::SystemWorkspace;
 use nalgebra::{Matrix3, Vector3};
 
-/// Bodies whose place along a curved track somebody will ask for.
-pub(super) fn followed(system: &System, wheelsets: &[Wheelset]) -> Vec<usize> {
-    let wheelsets = wheelsets.iter().map(|wheelset| wheelset.body);
-    let drives = system.drives.iter().map(|drive| drive.body);
-    let mut bodies: Vec<usize> = wheelsets.chain(drives).chain(system.forces.iter().filter_map(|force| force.follows())).collect();
-    bodies.sort_unstable();
-    bodies.dedup();
-    bodies
-}
-
 impl Model {
-    /// Bodies that are followed along the track; none where it is straight.
-    pub fn followed(&self) -> &[usize] {
-        if self.track.line().is_some() { &self.followed } else { &[] }
+    /// Number of bodies that are followed along the track: none where it is straight.
+    pub fn followed(&self) -> usize {
+        if self.track.line().is_some() { self.system.bodies.len() } else { 0 }
     }
 
     /// Makes room for the stations.
@@ -38,16 +27,15 @@ impl Model {
 
     /// Tells where along a curved track the bodies are, by body: the projections start from there.
     pub fn set_distances(&self, distances: impl Fn(usize) -> f64, memory: &mut [f64]) {
-        let first = memory.len() - self.followed().len();
-        for (slot, body) in memory[first..].iter_mut().zip(self.followed()) {
-            *slot = distances(*body);
+        let first = memory.len() - self.followed();
+        for (body, slot) in memory[first..].iter_mut().enumerate() {
+            *slot = distances(body);
         }
     }
 
-    /// Where a followed body was at the last evaluation, m.
-    pub fn last_distance(&self, body: usize, memory: &[f64]) -> Option<f64> {
-        let first = memory.len() - self.followed().len();
-        self.followed().iter().position(|followed| *followed == body).map(|slot| memory[first + slot])
+    /// Where a body was at the last evaluation on a curved track, m.
+    pub fn last_distance(&self, body: usize, memory: &[f64]) -> f64 {
+        memory[memory.len() - self.followed() + body]
     }
 
     /// Fills the workspace with the bodies' motion and, on a curved track, their stations.
@@ -68,13 +56,13 @@ impl Model {
 
     #[inline(never)]
     fn find_stations(&self, line: &CentreLine, memory: &mut [f64], system: &mut SystemWorkspace) {
-        let first = memory.len() - self.followed.len();
-        for (slot, body) in memory[first..].iter_mut().zip(&self.followed) {
-            let motion = &mut system.motions[*body];
+        let first = memory.len() - self.followed();
+        let SystemWorkspace { motions, stations, .. } = system;
+        for ((slot, motion), kept) in memory[first..].iter_mut().zip(motions).zip(stations) {
             let station = Station::new(line, &motion.position, &motion.velocity, *slot);
             *slot = station.frame.distance;
             (motion.distance, motion.speed) = (station.frame.distance, station.speed);
-            system.stations[*body] = station;
+            *kept = station;
         }
     }
 
@@ -85,7 +73,7 @@ impl Model {
             return self.system.apply_forces(y, system);
         }
         self.move_bodies(y, memory, system);
-        self.system.apply_forces_on_track(system);
+        self.system.apply_forces_on_track(y, system);
     }
 
     /// Forces of the inputs, which are along the track's axes, in the world, N.
@@ -103,7 +91,7 @@ impl Model {
     /// The track frame's axes beside a body of the state `y`; `None` on straight track.
     pub(super) fn axes_beside(&self, body: usize, y: &[f64], memory: &[f64]) -> Option<Matrix3<f64>> {
         let line = self.track.line()?;
-        let guess = self.last_distance(body, memory)?;
+        let guess = self.last_distance(body, memory);
         let q = &y[self.system.coordinates(body)];
         Some(line.project(&Vector3::new(q[0], q[1], q[2]), guess).axes)
     }
@@ -130,7 +118,7 @@ impl Model {
                     None => (q[0], v[0] - side.sign() * wheel.half_spacing * q[3].cos() * v[3]),
                     Some(line) if rail.has_breaks() => {
                         let motion = BodyMotion::new(q, v);
-                        let guess = self.last_distance(wheelset.body, memory).unwrap_or(0.0);
+                        let guess = self.last_distance(wheelset.body, memory);
                         let distance = line.project(&motion.position, guess).distance;
                         let tread = motion.position + motion.axle() * (side.sign() * wheel.half_spacing);
                         (distance, arc_rate(&rail.section(distance + lead), &tread, &motion.attachment_velocity(&tread)))

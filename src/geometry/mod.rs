@@ -3,6 +3,7 @@
 //! Frames (SI units, rad): X forward along the track, Y left, Z up. A side's *outward* direction points away
 //! from the track centre, so left and right wheels and rails mirror each other.
 
+pub mod file;
 pub mod profile;
 pub mod surface;
 pub mod track;

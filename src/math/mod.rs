@@ -3,5 +3,7 @@
 pub mod fixed_point;
 pub mod newton;
 pub mod rotation;
+pub mod smooth_step;
 pub mod smoothing;
 pub mod spline;
+pub mod uniform_spline;

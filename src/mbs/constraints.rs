@@ -124,7 +124,8 @@ impl System {
         let count = COORDINATES * self.bodies.len();
         dy[..count].copy_from_slice(&y[count..2 * count]);
         dy[count..2 * count].copy_from_slice(&workspace.constraints.accelerations);
-        let SystemWorkspace { constraints, wrenches, drive_forces, stations, motions } = workspace;
+        workspace.copy_force_rates(count, dy);
+        let SystemWorkspace { constraints, wrenches, drive_forces, stations, motions, .. } = workspace;
         for (drive, force) in self.drives.iter().zip(drive_forces) {
             if let Some(station) = stations.get(drive.body) {
                 let held = |axis| constraints.kkt.constraint_force(drive.body, axis, &constraints.multipliers);

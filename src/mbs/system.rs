@@ -1,7 +1,7 @@
 //! Bodies, force elements, driving constraints and joints as one system: state layout and accelerations.
 //!
 //! The state vector holds the coordinates of all bodies (x, y, z, yaw, roll, pitch each), then their velocities in
-//! the same order. A driving constraint `x' = V` removes its coordinate's acceleration exactly: the centre of mass
+//! the same order, then the first-order states of the force elements that have some, in the elements' order. A driving constraint `x' = V` removes its coordinate's acceleration exactly: the centre of mass
 //! is the body's origin, so X is not coupled to other coordinates by inertia, the acceleration is zero and the
 //! constraint force is minus the sum of all other longitudinal forces. On a curved track the constraint holds the speed along the
 //! track's tangent ([`super::driving`]). Joints and contact constraints are solved
@@ -37,6 +37,10 @@ pub struct System {
 pub struct SystemWorkspace {
     pub motions: Vec<BodyMotion>,
     pub wrenches: Vec<Wrench>,
+    /// Rates of the force elements' states.
+    pub force_rates: Vec<f64>,
+    /// Where each element's states end among them; empty if there are none at all.
+    force_states_end: Vec<usize>,
     /// Force of each driving constraint, N, forward positive.
     pub drive_forces: Vec<f64>,
     pub constraints: Constraints,
@@ -47,16 +51,44 @@ pub struct SystemWorkspace {
 impl System {
     /// Length of the state vector.
     pub fn dimension(&self) -> usize {
-        2 * COORDINATES * self.bodies.len()
+        self.force_states().end
+    }
+
+    /// The states of all force elements in the state vector. Counted anew each time: not for the stepping path.
+    pub fn force_states(&self) -> std::ops::Range<usize> {
+        let start = 2 * COORDINATES * self.bodies.len();
+        start..start + self.forces.iter().map(|force| force.states()).sum::<usize>()
+    }
+
+    /// The states of one force element in the state vector. Counted anew each time: not for the stepping path.
+    pub fn states_of_force(&self, element: usize) -> std::ops::Range<usize> {
+        let before: usize = self.forces[..element].iter().map(|force| force.states()).sum();
+        let start = 2 * COORDINATES * self.bodies.len() + before;
+        start..start + self.forces[element].states()
+    }
+
+    /// Puts the force elements' states where they come to rest with the bodies at rest in their places of `y`.
+    pub fn settle_forces(&self, y: &mut [f64], workspace: &mut SystemWorkspace) {
+        self.move_bodies(y, workspace);
+        for (element, force) in self.forces.iter().enumerate() {
+            force.settle(&workspace.motions, &mut y[self.states_of_force(element)]);
+        }
     }
 
     /// With one more scalar constraint, on one body each, for every element of `contact_bodies`; they follow the rows
     /// of the joints.
     pub fn workspace(&self, contact_bodies: &[usize]) -> SystemWorkspace {
+        let count = self.force_states().len();
+        let ends = self.forces.iter().scan(0, |end, force| {
+            *end += force.states();
+            Some(*end)
+        });
         let zero = BodyMotion::new(&[0.0; COORDINATES], &[0.0; COORDINATES]);
         SystemWorkspace {
             motions: vec![zero; self.bodies.len()],
             wrenches: vec![Wrench::default(); self.bodies.len()],
+            force_rates: vec![0.0; count],
+            force_states_end: if count == 0 { Vec::new() } else { ends.collect() },
             drive_forces: vec![0.0; self.drives.len()],
             constraints: Constraints::new(self, contact_bodies),
             stations: Vec::new(),
@@ -87,16 +119,36 @@ impl System {
     pub fn apply_forces(&self, y: &[f64], workspace: &mut SystemWorkspace) {
         self.move_bodies(y, workspace);
         workspace.wrenches.fill(Wrench::default());
+        if !workspace.force_states_end.is_empty() {
+            return self.apply_with_states(y, workspace);
+        }
         for force in &self.forces {
-            force.apply(&workspace.motions, &mut workspace.wrenches);
+            force.apply(&workspace.motions, &[], &mut [], &mut workspace.wrenches);
         }
     }
 
-    /// Fills the workspace with the force elements' wrenches where motions and stations are known.
-    pub fn apply_forces_on_track(&self, workspace: &mut SystemWorkspace) {
-        workspace.wrenches.fill(Wrench::default());
-        for force in &self.forces {
-            force.apply_on_track(&workspace.motions, &workspace.stations, &mut workspace.wrenches);
+    /// The force elements' wrenches and the rates of their states. Out of line: most systems have no such states.
+    #[inline(never)]
+    fn apply_with_states(&self, y: &[f64], workspace: &mut SystemWorkspace) {
+        let SystemWorkspace { motions, wrenches, force_rates, force_states_end, .. } = workspace;
+        let states = &y[2 * COORDINATES * self.bodies.len()..];
+        let mut start = 0;
+        for (force, end) in self.forces.iter().zip(force_states_end) {
+            force.apply(motions, &states[start..*end], &mut force_rates[start..*end], wrenches);
+            start = *end;
+        }
+    }
+
+    /// Fills the workspace with the force elements' wrenches and rates where motions and stations are known.
+    pub fn apply_forces_on_track(&self, y: &[f64], workspace: &mut SystemWorkspace) {
+        let SystemWorkspace { motions, wrenches, force_rates, force_states_end, stations, .. } = workspace;
+        wrenches.fill(Wrench::default());
+        let states = &y[2 * COORDINATES * self.bodies.len()..];
+        let mut start = 0;
+        for (element, force) in self.forces.iter().enumerate() {
+            let end = force_states_end.get(element).copied().unwrap_or(0);
+            force.apply_on_track(motions, stations, &states[start..end], &mut force_rates[start..end], wrenches);
+            start = end;
         }
     }
 
@@ -110,6 +162,7 @@ impl System {
             dy[self.coordinates(body)].copy_from_slice(&y[velocities.clone()]);
             dy[velocities].copy_from_slice(&accelerations);
         }
+        workspace.copy_force_rates(COORDINATES * self.bodies.len(), dy);
         for (drive, force) in self.drives.iter().zip(&mut workspace.drive_forces) {
             if let Some(station) = workspace.stations.get(drive.body) {
                 let linear = &mut dy[self.velocities(drive.body).start..][..3];
@@ -128,18 +181,36 @@ impl System {
         self.bodies.iter().zip(motions).map(|(body, motion)| body.kinetic_energy(motion)).sum()
     }
 
-    /// Stored energy of all force elements, J.
-    pub fn potential_energy(&self, motions: &[BodyMotion]) -> f64 {
-        self.forces.iter().map(|force| force.potential_energy(motions)).sum()
+    /// Stored energy of all force elements, J; their states are those in `y`.
+    pub fn potential_energy(&self, y: &[f64], motions: &[BodyMotion]) -> f64 {
+        let forces = self.forces.iter().enumerate();
+        forces.map(|(element, force)| force.potential_energy(motions, &y[self.states_of_force(element)])).sum()
     }
 
-    /// Kinetic and stored energy of the motion in the workspace, J.
-    pub fn mechanical_energy(&self, workspace: &SystemWorkspace) -> f64 {
+    /// Power that all force elements turn into heat, W; their states are those in `y`.
+    pub fn dissipated_power(&self, y: &[f64], motions: &[BodyMotion]) -> f64 {
+        let forces = self.forces.iter().enumerate();
+        forces.map(|(element, force)| force.dissipated_power(motions, &y[self.states_of_force(element)])).sum()
+    }
+
+    /// Kinetic and stored energy of the motion in the workspace, J; the force elements' states are those in `y`.
+    pub fn mechanical_energy(&self, y: &[f64], workspace: &SystemWorkspace) -> f64 {
         let SystemWorkspace { motions, stations, .. } = workspace;
+        let forces = self.forces.iter().enumerate();
         let stored = match stations.is_empty() {
-            true => self.potential_energy(motions),
-            false => self.forces.iter().map(|force| force.potential_energy_on_track(motions, stations)).sum(),
+            true => self.potential_energy(y, motions),
+            false => forces.map(|(i, force)| force.potential_energy_on_track(motions, stations, &y[self.states_of_force(i)])).sum(),
         };
         self.kinetic_energy(motions) + stored
+    }
+}
+
+impl SystemWorkspace {
+    /// Copies the rates of the force elements' states behind those of the bodies, of which there are twice `coordinates`.
+    #[inline]
+    pub(super) fn copy_force_rates(&self, coordinates: usize, dy: &mut [f64]) {
+        if !self.force_rates.is_empty() {
+            dy[2 * coordinates..2 * coordinates + self.force_rates.len()].copy_from_slice(&self.force_rates);
+        }
     }
 }

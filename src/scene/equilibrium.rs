@@ -43,6 +43,10 @@ pub enum EquilibriumError {
         "no steady rolling equilibrium: vertical force is off by {force:.3e} N and axle moment by {moment:.3e} N m; check profiles, spacing and load"
     )]
     NotFound { force: f64, moment: f64 },
+    #[error("no equilibrium: nothing holds {body} {motion}; a force element or a joint must carry it there")]
+    Unsupported { body: String, motion: &'static str },
+    #[error("no equilibrium was found: {body} is left with {acceleration:.3e} m/s2 (or rad/s2); check stiffnesses, preloads and positions")]
+    Unbalanced { body: String, acceleration: f64 },
     #[error("no steady rolling equilibrium: {0}")]
     Evaluation(EvaluationError),
     #[error("{0}")]

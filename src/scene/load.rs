@@ -7,7 +7,7 @@ use super::spec::{INITIAL, Scene};
 use crate::formulation::AssemblyError;
 use crate::settings::{Section, SettingsError, Source, did_you_mean};
 use std::path::{Path, PathBuf};
-use toml_edit::{Document, DocumentMut, Item, Table};
+use toml_edit::{ArrayOfTables, Document, DocumentMut, Item, Table};
 
 /// Why a scene cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -109,23 +109,26 @@ fn apply_override(text: &str, argument: &str) -> Result<(String, String), SceneE
     for step in path {
         let (step, index) = match step.split_once('[') {
             Some((step, index)) => {
-                let number = index.strip_suffix(']').and_then(|index| index.parse::<usize>().ok());
-                (step, Some(number.ok_or_else(|| refuse(format!("\"[{index}\" is not a number in brackets")))?))
+                let inner = index.strip_suffix(']').filter(|inner| !inner.is_empty());
+                (step, Some(inner.ok_or_else(|| refuse(format!("\"[{index}\" is not a number or name in brackets")))?))
             }
             None => (step, None),
         };
-        let entry = table.entry(step).or_insert_with(|| Item::Table(Table::new()));
+        let number = index.and_then(|index| index.parse::<usize>().ok());
+        let named = index.is_some() && number.is_none();
+        let entry = table.entry(step).or_insert_with(|| match named {
+            true => Item::ArrayOfTables(ArrayOfTables::new()),
+            false => Item::Table(Table::new()),
+        });
         table = match (index, entry) {
             (Some(index), Item::ArrayOfTables(tables)) => {
                 let count = tables.len();
-                index
-                    .checked_sub(1)
-                    .and_then(|i| tables.get_mut(i))
-                    .ok_or_else(|| refuse(format!("{step} has {count} entries, counted from 1")))?
+                entry_at(tables, index).ok_or_else(|| refuse(format!("{step} has {count} entries, counted from 1")))?
             }
-            (Some(index), Item::Value(toml_edit::Value::Array(values))) => {
+            (Some(_), Item::Value(toml_edit::Value::Array(values))) => {
                 let count = values.len();
-                let value = index.checked_sub(1).and_then(|i| values.get_mut(i)).and_then(|value| value.as_inline_table_mut());
+                let place = number.and_then(|index| index.checked_sub(1));
+                let value = place.and_then(|i| values.get_mut(i)).and_then(|value| value.as_inline_table_mut());
                 value.ok_or_else(|| refuse(format!("{step} has {count} entries, counted from 1")))?
             }
             (None, entry) if entry.is_table_like() => entry.as_table_like_mut().ok_or_else(|| refuse(format!("{step} is not a table")))?,
@@ -149,6 +152,20 @@ fn apply_override(text: &str, argument: &str) -> Result<(String, String), SceneE
         }
     }
     Ok((key.to_string(), document.to_string()))
+}
+
+/// The table of that number, counted from 1, or of that `name`; one of an unknown name is made, to change what a template says.
+fn entry_at<'t>(tables: &'t mut ArrayOfTables, index: &str) -> Option<&'t mut dyn toml_edit::TableLike> {
+    let place = match index.parse::<usize>() {
+        Ok(number) => number.checked_sub(1)?,
+        Err(_) => tables.iter().position(|table| table.get("name").and_then(Item::as_str) == Some(index)).unwrap_or(tables.len()),
+    };
+    if place == tables.len() && index.parse::<usize>().is_err() {
+        let mut table = Table::new();
+        table.insert("name", toml_edit::value(index));
+        tables.push(table);
+    }
+    tables.get_mut(place).map(|table| table as &mut dyn toml_edit::TableLike)
 }
 
 /// Turns initial values that the scene gives into what the FMU shows: offsets to the equilibrium, or absolute values

@@ -6,3 +6,4 @@ pub mod equilibrium;
 pub mod load;
 pub mod plan;
 pub mod spec;
+pub mod vehicle;

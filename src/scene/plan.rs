@@ -1,9 +1,11 @@
 //! What a scene makes the program compute, and what not: the list behind `wheelrail plan`.
 
-use super::spec::Scene;
+use super::spec::{Scene, VehicleSpec};
+use super::vehicle::FreeVehicle;
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::centre_line::{LEAST_ROUNDING, Node, Pivot};
+use crate::mbs::joint::Joint;
 use serde::Serialize;
 
 /// One effect that the program knows.
@@ -38,9 +40,9 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     let mut effects = Vec::new();
     let mut effect = |name, included, why: String, states| effects.push(Effect { name, included, why, states });
     let vehicle = &scene.vehicle;
-    effect("rigid bodies", true, format!("vehicle.template = \"{}\"", vehicle.template), model.system.dimension());
+    effect("rigid bodies", true, format!("vehicle.template = \"{}\"", vehicle.template), model.system.force_states().start);
     let why = match vehicle.speed_imposed {
-        true => format!("vehicle.speed = {} m/s: removes the acceleration along the track", vehicle.speed),
+        true => format!("vehicle.speed = {} m/s: removes the acceleration along the track{}", vehicle.speed, driven(vehicle)),
         false => format!("vehicle.travel = \"free\": starts with {} m/s", vehicle.speed),
     };
     effect("driving constraint", vehicle.speed_imposed, why, 0);
@@ -51,23 +53,18 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     for (name, why) in track_effects(scene) {
         effect(name, true, why, 0);
     }
-    let load = vehicle.wheelset.vertical_load;
-    effect("vertical load", load != 0.0, format!("vehicle.wheelset.vertical_load = {load} N"), 0);
-    for (name, stiffness, damping) in [
-        (
-            "longitudinal suspension",
-            vehicle.suspension.as_ref().map(|s| s.longitudinal_stiffness),
-            vehicle.suspension.as_ref().map(|s| s.longitudinal_damping),
-        ),
-        (
-            "lateral suspension",
-            vehicle.suspension.as_ref().map(|s| s.lateral_stiffness),
-            vehicle.suspension.as_ref().map(|s| s.lateral_damping),
-        ),
-    ] {
-        match (stiffness, damping) {
-            (Some(k), Some(c)) => effect(name, k != 0.0 || c != 0.0, format!("2 elements, {k} N/m and {c} N s/m each"), 0),
-            _ => effect(name, false, "no [vehicle.suspension]".into(), 0),
+    match &vehicle.free {
+        None => {
+            let load = vehicle.wheelset.vertical_load;
+            effect("vertical load", load != 0.0, format!("vehicle.wheelset.vertical_load = {load} N"), 0);
+            for (name, included, why) in suspension(vehicle) {
+                effect(name, included, why, 0);
+            }
+        }
+        Some(free) => {
+            for (name, included, why, states) in parts(free, model) {
+                effect(name, included, why, states);
+            }
         }
     }
     for (name, side) in [("left rail deviations", Side::Left), ("right rail deviations", Side::Right)] {
@@ -113,8 +110,9 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
             if shown { format!("interface.inputs has \"{group}\"") } else { format!("interface.inputs lacks \"{group}\": no variable") };
         effect(name, shown, why, 0);
     }
-    let (shown, free) = (scene.interface.inputs.contains(&"centre_forces"), !vehicle.speed_imposed);
+    let (shown, free) = (scene.interface.inputs.contains(&"centre_forces"), vehicle.axles().iter().any(|axle| !axle.1));
     let why = match (shown, free) {
+        (true, true) if vehicle.speed_imposed => "interface.inputs has \"centre_forces\"; on wheelsets whose speed is not imposed",
         (true, true) => "interface.inputs has \"centre_forces\", vehicle.travel = \"free\"",
         (true, false) => "the imposed speed leaves no room for a force along the track (vehicle.travel = \"free\" does)",
         (false, _) => "interface.inputs lacks \"centre_forces\": no variable",
@@ -163,6 +161,53 @@ fn track_effects(scene: &Scene) -> Vec<(&'static str, String)> {
         effects.push(("track nodes", format!("{count}, all straight and level: nothing to compute")));
     }
     effects
+}
+
+/// Which of several wheelsets the imposed speed acts on.
+fn driven(vehicle: &VehicleSpec) -> String {
+    match vehicle.free {
+        Some(_) => {
+            let names: Vec<&str> = vehicle.axles().into_iter().filter(|axle| axle.1).map(|axle| axle.0).collect();
+            format!(" of {}", names.join(", "))
+        }
+        None => String::new(),
+    }
+}
+
+/// Elements of the template `suspended_wheelset`.
+fn suspension(vehicle: &VehicleSpec) -> [(&'static str, bool, String); 2] {
+    let line = |name, constants: Option<(f64, f64)>| match constants {
+        Some((k, c)) => (name, k != 0.0 || c != 0.0, format!("2 elements, {k} N/m and {c} N s/m each")),
+        None => (name, false, "no [vehicle.suspension]".into()),
+    };
+    let spec = vehicle.suspension.as_ref();
+    [
+        line("longitudinal suspension", spec.map(|s| (s.longitudinal_stiffness, s.longitudinal_damping))),
+        line("lateral suspension", spec.map(|s| (s.lateral_stiffness, s.lateral_damping))),
+    ]
+}
+
+/// Effects of a free vehicle's parts, with their states.
+fn parts(free: &FreeVehicle, model: &Model) -> Vec<(&'static str, bool, String, usize)> {
+    let load: f64 = free.wheelsets.iter().map(|w| w.spec.vertical_load).sum();
+    let rows: usize = model.system.joints.iter().map(Joint::rows).sum();
+    let redundant = model.system.redundant.len();
+    let joints = match free.joints.len() {
+        0 => "no [[vehicle.joint]]".into(),
+        count => format!("{count} joints with {} scalar constraints, {redundant} of {rows} left out as redundant", rows - redundant),
+    };
+    let forces = match free.forces.len() {
+        0 => "no [[vehicle.force]]".into(),
+        count => format!("{count} elements between {} wheelsets and {} other bodies", free.wheelsets.len(), free.bodies.len()),
+    };
+    let loads = if load == 0.0 { "no vertical_load on a wheelset".into() } else { format!("{load} N on wheelsets") };
+    let sensors = if free.sensors.is_empty() { "no [[vehicle.sensor]]".into() } else { format!("{} points", free.sensors.len()) };
+    vec![
+        ("vertical load", load != 0.0, loads, 0),
+        ("joints", rows > 0, joints, 0),
+        ("force elements", !free.forces.is_empty(), forces, model.system.force_states().len()),
+        ("sensors", !free.sensors.is_empty(), sensors, 0),
+    ]
 }
 
 /// May wheels have several contacts at the same time, and why?

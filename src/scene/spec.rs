@@ -2,16 +2,18 @@
 //!
 //! FMU parameters are fields of this data; a model is assembled from it anew when they are set.
 
+pub use super::vehicle::suspended::{INITIAL, Initial, SuspensionSpec, WheelsetSpec};
+pub use super::vehicle::{TEMPLATES, VehicleSpec};
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
 use crate::formulation::{self, points::MOST_POINTS};
+use crate::geometry::file::SceneFile;
 use crate::geometry::profile::{self, Part, ProfileChoice};
 use crate::geometry::track::centre_line::{Alignment, CentreLine};
 use crate::geometry::track::{self, Deviation, gauge, node};
-use crate::settings::{Section, SettingsError, Source};
+use crate::settings::{Section, SettingsError, Source, did_you_mean};
 use crate::solve::{self, Integrator};
 use crate::units::Dimension;
-use nalgebra::{Vector3, vector};
 use std::sync::Arc;
 
 /// A scene file, read and checked.
@@ -30,79 +32,6 @@ pub struct Scene {
     pub run: RunSpec,
 }
 
-/// `[vehicle]`, template `suspended_wheelset`.
-#[derive(Clone, Debug)]
-pub struct VehicleSpec {
-    pub template: &'static str,
-    /// V, m/s; negative rolls backward.
-    pub speed: f64,
-    /// Is the speed imposed? Otherwise it is that at the start.
-    pub speed_imposed: bool,
-    /// g, m/s2.
-    pub gravity: f64,
-    pub wheelset: WheelsetSpec,
-    pub suspension: Option<SuspensionSpec>,
-    pub initial: Initial,
-}
-
-/// `[vehicle.wheelset]`.
-#[derive(Clone, Debug)]
-pub struct WheelsetSpec {
-    pub name: String,
-    /// kg.
-    pub mass: f64,
-    /// Ixx = Izz, kg m2.
-    pub transverse_inertia: f64,
-    /// Iyy, kg m2.
-    pub axial_inertia: f64,
-    /// N, downward.
-    pub vertical_load: f64,
-    /// Half the distance between the tread circles, m.
-    pub half_tread_circle_distance: f64,
-    /// Of the left and the right wheel.
-    pub profiles: [ProfileChoice; 2],
-}
-
-/// `[vehicle.suspension]`: two elements in each direction.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SuspensionSpec {
-    /// Between the attachment points, m.
-    pub distance: f64,
-    /// N/m and N s/m of each element.
-    pub longitudinal_stiffness: f64,
-    pub longitudinal_damping: f64,
-    pub lateral_stiffness: f64,
-    pub lateral_damping: f64,
-    /// Does the scene call for elements in that direction? (parameters do not change it)
-    pub longitudinal: bool,
-    pub lateral: bool,
-}
-
-/// Initial coordinates and velocities that a scene or a master may choose, in this order.
-pub const INITIAL: [(&str, Dimension); 10] = [
-    ("distance", Dimension::Length),
-    ("y", Dimension::Length),
-    ("z", Dimension::Length),
-    ("roll", Dimension::Angle),
-    ("yaw", Dimension::Angle),
-    ("vy", Dimension::Speed),
-    ("vz", Dimension::Speed),
-    ("roll_rate", Dimension::AngularSpeed),
-    ("yaw_rate", Dimension::AngularSpeed),
-    ("pitch_rate", Dimension::AngularSpeed),
-];
-
-/// `[vehicle.initial]`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Initial {
-    /// Are `values` added to the steady rolling equilibrium? Otherwise they are absolute.
-    pub from_equilibrium: bool,
-    /// In the order of [`INITIAL`].
-    pub values: [f64; 10],
-    /// What the scene file gives, absolute; kept until [`super::load`] has resolved it into `values`.
-    pub given: [Option<f64>; 10],
-}
-
 /// `[track]`.
 #[derive(Clone, Debug)]
 pub struct TrackSpec {
@@ -117,7 +46,10 @@ pub struct TrackSpec {
     pub line: Option<Arc<CentreLine>>,
     /// Left and right.
     pub rails: [ProfileChoice; 2],
+    /// Of single rails, and those that irregularities make of both.
     pub deviations: Vec<Deviation>,
+    /// That irregularities were read from.
+    pub files: Vec<SceneFile>,
 }
 
 /// `[contact]`.
@@ -149,15 +81,25 @@ pub struct SolverSpec {
 
 /// Groups of inputs, outputs and parameters that an FMU may show.
 pub const INPUT_GROUPS: &[&str] = &["drive_torque", "centre_forces", "friction"];
-pub const OUTPUT_GROUPS: &[&str] = &["motion", "wheels", "contacts", "suspension"];
+pub const OUTPUT_GROUPS: &[&str] = &["motion", "wheels", "contacts", "suspension", "axles", "bodies", "sensors", "forces"];
 pub const PARAMETER_GROUPS: &[&str] = &["vehicle", "suspension", "contact", "solver", "initial"];
 
 /// `[interface]`: names of groups; all when absent.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct InterfaceSpec {
     pub inputs: Vec<&'static str>,
     pub outputs: Vec<&'static str>,
     pub parameters: Vec<&'static str>,
+    /// Parts of the vehicle whose variables are shown; `None`: all.
+    pub only: Option<Vec<String>>,
+}
+
+impl InterfaceSpec {
+    /// Are variables of that name, or of the part of that name, shown?
+    pub fn shows(&self, name: &str) -> bool {
+        let within = |part: &String| name.strip_prefix(part.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        self.only.as_ref().is_none_or(|only| only.iter().any(within))
+    }
 }
 
 /// Smallest mass [kg] and inertia [kg m2] that a scene or a master may set.
@@ -190,15 +132,20 @@ impl Scene {
         if title.chars().any(char::is_control) {
             return Err(root.error("title", "a control character can't stand in a title"));
         }
-        let vehicle = read_vehicle(root.section("vehicle")?)?;
+        let vehicle = super::vehicle::read(root.section("vehicle")?)?;
         let track = read_track(root.section("track")?)?;
         let contact = read_contact(root.section("contact")?)?;
         let solver = root.section("solver")?;
         let (solver_name, integrator) = solve::parse(&solver)?;
         solver.finish()?;
         let interface = match root.optional_section("interface")? {
-            Some(section) => read_interface(section)?,
-            None => InterfaceSpec { inputs: INPUT_GROUPS.to_vec(), outputs: OUTPUT_GROUPS.to_vec(), parameters: PARAMETER_GROUPS.to_vec() },
+            Some(section) => read_interface(section, &vehicle)?,
+            None => InterfaceSpec {
+                inputs: INPUT_GROUPS.to_vec(),
+                outputs: OUTPUT_GROUPS.to_vec(),
+                parameters: PARAMETER_GROUPS.to_vec(),
+                only: None,
+            },
         };
         let run = root.section("run")?;
         let spec = RunSpec { stop: run.not_negative("stop", Dimension::Time)?, step: run.positive("step", Dimension::Time)? };
@@ -221,62 +168,22 @@ impl Scene {
     }
 
     /// Files that the scene refers to.
-    pub fn files(&self) -> impl Iterator<Item = &profile::ProfileFile> {
-        let [left_wheel, right_wheel] = &self.vehicle.wheelset.profiles;
+    pub fn files(&self) -> impl Iterator<Item = &SceneFile> {
         let [left_rail, right_rail] = &self.track.rails;
-        let choices = [(left_wheel, None), (right_wheel, Some(left_wheel)), (left_rail, None), (right_rail, Some(left_rail))];
+        let choices = [(left_rail, None), (right_rail, Some(left_rail))];
         // Both sides may share one table.
         let key = |choice: &ProfileChoice| choice.file.as_ref().map(|file| file.key.clone());
         let own = choices.into_iter().filter(move |(choice, other)| other.is_none_or(|other| key(other) != key(choice)));
-        own.filter_map(|(choice, _)| choice.file.as_ref())
+        self.vehicle.files().into_iter().chain(own.filter_map(|(choice, _)| choice.file.as_ref())).chain(&self.track.files)
     }
-}
-
-/// Templates that `vehicle.template` can name.
-pub static TEMPLATES: &[(&str, &str)] =
-    &[("suspended_wheelset", "one wheelset on springs to a frame that travels with it (paper, section 3.4)")];
-
-fn read_vehicle(section: Section) -> Result<VehicleSpec, SettingsError> {
-    let names: Vec<&'static str> = TEMPLATES.iter().map(|template| template.0).collect();
-    let template = section.word("template", &names)?;
-    let speed = section.number("speed", Dimension::Speed)?;
-    let speed_imposed = section.word_or("travel", &["imposed", "free"], "imposed")? == "imposed";
-    if speed == 0.0 && speed_imposed {
-        return Err(section.error("speed", "found 0, but creepages are relative to the travelling speed; expected any other number"));
-    }
-    let gravity = section.not_negative("gravity", Dimension::Acceleration)?;
-    let wheelset = read_wheelset(section.section("wheelset")?)?;
-    let suspension = section.optional_section("suspension")?.map(read_suspension).transpose()?;
-    let initial = match section.optional_section("initial")? {
-        Some(section) => read_initial(section)?,
-        None => Initial { from_equilibrium: true, values: [0.0; 10], given: [None; 10] },
-    };
-    section.finish()?;
-    Ok(VehicleSpec { template, speed, speed_imposed, gravity, wheelset, suspension, initial })
-}
-
-fn read_wheelset(section: Section) -> Result<WheelsetSpec, SettingsError> {
-    let transverse_inertia = section.at_least("inertia_xx", Dimension::Inertia, SMALLEST)?;
-    let zz = section.at_least("inertia_zz", Dimension::Inertia, SMALLEST)?;
-    if zz != transverse_inertia {
-        return Err(section
-            .error("inertia_zz", format!("found {zz}, expected inertia_xx = {transverse_inertia}: a wheelset is a body of revolution")));
-    }
-    let spec = WheelsetSpec {
-        name: "wheelset".into(),
-        mass: section.at_least("mass", Dimension::Mass, SMALLEST)?,
-        transverse_inertia,
-        axial_inertia: section.at_least("inertia_yy", Dimension::Inertia, SMALLEST)?,
-        vertical_load: section.number("vertical_load", Dimension::Force)?,
-        half_tread_circle_distance: 0.5 * section.positive("tread_circle_distance", Dimension::Length)?,
-        profiles: read_profiles(&section, ["profile", "left_profile", "right_profile"], Part::Wheel)?,
-    };
-    section.finish()?;
-    Ok(spec)
 }
 
 /// One table for both sides, or one for each.
-fn read_profiles(section: &Section, [both, left, right]: [&'static str; 3], part: Part) -> Result<[ProfileChoice; 2], SettingsError> {
+pub(super) fn read_profiles(
+    section: &Section,
+    [both, left, right]: [&'static str; 3],
+    part: Part,
+) -> Result<[ProfileChoice; 2], SettingsError> {
     let (own_left, own_right) = (section.optional_section(left)?, section.optional_section(right)?);
     if let (Some(left), Some(right)) = (own_left, own_right) {
         if section.has(both) {
@@ -289,39 +196,6 @@ fn read_profiles(section: &Section, [both, left, right]: [&'static str; 3], part
     Ok([own(left)?.unwrap_or(shared.clone()), own(right)?.unwrap_or(shared)])
 }
 
-fn read_suspension(section: Section) -> Result<SuspensionSpec, SettingsError> {
-    let mut spec = SuspensionSpec {
-        distance: section.not_negative("distance", Dimension::Length)?,
-        longitudinal_stiffness: section.not_negative("longitudinal_stiffness", Dimension::Stiffness)?,
-        longitudinal_damping: section.not_negative("longitudinal_damping", Dimension::Damping)?,
-        lateral_stiffness: section.not_negative("lateral_stiffness", Dimension::Stiffness)?,
-        lateral_damping: section.not_negative("lateral_damping", Dimension::Damping)?,
-        longitudinal: false,
-        lateral: false,
-    };
-    spec.longitudinal = spec.longitudinal_stiffness != 0.0 || spec.longitudinal_damping != 0.0;
-    spec.lateral = spec.lateral_stiffness != 0.0 || spec.lateral_damping != 0.0;
-    section.finish()?;
-    Ok(spec)
-}
-
-impl SuspensionSpec {
-    /// Attachment points on the axle, left and right, in axle axes [m].
-    pub fn attachments(&self) -> [Vector3<f64>; 2] {
-        [vector![0.0, 0.5 * self.distance, 0.0], vector![0.0, -0.5 * self.distance, 0.0]]
-    }
-}
-
-fn read_initial(section: Section) -> Result<Initial, SettingsError> {
-    let from_equilibrium = section.flag_or("from_equilibrium", true)?;
-    let mut given = [None; 10];
-    for (value, (key, dimension)) in given.iter_mut().zip(INITIAL) {
-        *value = section.optional(key, dimension)?;
-    }
-    section.finish()?;
-    Ok(Initial { from_equilibrium, values: [0.0; 10], given })
-}
-
 fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
     let inclination = read_inclination(&section)?;
     let grade = section.number_or("grade", Dimension::Angle, 0.0)?;
@@ -331,10 +205,18 @@ fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
     if alignment.is_some() && section.has("grade") {
         return Err(section.error("grade", "stands beside [[track.node]]; expected the nodes' own grade"));
     }
-    let line = alignment.as_ref().and_then(|alignment| CentreLine::new(alignment, Vector3::zeros(), 0.0)).map(Arc::new);
-    let deviations = section.sections("deviation")?.into_iter().map(track::parse_deviation).collect::<Result<_, _>>()?;
+    let line = alignment.as_ref().and_then(|alignment| CentreLine::new(alignment, nalgebra::Vector3::zeros(), 0.0)).map(Arc::new);
+    let (mut deviations, mut files) = (Vec::new(), Vec::new());
+    for deviation in section.sections("deviation")? {
+        deviations.extend(track::parse_deviation(deviation)?);
+    }
+    for irregularity in section.sections("irregularity")? {
+        let irregularity = track::irregularity::parse(irregularity)?;
+        deviations.extend(irregularity.deviations);
+        files.extend(irregularity.file);
+    }
     section.finish()?;
-    Ok(TrackSpec { half_rail_distance, inclination, grade, alignment, line, rails, deviations })
+    Ok(TrackSpec { half_rail_distance, inclination, grade, alignment, line, rails, deviations, files })
 }
 
 /// Half of `rail_distance`, or what `gauge` makes of it.
@@ -411,11 +293,21 @@ fn read_points(section: &Section) -> Result<usize, SettingsError> {
     Err(section.error("points", format!("found {points:?}, expected a whole number from 1 to {MOST_POINTS}")))
 }
 
-fn read_interface(section: Section) -> Result<InterfaceSpec, SettingsError> {
+fn read_interface(section: Section, vehicle: &VehicleSpec) -> Result<InterfaceSpec, SettingsError> {
+    let only = section.optional_texts("only")?;
+    let parts = vehicle.part_names();
+    for name in only.iter().flatten() {
+        let within = |part: &&str| part.strip_prefix(name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        if !parts.iter().any(within) {
+            let problem = format!("found \"{name}\"{}, expected parts of the vehicle: {}", did_you_mean(name, &parts), parts.join(", "));
+            return Err(section.error("only", problem));
+        }
+    }
     let spec = InterfaceSpec {
         inputs: section.words_or_all("inputs", INPUT_GROUPS)?,
         outputs: section.words_or_all("outputs", OUTPUT_GROUPS)?,
         parameters: section.words_or_all("parameters", PARAMETER_GROUPS)?,
+        only,
     };
     section.finish()?;
     Ok(spec)

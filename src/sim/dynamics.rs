@@ -53,12 +53,13 @@ impl Dynamics for ModelDynamics<'_> {
         keep(&mut self.failure, self.model.derivative(self.workspace, at, dy))
     }
 
-    /// Positions and angles in metres and radians; those that press wheels into rails weigh more.
+    /// Positions, angles and force elements' states in metres and radians; those that press wheels into rails weigh more.
     fn error_weight(&self, i: usize) -> f64 {
         let system = &self.model.system;
-        let plain = if i >= COORDINATES * system.bodies.len() && i < system.dimension() {
+        let velocities = COORDINATES * system.bodies.len();
+        let plain = if (velocities..2 * velocities).contains(&i) {
             0.0
-        } else if i < system.dimension()
+        } else if i < velocities
             && matches!(i % COORDINATES, HEIGHT | ROLL)
             && self.model.wheelsets.iter().any(|wheelset| wheelset.body == i / COORDINATES)
         {

@@ -8,6 +8,7 @@ pub mod input;
 pub mod outputs;
 pub mod recording;
 pub mod unit;
+pub mod vehicle_outputs;
 
 use crate::formulation::events::ContactEvent;
 use crate::formulation::work::Work;
@@ -18,6 +19,7 @@ use crate::mbs::on_track::{self, OnTrack};
 use crate::scene::assemble;
 use crate::scene::equilibrium::{self, EquilibriumError};
 use crate::scene::spec::Scene;
+use crate::scene::vehicle::{FreeVehicle, steady_state};
 use crate::solve::{IntegrationState, Integrator, Scratch, SolveError, Statistics};
 use dynamics::ModelDynamics;
 use input::InputSignal;
@@ -105,11 +107,13 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`] when there is no equilibrium or the initial state cannot be evaluated.
     pub fn new(scene: &Scene, start: f64) -> Result<Self, SimulationError> {
-        let model = assemble::model(scene)?;
-        let mut y = initial_state(scene, &model)?;
+        let mut model = assemble::model(scene)?;
+        let mut y = match &scene.vehicle.free {
+            Some(free) => vehicle_state(scene, free, &mut model)?,
+            None => initial_state(scene, &model)?,
+        };
         let mut memory = vec![0.0; model.memory()];
-        let distance = y[0];
-        model.set_distances(|_| distance, &mut memory);
+        model.set_distances(|body| y[model.system.coordinates(body).start], &mut memory);
         if let Some(line) = model.track.line() {
             on_the_line(&model, line, &mut y);
         }
@@ -297,6 +301,25 @@ fn on_the_line(model: &Model, line: &CentreLine, y: &mut [f64]) {
         y[q].copy_from_slice(&coordinates);
         y[v].copy_from_slice(&velocities);
     }
+}
+
+/// The steady state of a free vehicle with the scene's offsets; also gives the wheels their static loads.
+fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result<Vec<f64>, SimulationError> {
+    let found = steady_state::steady_state(scene, free)?;
+    for (wheelset, load) in model.wheelsets.iter_mut().zip(&found.wheel_loads) {
+        wheelset.static_wheel_load = *load;
+    }
+    let mut y = found.y;
+    y.resize(model.dimension(), 0.0);
+    for body in 0..free.body_count() {
+        y[COORDINATES * body] += free.distance;
+    }
+    for (wheelset, placed) in model.wheelsets.iter().zip(&free.wheelsets) {
+        let q = model.system.coordinates(wheelset.body).start;
+        y[q + 1] += placed.offset[0];
+        y[q + 3] += placed.offset[1];
+    }
+    Ok(y)
 }
 
 /// Index of an input in the model's input vector.

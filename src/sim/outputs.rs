@@ -29,9 +29,9 @@ const RIGHT: Depends = Depends::On(&[RIGHT_FRICTION]);
 const FRICTIONS: Depends = Depends::On(&[LEFT_FRICTION, RIGHT_FRICTION]);
 /// A torque about the axle turns it by rounding only, but not by nothing.
 const TURNING: Depends = Depends::On(&[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION]);
-const ALL: &[usize] = &[DRIVE_TORQUE, LATERAL_FORCE, VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LONGITUDINAL_FORCE];
+pub(super) const ALL: &[usize] = &[DRIVE_TORQUE, LATERAL_FORCE, VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LONGITUDINAL_FORCE];
 
-type Read = Box<dyn Fn(&Snapshot) -> f64 + Send + Sync>;
+pub(super) type Read = Box<dyn Fn(&Snapshot) -> f64 + Send + Sync>;
 
 /// One output.
 pub struct Output {
@@ -43,12 +43,25 @@ pub struct Output {
     pub group: &'static str,
     pub unit: Unit,
     pub description: String,
-    /// Inputs of the wheelset (see `formulation`) that it depends on at the same instant.
+    /// Inputs of a wheelset (see `formulation`) that it depends on at the same instant.
     pub feedthrough: &'static [usize],
+    /// The wheelset whose inputs these are; `None`: of every wheelset.
+    pub wheelset: Option<usize>,
     read: Read,
 }
 
 impl Output {
+    pub(super) fn new(
+        (reference, name): (u32, String),
+        group: &'static str,
+        unit: Unit,
+        description: &str,
+        (feedthrough, wheelset): (&'static [usize], Option<usize>),
+        read: Read,
+    ) -> Self {
+        Output { reference, name, group, unit, description: description.into(), feedthrough, wheelset, read }
+    }
+
     /// The value in a snapshot, SI.
     pub fn value(&self, snapshot: &Snapshot) -> f64 {
         (self.read)(snapshot)
@@ -66,8 +79,10 @@ struct Collector<'a> {
     prefix: String,
     base: u32,
     groups: &'a [&'static str],
-    /// Is the normal force a multiplier?
+    /// Are there constraint forces, which depend on accelerations?
     constrained: bool,
+    /// The wheelset whose inputs matter; `None`: those of all.
+    wheelset: Option<usize>,
     outputs: &'a mut Vec<Output>,
 }
 
@@ -97,6 +112,7 @@ impl Collector<'_> {
                 unit,
                 description: text.into(),
                 feedthrough,
+                wheelset: self.wheelset,
                 read: Box::new(read),
             });
         }
@@ -107,12 +123,14 @@ impl Collector<'_> {
 pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
     let mut outputs = Vec::new();
     let bodies = model.system.bodies.len();
+    let constrained = model.formulation.constrains() || !model.system.joints.is_empty();
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
         let mut collector = Collector {
             prefix: wheelset.name.clone(),
             base: (index as u32 + 1) * 1000,
             groups,
-            constrained: model.formulation.constrains(),
+            constrained,
+            wheelset: (!constrained).then_some(index),
             outputs: &mut outputs,
         };
         let drive = model.system.drives.iter().position(|drive| drive.body == wheelset.body);
@@ -139,29 +157,30 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
 /// Reads one element's force: the element's constants are copied, so that outputs do not borrow the model.
 fn element_force(model: &Model, element: usize) -> impl Fn(&Snapshot) -> f64 + Send + Sync + 'static {
     let force = model.system.forces[element].clone_box();
+    let states = model.system.states_of_force(element);
     move |s| {
-        let system = &s.workspace.system;
+        let (system, state) = (&s.workspace.system, &s.y[states.clone()]);
         let found = match system.stations.is_empty() {
-            true => force.scalar_force(&system.motions),
-            false => force.scalar_force_on_track(&system.motions, &system.stations),
+            true => force.scalar_force(&system.motions, state),
+            false => force.scalar_force_on_track(&system.motions, &system.stations, state),
         };
         found.unwrap_or(0.0)
     }
 }
 
 /// The body's motion relative to a curved track and the track frame beside it; `None` on straight track.
-fn on_track(s: &Snapshot, body: usize) -> Option<(OnTrack, &Station)> {
+pub(super) fn on_track(s: &Snapshot, body: usize) -> Option<(OnTrack, &Station)> {
     let station = s.workspace.system.stations.get(body)?;
     Some((relative(&s.workspace.system.motions[body], station), station))
 }
 
 /// Coordinate or velocity at a place of the state vector.
-fn in_order(motion: &OnTrack, at: usize, q: usize, v: usize) -> f64 {
+pub(super) fn in_order(motion: &OnTrack, at: usize, q: usize, v: usize) -> f64 {
     if at < v { motion.coordinates[at - q] } else { motion.velocities[at - v] }
 }
 
 /// A vector of the world in the track frame beside a body.
-fn in_track(s: &Snapshot, body: usize, vector: Vector3<f64>) -> Vector3<f64> {
+pub(super) fn in_track(s: &Snapshot, body: usize, vector: Vector3<f64>) -> Vector3<f64> {
     s.workspace.system.stations.get(body).map_or(vector, |station| station.components(&vector))
 }
 

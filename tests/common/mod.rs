@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use wheelrail::scene::load;
 use wheelrail::scene::spec::Scene;
 use wheelrail::sim::Simulation;
-use wheelrail::sim::outputs::{Output, outputs};
+use wheelrail::sim::outputs::Output;
 use wheelrail::sim::recording::{self, Recording};
+use wheelrail::sim::vehicle_outputs::scene_outputs;
 
 /// The embedded scene with changes.
 pub fn scene(changes: &[&str]) -> Scene {
@@ -27,7 +28,7 @@ pub fn start(scene: &Scene) -> Simulation {
 }
 
 pub fn table(simulation: &Simulation, scene: &Scene) -> Vec<Output> {
-    outputs(simulation.model(), &scene.interface.outputs)
+    scene_outputs(scene, simulation.model())
 }
 
 /// Outputs by name, without "wheelset.", at the simulation's time.

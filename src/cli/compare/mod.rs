@@ -6,7 +6,7 @@ mod report;
 
 use super::plot::pair::{self, Curve, PairDiagram};
 use super::progress::Progress;
-use super::{Failure, SceneArguments, TimeArguments, print, say};
+use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, print, say};
 use crate::formulation;
 use crate::scene::load;
 use crate::scene::spec::Scene;
@@ -29,7 +29,8 @@ numerical error is), and three times without outputs for the cost (median, CPU t
 does not matter; everything else is the same for all.
 
 Pictures: SCENE_QUANTITY_FIRST_SECOND.svg for the pairs ACCF and ECCF, ECF-A and ECF-N, ECF-A and ECCF, as far as this program has \
-them; QUANTITY is lateral_displacement, yaw, normal_force_right, normal_force_left.
+them; QUANTITY is lateral_displacement, yaw, height, normal_force_right, normal_force_left and, where a second contact is ever loaded, \
+second_contact_right. Of a vehicle the wheelset's name stands before it.
 
 A formulation that can't run the scene does not stop the others: the table says why, and it is compared and drawn as far as it came. \
 Exit code: 0 when at least one formulation ran to the end, 1 when none did or a picture can't be written, 2 when the scene or an \
@@ -41,6 +42,8 @@ pub(super) struct Arguments {
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     #[command(flatten)]
+    wheelset: WheelsetArgument,
+    #[command(flatten)]
     times: TimeArguments,
     /// Print the comparison as JSON (SI units)
     #[arg(long)]
@@ -50,6 +53,7 @@ pub(super) struct Arguments {
 pub(super) fn compare(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
     let (stop, step) = arguments.times.read(&scene)?;
+    let wheelset = arguments.wheelset.choose(&scene)?;
     if stop == 0.0 {
         return Err(Failure::Input("--stop 0: there is nothing to compare; expected a time greater than 0 s".into()));
     }
@@ -58,6 +62,7 @@ pub(super) fn compare(arguments: &Arguments) -> Result<(), Failure> {
     let runs = run_all(&arguments.scene, Times { stop, step });
     let comparison = Comparison {
         scene: &scene,
+        wheelset,
         times: Times { stop, step },
         finer: measure::finer(&scene).map(|(_, words)| words),
         reference: runs.iter().find(|run| run.name == REFERENCE && run.finished()).or_else(|| runs.iter().find(|run| run.finished())),
@@ -115,17 +120,23 @@ fn pictures(folder: &Path, comparison: &Comparison) -> Result<Vec<PathBuf>, Stri
     let mut files = Vec::new();
     for runs in pairs(comparison.runs) {
         for quantity in &QUANTITIES {
-            files.extend(picture(folder, comparison.scene, runs, quantity)?);
+            files.extend(picture(folder, comparison, runs, quantity)?);
         }
     }
     Ok(files)
 }
 
-fn picture(folder: &Path, scene: &Scene, runs: [&Run; 2], quantity: &Quantity) -> Result<Option<PathBuf>, String> {
+fn picture(folder: &Path, comparison: &Comparison, runs: [&Run; 2], quantity: &Quantity) -> Result<Option<PathBuf>, String> {
     let Some((axis, factor)) = quantity.axis else { return Ok(None) };
-    let [first, second] = runs.map(|run| run.samples.trace(&scene.vehicle.wheelset.name, quantity));
+    let Comparison { scene, wheelset, .. } = comparison;
+    let [first, second] = runs.map(|run| run.samples.trace(wheelset, quantity));
+    if first.is_idle() && second.is_idle() {
+        return Ok(None);
+    }
     let names = runs.map(|run| run.name);
-    let file = folder.join(format!("{}_{}_{}_{}.svg", scene.name, quantity.key, names[0], names[1]));
+    // Pictures of several wheelsets may stand in one folder.
+    let place = if scene.vehicle.axles().len() > 1 { format!("_{wheelset}") } else { String::new() };
+    let file = folder.join(format!("{}{place}_{}_{}_{}.svg", scene.name, quantity.key, names[0], names[1]));
     let diagram = PairDiagram {
         title: format!("{}: {} and {}", quantity.title, names[0], names[1]),
         subtitle: &scene.title,

@@ -23,8 +23,9 @@ pub(super) struct Quantity {
     pub axis: Option<(&'static str, f64)>,
 }
 
-/// Lateral displacement, yaw and normal forces as in the paper's Figs. 7-10 and 12-14, and the height.
-pub(super) const QUANTITIES: [Quantity; 5] = [
+/// Lateral displacement, yaw and normal forces as in the paper's Figs. 7-10, 12-14 and 18-24, and the height. An output that the
+/// model does not have (a second contact) is left out.
+pub(super) const QUANTITIES: [Quantity; 6] = [
     Quantity {
         key: "lateral_displacement",
         output: "y",
@@ -43,7 +44,7 @@ pub(super) const QUANTITIES: [Quantity; 5] = [
         fine: 1e6,
         axis: Some(("yaw [mrad], nose left positive", 1e3)),
     },
-    Quantity { key: "height", output: "z", title: "Height", column: "z [um]", unit: "m", fine: 1e6, axis: None },
+    Quantity { key: "height", output: "z", title: "Height", column: "z [um]", unit: "m", fine: 1e6, axis: Some(("z [mm]", 1e3)) },
     Quantity {
         key: "normal_force_right",
         output: "right.normalForce",
@@ -61,6 +62,15 @@ pub(super) const QUANTITIES: [Quantity; 5] = [
         unit: "N",
         fine: 1.0,
         axis: Some(("N left [kN]", 1e-3)),
+    },
+    Quantity {
+        key: "second_contact_right",
+        output: "right.contact[2].normalForce",
+        title: "Normal force of the right wheel's second contact (flange)",
+        column: "N2 right [N]",
+        unit: "N",
+        fine: 1.0,
+        axis: Some(("N of contact 2, right [kN]", 1e-3)),
     },
 ];
 
@@ -122,6 +132,11 @@ impl Trace {
     /// Values over distance.
     pub(super) fn points(&self) -> Vec<(f64, f64)> {
         self.distances.iter().copied().zip(self.values.iter().copied()).collect()
+    }
+
+    /// Is there nothing to be seen: no values, or zeros alone?
+    pub(super) fn is_idle(&self) -> bool {
+        self.values.iter().all(|value| *value == 0.0)
     }
 
     /// Largest change since the start; `None` when nothing was recorded.
@@ -222,7 +237,7 @@ mod tests {
 
     #[test]
     fn prop_every_quantity_is_an_output_of_the_embedded_scene() {
-        let scene = crate::scene::load::open("suspended_wheelset", &[]).unwrap();
+        let scene = crate::scene::load::open("wheelset_s1002", &[]).unwrap();
         let simulation = crate::sim::Simulation::new(&scene, 0.0).unwrap();
         let outputs = crate::sim::outputs::outputs(simulation.model(), &GROUPS);
         for name in QUANTITIES.iter().map(|quantity| quantity.output).chain(["distance"]) {

@@ -11,6 +11,8 @@ use std::path::PathBuf;
 /// Everything that was found.
 pub(super) struct Comparison<'a> {
     pub scene: &'a Scene,
+    /// Name of the wheelset that is compared.
+    pub wheelset: &'a str,
     pub times: Times,
     /// How the finer integration is written in a scene, if there is one.
     pub finer: Option<String>,
@@ -49,7 +51,7 @@ impl Kind {
 
 impl<'a> Comparison<'a> {
     fn trace(&self, samples: &Samples, quantity: usize) -> Trace {
-        samples.trace(&self.scene.vehicle.wheelset.name, &QUANTITIES[quantity])
+        samples.trace(self.wheelset, &QUANTITIES[quantity])
     }
 
     /// How far two runs are apart in each quantity.
@@ -140,10 +142,11 @@ fn costs(comparison: &Comparison) -> String {
 
 fn differences(comparison: &Comparison) -> String {
     let Some(reference) = comparison.reference else { return String::new() };
-    let head: Vec<String> = [""].into_iter().chain(QUANTITIES.iter().map(|quantity| quantity.column)).map(String::from).collect();
+    let shown: Vec<usize> = (0..QUANTITIES.len()).filter(|quantity| !comparison.trace(&reference.samples, *quantity).is_idle()).collect();
+    let head: Vec<String> = [""].into_iter().chain(shown.iter().map(|quantity| QUANTITIES[*quantity].column)).map(String::from).collect();
     let cells = |label: String, values: &dyn Fn(usize) -> Option<f64>| -> Vec<String> {
         let cell = |quantity: usize| values(quantity).map_or("-".into(), |value| number(value * QUANTITIES[quantity].fine));
-        [label].into_iter().chain((0..QUANTITIES.len()).map(cell)).collect()
+        [label].into_iter().chain(shown.iter().copied().map(cell)).collect()
     };
     let compared = comparison.compared();
     let mut rows = vec![cells(format!("for scale: largest change, {}", reference.name), &|quantity| {
@@ -283,7 +286,7 @@ pub(super) fn json(comparison: &Comparison, pictures: &[PathBuf]) -> Value {
         })
         .collect();
     json!({
-        "scene": comparison.scene.name, "title": comparison.scene.title, "stop": stop, "step": comparison.times.step,
+        "scene": comparison.scene.name, "wheelset": comparison.wheelset, "title": comparison.scene.title, "stop": stop, "step": comparison.times.step,
         "reference": comparison.reference.map(|run| run.name), "finer": comparison.finer,
         "formulations": formulations, "differences": differences,
         "pictures": pictures.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),

@@ -14,7 +14,7 @@ use super::variables::VariableTable;
 use crate::formulation::events::ContactEvent;
 use crate::scene::load::{self, SceneError};
 use crate::scene::spec::Scene;
-use crate::sim::outputs::outputs;
+use crate::sim::vehicle_outputs::scene_outputs;
 use crate::sim::{Simulation, SimulationError};
 use crate::solve::SettingKind;
 use serde::{Deserialize, Serialize};
@@ -226,7 +226,7 @@ impl Instance {
                 simulation.set_input(index, *value, *first, *second);
             }
             // Outputs read element constants, which parameters may have changed.
-            self.table.outputs = outputs(simulation.model(), &scene.interface.outputs);
+            self.table.outputs = scene_outputs(&scene, simulation.model());
             self.simulation = Some(simulation);
         }
         match &mut self.simulation {

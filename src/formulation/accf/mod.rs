@@ -135,7 +135,7 @@ impl Formulation for Accf {
     /// The local error of independent variables is controlled; while a wheel is elastic that of all coordinates.
     fn error_weight(&self, model: &Model, workspace: &Workspace, i: usize, plain: f64) -> f64 {
         let plain = lift::error_weight(model, workspace, i, plain);
-        let count = model.system.dimension();
+        let count = model.contact_states_begin;
         let dependent = |wheelset: usize, variable: usize| {
             workspace.rigid.partitions[wheelset].is_some_and(|p: Partition| p.is_dependent(variable))
                 && Side::BOTH.into_iter().all(|side| workspace.contacts[contact_index(wheelset, side)].constrained)
@@ -149,7 +149,7 @@ impl Formulation for Accf {
             let integrated = state < PARAMETERS && workspace.contacts[contact].constrained && !dependent(contact / 2, variable);
             return if integrated { plain } else { 0.0 };
         }
-        let owner = model.wheelsets.iter().position(|wheelset| i / COORDINATES == wheelset.body && i < count / 2);
+        let owner = model.wheelsets.iter().position(|wheelset| i / COORDINATES == wheelset.body);
         match owner {
             // On a curved track x and y of the world are no coordinates of the constraints.
             Some(_) if i % COORDINATES < 2 && model.track.line().is_some() => plain,

@@ -7,8 +7,8 @@
 //! coordinate of u = 0. Which way is up is seen from the shape where the format leaves it open: a rail's head is
 //! convex, a wheel's flange (u = -62 .. -42 mm) stands above its tread.
 
+use super::super::file::OpenFile;
 use super::cleaning::{self, Sample};
-use super::file::OpenFile;
 use super::s1002::wheel_radius;
 use super::{Part, Profile, ProfileChoice, ProfilePoint};
 use crate::math::smoothing::smooth;

@@ -8,10 +8,10 @@
 //! Wheels: X from the flange back outward, so the tread circle is taken at 70 mm (`tread_circle`). Rails: X grows
 //! toward the gauge face, as in the samples seen (`mirror` for the others); the file does not say.
 
+use super::super::file::OpenFile;
 use super::cleaning::Sample;
-use super::file::OpenFile;
 use super::measured::{self, Level, Order, Reading};
-use super::{Part, ProfileChoice};
+use super::{FOLDER, Part, ProfileChoice};
 use crate::settings::{Entry, Section, SettingsError};
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
@@ -25,7 +25,7 @@ const COLUMNS: &str = "X,Y";
 const MM: f64 = super::drawing::MM;
 
 fn parse(section: &Section, part: Part) -> Result<ProfileChoice, SettingsError> {
-    let file = OpenFile::open(section)?;
+    let file = OpenFile::open(section, FOLDER)?;
     let reading = read(&file, part)?;
     measured::profile(section, part, file, reading)
 }

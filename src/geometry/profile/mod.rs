@@ -9,7 +9,6 @@ mod arc;
 mod cleaning;
 mod cone;
 mod drawing;
-mod file;
 mod measured;
 mod miniprof;
 mod outline;
@@ -21,8 +20,8 @@ mod simpack;
 #[cfg(test)]
 mod tests;
 
+use super::file::SceneFile;
 use crate::settings::{Entry, Section, SettingsError, choose};
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Value and first three derivatives of a profile at one coordinate.
@@ -74,7 +73,7 @@ pub enum Part {
 pub struct ProfileChoice {
     pub profile: Arc<dyn Profile>,
     /// File and its content, which an FMU must carry with it.
-    pub file: Option<ProfileFile>,
+    pub file: Option<SceneFile>,
     /// What the user should know about how the profile was read: assumed datums, points left out.
     pub notes: Vec<String>,
 }
@@ -86,14 +85,8 @@ impl ProfileChoice {
     }
 }
 
-/// A file that a scene refers to.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ProfileFile {
-    /// Dotted key in the scene that names the file.
-    pub key: String,
-    pub path: PathBuf,
-    pub content: Vec<u8>,
-}
+/// Folder of an FMU's resources in which profile files lie.
+const FOLDER: &str = "profiles";
 
 type Parse = fn(&Section, Part) -> Result<ProfileChoice, SettingsError>;
 

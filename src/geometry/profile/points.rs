@@ -5,10 +5,10 @@
 //! ... are passed over, so that `wheelrail profile -o` is read back. Points may come in any order. `#` starts a
 //! comment line.
 
+use super::super::file::OpenFile;
 use super::cleaning::Sample;
-use super::file::OpenFile;
 use super::measured::{self, Level, Order, Reading};
-use super::{Part, ProfileChoice};
+use super::{FOLDER, Part, ProfileChoice};
 use crate::settings::{Entry, Section, SettingsError};
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
@@ -19,7 +19,7 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 };
 
 fn parse(section: &Section, part: Part) -> Result<ProfileChoice, SettingsError> {
-    let file = OpenFile::open(section)?;
+    let file = OpenFile::open(section, FOLDER)?;
     let reading = read(&file, part)?;
     measured::profile(section, part, file, reading)
 }

@@ -11,11 +11,11 @@
 //!
 //! y grows outward; a wheel's y = 0 is its tread circle (`tread_circle` for files with another datum).
 
+use super::super::file::OpenFile;
 use super::cleaning::Sample;
-use super::file::OpenFile;
 use super::measured::{self, Level, Order, Reading};
 use super::miniprof::{check_part, numbers};
-use super::{Part, ProfileChoice};
+use super::{FOLDER, Part, ProfileChoice};
 use crate::settings::{Entry, Section, SettingsError};
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 const COLUMNS: &str = "y,z";
 
 fn parse(section: &Section, part: Part) -> Result<ProfileChoice, SettingsError> {
-    let file = OpenFile::open(section)?;
+    let file = OpenFile::open(section, FOLDER)?;
     let reading = read(&file, part)?;
     measured::profile(section, part, file, reading)
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::settings::Source;
 use proptest::prelude::*;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Calls `read` with the settings of `text`.
 pub(super) fn with_section<T>(text: &str, read: impl FnOnce(&Section) -> T) -> T {

@@ -5,73 +5,24 @@
 //! elsewhere.
 
 pub mod centre_line;
-mod cosine;
 mod curved;
+mod deviation;
 pub mod frame;
 pub mod gauge;
+pub mod irregularity;
 pub mod node;
 mod ramp;
 pub mod station;
 #[cfg(test)]
 mod tests;
 
+pub use deviation::{Deviation, DeviationShape, Direction, REGISTRY, parse_deviation};
+
 use super::Side;
 use super::profile::Profile;
-use crate::settings::{Entry, Section, SettingsError, choose};
 use centre_line::CentreLine;
 use nalgebra::Vector3;
 use std::sync::Arc;
-
-/// A displacement of a rail as a function of distance along the track.
-pub trait DeviationShape: Send + Sync + std::fmt::Debug {
-    /// Displacement [m] and its first three derivatives with respect to distance, at distance `s` [m].
-    fn at(&self, s: f64) -> [f64; 4];
-
-    /// Distances [m] where a derivative that the equations use jumps: steps end there.
-    fn breaks(&self) -> Vec<f64>;
-
-    fn describe(&self) -> String;
-}
-
-type Parse = fn(&Section) -> Result<Arc<dyn DeviationShape>, SettingsError>;
-
-/// Every deviation shape that a scene can name.
-pub static REGISTRY: &[Entry<Parse>] = &[cosine::ENTRY];
-
-/// In which direction a deviation moves the rail.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
-    /// Along Y of the track frame, to the left.
-    Lateral,
-    /// Along Z of the track frame, up.
-    Vertical,
-}
-
-/// One `[[track.deviation]]`.
-#[derive(Clone, Debug)]
-pub struct Deviation {
-    pub side: Side,
-    pub direction: Direction,
-    pub shape: Arc<dyn DeviationShape>,
-}
-
-/// Reads one `[[track.deviation]]`.
-///
-/// # Errors
-/// [`SettingsError`] with file and line.
-pub fn parse_deviation(section: Section) -> Result<Deviation, SettingsError> {
-    let side = match section.word("rail", &["left", "right"])? {
-        "left" => Side::Left,
-        _ => Side::Right,
-    };
-    let direction = match section.word("direction", &["lateral", "vertical"])? {
-        "lateral" => Direction::Lateral,
-        _ => Direction::Vertical,
-    };
-    let shape = (choose(REGISTRY, &section, "shape")?.parse)(&section)?;
-    section.finish()?;
-    Ok(Deviation { side, direction, shape })
-}
 
 /// Where a rail's section stands at some distance, with derivatives along the track.
 #[derive(Clone, Copy, Debug)]

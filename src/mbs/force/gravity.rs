@@ -21,13 +21,13 @@ impl ForceElement for Gravity {
     }
 
     #[inline]
-    fn apply(&self, _: &[BodyMotion], wrenches: &mut [Wrench]) {
+    fn apply(&self, _: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let weight = self.mass * self.acceleration;
         wrenches[self.body].force.x -= weight * self.grade.sin();
         wrenches[self.body].force.z -= weight * self.grade.cos();
     }
 
-    fn scalar_force(&self, _: &[BodyMotion]) -> Option<f64> {
+    fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
         None
     }
 
@@ -35,12 +35,12 @@ impl ForceElement for Gravity {
         Box::new(self.clone())
     }
 
-    fn potential_energy(&self, bodies: &[BodyMotion]) -> f64 {
+    fn potential_energy(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
         let position = &bodies[self.body].position;
         self.mass * self.acceleration * (position.x * self.grade.sin() + position.z * self.grade.cos())
     }
 
-    fn dissipated_power(&self, _: &[BodyMotion]) -> f64 {
+    fn dissipated_power(&self, _: &[BodyMotion], _: &[f64]) -> f64 {
         0.0
     }
 }

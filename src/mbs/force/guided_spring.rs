@@ -87,7 +87,7 @@ impl ForceElement for GuidedSpring {
     }
 
     #[inline]
-    fn apply(&self, bodies: &[BodyMotion], wrenches: &mut [Wrench]) {
+    fn apply(&self, bodies: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let body = &bodies[self.body];
         let (d, rate, point) = self.displacement(body);
         let force = -self.stiffness * d - self.damping * rate;
@@ -98,32 +98,28 @@ impl ForceElement for GuidedSpring {
         Some(self.output_number)
     }
 
-    fn scalar_force(&self, bodies: &[BodyMotion]) -> Option<f64> {
+    fn scalar_force(&self, bodies: &[BodyMotion], _: &[f64]) -> Option<f64> {
         let (d, rate, _) = self.displacement(&bodies[self.body]);
         Some(-self.stiffness * d - self.damping * rate)
     }
 
-    fn follows(&self) -> Option<usize> {
-        Some(self.body)
-    }
-
-    fn apply_on_track(&self, bodies: &[BodyMotion], stations: &[Station], wrenches: &mut [Wrench]) {
+    fn apply_on_track(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let body = &bodies[self.body];
         let (d, rate, point, axis) = self.displacement_on_track(body, &stations[self.body]);
         wrenches[self.body].add_at(axis * (-self.stiffness * d - self.damping * rate), &point, &body.position);
     }
 
-    fn scalar_force_on_track(&self, bodies: &[BodyMotion], stations: &[Station]) -> Option<f64> {
+    fn scalar_force_on_track(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64]) -> Option<f64> {
         let (d, rate, ..) = self.displacement_on_track(&bodies[self.body], &stations[self.body]);
         Some(-self.stiffness * d - self.damping * rate)
     }
 
-    fn potential_energy_on_track(&self, bodies: &[BodyMotion], stations: &[Station]) -> f64 {
+    fn potential_energy_on_track(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64]) -> f64 {
         let (d, ..) = self.displacement_on_track(&bodies[self.body], &stations[self.body]);
         0.5 * self.stiffness * d * d
     }
 
-    fn dissipated_power_on_track(&self, bodies: &[BodyMotion], stations: &[Station]) -> f64 {
+    fn dissipated_power_on_track(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64]) -> f64 {
         let (_, rate, ..) = self.displacement_on_track(&bodies[self.body], &stations[self.body]);
         self.damping * rate * rate
     }
@@ -132,12 +128,12 @@ impl ForceElement for GuidedSpring {
         Box::new(self.clone())
     }
 
-    fn potential_energy(&self, bodies: &[BodyMotion]) -> f64 {
+    fn potential_energy(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
         let (d, ..) = self.displacement(&bodies[self.body]);
         0.5 * self.stiffness * d * d
     }
 
-    fn dissipated_power(&self, bodies: &[BodyMotion]) -> f64 {
+    fn dissipated_power(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
         let (_, rate, _) = self.displacement(&bodies[self.body]);
         self.damping * rate * rate
     }

@@ -18,11 +18,11 @@ impl ForceElement for VerticalLoad {
     }
 
     #[inline]
-    fn apply(&self, _: &[BodyMotion], wrenches: &mut [Wrench]) {
+    fn apply(&self, _: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         wrenches[self.body].force.z -= self.force;
     }
 
-    fn scalar_force(&self, _: &[BodyMotion]) -> Option<f64> {
+    fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
         None
     }
 
@@ -30,11 +30,11 @@ impl ForceElement for VerticalLoad {
         Box::new(self.clone())
     }
 
-    fn potential_energy(&self, bodies: &[BodyMotion]) -> f64 {
+    fn potential_energy(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
         self.force * bodies[self.body].position.z
     }
 
-    fn dissipated_power(&self, _: &[BodyMotion]) -> f64 {
+    fn dissipated_power(&self, _: &[BodyMotion], _: &[f64]) -> f64 {
         0.0
     }
 }

@@ -1,20 +1,31 @@
-//! A profile file that a scene names with `file`, relative to the scene.
+//! A file that a scene names with `file`, relative to the scene: a profile, a measured irregularity.
 
-use super::ProfileFile;
 use crate::settings::{Section, SettingsError};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// An opened profile file.
+/// A file that a scene refers to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneFile {
+    /// Dotted key in the scene that names the file.
+    pub key: String,
+    pub path: PathBuf,
+    pub content: Vec<u8>,
+    /// Folder for files of its kind among an FMU's resources.
+    pub folder: &'static str,
+}
+
+/// An opened file.
 pub(super) struct OpenFile {
     /// Path for messages.
     pub path: String,
     pub text: String,
     /// What an FMU must carry.
-    pub kept: ProfileFile,
+    pub kept: SceneFile,
 }
 
 impl OpenFile {
-    pub(super) fn open(section: &Section) -> Result<Self, SettingsError> {
+    /// Opens what `section.file` names; an FMU keeps it in `keep_in`.
+    pub(super) fn open(section: &Section, keep_in: &'static str) -> Result<Self, SettingsError> {
         let name = section.text("file")?;
         let Some(folder) = &section.source().folder else {
             return Err(
@@ -25,7 +36,7 @@ impl OpenFile {
         let content = std::fs::read(&path).map_err(|error| section.error("file", format!("can't read \"{}\": {error}", path.display())))?;
         // Instruments write comments in whatever code page they like; numbers are ASCII in all of them.
         let text = String::from_utf8_lossy(&content).into_owned();
-        let kept = ProfileFile { key: section.full_key("file"), path: Path::new(&name).to_path_buf(), content };
+        let kept = SceneFile { key: section.full_key("file"), path: Path::new(&name).to_path_buf(), content, folder: keep_in };
         Ok(OpenFile { path: path.display().to_string(), text, kept })
     }
 

@@ -1,15 +1,25 @@
 //! One full cosine wave: `amplitude / 2 (1 - cos(2 pi (s - from) / (to - from)))` between two distances.
+//!
+//! It is the haversine, `amplitude hav(2 pi (s - from) / (to - from))`, of bumps and dips: one formula under both names,
+//! `cosine` as the paper's "sinusoidal gauge reduction" and `haversine` as bumps are usually called.
 
-use super::DeviationShape;
+use super::{DeviationShape, read_extent};
 use crate::settings::{Entry, Section, SettingsError};
-use crate::units::Dimension;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
     name: "cosine",
     summary: "rises to `amplitude` and returns, A/2 (1 - cos), between the distances `from` and `to`",
     reference: "paper, section 3.4 (sinusoidal gauge reduction)",
+    parse,
+};
+
+/// The same shape under its other name.
+pub(super) const HAVERSINE: Entry<super::Parse> = Entry {
+    name: "haversine",
+    summary: "the same as `cosine`, the usual name for a bump or dip",
+    reference: "paper, section 5 (bumps of Fig. 17)",
     parse,
 };
 
@@ -46,20 +56,9 @@ impl DeviationShape for CosineBump {
     }
 }
 
-/// Slope of a rail, -, beyond which one point of contact per wheel makes no sense.
-const STEEPEST: f64 = 0.5;
-
 fn parse(section: &Section) -> Result<Arc<dyn DeviationShape>, SettingsError> {
-    let amplitude = section.number("amplitude", Dimension::Length)?;
-    let from = section.number("from", Dimension::Length)?;
-    let to = section.number("to", Dimension::Length)?;
-    if to <= from {
-        return Err(section.error("to", format!("found {to}, expected more than from = {from}")));
-    }
-    let steepest = std::f64::consts::PI * amplitude.abs() / (to - from);
-    if steepest > STEEPEST {
-        return Err(section.error("to", format!("the rail would run {steepest:.2} m aside per metre; expected at most {STEEPEST}")));
-    }
+    // The steepest slope is pi A / L, a quarter from each end.
+    let [amplitude, from, to] = read_extent(section, PI)?;
     Ok(Arc::new(CosineBump { amplitude, from, to }))
 }
 

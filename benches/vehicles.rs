@@ -1,0 +1,108 @@
+//! Cost of vehicles and trains: steady state, right-hand side, simulated time against accuracy.
+//!
+//! `cargo bench --bench vehicles` prints tables. Times depend on the machine; nothing here is asserted.
+
+use std::fmt::Write;
+use std::hint::black_box;
+use std::time::Instant;
+use wheelrail::formulation::Evaluation;
+use wheelrail::scene::load;
+use wheelrail::scene::spec::Scene;
+use wheelrail::settings::Source;
+use wheelrail::sim::Simulation;
+
+fn open(name: &str, changes: &[&str]) -> Scene {
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+    load::open(name, &changes).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A train of so many coaches on the scene `vehicle_manchester_1`.
+fn train(coaches: usize) -> Scene {
+    let embedded = wheelrail::scene::embedded::find("vehicle_manchester_1").map_or("", |scene| scene.text);
+    let mut places = String::from("[vehicle.module.coach]\ntemplate = \"vehicle_manchester_1\"\n");
+    for coach in 1..=coaches {
+        let x = -26.0 * (coach - 1) as f64;
+        let _ = write!(places, "[[vehicle.place]]\nname = \"coach[{coach}]\"\nmodule = \"coach\"\nposition = [{x:?}, 0, 0]\n");
+        if coach < coaches {
+            let ends =
+                [(coach, x - 12.5), (coach + 1, x - 13.5)].map(|(c, x)| format!("{{ body = \"coach[{c}].car\", at = [{x:?}, 0, 1] }}"));
+            let _ = write!(
+                places,
+                "[[vehicle.force]]\nname = \"coupler[{coach}]\"\nkind = \"coupler\"\nfrom = {}\nto = {}\ndraw_stiffness = 5e6\nbuffer_stiffness = 1e7\n",
+                ends[0], ends[1]
+            );
+        }
+    }
+    let text = embedded.replace("template = \"vehicle_manchester_1\"", "template = \"free\"").replacen(
+        "\n[track]\n",
+        &format!("\n{places}\n[track]\n"),
+        1,
+    );
+    let source = Source { file: "train.toml".into(), text, overridden: vec![], folder: None };
+    load::read("train", source, &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn start(scene: &Scene) -> (Simulation, f64) {
+    let clock = Instant::now();
+    let simulation = Simulation::new(scene, 0.0).unwrap_or_else(|error| panic!("{error}"));
+    (simulation, clock.elapsed().as_secs_f64())
+}
+
+/// Best of several rounds, s.
+fn right_hand_side(simulation: &mut Simulation) -> f64 {
+    const CALLS: u32 = 200;
+    let snapshot = simulation.snapshot().unwrap_or_else(|error| panic!("{error}")).clone();
+    let model = simulation.model();
+    let mut workspace = model.workspace();
+    let (mut memory, mut dy, mut y) = (snapshot.memory().to_vec(), snapshot.dy.clone(), snapshot.y.clone());
+    let mut best = f64::INFINITY;
+    for _ in 0..10 {
+        let clock = Instant::now();
+        for call in 0..CALLS {
+            // As far off as it is from stage to stage of a step.
+            y[1] = snapshot.y[1] + if call % 2 == 0 { 1e-6 } else { 0.0 };
+            let at = Evaluation { t: 0.0, inputs: snapshot.inputs(), y: black_box(&y), memory: &mut memory };
+            model.derivative(&mut workspace, at, &mut dy).unwrap_or_else(|error| panic!("{error}"));
+        }
+        best = best.min(clock.elapsed().as_secs_f64() / f64::from(CALLS));
+    }
+    best
+}
+
+/// Lateral displacement of all wheelsets every 20 ms over 3 s, and the cost, s per simulated second.
+fn motion(scene: &Scene) -> (Vec<f64>, f64) {
+    let (mut simulation, _) = start(scene);
+    let wheelsets = simulation.model().wheelsets.len();
+    let mut found = Vec::new();
+    let clock = Instant::now();
+    for i in 1..=150 {
+        simulation.advance(0.02 * f64::from(i)).unwrap_or_else(|error| panic!("{error}"));
+        let y = &simulation.snapshot().unwrap_or_else(|error| panic!("{error}")).y;
+        found.extend((0..wheelsets).map(|wheelset| y[6 * wheelset + 1]));
+    }
+    (found, clock.elapsed().as_secs_f64() / 3.0)
+}
+
+fn main() {
+    for name in ["bogie", "vehicle_manchester_1", "vehicle_equalised"] {
+        let (mut simulation, started) = start(&open(name, &[]));
+        println!("{name}: start {:.1} ms, right-hand side {:.2} us", 1e3 * started, 1e6 * right_hand_side(&mut simulation));
+        let (reference, _) = motion(&open(name, &["solver.tolerance=1e-10"]));
+        for changes in [
+            ["solver.integrator=dormand_prince", "solver.tolerance=1e-5"],
+            ["solver.integrator=dormand_prince", "solver.tolerance=1e-6"],
+            ["solver.integrator=dormand_prince", "solver.tolerance=1e-7"],
+            ["solver.integrator=rk43", "solver.tolerance=1e-6"],
+            ["solver.integrator=rk43", "solver.tolerance=1e-7"],
+        ] {
+            let (found, cost) = motion(&open(name, &changes));
+            let error = found.iter().zip(&reference).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            println!("  {:60} error of y {error:.1e} m, {:5.1} times real time", changes.join(" "), 1.0 / cost);
+        }
+    }
+    for coaches in [1, 2, 4, 8, 16] {
+        let (mut simulation, started) = start(&train(coaches));
+        let cost = right_hand_side(&mut simulation) / coaches as f64;
+        println!("train of {coaches:2}: start {:7.1} ms, right-hand side {:.2} us per coach", 1e3 * started, 1e6 * cost);
+    }
+}

@@ -1,0 +1,107 @@
+//! Anti-roll bar: a moment about the x axis of `from` against the roll of `to` in it, and nothing else.
+//!
+//! The roll is the x component of the rotation vector t of `to` in `from` ([`super::orientation`]). With
+//! `V = k t_x^2 / 2` the couple on `from` is `m = G^T (k t_x, 0, 0) + (c w_x, 0, 0)`, on `to` -m, so that the element is
+//! conservative at all angles; with yaw or pitch of the order e between the bodies its y and z parts are e/2 of it.
+//! The places of `from` and `to` on their bodies do not matter.
+
+use super::attachment::Attachment;
+use super::line::ends;
+use super::orientation::{rotation_vector, transposed_rate_map};
+use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
+use crate::mbs::body::{BodyMotion, Wrench};
+use crate::settings::{Entry, Section, SettingsError};
+use crate::units::Dimension;
+use nalgebra::Vector3;
+
+/// A torsion bar between two bodies.
+#[derive(Clone, Debug)]
+pub struct AntiRollBar {
+    pub name: String,
+    pub from: Attachment,
+    pub to: Attachment,
+    /// k, N m/rad.
+    pub stiffness: f64,
+    /// c, N m s/rad.
+    pub damping: f64,
+}
+
+const QUANTITIES: [Quantity; 2] = [
+    Quantity {
+        name: "moment",
+        kind: QuantityKind::Moment,
+        description: "moment of the anti-roll bar on its first body, about that body's x axis",
+    },
+    Quantity { name: "angle", kind: QuantityKind::Angle, description: "roll of the second body in the first" },
+];
+
+impl AntiRollBar {
+    /// t [rad] and w_x [rad/s].
+    #[inline]
+    fn turn(&self, bodies: &[BodyMotion]) -> (Vector3<f64>, f64) {
+        let axes = self.from.axes(bodies);
+        let relative = self.to.rotation(bodies) - self.from.rotation(bodies);
+        (rotation_vector(&axes.tr_mul(&self.to.axes(bodies))), axes.column(0).dot(&relative))
+    }
+
+    /// m, in the axes of `from`, N m.
+    #[inline]
+    fn couple(&self, bodies: &[BodyMotion]) -> Vector3<f64> {
+        let (turn, rate) = self.turn(bodies);
+        let mut couple = transposed_rate_map(&turn, &Vector3::new(self.stiffness * turn.x, 0.0, 0.0));
+        couple.x += self.damping * rate;
+        couple
+    }
+}
+
+impl ForceElement for AntiRollBar {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    #[inline]
+    fn apply(&self, bodies: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
+        let couple = self.from.axes(bodies) * self.couple(bodies);
+        for (end, couple) in [(&self.from, couple), (&self.to, -couple)] {
+            end.load(bodies, wrenches, &Vector3::zeros(), &Vector3::zeros(), &couple);
+        }
+    }
+
+    fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
+        None
+    }
+
+    fn quantities(&self) -> &'static [Quantity] {
+        &QUANTITIES
+    }
+
+    fn quantity(&self, index: usize, bodies: &[BodyMotion], _: &[f64]) -> f64 {
+        match index {
+            0 => self.couple(bodies).x,
+            1 => self.turn(bodies).0.x,
+            _ => 0.0,
+        }
+    }
+
+    fn clone_box(&self) -> Box<dyn ForceElement> {
+        Box::new(self.clone())
+    }
+
+    fn potential_energy(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
+        0.5 * self.stiffness * self.turn(bodies).0.x.powi(2)
+    }
+
+    fn dissipated_power(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
+        self.damping * self.turn(bodies).1.powi(2)
+    }
+}
+
+fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
+    let (from, to) = ends(section, places)?;
+    let damping = if section.has("damping") { section.not_negative("damping", Dimension::RotationalDamping)? } else { 0.0 };
+    let stiffness = section.positive("stiffness", Dimension::RotationalStiffness)?;
+    Ok(Box::new(AntiRollBar { name: places.name(section)?, from, to, stiffness, damping }))
+}
+
+pub(super) const ENTRY: Entry<Parse> =
+    Entry { name: "anti_roll_bar", summary: "moment about the x axis of \"from\" against the roll of \"to\" in it", reference: "", parse };

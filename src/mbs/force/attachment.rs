@@ -1,0 +1,110 @@
+//! Where a force element holds on to a body or to the world.
+//!
+//! On a body of revolution an attachment sits in the axle frame `Rz Rx`, on a box that the axle spins in. The
+//! bearing hands no moment about the axle to it, while the box is taken to keep its frame upright; so of a moment M
+//! on the box with the part m about the axle, the wheelset gets `M - m (y - z tan(roll))` in axle axes: the same
+//! power at every motion of the frame and none at spin, so that the energy bill is exact. What holds the box upright
+//! is not modelled: the moment m is missing in the balance of angular momentum. It is zero when the force passes
+//! through the axle, so an element between a wheelset and a frame should start at the frame (`from`) and end on the
+//! axle's line (`to`), where all forces act.
+
+use crate::mbs::body::{BodyMotion, Wrench};
+use crate::settings::{Section, SettingsError};
+use nalgebra::{Matrix3, Vector3};
+
+/// A point of a body, or of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attachment {
+    /// `None`: the world.
+    pub body: Option<usize>,
+    /// In the body's attachment axes (see [`BodyMotion::frame`]) from its centre of mass, or in the world's axes, m.
+    pub local: Vector3<f64>,
+}
+
+/// Resolves the places that a scene names.
+pub trait Places {
+    /// Reads the place at `key` (`from`, `to`) of an element's section.
+    ///
+    /// # Errors
+    /// The key is absent or names no place.
+    fn attachment(&self, section: &Section, key: &'static str) -> Result<Attachment, SettingsError>;
+
+    /// From one place to another in the design configuration, world axes, m.
+    fn design_vector(&self, from: &Attachment, to: &Attachment) -> Vector3<f64>;
+
+    /// The element's name; a place that builds one section several times tells the copies apart here.
+    ///
+    /// # Errors
+    /// The section has no name.
+    fn name(&self, section: &Section) -> Result<String, SettingsError> {
+        section.text("name")
+    }
+
+    /// -1 for the mirrored copy of an element (its places have the opposite y), else 1. Elements that act along a
+    /// body's y axis count it in the mirrored direction then, and their lateral preloads too.
+    fn mirror(&self) -> f64 {
+        1.0
+    }
+}
+
+impl Attachment {
+    /// On a body, at a point in its attachment axes, m.
+    pub fn on(body: usize, local: Vector3<f64>) -> Self {
+        Attachment { body: Some(body), local }
+    }
+
+    /// A fixed point of the world, m.
+    pub fn world(local: Vector3<f64>) -> Self {
+        Attachment { body: None, local }
+    }
+
+    /// World position, m.
+    #[inline]
+    pub fn point(&self, bodies: &[BodyMotion]) -> Vector3<f64> {
+        self.body.map_or(self.local, |body| bodies[body].attachment_point(&self.local))
+    }
+
+    /// Velocity at `point` [m, world] of the frame that the attachment sits in, m/s.
+    #[inline]
+    pub fn velocity(&self, bodies: &[BodyMotion], point: &Vector3<f64>) -> Vector3<f64> {
+        self.body.map_or_else(Vector3::zeros, |body| bodies[body].attachment_velocity(point))
+    }
+
+    /// Axes of the frame that the attachment sits in.
+    #[inline]
+    pub fn axes(&self, bodies: &[BodyMotion]) -> Matrix3<f64> {
+        self.body.map_or_else(Matrix3::identity, |body| bodies[body].frame.axes)
+    }
+
+    /// Angular velocity of these axes, rad/s.
+    #[inline]
+    pub fn rotation(&self, bodies: &[BodyMotion]) -> Vector3<f64> {
+        self.body.map_or_else(Vector3::zeros, |body| bodies[body].frame_rotation)
+    }
+
+    /// Loads the body with a force [N] at `point` [m] and a couple [N m], all in world axes.
+    #[inline]
+    pub fn load(&self, bodies: &[BodyMotion], wrenches: &mut [Wrench], force: &Vector3<f64>, point: &Vector3<f64>, couple: &Vector3<f64>) {
+        let Some(body) = self.body else { return };
+        let motion = &bodies[body];
+        let mut moment = (point - motion.position).cross(force) + couple;
+        if motion.turn.is_none() {
+            let frame = &motion.frame;
+            let about_axle = frame.axes.column(1).dot(&moment);
+            moment -= (frame.axes.column(1) - frame.axes.column(2) * (frame.sin_roll / frame.cos_roll)) * about_axle;
+        }
+        wrenches[body] += Wrench { force: *force, moment };
+    }
+}
+
+/// Index of a body axis and its unit vector, from `axis = "x" | "y" | "z"`; y is mirrored in mirrored copies.
+pub(super) fn axis(section: &Section, places: &dyn Places, key: &'static str) -> Result<Vector3<f64>, SettingsError> {
+    Ok(match section.word(key, &["x", "y", "z", "-x", "-y", "-z"])? {
+        "x" => Vector3::x(),
+        "y" => Vector3::y() * places.mirror(),
+        "z" => Vector3::z(),
+        "-x" => -Vector3::x(),
+        "-y" => Vector3::y() * -places.mirror(),
+        _ => -Vector3::z(),
+    })
+}

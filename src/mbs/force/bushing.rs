@@ -1,0 +1,193 @@
+//! Bushing: three translational and three rotational springs and dampers in the axes of the `from` body.
+//!
+//! With A the axes of `from`, a and p the places on `from` and `to`, o the angular velocity of `from`, and t the
+//! rotation vector of the `to` body's axes in A ([`super::orientation`], with the map G):
+//!
+//! ```text
+//! d = A^T (p - a) - d0,     d' = A^T (p' - a' - o x (p - a)),     w = A^T (o_to - o)
+//! f = f0 + k d + c d'       force A f on `from` and -A f on `to`, both at p
+//! m = G^T K t + C w         couple A m on `from` and -A m on `to`
+//! ```
+//!
+//! The power of all four is `-f . d' - m . w`, and `dV/dt = (f0 + k d) . d' + K t . t'` is just its conservative part,
+//! so nothing is lost or gained at large angles. f0 is the preload, the force in the design configuration; its sign
+//! is that of a tension along the positive axis.
+
+use super::attachment::Attachment;
+use super::line::ends;
+use super::orientation::{rotation_vector, transposed_rate_map};
+use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
+use crate::mbs::body::{BodyMotion, Wrench};
+use crate::settings::{Entry, Section, SettingsError};
+use crate::units::Dimension;
+use nalgebra::Vector3;
+
+/// Six springs and dampers between two places; all vectors in the attachment axes of `from`.
+#[derive(Clone, Debug)]
+pub struct Bushing {
+    pub name: String,
+    pub from: Attachment,
+    pub to: Attachment,
+    /// d0, m.
+    pub design_vector: Vector3<f64>,
+    /// f0, N.
+    pub preload: Vector3<f64>,
+    /// k, N/m, and c, N s/m.
+    pub stiffness: Vector3<f64>,
+    pub damping: Vector3<f64>,
+    /// K, N m/rad, and C, N m s/rad.
+    pub rotational_stiffness: Vector3<f64>,
+    pub rotational_damping: Vector3<f64>,
+}
+
+/// A bushing at one instant, in the axes of `from`.
+struct Deflection {
+    /// d, m; d', m/s; t, rad; w, rad/s.
+    displacement: Vector3<f64>,
+    rate: Vector3<f64>,
+    turn: Vector3<f64>,
+    turn_rate: Vector3<f64>,
+}
+
+impl Bushing {
+    #[inline]
+    fn deflection(&self, bodies: &[BodyMotion], point: &Vector3<f64>) -> Deflection {
+        let axes = self.from.axes(bodies);
+        let relative = self.to.velocity(bodies, point) - self.from.velocity(bodies, point);
+        let mut deflection = Deflection {
+            displacement: axes.tr_mul(&(point - self.from.point(bodies))) - self.design_vector,
+            rate: axes.tr_mul(&relative),
+            turn: Vector3::zeros(),
+            turn_rate: Vector3::zeros(),
+        };
+        if self.turns() {
+            deflection.turn = rotation_vector(&axes.tr_mul(&self.to.axes(bodies)));
+            deflection.turn_rate = axes.tr_mul(&(self.to.rotation(bodies) - self.from.rotation(bodies)));
+        }
+        deflection
+    }
+
+    /// Does it resist rotation?
+    fn turns(&self) -> bool {
+        self.rotational_stiffness != Vector3::zeros() || self.rotational_damping != Vector3::zeros()
+    }
+
+    fn force(&self, at: &Deflection) -> Vector3<f64> {
+        self.preload + self.stiffness.component_mul(&at.displacement) + self.damping.component_mul(&at.rate)
+    }
+
+    fn couple(&self, at: &Deflection) -> Vector3<f64> {
+        transposed_rate_map(&at.turn, &self.rotational_stiffness.component_mul(&at.turn))
+            + self.rotational_damping.component_mul(&at.turn_rate)
+    }
+}
+
+const fn quantity(name: &'static str, kind: QuantityKind, description: &'static str) -> Quantity {
+    Quantity { name, kind, description }
+}
+
+const FORCE: &str = "force of the bushing along an axis of its first body, tension positive";
+const MOMENT: &str = "moment of the bushing on its first body about one of that body's axes";
+const DISPLACEMENT: &str = "displacement of the second body's place along an axis of the first body, from the design configuration";
+const ANGLE: &str = "rotation of the second body about an axis of the first (component of the rotation vector)";
+const QUANTITIES: [Quantity; 12] = [
+    quantity("forceX", QuantityKind::Force, FORCE),
+    quantity("forceY", QuantityKind::Force, FORCE),
+    quantity("forceZ", QuantityKind::Force, FORCE),
+    quantity("momentX", QuantityKind::Moment, MOMENT),
+    quantity("momentY", QuantityKind::Moment, MOMENT),
+    quantity("momentZ", QuantityKind::Moment, MOMENT),
+    quantity("displacementX", QuantityKind::Displacement, DISPLACEMENT),
+    quantity("displacementY", QuantityKind::Displacement, DISPLACEMENT),
+    quantity("displacementZ", QuantityKind::Displacement, DISPLACEMENT),
+    quantity("angleX", QuantityKind::Angle, ANGLE),
+    quantity("angleY", QuantityKind::Angle, ANGLE),
+    quantity("angleZ", QuantityKind::Angle, ANGLE),
+];
+
+impl ForceElement for Bushing {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    #[inline]
+    fn apply(&self, bodies: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
+        let point = self.to.point(bodies);
+        let at = self.deflection(bodies, &point);
+        let axes = self.from.axes(bodies);
+        let force = axes * self.force(&at);
+        let couple = if self.turns() { axes * self.couple(&at) } else { Vector3::zeros() };
+        self.from.load(bodies, wrenches, &force, &point, &couple);
+        self.to.load(bodies, wrenches, &-force, &point, &-couple);
+    }
+
+    fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
+        None
+    }
+
+    fn quantities(&self) -> &'static [Quantity] {
+        &QUANTITIES
+    }
+
+    fn quantity(&self, index: usize, bodies: &[BodyMotion], _: &[f64]) -> f64 {
+        let at = self.deflection(bodies, &self.to.point(bodies));
+        let vector = match index / 3 {
+            0 => self.force(&at),
+            1 => self.couple(&at),
+            2 => at.displacement,
+            3 => at.turn,
+            _ => Vector3::zeros(),
+        };
+        vector[index % 3]
+    }
+
+    fn clone_box(&self) -> Box<dyn ForceElement> {
+        Box::new(self.clone())
+    }
+
+    fn potential_energy(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
+        let at = self.deflection(bodies, &self.to.point(bodies));
+        let spring = |k: &Vector3<f64>, x: &Vector3<f64>| 0.5 * k.component_mul(x).dot(x);
+        self.preload.dot(&at.displacement) + spring(&self.stiffness, &at.displacement) + spring(&self.rotational_stiffness, &at.turn)
+    }
+
+    fn dissipated_power(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
+        let at = self.deflection(bodies, &self.to.point(bodies));
+        self.damping.component_mul(&at.rate).dot(&at.rate) + self.rotational_damping.component_mul(&at.turn_rate).dot(&at.turn_rate)
+    }
+}
+
+fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
+    let (from, to) = ends(section, places)?;
+    let constants = |key: &'static str, dimension| -> Result<Vector3<f64>, SettingsError> {
+        let values = section.triple_or(key, dimension, [0.0; 3])?;
+        if values.iter().any(|value| *value < 0.0) {
+            return Err(section.error(key, "must not be negative"));
+        }
+        Ok(values.into())
+    };
+    let mut preload = Vector3::from(section.triple_or("preload", Dimension::Force, [0.0; 3])?);
+    preload.y *= places.mirror();
+    let bushing = Bushing {
+        name: places.name(section)?,
+        from,
+        to,
+        design_vector: places.design_vector(&from, &to),
+        preload,
+        stiffness: constants("stiffness", Dimension::Stiffness)?,
+        damping: constants("damping", Dimension::Damping)?,
+        rotational_stiffness: constants("rotational_stiffness", Dimension::RotationalStiffness)?,
+        rotational_damping: constants("rotational_damping", Dimension::RotationalDamping)?,
+    };
+    if bushing.stiffness == Vector3::zeros() && bushing.damping == Vector3::zeros() && !bushing.turns() {
+        return Err(section.error("stiffness", "a bushing needs a stiffness or damping: three numbers, for x, y and z"));
+    }
+    Ok(Box::new(bushing))
+}
+
+pub(super) const ENTRY: Entry<Parse> = Entry {
+    name: "bushing",
+    summary: "springs and dampers for three displacements and three rotations, in the axes of \"from\"",
+    reference: "",
+    parse,
+};

@@ -1,0 +1,235 @@
+//! Dry friction with a spring before slip: side bearers, wedges, centre plates, leaf springs.
+//!
+//! Friction acts along one axis of `from`, or in the plane across a `normal` axis of it. The state z [m] (one number
+//! or two, in the axes of `from`) is the deflection of a spring k that carries the friction force; with the relative
+//! speed v of the places in these axes, e = z/|z|, and the limit `mu N`:
+//!
+//! ```text
+//! F = k z,   z_c = mu N / k
+//! z' = v - min(1, |z|/z_c)^p max(0, v . e) e - max(0, |z| - z_c)/tau e
+//! ```
+//!
+//! The spring follows the motion until it nears the limit, then the part of v along z slips: for steady motion from
+//! z = 0 with p = 2, `F = mu N tanh(k x / (mu N))`. A turn back is elastic, so a body at rest stays at rest under any
+//! force below the limit: there is no creep as with a viscous regularisation. |z| never passes a constant z_c; the last
+//! term lets go within tau where N falls. The power `F . (v - z')` of both slip terms is heat, never negative.
+//!
+//! What the regularisation costs: displacement of z_c before slip (1 mm for 10 kN and 10 MN/m); slip a little before
+//! the limit (loss below it falls as (F/(mu N))^p); oscillations of the mass m on the stuck spring, sqrt(k/m), which an
+//! explicit integrator must follow; F may pass mu N for a time tau after N has fallen.
+//!
+//! N is constant, or that of a normal spring: `N = max(0, N0 - k_n n . d)` with the displacement d of `to`, pressing
+//! `to` away along the axis n. Without a normal spring the element bears no normal force: another element does.
+
+use super::attachment::{Attachment, axis};
+use super::line::ends;
+use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
+use crate::mbs::body::{BodyMotion, Wrench};
+use crate::settings::{Entry, Section, SettingsError};
+use crate::units::Dimension;
+use nalgebra::{Vector2, Vector3};
+
+/// A surface pair with dry friction; all axes in the attachment axes of `from`.
+#[derive(Clone, Debug)]
+pub struct DryFriction {
+    pub name: String,
+    pub from: Attachment,
+    pub to: Attachment,
+    /// From place to place in the design configuration, m.
+    pub design_vector: Vector3<f64>,
+    /// One or two unit vectors across each other, along which the places slip.
+    pub slip_axes: Vec<Vector3<f64>>,
+    /// n, from `from` to `to`; zero without a normal spring.
+    pub normal: Vector3<f64>,
+    /// mu.
+    pub friction: f64,
+    /// N0, N, and k_n, N/m.
+    pub normal_force: f64,
+    pub normal_stiffness: f64,
+    /// k, N/m.
+    pub stiffness: f64,
+    /// p.
+    pub exponent: i32,
+    /// tau, s.
+    pub relaxation: f64,
+}
+
+/// The pair at one instant.
+struct Pair {
+    point: Vector3<f64>,
+    /// v, m/s, and N, N.
+    speed: Vector2<f64>,
+    normal_force: f64,
+}
+
+impl DryFriction {
+    #[inline]
+    fn pair(&self, bodies: &[BodyMotion]) -> Pair {
+        let point = self.to.point(bodies);
+        let axes = self.from.axes(bodies);
+        let rate = axes.tr_mul(&(self.to.velocity(bodies, &point) - self.from.velocity(bodies, &point)));
+        let mut speed = Vector2::zeros();
+        for (speed, axis) in speed.iter_mut().zip(&self.slip_axes) {
+            *speed = axis.dot(&rate);
+        }
+        let mut normal_force = self.normal_force;
+        if self.normal_stiffness > 0.0 {
+            let displacement = axes.tr_mul(&(point - self.from.point(bodies))) - self.design_vector;
+            normal_force = (normal_force - self.normal_stiffness * self.normal.dot(&displacement)).max(0.0);
+        }
+        Pair { point, speed, normal_force }
+    }
+
+    #[inline]
+    fn deflection(&self, state: &[f64]) -> Vector2<f64> {
+        Vector2::new(state[0], state.get(1).copied().unwrap_or(0.0))
+    }
+
+    /// v - z', m/s, along e.
+    #[inline]
+    fn slip(&self, pair: &Pair, z: &Vector2<f64>) -> Vector2<f64> {
+        let length = z.norm();
+        if length == 0.0 {
+            return Vector2::zeros();
+        }
+        let most = self.friction * pair.normal_force / self.stiffness;
+        let along = z / length;
+        let nearness = if length < most { (length / most).powi(self.exponent) } else { 1.0 };
+        along * (nearness * pair.speed.dot(&along).max(0.0) + (length - most).max(0.0) / self.relaxation)
+    }
+}
+
+const QUANTITIES: [Quantity; 3] = [
+    Quantity {
+        name: "frictionForce1",
+        kind: QuantityKind::Force,
+        description: "friction force along the first slip axis, tension positive",
+    },
+    Quantity {
+        name: "frictionForce2",
+        kind: QuantityKind::Force,
+        description: "friction force along the second slip axis, tension positive",
+    },
+    Quantity { name: "normalForce", kind: QuantityKind::Force, description: "normal force of the friction surfaces, pressing positive" },
+];
+
+impl ForceElement for DryFriction {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn states(&self) -> usize {
+        self.slip_axes.len()
+    }
+
+    /// Without friction force: what a state at rest carries depends on how it came to rest.
+    fn settle(&self, _: &[BodyMotion], state: &mut [f64]) {
+        state.fill(0.0);
+    }
+
+    #[inline]
+    fn apply(&self, bodies: &[BodyMotion], state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
+        let pair = self.pair(bodies);
+        let z = self.deflection(state);
+        let rate = pair.speed - self.slip(&pair, &z);
+        rates.copy_from_slice(&rate.as_slice()[..rates.len()]);
+        let mut force = Vector3::zeros();
+        for (axis, z) in self.slip_axes.iter().zip(&z) {
+            force += axis * (self.stiffness * z);
+        }
+        if self.normal_stiffness > 0.0 {
+            force -= self.normal * pair.normal_force;
+        }
+        let force = self.from.axes(bodies) * force;
+        self.from.load(bodies, wrenches, &force, &pair.point, &Vector3::zeros());
+        self.to.load(bodies, wrenches, &-force, &pair.point, &Vector3::zeros());
+    }
+
+    fn scalar_force(&self, _: &[BodyMotion], state: &[f64]) -> Option<f64> {
+        (state.len() == 1).then(|| self.stiffness * state[0])
+    }
+
+    fn quantities(&self) -> &'static [Quantity] {
+        &QUANTITIES
+    }
+
+    fn quantity(&self, index: usize, bodies: &[BodyMotion], state: &[f64]) -> f64 {
+        match index {
+            0 | 1 => self.stiffness * self.deflection(state)[index],
+            2 => self.pair(bodies).normal_force,
+            _ => 0.0,
+        }
+    }
+
+    fn clone_box(&self) -> Box<dyn ForceElement> {
+        Box::new(self.clone())
+    }
+
+    fn potential_energy(&self, bodies: &[BodyMotion], state: &[f64]) -> f64 {
+        let normal = if self.normal_stiffness > 0.0 { self.pair(bodies).normal_force.powi(2) / self.normal_stiffness } else { 0.0 };
+        0.5 * (self.stiffness * self.deflection(state).norm_squared() + normal)
+    }
+
+    fn dissipated_power(&self, bodies: &[BodyMotion], state: &[f64]) -> f64 {
+        let z = self.deflection(state);
+        self.stiffness * z.dot(&self.slip(&self.pair(bodies), &z))
+    }
+}
+
+/// The default tau, s.
+const RELAXATION: f64 = 2e-3;
+
+fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
+    let (from, to) = ends(section, places)?;
+    let optional_axis = |key| if section.has(key) { axis(section, places, key).map(Some) } else { Ok(None) };
+    let normal = optional_axis("normal")?;
+    let slip_axes = match (optional_axis("axis")?, normal) {
+        (Some(axis), Some(normal)) if axis.dot(&normal) != 0.0 => {
+            return Err(section.error("normal", "is the axis of slip; it must stand across it"));
+        }
+        (Some(axis), _) => vec![axis],
+        (None, Some(normal)) => {
+            let all = [Vector3::x(), Vector3::y() * places.mirror(), Vector3::z()];
+            all.into_iter().filter(|axis| axis.dot(&normal) == 0.0).collect()
+        }
+        (None, None) => return Err(section.error("axis", "give the axis of slip, or the \"normal\" axis across which all slip is free")),
+    };
+    let (friction, normal_force) = if section.has("limit") {
+        if section.has("friction") || section.has("normal_force") {
+            return Err(section.error("limit", "is \"friction\" times \"normal_force\"; give either it or them"));
+        }
+        (1.0, section.positive("limit", Dimension::Force)?)
+    } else {
+        (section.positive("friction", Dimension::None)?, section.not_negative("normal_force", Dimension::Force)?)
+    };
+    let normal_stiffness = section.optional("normal_stiffness", Dimension::Stiffness)?;
+    if normal_stiffness.is_some() && (normal.is_none() || section.has("limit")) {
+        return Err(section.error("normal_stiffness", "needs the \"normal\" axis, \"friction\" and \"normal_force\""));
+    }
+    let exponent = section.number_or("exponent", Dimension::None, 2.0)?;
+    if !(1.0..=64.0).contains(&exponent) || exponent.fract() != 0.0 {
+        return Err(section.error("exponent", format!("found {exponent:?}, expected a whole number from 1 to 64")));
+    }
+    let positive_or = |key, default| if section.has(key) { section.positive(key, Dimension::Time) } else { Ok(default) };
+    Ok(Box::new(DryFriction {
+        name: places.name(section)?,
+        from,
+        to,
+        design_vector: places.design_vector(&from, &to),
+        slip_axes,
+        normal: normal.unwrap_or_else(Vector3::zeros),
+        friction,
+        normal_force,
+        normal_stiffness: if normal_stiffness.is_some() { section.positive("normal_stiffness", Dimension::Stiffness)? } else { 0.0 },
+        stiffness: section.positive("stiffness", Dimension::Stiffness)?,
+        exponent: exponent as i32,
+        relaxation: positive_or("relaxation", RELAXATION)?,
+    }))
+}
+
+pub(super) const ENTRY: Entry<Parse> = Entry {
+    name: "dry_friction",
+    summary: "dry friction along an axis of \"from\" or across a normal, with a spring before slip",
+    reference: "P. R. Dahl, The Aerospace Corporation, TOR-0158(3107-18)-1 (1968), with elastic return",
+    parse,
+};

@@ -1,0 +1,212 @@
+//! Elements that act along one line: the kinematics of the line, and what makes an element of a scalar law.
+//!
+//! Direction, either along the connecting line of the two places, or along an axis that is fixed in the body of
+//! `from`. With the point p of `to`, the point a of `from`, and the velocities of the two bodies there, where o is
+//! the angular velocity of `from`:
+//!
+//! ```text
+//! line:  L = |p - a|,   e = (p - a) / L
+//! axis:  L = e . (p - a),   e fixed in `from`
+//! both:  L' = e . (p' - a' - o x (p - a))
+//! ```
+//!
+//! because e' = o x e for the axis, and o x (p - a) stands across the line for the line. The force T e acts on
+//! `from` and -T e on `to`, both at p: equal and opposite on one line, and its power is -T L'.
+//! Displacement x = L - L0 where L0 is the length in the design configuration, tension positive.
+
+use super::attachment::{Attachment, Places, axis};
+use super::{ForceElement, Quantity, QuantityKind};
+use crate::mbs::body::{BodyMotion, Wrench};
+use crate::settings::{Section, SettingsError};
+use nalgebra::Vector3;
+
+/// The line that an element acts along.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Direction {
+    /// From place to place.
+    Line,
+    /// A unit vector in the attachment axes of `from`.
+    Axis(Vector3<f64>),
+}
+
+/// Two places and the line between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    pub from: Attachment,
+    pub to: Attachment,
+    pub direction: Direction,
+    /// L0, m; signed along an axis.
+    pub design_length: f64,
+}
+
+/// A span at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch {
+    /// x, m, and L', m/s.
+    pub displacement: f64,
+    pub rate: f64,
+    /// e, world axes.
+    pub unit: Vector3<f64>,
+    /// p, world, m.
+    pub point: Vector3<f64>,
+}
+
+/// Places closer than this have no line between them, m.
+const SHORTEST: f64 = 1e-4;
+
+impl Span {
+    /// From the design configuration's vector between the places, world axes, m.
+    pub fn new(from: Attachment, to: Attachment, direction: Direction, design_vector: &Vector3<f64>) -> Self {
+        let design_length = match direction {
+            Direction::Line => design_vector.norm(),
+            Direction::Axis(axis) => axis.dot(design_vector),
+        };
+        Span { from, to, direction, design_length }
+    }
+
+    /// Reads `from`, `to` and the optional `axis`.
+    pub(super) fn parse(section: &Section, places: &dyn Places) -> Result<Self, SettingsError> {
+        let (from, to) = ends(section, places)?;
+        let vector = places.design_vector(&from, &to);
+        let direction = if section.has("axis") { Direction::Axis(axis(section, places, "axis")?) } else { Direction::Line };
+        if direction == Direction::Line && vector.norm() < SHORTEST {
+            let problem = "both places coincide, so that there is no line between them; move one, or give axis = \"x\", \"y\" or \"z\"";
+            return Err(section.error("to", problem));
+        }
+        Ok(Span::new(from, to, direction, &vector))
+    }
+
+    /// Displacement, rate and direction now. Places that meet on a line have no direction: e = 0 and no force.
+    #[inline]
+    pub fn stretch(&self, bodies: &[BodyMotion]) -> Stretch {
+        let point = self.to.point(bodies);
+        let across = point - self.from.point(bodies);
+        let (unit, length) = match &self.direction {
+            Direction::Line => {
+                let length = across.norm();
+                (if length > 0.0 { across / length } else { Vector3::zeros() }, length)
+            }
+            Direction::Axis(axis) => {
+                let unit = self.from.axes(bodies) * axis;
+                (unit, unit.dot(&across))
+            }
+        };
+        let relative = self.to.velocity(bodies, &point) - self.from.velocity(bodies, &point);
+        Stretch { displacement: length - self.design_length, rate: unit.dot(&relative), unit, point }
+    }
+
+    /// Pulls both ends together with a tension, N.
+    #[inline]
+    pub fn pull(&self, bodies: &[BodyMotion], stretch: &Stretch, tension: f64, wrenches: &mut [Wrench]) {
+        let force = stretch.unit * tension;
+        self.from.load(bodies, wrenches, &force, &stretch.point, &Vector3::zeros());
+        self.to.load(bodies, wrenches, &-force, &stretch.point, &Vector3::zeros());
+    }
+}
+
+/// Reads `from` and `to`, which must not be on the same body.
+pub(super) fn ends(section: &Section, places: &dyn Places) -> Result<(Attachment, Attachment), SettingsError> {
+    let (from, to) = (places.attachment(section, "from")?, places.attachment(section, "to")?);
+    if from.body == to.body {
+        return Err(section.error("to", "is on the same body as \"from\", so that the element would do nothing"));
+    }
+    Ok((from, to))
+}
+
+/// Tension as a function of displacement x [m], its rate [m/s] and states of its own.
+pub trait LineLaw: Clone + Send + Sync + std::fmt::Debug + 'static {
+    /// Number of states.
+    fn states(&self) -> usize {
+        0
+    }
+
+    /// States at rest.
+    fn settle(&self, _x: f64, _state: &mut [f64]) {}
+
+    /// Rates of the states.
+    fn rates(&self, _x: f64, _rate: f64, _state: &[f64], _rates: &mut [f64]) {}
+
+    /// T, N, tension positive.
+    fn tension(&self, x: f64, rate: f64, state: &[f64]) -> f64;
+
+    /// Stored energy, J, up to a constant.
+    fn potential_energy(&self, x: f64, state: &[f64]) -> f64;
+
+    /// W, not negative.
+    fn dissipated_power(&self, x: f64, rate: f64, state: &[f64]) -> f64;
+}
+
+/// A force element of one scalar law.
+#[derive(Clone, Debug)]
+pub struct LineElement<L> {
+    pub name: String,
+    pub span: Span,
+    pub law: L,
+}
+
+const QUANTITIES: [Quantity; 2] = [
+    Quantity { name: "force", kind: QuantityKind::Force, description: "force of the element, tension positive" },
+    Quantity {
+        name: "displacement",
+        kind: QuantityKind::Displacement,
+        description: "elongation of the element from the design configuration",
+    },
+];
+
+impl<L: LineLaw> LineElement<L> {
+    fn tension(&self, bodies: &[BodyMotion], state: &[f64]) -> f64 {
+        let stretch = self.span.stretch(bodies);
+        self.law.tension(stretch.displacement, stretch.rate, state)
+    }
+}
+
+impl<L: LineLaw> ForceElement for LineElement<L> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn states(&self) -> usize {
+        self.law.states()
+    }
+
+    fn settle(&self, bodies: &[BodyMotion], state: &mut [f64]) {
+        self.law.settle(self.span.stretch(bodies).displacement, state);
+    }
+
+    #[inline]
+    fn apply(&self, bodies: &[BodyMotion], state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
+        let stretch = self.span.stretch(bodies);
+        self.law.rates(stretch.displacement, stretch.rate, state, rates);
+        let tension = self.law.tension(stretch.displacement, stretch.rate, state);
+        self.span.pull(bodies, &stretch, tension, wrenches);
+    }
+
+    fn scalar_force(&self, bodies: &[BodyMotion], state: &[f64]) -> Option<f64> {
+        Some(self.tension(bodies, state))
+    }
+
+    fn quantities(&self) -> &'static [Quantity] {
+        &QUANTITIES
+    }
+
+    fn quantity(&self, index: usize, bodies: &[BodyMotion], state: &[f64]) -> f64 {
+        match index {
+            0 => self.tension(bodies, state),
+            1 => self.span.stretch(bodies).displacement,
+            _ => 0.0,
+        }
+    }
+
+    fn clone_box(&self) -> Box<dyn ForceElement> {
+        Box::new(self.clone())
+    }
+
+    fn potential_energy(&self, bodies: &[BodyMotion], state: &[f64]) -> f64 {
+        self.law.potential_energy(self.span.stretch(bodies).displacement, state)
+    }
+
+    fn dissipated_power(&self, bodies: &[BodyMotion], state: &[f64]) -> f64 {
+        let stretch = self.span.stretch(bodies);
+        self.law.dissipated_power(stretch.displacement, stretch.rate, state)
+    }
+}

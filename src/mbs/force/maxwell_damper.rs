@@ -1,0 +1,77 @@
+//! Damper with a spring in series (Maxwell): the mounts of a hydraulic damper, and its oil, give way.
+//!
+//! The state z [m] is the displacement of the piston, x - z that of the series spring:
+//!
+//! ```text
+//! T = k (x - z),    z' = v(T)       v(T) = T / c, or the inverse of a table of force over speed
+//! ```
+//!
+//! Under x = X exp(i w t) the linear law gives `T = k c i w / (k + c i w) X`: a damper c below k/c [rad/s], a spring k
+//! above. An explicit integrator's step is bound by c/k (4 to 7 ms for the vertical dampers of a passenger coach).
+
+use super::curve::{Curve, Shape, points};
+use super::line::{LineElement, LineLaw, Span};
+use super::{ForceElement, Parse, Places};
+use crate::settings::{Entry, Section, SettingsError};
+use crate::units::Dimension;
+
+/// The law of a spring and a damper in series.
+#[derive(Clone, Debug)]
+pub struct MaxwellDamper {
+    /// k, N/m.
+    pub stiffness: f64,
+    /// v(T): m/s over N.
+    pub speed: Curve,
+}
+
+impl LineLaw for MaxwellDamper {
+    fn states(&self) -> usize {
+        1
+    }
+
+    fn settle(&self, x: f64, state: &mut [f64]) {
+        state.fill(x);
+    }
+
+    #[inline]
+    fn rates(&self, x: f64, _: f64, state: &[f64], rates: &mut [f64]) {
+        rates[0] = self.speed.force(self.tension(x, 0.0, state));
+    }
+
+    #[inline]
+    fn tension(&self, x: f64, _: f64, state: &[f64]) -> f64 {
+        self.stiffness * (x - state[0])
+    }
+
+    fn potential_energy(&self, x: f64, state: &[f64]) -> f64 {
+        0.5 * self.stiffness * (x - state[0]) * (x - state[0])
+    }
+
+    fn dissipated_power(&self, x: f64, _: f64, state: &[f64]) -> f64 {
+        let tension = self.tension(x, 0.0, state);
+        tension * self.speed.force(tension)
+    }
+}
+
+fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
+    let span = Span::parse(section, places)?;
+    let speed = if section.has("force_over_speed") {
+        if section.has("damping") {
+            return Err(section.error("force_over_speed", "says again what \"damping\" says; give one of them"));
+        }
+        let points = points(section, "force_over_speed", Dimension::Speed, Shape::Invertible)?;
+        let inverse: Vec<[f64; 2]> = points.iter().map(|[speed, force]| [*force, *speed]).collect();
+        Curve::new(&inverse, 0.0).ok_or_else(|| section.error("force_over_speed", "expected two or more points"))?
+    } else {
+        Curve::linear(1.0 / section.positive("damping", Dimension::Damping)?)
+    };
+    let law = MaxwellDamper { stiffness: section.positive("stiffness", Dimension::Stiffness)?, speed };
+    Ok(Box::new(LineElement { name: places.name(section)?, span, law }))
+}
+
+pub(super) const ENTRY: Entry<Parse> = Entry {
+    name: "maxwell_damper",
+    summary: "damper with a spring in series, between two places or along an axis of \"from\"; linear or piecewise linear",
+    reference: "J. C. Maxwell, Phil. Trans. R. Soc. 157 (1867) 49-88",
+    parse,
+};

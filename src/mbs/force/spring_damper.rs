@@ -1,0 +1,73 @@
+//! Spring and damper in parallel along a line: `T = preload + F_k(x) + F_c(x')`.
+//!
+//! F_k and F_c are linear (k x, c x') or piecewise linear. x counts from the design configuration, or from the
+//! natural length where that is given (then without preload): `T = F_k(L - natural length)`. A traction rod is such an
+//! element, between places on two bodies.
+
+use super::curve::{Curve, Shape, parse as parse_curve};
+use super::line::{LineElement, LineLaw, Span};
+use super::{ForceElement, Parse, Places};
+use crate::settings::{Entry, Section, SettingsError};
+use crate::units::Dimension;
+
+/// The law of a spring and a damper in parallel.
+#[derive(Clone, Debug)]
+pub struct SpringDamper {
+    /// N at zero displacement, tension positive.
+    pub preload: f64,
+    /// Displacement from the natural length in the design configuration, m; zero where a preload is stated.
+    pub offset: f64,
+    /// N over m.
+    pub spring: Curve,
+    /// N over m/s.
+    pub damper: Curve,
+}
+
+impl LineLaw for SpringDamper {
+    #[inline]
+    fn tension(&self, x: f64, rate: f64, _: &[f64]) -> f64 {
+        self.preload + self.spring.force(x + self.offset) + self.damper.force(rate)
+    }
+
+    fn potential_energy(&self, x: f64, _: &[f64]) -> f64 {
+        self.preload * x + self.spring.energy(x + self.offset)
+    }
+
+    fn dissipated_power(&self, _: f64, rate: f64, _: &[f64]) -> f64 {
+        self.damper.force(rate) * rate
+    }
+}
+
+fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
+    let span = Span::parse(section, places)?;
+    let rounding = section.optional("rounding", Dimension::Length)?.unwrap_or(0.0);
+    let speed_rounding = section.optional("speed_rounding", Dimension::Speed)?.unwrap_or(0.0);
+    if rounding < 0.0 || speed_rounding < 0.0 {
+        return Err(section.error("rounding", "must not be negative"));
+    }
+    let spring = parse_curve(section, ("force_over_length", Dimension::Length), ("stiffness", Dimension::Stiffness), Shape::Any, rounding)?;
+    let damper =
+        parse_curve(section, ("force_over_speed", Dimension::Speed), ("damping", Dimension::Damping), Shape::Passive, speed_rounding)?;
+    if spring.is_none() && damper.is_none() {
+        return Err(section.error("stiffness", "an element needs a stiffness or damping (or a table of force over length or speed)"));
+    }
+    let preload = section.optional("preload", Dimension::Force)?;
+    let natural = section.optional("natural_length", Dimension::Length)?;
+    if preload.is_some() && natural.is_some() {
+        return Err(section.error("natural_length", "says again what \"preload\" says; give one of them"));
+    }
+    let law = SpringDamper {
+        preload: preload.unwrap_or(0.0),
+        offset: natural.map_or(0.0, |natural| span.design_length - natural),
+        spring: spring.unwrap_or_else(|| Curve::linear(0.0)),
+        damper: damper.unwrap_or_else(|| Curve::linear(0.0)),
+    };
+    Ok(Box::new(LineElement { name: places.name(section)?, span, law }))
+}
+
+pub(super) const ENTRY: Entry<Parse> = Entry {
+    name: "spring_damper",
+    summary: "spring and damper in parallel between two places or along an axis of \"from\"; linear or piecewise linear",
+    reference: "",
+    parse,
+};

@@ -1,0 +1,82 @@
+//! The law of stops that only press: a free travel either way, then a force that rises with displacement.
+//!
+//! For extension u = x, u' = x'; for compression u = -x, u' = -x' and T < 0:
+//!
+//! ```text
+//! |T| = f(u) max(0, 1 + b u')
+//! ```
+//!
+//! with a piecewise linear f that vanishes within the clearance. The damping (b, s/m) rises with the force, so that T
+//! is continuous where the stop touches, and the stop never pulls. Dissipated: `(|T| - f) u'`, never negative.
+
+use super::curve::{Curve, Shape, points};
+use super::line::LineLaw;
+use crate::settings::{Section, SettingsError};
+use crate::units::Dimension;
+
+/// Stops in one or both directions.
+#[derive(Clone, Debug)]
+pub struct Stop {
+    /// f for elongation and for shortening, N over m.
+    pub extension: Option<Curve>,
+    pub compression: Option<Curve>,
+    /// b, s/m.
+    pub damping: f64,
+}
+
+impl Stop {
+    /// f, the sign of T, and u' on the side that x is on.
+    #[inline]
+    fn side(&self, x: f64, rate: f64) -> (f64, f64, f64) {
+        let (curve, sign) = if x > 0.0 { (&self.extension, 1.0) } else { (&self.compression, -1.0) };
+        (curve.as_ref().map_or(0.0, |curve| curve.force(sign * x)), sign, sign * rate)
+    }
+}
+
+impl LineLaw for Stop {
+    #[inline]
+    fn tension(&self, x: f64, rate: f64, _: &[f64]) -> f64 {
+        let (force, sign, rate) = self.side(x, rate);
+        sign * force * (1.0 + self.damping * rate).max(0.0)
+    }
+
+    fn potential_energy(&self, x: f64, _: &[f64]) -> f64 {
+        let curve = if x > 0.0 { &self.extension } else { &self.compression };
+        curve.as_ref().map_or(0.0, |curve| curve.energy(x.abs()))
+    }
+
+    fn dissipated_power(&self, x: f64, rate: f64, _: &[f64]) -> f64 {
+        let (force, _, rate) = self.side(x, rate);
+        force * ((1.0 + self.damping * rate).max(0.0) - 1.0) * rate
+    }
+}
+
+/// Reads one side: a table of force over displacement beyond the clearance, or a stiffness.
+pub(super) fn side(
+    section: &Section,
+    table: &'static str,
+    stiffness: &'static str,
+    clearance: f64,
+    rounding: f64,
+) -> Result<Curve, SettingsError> {
+    let beyond = match (section.has(table), section.has(stiffness)) {
+        (true, true) => return Err(section.error(table, format!("says again what \"{stiffness}\" says; give one of them"))),
+        (true, false) => points(section, table, Dimension::Length, Shape::Stop)?,
+        (false, _) => vec![[0.0, 0.0], [1.0, section.positive(stiffness, Dimension::Stiffness)?]],
+    };
+    // Free from some place on the other side of the middle.
+    let free = std::iter::once([-1.0, 0.0]);
+    let all: Vec<[f64; 2]> = free.chain(beyond.iter().map(|[u, force]| [u + clearance, *force])).collect();
+    let curve = Curve::new(&all, rounding).ok_or_else(|| section.error(table, "expected two or more points"))?;
+    if curve.first_corner().is_some_and(|at| at < rounding) {
+        let problem = "must not be larger than the free travel, so that the stop is free in the middle";
+        return Err(section.error("rounding", problem));
+    }
+    Ok(curve)
+}
+
+/// Reads `rounding` and `damping`.
+pub(super) fn options(section: &Section) -> Result<(f64, f64), SettingsError> {
+    let not_negative = |key, dimension| if section.has(key) { section.not_negative(key, dimension) } else { Ok(0.0) };
+    Ok((not_negative("rounding", Dimension::Length)?, not_negative("damping", Dimension::PerSpeed)?))
+}

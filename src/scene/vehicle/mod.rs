@@ -1,0 +1,215 @@
+//! `[vehicle]`: what moves on the track.
+//!
+//! The template `suspended_wheelset` ([`suspended`]) has keys of its own. Every other vehicle is a *free model*: bodies,
+//! wheelsets, joints, forces and sensors by name. Groups of them that occur several times stand in `[vehicle.module.NAME]` and are
+//! put into place by `[[vehicle.place]]`; modules may place modules (a train places vehicles, a vehicle trucks). A template is
+//! such a table that the program carries ([`templates`]); what the scene says about an entry of the same name replaces single
+//! keys of it. A module may lie over a template too (`template = "..."` in it): that is a vehicle of a train.
+//!
+//! *Design frame:* x forward, y left, z up, origin at rail height at the vehicle's middle (any point will do); every position in
+//! the scene is one in it, in the design configuration, in which all bodies' axes are parallel to it. A module has its own
+//! design frame at the `position` where it is placed.
+//!
+//! *Names:* what stands in a module placed as `truck[1]` is called `truck[1].frame`. An entry with `mirrored = true` stands for
+//! two, `.left` as written and `.right` with y turned to -y. A name that an entry refers to is looked for in its own module
+//! first (for one of a mirrored pair with the side's ending first), then in what surrounds it.
+//!
+//! *Order:* the order in the file has no meaning. Wheelsets are ordered from the front to the rear (equal places: by name),
+//! other bodies, joints, forces and sensors by name, numbers in names by value; bodies come after wheelsets.
+
+pub mod assemble;
+mod expand;
+mod joints;
+mod places;
+mod read;
+pub mod steady_state;
+pub mod suspended;
+pub mod templates;
+#[cfg(test)]
+mod tests;
+
+use crate::geometry::file::SceneFile;
+use crate::geometry::profile::ProfileChoice;
+use crate::mbs::body::Body;
+use crate::mbs::force::ForceElement;
+use crate::mbs::joint::Joint;
+use crate::settings::{Section, SettingsError};
+use crate::units::Dimension;
+use nalgebra::Vector3;
+use suspended::{Initial, SuspensionSpec, WheelsetSpec};
+
+/// `[vehicle]`.
+#[derive(Clone, Debug)]
+pub struct VehicleSpec {
+    pub template: &'static str,
+    /// V, m/s; negative rolls backward.
+    pub speed: f64,
+    /// Is the speed imposed? Otherwise it is that at the start.
+    pub speed_imposed: bool,
+    /// g, m/s2.
+    pub gravity: f64,
+    /// Of a free model: a copy of the leading one, which summaries, diagrams and contact geometry show.
+    pub wheelset: WheelsetSpec,
+    pub suspension: Option<SuspensionSpec>,
+    pub initial: Initial,
+    /// `None`: one suspended wheelset.
+    pub free: Option<FreeVehicle>,
+}
+
+/// A vehicle of named parts, sorted.
+#[derive(Clone, Debug)]
+pub struct FreeVehicle {
+    /// Leading first; they are the first bodies of the model.
+    pub wheelsets: Vec<PlacedWheelset>,
+    pub bodies: Vec<PlacedBody>,
+    pub joints: Vec<Joint>,
+    pub forces: Vec<Element>,
+    pub sensors: Vec<Sensor>,
+    /// Distance along the track of the design frame's origin at the start, m.
+    pub distance: f64,
+}
+
+/// A wheelset in its vehicle.
+#[derive(Clone, Debug)]
+pub struct PlacedWheelset {
+    pub spec: WheelsetSpec,
+    /// Of its centre in the design frame, m.
+    pub x: f64,
+    /// Does the imposed speed act on it?
+    pub driven: bool,
+    /// Added to the equilibrium at the start: y [m], yaw [rad].
+    pub offset: [f64; 2],
+}
+
+/// A body that is no wheelset.
+#[derive(Clone, Debug)]
+pub struct PlacedBody {
+    pub body: Body,
+    /// Of the centre of mass in the design frame, m.
+    pub position: Vector3<f64>,
+}
+
+/// A force element as a scene names it.
+#[derive(Debug)]
+pub struct Element(pub Box<dyn ForceElement>);
+
+impl Clone for Element {
+    fn clone(&self) -> Self {
+        Element(self.0.clone_box())
+    }
+}
+
+/// A point on a body whose motion is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensor {
+    pub name: String,
+    pub body: usize,
+    /// In the body's axes, from its centre of mass, m.
+    pub point: Vector3<f64>,
+}
+
+impl FreeVehicle {
+    /// Number of a body of the model: the wheelsets come first.
+    pub fn body_count(&self) -> usize {
+        self.wheelsets.len() + self.bodies.len()
+    }
+
+    /// Weight of the whole vehicle and its constant loads, N.
+    pub fn weight(&self, gravity: f64) -> f64 {
+        let wheelsets: f64 = self.wheelsets.iter().map(|w| w.spec.mass * gravity + w.spec.vertical_load).sum();
+        wheelsets + self.bodies.iter().map(|body| body.body.mass * gravity).sum::<f64>()
+    }
+
+    /// Centre of a body in the design configuration, design frame, m.
+    pub fn design_position(&self, body: usize) -> Vector3<f64> {
+        match body.checked_sub(self.wheelsets.len()) {
+            Some(other) => self.bodies[other].position,
+            None => self.wheelsets[body].design_position(),
+        }
+    }
+}
+
+impl PlacedWheelset {
+    /// Centre in the design configuration, m: as high as the wheel's radius at the tread circle.
+    pub fn design_position(&self) -> Vector3<f64> {
+        Vector3::new(self.x, 0.0, self.spec.profiles[0].profile.at(0.0).value)
+    }
+}
+
+impl VehicleSpec {
+    /// All profiles of wheels, left and right, wheelset by wheelset.
+    pub fn wheel_profiles(&self) -> Vec<&[ProfileChoice; 2]> {
+        match &self.free {
+            Some(free) => free.wheelsets.iter().map(|wheelset| &wheelset.spec.profiles).collect(),
+            None => vec![&self.wheelset.profiles],
+        }
+    }
+
+    /// Name of each wheelset, and whether its speed is imposed.
+    pub fn axles(&self) -> Vec<(&str, bool)> {
+        match &self.free {
+            Some(free) => free.wheelsets.iter().map(|w| (w.spec.name.as_str(), self.speed_imposed && w.driven)).collect(),
+            None => vec![(&self.wheelset.name, self.speed_imposed)],
+        }
+    }
+
+    /// Names of all parts that have variables.
+    pub fn part_names(&self) -> Vec<&str> {
+        let Some(free) = &self.free else { return vec![&self.wheelset.name] };
+        let wheelsets = free.wheelsets.iter().map(|w| w.spec.name.as_str());
+        let bodies = free.bodies.iter().map(|b| b.body.name.as_str());
+        let forces = free.forces.iter().map(|force| force.0.name());
+        wheelsets.chain(bodies).chain(free.sensors.iter().map(|sensor| sensor.name.as_str())).chain(forces).collect()
+    }
+
+    /// Files that profiles of wheels refer to, each once.
+    pub fn files(&self) -> Vec<&SceneFile> {
+        let mut files: Vec<&SceneFile> = Vec::new();
+        for file in self.wheel_profiles().into_iter().flatten().filter_map(|choice| choice.file.as_ref()) {
+            if files.iter().all(|other| other.key != file.key) {
+                files.push(file);
+            }
+        }
+        files
+    }
+}
+
+/// What all vehicles have in common.
+struct Travel {
+    speed: f64,
+    speed_imposed: bool,
+    gravity: f64,
+}
+
+impl Travel {
+    fn read(section: &Section) -> Result<Self, SettingsError> {
+        let speed = section.number("speed", Dimension::Speed)?;
+        let speed_imposed = section.word_or("travel", &["imposed", "free"], "imposed")? == "imposed";
+        if speed == 0.0 && speed_imposed {
+            return Err(section.error("speed", "found 0, but creepages are relative to the travelling speed; expected any other number"));
+        }
+        Ok(Travel { speed, speed_imposed, gravity: section.not_negative("gravity", Dimension::Acceleration)? })
+    }
+}
+
+/// Templates that `vehicle.template` can name.
+pub static TEMPLATES: &[(&str, &str)] = &[
+    ("suspended_wheelset", "one wheelset on springs to a frame that travels with it (paper, section 3.4)"),
+    ("free", "any vehicle: [[vehicle.body]], [[vehicle.wheelset]], [[vehicle.joint]], [[vehicle.force]], modules"),
+    ("bogie", "one truck of the Manchester Benchmarks' coach under half of its body"),
+    ("vehicle_manchester_1", "the passenger coach of the Manchester Benchmarks (Iwnicki 1999)"),
+    ("vehicle_equalised", "two trucks with equaliser bars, frame and bolster each, and a car body (paper, section 5): 13 bodies"),
+];
+
+/// Reads `[vehicle]`.
+///
+/// # Errors
+/// [`SettingsError`] with file (the scene's or the template's) and line.
+pub(super) fn read(section: Section) -> Result<VehicleSpec, SettingsError> {
+    let names: Vec<&'static str> = TEMPLATES.iter().map(|template| template.0).collect();
+    let template = section.word("template", &names)?;
+    match template {
+        "suspended_wheelset" => suspended::read(section, template),
+        _ => templates::read(section, template),
+    }
+}

@@ -1,0 +1,106 @@
+//! Reads a free model.
+
+use super::expand::{BODY, Entry, FORCE, Flat, JOINT, SENSOR, WHEELSET, expand};
+use super::places::{Bodies, ElementPlaces, Resolver};
+use super::suspended::{Initial, WheelsetSpec};
+use super::{Element, FreeVehicle, PlacedBody, PlacedWheelset, Sensor, Travel, VehicleSpec, joints};
+use crate::geometry::Side;
+use crate::geometry::profile::Part;
+use crate::mbs::body::Body;
+use crate::mbs::force::REGISTRY;
+use crate::mbs::inertia::Inertia;
+use crate::scene::spec::{SMALLEST, read_profiles};
+use crate::settings::{Section, SettingsError, choose};
+use crate::units::Dimension;
+use nalgebra::Vector3;
+
+/// Reads `[vehicle]` of a free model, or of a template that is one.
+pub(super) fn free<'a>(
+    section: Section<'a>,
+    template: &'static str,
+    library: &[(&'static str, Section<'a>)],
+) -> Result<VehicleSpec, SettingsError> {
+    let Travel { speed, speed_imposed, gravity } = Travel::read(&section)?;
+    let distance = match section.optional_section("initial")? {
+        Some(initial) => {
+            let distance = initial.number_or("distance", Dimension::Length, 0.0)?;
+            initial.finish()?;
+            distance
+        }
+        None => 0.0,
+    };
+    let flat = expand(&section, library)?;
+    let mut wheelsets = flat.entries[WHEELSET].iter().map(|entry| wheelset(entry, &flat)).collect::<Result<Vec<_>, _>>()?;
+    // The entries are sorted by name, and this sort keeps their order where places are equal.
+    wheelsets.sort_by(|a, b| b.x.total_cmp(&a.x));
+    let Some(leading) = wheelsets.first() else {
+        return Err(section.error("wheelset", "is missing; expected at least one [[vehicle.wheelset]], here or in a module that is placed"));
+    };
+    let shown = leading.spec.clone();
+    if speed_imposed && !wheelsets.iter().any(|wheelset| wheelset.driven) {
+        let problem = "the imposed speed acts on no wheelset; expected driven = true on at least one, or travel = \"free\"";
+        return Err(section.error("travel", problem));
+    }
+    let bodies = flat.entries[BODY].iter().map(|entry| body(entry, &flat)).collect::<Result<Vec<_>, _>>()?;
+    let mut vehicle = FreeVehicle { wheelsets, bodies, joints: Vec::new(), forces: Vec::new(), sensors: Vec::new(), distance };
+    let known = Bodies {
+        names: vehicle.wheelsets.iter().map(|w| &w.spec.name).chain(vehicle.bodies.iter().map(|b| &b.body.name)).cloned().collect(),
+        positions: (0..vehicle.body_count()).map(|body| vehicle.design_position(body)).collect(),
+    };
+    let resolver = |entry: &Entry| Resolver::new(&flat.scopes, &known, entry);
+    for entry in &flat.entries[JOINT] {
+        vehicle.joints.push(joints::read(&entry.name, &entry.section, &resolver(entry))?);
+        entry.section.clone().finish()?;
+    }
+    for entry in &flat.entries[FORCE] {
+        vehicle.forces.push(force(entry, &resolver(entry))?);
+        entry.section.clone().finish()?;
+    }
+    for entry in &flat.entries[SENSOR] {
+        let resolver = resolver(entry);
+        let body = resolver.body(&entry.section, "body")?;
+        let point = resolver.point(&entry.section, "at")? - resolver.position(body);
+        vehicle.sensors.push(Sensor { name: entry.name.clone(), body, point });
+        entry.section.clone().finish()?;
+    }
+    section.finish()?;
+    let initial = Initial::default();
+    Ok(VehicleSpec { template, speed, speed_imposed, gravity, wheelset: shown, suspension: None, initial, free: Some(vehicle) })
+}
+
+fn body(entry: &Entry, flat: &Flat) -> Result<PlacedBody, SettingsError> {
+    let Entry { name, scope, side, section } = entry;
+    let inertia = |key| section.at_least(key, Dimension::Inertia, SMALLEST);
+    let principal = Vector3::new(inertia("inertia_xx")?, inertia("inertia_yy")?, inertia("inertia_zz")?);
+    let mut position: Vector3<f64> = section.triple("position", Dimension::Length)?.into();
+    if *side == Some(Side::Right) {
+        position.y = -position.y;
+    }
+    let mass = section.at_least("mass", Dimension::Mass, SMALLEST)?;
+    section.clone().finish()?;
+    let body = Body { name: name.clone(), mass, inertia: Inertia::General { principal } };
+    Ok(PlacedBody { body, position: flat.scopes[*scope].offset + position })
+}
+
+fn wheelset(entry: &Entry, flat: &Flat) -> Result<PlacedWheelset, SettingsError> {
+    let Entry { name, scope, section, .. } = entry;
+    let profiles = match flat.wheel_profiles(*scope) {
+        Some(profiles) if !section.has_table("profile") => profiles.clone(),
+        _ => read_profiles(section, ["profile", "left_profile", "right_profile"], Part::Wheel)?,
+    };
+    let load = section.number_or("vertical_load", Dimension::Force, 0.0)?;
+    let wheelset = PlacedWheelset {
+        spec: WheelsetSpec::read(section, name.clone(), load, profiles)?,
+        x: flat.scopes[*scope].offset.x + section.number("x", Dimension::Length)?,
+        driven: section.flag_or("driven", false)?,
+        offset: [section.number_or("initial_y", Dimension::Length, 0.0)?, section.number_or("initial_yaw", Dimension::Angle, 0.0)?],
+    };
+    section.clone().finish()?;
+    Ok(wheelset)
+}
+
+fn force(entry: &Entry, resolver: &Resolver) -> Result<Element, SettingsError> {
+    let places = ElementPlaces { resolver, name: &entry.name };
+    let kind = choose(REGISTRY, &entry.section, "kind")?;
+    Ok(Element((kind.parse)(&entry.section, &places)?))
+}

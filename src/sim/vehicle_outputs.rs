@@ -1,0 +1,193 @@
+//! Outputs of a free vehicle beyond those of its wheelsets: axles (sums over both wheels), bodies, sensors, force elements.
+//!
+//! Numbers: axle 1000 k + 31 (k from 1, the leading wheelset first), body b 1000000 + 100 b, force f 2000000 + 100 f, sensor s
+//! 3000000 + 100 s (from 0, in the order of names): they belong to the vehicle, whatever of it is shown.
+
+use super::Snapshot;
+use super::outputs::{ALL, Output, in_track, on_track, outputs};
+use super::unit::Unit;
+use crate::formulation::{ContactReport, LEFT_FRICTION, Model, RIGHT_FRICTION, contact_index};
+use crate::geometry::Side;
+use crate::mbs::body::COORDINATES;
+use crate::mbs::force::QuantityKind;
+use crate::scene::spec::Scene;
+use crate::scene::vehicle::{FreeVehicle, Sensor};
+use nalgebra::Vector3;
+
+/// First number of bodies, forces and sensors, and the distance from one to the next.
+pub const BODY: u32 = 1_000_000;
+pub const FORCE: u32 = 2_000_000;
+pub const SENSOR: u32 = 3_000_000;
+const STRIDE: u32 = 100;
+/// Number of the sum of lateral forces among a wheelset's outputs.
+const TRACK_SHIFTING_FORCE: u32 = 31;
+
+/// All outputs that a scene shows.
+pub fn scene_outputs(scene: &Scene, model: &Model) -> Vec<Output> {
+    let groups = &scene.interface.outputs;
+    let mut all = outputs(model, groups);
+    if let Some(free) = &scene.vehicle.free {
+        let mut vehicle = Collector { groups, model, outputs: Vec::new() };
+        vehicle.axles();
+        vehicle.bodies(free);
+        for (index, sensor) in free.sensors.iter().enumerate() {
+            vehicle.sensor(index, sensor);
+        }
+        vehicle.forces(free);
+        all.extend(vehicle.outputs);
+    }
+    all.retain(|output| scene.interface.shows(&output.name));
+    all
+}
+
+struct Collector<'a> {
+    groups: &'a [&'static str],
+    model: &'a Model,
+    outputs: Vec<Output>,
+}
+
+/// Nothing but the state.
+const STATE: (&[usize], Option<usize>) = (&[], None);
+
+/// What an output shows, beside its value.
+struct Label {
+    reference: u32,
+    name: String,
+    group: &'static str,
+    unit: Unit,
+    /// Inputs that it depends on at once, and whose they are (`None`: every wheelset's).
+    feedthrough: (&'static [usize], Option<usize>),
+}
+
+impl Collector<'_> {
+    fn add(&mut self, label: Label, text: &str, read: impl Fn(&Snapshot) -> f64 + Send + Sync + 'static) {
+        if self.groups.contains(&label.group) {
+            let Label { reference, name, group, unit, feedthrough } = label;
+            self.outputs.push(Output::new((reference, name), group, unit, text, feedthrough, Box::new(read)));
+        }
+    }
+
+    /// Are there constraint forces, which depend on all inputs at once?
+    fn coupled(&self) -> bool {
+        self.model.formulation.constrains() || !self.model.system.joints.is_empty()
+    }
+
+    fn axles(&mut self) {
+        let points = self.model.points;
+        for (index, wheelset) in self.model.wheelsets.iter().enumerate() {
+            let label = Label {
+                reference: (index as u32 + 1) * 1000 + TRACK_SHIFTING_FORCE,
+                name: format!("{}.trackShiftingForce", wheelset.name),
+                group: "axles",
+                unit: Unit::Newton,
+                feedthrough: if self.coupled() { (ALL, None) } else { (&[LEFT_FRICTION, RIGHT_FRICTION], Some(index)) },
+            };
+            let body = wheelset.body;
+            let text = "sum of Y: lateral force of both wheels on the track, left positive";
+            self.add(label, text, move |s| {
+                let contacts = Side::BOTH.map(|side| contact_index(index, side));
+                let force = |report: &ContactReport| in_track(s, body, report.force).y;
+                let further = |contact: usize| &s.workspace.further_contacts[contact * (points - 1)..(contact + 1) * (points - 1)];
+                -contacts.iter().map(|c| force(&s.workspace.contacts[*c]) + further(*c).iter().map(force).sum::<f64>()).sum::<f64>()
+            });
+        }
+    }
+
+    fn bodies(&mut self, free: &FreeVehicle) {
+        let lines: [(u32, &str, Unit, usize, &str); 6] = [
+            (0, "distance", Unit::Distance, 0, "distance of the centre of mass along the track"),
+            (1, "y", Unit::Metre, 1, "lateral displacement of the centre of mass, left positive"),
+            (2, "z", Unit::Distance, 2, "height of the centre of mass over the nominal contact height"),
+            (3, "roll", Unit::Radian, 4, "roll angle, left side up positive"),
+            (4, "pitch", Unit::Radian, 5, "pitch angle, nose down positive"),
+            (5, "yaw", Unit::Radian, 3, "yaw angle, nose left positive"),
+        ];
+        for (index, placed) in free.bodies.iter().enumerate() {
+            let q = COORDINATES * (free.wheelsets.len() + index);
+            for (id, name, unit, coordinate, text) in lines {
+                let reference = BODY + STRIDE * index as u32 + id;
+                let label = Label { reference, name: format!("{}.{name}", placed.body.name), group: "bodies", unit, feedthrough: STATE };
+                let body = free.wheelsets.len() + index;
+                self.add(label, text, move |s| on_track(s, body).map_or(s.y[q + coordinate], |(motion, _)| motion.coordinates[coordinate]));
+            }
+        }
+    }
+
+    fn sensor(&mut self, index: usize, sensor: &Sensor) {
+        let base = SENSOR + STRIDE * index as u32;
+        let on_wheelset = sensor.body < self.model.wheelsets.len();
+        // Forces of inputs reach other bodies through constraints alone.
+        let feedthrough = match (self.coupled(), on_wheelset) {
+            (true, _) => (ALL, None),
+            (false, true) => (ALL, Some(sensor.body)),
+            (false, false) => STATE,
+        };
+        let (body, point) = (sensor.body, sensor.point);
+        for (id, name, unit, axis, text) in [
+            (0, "distance", Unit::Distance, 0, "distance of the point along the track"),
+            (1, "y", Unit::Metre, 1, "lateral position of the point, left positive"),
+            (2, "z", Unit::Distance, 2, "height of the point over the nominal contact height"),
+        ] {
+            let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, feedthrough: STATE };
+            self.add(label, text, move |s| place_of(s, body, &point)[axis]);
+        }
+        for (id, name, axis, text) in [
+            (3, "ax", 0, "acceleration of the point along the body's x axis, forward positive (without gravity)"),
+            (4, "ay", 1, "acceleration of the point along the body's y axis, left positive (without gravity)"),
+            (5, "az", 2, "acceleration of the point along the body's z axis, up positive (without gravity)"),
+        ] {
+            let unit = Unit::MetrePerSecond2;
+            let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, feedthrough };
+            self.add(label, text, move |s| acceleration(s, body, &point)[axis]);
+        }
+    }
+
+    fn forces(&mut self, free: &FreeVehicle) {
+        let first = self.model.system.forces.len() - free.forces.len();
+        for index in 0..free.forces.len() {
+            let states = self.model.system.states_of_force(first + index);
+            for (number, quantity) in free.forces[index].0.quantities().iter().enumerate() {
+                let unit = match quantity.kind {
+                    QuantityKind::Force => Unit::Newton,
+                    QuantityKind::Moment => Unit::NewtonMetre,
+                    QuantityKind::Displacement => Unit::Metre,
+                    QuantityKind::Angle => Unit::Radian,
+                };
+                let reference = FORCE + STRIDE * index as u32 + number as u32;
+                let name = format!("{}.{}", free.forces[index].0.name(), quantity.name);
+                // The element's constants are copied, so that outputs do not borrow the model.
+                let (element, states) = (self.model.system.forces[first + index].clone_box(), states.clone());
+                let label = Label { reference, name, group: "forces", unit, feedthrough: STATE };
+                self.add(label, quantity.description, move |s| element.quantity(number, &s.workspace.system.motions, &s.y[states.clone()]));
+            }
+        }
+    }
+}
+
+/// Where a point of a body is in the track frame beside the body, with the distance along the track first.
+fn place_of(s: &Snapshot, body: usize, point: &Vector3<f64>) -> Vector3<f64> {
+    let place = s.workspace.system.motions[body].attachment_point(point);
+    match on_track(s, body) {
+        None => place,
+        Some((_, station)) => station.components(&(place - station.frame.origin)) + Vector3::x() * station.frame.distance,
+    }
+}
+
+/// Acceleration of a point of a body in the body's axes, m/s2. With the axes e of yaw, roll and pitch:
+/// `o' = sum (e q'' + o_e x e q')`, where o_e is the part of the angular velocity that turns e; `a = a_c + o' x r + o x (o x r)`.
+fn acceleration(s: &Snapshot, body: usize, point: &Vector3<f64>) -> Vector3<f64> {
+    let motion = &s.workspace.system.motions[body];
+    let bodies = s.workspace.system.motions.len();
+    let second = &s.dy[COORDINATES * (bodies + body)..COORDINATES * (bodies + body + 1)];
+    let yawing = Vector3::z() * motion.yaw_rate;
+    let (roll_axis, axle) = (motion.roll_axis(), motion.axle());
+    let rolling = roll_axis * motion.roll_rate;
+    let mut turning = Vector3::z() * second[3] + roll_axis * second[4] + yawing.cross(&rolling);
+    if motion.turn.is_some() {
+        turning += axle * second[5] + (yawing + rolling).cross(&axle) * motion.pitch_rate;
+    }
+    let arm = motion.frame.axes * point;
+    let rate = motion.frame_rotation;
+    let whole = Vector3::new(second[0], second[1], second[2]) + turning.cross(&arm) + rate.cross(&rate.cross(&arm));
+    motion.frame.axes.tr_mul(&whole)
+}
