@@ -18,6 +18,7 @@ mod loading;
 mod model;
 pub mod points;
 mod rigid;
+pub mod sliding_mean;
 mod travel;
 pub mod work;
 

@@ -4,6 +4,7 @@ use super::events::ContactEvent;
 use super::lift::OnLift;
 use super::points::{self, PreparedSearches, WheelSearch};
 use super::rigid::{self, RigidScratch};
+use super::sliding_mean::SlidingMean;
 use super::work::Work;
 use super::{AssemblyError, Build, EvaluationError, Formulation, lift};
 use crate::contact::Patch;
@@ -102,6 +103,8 @@ pub struct Model {
     pub points: usize,
     /// Where the contacts' states begin in the state vector (the system's dimension).
     pub(super) contact_states_begin: usize,
+    /// Means over the last stretch of travel; `None` where the scene does not ask for them.
+    pub means: Option<SlidingMean>,
     /// Per wheel: the search for all of them; `None` where one place alone can touch.
     pub(super) searches: Vec<Option<Arc<WheelSearch>>>,
 }
@@ -171,6 +174,17 @@ impl Workspace {
         std::iter::once(&self.contacts[contact]).chain(self.further(contact))
     }
 
+    /// Sum of the forces on a wheel of `body` in the track frame beside it, N.
+    pub fn wheel_force(&self, contact: usize, body: usize) -> Vector3<f64> {
+        let force: Vector3<f64> = self.reports(contact).map(|report| report.force).sum();
+        self.in_track(body, force)
+    }
+
+    /// A vector of the world in the track frame beside a body.
+    pub fn in_track(&self, body: usize, vector: Vector3<f64>) -> Vector3<f64> {
+        self.system.stations.get(body).map_or(vector, |station| station.components(&vector))
+    }
+
     /// Report of a wheel's contact `slot` (from 0).
     #[inline]
     pub fn report(&self, contact: usize, slot: usize) -> &ContactReport {
@@ -193,7 +207,7 @@ impl Model {
         let searches = points::searches(&wheelsets, &track, if own > 1 { 1 } else { points.min(points::MOST_POINTS) }, &prepared);
         let points = if searches.iter().any(Option::is_some) { points } else { own };
         let contact_states_begin = system.dimension();
-        Ok(Model { system, track, wheelsets, laws, formulation, points, contact_states_begin, searches })
+        Ok(Model { system, track, wheelsets, laws, formulation, points, contact_states_begin, searches, means: None })
     }
 
     pub fn contacts(&self) -> usize {
@@ -207,6 +221,10 @@ impl Model {
 
     /// Length of the state vector.
     pub fn dimension(&self) -> usize {
+        self.mean_states(self.wheelsets.len()).start
+    }
+
+    pub(super) fn means_begin(&self) -> usize {
         self.deflections_begin() + self.contacts() * self.points * self.deflection_states()
     }
 
@@ -261,7 +279,7 @@ impl Model {
 
     /// Length of the state's memory.
     pub fn memory(&self) -> usize {
-        self.contacts() * self.memory_per_contact() + self.followed()
+        self.mean_memory(self.wheelsets.len()).start + self.followed()
     }
 
     fn memory_per_contact(&self) -> usize {
@@ -322,7 +340,9 @@ impl Model {
     /// [`EvaluationError`] when a contact cannot be found or lies outside what the laws cover.
     #[inline]
     pub fn derivative(&self, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
-        self.formulation.derivative(self, workspace, at, dy)
+        self.formulation.derivative(self, workspace, at, dy)?;
+        self.mean_rates(workspace, dy);
+        Ok(())
     }
 
     /// The smallest normal force [N] of a constrained contact as it was found last, or how far (times a stiffness) a contact beside

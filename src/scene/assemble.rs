@@ -1,11 +1,14 @@
 //! From scene data to a model: only what the scene calls for becomes an object.
 
-use super::spec::Scene;
+use super::spec::{SLIDING_MEANS, Scene};
 use super::vehicle;
 use crate::contact::transient::TransientContact;
 use crate::formulation::{AssemblyError, ContactLaws, Model, Parts};
 use crate::geometry::Side;
 use crate::geometry::track::{Rail, Track};
+
+/// Distance over which forces are averaged, m (EN 14363).
+pub const MEAN_WINDOW: f64 = 2.0;
 
 /// Assembles the model of a scene.
 ///
@@ -35,5 +38,6 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
         points: contact.points,
         prepared: scene.prepared.clone(),
     };
-    Model::new(parts, &contact.formulation)
+    let window = scene.interface.outputs.contains(&SLIDING_MEANS).then_some(MEAN_WINDOW);
+    Ok(Model::new(parts, &contact.formulation)?.with_sliding_means(window))
 }

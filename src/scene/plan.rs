@@ -50,6 +50,10 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     let grade = scene.track.grade;
     let why = if grade == 0.0 { "no track.grade".into() } else { format!("track.grade = {grade} rad: gravity pulls along the track too") };
     effect("grade", grade != 0.0, why, 0);
+    if let Some(mean) = &model.means {
+        let why = format!("interface.outputs names \"sliding_means\": over {} m", mean.window);
+        effect("sliding means", true, why, mean.states() * model.wheelsets.len());
+    }
     for (name, why) in track_effects(scene) {
         effect(name, true, why, 0);
     }

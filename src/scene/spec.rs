@@ -86,7 +86,9 @@ pub struct SolverSpec {
 
 /// Groups of inputs, outputs and parameters that an FMU may show.
 pub const INPUT_GROUPS: &[&str] = &["drive_torque", "centre_forces", "friction"];
-pub const OUTPUT_GROUPS: &[&str] = &["motion", "wheels", "contacts", "suspension", "axles", "bodies", "sensors", "forces"];
+pub const OUTPUT_GROUPS: &[&str] = &["motion", "wheels", "contacts", "suspension", "axles", "bodies", "sensors", "forces", SLIDING_MEANS];
+/// The group that costs states: shown only where a scene names it.
+pub const SLIDING_MEANS: &str = "sliding_means";
 pub const PARAMETER_GROUPS: &[&str] = &["vehicle", "suspension", "contact", "solver", "initial"];
 
 /// `[interface]`: names of groups; all when absent.
@@ -147,7 +149,7 @@ impl Scene {
             Some(section) => read_interface(section, &vehicle)?,
             None => InterfaceSpec {
                 inputs: INPUT_GROUPS.to_vec(),
-                outputs: OUTPUT_GROUPS.to_vec(),
+                outputs: default_outputs(),
                 parameters: PARAMETER_GROUPS.to_vec(),
                 only: None,
             },
@@ -299,6 +301,11 @@ fn read_points(section: &Section) -> Result<usize, SettingsError> {
     Err(section.error("points", format!("found {points:?}, expected a whole number from 1 to {MOST_POINTS}")))
 }
 
+/// All groups that cost nothing.
+fn default_outputs() -> Vec<&'static str> {
+    OUTPUT_GROUPS.iter().copied().filter(|group| *group != SLIDING_MEANS).collect()
+}
+
 fn read_interface(section: Section, vehicle: &VehicleSpec) -> Result<InterfaceSpec, SettingsError> {
     let only = section.optional_texts("only")?;
     let parts = vehicle.part_names();
@@ -311,7 +318,7 @@ fn read_interface(section: Section, vehicle: &VehicleSpec) -> Result<InterfaceSp
     }
     let spec = InterfaceSpec {
         inputs: section.words_or_all("inputs", INPUT_GROUPS)?,
-        outputs: section.words_or_all("outputs", OUTPUT_GROUPS)?,
+        outputs: if section.has("outputs") { section.words_or_all("outputs", OUTPUT_GROUPS)? } else { default_outputs() },
         parameters: section.words_or_all("parameters", PARAMETER_GROUPS)?,
         only,
     };

@@ -57,7 +57,7 @@ impl Dynamics for ModelDynamics<'_> {
     fn error_weight(&self, i: usize) -> f64 {
         let system = &self.model.system;
         let velocities = COORDINATES * system.bodies.len();
-        let plain = if (velocities..2 * velocities).contains(&i) {
+        let plain = if (velocities..2 * velocities).contains(&i) || i >= self.model.mean_states(0).start {
             0.0
         } else if i < velocities
             && matches!(i % COORDINATES, HEIGHT | ROLL)
@@ -71,7 +71,9 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn project(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
-        keep(&mut self.failure, self.model.project(self.workspace, t, y, memory))
+        let moved = keep(&mut self.failure, self.model.project(self.workspace, t, y, memory))?;
+        self.model.note_means(y, memory);
+        Ok(moved)
     }
 
     fn margin(&self, memory: &[f64]) -> Option<f64> {

@@ -2,6 +2,7 @@
 
 use super::Snapshot;
 use super::unit::Unit;
+use crate::formulation::sliding_mean::UNLOADED;
 use crate::formulation::{
     ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, Model, RIGHT_FRICTION, VERTICAL_FORCE, contact_index,
 };
@@ -9,7 +10,7 @@ use crate::geometry::Side;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::on_track::{OnTrack, accelerations, relative};
-use nalgebra::Vector3;
+use crate::scene::spec::SLIDING_MEANS;
 
 /// What an output depends on at the same instant.
 #[derive(Clone, Copy)]
@@ -144,6 +145,7 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
             let points = model.points;
             wheel(&mut collector, contact_index(index, side), points, side, wheelset.body);
         }
+        means(&mut collector, model, index);
         for (element, force) in model.system.forces.iter().enumerate() {
             let Some(number) = force.output_number() else { continue };
             let text = "force of the suspension element on the wheelset along its track axis (X forward, Y left positive)";
@@ -177,11 +179,6 @@ pub(super) fn on_track(s: &Snapshot, body: usize) -> Option<(OnTrack, &Station)>
 /// Coordinate or velocity at a place of the state vector.
 pub(super) fn in_order(motion: &OnTrack, at: usize, q: usize, v: usize) -> f64 {
     if at < v { motion.coordinates[at - q] } else { motion.velocities[at - v] }
-}
-
-/// A vector of the world in the track frame beside a body.
-pub(super) fn in_track(s: &Snapshot, body: usize, vector: Vector3<f64>) -> Vector3<f64> {
-    s.workspace.system.stations.get(body).map_or(vector, |station| station.components(&vector))
 }
 
 fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
@@ -238,8 +235,21 @@ fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
     );
 }
 
-/// Wheel unloading below this force [N] makes quotients meaningless; they are reported as zero.
-const UNLOADED: f64 = 1.0;
+/// Means over the last stretch of travel.
+fn means(c: &mut Collector, model: &Model, wheelset: usize) {
+    let Some(mean) = model.means else { return };
+    let (states, memory) = (model.mean_states(wheelset), model.mean_memory(wheelset));
+    let lines = [
+        (106, "left.derailmentQuotientMean", Unit::One, "derailmentQuotient of the left wheel, sliding mean"),
+        (206, "right.derailmentQuotientMean", Unit::One, "derailmentQuotient of the right wheel, sliding mean"),
+        (32, "trackShiftingForceMean", Unit::Newton, "sum of Y: lateral force of both wheels on the track, left positive, sliding mean"),
+    ];
+    for (quantity, (id, name, unit, text)) in lines.into_iter().enumerate() {
+        let (states, memory) = (states.clone(), memory.clone());
+        let text = format!("{text} over {} m (over what was travelled until then)", mean.window);
+        c.add(id, name, SLIDING_MEANS, unit, STATE, &text, move |s| mean.mean(quantity, &s.y[states.clone()], &s.memory()[memory.clone()]));
+    }
+}
 
 fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usize) {
     let friction = if side == Side::Left { LEFT } else { RIGHT };
@@ -252,10 +262,7 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usi
     let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| s.workspace.reports(contact).map(read).sum::<f64>();
 
     // The sum of their forces in the track frame.
-    let total = move |s: &Snapshot| {
-        let force: Vector3<f64> = s.workspace.reports(contact).map(|report| report.force).sum();
-        in_track(s, body, force)
-    };
+    let total = move |s: &Snapshot| s.workspace.wheel_force(contact, body);
 
     let g = "wheels";
     c.add(
@@ -387,7 +394,7 @@ fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize,
     );
     c.add(11, "railCoordinate", g, Unit::Metre, none, "eta: contact on the rail profile, outward positive", of(|k| k.parameters.rail));
     c.add(12, "angle", g, Unit::Radian, none, "contact angle: lean of the normal toward the track centre in the cross-section", move |s| {
-        let n = in_track(s, body, s.workspace.report(contact, index).axes.normal);
+        let n = s.workspace.in_track(body, s.workspace.report(contact, index).axes.normal);
         (-outward * n.y).atan2(n.z)
     });
     c.add(

@@ -4,9 +4,9 @@
 //! 3000000 + 100 s (from 0, in the order of names): they belong to the vehicle, whatever of it is shown.
 
 use super::Snapshot;
-use super::outputs::{ALL, Output, in_track, on_track, outputs};
+use super::outputs::{ALL, Output, on_track, outputs};
 use super::unit::Unit;
-use crate::formulation::{ContactReport, LEFT_FRICTION, Model, RIGHT_FRICTION, contact_index};
+use crate::formulation::{LEFT_FRICTION, Model, RIGHT_FRICTION, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::force::QuantityKind;
@@ -73,7 +73,6 @@ impl Collector<'_> {
     }
 
     fn axles(&mut self) {
-        let points = self.model.points;
         for (index, wheelset) in self.model.wheelsets.iter().enumerate() {
             let label = Label {
                 reference: (index as u32 + 1) * 1000 + TRACK_SHIFTING_FORCE,
@@ -85,10 +84,7 @@ impl Collector<'_> {
             let body = wheelset.body;
             let text = "sum of Y: lateral force of both wheels on the track, left positive";
             self.add(label, text, move |s| {
-                let contacts = Side::BOTH.map(|side| contact_index(index, side));
-                let force = |report: &ContactReport| in_track(s, body, report.force).y;
-                let further = |contact: usize| &s.workspace.further_contacts[contact * (points - 1)..(contact + 1) * (points - 1)];
-                -contacts.iter().map(|c| force(&s.workspace.contacts[*c]) + further(*c).iter().map(force).sum::<f64>()).sum::<f64>()
+                -Side::BOTH.map(|side| s.workspace.wheel_force(contact_index(index, side), body).y).iter().sum::<f64>()
             });
         }
     }
