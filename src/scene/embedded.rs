@@ -14,6 +14,8 @@ pub static SCENES: &[EmbeddedScene] = &[
     EmbeddedScene { name: "bogie", text: include_str!("../../fmu/scenes/bogie.toml") },
     EmbeddedScene { name: "vehicle_manchester_1", text: include_str!("../../fmu/scenes/vehicle_manchester_1.toml") },
     EmbeddedScene { name: "vehicle_equalised", text: include_str!("../../fmu/scenes/vehicle_equalised.toml") },
+    EmbeddedScene { name: "vehicle_bumps", text: include_str!("../../fmu/scenes/vehicle_bumps.toml") },
+    EmbeddedScene { name: "vehicle_curve", text: include_str!("../../fmu/scenes/vehicle_curve.toml") },
     EmbeddedScene { name: "train", text: include_str!("../../fmu/scenes/train.toml") },
 ];
 
