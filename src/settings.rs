@@ -141,6 +141,16 @@ impl<'a> Section<'a> {
         self.optional(key, dimension)?.ok_or_else(|| self.missing(key, &dimension.expectation()))
     }
 
+    /// A number in SI that must be given; `inf` and `"inf"` are allowed.
+    pub fn number_or_infinity(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
+        let endless = match self.find(key).and_then(Item::as_value) {
+            Some(Value::Float(value)) => value.value().is_infinite(),
+            Some(Value::String(value)) => value.value() == "inf",
+            _ => false,
+        };
+        if endless { Ok(f64::INFINITY) } else { self.number(key, dimension) }
+    }
+
     /// A finite number in SI, or `default`.
     pub fn number_or(&self, key: &'static str, dimension: Dimension, default: f64) -> Result<f64, SettingsError> {
         Ok(self.optional(key, dimension)?.unwrap_or(default))

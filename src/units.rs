@@ -24,6 +24,8 @@ pub enum Dimension {
     /// K_h of the paper's Eq. 28, N/m^1.5.
     ContactStiffness,
     Pressure,
+    /// Of the track, 1/m; degrees are those of a chord of 100 ft.
+    Curvature,
 }
 
 /// Unit names and their size in SI, the first one being the SI unit itself.
@@ -32,6 +34,8 @@ type Units = &'static [(&'static str, f64)];
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const INCH: f64 = 0.0254;
 const FOOT: f64 = 0.3048;
+/// Degrees of curvature; the size among the units is that of small ones.
+const CHORD_DEGREE: &str = "deg";
 
 impl Dimension {
     fn units(self) -> Units {
@@ -53,6 +57,7 @@ impl Dimension {
             Dimension::PerSpeed => &[("s/m", 1.0)],
             Dimension::PenetrationDamping => &[("N s/m2", 1.0)],
             Dimension::ContactStiffness => &[("N/m^1.5", 1.0)],
+            Dimension::Curvature => &[("1/m", 1.0), ("1/km", 1e-3), (CHORD_DEGREE, DEGREE / (100.0 * FOOT))],
             Dimension::Pressure => &[("Pa", 1.0), ("MPa", 1e6), ("GPa", 1e9)],
         }
     }
@@ -81,6 +86,10 @@ impl Dimension {
         let name = text[split..].trim();
         if name.is_empty() {
             return Some(number);
+        }
+        if self == Dimension::Curvature && name == CHORD_DEGREE {
+            // A chord of 100 ft is seen from the centre under this angle.
+            return Some((0.5 * DEGREE * number).sin() / (50.0 * FOOT));
         }
         self.units().iter().find(|unit| unit.0 == name).map(|unit| number * unit.1)
     }

@@ -97,7 +97,7 @@ pub(super) fn locate(
     if model.searches[contact].is_none() || is_elastic(memory) {
         found = found.or_else(|_| pair.locate_moving(&SurfaceParameters::default(), &carrier));
     }
-    let found = found.map_err(|failure| not_found(motion, failure))?;
+    let found = found.map_err(|failure| not_found(model, motion, failure))?;
     keep(&found.location.parameters, memory);
     Ok(found)
 }
@@ -119,6 +119,7 @@ pub(super) fn project(
 ) -> Result<bool, EvaluationError> {
     let mut searches = 0;
     let changed = rigid::project(model, workspace, t, y, |system| {
+        model.update_stations(memory, system);
         for (contact, wheelset, side) in wheels(model) {
             let memory = &mut memory[model.contact_memory(contact)];
             let elastic = is_elastic(memory);

@@ -48,12 +48,13 @@ impl Formulation for EcfA {
     #[inline]
     fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
         let Evaluation { t, inputs, y, memory } = at;
-        model.system.apply_forces(y, &mut workspace.system);
+        model.apply_forces(y, memory, &mut workspace.system);
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let motion = workspace.system.motions[wheelset.body];
             let inputs = &inputs[index * WHEELSET_INPUTS..(index + 1) * WHEELSET_INPUTS];
+            let applied = external_wrench(model, &workspace.system, wheelset.body, inputs);
             let wrench = &mut workspace.system.wrenches[wheelset.body];
-            *wrench += external_wrench(&motion, inputs);
+            *wrench += applied;
             for (side, friction) in [(Side::Left, inputs[LEFT_FRICTION]), (Side::Right, inputs[RIGHT_FRICTION])] {
                 let contact = contact_index(index, side);
                 let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction, y };

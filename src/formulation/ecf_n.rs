@@ -83,14 +83,14 @@ impl Formulation for EcfN {
         2
     }
 
-    fn start(&self, model: &Model, workspace: &mut Workspace, _: f64, y: &mut [f64], _: &mut [f64]) -> Result<(), EvaluationError> {
-        model.system.move_bodies(y, &mut workspace.system);
+    fn start(&self, model: &Model, workspace: &mut Workspace, _: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
+        model.move_bodies(y, memory, &mut workspace.system);
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let motion = &workspace.system.motions[wheelset.body];
             for side in Side::BOTH {
                 let contact = contact_index(index, side);
                 let point = self.searches[contact].centre_point(&motion.position, &motion.frame.axes);
-                y[model.contact_states(contact)].fill(foot(model.track.rail(side), &point));
+                y[model.contact_states(contact)].fill(foot(model.track.rail(side), &point, motion.distance));
             }
         }
         Ok(())
@@ -98,11 +98,12 @@ impl Formulation for EcfN {
 
     fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
         let Evaluation { t, inputs, y, memory } = at;
-        model.system.apply_forces(y, &mut workspace.system);
+        model.apply_forces(y, memory, &mut workspace.system);
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let motion = workspace.system.motions[wheelset.body];
             let inputs = &inputs[index * WHEELSET_INPUTS..(index + 1) * WHEELSET_INPUTS];
-            workspace.system.wrenches[wheelset.body] += external_wrench(&motion, inputs);
+            let applied = external_wrench(model, &workspace.system, wheelset.body, inputs);
+            workspace.system.wrenches[wheelset.body] += applied;
             for (side, friction) in [(Side::Left, inputs[LEFT_FRICTION]), (Side::Right, inputs[RIGHT_FRICTION])] {
                 let contact = contact_index(index, side);
                 let state = model.contact_states(contact).start;
@@ -110,11 +111,11 @@ impl Formulation for EcfN {
                 let search = &self.searches[contact];
                 let centre = search.centre_point(&motion.position, &motion.frame.axes);
                 dy[state] = arc_rate(&section, &centre, &motion.attachment_velocity(&centre));
-                let found = search.search(&motion.position, &motion.frame.axes, motion.position.x, y[state], &section);
+                let found = search.search(&motion.position, &motion.frame.axes, motion.distance, y[state], &section);
                 workspace.work.search_iterations += found.evaluated as u64;
                 let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
                 let [first, second] = &found.contacts;
-                let first = first.as_ref().ok_or_else(|| fail(ContactFailure::OffRail { y: motion.position.y }))?;
+                let first = first.as_ref().ok_or_else(|| fail(ContactFailure::OffRail { y: model.beside(&motion).0 }))?;
                 keep(&first.parameters, &mut memory[model.contact_memory(contact)]);
                 let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction, y };
                 let mut load = |(slot, found): (usize, &ContactLocation)| {
@@ -149,16 +150,16 @@ impl EcfN {
         ];
         for (part, place, (first, last)) in places {
             if found.penetration > 0.0 && !(place - first > self.spacing && last - place > self.spacing) {
-                return Err(ContactFailure::OffProfile { part, found: place, first, last, y: motion.position.y });
+                return Err(ContactFailure::OffProfile { part, found: place, first, last, y: model.beside(motion).0 });
             }
         }
         Ok(())
     }
 }
 
-/// The distance s at which the plane normal to the rail's space curve goes through `point`.
-fn foot(rail: &Rail, point: &Vector3<f64>) -> f64 {
-    let mut s = point.x;
+/// The distance s at which the plane normal to the rail's space curve goes through `point`, near that of the wheelset.
+fn foot(rail: &Rail, point: &Vector3<f64>, distance: f64) -> f64 {
+    let mut s = if rail.line().is_some() { distance } else { point.x };
     for _ in 0..20 {
         let section = rail.section(s);
         let gap = point - section.origin;

@@ -50,7 +50,7 @@ fn settling_time(memory: &[f64]) -> f64 {
 
 /// All contacts begin as constraints that carry the static load, each at its wheel's deepest place.
 pub(super) fn start(model: &Model, workspace: &mut Workspace, y: &[f64], memory: &mut [f64]) {
-    model.system.move_bodies(y, &mut workspace.system);
+    model.move_bodies(y, memory, &mut workspace.system);
     for (contact, wheelset, side) in wheels(model) {
         let memory = &mut memory[model.contact_memory(contact)];
         let pair = pair(model, wheelset, side, &workspace.system.motions[wheelset.body]);
@@ -199,16 +199,13 @@ fn land(
     y: &mut [f64],
     memory: &mut [f64],
 ) -> Result<ContactChange, EvaluationError> {
-    model.system.move_bodies(y, &mut workspace.system);
+    model.move_bodies(y, memory, &mut workspace.system);
     let motion = workspace.system.motions[wheelset.body];
     let range = model.contact_memory(contact);
     points::promote(model, workspace, contact, y, &mut memory[range.clone()]);
     let found = eccf::locate(model, (contact, wheelset, side), &motion, &mut memory[range.clone()])
         .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
-    let mechanical = |workspace: &Workspace, y: &[f64]| {
-        let motions = &workspace.system.motions;
-        model.system.kinetic_energy(motions) + model.system.potential_energy(y, motions)
-    };
+    let mechanical = |workspace: &Workspace, y: &[f64]| model.system.mechanical_energy(y, &workspace.system);
     let penetration = found.location.penetration;
     // K delta^1.5 integrated; a curvature taken over the patch changes K a little on the way, which is left out.
     let shape = found.location.shape(wheelset.wheel(side), model.track.rail(side));
@@ -220,6 +217,6 @@ fn land(
     (memory_of[MODE], memory_of[NORMAL_FORCE], memory_of[SETTLED_SINCE]) = (0.0, wheelset.static_wheel_load, f64::INFINITY);
     points::forget(model, contact, memory_of);
     model.formulation.resettle(model, workspace, t, y, memory)?;
-    model.system.move_bodies(y, &mut workspace.system);
+    model.move_bodies(y, memory, &mut workspace.system);
     Ok(ContactChange::Landed { penetration, rate: -found.gap_rate, energy: mechanical(workspace, y) - before })
 }

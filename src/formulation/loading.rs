@@ -1,6 +1,6 @@
 //! What all formulations share: loads from outside and the laws of contact at a point that was found.
 
-use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LONGITUDINAL_FORCE, Model, VERTICAL_FORCE, Wheelset};
+use super::{ContactFailure, ContactReport, DRIVE_TORQUE, Model, Wheelset};
 use crate::contact::Patch;
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{ContactAxes, Creepage, in_rolling_direction};
@@ -11,6 +11,7 @@ use crate::contact::transient::{self, LoadedPatch};
 use crate::geometry::Side;
 use crate::math::newton::NewtonFailure;
 use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::system::SystemWorkspace;
 use nalgebra::Vector3;
 
 /// Deeper than this, half-space elasticity has long ended: the initial position is wrong.
@@ -20,11 +21,8 @@ const SLOWEST: f64 = 0.05;
 
 /// Torque about the axle and forces at the centre that a master applies.
 #[inline]
-pub(super) fn external_wrench(motion: &BodyMotion, inputs: &[f64]) -> Wrench {
-    Wrench {
-        force: Vector3::new(inputs[LONGITUDINAL_FORCE], inputs[LATERAL_FORCE], inputs[VERTICAL_FORCE]),
-        moment: motion.axle() * inputs[DRIVE_TORQUE],
-    }
+pub(super) fn external_wrench(model: &Model, system: &SystemWorkspace, body: usize, inputs: &[f64]) -> Wrench {
+    Wrench { force: model.input_force(system, body, inputs), moment: system.motions[body].axle() * inputs[DRIVE_TORQUE] }
 }
 
 /// One wheel at one instant.
@@ -103,7 +101,7 @@ impl Contact<'_> {
         }
         self.check_place()?;
         if found.penetration > DEEPEST {
-            return Err(ContactFailure::TooDeep { penetration: found.penetration, z: self.wheel.motion.position.z });
+            return Err(ContactFailure::TooDeep { penetration: found.penetration, z: self.wheel.model.beside(self.wheel.motion).1 });
         }
         let elastic = model.laws.normal.contact(&self.shape(), found.penetration)?;
         // A place that carries a share of a patch's force covers that share of its area.
@@ -171,7 +169,7 @@ impl Contact<'_> {
             [("wheel", self.found.parameters.wheel, wheel.profile.range()), ("rail", self.found.parameters.rail, rail.profile.range())];
         for (part, found, (first, last)) in places {
             if !(found >= first && found <= last) {
-                return Err(ContactFailure::OffProfile { part, found, first, last, y: motion.position.y });
+                return Err(ContactFailure::OffProfile { part, found, first, last, y: model.beside(motion).0 });
             }
         }
         Ok(())
@@ -186,7 +184,7 @@ pub(super) fn pair<'a>(model: &'a Model, wheelset: &'a Wheelset, side: Side, mot
         rail: model.track.rail(side),
         centre: &motion.position,
         axes: &motion.frame.axes,
-        distance: motion.position.x,
+        distance: motion.distance,
     }
 }
 
@@ -201,6 +199,6 @@ pub(super) fn keep(p: &SurfaceParameters, memory: &mut [f64]) {
     memory[..4].copy_from_slice(&[p.wheel, p.angle, p.lead, p.rail]);
 }
 
-pub(super) fn not_found(motion: &BodyMotion, failure: NewtonFailure) -> ContactFailure {
-    ContactFailure::NotFound { iterations: failure.iterations, residual: failure.residual, y: motion.position.y }
+pub(super) fn not_found(model: &Model, motion: &BodyMotion, failure: NewtonFailure) -> ContactFailure {
+    ContactFailure::NotFound { iterations: failure.iterations, residual: failure.residual, y: model.beside(motion).0 }
 }

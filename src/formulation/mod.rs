@@ -18,6 +18,7 @@ mod loading;
 mod model;
 pub mod points;
 mod rigid;
+mod travel;
 pub mod work;
 
 pub use failure::{ContactFailure, EvaluationError};

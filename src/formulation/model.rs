@@ -49,7 +49,7 @@ impl Wheelset {
     /// Travelling speed that creepages are relative to, m/s; with the sign of the direction.
     #[inline]
     pub fn speed(&self, motion: &BodyMotion) -> f64 {
-        self.imposed_speed.unwrap_or(motion.velocity.x)
+        self.imposed_speed.unwrap_or(motion.speed)
     }
 
     pub fn wheel(&self, side: Side) -> &Wheel {
@@ -125,7 +125,7 @@ pub struct ContactReport {
     pub slip: Slip,
     /// Rates of the tangential states, where there are any.
     pub deflection_rates: [f64; transient::STATES],
-    /// Force on the wheelset in the track frame, N.
+    /// Force on the wheelset in the world (on straight track the track frame), N.
     pub force: Vector3<f64>,
     pub iterations: usize,
     /// Is the contact a constraint (its normal force a multiplier), not elastic?
@@ -261,7 +261,7 @@ impl Model {
 
     /// Length of the state's memory.
     pub fn memory(&self) -> usize {
-        self.contacts() * self.memory_per_contact()
+        self.contacts() * self.memory_per_contact() + self.followed()
     }
 
     fn memory_per_contact(&self) -> usize {
@@ -287,8 +287,10 @@ impl Model {
         let constrained: Vec<usize> =
             if self.formulation.constrains() { self.wheelsets.iter().flat_map(both).collect() } else { Vec::new() };
         let further = (self.points - 1) * self.contacts();
+        let mut system = self.system.workspace(&constrained);
+        self.add_stations(&mut system);
         Workspace {
-            system: self.system.workspace(&constrained),
+            system,
             contacts: vec![ContactReport::default(); self.contacts()],
             further_contacts: vec![ContactReport::default(); further],
             rigid: if self.formulation.constrains() { RigidScratch::new(self) } else { RigidScratch::default() },

@@ -100,12 +100,12 @@ pub(super) fn derivative(
     mut find: impl FnMut(usize, &Wheelset, Side, &BodyMotion, &mut [f64]) -> Result<ConstraintRow, ContactFailure>,
 ) -> Result<(), EvaluationError> {
     let Evaluation { t, inputs, y, memory } = at;
-    model.system.apply_forces(y, &mut workspace.system);
+    model.apply_forces(y, memory, &mut workspace.system);
     let mut rigid = std::mem::take(&mut workspace.rigid);
     let done = (|| {
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
-            let motion = &workspace.system.motions[wheelset.body];
-            workspace.system.wrenches[wheelset.body] += external_wrench(motion, &inputs[index * WHEELSET_INPUTS..]);
+            let applied = external_wrench(model, &workspace.system, wheelset.body, &inputs[index * WHEELSET_INPUTS..]);
+            workspace.system.wrenches[wheelset.body] += applied;
         }
         model.system.prepare_constraints(t, &mut workspace.system);
         for (contact, wheelset, side) in wheels(model) {
@@ -170,7 +170,7 @@ fn wheel_of<'a>(model: &'a Model, system: &SystemWorkspace, row: usize) -> (&'a 
 
 fn singular(model: &Model, system: &SystemWorkspace, t: f64, error: SingularConstraints) -> EvaluationError {
     let (wheelset, side) = wheel_of(model, system, error.row);
-    let y = system.motions[wheelset.body].position.y;
+    let y = model.beside(&system.motions[wheelset.body]).0;
     EvaluationError::new(t, wheelset, side, ContactFailure::Singular { row: error.row, y })
 }
 
@@ -201,7 +201,9 @@ pub(super) fn project(
     mut contacts: impl FnMut(&mut SystemWorkspace) -> Result<(), EvaluationError>,
 ) -> Result<bool, EvaluationError> {
     let system = &mut workspace.system;
-    let projected = model.system.project(t, y, system, CLOSED, |system| contacts(system).map_err(ProjectionFailure::At));
+    let rounding = |wheelset: &Wheelset| model.rounding(&y[model.system.coordinates(wheelset.body)]);
+    let closed = model.wheelsets.iter().map(rounding).fold(CLOSED, f64::max);
+    let projected = model.system.project(t, y, system, closed, |system| contacts(system).map_err(ProjectionFailure::At));
     let failure = match projected {
         Ok(done) => {
             workspace.work.constraint_iterations += done.iterations as u64;
@@ -212,7 +214,7 @@ pub(super) fn project(
     };
     let (gap, row) = system.constraints.largest(&system.constraints.residual);
     let (wheelset, side) = wheel_of(model, system, row);
-    let place = system.motions[wheelset.body].position.y;
+    let place = model.beside(&system.motions[wheelset.body]).0;
     let cause = match failure {
         ProjectionError::NotConverged { iterations, .. } => ContactFailure::NotClosed { iterations, gap, y: place },
         ProjectionError::Singular { .. } => ContactFailure::Singular { row, y: place },

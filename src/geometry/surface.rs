@@ -1,11 +1,13 @@
 //! Points on the surfaces of wheel and rail with tangents and second derivatives (Eqs. 2-8).
+//!
+//! All in the world's axes; on straight track they are those of the track frame.
 
 use super::Side;
 use super::profile::{Profile, ProfilePoint};
 use super::track::Rail;
 use nalgebra::{Matrix3, Vector3};
 
-/// A point of a surface r(p, q) and its derivatives, all in the track frame.
+/// A point of a surface r(p, q) and its derivatives, all in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
     /// r, m.
@@ -28,20 +30,26 @@ pub struct ThirdDerivatives {
     pub t222: Vector3<f64>,
 }
 
-/// Third derivatives of the rail surface at distance `s` where its profile is `profile`.
-pub fn rail_third_derivatives(rail: &Rail, s: f64, profile: &ProfilePoint) -> ThirdDerivatives {
+/// Third derivatives of the rail surface at distance `s` and coordinate `eta` where its profile is `profile`.
+pub fn rail_third_derivatives(rail: &Rail, s: f64, eta: f64, profile: &ProfilePoint) -> ThirdDerivatives {
+    if let Some(line) = rail.line() {
+        return rail.curved_third_derivatives(line, s, eta, profile);
+    }
     let zero = Vector3::zeros();
     ThirdDerivatives { t111: rail.section(s).d3, t112: zero, t122: zero, t222: rail.up * profile.d3 }
 }
 
 /// Rail surface over (s, eta): distance along the track [m] and coordinate across the section [m].
 ///
-/// `r = origin(s) + eta * outward + f(eta) * up` (Eqs. 5 and 6). Returns the profile value too, whose
+/// `r = origin(s) + eta * outward(s) + f(eta) * up(s)` (Eqs. 5 and 6). Returns the profile value too, whose
 /// derivatives give the curvature.
 #[inline]
 pub fn rail_point(rail: &Rail, s: f64, eta: f64) -> (SurfacePoint, ProfilePoint) {
-    let section = rail.section(s);
     let f = rail.profile.at(eta);
+    if let Some(line) = rail.line() {
+        return (rail.curved_point(line, s, eta, &f), f);
+    }
+    let section = rail.section(s);
     let point = SurfacePoint {
         position: section.origin + rail.outward * eta + rail.up * f.value,
         t1: section.d1,
@@ -100,6 +108,7 @@ impl Wheel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::track::centre_line::{Alignment, CentreLine, Node, Pivot};
     use crate::geometry::track::{Deviation, Direction, Rail};
     use crate::math::rotation::AxleFrame;
     use std::sync::Arc;
@@ -162,7 +171,24 @@ mod tests {
 
             let deviation = |direction| Deviation { side, direction, shape: Arc::new(Wave) };
             let rail = Rail::new(side, Arc::new(Bent), 0.716, 0.025, &[deviation(Direction::Lateral), deviation(Direction::Vertical)]);
-            check(|s, eta| rail_point(&rail, s, eta).0, rail_third_derivatives(&rail, 0.8, &Bent.at(0.01)), 0.8, 0.01);
+            check(|s, eta| rail_point(&rail, s, eta).0, rail_third_derivatives(&rail, 0.8, 0.01, &Bent.at(0.01)), 0.8, 0.01);
+
+            // The same on a track that bends, twists and climbs, more than any would.
+            let node = |distance, curvature, superelevation, grade| Node { distance, curvature, superelevation, grade };
+            let nodes = vec![node(-3.0, 0.02, -0.05, 0.0), node(0.0, -0.01, 0.1, 0.05), node(4.0, 0.05, -0.1, -0.04)];
+            let alignment = Alignment { nodes, smoothing: 5.0, pivot: Pivot::LowRail { base: 1.5 } };
+            let rail = rail.along(CentreLine::new(&alignment, Vector3::new(2.0, -1.0, 0.5), 0.7).map(Arc::new));
+            for s in [-2.3, 0.8, 2.7] {
+                let third = rail_third_derivatives(&rail, s, 0.01, &Bent.at(0.01));
+                check(|s, eta| rail_point(&rail, s, eta).0, third, s, 0.01);
+                let (h, section) = (1e-5, rail.section(s));
+                let [ahead, behind] = [rail.section(s + h), rail.section(s - h)];
+                for (a, b, d) in
+                    [(ahead.origin, behind.origin, section.d1), (ahead.d1, behind.d1, section.d2), (ahead.d2, behind.d2, section.d3)]
+                {
+                    assert!(((a - b) / (2.0 * h) - d).norm() < 1e-8);
+                }
+            }
         }
     }
 

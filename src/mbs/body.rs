@@ -1,6 +1,6 @@
 //! Rigid bodies: coordinates, motion, wrenches.
 //!
-//! Coordinates: position x, y, z [m] of the centre of mass in the track frame, yaw, roll, pitch [rad] of
+//! Coordinates: position x, y, z [m] of the centre of mass in the world (on straight track the track frame), yaw, roll, pitch [rad] of
 //! `Rz(yaw) Rx(roll) Ry(pitch)`; velocities are their time derivatives. A body of revolution that may spin is
 //! described in the axle frame `Rz Rx`, which does not spin with it, so the step size is not tied to the
 //! revolutions. What is attached to such a body (a spring at its bearing, a joint) sits in the axle frame; what is
@@ -45,6 +45,9 @@ pub struct BodyMotion {
     pub yaw_rate: f64,
     pub roll_rate: f64,
     pub pitch_rate: f64,
+    /// Distance of the centre along the track, m, and its speed along the track, m/s: x and x' unless a curved track is followed.
+    pub distance: f64,
+    pub speed: f64,
 }
 
 impl BodyMotion {
@@ -65,6 +68,8 @@ impl BodyMotion {
             yaw_rate: v[3],
             roll_rate: v[4],
             pitch_rate: v[5],
+            distance: q[0],
+            speed: v[0],
         }
     }
 

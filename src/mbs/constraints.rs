@@ -79,6 +79,11 @@ impl System {
         for drive in &self.drives {
             // The centre of mass is the origin: X is coupled to no other coordinate.
             let mut mobility = *constraints.kkt.mobility(drive.body);
+            if let Some(station) = workspace.stations.get(drive.body) {
+                super::driving::without_travel(&mut mobility, station);
+                constraints.kkt.set_mobility(drive.body, &mobility);
+                continue;
+            }
             mobility[(0, 0)] = 0.0;
             constraints.kkt.set_mobility(drive.body, &mobility);
         }
@@ -103,6 +108,11 @@ impl System {
             free.copy_from_slice(&data.accelerations(motion, wrench));
         }
         for drive in &self.drives {
+            if let Some(station) = workspace.stations.get(drive.body) {
+                let linear = &mut workspace.constraints.free[COORDINATES * drive.body..][..3];
+                drive.hold(station, &workspace.motions[drive.body], linear);
+                continue;
+            }
             workspace.constraints.free[COORDINATES * drive.body] = 0.0;
         }
     }
@@ -115,8 +125,15 @@ impl System {
         dy[..count].copy_from_slice(&y[count..2 * count]);
         dy[count..2 * count].copy_from_slice(&workspace.constraints.accelerations);
         workspace.copy_force_rates(count, dy);
-        let SystemWorkspace { constraints, wrenches, drive_forces, .. } = workspace;
+        let SystemWorkspace { constraints, wrenches, drive_forces, stations, motions, .. } = workspace;
         for (drive, force) in self.drives.iter().zip(drive_forces) {
+            if let Some(station) = stations.get(drive.body) {
+                let held = |axis| constraints.kkt.constraint_force(drive.body, axis, &constraints.multipliers);
+                let other = wrenches[drive.body].force + nalgebra::Vector3::new(held(0), held(1), held(2));
+                let demand = drive.demand(station, &motions[drive.body]);
+                *force = self.bodies[drive.body].mass * demand - other.dot(&station.frame.along());
+                continue;
+            }
             *force = -wrenches[drive.body].force.x - constraints.kkt.constraint_force(drive.body, 0, &constraints.multipliers);
         }
     }

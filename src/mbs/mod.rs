@@ -2,10 +2,12 @@
 
 pub mod body;
 pub mod constraints;
+mod driving;
 pub mod force;
 pub mod inertia;
 pub mod joint;
 pub mod kkt;
+pub mod on_track;
 pub mod projection;
 pub mod redundancy;
 pub mod system;

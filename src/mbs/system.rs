@@ -3,13 +3,15 @@
 //! The state vector holds the coordinates of all bodies (x, y, z, yaw, roll, pitch each), then their velocities in
 //! the same order, then the first-order states of the force elements that have some, in the elements' order. A driving constraint `x' = V` removes its coordinate's acceleration exactly: the centre of mass
 //! is the body's origin, so X is not coupled to other coordinates by inertia, the acceleration is zero and the
-//! constraint force is minus the sum of all other longitudinal forces. Joints and contact constraints are solved
+//! constraint force is minus the sum of all other longitudinal forces. On a curved track the constraint holds the speed along the
+//! track's tangent ([`super::driving`]). Joints and contact constraints are solved
 //! for together ([`super::constraints`]); a system that has none pays nothing for them.
 
 use super::body::{Body, BodyMotion, COORDINATES, Wrench};
 use super::constraints::Constraints;
 use super::force::ForceElement;
 use super::joint::Joint;
+use crate::geometry::track::station::Station;
 
 /// A body whose centre travels with imposed constant speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +44,8 @@ pub struct SystemWorkspace {
     /// Force of each driving constraint, N, forward positive.
     pub drive_forces: Vec<f64>,
     pub constraints: Constraints,
+    /// By body, on a curved track for the bodies that are followed along it; empty on straight track.
+    pub stations: Vec<Station>,
 }
 
 impl System {
@@ -87,6 +91,7 @@ impl System {
             force_states_end: if count == 0 { Vec::new() } else { ends.collect() },
             drive_forces: vec![0.0; self.drives.len()],
             constraints: Constraints::new(self, contact_bodies),
+            stations: Vec::new(),
         }
     }
 
@@ -134,6 +139,19 @@ impl System {
         }
     }
 
+    /// Fills the workspace with the force elements' wrenches and rates where motions and stations are known.
+    pub fn apply_forces_on_track(&self, y: &[f64], workspace: &mut SystemWorkspace) {
+        let SystemWorkspace { motions, wrenches, force_rates, force_states_end, stations, .. } = workspace;
+        wrenches.fill(Wrench::default());
+        let states = &y[2 * COORDINATES * self.bodies.len()..];
+        let mut start = 0;
+        for (element, force) in self.forces.iter().enumerate() {
+            let end = force_states_end.get(element).copied().unwrap_or(0);
+            force.apply_on_track(motions, stations, &states[start..end], &mut force_rates[start..end], wrenches);
+            start = end;
+        }
+    }
+
     /// Derivative of the state under the wrenches in the workspace, without joints and contact constraints; fills the
     /// driving constraints' forces.
     #[inline(always)] // on the wheelset's path, with several callers
@@ -146,6 +164,13 @@ impl System {
         }
         workspace.copy_force_rates(COORDINATES * self.bodies.len(), dy);
         for (drive, force) in self.drives.iter().zip(&mut workspace.drive_forces) {
+            if let Some(station) = workspace.stations.get(drive.body) {
+                let linear = &mut dy[self.velocities(drive.body).start..][..3];
+                let demand = drive.hold(station, &workspace.motions[drive.body], linear);
+                let other = workspace.wrenches[drive.body].force.dot(&station.frame.along());
+                *force = self.bodies[drive.body].mass * demand - other;
+                continue;
+            }
             dy[self.velocities(drive.body).start] = 0.0;
             *force = -workspace.wrenches[drive.body].force.x;
         }
@@ -166,6 +191,17 @@ impl System {
     pub fn dissipated_power(&self, y: &[f64], motions: &[BodyMotion]) -> f64 {
         let forces = self.forces.iter().enumerate();
         forces.map(|(element, force)| force.dissipated_power(motions, &y[self.states_of_force(element)])).sum()
+    }
+
+    /// Kinetic and stored energy of the motion in the workspace, J; the force elements' states are those in `y`.
+    pub fn mechanical_energy(&self, y: &[f64], workspace: &SystemWorkspace) -> f64 {
+        let SystemWorkspace { motions, stations, .. } = workspace;
+        let forces = self.forces.iter().enumerate();
+        let stored = match stations.is_empty() {
+            true => self.potential_energy(y, motions),
+            false => forces.map(|(i, force)| force.potential_energy_on_track(motions, stations, &y[self.states_of_force(i)])).sum(),
+        };
+        self.kinetic_energy(motions) + stored
     }
 }
 

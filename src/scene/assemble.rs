@@ -15,7 +15,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     let track = &scene.track;
     let rail = |side: Side| {
         let profile = track.rails[side.index()].profile.clone();
-        Rail::new(side, profile, track.half_rail_distance, track.inclination, &track.deviations)
+        Rail::new(side, profile, track.half_rail_distance, track.inclination, &track.deviations).along(track.line.clone())
     };
     let contact = &scene.contact;
     let creep = (contact.creep)(contact.material);

@@ -4,6 +4,7 @@ use super::spec::{Scene, VehicleSpec};
 use super::vehicle::FreeVehicle;
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
+use crate::geometry::track::centre_line::{LEAST_ROUNDING, Node, Pivot};
 use crate::mbs::joint::Joint;
 use serde::Serialize;
 
@@ -49,6 +50,9 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     let grade = scene.track.grade;
     let why = if grade == 0.0 { "no track.grade".into() } else { format!("track.grade = {grade} rad: gravity pulls along the track too") };
     effect("grade", grade != 0.0, why, 0);
+    for (name, why) in track_effects(scene) {
+        effect(name, true, why, 0);
+    }
     match &vehicle.free {
         None => {
             let load = vehicle.wheelset.vertical_load;
@@ -125,6 +129,38 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         effects,
         notes: profile_notes(scene),
     }
+}
+
+/// What the nodes of the track call for; a scene without nodes has nothing to say.
+fn track_effects(scene: &Scene) -> Vec<(&'static str, String)> {
+    let Some(alignment) = &scene.track.alignment else { return Vec::new() };
+    let nodes = &alignment.nodes;
+    let largest = |of: fn(&Node) -> f64| nodes.iter().map(|node| of(node).abs()).fold(0.0, f64::max);
+    let count = format!("{} nodes", nodes.len());
+    let rounded = match alignment.smoothing {
+        0.0 => "corners of the table not rounded".to_string(),
+        smoothing => format!("corners rounded over {smoothing} m"),
+    };
+    let mut effects = Vec::new();
+    let curvature = largest(|node| node.curvature);
+    if curvature > 0.0 {
+        effects.push(("curves", format!("{count}: radius down to {:.1} m; {rounded}", 1.0 / curvature)));
+    }
+    let cant = largest(|node| node.superelevation);
+    if cant > 0.0 {
+        let about = if alignment.pivot == Pivot::Centre { "the centre line" } else { "the low rail" };
+        let height = 2.0 * scene.track.half_rail_distance * cant.sin();
+        let rounding = alignment.smoothing.max(LEAST_ROUNDING);
+        effects.push(("superelevation", format!("up to {:.1} mm about {about}; corners rounded over {rounding} m", 1e3 * height)));
+    }
+    let grade = largest(|node| node.grade);
+    if grade > 0.0 {
+        effects.push(("grades", format!("up to {:.2} %; {rounded}", 1e2 * grade.tan())));
+    }
+    if effects.is_empty() {
+        effects.push(("track nodes", format!("{count}, all straight and level: nothing to compute")));
+    }
+    effects
 }
 
 /// Which of several wheelsets the imposed speed acts on.

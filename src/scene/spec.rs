@@ -12,7 +12,8 @@ use crate::formulation::{
 };
 use crate::geometry::file::SceneFile;
 use crate::geometry::profile::{self, Part, ProfileChoice};
-use crate::geometry::track::{self, Deviation, gauge};
+use crate::geometry::track::centre_line::{Alignment, CentreLine};
+use crate::geometry::track::{self, Deviation, gauge, node};
 use crate::settings::{Section, SettingsError, Source, did_you_mean};
 use crate::solve::{self, Integrator};
 use crate::units::Dimension;
@@ -43,8 +44,11 @@ pub struct TrackSpec {
     pub half_rail_distance: f64,
     /// Of the rail sections toward the track centre, rad.
     pub inclination: f64,
-    /// Of the track, rad, climbing positive.
+    /// Of a straight track, rad, climbing positive.
     pub grade: f64,
+    /// `[[track.node]]`, and the centre line that they make (`None`: straight and level).
+    pub alignment: Option<Alignment>,
+    pub line: Option<Arc<CentreLine>>,
     /// Left and right.
     pub rails: [ProfileChoice; 2],
     /// Of single rails, and those that irregularities make of both.
@@ -203,6 +207,11 @@ fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
     let grade = section.number_or("grade", Dimension::Angle, 0.0)?;
     let rails = read_profiles(&section, ["rail", "left_rail", "right_rail"], Part::Rail)?;
     let half_rail_distance = read_half_distance(&section, &rails, inclination)?;
+    let alignment = node::parse(&section, 2.0 * half_rail_distance)?;
+    if alignment.is_some() && section.has("grade") {
+        return Err(section.error("grade", "stands beside [[track.node]]; expected the nodes' own grade"));
+    }
+    let line = alignment.as_ref().and_then(|alignment| CentreLine::new(alignment, nalgebra::Vector3::zeros(), 0.0)).map(Arc::new);
     let (mut deviations, mut files) = (Vec::new(), Vec::new());
     for deviation in section.sections("deviation")? {
         deviations.extend(track::parse_deviation(deviation)?);
@@ -213,7 +222,7 @@ fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
         files.extend(irregularity.file);
     }
     section.finish()?;
-    Ok(TrackSpec { half_rail_distance, inclination, grade, rails, deviations, files })
+    Ok(TrackSpec { half_rail_distance, inclination, grade, alignment, line, rails, deviations, files })
 }
 
 /// Half of `rail_distance`, or what `gauge` makes of it.

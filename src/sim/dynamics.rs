@@ -1,8 +1,7 @@
 //! The model with its inputs as a system that an integrator can advance.
 
 use super::input::{self, InputSignal};
-use crate::formulation::{Evaluation, EvaluationError, Model, Workspace, contact_index};
-use crate::geometry::Side;
+use crate::formulation::{Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::COORDINATES;
 use crate::solve::{Dynamics, Undefined};
 
@@ -72,7 +71,7 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn project(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
-        keep(&mut self.failure, self.model.formulation.project(self.model, self.workspace, t, y, memory))
+        keep(&mut self.failure, self.model.project(self.workspace, t, y, memory))
     }
 
     fn margin(&self, memory: &[f64]) -> Option<f64> {
@@ -93,23 +92,10 @@ impl Dynamics for ModelDynamics<'_> {
         keep(&mut self.failure, self.model.release(&failure, self.workspace, t, y, memory))
     }
 
-    /// When a wheel's contact reaches a place where its rail is not smooth. The contact moves with the centre and,
-    /// when the wheelset yaws, with its wheel.
+    /// When a wheel's contact reaches a place where its rail is not smooth.
     fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64 {
-        let mut next = self.model.next_return(memory).min(self.model.formulation.next_break(self.model, t, y));
-        for (index, wheelset) in self.model.wheelsets.iter().enumerate() {
-            let q = &y[self.model.system.coordinates(wheelset.body)];
-            let v = &y[self.model.system.velocities(wheelset.body)];
-            for side in Side::BOTH {
-                let contact = contact_index(index, side);
-                let lead = memory[self.model.contact_memory(contact)][LEAD];
-                let wheel = wheelset.wheel(side);
-                let speed = v[0] - side.sign() * wheel.half_spacing * q[3].cos() * v[3];
-                if let Some(place) = self.model.track.rail(side).next_break(q[0] + lead, speed) {
-                    next = next.min(t + (place - q[0] - lead) / speed);
-                }
-            }
-        }
-        next
+        let next = self.model.next_return(memory).min(self.model.formulation.next_break(self.model, t, y));
+        let lead = |contact| memory[self.model.contact_memory(contact)][LEAD];
+        next.min(self.model.next_rough_place(t, y, memory, lead))
     }
 }

@@ -13,7 +13,9 @@ pub mod vehicle_outputs;
 use crate::formulation::events::ContactEvent;
 use crate::formulation::work::Work;
 use crate::formulation::{AssemblyError, ContactFailure, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
+use crate::geometry::track::centre_line::CentreLine;
 use crate::mbs::body::COORDINATES;
+use crate::mbs::on_track::{self, OnTrack};
 use crate::scene::assemble;
 use crate::scene::equilibrium::{self, EquilibriumError};
 use crate::scene::spec::Scene;
@@ -111,9 +113,13 @@ impl Simulation {
             None => initial_state(scene, &model)?,
         };
         let mut memory = vec![0.0; model.memory()];
+        model.set_distances(|body| y[model.system.coordinates(body).start], &mut memory);
+        if let Some(line) = model.track.line() {
+            on_the_line(&model, line, &mut y);
+        }
         let mut workspace = model.workspace();
         model.formulation.start(&model, &mut workspace, start, &mut y, &mut memory)?;
-        model.formulation.project(&model, &mut workspace, start, &mut y, &mut memory)?;
+        model.project(&mut workspace, start, &mut y, &mut memory)?;
         let inputs: Vec<InputSignal> = model.neutral_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
         let integration = scene.solver.integrator.start(start, &y, &memory);
         let snapshot = Snapshot {
@@ -242,7 +248,7 @@ impl Simulation {
         memory.copy_from_slice(&self.state.integration.memory);
         input::evaluate(&self.state.inputs, *time, inputs);
         // The continuous output leaves constraints by its error.
-        self.model.formulation.project(&self.model, workspace, *time, y, memory)?;
+        self.model.project(workspace, *time, y, memory)?;
         self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
         self.snapshot_valid = true;
         Ok(&self.snapshot)
@@ -282,6 +288,19 @@ fn initial_state(scene: &Scene, model: &Model) -> Result<Vec<f64>, SimulationErr
     state[..COORDINATES].copy_from_slice(&[distance, y, z, yaw, roll, 0.0]);
     state[COORDINATES..2 * COORDINATES].copy_from_slice(&[scene.vehicle.speed, vy, vz, yaw_rate, roll_rate, pitch_rate]);
     Ok(state)
+}
+
+/// From values in the track frame to the world.
+fn on_the_line(model: &Model, line: &CentreLine, y: &mut [f64]) {
+    for body in 0..model.system.bodies.len() {
+        let (q, v) = (model.system.coordinates(body), model.system.velocities(body));
+        let mut at = OnTrack::default();
+        at.coordinates.copy_from_slice(&y[q.clone()]);
+        at.velocities.copy_from_slice(&y[v.clone()]);
+        let (coordinates, velocities) = on_track::place(&line.frame(at.coordinates[0]), &at);
+        y[q].copy_from_slice(&coordinates);
+        y[v].copy_from_slice(&velocities);
+    }
 }
 
 /// The steady state of a free vehicle with the scene's offsets; also gives the wheels their static loads.

@@ -6,7 +6,9 @@ use crate::formulation::{
     ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, Model, RIGHT_FRICTION, VERTICAL_FORCE, contact_index,
 };
 use crate::geometry::Side;
+use crate::geometry::track::station::Station;
 use crate::mbs::body::COORDINATES;
+use crate::mbs::on_track::{OnTrack, accelerations, relative};
 use nalgebra::Vector3;
 
 /// What an output depends on at the same instant.
@@ -140,7 +142,7 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
         }
         for side in Side::BOTH {
             let points = model.points;
-            wheel(&mut collector, contact_index(index, side), points, side, wheelset.body * COORDINATES);
+            wheel(&mut collector, contact_index(index, side), points, side, wheelset.body);
         }
         for (element, force) in model.system.forces.iter().enumerate() {
             let Some(number) = force.output_number() else { continue };
@@ -156,14 +158,42 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
 fn element_force(model: &Model, element: usize) -> impl Fn(&Snapshot) -> f64 + Send + Sync + 'static {
     let force = model.system.forces[element].clone_box();
     let states = model.system.states_of_force(element);
-    move |s| force.scalar_force(&s.workspace.system.motions, &s.y[states.clone()]).unwrap_or(0.0)
+    move |s| {
+        let (system, state) = (&s.workspace.system, &s.y[states.clone()]);
+        let found = match system.stations.is_empty() {
+            true => force.scalar_force(&system.motions, state),
+            false => force.scalar_force_on_track(&system.motions, &system.stations, state),
+        };
+        found.unwrap_or(0.0)
+    }
+}
+
+/// The body's motion relative to a curved track and the track frame beside it; `None` on straight track.
+pub(super) fn on_track(s: &Snapshot, body: usize) -> Option<(OnTrack, &Station)> {
+    let station = s.workspace.system.stations.get(body)?;
+    Some((relative(&s.workspace.system.motions[body], station), station))
+}
+
+/// Coordinate or velocity at a place of the state vector.
+pub(super) fn in_order(motion: &OnTrack, at: usize, q: usize, v: usize) -> f64 {
+    if at < v { motion.coordinates[at - q] } else { motion.velocities[at - v] }
+}
+
+/// A vector of the world in the track frame beside a body.
+pub(super) fn in_track(s: &Snapshot, body: usize, vector: Vector3<f64>) -> Vector3<f64> {
+    s.workspace.system.stations.get(body).map_or(vector, |station| station.components(&vector))
 }
 
 fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
     let q = body * COORDINATES;
     let v = (bodies + body) * COORDINATES;
-    let y = |at: usize| move |s: &Snapshot| s.y[at];
-    let dy = |at: usize| move |s: &Snapshot| s.dy[at];
+    let y = |at: usize| move |s: &Snapshot| on_track(s, body).map_or(s.y[at], |(motion, _)| in_order(&motion, at, q, v));
+    let dy = |at: usize| {
+        move |s: &Snapshot| match s.workspace.system.stations.get(body) {
+            None => s.dy[at],
+            Some(station) => accelerations(&s.workspace.system.motions[body], station, &s.dy[v..v + COORDINATES])[at - v],
+        }
+    };
     let g = "motion";
     c.add(10, "distance", g, Unit::Distance, STATE, "distance of the centre along the track", y(q));
     c.add(11, "y", g, Unit::Metre, STATE, "lateral displacement of the centre, left positive", y(q + 1));
@@ -211,7 +241,7 @@ fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
 /// Wheel unloading below this force [N] makes quotients meaningless; they are reported as zero.
 const UNLOADED: f64 = 1.0;
 
-fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, distance: usize) {
+fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usize) {
     let friction = if side == Side::Left { LEFT } else { RIGHT };
     let prefix = c.prefix.clone();
     let outward = side.sign();
@@ -221,6 +251,12 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, distance:
     // Sum over the wheel's contacts.
     let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| s.workspace.reports(contact).map(read).sum::<f64>();
 
+    // The sum of their forces in the track frame.
+    let total = move |s: &Snapshot| {
+        let force: Vector3<f64> = s.workspace.reports(contact).map(|report| report.force).sum();
+        in_track(s, body, force)
+    };
+
     let g = "wheels";
     c.add(
         0,
@@ -229,9 +265,9 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, distance:
         Unit::Newton,
         friction,
         "Q: vertical force of the rail on the wheel in the track frame, up positive",
-        of(|k| k.force.z),
+        move |s| total(s).z,
     );
-    c.add(1, "lateralForce", g, Unit::Newton, friction, "Y: lateral force of the rail on the wheel in the track frame, left positive on both sides (EN 14363 guiding force: left -Y, right +Y)", of(|k| k.force.y));
+    c.add(1, "lateralForce", g, Unit::Newton, friction, "Y: lateral force of the rail on the wheel in the track frame, left positive on both sides (EN 14363 guiding force: left -Y, right +Y)", move |s| total(s).y);
     c.add(
         2,
         "longitudinalForce",
@@ -239,12 +275,12 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, distance:
         Unit::Newton,
         friction,
         "longitudinal force of the rail on the wheel in the track frame, forward positive",
-        of(|k| k.force.x),
+        move |s| total(s).x,
     );
     c.add(3, "normalForce", g, Unit::Newton, PRESSING, "sum of the normal forces of the wheel's contacts", of(|k| k.normal_force));
     let text = "guiding force of the wheel on the rail, outward positive, over Q: positive when a flange climbs; 0 below Q = 1 N";
     c.add(4, "derailmentQuotient", g, Unit::One, friction, text, move |s| {
-        let force: Vector3<f64> = s.workspace.reports(contact).map(|report| report.force).sum();
+        let force = total(s);
         if force.z > UNLOADED { -outward * force.y / force.z } else { 0.0 }
     });
     let text = "T-gamma without spin: |Fx xi_x| + |Fy xi_y|, summed over the wheel's contacts (energy per distance, J/m)";
@@ -259,14 +295,14 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, distance:
     );
 
     for index in 0..points {
-        point_of_contact(c, &format!("{prefix}.{}.contact[{}]", side.name(), index + 1), contact, index, side, distance);
+        point_of_contact(c, &format!("{prefix}.{}.contact[{}]", side.name(), index + 1), contact, index, side, body);
     }
     c.prefix = prefix;
     c.base = base;
 }
 
 /// Outputs of a wheel's contact number `index` from 0.
-fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize, side: Side, distance: usize) {
+fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize, side: Side, body: usize) {
     let friction = if side == Side::Left { LEFT } else { RIGHT };
     let none = STATE;
     let outward = side.sign();
@@ -351,7 +387,7 @@ fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize,
     );
     c.add(11, "railCoordinate", g, Unit::Metre, none, "eta: contact on the rail profile, outward positive", of(|k| k.parameters.rail));
     c.add(12, "angle", g, Unit::Radian, none, "contact angle: lean of the normal toward the track centre in the cross-section", move |s| {
-        let n = s.workspace.report(contact, index).axes.normal;
+        let n = in_track(s, body, s.workspace.report(contact, index).axes.normal);
         (-outward * n.y).atan2(n.z)
     });
     c.add(
@@ -364,7 +400,11 @@ fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize,
         of(|k| k.parameters.angle),
     );
     let text = "contact on the rail: distance along the track";
-    c.add(14, "railDistance", g, Unit::Distance, none, text, move |s| s.y[distance] + s.workspace.report(contact, index).parameters.lead);
+    c.add(14, "railDistance", g, Unit::Distance, none, text, move |s| {
+        let distance =
+            if s.workspace.system.stations.is_empty() { s.y[body * COORDINATES] } else { s.workspace.system.motions[body].distance };
+        distance + s.workspace.report(contact, index).parameters.lead
+    });
     c.prefix = prefix;
     c.base = base;
 }

@@ -4,7 +4,7 @@
 //! 3000000 + 100 s (from 0, in the order of names): they belong to the vehicle, whatever of it is shown.
 
 use super::Snapshot;
-use super::outputs::{ALL, Output, outputs};
+use super::outputs::{ALL, Output, in_track, on_track, outputs};
 use super::unit::Unit;
 use crate::formulation::{ContactReport, LEFT_FRICTION, Model, RIGHT_FRICTION, contact_index};
 use crate::geometry::Side;
@@ -82,10 +82,11 @@ impl Collector<'_> {
                 unit: Unit::Newton,
                 feedthrough: if self.coupled() { (ALL, None) } else { (&[LEFT_FRICTION, RIGHT_FRICTION], Some(index)) },
             };
+            let body = wheelset.body;
             let text = "sum of Y: lateral force of both wheels on the track, left positive";
             self.add(label, text, move |s| {
                 let contacts = Side::BOTH.map(|side| contact_index(index, side));
-                let force = |report: &ContactReport| report.force.y;
+                let force = |report: &ContactReport| in_track(s, body, report.force).y;
                 let further = |contact: usize| &s.workspace.further_contacts[contact * (points - 1)..(contact + 1) * (points - 1)];
                 -contacts.iter().map(|c| force(&s.workspace.contacts[*c]) + further(*c).iter().map(force).sum::<f64>()).sum::<f64>()
             });
@@ -106,7 +107,8 @@ impl Collector<'_> {
             for (id, name, unit, coordinate, text) in lines {
                 let reference = BODY + STRIDE * index as u32 + id;
                 let label = Label { reference, name: format!("{}.{name}", placed.body.name), group: "bodies", unit, feedthrough: STATE };
-                self.add(label, text, move |s| s.y[q + coordinate]);
+                let body = free.wheelsets.len() + index;
+                self.add(label, text, move |s| on_track(s, body).map_or(s.y[q + coordinate], |(motion, _)| motion.coordinates[coordinate]));
             }
         }
     }
@@ -127,7 +129,7 @@ impl Collector<'_> {
             (2, "z", Unit::Distance, 2, "height of the point over the nominal contact height"),
         ] {
             let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, feedthrough: STATE };
-            self.add(label, text, move |s| s.workspace.system.motions[body].attachment_point(&point)[axis]);
+            self.add(label, text, move |s| place_of(s, body, &point)[axis]);
         }
         for (id, name, axis, text) in [
             (3, "ax", 0, "acceleration of the point along the body's x axis, forward positive (without gravity)"),
@@ -159,6 +161,15 @@ impl Collector<'_> {
                 self.add(label, quantity.description, move |s| element.quantity(number, &s.workspace.system.motions, &s.y[states.clone()]));
             }
         }
+    }
+}
+
+/// Where a point of a body is in the track frame beside the body, with the distance along the track first.
+fn place_of(s: &Snapshot, body: usize, point: &Vector3<f64>) -> Vector3<f64> {
+    let place = s.workspace.system.motions[body].attachment_point(point);
+    match on_track(s, body) {
+        None => place,
+        Some((_, station)) => station.components(&(place - station.frame.origin)) + Vector3::x() * station.frame.distance,
     }
 }
 

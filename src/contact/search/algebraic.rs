@@ -122,7 +122,7 @@ impl Pair<'_> {
     #[inline]
     pub(super) fn normal_derivatives(&self, at: &Candidate) -> (Vector3<f64>, Vector3<f64>) {
         let (r, sign) = (&at.rail, self.rail.side.sign());
-        // The mixed derivative of the rail is zero while sections stay parallel; it is kept for what it says.
+        // The mixed derivative of the rail is zero while sections stay parallel (straight track).
         ((r.t11.cross(&r.t2) + r.t1.cross(&r.t12)) * sign, (r.t12.cross(&r.t2) + r.t1.cross(&r.t22)) * sign)
     }
 

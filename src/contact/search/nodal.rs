@@ -58,7 +58,7 @@ use crate::geometry::track::{Rail, RailSection};
 use nalgebra::{Matrix3, Vector3};
 
 /// Rate of the rail's distance s [m/s] that belongs to a point (Eq. 29, made exact), from the rail's section at s and
-/// the point's position and velocity in the track frame.
+/// the point's position and velocity in the world.
 ///
 /// Keeps the point in the plane normal to the rail's space curve R(s): `(r - R) . R' = 0` differentiated gives
 ///
@@ -107,8 +107,6 @@ pub struct NodalSearch {
     rail: NodeTable,
     half_spacing: f64,
     sign: f64,
-    outward: Vector3<f64>,
-    up: Vector3<f64>,
 }
 
 /// How the wheel's nodes come into the rail's section in one pose.
@@ -237,8 +235,6 @@ impl NodalSearch {
             rail: NodeTable::new(rail.profile.as_ref(), "rail", spacing)?,
             half_spacing: wheel.half_spacing,
             sign: wheel.side.sign(),
-            outward: rail.outward,
-            up: rail.up,
         })
     }
 
@@ -282,11 +278,12 @@ impl NodalSearch {
     /// Axes, angle and normals of the rail's section as this wheel sees it.
     fn section(&self, centre: &Vector3<f64>, axes: &Matrix3<f64>, section: &RailSection) -> Section {
         let t = &section.d1;
-        let across = self.outward.cross(&self.up);
+        let (outward, up) = (&section.outward, &section.up);
+        let across = outward.cross(up);
         let along = across.dot(t);
         let flat = |v: &Vector3<f64>| {
             let ahead = across.dot(v) / along;
-            (self.outward.dot(v) - ahead * self.outward.dot(t), self.up.dot(v) - ahead * self.up.dot(t))
+            (outward.dot(v) - ahead * outward.dot(t), up.dot(v) - ahead * up.dot(t))
         };
         let (x, y, z) = (axes.column(0), axes.column(1) * self.sign, axes.column(2));
         let (xt, zt) = (x.dot(t), z.dot(t));
@@ -299,7 +296,7 @@ impl NodalSearch {
             axle: flat(&y),
             down: flat(&((x * zt - z * xt) / length)),
             angle: zt.atan2(xt),
-            lean: (-self.up.dot(t) / along, self.outward.dot(t) / along),
+            lean: (-up.dot(t) / along, outward.dot(t) / along),
         }
     }
 
@@ -464,13 +461,13 @@ impl NodalSearch {
         let (sin, cos) = angle.sin_cos();
         let radial = axes.column(0) * sin - axes.column(2) * cos;
         let wheel_point = self.centre_point(centre, axes) + axes.column(1) * (self.sign * u) + radial * wheel.value;
-        let across = self.outward.cross(&self.up);
+        let across = section.outward.cross(&section.up);
         let ahead = across.dot(&(wheel_point - section.origin)) / across.dot(&section.d1);
         let lean = plane.lean.0 + plane.lean.1 * rail.d1;
         ContactLocation {
             parameters: SurfaceParameters { wheel: u, angle, lead: arc + ahead - distance, rail: eta },
             wheel_point,
-            normal: (self.up - self.outward * rail.d1 + across * lean) / plane.norm2(rail.d1).sqrt(),
+            normal: (section.up - section.outward * rail.d1 + across * lean) / plane.norm2(rail.d1).sqrt(),
             forward: section.d1,
             penetration: pair.penetration,
             wheel_profile: wheel,

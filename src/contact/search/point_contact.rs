@@ -69,7 +69,7 @@ impl Pair<'_> {
     pub fn bias(&self, contact: &PointContact, rates: &Vector4<f64>, carrier: &CarrierMotion) -> Residual {
         let Candidate { wheel: w, rail: r, wheel_profile, rail_profile, gap, normal } = &contact.at;
         let wheel3 = self.wheel.third_derivatives(self.axes, contact.parameters[1], wheel_profile);
-        let rail3 = rail_third_derivatives(self.rail, self.distance + contact.parameters[2], rail_profile);
+        let rail3 = rail_third_derivatives(self.rail, self.distance + contact.parameters[2], contact.parameters[3], rail_profile);
         let [u, angle, s, eta] = [rates[0], rates[1], rates[2], rates[3]];
         let carried = |vector: &Vector3<f64>, own1: Vector3<f64>, own2: Vector3<f64>| {
             let turned = carrier.rotation.cross(vector);

@@ -16,6 +16,9 @@
 //! constraints in every evaluation, on position level by Newton iteration, on velocity level linearly. The partition is made
 //! per wheelset: contact constraints tie no two wheelsets to each other.
 //!
+//! On a curved track a wheelset's x, y, z are counted along the track frame's axes beside it, so that what is independent does not depend
+//! on the heading and an imposed speed stays out of the constraints' reach.
+//!
 //! Where a rail's second derivative jumps (the end of a deviation), the rates of surface parameters jump while the coordinates'
 //! do not: within 20 ms of such a place coordinates are the independent variables; elsewhere pivoting chooses. The same rates jump
 //! where the curvature of a profile does. A contact may stand at such a joint for long (S1002 on 60E1: 0.3 mm beside one at the
@@ -25,6 +28,7 @@
 //! contact's the partition and the conditioning that it had when it was chosen.
 
 mod partition;
+mod variables;
 
 use super::lift::{self, OnLift};
 use super::loading::{keep, pair};
@@ -34,13 +38,14 @@ use crate::contact::search::algebraic::SurfaceParameters;
 use crate::contact::search::point_contact::{CONSTRAINTS, PARAMETERS, ParameterJacobian, PointContact, Residual};
 use crate::geometry::Side;
 use crate::math::newton::{self, NewtonLimits};
-use crate::mbs::body::{BodyMotion, COORDINATES};
+use crate::mbs::body::COORDINATES;
 use crate::mbs::kkt::Coefficients;
 use crate::settings::{Entry, Section, SettingsError};
 use nalgebra::{Matrix4, Vector4};
 pub(super) use partition::Partition;
-use partition::{Jacobian, Rows, Variables, conditioning};
+use partition::{Jacobian, Rows, conditioning};
 use std::sync::Arc;
+use variables::{constraints, gather, scatter};
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
     name: "ACCF",
@@ -157,6 +162,8 @@ impl Formulation for Accf {
         }
         let owner = model.wheelsets.iter().position(|wheelset| i / COORDINATES == wheelset.body);
         match owner {
+            // On a curved track x and y of the world are no coordinates of the constraints.
+            Some(_) if i % COORDINATES < 2 && model.track.line().is_some() => plain,
             Some(wheelset) if plain == 1.0 && dependent(wheelset, i % COORDINATES) => 0.0,
             _ => plain,
         }
@@ -183,19 +190,20 @@ impl Accf {
     /// parameters from the located contacts and chooses a partition.
     fn reset(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
         eccf::project(model, workspace, t, y, memory)?;
-        model.system.move_bodies(y, &mut workspace.system);
+        model.move_bodies(y, memory, &mut workspace.system);
         for (contact, wheelset, side) in wheels(model) {
             let motion = &workspace.system.motions[wheelset.body];
             let found = eccf::locate(model, (contact, wheelset, side), motion, &mut memory[model.contact_memory(contact)])
                 .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
             let p = found.location.parameters;
             let states = &mut y[model.contact_states(contact)];
-            states[..PARAMETERS].copy_from_slice(&[p.wheel, p.angle, p.lead + motion.position.x, p.rail]);
+            states[..PARAMETERS].copy_from_slice(&[p.wheel, p.angle, p.lead + motion.distance, p.rail]);
             states[PARAMETERS..].copy_from_slice(found.parameter_rates.as_slice());
         }
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
-            let (variables, _) = gather(model, index, wheelset, y);
-            let (_, jacobian) = constraints(model, index, wheelset, memory, &variables);
+            let axes = model.axes_beside(wheelset.body, y, memory);
+            let (variables, _) = gather(model, (index, wheelset), &axes, y);
+            let (_, jacobian) = constraints(model, (index, wheelset), &axes, memory, &variables);
             let crossing = self.joints[index] || crosses_break(model, index, y);
             choose(&jacobian, crossing, wheelset, t, &mut memory[model.contact_memory(contact_index(index, Side::Left))])?;
         }
@@ -236,60 +244,8 @@ fn choose(jacobian: &Jacobian, crossing: bool, wheelset: &Wheelset, t: f64, memo
     Ok(())
 }
 
-/// A wheelset's variables and their rates from the state.
-fn gather(model: &Model, index: usize, wheelset: &Wheelset, y: &[f64]) -> (Variables, Variables) {
-    let (mut values, mut rates) = (Variables::zeros(), Variables::zeros());
-    values.as_mut_slice()[..COORDINATES].copy_from_slice(&y[model.system.coordinates(wheelset.body)]);
-    rates.as_mut_slice()[..COORDINATES].copy_from_slice(&y[model.system.velocities(wheelset.body)]);
-    for (side, offset) in [(Side::Left, COORDINATES), (Side::Right, COORDINATES + PARAMETERS)] {
-        let states = &y[model.contact_states(contact_index(index, side))];
-        values.as_mut_slice()[offset..offset + PARAMETERS].copy_from_slice(&states[..PARAMETERS]);
-        rates.as_mut_slice()[offset..offset + PARAMETERS].copy_from_slice(&states[PARAMETERS..]);
-    }
-    (values, rates)
-}
-
-/// Puts a wheelset's variables and rates back into the state.
-fn scatter(model: &Model, index: usize, wheelset: &Wheelset, values: &Variables, rates: &Variables, y: &mut [f64]) {
-    y[model.system.coordinates(wheelset.body)].copy_from_slice(&values.as_slice()[..COORDINATES]);
-    y[model.system.velocities(wheelset.body)].copy_from_slice(&rates.as_slice()[..COORDINATES]);
-    for (side, offset) in [(Side::Left, COORDINATES), (Side::Right, COORDINATES + PARAMETERS)] {
-        let states = &mut y[model.contact_states(contact_index(index, side))];
-        states[..PARAMETERS].copy_from_slice(&values.as_slice()[offset..offset + PARAMETERS]);
-        states[PARAMETERS..].copy_from_slice(&rates.as_slice()[offset..offset + PARAMETERS]);
-    }
-}
-
-/// Residual and Jacobian of a wheelset's ten constraints. A contact that is elastic at present keeps its four equations for the
-/// surface parameters; instead of the normal constraint one coordinate that no contact determines is held (pitch or x).
-fn constraints(model: &Model, index: usize, wheelset: &Wheelset, memory: &[f64], values: &Variables) -> (Rows, Jacobian) {
-    let motion = BodyMotion::new(&values.as_slice()[..COORDINATES], &[0.0; COORDINATES]);
-    let (mut residual, mut jacobian) = (Rows::zeros(), Jacobian::zeros());
-    for (side, row, column, held) in
-        [(Side::Left, 0, COORDINATES, COORDINATES - 1), (Side::Right, CONSTRAINTS, COORDINATES + PARAMETERS, 0)]
-    {
-        let found = pair(model, wheelset, side, &motion).point_contact(&parameters(values, column));
-        residual.fixed_rows_mut::<CONSTRAINTS>(row).copy_from(&found.residual);
-        jacobian.fixed_view_mut::<CONSTRAINTS, PARAMETERS>(row, column).copy_from(&found.by_parameters);
-        for i in 0..CONSTRAINTS {
-            let coefficients = motion.coefficients(&found.by_velocity[i], &found.by_rotation[i]);
-            jacobian.fixed_view_mut::<1, COORDINATES>(row + i, 0).copy_from(&coefficients.transpose());
-        }
-        if is_elastic(&memory[model.contact_memory(contact_index(index, side))]) {
-            residual[row + NORMAL] = 0.0;
-            jacobian.row_mut(row + NORMAL).fill(0.0);
-            jacobian[(row + NORMAL, held)] = 1.0;
-        }
-    }
-    (residual, jacobian)
-}
-
 /// The row of Eq. 10 along the normal.
 const NORMAL: usize = 2;
-
-fn parameters(values: &Variables, column: usize) -> Vector4<f64> {
-    values.fixed_rows::<PARAMETERS>(column).into_owned()
-}
 
 /// Makes a wheelset's dependent variables and rates in `y` satisfy the constraints; returns the Jacobian there.
 fn close(
@@ -301,10 +257,12 @@ fn close(
     y: &mut [f64],
     memory: &mut [f64],
 ) -> Result<Jacobian, EvaluationError> {
-    let left = &memory[model.contact_memory(contact_index(index, Side::Left))];
+    let own = &*memory;
+    let left = &own[model.contact_memory(contact_index(index, Side::Left))];
     let fail = |cause| EvaluationError::new(t, wheelset, Side::Left, cause);
     let partition = Partition::from_mask(left[PARTITION]).ok_or_else(|| fail(ContactFailure::Dependent))?;
-    let (mut values, mut rates) = gather(model, index, wheelset, y);
+    let axes = model.axes_beside(wheelset.body, y, own);
+    let (mut values, mut rates) = gather(model, (index, wheelset), &axes, y);
     let base = values;
     let at = |change: &Rows| {
         let mut values = base;
@@ -312,20 +270,22 @@ fn close(
         values
     };
     let mut change = Rows::zeros();
-    let evaluate = |change: &Rows| constraints(model, index, wheelset, memory, &at(change));
+    let evaluate = |change: &Rows| constraints(model, (index, wheelset), &axes, own, &at(change));
+    let limits =
+        NewtonLimits { next_step: POSITION.next_step.max(model.rounding(&y[model.system.coordinates(wheelset.body)])), ..POSITION };
     let elastic = Side::BOTH.map(|side| is_elastic(&memory[model.contact_memory(contact_index(index, side))]));
     let uncertain =
         |jacobian: &Jacobian| if elastic[0] == elastic[1] { least_certain(jacobian) } else { Side::BOTH[usize::from(elastic[0])] };
-    let solved = newton::solve(&mut change, POSITION, evaluate, |_, jacobian| partition.block(jacobian));
+    let solved = newton::solve(&mut change, limits, evaluate, |_, jacobian| partition.block(jacobian));
     let (jacobian, iterations) = solved.map_err(|failure| {
         let cause = ContactFailure::NotClosed { iterations: failure.iterations, gap: failure.residual, y: base[1] };
-        EvaluationError::new(t, wheelset, uncertain(&constraints(model, index, wheelset, memory, &at(&change)).1), cause)
+        EvaluationError::new(t, wheelset, uncertain(&evaluate(&change).1), cause)
     })?;
     workspace.work.constraint_iterations += iterations as u64;
     values = at(&change);
     let mut excess: Rows = jacobian * rates;
     for (side, row) in [(Side::Left, NORMAL), (Side::Right, CONSTRAINTS + NORMAL)] {
-        if is_elastic(&memory[model.contact_memory(contact_index(index, side))]) {
+        if is_elastic(&own[model.contact_memory(contact_index(index, side))]) {
             excess[row] = 0.0;
         }
     }
@@ -333,7 +293,7 @@ fn close(
         return Err(EvaluationError::new(t, wheelset, uncertain(&jacobian), ContactFailure::Dependent));
     }
     partition.add(&mut rates, &-excess);
-    scatter(model, index, wheelset, &values, &rates, y);
+    scatter(model, (index, wheelset), &axes, values, rates, y);
     workspace.rigid.partitions[index] = Some(partition);
     Ok(jacobian)
 }
@@ -361,7 +321,7 @@ fn evaluate(
     }
     let mut points = std::mem::take(&mut workspace.rigid.points);
     points.clear();
-    model.system.move_bodies(y, &mut workspace.system);
+    model.move_bodies(y, memory, &mut workspace.system);
     for (contact, wheelset, side) in wheels(model) {
         let own = &y[model.contact_states(contact)];
         let motion = &workspace.system.motions[wheelset.body];
@@ -373,7 +333,7 @@ fn evaluate(
     let done = rigid::derivative(model, workspace, Evaluation { t, inputs, y, memory }, dy, |contact, wheelset, side, motion, memory| {
         let own = &y[model.contact_states(contact)];
         let (found, bias) = &points[contact];
-        keep(&SurfaceParameters { wheel: own[0], angle: own[1], lead: own[2] - motion.position.x, rail: own[3] }, memory);
+        keep(&SurfaceParameters { wheel: own[0], angle: own[1], lead: own[2] - motion.distance, rail: own[3] }, memory);
         let weights = free_multiplier(found).ok_or(ContactFailure::Dependent)?;
         let mut row = Coefficients::zeros();
         for (i, weight) in weights.iter().enumerate() {

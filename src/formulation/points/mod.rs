@@ -106,7 +106,7 @@ pub(super) fn elastic_wheel(
         let found = pair
             .locate(&warm_start(memory))
             .or_else(|_| pair.locate(&SurfaceParameters::default()))
-            .map_err(|failure| not_found(wheel.motion, failure))?;
+            .map_err(|failure| not_found(wheel.model, wheel.motion, failure))?;
         keep(&found.parameters, memory);
         *first = Contact { wheel, found: &found, slot: 0, share: 1.0 }.elastic(wrench)?;
         return Ok(());
@@ -318,8 +318,8 @@ fn ridges(pair: &Pair, minima: &Minima, numbers: &[Option<usize>; MOST], places:
 }
 
 fn derailed(wheel: &WheelAt, how: &'static str) -> ContactFailure {
-    let position = &wheel.motion.position;
-    ContactFailure::Derailed { how, y: position.y, z: position.z }
+    let (y, z) = wheel.model.beside(wheel.motion);
+    ContactFailure::Derailed { how, y, z }
 }
 
 /// Searches for all wheels whose profiles can touch at more than one place; none where `points` is 1.

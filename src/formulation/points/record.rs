@@ -180,7 +180,14 @@ impl<'a> Record<'a> {
 #[inline]
 fn pose(wheel: &WheelAt) -> [f64; 6] {
     let motion = wheel.motion;
-    let section = wheel.model.track.rail(wheel.side).section(motion.position.x);
+    let rail = wheel.model.track.rail(wheel.side);
+    let section = rail.section(motion.distance);
     let (offset, axle) = (motion.position - section.origin, motion.frame.axes.column(1));
+    if rail.line().is_some() {
+        // In the section's own axes. That they bend within a lead of 50 mm changes nothing: so does the rail.
+        let (across, up) = (section.outward, section.up);
+        let along = across.cross(&up);
+        return [offset.dot(&across), offset.dot(&up), axle.dot(&along), axle.dot(&up), section.d1.dot(&across), section.d1.dot(&up)];
+    }
     [offset.y, offset.z, axle.x, axle.z, section.d1.y, section.d1.z]
 }

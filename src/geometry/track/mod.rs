@@ -1,16 +1,26 @@
-//! The track: straight centre line along X, two rails beside it, and what displaces them.
+//! The track: a centre line, straight along X or a space curve, two rails beside it, and what displaces them.
 //!
-//! Rail sections stay in planes normal to the centre line; a deviation shifts a section along Y or Z without
-//! turning it, so the section axes are constant on straight track (Eqs. 5 and 6 with constant A^rp).
+//! Rail sections stay in planes normal to the centre line; a deviation shifts a section along Y or Z of the track frame without
+//! turning it, so the section axes are constant on straight track (Eqs. 5 and 6 with constant A^rp) and follow the track frame
+//! elsewhere.
 
+pub mod centre_line;
+mod curved;
 mod deviation;
+pub mod frame;
 pub mod gauge;
 pub mod irregularity;
+pub mod node;
+mod ramp;
+pub mod station;
+#[cfg(test)]
+mod tests;
 
 pub use deviation::{Deviation, DeviationShape, Direction, REGISTRY, parse_deviation};
 
 use super::Side;
 use super::profile::Profile;
+use centre_line::CentreLine;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -23,6 +33,9 @@ pub struct RailSection {
     pub d1: Vector3<f64>,
     pub d2: Vector3<f64>,
     pub d3: Vector3<f64>,
+    /// Unit vectors of the section's axes: eta (outward) and height.
+    pub outward: Vector3<f64>,
+    pub up: Vector3<f64>,
 }
 
 /// One rail of the track.
@@ -30,10 +43,12 @@ pub struct RailSection {
 pub struct Rail {
     pub side: Side,
     pub profile: Arc<dyn Profile>,
-    /// Unit vector of the section's eta axis (outward).
+    /// Unit vector of the section's eta axis (outward), in the track frame.
     pub outward: Vector3<f64>,
-    /// Unit vector of the section's height axis (up, leaning toward the track centre).
+    /// Unit vector of the section's height axis (up, leaning toward the track centre), in the track frame.
     pub up: Vector3<f64>,
+    /// What the rail follows; `None`: X.
+    line: Option<Arc<CentreLine>>,
     /// Y of the undisplaced section origin, m.
     offset: f64,
     deviations: Vec<(Direction, Arc<dyn DeviationShape>)>,
@@ -52,6 +67,7 @@ impl Rail {
             profile,
             outward: Vector3::new(0.0, sign * cos, sin),
             up: Vector3::new(0.0, -sign * sin, cos),
+            line: None,
             offset: sign * half_spacing,
             breaks: {
                 let mut breaks: Vec<f64> = deviations.iter().filter(|d| d.side == side).flat_map(|d| d.shape.breaks()).collect();
@@ -61,6 +77,20 @@ impl Rail {
             },
             deviations: deviations.iter().filter(|d| d.side == side).map(|d| (d.direction, d.shape.clone())).collect(),
         }
+    }
+
+    /// The rail laid along a centre line.
+    pub fn along(mut self, line: Option<Arc<CentreLine>>) -> Self {
+        self.breaks.extend(line.iter().flat_map(|line| line.breaks()));
+        self.breaks.sort_by(f64::total_cmp);
+        self.breaks.dedup();
+        self.line = line;
+        self
+    }
+
+    /// Is there any place where the rail is not smooth?
+    pub fn has_breaks(&self) -> bool {
+        !self.breaks.is_empty()
     }
 
     /// Is there a place within `reach` [m] of `s` where the rail is not smooth?
@@ -98,8 +128,17 @@ impl Rail {
     /// The section at distance `s` [m].
     #[inline]
     pub fn section(&self, s: f64) -> RailSection {
-        let mut section =
-            RailSection { origin: Vector3::new(s, self.offset, 0.0), d1: Vector3::x(), d2: Vector3::zeros(), d3: Vector3::zeros() };
+        if let Some(line) = &self.line {
+            return self.curved_section(line, s);
+        }
+        let mut section = RailSection {
+            origin: Vector3::new(s, self.offset, 0.0),
+            d1: Vector3::x(),
+            d2: Vector3::zeros(),
+            d3: Vector3::zeros(),
+            outward: self.outward,
+            up: self.up,
+        };
         for (direction, shape) in &self.deviations {
             let [value, d1, d2, d3] = shape.at(s);
             let axis = match direction {
@@ -130,9 +169,14 @@ impl Track {
         }
     }
 
-    /// The same rails without deviations.
+    /// The centre line; `None` where it is X.
+    pub fn line(&self) -> Option<&CentreLine> {
+        self.left.line.as_deref()
+    }
+
+    /// The same rails without deviations on straight level track.
     pub fn ideal(&self) -> Track {
-        let bare = |rail: &Rail| Rail { deviations: Vec::new(), breaks: Vec::new(), ..rail.clone() };
+        let bare = |rail: &Rail| Rail { deviations: Vec::new(), breaks: Vec::new(), line: None, ..rail.clone() };
         Track { left: bare(&self.left), right: bare(&self.right) }
     }
 }

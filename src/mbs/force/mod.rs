@@ -37,6 +37,7 @@ pub use spring_damper::SpringDamper;
 pub use stop::Stop;
 
 use super::body::{BodyMotion, Wrench};
+use crate::geometry::track::station::Station;
 use crate::settings::{Entry, Section, SettingsError, choose};
 
 /// A force that depends on position and velocity of bodies, and on states of its own where it has any.
@@ -71,6 +72,26 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     /// The value of the quantity at `index` of [`ForceElement::quantities`], SI; zero beyond them.
     fn quantity(&self, _index: usize, _bodies: &[BodyMotion], _state: &[f64]) -> f64 {
         0.0
+    }
+
+    /// [`ForceElement::apply`] on a curved track, with the stations by body; for elements that follow the track frame.
+    fn apply_on_track(&self, bodies: &[BodyMotion], _stations: &[Station], state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
+        self.apply(bodies, state, rates, wrenches);
+    }
+
+    /// [`ForceElement::scalar_force`] on a curved track.
+    fn scalar_force_on_track(&self, bodies: &[BodyMotion], _stations: &[Station], state: &[f64]) -> Option<f64> {
+        self.scalar_force(bodies, state)
+    }
+
+    /// [`ForceElement::potential_energy`] on a curved track.
+    fn potential_energy_on_track(&self, bodies: &[BodyMotion], _stations: &[Station], state: &[f64]) -> f64 {
+        self.potential_energy(bodies, state)
+    }
+
+    /// [`ForceElement::dissipated_power`] on a curved track.
+    fn dissipated_power_on_track(&self, bodies: &[BodyMotion], _stations: &[Station], state: &[f64]) -> f64 {
+        self.dissipated_power(bodies, state)
     }
 
     /// A copy behind a pointer.

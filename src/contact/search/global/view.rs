@@ -38,6 +38,9 @@ pub(super) struct View {
     station: f64,
     section: Vector3<f64>,
     along: Vector3<f64>,
+    /// The section's axes in the world: eta and h.
+    across: Vector3<f64>,
+    height: Vector3<f64>,
 }
 
 /// A point of the shadow's edge.
@@ -75,11 +78,11 @@ impl View {
         // w and D in the wheel's plane.
         let down = (pair.axes.column(0) * up - pair.axes.column(2) * forward) / across;
         // Along t into the section: eta and h of a vector v are those of v - t x, where x is its part along the section's normal.
-        let normal = rail.outward.cross(&rail.up);
+        let normal = seen.outward.cross(&seen.up);
         let lean = 1.0 / normal.dot(&t);
         let flat = |v: Vector3<f64>| {
             let v = v - t * (normal.dot(&v) * lean);
-            Vector2::new(v.dot(&rail.outward), v.dot(&rail.up))
+            Vector2::new(v.dot(&seen.outward), v.dot(&seen.up))
         };
         let down = flat(down);
         View {
@@ -93,6 +96,8 @@ impl View {
             station: at,
             section: seen.origin,
             along: t,
+            across: seen.outward,
+            height: seen.up,
         }
     }
 
@@ -144,7 +149,7 @@ impl View {
     pub fn parameters(&self, pair: &Pair, u: f64, slope: f64, eta: f64) -> SurfaceParameters {
         let angle = self.lowest + (self.k * slope).clamp(-0.98, 0.98).asin();
         let (wheel, _) = pair.wheel.point(pair.centre, pair.axes, u, angle);
-        let rail = self.section + pair.rail.outward * eta + pair.rail.up * pair.rail.profile.at(eta).value;
+        let rail = self.section + self.across * eta + self.height * pair.rail.profile.at(eta).value;
         let ahead = (wheel.position - rail).dot(&self.along) / self.along.norm_squared();
         SurfaceParameters { wheel: u, angle, lead: self.station + ahead - pair.distance, rail: eta }
     }

@@ -1,0 +1,146 @@
+//! Bodies along a curved track: where they are, and when their wheels come to a place where a rail is not smooth.
+//!
+//! Each body has one number at the end of the state's memory: its distance at the last evaluation, from which the next projection starts; what is found does not depend on it but
+//! for rounding. It is found once per evaluation and kept with the body's motion. On straight track there is nothing of all this.
+
+use super::{EvaluationError, LATERAL_FORCE, LONGITUDINAL_FORCE, Model, VERTICAL_FORCE, contact_index};
+use crate::contact::search::nodal::arc_rate;
+use crate::geometry::Side;
+use crate::geometry::track::centre_line::CentreLine;
+use crate::geometry::track::station::Station;
+use crate::mbs::body::BodyMotion;
+use crate::mbs::system::SystemWorkspace;
+use nalgebra::{Matrix3, Vector3};
+
+impl Model {
+    /// Number of bodies that are followed along the track: none where it is straight.
+    pub fn followed(&self) -> usize {
+        if self.track.line().is_some() { self.system.bodies.len() } else { 0 }
+    }
+
+    /// Makes room for the stations.
+    pub(super) fn add_stations(&self, system: &mut SystemWorkspace) {
+        if self.track.line().is_some() {
+            system.stations = vec![Station::default(); self.system.bodies.len()];
+        }
+    }
+
+    /// Tells where along a curved track the bodies are, by body: the projections start from there.
+    pub fn set_distances(&self, distances: impl Fn(usize) -> f64, memory: &mut [f64]) {
+        let first = memory.len() - self.followed();
+        for (body, slot) in memory[first..].iter_mut().enumerate() {
+            *slot = distances(body);
+        }
+    }
+
+    /// Where a body was at the last evaluation on a curved track, m.
+    pub fn last_distance(&self, body: usize, memory: &[f64]) -> f64 {
+        memory[memory.len() - self.followed() + body]
+    }
+
+    /// Fills the workspace with the bodies' motion and, on a curved track, their stations.
+    #[inline(always)] // on the wheelset's path, with several callers
+    pub fn move_bodies(&self, y: &[f64], memory: &mut [f64], system: &mut SystemWorkspace) {
+        self.system.move_bodies(y, system);
+        if let Some(line) = self.track.line() {
+            self.find_stations(line, memory, system);
+        }
+    }
+
+    /// Finds the stations of bodies whose motion is known.
+    pub(super) fn update_stations(&self, memory: &mut [f64], system: &mut SystemWorkspace) {
+        if let Some(line) = self.track.line() {
+            self.find_stations(line, memory, system);
+        }
+    }
+
+    #[inline(never)]
+    fn find_stations(&self, line: &CentreLine, memory: &mut [f64], system: &mut SystemWorkspace) {
+        let first = memory.len() - self.followed();
+        let SystemWorkspace { motions, stations, .. } = system;
+        for ((slot, motion), kept) in memory[first..].iter_mut().zip(motions).zip(stations) {
+            let station = Station::new(line, &motion.position, &motion.velocity, *slot);
+            *slot = station.frame.distance;
+            (motion.distance, motion.speed) = (station.frame.distance, station.speed);
+            *kept = station;
+        }
+    }
+
+    /// Fills the workspace with the bodies' motion, their stations and the force elements' wrenches.
+    #[inline(always)] // on the wheelset's path, with several callers
+    pub(super) fn apply_forces(&self, y: &[f64], memory: &mut [f64], system: &mut SystemWorkspace) {
+        if self.track.line().is_none() {
+            return self.system.apply_forces(y, system);
+        }
+        self.move_bodies(y, memory, system);
+        self.system.apply_forces_on_track(y, system);
+    }
+
+    /// Forces of the inputs, which are along the track's axes, in the world, N.
+    #[inline]
+    pub(super) fn input_force(&self, system: &SystemWorkspace, body: usize, inputs: &[f64]) -> Vector3<f64> {
+        let force = Vector3::new(inputs[LONGITUDINAL_FORCE], inputs[LATERAL_FORCE], inputs[VERTICAL_FORCE]);
+        system.stations.get(body).map_or(force, |station| station.frame.axes * force)
+    }
+
+    /// What rounding leaves of a position in the world, m: on a curved track all three coordinates become large. 0 on straight track.
+    pub(super) fn rounding(&self, q: &[f64]) -> f64 {
+        if self.track.line().is_none() { 0.0 } else { 8.0 * f64::EPSILON * (q[0].abs() + q[1].abs() + q[2].abs()) }
+    }
+
+    /// The track frame's axes beside a body of the state `y`; `None` on straight track.
+    pub(super) fn axes_beside(&self, body: usize, y: &[f64], memory: &[f64]) -> Option<Matrix3<f64>> {
+        let line = self.track.line()?;
+        let guess = self.last_distance(body, memory);
+        let q = &y[self.system.coordinates(body)];
+        Some(line.project(&Vector3::new(q[0], q[1], q[2]), guess).axes)
+    }
+
+    /// Position of a body's centre relative to the track, m: lateral and vertical, for messages.
+    pub(super) fn beside(&self, motion: &BodyMotion) -> (f64, f64) {
+        let Some(line) = self.track.line() else { return (motion.position.y, motion.position.z) };
+        let frame = line.frame(motion.distance);
+        let offset = frame.components(&(motion.position - frame.origin));
+        (offset.y, offset.z)
+    }
+
+    /// When a wheel's contact next reaches a place where its rail is not smooth, s; infinity for never. `leads` are those of the
+    /// contacts. The contact moves with the centre and, when the wheelset yaws, with its wheel.
+    pub fn next_rough_place(&self, t: f64, y: &[f64], memory: &[f64], lead: impl Fn(usize) -> f64) -> f64 {
+        let mut next = f64::INFINITY;
+        for (index, wheelset) in self.wheelsets.iter().enumerate() {
+            let q = &y[self.system.coordinates(wheelset.body)];
+            let v = &y[self.system.velocities(wheelset.body)];
+            for side in Side::BOTH {
+                let (rail, wheel) = (self.track.rail(side), wheelset.wheel(side));
+                let lead = lead(contact_index(index, side));
+                let (place, speed) = match self.track.line() {
+                    None => (q[0], v[0] - side.sign() * wheel.half_spacing * q[3].cos() * v[3]),
+                    Some(line) if rail.has_breaks() => {
+                        let motion = BodyMotion::new(q, v);
+                        let guess = self.last_distance(wheelset.body, memory);
+                        let distance = line.project(&motion.position, guess).distance;
+                        let tread = motion.position + motion.axle() * (side.sign() * wheel.half_spacing);
+                        (distance, arc_rate(&rail.section(distance + lead), &tread, &motion.attachment_velocity(&tread)))
+                    }
+                    Some(_) => continue,
+                };
+                if let Some(ahead) = rail.next_break(place + lead, speed) {
+                    next = next.min(t + (ahead - place - lead) / speed);
+                }
+            }
+        }
+        next
+    }
+
+    /// Moves positions and velocities onto the constraints ([`super::Formulation::project`]).
+    ///
+    /// # Errors
+    /// [`EvaluationError`] when there is no such state near `y`.
+    pub fn project(&self, workspace: &mut super::Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, EvaluationError> {
+        if self.track.line().is_some() {
+            self.move_bodies(y, memory, &mut workspace.system);
+        }
+        self.formulation.project(self, workspace, t, y, memory)
+    }
+}

@@ -1,0 +1,45 @@
+//! Where a body is along the track: the track frame at its centre, and how fast that travels.
+//!
+//! The frame's plane across the track goes through the centre P: `(P - C) . X = 0`. Differentiated, with v the centre's velocity:
+//!
+//! ```text
+//! s' = v . X / (1 - (P - C) . dX/ds)
+//! ```
+
+use super::centre_line::CentreLine;
+use super::frame::TrackFrame;
+use nalgebra::Vector3;
+
+/// The track frame of a moving point.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Station {
+    pub frame: TrackFrame,
+    /// Speed of the point along the frame's X, v . X, m/s.
+    pub speed: f64,
+    /// Speed of the frame along the centre line, s', m/s: greater than `speed` for a point on the inner side of a curve, by the share
+    /// curvature x offset (1e-5 for 5 mm at a radius of 500 m).
+    pub travel: f64,
+}
+
+impl Station {
+    /// Of a point [m] with this velocity [m/s], from a guess of its distance [m].
+    #[inline]
+    pub fn new(line: &CentreLine, point: &Vector3<f64>, velocity: &Vector3<f64>, guess: f64) -> Station {
+        let frame = line.project(point, guess);
+        let speed = velocity.dot(&frame.along());
+        let stretch = 1.0 - (point - frame.origin).dot(&frame.bend());
+        Station { frame, speed, travel: speed / stretch }
+    }
+
+    /// d(v . X)/dt when the point does not accelerate: v . dX/ds s', m/s2.
+    #[inline]
+    pub fn swing_of_speed(&self, velocity: &Vector3<f64>) -> f64 {
+        velocity.dot(&self.frame.bend()) * self.travel
+    }
+
+    /// A vector of the world in the track frame.
+    #[inline]
+    pub fn components(&self, vector: &Vector3<f64>) -> Vector3<f64> {
+        self.frame.components(vector)
+    }
+}
