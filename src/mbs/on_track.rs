@@ -169,14 +169,14 @@ mod tests {
         };
         let h = 1e-5;
         let ((now, found, station), (ahead, ..), (behind, ..)) = (at(0.0), at(h), at(-h));
-        for i in 0..COORDINATES {
+        for (i, acceleration) in found.iter().enumerate() {
             let slope = (ahead.coordinates[i] - behind.coordinates[i]) / (2.0 * h);
             let rate = if i == 0 { station.travel } else { now.velocities[i] };
             // The pitch of a body of revolution is its own, its rate is relative.
             assert!(i == 5 || (slope - rate).abs() < 1e-7, "{i}: {slope} {rate}");
             let slope = (ahead.velocities[i] - behind.velocities[i]) / (2.0 * h);
             let absolute = i == 1 || i == 2;
-            assert!(absolute || (slope - found[i]).abs() < 1e-6, "{i}: {slope} {}", found[i]);
+            assert!(absolute || (slope - acceleration).abs() < 1e-6, "{i}: {slope} {acceleration}");
         }
         let across = station.frame.components(&Vector3::new(a[0], a[1], a[2]));
         assert!((found[1] - across.y).abs() < 1e-15 && (found[2] - across.z).abs() < 1e-15);

@@ -37,16 +37,16 @@ impl Polynomial {
     /// With value 0 at 0; a term of the seventh degree would be lost.
     pub fn integral(&self) -> Polynomial {
         let mut sum = [0.0; 8];
-        for k in 1..8 {
-            sum[k] = self.0[k - 1] / k as f64;
+        for (k, (sum, c)) in sum[1..].iter_mut().zip(self.0).enumerate() {
+            *sum = c / (k + 1) as f64;
         }
         Polynomial(sum)
     }
 
     pub fn derivative(&self) -> Polynomial {
         let mut slope = [0.0; 8];
-        for k in 1..8 {
-            slope[k - 1] = self.0[k] * k as f64;
+        for (k, (slope, c)) in slope.iter_mut().zip(&self.0[1..]).enumerate() {
+            *slope = c * (k + 1) as f64;
         }
         Polynomial(slope)
     }
