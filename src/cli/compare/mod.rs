@@ -10,6 +10,7 @@ use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, print, say
 use crate::formulation;
 use crate::scene::load;
 use crate::scene::spec::Scene;
+use crate::settings::did_you_mean;
 use clap::Args;
 use measure::{ROUNDS, Run, Times};
 use quantity::{QUANTITIES, Quantity};
@@ -41,6 +42,9 @@ pub(super) struct Arguments {
     /// Folder for the pictures; made if it is missing [default: current folder]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Formulations to compare, e.g. "ECF-A,ECCF" [default: all]
+    #[arg(long, value_name = "NAME[,NAME]", value_delimiter = ',')]
+    formulations: Vec<String>,
     #[command(flatten)]
     wheelset: WheelsetArgument,
     #[command(flatten)]
@@ -59,7 +63,7 @@ pub(super) fn compare(arguments: &Arguments) -> Result<(), Failure> {
     }
     let folder = arguments.output.as_deref().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(|error| Failure::Input(format!("{}: can't be made: {error}", folder.display())))?;
-    let runs = run_all(&arguments.scene, Times { stop, step });
+    let runs = run_all(&arguments.scene, &chosen(&arguments.formulations)?, Times { stop, step });
     let comparison = Comparison {
         scene: &scene,
         wheelset,
@@ -90,11 +94,22 @@ pub(super) fn compare(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Runs the scene with every formulation of the registry.
-fn run_all(scene: &SceneArguments, times: Times) -> Vec<Run> {
-    let progress = Progress::new(times.stop * ((2 + ROUNDS) * formulation::REGISTRY.len()) as f64);
+/// The formulations of these names in the registry's order; all where none is named.
+fn chosen(names: &[String]) -> Result<Vec<&'static str>, Failure> {
+    let known: Vec<&'static str> = formulation::REGISTRY.iter().map(|entry| entry.name).collect();
+    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
+        let hint = did_you_mean(name, &known);
+        return Err(Failure::Input(format!("--formulations {name}{hint}: expected some of {}", known.join(", "))));
+    }
+    Ok(known.into_iter().filter(|known| names.is_empty() || names.iter().any(|name| name == known)).collect())
+}
+
+/// Runs the scene with each of the formulations.
+fn run_all(scene: &SceneArguments, formulations: &[&str], times: Times) -> Vec<Run> {
+    let progress = Progress::new(times.stop * ((2 + ROUNDS) * formulations.len()) as f64);
     let mut runs: Vec<(Run, Option<Scene>)> = formulation::REGISTRY
         .iter()
+        .filter(|entry| formulations.contains(&entry.name))
         .map(|entry| {
             let overrides: Vec<String> =
                 scene.overrides.iter().cloned().chain([format!("contact.formulation=\"{}\"", entry.name)]).collect();
