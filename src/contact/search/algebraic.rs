@@ -169,16 +169,8 @@ impl Pair<'_> {
         let mut x = Vector4::new(start.wheel, start.angle, start.lead, start.rail);
         // Far along the track distances are rounded more coarsely.
         let limits = NewtonLimits { next_step: LIMITS.next_step.max(4.0 * f64::EPSILON * self.distance.abs()), ..LIMITS };
-        match newton::solve(&mut x, limits, |x| self.residual(x), |_, at| self.jacobian(at)) {
-            Ok((found, iterations)) => Ok((found.location(&x, iterations), found)),
-            // On a curved track all three coordinates are large: where the equations are nearly singular (surfaces that fit each
-            // other) rounding alone foresees longer steps.
-            Err(failure) if self.rail.line().is_some() && failure.residual <= 32.0 * f64::EPSILON * (1.0 + self.centre.norm()) => {
-                let found = self.residual(&x).1;
-                Ok((found.location(&x, failure.iterations), found))
-            }
-            Err(failure) => Err(failure),
-        }
+        let (found, iterations) = newton::solve(&mut x, limits, |x| self.residual(x), |_, at| self.jacobian(at))?;
+        Ok((found.location(&x, iterations), found))
     }
 
     /// Finds the contact from a warm start.
