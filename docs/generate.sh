@@ -164,6 +164,62 @@ TEXT
     echo '```'
 } >docs/contact_geometry.md
 
+vehicle() { # scene, wheelset, stop: text of the comparison; pictures go to docs/images
+    ./target/release/wheelrail compare "$1" --formulations ECF-A,ECCF --wheelset "$2" --stop "$3" -o docs/images 2>/dev/null
+}
+leading='truck[1].wheelset[1]' trailing='truck[2].wheelset[2]' # in names of files: truck1_wheelset1, truck2_wheelset2
+{
+    echo "# The paper's vehicle over bumps and in a curve"
+    echo
+    echo "Sections 5 and 6 of the paper with the scenes \`vehicle_bumps\` and \`vehicle_curve\`: ECCF (tread contact as a constraint, flange elastic) and"
+    echo "ECF-A (all contacts elastic) on one sheet. The paper's text gives neither the vehicle's data nor the bumps' size, speed, profiles or gauge:"
+    echo "the vehicle is put together from the Manchester coach by a stated rule (\`fmu/vehicles/vehicle_equalised.toml\` marks every number), the rest is"
+    echo "assumed and marked so in the scenes. So the curves can be compared with each other, not with the paper's to a digit. Made by docs/generate.sh ($(date +%Y-%m-%d))."
+    echo
+    echo "## Two bumps of 10 mm on both rails"
+    echo
+    echo "![Lateral displacement, trailing truck's rear wheelset](images/vehicle_bumps_truck2_wheelset2_lateral_displacement_ECF-A_ECCF.svg)"
+    echo
+    echo "*Lateral displacement of the trailing truck's rear wheelset (Fig. 18): vehicle and track are symmetric here, so it is rounding.*"
+    echo
+    echo "![Height, trailing truck's rear wheelset](images/vehicle_bumps_truck2_wheelset2_height_ECF-A_ECCF.svg)"
+    echo
+    echo "*Height of the same wheelset (Fig. 19): the elastic one stands lower by its penetration.*"
+    echo
+    echo "![Normal force, leading right wheel](images/vehicle_bumps_truck1_wheelset1_normal_force_right_ECF-A_ECCF.svg)"
+    echo
+    echo "*Normal force of the leading wheelset's right wheel (Fig. 20).*"
+    echo
+    echo '```text'
+    vehicle vehicle_bumps "$trailing" 3
+    echo
+    echo "Leading wheelset"
+    vehicle vehicle_bumps "$leading" 3 | sed -n '/^Largest differences/,/^Numerical/p' | sed '$d'
+    echo '```'
+    echo
+    echo "## Into a curve of 3 degrees (582 m) with 3 in of superelevation"
+    echo
+    echo "![Lateral displacement, leading wheelset](images/vehicle_curve_truck1_wheelset1_lateral_displacement_ECF-A_ECCF.svg)"
+    echo
+    echo "*Lateral displacement of the leading wheelset (Fig. 22).*"
+    echo
+    echo "![Normal force, leading right wheel](images/vehicle_curve_truck1_wheelset1_normal_force_right_ECF-A_ECCF.svg)"
+    echo
+    echo "*Normal force of the leading right wheel, all contacts (Fig. 23 shows the tread's).*"
+    echo
+    echo "![Flange force, leading right wheel](images/vehicle_curve_truck1_wheelset1_second_contact_right_ECF-A_ECCF.svg)"
+    echo
+    echo "*Normal force of its second contact, the flange (Fig. 24).*"
+    echo
+    echo '```text'
+    vehicle vehicle_curve "$leading" 5
+    echo '```'
+    echo
+    echo "On S1002 and 60E1 the place of a rigid contact jumps by up to 10 mm where an elastic one shifts its load over some 1.5 mm of lateral"
+    echo "displacement. Where a constrained place ceases to exist under load the wheel goes on elastically (\`on_lift = \"elastic\"\`), which shows as a"
+    echo "short swing of the load in ECCF. ACCF ends there."
+} >docs/paper_vehicle.md
+
 study=$(mktemp -d)
 {
     cat <<'TEXT'

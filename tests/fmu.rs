@@ -318,19 +318,23 @@ fn fmu_native_run_is_the_same_to_the_last_bit_with_several_contacts_and_at_low_s
     }
 }
 
-/// The folder of the official FMI 2.0 headers in the fmpy package.
-/// Vehicles: the trajectory of the native run to the last bit, and a description that fmpy accepts.
+/// Every embedded scene: the trajectory of the native run to the last bit, a description that fmpy accepts, and steps that fmpy takes.
 #[test]
-fn fmu_vehicles_run_as_natively_and_pass_fmpy() {
+fn fmu_every_embedded_scene_runs_as_natively_and_under_fmpy() {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["bogie", "vehicle_manchester_1"] {
+    for embedded in embedded::SCENES {
+        let name = embedded.name;
         let (scene, fmu) = scene_fmu(folder.path(), name, name, &["run.stop=0.2"]);
         native_run_is_the_same(&scene, &fmu, 0.8);
         let script = Path::new(ROOT).join("tests/fmu/check_description.py");
         assert!(run(Command::new(python()).arg("-B").arg(script).arg(&fmu.file)).contains(" 0 failed"));
+        let steps =
+            "import sys, fmpy; rows = fmpy.simulate_fmu(sys.argv[1], stop_time=0.2, output_interval=0.02); print(len(rows), 'rows')";
+        assert!(run(Command::new(python()).args(["-c", steps]).arg(&fmu.file)).contains("11 rows"), "{name}");
     }
 }
 
+/// The folder of the official FMI 2.0 headers in the fmpy package.
 fn headers() -> PathBuf {
     let text = run(Command::new(python()).args(["-c", "import fmpy, os; print(os.path.join(os.path.dirname(fmpy.__file__), 'c-code'))"]));
     PathBuf::from(text.trim())

@@ -149,8 +149,9 @@ fn picture(folder: &Path, comparison: &Comparison, runs: [&Run; 2], quantity: &Q
         return Ok(None);
     }
     let names = runs.map(|run| run.name);
-    // Pictures of several wheelsets may stand in one folder.
-    let place = if scene.vehicle.axles().len() > 1 { format!("_{wheelset}") } else { String::new() };
+    // Pictures of several wheelsets may stand in one folder: truck[1].wheelset[2] becomes truck1_wheelset2.
+    let plain = wheelset.replace(['[', ']'], "").replace('.', "_");
+    let place = if scene.vehicle.axles().len() > 1 { format!("_{plain}") } else { String::new() };
     let file = folder.join(format!("{}{place}_{}_{}_{}.svg", scene.name, quantity.key, names[0], names[1]));
     let diagram = PairDiagram {
         title: format!("{}: {} and {}", quantity.title, names[0], names[1]),
