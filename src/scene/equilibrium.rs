@@ -10,7 +10,6 @@
 
 use super::spec::Scene;
 use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
-use crate::geometry::profile::Profile;
 use crate::math::newton::{self, NewtonLimits};
 use crate::mbs::body::COORDINATES;
 use nalgebra::{Matrix1, SMatrix, SVector, Vector1, Vector3};
@@ -53,6 +52,11 @@ pub enum EquilibriumError {
     Assembly(#[from] AssemblyError),
 }
 
+/// Have both sides the same profiles? Then the steady wheelset does not roll.
+pub(super) fn alike(scene: &Scene) -> bool {
+    [&scene.vehicle.wheelset.profiles, &scene.track.rails].iter().all(|[left, right]| Arc::ptr_eq(&left.profile, &right.profile))
+}
+
 /// Finds the equilibrium of the scene's wheelset.
 ///
 /// # Errors
@@ -70,9 +74,7 @@ pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> 
     let mut balance = Balance::new(scene, speed)?;
     let wheelset = &balance.model.wheelsets[0];
     let radius = wheelset.left.profile.at(0.0).value;
-    let same = |a: &Arc<dyn Profile>, b: &Arc<dyn Profile>| Arc::ptr_eq(a, b);
-    let track = &balance.model.track;
-    balance.alike = same(&wheelset.left.profile, &wheelset.right.profile) && same(&track.left.profile, &track.right.profile);
+    balance.alike = alike(scene);
     let mut found = balance.steady_rolling(scene, radius, speed, load)?;
     if slow {
         found.pitch_rate *= wanted / speed;

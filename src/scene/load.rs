@@ -175,9 +175,10 @@ fn resolve_initial(scene: &mut Scene) -> Result<(), SceneError> {
     if initial.from_equilibrium && initial.given.iter().all(Option::is_none) {
         return Ok(());
     }
-    // Only height and pitch rate of the equilibrium are not zero; where both are given it need not exist.
-    let needed = initial.from_equilibrium
-        || INITIAL.iter().zip(initial.given).any(|(key, given)| given.is_none() && ["z", "pitch_rate"].contains(&key.0));
+    // Only these are not zero in the equilibrium; where all of them are given it need not exist.
+    let not_zero: &[&str] = if equilibrium::alike(scene) { &["z", "pitch_rate"] } else { &["z", "pitch_rate", "roll"] };
+    let needed =
+        initial.from_equilibrium || INITIAL.iter().zip(initial.given).any(|(key, given)| given.is_none() && not_zero.contains(&key.0));
     let found = if needed {
         equilibrium::steady_rolling(scene)
             .map_err(|error| SceneError::Equilibrium { file: scene.source.file.clone(), error })?
