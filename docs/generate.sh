@@ -219,6 +219,9 @@ leading='truck[1].wheelset[1]' trailing='truck[2].wheelset[2]' # in names of fil
     echo "displacement. Where a constrained place ceases to exist under load the wheel goes on elastically (\`on_lift = \"elastic\"\`), which shows as a"
     echo "short swing of the load in ECCF. ACCF ends there."
 } >docs/paper_vehicle.md
+for file in docs/images/vehicle_*.svg; do # what the page does not show
+    grep -qF "images/$(basename "$file")" docs/paper_vehicle.md || rm "$file"
+done
 
 study=$(mktemp -d)
 {

@@ -6,8 +6,8 @@ use common::{run, start};
 use std::collections::HashMap;
 use wheelrail::formulation::Model;
 use wheelrail::mbs::body::COORDINATES;
-use wheelrail::scene::load;
 use wheelrail::scene::spec::Scene;
+use wheelrail::scene::{load, plan};
 use wheelrail::sim::Simulation;
 use wheelrail::sim::vehicle_outputs::scene_outputs;
 
@@ -321,4 +321,22 @@ fn prop_energy_balance_of_vehicles() {
             assert!((brought + driven - heat - change).abs() < 1e-3 * (heat + driven.abs()) + 0.05);
         }
     }
+}
+
+/// A start in a curve is refused; before it, one imposed speed leaves the traction rods alone where two strain them.
+#[test]
+fn hard_starts_in_curves_are_refused_and_two_imposed_speeds_said() {
+    let nodes = "track.node=[{distance=0.0},{distance=60.0,radius=150.0,superelevation=-0.1}]";
+    let within = load::open("vehicle_manchester_1", &[nodes.into(), "vehicle.initial.distance=100".into()]).unwrap();
+    let refused = Simulation::new(&within, 0.0).unwrap_err().to_string();
+    assert!(refused.contains("curved or canted (at 1") && refused.contains("start before the curve"), "{refused}");
+    let words = |drive: &str| {
+        let overrides = [nodes.to_string(), "vehicle.initial.distance=-20".into(), format!("vehicle.drive={drive}")];
+        let scene = load::open("vehicle_manchester_1", &overrides).unwrap();
+        let simulation = Simulation::new(&scene, 0.0).unwrap();
+        let plan = plan::plan(&scene, simulation.model());
+        plan.effects.into_iter().find(|effect| effect.name == "driving constraint").unwrap().why
+    };
+    assert!(words("all").contains("strain the vehicle") && !words("leading").contains("strain"));
+    assert!(!words("leading").contains("truck[2]"));
 }

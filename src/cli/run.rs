@@ -73,7 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         super::say(event);
     }
     if events.len() > EVENTS_SHOWN {
-        super::say(&format!("... and {} more lift-offs and landings (--json lists all)", events.len() - EVENTS_SHOWN));
+        super::say(&format!("... and {} more events (--json lists all)", events.len() - EVENTS_SHOWN));
     }
     let statistics = simulation.statistics();
     let simulated = simulation.time();
@@ -90,8 +90,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else if !to_stdout {
         print(&summary(&scene.title, wheelset, &recording));
         print(&format!(
-            "\n  {simulated} s simulated in {elapsed:.3} s ({:.0} times real time with outputs every {} ms):\n  {} steps, {} rejected, {} evaluations of the right-hand side\n",
-            simulated / elapsed.max(1e-9),
+            "\n  {simulated} s simulated in {elapsed:.3} s ({} times real time with outputs every {} ms):\n  {} steps, {} rejected, {} evaluations of the right-hand side\n",
+            times(simulated / elapsed.max(1e-9)),
             1e3 * step,
             statistics.steps,
             statistics.rejected,
@@ -144,6 +144,11 @@ fn extremes(recording: &Recording) -> Vec<Extreme> {
         }
     };
     recording.columns.iter().enumerate().map(column).collect()
+}
+
+/// Two digits where it matters whether it is more or less than one.
+fn times(factor: f64) -> String {
+    if factor < 10.0 { format!("{factor:.2}") } else { format!("{factor:.0}") }
 }
 
 /// Extremes of the outputs that people look at first.

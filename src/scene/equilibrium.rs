@@ -42,6 +42,10 @@ pub enum EquilibriumError {
         "no steady rolling equilibrium: vertical force is off by {force:.3e} N and axle moment by {moment:.3e} N m; check profiles, spacing and load"
     )]
     NotFound { force: f64, moment: f64 },
+    #[error(
+        "the vehicle starts where the track is curved or canted (at {distance:.1} m), but its steady state is that of straight level track; start before the curve (vehicle.initial.distance, the nodes' distances, less track.smoothing)"
+    )]
+    OnCurve { distance: f64 },
     #[error("no equilibrium: nothing holds {body} {motion}; a force element or a joint must carry it there")]
     Unsupported { body: String, motion: &'static str },
     #[error("no equilibrium was found: {body} is left with {acceleration:.3e} m/s2 (or rad/s2); check stiffnesses, preloads and positions")]

@@ -42,7 +42,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     let vehicle = &scene.vehicle;
     effect("rigid bodies", true, format!("vehicle.template = \"{}\"", vehicle.template), model.system.force_states().start);
     let why = match vehicle.speed_imposed {
-        true => format!("vehicle.speed = {} m/s: removes the acceleration along the track{}", vehicle.speed, driven(vehicle)),
+        true => format!("vehicle.speed = {} m/s: removes the acceleration along the track{}", vehicle.speed, driven(scene)),
         false => format!("vehicle.travel = \"free\": starts with {} m/s", vehicle.speed),
     };
     effect("driving constraint", vehicle.speed_imposed, why, 0);
@@ -148,7 +148,7 @@ fn track_effects(scene: &Scene) -> Vec<(&'static str, String)> {
     let mut effects = Vec::new();
     let curvature = largest(|node| node.curvature);
     if curvature > 0.0 {
-        effects.push(("curves", format!("{count}: radius down to {:.1} m; {rounded}", 1.0 / curvature)));
+        effects.push(("curves", format!("{count}: sharpest radius of a node {:.1} m; {rounded}", 1.0 / curvature)));
     }
     let cant = largest(|node| node.superelevation);
     if cant > 0.0 {
@@ -168,11 +168,14 @@ fn track_effects(scene: &Scene) -> Vec<(&'static str, String)> {
 }
 
 /// Which of several wheelsets the imposed speed acts on.
-fn driven(vehicle: &VehicleSpec) -> String {
-    match vehicle.free {
+fn driven(scene: &Scene) -> String {
+    match scene.vehicle.free {
         Some(_) => {
-            let names: Vec<&str> = vehicle.axles().into_iter().filter(|axle| axle.1).map(|axle| axle.0).collect();
-            format!(" of {}", names.join(", "))
+            let names: Vec<&str> = scene.vehicle.axles().into_iter().filter(|axle| axle.1).map(|axle| axle.0).collect();
+            let curved = track_effects(scene).iter().any(|effect| effect.0 == "curves");
+            let strain =
+                if curved && names.len() > 1 { "; in a curve they strain the vehicle, vehicle.drive = \"leading\" does not" } else { "" };
+            format!(" of {}{strain}", names.join(", "))
         }
         None => String::new(),
     }

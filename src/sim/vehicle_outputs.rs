@@ -128,9 +128,9 @@ impl Collector<'_> {
             self.add(label, text, move |s| place_of(s, body, &point)[axis]);
         }
         for (id, name, axis, text) in [
-            (3, "ax", 0, "acceleration of the point along the body's x axis, forward positive (without gravity)"),
-            (4, "ay", 1, "acceleration of the point along the body's y axis, left positive (without gravity)"),
-            (5, "az", 2, "acceleration of the point along the body's z axis, up positive (without gravity)"),
+            (3, "ax", 0, "acceleration of the point along the body's x axis, forward positive (kinematic, without gravity's part)"),
+            (4, "ay", 1, "acceleration of the point along the body's y axis, left positive (kinematic, without gravity's part)"),
+            (5, "az", 2, "acceleration of the point along the body's z axis, up positive (kinematic, without gravity's part)"),
         ] {
             let unit = Unit::MetrePerSecond2;
             let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, feedthrough };

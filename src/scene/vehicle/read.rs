@@ -41,6 +41,10 @@ pub(super) fn free<'a>(
         let problem = "the imposed speed acts on no wheelset; expected driven = true on at least one, or travel = \"free\"";
         return Err(section.error("travel", problem));
     }
+    if section.word_or("drive", &["all", "leading"], "all")? == "leading" {
+        // Two imposed speeds keep their wheelsets' distance along the track, which is no rigid vehicle's in a curve.
+        wheelsets.iter_mut().filter(|wheelset| wheelset.driven).skip(1).for_each(|wheelset| wheelset.driven = false);
+    }
     let bodies = flat.entries[BODY].iter().map(|entry| body(entry, &flat)).collect::<Result<Vec<_>, _>>()?;
     let mut vehicle = FreeVehicle { wheelsets, bodies, joints: Vec::new(), forces: Vec::new(), sensors: Vec::new(), distance };
     let known = Bodies {
