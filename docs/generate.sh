@@ -209,7 +209,9 @@ leading='truck[1].wheelset[1]' trailing='truck[2].wheelset[2]' # in names of fil
     echo
     echo "![Flange force, leading right wheel](images/vehicle_curve_truck1_wheelset1_second_contact_right_ECF-A_ECCF.svg)"
     echo
-    echo "*Normal force of its second contact, the flange (Fig. 24).*"
+    echo "*Normal force of its second contact (Fig. 24 shows the flange's). New S1002 on 60E1 has no sharp division: the wheel stands on two places of its"
+    echo "tread at first (u = 3 and -7 mm), then on tread and flange root (-18 and -29 mm, angles 0.13 and 0.30 rad, from 41 m), and from 52 m on the"
+    echo "flange root alone (-32 mm, 0.48 rad), which counts as contact 1 then.*"
     echo
     echo '```text'
     vehicle vehicle_curve "$leading" 5
@@ -217,7 +219,7 @@ leading='truck[1].wheelset[1]' trailing='truck[2].wheelset[2]' # in names of fil
     echo
     echo "On S1002 and 60E1 the place of a rigid contact jumps by up to 10 mm where an elastic one shifts its load over some 1.5 mm of lateral"
     echo "displacement. Where a constrained place ceases to exist under load the wheel goes on elastically (\`on_lift = \"elastic\"\`), which shows as a"
-    echo "short swing of the load in ECCF. ACCF ends there."
+    echo "short swing of the load in ECCF. ACCF ends there, and so does ECCF with the finer integration (no row above)."
 } >docs/paper_vehicle.md
 for file in docs/images/vehicle_*.svg; do # what the page does not show
     grep -qF "images/$(basename "$file")" docs/paper_vehicle.md || rm "$file"

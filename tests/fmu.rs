@@ -326,10 +326,12 @@ fn fmu_every_embedded_scene_runs_as_natively_and_under_fmpy() {
         let name = embedded.name;
         let (scene, fmu) = scene_fmu(folder.path(), name, name, &["run.stop=0.2"]);
         native_run_is_the_same(&scene, &fmu, 0.8);
-        let script = Path::new(ROOT).join("tests/fmu/check_description.py");
-        assert!(run(Command::new(python()).arg("-B").arg(script).arg(&fmu.file)).contains(" 0 failed"));
-        let steps =
-            "import sys, fmpy; rows = fmpy.simulate_fmu(sys.argv[1], stop_time=0.2, output_interval=0.02); print(len(rows), 'rows')";
+        if scene.vehicle.free.is_some() {
+            let script = Path::new(ROOT).join("tests/fmu/check_description.py");
+            assert!(run(Command::new(python()).arg("-B").arg(script).arg(&fmu.file)).contains(" 0 failed"));
+        }
+        let steps = "import sys, fmpy, fmpy.validation; file = sys.argv[1]; problems = fmpy.validation.validate_fmu(file); assert not problems, problems; \
+                     print(len(fmpy.simulate_fmu(file, stop_time=0.2, output_interval=0.02)), 'rows')";
         assert!(run(Command::new(python()).args(["-c", steps]).arg(&fmu.file)).contains("11 rows"), "{name}");
     }
 }

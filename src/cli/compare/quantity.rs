@@ -66,7 +66,7 @@ pub(super) const QUANTITIES: [Quantity; 6] = [
     Quantity {
         key: "second_contact_right",
         output: "right.contact[2].normalForce",
-        title: "Normal force of the right wheel's second contact (flange)",
+        title: "Normal force of the right wheel's second contact",
         column: "N2 right [N]",
         unit: "N",
         fine: 1.0,

@@ -152,12 +152,17 @@ fn differences(comparison: &Comparison) -> String {
     let mut rows = vec![cells(format!("for scale: largest change, {}", reference.name), &|quantity| {
         comparison.trace(&reference.samples, quantity).change()
     })];
+    let mut means: Vec<Vec<String>> = Vec::new();
     for [first, second] in &compared {
         let apart = comparison.apart(&first.samples, &second.samples);
         let label = format!("{} against {} ({})", first.name, second.name, Kind::of(first, second).word());
-        rows.push(cells(label, &|quantity| apart[quantity].map(|apart| apart.largest)));
+        rows.push(cells(label.clone(), &|quantity| apart[quantity].map(|apart| apart.largest)));
+        means.push(cells(label, &|quantity| apart[quantity].map(|apart| apart.rms)));
     }
     let mut text = format!("\nLargest differences at equal times\n\n{}", table(&head, &rows));
+    if !means.is_empty() {
+        text += &format!("\nRoot mean square of the differences\n\n{}", table(&head, &means));
+    }
     let jumps = reference.samples.jumps();
     if jumps > 0 {
         text += &format!(
