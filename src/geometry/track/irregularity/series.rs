@@ -12,7 +12,7 @@
 //! about even (an index table with a cell for each point, up to 65536).
 
 use super::super::deviation::STEEPEST;
-use super::window::Window;
+use super::window::{Window, Windowed};
 use super::{Irregularity, Quantity, deviations};
 use crate::geometry::file::OpenFile;
 use crate::geometry::track::DeviationShape;
@@ -57,29 +57,6 @@ struct Table {
     columns: [Option<Vec<f64>>; 9],
 }
 
-/// A spline through measured points.
-#[derive(Debug)]
-struct MeasuredShape {
-    spline: CubicSpline,
-    window: Window,
-    description: String,
-}
-
-impl DeviationShape for MeasuredShape {
-    #[inline]
-    fn at(&self, s: f64) -> [f64; 4] {
-        self.window.apply(s, |s| self.spline.at(s))
-    }
-
-    fn breaks(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    fn describe(&self) -> String {
-        self.description.clone()
-    }
-}
-
 fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     let file = OpenFile::open(section, FOLDER)?;
     let offset = section.number_or("offset", Dimension::Length, 0.0)?;
@@ -113,7 +90,7 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     let deviations = deviations(&quantities(table), |_, _, values| {
         let points: Vec<(f64, f64)> = positions.iter().zip(values).map(|(&position, value)| (position, scale * value)).collect();
         let spline = CubicSpline::natural(&points).map_err(|error| file.error(0, COLUMNS[0], error.to_string()))?;
-        Ok(Arc::new(MeasuredShape { spline, window, description: description.clone() }) as Arc<dyn DeviationShape>)
+        Ok(Arc::new(Windowed { spline, window, description: description.clone() }) as Arc<dyn DeviationShape>)
     })?;
     Ok(Irregularity { deviations, file: Some(file.kept) })
 }

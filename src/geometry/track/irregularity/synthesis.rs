@@ -16,7 +16,7 @@
 //! on all machines, up to the rounding of their sine (1e-15 of the amplitude).
 
 use super::spectrum::{self, Spectrum};
-use super::window::Window;
+use super::window::{Window, Windowed};
 use super::{Irregularity, Quantity, deviations, mean_and_difference};
 use crate::geometry::track::{DeviationShape, Direction};
 use crate::math::uniform_spline::{BEFORE, BEHIND, UniformSpline, response};
@@ -103,29 +103,6 @@ impl<'a> Synthesis<'a> {
     }
 }
 
-/// A part of a sum of waves.
-#[derive(Debug)]
-struct RandomShape {
-    spline: UniformSpline,
-    window: Window,
-    description: String,
-}
-
-impl DeviationShape for RandomShape {
-    #[inline]
-    fn at(&self, s: f64) -> [f64; 4] {
-        self.window.apply(s, |s| self.spline.at(s))
-    }
-
-    fn breaks(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    fn describe(&self) -> String {
-        self.description.clone()
-    }
-}
-
 fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     let chosen = choose(spectrum::REGISTRY, section, "spectrum")?;
     let seed = read_seed(section)?;
@@ -169,7 +146,7 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     let deviations = deviations(&Quantity::ALL.map(part), |_, direction, coefficients| {
         let spline = UniformSpline::new(synthesis.spacing, first, coefficients)
             .ok_or_else(|| section.error("to", "the irregularity covers less than a wave"))?;
-        Ok(Arc::new(RandomShape { spline, window, description: describe(direction) }) as Arc<dyn DeviationShape>)
+        Ok(Arc::new(Windowed { spline, window, description: describe(direction) }) as Arc<dyn DeviationShape>)
     })?;
     Ok(Irregularity { deviations, file: None })
 }

@@ -3,7 +3,10 @@
 //! An irregularity f becomes w f, w rising from 0 to 1 over the length `fade` behind `from` and falling likewise before `to`
 //! ([`smooth_step`]); derivatives by the product rule, so that w f has the smoothness of f and is exactly zero outside.
 
+use crate::geometry::track::DeviationShape;
 use crate::math::smooth_step::smooth_step;
+use crate::math::spline::CubicSpline;
+use crate::math::uniform_spline::UniformSpline;
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
 
@@ -57,6 +60,48 @@ impl Window {
 
     pub fn describe(&self) -> String {
         format!("from {} m to {} m, fading over {} m", self.from, self.to, self.fade)
+    }
+}
+
+/// What a window can be laid over: a value with its first three derivatives.
+pub(super) trait Spline: Send + Sync + std::fmt::Debug {
+    fn at(&self, s: f64) -> [f64; 4];
+}
+
+impl Spline for CubicSpline {
+    #[inline]
+    fn at(&self, s: f64) -> [f64; 4] {
+        CubicSpline::at(self, s)
+    }
+}
+
+impl Spline for UniformSpline {
+    #[inline]
+    fn at(&self, s: f64) -> [f64; 4] {
+        UniformSpline::at(self, s)
+    }
+}
+
+/// A spline under its window, as a displacement of a rail.
+#[derive(Debug)]
+pub(super) struct Windowed<S> {
+    pub spline: S,
+    pub window: Window,
+    pub description: String,
+}
+
+impl<S: Spline> DeviationShape for Windowed<S> {
+    #[inline]
+    fn at(&self, s: f64) -> [f64; 4] {
+        self.window.apply(s, |s| self.spline.at(s))
+    }
+
+    fn breaks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn describe(&self) -> String {
+        self.description.clone()
     }
 }
 
