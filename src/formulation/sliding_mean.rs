@@ -12,6 +12,7 @@
 
 use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Entries of the ring: a window and what the interpolation needs beyond it.
@@ -91,7 +92,12 @@ impl SlidingMean {
 pub const MEANS: [&str; 3] = ["Y/Q of the left wheel", "Y/Q of the right wheel", "sum of Y"];
 
 /// Wheel unloading below this force [N] makes quotients meaningless; they are zero then.
-pub const UNLOADED: f64 = 1.0;
+const UNLOADED: f64 = 1.0;
+
+/// Guiding force over Q, outward positive, from the force on a wheel in the track frame.
+pub fn derailment_quotient(side: Side, force: &Vector3<f64>) -> f64 {
+    if force.z > UNLOADED { -side.sign() * force.y / force.z } else { 0.0 }
+}
 
 impl Model {
     /// Has the model sliding means from now on, over `window` [m]?
@@ -122,10 +128,7 @@ impl Model {
         for (index, wheelset) in self.wheelsets.iter().enumerate() {
             let speed = wheelset.speed(&workspace.system.motions[wheelset.body]).abs();
             let forces = Side::BOTH.map(|side| workspace.wheel_force(contact_index(index, side), wheelset.body));
-            let quotient = |side: Side| {
-                let force = forces[side.index()];
-                if force.z > UNLOADED { -side.sign() * force.y / force.z } else { 0.0 }
-            };
+            let quotient = |side: Side| derailment_quotient(side, &forces[side.index()]);
             let values = [1.0, quotient(Side::Left), quotient(Side::Right), -(forces[0].y + forces[1].y)];
             for (rate, value) in dy[self.mean_states(index)].iter_mut().zip(values) {
                 *rate = value * speed;

@@ -2,7 +2,7 @@
 
 use super::Snapshot;
 use super::unit::Unit;
-use crate::formulation::sliding_mean::UNLOADED;
+use crate::formulation::sliding_mean::derailment_quotient;
 use crate::formulation::{
     ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, Model, RIGHT_FRICTION, VERTICAL_FORCE, contact_index,
 };
@@ -254,7 +254,6 @@ fn means(c: &mut Collector, model: &Model, wheelset: usize) {
 fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usize) {
     let friction = if side == Side::Left { LEFT } else { RIGHT };
     let prefix = c.prefix.clone();
-    let outward = side.sign();
     c.prefix = format!("{prefix}.{}", side.name());
     let base = c.base;
     c.base = base + if side == Side::Left { 100 } else { 200 };
@@ -286,10 +285,7 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usi
     );
     c.add(3, "normalForce", g, Unit::Newton, PRESSING, "sum of the normal forces of the wheel's contacts", of(|k| k.normal_force));
     let text = "guiding force of the wheel on the rail, outward positive, over Q: positive when a flange climbs; 0 below Q = 1 N";
-    c.add(4, "derailmentQuotient", g, Unit::One, friction, text, move |s| {
-        let force = total(s);
-        if force.z > UNLOADED { -outward * force.y / force.z } else { 0.0 }
-    });
+    c.add(4, "derailmentQuotient", g, Unit::One, friction, text, move |s| derailment_quotient(side, &total(s)));
     let text = "T-gamma without spin: |Fx xi_x| + |Fy xi_y|, summed over the wheel's contacts (energy per distance, J/m)";
     c.add(
         5,
