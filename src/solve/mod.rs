@@ -39,6 +39,31 @@ pub trait Dynamics {
     /// asked for before each step.
     fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64;
 
+    /// How the state divides: that many coordinates, as many velocities (their time derivatives), then first-order states.
+    fn coordinates(&self) -> usize {
+        0
+    }
+
+    /// Finds J, close to df/dy at (t, y), for [`Dynamics::factorise`]. Follows an evaluation of f at the same (t, y) directly, whose
+    /// findings it may use. J need not be exact: methods that use it keep their order whatever J is, and need it for stability.
+    ///
+    /// # Errors
+    /// [`Undefined`] when it is not defined there.
+    fn linearise(&mut self, _t: f64, _y: &[f64], _memory: &[f64], _part: StiffPart) -> Result<(), Undefined> {
+        Ok(())
+    }
+
+    /// Factorises I - a J, a in s.
+    ///
+    /// # Errors
+    /// [`Undefined`] when it is singular.
+    fn factorise(&mut self, _a: f64) -> Result<(), Undefined> {
+        Ok(())
+    }
+
+    /// Solves (I - a J) x = x in place. Systems that say nothing have J = 0.
+    fn solve_linear(&mut self, _x: &mut [f64]) {}
+
     /// Moves `y` onto the constraints that it must satisfy exactly; called at the end of each accepted step. Returns whether
     /// `y` was changed.
     ///
@@ -74,6 +99,15 @@ pub trait Dynamics {
     fn release(&mut self, _t: f64, _y: &mut [f64], _memory: &mut [f64]) -> Result<bool, Undefined> {
         Ok(false)
     }
+}
+
+/// The part of f that J covers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StiffPart {
+    /// Everything that is fast or may be.
+    All,
+    /// Normal contact and creep forces alone.
+    Contact,
 }
 
 /// f is not defined where it was asked for.

@@ -18,6 +18,12 @@ pub struct Statistics {
     pub projections: u64,
     /// Changes of the system's form.
     pub events: u64,
+    /// Jacobians.
+    pub linearisations: u64,
+    /// Factorisations of I - a J.
+    pub factorisations: u64,
+    /// Newton iterations of implicit methods.
+    pub iterations: u64,
 }
 
 /// Time, solution, the last step's continuous output and the step-size control.
