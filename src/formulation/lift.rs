@@ -4,7 +4,7 @@ use super::eccf;
 use super::events::{ContactChange, ContactEvent};
 use super::loading::{keep, pair};
 use super::points;
-use super::rigid::{MODE, NORMAL_FORCE, SETTLED_SINCE, VANISHED, is_elastic, least_pressed, wheels};
+use super::rigid::{APPROACH, MODE, NORMAL_FORCE, SETTLED_SINCE, VANISHED, is_elastic, least_pressed, wheels};
 use super::{ContactFailure, ContactReport, EvaluationError, Model, Wheelset, Workspace};
 use crate::geometry::Side;
 use crate::settings::{Section, SettingsError};
@@ -57,7 +57,8 @@ pub(super) fn start(model: &Model, workspace: &mut Workspace, y: &[f64], memory:
         if let Some(place) = points::deepest(model, contact, &pair) {
             keep(&place, memory);
         }
-        (memory[NORMAL_FORCE], memory[MODE], memory[SETTLED_SINCE]) = (wheelset.static_wheel_load, 0.0, f64::INFINITY);
+        (memory[NORMAL_FORCE], memory[APPROACH]) = (wheelset.static_wheel_load, 0.0);
+        (memory[MODE], memory[SETTLED_SINCE]) = (0.0, f64::INFINITY);
     }
 }
 
@@ -163,7 +164,9 @@ pub(super) fn release(
     let own = &memory[model.contact_memory(contact)];
     let searched = model.searches[contact].is_some();
     let lost = matches!(failure.cause, ContactFailure::NotFound { .. } | ContactFailure::NotClosed { .. } | ContactFailure::Dependent);
-    if !(searched && lost) || is_elastic(own) {
+    // Where no normal force agrees with its creep forces rigid bodies have no motion; elastic ones have.
+    let undecided = matches!(failure.cause, ContactFailure::NotSettled { .. });
+    if !(searched && lost || undecided) || is_elastic(own) {
         return Ok(false);
     }
     free((contact, wheelset, side), ContactChange::Vanished, model, workspace, t, y, memory)?;
@@ -214,7 +217,8 @@ fn land(
     let elastic = 0.4 * stiffness * penetration.max(0.0).powf(2.5);
     let before = mechanical(workspace, y) + elastic;
     let memory_of = &mut memory[range];
-    (memory_of[MODE], memory_of[NORMAL_FORCE], memory_of[SETTLED_SINCE]) = (0.0, wheelset.static_wheel_load, f64::INFINITY);
+    (memory_of[MODE], memory_of[SETTLED_SINCE]) = (0.0, f64::INFINITY);
+    (memory_of[NORMAL_FORCE], memory_of[APPROACH]) = (wheelset.static_wheel_load, penetration.max(0.0));
     points::forget(model, contact, memory_of);
     model.formulation.resettle(model, workspace, t, y, memory)?;
     model.move_bodies(y, memory, &mut workspace.system);
