@@ -21,53 +21,58 @@ fn case(name: &'static str, scene: &'static str, stop: f64, changes: &[&str]) ->
     Case { name, scene, stop, changes: changes.iter().map(|change| (*change).to_string()).collect() }
 }
 
-/// A left-hand curve behind 5 m of straight track and a spiral.
-fn curve(radius: f64, spiral: f64, superelevation: &str) -> String {
+/// A left-hand curve behind `straight` and a spiral, all in m.
+fn curve(straight: f64, radius: f64, spiral: f64, superelevation: &str) -> String {
     let node = format!("curvature={}, superelevation=\"-{superelevation}\"", 1.0 / radius);
-    format!("track.node=[{{distance=0}}, {{distance=5}}, {{distance={}, {node}}}, {{distance=400, {node}}}]", 5.0 + spiral)
+    format!("track.node=[{{distance=0}}, {{distance={straight}}}, {{distance={}, {node}}}, {{distance=400, {node}}}]", straight + spiral)
 }
 
 fn irregular(class: u32, seed: u32) -> String {
-    format!("track.irregularity=[{{kind=\"spectrum\", spectrum=\"fra{class}\", seed={seed}, from=2, to=400, fade=5}}]")
+    format!("track.irregularity=[{{kind=\"spectrum\", spectrum=\"fra{class}\", seed={seed}, from=12, to=400, fade=5}}]")
 }
 
 const SMOOTH: &str = "track.deviation=[]";
 const LEADING: &str = "vehicle.drive=leading";
 const COACH: &str = "vehicle_manchester_1";
+const BOGIE: &str = "bogie";
+const BUMP: &str =
+    "track.deviation=[{rail=\"both\", direction=\"vertical\", shape=\"haversine\", amplitude=\"10 mm\", from=\"8 m\", to=\"11 m\"}]";
 
 fn cases() -> Vec<Case> {
-    let curve150 = curve(150.0, 12.0, "30 mm");
-    let curve200 = curve(200.0, 15.0, "40 mm");
-    let curve300 = curve(300.0, 20.0, "80 mm");
-    let curve600 = curve(600.0, 30.0, "100 mm");
-    let curved = |name, radius: &str, speed: &str, stop, more: &[&str]| {
-        case(name, "vehicle_curve", stop, &[&[radius, &format!("vehicle.speed={speed}")], more].concat())
+    // A vehicle's first wheelset starts 9.1 m to 10.8 m along the track, a bogie's and a wheelset's less than 1.3 m.
+    let curve150 = |straight: f64| curve(straight, 150.0, 6.0, "20 mm");
+    let curve200 = curve(5.0, 200.0, 8.0, "30 mm");
+    let curve300 = |straight: f64| curve(straight, 300.0, 12.0, "60 mm");
+    let curve600 = curve(12.0, 600.0, 20.0, "80 mm");
+    let curved = |name, scene, radius: &str, speed: &str, stop, more: &[&str]| {
+        case(name, scene, stop, &[&[radius, &format!("vehicle.speed={speed}"), SMOOTH], more].concat())
     };
-    let rough = |name, class, speed: &str, stop, more: &[&str]| {
-        case(name, COACH, stop, &[&[irregular(class, 1).as_str(), SMOOTH, &format!("vehicle.speed={speed}")], more].concat())
+    let rough = |name, scene, class, speed: &str, stop, more: &[&str]| {
+        case(name, scene, stop, &[&[irregular(class, 1).as_str(), &format!("vehicle.speed={speed}"), SMOOTH], more].concat())
     };
-    let wheelset = |name, stop, changes: &[&str]| case(name, "wheelset_s1002", stop, changes);
+    let start = "vehicle.initial.distance=0";
     vec![
-        curved("R 150 m, 11 m/s", &curve150, "11", 2.5, &[]),
-        curved("R 200 m, 12 m/s", &curve200, "12", 2.5, &[]),
-        curved("R 300 m, 16 m/s", &curve300, "16", 2.0, &[]),
-        curved("R 300 m, friction 0.6", &curve300, "16", 1.5, &["contact.friction=0.6"]),
-        curved("R 300 m, friction 0.05", &curve300, "16", 1.5, &["contact.friction=0.05"]),
-        curved("R 300 m, tolerance 1e-5", &curve300, "16", 1.5, &["solver.tolerance=1e-5"]),
-        curved("R 300 m, tolerance 1e-9", &curve300, "16", 1.0, &["solver.tolerance=1e-9"]),
-        case("coach, R 600 m, 26 m/s", COACH, 1.5, &[&curve600, "vehicle.speed=26", SMOOTH, LEADING]),
-        rough("FRA 4, 5 m/s", 4, "5", 1.0, &[]),
-        rough("FRA 4, 25 m/s", 4, "25", 1.0, &[]),
-        rough("FRA 4, 60 m/s", 4, "60", 0.6, &[]),
-        rough("FRA 5, 60 m/s", 5, "60", 0.6, &[]),
-        rough("FRA 3, 25 m/s", 3, "25", 1.0, &[]),
-        rough("FRA 4, 30 m/s, friction 0.05", 4, "30", 0.8, &["contact.friction=0.05"]),
-        rough("FRA 4, 30 m/s, friction 0.6", 4, "30", 0.8, &["contact.friction=0.6"]),
-        rough("FRA 4, 30 m/s, tolerance 1e-5", 4, "30", 0.8, &["solver.tolerance=1e-5"]),
-        case("bumps, 40 m/s", "vehicle_bumps", 0.9, &["vehicle.speed=40"]),
-        case("bumps, 40 m/s, tolerance 1e-10", "vehicle_bumps", 0.6, &["vehicle.speed=40", "solver.tolerance=1e-10"]),
-        wheelset("wheelset, R 200 m", 4.0, &[&curve200, "vehicle.speed=12", "vehicle.initial.distance=0"]),
-        wheelset("wheelset, FRA 4, 40 m/s", 3.0, &[&irregular(4, 1), "vehicle.speed=40", "vehicle.initial.distance=0"]),
+        curved("vehicle, R 150 m, 11 m/s", "vehicle_curve", &curve150(12.0), "11", 1.2, &[]),
+        curved("vehicle, R 300 m, 16 m/s", "vehicle_curve", &curve300(12.0), "16", 0.8, &[]),
+        curved("coach, R 600 m, 26 m/s", COACH, &curve600, "26", 0.7, &[LEADING]),
+        curved("bogie, R 150 m, 11 m/s", BOGIE, &curve150(5.0), "11", 2.0, &[]),
+        curved("bogie, R 200 m, 12 m/s", BOGIE, &curve200, "12", 2.0, &[]),
+        curved("bogie, R 300 m, friction 0.6", BOGIE, &curve300(5.0), "16", 1.5, &["contact.friction=0.6"]),
+        curved("bogie, R 300 m, friction 0.05", BOGIE, &curve300(5.0), "16", 1.5, &["contact.friction=0.05"]),
+        curved("bogie, R 300 m, tolerance 1e-5", BOGIE, &curve300(5.0), "16", 1.5, &["solver.tolerance=1e-5"]),
+        curved("bogie, R 300 m, tolerance 1e-9", BOGIE, &curve300(5.0), "16", 1.5, &["solver.tolerance=1e-9"]),
+        curved("wheelset, R 200 m, 12 m/s", "wheelset_s1002", &curve200, "12", 3.0, &[start]),
+        rough("coach, FRA 4, 25 m/s", COACH, 4, "25", 0.8, &[]),
+        rough("coach, FRA 5, 60 m/s", COACH, 5, "60", 0.5, &[]),
+        rough("bogie, FRA 4, 5 m/s", BOGIE, 4, "5", 1.5, &[]),
+        rough("bogie, FRA 4, 60 m/s", BOGIE, 4, "60", 1.0, &[]),
+        rough("bogie, FRA 3, 25 m/s", BOGIE, 3, "25", 1.2, &[]),
+        rough("bogie, FRA 4, 30 m/s, fric. 0.05", BOGIE, 4, "30", 1.2, &["contact.friction=0.05"]),
+        rough("bogie, FRA 4, 30 m/s, fric. 0.6", BOGIE, 4, "30", 1.2, &["contact.friction=0.6"]),
+        rough("bogie, FRA 4, 30 m/s, tol. 1e-5", BOGIE, 4, "30", 1.2, &["solver.tolerance=1e-5"]),
+        rough("wheelset, FRA 4, 40 m/s", "wheelset_s1002", 4, "40", 1.2, &[start]),
+        case("vehicle, bumps, 40 m/s", "vehicle_bumps", 0.6, &["vehicle.speed=40"]),
+        case("bogie, bumps, 40 m/s, tol. 1e-10", BOGIE, 0.7, &[BUMP, "vehicle.speed=40", "solver.tolerance=1e-10"]),
     ]
 }
 
@@ -142,12 +147,12 @@ fn observe(case: &Case, formulation: &str) -> Seen {
 fn run(formulation: &str) -> Vec<String> {
     let only = std::env::var("ONLY").unwrap_or_default();
     let mut wrong = Vec::new();
-    println!("{formulation:30}    end [s]  least N [N]  most Q/Q0  gap [m]  energy  modes  evaluations  time [s]");
+    println!("{formulation:34}    end [s]  least N [N]  most Q/Q0  gap [m]  energy  modes  evaluations  time [s]");
     for case in cases().iter().filter(|case| case.name.contains(&only)) {
         let begin = std::time::Instant::now();
         let seen = observe(case, formulation);
         println!(
-            "{:30}  {:9.4}  {:11.3e}  {:9.2}  {:7.0e}  {:6.1e}  {:5}  {:11}  {:8.2}",
+            "{:34}  {:9.4}  {:11.3e}  {:9.2}  {:7.0e}  {:6.1e}  {:5}  {:11}  {:8.2}",
             case.name,
             seen.time,
             seen.least,
@@ -169,7 +174,7 @@ fn run(formulation: &str) -> Vec<String> {
         // Constraints are held at the ends of steps, and to the steps' error between them.
         for (what, bad) in [
             ("a contact pulls", seen.least < -1.0),
-            ("a wheel load is out of all proportion", seen.most > 6.0),
+            ("a wheel load is out of all proportion", seen.most > 30.0),
             ("a constraint is open", seen.gap > 1e-6),
             ("the energy has run away", seen.energy > 0.1),
         ] {

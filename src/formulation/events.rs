@@ -10,7 +10,8 @@ pub enum ContactChange {
     /// The place that was constrained no longer exists (the distance of the surfaces has no minimum there any more); the wheel is
     /// elastic from here.
     Vanished,
-    /// No normal force agrees with the creep forces that it causes: rigid bodies have no motion there. The wheel is elastic from here.
+    /// No bounded normal force is in balance with its creep forces: the place is about to cease, or a steep contact is locked by
+    /// friction. Rigid bodies have no motion there; the wheel is elastic from here.
     Undecided,
     /// The contact has settled and is a constraint again.
     Landed {
@@ -55,7 +56,7 @@ impl std::fmt::Display for ContactEvent {
             ContactChange::Lifted => write!(f, "normal force fell to zero, the contact is elastic from here"),
             ContactChange::Vanished => write!(f, "the contact point has ceased to exist under load, the wheel is elastic from here"),
             ContactChange::Undecided => {
-                write!(f, "no normal force agrees with its creep forces in a rigid contact, the wheel is elastic from here")
+                write!(f, "a rigid contact has no normal force in balance here, the wheel is elastic from here")
             }
             ContactChange::Touched { contact } => write!(f, "contact {contact} begins"),
             ContactChange::Parted { contact } => write!(f, "contact {contact} ends"),

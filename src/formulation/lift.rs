@@ -47,8 +47,9 @@ const PATIENCE: f64 = 8.0;
 /// A place this steep (vertical part of its normal) or this far away [m] can't take over the load of one that ceases to exist.
 const STEEPEST: f64 = 0.8;
 const FURTHEST: f64 = 5e-5;
-/// Most that it takes over, in static wheel loads.
-const MOST_CARRIED: f64 = 3.0;
+/// Most that it takes over, in static wheel loads: the force of a constraint grows without bound where its place ceases to exist
+/// (the place runs ever faster along the curved surfaces), and says nothing of the load there.
+const MOST_CARRIED: f64 = 1.25;
 
 fn settling_time(memory: &[f64]) -> f64 {
     SETTLING_TIME * PATIENCE.powi((memory[VANISHED] as i32 - 1).clamp(0, 6))
@@ -170,7 +171,7 @@ pub(super) fn release(
     let own = &memory[model.contact_memory(contact)];
     let searched = model.searches[contact].is_some();
     let lost = matches!(failure.cause, ContactFailure::NotFound { .. } | ContactFailure::NotClosed { .. } | ContactFailure::Dependent);
-    // Where no normal force agrees with its creep forces rigid bodies have no motion; elastic ones have.
+    // Where no normal force is in balance rigid bodies have no motion; elastic ones have.
     let undecided = matches!(failure.cause, ContactFailure::NotSettled { .. });
     if !(searched && lost || undecided) || is_elastic(own) {
         return Ok(false);
