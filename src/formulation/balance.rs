@@ -223,23 +223,24 @@ pub(super) fn settle(
             let cause = ContactFailure::NotSettled { iterations: iteration, residual };
             return Err(EvaluationError::new(t, wheelset, side, cause));
         }
-        if iteration <= 2 || iteration % 4 == 0 {
+        if iteration <= 2 || stale > 0 {
+            // One size of change for all, that of the largest force: what is subtracted keeps its digits, and what reaches a wheelset
+            // from others through joints stays as small as it is.
+            let scale = largest.max(1.0);
             for (column, side) in Side::BOTH.into_iter().enumerate() {
-                // Each contact answers to its own size of force: what is subtracted does not spoil the digits.
                 respond(model, system, (rows, base), answer, |contact, of| {
-                    let Pressing { creep, slope, force, .. } = &contacts[contact];
+                    let Pressing { creep, slope, .. } = &contacts[contact];
                     let mut wrench = *creep;
                     if of == side {
-                        wrench += scaled(slope, force.abs());
+                        wrench += scaled(slope, scale);
                     }
                     wrench
                 });
                 for (index, coupling) in coupling.iter_mut().enumerate() {
-                    let scale = contacts[contact_index(index, side)].force.abs();
                     for (row, of) in Side::BOTH.into_iter().enumerate() {
                         let contact = contact_index(index, of);
                         let change = answer[contact] - image[contact];
-                        coupling[2 * row + column] = if scale > 0.0 { change / scale } else { 0.0 };
+                        coupling[2 * row + column] = change / scale;
                     }
                 }
             }
