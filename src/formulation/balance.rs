@@ -14,8 +14,9 @@
 //! A law of contact is read at a penetration delta, which costs no iteration of its own: delta is the unknown behind N, followed with
 //! the slope `d ln delta / d ln N` (2/3 of a Hertzian contact of constant shape). Memory of it is only a start.
 //!
-//! Where a law jumps (quadrature over real profiles at the edge of a patch) no N may fit to the last digits: an iteration that no
-//! longer gains ends with what it has, up to 1e-4 of the force.
+//! Where a law jumps (quadrature over real profiles at the edge of a patch) no delta may fit N to the last digits. The multipliers hardly
+//! move there, because creep forces alone act on them: an iteration that no longer gains ends with them when they rest to 1e-4 of
+//! the force.
 
 use super::loading::{Contact, WheelAt};
 use super::rigid::{ConstraintRow, friction, wheels};
@@ -68,6 +69,8 @@ pub(super) struct Balance {
     /// Wrenches without the creep forces of constrained contacts.
     base: Vec<Wrench>,
     image: Vec<f64>,
+    /// The image one iteration ago.
+    last_image: Vec<f64>,
     answer: Vec<f64>,
 }
 
@@ -79,6 +82,7 @@ impl Balance {
             coupling: vec![[0.0; 4]; model.wheelsets.len()],
             base: vec![Wrench::default(); model.system.bodies.len()],
             image: vec![0.0; count],
+            last_image: vec![0.0; count],
             answer: vec![0.0; count],
         }
     }
@@ -175,10 +179,10 @@ pub(super) fn settle(
     balance: &mut Balance,
     (t, y, inputs): (f64, &[f64], &[f64]),
 ) -> Result<(), EvaluationError> {
-    let Balance { contacts, coupling, base, image, answer } = balance;
+    let Balance { contacts, coupling, base, image, last_image, answer } = balance;
     base.copy_from_slice(&workspace.system.wrenches);
     let Workspace { system, contacts: reports, work, .. } = workspace;
-    let (mut best, mut stale, mut worst) = (f64::INFINITY, 0, 0);
+    let (mut best, mut stale, mut worst, mut damping) = (f64::INFINITY, 0, 0, 1.0);
     for iteration in 1..=ITERATIONS {
         for (contact, wheelset, side) in wheels(model) {
             let Some(found) = &rows[contact] else { continue };
@@ -190,7 +194,7 @@ pub(super) fn settle(
         }
         respond(model, system, (rows, base), image, |contact, _| contacts[contact].creep);
         work.force_iterations += 1;
-        let (mut largest, mut residual) = (0.0f64, 0.0f64);
+        let (mut largest, mut residual, mut moved) = (0.0f64, 0.0f64, 0.0f64);
         for (contact, ..) in wheels(model).filter(|wheel| rows[wheel.0].is_some()) {
             let pressing = &mut contacts[contact];
             if pressing.approach <= 0.0 && image[contact] <= 0.0 {
@@ -198,6 +202,8 @@ pub(super) fn settle(
             }
             let rest = (image[contact] - pressing.force).abs();
             largest = largest.max(image[contact].abs());
+            // As far as the whole step would have gone.
+            moved = moved.max((image[contact] - last_image[contact]).abs() / damping);
             // NaN must not pass.
             if !(rest <= residual) {
                 (residual, worst) = (rest, contact);
@@ -208,8 +214,12 @@ pub(super) fn settle(
         } else {
             stale += 1;
         }
-        let gained = residual <= 2.0 * best && (stale >= 2 && residual <= ROUNDING * largest || stale >= 6 && residual <= JUMP * largest)
-            || iteration == ITERATIONS && residual <= LAST * largest;
+        // What the last iteration moved says something from the second on.
+        let rest = if iteration > 1 { residual.min(moved) } else { residual };
+        let gained = stale >= 2 && residual <= ROUNDING * largest
+            || stale >= 6 && rest <= JUMP * largest
+            || iteration == ITERATIONS && rest <= LAST * largest;
+        last_image.copy_from_slice(image);
         if residual <= (RELATIVE * largest).max(FLOOR) || gained {
             for (contact, ..) in wheels(model).filter(|wheel| rows[wheel.0].is_some()) {
                 let report = &mut reports[contact];
@@ -245,7 +255,7 @@ pub(super) fn settle(
                 }
             }
         }
-        let damping = match stale {
+        damping = match stale {
             0..=2 => 1.0,
             3..=8 => 0.5,
             _ => 0.2,
