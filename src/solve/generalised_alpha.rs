@@ -117,6 +117,9 @@ impl GeneralisedAlpha {
                 let moved = dynamics.error_weight(i) * (gamma * h * change[i]).abs();
                 length = if moved.is_nan() { f64::INFINITY } else { length.max(moved) };
             }
+            if !length.is_finite() {
+                break;
+            }
             // What all further changes would sum up to if they went on shrinking as the last two did.
             let shrink = length / last;
             let foreseen = if last.is_finite() && shrink < 0.5 { length * shrink / (1.0 - shrink) } else { length };
