@@ -14,6 +14,9 @@
 //! found at the prediction d_{n+1} = d_n and again after [`REFRESH`] iterations. They end when what is left of y_{n+1}, foreseen from how the
 //! steps shrink, is below 1e-10 of the step's own movement (weighted as for the error).
 //!
+//! Where the equations can't be solved (a wheel that lands between prediction and solution) the step is divided: its first
+//! quarter is done alone, and the rest is the next step.
+//!
 //! d is part of the state. It starts as f, also after a jump of an input, an event or a place where the system is not smooth.
 //! Continuous output: cubic Hermite polynomial with d at both ends.
 //!
@@ -160,8 +163,11 @@ impl Integrator for GeneralisedAlpha {
             state.record.copy_from_slice(&state.derivative);
             state.record_known = true;
         }
-        let step = FixedStep::next(self.step, dynamics, state)?;
-        self.iterate(dynamics, state, scratch, &step)?;
+        let mut step = FixedStep::next(self.step, dynamics, state)?;
+        while let Err(error) = self.iterate(dynamics, state, scratch, &step) {
+            step = step.shortened(state).ok_or(error)?;
+            state.statistics.rejected += 1;
+        }
         let (h, gamma) = (step.h, self.weights().gamma);
         let rate = &scratch.stages[0];
         for (i, value) in scratch.trial.iter_mut().enumerate() {
