@@ -21,6 +21,39 @@ pub(super) struct Eliminated {
 }
 
 impl Tangent {
+    /// J x without constraints, in a vector as long as the state vector; needs [`Tangent::finish`].
+    pub fn times(&self, x: &[f64], result: &mut [f64]) {
+        let count = COORDINATES * self.mobility.len();
+        let (positions, velocities) = (&x[..count], &x[count..2 * count]);
+        result.fill(0.0);
+        result[..count].copy_from_slice(velocities);
+        for (slot, row, column) in self.sum.neighbours.iter() {
+            let at = |body: usize| COORDINATES * body..COORDINATES * (body + 1);
+            let (position, velocity) =
+                (Vector6::from_column_slice(&positions[at(column)]), Vector6::from_column_slice(&velocities[at(column)]));
+            let part = self.sum.by_position[slot] * position + self.sum.by_velocity[slot] * velocity;
+            for (result, part) in result[count..][at(row)].iter_mut().zip(part.iter()) {
+                *result += part;
+            }
+        }
+        for state in &self.sum.states {
+            let own = Vector2::from_fn(|i, _| if i < state.count { x[state.index(i)] } else { 0.0 });
+            let rates = state.times(&state.rate_by_position, positions)
+                + state.times(&state.rate_by_velocity, velocities)
+                + state.rate_by_state * own;
+            for i in 0..state.count {
+                result[state.index(i)] = rates[i];
+                for (end, body) in state.ends.iter().enumerate() {
+                    let Some(body) = body else { continue };
+                    let part = self.mobility[*body] * state.load_by_state[i][end] * own[i];
+                    for (result, part) in result[count + COORDINATES * body..].iter_mut().zip(part.iter()) {
+                        *result += part;
+                    }
+                }
+            }
+        }
+    }
+
     /// Factorises I - a J, a in s, with the active constraint rows in the workspace.
     ///
     /// # Errors
