@@ -1,7 +1,7 @@
 //! I - a J in velocities alone: forming its blocks, and the way of a right-hand side through it.
 
-use super::relative::Gradient;
-use super::sum::add_outer;
+use super::pair::add_outer;
+use super::sum::Gradient;
 use super::{SingularTangent, Tangent};
 use crate::mbs::body::COORDINATES;
 use crate::mbs::system::SystemWorkspace;
@@ -45,7 +45,7 @@ impl Tangent {
                 result[state.index(i)] = rates[i];
                 for (end, body) in state.ends.iter().enumerate() {
                     let Some(body) = body else { continue };
-                    let part = self.mobility[*body] * state.load_by_state[i][end] * own[i];
+                    let part = state.load_by_state[i][end] * own[i];
                     for (result, part) in result[count + COORDINATES * body..].iter_mut().zip(part.iter()) {
                         *result += part;
                     }
@@ -90,9 +90,11 @@ impl Tangent {
             let mut own = Eliminated { inverse, change: zero, acceleration: zero, known: Vector2::zeros() };
             for i in 0..state.count {
                 for (end, body) in state.ends.iter().enumerate() {
-                    let Some(body) = body else { continue };
+                    if body.is_none() {
+                        continue;
+                    }
                     own.change[i][end] = (state.rate_by_position[i][end] * a + state.rate_by_velocity[i][end]) * a;
-                    own.acceleration[i][end] = self.mobility[*body] * state.load_by_state[i][end] * a;
+                    own.acceleration[i][end] = state.load_by_state[i][end] * a;
                 }
             }
             for (on, row) in state.ends.iter().enumerate() {
@@ -102,7 +104,7 @@ impl Tangent {
                     let block = self.lu.block_mut(self.places[slot]);
                     for i in 0..state.count {
                         for j in 0..state.count {
-                            add_outer(block, &(own.acceleration[i][on] * -inverse[(i, j)]), &own.change[j][by]);
+                            add_outer(block, &own.acceleration[i][on], &own.change[j][by], -inverse[(i, j)]);
                         }
                     }
                 }
