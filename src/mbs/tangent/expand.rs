@@ -86,8 +86,7 @@ impl PairFrames {
                 let Some(slot) = slots[column] else { continue };
                 let sign = if row == column { -1.0 } else { 1.0 };
                 for (target, own) in blocks[slot].data.0.iter_mut().zip(&columns) {
-                    for i in 0..3 {
-                        let angle = &angles[i];
+                    for (i, angle) in angles.iter().enumerate() {
                         target[i] += sign * own[i];
                         target[3 + i] += sign * dot(angle, own);
                     }
