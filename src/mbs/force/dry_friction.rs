@@ -24,10 +24,13 @@
 use super::attachment::{Attachment, axis};
 use super::line::ends;
 use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
+use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::tangent::relative::Pair;
+use crate::mbs::tangent::{Ends, StateTangent, TangentSum};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// A surface pair with dry friction; all axes in the attachment axes of `from`.
 #[derive(Clone, Debug)]
@@ -55,7 +58,7 @@ pub struct DryFriction {
 }
 
 /// The pair at one instant.
-struct Pair {
+struct Surfaces {
     point: Vector3<f64>,
     /// v, m/s, and N, N.
     speed: Vector2<f64>,
@@ -64,7 +67,7 @@ struct Pair {
 
 impl DryFriction {
     #[inline]
-    fn pair(&self, bodies: &[BodyMotion]) -> Pair {
+    fn pair(&self, bodies: &[BodyMotion]) -> Surfaces {
         let point = self.to.point(bodies);
         let axes = self.from.axes(bodies);
         let rate = axes.tr_mul(&(self.to.velocity(bodies, &point) - self.from.velocity(bodies, &point)));
@@ -77,7 +80,7 @@ impl DryFriction {
             let displacement = axes.tr_mul(&(point - self.from.point(bodies))) - self.design_vector;
             normal_force = (normal_force - self.normal_stiffness * self.normal.dot(&displacement)).max(0.0);
         }
-        Pair { point, speed, normal_force }
+        Surfaces { point, speed, normal_force }
     }
 
     #[inline]
@@ -87,7 +90,7 @@ impl DryFriction {
 
     /// v - z', m/s, along e.
     #[inline]
-    fn slip(&self, pair: &Pair, z: &Vector2<f64>) -> Vector2<f64> {
+    fn slip(&self, pair: &Surfaces, z: &Vector2<f64>) -> Vector2<f64> {
         let length = z.norm();
         if length == 0.0 {
             return Vector2::zeros();
@@ -96,6 +99,45 @@ impl DryFriction {
         let along = z / length;
         let nearness = if length < most { (length / most).powi(self.exponent) } else { 1.0 };
         along * (nearness * pair.speed.dot(&along).max(0.0) + (length - most).max(0.0) / self.relaxation)
+    }
+}
+
+/// Derivatives of [`DryFriction::slip`] by z, v and N.
+struct SlipSlopes {
+    by_deflection: Matrix2<f64>,
+    by_speed: Matrix2<f64>,
+    by_normal_force: Vector2<f64>,
+}
+
+impl DryFriction {
+    fn slip_slopes(&self, pair: &Surfaces, z: &Vector2<f64>) -> SlipSlopes {
+        let length = z.norm();
+        let mut slopes = SlipSlopes { by_deflection: Matrix2::zeros(), by_speed: Matrix2::zeros(), by_normal_force: Vector2::zeros() };
+        if length == 0.0 {
+            return slopes;
+        }
+        let per_force = self.friction / self.stiffness;
+        let most = per_force * pair.normal_force;
+        let e = z / length;
+        let along = e * e.transpose();
+        let across = (Matrix2::identity() - along) / length;
+        let (nearness, by_length, by_most) = if length < most {
+            let nearness = (length / most).powi(self.exponent);
+            let slope = f64::from(self.exponent) * nearness;
+            (nearness, slope / length, -slope / most)
+        } else {
+            (1.0, 0.0, 0.0)
+        };
+        let speed = pair.speed.dot(&e).max(0.0);
+        let return_slope = if length > most { 1.0 / self.relaxation } else { 0.0 };
+        let slip = nearness * speed + (length - most).max(0.0) / self.relaxation;
+        slopes.by_deflection = across * slip + along * (by_length * speed + return_slope);
+        if speed > 0.0 {
+            slopes.by_deflection += e * (across * pair.speed).transpose() * nearness;
+            slopes.by_speed = along * nearness;
+        }
+        slopes.by_normal_force = e * ((by_most * speed - return_slope) * per_force);
+        slopes
     }
 }
 
@@ -143,6 +185,46 @@ impl ForceElement for DryFriction {
         let force = self.from.axes(bodies) * force;
         self.from.load(bodies, wrenches, &force, &pair.point, &Vector3::zeros());
         self.to.load(bodies, wrenches, &-force, &pair.point, &Vector3::zeros());
+    }
+
+    fn bodies(&self) -> Ends {
+        [self.from.body, self.to.body]
+    }
+
+    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], state: &[f64], first_state: usize, sum: &mut TangentSum) {
+        let (now, z) = (self.pair(bodies), self.deflection(state));
+        let slopes = self.slip_slopes(&now, &z);
+        let pair = Pair::new(&self.from, &self.to, bodies);
+        let (ends, axes) = (pair.bodies(), self.from.axes(bodies));
+        let mut own = StateTangent::new(first_state, self.slip_axes.len(), ends);
+        own.rate_by_state = -slopes.by_deflection;
+        let follows = Matrix2::identity() - slopes.by_speed;
+        let mut force = Vector3::zeros();
+        for (j, axis) in self.slip_axes.iter().enumerate() {
+            let axis = axes * axis;
+            let (moved, moved_rate) = (pair.gradient(&axis), pair.rate_gradient(&axis));
+            force += axis * (self.stiffness * z[j]);
+            own.load_by_state[j] = moved.map(|part| part * -self.stiffness);
+            for i in 0..self.slip_axes.len() {
+                for end in 0..2 {
+                    own.rate_by_position[i][end] += moved_rate[end] * follows[(i, j)];
+                    own.rate_by_velocity[i][end] += moved[end] * follows[(i, j)];
+                }
+            }
+        }
+        if self.normal_stiffness > 0.0 && now.normal_force > 0.0 {
+            let normal = axes * self.normal;
+            let moved = pair.gradient(&normal);
+            force -= normal * now.normal_force;
+            sum.add_spring(ends, &moved, &moved.map(|part| part * -self.normal_stiffness));
+            for i in 0..self.slip_axes.len() {
+                for end in 0..2 {
+                    own.rate_by_position[i][end] += moved[end] * (self.normal_stiffness * slopes.by_normal_force[i]);
+                }
+            }
+        }
+        sum.add_blocks(ends, -1.0, &pair.hessian(&force));
+        sum.add_states(own);
     }
 
     fn scalar_force(&self, _: &[BodyMotion], state: &[f64]) -> Option<f64> {

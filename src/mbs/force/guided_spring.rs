@@ -17,7 +17,9 @@
 use super::ForceElement;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use nalgebra::Vector3;
+use crate::mbs::tangent::relative::End;
+use crate::mbs::tangent::{Ends, TangentSum};
+use nalgebra::{Matrix6, Vector3, Vector6};
 
 /// Track axis along which an element acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +94,37 @@ impl ForceElement for GuidedSpring {
         let (d, rate, point) = self.displacement(body);
         let force = -self.stiffness * d - self.damping * rate;
         wrenches[self.body].add_at(self.axis() * force, &point, &body.position);
+    }
+
+    fn bodies(&self) -> Ends {
+        [Some(self.body), None]
+    }
+
+    /// In a curve the frame's turning along the track is left out: curvature times displacement beside one, 1e-4.
+    fn tangent(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64], _: usize, sum: &mut TangentSum) {
+        let body = &bodies[self.body];
+        let (d, rate, point, axis) = match stations.get(self.body) {
+            Some(station) => self.displacement_on_track(body, station),
+            None => {
+                let (d, rate, point) = self.displacement(body);
+                (d, rate, point, self.axis())
+            }
+        };
+        let end = End::of(body, &point);
+        let load = end.generalised(&axis);
+        let mut measured = load;
+        if self.axis == TrackAxis::Longitudinal {
+            measured.fixed_rows_mut::<3>(0).fill(0.0);
+        }
+        let mut measured_rate = Vector6::zeros();
+        measured_rate.fixed_rows_mut::<3>(3).copy_from(&end.arm_rate_by_angles(&axis));
+        let zero = Vector6::zeros();
+        let by_position = measured * -self.stiffness - measured_rate * self.damping;
+        sum.add_force(self.bodies(), &[load, zero], &[by_position, zero], &[measured * -self.damping, zero]);
+        let mut arm = Matrix6::zeros();
+        arm.fixed_view_mut::<3, 3>(3, 3).copy_from(&end.second_of_arm(&axis));
+        let blocks = [[arm, Matrix6::zeros()], [Matrix6::zeros(); 2]];
+        sum.add_blocks(self.bodies(), -self.stiffness * d - self.damping * rate, &blocks);
     }
 
     fn output_number(&self) -> Option<u32> {

@@ -16,7 +16,10 @@
 
 use super::attachment::{Attachment, Places, axis};
 use super::{ForceElement, Quantity, QuantityKind};
+use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::tangent::relative::Pair;
+use crate::mbs::tangent::{Ends, StateTangent, TangentSum};
 use crate::settings::{Section, SettingsError};
 use nalgebra::Vector3;
 
@@ -104,6 +107,13 @@ impl Span {
     }
 }
 
+/// Two unit vectors across a unit vector and each other.
+fn perpendicular(unit: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let helper = if unit.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
+    let first = unit.cross(&helper).normalize();
+    [first, unit.cross(&first)]
+}
+
 /// Reads `from` and `to`, which must not be on the same body.
 pub(super) fn ends(section: &Section, places: &dyn Places) -> Result<(Attachment, Attachment), SettingsError> {
     let (from, to) = (places.attachment(section, "from")?, places.attachment(section, "to")?);
@@ -113,9 +123,22 @@ pub(super) fn ends(section: &Section, places: &dyn Places) -> Result<(Attachment
     Ok((from, to))
 }
 
+/// Derivatives of a law: of its tension T and of the rate of its state z by displacement x, its rate x' and z.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slopes {
+    /// dT/dx, N/m; dT/dx', N s/m; dT/dz.
+    pub by_displacement: f64,
+    pub by_rate: f64,
+    pub by_state: f64,
+    /// dz'/dx, dz'/dx', dz'/dz.
+    pub state_by_displacement: f64,
+    pub state_by_rate: f64,
+    pub state_by_state: f64,
+}
+
 /// Tension as a function of displacement x [m], its rate [m/s] and states of its own.
 pub trait LineLaw: Clone + Send + Sync + std::fmt::Debug + 'static {
-    /// Number of states.
+    /// Number of states, at most one.
     fn states(&self) -> usize {
         0
     }
@@ -125,6 +148,9 @@ pub trait LineLaw: Clone + Send + Sync + std::fmt::Debug + 'static {
 
     /// Rates of the states.
     fn rates(&self, _x: f64, _rate: f64, _state: &[f64], _rates: &mut [f64]) {}
+
+    /// Derivatives of tension and state rate.
+    fn slopes(&self, x: f64, rate: f64, state: &[f64]) -> Slopes;
 
     /// T, N, tension positive.
     fn tension(&self, x: f64, rate: f64, state: &[f64]) -> f64;
@@ -179,6 +205,50 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         self.law.rates(stretch.displacement, stretch.rate, state, rates);
         let tension = self.law.tension(stretch.displacement, stretch.rate, state);
         self.span.pull(bodies, &stretch, tension, wrenches);
+    }
+
+    fn bodies(&self) -> Ends {
+        [self.span.from.body, self.span.to.body]
+    }
+
+    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], state: &[f64], first_state: usize, sum: &mut TangentSum) {
+        let Stretch { displacement, rate, unit, .. } = self.span.stretch(bodies);
+        let tension = self.law.tension(displacement, rate, state);
+        let slopes = self.law.slopes(displacement, rate, state);
+        if tension == 0.0 && slopes == Slopes::default() {
+            return;
+        }
+        let pair = Pair::new(&self.span.from, &self.span.to, bodies);
+        let ends = pair.bodies();
+        let stretched = pair.gradient(&unit);
+        let load = stretched.map(|part| -part);
+        let mut rate_moved = pair.rate_gradient(&unit);
+        // The line turns with its ends.
+        let length = displacement + self.span.design_length;
+        if self.span.direction == Direction::Line && length > 0.0 {
+            let swing = pair.gradient(&(pair.velocity_across(&unit) / length));
+            rate_moved = [rate_moved[0] + swing[0], rate_moved[1] + swing[1]];
+            for across in perpendicular(&unit) {
+                let turned = pair.gradient(&across);
+                sum.add_spring(ends, &turned, &turned.map(|part| part * (-tension / length)));
+            }
+        }
+        let changes = |by_displacement: f64, by_rate: f64| [0, 1].map(|end| stretched[end] * by_displacement + rate_moved[end] * by_rate);
+        if slopes.by_rate != 0.0 {
+            let by_position = changes(slopes.by_displacement, slopes.by_rate);
+            sum.add_force(ends, &load, &by_position, &stretched.map(|part| part * slopes.by_rate));
+        } else {
+            sum.add_spring(ends, &load, &stretched.map(|part| part * slopes.by_displacement));
+        }
+        sum.add_blocks(ends, -1.0, &pair.hessian(&(unit * tension)));
+        if self.law.states() > 0 {
+            let mut own = StateTangent::new(first_state, 1, ends);
+            own.rate_by_state[(0, 0)] = slopes.state_by_state;
+            own.rate_by_position[0] = changes(slopes.state_by_displacement, slopes.state_by_rate);
+            own.rate_by_velocity[0] = stretched.map(|part| part * slopes.state_by_rate);
+            own.load_by_state[0] = load.map(|part| part * slopes.by_state);
+            sum.add_states(own);
+        }
     }
 
     fn scalar_force(&self, bodies: &[BodyMotion], state: &[f64]) -> Option<f64> {
