@@ -197,7 +197,7 @@ impl Touching {
 }
 
 fn stacked(upper: &ByPose, lower: &ByPose) -> SMatrix<f64, 6, 6> {
-    let mut matrix = SMatrix::zeros();
+    let mut matrix = SMatrix::<f64, 6, 6>::zeros();
     matrix.fixed_rows_mut::<3>(0).copy_from(upper);
     matrix.fixed_rows_mut::<3>(3).copy_from(lower);
     matrix

@@ -73,7 +73,7 @@ impl Model {
     /// Solves (I - a J) x = x in place.
     pub fn solve_linear(&self, workspace: &mut Workspace, x: &mut [f64]) {
         if let Some(tangent) = &mut workspace.tangent {
-            tangent.solve(x, &workspace.system);
+            tangent.solve(x);
         }
     }
 
