@@ -7,15 +7,19 @@
 //! ([`Dynamics::project`]), and the step is cut where the system changes its form ([`Dynamics::margin`]).
 
 mod adaptive;
+mod dense;
 mod dormand_prince;
 mod events;
+mod imex;
 mod rk4;
 mod rk43;
+mod rosenbrock;
 mod state;
 
 pub use dormand_prince::DormandPrince;
 pub use rk4::RungeKutta4;
 pub use rk43::RungeKutta43;
+pub use rosenbrock::Rosenbrock;
 pub use state::{IntegrationState, Statistics};
 
 use crate::settings::{Entry, Section, SettingsError, choose};
@@ -160,6 +164,16 @@ pub trait Integrator: Send + Sync + Debug {
     /// Number of vectors of length n that its continuous output needs.
     fn dense_vectors(&self) -> usize;
 
+    /// Number of vectors of length n that it remembers of earlier steps.
+    fn record_vectors(&self) -> usize {
+        0
+    }
+
+    /// Does it use Jacobians?
+    fn linearises(&self) -> bool {
+        false
+    }
+
     /// One accepted step, which ends at the next break at the latest.
     ///
     /// # Errors
@@ -168,7 +182,7 @@ pub trait Integrator: Send + Sync + Debug {
 
     /// A state at (t, y) with the system's initial memory; the first step length is found when it is needed.
     fn start(&self, t: f64, y: &[f64], memory: &[f64]) -> IntegrationState {
-        IntegrationState::new(t, y, memory, self.dense_vectors())
+        IntegrationState::new(t, y, memory, self.dense_vectors(), self.record_vectors())
     }
 
     /// Advances until the state reaches `target` or passes it; [`IntegrationState::interpolate`] then gives the
@@ -221,7 +235,7 @@ impl Scratch {
 type Parse = fn(&Section) -> Result<Arc<dyn Integrator>, SettingsError>;
 
 /// Every integrator that a scene can name.
-pub static REGISTRY: &[Entry<Parse>] = &[dormand_prince::ENTRY, rk43::ENTRY, rk4::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] = &[dormand_prince::ENTRY, rk43::ENTRY, rk4::ENTRY, rosenbrock::ENTRY, imex::ENTRY];
 
 /// Reads `[solver]`; returns the method's name and the method.
 ///
@@ -249,5 +263,7 @@ fn parse_setting(
     Err(section.error(key, format!("found {value:?}, expected {smallest:?} to {largest:?}")))
 }
 
+#[cfg(test)]
+mod test_systems;
 #[cfg(test)]
 mod tests;

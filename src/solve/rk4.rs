@@ -3,6 +3,7 @@
 //! Steps stand on the grid `start + k step`; a step that would pass a point where the system is not smooth is
 //! shortened to end there, and the grid starts anew.
 
+use super::dense;
 use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -29,9 +30,6 @@ pub struct RungeKutta4 {
 /// Steps that end in this life, s.
 const STEPS: (f64, f64) = (1e-8, 1.0);
 
-/// Continuous output: powers 0 to 3 of theta.
-pub(super) const DENSE_VECTORS: usize = 4;
-
 impl Integrator for RungeKutta4 {
     fn setting(&self) -> Setting {
         Setting { kind: SettingKind::Step, value: self.step, range: STEPS }
@@ -42,7 +40,7 @@ impl Integrator for RungeKutta4 {
     }
 
     fn dense_vectors(&self) -> usize {
-        DENSE_VECTORS
+        dense::CUBIC
     }
 
     fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
@@ -68,7 +66,7 @@ fn step(step: f64, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, sc
         return Err(SolveError::NotFinite { time: state.t, step });
     }
     write_dense(state, scratch, h);
-    state.accept(end, scratch, 4, !cut);
+    state.accept(end, scratch, (!cut).then_some(4));
     if cut {
         state.grid_start = end;
         state.grid_count = 0;
@@ -104,15 +102,8 @@ pub(super) fn stages(
     dynamics.derivative(end, trial, memory, &mut stages[4])
 }
 
-/// Cubic Hermite polynomial through both ends of the step in powers of theta.
+/// Cubic Hermite polynomial through both ends of the step.
 pub(super) fn write_dense(state: &mut IntegrationState, scratch: &Scratch, h: f64) {
-    let n = state.y.len();
-    for i in 0..n {
-        let (begin, difference) = (state.y[i], scratch.trial[i] - state.y[i]);
-        let (first, last) = (h * scratch.stages[0][i], h * scratch.stages[4][i]);
-        let coefficients = [begin, first, 3.0 * difference - 2.0 * first - last, first + last - 2.0 * difference];
-        for (power, coefficient) in coefficients.into_iter().enumerate() {
-            state.dense[power * n + i] = coefficient;
-        }
-    }
+    let slopes = |i: usize| [h * scratch.stages[0][i], h * scratch.stages[4][i]];
+    dense::write_cubic(&mut state.dense, &state.y, &scratch.trial, slopes);
 }
