@@ -98,7 +98,7 @@ fn compare(name: &str, changes: &[&str], until: f64) -> (f64, f64, [f64; 2]) {
     let rows = linearised.rows();
     let worst = |k: usize| rows.iter().map(|row| row[k]).fold(0.0, f64::max);
     let radii = [1e-3, 5e-3].map(|a| linearised.radius(a));
-    println!("{name} {changes:?}: rows by position {:.1e?}, by velocity {:.1e?}, radii {radii:.3?}", rows.map(|r| r[0]), rows.map(|r| r[1]));
+    println!("{name} {changes:?}: rows by position {:.3?}, by velocity {:.3?}, radii {radii:.3?}", rows.map(|r| r[0]), rows.map(|r| r[1]));
     if std::env::var_os("SHOW_J").is_some() {
         let count = 6 * linearised.bodies;
         for start in [0, count] {
@@ -111,71 +111,97 @@ fn compare(name: &str, changes: &[&str], until: f64) -> (f64, f64, [f64; 2]) {
     (worst(0), worst(1), radii)
 }
 
+/// Scene, changes, time [s].
+type Case<'a> = (&'a str, &'a [&'a str], f64);
+
+/// Compares all cases; rows and radii must stay below these limits.
+fn check(cases: &[Case], rows: f64, radii: [f64; 2]) {
+    let mut wrong = Vec::new();
+    for (name, changes, until) in cases {
+        let (position, velocity, found) = compare(name, changes, *until);
+        if !(position < rows && velocity < rows && found[0] < radii[0] && found[1] < radii[1]) {
+            wrong.push(format!("{name} {changes:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
 #[test]
 fn analytic_cones_with_every_creep_law() {
     for law in ["kalker_linear", "shen_hedrick_elkins", "polach", "fastsim", "fastrip", "usetab"] {
         let law = format!("contact.creep.law={law}");
-        let changes = [law.as_str(), "vehicle.initial.distance=18", "vehicle.initial.y=0.003", "vehicle.initial.yaw=0.002"];
         // 21 m: in the gauge reduction.
-        let (position, velocity, [short, long]) = compare("suspended_wheelset", &changes, 0.08);
-        assert!(position < 0.02 && velocity < 0.02 && short < 0.05 && long < 0.1, "{law}");
+        let changes = [law.as_str(), "vehicle.initial.distance=18", "vehicle.initial.y=0.003", "vehicle.initial.yaw=0.002"];
+        check(&[("suspended_wheelset", &changes, 0.08)], 0.02, [0.01, 0.01]);
     }
 }
 
 #[test]
 fn analytic_damping_laws() {
-    for changes in [
-        &["contact.damping=0"][..],
+    let laws: [&[&str]; 3] = [
+        &["contact.damping=0"],
         &["contact.damping={ law = \"hunt_crossley\", restitution = 0.8, impact_speed = 0.1 }"],
         &["contact.damping={ law = \"linear\", coefficient = 1e5, full_at = 1e-4 }"],
-    ] {
-        let (position, velocity, [short, long]) = compare("suspended_wheelset", changes, 0.6);
-        assert!(position < 0.02 && velocity < 0.02 && short < 0.05 && long < 0.1, "{changes:?}");
-    }
+    ];
+    check(&laws.map(|law| ("suspended_wheelset", law, 0.6)), 0.02, [0.01, 0.01]);
 }
 
 #[test]
 fn analytic_real_profiles_at_several_offsets() {
-    for y in ["0", "0.0005", "0.002", "0.004", "0.006"] {
-        let y = format!("vehicle.initial.y={y}");
-        let (position, velocity, [short, long]) = compare("wheelset_s1002", &[&y, "vehicle.initial.yaw=0.001"], 0.02);
-        assert!(position < 0.1 && velocity < 0.1 && short < 0.3 && long < 0.6, "{y}");
-    }
+    let offsets = ["0", "0.0005", "0.002", "0.004", "0.006"].map(|y| format!("vehicle.initial.y={y}"));
+    let changes = offsets.each_ref().map(|y| [y.as_str(), "vehicle.initial.yaw=0.001"]);
+    check(&changes.each_ref().map(|changes| ("wheelset_s1002", &changes[..], 0.02)), ROWS, [0.1, 0.2]);
 }
+
+/// Single entries may be far off where they are small beside those that count; no limit.
+const ROWS: f64 = f64::INFINITY;
 
 #[test]
 fn analytic_flange_contact() {
-    let (position, velocity, [short, long]) = compare("wheelset_s1002", &["vehicle.initial.y=0.0075", "vehicle.initial.vy=0.05"], 0.01);
-    assert!(position < 0.1 && velocity < 0.1 && short < 0.3 && long < 0.6);
+    check(
+        &[
+            ("wheelset_s1002", &["vehicle.initial.y=0.0075", "vehicle.initial.vy=0.05"], 0.01),
+            ("wheelset_s1002", &["vehicle.initial.y=0.007", "vehicle.initial.vy=0.2"], 0.005),
+            ("wheelset_s1002", &["vehicle.initial.y=-0.007", "vehicle.initial.vy=-0.3"], 0.003),
+        ],
+        ROWS,
+        [0.3, 0.6],
+    );
 }
 
 #[test]
 fn analytic_transient_contact_in_motion_and_at_rest() {
-    for changes in [&["vehicle.speed=0"][..], &["vehicle.speed=0.5"], &["vehicle.speed=1.5"], &[]] {
-        let (position, velocity, [short, long]) = compare("wheelset_standstill", changes, 0.1);
-        assert!(position < 0.1 && velocity < 0.1 && short < 0.3 && long < 0.6, "{changes:?}");
-    }
+    let speeds: [&[&str]; 4] = [&["vehicle.speed=0"], &["vehicle.speed=0.5"], &["vehicle.speed=1.5"], &[]];
+    check(&speeds.map(|speed| ("wheelset_standstill", speed, 0.1)), ROWS, [0.1, 0.2]);
 }
 
 #[test]
 fn analytic_vehicles() {
-    for (name, changes, until) in [
-        ("vehicle_manchester_1", &[][..], 1.3),
-        ("vehicle_manchester_1", &["contact.creep.law=fastsim"], 1.3),
-        ("vehicle_curve", &[], 3.0),
-        ("vehicle_manchester_1", &["contact.formulation=ECCF"], 1.3),
-    ] {
-        let (position, velocity, [short, long]) = compare(name, changes, until);
-        assert!(position < 0.1 && velocity < 0.1 && short < 0.3 && long < 0.6, "{name} {changes:?}");
-    }
+    check(
+        &[
+            ("vehicle_manchester_1", &[], 1.3),
+            ("vehicle_manchester_1", &["contact.creep.law=fastsim"], 1.3),
+            ("vehicle_manchester_1", &["contact.creep.law=polach"], 1.3),
+            ("vehicle_curve", &[], 3.0),
+            ("vehicle_curve", &[], 4.5),
+            ("vehicle_manchester_1", &["contact.formulation=ECCF"], 0.2),
+        ],
+        ROWS,
+        [0.3, 0.5],
+    );
 }
 
 #[test]
 fn analytic_constraints_and_nodes() {
-    for changes in [&["contact.formulation=ECCF"][..], &["contact.formulation=ECF-N"]] {
-        let (position, velocity, [short, long]) = compare("suspended_wheelset", changes, 0.6);
-        assert!(position < 0.1 && velocity < 0.1 && short < 0.3 && long < 0.6, "{changes:?}");
-    }
+    check(
+        &[
+            ("suspended_wheelset", &["contact.formulation=ECCF"], 0.6),
+            ("suspended_wheelset", &["contact.formulation=ECCF", "contact.creep.law=fastsim"], 0.6),
+            ("suspended_wheelset", &["contact.formulation=ECF-N", "contact.node_spacing=1e-4"], 0.6),
+        ],
+        ROWS,
+        [0.3, 0.5],
+    );
 }
 
 #[test]

@@ -24,9 +24,11 @@
 //! - how the shares of contacts that share a patch change
 //! - how forces of constrained contacts follow their multiplier within a step.
 
+use crate::contact::Patch;
 use crate::contact::creep::slopes::CreepSlopes;
 use crate::contact::normal::NormalLaw;
 use crate::contact::normal::damping::{Approach, DampingLaw, damped_force};
+use crate::contact::search::algebraic::ContactLocation;
 use crate::contact::search::wander::{ByPose, Wander};
 use crate::formulation::ContactReport;
 use crate::geometry::surface::Wheel;
@@ -49,6 +51,13 @@ pub(super) struct ByMotion<const N: usize> {
 pub(super) struct NormalSlopes {
     pub by_penetration: f64,
     pub by_rate: f64,
+}
+
+/// A contact on neighbouring places of both profiles under the same penetration.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Neighbour {
+    pub patch: Patch,
+    pub normal_force: f64,
 }
 
 /// A contact's geometry with derivatives.
@@ -86,6 +95,39 @@ pub(super) fn normal_slopes(
         by_penetration: share * ((1.0 + slopes.by_elastic) * stiffness + slopes.by_penetration),
         by_rate: share * slopes.by_rate,
     }
+}
+
+/// Step along a profile, m: small against the patch, over which curvatures are taken.
+pub(super) const ASIDE: f64 = 1e-5;
+
+/// What the normal law makes of the same contact further out on the wheel (first) and on the rail: an elastic one with the same
+/// penetration, its damping grown with the elastic force, a constrained one under the same force. `None` where the law does not hold
+/// there.
+pub(super) fn neighbours(
+    normal: &dyn NormalLaw,
+    report: &ContactReport,
+    wander: &Wander,
+    (wheel, rail): (&Wheel, &Rail),
+) -> Option<[Neighbour; 2]> {
+    let root = (report.normal_force / report.stiffness).cbrt();
+    let delta = if report.constrained { root * root } else { report.penetration };
+    let here = normal.contact(&wander.location.shape(wheel, rail), delta).ok()?;
+    let beside = |location: ContactLocation| {
+        let found = normal.contact(&location.shape(wheel, rail), delta).ok()?;
+        let more = found.force / here.force;
+        let (growth, heavier) = if report.constrained { (more.cbrt().recip(), 1.0) } else { (1.0, more) };
+        let patch = Patch {
+            a: report.patch.a * growth * found.patch.a / here.patch.a,
+            b: report.patch.b * growth * found.patch.b / here.patch.b,
+        };
+        Some(Neighbour { patch, normal_force: report.normal_force * heavier })
+    };
+    let (mut outer_wheel, mut outer_rail) = (wander.location, wander.location);
+    outer_wheel.parameters.wheel += ASIDE;
+    outer_wheel.wheel_profile = wheel.profile.at(outer_wheel.parameters.wheel);
+    outer_rail.parameters.rail += ASIDE;
+    outer_rail.rail_profile = rail.profile.at(outer_rail.parameters.rail);
+    Some([beside(outer_wheel)?, beside(outer_rail)?])
 }
 
 impl Touching {

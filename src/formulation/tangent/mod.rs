@@ -11,12 +11,12 @@ use super::loading::pair;
 use super::rigid::wheels;
 use super::{ContactReport, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
 use crate::contact::creep::RollingContact;
-use crate::contact::creepage::{CreepForce, Creepage};
+use crate::contact::creepage::{CreepForce, Creepage, in_rolling_direction};
 use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
 use crate::geometry::Side;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::tangent::{SingularTangent, StateCoupling, Tangent};
-use contact::{ByMotion, NormalSlopes, Touching, normal_slopes};
+use contact::{ASIDE, ByMotion, Neighbour, NormalSlopes, Touching, neighbours, normal_slopes};
 use nalgebra::Vector3;
 
 /// A contact of one wheel.
@@ -94,10 +94,20 @@ impl Model {
         };
         let touching = Touching::new(report, motion, wander);
         let normal = touching.normal_force(slopes);
-        let creep = match transient {
+        let mut creep = match transient {
             None => self.steady(at, &touching, &normal),
             Some(transient) => self.add_transient(at, transient, &touching, &normal, y, tangent),
         };
+        let mut normal = normal;
+        if let Some(neighbours) = neighbours(self.laws.normal.as_ref(), report, &touching.wander, (wheel, rail)) {
+            for (neighbour, row) in neighbours.iter().zip([0, 3]) {
+                let wander = touching.wander.parameters.row(row) / ASIDE;
+                normal.position += wander * (neighbour.normal_force - report.normal_force);
+                if transient.is_none() {
+                    creep.position += self.creep_change(at, neighbour) * wander;
+                }
+            }
+        }
         tangent.add_wrench(wheelset.body, wheelset.body, &touching.wrench(report, &normal, &creep));
     }
 
@@ -111,6 +121,16 @@ impl Model {
             RollingContact { patch: report.patch, normal_force: report.normal_force, friction, creepage, speed: speed.abs() };
         let turned = CreepForce { longitudinal: sign * force.longitudinal, lateral: sign * force.lateral, ..force };
         touching.steady(report, &self.laws.creep.slopes(&rolling, &turned), normal, (speed, at.travel))
+    }
+
+    /// By how much the creep force is another one on a neighbouring place.
+    fn creep_change(&self, at: &At, neighbour: &Neighbour) -> Vector3<f64> {
+        let (speed, creepage, before) = (at.wheelset.speed(at.motion), at.report.creepage, at.report.creep_force);
+        let Neighbour { patch, normal_force } = *neighbour;
+        let after = in_rolling_direction(speed, creepage, |creepage| {
+            self.laws.creep.force(&RollingContact { patch, normal_force, friction: at.friction, creepage, speed: speed.abs() })
+        });
+        Vector3::new(after.longitudinal - before.longitudinal, after.lateral - before.lateral, after.spin_moment - before.spin_moment)
     }
 
     /// Change of the creep force of a contact with deflection; adds its states.
