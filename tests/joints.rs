@@ -15,7 +15,7 @@ use wheelrail::mbs::kkt::RowBodies;
 use wheelrail::mbs::projection::{Projection, ProjectionError};
 use wheelrail::mbs::redundancy::AssemblyError;
 use wheelrail::mbs::system::{DrivingConstraint, System, SystemWorkspace};
-use wheelrail::mbs::tangent::{Ends, TangentSum};
+use wheelrail::mbs::tangent::{Ends, PairTangent};
 use wheelrail::solve::{DormandPrince, Dynamics, IntegrationState, Integrator, RungeKutta4, Scratch, Undefined};
 
 const G: f64 = 9.81;
@@ -430,7 +430,7 @@ impl ForceElement for Push {
     fn bodies(&self) -> Ends {
         [Some(self.0), None]
     }
-    fn tangent(&self, _: &[BodyMotion], _: &[Station], _: &[f64], _: usize, _: &mut TangentSum) {}
+    fn tangent(&self, _: &[BodyMotion], _: &[Station], _: &[f64], _: usize, _: &mut PairTangent) {}
     fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
         None
     }

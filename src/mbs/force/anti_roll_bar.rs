@@ -11,8 +11,7 @@ use super::orientation::{Couple, rotation_vector, transposed_rate_map};
 use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::relative::Pair;
-use crate::mbs::tangent::{Ends, TangentSum};
+use crate::mbs::tangent::{Ends, PairTangent};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use nalgebra::Vector3;
@@ -74,7 +73,7 @@ impl ForceElement for AntiRollBar {
         [self.from.body, self.to.body]
     }
 
-    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], _: &[f64], _: usize, sum: &mut TangentSum) {
+    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], _: &[f64], _: usize, sum: &mut PairTangent) {
         let along_x = |value: f64| Vector3::new(value, 0.0, 0.0);
         let couple = Couple {
             axes: self.from.axes(bodies),
@@ -83,7 +82,7 @@ impl ForceElement for AntiRollBar {
             damping: along_x(self.damping),
             couple: self.couple(bodies),
         };
-        couple.tangent(&Pair::new(&self.from, &self.to, bodies), sum);
+        couple.tangent(sum);
     }
 
     fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {

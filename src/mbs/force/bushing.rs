@@ -19,8 +19,7 @@ use super::orientation::{Couple, rotation_vector, transposed_rate_map};
 use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::relative::Pair;
-use crate::mbs::tangent::{Ends, TangentSum};
+use crate::mbs::tangent::{Ends, PairTangent};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use nalgebra::Vector3;
@@ -128,28 +127,19 @@ impl ForceElement for Bushing {
         [self.from.body, self.to.body]
     }
 
-    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], _: &[f64], _: usize, sum: &mut TangentSum) {
-        let at = self.deflection(bodies, &self.to.point(bodies));
+    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], _: &[f64], _: usize, sum: &mut PairTangent) {
+        let point = self.to.point(bodies);
+        let at = self.deflection(bodies, &point);
         let axes = self.from.axes(bodies);
-        let pair = Pair::new(&self.from, &self.to, bodies);
-        let ends = pair.bodies();
         for i in 0..3 {
-            let (k, c) = (self.stiffness[i], self.damping[i]);
-            let axis = axes.column(i).into_owned();
-            let stretched = pair.gradient(&axis);
-            let load = stretched.map(|part| -part);
-            if c != 0.0 {
-                let moved = pair.rate_gradient(&axis);
-                let by_position = [0, 1].map(|end| stretched[end] * k + moved[end] * c);
-                sum.add_force(ends, &load, &by_position, &stretched.map(|part| part * c));
-            } else if k != 0.0 {
-                sum.add_spring(ends, &load, &stretched.map(|part| part * k));
-            }
+            let line = sum.line(&point, &axes.column(i).into_owned());
+            sum.add_spring(&line, &line, self.stiffness[i]);
+            sum.add_damper(&line, &line, self.damping[i]);
         }
-        sum.add_blocks(ends, -1.0, &pair.hessian(&(axes * self.force(&at))));
+        sum.add_force(&point, &(axes * self.force(&at)));
         if self.turns() {
             let (stiffness, damping) = (self.rotational_stiffness, self.rotational_damping);
-            Couple { axes, turn: at.turn, stiffness, damping, couple: self.couple(&at) }.tangent(&pair, sum);
+            Couple { axes, turn: at.turn, stiffness, damping, couple: self.couple(&at) }.tangent(sum);
         }
     }
 

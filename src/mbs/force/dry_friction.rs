@@ -26,11 +26,10 @@ use super::line::ends;
 use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::relative::Pair;
-use crate::mbs::tangent::{Ends, StateTangent, TangentSum};
+use crate::mbs::tangent::{Ends, PairTangent};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
-use nalgebra::{Matrix2, Vector2, Vector3};
+use nalgebra::{Matrix2, Vector2, Vector3, Vector6};
 
 /// A surface pair with dry friction; all axes in the attachment axes of `from`.
 #[derive(Clone, Debug)]
@@ -191,40 +190,34 @@ impl ForceElement for DryFriction {
         [self.from.body, self.to.body]
     }
 
-    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], state: &[f64], first_state: usize, sum: &mut TangentSum) {
+    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], state: &[f64], first_state: usize, sum: &mut PairTangent) {
         let (now, z) = (self.pair(bodies), self.deflection(state));
         let slopes = self.slip_slopes(&now, &z);
-        let pair = Pair::new(&self.from, &self.to, bodies);
-        let (ends, axes) = (pair.bodies(), self.from.axes(bodies));
-        let mut own = StateTangent::new(first_state, self.slip_axes.len(), ends);
-        own.rate_by_state = -slopes.by_deflection;
-        let follows = Matrix2::identity() - slopes.by_speed;
+        let axes = self.from.axes(bodies);
         let mut force = Vector3::zeros();
-        for (j, axis) in self.slip_axes.iter().enumerate() {
+        let mut lines = [Vector6::zeros(); 2];
+        for (axis, (line, z)) in self.slip_axes.iter().zip(lines.iter_mut().zip(z.iter())) {
             let axis = axes * axis;
-            let (moved, moved_rate) = (pair.gradient(&axis), pair.rate_gradient(&axis));
-            force += axis * (self.stiffness * z[j]);
-            own.load_by_state[j] = moved.map(|part| part * -self.stiffness);
-            for i in 0..self.slip_axes.len() {
-                for end in 0..2 {
-                    own.rate_by_position[i][end] += moved_rate[end] * follows[(i, j)];
-                    own.rate_by_velocity[i][end] += moved[end] * follows[(i, j)];
-                }
-            }
+            force += axis * (self.stiffness * z);
+            *line = sum.line(&now.point, &axis);
         }
+        let mut pressed = Vector6::zeros();
         if self.normal_stiffness > 0.0 && now.normal_force > 0.0 {
             let normal = axes * self.normal;
-            let moved = pair.gradient(&normal);
             force -= normal * now.normal_force;
-            sum.add_spring(ends, &moved, &moved.map(|part| part * -self.normal_stiffness));
-            for i in 0..self.slip_axes.len() {
-                for end in 0..2 {
-                    own.rate_by_position[i][end] += moved[end] * (self.normal_stiffness * slopes.by_normal_force[i]);
-                }
-            }
+            pressed = sum.line(&now.point, &normal);
+            sum.add_spring(&pressed, &pressed, self.normal_stiffness);
         }
-        sum.add_blocks(ends, -1.0, &pair.hessian(&force));
-        sum.add_states(own);
+        sum.add_force(&now.point, &force);
+        let follows = Matrix2::identity() - slopes.by_speed;
+        let Some(own) = sum.add_states(first_state, self.slip_axes.len()) else { return };
+        own.rate_by_state = -slopes.by_deflection;
+        for i in 0..self.slip_axes.len() {
+            // N falls by the normal spring's stiffness.
+            own.rate_by_position[i][0] = pressed * (self.normal_stiffness * slopes.by_normal_force[i]);
+            own.rate_by_velocity[i][0] = lines[0] * follows[(i, 0)] + lines[1] * follows[(i, 1)];
+            own.load_by_state[i][0] = lines[i] * self.stiffness;
+        }
     }
 
     fn scalar_force(&self, _: &[BodyMotion], state: &[f64]) -> Option<f64> {

@@ -3,7 +3,7 @@
 use super::ForceElement;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::{Ends, TangentSum};
+use crate::mbs::tangent::{Ends, PairTangent};
 
 /// Weight of one body.
 #[derive(Debug, Clone)]
@@ -34,7 +34,7 @@ impl ForceElement for Gravity {
     }
 
     /// Constant.
-    fn tangent(&self, _: &[BodyMotion], _: &[Station], _: &[f64], _: usize, _: &mut TangentSum) {}
+    fn tangent(&self, _: &[BodyMotion], _: &[Station], _: &[f64], _: usize, _: &mut PairTangent) {}
 
     fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
         None

@@ -17,9 +17,8 @@
 use super::ForceElement;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::relative::End;
-use crate::mbs::tangent::{Ends, TangentSum};
-use nalgebra::{Matrix6, Vector3, Vector6};
+use crate::mbs::tangent::{Ends, PairTangent};
+use nalgebra::Vector3;
 
 /// Track axis along which an element acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,12 +95,14 @@ impl ForceElement for GuidedSpring {
         wrenches[self.body].add_at(self.axis() * force, &point, &body.position);
     }
 
+    /// From the frame on the track to the body.
     fn bodies(&self) -> Ends {
-        [Some(self.body), None]
+        [None, Some(self.body)]
     }
 
-    /// In a curve the frame's turning along the track is left out: curvature times displacement beside one, 1e-4.
-    fn tangent(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64], _: usize, sum: &mut TangentSum) {
+    /// The frame's turning along a curved track is left out (curvature times displacement beside one, 1e-4), and the moment about the
+    /// axle of a place off the axle's line.
+    fn tangent(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64], _: usize, sum: &mut PairTangent) {
         let body = &bodies[self.body];
         let (d, rate, point, axis) = match stations.get(self.body) {
             Some(station) => self.displacement_on_track(body, station),
@@ -110,21 +111,14 @@ impl ForceElement for GuidedSpring {
                 (d, rate, point, self.axis())
             }
         };
-        let end = End::of(body, &point);
-        let load = end.generalised(&axis);
+        let load = sum.line(&point, &axis);
         let mut measured = load;
         if self.axis == TrackAxis::Longitudinal {
             measured.fixed_rows_mut::<3>(0).fill(0.0);
         }
-        let mut measured_rate = Vector6::zeros();
-        measured_rate.fixed_rows_mut::<3>(3).copy_from(&end.arm_rate_by_angles(&axis));
-        let zero = Vector6::zeros();
-        let by_position = measured * -self.stiffness - measured_rate * self.damping;
-        sum.add_force(self.bodies(), &[load, zero], &[by_position, zero], &[measured * -self.damping, zero]);
-        let mut arm = Matrix6::zeros();
-        arm.fixed_view_mut::<3, 3>(3, 3).copy_from(&end.second_of_arm(&axis));
-        let blocks = [[arm, Matrix6::zeros()], [Matrix6::zeros(); 2]];
-        sum.add_blocks(self.bodies(), -self.stiffness * d - self.damping * rate, &blocks);
+        sum.add_spring(&load, &measured, self.stiffness);
+        sum.add_damper(&load, &measured, self.damping);
+        sum.add_force(&point, &(axis * (self.stiffness * d + self.damping * rate)));
     }
 
     fn output_number(&self) -> Option<u32> {

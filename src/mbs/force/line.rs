@@ -18,8 +18,7 @@ use super::attachment::{Attachment, Places, axis};
 use super::{ForceElement, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::relative::Pair;
-use crate::mbs::tangent::{Ends, StateTangent, TangentSum};
+use crate::mbs::tangent::{Ends, PairTangent};
 use crate::settings::{Section, SettingsError};
 use nalgebra::Vector3;
 
@@ -105,13 +104,6 @@ impl Span {
         self.from.load(bodies, wrenches, &force, &stretch.point, &Vector3::zeros());
         self.to.load(bodies, wrenches, &-force, &stretch.point, &Vector3::zeros());
     }
-}
-
-/// Two unit vectors across a unit vector and each other.
-fn perpendicular(unit: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    let helper = if unit.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
-    let first = unit.cross(&helper).normalize();
-    [first, unit.cross(&first)]
 }
 
 /// Reads `from` and `to`, which must not be on the same body.
@@ -211,43 +203,30 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         [self.span.from.body, self.span.to.body]
     }
 
-    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], state: &[f64], first_state: usize, sum: &mut TangentSum) {
-        let Stretch { displacement, rate, unit, .. } = self.span.stretch(bodies);
+    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], state: &[f64], first_state: usize, sum: &mut PairTangent) {
+        let Stretch { displacement, rate, unit, point } = self.span.stretch(bodies);
         let tension = self.law.tension(displacement, rate, state);
         let slopes = self.law.slopes(displacement, rate, state);
-        if tension == 0.0 && slopes == Slopes::default() {
-            return;
-        }
-        let pair = Pair::new(&self.span.from, &self.span.to, bodies);
-        let ends = pair.bodies();
-        let stretched = pair.gradient(&unit);
-        let load = stretched.map(|part| -part);
-        let mut rate_moved = pair.rate_gradient(&unit);
+        let line = sum.line(&point, &unit);
+        let mut stiffness = slopes.by_displacement;
         // The line turns with its ends.
         let length = displacement + self.span.design_length;
         if self.span.direction == Direction::Line && length > 0.0 {
-            let swing = pair.gradient(&(pair.velocity_across(&unit) / length));
-            rate_moved = [rate_moved[0] + swing[0], rate_moved[1] + swing[1]];
-            for across in perpendicular(&unit) {
-                let turned = pair.gradient(&across);
-                sum.add_spring(ends, &turned, &turned.map(|part| part * (-tension / length)));
-            }
+            stiffness -= tension / length;
+            sum.add_uniform_spring(&point, tension / length);
         }
-        let changes = |by_displacement: f64, by_rate: f64| [0, 1].map(|end| stretched[end] * by_displacement + rate_moved[end] * by_rate);
+        sum.add_spring(&line, &line, stiffness);
         if slopes.by_rate != 0.0 {
-            let by_position = changes(slopes.by_displacement, slopes.by_rate);
-            sum.add_force(ends, &load, &by_position, &stretched.map(|part| part * slopes.by_rate));
-        } else {
-            sum.add_spring(ends, &load, &stretched.map(|part| part * slopes.by_displacement));
+            sum.add_damper(&line, &line, slopes.by_rate);
         }
-        sum.add_blocks(ends, -1.0, &pair.hessian(&(unit * tension)));
-        if self.law.states() > 0 {
-            let mut own = StateTangent::new(first_state, 1, ends);
+        sum.add_force(&point, &(unit * tension));
+        if self.law.states() > 0
+            && let Some(own) = sum.add_states(first_state, 1)
+        {
             own.rate_by_state[(0, 0)] = slopes.state_by_state;
-            own.rate_by_position[0] = changes(slopes.state_by_displacement, slopes.state_by_rate);
-            own.rate_by_velocity[0] = stretched.map(|part| part * slopes.state_by_rate);
-            own.load_by_state[0] = load.map(|part| part * slopes.by_state);
-            sum.add_states(own);
+            own.rate_by_position[0][0] = line * slopes.state_by_displacement;
+            own.rate_by_velocity[0][0] = line * slopes.state_by_rate;
+            own.load_by_state[0][0] = line * slopes.by_state;
         }
     }
 

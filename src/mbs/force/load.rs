@@ -4,7 +4,7 @@
 use super::ForceElement;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::{Ends, TangentSum};
+use crate::mbs::tangent::{Ends, PairTangent};
 
 /// Constant load on one body's centre.
 #[derive(Debug, Clone)]
@@ -29,7 +29,7 @@ impl ForceElement for VerticalLoad {
     }
 
     /// Constant.
-    fn tangent(&self, _: &[BodyMotion], _: &[Station], _: &[f64], _: usize, _: &mut TangentSum) {}
+    fn tangent(&self, _: &[BodyMotion], _: &[Station], _: &[f64], _: usize, _: &mut PairTangent) {}
 
     fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
         None

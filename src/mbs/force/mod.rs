@@ -37,7 +37,7 @@ pub use spring_damper::SpringDamper;
 pub use stop::Stop;
 
 use super::body::{BodyMotion, Wrench};
-use super::tangent::{Ends, TangentSum};
+use super::tangent::{Ends, PairTangent};
 use crate::geometry::track::station::Station;
 use crate::settings::{Entry, Section, SettingsError, choose};
 
@@ -60,9 +60,9 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     /// The bodies that the element acts between.
     fn bodies(&self) -> Ends;
 
-    /// Adds how wrenches and rates change with the bodies' coordinates and velocities and with the element's own states, the first of
-    /// which stands at `first_state` of the state vector. No stations: straight track.
-    fn tangent(&self, bodies: &[BodyMotion], stations: &[Station], state: &[f64], first_state: usize, sum: &mut TangentSum);
+    /// Adds how wrenches and rates change with the motion of the element's bodies and with its own states, the first of which stands at
+    /// `first_state` of the state vector. No stations: straight track.
+    fn tangent(&self, bodies: &[BodyMotion], stations: &[Station], state: &[f64], first_state: usize, sum: &mut PairTangent);
 
     /// The element's scalar force [N], for elements that act along one line; `None` otherwise.
     fn scalar_force(&self, bodies: &[BodyMotion], state: &[f64]) -> Option<f64>;

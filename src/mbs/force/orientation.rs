@@ -12,8 +12,7 @@
 //! exactly conservative at every angle below 180 degrees, for any stiffness. To first order t is (roll, pitch, yaw) of
 //! B in A, and m = -K t; the second-order part of m is |t|/2 times K t, for instance 0.05 of it at 0.1 rad.
 
-use crate::mbs::tangent::TangentSum;
-use crate::mbs::tangent::relative::Pair;
+use crate::mbs::tangent::PairTangent;
 use nalgebra::{Matrix3, Vector3};
 
 /// The rotation vector t of R [rad], in the axes that R starts from.
@@ -76,20 +75,10 @@ pub(super) struct Couple {
 
 impl Couple {
     /// Adds its changes.
-    pub fn tangent(&self, pair: &Pair, sum: &mut TangentSum) {
-        let ends = pair.bodies();
-        let axis = |i: usize| self.axes.column(i).into_owned();
-        let turned = [0, 1, 2].map(|i| pair.turn_gradient(&axis(i)));
-        let by_turn = couple_by_turn(&self.turn, &self.stiffness);
-        for i in 0..3 {
-            let load = turned[i].map(|part| -part);
-            let damping = self.damping[i];
-            let moved = pair.turn_rate_gradient(&axis(i));
-            let sprung =
-                |end: usize| turned[0][end] * by_turn[(i, 0)] + turned[1][end] * by_turn[(i, 1)] + turned[2][end] * by_turn[(i, 2)];
-            let by_position = [0, 1].map(|end| sprung(end) + moved[end] * damping);
-            sum.add_force(ends, &load, &by_position, &turned[i].map(|part| part * damping));
-        }
-        sum.add_blocks(ends, 1.0, &pair.couple_by_coordinates(&(self.axes * self.couple)));
+    pub fn tangent(&self, sum: &mut PairTangent) {
+        let (axes, back) = (&self.axes, self.axes.transpose());
+        let stiffness = axes * couple_by_turn(&self.turn, &self.stiffness) * back;
+        sum.add_turning(&stiffness, &(axes * Matrix3::from_diagonal(&self.damping) * back));
+        sum.add_couple(&(axes * self.couple));
     }
 }

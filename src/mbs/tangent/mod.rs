@@ -7,7 +7,7 @@
 //! J_q = M^-1 dQ/dq,   J_v = M^-1 dQ/dv + db/dv,   J_s = M^-1 dQ/ds
 //! ```
 //!
-//! Force elements and contacts hand in dQ exactly ([`relative`]); a body of revolution adds the gyroscopic db/dv of its spin.
+//! Force elements hand in dQ exactly but for what [`pair`] names; a body of revolution adds the gyroscopic db/dv of its spin.
 //! Left out, because it is slow beside suspensions and creep forces: dM^-1/dq Q (angular accelerations times angles, of the order
 //! 1 1/s2), the gyroscopic terms of bodies that do not spin (their angular velocity, 0.1 1/s), and for contacts the turning of the
 //! axes that a wrench is projected on (moment over inertia, of the order 10 1/s2). Methods that use J keep their order whatever J is.
@@ -33,22 +33,26 @@
 //! Blocks are eliminated in an order of minimum degree that is found once ([`elimination`]); the cost grows linearly along a train.
 
 mod elimination;
+mod expand;
+pub mod pair;
 mod pattern;
-pub mod relative;
 mod solve;
 mod sum;
 
 mod world;
 
-pub use sum::{Ends, StateTangent, TangentSum};
+pub use pair::PairTangent;
+pub use sum::{Ends, StateTangent};
 
 use super::body::COORDINATES;
 use super::kkt::RowBodies;
 use super::system::{System, SystemWorkspace};
 use elimination::BlockLu;
 use nalgebra::{Matrix6, Vector6};
+use pair::PairSum;
 use pattern::{Graph, Neighbours};
 use solve::Eliminated;
+use sum::TangentSum;
 
 /// Change of a wrench (force above moment about the centre of the body that it acts on, world axes, N and N m) with the motion of a
 /// body: displacement of its centre [m] above a small rotation [rad], velocity of its centre [m/s] above angular velocity [rad/s],
@@ -109,10 +113,10 @@ struct Side {
 #[derive(Clone, Debug)]
 pub struct Tangent {
     sum: TangentSum,
+    /// By force element.
+    pair_of_force: Vec<usize>,
     /// Changes of wrenches by slot, and whether there are any.
     world: Vec<Option<WrenchTangent>>,
-    /// Which of the sum's states still are in terms of displacements and wrenches.
-    world_states: Vec<usize>,
     mobility: Vec<Matrix6<f64>>,
     lu: BlockLu,
     /// By slot of the sum.
@@ -135,6 +139,15 @@ impl Tangent {
             Some((a?, b?))
         });
         let neighbours = Neighbours::new(bodies, joined);
+        let (mut pairs, mut pair_of_force): (Vec<PairSum>, Vec<usize>) = (Vec::new(), Vec::new());
+        for force in &system.forces {
+            let ends = force.bodies();
+            let known = pairs.iter().position(|pair| pair.ends == ends);
+            if known.is_none() {
+                pairs.push(PairSum::new(ends));
+            }
+            pair_of_force.push(known.unwrap_or(pairs.len() - 1));
+        }
         let mut groups = groups(system, contact_bodies);
         let mut graph = Graph { nodes: bodies + groups.len(), edges: vec![], before: vec![vec![]; bodies + groups.len()] };
         graph.edges.extend(neighbours.iter().map(|(_, row, column)| (row, column)));
@@ -155,8 +168,8 @@ impl Tangent {
         let states = system.forces.iter().map(|force| force.states()).sum::<usize>() + further_states;
         Tangent {
             world: vec![None; neighbours.slots()],
-            world_states: Vec::with_capacity(further_states),
-            sum: TangentSum::new(neighbours, states),
+            sum: TangentSum::new(neighbours, pairs, states),
+            pair_of_force,
             mobility: vec![Matrix6::zeros(); bodies],
             x: vec![Vector6::zeros(); graph.nodes],
             lu,
@@ -176,7 +189,6 @@ impl Tangent {
     pub fn clear(&mut self) {
         self.sum.clear();
         self.world.fill(None);
-        self.world_states.clear();
     }
 
     /// Adds the change of a wrench on the body `on` with the motion of the body `by`: the same, or one that a force element joins with
@@ -194,7 +206,7 @@ impl Tangent {
     /// Adds a first-order state at index `state` of the state vector: the change of its rate with itself, 1/s, and what couples it
     /// with up to two bodies.
     pub fn add_state(&mut self, state: usize, rate_by_state: f64, bodies: &[StateCoupling]) {
-        let mut tangent = StateTangent::new(state, 1, [None; 2]);
+        let mut tangent = StateTangent::new(state, 1, [None; 2], None);
         tangent.rate_by_state[(0, 0)] = rate_by_state;
         for (end, coupling) in bodies.iter().take(2).enumerate() {
             tangent.ends[end] = Some(coupling.body);
@@ -202,16 +214,20 @@ impl Tangent {
             tangent.rate_by_velocity[0][end] = coupling.rate_by_velocity;
             tangent.load_by_state[0][end] = coupling.wrench_by_state;
         }
-        self.world_states.push(self.sum.states.len());
-        self.sum.add_states(tangent);
+        debug_assert!(self.sum.states.len() < self.sum.states.capacity(), "more states than Tangent::new was told");
+        self.sum.states.push(tangent);
     }
 
     /// Adds every force element, with the motions and stations in the workspace and the elements' states in `y`.
     pub fn add_forces(&mut self, system: &System, workspace: &SystemWorkspace, y: &[f64]) {
         let mut start = 2 * COORDINATES * system.bodies.len();
-        for force in &system.forces {
+        let TangentSum { pairs, states, .. } = &mut self.sum;
+        for (force, pair) in system.forces.iter().zip(&self.pair_of_force) {
             let end = start + force.states();
-            force.tangent(&workspace.motions, &workspace.stations, &y[start..end], start, &mut self.sum);
+            let sum = &mut pairs[*pair];
+            let reference = expand::reference(sum, &workspace.motions);
+            let mut tangent = PairTangent { sum, pair: *pair, reference, states };
+            force.tangent(&workspace.motions, &workspace.stations, &y[start..end], start, &mut tangent);
             start = end;
         }
     }

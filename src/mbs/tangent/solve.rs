@@ -1,7 +1,7 @@
 //! I - a J in velocities alone: forming its blocks, and the way of a right-hand side through it.
 
-use super::relative::Gradient;
-use super::sum::add_outer;
+use super::pair::add_outer;
+use super::sum::Gradient;
 use super::{SingularTangent, Tangent};
 use crate::mbs::body::COORDINATES;
 use crate::mbs::system::SystemWorkspace;
@@ -21,6 +21,39 @@ pub(super) struct Eliminated {
 }
 
 impl Tangent {
+    /// J x without constraints, in a vector as long as the state vector; needs [`Tangent::finish`].
+    pub fn times(&self, x: &[f64], result: &mut [f64]) {
+        let count = COORDINATES * self.mobility.len();
+        let (positions, velocities) = (&x[..count], &x[count..2 * count]);
+        result.fill(0.0);
+        result[..count].copy_from_slice(velocities);
+        for (slot, row, column) in self.sum.neighbours.iter() {
+            let at = |body: usize| COORDINATES * body..COORDINATES * (body + 1);
+            let (position, velocity) =
+                (Vector6::from_column_slice(&positions[at(column)]), Vector6::from_column_slice(&velocities[at(column)]));
+            let part = self.sum.by_position[slot] * position + self.sum.by_velocity[slot] * velocity;
+            for (result, part) in result[count..][at(row)].iter_mut().zip(part.iter()) {
+                *result += part;
+            }
+        }
+        for state in &self.sum.states {
+            let own = Vector2::from_fn(|i, _| if i < state.count { x[state.index(i)] } else { 0.0 });
+            let rates = state.times(&state.rate_by_position, positions)
+                + state.times(&state.rate_by_velocity, velocities)
+                + state.rate_by_state * own;
+            for i in 0..state.count {
+                result[state.index(i)] = rates[i];
+                for (end, body) in state.ends.iter().enumerate() {
+                    let Some(body) = body else { continue };
+                    let part = state.load_by_state[i][end] * own[i];
+                    for (result, part) in result[count + COORDINATES * body..].iter_mut().zip(part.iter()) {
+                        *result += part;
+                    }
+                }
+            }
+        }
+    }
+
     /// Factorises I - a J, a in s, with the active constraint rows in the workspace.
     ///
     /// # Errors
@@ -57,9 +90,11 @@ impl Tangent {
             let mut own = Eliminated { inverse, change: zero, acceleration: zero, known: Vector2::zeros() };
             for i in 0..state.count {
                 for (end, body) in state.ends.iter().enumerate() {
-                    let Some(body) = body else { continue };
+                    if body.is_none() {
+                        continue;
+                    }
                     own.change[i][end] = (state.rate_by_position[i][end] * a + state.rate_by_velocity[i][end]) * a;
-                    own.acceleration[i][end] = self.mobility[*body] * state.load_by_state[i][end] * a;
+                    own.acceleration[i][end] = state.load_by_state[i][end] * a;
                 }
             }
             for (on, row) in state.ends.iter().enumerate() {
@@ -69,7 +104,7 @@ impl Tangent {
                     let block = self.lu.block_mut(self.places[slot]);
                     for i in 0..state.count {
                         for j in 0..state.count {
-                            add_outer(block, &(own.acceleration[i][on] * -inverse[(i, j)]), &own.change[j][by]);
+                            add_outer(block, &own.acceleration[i][on], &own.change[j][by], -inverse[(i, j)]);
                         }
                     }
                 }

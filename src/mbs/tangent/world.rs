@@ -7,6 +7,8 @@
 //! Q = B^T W:   dQ/dq = B^T (dW/du B + dW/dw D),   dQ/dv = B^T dW/dw B
 //! ```
 
+use super::expand::PairFrames;
+use super::sum::{StateTangent, TangentSum};
 use super::{Tangent, WrenchTangent};
 use crate::mbs::body::BodyMotion;
 use crate::mbs::inertia::Inertia;
@@ -65,20 +67,7 @@ impl Tangent {
             self.sum.by_position[slot] += on.rows(&position);
             self.sum.by_velocity[slot] += on.rows(&by.columns(by_velocity));
         }
-        for index in self.world_states.drain(..) {
-            let state = &mut self.sum.states[index];
-            for (end, body) in state.ends.iter().enumerate() {
-                let Some(body) = body else { continue };
-                let axes = Axes::of(&motions[*body]);
-                let velocity = state.rate_by_velocity[0][end];
-                let mut position = axes.angles(&state.rate_by_position[0][end]);
-                let mut angles = position.fixed_rows_mut::<3>(3);
-                angles += axes.d.tr_mul(&velocity.fixed_rows::<3>(3));
-                state.rate_by_position[0][end] = position;
-                state.rate_by_velocity[0][end] = axes.angles(&velocity);
-                state.load_by_state[0][end] = axes.angles(&state.load_by_state[0][end]);
-            }
-        }
+        self.expand_pairs(motions);
         for (mobility, (body, motion)) in self.mobility.iter_mut().zip(system.bodies.iter().zip(motions)) {
             *mobility = body.mobility(motion);
         }
@@ -94,19 +83,73 @@ impl Tangent {
                 angles += spin;
             }
         }
+        for state in &mut self.sum.states {
+            for i in 0..state.count {
+                for (load, body) in state.load_by_state[i].iter_mut().zip(&state.ends) {
+                    let Some(body) = body else { continue };
+                    weigh_vector(&self.mobility[*body], &mut load.data.0[0]);
+                }
+            }
+        }
+    }
+
+    /// Generalised forces and states of pairs, and states of contacts, in terms of coordinates.
+    fn expand_pairs(&mut self, motions: &[BodyMotion]) {
+        let TangentSum { neighbours, pairs, by_position, by_velocity, states } = &mut self.sum;
+        for state in states.iter_mut() {
+            let Some(pair) = state.pair else {
+                world_state(state, motions);
+                continue;
+            };
+            PairFrames::new(&pairs[pair], motions).expand_state(state);
+        }
+        for pair in pairs {
+            let frames = PairFrames::new(pair, motions);
+            let mut position = frames.blocks(&pair.stiffness);
+            frames.add_geometry(pair, &mut position);
+            let velocity = frames.blocks(&pair.damping);
+            for (row, on) in pair.ends.iter().enumerate() {
+                for (column, by) in pair.ends.iter().enumerate() {
+                    let (Some(on), Some(by)) = (on, by) else { continue };
+                    let Some(slot) = neighbours.slot(*on, *by) else { continue };
+                    by_position[slot] += position[row][column];
+                    by_velocity[slot] += velocity[row][column];
+                }
+            }
+        }
+    }
+}
+
+/// A contact's state in terms of its bodies' coordinates.
+fn world_state(state: &mut StateTangent, motions: &[BodyMotion]) {
+    for (end, body) in state.ends.iter().enumerate() {
+        let Some(body) = body else { continue };
+        let axes = Axes::of(&motions[*body]);
+        let velocity = state.rate_by_velocity[0][end];
+        let mut position = axes.angles(&state.rate_by_position[0][end]);
+        let mut angles = position.fixed_rows_mut::<3>(3);
+        angles += axes.d.tr_mul(&velocity.fixed_rows::<3>(3));
+        state.rate_by_position[0][end] = position;
+        state.rate_by_velocity[0][end] = axes.angles(&velocity);
+        state.load_by_state[0][end] = axes.angles(&state.load_by_state[0][end]);
     }
 }
 
 /// Mobility times a block: no coupling between displacements and rotations.
 #[inline]
 fn weigh(mobility: &Matrix6<f64>, block: &mut Matrix6<f64>) {
-    let m = &mobility.data.0;
     for column in &mut block.data.0 {
-        let [x, y, z, a, b, c] = *column;
-        for i in 0..3 {
-            column[i] = m[0][i] * x + m[1][i] * y + m[2][i] * z;
-            column[3 + i] = m[3][3 + i] * a + m[4][3 + i] * b + m[5][3 + i] * c;
-        }
+        weigh_vector(mobility, column);
+    }
+}
+
+#[inline]
+fn weigh_vector(mobility: &Matrix6<f64>, column: &mut [f64; 6]) {
+    let m = &mobility.data.0;
+    let [x, y, z, a, b, c] = *column;
+    for i in 0..3 {
+        column[i] = m[0][i] * x + m[1][i] * y + m[2][i] * z;
+        column[3 + i] = m[3][3 + i] * a + m[4][3 + i] * b + m[5][3 + i] * c;
     }
 }
 
