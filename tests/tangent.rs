@@ -35,7 +35,7 @@ fn linearised(simulation: &Simulation) -> Linearised {
     let mut workspace = model.workspace();
     model.prepare_tangent(&mut workspace);
     derivative(model, &mut workspace, y, memory, &inputs);
-    model.linearise(&mut workspace, y, &inputs, true);
+    model.linearise(&mut workspace, (y, memory), &inputs, true);
     let (n, a) = (y.len(), 1e-3);
     model.factorise(&mut workspace, a).unwrap_or_else(|error| panic!("{error}"));
     let mut inverse = DMatrix::zeros(n, n);
@@ -221,9 +221,9 @@ fn prop_linearising_and_solving_do_not_allocate_and_cost_little() {
         let start = std::time::Instant::now();
         model.derivative(&mut workspace, Evaluation { t: 0.0, inputs: &inputs, y, memory: &mut memory }, &mut dy).unwrap();
         let evaluated = start.elapsed();
-        model.linearise(&mut workspace, y, &inputs, false);
+        model.linearise(&mut workspace, (y, &memory), &inputs, false);
         let contacts = start.elapsed();
-        model.linearise(&mut workspace, y, &inputs, true);
+        model.linearise(&mut workspace, (y, &memory), &inputs, true);
         let all = start.elapsed();
         model.factorise(&mut workspace, 1e-3).unwrap();
         let factorised = start.elapsed();

@@ -74,8 +74,8 @@ impl Dynamics for ModelDynamics<'_> {
         COORDINATES * self.model.system.bodies.len()
     }
 
-    fn linearise(&mut self, _: f64, y: &[f64], _: &[f64], part: StiffPart) -> Result<(), Undefined> {
-        self.model.linearise(self.workspace, y, self.values, part == StiffPart::All);
+    fn linearise(&mut self, _: f64, y: &[f64], memory: &[f64], part: StiffPart) -> Result<(), Undefined> {
+        self.model.linearise(self.workspace, (y, memory), self.values, part == StiffPart::All);
         Ok(())
     }
 

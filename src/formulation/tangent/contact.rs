@@ -37,7 +37,7 @@ use crate::mbs::body::BodyMotion;
 use crate::mbs::tangent::WrenchTangent;
 use nalgebra::{Matrix2, Matrix3, RowSVector, SMatrix, Vector3};
 
-type Row = RowSVector<f64, 6>;
+pub(super) type Row = RowSVector<f64, 6>;
 
 /// Something linear in displacement and velocity.
 #[derive(Clone, Copy, Debug)]
@@ -69,6 +69,13 @@ pub(super) struct Touching {
     pub slip: ByMotion<3>,
     penetration: Row,
     rate: ByMotion<1>,
+}
+
+/// Change of a contact's penetration with displacement and rotation: `-n . (d + w x rho)`.
+pub(super) fn penetration_by_pose(wander: &Wander) -> Row {
+    let normal = wander.location.normal;
+    let moment = wander.arm.cross(&normal);
+    -Row::from([normal.x, normal.y, normal.z, moment.x, moment.y, moment.z])
 }
 
 /// Step of the penetration for the normal law's secant, relative.

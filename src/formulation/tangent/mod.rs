@@ -8,6 +8,7 @@
 mod contact;
 
 use super::loading::pair;
+use super::points::{self, MOST_POINTS};
 use super::rigid::wheels;
 use super::{ContactReport, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
 use crate::contact::creep::RollingContact;
@@ -16,8 +17,11 @@ use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContac
 use crate::geometry::Side;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::tangent::{SingularTangent, StateCoupling, Tangent};
-use contact::{ASIDE, ByMotion, Neighbour, NormalSlopes, Touching, neighbours, normal_slopes};
+use contact::{ASIDE, ByMotion, Neighbour, NormalSlopes, Row, Touching, neighbours, normal_slopes, penetration_by_pose};
 use nalgebra::Vector3;
+
+/// By number of the contact.
+type Shares = [Row; MOST_POINTS];
 
 /// A contact of one wheel.
 struct At<'a> {
@@ -41,18 +45,20 @@ impl Model {
     }
 
     /// Finds J at the state `y` that was evaluated last: of the contacts and, with `forces`, of the force elements.
-    pub fn linearise(&self, workspace: &mut Workspace, y: &[f64], inputs: &[f64], forces: bool) {
+    pub fn linearise(&self, workspace: &mut Workspace, (y, memory): (&[f64], &[f64]), inputs: &[f64], forces: bool) {
         let Some(mut tangent) = workspace.tangent.take() else { return };
         tangent.clear();
         for (contact, wheelset, side) in wheels(self) {
             let motion = &workspace.system.motions[wheelset.body];
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
             let along = workspace.system.stations.get(wheelset.body).map_or(Vector3::x(), |station| station.frame.along());
+            let shares = self.share_changes(workspace, contact, (wheelset, side), memory);
             for slot in 0..self.points {
                 let report = workspace.report(contact, slot);
                 let friction = self.laws.friction * factor.max(0.0);
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
-                self.add_contact(&At { wheelset, side, contact, slot, motion, report, friction, travel }, y, &mut tangent);
+                let at = At { wheelset, side, contact, slot, motion, report, friction, travel };
+                self.add_contact(&at, &shares[slot.min(MOST_POINTS - 1)], y, &mut tangent);
             }
         }
         if forces {
@@ -77,7 +83,7 @@ impl Model {
         }
     }
 
-    fn add_contact(&self, at: &At, y: &[f64], tangent: &mut Tangent) {
+    fn add_contact(&self, at: &At, share: &Row, y: &[f64], tangent: &mut Tangent) {
         let At { wheelset, side, motion, report, .. } = *at;
         let transient = self.laws.transient.as_ref();
         if !(report.normal_force > 0.0) {
@@ -93,13 +99,14 @@ impl Model {
             false => normal_slopes((self.laws.normal.as_ref(), self.laws.damping.as_ref()), report, &wander, (wheel, rail)),
         };
         let touching = Touching::new(report, motion, wander);
-        let normal = touching.normal_force(slopes);
+        let mut normal = touching.normal_force(slopes);
+        normal.position += share * report.normal_force;
         let mut creep = match transient {
             None => self.steady(at, &touching, &normal),
             Some(transient) => self.add_transient(at, transient, &touching, &normal, y, tangent),
         };
-        let mut normal = normal;
-        if let Some(neighbours) = neighbours(self.laws.normal.as_ref(), report, &touching.wander, (wheel, rail)) {
+        if std::env::var_os("WR_NB").is_some()
+            && let Some(neighbours) = neighbours(self.laws.normal.as_ref(), report, &touching.wander, (wheel, rail)) {
             for (neighbour, row) in neighbours.iter().zip([0, 3]) {
                 let wander = touching.wander.parameters.row(row) / ASIDE;
                 normal.position += wander * (neighbour.normal_force - report.normal_force);
@@ -109,6 +116,29 @@ impl Model {
             }
         }
         tangent.add_wrench(wheelset.body, wheelset.body, &touching.wrench(report, &normal, &creep));
+    }
+
+    /// Relative changes of the shares of a wheel's contacts with its pose, by number.
+    fn share_changes(&self, workspace: &Workspace, contact: usize, (wheelset, side): (&Wheelset, Side), memory: &[f64]) -> Shares {
+        let mut changes = [Row::zeros(); MOST_POINTS];
+        if std::env::var_os("WR_SH").is_none() { return changes; }
+        let pair = pair(self, wheelset, side, &workspace.system.motions[wheelset.body]);
+        for (between, ridge) in points::ridges_of(self, contact, memory) {
+            let [first, second] = between.map(|slot| workspace.report(contact, slot));
+            let saddle = pair.wander(&ridge);
+            let depth = saddle.location.penetration;
+            if !(depth > 0.0 && first.normal_force > 0.0 && second.normal_force > 0.0) {
+                continue;
+            }
+            let by_pose = penetration_by_pose(&saddle);
+            let sides = [first, second].map(|report| penetration_by_pose(&pair.wander(&report.parameters)));
+            for (own, other) in [(0, 1), (1, 0)] {
+                let deltas = [first.penetration, second.penetration];
+                let (slopes, share) = points::share_slopes(deltas[own], depth, deltas[other]);
+                changes[between[own]] += (sides[own] * slopes[0] + by_pose * slopes[1] + sides[other] * slopes[2]) / share;
+            }
+        }
+        changes
     }
 
     fn steady(&self, at: &At, touching: &Touching, normal: &ByMotion<1>) -> ByMotion<3> {
