@@ -38,7 +38,7 @@ pub fn stage(mirror: f64) -> Stage {
     Stage { centres: vec![side(-1.0, 0.1, 0.6), side(0.5, -0.2, 1.8)], places, mirror }
 }
 
-pub fn samples(stage: &Stage) -> Vec<Box<dyn ForceElement>> {
+fn samples(stage: &Stage) -> Vec<Box<dyn ForceElement>> {
     for entry in REGISTRY {
         assert!(SAMPLES.iter().any(|sample| sample.0 == entry.name), "no sample of {}: add one", entry.name);
     }

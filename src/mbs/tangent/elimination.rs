@@ -146,19 +146,19 @@ pub(super) fn add_product(target: &mut Matrix6<f64>, left: &Matrix6<f64>, right:
 #[inline]
 pub(super) fn subtract_product(target: &mut Vector6<f64>, left: &Matrix6<f64>, x: &Vector6<f64>) {
     let target = &mut target.data.0[0];
-    for (left, x) in left.data.0.iter().zip(x.iter()) {
+    for (left, x) in left.data.0.iter().zip(&x.data.0[0]) {
         for (target, left) in target.iter_mut().zip(left) {
             *target -= left * x;
         }
     }
 }
 
-/// Inverse by Gauss-Jordan elimination, always with the largest pivot of the column; `None` when one is zero or not a number.
+/// Inverse by Gauss-Jordan elimination in place, always with the largest pivot of the column; `None` when one is zero or not a number.
 ///
-/// The columns of the storage are eliminated as rows: that inverts the transpose, which the storage then holds as the inverse.
+/// The columns of the storage are treated as rows: that inverts the transpose, which the storage then holds as the inverse.
 fn invert(matrix: &Matrix6<f64>) -> Option<Matrix6<f64>> {
     let mut rows = matrix.data.0;
-    let mut inverse = Matrix6::<f64>::identity().data.0;
+    let mut pivots = [0; 6];
     for k in 0..6 {
         let mut pivot = k;
         for i in k + 1..6 {
@@ -166,23 +166,32 @@ fn invert(matrix: &Matrix6<f64>) -> Option<Matrix6<f64>> {
                 pivot = i;
             }
         }
+        pivots[k] = pivot;
         rows.swap(k, pivot);
-        inverse.swap(k, pivot);
         if !(rows[k][k].abs() > 0.0) {
             return None;
         }
         let factor = 1.0 / rows[k][k];
+        rows[k][k] = 1.0;
         let own = rows[k].map(|value| value * factor);
-        let other = inverse[k].map(|value| value * factor);
-        (rows[k], inverse[k]) = (own, other);
-        for i in (0..6).filter(|i| *i != k) {
-            let factor = rows[i][k];
-            for j in 0..6 {
-                rows[i][j] -= factor * own[j];
-                inverse[i][j] -= factor * other[j];
+        for (i, row) in rows.iter_mut().enumerate() {
+            if i == k {
+                *row = own;
+                continue;
+            }
+            let factor = row[k];
+            row[k] = 0.0;
+            for (value, own) in row.iter_mut().zip(&own) {
+                *value -= factor * own;
             }
         }
     }
-    let inverse = Matrix6::from_array_storage(nalgebra::ArrayStorage(inverse));
-    inverse.iter().all(|value| value.is_finite()).then_some(inverse)
+    // Exchanged rows are exchanged columns of the inverse, last first.
+    for k in (0..6).rev().filter(|k| pivots[*k] != *k) {
+        for row in &mut rows {
+            row.swap(k, pivots[k]);
+        }
+    }
+    let finite = rows.as_flattened().iter().all(|value| value.is_finite());
+    finite.then(|| Matrix6::from_array_storage(nalgebra::ArrayStorage(rows)))
 }

@@ -13,16 +13,17 @@
 use super::pair::PairSum;
 use super::sum::{Gradient, StateTangent};
 use crate::mbs::body::BodyMotion;
-use nalgebra::{Matrix3, Matrix6, Matrix6x3, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// A pair's frames at one instant.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct PairFrames {
     /// E per end; zero for the world.
     axes: [Matrix3<f64>; 2],
     /// D, m.
     lever: Vector3<f64>,
-    /// P on the angles of a: displacement above rotation.
-    by_angles: Matrix6x3<f64>,
+    /// P on the angles of each end: displacement above rotation.
+    by_angles: [[[f64; 6]; 3]; 2],
 }
 
 fn axes_of(motion: &BodyMotion) -> Matrix3<f64> {
@@ -58,67 +59,82 @@ impl PairFrames {
     pub fn new(pair: &PairSum, motions: &[BodyMotion]) -> PairFrames {
         let axes = pair.ends.map(|end| end.map_or_else(Matrix3::zeros, |body| axes_of(&motions[body])));
         let lever = pair.ends[0].map_or_else(Vector3::zeros, |body| reference(pair, motions) - motions[body].position);
-        let mut by_angles = Matrix6x3::zeros();
-        for j in 0..3 {
-            let axis = axes[0].column(j).into_owned();
-            by_angles.fixed_view_mut::<3, 1>(0, j).copy_from(&axis.cross(&lever));
-            by_angles.fixed_view_mut::<3, 1>(3, j).copy_from(&axis);
-        }
+        let column = |end: usize, j: usize| {
+            let axis = axes[end].column(j).into_owned();
+            let moved = if end == 0 { axis.cross(&lever) } else { Vector3::zeros() };
+            [moved.x, moved.y, moved.z, axis.x, axis.y, axis.z]
+        };
+        let by_angles = [0, 1].map(|end| [0, 1, 2].map(|j| column(end, j)));
         PairFrames { axes, lever, by_angles }
     }
 
-    /// matrix P, per end.
+    /// Adds dQ/d(motion) of the relative matrix to the blocks (row end, column end) of `slots`.
     #[inline]
-    fn columns(&self, matrix: &Matrix6<f64>) -> [Matrix6<f64>; 2] {
-        let (mut a, mut b) = (*matrix, *matrix);
-        a.fixed_view_mut::<6, 3>(0, 3).copy_from(&(matrix * self.by_angles));
-        b.fixed_view_mut::<6, 3>(0, 3).copy_from(&(matrix.fixed_view::<6, 3>(0, 3) * self.axes[1]));
-        [a, b]
-    }
-
-    /// P^T matrix, per end.
-    #[inline]
-    fn rows(&self, end: usize, matrix: &Matrix6<f64>) -> Matrix6<f64> {
-        let mut result = *matrix;
-        let angles = if end == 0 { self.by_angles.tr_mul(matrix) } else { self.axes[1].tr_mul(&matrix.fixed_view::<3, 6>(3, 0)) };
-        result.fixed_view_mut::<3, 6>(3, 0).copy_from(&angles);
-        result
-    }
-
-    /// dQ/d(motion) of the relative matrix: blocks (row end, column end).
-    #[inline]
-    pub fn blocks(&self, matrix: &Matrix6<f64>) -> [[Matrix6<f64>; 2]; 2] {
-        let [a, b] = self.columns(matrix);
-        [[-self.rows(0, &a), self.rows(0, &b)], [self.rows(1, &a), -self.rows(1, &b)]]
+    pub fn add_blocks(&self, matrix: &Matrix6<f64>, slots: &[[Option<usize>; 2]; 2], blocks: &mut [Matrix6<f64>]) {
+        for column in 0..2 {
+            // matrix P
+            let mut columns = matrix.data.0;
+            for (own, angle) in columns[3..].iter_mut().zip(&self.by_angles[column]) {
+                *own = [0.0; 6];
+                for (matrix, factor) in matrix.data.0.iter().zip(angle) {
+                    for (own, matrix) in own.iter_mut().zip(matrix) {
+                        *own += matrix * factor;
+                    }
+                }
+            }
+            for row in 0..2 {
+                let Some(slot) = slots[row][column] else { continue };
+                let sign = if row == column { -1.0 } else { 1.0 };
+                for (target, own) in blocks[slot].data.0.iter_mut().zip(&columns) {
+                    for i in 0..3 {
+                        let angle = &self.by_angles[row][i];
+                        target[i] += sign * own[i];
+                        target[3 + i] += sign * dot(angle, own);
+                    }
+                }
+            }
+        }
     }
 
     /// Adds what turning forces, lever arms and axes change.
-    pub fn add_geometry(&self, pair: &PairSum, blocks: &mut [[Matrix6<f64>; 2]; 2]) {
+    pub fn add_geometry(&self, pair: &PairSum, slots: &[[Option<usize>; 2]; 2], blocks: &mut [Matrix6<f64>]) {
         let (force, moment) = (pair.force.cross_matrix(), pair.couple.cross_matrix());
         let (arm, arm_a) = (&pair.arm_force, pair.arm_force + self.lever * pair.force.transpose());
         let trace = |matrix: &Matrix3<f64>| Matrix3::from_diagonal_element(matrix.trace());
         let [a, b] = &self.axes;
         let (at, bt) = (a.transpose(), b.transpose());
-        let [[aa, ab], [ba, bb]] = blocks;
-        let turned = force * a;
-        add(aa, (0, 3), &-turned);
-        add(aa, (3, 0), &(at * force));
-        add(aa, (3, 3), &(at * (trace(&arm_a) - arm_a.transpose() - moment) * a + axes_moved(a, &(vee(&arm_a) + pair.couple))));
         let other = at * (arm - trace(arm)) * b;
-        add(ab, (3, 0), &-(at * force));
-        add(ab, (3, 3), &other);
-        add(ba, (0, 3), &turned);
-        add(ba, (3, 3), &(other.transpose() + bt * moment * a));
-        add(bb, (3, 3), &(bt * (trace(arm) - arm) * b - axes_moved(b, &(vee(arm) + pair.couple))));
+        let turned = force * a;
+        if let Some(slot) = slots[0][0] {
+            let block = &mut blocks[slot];
+            add(block, (0, 3), &-turned);
+            add(block, (3, 0), &-turned.transpose());
+            let angles = at * (trace(&arm_a) - arm_a.transpose() - moment) * a + axes_moved(a, &(vee(&arm_a) + pair.couple));
+            add(block, (3, 3), &angles);
+        }
+        if let Some(slot) = slots[0][1] {
+            add(&mut blocks[slot], (3, 0), &turned.transpose());
+            add(&mut blocks[slot], (3, 3), &other);
+        }
+        if let Some(slot) = slots[1][0] {
+            add(&mut blocks[slot], (0, 3), &turned);
+            add(&mut blocks[slot], (3, 3), &(other.transpose() + bt * moment * a));
+        }
+        if let Some(slot) = slots[1][1] {
+            let angles = bt * (trace(arm) - arm) * b - axes_moved(b, &(vee(arm) + pair.couple));
+            add(&mut blocks[slot], (3, 3), &angles);
+        }
     }
 
     /// Of the coefficients on the relative twist: those on both ends' coordinates.
     #[inline]
     fn gradient(&self, relative: &Vector6<f64>) -> Gradient {
-        let (mut a, mut b) = (-relative, *relative);
-        a.fixed_rows_mut::<3>(3).copy_from(&-self.by_angles.tr_mul(relative));
-        b.fixed_rows_mut::<3>(3).copy_from(&self.axes[1].tr_mul(&relative.fixed_rows::<3>(3)));
-        [a, b]
+        let own = relative.data.0[0];
+        [0, 1].map(|end| {
+            let sign = if end == 0 { -1.0 } else { 1.0 };
+            let [yaw, roll, pitch] = [0, 1, 2].map(|j| sign * dot(&self.by_angles[end][j], &own));
+            Vector6::new(sign * own[0], sign * own[1], sign * own[2], yaw, roll, pitch)
+        })
     }
 
     /// From relative twists and wrenches to coordinates and generalised forces.
@@ -129,6 +145,11 @@ impl PairFrames {
             state.load_by_state[i] = self.gradient(&-state.load_by_state[i][0]);
         }
     }
+}
+
+#[inline]
+fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
 }
 
 /// Sum of r x F from that of r F^T.

@@ -48,7 +48,8 @@ use super::body::COORDINATES;
 use super::kkt::RowBodies;
 use super::system::{System, SystemWorkspace};
 use elimination::BlockLu;
-use nalgebra::{Matrix6, Vector6};
+use expand::PairFrames;
+use nalgebra::{Matrix3, Matrix6, Vector6};
 use pair::PairSum;
 use pattern::{Graph, Neighbours};
 use solve::Eliminated;
@@ -118,6 +119,9 @@ pub struct Tangent {
     /// Changes of wrenches by slot, and whether there are any.
     world: Vec<Option<WrenchTangent>>,
     mobility: Vec<Matrix6<f64>>,
+    /// Gyroscopic db/dv on the angles, by body, 1/s.
+    spin: Vec<Matrix3<f64>>,
+    frames: Vec<PairFrames>,
     lu: BlockLu,
     /// By slot of the sum.
     places: Vec<usize>,
@@ -168,9 +172,11 @@ impl Tangent {
         let states = system.forces.iter().map(|force| force.states()).sum::<usize>() + further_states;
         Tangent {
             world: vec![None; neighbours.slots()],
+            frames: Vec::with_capacity(pairs.len()),
             sum: TangentSum::new(neighbours, pairs, states),
             pair_of_force,
             mobility: vec![Matrix6::zeros(); bodies],
+            spin: vec![Matrix3::zeros(); bodies],
             x: vec![Vector6::zeros(); graph.nodes],
             lu,
             places,

@@ -125,7 +125,7 @@ impl PairTangent<'_> {
 #[inline]
 pub(super) fn add_outer(block: &mut Matrix6<f64>, left: &Vector6<f64>, right: &Vector6<f64>, factor: f64) {
     let left: &[f64; 6] = &left.data.0[0];
-    for (column, right) in block.data.0.iter_mut().zip(right.iter()) {
+    for (column, right) in block.data.0.iter_mut().zip(&right.data.0[0]) {
         let scaled = factor * right;
         for (value, left) in column.iter_mut().zip(left) {
             *value += left * scaled;

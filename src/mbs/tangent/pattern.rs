@@ -38,6 +38,13 @@ impl Neighbours {
         found.map(|at| start + at)
     }
 
+    /// Slots and columns of a row.
+    #[inline]
+    pub fn of(&self, row: usize) -> impl Iterator<Item = (usize, usize)> {
+        let range = self.starts[row]..self.starts[row + 1];
+        range.clone().zip(self.columns[range].iter().map(|column| *column as usize))
+    }
+
     /// All slots with row and column.
     pub fn iter(&self) -> impl Iterator<Item = (usize, usize, usize)> {
         let rows = self.starts.windows(2).enumerate();

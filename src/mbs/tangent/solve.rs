@@ -2,6 +2,7 @@
 
 use super::pair::add_outer;
 use super::sum::Gradient;
+use super::world::weigh;
 use super::{SingularTangent, Tangent};
 use crate::mbs::body::COORDINATES;
 use crate::mbs::system::SystemWorkspace;
@@ -31,7 +32,12 @@ impl Tangent {
             let at = |body: usize| COORDINATES * body..COORDINATES * (body + 1);
             let (position, velocity) =
                 (Vector6::from_column_slice(&positions[at(column)]), Vector6::from_column_slice(&velocities[at(column)]));
-            let part = self.sum.by_position[slot] * position + self.sum.by_velocity[slot] * velocity;
+            let mut part = self.sum.by_position[slot] * position + self.sum.by_velocity[slot] * velocity;
+            weigh(&self.mobility[row], &mut part.data.0[0]);
+            if row == column {
+                let mut angles = part.fixed_rows_mut::<3>(3);
+                angles += self.spin[row] * velocity.fixed_rows::<3>(3);
+            }
             for (result, part) in result[count..][at(row)].iter_mut().zip(part.iter()) {
                 *result += part;
             }
@@ -61,20 +67,21 @@ impl Tangent {
     pub fn factorise(&mut self, a: f64, workspace: &SystemWorkspace) -> Result<(), SingularTangent> {
         self.a = a;
         self.lu.clear();
-        for (slot, place) in self.places.iter().enumerate() {
-            let block = self.lu.block_mut(*place);
-            for (block, (position, velocity)) in
-                block.iter_mut().zip(self.sum.by_position[slot].iter().zip(self.sum.by_velocity[slot].iter()))
-            {
-                *block = -a * (velocity + a * position);
+        for (slot, row, column) in self.sum.neighbours.iter() {
+            let block = self.lu.block_mut(self.places[slot]);
+            let sources = self.sum.by_position[slot].data.0.iter().zip(&self.sum.by_velocity[slot].data.0);
+            for (block, (position, velocity)) in block.data.0.iter_mut().zip(sources) {
+                for (block, (position, velocity)) in block.iter_mut().zip(position.iter().zip(velocity)) {
+                    *block = -a * (velocity + a * position);
+                }
+                weigh(&self.mobility[row], block);
             }
-        }
-        for body in 0..self.mobility.len() {
-            if let Some(slot) = self.sum.neighbours.slot(body, body) {
-                let block = self.lu.block_mut(self.places[slot]);
+            if row == column {
                 for i in 0..COORDINATES {
                     block[(i, i)] += 1.0;
                 }
+                let mut angles = block.fixed_view_mut::<3, 3>(3, 3);
+                angles -= self.spin[row] * a;
             }
         }
         self.eliminate_states(a)?;
@@ -152,14 +159,19 @@ impl Tangent {
             }
             self.x[group.node] = own;
         }
-        for (slot, row, column) in self.sum.neighbours.iter() {
-            let values = &positions[COORDINATES * column..COORDINATES * (column + 1)];
-            let own = &mut self.x[row].data.0[0];
-            for (block, value) in self.sum.by_position[slot].data.0.iter().zip(values) {
-                let scaled = a * value;
-                for (own, block) in own.iter_mut().zip(block) {
-                    *own += block * scaled;
+        for row in 0..self.mobility.len() {
+            let mut load = [0.0; 6];
+            for (slot, column) in self.sum.neighbours.of(row) {
+                let values = &positions[COORDINATES * column..COORDINATES * (column + 1)];
+                for (block, value) in self.sum.by_position[slot].data.0.iter().zip(values) {
+                    for (load, block) in load.iter_mut().zip(block) {
+                        *load += block * value;
+                    }
                 }
+            }
+            weigh(&self.mobility[row], &mut load);
+            for (own, load) in self.x[row].data.0[0].iter_mut().zip(&load) {
+                *own += a * load;
             }
         }
         for (state, eliminated) in self.sum.states.iter().zip(&mut self.eliminated) {

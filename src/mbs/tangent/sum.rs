@@ -59,7 +59,7 @@ impl StateTangent {
         for i in 0..self.count {
             for (end, gradient) in self.ends.iter().zip(&gradients[i]) {
                 let Some(body) = end else { continue };
-                result[i] += x[6 * body..6 * body + 6].iter().zip(gradient.iter()).map(|(x, g)| x * g).sum::<f64>();
+                result[i] += x[6 * body..6 * body + 6].iter().zip(&gradient.data.0[0]).map(|(x, g)| x * g).sum::<f64>();
             }
         }
         result
@@ -71,7 +71,7 @@ impl StateTangent {
 pub(super) struct TangentSum {
     pub neighbours: Neighbours,
     pub pairs: Vec<PairSum>,
-    /// By slot: dQ/dq and dQ/dv, then accelerations.
+    /// By slot: dQ/dq and dQ/dv.
     pub by_position: Vec<Matrix6<f64>>,
     pub by_velocity: Vec<Matrix6<f64>>,
     /// As many as `new` was told at most.

@@ -54,7 +54,7 @@ impl Axes {
 }
 
 impl Tangent {
-    /// Ends the sum: with the motions in the workspace, everything becomes accelerations of coordinates.
+    /// Ends the sum: with the motions in the workspace, everything is turned into terms of coordinates.
     pub fn finish(&mut self, system: &System, workspace: &SystemWorkspace) {
         let motions = &workspace.motions;
         for (slot, row, column) in self.sum.neighbours.iter() {
@@ -74,20 +74,14 @@ impl Tangent {
         for drive in &system.drives {
             drive.immobilise(&mut self.mobility[drive.body], &workspace.stations);
         }
-        for (slot, row, column) in self.sum.neighbours.iter() {
-            weigh(&self.mobility[row], &mut self.sum.by_position[slot]);
-            weigh(&self.mobility[row], &mut self.sum.by_velocity[slot]);
-            if row == column {
-                let spin = gyroscopic(&system.bodies[row].inertia, &motions[row]);
-                let mut angles = self.sum.by_velocity[slot].fixed_view_mut::<3, 3>(3, 3);
-                angles += spin;
-            }
+        for (spin, (body, motion)) in self.spin.iter_mut().zip(system.bodies.iter().zip(motions)) {
+            *spin = gyroscopic(&body.inertia, motion);
         }
         for state in &mut self.sum.states {
             for i in 0..state.count {
                 for (load, body) in state.load_by_state[i].iter_mut().zip(&state.ends) {
                     let Some(body) = body else { continue };
-                    weigh_vector(&self.mobility[*body], &mut load.data.0[0]);
+                    weigh(&self.mobility[*body], &mut load.data.0[0]);
                 }
             }
         }
@@ -95,26 +89,22 @@ impl Tangent {
 
     /// Generalised forces and states of pairs, and states of contacts, in terms of coordinates.
     fn expand_pairs(&mut self, motions: &[BodyMotion]) {
-        let TangentSum { neighbours, pairs, by_position, by_velocity, states } = &mut self.sum;
-        for state in states.iter_mut() {
-            let Some(pair) = state.pair else {
-                world_state(state, motions);
-                continue;
-            };
-            PairFrames::new(&pairs[pair], motions).expand_state(state);
-        }
+        let TangentSum { neighbours, pairs, by_position, by_velocity, states, .. } = &mut self.sum;
+        self.frames.clear();
         for pair in pairs {
             let frames = PairFrames::new(pair, motions);
-            let mut position = frames.blocks(&pair.stiffness);
-            frames.add_geometry(pair, &mut position);
-            let velocity = frames.blocks(&pair.damping);
-            for (row, on) in pair.ends.iter().enumerate() {
-                for (column, by) in pair.ends.iter().enumerate() {
-                    let (Some(on), Some(by)) = (on, by) else { continue };
-                    let Some(slot) = neighbours.slot(*on, *by) else { continue };
-                    by_position[slot] += position[row][column];
-                    by_velocity[slot] += velocity[row][column];
-                }
+            let slots = pair.ends.map(|on| pair.ends.map(|by| neighbours.slot(on?, by?)));
+            frames.add_blocks(&pair.stiffness, &slots, by_position);
+            frames.add_geometry(pair, &slots, by_position);
+            if pair.damping != Matrix6::zeros() {
+                frames.add_blocks(&pair.damping, &slots, by_velocity);
+            }
+            self.frames.push(frames);
+        }
+        for state in states {
+            match state.pair {
+                Some(pair) => self.frames[pair].expand_state(state),
+                None => world_state(state, motions),
             }
         }
     }
@@ -135,16 +125,9 @@ fn world_state(state: &mut StateTangent, motions: &[BodyMotion]) {
     }
 }
 
-/// Mobility times a block: no coupling between displacements and rotations.
+/// Mobility times a generalised force: no coupling between displacements and rotations.
 #[inline]
-fn weigh(mobility: &Matrix6<f64>, block: &mut Matrix6<f64>) {
-    for column in &mut block.data.0 {
-        weigh_vector(mobility, column);
-    }
-}
-
-#[inline]
-fn weigh_vector(mobility: &Matrix6<f64>, column: &mut [f64; 6]) {
+pub(super) fn weigh(mobility: &Matrix6<f64>, column: &mut [f64; 6]) {
     let m = &mobility.data.0;
     let [x, y, z, a, b, c] = *column;
     for i in 0..3 {
