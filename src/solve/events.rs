@@ -11,6 +11,8 @@ const RESOLUTION: f64 = 1e-12;
 const ITERATIONS: usize = 60;
 /// How often a step is halved to find a margin.
 const LOOKS: i32 = 12;
+/// Evaluations that finding an event may take.
+pub(super) const MOST_LOOKS: usize = ITERATIONS + LOOKS as usize + 2;
 /// More changes of form at one time are a contradiction of the system's.
 const MOST_CHANGES: usize = 100;
 /// A step that cannot be completed is tried again shorter, down to this, s.

@@ -1,9 +1,7 @@
 //! The classical Runge-Kutta method of order 4 with a fixed step and cubic Hermite output.
-//!
-//! Steps stand on the grid `start + k step`; a step that would pass a point where the system is not smooth is
-//! shortened to end there, and the grid starts anew.
 
 use super::dense;
+use super::fixed::{FixedStep, STEPS};
 use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -27,9 +25,6 @@ pub struct RungeKutta4 {
     pub step: f64,
 }
 
-/// Steps that end in this life, s.
-const STEPS: (f64, f64) = (1e-8, 1.0);
-
 impl Integrator for RungeKutta4 {
     fn setting(&self) -> Setting {
         Setting { kind: SettingKind::Step, value: self.step, range: STEPS }
@@ -44,36 +39,15 @@ impl Integrator for RungeKutta4 {
     }
 
     fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        step(self.step, dynamics, state, scratch)
+        state.evaluate_begin(dynamics)?;
+        let step = FixedStep::next(self.step, dynamics, state)?;
+        scratch.memory.copy_from_slice(&state.memory);
+        stages(dynamics, state, scratch, step.end, step.h).map_err(|Undefined| FixedStep::undefined(state))?;
+        step.check(state, scratch)?;
+        write_dense(state, scratch, step.h);
+        step.accept(state, scratch, Some(4));
+        Ok(())
     }
-}
-
-/// One step.
-fn step(step: f64, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-    state.evaluate_begin(dynamics)?;
-    let limit = dynamics.next_break(state.t, &state.y, &state.memory);
-    let next = state.grid_start + (state.grid_count + 1) as f64 * step;
-    let cut = next >= limit - 1e-9 * step;
-    let end = if cut { limit } else { next };
-    let h = end - state.t;
-    if !(h > 0.0) {
-        return Err(SolveError::NoProgress { time: state.t, step });
-    }
-
-    scratch.memory.copy_from_slice(&state.memory);
-    stages(dynamics, state, scratch, end, h).map_err(|Undefined| SolveError::Undefined { time: state.t })?;
-    if !scratch.trial.iter().all(|value| value.is_finite()) {
-        return Err(SolveError::NotFinite { time: state.t, step });
-    }
-    write_dense(state, scratch, h);
-    state.accept(end, scratch, (!cut).then_some(4));
-    if cut {
-        state.grid_start = end;
-        state.grid_count = 0;
-    } else {
-        state.grid_count += 1;
-    }
-    Ok(())
 }
 
 /// The four stages, the solution at `end` = t + h in `scratch.trial`, and f there as fifth stage.

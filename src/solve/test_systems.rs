@@ -14,9 +14,9 @@ pub(super) struct Watched {
     pub coordinates: usize,
     /// What part of df/dy the system gives as its Jacobian.
     pub share: f64,
-    last: (f64, Vec<f64>),
-    matrix: DMatrix<f64>,
-    factors: Option<LU<f64, Dyn, Dyn>>,
+    pub last: (f64, Vec<f64>),
+    pub matrix: DMatrix<f64>,
+    pub factors: Option<LU<f64, Dyn, Dyn>>,
     /// Gives a margin that never falls below zero.
     pub margin: Option<f64>,
     /// Where f is not smooth.

@@ -51,6 +51,21 @@ fn analytic_all_conditions_of_w_methods_hold() {
 }
 
 #[test]
+fn analytic_conditions_of_the_continuous_output() {
+    let sum: Row = std::array::from_fn(|i| DENSE.iter().map(|weights| weights[i]).sum());
+    assert!(sum.iter().zip(WEIGHTS).all(|(sum, weight)| (sum - weight).abs() < 1e-14), "it ends in the solution: {sum:?}");
+    for step in 0..=10 {
+        let theta = 0.1 * f64::from(step);
+        let weights: Row = std::array::from_fn(|i| theta * (DENSE[0][i] + theta * (DENSE[1][i] + theta * DENSE[2][i])));
+        let [one, time, j, square, ff, fj, jf, jj] = conditions(weights);
+        // For any J to order 2; to order 3 the sum over f' and J, which is what an exact J makes of the last four.
+        assert!((one + 1.0 - theta).abs() < 1e-14 && (time + 0.5 - theta.powi(2) / 2.0).abs() < 1e-14 && j.abs() < 1e-14);
+        assert!((square + (1.0 - theta.powi(3)) / 3.0).abs() < 1e-14);
+        assert!((ff + fj + jf + jj + (1.0 - theta.powi(3)) / 6.0).abs() < 1e-14);
+    }
+}
+
+#[test]
 fn analytic_the_method_is_stiffly_accurate_and_l_stable() {
     let (alpha, gamma) = tables();
     let last = (alpha + gamma).row(STAGES - 1).into_owned();
@@ -68,14 +83,18 @@ fn order_three_with_any_jacobian_and_output_of_order_three() {
     for share in [1.0, 0.5, 0.0, -0.3] {
         let at = |h| errors(&free(StiffPart::All), nonlinear(share), nonlinear_solution, h, 2.0);
         let (ends, inside) = orders(at, 0.1);
-        println!("share {share} of the Jacobian: order {ends:.2} at the ends, {inside:.2} inside, errors at 0.1: {:.1e?}", at(0.1));
+        println!(
+            "share {share} of the Jacobian: order {ends:.2} at the ends, {inside:.2} inside, errors at 0.1: {:.1e} and {:.1e}",
+            at(0.1).0,
+            at(0.1).1
+        );
         assert!((ends - 3.0).abs() < 0.2 && (inside - 3.0).abs() < 0.25, "{share}: {ends} {inside}");
     }
 }
 
 #[test]
 fn order_output_inside_a_single_step() {
-    // From the exact solution: the end of one step is off by h^4; inside, the slope at the end may be off by h^2 times h.
+    // From the exact solution: the end of one step is off by h^4, and so is the inside where J is exact.
     for (share, least) in [(1.0, 3.5), (0.0, 2.8)] {
         let at = |h: f64| errors(&free(StiffPart::All), nonlinear(share), nonlinear_solution, h, 0.5 * h);
         let (end, inside) = orders(at, 0.2);
@@ -107,9 +126,8 @@ fn hard_a_decay_a_million_times_faster_than_the_step_is_gone_after_one_step() {
         state.next_step = 0.1;
         method.step(&mut system, &mut state, &mut scratch).unwrap();
         let error = (state.y[0] - state.t.cos()).abs();
-        // What is left is the error without df/dt in the slow motion, not the fast one's 1.
         println!("{:.1}: {error:.1e}", state.t);
-        assert!(error < 2e-2, "{} at {}", state.y[0], state.t);
+        assert!(error < 1e-4, "{} at {}", state.y[0], state.t);
     }
     let mut spring = stiff_spring();
     let (mut state, mut scratch) = (method.start(0.0, &[1e-3, 0.0], &[]), Scratch::new(2, 0));
@@ -122,13 +140,13 @@ fn hard_a_decay_a_million_times_faster_than_the_step_is_gone_after_one_step() {
 fn hard_kaps_stiff_problem_keeps_its_accuracy() {
     let at = |h| errors(&free(StiffPart::All), kaps(), kaps_solution, h, 1.0);
     let (ends, inside) = orders(at, 0.1);
-    println!("Kaps, k = 1e8: order {ends:.2}, inside {inside:.2}; error at h = 0.1: {:.1e?}", at(0.1));
-    assert!(at(0.1).0 < 1e-3 && ends > 1.8 && inside > 1.8, "{ends} {inside}");
+    println!("Kaps, k = 1e8: order {ends:.2}, inside {inside:.2}; error at h = 0.1: {:.1e} and {:.1e}", at(0.1).0, at(0.1).1);
+    assert!(at(0.1).0 < 1e-3 && at(0.1).1 < 2e-3 && ends > 2.7 && inside > 2.7, "{ends} {inside}");
 }
 
 #[test]
 fn hard_van_der_pol_takes_few_steps_and_keeps_the_jacobian_on_rejection() {
-    let method = Rosenbrock { tolerance: 1e-4, part: StiffPart::All };
+    let method = Rosenbrock { tolerance: 1e-2, part: StiffPart::All };
     let mut state = method.start(0.0, &[2.0, 0.0], &[]);
     let mut y = [0.0; 2];
     method.advance(&mut van_der_pol(), &mut state, &mut Scratch::new(2, 0), 2.0).unwrap();
@@ -140,7 +158,7 @@ fn hard_van_der_pol_takes_few_steps_and_keeps_the_jacobian_on_rejection() {
     assert!(work.rejected > 0 && work.linearisations == work.steps, "{work:?}");
     assert_eq!(work.factorisations, work.steps + work.rejected);
     assert_eq!(work.evaluations, work.steps + 3 * (work.steps + work.rejected) + 2, "{work:?}");
-    assert!(work.steps < 3000, "{work:?}");
+    assert!(work.steps < 5000, "{work:?}");
 }
 
 #[test]
@@ -167,5 +185,7 @@ fn regress_work_on_a_smooth_problem() {
     let (loose, few) = work(1e-4);
     let (tight, many) = work(1e-8);
     println!("1e-4: {loose:.1e} {few:?}\n1e-8: {tight:.1e} {many:?}\nexplicit, 1e-6: {:?}", state.statistics);
-    assert!(loose < 1e-3 && tight < 1e-6, "{loose:e} {tight:e}");
+    assert!(loose < 1e-4 && tight < 1e-8, "{loose:e} {tight:e}");
+    assert_eq!((few.steps, few.rejected, few.evaluations), (22, 0, 90), "{few:?}");
+    assert_eq!((many.steps, many.rejected, many.evaluations), (410, 0, 1642), "{many:?}");
 }
