@@ -70,11 +70,8 @@ mod tests {
         let scale = 0.02 * contact.bound() / (SHEAR * contact.patch.a * contact.patch.b);
         let force = |d: [f64; 3], load: f64| {
             let creepage = contact.creepage;
-            let creepage = Creepage {
-                longitudinal: creepage.longitudinal + d[0],
-                lateral: creepage.lateral + d[1],
-                spin: creepage.spin + d[2],
-            };
+            let creepage =
+                Creepage { longitudinal: creepage.longitudinal + d[0], lateral: creepage.lateral + d[1], spin: creepage.spin + d[2] };
             vector(&law.force(&loaded(&RollingContact { creepage, ..*contact }, load)))
         };
         let columns: [Vector3<f64>; 3] = std::array::from_fn(|j| {
@@ -111,9 +108,9 @@ mod tests {
                 let (found, exact) = (law.slopes(&contact, &law.force(&contact)), central(law.as_ref(), &contact));
                 // Moments over a length of the patch, spin times it: all entries in newtons.
                 let length = (patch.a * patch.b).sqrt();
-                let even = |m: &Matrix3<f64>| Matrix3::from_fn(|i, j| {
-                    m[(i, j)] / if i == 2 { length } else { 1.0 } / if j == 2 { length } else { 1.0 }
-                });
+                let even = |m: &Matrix3<f64>| {
+                    Matrix3::from_fn(|i, j| m[(i, j)] / if i == 2 { length } else { 1.0 } / if j == 2 { length } else { 1.0 })
+                };
                 // At rest every law is about as stiff as the linear theory.
                 let (scale, load) = (SHEAR * patch.a * patch.b, Vector3::new(1.0, 1.0, 1.0 / length));
                 let off = (even(&found.by_creepage) - even(&exact.by_creepage)).amax() / scale;

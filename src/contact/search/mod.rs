@@ -6,6 +6,6 @@ pub mod kinematics;
 pub mod nodal;
 pub mod nodes;
 pub mod point_contact;
-pub mod wander;
 #[cfg(test)]
 mod test_surfaces;
+pub mod wander;

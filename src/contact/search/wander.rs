@@ -61,9 +61,7 @@ impl Pair<'_> {
         let moved = |by_first: Vector3<f64>, by_second: Vector3<f64>, first: usize| -> ByPose {
             by_first * parameters.row(first) + by_second * parameters.row(first + 1)
         };
-        let across = |vector: ByPose, unit: Vector3<f64>, length: f64| -> ByPose {
-            (vector - unit * unit.tr_mul(&vector)) / length
-        };
+        let across = |vector: ByPose, unit: Vector3<f64>, length: f64| -> ByPose { (vector - unit * unit.tr_mul(&vector)) / length };
         let mut arm_by_pose = moved(wheel.t1, wheel.t2, 0);
         let turned = arm.cross_matrix();
         arm_by_pose.fixed_view_mut::<3, 3>(0, 3).zip_apply(&turned, |value, turned| *value -= turned);

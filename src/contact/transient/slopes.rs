@@ -13,7 +13,7 @@
 //! The rolling speed, the direction p and the patch are held in the rates; left out is what is of the order of the creepage
 //! (1e-3 to 1e-2) against d v. With N the lengths L grow with the patch, like its cube root.
 
-use super::{Elasticity, LoadedPatch, SLIDE_WIDTH, SlipVelocity, STATES, TransientContact, smooth_step};
+use super::{Elasticity, LoadedPatch, SLIDE_WIDTH, STATES, SlipVelocity, TransientContact, smooth_step};
 use crate::contact::creep::slopes::CreepSlopes;
 use crate::contact::creep::{CreepLaw, RollingContact};
 use crate::contact::creepage::Creepage;
@@ -123,11 +123,8 @@ impl TransientContact {
             by_v = u * (alpha / stored);
             by_u = v * (alpha / stored) + load_by_u * (by_load * power / stored) - u.component_div(&lengths) * (2.0 * sliding / stored);
         }
-        let (excess, excess_by_u) = if load > range.full {
-            (1.0 - range.full / load, load_by_u * (range.full / (load * load)))
-        } else {
-            (0.0, Vector2::zeros())
-        };
+        let (excess, excess_by_u) =
+            if load > range.full { (1.0 - range.full / load, load_by_u * (range.full / (load * load))) } else { (0.0, Vector2::zeros()) };
         let relaxing = slip.rolling.abs() * smooth_step(2.0 * (state[2] * slip.rolling.signum() - 0.25)) + sliding;
         let mut found =
             Deflection { rates: Vector2::zeros(), by_slip: Matrix2::zeros(), by_deflection: Matrix2::zeros(), relaxing, sliding };

@@ -38,8 +38,8 @@ use crate::geometry::profile::Profile;
 use crate::mbs::body::Wrench;
 pub use prepared::PreparedSearches;
 pub(super) use record::{Record, record_length};
-use share::{Saddle, Saddles, share_out};
 pub(super) use share::share_slopes;
+use share::{Saddle, Saddles, share_out};
 use std::sync::Arc;
 pub(super) use touch::{margin, switch};
 

@@ -1,5 +1,8 @@
 //! The linearised model: every contact's wrench tangent, then the multibody system's, for implicit integrators.
 //!
+//! Contacts that share a patch (`points`) change with their shares `s(d1, r, d2)`, penetrations d1, d2 and that of the ridge r between
+//! them: `dN = .. + N ds / s`, each penetration stationary in its place, so that `d delta = -n . (d + w x rho)` for all three.
+//!
 //! [`Model::linearise`] starts from what the last evaluation left in the workspace (motions, contact reports) and J is assembled in
 //! the [`Tangent`] that lives there. What J leaves out is said in [`contact`], in [`crate::contact::transient::slopes`] and in
 //! [`crate::mbs::tangent`]; besides: the states of ACCF (surface parameters), of ECF-N (distance along the rail) and of sliding means
@@ -12,13 +15,16 @@ use super::points::{self, MOST_POINTS};
 use super::rigid::wheels;
 use super::{ContactReport, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
 use crate::contact::creep::RollingContact;
-use crate::contact::creepage::{CreepForce, Creepage, in_rolling_direction};
+use crate::contact::creepage::{CreepForce, Creepage};
 use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
 use crate::geometry::Side;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::tangent::{SingularTangent, StateCoupling, Tangent};
-use contact::{ASIDE, ByMotion, Neighbour, NormalSlopes, Row, Touching, neighbours, normal_slopes, penetration_by_pose};
+use contact::{ByMotion, NormalSlopes, Row, Touching, normal_slopes, penetration_by_pose};
 use nalgebra::Vector3;
+
+/// A contact that carries less than this share of its force counts as one that carries so much.
+const LEAST_SHARE: f64 = 1e-2;
 
 /// By number of the contact.
 type Shares = [Row; MOST_POINTS];
@@ -44,7 +50,7 @@ impl Model {
         workspace.tangent = Some(Tangent::new(&self.system, &self.constrained_bodies(), states));
     }
 
-    /// Finds J at the state `y` that was evaluated last: of the contacts and, with `forces`, of the force elements.
+    /// Finds J at the state `y`, with its memory, that was evaluated last: of the contacts and, with `forces`, of the force elements.
     pub fn linearise(&self, workspace: &mut Workspace, (y, memory): (&[f64], &[f64]), inputs: &[f64], forces: bool) {
         let Some(mut tangent) = workspace.tangent.take() else { return };
         tangent.clear();
@@ -58,7 +64,7 @@ impl Model {
                 let friction = self.laws.friction * factor.max(0.0);
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
                 let at = At { wheelset, side, contact, slot, motion, report, friction, travel };
-                self.add_contact(&at, &shares[slot.min(MOST_POINTS - 1)], y, &mut tangent);
+                self.add_contact(&at, &shares.get(slot).copied().unwrap_or_default(), y, &mut tangent);
             }
         }
         if forces {
@@ -101,27 +107,16 @@ impl Model {
         let touching = Touching::new(report, motion, wander);
         let mut normal = touching.normal_force(slopes);
         normal.position += share * report.normal_force;
-        let mut creep = match transient {
+        let creep = match transient {
             None => self.steady(at, &touching, &normal),
             Some(transient) => self.add_transient(at, transient, &touching, &normal, y, tangent),
         };
-        if std::env::var_os("WR_NB").is_some()
-            && let Some(neighbours) = neighbours(self.laws.normal.as_ref(), report, &touching.wander, (wheel, rail)) {
-            for (neighbour, row) in neighbours.iter().zip([0, 3]) {
-                let wander = touching.wander.parameters.row(row) / ASIDE;
-                normal.position += wander * (neighbour.normal_force - report.normal_force);
-                if transient.is_none() {
-                    creep.position += self.creep_change(at, neighbour) * wander;
-                }
-            }
-        }
         tangent.add_wrench(wheelset.body, wheelset.body, &touching.wrench(report, &normal, &creep));
     }
 
     /// Relative changes of the shares of a wheel's contacts with its pose, by number.
     fn share_changes(&self, workspace: &Workspace, contact: usize, (wheelset, side): (&Wheelset, Side), memory: &[f64]) -> Shares {
         let mut changes = [Row::zeros(); MOST_POINTS];
-        if std::env::var_os("WR_SH").is_none() { return changes; }
         let pair = pair(self, wheelset, side, &workspace.system.motions[wheelset.body]);
         for (between, ridge) in points::ridges_of(self, contact, memory) {
             let [first, second] = between.map(|slot| workspace.report(contact, slot));
@@ -135,6 +130,7 @@ impl Model {
             for (own, other) in [(0, 1), (1, 0)] {
                 let deltas = [first.penetration, second.penetration];
                 let (slopes, share) = points::share_slopes(deltas[own], depth, deltas[other]);
+                let share = share.max(LEAST_SHARE);
                 changes[between[own]] += (sides[own] * slopes[0] + by_pose * slopes[1] + sides[other] * slopes[2]) / share;
             }
         }
@@ -147,20 +143,9 @@ impl Model {
         let sign = speed.signum();
         let (found, force) = (report.creepage, report.creep_force);
         let creepage = Creepage { longitudinal: sign * found.longitudinal, lateral: sign * found.lateral, ..found };
-        let rolling =
-            RollingContact { patch: report.patch, normal_force: report.normal_force, friction, creepage, speed: speed.abs() };
+        let rolling = RollingContact { patch: report.patch, normal_force: report.normal_force, friction, creepage, speed: speed.abs() };
         let turned = CreepForce { longitudinal: sign * force.longitudinal, lateral: sign * force.lateral, ..force };
         touching.steady(report, &self.laws.creep.slopes(&rolling, &turned), normal, (speed, at.travel))
-    }
-
-    /// By how much the creep force is another one on a neighbouring place.
-    fn creep_change(&self, at: &At, neighbour: &Neighbour) -> Vector3<f64> {
-        let (speed, creepage, before) = (at.wheelset.speed(at.motion), at.report.creepage, at.report.creep_force);
-        let Neighbour { patch, normal_force } = *neighbour;
-        let after = in_rolling_direction(speed, creepage, |creepage| {
-            self.laws.creep.force(&RollingContact { patch, normal_force, friction: at.friction, creepage, speed: speed.abs() })
-        });
-        Vector3::new(after.longitudinal - before.longitudinal, after.lateral - before.lateral, after.spin_moment - before.spin_moment)
     }
 
     /// Change of the creep force of a contact with deflection; adds its states.

@@ -115,9 +115,7 @@ fn analytic_slopes_match_differences() {
         let by_elastic = difference(Approach { elastic: 6.1e4, ..at }, Approach { elastic: 5.9e4, ..at }, 1e3);
         let by_penetration = difference(Approach { penetration: 7.001e-5, ..at }, Approach { penetration: 6.999e-5, ..at }, 1e-8);
         let by_rate = difference(Approach { rate: -0.01, ..at }, Approach { rate: -0.03, ..at }, 0.01);
-        for (found, exact) in
-            [(by_elastic, slopes.by_elastic), (by_penetration, slopes.by_penetration), (by_rate, slopes.by_rate)]
-        {
+        for (found, exact) in [(by_elastic, slopes.by_elastic), (by_penetration, slopes.by_penetration), (by_rate, slopes.by_rate)] {
             assert!((found - exact).abs() <= 1e-6 * exact.abs() + 1e-9, "{law:?}: {found} {exact}");
         }
     }
