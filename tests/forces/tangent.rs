@@ -138,7 +138,7 @@ fn analytic_changes_of_every_element_match_differences() {
                 };
                 let error = part(&(own - differences), 0..q.len());
                 let damping = part(differences, q.len()..2 * q.len());
-                left_out = left_out.max(if error == 0.0 { 0.0 } else { error / (damping + 1e-5 * part(differences, 0..q.len())) });
+                left_out = left_out.max(if error == 0.0 { 0.0 } else { error / (damping + 1e-5 * part(differences, 0..q.len()) + 1e-3) });
             }
         });
     }

@@ -133,8 +133,12 @@ impl ForceElement for Bushing {
         let axes = self.from.axes(bodies);
         for i in 0..3 {
             let line = sum.line(&point, &axes.column(i).into_owned());
-            sum.add_spring(&line, &line, self.stiffness[i]);
-            sum.add_damper(&line, &line, self.damping[i]);
+            if self.stiffness[i] != 0.0 {
+                sum.add_spring(&line, &line, self.stiffness[i]);
+            }
+            if self.damping[i] != 0.0 {
+                sum.add_damper(&line, &line, self.damping[i]);
+            }
         }
         sum.add_force(&point, &(axes * self.force(&at)));
         if self.turns() {

@@ -38,7 +38,6 @@ pub mod pair;
 mod pattern;
 mod solve;
 mod sum;
-
 mod world;
 
 pub use pair::PairTangent;
