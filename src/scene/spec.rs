@@ -147,7 +147,7 @@ impl Scene {
         let track = read_track(root.section("track")?)?;
         let contact = read_contact(root.section("contact")?)?;
         let solver = root.section("solver")?;
-        let (automatic, why) = solver_choice::choose(&solver_choice::facts(&solver, &vehicle, contact.formulation_name)?);
+        let (automatic, why) = solver_choice::choose(&solver_choice::facts(&solver, &contact)?);
         let (solver_name, integrator) = solve::parse(&solver, automatic)?;
         let why = solver.word("integrator", &[solve::AUTO.name]).is_ok().then_some(why);
         solver.finish()?;

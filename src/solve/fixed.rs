@@ -20,6 +20,8 @@ pub(super) struct FixedStep {
     pub h: f64,
     /// Does it end where the system is not smooth?
     pub cut: bool,
+    /// Does it end before the next place of the grid?
+    partial: bool,
     /// Length of a whole step, s.
     step: f64,
 }
@@ -32,7 +34,16 @@ impl FixedStep {
         let cut = next >= limit - SLACK * step;
         let end = if cut { limit } else { next };
         let h = end - state.t;
-        if h > 0.0 { Ok(FixedStep { end, h, cut, step }) } else { Err(SolveError::NoProgress { time: state.t, step }) }
+        if h > 0.0 { Ok(FixedStep { end, h, cut, partial: false, step }) } else { Err(SolveError::NoProgress { time: state.t, step }) }
+    }
+
+    /// The first part of this step; the rest is a step of its own. `None` where that would be too short to help.
+    pub fn shortened(&self, state: &IntegrationState) -> Option<Self> {
+        const FRACTION: f64 = 0.25;
+        const SHORTEST: f64 = 1e-3;
+        let end = state.t + FRACTION * self.h;
+        let h = end - state.t;
+        (h > SHORTEST * self.step).then_some(FixedStep { end, h, cut: false, partial: true, ..*self })
     }
 
     /// The failure of an evaluation in this step.
@@ -53,7 +64,7 @@ impl FixedStep {
             state.grid_start = self.end;
             state.grid_count = 0;
             state.record_known = false;
-        } else {
+        } else if !self.partial {
             state.grid_count += 1;
         }
     }

@@ -78,11 +78,25 @@ fn regress_iterations_and_failure() {
     let (mut state, mut scratch) = (method.start(0.0, &[1.0, 1.1], &[]), Scratch::new(2, 0));
     let error = method.advance(&mut blind, &mut state, &mut scratch, 1.0).unwrap_err();
     assert!(matches!(error, SolveError::NotConverged { time: 0.0, .. } | SolveError::NotFinite { time: 0.0, .. }), "{error}");
-    assert!(state.t == 0.0 && state.y == [1.0, 1.1], "{state:?}");
+    assert!(state.t == 0.0 && state.y == [1.0, 1.1] && state.statistics.rejected > 2, "{state:?}");
 }
 
 #[test]
 fn prop_restored_states_go_on_in_the_same_bits() {
     assert_restores_bits(&method(0.007, 0.6), None);
     assert_restores_bits(&method(0.007, 0.6), Some(1.0));
+}
+
+#[test]
+fn prop_a_step_that_cannot_be_solved_is_divided_and_ends_on_the_grid() {
+    // Picard's iteration (no Jacobian) solves y' = -40 (y - cos t) with steps below about 0.03 only.
+    let stiff =
+        || Watched { share: 0.0, ..Watched::new(|t, y, dy| dy[0] = -40.0 * (y[0] - t.cos()), |_, _| nalgebra::DMatrix::zeros(1, 1), 0) };
+    let method = method(0.1, 0.6);
+    let (mut state, mut scratch) = (method.start(0.0, &[1.0], &[]), Scratch::new(1, 0));
+    method.advance(&mut stiff(), &mut state, &mut scratch, 2.0).unwrap();
+    assert!(state.statistics.rejected > 0 && state.statistics.steps > 20, "{:?}", state.statistics);
+    assert!((state.t - 2.0).abs() < 1e-12 && state.grid_count == 20, "{} {}", state.t, state.grid_count);
+    let exact = (1600.0 * 2f64.cos() + 40.0 * 2f64.sin()) / 1601.0;
+    assert!((state.y[0] - exact).abs() < 1e-3, "{} {exact}", state.y[0]);
 }
