@@ -19,6 +19,7 @@ mod model;
 pub mod points;
 mod rigid;
 pub mod sliding_mean;
+mod tangent;
 mod travel;
 pub mod work;
 
