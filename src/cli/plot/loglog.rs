@@ -4,11 +4,12 @@
 //! people with the common colour deficiencies tell apart, the yellow one darkened; marks tell series apart without colour. The legend
 //! stands above the panels, where it covers nothing.
 
-use super::scatter::{decades, power};
-use super::{Area, BLACK_GREY, DrawingError, FINE, GREY, px, write_sheet};
+use super::{Area, BLACK_GREY, DrawingError, FINE, GREY, extent, px, write_sheet};
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::ops::Range;
 use std::path::Path;
 
 /// A point; `low` and `high` are the ends of its bar along x.
@@ -104,13 +105,13 @@ pub(in crate::cli) fn draw(file: &Path, sheet: &Sheet) -> Result<(), String> {
     let head = TITLE + LINE * sheet.subtitles.len() as u32 + ENTRY * lines + 10;
     let marks = || sheet.panels.iter().flat_map(|panel| panel.series.iter().flat_map(|series| series.marks.iter()));
     let levels = sheet.panels.iter().flat_map(|panel| panel.levels.iter().map(|level| level.y));
-    let x = decades(marks().flat_map(|mark| [mark.x, mark.low, mark.high]));
-    let y = decades(marks().map(|mark| mark.y).chain(levels));
+    let x = axis(marks().flat_map(|mark| [mark.x, mark.low, mark.high]));
+    let y = axis(marks().map(|mark| mark.y).chain(levels));
     write_sheet(file, (width, head + PANEL.1 * rows as u32), |root| {
         let (top, below) = root.split_vertically(px(head));
         draw_head(&top, sheet, width, &entries)?;
         for (area, panel) in below.split_evenly((rows, columns)).iter().zip(sheet.panels) {
-            draw_panel(area, sheet.axes, panel, x, y)?;
+            draw_panel(area, sheet.axes, panel, [&x, &y])?;
         }
         Ok(())
     })
@@ -163,7 +164,60 @@ fn draw_head<'a>(area: &Area<'a>, sheet: &Sheet, width: u32, entries: &[Entry]) 
     Ok(())
 }
 
-fn draw_panel<'a>(area: &Area<'a>, axes: [&str; 2], panel: &Panel, x: (f64, f64), y: (f64, f64)) -> Result<(), DrawingError<'a>> {
+/// A logarithmic axis with labels at decades, and at 2 and 5 of each where there are few. (That of the drawing library needs whole
+/// decades.)
+#[derive(Clone)]
+struct LogAxis {
+    low: f64,
+    high: f64,
+}
+
+/// An axis for some values, with air around them.
+fn axis(values: impl Iterator<Item = f64>) -> LogAxis {
+    const AIR: f64 = 1.6;
+    let (low, high) = extent(values.filter(|value| *value > 0.0));
+    if low <= high && high.is_finite() { LogAxis { low: low / AIR, high: high * AIR } } else { LogAxis { low: 0.1, high: 1.0 } }
+}
+
+impl LogAxis {
+    /// Place of a value along the axis, 0 to 1.
+    fn part(&self, value: f64) -> f64 {
+        (value / self.low).ln() / (self.high / self.low).ln()
+    }
+
+    fn ticks(&self) -> Vec<f64> {
+        const FEW: f64 = 2.5;
+        let digits: &[f64] = if (self.high / self.low).log10() < FEW { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        let decades = self.low.log10().floor() as i32..=self.high.log10().floor() as i32;
+        let all = decades.flat_map(|decade| digits.iter().map(move |digit| format!("{digit}e{decade}").parse().unwrap_or(f64::NAN)));
+        all.filter(|tick| (self.low..=self.high).contains(tick)).collect()
+    }
+}
+
+impl Ranged for LogAxis {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        limit.0 + (f64::from(limit.1 - limit.0) * self.part(*value)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _hint: Hint) -> Vec<f64> {
+        self.ticks()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.low..self.high
+    }
+}
+
+impl ValueFormatter<f64> for LogAxis {
+    fn format(value: &f64) -> String {
+        if (1e-3..1e5).contains(value) { format!("{value}") } else { format!("{value:e}") }
+    }
+}
+
+fn draw_panel<'a>(area: &Area<'a>, axes: [&str; 2], panel: &Panel, [x, y]: [&LogAxis; 2]) -> Result<(), DrawingError<'a>> {
     let (strip, below) = area.split_vertically(px(STRIP));
     let title = (FONT, px(16)).into_text_style(&strip).pos(Pos::new(HPos::Left, VPos::Center));
     strip.draw(&Text::new(panel.title.clone(), (px(84), px(STRIP / 2)), title))?;
@@ -173,13 +227,11 @@ fn draw_panel<'a>(area: &Area<'a>, axes: [&str; 2], panel: &Panel, x: (f64, f64)
         .margin_bottom(px(10))
         .x_label_area_size(px(44))
         .y_label_area_size(px(74))
-        .build_cartesian_2d((x.0..x.1).log_scale(), (y.0..y.1).log_scale())?;
+        .build_cartesian_2d(x.clone(), y.clone())?;
     chart
         .configure_mesh()
         .x_desc(axes[0])
         .y_desc(axes[1])
-        .x_label_formatter(&power)
-        .y_label_formatter(&power)
         .light_line_style(TRANSPARENT)
         .bold_line_style(GREY.mix(0.25).stroke_width(FINE))
         .axis_style(GREY.stroke_width(FINE))
@@ -187,11 +239,15 @@ fn draw_panel<'a>(area: &Area<'a>, axes: [&str; 2], panel: &Panel, x: (f64, f64)
         .label_style((FONT, px(13)))
         .draw()?;
     for level in &panel.levels {
-        let line = DashedPathElement::new([(x.0, level.y), (x.1, level.y)], px(6), px(4), BLACK_GREY.stroke_width(FINE));
+        let line = DashedPathElement::new([(x.low, level.y), (x.high, level.y)], px(6), px(4), BLACK_GREY.stroke_width(FINE));
         chart.draw_series([line])?;
-        let words = (FONT, px(12)).into_text_style(area).color(&BLACK_GREY).pos(Pos::new(HPos::Right, VPos::Bottom));
-        let text = EmptyElement::at((x.1, level.y)) + Text::new(level.label.clone(), (-px(6), -px(3)), words);
-        chart.draw_series([text])?;
+        // Its words stand at the end that has fewer marks.
+        let near = |mark: &&Mark| (y.part(mark.y) - y.part(level.y)).abs() < 0.09;
+        let marks = || panel.series.iter().flat_map(|series| series.marks.iter()).filter(near);
+        let right = marks().filter(|mark| x.part(mark.x) > 0.45).count() <= marks().filter(|mark| x.part(mark.x) < 0.55).count();
+        let (end, aside, anchor) = if right { (x.high, -px(6), HPos::Right) } else { (x.low, px(6), HPos::Left) };
+        let words = (FONT, px(12)).into_text_style(area).color(&BLACK_GREY).pos(Pos::new(anchor, VPos::Bottom));
+        chart.draw_series([EmptyElement::at((end, level.y)) + Text::new(level.label.clone(), (aside, -px(3)), words)])?;
     }
     for series in &panel.series {
         let own = color(series.style);
@@ -199,6 +255,11 @@ fn draw_panel<'a>(area: &Area<'a>, axes: [&str; 2], panel: &Panel, x: (f64, f64)
         for mark in &series.marks {
             let bar = [(mark.low, mark.y), (mark.high, mark.y)];
             chart.draw_series([PathElement::new(bar, own.stroke_width(FINE * 3 / 2))])?;
+            let cap = [(0, -px(RADIUS + 2)), (0, px(RADIUS + 2))];
+            let caps = bar.map(|end| EmptyElement::at(end) + PathElement::new(cap, own.stroke_width(FINE)));
+            if mark.high > mark.low {
+                chart.draw_series(caps)?;
+            }
             let shape = outline(series.style, (0, 0), px(RADIUS));
             if mark.bound {
                 // Hollow, with an arrow down: better than this.
@@ -245,6 +306,10 @@ mod tests {
         assert_eq!(svg.matches("method number 0\n").count(), 1, "each series stands in the legend once");
         let entries = legend(&panels, 1040);
         assert!(entries.len() == 9 && entries.iter().all(|entry| entry.x + 150 < 1040) && entries[8].line == 1);
+        let near = |axis: LogAxis, wanted: &[f64]| assert_eq!(axis.ticks(), wanted);
+        near(LogAxis { low: 1.5, high: 60.0 }, &[2.0, 5.0, 10.0, 20.0, 50.0]);
+        near(LogAxis { low: 5e-4, high: 2.0 }, &[1e-3, 0.01, 0.1, 1.0]);
+        assert_eq!([1e-7, 0.01, 5.0, 1e5].map(|value| LogAxis::format(&value)), ["1e-7", "0.01", "5", "1e5"]);
         // Nothing at all: an empty diagram.
         draw(&file, &Sheet { title: "Title", subtitles: &[], axes: ["along", "up"], panels: &[] }).unwrap();
     }

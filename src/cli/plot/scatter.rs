@@ -18,7 +18,7 @@ const FONT: &str = "sans-serif";
 const FRAME: (f64, f64, f64, f64) = (84.0, 24.0, 66.0, 54.0);
 
 /// The whole decades around some values, with room for labels.
-pub(super) fn decades(values: impl Iterator<Item = f64>) -> (f64, f64) {
+fn decades(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = extent(values);
     if !(low > 0.0 && high.is_finite()) {
         return (0.1, 1.0);
@@ -29,7 +29,7 @@ pub(super) fn decades(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// Decades: 1e-7 -> "1e-7", 0.01 -> "0.01", 10 -> "10".
-pub(super) fn power(value: &f64) -> String {
+fn power(value: &f64) -> String {
     let exponent = value.log10().round() as i32;
     match exponent {
         -3..0 => format!("{value:.0$}", exponent.unsigned_abs() as usize),

@@ -1,6 +1,6 @@
 //! The study's pictures.
 
-use super::words::{model_words, size};
+use super::words::size;
 use crate::cli::plot::loglog::{self, Level, Mark, Panel, Series, Sheet};
 use crate::cli::plot::scatter;
 use crate::solve;
@@ -47,7 +47,7 @@ pub(super) fn draw(folder: &Path, study: &Study) -> Result<Vec<PathBuf>, String>
 /// Caption of an error's axis.
 fn axis(quantity: Quantity) -> String {
     let unit = if quantity.unit().is_empty() { String::new() } else { format!(" [{}]", quantity.unit()) };
-    let how = if quantity == Quantity::Displacement { "largest error" } else { "error that 95 % of the samples keep" };
+    let how = if quantity == Quantity::Displacement { "largest error" } else { "error kept by 95 % of the samples" };
     format!("{}: {how}{unit}", capital(quantity.words()))
 }
 
@@ -154,9 +154,14 @@ fn best(folder: &Path, study: &Study) -> Result<Option<PathBuf>, String> {
     }
     let points: Vec<scatter::Point> = labels.iter().map(|(label, x, y)| scatter::Point { label, x: *x, y: *y }).collect();
     let file = folder.join(format!("{}_best.svg", study.scene));
-    let models: Vec<String> = study.models.iter().map(|model| model_words(study, model)).collect();
-    let subtitle = format!("{}, {} s; errors within each model: {}", study.title, study.stop, models.join("; "));
-    scatter::draw(&file, "What to choose: nothing is both more exact and faster", &subtitle, [ALONG[0].axis, &axis(quantity)], &points)?;
+    let subtitle = format!("{}, {} s; ECCF and ACCF are rigid, ECF elastic: errors within each model", study.title, study.stop);
+    scatter::draw(
+        &file,
+        "What to choose: in its model nothing is more exact and faster",
+        &subtitle,
+        [ALONG[0].axis, &axis(quantity)],
+        &points,
+    )?;
     Ok(Some(file))
 }
 

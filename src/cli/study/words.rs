@@ -22,7 +22,7 @@ pub(super) fn size(value: f64, quantity: Quantity) -> String {
     };
     match quantity.unit() {
         "" if value < 1e-3 => format!("{value:.0e}"),
-        "" => format!("{value:.1}", value = digits(value)),
+        "" => digits(value),
         unit => {
             // 0.1 mm is what people say, not 100 um; and no kilometres.
             let most = if unit == "m" { 1.0 } else { 1e3 };
@@ -44,7 +44,7 @@ fn cost(seconds: f64) -> String {
 }
 
 /// "rigid contact (ACCF, ECCF)".
-pub(super) fn model_words(study: &Study, model: &Model) -> String {
+fn model_words(study: &Study, model: &Model) -> String {
     let names: Vec<&str> = model.variants.iter().map(|variant| study.variants[*variant].formulation).collect();
     let changes = model.variants.first().map(|variant| study.variants[*variant].changes()).unwrap_or_default();
     let changes = if changes.is_empty() { changes } else { format!(", {changes}") };

@@ -8,6 +8,7 @@ use super::clock::Budget;
 use super::errors::{Errors, Quantity};
 use super::observation::Observation;
 use super::run::{Observed, Setting, Span, observe, with_setting};
+use super::schedule::PILOT_TOLERANCE;
 use crate::scene::spec::Scene;
 use crate::sim::Simulation;
 use serde::Serialize;
@@ -54,32 +55,33 @@ fn pair(scene: &Scene, wheelset: Option<&str>, span: Span, tolerance: f64, limit
     Ok(([first?, second?], clock.elapsed().as_secs_f64()))
 }
 
-/// As tight as fits into a share of the budget, or as `fixed` [m] says.
+/// As tight as fits into a share of the budget, or as `fixed` [m] says. `pilot`: what a run at the pilots' tolerance takes, s.
 pub(super) fn reference(
     (formulation, scene): (&'static str, &Scene),
     wheelset: Option<&str>,
     span: Span,
-    (budget, share): (&Budget, f64),
+    (budget, share, pilot): (&Budget, f64, f64),
     fixed: Option<f64>,
 ) -> Result<Reference, String> {
     let mut found: Option<Reference> = None;
-    let mut last: Option<(f64, f64)> = None;
+    let mut last = (PILOT_TOLERANCE, pilot);
     let tolerances: Vec<f64> = fixed.map_or(TOLERANCES.to_vec(), |tolerance| vec![tolerance]);
     for tolerance in tolerances {
         let left = budget.left_of(share);
-        if let Some((known, seconds)) = last {
-            let predicted = seconds * PER_DECADE.powf((known / tolerance).log10());
-            if predicted > left {
+        let predicted = last.1 * PER_DECADE.powf((last.0 / tolerance).log10().max(0.0));
+        if predicted > left {
+            if found.is_some() {
                 break;
             }
+            return Err(format!("it would take about {predicted:.0} s, of which {:.0} s are left", left.max(0.0)));
         }
-        let ([first, second], seconds) = match pair(scene, wheelset, span, tolerance, left.max(1.0)) {
+        let ([first, second], seconds) = match pair(scene, wheelset, span, tolerance, 1.5 * left) {
             Ok(done) => done,
             // A looser one is better than none.
             Err(failure) if found.is_none() => return Err(failure),
             Err(_) => break,
         };
-        last = Some((tolerance, seconds));
+        last = (tolerance, seconds);
         let uncertainty = Errors::between(&first.observation, &second.observation);
         let better = |old: &Errors| {
             let gain = |quantity| matches!((old.of(quantity), uncertainty.of(quantity)), (Some(old), Some(new)) if new < 0.5 * old);

@@ -30,12 +30,14 @@ pub(super) struct Item {
 pub(super) struct Schedule {
     pub pilots: Vec<Option<Pilot>>,
     measured: Vec<(Item, f64)>,
-    pub repeats: usize,
+    repeats: usize,
+    /// Time that passes per CPU time: more than 1 where others use the machine too.
+    pub slowness: f64,
 }
 
 impl Schedule {
-    pub(super) fn new(pilots: Vec<Option<Pilot>>, repeats: usize) -> Schedule {
-        Schedule { pilots, measured: Vec::new(), repeats }
+    pub(super) fn new(pilots: Vec<Option<Pilot>>, repeats: usize, slowness: f64) -> Schedule {
+        Schedule { pilots, measured: Vec::new(), repeats, slowness }
     }
 
     /// A run of `item` took `seconds` of CPU time per simulated second.
@@ -63,7 +65,7 @@ impl Schedule {
 
     /// Time for a point with its repetitions, s; see [`super::run::measure`].
     pub(super) fn duration(&self, item: &Item, stop: f64, patience: f64) -> Option<f64> {
-        let once = self.predict(item)? * stop;
+        let once = self.predict(item)? * stop * self.slowness;
         Some(once * (patience / once).clamp(1.0, 1.0 + self.repeats as f64))
     }
 

@@ -1,13 +1,13 @@
 //! The study: variants, pilots, span, references, points, coupling.
 
-use super::clock::Budget;
+use super::clock::{Budget, cpu_time};
 use super::communication::{self, Coupled};
 use super::errors::{Errors, Quantity};
 use super::reference::{self, METHODS, Reference, Standing};
 use super::run::{self, Measured, Setting, Span};
 use super::schedule::{Item, PILOT_TOLERANCE, Pilot, Schedule, patience};
 use super::variant::{Variant, variants};
-use crate::scene::load::SceneError;
+use crate::scene::load::{self, SceneError};
 use crate::scene::spec::Scene;
 use crate::sim::Simulation;
 use serde::Serialize;
@@ -148,22 +148,39 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
     let (name, title) = (base.scene.name.clone(), base.scene.title.clone());
     let full = Span { stop: request.stop.unwrap_or(base.scene.run.stop), step: request.step };
     let mut pilots = Vec::new();
+    let (pilot_start, mut pilot_cpu) = (budget.spent(), 0.0);
     for (index, one) in prepared.iter().enumerate() {
         progress(budget.spent() / budget.seconds, &format!("pilot run of {}", variants[index].label()));
-        pilots.push(pilot(one, full, PILOTS * budget.seconds / prepared.len() as f64));
+        let (pilot, cpu) = cpu_time(|| pilot(one, full, PILOTS * budget.seconds / prepared.len() as f64));
+        pilots.push(pilot);
+        pilot_cpu += cpu;
     }
-    let mut schedule = Schedule::new(pilots, request.repeats);
+    let slowness = ((budget.spent() - pilot_start) / pilot_cpu).max(1.0);
+    let mut schedule = Schedule::new(pilots, request.repeats, slowness);
     let span = if request.stop.is_some() { full } else { shortened(full, &schedule, &items_of, &budget, &mut notes) };
 
     let mut models = models(&variants, &prepared);
-    let count = models.len();
-    for (index, model) in models.iter_mut().enumerate() {
+    // The scene's own formulation first, then what is cheap. Each may take half of what is left for references.
+    let own = load::open(request.scene, request.overrides)?.contact.formulation_name;
+    let mut order: Vec<usize> = (0..models.len()).collect();
+    let expense = |index: &usize| {
+        let model: &Model = &models[*index];
+        let cost = model.variants.iter().filter_map(|variant| schedule.pilots[*variant]).map(|pilot| pilot.per_second);
+        if model.variants.iter().any(|variant| variants[*variant].formulation == own) { 0.0 } else { cost.fold(f64::INFINITY, f64::min) }
+    };
+    order.sort_by(|a, b| expense(a).total_cmp(&expense(b)));
+    let count = order.len();
+    for (place, index) in order.into_iter().enumerate() {
+        let model = &mut models[index];
         progress(budget.spent() / budget.seconds, &format!("reference of {}", model.name));
-        let until = PILOTS + (REFERENCES - PILOTS) * (index + 1) as f64 / count as f64;
+        let part = if place + 1 == count { 1.0 } else { 1.0 - 0.5f64.powi(place as i32 + 1) };
+        let until = PILOTS + (REFERENCES - PILOTS) * part;
         // Of the rigid formulations ECCF comes after ACCF and is the cheaper one.
         for variant in model.variants.iter().rev() {
             let formulation = (variants[*variant].formulation, &prepared[*variant].scene);
-            model.reference = reference::reference(formulation, request.wheelset, span, (&budget, until), request.reference);
+            let Some(pilot) = schedule.pilots[*variant] else { continue };
+            let seconds = pilot.per_second * span.stop * schedule.slowness;
+            model.reference = reference::reference(formulation, request.wheelset, span, (&budget, until, seconds), request.reference);
             if model.reference.is_ok() {
                 break;
             }
@@ -201,7 +218,7 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
                 (Err(failure), _) => Outcome::Failed(failure),
             }
         } else if seconds.is_finite() {
-            Outcome::Skipped(format!("it would take about {seconds:.1} s"))
+            Outcome::Skipped(format!("about {seconds:.1} s, of which {:.1} s are left", left.max(0.0)))
         } else {
             Outcome::Skipped("its pilot run did not come to an end".into())
         };
@@ -282,7 +299,7 @@ fn shortened(full: Span, schedule: &Schedule, settings: &[Setting], budget: &Bud
     let whole = |variant: usize| {
         let pilot = schedule.pilots[variant]?;
         let points = settings.iter().filter_map(|setting| schedule.duration(&Item { variant, setting: *setting }, full.stop, patience));
-        Some(points.sum::<f64>() + REFERENCE_RUNS * pilot.per_second * full.stop)
+        Some(points.sum::<f64>() + REFERENCE_RUNS * pilot.per_second * full.stop * schedule.slowness)
     };
     let cheapest = (0..schedule.pilots.len()).filter_map(whole).fold(f64::INFINITY, f64::min);
     let room = FIRST_MODEL * budget.seconds;
