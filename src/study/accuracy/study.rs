@@ -136,17 +136,17 @@ struct Prepared {
 /// [`StudyError`], also when no point is worth drawing.
 pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<Study, StudyError> {
     let budget = Budget::new(request.budget);
+    let own = load::open(request.scene, request.overrides)?;
     let mut notes = Vec::new();
     let mut items_of = Vec::new();
     for name in &request.integrators {
         items_of.extend(run::settings(name, &request.tolerances, &request.steps).map_err(StudyError::Setting)?);
     }
     let (variants, prepared) = prepare(request, &mut notes)?;
-    let Some(base) = prepared.first() else {
+    if prepared.is_empty() {
         return Err(StudyError::Refused(format!("no formulation can start the scene: {}", notes.join("; "))));
-    };
-    let (name, title) = (base.scene.name.clone(), base.scene.title.clone());
-    let full = Span { stop: request.stop.unwrap_or(base.scene.run.stop), step: request.step };
+    }
+    let full = Span { stop: request.stop.unwrap_or(own.run.stop), step: request.step };
     let mut pilots = Vec::new();
     let (pilot_start, mut pilot_cpu) = (budget.spent(), 0.0);
     for (index, one) in prepared.iter().enumerate() {
@@ -160,21 +160,9 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
     let span = if request.stop.is_some() { full } else { shortened(full, &schedule, &items_of, &budget, &mut notes) };
 
     let mut models = models(&variants, &prepared);
-    // The scene's own formulation first, then what is cheap. Each may take half of what is left for references.
-    let own = load::open(request.scene, request.overrides)?.contact.formulation_name;
-    let mut order: Vec<usize> = (0..models.len()).collect();
-    let expense = |index: &usize| {
-        let model: &Model = &models[*index];
-        let cost = model.variants.iter().filter_map(|variant| schedule.pilots[*variant]).map(|pilot| pilot.per_second);
-        if model.variants.iter().any(|variant| variants[*variant].formulation == own) { 0.0 } else { cost.fold(f64::INFINITY, f64::min) }
-    };
-    order.sort_by(|a, b| expense(a).total_cmp(&expense(b)));
-    let count = order.len();
-    for (place, index) in order.into_iter().enumerate() {
+    for (index, until) in turns(&models, &variants, &schedule, own.contact.formulation_name) {
         let model = &mut models[index];
         progress(budget.spent() / budget.seconds, &format!("reference of {}", model.name));
-        let part = if place + 1 == count { 1.0 } else { 1.0 - 0.5f64.powi(place as i32 + 1) };
-        let until = PILOTS + (REFERENCES - PILOTS) * part;
         // Of the rigid formulations ECCF comes after ACCF and is the cheaper one.
         for variant in model.variants.iter().rev() {
             let formulation = (variants[*variant].formulation, &prepared[*variant].scene);
@@ -224,15 +212,15 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
         };
         points.push(Point { variant, setting, outcome });
     }
-    points.sort_by(|a, b| order(a, request).total_cmp(&order(b, request)));
+    points.sort_by(|a, b| place(a, request).total_cmp(&place(b, request)));
     let skipped = points.iter().filter(|point| matches!(point.outcome, Outcome::Skipped(_))).count();
     if skipped > 0 {
         notes.push(format!("{skipped} of {} points were not run (a larger --budget has room for more)", points.len()));
     }
     let differences = differences(&models);
     let mut study = Study {
-        scene: name,
-        title,
+        scene: own.name.clone(),
+        title: own.title.clone(),
         stop: span.stop,
         step: span.step,
         wheelset: request.wheelset.map(String::from),
@@ -247,7 +235,7 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
     study.refuse()?;
     if !request.communication_steps.is_empty() {
         progress(budget.spent() / budget.seconds, "communication steps");
-        match communication::sweep(&base.scene, request, span, &budget) {
+        match communication::sweep(&own, request, span, &budget) {
             Ok(coupled) => study.coupled = coupled,
             Err(reason) => study.notes.push(format!("communication steps: {reason}")),
         }
@@ -256,7 +244,7 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
 }
 
 /// Variants in the order of the formulations, then of settings: where a point stands in tables.
-fn order(point: &Point, request: &Request) -> f64 {
+fn place(point: &Point, request: &Request) -> f64 {
     let method = request.integrators.iter().position(|name| *name == point.setting.integrator).unwrap_or(0);
     // Values are below 1.
     (point.variant * 1000 + method) as f64 + (1.0 - point.setting.value).clamp(0.0, 1.0) * 0.5
@@ -328,6 +316,20 @@ fn models(variants: &[Variant], prepared: &[Prepared]) -> Vec<Model> {
         }
     }
     models
+}
+
+/// The order in which models get their references, and the share of the budget until which each may take: the scene's own
+/// formulation first, then what is cheap; each may take half of what is left for references.
+fn turns(models: &[Model], variants: &[Variant], schedule: &Schedule, own: &str) -> Vec<(usize, f64)> {
+    let expense = |index: &usize| {
+        let of = &models[*index].variants;
+        let cost = of.iter().filter_map(|variant| schedule.pilots[*variant]).map(|pilot| pilot.per_second);
+        if of.iter().any(|variant| variants[*variant].formulation == own) { 0.0 } else { cost.fold(f64::INFINITY, f64::min) }
+    };
+    let mut order: Vec<usize> = (0..models.len()).collect();
+    order.sort_by(|a, b| expense(a).total_cmp(&expense(b)));
+    let part = |turn: usize| if turn + 1 == order.len() { 1.0 } else { 1.0 - 0.5f64.powi(turn as i32 + 1) };
+    (0..order.len()).map(|turn| (order[turn], PILOTS + (REFERENCES - PILOTS) * part(turn))).collect()
 }
 
 /// Every other model against the first elastic one, or against the first of all.
