@@ -5,5 +5,6 @@ pub mod embedded;
 pub mod equilibrium;
 pub mod load;
 pub mod plan;
+pub mod solver_choice;
 pub mod spec;
 pub mod vehicle;

@@ -1,5 +1,6 @@
 //! What a scene makes the program compute, and what not: the list behind `wheelrail plan`.
 
+use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
 use super::vehicle::FreeVehicle;
 use crate::formulation::{Model, contact_index};
@@ -131,7 +132,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         states: model.dimension(),
         memory: model.memory(),
         effects,
-        notes: profile_notes(scene),
+        notes: profile_notes(scene).into_iter().chain(solver_choice::notes(scene)).collect(),
     }
 }
 
