@@ -16,9 +16,6 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 
-/// The method that picks one of the others is none of its own.
-const PICKS_ANOTHER: &str = "auto";
-
 #[derive(Args)]
 #[command(after_long_help = "\
 Every chosen formulation runs with every chosen integrator at every tolerance (adaptive methods) or step (fixed ones). An error is the \
@@ -156,20 +153,21 @@ fn request(arguments: &Arguments, scene_step: f64) -> Result<Request<'_>, Failur
     if arguments.repeats == 0 {
         return Err(Failure::Input("--repeats 0: expected 1 or more".into()));
     }
-    let all_methods = |name: &&'static str| !arguments.integrators.is_empty() || *name != PICKS_ANOTHER;
+    // "auto" stands for another one of the list.
+    let methods = solve::REGISTRY.iter().map(|entry| entry.name).filter(|name| *name != solve::AUTO.name);
     let communication = match arguments.communication_steps.as_slice() {
         [only] if only == "none" => Vec::new(),
         steps => numbers("--communication-steps", steps, Dimension::Time)?,
     };
     let laws = match arguments.creep_laws.is_empty() {
         true => Vec::new(),
-        false => chosen("--creep-laws", &arguments.creep_laws, creep::REGISTRY)?,
+        false => chosen("--creep-laws", &arguments.creep_laws, names(creep::REGISTRY))?,
     };
     Ok(Request {
         scene: &arguments.scene.scene,
         overrides: &arguments.scene.overrides,
-        formulations: chosen("--formulations", &arguments.formulations, formulation::REGISTRY)?,
-        integrators: chosen("--integrators", &arguments.integrators, solve::REGISTRY)?.into_iter().filter(all_methods).collect(),
+        formulations: chosen("--formulations", &arguments.formulations, names(formulation::REGISTRY))?,
+        integrators: chosen("--integrators", &arguments.integrators, methods.collect())?,
         tolerances: numbers("--tolerances", &arguments.tolerances, Dimension::Length)?,
         steps: numbers("--steps", &arguments.steps, Dimension::Time)?,
         creep_laws: laws,
@@ -188,9 +186,12 @@ fn request(arguments: &Arguments, scene_step: f64) -> Result<Request<'_>, Failur
     })
 }
 
-/// Entries of these names in the registry's order; all where none is named.
-fn chosen<P>(flag: &str, names: &[String], registry: &'static [Entry<P>]) -> Result<Vec<&'static str>, Failure> {
-    let known: Vec<&'static str> = registry.iter().map(|entry| entry.name).collect();
+fn names<P>(registry: &'static [Entry<P>]) -> Vec<&'static str> {
+    registry.iter().map(|entry| entry.name).collect()
+}
+
+/// Those that are named out of the known ones, in the order of these; all where none is named.
+fn chosen(flag: &str, names: &[String], known: Vec<&'static str>) -> Result<Vec<&'static str>, Failure> {
     if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
         let hint = did_you_mean(name, &known);
         return Err(Failure::Input(format!("{flag} {name}{hint}: expected some of {}", known.join(", "))));

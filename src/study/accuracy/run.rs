@@ -2,6 +2,7 @@
 
 use super::clock::{cpu_time, in_seconds};
 use super::observation::{Observation, needed};
+use super::reference::METHODS;
 use crate::formulation::work::Work;
 use crate::scene::spec::Scene;
 use crate::sim::Simulation;
@@ -52,7 +53,7 @@ pub(super) fn method(name: &str) -> Result<Arc<dyn solve::Integrator>, String> {
     let text = format!("integrator = \"{name}\"\ntolerance = 1e-7\nstep = 1e-3\n");
     let source = Source { file: "[solver]".into(), text: text.clone(), overridden: vec![], folder: None };
     let document = toml_edit::Document::parse(text).map_err(|error| error.to_string())?;
-    let parsed = solve::parse(&Section::root(document.as_table(), &source)).map_err(|error| error.to_string())?;
+    let parsed = solve::parse(&Section::root(document.as_table(), &source), METHODS[0]).map_err(|error| error.to_string())?;
     Ok(parsed.1)
 }
 
