@@ -97,7 +97,7 @@ fn prop_bad_arguments_are_named() {
     for (arguments, words) in [
         (&["--integrators", "rk44"][..], "--integrators rk44 (did you mean \"rk43\"?): expected some of "),
         (&["--steps", "5 kg"], "--steps 5 kg: expected a number in s"),
-        (&["--tolerances", "-1"], "--tolerances -1"),
+        (&["--tolerances=-1"], "--tolerances -1: expected a number in m"),
         (&["--budget", "0"], "--budget 0: expected a number greater than 0"),
         (&["--stop", "0"], "--stop 0: expected a time of at least one output step"),
         (&["--wheelset", "truck"], "--wheelset truck: expected one of wheelset"),

@@ -30,16 +30,12 @@ pub(in crate::cli) struct Series {
     pub marks: Vec<Mark>,
 }
 
-/// A level across a panel.
-pub(in crate::cli) struct Level {
-    pub label: String,
-    pub y: f64,
-}
-
 pub(in crate::cli) struct Panel {
     pub title: String,
     pub series: Vec<Series>,
-    pub levels: Vec<Level>,
+    /// Dashed lines across the panel, and what they are: words beside the title, where they cover nothing.
+    pub levels: Vec<f64>,
+    pub aside: String,
 }
 
 /// What surrounds the panels.
@@ -104,7 +100,7 @@ pub(in crate::cli) fn draw(file: &Path, sheet: &Sheet) -> Result<(), String> {
     let lines = entries.last().map_or(0, |entry| entry.line + 1);
     let head = TITLE + LINE * sheet.subtitles.len() as u32 + ENTRY * lines + 10;
     let marks = || sheet.panels.iter().flat_map(|panel| panel.series.iter().flat_map(|series| series.marks.iter()));
-    let levels = sheet.panels.iter().flat_map(|panel| panel.levels.iter().map(|level| level.y));
+    let levels = sheet.panels.iter().flat_map(|panel| panel.levels.iter().copied());
     let x = axis(marks().flat_map(|mark| [mark.x, mark.low, mark.high]));
     let y = axis(marks().map(|mark| mark.y).chain(levels));
     write_sheet(file, (width, head + PANEL.1 * rows as u32), |root| {
@@ -221,6 +217,8 @@ fn draw_panel<'a>(area: &Area<'a>, axes: [&str; 2], panel: &Panel, [x, y]: [&Log
     let (strip, below) = area.split_vertically(px(STRIP));
     let title = (FONT, px(16)).into_text_style(&strip).pos(Pos::new(HPos::Left, VPos::Center));
     strip.draw(&Text::new(panel.title.clone(), (px(84), px(STRIP / 2)), title))?;
+    let aside = (FONT, px(12)).into_text_style(&strip).color(&BLACK_GREY).pos(Pos::new(HPos::Right, VPos::Center));
+    strip.draw(&Text::new(panel.aside.clone(), (strip.dim_in_pixel().0 as i32 - px(22), px(STRIP / 2)), aside))?;
     let mut chart = ChartBuilder::on(&below)
         .margin_left(px(10))
         .margin_right(px(22))
@@ -239,15 +237,8 @@ fn draw_panel<'a>(area: &Area<'a>, axes: [&str; 2], panel: &Panel, [x, y]: [&Log
         .label_style((FONT, px(13)))
         .draw()?;
     for level in &panel.levels {
-        let line = DashedPathElement::new([(x.low, level.y), (x.high, level.y)], px(6), px(4), BLACK_GREY.stroke_width(FINE));
+        let line = DashedPathElement::new([(x.low, *level), (x.high, *level)], px(6), px(4), BLACK_GREY.stroke_width(FINE));
         chart.draw_series([line])?;
-        // Its words stand at the end that has fewer marks.
-        let near = |mark: &&Mark| (y.part(mark.y) - y.part(level.y)).abs() < 0.09;
-        let marks = || panel.series.iter().flat_map(|series| series.marks.iter()).filter(near);
-        let right = marks().filter(|mark| x.part(mark.x) > 0.45).count() <= marks().filter(|mark| x.part(mark.x) < 0.55).count();
-        let (end, aside, anchor) = if right { (x.high, -px(6), HPos::Right) } else { (x.low, px(6), HPos::Left) };
-        let words = (FONT, px(12)).into_text_style(area).color(&BLACK_GREY).pos(Pos::new(anchor, VPos::Bottom));
-        chart.draw_series([EmptyElement::at((end, level.y)) + Text::new(level.label.clone(), (aside, -px(3)), words)])?;
     }
     for series in &panel.series {
         let own = color(series.style);
@@ -294,7 +285,8 @@ mod tests {
         let panel = |title: &str, count: usize| Panel {
             title: title.into(),
             series: (0..count).map(series).collect(),
-            levels: vec![Level { label: "a level".into(), y: 1e-5 }],
+            levels: vec![1e-5],
+            aside: "a level".into(),
         };
         let panels = [panel("First", 9), panel("Second", 3), panel("Third", 0)];
         let subtitles = ["one line".to_string(), "another".to_string()];

@@ -203,7 +203,7 @@ fn chosen(flag: &str, names: &[String], known: Vec<&'static str>) -> Result<Vec<
 fn numbers(flag: &str, texts: &[String], dimension: Dimension) -> Result<Vec<f64>, Failure> {
     let read = |text: &String| {
         let number = text.trim().parse::<f64>().ok().or_else(|| dimension.parse(text.trim()));
-        let refused = || Failure::Input(format!("{flag} {text}: expected {} greater than 0", dimension.expectation()));
+        let refused = || Failure::Input(format!("{flag} {text}: expected {}, greater than 0", dimension.expectation()));
         number.filter(|number| number.is_finite() && *number > 0.0).ok_or_else(refused)
     };
     let mut all = texts.iter().map(read).collect::<Result<Vec<f64>, Failure>>()?;

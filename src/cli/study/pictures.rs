@@ -1,10 +1,10 @@
 //! The study's pictures.
 
 use super::words::size;
-use crate::cli::plot::loglog::{self, Level, Mark, Panel, Series, Sheet};
+use crate::cli::plot::loglog::{self, Mark, Panel, Series, Sheet};
 use crate::cli::plot::scatter;
 use crate::solve;
-use crate::study::accuracy::{COUPLING, HOLDS, Measured, Outcome, Quantity, Standing, Study, front};
+use crate::study::accuracy::{COUPLING, HOLDS, Measured, Model, Outcome, Quantity, Standing, Study, front};
 use std::path::{Path, PathBuf};
 
 /// A horizontal axis.
@@ -62,8 +62,8 @@ fn style(integrator: &str) -> usize {
 }
 
 /// What all pictures say below their title.
-fn subtitles(study: &Study, bounds: bool) -> Vec<String> {
-    let mut lines = vec![format!("{}, {} s", study.title, study.stop)];
+fn subtitles(study: &Study, stop: f64, bounds: bool) -> Vec<String> {
+    let mut lines = vec![format!("{}, {stop} s", study.title)];
     if bounds {
         lines.push("hollow with an arrow: better than this, which is all that the reference can tell".into());
     }
@@ -94,22 +94,9 @@ fn errors(folder: &Path, study: &Study, quantity: Quantity, along: &Along) -> Re
         if series.is_empty() {
             continue;
         }
-        let of_model = study.differences.iter().filter(|difference| {
-            let own = [difference.first, difference.second].map(|model| study.models[model].name == model_name(study, index));
-            own[0] || own[1]
-        });
-        let levels = of_model
-            .filter_map(|difference| {
-                let other = [difference.first, difference.second]
-                    .map(|model| &study.models[model])
-                    .into_iter()
-                    .find(|other| other.name != model.name)?;
-                let y = difference.errors.of(quantity).filter(|value| *value > 0.0)?;
-                Some(Level { label: format!("difference of models: {} ({})", other.name, size(y, quantity)), y })
-            })
-            .collect();
+        let (levels, aside) = levels(study, model, quantity);
         let kind = if model.rigid { "rigid contact" } else { "elastic contact" };
-        panels.push(Panel { title: format!("{}: {kind}", variant.label()), series, levels });
+        panels.push(Panel { title: format!("{}: {kind}", variant.label()), series, levels, aside });
     }
     let marks = || panels.iter().flat_map(|panel| panel.series.iter().flat_map(|series| series.marks.iter()));
     if !marks().any(|mark| !mark.bound) {
@@ -117,13 +104,25 @@ fn errors(folder: &Path, study: &Study, quantity: Quantity, along: &Along) -> Re
     }
     let file = folder.join(format!("{}_{}_{}.svg", study.scene, along.key, quantity.key()));
     let title = format!("{}: {}", capital(quantity.words()), along.title);
-    let subtitles = subtitles(study, marks().any(|mark| mark.bound));
+    let subtitles = subtitles(study, study.stop, marks().any(|mark| mark.bound));
     loglog::draw(&file, &Sheet { title: &title, subtitles: &subtitles, axes: [along.axis, &axis(quantity)], panels: &panels })?;
     Ok(Some(file))
 }
 
-fn model_name(study: &Study, variant: usize) -> &str {
-    study.model_of(variant).map_or("", |model| model.name.as_str())
+/// Distances of a model from others, and their words.
+fn levels(study: &Study, model: &Model, quantity: Quantity) -> (Vec<f64>, String) {
+    let (mut levels, mut words) = (Vec::new(), Vec::new());
+    for difference in &study.differences {
+        let [first, second] = [difference.first, difference.second].map(|index| &study.models[index]);
+        let other = if first.name == model.name { second } else { first };
+        let concerned = first.name == model.name || second.name == model.name;
+        if let (true, Some(level)) = (concerned, difference.errors.of(quantity).filter(|level| *level > 0.0)) {
+            levels.push(level);
+            words.push(format!("{} {}", other.name, size(level, quantity)));
+        }
+    }
+    let words = if words.is_empty() { String::new() } else { format!("dashed, difference of models: {}", words.join(", ")) };
+    (levels, words)
 }
 
 /// The points of each model that no other one beats, by name.
@@ -178,9 +177,9 @@ fn communication(folder: &Path, study: &Study) -> Result<Option<PathBuf>, String
         Series { label: format!("input: {words}"), style: hold, marks }
     });
     let title = format!("{}, {}", one.formulation, one.setting.words());
-    let panels = [Panel { title, series: series.collect(), levels: Vec::new() }];
+    let panels = [Panel { title, series: series.collect(), levels: Vec::new(), aside: String::new() }];
     let bounds = panels[0].series.iter().any(|series| series.marks.iter().any(|mark| mark.bound));
-    let mut subtitles = subtitles(study, bounds);
+    let mut subtitles = subtitles(study, one.stop, bounds);
     subtitles.insert(1, COUPLING.into());
     let file = folder.join(format!("{}_communication.svg", study.scene));
     let axes = ["communication step [ms]", &axis(Quantity::Displacement)];

@@ -2,7 +2,7 @@
 
 use super::csv::machine;
 use crate::cli::table;
-use crate::study::accuracy::{Best, COUPLING, FACTOR, HOLDS, Model, Outcome, Quantity, Standing, Study, best};
+use crate::study::accuracy::{Best, COUPLING, FACTOR, HOLDS, Model, Outcome, Point, Quantity, Setting, Standing, Study, best};
 use serde_json::{Value, json};
 
 /// Accuracies that are asked for, SI.
@@ -190,15 +190,41 @@ fn counts(study: &Study) -> String {
     if useless > 0 {
         text += &format!("  {useless} points have an error in y larger than the motion itself: they are not drawn\n");
     }
-    for point in &study.points {
-        let label = || format!("{}, {}", study.variants[point.variant].label(), point.setting.words());
-        match &point.outcome {
-            Outcome::Failed(reason) => text += &format!("  {}: failed: {reason}\n", label()),
-            Outcome::Skipped(reason) => text += &format!("  {}: not run: {reason}\n", label()),
-            Outcome::Done { .. } => {}
+    for (index, variant) in study.variants.iter().enumerate() {
+        let own: Vec<&Point> = study.points.iter().filter(|point| point.variant == index).collect();
+        let mut names: Vec<&str> = own.iter().map(|point| point.setting.integrator).collect();
+        names.dedup();
+        for name in names {
+            text += &failures(&format!("{}, {name}", variant.label()), &own, name);
+        }
+        let skipped: Vec<(&Point, &String)> = own.iter().filter_map(|point| Some((*point, skipped(point)?))).collect();
+        if let Some((_, reason)) = skipped.first() {
+            text += &format!("  {}: {} of {} points not run, the first because {reason}\n", variant.label(), skipped.len(), own.len());
         }
     }
     if text.is_empty() { text } else { format!("\nPoints without a number\n{text}") }
+}
+
+fn skipped(point: &Point) -> Option<&String> {
+    if let Outcome::Skipped(reason) = &point.outcome { Some(reason) } else { None }
+}
+
+/// One line for the settings of an integrator that failed, with the first reason.
+fn failures(label: &str, points: &[&Point], integrator: &str) -> String {
+    const LONGEST: usize = 110;
+    let mut settings = Vec::new();
+    let mut first: Option<&str> = None;
+    for point in points.iter().filter(|point| point.setting.integrator == integrator) {
+        if let Outcome::Failed(reason) = &point.outcome {
+            let Setting { fixed, value, .. } = point.setting;
+            settings.push(if fixed { format!("step {} ms", 1e3 * value) } else { format!("tolerance {value:.0e}") });
+            first = first.or(Some(reason));
+        }
+    }
+    let Some(reason) = first else { return String::new() };
+    let short: String = reason.chars().take(LONGEST).collect();
+    let dots = if short.len() < reason.len() { " ..." } else { "" };
+    format!("  {label}, {}: failed: {short}{dots}\n", settings.join(", "))
 }
 
 /// The choices for machines.

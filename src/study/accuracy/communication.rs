@@ -41,6 +41,8 @@ pub struct Coupled {
     pub hold: usize,
     /// Communication step, s.
     pub step: f64,
+    /// s.
+    pub stop: f64,
     pub formulation: &'static str,
     pub setting: Setting,
     pub errors: Errors,
@@ -131,7 +133,16 @@ pub(super) fn sweep(scene: &Scene, request: &Request, span: Span, budget: &Budge
             let measured = timed(&drive, scene, request.repeats)?;
             let errors = Errors::between(&observation, &first);
             let measured = Measured { statistics: simulation.statistics(), work: simulation.state().work, cpu: measured };
-            all.push(Coupled { hold, step, formulation: scene.contact.formulation_name, setting, errors, measured, floor });
+            all.push(Coupled {
+                hold,
+                step,
+                stop: span.stop,
+                formulation: scene.contact.formulation_name,
+                setting,
+                errors,
+                measured,
+                floor,
+            });
         }
     }
     Ok(all)

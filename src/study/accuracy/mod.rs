@@ -11,7 +11,7 @@
 //! - *Cost*: CPU time of one thread, runs one after the other and without outputs, median of repeated runs.
 //! - *Models*: the distance between the references of two models is no error of either and is named on its own.
 //! - *Budget*: what is predicted not to fit into the time that is left is not run, and the study says so. Which points are run depends
-//!   on the machine, their errors do not.
+//!   on the machine; their errors do not, to the uncertainty of the reference, which is as tight as the budget allows.
 
 mod best;
 mod clock;

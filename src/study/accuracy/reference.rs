@@ -55,43 +55,44 @@ fn pair(scene: &Scene, wheelset: Option<&str>, span: Span, tolerance: f64, limit
     Ok(([first?, second?], clock.elapsed().as_secs_f64()))
 }
 
-/// As tight as fits into a share of the budget, or as `fixed` [m] says. `pilot`: what a run at the pilots' tolerance takes, s.
+/// As tight as fits into the budget until shares of it, that for a `first`, loose one and that for tighter ones, or as `fixed` [m] says.
+/// `pilot`: what a run at the pilots' tolerance takes, s.
 pub(super) fn reference(
     (formulation, scene): (&'static str, &Scene),
     wheelset: Option<&str>,
     span: Span,
-    (budget, share, pilot): (&Budget, f64, f64),
+    (budget, [first, share], pilot): (&Budget, [f64; 2], f64),
     fixed: Option<f64>,
 ) -> Result<Reference, String> {
     let mut found: Option<Reference> = None;
     let mut last = (PILOT_TOLERANCE, pilot);
     let tolerances: Vec<f64> = fixed.map_or(TOLERANCES.to_vec(), |tolerance| vec![tolerance]);
     for tolerance in tolerances {
-        let left = budget.left_of(share);
+        let left = budget.left_of(if found.is_none() { first } else { share });
         let predicted = last.1 * PER_DECADE.powf((last.0 / tolerance).log10().max(0.0));
         if predicted > left {
             if found.is_some() {
                 break;
             }
-            return Err(format!("it would take about {predicted:.0} s, of which {:.0} s are left", left.max(0.0)));
+            return Err(format!("it needs about {predicted:.0} s, {:.0} s are left for it", left.max(0.0)));
         }
-        let ([first, second], seconds) = match pair(scene, wheelset, span, tolerance, 1.5 * left) {
+        let ([one, other], seconds) = match pair(scene, wheelset, span, tolerance, 1.5 * left) {
             Ok(done) => done,
             // A looser one is better than none.
             Err(failure) if found.is_none() => return Err(failure),
             Err(_) => break,
         };
         last = (tolerance, seconds);
-        let uncertainty = Errors::between(&first.observation, &second.observation);
+        let uncertainty = Errors::between(&one.observation, &other.observation);
         let better = |old: &Errors| {
             let gain = |quantity| matches!((old.of(quantity), uncertainty.of(quantity)), (Some(old), Some(new)) if new < 0.5 * old);
             gain(Quantity::Displacement) || gain(Quantity::NormalForce)
         };
         let gained = found.as_ref().is_none_or(|old| better(&old.uncertainty));
         if gained {
-            let motion = Errors::motion(&first.observation);
-            let (methods, wavelength) = (METHODS, first.observation.wavelength());
-            found = Some(Reference { formulation, methods, tolerance, uncertainty, motion, wavelength, observation: first.observation });
+            let motion = Errors::motion(&one.observation);
+            let (methods, wavelength) = (METHODS, one.observation.wavelength());
+            found = Some(Reference { formulation, methods, tolerance, uncertainty, motion, wavelength, observation: one.observation });
         } else {
             // Rounding, or a system that is not smooth: tighter tolerances do not help.
             break;

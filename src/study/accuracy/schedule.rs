@@ -76,7 +76,7 @@ impl Schedule {
     }
 }
 
-/// Time for the repetitions of one point, s.
-pub(super) fn patience(budget: &Budget) -> f64 {
-    0.02 * budget.seconds
+/// Time for the repetitions of one of so many points, s.
+pub(super) fn patience(budget: &Budget, points: usize) -> f64 {
+    0.4 * budget.seconds / points.max(1) as f64
 }

@@ -47,6 +47,7 @@ pub struct Request<'a> {
 /// What became of a point.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[allow(clippy::large_enum_variant)] // some hundred points
 pub enum Outcome {
     Done {
         measured: Measured,
@@ -120,6 +121,8 @@ pub enum StudyError {
 const PILOTS: f64 = 0.1;
 const REFERENCES: f64 = 0.45;
 const POINTS: f64 = 0.88;
+/// The loosest reference of the first model is worth more than points without any.
+const FIRST_REFERENCE: f64 = 0.6;
 /// The plan for the cheapest model should fit into this share.
 const FIRST_MODEL: f64 = 0.5;
 /// What the references cost, in pilot runs.
@@ -160,7 +163,7 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
     let span = if request.stop.is_some() { full } else { shortened(full, &schedule, &items_of, &budget, &mut notes) };
 
     let mut models = models(&variants, &prepared);
-    for (index, until) in turns(&models, &variants, &schedule, own.contact.formulation_name) {
+    for (index, shares) in turns(&models, &variants, &schedule, own.contact.formulation_name) {
         let model = &mut models[index];
         progress(budget.spent() / budget.seconds, &format!("reference of {}", model.name));
         // Of the rigid formulations ECCF comes after ACCF and is the cheaper one.
@@ -168,7 +171,7 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
             let formulation = (variants[*variant].formulation, &prepared[*variant].scene);
             let Some(pilot) = schedule.pilots[*variant] else { continue };
             let seconds = pilot.per_second * span.stop * schedule.slowness;
-            model.reference = reference::reference(formulation, request.wheelset, span, (&budget, until, seconds), request.reference);
+            model.reference = reference::reference(formulation, request.wheelset, span, (&budget, shares, seconds), request.reference);
             if model.reference.is_ok() {
                 break;
             }
@@ -187,7 +190,7 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
             }
         }
     }
-    let patience = patience(&budget);
+    let patience = patience(&budget, items.len());
     while let Some((next, seconds)) = schedule.cheapest(&items, span.stop, patience) {
         let Item { variant, setting } = items.swap_remove(next);
         let left = budget.left_of(POINTS);
@@ -206,7 +209,7 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
                 (Err(failure), _) => Outcome::Failed(failure),
             }
         } else if seconds.is_finite() {
-            Outcome::Skipped(format!("about {seconds:.1} s, of which {:.1} s are left", left.max(0.0)))
+            Outcome::Skipped(format!("it needs about {seconds:.1} s, {:.1} s are left", left.max(0.0)))
         } else {
             Outcome::Skipped("its pilot run did not come to an end".into())
         };
@@ -283,7 +286,7 @@ fn pilot(prepared: &Prepared, span: Span, limit: f64) -> Option<Pilot> {
 
 /// A span of which the cheapest variant's runs fit into the budget.
 fn shortened(full: Span, schedule: &Schedule, settings: &[Setting], budget: &Budget, notes: &mut Vec<String>) -> Span {
-    let patience = patience(budget);
+    let patience = patience(budget, settings.len() * schedule.pilots.len());
     let whole = |variant: usize| {
         let pilot = schedule.pilots[variant]?;
         let points = settings.iter().filter_map(|setting| schedule.duration(&Item { variant, setting: *setting }, full.stop, patience));
@@ -319,8 +322,8 @@ fn models(variants: &[Variant], prepared: &[Prepared]) -> Vec<Model> {
 }
 
 /// The order in which models get their references, and the share of the budget until which each may take: the scene's own
-/// formulation first, then what is cheap; each may take half of what is left for references.
-fn turns(models: &[Model], variants: &[Variant], schedule: &Schedule, own: &str) -> Vec<(usize, f64)> {
+/// formulation first, then what is cheap. Each may take half of what is left for references; a first, loose one may take more.
+fn turns(models: &[Model], variants: &[Variant], schedule: &Schedule, own: &str) -> Vec<(usize, [f64; 2])> {
     let expense = |index: &usize| {
         let of = &models[*index].variants;
         let cost = of.iter().filter_map(|variant| schedule.pilots[*variant]).map(|pilot| pilot.per_second);
@@ -329,7 +332,8 @@ fn turns(models: &[Model], variants: &[Variant], schedule: &Schedule, own: &str)
     let mut order: Vec<usize> = (0..models.len()).collect();
     order.sort_by(|a, b| expense(a).total_cmp(&expense(b)));
     let part = |turn: usize| if turn + 1 == order.len() { 1.0 } else { 1.0 - 0.5f64.powi(turn as i32 + 1) };
-    (0..order.len()).map(|turn| (order[turn], PILOTS + (REFERENCES - PILOTS) * part(turn))).collect()
+    let first = |turn: usize| if turn == 0 { FIRST_REFERENCE } else { REFERENCES };
+    (0..order.len()).map(|turn| (order[turn], [first(turn), PILOTS + (REFERENCES - PILOTS) * part(turn)])).collect()
 }
 
 /// Every other model against the first elastic one, or against the first of all.

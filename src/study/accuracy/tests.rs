@@ -85,7 +85,7 @@ fn request(overrides: &[String]) -> Request<'_> {
 #[test]
 fn prop_a_small_study_is_deterministic_and_ranks_steps() {
     let overrides = Vec::new();
-    let request = request(&overrides);
+    let request = Request { reference: Some(1e-12), ..request(&overrides) };
     let make = || study(&request, &mut |_, _| {}).unwrap();
     let (first, second) = (make(), make());
     let errors = |study: &Study| -> Vec<Option<Errors>> {
