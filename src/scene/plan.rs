@@ -114,6 +114,10 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
             if shown { format!("interface.inputs has \"{group}\"") } else { format!("interface.inputs lacks \"{group}\": no variable") };
         effect(name, shown, why, 0);
     }
+    if model.rail_motion {
+        let why = "interface.inputs names \"rail_motion\": displacement and velocity of the rail under each wheel, from outside";
+        effect("rail motion", true, why.into(), 0);
+    }
     let (shown, free) = (scene.interface.inputs.contains(&"centre_forces"), vehicle.axles().iter().any(|axle| !axle.1));
     let why = match (shown, free) {
         (true, true) if vehicle.speed_imposed => "interface.inputs has \"centre_forces\"; on wheelsets whose speed is not imposed",

@@ -4,9 +4,10 @@
 //! 3000000 + 100 s (from 0, in the order of names): they belong to the vehicle, whatever of it is shown.
 
 use super::Snapshot;
-use super::outputs::{ALL, Output, on_track, outputs};
+use super::feedthrough::{ALL, FRICTION_INPUTS};
+use super::outputs::{Output, on_track, outputs};
 use super::unit::Unit;
-use crate::formulation::{LEFT_FRICTION, Model, RIGHT_FRICTION, contact_index};
+use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::force::QuantityKind;
@@ -79,7 +80,7 @@ impl Collector<'_> {
                 name: format!("{}.trackShiftingForce", wheelset.name),
                 group: "axles",
                 unit: Unit::Newton,
-                feedthrough: if self.coupled() { (ALL, None) } else { (&[LEFT_FRICTION, RIGHT_FRICTION], Some(index)) },
+                feedthrough: if self.coupled() { (ALL, None) } else { (FRICTION_INPUTS, Some(index)) },
             };
             let body = wheelset.body;
             let text = "sum of Y: lateral force of both wheels on the track, left positive";
