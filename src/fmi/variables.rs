@@ -2,8 +2,8 @@
 
 use super::parameters::{self, RealParameter};
 use crate::formulation::{
-    AssemblyError, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, NEUTRAL_INPUTS, RIGHT_FRICTION, VERTICAL_FORCE,
-    RAIL_INPUTS, rail_input,
+    AssemblyError, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, NEUTRAL_INPUTS, RAIL_INPUTS, RIGHT_FRICTION,
+    VERTICAL_FORCE, rail_input,
 };
 use crate::geometry::Side;
 use crate::scene::assemble;
@@ -138,15 +138,13 @@ fn rail_inputs(scene: &Scene, index: usize, wheelset: &str) -> Vec<Variable> {
     let rows: [(&str, Unit, &str); RAIL_INPUTS] = [
         ("railLateralDisplacement", Unit::Metre, "displacement of the rail under the wheel across the track, left positive"),
         ("railVerticalDisplacement", Unit::Metre, "displacement of the rail under the wheel, up positive"),
+        ("railLateralVelocity", Unit::MetrePerSecond, "velocity of the rail's material under the wheel across the track, left positive"),
+        ("railVerticalVelocity", Unit::MetrePerSecond, "velocity of the rail's material under the wheel, up positive"),
+        ("railLateralSlope", Unit::One, "change of railLateralDisplacement per distance along the track; 0 for a track that travels along"),
         (
-            "railLateralVelocity",
-            Unit::MetrePerSecond,
-            "rate of railLateralDisplacement: under a moving wheel with the part that comes from travelling along the bent rail",
-        ),
-        (
-            "railVerticalVelocity",
-            Unit::MetrePerSecond,
-            "rate of railVerticalDisplacement: under a moving wheel with the part that comes from travelling along the bent rail",
+            "railVerticalSlope",
+            Unit::One,
+            "change of railVerticalDisplacement per distance along the track; 0 for a track that travels along",
         ),
     ];
     let wheelsets = scene.vehicle.axles().len();

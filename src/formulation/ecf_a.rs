@@ -16,6 +16,7 @@ use super::{
 use super::{points, rigid};
 use crate::geometry::Side;
 use crate::settings::{Entry, Section, SettingsError};
+use nalgebra::Vector3;
 use std::sync::Arc;
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
@@ -57,7 +58,8 @@ impl Formulation for EcfA {
             for (side, friction) in [(Side::Left, own[LEFT_FRICTION]), (Side::Right, own[RIGHT_FRICTION])] {
                 let contact = contact_index(index, side);
                 let moved = model.against_rail(&workspace.system, inputs, wheelset.body, contact);
-                let wheel = WheelAt { model, wheelset, side, contact, motion: moved.as_ref().unwrap_or(&motion), friction, y };
+                let (motion, climb) = moved.as_ref().map_or((&motion, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
+                let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
                 let wrench = &mut workspace.system.wrenches[wheelset.body];
                 let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
                 points::elastic_wheel(&wheel, &mut memory[model.contact_memory(contact)], wrench, reports)

@@ -113,14 +113,14 @@ impl Formulation for EcfN {
                 dy[state] = arc_rate(&section, &centre, &motion.attachment_velocity(&centre));
                 // The section follows the wheelset along the track, whatever its rail does across.
                 let moved = model.against_rail(&workspace.system, inputs, wheelset.body, contact);
-                let motion = moved.as_ref().unwrap_or(&motion);
+                let (motion, climb) = moved.as_ref().map_or((&motion, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
                 let found = search.search(&motion.position, &motion.frame.axes, motion.distance, y[state], &section);
                 workspace.work.search_iterations += found.evaluated as u64;
                 let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
                 let [first, second] = &found.contacts;
                 let first = first.as_ref().ok_or_else(|| fail(ContactFailure::OffRail { y: model.beside(motion).0 }))?;
                 keep(&first.parameters, &mut memory[model.contact_memory(contact)]);
-                let wheel = WheelAt { model, wheelset, side, contact, motion, friction, y };
+                let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
                 let mut load = |(slot, found): (usize, &ContactLocation)| {
                     self.check_ends(model, wheelset, side, found, motion)?;
                     let wrench = &mut workspace.system.wrenches[wheelset.body];

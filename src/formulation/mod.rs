@@ -28,7 +28,10 @@ pub use model::{
     ContactLaws, ContactReport, DRIVE_TORQUE, Evaluation, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, Model, NEUTRAL_INPUTS, Parts,
     RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS, Wheelset, Workspace, contact_index,
 };
-pub use rail_motion::{RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_VELOCITY, RAIL_VERTICAL, RAIL_VERTICAL_VELOCITY, rail_input};
+pub use rail_motion::{
+    RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_SLOPE, RAIL_LATERAL_VELOCITY, RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, RAIL_VERTICAL_VELOCITY,
+    rail_input,
+};
 
 use crate::contact::search::nodes::NodeError;
 use crate::settings::{Entry, Section, SettingsError, choose};

@@ -4,6 +4,8 @@ pub mod assemble;
 pub mod embedded;
 pub mod equilibrium;
 pub mod load;
+mod overrides;
 pub mod plan;
+mod remarks;
 pub mod spec;
 pub mod vehicle;

@@ -1,5 +1,6 @@
 //! What a scene makes the program compute, and what not: the list behind `wheelrail plan`.
 
+use super::remarks::remarks;
 use super::spec::{Scene, VehicleSpec};
 use super::vehicle::FreeVehicle;
 use crate::formulation::{Model, contact_index};
@@ -115,7 +116,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         effect(name, shown, why, 0);
     }
     if model.rail_motion {
-        let why = "interface.inputs names \"rail_motion\": displacement and velocity of the rail under each wheel, from outside";
+        let why = "interface.inputs names \"rail_motion\": displacement, velocity and slope of the rail under each wheel, from outside";
         effect("rail motion", true, why.into(), 0);
     }
     let (shown, free) = (scene.interface.inputs.contains(&"centre_forces"), vehicle.axles().iter().any(|axle| !axle.1));
@@ -135,7 +136,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         states: model.dimension(),
         memory: model.memory(),
         effects,
-        notes: profile_notes(scene),
+        notes: profile_notes(scene).into_iter().chain(remarks(scene)).collect(),
     }
 }
 

@@ -86,7 +86,8 @@ pub struct SolverSpec {
 
 /// Groups of inputs, outputs and parameters that an FMU may show.
 pub const INPUT_GROUPS: &[&str] = &["drive_torque", "centre_forces", "friction", RAIL_MOTION];
-pub const OUTPUT_GROUPS: &[&str] = &["motion", "wheels", "contacts", "suspension", "axles", "bodies", "sensors", "forces", SLIDING_MEANS, RAIL_FORCES];
+pub const OUTPUT_GROUPS: &[&str] =
+    &["motion", "wheels", "contacts", "suspension", "axles", "bodies", "sensors", "forces", SLIDING_MEANS, RAIL_FORCES];
 /// The group that costs states: shown only where a scene names it.
 pub const SLIDING_MEANS: &str = "sliding_means";
 /// Motion of the rails from outside: only where a scene names it; with it, the forces on the rails are shown.
@@ -150,12 +151,9 @@ impl Scene {
         solver.finish()?;
         let interface = match root.optional_section("interface")? {
             Some(section) => read_interface(section, &vehicle)?,
-            None => InterfaceSpec {
-                inputs: default_inputs(),
-                outputs: default_outputs(&[]),
-                parameters: PARAMETER_GROUPS.to_vec(),
-                only: None,
-            },
+            None => {
+                InterfaceSpec { inputs: default_inputs(), outputs: default_outputs(&[]), parameters: PARAMETER_GROUPS.to_vec(), only: None }
+            }
         };
         let run = root.section("run")?;
         let spec = RunSpec { stop: run.not_negative("stop", Dimension::Time)?, step: run.positive("step", Dimension::Time)? };

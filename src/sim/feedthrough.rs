@@ -4,8 +4,8 @@
 //! Lists may name inputs that a scene does not have.
 
 use crate::formulation::{
-    DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_VELOCITY, RAIL_VERTICAL,
-    RAIL_VERTICAL_VELOCITY, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS,
+    DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_SLOPE, RAIL_LATERAL_VELOCITY,
+    RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, RAIL_VERTICAL_VELOCITY, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS,
 };
 use crate::geometry::Side;
 
@@ -24,21 +24,29 @@ const LY: usize = LEFT_RAIL + RAIL_LATERAL;
 const LZ: usize = LEFT_RAIL + RAIL_VERTICAL;
 const LVY: usize = LEFT_RAIL + RAIL_LATERAL_VELOCITY;
 const LVZ: usize = LEFT_RAIL + RAIL_VERTICAL_VELOCITY;
+const LSY: usize = LEFT_RAIL + RAIL_LATERAL_SLOPE;
+const LSZ: usize = LEFT_RAIL + RAIL_VERTICAL_SLOPE;
 const RY: usize = RIGHT_RAIL + RAIL_LATERAL;
 const RZ: usize = RIGHT_RAIL + RAIL_VERTICAL;
 const RVY: usize = RIGHT_RAIL + RAIL_LATERAL_VELOCITY;
 const RVZ: usize = RIGHT_RAIL + RAIL_VERTICAL_VELOCITY;
+const RSY: usize = RIGHT_RAIL + RAIL_LATERAL_SLOPE;
+const RSZ: usize = RIGHT_RAIL + RAIL_VERTICAL_SLOPE;
 
 /// Coordinates and velocities alone.
 pub(super) const STATE: Depends = Depends::Only(&[]);
 /// Frictions of both wheels, and with them the rails under them.
-pub(super) const FRICTION_INPUTS: &[usize] = &[LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, RY, RZ, RVY, RVZ];
+pub(super) const FRICTION_INPUTS: &[usize] = &[LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, LSY, LSZ, RY, RZ, RVY, RVZ, RSY, RSZ];
 pub(super) const FRICTIONS: Depends = Depends::On(FRICTION_INPUTS);
 /// A torque about the axle turns it by rounding only, but not by nothing.
-pub(super) const TURNING: Depends = Depends::On(&[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, RY, RZ, RVY, RVZ]);
-pub(super) const ALONG: Depends = Depends::On(&[LONGITUDINAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, RY, RZ, RVY, RVZ]);
-pub(super) const ACROSS: Depends = Depends::On(&[LATERAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, RY, RZ, RVY, RVZ]);
-pub(super) const UPWARD: Depends = Depends::On(&[VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, RY, RZ, RVY, RVZ]);
+pub(super) const TURNING: Depends =
+    Depends::On(&[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, LSY, LSZ, RY, RZ, RVY, RVZ, RSY, RSZ]);
+pub(super) const ALONG: Depends =
+    Depends::On(&[LONGITUDINAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, LSY, LSZ, RY, RZ, RVY, RVZ, RSY, RSZ]);
+pub(super) const ACROSS: Depends =
+    Depends::On(&[LATERAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, LSY, LSZ, RY, RZ, RVY, RVZ, RSY, RSZ]);
+pub(super) const UPWARD: Depends =
+    Depends::On(&[VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, LSY, LSZ, RY, RZ, RVY, RVZ, RSY, RSZ]);
 pub(super) const ALL: &[usize] = &[
     DRIVE_TORQUE,
     LATERAL_FORCE,
@@ -50,10 +58,14 @@ pub(super) const ALL: &[usize] = &[
     LZ,
     LVY,
     LVZ,
+    LSY,
+    LSZ,
     RY,
     RZ,
     RVY,
     RVZ,
+    RSY,
+    RSZ,
 ];
 
 /// Outputs of one wheel.
@@ -73,15 +85,15 @@ pub(super) fn of_wheel(side: Side) -> WheelDepends {
     match side {
         Side::Left => WheelDepends {
             place: Depends::Only(&[LY, LZ]),
-            slip: Depends::Only(&[LY, LZ, LVY, LVZ]),
-            pressing: Depends::On(&[LY, LZ, LVY, LVZ]),
-            friction: Depends::On(&[LEFT_FRICTION, LY, LZ, LVY, LVZ]),
+            slip: Depends::Only(&[LY, LZ, LVY, LVZ, LSY, LSZ]),
+            pressing: Depends::On(&[LY, LZ, LVY, LVZ, LSY, LSZ]),
+            friction: Depends::On(&[LEFT_FRICTION, LY, LZ, LVY, LVZ, LSY, LSZ]),
         },
         Side::Right => WheelDepends {
             place: Depends::Only(&[RY, RZ]),
-            slip: Depends::Only(&[RY, RZ, RVY, RVZ]),
-            pressing: Depends::On(&[RY, RZ, RVY, RVZ]),
-            friction: Depends::On(&[RIGHT_FRICTION, RY, RZ, RVY, RVZ]),
+            slip: Depends::Only(&[RY, RZ, RVY, RVZ, RSY, RSZ]),
+            pressing: Depends::On(&[RY, RZ, RVY, RVZ, RSY, RSZ]),
+            friction: Depends::On(&[RIGHT_FRICTION, RY, RZ, RVY, RVZ, RSY, RSZ]),
         },
     }
 }

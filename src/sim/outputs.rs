@@ -181,35 +181,11 @@ fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
     c.add(19, "yawRate", g, Unit::RadianPerSecond, STATE, "time derivative of the yaw angle", y(v + 3));
     c.add(20, "pitchRate", g, Unit::RadianPerSecond, STATE, "time derivative of the pitch angle, rolling forward positive", y(v + 5));
     c.add(21, "ax", g, Unit::MetrePerSecond2, along, "acceleration of the centre along the track (zero under an imposed speed)", dy(v));
-    c.add(
-        22,
-        "ay",
-        g,
-        Unit::MetrePerSecond2,
-        ACROSS,
-        "lateral acceleration of the centre, left positive",
-        dy(v + 1),
-    );
-    c.add(
-        23,
-        "az",
-        g,
-        Unit::MetrePerSecond2,
-        UPWARD,
-        "vertical acceleration of the centre, up positive",
-        dy(v + 2),
-    );
+    c.add(22, "ay", g, Unit::MetrePerSecond2, ACROSS, "lateral acceleration of the centre, left positive", dy(v + 1));
+    c.add(23, "az", g, Unit::MetrePerSecond2, UPWARD, "vertical acceleration of the centre, up positive", dy(v + 2));
     c.add(24, "rollAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the roll angle", dy(v + 4));
     c.add(25, "yawAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the yaw angle", dy(v + 3));
-    c.add(
-        26,
-        "pitchAcceleration",
-        g,
-        Unit::RadianPerSecond2,
-        TURNING,
-        "second time derivative of the pitch angle",
-        dy(v + 5),
-    );
+    c.add(26, "pitchAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the pitch angle", dy(v + 5));
 }
 
 /// Means over the last stretch of travel.
@@ -372,10 +348,18 @@ fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize,
         of(|k| k.parameters.wheel),
     );
     c.add(11, "railCoordinate", g, Unit::Metre, place, "eta: contact on the rail profile, outward positive", of(|k| k.parameters.rail));
-    c.add(12, "angle", g, Unit::Radian, place, "contact angle: lean of the normal toward the track centre in the cross-section", move |s| {
-        let n = s.workspace.in_track(body, s.workspace.report(contact, index).axes.normal);
-        (-outward * n.y).atan2(n.z)
-    });
+    c.add(
+        12,
+        "angle",
+        g,
+        Unit::Radian,
+        place,
+        "contact angle: lean of the normal toward the track centre in the cross-section",
+        move |s| {
+            let n = s.workspace.in_track(body, s.workspace.report(contact, index).axes.normal);
+            (-outward * n.y).atan2(n.z)
+        },
+    );
     c.add(
         13,
         "wheelAngle",
