@@ -131,7 +131,7 @@ fn analytic_rails_that_move_together_with_the_wheelset_on_a_canted_spiral() {
         let slips = [b.slip.longitudinal - a.slip.longitudinal, b.slip.lateral - a.slip.lateral];
         let expected = [a.axes.e1, a.axes.e2].map(|axis| frame.components(&axis).dot(&swing));
         println!("penetration {:.3e} m, differs by {depth:.1e}; rate {:.3e} m/s, by {rate:.1e}", a.penetration, a.penetration_rate);
-        println!("slip differs by {slips:.3e?} m/s, expected {expected:.3e?}");
+        println!("slip differs by {:.9e} and {:.9e} m/s, expected {:.9e} and {:.9e}", slips[0], slips[1], expected[0], expected[1]);
         assert!(depth.abs() < 1e-13 && rate.abs() < 1e-9);
         assert!((0..2).all(|i| (slips[i] - expected[i]).abs() < 1e-9));
     }
