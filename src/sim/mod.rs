@@ -4,6 +4,7 @@
 //! equal bit for bit when they are advanced to the same times.
 
 mod dynamics;
+pub mod feedthrough;
 pub mod input;
 pub mod outputs;
 pub mod recording;

@@ -51,6 +51,11 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
         0
     }
 
+    /// The shortest time constant of the element's own states, s: an explicit integrator's step is bound by it.
+    fn time_constant(&self) -> Option<f64> {
+        None
+    }
+
     /// Puts the states where they come to rest with the bodies at rest where they are.
     fn settle(&self, _bodies: &[BodyMotion], _state: &mut [f64]) {}
 
