@@ -25,6 +25,7 @@ use crate::contact::normal::ConformalContact;
 use crate::geometry::Side;
 use crate::mbs::body::Wrench;
 use crate::mbs::system::SystemWorkspace;
+use nalgebra::Vector3;
 
 /// The loop ends when it changes the forces by less than this part of the largest, or by less than the floor [N].
 const RELATIVE: f64 = 1e-11;
@@ -187,7 +188,7 @@ pub(super) fn settle(
         for (contact, wheelset, side) in wheels(model) {
             let Some(found) = &rows[contact] else { continue };
             let (motion, friction) = (&system.motions[wheelset.body], friction(inputs, contact, side));
-            let wheel = WheelAt { model, wheelset, side, contact, motion, friction, y };
+            let wheel = WheelAt { model, wheelset, side, contact, motion, climb: Vector3::zeros(), friction, y };
             let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
             let evaluated = contacts[contact].evaluate(&load, &mut reports[contact], iteration == 1);
             evaluated.map_err(|cause| EvaluationError::new(t, wheelset, side, cause.into()))?;
@@ -273,7 +274,7 @@ pub(super) fn settle(
                 let Some(found) = &rows[pair[k]] else { continue };
                 let wheelset = &model.wheelsets[index];
                 let (motion, friction) = (&system.motions[wheelset.body], friction(inputs, pair[k], side));
-                let wheel = WheelAt { model, wheelset, side, contact: pair[k], motion, friction, y };
+                let wheel = WheelAt { model, wheelset, side, contact: pair[k], motion, climb: Vector3::zeros(), friction, y };
                 let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
                 let next = contacts[pair[k]].force + damping * step[k];
                 let advanced = contacts[pair[k]].advance(&load, next);

@@ -26,6 +26,7 @@ use crate::mbs::body::BodyMotion;
 use crate::mbs::kkt::{Coefficients, SingularConstraints};
 use crate::mbs::projection::ProjectionError;
 use crate::mbs::system::SystemWorkspace;
+use nalgebra::Vector3;
 
 /// Numbers per contact in the memory, and their places after the surface parameters.
 pub(super) const MEMORY: usize = 9;
@@ -105,7 +106,16 @@ pub(super) fn derivative(
             let memory = &mut memory[model.contact_memory(contact)];
             let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
             let elastic = is_elastic(memory);
-            let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction: friction(inputs, contact, side), y };
+            let wheel = WheelAt {
+                model,
+                wheelset,
+                side,
+                contact,
+                motion: &motion,
+                climb: Vector3::zeros(),
+                friction: friction(inputs, contact, side),
+                y,
+            };
             let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
             let wrench = &mut workspace.system.wrenches[wheelset.body];
             let constraints = &mut workspace.system.constraints;
