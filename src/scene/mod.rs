@@ -6,4 +6,5 @@ pub mod equilibrium;
 pub mod load;
 pub mod plan;
 pub mod spec;
+pub mod start;
 pub mod vehicle;

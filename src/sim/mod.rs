@@ -304,11 +304,8 @@ fn on_the_line(model: &Model, line: &CentreLine, y: &mut [f64]) {
     }
 }
 
-/// The steady state of a free vehicle with the scene's offsets; also gives the wheels their static loads.
+/// The steady state of a free vehicle, in the track frame, with the scene's offsets; also gives the wheels their static loads.
 fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result<Vec<f64>, SimulationError> {
-    if let Some(distance) = curved_start(free, model) {
-        return Err(EquilibriumError::OnCurve { distance }.into());
-    }
     let found = steady_state::steady_state(scene, free)?;
     for (wheelset, load) in model.wheelsets.iter_mut().zip(&found.wheel_loads) {
         wheelset.static_wheel_load = *load;
@@ -324,19 +321,6 @@ fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result
         y[q + 3] += placed.offset[1];
     }
     Ok(y)
-}
-
-/// Distance along the track [m] of the first body that starts in a curve or on a cant, if one does.
-fn curved_start(free: &FreeVehicle, model: &Model) -> Option<f64> {
-    // Less than this is nothing: 1000 km of radius, 0.1 mrad.
-    const STRAIGHT: f64 = 1e-6;
-    const LEVEL: f64 = 1e-4;
-    let line = model.track.line()?;
-    let places = (0..free.body_count()).map(|body| free.distance + free.design_position(body).x);
-    places.into_iter().find(|distance| {
-        let frame = line.frame(*distance);
-        frame.turn.norm() > STRAIGHT || frame.axes[(2, 1)].abs() > LEVEL
-    })
 }
 
 /// Index of an input in the model's input vector.
