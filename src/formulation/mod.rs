@@ -139,6 +139,11 @@ pub enum AssemblyError {
     Joints(crate::mbs::redundancy::AssemblyError),
 }
 
+/// ECF-A, whose forces are smooth: where the search for a balance with another formulation may begin.
+pub fn algebraic() -> Build {
+    ecf_a::build()
+}
+
 type Parse = fn(&Section) -> Result<Build, SettingsError>;
 
 /// Every formulation that a scene can name.

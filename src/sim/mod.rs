@@ -108,17 +108,22 @@ impl Simulation {
     /// [`SimulationError`] when there is no equilibrium or the initial state cannot be evaluated.
     pub fn new(scene: &Scene, start: f64) -> Result<Self, SimulationError> {
         let mut model = assemble::model(scene)?;
-        let mut y = match &scene.vehicle.free {
+        let (mut y, chosen) = match &scene.vehicle.free {
             Some(free) => vehicle_state(scene, free, &mut model)?,
-            None => initial_state(scene, &model)?,
+            None => (initial_state(scene, &model)?, None),
         };
         let mut memory = vec![0.0; model.memory()];
+        let kept = chosen.filter(|chosen| chosen.len() == memory.len());
+        memory.iter_mut().zip(kept.iter().flatten()).for_each(|(own, chosen)| *own = *chosen);
         model.set_distances(|body| y[model.system.coordinates(body).start], &mut memory);
         if let Some(line) = model.track.line() {
             on_the_line(&model, line, &mut y);
         }
         let mut workspace = model.workspace();
-        model.formulation.start(&model, &mut workspace, start, &mut y, &mut memory)?;
+        match kept {
+            Some(_) => model.formulation.resettle(&model, &mut workspace, start, &mut y, &mut memory)?,
+            None => model.formulation.start(&model, &mut workspace, start, &mut y, &mut memory)?,
+        }
         model.project(&mut workspace, start, &mut y, &mut memory)?;
         model.note_means(&y, &mut memory);
         let inputs: Vec<InputSignal> = model.neutral_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
@@ -305,7 +310,8 @@ fn on_the_line(model: &Model, line: &CentreLine, y: &mut [f64]) {
 }
 
 /// The steady state of a free vehicle, in the track frame, with the scene's offsets; also gives the wheels their static loads.
-fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result<Vec<f64>, SimulationError> {
+/// With them the memory of contacts that were chosen there.
+fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result<(Vec<f64>, Option<Vec<f64>>), SimulationError> {
     let found = steady_state::steady_state(scene, free)?;
     for (wheelset, load) in model.wheelsets.iter_mut().zip(&found.wheel_loads) {
         wheelset.static_wheel_load = *load;
@@ -320,7 +326,8 @@ fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result
         y[q + 1] += placed.offset[0];
         y[q + 3] += placed.offset[1];
     }
-    Ok(y)
+    let displaced = free.wheelsets.iter().any(|placed| placed.offset != [0.0; 2]);
+    Ok((y, found.memory.filter(|_| !displaced)))
 }
 
 /// Index of an input in the model's input vector.

@@ -23,7 +23,9 @@
 //!
 //! *Continuation:* the balance on straight track (of the curve's grade) comes first; curvature and superelevation then grow together in
 //! steps that double while Newton's method converges and are halved where it fails (a flange begins to touch), each
-//! from the line through the last two states.
+//! from the line through the last two states. Contacts that are constraints stay where they were; if there is no balance with
+//! them they are chosen anew (each wheel's deepest place, as at any start). With ECF-N, whose forces jump from node to node, the
+//! balance in a curve is found with ECF-A and then approached as near as it goes.
 //!
 //! *Slow:* a vehicle that starts slower than 1 m/s is balanced at 1 m/s and its velocities are scaled, because creepages do not depend
 //! on the speed. What would be the centripetal accelerations of 1 m/s is scaled too, unless joints or contacts are constraints: those balance
@@ -38,6 +40,7 @@ mod search;
 mod slopes;
 
 use super::FreeVehicle;
+use crate::formulation;
 use crate::geometry::track::centre_line::Node;
 use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
@@ -52,6 +55,8 @@ pub struct SteadyState {
     pub y: Vec<f64>,
     /// Mean vertical force of a wheel of each wheelset on straight track, N.
     pub wheel_loads: Vec<f64>,
+    /// In a curve: the memory of contacts that are constraints, so that they stay those that the balance was found with.
+    pub memory: Option<Vec<f64>>,
 }
 
 /// What stands on the track: wheelsets first, then other bodies.
@@ -67,7 +72,7 @@ struct Standing {
 const CREEPING: f64 = 1.0;
 /// Shares of the curve: the first step of the continuation, and the one that is too short.
 const FIRST: f64 = 0.25;
-const SHORTEST: f64 = 1e-3;
+const SHORTEST: f64 = 8e-3;
 
 /// Finds the steady state of a scene's free vehicle on the track at its start.
 ///
@@ -111,19 +116,35 @@ fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyStat
     let slow = wanted == 0.0 || (scene.contact.transient.is_some() && wanted.abs() < CREEPING);
     let speed = if slow { CREEPING.copysign(wanted) } else { wanted };
     let pattern = Pattern { speed, centripetal: (wanted / speed).powi(2) };
+    let curved = node.curvature != 0.0 || node.superelevation != 0.0;
+    let mut smooth = None;
     let mut search = Search::new(scene, standing, pattern)?;
+    if curved && !search.model.formulation.is_smooth() {
+        let mut other = scene.clone();
+        other.contact.formulation = formulation::algebraic();
+        smooth = Some(std::mem::replace(&mut search, Search::new(&other, standing, pattern)?));
+    }
     search.lay(&Node { curvature: 0.0, superelevation: 0.0, ..*node });
     search.stand(load)?;
     search.balance()?;
     let wheel_loads = search.wheel_loads();
-    if node.curvature != 0.0 || node.superelevation != 0.0 {
+    if curved {
         into_the_curve(&mut search, node)?;
     }
-    Ok(SteadyState { y: search.found(wanted / speed), wheel_loads })
+    if let Some(mut nodal) = smooth {
+        nodal.lay(node);
+        nodal.put_bodies(&search.now);
+        nodal.approach()?;
+        search = nodal;
+    }
+    let keeps = curved && search.model.formulation.constrains();
+    let (y, memory) = search.found(wanted / speed);
+    Ok(SteadyState { y, wheel_loads, memory: keeps.then_some(memory) })
 }
 
 /// From the balance on straight track to that in the curve.
 fn into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumError> {
+    search.following = true;
     let (mut done, mut step) = (0.0, FIRST);
     let mut last = search.configuration();
     let mut before: Option<(f64, search::Configuration)> = None;
@@ -133,7 +154,17 @@ fn into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumErr
         if let Some((share, configuration)) = &before {
             search.go_on(configuration, (next - done) / (done - share));
         }
-        match search.balance() {
+        let predicted = search.configuration();
+        let found = search.balance().or_else(|cause| {
+            // The contact that is a constraint may have come to its end: another one takes its place.
+            if !search.model.formulation.constrains() {
+                return Err(cause);
+            }
+            search.put(&predicted);
+            search.choose_anew()?;
+            search.balance()
+        });
+        match found {
             Ok(()) => {
                 let here = search.configuration();
                 before = Some((done, std::mem::replace(&mut last, here)));

@@ -2,6 +2,10 @@
 //!
 //! Each step is halved until the sum of squares of the accelerations falls. Differences are dear: a factorisation serves for as long as its steps
 //! bring the state much nearer.
+//!
+//! Where no step helps (wheels must get over a place where contacts jump or the balance ceases to be) the bodies drift instead,
+//! `x' = accelerations off the balance`, by implicit Euler's method with steps that grow while they go well, until Newton's method takes
+//! hold again.
 
 use super::search::{PITCH, Search, UNIT, Unknown};
 use super::slopes::{Factors, Slopes};
@@ -17,7 +21,14 @@ const NODAL: f64 = 1e-2;
 const NEAR: f64 = 1e-10;
 /// Rest at which rounding is reached.
 const EXACT: f64 = 1e-13;
-const ITERATIONS: usize = 60;
+const ITERATIONS: usize = 40;
+/// First length of a drift's step in parts of what moves a body by 1 m or rad per g of acceleration; most steps; furthest that one goes, m or rad;
+/// by how much it may worsen the balance; what is left when Newton's method takes over.
+const DRIFT: f64 = 1e-4;
+const DRIFTS: usize = 80;
+const FARTHEST: f64 = 3e-3;
+const WORST: f64 = 10.0;
+const SETTLED: f64 = 1e-5;
 const HALVINGS: i32 = 25;
 /// Restoring acceleration per displacement below which nothing holds a body, 1/s2 in parts of [`UNIT`].
 const LOOSE: f64 = 1e-5;
@@ -26,8 +37,36 @@ impl Search<'_> {
     /// # Errors
     /// There is no balance, or it was not found from here.
     pub fn balance(&mut self) -> Result<(), EquilibriumError> {
+        let mut rest = self.newton().map_err(EquilibriumError::Evaluation)?;
+        if !(largest(&rest).0 < self.bound()) && self.drift(&rest).map_err(EquilibriumError::Evaluation)? {
+            rest = self.newton().map_err(EquilibriumError::Evaluation)?;
+        }
+        if !(largest(&rest).0 < self.bound()) {
+            return Err(self.unsupported(&rest));
+        }
+        self.read()
+    }
+
+    /// Goes on as near to the balance as contacts among nodes allow.
+    pub fn approach(&mut self) -> Result<(), EquilibriumError> {
+        self.newton().map_err(EquilibriumError::Evaluation)?;
+        self.read()
+    }
+
+    /// What is read off the search is that of the balance, not of the last trial.
+    fn read(&mut self) -> Result<(), EquilibriumError> {
         let none = vec![0.0; self.unknowns.len()];
-        let mut rest = self.residual(&none, true).map_err(EquilibriumError::Evaluation)?;
+        self.residual(&none, true).map(|_| ()).map_err(EquilibriumError::Evaluation)
+    }
+
+    fn bound(&self) -> f64 {
+        if self.model.formulation.is_smooth() { BALANCED } else { NODAL }
+    }
+
+    /// Returns what is left.
+    fn newton(&mut self) -> Result<Vec<f64>, EvaluationError> {
+        let none = vec![0.0; self.unknowns.len()];
+        let mut rest = self.residual(&none, true)?;
         let mut known: Option<Factors> = None;
         for _ in 0..ITERATIONS {
             let before = largest(&rest).0;
@@ -37,12 +76,12 @@ impl Search<'_> {
             let fresh = known.is_none();
             let Some(factors) = (match known.take() {
                 Some(factors) => Some(factors),
-                None => self.factors(&rest).map_err(EquilibriumError::Evaluation)?,
+                None => self.factors(&rest)?,
             }) else {
                 break;
             };
             if let Some(change) = self.better(&factors.step(&self.square, &rest), &rest) {
-                rest = self.residual(&change, true).map_err(EquilibriumError::Evaluation)?;
+                rest = self.residual(&change, true)?;
             }
             let after = largest(&rest).0;
             let stalls = !(after < 0.5 * before);
@@ -51,12 +90,36 @@ impl Search<'_> {
             }
             known = (after < if before < NEAR { 0.5 } else { 0.1 } * before).then_some(factors);
         }
-        let bound = if self.model.formulation.is_smooth() { BALANCED } else { NODAL };
-        if !(largest(&rest).0 < bound) {
-            return Err(self.unsupported(&rest));
+        Ok(rest)
+    }
+
+    /// Drifts toward a balance; returns whether Newton's method may go on from there.
+    fn drift(&mut self, rest: &[f64]) -> Result<bool, EvaluationError> {
+        let (rows, columns) = (rest.len(), self.unknowns.len());
+        let mut rest = rest.to_vec();
+        let mut shift = 1.0 / DRIFT;
+        for _ in 0..DRIFTS {
+            if largest(&rest).0 < SETTLED {
+                return Ok(true);
+            }
+            let entries = self.differences(&rest, false)?;
+            let mut moved = None;
+            for _ in 0..HALVINGS {
+                let slopes = Slopes { entries: &entries, rows, columns, square: &self.square };
+                let step = slopes.damped(shift).map(|factors| factors.step(&self.square, &rest));
+                if let Some(step) = step.filter(|step| largest(step).0 < FARTHEST)
+                    && self.residual(&step, false).is_ok_and(|found| largest(&found).0 < WORST * largest(&rest).0)
+                {
+                    moved = Some(step);
+                    break;
+                }
+                shift *= 4.0;
+            }
+            let Some(step) = moved else { return Ok(false) };
+            rest = self.residual(&step, true)?;
+            shift /= 3.0;
         }
-        // What is read off the search is that of the balance, not of the last trial.
-        self.residual(&none, true).map(|_| ()).map_err(EquilibriumError::Evaluation)
+        Ok(largest(&rest).0 < 1e2 * SETTLED)
     }
 
     fn factors(&mut self, rest: &[f64]) -> Result<Option<Factors>, EvaluationError> {

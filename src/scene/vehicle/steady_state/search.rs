@@ -44,6 +44,8 @@ pub(super) struct Configuration {
     slowing: f64,
     /// S, m/s.
     travel: f64,
+    /// Which places of the wheels are in contact, and where.
+    memory: Vec<f64>,
 }
 
 /// Place of a wheelset's pitch rate among its velocities, of pitch among coordinates.
@@ -66,8 +68,9 @@ pub(super) struct Search<'a> {
     curvature: f64,
     y: Vec<f64>,
     dy: Vec<f64>,
-    memory: Vec<f64>,
     inputs: Vec<f64>,
+    /// Do contacts that are constraints stay those that they were? Otherwise each wheel's deepest place is taken each time.
+    pub following: bool,
     /// Are there constraints that coordinates must be moved onto?
     constrained: bool,
     pub unknowns: Vec<Unknown>,
@@ -97,12 +100,12 @@ impl<'a> Search<'a> {
             workspace: model.workspace(),
             y: vec![0.0; model.dimension()],
             dy: vec![0.0; model.dimension()],
-            memory: vec![0.0; model.memory()],
+            following: false,
             inputs: model.neutral_inputs(),
             constrained: model.formulation.constrains() || !model.system.joints.is_empty(),
             leading: model.system.drives.iter().map(|drive| drive.body).min().unwrap_or(0),
             curvature: 0.0,
-            now: Configuration { at, slowing: 0.0, travel: pattern.speed },
+            now: Configuration { at, slowing: 0.0, travel: pattern.speed, memory: vec![0.0; model.memory()] },
             unknowns: Vec::new(),
             square: Vec::new(),
             couplings: Couplings::new(&model.system),
@@ -148,16 +151,34 @@ impl<'a> Search<'a> {
         self.model.track = Track { left: left.along(line.clone()), right: right.along(line) };
         self.curvature = node.curvature;
         self.workspace = self.model.workspace();
-        self.memory.truncate(self.memory.len() - followed);
-        self.memory.resize(self.model.memory(), 0.0);
+        let memory = &mut self.now.memory;
+        memory.truncate(memory.len() - followed);
+        memory.resize(self.model.memory(), 0.0);
     }
 
     pub fn configuration(&self) -> Configuration {
         self.now.clone()
     }
 
+    /// Puts a configuration back, on whatever track lies here now.
     pub fn put(&mut self, configuration: &Configuration) {
         self.now.clone_from(configuration);
+        self.now.memory.resize(self.model.memory(), 0.0);
+    }
+
+    /// The same without what it knows of contacts, which may be those of another formulation.
+    pub fn put_bodies(&mut self, configuration: &Configuration) {
+        let memory = vec![0.0; self.model.memory()];
+        self.now = Configuration { memory, ..configuration.clone() };
+    }
+
+    /// Chooses the contacts that are constraints here anew.
+    pub fn choose_anew(&mut self) -> Result<(), EquilibriumError> {
+        self.follow_pattern(true);
+        self.following = false;
+        let done = self.evaluate();
+        self.following = true;
+        done.map_err(EquilibriumError::Evaluation)
     }
 
     /// Goes on along the line from an earlier configuration through the present one, by this part of their distance.
@@ -185,7 +206,7 @@ impl<'a> Search<'a> {
         for _ in 0..3 {
             for level in [true, false] {
                 // Without memory the first contact is the deepest.
-                self.memory.fill(0.0);
+                self.now.memory.fill(0.0);
                 self.follow_pattern(true);
                 self.evaluate().map_err(EquilibriumError::Evaluation)?;
                 for wheelset in 0..count {
@@ -234,9 +255,11 @@ impl<'a> Search<'a> {
 
     /// Accelerations at `y`, which is moved onto the constraints first.
     fn evaluate(&mut self) -> Result<(), EvaluationError> {
-        let Search { model, workspace, y, dy, memory, inputs, now, .. } = self;
-        model.set_distances(|body| now.at[body].coordinates[0], memory);
-        if model.formulation.constrains() || model.formulation.states_per_contact() > 0 {
+        let Search { model, workspace, y, dy, inputs, now: Configuration { at, memory, .. }, following, .. } = self;
+        model.set_distances(|body| at[body].coordinates[0], memory);
+        if model.formulation.constrains() && *following {
+            model.formulation.resettle(model, workspace, 0.0, y, memory)?;
+        } else if model.formulation.constrains() || model.formulation.states_per_contact() > 0 {
             model.formulation.start(model, workspace, 0.0, y, memory)?;
         }
         if self.constrained {
@@ -402,15 +425,15 @@ impl<'a> Search<'a> {
         (0..self.model.wheelsets.len()).map(|wheelset| 0.5 * Side::BOTH.map(|side| vertical(wheelset, side)).iter().sum::<f64>()).collect()
     }
 
-    /// The state vector in the track frame, with all speeds scaled.
-    pub fn found(mut self, scale: f64) -> Vec<f64> {
+    /// The state vector in the track frame, with all speeds scaled, and the contacts' memory.
+    pub fn found(mut self, scale: f64) -> (Vec<f64>, Vec<f64>) {
         let system = &self.model.system;
         for (body, at) in self.now.at.iter().enumerate() {
             self.y[system.coordinates(body)].copy_from_slice(&at.coordinates);
             self.y[system.velocities(body)].copy_from_slice(&at.velocities.map(|velocity| scale * velocity));
         }
         self.y.truncate(system.dimension());
-        self.y
+        (self.y, self.now.memory)
     }
 }
 

@@ -37,12 +37,23 @@ const ROUNDS: usize = 4;
 impl Slopes<'_> {
     /// `None` where the system does not determine a step, or not reliably.
     pub fn square(&self) -> Option<Factors> {
+        let lu = self.lu(0.0)?;
+        (smallest(&lu, self.columns) > DETERMINED).then_some(Factors::Square(lu))
+    }
+
+    /// The square system less a multiple of the identity: its step is one of implicit Euler's method, of length 1 / shift, on
+    /// `x' = accelerations`.
+    pub fn damped(&self, shift: f64) -> Option<Factors> {
+        self.lu(shift).map(Factors::Square)
+    }
+
+    fn lu(&self, shift: f64) -> Option<Lu<usize, f64>> {
         let coordinates = self.square.len();
         let entry = |&(row, column, value): &Entry| Some(Triplet::new(self.square[row % coordinates]?, column, value));
-        let entries: Vec<Triplet<usize, usize, f64>> = self.entries.iter().filter_map(entry).collect();
         let size = self.columns;
-        let lu = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &entries).ok()?.sp_lu().ok()?;
-        (smallest(&lu, size) > DETERMINED).then_some(Factors::Square(lu))
+        let diagonal = (0..size).map(|i| Triplet::new(i, i, -shift));
+        let entries: Vec<Triplet<usize, usize, f64>> = self.entries.iter().filter_map(entry).chain(diagonal).collect();
+        SparseColMat::<usize, f64>::try_new_from_triplets(size, size, &entries).ok()?.sp_lu().ok()
     }
 
     /// The singular value decomposition of the whole.
