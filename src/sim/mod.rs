@@ -19,7 +19,8 @@ use crate::mbs::on_track::{self, OnTrack};
 use crate::scene::assemble;
 use crate::scene::equilibrium::{self, EquilibriumError};
 use crate::scene::spec::Scene;
-use crate::scene::vehicle::{FreeVehicle, steady_state};
+use crate::scene::vehicle::FreeVehicle;
+use crate::scene::vehicle::steady_state::{self, Contacts};
 use crate::solve::{IntegrationState, Integrator, Scratch, SolveError, Statistics};
 use dynamics::ModelDynamics;
 use input::InputSignal;
@@ -108,21 +109,23 @@ impl Simulation {
     /// [`SimulationError`] when there is no equilibrium or the initial state cannot be evaluated.
     pub fn new(scene: &Scene, start: f64) -> Result<Self, SimulationError> {
         let mut model = assemble::model(scene)?;
-        let (mut y, chosen) = match &scene.vehicle.free {
+        let (mut y, contacts) = match &scene.vehicle.free {
             Some(free) => vehicle_state(scene, free, &mut model)?,
-            None => (initial_state(scene, &model)?, None),
+            None => (initial_state(scene, &model)?, Contacts::Any),
         };
         let mut memory = vec![0.0; model.memory()];
-        let kept = chosen.filter(|chosen| chosen.len() == memory.len());
-        memory.iter_mut().zip(kept.iter().flatten()).for_each(|(own, chosen)| *own = *chosen);
+        if let Contacts::Kept(kept) = &contacts {
+            memory.clone_from(kept);
+        }
         model.set_distances(|body| y[model.system.coordinates(body).start], &mut memory);
         if let Some(line) = model.track.line() {
             on_the_line(&model, line, &mut y);
         }
         let mut workspace = model.workspace();
-        match kept {
-            Some(_) => model.formulation.resettle(&model, &mut workspace, start, &mut y, &mut memory)?,
-            None => model.formulation.start(&model, &mut workspace, start, &mut y, &mut memory)?,
+        match contacts {
+            Contacts::Any => model.formulation.start(&model, &mut workspace, start, &mut y, &mut memory)?,
+            Contacts::Kept(_) => model.formulation.resettle(&model, &mut workspace, start, &mut y, &mut memory)?,
+            Contacts::Elastic => model.start_elastic(&mut workspace, start, &mut y, &mut memory)?,
         }
         model.project(&mut workspace, start, &mut y, &mut memory)?;
         model.note_means(&y, &mut memory);
@@ -310,8 +313,8 @@ fn on_the_line(model: &Model, line: &CentreLine, y: &mut [f64]) {
 }
 
 /// The steady state of a free vehicle, in the track frame, with the scene's offsets; also gives the wheels their static loads.
-/// With them the memory of contacts that were chosen there.
-fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result<(Vec<f64>, Option<Vec<f64>>), SimulationError> {
+/// With it, how its contacts begin.
+fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result<(Vec<f64>, Contacts), SimulationError> {
     let found = steady_state::steady_state(scene, free)?;
     for (wheelset, load) in model.wheelsets.iter_mut().zip(&found.wheel_loads) {
         wheelset.static_wheel_load = *load;
@@ -327,7 +330,7 @@ fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result
         y[q + 3] += placed.offset[1];
     }
     let displaced = free.wheelsets.iter().any(|placed| placed.offset != [0.0; 2]);
-    Ok((y, found.memory.filter(|_| !displaced)))
+    Ok((y, if displaced { Contacts::Any } else { found.contacts }))
 }
 
 /// Index of an input in the model's input vector.

@@ -24,7 +24,9 @@
 //! *Continuation:* the balance on straight track (of the curve's grade) comes first; curvature and superelevation then grow together in
 //! steps that double while Newton's method converges and are halved where it fails (a flange begins to touch), each
 //! from the line through the last two states. Contacts that are constraints stay where they were; if there is no balance with
-//! them they are chosen anew (each wheel's deepest place, as at any start). With ECF-N, whose forces jump from node to node, the
+//! them they are chosen anew (each wheel's deepest place, as at any start). Rigid contact on nearly conformal profiles (S1002 on 60E1) jumps
+//! from place to place, and may have no balance between; with `contact.on_lift = "elastic"` a vehicle then starts with all contacts elastic,
+//! in the balance of ECF-A, and each becomes a constraint when it has settled. With ECF-N, whose forces jump from node to node, the
 //! balance in a curve is found with ECF-A and then approached as near as it goes.
 //!
 //! *Slow:* a vehicle that starts slower than 1 m/s is balanced at 1 m/s and its velocities are scaled, because creepages do not depend
@@ -42,6 +44,7 @@ mod slopes;
 use super::FreeVehicle;
 use crate::formulation;
 use crate::geometry::track::centre_line::Node;
+use crate::mbs::body::COORDINATES;
 use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
 use crate::scene::start::{self, Start};
@@ -55,8 +58,18 @@ pub struct SteadyState {
     pub y: Vec<f64>,
     /// Mean vertical force of a wheel of each wheelset on straight track, N.
     pub wheel_loads: Vec<f64>,
-    /// In a curve: the memory of contacts that are constraints, so that they stay those that the balance was found with.
-    pub memory: Option<Vec<f64>>,
+    pub contacts: Contacts,
+}
+
+/// How a run begins with contacts that may be constraints.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Contacts {
+    /// Chosen by the formulation.
+    Any,
+    /// Those of this memory, with which the balance was found.
+    Kept(Vec<f64>),
+    /// Elastic, as the balance was found.
+    Elastic,
 }
 
 /// What stands on the track: wheelsets first, then other bodies.
@@ -116,30 +129,57 @@ fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyStat
     let slow = wanted == 0.0 || (scene.contact.transient.is_some() && wanted.abs() < CREEPING);
     let speed = if slow { CREEPING.copysign(wanted) } else { wanted };
     let pattern = Pattern { speed, centripetal: (wanted / speed).powi(2) };
-    let curved = node.curvature != 0.0 || node.superelevation != 0.0;
-    let mut smooth = None;
-    let mut search = Search::new(scene, standing, pattern)?;
-    if curved && !search.model.formulation.is_smooth() {
+    if node.curvature == 0.0 && node.superelevation == 0.0 {
+        let (search, wheel_loads) = balanced(scene, standing, pattern, node)?;
+        return Ok(SteadyState { y: search.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any });
+    }
+    let mut own = Search::new(scene, standing, pattern)?;
+    let elastic = || {
         let mut other = scene.clone();
         other.contact.formulation = formulation::algebraic();
-        smooth = Some(std::mem::replace(&mut search, Search::new(&other, standing, pattern)?));
+        balanced(&other, standing, pattern, node)
+    };
+    if !own.model.formulation.is_smooth() {
+        let (near, wheel_loads) = elastic()?;
+        own.lay(node);
+        own.put_bodies(&near.now);
+        own.approach()?;
+        return Ok(SteadyState { y: own.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any });
     }
+    let (constrained, other) = (own.model.formulation.constrains(), own.model.may_be_elastic() && standing.positions.len() > 1);
+    match balanced(scene, standing, pattern, node) {
+        Err(_) if other => {
+            let (found, wheel_loads) = elastic()?;
+            let mut y = found.found(wanted / speed).0;
+            // Contacts' own states follow when the run begins.
+            y.truncate(2 * COORDINATES * standing.positions.len() + own.model.system.force_states().len());
+            Ok(SteadyState { y, wheel_loads, contacts: Contacts::Elastic })
+        }
+        found => {
+            let (search, wheel_loads) = found?;
+            let (y, memory) = search.found(wanted / speed);
+            Ok(SteadyState { y, wheel_loads, contacts: if constrained { Contacts::Kept(memory) } else { Contacts::Any } })
+        }
+    }
+}
+
+/// The balance on a track of that node all the way, and the wheel loads of straight track, N.
+fn balanced<'a>(
+    scene: &Scene,
+    standing: &'a Standing,
+    pattern: Pattern,
+    node: &Node,
+) -> Result<(Search<'a>, Vec<f64>), EquilibriumError> {
+    let load = standing.weight * (scene.track.grade + node.grade).cos();
+    let mut search = Search::new(scene, standing, pattern)?;
     search.lay(&Node { curvature: 0.0, superelevation: 0.0, ..*node });
     search.stand(load)?;
     search.balance()?;
     let wheel_loads = search.wheel_loads();
-    if curved {
+    if node.curvature != 0.0 || node.superelevation != 0.0 {
         into_the_curve(&mut search, node)?;
     }
-    if let Some(mut nodal) = smooth {
-        nodal.lay(node);
-        nodal.put_bodies(&search.now);
-        nodal.approach()?;
-        search = nodal;
-    }
-    let keeps = curved && search.model.formulation.constrains();
-    let (y, memory) = search.found(wanted / speed);
-    Ok(SteadyState { y, wheel_loads, memory: keeps.then_some(memory) })
+    Ok((search, wheel_loads))
 }
 
 /// From the balance on straight track to that in the curve.

@@ -22,13 +22,15 @@ const NEAR: f64 = 1e-10;
 /// Rest at which rounding is reached.
 const EXACT: f64 = 1e-13;
 const ITERATIONS: usize = 40;
+/// Steps one after another that bring little before the iteration is given up.
+const SLOW: usize = 4;
 /// First length of a drift's step in parts of what moves a body by 1 m or rad per g of acceleration; most steps; furthest that one goes, m or rad;
 /// by how much it may worsen the balance; what is left when Newton's method takes over.
 const DRIFT: f64 = 1e-4;
 const DRIFTS: usize = 80;
 const FARTHEST: f64 = 3e-3;
 const WORST: f64 = 10.0;
-const SETTLED: f64 = 1e-5;
+const SETTLED: f64 = 1e-3;
 const HALVINGS: i32 = 25;
 /// Restoring acceleration per displacement below which nothing holds a body, 1/s2 in parts of [`UNIT`].
 const LOOSE: f64 = 1e-5;
@@ -68,9 +70,10 @@ impl Search<'_> {
         let none = vec![0.0; self.unknowns.len()];
         let mut rest = self.residual(&none, true)?;
         let mut known: Option<Factors> = None;
+        let mut slow = 0;
         for _ in 0..ITERATIONS {
             let before = largest(&rest).0;
-            if before < EXACT {
+            if before < EXACT || slow > SLOW {
                 break;
             }
             let fresh = known.is_none();
@@ -85,6 +88,7 @@ impl Search<'_> {
             }
             let after = largest(&rest).0;
             let stalls = !(after < 0.5 * before);
+            slow = if stalls { slow + 1 } else { 0 };
             if stalls && (after < NEAR || fresh && (after < BALANCED || after == before)) {
                 break;
             }
@@ -119,7 +123,7 @@ impl Search<'_> {
             rest = self.residual(&step, true)?;
             shift /= 3.0;
         }
-        Ok(largest(&rest).0 < 1e2 * SETTLED)
+        Ok(largest(&rest).0 < 1e1 * SETTLED)
     }
 
     fn factors(&mut self, rest: &[f64]) -> Result<Option<Factors>, EvaluationError> {
