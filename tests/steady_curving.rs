@@ -4,9 +4,10 @@ mod common;
 
 use common::start;
 use std::collections::HashMap;
-use std::time::Instant;
+use wheelrail::formulation::contact_index;
+use wheelrail::geometry::Side;
 use wheelrail::mbs::body::COORDINATES;
-use wheelrail::scene::load;
+use wheelrail::scene::{assemble, load, plan};
 use wheelrail::scene::spec::Scene;
 use wheelrail::settings::Source;
 use wheelrail::sim::Simulation;
@@ -47,16 +48,15 @@ fn off_the_pattern(simulation: &mut Simulation, curvature: f64) -> f64 {
     largest
 }
 
-/// What a start in a curve leaves of accelerations, in all formulations, on canted and climbing curves.
+/// What a start in a curve leaves of accelerations, in all formulations, on canted and climbing curves. Contact among nodes jumps.
 #[test]
 fn prop_steady_curving_has_no_accelerations_but_the_patterns() {
-    for (name, radius, height, grade) in [
-        ("bogie", 600.0, -0.076, 0.0),
-        ("vehicle_manchester_1", 600.0, -0.076, 0.0),
-        ("vehicle_manchester_1", -300.0, 0.15, 0.02),
-        ("vehicle_equalised", 582.192, -0.0762, 0.0),
+    for (name, radius, height, grade, formulations) in [
+        ("bogie", 600.0, -0.076, 0.0, &FORMULATIONS[..]),
+        ("vehicle_manchester_1", -500.0, 0.08, 0.01, &FORMULATIONS[..1]),
+        ("vehicle_equalised", 582.192, -0.0762, 0.0, &FORMULATIONS[..1]),
     ] {
-        for formulation in FORMULATIONS {
+        for formulation in formulations {
             let changes = [
                 curve(radius, height, grade),
                 "vehicle.drive=leading".into(),
@@ -64,15 +64,9 @@ fn prop_steady_curving_has_no_accelerations_but_the_patterns() {
                 format!("contact.formulation={formulation}"),
             ];
             let scene = scene(name, &changes.each_ref().map(String::as_str));
-            let clock = Instant::now();
-            match Simulation::new(&scene, 0.0) {
-                Ok(mut simulation) => {
-                    let time = clock.elapsed().as_secs_f64();
-                    let largest = off_the_pattern(&mut simulation, 1.0 / radius);
-                    println!("{name} {radius} {formulation}: {largest:.2e} m/s2, {:.0} ms", 1e3 * time);
-                }
-                Err(error) => println!("{name} {radius} {formulation}: {error}"),
-            }
+            let largest = off_the_pattern(&mut start(&scene), 1.0 / radius);
+            println!("{name} {radius} {formulation}: {largest:.2e} m/s2 or rad/s2");
+            assert!(largest < if *formulation == "ECF-N" { 5.0 } else { 1e-6 }, "{name} {formulation}: {largest}");
         }
     }
 }
@@ -93,7 +87,13 @@ fn analytic_load_transfer_in_a_curve() {
         let (mut weight, mut inertial, mut moment) = (0.0, 0.0, 0.0);
         for body in &model.system.bodies {
             // A car's middle lies inside of the line through its trucks, a frame's inside of that through its wheelsets.
-            let half_base: f64 = if body.name == "car" { 9.5 } else if body.name.ends_with("frame") { 1.28 } else { 0.0 };
+            let half_base: f64 = if body.name == "car" {
+                9.5
+            } else if body.name.ends_with("frame") {
+                1.28
+            } else {
+                0.0
+            };
             let [y, z] = ["y", "z"].map(|axis| found[&format!("{}.{axis}", body.name)]);
             let y = y - 0.5 * half_base * half_base / radius;
             let centripetal = speed * speed / (radius - y) * ((radius - y) / radius).powi(2);
@@ -101,14 +101,28 @@ fn analytic_load_transfer_in_a_curve() {
             inertial += body.mass * centripetal;
             moment += body.mass * (centripetal * z - G * y);
         }
-        let (left, right) = (sum("left", "verticalForce"), sum("right", "verticalForce"));
+        let vertical = sum("left", "verticalForce") + sum("right", "verticalForce");
         let lateral = sum("left", "lateralForce") + sum("right", "lateralForce");
-        let transfer = (right - left) * 0.5 * 1.5;
-        println!("V {speed}, R {radius}: sum Q {:.2} of {weight:.2} N, sum Y {lateral:.2} of {inertial:.2} N", left + right);
-        println!("  outer less inner times half of 1.5 m: {transfer:.1} N m, of the masses {moment:.1} N m");
-        assert!(((left + right) / weight - 1.0).abs() < 1e-6);
+        // Each contact's force at its place on the rail.
+        let half = scene.track.half_rail_distance;
+        let snapshot = simulation.snapshot().unwrap();
+        let workspace = &snapshot.workspace;
+        let mut transfer = 0.0;
+        for (number, wheelset) in wheelsets.iter().enumerate() {
+            for side in Side::BOTH {
+                for report in workspace.reports(contact_index(number, side)).filter(|report| report.normal_force > 0.0) {
+                    let force = workspace.in_track(number, report.force);
+                    let q = found[&format!("{wheelset}.{}.verticalForce", side.name())];
+                    assert!(force.z <= q + 1e-6);
+                    transfer -= force.z * side.sign() * (half + report.parameters.rail);
+                }
+            }
+        }
+        println!("V {speed}, R {radius}: sum Q {vertical:.2} of {weight:.2} N, sum Y {lateral:.2} of {inertial:.2} N");
+        println!("  load transfer {transfer:.1} N m, of the masses {moment:.1} N m");
+        assert!((vertical / weight - 1.0).abs() < 1e-6);
         assert!((lateral / inertial - 1.0).abs() < 1e-3);
-        assert!((transfer / moment - 1.0).abs() < 0.03);
+        assert!((transfer / moment - 1.0).abs() < 0.02);
     }
 }
 
@@ -139,28 +153,29 @@ fn analytic_balance_speed_leaves_no_lateral_force() {
 /// A start in the curve stays where it is, and is where a run ends that comes from straight track through a spiral.
 #[test]
 fn equiv_start_in_a_curve_is_the_end_of_a_run_into_it() {
-    for (radius, height) in [(1500.0, -0.03), (600.0, -0.05)] {
+    for (radius, height) in [(600.0, -0.05)] {
+        // Behind the scene's deviations.
         let read = |nodes: &str| {
-            scene("bogie", &["vehicle.drive=leading", "solver.tolerance=1e-8", "track.smoothing=5", &format!("track.node=[{nodes}]")])
+            let nodes = format!("track.node=[{nodes}]");
+            scene("bogie", &["vehicle.drive=leading", "solver.tolerance=1e-8", "track.smoothing=5", "vehicle.initial.distance=150", &nodes])
         };
         let curved = format!("radius={radius:?}, superelevation={height:?}}}");
         let within = read(&format!("{{distance=0.0, {curved}"));
-        let into = read(&format!("{{distance=20.0}}, {{distance=80.0, {curved}"));
+        let into = read(&format!("{{distance=170.0}}, {{distance=230.0, {curved}"));
         let mut started = start(&within);
         let before = values(&within, &mut started);
-        let mut after = before.clone();
-        for i in 1..=8 {
-            started.advance(0.25 * f64::from(i)).unwrap();
-            after = values(&within, &mut started);
-            println!("{}: {:?}", 0.25 * f64::from(i), ["wheelset[1].y", "wheelset[2].y", "wheelset[1].left.contact[2].normalForce", "wheelset[1].right.contact[2].normalForce"].map(|n| after.get(n).map_or(f64::NAN, |v| v - before[n])));
-        }
+        started.advance(2.0).unwrap();
+        let after = values(&within, &mut started);
         let mut run = start(&into);
         run.advance(16.0).unwrap();
         let arrived = values(&into, &mut run);
-        for part in ["wheelset[1]", "wheelset[2]", "frame", "car"] {
+        // The car's yaw, which one truck hardly holds, has not settled by then.
+        for part in ["wheelset[1]", "wheelset[2]", "frame"] {
             for name in ["y", "z", "yaw", "roll"] {
                 let [a, b, c] = [&before, &after, &arrived].map(|values| values[&format!("{part}.{name}")]);
                 println!("{radius} {part}.{name}: {a:.9}, 2 s later {:.1e} off, behind a spiral {:.1e} off", b - a, c - a);
+                assert!((b - a).abs() < 1e-7, "{part}.{name} moves");
+                assert!((c - a).abs() < if name == "yaw" { 2e-5 } else { 5e-6 }, "{part}.{name} differs");
             }
         }
     }
@@ -202,7 +217,8 @@ fn prop_a_lone_wheelset_starts_in_steady_curving() {
         println!("{formulation}: y {:.6e} m ({:.1e} after 1 s), yaw {:.6e} rad ({:.1e})", y.0, y.1, yaw.0, yaw.1);
         let bound = if formulation == "ECF-N" { 2e-5 } else { 1e-8 };
         assert!(y.1.abs() < bound && yaw.1.abs() < bound && y.0.abs() > 1e-4);
-        assert_eq!(values(&open(50.0), &mut start(&open(50.0)))["wheelset.yaw"], 0.0);
+        let straight = values(&open(50.0), &mut start(&open(50.0)));
+        assert!(straight["wheelset.yaw"].abs() < 1e-12 && straight["wheelset.y"].abs() < 1e-12);
     }
 }
 
@@ -226,8 +242,12 @@ fn hard_a_body_without_support_is_named_in_a_curve() {
 /// A vehicle that stands in a canted curve stays there.
 #[test]
 fn hard_a_vehicle_that_stands_in_a_curve_stays() {
-    let changes =
-        [curve(600.0, -0.05, 0.0), "vehicle.travel=free".into(), "vehicle.speed=0".into(), "contact.transient={ below = \"2 m/s\" }".into()];
+    let changes = [
+        curve(600.0, -0.05, 0.0),
+        "vehicle.travel=free".into(),
+        "vehicle.speed=0".into(),
+        "contact.transient={ below = \"2 m/s\" }".into(),
+    ];
     let scene = scene("bogie", &changes.each_ref().map(String::as_str));
     let mut simulation = start(&scene);
     let before = values(&scene, &mut simulation);
@@ -242,43 +262,17 @@ fn hard_a_vehicle_that_stands_in_a_curve_stays() {
     }
 }
 
-/// A train of so many coaches.
-fn train(coaches: usize, curve: &str) -> Scene {
-    let embedded = wheelrail::scene::embedded::find("vehicle_manchester_1").map_or("", |scene| scene.text);
-    let mut places = String::from("[vehicle.module.coach]\ntemplate = \"vehicle_manchester_1\"\n");
-    for coach in 1..=coaches {
-        let x = -26.0 * (coach - 1) as f64;
-        places += &format!("[[vehicle.place]]\nname = \"coach[{coach}]\"\nmodule = \"coach\"\nposition = [{x:?}, 0, 0]\n");
-        if coach < coaches {
-            let ends =
-                [(coach, x - 12.5), (coach + 1, x - 13.5)].map(|(c, x)| format!("{{ body = \"coach[{c}].car\", at = [{x:?}, 0, 1] }}"));
-            places += &format!(
-                "[[vehicle.force]]\nname = \"coupler[{coach}]\"\nkind = \"coupler\"\nfrom = {}\nto = {}\ndraw_stiffness = 5e6\nbuffer_stiffness = 1e7\n",
-                ends[0], ends[1]
-            );
-        }
-    }
-    let text = embedded.replace("template = \"vehicle_manchester_1\"", "template = \"free\"").replacen(
-        "\n[track]\n",
-        &format!("\n{places}\n[track]\n"),
-        1,
-    );
-    let source = Source { file: "train.toml".into(), text, overridden: vec![], folder: None };
-    let changes: Vec<String> = if curve.is_empty() { vec![] } else { vec![curve.into()] };
-    load::read("train", source, &changes).unwrap_or_else(|error| panic!("{error}"))
-}
-
-/// The number of evaluations does not grow with the train: its start costs as much per coach.
+/// The plan says what curve it is, and that a wheelset on a transition starts as on straight track.
 #[test]
-fn hard_cost_of_starting_trains() {
-    for curve in ["", &curve(600.0, -0.1, 0.0)] {
-        for coaches in [1, 2, 4, 8, 16] {
-            let scene = train(coaches, curve);
-            let clock = Instant::now();
-            match Simulation::new(&scene, 0.0) {
-                Ok(_) => println!("{coaches} coaches {curve}: {:.1} ms", 1e3 * clock.elapsed().as_secs_f64()),
-                Err(error) => println!("{coaches} coaches {curve}: {error}"),
-            }
-        }
-    }
+fn prop_the_plan_says_how_a_scene_starts() {
+    let said = |file: &str, changes: &[String]| {
+        let scene = load::open(common::data(file).to_str().unwrap(), changes).unwrap_or_else(|error| panic!("{error}"));
+        let plan = plan::plan(&scene, &assemble::model(&scene).unwrap());
+        plan.effects.into_iter().find(|effect| effect.name == "steady curving start").map(|effect| (effect.included, effect.why))
+    };
+    let (included, why) = said("scenes/coach_in_curve.toml", &[]).unwrap();
+    assert!(included && why.contains("radius 600.0 m to the left, superelevation -100.0 mm, grade 0.00 %"), "{why}");
+    let (included, why) = said("scenes/curve.toml", &["vehicle.initial.distance=50".into()]).unwrap();
+    assert!(!included && why.contains("as on straight level track"), "{why}");
+    assert_eq!(said("scenes/curve.toml", &["vehicle.initial.distance=300".into()]), None);
 }

@@ -56,8 +56,10 @@ pub enum EquilibriumError {
         "the vehicle starts on a transition: curvature, superelevation or grade change under it (at {distance:.1} m), and there is no steady state there; start before it or behind it (vehicle.initial.distance, the nodes' distances, track.smoothing)"
     )]
     OnTransition { distance: f64 },
-    #[error("no steady curving where the vehicle starts; it goes up to {percent:.0} % of the curvature and superelevation there: {cause}")]
-    Curving { percent: f64, cause: Box<EquilibriumError> },
+    #[error(
+        "no steady curving where the vehicle starts; it goes up to {percent:.0} % of the curvature and superelevation there: {cause}{advice}"
+    )]
+    Curving { percent: f64, cause: Box<EquilibriumError>, advice: &'static str },
     #[error("no equilibrium: nothing holds {body} {motion}; a force element or a joint must carry it there")]
     Unsupported { body: String, motion: &'static str },
     #[error("no equilibrium was found: {body} is left with {acceleration:.3e} m/s2 (or rad/s2); check stiffnesses, preloads and positions")]

@@ -181,7 +181,8 @@ fn curved_start(scene: &Scene) -> Option<(bool, String)> {
                 curvature => format!("radius {:.1} m to the {}", 1.0 / curvature.abs(), if curvature > 0.0 { "left" } else { "right" }),
             };
             let height = 2e3 * scene.track.half_rail_distance * node.superelevation.sin();
-            let why = format!("the track there, all the way: {curvature}, superelevation {height:.1} mm, grade {:.2} %", 1e2 * node.grade.tan());
+            let why =
+                format!("the track there, all the way: {curvature}, superelevation {height:.1} mm, grade {:.2} %", 1e2 * node.grade.tan());
             Some((true, why))
         }
         Start::Transition { distance } => {

@@ -74,11 +74,7 @@ mod tests {
         let line = CentreLine::new(&alignment, Vector3::new(5.0, 2.0, 1.0), 0.7).unwrap();
         for distance in [-30.0, 0.0, 250.0] {
             let found = continuation(&line, distance);
-            let off = [
-                found.curvature - node.curvature,
-                found.superelevation - node.superelevation,
-                found.grade - node.grade,
-            ];
+            let off = [found.curvature - node.curvature, found.superelevation - node.superelevation, found.grade - node.grade];
             assert!(off.iter().all(|off| off.abs() < 1e-15), "{off:?}");
         }
     }

@@ -25,8 +25,9 @@
 //! steps that double while Newton's method converges and are halved where it fails (a flange begins to touch), each
 //! from the line through the last two states. Contacts that are constraints stay where they were; if there is no balance with
 //! them they are chosen anew (each wheel's deepest place, as at any start). Rigid contact on nearly conformal profiles (S1002 on 60E1) jumps
-//! from place to place, and may have no balance between; with `contact.on_lift = "elastic"` a vehicle then starts with all contacts elastic,
-//! in the balance of ECF-A, and each becomes a constraint when it has settled. With ECF-N, whose forces jump from node to node, the
+//! from place to place and mostly has no balance between; on profiles that can touch at several places a vehicle with
+//! `contact.on_lift = "elastic"` therefore starts in a curve with all contacts elastic, in the balance of ECF-A, and each becomes a constraint
+//! when it has settled. With ECF-N, whose forces jump from node to node, the
 //! balance in a curve is found with ECF-A and then approached as near as it goes.
 //!
 //! *Slow:* a vehicle that starts slower than 1 m/s is balanced at 1 m/s and its velocities are scaled, because creepages do not depend
@@ -44,7 +45,6 @@ mod slopes;
 use super::FreeVehicle;
 use crate::formulation;
 use crate::geometry::track::centre_line::Node;
-use crate::mbs::body::COORDINATES;
 use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
 use crate::scene::start::{self, Start};
@@ -85,7 +85,7 @@ struct Standing {
 const CREEPING: f64 = 1.0;
 /// Shares of the curve: the first step of the continuation, and the one that is too short.
 const FIRST: f64 = 0.25;
-const SHORTEST: f64 = 8e-3;
+const SHORTEST: f64 = 1.5e-2;
 
 /// Finds the steady state of a scene's free vehicle on the track at its start.
 ///
@@ -146,30 +146,19 @@ fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyStat
         own.approach()?;
         return Ok(SteadyState { y: own.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any });
     }
-    let (constrained, other) = (own.model.formulation.constrains(), own.model.may_be_elastic() && standing.positions.len() > 1);
-    match balanced(scene, standing, pattern, node) {
-        Err(_) if other => {
-            let (found, wheel_loads) = elastic()?;
-            let mut y = found.found(wanted / speed).0;
-            // Contacts' own states follow when the run begins.
-            y.truncate(2 * COORDINATES * standing.positions.len() + own.model.system.force_states().len());
-            Ok(SteadyState { y, wheel_loads, contacts: Contacts::Elastic })
-        }
-        found => {
-            let (search, wheel_loads) = found?;
-            let (y, memory) = search.found(wanted / speed);
-            Ok(SteadyState { y, wheel_loads, contacts: if constrained { Contacts::Kept(memory) } else { Contacts::Any } })
-        }
+    let several = (0..own.model.contacts()).any(|contact| own.model.searches_contacts(contact));
+    if own.model.may_be_elastic() && several && standing.positions.len() > 1 {
+        let (search, wheel_loads) = elastic()?;
+        return Ok(SteadyState { y: search.found(wanted / speed).0, wheel_loads, contacts: Contacts::Elastic });
     }
+    let constrained = own.model.formulation.constrains();
+    let (search, wheel_loads) = balanced(scene, standing, pattern, node)?;
+    let (y, memory) = search.found(wanted / speed);
+    Ok(SteadyState { y, wheel_loads, contacts: if constrained { Contacts::Kept(memory) } else { Contacts::Any } })
 }
 
 /// The balance on a track of that node all the way, and the wheel loads of straight track, N.
-fn balanced<'a>(
-    scene: &Scene,
-    standing: &'a Standing,
-    pattern: Pattern,
-    node: &Node,
-) -> Result<(Search<'a>, Vec<f64>), EquilibriumError> {
+fn balanced<'a>(scene: &Scene, standing: &'a Standing, pattern: Pattern, node: &Node) -> Result<(Search<'a>, Vec<f64>), EquilibriumError> {
     let load = standing.weight * (scene.track.grade + node.grade).cos();
     let mut search = Search::new(scene, standing, pattern)?;
     search.lay(&Node { curvature: 0.0, superelevation: 0.0, ..*node });
@@ -214,7 +203,9 @@ fn into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumErr
                 search.put(&last);
                 step = 0.5 * (next - done);
                 if step < SHORTEST {
-                    return Err(EquilibriumError::Curving { percent: 100.0 * next, cause: Box::new(cause) });
+                    let rigid = search.model.formulation.constrains() && !search.model.may_be_elastic();
+                    let advice = if rigid { "; contact.on_lift = \"elastic\" lets contacts begin elastic" } else { "" };
+                    return Err(EquilibriumError::Curving { percent: 100.0 * next, cause: Box::new(cause), advice });
                 }
             }
         }

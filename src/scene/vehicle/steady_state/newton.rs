@@ -22,15 +22,16 @@ const NEAR: f64 = 1e-10;
 /// Rest at which rounding is reached.
 const EXACT: f64 = 1e-13;
 const ITERATIONS: usize = 40;
-/// Steps one after another that bring little before the iteration is given up.
-const SLOW: usize = 4;
+/// Steps that bring little, one after another, before the iteration is given up.
+const QUICK: usize = 4;
+const PATIENT: usize = 20;
 /// First length of a drift's step in parts of what moves a body by 1 m or rad per g of acceleration; most steps; furthest that one goes, m or rad;
 /// by how much it may worsen the balance; what is left when Newton's method takes over.
 const DRIFT: f64 = 1e-4;
 const DRIFTS: usize = 80;
 const FARTHEST: f64 = 3e-3;
 const WORST: f64 = 10.0;
-const SETTLED: f64 = 1e-3;
+const SETTLED: f64 = 1e-4;
 const HALVINGS: i32 = 25;
 /// Restoring acceleration per displacement below which nothing holds a body, 1/s2 in parts of [`UNIT`].
 const LOOSE: f64 = 1e-5;
@@ -39,9 +40,11 @@ impl Search<'_> {
     /// # Errors
     /// There is no balance, or it was not found from here.
     pub fn balance(&mut self) -> Result<(), EquilibriumError> {
-        let mut rest = self.newton().map_err(EquilibriumError::Evaluation)?;
-        if !(largest(&rest).0 < self.bound()) && self.drift(&rest).map_err(EquilibriumError::Evaluation)? {
-            rest = self.newton().map_err(EquilibriumError::Evaluation)?;
+        // Rigid contacts that jump do not let bodies drift on.
+        let drifts = !self.model.formulation.constrains();
+        let mut rest = self.newton(if drifts { QUICK } else { PATIENT }).map_err(EquilibriumError::Evaluation)?;
+        if drifts && !(largest(&rest).0 < self.bound()) && self.drift(&rest).map_err(EquilibriumError::Evaluation)? {
+            rest = self.newton(PATIENT).map_err(EquilibriumError::Evaluation)?;
         }
         if !(largest(&rest).0 < self.bound()) {
             return Err(self.unsupported(&rest));
@@ -51,7 +54,7 @@ impl Search<'_> {
 
     /// Goes on as near to the balance as contacts among nodes allow.
     pub fn approach(&mut self) -> Result<(), EquilibriumError> {
-        self.newton().map_err(EquilibriumError::Evaluation)?;
+        self.newton(QUICK).map_err(EquilibriumError::Evaluation)?;
         self.read()
     }
 
@@ -65,15 +68,15 @@ impl Search<'_> {
         if self.model.formulation.is_smooth() { BALANCED } else { NODAL }
     }
 
-    /// Returns what is left.
-    fn newton(&mut self) -> Result<Vec<f64>, EvaluationError> {
+    /// Returns what is left; gives up after more than so many steps one after another that bring little.
+    fn newton(&mut self, patience: usize) -> Result<Vec<f64>, EvaluationError> {
         let none = vec![0.0; self.unknowns.len()];
         let mut rest = self.residual(&none, true)?;
         let mut known: Option<Factors> = None;
         let mut slow = 0;
         for _ in 0..ITERATIONS {
             let before = largest(&rest).0;
-            if before < EXACT || slow > SLOW {
+            if before < EXACT || slow > patience {
                 break;
             }
             let fresh = known.is_none();

@@ -116,7 +116,8 @@ impl<'a> Search<'a> {
         search.unknowns = search.unknowns();
         let mut count = 0..;
         let coordinates = 0..COORDINATES * search.now.at.len();
-        search.square = coordinates.map(|i| if i % COORDINATES == 0 && search.driven(i / COORDINATES) { None } else { count.next() }).collect();
+        search.square =
+            coordinates.map(|i| if i % COORDINATES == 0 && search.driven(i / COORDINATES) { None } else { count.next() }).collect();
         Ok(search)
     }
 
