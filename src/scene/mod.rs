@@ -9,4 +9,5 @@ pub mod plan;
 pub mod solver_choice;
 mod remarks;
 pub mod spec;
+pub mod start;
 pub mod vehicle;
