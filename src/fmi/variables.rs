@@ -99,7 +99,7 @@ impl VariableTable {
             role: Role::Output(index),
         }));
         variables.extend(parameters::parameters(scene));
-        variables.extend(locals(model.formulation.constrains()));
+        variables.extend(locals(model.formulation.constrains(), scene.solver.integrator.linearises()));
         let index = variables.iter().enumerate().map(|(index, variable)| (variable.reference, index)).collect();
         Ok(VariableTable { variables, outputs, neutral_inputs: model.neutral_inputs(), wheelsets: model.wheelsets.len(), index })
     }
@@ -221,8 +221,8 @@ fn axle_inputs(scene: &Scene, index: usize, (wheelset, driven): (&str, bool)) ->
         .collect()
 }
 
-/// Counters of work; those of constraints only where contact is one.
-fn locals(constrains: bool) -> Vec<Variable> {
+/// Counters of work; those of constraints only where contact is one, those of implicit methods only with one.
+fn locals(constrains: bool, linearises: bool) -> Vec<Variable> {
     let counter = |reference, name: &str, text: &str, read: fn(&SimulationState) -> u64| Variable {
         reference,
         name: name.into(),
@@ -268,6 +268,13 @@ fn locals(constrains: bool) -> Vec<Variable> {
             counter(906, "solver.events", "lift-offs and landings", |s| s.integration.statistics.events),
             counter(907, "solver.constraintIterations", "Newton iterations on the position constraints", |s| s.work.constraint_iterations),
             counter(908, "solver.forceIterations", "evaluations of the loop between normal and creep forces", |s| s.work.force_iterations),
+        ]);
+    }
+    if linearises {
+        locals.extend([
+            counter(911, "solver.linearisations", "Jacobians", |s| s.integration.statistics.linearisations),
+            counter(912, "solver.factorisations", "factorisations of I - a J", |s| s.integration.statistics.factorisations),
+            counter(913, "solver.iterations", "Newton iterations of the integrator", |s| s.integration.statistics.iterations),
         ]);
     }
     locals

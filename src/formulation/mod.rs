@@ -20,6 +20,7 @@ pub mod points;
 mod rail_motion;
 mod rigid;
 pub mod sliding_mean;
+mod tangent;
 mod travel;
 pub mod work;
 

@@ -19,6 +19,7 @@ use crate::geometry::surface::Wheel;
 use crate::geometry::track::Track;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::system::{System, SystemWorkspace};
+use crate::mbs::tangent::Tangent;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -151,6 +152,8 @@ pub struct Workspace {
     pub work: Work,
     /// Lift-offs and landings since they were last taken away.
     pub events: Vec<ContactEvent>,
+    /// The linearised model, for integrators that need it ([`Model::prepare_tangent`]).
+    pub(super) tangent: Option<Tangent>,
 }
 
 /// Time, inputs and state of an evaluation; the memory is both read and written.
@@ -303,9 +306,7 @@ impl Model {
     }
 
     pub fn workspace(&self) -> Workspace {
-        let both = |wheelset: &Wheelset| [wheelset.body; 2];
-        let constrained: Vec<usize> =
-            if self.formulation.constrains() { self.wheelsets.iter().flat_map(both).collect() } else { Vec::new() };
+        let constrained = self.constrained_bodies();
         let further = (self.points - 1) * self.contacts();
         let mut system = self.system.workspace(&constrained);
         self.add_stations(&mut system);
@@ -316,7 +317,14 @@ impl Model {
             rigid: if self.formulation.constrains() { RigidScratch::new(self) } else { RigidScratch::default() },
             work: Work::default(),
             events: Vec::new(),
+            tangent: None,
         }
+    }
+
+    /// The bodies of the contacts that are constraints, contact by contact.
+    pub(super) fn constrained_bodies(&self) -> Vec<usize> {
+        let both = |wheelset: &Wheelset| [wheelset.body; 2];
+        if self.formulation.constrains() { self.wheelsets.iter().flat_map(both).collect() } else { Vec::new() }
     }
 
     /// The reports of one wheel's contacts: the first and the others.

@@ -6,6 +6,7 @@ pub mod equilibrium;
 pub mod load;
 mod overrides;
 pub mod plan;
+pub mod solver_choice;
 mod remarks;
 pub mod spec;
 pub mod vehicle;

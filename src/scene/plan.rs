@@ -1,5 +1,6 @@
 //! What a scene makes the program compute, and what not: the list behind `wheelrail plan`.
 
+use super::solver_choice;
 use super::remarks::remarks;
 use super::spec::{Scene, VehicleSpec};
 use super::vehicle::FreeVehicle;
@@ -136,7 +137,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         states: model.dimension(),
         memory: model.memory(),
         effects,
-        notes: profile_notes(scene).into_iter().chain(remarks(scene)).collect(),
+        notes: profile_notes(scene).into_iter().chain(remarks(scene)).chain(solver_choice::notes(scene)).collect(),
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! FMU parameters are fields of this data; a model is assembled from it anew when they are set.
 
+use super::solver_choice;
 pub use super::vehicle::suspended::{INITIAL, Initial, SuspensionSpec, WheelsetSpec};
 pub use super::vehicle::{TEMPLATES, VehicleSpec};
 use crate::contact::transient::TransientSettings;
@@ -80,8 +81,11 @@ pub struct ContactSpec {
 /// `[solver]`.
 #[derive(Clone, Debug)]
 pub struct SolverSpec {
+    /// Of the method; where the scene says "auto", of the one that this is.
     pub name: &'static str,
     pub integrator: Arc<dyn Integrator>,
+    /// Why "auto" is this method.
+    pub why: Option<&'static str>,
 }
 
 /// Groups of inputs, outputs and parameters that an FMU may show.
@@ -147,7 +151,9 @@ impl Scene {
         let track = read_track(root.section("track")?)?;
         let contact = read_contact(root.section("contact")?)?;
         let solver = root.section("solver")?;
-        let (solver_name, integrator) = solve::parse(&solver)?;
+        let (automatic, why) = solver_choice::choose(&solver_choice::facts(&solver, &contact)?);
+        let (solver_name, integrator) = solve::parse(&solver, automatic)?;
+        let why = solver.word("integrator", &[solve::AUTO.name]).is_ok().then_some(why);
         solver.finish()?;
         let interface = match root.optional_section("interface")? {
             Some(section) => read_interface(section, &vehicle)?,
@@ -169,7 +175,7 @@ impl Scene {
             vehicle,
             track,
             contact,
-            solver: SolverSpec { name: solver_name, integrator },
+            solver: SolverSpec { name: solver_name, integrator, why },
             interface,
             run: spec,
             prepared: PreparedSearches::default(),

@@ -141,6 +141,9 @@ impl Simulation {
             snapshot_valid: false,
             model,
         };
+        if simulation.integrator.linearises() {
+            simulation.model.prepare_tangent(&mut simulation.workspace);
+        }
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
         simulation.snapshot()?;
         simulation.state.integration.memory.clone_from(&simulation.snapshot.memory);

@@ -104,6 +104,20 @@ impl Curve {
         force
     }
 
+    /// dF/dx, N/m; beyond a sharp corner that of the side that x is on.
+    #[inline]
+    pub fn slope(&self, x: f64) -> f64 {
+        let mut slope = self.slope;
+        for corner in &self.corners {
+            let u = x - corner.at;
+            if u <= -self.rounding {
+                break;
+            }
+            slope += corner.change * if u >= self.rounding { 1.0 } else { (u + self.rounding) / (2.0 * self.rounding) };
+        }
+        slope
+    }
+
     /// Integral of F from 0 to x, J.
     pub fn energy(&self, x: f64) -> f64 {
         let ramps = self.corners.iter().map(|corner| {
