@@ -6,7 +6,7 @@ pub mod equilibrium;
 pub mod load;
 mod overrides;
 pub mod plan;
-pub mod solver_choice;
 mod remarks;
+pub mod solver_choice;
 pub mod spec;
 pub mod vehicle;
