@@ -6,6 +6,7 @@ mod counting;
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::PI;
 use std::time::Instant;
+use wheelrail::geometry::track::station::Station;
 use wheelrail::mbs::body::{Body, BodyMotion, Wrench};
 use wheelrail::mbs::force::{ForceElement, Gravity};
 use wheelrail::mbs::inertia::Inertia;
@@ -14,6 +15,7 @@ use wheelrail::mbs::kkt::RowBodies;
 use wheelrail::mbs::projection::{Projection, ProjectionError};
 use wheelrail::mbs::redundancy::AssemblyError;
 use wheelrail::mbs::system::{DrivingConstraint, System, SystemWorkspace};
+use wheelrail::mbs::tangent::{Ends, PairTangent};
 use wheelrail::solve::{DormandPrince, Dynamics, IntegrationState, Integrator, RungeKutta4, Scratch, Undefined};
 
 const G: f64 = 9.81;
@@ -428,6 +430,10 @@ impl ForceElement for Push {
     fn apply(&self, _: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         wrenches[self.0].force.x += self.1;
     }
+    fn bodies(&self) -> Ends {
+        [Some(self.0), None]
+    }
+    fn tangent(&self, _: &[BodyMotion], _: &[Station], _: &[f64], _: usize, _: &mut PairTangent) {}
     fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
         None
     }

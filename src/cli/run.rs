@@ -97,6 +97,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             statistics.rejected,
             statistics.evaluations
         ));
+        if scene.solver.integrator.linearises() {
+            print(&format!(
+                "  {} Jacobians, {} factorisations, {} Newton iterations of the integrator\n",
+                statistics.linearisations, statistics.factorisations, statistics.iterations
+            ));
+        }
         if simulation.model().formulation.constrains() {
             let work = simulation.state().work;
             print(&format!(

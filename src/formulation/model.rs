@@ -6,7 +6,7 @@ use super::points::{self, PreparedSearches, WheelSearch};
 use super::rigid::{self, RigidScratch};
 use super::sliding_mean::SlidingMean;
 use super::work::Work;
-use super::{AssemblyError, Build, EvaluationError, Formulation, lift};
+use super::{AssemblyError, Build, EvaluationError, Formulation, RAIL_INPUTS, lift};
 use crate::contact::Patch;
 use crate::contact::creep::CreepLaw;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
@@ -19,6 +19,7 @@ use crate::geometry::surface::Wheel;
 use crate::geometry::track::Track;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::system::{System, SystemWorkspace};
+use crate::mbs::tangent::Tangent;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -105,6 +106,8 @@ pub struct Model {
     pub(super) contact_states_begin: usize,
     /// Means over the last stretch of travel; `None` where the scene does not ask for them.
     pub means: Option<SlidingMean>,
+    /// Does the rail under each wheel move as inputs say (see `rail_motion`)?
+    pub rail_motion: bool,
     /// Per wheel: the search for all of them; `None` where one place alone can touch.
     pub(super) searches: Vec<Option<Arc<WheelSearch>>>,
 }
@@ -149,6 +152,8 @@ pub struct Workspace {
     pub work: Work,
     /// Lift-offs and landings since they were last taken away.
     pub events: Vec<ContactEvent>,
+    /// The linearised model, for integrators that need it ([`Model::prepare_tangent`]).
+    pub(super) tangent: Option<Tangent>,
 }
 
 /// Time, inputs and state of an evaluation; the memory is both read and written.
@@ -207,7 +212,7 @@ impl Model {
         let searches = points::searches(&wheelsets, &track, if own > 1 { 1 } else { points.min(points::MOST_POINTS) }, &prepared);
         let points = if searches.iter().any(Option::is_some) { points } else { own };
         let contact_states_begin = system.dimension();
-        Ok(Model { system, track, wheelsets, laws, formulation, points, contact_states_begin, searches, means: None })
+        Ok(Model { system, track, wheelsets, laws, formulation, points, contact_states_begin, searches, means: None, rail_motion: false })
     }
 
     pub fn contacts(&self) -> usize {
@@ -301,9 +306,7 @@ impl Model {
     }
 
     pub fn workspace(&self) -> Workspace {
-        let both = |wheelset: &Wheelset| [wheelset.body; 2];
-        let constrained: Vec<usize> =
-            if self.formulation.constrains() { self.wheelsets.iter().flat_map(both).collect() } else { Vec::new() };
+        let constrained = self.constrained_bodies();
         let further = (self.points - 1) * self.contacts();
         let mut system = self.system.workspace(&constrained);
         self.add_stations(&mut system);
@@ -314,7 +317,14 @@ impl Model {
             rigid: if self.formulation.constrains() { RigidScratch::new(self) } else { RigidScratch::default() },
             work: Work::default(),
             events: Vec::new(),
+            tangent: None,
         }
+    }
+
+    /// The bodies of the contacts that are constraints, contact by contact.
+    pub(super) fn constrained_bodies(&self) -> Vec<usize> {
+        let both = |wheelset: &Wheelset| [wheelset.body; 2];
+        if self.formulation.constrains() { self.wheelsets.iter().flat_map(both).collect() } else { Vec::new() }
     }
 
     /// The reports of one wheel's contacts: the first and the others.
@@ -331,7 +341,8 @@ impl Model {
 
     /// Values of all inputs that leave the model alone.
     pub fn neutral_inputs(&self) -> Vec<f64> {
-        NEUTRAL_INPUTS.iter().copied().cycle().take(WHEELSET_INPUTS * self.wheelsets.len()).collect()
+        let own = NEUTRAL_INPUTS.iter().copied().cycle().take(WHEELSET_INPUTS * self.wheelsets.len());
+        own.chain(std::iter::repeat_n(0.0, if self.rail_motion { RAIL_INPUTS * self.contacts() } else { 0 })).collect()
     }
 
     /// Derivative `dy` of the state `at.y` at time `at.t`; leaves motions, wrenches and contacts in the workspace.

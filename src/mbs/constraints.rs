@@ -77,14 +77,8 @@ impl System {
             constraints.kkt.set_mobility(body, &data.mobility(motion));
         }
         for drive in &self.drives {
-            // The centre of mass is the origin: X is coupled to no other coordinate.
             let mut mobility = *constraints.kkt.mobility(drive.body);
-            if let Some(station) = workspace.stations.get(drive.body) {
-                super::driving::without_travel(&mut mobility, station);
-                constraints.kkt.set_mobility(drive.body, &mobility);
-                continue;
-            }
-            mobility[(0, 0)] = 0.0;
+            drive.immobilise(&mut mobility, &workspace.stations);
             constraints.kkt.set_mobility(drive.body, &mobility);
         }
         let mut row = 0;

@@ -37,9 +37,21 @@ impl DrivingConstraint {
     }
 }
 
+impl DrivingConstraint {
+    /// Takes the held direction out of the body's mobility; no stations: straight track.
+    #[inline]
+    pub(super) fn immobilise(&self, mobility: &mut Mobility, stations: &[Station]) {
+        match stations.get(self.body) {
+            Some(station) => without_travel(mobility, station),
+            // The centre of mass is the origin: X is coupled to no other coordinate.
+            None => mobility[(0, 0)] = 0.0,
+        }
+    }
+}
+
 /// Takes the direction of travel out of a mobility whose linear part is 1 / mass in all directions.
 #[inline]
-pub(super) fn without_travel(mobility: &mut Mobility, station: &Station) {
+fn without_travel(mobility: &mut Mobility, station: &Station) {
     let along = station.frame.along();
     let free = (Matrix3::identity() - along * along.transpose()) * mobility[(0, 0)];
     mobility.fixed_view_mut::<3, 3>(0, 0).copy_from(&free);

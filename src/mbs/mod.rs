@@ -11,3 +11,4 @@ pub mod on_track;
 pub mod projection;
 pub mod redundancy;
 pub mod system;
+pub mod tangent;

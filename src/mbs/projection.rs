@@ -9,7 +9,7 @@ use super::kkt::SingularConstraints;
 use super::system::{System, SystemWorkspace};
 
 /// Newton converges quadratically from an integrator's drift; more means that it started elsewhere.
-const MOST_ITERATIONS: usize = 30;
+pub const MOST_ITERATIONS: usize = 30;
 
 /// What a projection did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

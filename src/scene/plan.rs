@@ -1,5 +1,7 @@
 //! What a scene makes the program compute, and what not: the list behind `wheelrail plan`.
 
+use super::solver_choice;
+use super::remarks::remarks;
 use super::spec::{Scene, VehicleSpec};
 use super::start::{self, Start};
 use super::vehicle::FreeVehicle;
@@ -118,6 +120,10 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
             if shown { format!("interface.inputs has \"{group}\"") } else { format!("interface.inputs lacks \"{group}\": no variable") };
         effect(name, shown, why, 0);
     }
+    if model.rail_motion {
+        let why = "interface.inputs names \"rail_motion\": displacement, velocity and slope of the rail under each wheel, from outside";
+        effect("rail motion", true, why.into(), 0);
+    }
     let (shown, free) = (scene.interface.inputs.contains(&"centre_forces"), vehicle.axles().iter().any(|axle| !axle.1));
     let why = match (shown, free) {
         (true, true) if vehicle.speed_imposed => "interface.inputs has \"centre_forces\"; on wheelsets whose speed is not imposed",
@@ -135,7 +141,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         states: model.dimension(),
         memory: model.memory(),
         effects,
-        notes: profile_notes(scene),
+        notes: profile_notes(scene).into_iter().chain(remarks(scene)).chain(solver_choice::notes(scene)).collect(),
     }
 }
 

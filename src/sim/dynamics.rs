@@ -3,7 +3,7 @@
 use super::input::{self, InputSignal};
 use crate::formulation::{Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::COORDINATES;
-use crate::solve::{Dynamics, Undefined};
+use crate::solve::{Dynamics, StiffPart, Undefined};
 
 /// Weight of a wheelset's height and roll in the error control: a loaded wheel's penetration is 0.07 mm, so that an error of
 /// 1e-6 m there would be one of 2 % (1.6 kN) in the wheel load. With the weight, wheel loads are about as exact as lateral motion.
@@ -68,6 +68,23 @@ impl Dynamics for ModelDynamics<'_> {
             1.0
         };
         self.model.formulation.error_weight(self.model, self.workspace, i, plain)
+    }
+
+    fn coordinates(&self) -> usize {
+        COORDINATES * self.model.system.bodies.len()
+    }
+
+    fn linearise(&mut self, _: f64, y: &[f64], memory: &[f64], part: StiffPart) -> Result<(), Undefined> {
+        self.model.linearise(self.workspace, (y, memory), self.values, part == StiffPart::All);
+        Ok(())
+    }
+
+    fn factorise(&mut self, a: f64) -> Result<(), Undefined> {
+        self.model.factorise(self.workspace, a).map_err(|_| Undefined)
+    }
+
+    fn solve_linear(&mut self, x: &mut [f64]) {
+        self.model.solve_linear(self.workspace, x);
     }
 
     fn project(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {

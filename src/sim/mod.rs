@@ -4,6 +4,7 @@
 //! equal bit for bit when they are advanced to the same times.
 
 mod dynamics;
+pub mod feedthrough;
 pub mod input;
 pub mod outputs;
 pub mod recording;
@@ -148,6 +149,9 @@ impl Simulation {
             snapshot_valid: false,
             model,
         };
+        if simulation.integrator.linearises() {
+            simulation.model.prepare_tangent(&mut simulation.workspace);
+        }
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
         simulation.snapshot()?;
         simulation.state.integration.memory.clone_from(&simulation.snapshot.memory);

@@ -1,4 +1,4 @@
-//! Step-size control shared by the adaptive explicit pairs.
+//! Step-size control shared by the adaptive one-step pairs.
 //!
 //! A proportional-integral controller after Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.4;
 //! the error is the largest local error of the controlled components.
@@ -16,12 +16,17 @@ const BETA: f64 = 0.08;
 /// vehicle does on its rails, and time is not saved, because stability limits the step.
 pub(super) const TOLERANCES: (f64, f64) = (1e-15, 1e-5);
 
-/// An explicit Runge-Kutta pair whose last stage is evaluated at the end of the step (first same as last).
+/// A pair of one-step methods of neighbouring orders.
 pub(super) trait Pair {
     /// The local error estimate falls like h^ORDER.
     const ORDER: i32;
-    /// Index of the stage at the end of the step.
-    const LAST_STAGE: usize;
+    /// Index of the stage that is f at the end of the step and so the first one of the next step; `None` where there is no such.
+    const LAST_STAGE: Option<usize>;
+
+    /// What a step needs besides f at its begin, once for all attempts at it.
+    fn prepare(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState) -> Result<(), SolveError> {
+        state.evaluate_begin(dynamics)
+    }
 
     /// Computes all stages; the solution is left in `scratch.trial`. Returns the largest local error of the controlled
     /// components, infinity when a number is not finite.
@@ -40,10 +45,11 @@ pub(super) fn step<P: Pair>(
     scratch: &mut Scratch,
 ) -> Result<(), SolveError> {
     let exponent = 1.0 / f64::from(P::ORDER) - 0.75 * BETA;
-    state.evaluate_begin(dynamics)?;
     if state.next_step <= 0.0 {
+        state.evaluate_begin(dynamics)?;
         state.next_step = first_step(tolerance, dynamics, state, scratch);
     }
+    pair.prepare(dynamics, state)?;
     let limit = dynamics.next_break(state.t, &state.y, &state.memory);
     let mut h = state.next_step;
     let mut rejected = false;
@@ -95,9 +101,8 @@ pub(super) fn step<P: Pair>(
         state.next_step = if cut { proposed.max(h) } else { proposed };
         state.last_error = error.max(1e-4);
         pair.write_dense(state, scratch, step);
-        // The last stage is evaluated at the end of the step: it is the first of the next one, unless the
-        // system is not smooth there.
-        state.accept(end, scratch, P::LAST_STAGE, end < limit);
+        // A stage at the end of the step is the first of the next one, unless the system is not smooth there.
+        state.accept(end, scratch, P::LAST_STAGE.filter(|_| end < limit));
         return Ok(());
     }
 }

@@ -75,7 +75,7 @@ const D: [f64; STAGES] = [
 
 impl Pair for DormandPrince {
     const ORDER: i32 = 5;
-    const LAST_STAGE: usize = 6;
+    const LAST_STAGE: Option<usize> = Some(6);
 
     fn attempt(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch, h: f64) -> Result<f64, Undefined> {
         scratch.stages[0].copy_from_slice(&state.derivative);

@@ -11,6 +11,8 @@ const RESOLUTION: f64 = 1e-12;
 const ITERATIONS: usize = 60;
 /// How often a step is halved to find a margin.
 const LOOKS: i32 = 12;
+/// Evaluations that finding an event may take.
+pub(super) const MOST_LOOKS: usize = ITERATIONS + LOOKS as usize + 2;
 /// More changes of form at one time are a contradiction of the system's.
 const MOST_CHANGES: usize = 100;
 /// A step that cannot be completed is tried again shorter, down to this, s.
@@ -34,7 +36,7 @@ impl IntegrationState {
             dynamics.switch(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })?;
             self.switch_due = false;
             self.t_begin = self.t;
-            self.derivative_known = false;
+            self.forget();
             self.statistics.events += 1;
         }
         Err(SolveError::EndlessEvents { time: self.t })
@@ -47,7 +49,7 @@ impl IntegrationState {
         let released = dynamics.release(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })?;
         if released {
             self.t_begin = self.t;
-            self.derivative_known = false;
+            self.forget();
             self.next_step = 0.0;
             self.statistics.events += 1;
         }
@@ -64,7 +66,7 @@ impl IntegrationState {
             self.t = self.t_begin;
             self.grid_start = self.t;
             self.grid_count = 0;
-            self.derivative_known = false;
+            self.forget();
             self.next_step *= 0.25;
             self.statistics.rejected += 1;
         }
@@ -159,7 +161,7 @@ impl IntegrationState {
         self.interpolate(time, &mut y);
         std::mem::swap(&mut self.y, &mut y);
         self.derivative = y;
-        self.derivative_known = false;
+        self.forget();
         let mut power = 1.0;
         for vector in self.dense.chunks_exact_mut(self.y.len()) {
             vector.iter_mut().for_each(|coefficient| *coefficient *= power);

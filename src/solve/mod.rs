@@ -7,16 +7,27 @@
 //! ([`Dynamics::project`]), and the step is cut where the system changes its form ([`Dynamics::margin`]).
 
 mod adaptive;
+mod dense;
 mod dormand_prince;
 mod events;
+mod fixed;
+mod generalised_alpha;
+mod imex;
+mod real_time;
 mod rk4;
 mod rk43;
+mod rosenbrock;
 mod state;
+mod zhai;
 
 pub use dormand_prince::DormandPrince;
+pub use generalised_alpha::GeneralisedAlpha;
+pub use real_time::RealTime;
 pub use rk4::RungeKutta4;
 pub use rk43::RungeKutta43;
+pub use rosenbrock::Rosenbrock;
 pub use state::{IntegrationState, Statistics};
+pub use zhai::Zhai;
 
 use crate::settings::{Entry, Section, SettingsError, choose};
 use crate::units::Dimension;
@@ -127,6 +138,10 @@ pub enum SolveError {
     NoProgress { time: f64, step: f64 },
     #[error("t = {time:.9} s: the system changes its form again and again without moving on")]
     EndlessEvents { time: f64 },
+    #[error(
+        "t = {time:.9} s: the equations of a step of {step:.1e} s are not solved after {iterations} iterations; reduce solver.step or choose another integrator"
+    )]
+    NotConverged { time: f64, step: f64, iterations: usize },
     #[error("t = {time:.9} s: the solution is no longer finite; reduce solver.step (it is {step:.1e} s)")]
     NotFinite { time: f64, step: f64 },
 }
@@ -160,6 +175,26 @@ pub trait Integrator: Send + Sync + Debug {
     /// Number of vectors of length n that its continuous output needs.
     fn dense_vectors(&self) -> usize;
 
+    /// Number of vectors of length n that it remembers of earlier steps.
+    fn record_vectors(&self) -> usize {
+        0
+    }
+
+    /// Does it use Jacobians?
+    fn linearises(&self) -> bool {
+        false
+    }
+
+    /// What one step costs at most, in words, where that is bounded.
+    fn worst_case(&self) -> Option<String> {
+        None
+    }
+
+    /// A step that ends short of a target by no more than this has reached it, s.
+    fn slack(&self) -> f64 {
+        0.0
+    }
+
     /// One accepted step, which ends at the next break at the latest.
     ///
     /// # Errors
@@ -168,7 +203,7 @@ pub trait Integrator: Send + Sync + Debug {
 
     /// A state at (t, y) with the system's initial memory; the first step length is found when it is needed.
     fn start(&self, t: f64, y: &[f64], memory: &[f64]) -> IntegrationState {
-        IntegrationState::new(t, y, memory, self.dense_vectors())
+        IntegrationState::new(t, y, memory, self.dense_vectors(), self.record_vectors())
     }
 
     /// Advances until the state reaches `target` or passes it; [`IntegrationState::interpolate`] then gives the
@@ -183,7 +218,7 @@ pub trait Integrator: Send + Sync + Debug {
         scratch: &mut Scratch,
         target: f64,
     ) -> Result<(), SolveError> {
-        while state.t < target {
+        while state.t < target - self.slack() {
             state.begin(dynamics)?;
             if let Err(error) = self.step(dynamics, state, scratch) {
                 if !state.release(dynamics, error)? {
@@ -221,17 +256,38 @@ impl Scratch {
 type Parse = fn(&Section) -> Result<Arc<dyn Integrator>, SettingsError>;
 
 /// Every integrator that a scene can name.
-pub static REGISTRY: &[Entry<Parse>] = &[dormand_prince::ENTRY, rk43::ENTRY, rk4::ENTRY];
+pub static REGISTRY: &[Entry<Parse>] = &[
+    dormand_prince::ENTRY,
+    rk43::ENTRY,
+    rk4::ENTRY,
+    rosenbrock::ENTRY,
+    imex::ENTRY,
+    generalised_alpha::ENTRY,
+    zhai::ENTRY,
+    real_time::ENTRY,
+    AUTO,
+];
 
-/// Reads `[solver]`; returns the method's name and the method.
+/// Leaves the choice to the scene.
+pub const AUTO: Entry<Parse> = Entry {
+    name: "auto",
+    summary: "chosen from the scene by `tolerance` (or `step`); `wheelrail plan` says which one and why",
+    reference: "docs/scene.md",
+    parse: |section| Err(section.error("integrator", "\"auto\" stands in a scene only; expected a method's name")),
+};
+
+/// Reads `[solver]`; returns the method's name and the method. `automatic`: the method that "auto" stands for.
 ///
 /// # Errors
 /// [`SettingsError`] with file and line.
-pub fn parse(section: &Section) -> Result<(&'static str, Arc<dyn Integrator>), SettingsError> {
-    let entry = choose(REGISTRY, section, "integrator")?;
-    // Each method takes the one that it needs; the other may stay for the next choice.
+pub fn parse(section: &Section, automatic: &str) -> Result<(&'static str, Arc<dyn Integrator>), SettingsError> {
+    let named = choose(REGISTRY, section, "integrator")?;
+    let chosen = REGISTRY.iter().find(|entry| entry.name == automatic).filter(|_| named.name == AUTO.name);
+    let entry = chosen.unwrap_or(named);
+    // Each method takes those that it needs; the others may stay for the next choice.
     section.optional("tolerance", Dimension::Length)?;
     section.optional("step", Dimension::Time)?;
+    section.optional("rho_infinity", Dimension::None)?;
     Ok((entry.name, (entry.parse)(section)?))
 }
 
@@ -249,5 +305,7 @@ fn parse_setting(
     Err(section.error(key, format!("found {value:?}, expected {smallest:?} to {largest:?}")))
 }
 
+#[cfg(test)]
+mod test_systems;
 #[cfg(test)]
 mod tests;

@@ -1,8 +1,7 @@
 //! The classical Runge-Kutta method of order 4 with a fixed step and cubic Hermite output.
-//!
-//! Steps stand on the grid `start + k step`; a step that would pass a point where the system is not smooth is
-//! shortened to end there, and the grid starts anew.
 
+use super::dense;
+use super::fixed::{FixedStep, STEPS};
 use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -26,12 +25,6 @@ pub struct RungeKutta4 {
     pub step: f64,
 }
 
-/// Steps that end in this life, s.
-const STEPS: (f64, f64) = (1e-8, 1.0);
-
-/// Continuous output: powers 0 to 3 of theta.
-pub(super) const DENSE_VECTORS: usize = 4;
-
 impl Integrator for RungeKutta4 {
     fn setting(&self) -> Setting {
         Setting { kind: SettingKind::Step, value: self.step, range: STEPS }
@@ -42,40 +35,19 @@ impl Integrator for RungeKutta4 {
     }
 
     fn dense_vectors(&self) -> usize {
-        DENSE_VECTORS
+        dense::CUBIC
     }
 
     fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        step(self.step, dynamics, state, scratch)
+        state.evaluate_begin(dynamics)?;
+        let step = FixedStep::next(self.step, dynamics, state)?;
+        scratch.memory.copy_from_slice(&state.memory);
+        stages(dynamics, state, scratch, step.end, step.h).map_err(|Undefined| FixedStep::undefined(state))?;
+        step.check(state, scratch)?;
+        write_dense(state, scratch, step.h);
+        step.accept(state, scratch, Some(4));
+        Ok(())
     }
-}
-
-/// One step.
-fn step(step: f64, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-    state.evaluate_begin(dynamics)?;
-    let limit = dynamics.next_break(state.t, &state.y, &state.memory);
-    let next = state.grid_start + (state.grid_count + 1) as f64 * step;
-    let cut = next >= limit - 1e-9 * step;
-    let end = if cut { limit } else { next };
-    let h = end - state.t;
-    if !(h > 0.0) {
-        return Err(SolveError::NoProgress { time: state.t, step });
-    }
-
-    scratch.memory.copy_from_slice(&state.memory);
-    stages(dynamics, state, scratch, end, h).map_err(|Undefined| SolveError::Undefined { time: state.t })?;
-    if !scratch.trial.iter().all(|value| value.is_finite()) {
-        return Err(SolveError::NotFinite { time: state.t, step });
-    }
-    write_dense(state, scratch, h);
-    state.accept(end, scratch, 4, !cut);
-    if cut {
-        state.grid_start = end;
-        state.grid_count = 0;
-    } else {
-        state.grid_count += 1;
-    }
-    Ok(())
 }
 
 /// The four stages, the solution at `end` = t + h in `scratch.trial`, and f there as fifth stage.
@@ -104,15 +76,8 @@ pub(super) fn stages(
     dynamics.derivative(end, trial, memory, &mut stages[4])
 }
 
-/// Cubic Hermite polynomial through both ends of the step in powers of theta.
+/// Cubic Hermite polynomial through both ends of the step.
 pub(super) fn write_dense(state: &mut IntegrationState, scratch: &Scratch, h: f64) {
-    let n = state.y.len();
-    for i in 0..n {
-        let (begin, difference) = (state.y[i], scratch.trial[i] - state.y[i]);
-        let (first, last) = (h * scratch.stages[0][i], h * scratch.stages[4][i]);
-        let coefficients = [begin, first, 3.0 * difference - 2.0 * first - last, first + last - 2.0 * difference];
-        for (power, coefficient) in coefficients.into_iter().enumerate() {
-            state.dense[power * n + i] = coefficient;
-        }
-    }
+    let slopes = |i: usize| [h * scratch.stages[0][i], h * scratch.stages[4][i]];
+    dense::write_cubic(&mut state.dense, &state.y, &scratch.trial, slopes);
 }

@@ -6,8 +6,8 @@
 //! on the imaginary axis make it the cheapest choice where the contact's vibration limits the step.
 
 use super::adaptive::{self, Pair, TOLERANCES};
-use super::rk4;
 use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
+use super::{dense, rk4};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ impl Integrator for RungeKutta43 {
     }
 
     fn dense_vectors(&self) -> usize {
-        rk4::DENSE_VECTORS
+        dense::CUBIC
     }
 
     fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
@@ -50,7 +50,7 @@ impl Integrator for RungeKutta43 {
 
 impl Pair for RungeKutta43 {
     const ORDER: i32 = 4;
-    const LAST_STAGE: usize = 4;
+    const LAST_STAGE: Option<usize> = Some(4);
 
     fn attempt(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch, h: f64) -> Result<f64, Undefined> {
         rk4::stages(dynamics, state, scratch, state.t + h, h)?;

@@ -1,6 +1,6 @@
 //! All memory of an integration: cloning it is saving the simulation.
 
-use super::{Dynamics, Scratch, SolveError};
+use super::{Dynamics, Scratch, SolveError, StiffPart, Undefined};
 use serde::{Deserialize, Serialize};
 
 /// Work done so far.
@@ -52,11 +52,14 @@ pub struct IntegrationState {
     /// For fixed steps: start of the grid and the number of grid steps done.
     pub(super) grid_start: f64,
     pub(super) grid_count: u64,
+    /// What a method remembers of earlier steps, a whole number of vectors; it says nothing where it is not `record_known`.
+    pub(super) record: Vec<f64>,
+    pub(super) record_known: bool,
     pub statistics: Statistics,
 }
 
 impl IntegrationState {
-    pub(super) fn new(t: f64, y: &[f64], memory: &[f64], dense_vectors: usize) -> Self {
+    pub(super) fn new(t: f64, y: &[f64], memory: &[f64], dense_vectors: usize, record_vectors: usize) -> Self {
         IntegrationState {
             t,
             y: y.to_vec(),
@@ -70,6 +73,8 @@ impl IntegrationState {
             last_error: 1e-4,
             grid_start: t,
             grid_count: 0,
+            record: vec![0.0; record_vectors * y.len()],
+            record_known: false,
             statistics: Statistics::default(),
         }
     }
@@ -107,16 +112,37 @@ impl IntegrationState {
         Ok(())
     }
 
+    /// Finds J at (t, y), directly after an evaluation of f there.
+    pub(super) fn linearise(&mut self, dynamics: &mut dyn Dynamics, part: StiffPart) -> Result<(), SolveError> {
+        self.statistics.linearisations += 1;
+        dynamics.linearise(self.t, &self.y, &self.memory, part).map_err(|Undefined| SolveError::Undefined { time: self.t })
+    }
+
     /// Takes over the trial solution in `scratch` as the solution at `end`; the stage `last` was evaluated there and
-    /// serves as f of the next step where the system is `smooth`.
-    pub(super) fn accept(&mut self, end: f64, scratch: &Scratch, last: usize, smooth: bool) {
+    /// serves as f of the next step.
+    pub(super) fn accept(&mut self, end: f64, scratch: &Scratch, last: Option<usize>) {
         self.t_begin = self.t;
         self.t = end;
         self.y.copy_from_slice(&scratch.trial);
         self.memory.copy_from_slice(&scratch.memory);
-        self.derivative.copy_from_slice(&scratch.stages[last]);
-        self.derivative_known = smooth;
+        if let Some(last) = last {
+            self.derivative.copy_from_slice(&scratch.stages[last]);
+        }
+        self.derivative_known = last.is_some();
         self.statistics.steps += 1;
+    }
+
+    /// Begins anew from (t, y): the system or its inputs are no longer what they were before.
+    pub(super) fn forget(&mut self) {
+        self.derivative_known = false;
+        self.record_known = false;
+    }
+
+    /// Evaluates f at the begin of a step in any case: what an evaluation leaves in the system for [`Dynamics::linearise`] is not
+    /// part of the state.
+    pub(super) fn evaluate_afresh(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
+        self.derivative_known = false;
+        self.evaluate_begin(dynamics)
     }
 
     /// Takes the solution back to `time` within the last step and starts anew there, because the system changes.
@@ -136,7 +162,7 @@ impl IntegrationState {
         self.switch_due = false;
         self.t = time;
         self.t_begin = time;
-        self.derivative_known = false;
+        self.forget();
         self.grid_start = time;
         self.grid_count = 0;
         self.statistics.restarts += 1;
@@ -148,5 +174,6 @@ impl IntegrationState {
             && self.memory.len() == other.memory.len()
             && self.dense.len() == other.dense.len()
             && self.derivative.len() == other.derivative.len()
+            && self.record.len() == other.record.len()
     }
 }

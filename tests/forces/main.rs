@@ -8,3 +8,4 @@ mod laws;
 mod motion;
 mod properties;
 mod stage;
+mod tangent;

@@ -32,7 +32,7 @@ const SAMPLES: &[(&str, &str)] = &[
     ("coupler", "slack = 0.04\ndraw_stiffness = 3e6\nbuffer_force_over_displacement = [[0, 0], [0.01, 1e4], [0.05, 2e5]]\ndamping = 0.3"),
 ];
 
-fn stage(mirror: f64) -> Stage {
+pub fn stage(mirror: f64) -> Stage {
     let side = |x: f64, y: f64, z: f64| Vector3::new(x, y * mirror, z);
     let places = vec![("a", Some(0), side(-0.9, 0.8, 0.5)), ("b", Some(1), side(-0.6, 1.1, 1.0))];
     Stage { centres: vec![side(-1.0, 0.1, 0.6), side(0.5, -0.2, 1.8)], places, mirror }
@@ -48,14 +48,14 @@ fn samples(stage: &Stage) -> Vec<Box<dyn ForceElement>> {
 
 /// Deviations of two bodies from the design configuration, their velocities, and states of an element.
 #[derive(Clone, Debug)]
-struct Case {
-    q: Vec<f64>,
-    v: Vec<f64>,
-    state: Vec<f64>,
+pub struct Case {
+    pub q: Vec<f64>,
+    pub v: Vec<f64>,
+    pub state: Vec<f64>,
 }
 
 impl Case {
-    fn coordinates(&self, stage: &Stage) -> Vec<f64> {
+    pub fn coordinates(&self, stage: &Stage) -> Vec<f64> {
         stage.design().iter().zip(&self.q).map(|(design, q)| design + q).collect()
     }
 }
@@ -67,7 +67,7 @@ fn cases() -> impl Strategy<Value = Case> {
 }
 
 /// The same cases each time: a case at a corner of a table can't be differenced.
-fn walk(stage: &Stage, mut check: impl FnMut(&dyn ForceElement, &Case)) {
+pub fn walk(stage: &Stage, mut check: impl FnMut(&dyn ForceElement, &Case)) {
     for element in samples(stage) {
         let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]);
         let mut runner = TestRunner::new_with_rng(Config { failure_persistence: None, ..Config::with_cases(40) }, rng);

@@ -129,6 +129,9 @@ fn costs(comparison: &Comparison) -> String {
     row("accepted steps", &|cost| cost.statistics.steps as f64, true);
     row("rejected steps", &|cost| cost.statistics.rejected as f64, true);
     row("evaluations of the right-hand side", &|cost| cost.statistics.evaluations as f64, true);
+    row("Jacobians", &|cost| cost.statistics.linearisations as f64, false);
+    row("factorisations", &|cost| cost.statistics.factorisations as f64, false);
+    row("Newton iterations of the integrator", &|cost| cost.statistics.iterations as f64, false);
     row("CPU time per evaluation [us]", &|cost| 1e6 * cost.median() / cost.statistics.evaluations as f64, true);
     row("contact search: iterations or pairs of nodes", &|cost| cost.work.search_iterations as f64, false);
     row("normal against creep forces: iterations", &|cost| cost.work.force_iterations as f64, false);

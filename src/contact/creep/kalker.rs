@@ -15,9 +15,11 @@
 //! Error of the table itself against a spectral solution (tests/reference/adhesion.py): 0.3 % rms, at worst 1.2 %; beyond it, down to b/a or
 //! a/b = 30, 2 %.
 
+use super::slopes::CreepSlopes;
 use crate::contact::creepage::{CreepForce, Creepage};
 use crate::contact::{Material, Patch};
 use crate::math::spline::CubicSpline;
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
 /// c11, c22, c23, c33.
@@ -176,6 +178,24 @@ impl LinearTheory {
             lateral: -g * (area * c.c22 * creepage.lateral + coupling * creepage.spin),
             spin_moment: -g * (area * area * c.c33 * creepage.spin - coupling * creepage.lateral),
         }
+    }
+
+    /// Derivatives of [`LinearTheory::force`]; a b grows with N^(2/3).
+    pub fn slopes(&self, patch: Patch, creepage: Creepage, normal_force: f64) -> CreepSlopes {
+        if !(patch.a > 0.0 && patch.b > 0.0 && normal_force > 0.0) {
+            return CreepSlopes::default();
+        }
+        let c = self.table.at(patch.a / patch.b);
+        let (g, area) = (-self.shear_modulus, patch.a * patch.b);
+        let (coupling, moment) = (g * area * area.sqrt() * c.c23, g * area * area * c.c33);
+        let by_creepage = Matrix3::new(g * area * c.c11, 0.0, 0.0, 0.0, g * area * c.c22, coupling, 0.0, -coupling, moment);
+        let Creepage { longitudinal: x, lateral: y, spin } = creepage;
+        let by_normal_force = Vector3::new(
+            2.0 / 3.0 * by_creepage[(0, 0)] * x,
+            2.0 / 3.0 * by_creepage[(1, 1)] * y + coupling * spin,
+            4.0 / 3.0 * moment * spin - coupling * y,
+        ) / normal_force;
+        CreepSlopes { by_creepage, by_normal_force }
     }
 }
 

@@ -5,6 +5,7 @@
 //! other laws have to reach. Where nothing can be transmitted (no load, no friction, empty patch) the force is zero.
 
 use super::kalker::LinearTheory;
+use super::slopes::CreepSlopes;
 use super::{Build, CreepLaw, RollingContact};
 use crate::contact::creepage::CreepForce;
 use crate::settings::{Entry, Section, SettingsError};
@@ -25,6 +26,11 @@ impl CreepLaw for KalkerLinear {
     #[inline]
     fn force(&self, contact: &RollingContact) -> CreepForce {
         if contact.bound() > 0.0 { self.0.force(contact.patch, contact.creepage) } else { CreepForce::default() }
+    }
+
+    fn slopes(&self, contact: &RollingContact, _: &CreepForce) -> CreepSlopes {
+        let normal_force = if contact.bound() > 0.0 { contact.normal_force } else { 0.0 };
+        self.0.slopes(contact.patch, contact.creepage, normal_force)
     }
 }
 

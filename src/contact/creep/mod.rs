@@ -10,6 +10,7 @@ pub mod kalker;
 mod kalker_linear;
 mod polach;
 mod shen_hedrick_elkins;
+pub mod slopes;
 mod strips;
 #[cfg(test)]
 mod tests;
@@ -18,6 +19,7 @@ pub mod usetab;
 use super::creepage::{CreepForce, Creepage};
 use super::{Material, Patch};
 use crate::settings::{Entry, Section, SettingsError, choose};
+use slopes::CreepSlopes;
 use std::sync::Arc;
 
 /// A loaded patch that rolls along +e1.
@@ -52,6 +54,11 @@ impl RollingContact {
 pub trait CreepLaw: Send + Sync + std::fmt::Debug {
     /// Force on the wheel. Finite for every finite input; zero where the friction bound is zero.
     fn force(&self, contact: &RollingContact) -> CreepForce;
+
+    /// How the force, which is `force` here, changes. Laws that know no formula of their own are differenced.
+    fn slopes(&self, contact: &RollingContact, force: &CreepForce) -> CreepSlopes {
+        slopes::differences(self, contact, force)
+    }
 }
 
 /// Builds a law for a material.

@@ -6,9 +6,11 @@
 //! an approximation (the moment has no bound of its own in theory, and pure spin's force is overestimated).
 
 use super::kalker::LinearTheory;
+use super::slopes::CreepSlopes;
 use super::{Build, CreepLaw, RollingContact};
 use crate::contact::creepage::CreepForce;
 use crate::settings::{Entry, Section, SettingsError};
+use nalgebra::{RowVector3, Vector3};
 use std::sync::Arc;
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
@@ -45,6 +47,30 @@ impl CreepLaw for ShenHedrickElkins {
             lateral: factor * linear.lateral,
             spin_moment: factor * linear.spin_moment,
         }
+    }
+
+    /// With the factor f(r): `d(f F) = f dF + F f' dr`, `dr = (Fx dFx + Fy dFy) / (F_lin mu N) - r dN/N`.
+    fn slopes(&self, contact: &RollingContact, _: &CreepForce) -> CreepSlopes {
+        let bound = contact.bound();
+        if !(bound > 0.0) {
+            return CreepSlopes::default();
+        }
+        let force = self.linear.force(contact.patch, contact.creepage);
+        let mut slopes = self.linear.slopes(contact.patch, contact.creepage, contact.normal_force);
+        let resultant = force.longitudinal.hypot(force.lateral);
+        if !(resultant > 0.0) {
+            return slopes;
+        }
+        let (r, per_resultant) = (resultant / bound, 1.0 / (resultant * bound));
+        let by_r = if r < 3.0 { -1.0 / 3.0 + 2.0 * r / 27.0 } else { -1.0 / (r * r) };
+        let along = RowVector3::new(force.longitudinal * per_resultant, force.lateral * per_resultant, 0.0);
+        let force = Vector3::new(force.longitudinal, force.lateral, force.spin_moment) * by_r;
+        let factor = saturation(resultant, bound);
+        let r_by_creepage = along * slopes.by_creepage;
+        let r_by_normal_force = (along * slopes.by_normal_force)[0] - r / contact.normal_force;
+        slopes.by_creepage = slopes.by_creepage * factor + force * r_by_creepage;
+        slopes.by_normal_force = slopes.by_normal_force * factor + force * r_by_normal_force;
+        slopes
     }
 }
 

@@ -8,3 +8,4 @@ pub mod nodes;
 pub mod point_contact;
 #[cfg(test)]
 mod test_surfaces;
+pub mod wander;

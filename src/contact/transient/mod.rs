@@ -51,6 +51,7 @@
 //! depends on v directly, as that of the steady law does.
 
 pub mod relaxation;
+pub mod slopes;
 #[cfg(test)]
 mod tests;
 

@@ -38,6 +38,7 @@ use crate::geometry::profile::Profile;
 use crate::mbs::body::Wrench;
 pub use prepared::PreparedSearches;
 pub(super) use record::{Record, record_length};
+pub(super) use share::share_slopes;
 use share::{Saddle, Saddles, share_out};
 use std::sync::Arc;
 pub(super) use touch::{margin, switch};
@@ -148,6 +149,13 @@ pub(super) fn deepest(model: &Model, contact: usize, pair: &Pair) -> Option<Surf
 #[inline]
 pub(super) fn vanished(model: &Model, contact: usize, pair: &Pair, found: &ContactLocation) -> bool {
     model.searches[contact].is_some() && !is_least(pair, found)
+}
+
+/// Ridges between contacts of a wheel that are followed: numbers of the contacts on both sides, and where the ridge is.
+pub(super) fn ridges_of(model: &Model, contact: usize, memory: &[f64]) -> impl Iterator<Item = ([usize; 2], SurfaceParameters)> {
+    let searched = model.searches[contact].is_some();
+    let record = searched.then(|| &memory[model.contact_memory(contact)][model.formulation.memory_per_contact()..]);
+    (0..model.points - 1).filter_map(move |ridge| record::ridge(record?, model.points, ridge))
 }
 
 /// After a change between constraint and elastic force other contacts are followed: the next evaluation must search.

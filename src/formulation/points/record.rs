@@ -35,6 +35,18 @@ pub(in super::super) struct Record<'a> {
     points: usize,
 }
 
+fn ridge_place(points: usize, ridge: usize) -> usize {
+    MARKS + points + PER_CONTACT * (points - 1) + PER_RIDGE * ridge
+}
+
+/// [`Record::ridge`] of a record with so many contacts.
+#[inline]
+pub(super) fn ridge(values: &[f64], points: usize, ridge: usize) -> Option<([usize; 2], SurfaceParameters)> {
+    let place = ridge_place(points, ridge);
+    let number = |i: usize| (values[place + BETWEEN + i] as usize).checked_sub(1);
+    Some(([number(0)?, number(1)?], warm_start(&values[place..])))
+}
+
 impl<'a> Record<'a> {
     pub fn new(values: &'a mut [f64], points: usize) -> Self {
         Record { values, points }
@@ -53,15 +65,13 @@ impl<'a> Record<'a> {
     }
 
     fn ridge_place(&self, ridge: usize) -> usize {
-        MARKS + self.points + PER_CONTACT * (self.points - 1) + PER_RIDGE * ridge
+        ridge_place(self.points, ridge)
     }
 
     /// The contacts on both sides of a ridge that is followed, and where it was.
     #[inline]
     pub fn ridge(&self, ridge: usize) -> Option<([usize; 2], SurfaceParameters)> {
-        let place = self.ridge_place(ridge);
-        let number = |i: usize| (self.values[place + BETWEEN + i] as usize).checked_sub(1);
-        Some(([number(0)?, number(1)?], warm_start(&self.values[place..])))
+        self::ridge(self.values, self.points, ridge)
     }
 
     #[inline]

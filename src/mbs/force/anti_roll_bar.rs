@@ -7,9 +7,11 @@
 
 use super::attachment::Attachment;
 use super::line::ends;
-use super::orientation::{rotation_vector, transposed_rate_map};
+use super::orientation::{Couple, rotation_vector, transposed_rate_map};
 use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
+use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::tangent::{Ends, PairTangent};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use nalgebra::Vector3;
@@ -69,6 +71,22 @@ impl ForceElement for AntiRollBar {
         for (end, couple) in [(&self.from, couple), (&self.to, -couple)] {
             end.load(bodies, wrenches, &Vector3::zeros(), &Vector3::zeros(), &couple);
         }
+    }
+
+    fn bodies(&self) -> Ends {
+        [self.from.body, self.to.body]
+    }
+
+    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], _: &[f64], _: usize, sum: &mut PairTangent) {
+        let along_x = |value: f64| Vector3::new(value, 0.0, 0.0);
+        let couple = Couple {
+            axes: self.from.axes(bodies),
+            turn: self.turn(bodies).0,
+            stiffness: along_x(self.stiffness),
+            damping: along_x(self.damping),
+            couple: self.couple(bodies),
+        };
+        couple.tangent(sum);
     }
 
     fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {

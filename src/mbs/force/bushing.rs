@@ -15,9 +15,11 @@
 
 use super::attachment::Attachment;
 use super::line::ends;
-use super::orientation::{rotation_vector, transposed_rate_map};
+use super::orientation::{Couple, rotation_vector, transposed_rate_map};
 use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
+use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::tangent::{Ends, PairTangent};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use nalgebra::Vector3;
@@ -123,6 +125,30 @@ impl ForceElement for Bushing {
         let couple = if self.turns() { axes * self.couple(&at) } else { Vector3::zeros() };
         self.from.load(bodies, wrenches, &force, &point, &couple);
         self.to.load(bodies, wrenches, &-force, &point, &-couple);
+    }
+
+    fn bodies(&self) -> Ends {
+        [self.from.body, self.to.body]
+    }
+
+    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], _: &[f64], _: usize, sum: &mut PairTangent) {
+        let point = self.to.point(bodies);
+        let at = self.deflection(bodies, &point);
+        let axes = self.from.axes(bodies);
+        for i in 0..3 {
+            let line = sum.line(&point, &axes.column(i).into_owned());
+            if self.stiffness[i] != 0.0 {
+                sum.add_spring(&line, &line, self.stiffness[i]);
+            }
+            if self.damping[i] != 0.0 {
+                sum.add_damper(&line, &line, self.damping[i]);
+            }
+        }
+        sum.add_force(&point, &(axes * self.force(&at)));
+        if self.turns() {
+            let (stiffness, damping) = (self.rotational_stiffness, self.rotational_damping);
+            Couple { axes, turn: at.turn, stiffness, damping, couple: self.couple(&at) }.tangent(sum);
+        }
     }
 
     fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {

@@ -81,6 +81,16 @@ impl Curve {
         self.corners.first().map(|corner| corner.at)
     }
 
+    /// The steepest slope, N/m or N s/m.
+    pub fn steepest(&self) -> f64 {
+        let mut slope = self.slope;
+        let changed = self.corners.iter().map(|corner| {
+            slope += corner.change;
+            slope
+        });
+        changed.fold(self.slope, f64::max)
+    }
+
     /// F(x), N.
     #[inline]
     pub fn force(&self, x: f64) -> f64 {
@@ -92,6 +102,20 @@ impl Curve {
             force += corner.change * ramp(x - corner.at, self.rounding);
         }
         force
+    }
+
+    /// dF/dx, N/m; beyond a sharp corner that of the side that x is on.
+    #[inline]
+    pub fn slope(&self, x: f64) -> f64 {
+        let mut slope = self.slope;
+        for corner in &self.corners {
+            let u = x - corner.at;
+            if u <= -self.rounding {
+                break;
+            }
+            slope += corner.change * if u >= self.rounding { 1.0 } else { (u + self.rounding) / (2.0 * self.rounding) };
+        }
+        slope
     }
 
     /// Integral of F from 0 to x, J.

@@ -24,10 +24,12 @@
 use super::attachment::{Attachment, axis};
 use super::line::ends;
 use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
+use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::tangent::{Ends, PairTangent};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix2, Vector2, Vector3, Vector6};
 
 /// A surface pair with dry friction; all axes in the attachment axes of `from`.
 #[derive(Clone, Debug)]
@@ -55,7 +57,7 @@ pub struct DryFriction {
 }
 
 /// The pair at one instant.
-struct Pair {
+struct Surfaces {
     point: Vector3<f64>,
     /// v, m/s, and N, N.
     speed: Vector2<f64>,
@@ -64,7 +66,7 @@ struct Pair {
 
 impl DryFriction {
     #[inline]
-    fn pair(&self, bodies: &[BodyMotion]) -> Pair {
+    fn pair(&self, bodies: &[BodyMotion]) -> Surfaces {
         let point = self.to.point(bodies);
         let axes = self.from.axes(bodies);
         let rate = axes.tr_mul(&(self.to.velocity(bodies, &point) - self.from.velocity(bodies, &point)));
@@ -77,7 +79,7 @@ impl DryFriction {
             let displacement = axes.tr_mul(&(point - self.from.point(bodies))) - self.design_vector;
             normal_force = (normal_force - self.normal_stiffness * self.normal.dot(&displacement)).max(0.0);
         }
-        Pair { point, speed, normal_force }
+        Surfaces { point, speed, normal_force }
     }
 
     #[inline]
@@ -87,7 +89,7 @@ impl DryFriction {
 
     /// v - z', m/s, along e.
     #[inline]
-    fn slip(&self, pair: &Pair, z: &Vector2<f64>) -> Vector2<f64> {
+    fn slip(&self, pair: &Surfaces, z: &Vector2<f64>) -> Vector2<f64> {
         let length = z.norm();
         if length == 0.0 {
             return Vector2::zeros();
@@ -96,6 +98,45 @@ impl DryFriction {
         let along = z / length;
         let nearness = if length < most { (length / most).powi(self.exponent) } else { 1.0 };
         along * (nearness * pair.speed.dot(&along).max(0.0) + (length - most).max(0.0) / self.relaxation)
+    }
+}
+
+/// Derivatives of [`DryFriction::slip`] by z, v and N.
+struct SlipSlopes {
+    by_deflection: Matrix2<f64>,
+    by_speed: Matrix2<f64>,
+    by_normal_force: Vector2<f64>,
+}
+
+impl DryFriction {
+    fn slip_slopes(&self, pair: &Surfaces, z: &Vector2<f64>) -> SlipSlopes {
+        let length = z.norm();
+        let mut slopes = SlipSlopes { by_deflection: Matrix2::zeros(), by_speed: Matrix2::zeros(), by_normal_force: Vector2::zeros() };
+        if length == 0.0 {
+            return slopes;
+        }
+        let per_force = self.friction / self.stiffness;
+        let most = per_force * pair.normal_force;
+        let e = z / length;
+        let along = e * e.transpose();
+        let across = (Matrix2::identity() - along) / length;
+        let (nearness, by_length, by_most) = if length < most {
+            let nearness = (length / most).powi(self.exponent);
+            let slope = f64::from(self.exponent) * nearness;
+            (nearness, slope / length, -slope / most)
+        } else {
+            (1.0, 0.0, 0.0)
+        };
+        let speed = pair.speed.dot(&e).max(0.0);
+        let return_slope = if length > most { 1.0 / self.relaxation } else { 0.0 };
+        let slip = nearness * speed + (length - most).max(0.0) / self.relaxation;
+        slopes.by_deflection = across * slip + along * (by_length * speed + return_slope);
+        if speed > 0.0 {
+            slopes.by_deflection += e * (across * pair.speed).transpose() * nearness;
+            slopes.by_speed = along * nearness;
+        }
+        slopes.by_normal_force = e * ((by_most * speed - return_slope) * per_force);
+        slopes
     }
 }
 
@@ -147,6 +188,40 @@ impl ForceElement for DryFriction {
         let force = self.from.axes(bodies) * force;
         self.from.load(bodies, wrenches, &force, &pair.point, &Vector3::zeros());
         self.to.load(bodies, wrenches, &-force, &pair.point, &Vector3::zeros());
+    }
+
+    fn bodies(&self) -> Ends {
+        [self.from.body, self.to.body]
+    }
+
+    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], state: &[f64], first_state: usize, sum: &mut PairTangent) {
+        let (now, z) = (self.pair(bodies), self.deflection(state));
+        let slopes = self.slip_slopes(&now, &z);
+        let axes = self.from.axes(bodies);
+        let mut force = Vector3::zeros();
+        let mut lines = [Vector6::zeros(); 2];
+        for (axis, (line, z)) in self.slip_axes.iter().zip(lines.iter_mut().zip(z.iter())) {
+            let axis = axes * axis;
+            force += axis * (self.stiffness * z);
+            *line = sum.line(&now.point, &axis);
+        }
+        let mut pressed = Vector6::zeros();
+        if self.normal_stiffness > 0.0 && now.normal_force > 0.0 {
+            let normal = axes * self.normal;
+            force -= normal * now.normal_force;
+            pressed = sum.line(&now.point, &normal);
+            sum.add_spring(&pressed, &pressed, self.normal_stiffness);
+        }
+        sum.add_force(&now.point, &force);
+        let follows = Matrix2::identity() - slopes.by_speed;
+        let Some(own) = sum.add_states(first_state, self.slip_axes.len()) else { return };
+        own.rate_by_state = -slopes.by_deflection;
+        for i in 0..self.slip_axes.len() {
+            // N falls by the normal spring's stiffness.
+            own.rate_by_position[i][0] = pressed * (self.normal_stiffness * slopes.by_normal_force[i]);
+            own.rate_by_velocity[i][0] = lines[0] * follows[(i, 0)] + lines[1] * follows[(i, 1)];
+            own.load_by_state[i][0] = lines[i] * self.stiffness;
+        }
     }
 
     fn scalar_force(&self, _: &[BodyMotion], state: &[f64]) -> Option<f64> {

@@ -1,7 +1,9 @@
 //! Weight: `F = -m g (sin(grade) X + cos(grade) Z)` at the centre, in a track frame that climbs with `grade`.
 
 use super::ForceElement;
+use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::tangent::{Ends, PairTangent};
 
 /// Weight of one body.
 #[derive(Debug, Clone)]
@@ -30,6 +32,13 @@ impl ForceElement for Gravity {
         wrenches[self.body].force.x -= weight * self.grade.sin();
         wrenches[self.body].force.z -= weight * self.grade.cos();
     }
+
+    fn bodies(&self) -> Ends {
+        [Some(self.body), None]
+    }
+
+    /// Constant.
+    fn tangent(&self, _: &[BodyMotion], _: &[Station], _: &[f64], _: usize, _: &mut PairTangent) {}
 
     fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
         None

@@ -17,6 +17,7 @@
 use super::ForceElement;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::tangent::{Ends, PairTangent};
 use nalgebra::Vector3;
 
 /// Track axis along which an element acts.
@@ -96,6 +97,32 @@ impl ForceElement for GuidedSpring {
         let (d, rate, point) = self.displacement(body);
         let force = -self.stiffness * d - self.damping * rate;
         wrenches[self.body].add_at(self.axis() * force, &point, &body.position);
+    }
+
+    /// From the frame on the track to the body.
+    fn bodies(&self) -> Ends {
+        [None, Some(self.body)]
+    }
+
+    /// The frame's turning along a curved track is left out (curvature times displacement beside one, 1e-4), and the moment about the
+    /// axle of a place off the axle's line.
+    fn tangent(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64], _: usize, sum: &mut PairTangent) {
+        let body = &bodies[self.body];
+        let (d, rate, point, axis) = match stations.get(self.body) {
+            Some(station) => self.displacement_on_track(body, station),
+            None => {
+                let (d, rate, point) = self.displacement(body);
+                (d, rate, point, self.axis())
+            }
+        };
+        let load = sum.line(&point, &axis);
+        let mut measured = load;
+        if self.axis == TrackAxis::Longitudinal {
+            measured.fixed_rows_mut::<3>(0).fill(0.0);
+        }
+        sum.add_spring(&load, &measured, self.stiffness);
+        sum.add_damper(&load, &measured, self.damping);
+        sum.add_force(&point, &(axis * (self.stiffness * d + self.damping * rate)));
     }
 
     fn output_number(&self) -> Option<u32> {

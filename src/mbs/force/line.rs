@@ -16,7 +16,9 @@
 
 use super::attachment::{Attachment, Places, axis};
 use super::{ForceElement, Quantity, QuantityKind};
+use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::tangent::{Ends, PairTangent};
 use crate::settings::{Section, SettingsError};
 use nalgebra::Vector3;
 
@@ -113,11 +115,29 @@ pub(super) fn ends(section: &Section, places: &dyn Places) -> Result<(Attachment
     Ok((from, to))
 }
 
+/// Derivatives of a law: of its tension T and of the rate of its state z by displacement x, its rate x' and z.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slopes {
+    /// dT/dx, N/m; dT/dx', N s/m; dT/dz.
+    pub by_displacement: f64,
+    pub by_rate: f64,
+    pub by_state: f64,
+    /// dz'/dx, dz'/dx', dz'/dz.
+    pub state_by_displacement: f64,
+    pub state_by_rate: f64,
+    pub state_by_state: f64,
+}
+
 /// Tension as a function of displacement x [m], its rate [m/s] and states of its own.
 pub trait LineLaw: Clone + Send + Sync + std::fmt::Debug + 'static {
-    /// Number of states.
+    /// Number of states, at most one.
     fn states(&self) -> usize {
         0
+    }
+
+    /// Shortest time constant of the states, s.
+    fn time_constant(&self) -> Option<f64> {
+        None
     }
 
     /// States at rest.
@@ -125,6 +145,9 @@ pub trait LineLaw: Clone + Send + Sync + std::fmt::Debug + 'static {
 
     /// Rates of the states.
     fn rates(&self, _x: f64, _rate: f64, _state: &[f64], _rates: &mut [f64]) {}
+
+    /// Derivatives of tension and state rate.
+    fn slopes(&self, x: f64, rate: f64, state: &[f64]) -> Slopes;
 
     /// T, N, tension positive.
     fn tension(&self, x: f64, rate: f64, state: &[f64]) -> f64;
@@ -173,6 +196,10 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         self.law.states()
     }
 
+    fn time_constant(&self) -> Option<f64> {
+        self.law.time_constant()
+    }
+
     fn settle(&self, bodies: &[BodyMotion], state: &mut [f64]) {
         self.law.settle(self.span.stretch(bodies).displacement, state);
     }
@@ -183,6 +210,37 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         self.law.rates(stretch.displacement, stretch.rate, state, rates);
         let tension = self.law.tension(stretch.displacement, stretch.rate, state);
         self.span.pull(bodies, &stretch, tension, wrenches);
+    }
+
+    fn bodies(&self) -> Ends {
+        [self.span.from.body, self.span.to.body]
+    }
+
+    fn tangent(&self, bodies: &[BodyMotion], _: &[Station], state: &[f64], first_state: usize, sum: &mut PairTangent) {
+        let Stretch { displacement, rate, unit, point } = self.span.stretch(bodies);
+        let tension = self.law.tension(displacement, rate, state);
+        let slopes = self.law.slopes(displacement, rate, state);
+        let line = sum.line(&point, &unit);
+        let mut stiffness = slopes.by_displacement;
+        // The line turns with its ends.
+        let length = displacement + self.span.design_length;
+        if self.span.direction == Direction::Line && length > 0.0 {
+            stiffness -= tension / length;
+            sum.add_uniform_spring(&point, tension / length);
+        }
+        sum.add_spring(&line, &line, stiffness);
+        if slopes.by_rate != 0.0 {
+            sum.add_damper(&line, &line, slopes.by_rate);
+        }
+        sum.add_force(&point, &(unit * tension));
+        if self.law.states() > 0
+            && let Some(own) = sum.add_states(first_state, 1)
+        {
+            own.rate_by_state[(0, 0)] = slopes.state_by_state;
+            own.rate_by_position[0][0] = line * slopes.state_by_displacement;
+            own.rate_by_velocity[0][0] = line * slopes.state_by_rate;
+            own.load_by_state[0][0] = line * slopes.by_state;
+        }
     }
 
     fn scalar_force(&self, bodies: &[BodyMotion], state: &[f64]) -> Option<f64> {

@@ -2,7 +2,9 @@
 //! It is a pure force: it adds no mass.
 
 use super::ForceElement;
+use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::tangent::{Ends, PairTangent};
 
 /// Constant load on one body's centre.
 #[derive(Debug, Clone)]
@@ -25,6 +27,13 @@ impl ForceElement for VerticalLoad {
     fn apply(&self, _: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         wrenches[self.body].force.z -= self.force;
     }
+
+    fn bodies(&self) -> Ends {
+        [Some(self.body), None]
+    }
+
+    /// Constant.
+    fn tangent(&self, _: &[BodyMotion], _: &[Station], _: &[f64], _: usize, _: &mut PairTangent) {}
 
     fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
         None

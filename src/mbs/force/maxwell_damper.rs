@@ -10,7 +10,7 @@
 //! above. An explicit integrator's step is bound by c/k (4 to 7 ms for the vertical dampers of a passenger coach).
 
 use super::curve::{Curve, Shape, points};
-use super::line::{LineElement, LineLaw, Span};
+use super::line::{LineElement, LineLaw, Slopes, Span};
 use super::{ForceElement, Parse, Places};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -29,6 +29,10 @@ impl LineLaw for MaxwellDamper {
         1
     }
 
+    fn time_constant(&self) -> Option<f64> {
+        Some(1.0 / (self.stiffness * self.speed.steepest()))
+    }
+
     fn settle(&self, x: f64, state: &mut [f64]) {
         state.fill(x);
     }
@@ -41,6 +45,13 @@ impl LineLaw for MaxwellDamper {
     #[inline]
     fn tension(&self, x: f64, _: f64, state: &[f64]) -> f64 {
         self.stiffness * (x - state[0])
+    }
+
+    fn slopes(&self, x: f64, _: f64, state: &[f64]) -> Slopes {
+        let k = self.stiffness;
+        let relaxation = k * self.speed.slope(self.tension(x, 0.0, state));
+        let (by_displacement, by_state) = (k, -k);
+        Slopes { by_displacement, by_state, state_by_displacement: relaxation, state_by_state: -relaxation, ..Slopes::default() }
     }
 
     fn potential_energy(&self, x: f64, state: &[f64]) -> f64 {

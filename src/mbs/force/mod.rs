@@ -30,13 +30,14 @@ pub use curve::Curve;
 pub use dry_friction::DryFriction;
 pub use gravity::Gravity;
 pub use guided_spring::{GuidedSpring, TrackAxis};
-pub use line::{Direction, LineElement, LineLaw, Span, Stretch};
+pub use line::{Direction, LineElement, LineLaw, Slopes, Span, Stretch};
 pub use load::VerticalLoad;
 pub use maxwell_damper::MaxwellDamper;
 pub use spring_damper::SpringDamper;
 pub use stop::Stop;
 
 use super::body::{BodyMotion, Wrench};
+use super::tangent::{Ends, PairTangent};
 use crate::geometry::track::station::Station;
 use crate::settings::{Entry, Section, SettingsError, choose};
 
@@ -53,11 +54,23 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
         0
     }
 
+    /// The shortest time constant of the element's own states, s: an explicit integrator's step is bound by it.
+    fn time_constant(&self) -> Option<f64> {
+        None
+    }
+
     /// Puts the states where they come to rest with the bodies at rest where they are.
     fn settle(&self, _bodies: &[BodyMotion], _state: &mut [f64]) {}
 
     /// Adds the element's wrenches to those of the bodies, in the track frame, and writes the rates of its states.
     fn apply(&self, bodies: &[BodyMotion], state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]);
+
+    /// The bodies that the element acts between.
+    fn bodies(&self) -> Ends;
+
+    /// Adds how wrenches and rates change with the motion of the element's bodies and with its own states, the first of which stands at
+    /// `first_state` of the state vector. No stations: straight track.
+    fn tangent(&self, bodies: &[BodyMotion], stations: &[Station], state: &[f64], first_state: usize, sum: &mut PairTangent);
 
     /// The element's scalar force [N], for elements that act along one line; `None` otherwise.
     fn scalar_force(&self, bodies: &[BodyMotion], state: &[f64]) -> Option<f64>;

@@ -5,7 +5,7 @@
 //! element, between places on two bodies.
 
 use super::curve::{Curve, Shape, parse as parse_curve};
-use super::line::{LineElement, LineLaw, Span};
+use super::line::{LineElement, LineLaw, Slopes, Span};
 use super::{ForceElement, Parse, Places};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -27,6 +27,10 @@ impl LineLaw for SpringDamper {
     #[inline]
     fn tension(&self, x: f64, rate: f64, _: &[f64]) -> f64 {
         self.preload + self.spring.force(x + self.offset) + self.damper.force(rate)
+    }
+
+    fn slopes(&self, x: f64, rate: f64, _: &[f64]) -> Slopes {
+        Slopes { by_displacement: self.spring.slope(x + self.offset), by_rate: self.damper.slope(rate), ..Slopes::default() }
     }
 
     fn potential_energy(&self, x: f64, _: &[f64]) -> f64 {

@@ -10,7 +10,7 @@
 //! is continuous where the stop touches, and the stop never pulls. Dissipated: `(|T| - f) u'`, never negative.
 
 use super::curve::{Curve, Shape, points};
-use super::line::LineLaw;
+use super::line::{LineLaw, Slopes};
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
 
@@ -38,6 +38,15 @@ impl LineLaw for Stop {
     fn tension(&self, x: f64, rate: f64, _: &[f64]) -> f64 {
         let (force, sign, rate) = self.side(x, rate);
         sign * force * (1.0 + self.damping * rate).max(0.0)
+    }
+
+    fn slopes(&self, x: f64, rate: f64, _: &[f64]) -> Slopes {
+        let (force, sign, rate) = self.side(x, rate);
+        let damped = (1.0 + self.damping * rate).max(0.0);
+        let curve = if x > 0.0 { &self.extension } else { &self.compression };
+        let slope = curve.as_ref().map_or(0.0, |curve| curve.slope(sign * x));
+        let by_rate = if damped > 0.0 { force * self.damping } else { 0.0 };
+        Slopes { by_displacement: slope * damped, by_rate, ..Slopes::default() }
     }
 
     fn potential_energy(&self, x: f64, _: &[f64]) -> f64 {

@@ -15,7 +15,7 @@
 //! Sources: K.H. Hunt, F.R.E. Crossley, ASME J. Applied Mechanics 42 (1975) 440-445; the exact relation: Y. Gonthier et al.,
 //! Multibody System Dynamics 11 (2004) 209-233; Y. Zhang, I. Sharf, Proc. Royal Society A 465 (2009) 1701-1720.
 
-use super::{Approach, Build, DampingLaw};
+use super::{Approach, Build, DampingLaw, DampingSlopes};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -47,6 +47,10 @@ impl DampingLaw for Hysteresis {
     #[inline]
     fn force(&self, at: &Approach) -> f64 {
         at.elastic * (self.per_rate * at.rate)
+    }
+
+    fn slopes(&self, at: &Approach) -> DampingSlopes {
+        DampingSlopes { by_elastic: self.per_rate * at.rate, by_penetration: 0.0, by_rate: at.elastic * self.per_rate }
     }
 
     fn describe(&self) -> String {

@@ -4,7 +4,7 @@
 //! A constant damper would make the force jump at first touch and pull at the last. The step function is the one that
 //! multibody programs use for the same purpose (the IMPACT function of MSC Adams).
 
-use super::{Approach, DampingLaw};
+use super::{Approach, DampingLaw, DampingSlopes};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -29,6 +29,15 @@ impl DampingLaw for Linear {
     fn force(&self, at: &Approach) -> f64 {
         let x = (at.penetration / self.full_at).clamp(0.0, 1.0);
         self.coefficient * at.rate * (x * x * (3.0 - 2.0 * x))
+    }
+
+    fn slopes(&self, at: &Approach) -> DampingSlopes {
+        let x = (at.penetration / self.full_at).clamp(0.0, 1.0);
+        DampingSlopes {
+            by_elastic: 0.0,
+            by_penetration: self.coefficient * at.rate * (6.0 * x * (1.0 - x)) / self.full_at,
+            by_rate: self.coefficient * (x * x * (3.0 - 2.0 * x)),
+        }
     }
 
     fn describe(&self) -> String {

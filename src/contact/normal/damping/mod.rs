@@ -23,10 +23,24 @@ pub struct Approach {
     pub rate: f64,
 }
 
+/// Derivatives of D.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DampingSlopes {
+    /// dD/dN_elastic, -.
+    pub by_elastic: f64,
+    /// dD/ddelta at constant elastic force, N/m.
+    pub by_penetration: f64,
+    /// dD/ddelta', N s/m.
+    pub by_rate: f64,
+}
+
 /// A law of contact damping.
 pub trait DampingLaw: Send + Sync + std::fmt::Debug {
     /// D [N], positive on the way in; zero at zero penetration.
     fn force(&self, approach: &Approach) -> f64;
+
+    /// Derivatives of D.
+    fn slopes(&self, approach: &Approach) -> DampingSlopes;
 
     /// For `wheelrail plan`, read behind `contact.damping`.
     fn describe(&self) -> String;

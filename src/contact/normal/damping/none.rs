@@ -1,6 +1,6 @@
 //! No contact damping.
 
-use super::{Approach, DampingLaw};
+use super::{Approach, DampingLaw, DampingSlopes};
 use crate::settings::Entry;
 use std::sync::Arc;
 
@@ -13,6 +13,10 @@ struct Undamped;
 impl DampingLaw for Undamped {
     fn force(&self, _: &Approach) -> f64 {
         0.0
+    }
+
+    fn slopes(&self, _: &Approach) -> DampingSlopes {
+        DampingSlopes::default()
     }
 
     fn describe(&self) -> String {

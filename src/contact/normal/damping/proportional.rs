@@ -1,6 +1,6 @@
 //! Damping in proportion to the penetration: `D = C delta delta'` (paper, Eq. 28 with delta > 0 in contact).
 
-use super::{Approach, Build, DampingLaw};
+use super::{Approach, Build, DampingLaw, DampingSlopes};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -20,6 +20,10 @@ impl DampingLaw for Proportional {
     #[inline]
     fn force(&self, at: &Approach) -> f64 {
         self.0 * at.penetration * at.rate
+    }
+
+    fn slopes(&self, at: &Approach) -> DampingSlopes {
+        DampingSlopes { by_elastic: 0.0, by_penetration: self.0 * at.rate, by_rate: self.0 * at.penetration }
     }
 
     fn describe(&self) -> String {

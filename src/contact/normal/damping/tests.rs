@@ -100,6 +100,28 @@ fn prop_no_law_pulls_and_all_begin_at_zero() {
 }
 
 #[test]
+fn analytic_slopes_match_differences() {
+    let laws: [Box<dyn DampingLaw>; 5] = [
+        (read("damping = 2e9").unwrap().1.build)(2e9),
+        Box::new(Hysteresis::new(0.3, 0.1, hunt_crossley::factor)),
+        Box::new(Linear { coefficient: 1e5, full_at: 1e-4 }),
+        Box::new(Linear { coefficient: 1e5, full_at: 1e-5 }),
+        (read("[damping]\nlaw = \"none\"").unwrap().1.build)(0.0),
+    ];
+    let at = Approach { elastic: 6e4, penetration: 7e-5, rate: -0.02 };
+    for law in &laws {
+        let slopes = law.slopes(&at);
+        let difference = |ahead: Approach, behind: Approach, step: f64| (law.force(&ahead) - law.force(&behind)) / (2.0 * step);
+        let by_elastic = difference(Approach { elastic: 6.1e4, ..at }, Approach { elastic: 5.9e4, ..at }, 1e3);
+        let by_penetration = difference(Approach { penetration: 7.001e-5, ..at }, Approach { penetration: 6.999e-5, ..at }, 1e-8);
+        let by_rate = difference(Approach { rate: -0.01, ..at }, Approach { rate: -0.03, ..at }, 0.01);
+        for (found, exact) in [(by_elastic, slopes.by_elastic), (by_penetration, slopes.by_penetration), (by_rate, slopes.by_rate)] {
+            assert!((found - exact).abs() <= 1e-6 * exact.abs() + 1e-9, "{law:?}: {found} {exact}");
+        }
+    }
+}
+
+#[test]
 fn analytic_linear_damping_is_smooth_at_its_end() {
     let law = Linear { coefficient: 1e5, full_at: 1e-5 };
     let force = |delta: f64| law.force(&Approach { elastic: 0.0, penetration: delta, rate: 0.2 });

@@ -1,0 +1,193 @@
+//! The linearised model: every contact's wrench tangent, then the multibody system's, for implicit integrators.
+//!
+//! Contacts that share a patch (`points`) change with their shares `s(d1, r, d2)`, penetrations d1, d2 and that of the ridge r between
+//! them: `dN = .. + N ds / s`, each penetration stationary in its place, so that `d delta = -n . (d + w x rho)` for all three.
+//!
+//! [`Model::linearise`] starts from what the last evaluation left in the workspace (motions, contact reports) and J is assembled in
+//! the [`Tangent`] that lives there. What J leaves out is said in [`contact`], in [`crate::contact::transient::slopes`] and in
+//! [`crate::mbs::tangent`]; besides: the states of ACCF (surface parameters), of ECF-N (distance along the rail) and of sliding means
+//! count as not stiff (J = 0).
+
+mod contact;
+
+use super::loading::pair;
+use super::points::{self, MOST_POINTS};
+use super::rigid::wheels;
+use super::{ContactReport, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
+use crate::contact::creep::RollingContact;
+use crate::contact::creepage::{CreepForce, Creepage};
+use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
+use crate::geometry::Side;
+use crate::mbs::body::BodyMotion;
+use crate::mbs::tangent::{SingularTangent, StateCoupling, Tangent};
+use contact::{ByMotion, NormalSlopes, Row, Touching, normal_slopes, penetration_by_pose};
+use nalgebra::Vector3;
+
+/// A contact that carries less than this share of its force counts as one that carries so much.
+const LEAST_SHARE: f64 = 1e-2;
+
+/// By number of the contact.
+type Shares = [Row; MOST_POINTS];
+
+/// A contact of one wheel.
+struct At<'a> {
+    wheelset: &'a Wheelset,
+    side: Side,
+    contact: usize,
+    slot: usize,
+    motion: &'a BodyMotion,
+    report: &'a ContactReport,
+    /// mu.
+    friction: f64,
+    /// Change of the travelling speed with the centre's velocity; `None` where it is imposed.
+    travel: Option<Vector3<f64>>,
+}
+
+impl Model {
+    /// Gives the workspace what [`Model::linearise`] needs.
+    pub fn prepare_tangent(&self, workspace: &mut Workspace) {
+        let states = self.contacts() * self.points * self.deflection_states();
+        workspace.tangent = Some(Tangent::new(&self.system, &self.constrained_bodies(), states));
+    }
+
+    /// Finds J at the state `y`, with its memory, that was evaluated last: of the contacts and, with `forces`, of the force elements.
+    pub fn linearise(&self, workspace: &mut Workspace, (y, memory): (&[f64], &[f64]), inputs: &[f64], forces: bool) {
+        let Some(mut tangent) = workspace.tangent.take() else { return };
+        tangent.clear();
+        for (contact, wheelset, side) in wheels(self) {
+            let motion = &workspace.system.motions[wheelset.body];
+            let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
+            let along = workspace.system.stations.get(wheelset.body).map_or(Vector3::x(), |station| station.frame.along());
+            let shares = self.share_changes(workspace, contact, (wheelset, side), memory);
+            for slot in 0..self.points {
+                let report = workspace.report(contact, slot);
+                let friction = self.laws.friction * factor.max(0.0);
+                let travel = wheelset.imposed_speed.is_none().then_some(along);
+                let at = At { wheelset, side, contact, slot, motion, report, friction, travel };
+                self.add_contact(&at, &shares.get(slot).copied().unwrap_or_default(), y, &mut tangent);
+            }
+        }
+        if forces {
+            tangent.add_forces(&self.system, &workspace.system, y);
+        }
+        tangent.finish(&self.system, &workspace.system);
+        workspace.tangent = Some(tangent);
+    }
+
+    /// Factorises I - a J, a in s.
+    ///
+    /// # Errors
+    /// [`SingularTangent`].
+    pub fn factorise(&self, workspace: &mut Workspace, a: f64) -> Result<(), SingularTangent> {
+        workspace.tangent.as_mut().map_or(Ok(()), |tangent| tangent.factorise(a, &workspace.system))
+    }
+
+    /// Solves (I - a J) x = x in place.
+    pub fn solve_linear(&self, workspace: &mut Workspace, x: &mut [f64]) {
+        if let Some(tangent) = &mut workspace.tangent {
+            tangent.solve(x);
+        }
+    }
+
+    fn add_contact(&self, at: &At, share: &Row, y: &[f64], tangent: &mut Tangent) {
+        let At { wheelset, side, motion, report, .. } = *at;
+        let transient = self.laws.transient.as_ref();
+        if !(report.normal_force > 0.0) {
+            if let Some(transient) = transient {
+                self.add_unloaded(at, transient, tangent);
+            }
+            return;
+        }
+        let (wheel, rail) = (wheelset.wheel(side), self.track.rail(side));
+        let wander = pair(self, wheelset, side, motion).wander(&report.parameters);
+        let slopes = match report.constrained {
+            true => NormalSlopes::default(),
+            false => normal_slopes((self.laws.normal.as_ref(), self.laws.damping.as_ref()), report, &wander, (wheel, rail)),
+        };
+        let touching = Touching::new(report, motion, wander);
+        let mut normal = touching.normal_force(slopes);
+        normal.position += share * report.normal_force;
+        let creep = match transient {
+            None => self.steady(at, &touching, &normal),
+            Some(transient) => self.add_transient(at, transient, &touching, &normal, y, tangent),
+        };
+        tangent.add_wrench(wheelset.body, wheelset.body, &touching.wrench(report, &normal, &creep));
+    }
+
+    /// Relative changes of the shares of a wheel's contacts with its pose, by number.
+    fn share_changes(&self, workspace: &Workspace, contact: usize, (wheelset, side): (&Wheelset, Side), memory: &[f64]) -> Shares {
+        let mut changes = [Row::zeros(); MOST_POINTS];
+        let pair = pair(self, wheelset, side, &workspace.system.motions[wheelset.body]);
+        for (between, ridge) in points::ridges_of(self, contact, memory) {
+            let [first, second] = between.map(|slot| workspace.report(contact, slot));
+            let saddle = pair.wander(&ridge);
+            let depth = saddle.location.penetration;
+            if !(depth > 0.0 && first.normal_force > 0.0 && second.normal_force > 0.0) {
+                continue;
+            }
+            let by_pose = penetration_by_pose(&saddle);
+            let sides = [first, second].map(|report| penetration_by_pose(&pair.wander(&report.parameters)));
+            for (own, other) in [(0, 1), (1, 0)] {
+                let deltas = [first.penetration, second.penetration];
+                let (slopes, share) = points::share_slopes(deltas[own], depth, deltas[other]);
+                let share = share.max(LEAST_SHARE);
+                changes[between[own]] += (sides[own] * slopes[0] + by_pose * slopes[1] + sides[other] * slopes[2]) / share;
+            }
+        }
+        changes
+    }
+
+    fn steady(&self, at: &At, touching: &Touching, normal: &ByMotion<1>) -> ByMotion<3> {
+        let At { report, friction, .. } = *at;
+        let speed = at.wheelset.speed(at.motion);
+        let sign = speed.signum();
+        let (found, force) = (report.creepage, report.creep_force);
+        let creepage = Creepage { longitudinal: sign * found.longitudinal, lateral: sign * found.lateral, ..found };
+        let rolling = RollingContact { patch: report.patch, normal_force: report.normal_force, friction, creepage, speed: speed.abs() };
+        let turned = CreepForce { longitudinal: sign * force.longitudinal, lateral: sign * force.lateral, ..force };
+        touching.steady(report, &self.laws.creep.slopes(&rolling, &turned), normal, (speed, at.travel))
+    }
+
+    /// Change of the creep force of a contact with deflection; adds its states.
+    fn add_transient(
+        &self,
+        at: &At,
+        transient: &TransientContact,
+        touching: &Touching,
+        normal: &ByMotion<1>,
+        y: &[f64],
+        tangent: &mut Tangent,
+    ) -> ByMotion<3> {
+        let (report, states, body) = (at.report, self.deflection(at.contact, at.slot), at.wheelset.body);
+        let mut state = [0.0; transient::STATES];
+        state.copy_from_slice(&y[states.clone()]);
+        let loaded = LoadedPatch { patch: report.patch, normal_force: report.normal_force, friction: at.friction };
+        let slip = report.slip.rolling(at.wheelset.speed(at.motion));
+        let slopes = transient.slopes(self.laws.creep.as_ref(), &loaded, &slip, &state);
+        let rates = touching.deflection_rates(&slopes.rate_by_slip);
+        for i in 0..2 {
+            let coupling = StateCoupling {
+                body,
+                rate_by_position: rates.position.row(i).transpose(),
+                rate_by_velocity: rates.velocity.row(i).transpose(),
+                wrench_by_state: touching.wrench_of(report, &slopes.force_by_deflection.column(i).into_owned()),
+            };
+            tangent.add_state(states.start + i, slopes.rate_by_deflection[(i, i)], &[coupling]);
+        }
+        tangent.add_state(states.start + 2, slopes.direction_rate, &[]);
+        ByMotion {
+            position: slopes.force_by_slip * touching.slip.position + slopes.force_by_normal_force * normal.position,
+            velocity: slopes.force_by_slip * touching.slip.velocity + slopes.force_by_normal_force * normal.velocity,
+        }
+    }
+
+    /// The states of a contact without load fade away on their own.
+    fn add_unloaded(&self, at: &At, transient: &TransientContact, tangent: &mut Tangent) {
+        let none = LoadedPatch::default();
+        let slopes = transient.slopes(self.laws.creep.as_ref(), &none, &SlipVelocity::default(), &[0.0; transient::STATES]);
+        let rates = [slopes.rate_by_deflection[(0, 0)], slopes.rate_by_deflection[(1, 1)], slopes.direction_rate];
+        for (state, rate) in self.deflection(at.contact, at.slot).zip(rates) {
+            tangent.add_state(state, rate, &[]);
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! From the relative motion of a pair of bodies to their coordinates.
+//!
+//! With the axes e_j about which a frame's yaw, roll and pitch turn (zero for the pitch of a frame that does not spin with its body),
+//! E = [e_1 e_2 e_3], D = c - x_a, and B = sum of r F^T (all of [`super::pair`]):
+//!
+//! ```text
+//! t = P_b dq_b - P_a dq_a,   P_a: dx_a + th_a x D, th_a;   P_b: dx_b, th_b;   th = E d(angles)
+//! Q_a = P_a^T W,  Q_b = -P_b^T W    with dW of stiffness and damping
+//! (th_b x r) x F -> B - tr B,   r x (th_a x F) -> tr B - B^T,   (r + D) likewise with B_a = B + D F^T
+//! d(e_i . M) = (e_j x e_i) . M for angles j outside of i
+//! ```
+
+use super::pair::PairSum;
+use super::sum::{Gradient, StateTangent};
+use crate::mbs::body::BodyMotion;
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+
+/// A pair's frames at one instant.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PairFrames {
+    /// E per end; zero for the world.
+    axes: [Matrix3<f64>; 2],
+    /// D, m.
+    lever: Vector3<f64>,
+    /// P on the angles of each end: displacement above rotation.
+    by_angles: [[[f64; 6]; 3]; 2],
+}
+
+fn axes_of(motion: &BodyMotion) -> Matrix3<f64> {
+    let pitch = if motion.turn.is_some() { motion.axle() } else { Vector3::zeros() };
+    Matrix3::from_columns(&[Vector3::z(), motion.roll_axis(), pitch])
+}
+
+/// The point c of a pair, m.
+#[inline]
+pub(super) fn reference(pair: &PairSum, motions: &[BodyMotion]) -> Vector3<f64> {
+    pair.ends[1].or(pair.ends[0]).map_or_else(Vector3::zeros, |body| motions[body].position)
+}
+
+/// Change of `E^T M` with the angles at constant M: row i, column j.
+fn axes_moved(axes: &Matrix3<f64>, moment: &Vector3<f64>) -> Matrix3<f64> {
+    let mut moved = Matrix3::zeros();
+    for i in 1..3 {
+        for j in 0..i {
+            moved[(i, j)] = axes.column(j).cross(&axes.column(i)).dot(moment);
+        }
+    }
+    moved
+}
+
+/// Adds to one part of a block.
+#[inline]
+fn add(block: &mut Matrix6<f64>, (row, column): (usize, usize), part: &Matrix3<f64>) {
+    let mut view = block.fixed_view_mut::<3, 3>(row, column);
+    view += part;
+}
+
+impl PairFrames {
+    pub fn new(pair: &PairSum, motions: &[BodyMotion]) -> PairFrames {
+        let axes = pair.ends.map(|end| end.map_or_else(Matrix3::zeros, |body| axes_of(&motions[body])));
+        let lever = pair.ends[0].map_or_else(Vector3::zeros, |body| reference(pair, motions) - motions[body].position);
+        let column = |end: usize, j: usize| {
+            let axis = axes[end].column(j).into_owned();
+            let moved = if end == 0 { axis.cross(&lever) } else { Vector3::zeros() };
+            [moved.x, moved.y, moved.z, axis.x, axis.y, axis.z]
+        };
+        let by_angles = [0, 1].map(|end| [0, 1, 2].map(|j| column(end, j)));
+        PairFrames { axes, lever, by_angles }
+    }
+
+    /// Adds dQ/d(motion) of the relative matrix to the blocks (row end, column end) of `slots`.
+    #[inline]
+    pub fn add_blocks(&self, matrix: &Matrix6<f64>, slots: &[[Option<usize>; 2]; 2], blocks: &mut [Matrix6<f64>]) {
+        for (column, own_angles) in self.by_angles.iter().enumerate() {
+            // matrix P
+            let mut columns = matrix.data.0;
+            for (own, angle) in columns[3..].iter_mut().zip(own_angles) {
+                *own = [0.0; 6];
+                for (matrix, factor) in matrix.data.0.iter().zip(angle) {
+                    for (own, matrix) in own.iter_mut().zip(matrix) {
+                        *own += matrix * factor;
+                    }
+                }
+            }
+            for (row, (slots, angles)) in slots.iter().zip(&self.by_angles).enumerate() {
+                let Some(slot) = slots[column] else { continue };
+                let sign = if row == column { -1.0 } else { 1.0 };
+                for (target, own) in blocks[slot].data.0.iter_mut().zip(&columns) {
+                    for (i, angle) in angles.iter().enumerate() {
+                        target[i] += sign * own[i];
+                        target[3 + i] += sign * dot(angle, own);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds what turning forces, lever arms and axes change.
+    pub fn add_geometry(&self, pair: &PairSum, slots: &[[Option<usize>; 2]; 2], blocks: &mut [Matrix6<f64>]) {
+        let (force, moment) = (pair.force.cross_matrix(), pair.couple.cross_matrix());
+        let (arm, arm_a) = (&pair.arm_force, pair.arm_force + self.lever * pair.force.transpose());
+        let trace = |matrix: &Matrix3<f64>| Matrix3::from_diagonal_element(matrix.trace());
+        let [a, b] = &self.axes;
+        let (at, bt) = (a.transpose(), b.transpose());
+        let other = at * (arm - trace(arm)) * b;
+        let turned = force * a;
+        if let Some(slot) = slots[0][0] {
+            let block = &mut blocks[slot];
+            add(block, (0, 3), &-turned);
+            add(block, (3, 0), &-turned.transpose());
+            let angles = at * (trace(&arm_a) - arm_a.transpose() - moment) * a + axes_moved(a, &(vee(&arm_a) + pair.couple));
+            add(block, (3, 3), &angles);
+        }
+        if let Some(slot) = slots[0][1] {
+            add(&mut blocks[slot], (3, 0), &turned.transpose());
+            add(&mut blocks[slot], (3, 3), &other);
+        }
+        if let Some(slot) = slots[1][0] {
+            add(&mut blocks[slot], (0, 3), &turned);
+            add(&mut blocks[slot], (3, 3), &(other.transpose() + bt * moment * a));
+        }
+        if let Some(slot) = slots[1][1] {
+            let angles = bt * (trace(arm) - arm) * b - axes_moved(b, &(vee(arm) + pair.couple));
+            add(&mut blocks[slot], (3, 3), &angles);
+        }
+    }
+
+    /// Of the coefficients on the relative twist: those on both ends' coordinates.
+    #[inline]
+    fn gradient(&self, relative: &Vector6<f64>) -> Gradient {
+        let own = relative.data.0[0];
+        [0, 1].map(|end| {
+            let sign = if end == 0 { -1.0 } else { 1.0 };
+            let [yaw, roll, pitch] = [0, 1, 2].map(|j| sign * dot(&self.by_angles[end][j], &own));
+            Vector6::new(sign * own[0], sign * own[1], sign * own[2], yaw, roll, pitch)
+        })
+    }
+
+    /// From relative twists and wrenches to coordinates and generalised forces.
+    pub fn expand_state(&self, state: &mut StateTangent) {
+        for i in 0..state.count {
+            state.rate_by_position[i] = self.gradient(&state.rate_by_position[i][0]);
+            state.rate_by_velocity[i] = self.gradient(&state.rate_by_velocity[i][0]);
+            state.load_by_state[i] = self.gradient(&-state.load_by_state[i][0]);
+        }
+    }
+}
+
+#[inline]
+fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
+}
+
+/// Sum of r x F from that of r F^T.
+fn vee(arm: &Matrix3<f64>) -> Vector3<f64> {
+    Vector3::new(arm[(1, 2)] - arm[(2, 1)], arm[(2, 0)] - arm[(0, 2)], arm[(0, 1)] - arm[(1, 0)])
+}

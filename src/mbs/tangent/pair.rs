@@ -1,0 +1,134 @@
+//! What all elements between the same two bodies add up to, in terms of the relative motion of the bodies' frames.
+//!
+//! Between a (`from`) and b (`to`), with the centres x, a point c (the centre of b, or of a where b is the world), an element's force F on
+//! a and -F on b at p, r = p - c, and small displacements dx and rotations th of the frames:
+//!
+//! ```text
+//! t = (dx_b - dx_a - th_a x (c - x_a),  th_b - th_a)     relative twist at c; the place p moves by u = (1, -[r x]) t seen from a
+//! dF = th_a x F + K u + C u'                             also along a line: K = k e e^T + T/L (1 - e e^T)
+//! dW = (sum of (1, -[r x])^T K (1, -[r x])) t + ..       wrench on a at c; one 6 x 6 matrix, likewise for C
+//! ```
+//!
+//! Lever arms and forces that turn need no more of each element than F and r F^T. What is added up is expanded to coordinates once per
+//! pair ([`super::expand`]). Exact for forces by displacements and by velocities. Left out is how velocities change by
+//! displacements when bodies turn: angular velocity times damping beside the stiffness (0.05 1/s x 3e4 N s/m beside 1e5 N/m), and the
+//! damper's own force times angle.
+
+use super::sum::{Ends, StateTangent};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+
+/// Sums over the elements of one pair of bodies.
+#[derive(Clone, Debug)]
+pub struct PairSum {
+    pub(super) ends: Ends,
+    /// Change of the wrench on `from` at c with the relative twist at c, and with its rate.
+    pub(super) stiffness: Matrix6<f64>,
+    pub(super) damping: Matrix6<f64>,
+    /// Sum of F, N, of r F^T, N m, and of the couples on `from`, N m.
+    pub(super) force: Vector3<f64>,
+    pub(super) arm_force: Matrix3<f64>,
+    pub(super) couple: Vector3<f64>,
+}
+
+impl PairSum {
+    pub(super) fn new(ends: Ends) -> PairSum {
+        let (zero, six) = (Vector3::zeros(), Matrix6::zeros());
+        PairSum { ends, stiffness: six, damping: six, force: zero, arm_force: Matrix3::zeros(), couple: zero }
+    }
+
+    pub(super) fn clear(&mut self) {
+        *self = PairSum::new(self.ends);
+    }
+}
+
+/// Where an element hands in its changes.
+pub struct PairTangent<'a> {
+    pub(super) sum: &'a mut PairSum,
+    /// Index of the pair.
+    pub(super) pair: usize,
+    /// c, m.
+    pub(super) reference: Vector3<f64>,
+    pub(super) states: &'a mut Vec<StateTangent>,
+}
+
+impl PairTangent<'_> {
+    /// Coefficients, on the relative twist, of the displacement of the place at `point` [m, world] along `unit`; also the wrench on `from`
+    /// of a unit force there.
+    #[inline]
+    pub fn line(&self, point: &Vector3<f64>, unit: &Vector3<f64>) -> Vector6<f64> {
+        let moment = (point - self.reference).cross(unit);
+        Vector6::new(unit.x, unit.y, unit.z, moment.x, moment.y, moment.z)
+    }
+
+    /// A force on `from` that turns with its frame, with its lever arms, N.
+    #[inline]
+    pub fn add_force(&mut self, point: &Vector3<f64>, force: &Vector3<f64>) {
+        self.sum.force += force;
+        self.sum.arm_force += (point - self.reference) * force.transpose();
+    }
+
+    /// A couple on `from` that turns with its frame, N m.
+    #[inline]
+    pub fn add_couple(&mut self, couple: &Vector3<f64>) {
+        self.sum.couple += couple;
+    }
+
+    /// The wrench `load` per unit, which changes with `measured . t`, N/m.
+    #[inline]
+    pub fn add_spring(&mut self, load: &Vector6<f64>, measured: &Vector6<f64>, stiffness: f64) {
+        add_outer(&mut self.sum.stiffness, load, measured, stiffness);
+    }
+
+    /// The same with the twist's rate, N s/m.
+    #[inline]
+    pub fn add_damper(&mut self, load: &Vector6<f64>, measured: &Vector6<f64>, damping: f64) {
+        add_outer(&mut self.sum.damping, load, measured, damping);
+    }
+
+    /// A stiffness at a point that is the same in all directions, N/m.
+    #[inline]
+    pub fn add_uniform_spring(&mut self, point: &Vector3<f64>, stiffness: f64) {
+        let arm = point - self.reference;
+        let (cross, square) = (arm.cross_matrix() * stiffness, arm.norm_squared());
+        let matrix = &mut self.sum.stiffness;
+        for i in 0..3 {
+            matrix[(i, i)] += stiffness;
+            matrix[(3 + i, 3 + i)] += stiffness * square;
+            for j in 0..3 {
+                matrix[(i, 3 + j)] -= cross[(i, j)];
+                matrix[(3 + i, j)] += cross[(i, j)];
+                matrix[(3 + i, 3 + j)] -= stiffness * arm[i] * arm[j];
+            }
+        }
+    }
+
+    /// A couple on `from` that changes with the relative rotation and its rate, world axes, N m/rad and N m s/rad.
+    #[inline]
+    pub fn add_turning(&mut self, stiffness: &Matrix3<f64>, damping: &Matrix3<f64>) {
+        let mut part = self.sum.stiffness.fixed_view_mut::<3, 3>(3, 3);
+        part += stiffness;
+        let mut part = self.sum.damping.fixed_view_mut::<3, 3>(3, 3);
+        part += damping;
+    }
+
+    /// `count` first-order states from the index `first` of the state vector on, to be completed: rates by the relative twist and its rate,
+    /// wrench on `from` by state, each in the first place of its pair.
+    #[inline]
+    pub fn add_states(&mut self, first: usize, count: usize) -> Option<&mut StateTangent> {
+        debug_assert!(self.states.len() < self.states.capacity(), "more states than Tangent::new was told");
+        self.states.push(StateTangent::new(first, count, self.sum.ends, Some(self.pair)));
+        self.states.last_mut()
+    }
+}
+
+/// Adds `factor left right^T`; column by column, which the compiler turns into vector instructions.
+#[inline]
+pub(super) fn add_outer(block: &mut Matrix6<f64>, left: &Vector6<f64>, right: &Vector6<f64>, factor: f64) {
+    let left: &[f64; 6] = &left.data.0[0];
+    for (column, right) in block.data.0.iter_mut().zip(&right.data.0[0]) {
+        let scaled = factor * right;
+        for (value, left) in column.iter_mut().zip(left) {
+            *value += left * scaled;
+        }
+    }
+}

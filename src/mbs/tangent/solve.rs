@@ -1,0 +1,205 @@
+//! I - a J in velocities alone: forming its blocks, and the way of a right-hand side through it.
+
+use super::pair::add_outer;
+use super::sum::Gradient;
+use super::world::weigh;
+use super::{SingularTangent, Tangent};
+use crate::mbs::body::COORDINATES;
+use crate::mbs::system::SystemWorkspace;
+use nalgebra::{Matrix2, Matrix6, Vector2, Vector6};
+
+/// First-order states after their elimination.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Eliminated {
+    /// (1 - a d s'/d s)^-1.
+    inverse: Matrix2<f64>,
+    /// c = a (a df/dq + df/dv), per state.
+    change: [Gradient; 2],
+    /// a M^-1 dQ/ds.
+    acceleration: [Gradient; 2],
+    /// What the states change by without the bodies' velocities, for the present right-hand side.
+    known: Vector2<f64>,
+}
+
+impl Tangent {
+    /// J x without constraints, in a vector as long as the state vector; needs [`Tangent::finish`].
+    pub fn times(&self, x: &[f64], result: &mut [f64]) {
+        let count = COORDINATES * self.mobility.len();
+        let (positions, velocities) = (&x[..count], &x[count..2 * count]);
+        result.fill(0.0);
+        result[..count].copy_from_slice(velocities);
+        for (slot, row, column) in self.sum.neighbours.iter() {
+            let at = |body: usize| COORDINATES * body..COORDINATES * (body + 1);
+            let (position, velocity) =
+                (Vector6::from_column_slice(&positions[at(column)]), Vector6::from_column_slice(&velocities[at(column)]));
+            let mut part = self.sum.by_position[slot] * position + self.sum.by_velocity[slot] * velocity;
+            weigh(&self.mobility[row], &mut part.data.0[0]);
+            if row == column {
+                let mut angles = part.fixed_rows_mut::<3>(3);
+                angles += self.spin[row] * velocity.fixed_rows::<3>(3);
+            }
+            for (result, part) in result[count..][at(row)].iter_mut().zip(part.iter()) {
+                *result += part;
+            }
+        }
+        for state in &self.sum.states {
+            let own = Vector2::from_fn(|i, _| if i < state.count { x[state.index(i)] } else { 0.0 });
+            let rates = state.times(&state.rate_by_position, positions)
+                + state.times(&state.rate_by_velocity, velocities)
+                + state.rate_by_state * own;
+            for i in 0..state.count {
+                result[state.index(i)] = rates[i];
+                for (end, body) in state.ends.iter().enumerate() {
+                    let Some(body) = body else { continue };
+                    let part = state.load_by_state[i][end] * own[i];
+                    for (result, part) in result[count + COORDINATES * body..].iter_mut().zip(part.iter()) {
+                        *result += part;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Factorises I - a J, a in s, with the active constraint rows in the workspace.
+    ///
+    /// # Errors
+    /// [`SingularTangent`]: for some a there may be one, if the system is unstable.
+    pub fn factorise(&mut self, a: f64, workspace: &SystemWorkspace) -> Result<(), SingularTangent> {
+        self.a = a;
+        self.lu.clear();
+        for (slot, row, column) in self.sum.neighbours.iter() {
+            let block = self.lu.block_mut(self.places[slot]);
+            let sources = self.sum.by_position[slot].data.0.iter().zip(&self.sum.by_velocity[slot].data.0);
+            for (block, (position, velocity)) in block.data.0.iter_mut().zip(sources) {
+                for (block, (position, velocity)) in block.iter_mut().zip(position.iter().zip(velocity)) {
+                    *block = -a * (velocity + a * position);
+                }
+                weigh(&self.mobility[row], block);
+            }
+            if row == column {
+                for i in 0..COORDINATES {
+                    block[(i, i)] += 1.0;
+                }
+                let mut angles = block.fixed_view_mut::<3, 3>(3, 3);
+                angles -= self.spin[row] * a;
+            }
+        }
+        self.eliminate_states(a)?;
+        self.add_rows(workspace);
+        self.lu.factorise().map_err(|node| SingularTangent { node })
+    }
+
+    fn eliminate_states(&mut self, a: f64) -> Result<(), SingularTangent> {
+        self.eliminated.clear();
+        for (index, state) in self.sum.states.iter().enumerate() {
+            let inverse = state.inverse(a).ok_or(SingularTangent { node: self.x.len() + index })?;
+            let zero = [[Vector6::zeros(); 2]; 2];
+            let mut own = Eliminated { inverse, change: zero, acceleration: zero, known: Vector2::zeros() };
+            for i in 0..state.count {
+                for (end, body) in state.ends.iter().enumerate() {
+                    if body.is_none() {
+                        continue;
+                    }
+                    own.change[i][end] = (state.rate_by_position[i][end] * a + state.rate_by_velocity[i][end]) * a;
+                    own.acceleration[i][end] = state.load_by_state[i][end] * a;
+                }
+            }
+            for (on, row) in state.ends.iter().enumerate() {
+                for (by, column) in state.ends.iter().enumerate() {
+                    let (Some(row), Some(column)) = (row, column) else { continue };
+                    let Some(slot) = self.sum.neighbours.slot(*row, *column) else { continue };
+                    let block = self.lu.block_mut(self.places[slot]);
+                    for i in 0..state.count {
+                        for j in 0..state.count {
+                            add_outer(block, &own.acceleration[i][on], &own.change[j][by], -inverse[(i, j)]);
+                        }
+                    }
+                }
+            }
+            self.eliminated.push(own);
+        }
+        Ok(())
+    }
+
+    /// Constraint rows and the accelerations that their multipliers cause; a row that is left out has the multiplier zero.
+    fn add_rows(&mut self, workspace: &SystemWorkspace) {
+        let kkt = &workspace.constraints.kkt;
+        for group in &mut self.groups {
+            let pivot = self.lu.block_mut(group.pivot);
+            for i in 0..COORDINATES {
+                pivot[(i, i)] = f64::from(!group.rows.get(i).is_some_and(|row| kkt.is_active(*row)));
+            }
+            for (end, side) in group.sides.iter_mut().enumerate() {
+                let (mut rows, mut columns) = (Matrix6::zeros(), Matrix6::zeros());
+                for (i, row) in group.rows.iter().enumerate().filter(|(_, row)| kkt.is_active(**row)) {
+                    let (_, first, second) = kkt.row(*row);
+                    let own = if end == 0 { first } else { second };
+                    rows.set_row(i, &own.transpose());
+                    columns.set_column(i, &(self.mobility[side.body] * own));
+                }
+                *self.lu.block_mut(side.lower) = rows;
+                *self.lu.block_mut(side.upper) = columns;
+                side.rows = rows;
+            }
+        }
+    }
+
+    /// Solves (I - a J) x = x in place, x as long as the state vector; states that J does not know (J = 0) stay.
+    pub fn solve(&mut self, x: &mut [f64]) {
+        let (a, count) = (self.a, COORDINATES * self.mobility.len());
+        let (positions, rest) = x.split_at_mut(count);
+        let velocities = &mut rest[..count];
+        for (own, values) in self.x.iter_mut().zip(velocities.chunks_exact(COORDINATES)) {
+            own.copy_from_slice(values);
+        }
+        for group in &self.groups {
+            let mut own = Vector6::zeros();
+            for side in &group.sides {
+                own += side.rows * self.x[side.body];
+            }
+            self.x[group.node] = own;
+        }
+        for row in 0..self.mobility.len() {
+            let mut load = [0.0; 6];
+            for (slot, column) in self.sum.neighbours.of(row) {
+                let values = &positions[COORDINATES * column..COORDINATES * (column + 1)];
+                for (block, value) in self.sum.by_position[slot].data.0.iter().zip(values) {
+                    for (load, block) in load.iter_mut().zip(block) {
+                        *load += block * value;
+                    }
+                }
+            }
+            weigh(&self.mobility[row], &mut load);
+            for (own, load) in self.x[row].data.0[0].iter_mut().zip(&load) {
+                *own += a * load;
+            }
+        }
+        for (state, eliminated) in self.sum.states.iter().zip(&mut self.eliminated) {
+            let mut right = state.times(&state.rate_by_position, positions) * a;
+            for i in 0..state.count {
+                right[i] += rest[state.index(i) - count];
+            }
+            eliminated.known = eliminated.inverse * right;
+            for i in 0..state.count {
+                for (end, body) in state.ends.iter().enumerate() {
+                    let Some(body) = body else { continue };
+                    self.x[*body] += eliminated.acceleration[i][end] * eliminated.known[i];
+                }
+            }
+        }
+        self.lu.solve(&mut self.x);
+        let velocities = &mut rest[..count];
+        for (own, values) in self.x.iter().zip(velocities.chunks_exact_mut(COORDINATES)) {
+            values.copy_from_slice(own.as_slice());
+        }
+        for (state, eliminated) in self.sum.states.iter().zip(&self.eliminated) {
+            let found = eliminated.known + eliminated.inverse * state.times(&eliminated.change, &rest[..count]);
+            for i in 0..state.count {
+                rest[state.index(i) - count] = found[i];
+            }
+        }
+        for (position, velocity) in positions.iter_mut().zip(&rest[..count]) {
+            *position += a * velocity;
+        }
+    }
+}

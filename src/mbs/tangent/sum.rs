@@ -1,0 +1,93 @@
+//! First-order states and what they couple; the sums over pairs of bodies and their blocks.
+
+use super::pair::PairSum;
+use super::pattern::Neighbours;
+use nalgebra::{Matrix2, Matrix6, Vector2, Vector6};
+
+/// Bodies of the two ends of something; `None`: the world.
+pub type Ends = [Option<usize>; 2];
+
+/// Something linear in the motion of `from` and of `to`.
+pub type Gradient = [Vector6<f64>; 2];
+
+/// One or two first-order states.
+#[derive(Clone, Copy, Debug)]
+pub struct StateTangent {
+    /// Index in the state vector, and number.
+    pub first: usize,
+    pub count: usize,
+    pub(super) ends: Ends,
+    /// d s_i' / d s_j, 1/s.
+    pub rate_by_state: Matrix2<f64>,
+    /// Per state: change of its rate with positions and velocities, and of forces with it. In [`super::pair::PairTangent`]'s terms until
+    /// [`super::Tangent::finish`] turns them into coordinates and accelerations.
+    pub rate_by_position: [Gradient; 2],
+    pub rate_by_velocity: [Gradient; 2],
+    pub load_by_state: [Gradient; 2],
+    /// Pair of bodies that they belong to; `None`: they are in terms of each body's own displacement and wrench.
+    pub(super) pair: Option<usize>,
+}
+
+impl StateTangent {
+    /// `count` states (at most two) that nothing acts on yet.
+    #[inline]
+    pub(super) fn new(first: usize, count: usize, ends: Ends, pair: Option<usize>) -> StateTangent {
+        let none = [[Vector6::zeros(); 2]; 2];
+        let rate_by_state = Matrix2::zeros();
+        StateTangent { first, count, ends, rate_by_state, rate_by_position: none, rate_by_velocity: none, load_by_state: none, pair }
+    }
+
+    #[inline]
+    pub(super) fn index(&self, i: usize) -> usize {
+        self.first + i
+    }
+
+    /// (1 - a ds'/ds)^-1, a single state's partner left alone; `None` where there is no inverse.
+    #[inline]
+    pub(super) fn inverse(&self, a: f64) -> Option<Matrix2<f64>> {
+        if self.count == 1 {
+            let own = 1.0 - a * self.rate_by_state[(0, 0)];
+            return (own != 0.0).then(|| Matrix2::new(1.0 / own, 0.0, 0.0, 1.0));
+        }
+        (Matrix2::identity() - self.rate_by_state * a).try_inverse()
+    }
+
+    /// Change of the rates with coordinate changes `x` (6 per body).
+    #[inline]
+    pub(super) fn times(&self, gradients: &[Gradient; 2], x: &[f64]) -> Vector2<f64> {
+        let mut result = Vector2::zeros();
+        for i in 0..self.count {
+            for (end, gradient) in self.ends.iter().zip(&gradients[i]) {
+                let Some(body) = end else { continue };
+                result[i] += x[6 * body..6 * body + 6].iter().zip(&gradient.data.0[0]).map(|(x, g)| x * g).sum::<f64>();
+            }
+        }
+        result
+    }
+}
+
+/// Sums over all force elements.
+#[derive(Clone, Debug)]
+pub(super) struct TangentSum {
+    pub neighbours: Neighbours,
+    pub pairs: Vec<PairSum>,
+    /// By slot: dQ/dq and dQ/dv.
+    pub by_position: Vec<Matrix6<f64>>,
+    pub by_velocity: Vec<Matrix6<f64>>,
+    /// As many as `new` was told at most.
+    pub states: Vec<StateTangent>,
+}
+
+impl TangentSum {
+    pub fn new(neighbours: Neighbours, pairs: Vec<PairSum>, states: usize) -> TangentSum {
+        let zero = vec![Matrix6::zeros(); neighbours.slots()];
+        TangentSum { neighbours, pairs, by_position: zero.clone(), by_velocity: zero, states: Vec::with_capacity(states) }
+    }
+
+    pub fn clear(&mut self) {
+        self.by_position.fill(Matrix6::zeros());
+        self.by_velocity.fill(Matrix6::zeros());
+        self.pairs.iter_mut().for_each(PairSum::clear);
+        self.states.clear();
+    }
+}

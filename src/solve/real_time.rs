@@ -1,0 +1,129 @@
+//! ROS2: a Rosenbrock-W method of order 2 with a fixed step, and a step's work is always the same.
+//!
+//! For hosts that must answer in time. A step takes two evaluations of f, one Jacobian, one factorisation and two solutions of
+//! linear systems; nothing is iterated and nothing rejected:
+//!
+//!   (I - gamma h J) k1 = h f(t, y),    (I - gamma h J) k2 = h f(t + h, y + k1) - 2 k1,    y1 = y + 3/2 k1 + 1/2 k2 .
+//!
+//! Order 2 whatever J is, also where f depends on t (see `rosenbrock`). R(z) = (1 + (1 - 2 gamma) z) / (1 - gamma z)^2 is L-stable for
+//! gamma = 1 - 1/sqrt(2) and 1 + 1/sqrt(2). The first has an error constant 1/6 - 3 gamma^2 + 2 gamma^3 of -0.040, the second one of
+//! 1.37, 34 times more; the second keeps the sign of decaying components, which concentrations in air chemistry need and wheels
+//! do not. Hence the first. Without J the method is Heun's: it needs J for stability as much as any explicit one lacks it.
+//!
+//! Continuous output: with the stages in standard form, K1 = k1 and K2 = k2 + 2 k1, y + theta K1 + theta^2 / 2 (K2 - K1): of order 2
+//! like the method, and free of f, whose stiff part would swing it far between the ends.
+//!
+//! What else may happen in a step depends on the system: an event is located by up to [`super::events::MOST_LOOKS`] more evaluations; a
+//! system with a margin takes one more evaluation in each step.
+//!
+//! A step that ends within 1e-9 of itself before a communication point has reached it: else rounding would cost a step more now and then.
+//!
+//! Source: J.G. Verwer, E.J. Spee, J.G. Blom, W. Hundsdorfer, SIAM J. Sci. Comput. 20 (1999) 1456-1480.
+
+use super::fixed::{FixedStep, SLACK, STEPS};
+use super::{
+    Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, events, parse_setting,
+};
+use crate::settings::{Entry, Section, SettingsError};
+use crate::units::Dimension;
+use std::f64::consts::FRAC_1_SQRT_2;
+use std::sync::Arc;
+
+pub(super) const ENTRY: Entry<super::Parse> = Entry {
+    name: "real_time",
+    summary: "fixed `step` in s with bounded work: Rosenbrock-W method ROS2 of order 2, L-stable",
+    reference: "Verwer, Spee, Blom, Hundsdorfer, SIAM J. Sci. Comput. 20 (1999) 1456-1480",
+    parse,
+};
+
+fn parse(section: &Section) -> Result<Arc<dyn Integrator>, SettingsError> {
+    Ok(Arc::new(RealTime { step: parse_setting(section, "step", Dimension::Time, STEPS)? }))
+}
+
+/// The method with a fixed step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RealTime {
+    /// s.
+    pub step: f64,
+}
+
+const GAMMA: f64 = 1.0 - FRAC_1_SQRT_2;
+
+/// Continuous output: powers 0 to 2 of theta.
+const DENSE_VECTORS: usize = 3;
+
+impl Integrator for RealTime {
+    fn setting(&self) -> Setting {
+        Setting { kind: SettingKind::Step, value: self.step, range: STEPS }
+    }
+
+    fn with_setting(&self, step: f64) -> Arc<dyn Integrator> {
+        Arc::new(RealTime { step })
+    }
+
+    fn dense_vectors(&self) -> usize {
+        DENSE_VECTORS
+    }
+
+    fn linearises(&self) -> bool {
+        true
+    }
+
+    fn worst_case(&self) -> Option<String> {
+        Some(format!(
+            "each step of {} s: 2 evaluations, 1 Jacobian, 1 factorisation, 2 linear solutions; 1 evaluation more where events are watched, up to {} more in a step that an event ends",
+            self.step,
+            events::MOST_LOOKS
+        ))
+    }
+
+    fn slack(&self) -> f64 {
+        SLACK * self.step
+    }
+
+    fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+        state.evaluate_afresh(dynamics)?;
+        state.linearise(dynamics, StiffPart::All)?;
+        let step = FixedStep::next(self.step, dynamics, state)?;
+        scratch.memory.copy_from_slice(&state.memory);
+        stages(dynamics, state, scratch, &step).map_err(|Undefined| FixedStep::undefined(state))?;
+        step.check(state, scratch)?;
+        let n = state.y.len();
+        for i in 0..n {
+            let first = scratch.stages[0][i];
+            let second = scratch.stages[1][i] + 2.0 * first;
+            for (power, coefficient) in [state.y[i], first, 0.5 * (second - first)].into_iter().enumerate() {
+                state.dense[power * n + i] = coefficient;
+            }
+        }
+        step.accept(state, scratch, None);
+        Ok(())
+    }
+}
+
+/// Both stages and the solution at the end.
+fn stages(dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch, step: &FixedStep) -> Result<(), Undefined> {
+    let Scratch { stages: [first, second, ..], trial, memory } = scratch;
+    state.statistics.factorisations += 1;
+    dynamics.factorise(GAMMA * step.h)?;
+    for (value, rate) in first.iter_mut().zip(&state.derivative) {
+        *value = step.h * rate;
+    }
+    dynamics.solve_linear(first);
+    for ((value, begin), change) in trial.iter_mut().zip(&state.y).zip(&*first) {
+        *value = begin + change;
+    }
+    state.statistics.evaluations += 1;
+    dynamics.derivative(step.end, trial, memory, second)?;
+    for (value, change) in second.iter_mut().zip(&*first) {
+        *value = step.h * *value - 2.0 * change;
+    }
+    dynamics.solve_linear(second);
+    for (i, value) in trial.iter_mut().enumerate() {
+        *value = state.y[i] + 1.5 * first[i] + 0.5 * second[i];
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;
