@@ -83,9 +83,13 @@ struct Standing {
 
 /// Speed at which a vehicle that starts at rest is balanced, m/s.
 const CREEPING: f64 = 1.0;
+/// Rest of the equations (parts of g) that counts as none: smoothed curvatures of real profiles leave contact forces less smooth than this.
+const BALANCED: f64 = 1e-6;
+/// The same in a curve, where a contact may lie on a joint of its profile.
+const IN_CURVE: f64 = 1e-5;
 /// Shares of the curve: the first step of the continuation, and the one that is too short.
 const FIRST: f64 = 0.25;
-const SHORTEST: f64 = 1.5e-2;
+const SHORTEST: f64 = 8e-3;
 
 /// Finds the steady state of a scene's free vehicle on the track at its start.
 ///
@@ -173,7 +177,7 @@ fn balanced<'a>(scene: &Scene, standing: &'a Standing, pattern: Pattern, node: &
 
 /// From the balance on straight track to that in the curve.
 fn into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumError> {
-    search.following = true;
+    (search.following, search.tolerance) = (true, IN_CURVE);
     let (mut done, mut step) = (0.0, FIRST);
     let mut last = search.configuration();
     let mut before: Option<(f64, search::Configuration)> = None;

@@ -7,14 +7,13 @@
 //! `x' = accelerations off the balance`, by implicit Euler's method with steps that grow while they go well, until Newton's method takes
 //! hold again.
 
+use super::BALANCED;
 use super::search::{PITCH, Search, UNIT, Unknown};
 use super::slopes::{Factors, Slopes};
 use crate::formulation::EvaluationError;
 use crate::mbs::body::COORDINATES;
 use crate::scene::equilibrium::EquilibriumError;
 
-/// Rest of the equations that counts as none: smoothed curvatures of real profiles leave contact forces less smooth than this.
-const BALANCED: f64 = 1e-6;
 /// The same where contacts jump from node to node of the profiles (0.1 m/s2).
 const NODAL: f64 = 1e-2;
 /// Below this the iteration goes on with the differences that it has, and ends where they bring no more.
@@ -22,16 +21,13 @@ const NEAR: f64 = 1e-10;
 /// Rest at which rounding is reached.
 const EXACT: f64 = 1e-13;
 const ITERATIONS: usize = 40;
-/// Steps that bring little, one after another, before the iteration is given up.
-const QUICK: usize = 4;
-const PATIENT: usize = 20;
 /// First length of a drift's step in parts of what moves a body by 1 m or rad per g of acceleration; most steps; furthest that one goes, m or rad;
 /// by how much it may worsen the balance; what is left when Newton's method takes over.
 const DRIFT: f64 = 1e-4;
 const DRIFTS: usize = 80;
 const FARTHEST: f64 = 3e-3;
 const WORST: f64 = 10.0;
-const SETTLED: f64 = 1e-4;
+const SETTLED: f64 = 1e-5;
 const HALVINGS: i32 = 25;
 /// Restoring acceleration per displacement below which nothing holds a body, 1/s2 in parts of [`UNIT`].
 const LOOSE: f64 = 1e-5;
@@ -42,9 +38,9 @@ impl Search<'_> {
     pub fn balance(&mut self) -> Result<(), EquilibriumError> {
         // Rigid contacts that jump do not let bodies drift on.
         let drifts = !self.model.formulation.constrains();
-        let mut rest = self.newton(if drifts { QUICK } else { PATIENT }).map_err(EquilibriumError::Evaluation)?;
+        let mut rest = self.newton().map_err(EquilibriumError::Evaluation)?;
         if drifts && !(largest(&rest).0 < self.bound()) && self.drift(&rest).map_err(EquilibriumError::Evaluation)? {
-            rest = self.newton(PATIENT).map_err(EquilibriumError::Evaluation)?;
+            rest = self.newton().map_err(EquilibriumError::Evaluation)?;
         }
         if !(largest(&rest).0 < self.bound()) {
             return Err(self.unsupported(&rest));
@@ -54,7 +50,7 @@ impl Search<'_> {
 
     /// Goes on as near to the balance as contacts among nodes allow.
     pub fn approach(&mut self) -> Result<(), EquilibriumError> {
-        self.newton(QUICK).map_err(EquilibriumError::Evaluation)?;
+        self.newton().map_err(EquilibriumError::Evaluation)?;
         self.read()
     }
 
@@ -65,18 +61,17 @@ impl Search<'_> {
     }
 
     fn bound(&self) -> f64 {
-        if self.model.formulation.is_smooth() { BALANCED } else { NODAL }
+        if self.model.formulation.is_smooth() { self.tolerance } else { NODAL }
     }
 
-    /// Returns what is left; gives up after more than so many steps one after another that bring little.
-    fn newton(&mut self, patience: usize) -> Result<Vec<f64>, EvaluationError> {
+    /// Returns what is left.
+    fn newton(&mut self) -> Result<Vec<f64>, EvaluationError> {
         let none = vec![0.0; self.unknowns.len()];
         let mut rest = self.residual(&none, true)?;
         let mut known: Option<Factors> = None;
-        let mut slow = 0;
         for _ in 0..ITERATIONS {
             let before = largest(&rest).0;
-            if before < EXACT || slow > patience {
+            if before < EXACT {
                 break;
             }
             let fresh = known.is_none();
@@ -91,8 +86,7 @@ impl Search<'_> {
             }
             let after = largest(&rest).0;
             let stalls = !(after < 0.5 * before);
-            slow = if stalls { slow + 1 } else { 0 };
-            if stalls && (after < NEAR || fresh && (after < BALANCED || after == before)) {
+            if stalls && (after < NEAR || fresh && (after < self.bound() || after == before)) {
                 break;
             }
             known = (after < if before < NEAR { 0.5 } else { 0.1 } * before).then_some(factors);
@@ -126,7 +120,7 @@ impl Search<'_> {
             rest = self.residual(&step, true)?;
             shift /= 3.0;
         }
-        Ok(largest(&rest).0 < 1e1 * SETTLED)
+        Ok(largest(&rest).0 < 1e2 * SETTLED)
     }
 
     fn factors(&mut self, rest: &[f64]) -> Result<Option<Factors>, EvaluationError> {

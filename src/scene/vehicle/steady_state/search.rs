@@ -73,6 +73,8 @@ pub(super) struct Search<'a> {
     pub following: bool,
     /// Are there constraints that coordinates must be moved onto?
     constrained: bool,
+    /// Rest of the equations that counts as none.
+    pub tolerance: f64,
     pub unknowns: Vec<Unknown>,
     /// Row of the square system for each coordinate; `None` where the speed is imposed.
     pub square: Vec<Option<usize>>,
@@ -101,6 +103,7 @@ impl<'a> Search<'a> {
             y: vec![0.0; model.dimension()],
             dy: vec![0.0; model.dimension()],
             following: false,
+            tolerance: super::BALANCED,
             inputs: model.neutral_inputs(),
             constrained: model.formulation.constrains() || !model.system.joints.is_empty(),
             leading: model.system.drives.iter().map(|drive| drive.body).min().unwrap_or(0),
