@@ -319,7 +319,12 @@ fn models(variants: &[Variant], prepared: &[Prepared]) -> Vec<Model> {
         let name = variant.model(one.rigid);
         match models.iter_mut().find(|model| model.name == name) {
             Some(model) => model.variants.push(index),
-            None => models.push(Model { name, rigid: one.rigid, variants: vec![index], reference: Err("a pilot run came to nothing in its share of the budget".into()) }),
+            None => models.push(Model {
+                name,
+                rigid: one.rigid,
+                variants: vec![index],
+                reference: Err("a pilot run came to nothing in its share of the budget".into()),
+            }),
         }
     }
     models
