@@ -51,6 +51,9 @@ pub struct Coupled {
     pub floor: f64,
 }
 
+/// Takes a sample of a run at an output time.
+type Sample<'a> = &'a mut dyn FnMut(&mut Simulation) -> Result<(), String>;
+
 struct Drive {
     hold: usize,
     step: f64,
@@ -60,11 +63,7 @@ struct Drive {
 
 impl Drive {
     /// Advances to the end; `sample` is called at every output time where it is wanted.
-    fn run(
-        &self,
-        simulation: &mut Simulation,
-        mut sample: Option<&mut dyn FnMut(&mut Simulation) -> Result<(), String>>,
-    ) -> Result<(), String> {
+    fn run(&self, simulation: &mut Simulation, mut sample: Option<Sample>) -> Result<(), String> {
         const SAME: f64 = 1e-9;
         let input = input_index(0, LATERAL_FORCE);
         let (mut exchange, mut row) = (0u64, 0u64);
