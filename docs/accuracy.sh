@@ -15,7 +15,7 @@ study() { # heading, words, study's arguments; the CSV's name is that of the sce
     for argument in "$@"; do case $argument in name=*) name=${argument#name=} ;; esac done
     printf '## %s\n\n%s\n\n' "$heading" "$words"
     local text
-    text=$("$program" study "$@" --plot "$folder" -o "$folder/$name.csv" 2>/dev/null) || text="(refused)"
+    text=$("$program" study "$@" --plot "$folder" -o "$folder/$name.csv" 2>&1 | grep -v '^wrote ') || true # a refusal is a result
     for quantity in y N; do
         local file="${name}_time_$quantity.svg"
         if [ -e "$folder/$file" ]; then
@@ -30,7 +30,7 @@ study() { # heading, words, study's arguments; the CSV's name is that of the sce
         printf '![Error of y against the communication step](images/%s_communication.svg)\n\n' "$name"
     fi
     printf '    wheelrail study'
-    printf ' %q' "$@"
+    for argument in "$@"; do case $argument in *' '*) printf " '%s'" "$argument" ;; *) printf ' %s' "$argument" ;; esac done
     printf '\n\n```text\n%s\n```\n\n' "$text"
 }
 {
