@@ -19,20 +19,12 @@ fn open(name: &str, changes: &[&str]) -> Scene {
 /// A train of so many coaches on the scene `vehicle_manchester_1`.
 fn train(coaches: usize) -> Scene {
     let embedded = wheelrail::scene::embedded::find("vehicle_manchester_1").map_or("", |scene| scene.text);
-    let mut places = String::from("[vehicle.module.coach]\ntemplate = \"vehicle_manchester_1\"\n");
-    for coach in 1..=coaches {
-        let x = -26.0 * (coach - 1) as f64;
-        let _ = write!(places, "[[vehicle.place]]\nname = \"coach[{coach}]\"\nmodule = \"coach\"\nposition = [{x:?}, 0, 0]\n");
-        if coach < coaches {
-            let ends =
-                [(coach, x - 12.5), (coach + 1, x - 13.5)].map(|(c, x)| format!("{{ body = \"coach[{c}].car\", at = [{x:?}, 0, 1] }}"));
-            let _ = write!(
-                places,
-                "[[vehicle.force]]\nname = \"coupler[{coach}]\"\nkind = \"coupler\"\nfrom = {}\nto = {}\ndraw_stiffness = 5e6\nbuffer_stiffness = 1e7\n",
-                ends[0], ends[1]
-            );
-        }
-    }
+    let places = format!(
+        "[vehicle.module.coach]\ntemplate = \"vehicle_manchester_1\"\n\n[[vehicle.place]]\nname = \"coach\"\nmodule = \"coach\"\n\
+         position = [0, 0, 0]\ncount = {coaches}\nspacing = [-26, 0, 0]\n\n[[vehicle.place.between]]\nname = \"coupler\"\nkind = \"coupler\"\n\
+         from = {{ body = \"car\", at = [-12.5, 0, 1] }}\nto = {{ body = \"car\", at = [12.5, 0, 1] }}\n\
+         draw_stiffness = 5e6\nbuffer_stiffness = 1e7\n"
+    );
     let text = embedded.replace("template = \"vehicle_manchester_1\"", "template = \"free\"").replacen(
         "\n[track]\n",
         &format!("\n{places}\n[track]\n"),

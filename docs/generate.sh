@@ -274,3 +274,4 @@ TEXT
 } >docs/creep_laws.md
 cp "$study/creep_laws.svg" docs/images/
 rm -r "$study"
+docs/accuracy.sh

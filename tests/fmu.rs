@@ -178,6 +178,14 @@ fn fmu_coupled_with_external_traction_and_brake() {
 }
 
 #[test]
+fn fmu_coupled_with_a_model_of_the_track() {
+    let folder = tempfile::tempdir().unwrap();
+    let changes = ["interface.inputs=[\"rail_motion\", \"centre_forces\"]"];
+    let fmu = changed_fmu(folder.path(), "rails", &changes);
+    script("rails.py", &[fmu.file.as_os_str()]);
+}
+
+#[test]
 fn fmu_bad_calls_from_python() {
     script("bad_calls.py", &[]);
 }

@@ -10,6 +10,7 @@ mod plot;
 mod profile;
 mod progress;
 mod run;
+mod study;
 mod table;
 
 use crate::scene::load::{self, SceneError};
@@ -45,6 +46,8 @@ enum Command {
     Profile(profile::Arguments),
     /// List scenes, profiles, laws, formulations, integrators ...
     List(list::Arguments),
+    /// Measure what accuracy costs in time: formulations, integrators and tolerances against references
+    Study(study::Arguments),
     /// Compute the creep-force table of the creep law `usetab`
     Table(table::Arguments),
 }
@@ -140,6 +143,7 @@ pub fn main() -> ExitCode {
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::Profile(arguments) => profile::profile(&arguments),
         Command::List(arguments) => list::list(&arguments),
+        Command::Study(arguments) => study::study(&arguments),
         Command::Table(arguments) => table::table(&arguments),
     };
     let (message, code) = match done {

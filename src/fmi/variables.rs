@@ -2,11 +2,13 @@
 
 use super::parameters::{self, RealParameter};
 use crate::formulation::{
-    AssemblyError, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, NEUTRAL_INPUTS, RIGHT_FRICTION, VERTICAL_FORCE,
-    WHEELSET_INPUTS,
+    AssemblyError, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, NEUTRAL_INPUTS, RAIL_INPUTS, RIGHT_FRICTION,
+    VERTICAL_FORCE, rail_input,
 };
+use crate::geometry::Side;
 use crate::scene::assemble;
-use crate::scene::spec::Scene;
+use crate::scene::spec::{RAIL_MOTION, Scene};
+use crate::sim::feedthrough::whose;
 use crate::sim::outputs::Output;
 use crate::sim::unit::Unit;
 pub(super) use crate::sim::vehicle_outputs::BODY;
@@ -63,12 +65,15 @@ pub struct VariableTable {
     pub outputs: Vec<Output>,
     /// Values of all inputs of the model, shown or not, before a master sets any.
     pub neutral_inputs: Vec<f64>,
+    wheelsets: usize,
     /// Index of each reference.
     index: HashMap<u32, usize>,
 }
 
 /// References of parameters that belong to no wheelset stay below this; wheelset k (from 1) has k * 1000 to k * 1000 + 999.
 pub(super) const WHEELSET: u32 = 1000;
+/// Local numbers of the rails' motion: left from here, right 10 behind.
+const RAIL: u32 = 501;
 
 impl VariableTable {
     /// Builds the table of a scene.
@@ -96,7 +101,7 @@ impl VariableTable {
         variables.extend(parameters::parameters(scene));
         variables.extend(locals(model.formulation.constrains(), scene.solver.integrator.linearises()));
         let index = variables.iter().enumerate().map(|(index, variable)| (variable.reference, index)).collect();
-        Ok(VariableTable { variables, outputs, neutral_inputs: model.neutral_inputs(), index })
+        Ok(VariableTable { variables, outputs, neutral_inputs: model.neutral_inputs(), wheelsets: model.wheelsets.len(), index })
     }
 
     /// The variable with a reference.
@@ -106,8 +111,10 @@ impl VariableTable {
 
     /// 1-based indices of the inputs that an output depends on.
     pub fn dependencies(&self, output: &Output) -> Vec<usize> {
-        let whose = |input: usize| output.wheelset.is_none_or(|wheelset| wheelset == input / WHEELSET_INPUTS);
-        let depends = |input: usize| whose(input) && output.feedthrough.contains(&(input % WHEELSET_INPUTS));
+        let depends = |input: usize| {
+            let (wheelset, number) = whose(self.wheelsets, input);
+            output.wheelset.is_none_or(|own| own == wheelset) && output.feedthrough.contains(&number)
+        };
         let indexed = self.variables.iter().enumerate();
         indexed.filter_map(|(index, variable)| matches!(variable.role, Role::Input(input) if depends(input)).then_some(index + 1)).collect()
     }
@@ -115,7 +122,49 @@ impl VariableTable {
 
 fn inputs(scene: &Scene) -> Vec<Variable> {
     let axles = scene.vehicle.axles().into_iter().enumerate();
-    axles.filter(|(_, axle)| scene.interface.shows(axle.0)).flat_map(|(index, axle)| axle_inputs(scene, index, axle)).collect()
+    let of_axle = |(index, axle): (usize, (&str, bool))| {
+        let mut variables = axle_inputs(scene, index, axle);
+        variables.extend(rail_inputs(scene, index, axle.0));
+        variables
+    };
+    axles.filter(|(_, axle)| scene.interface.shows(axle.0)).flat_map(of_axle).collect()
+}
+
+/// Motion of the rails under a wheelset; none where the scene does not ask for it.
+fn rail_inputs(scene: &Scene, index: usize, wheelset: &str) -> Vec<Variable> {
+    if !scene.interface.inputs.contains(&RAIL_MOTION) {
+        return Vec::new();
+    }
+    let rows: [(&str, Unit, &str); RAIL_INPUTS] = [
+        ("railLateralDisplacement", Unit::Metre, "displacement of the rail under the wheel across the track, left positive"),
+        ("railVerticalDisplacement", Unit::Metre, "displacement of the rail under the wheel, up positive"),
+        ("railLateralVelocity", Unit::MetrePerSecond, "velocity of the rail's material under the wheel across the track, left positive"),
+        ("railVerticalVelocity", Unit::MetrePerSecond, "velocity of the rail's material under the wheel, up positive"),
+        ("railLateralSlope", Unit::One, "change of railLateralDisplacement per distance along the track; 0 for a track that travels along"),
+        (
+            "railVerticalSlope",
+            Unit::One,
+            "change of railVerticalDisplacement per distance along the track; 0 for a track that travels along",
+        ),
+    ];
+    let wheelsets = scene.vehicle.axles().len();
+    let of_side = |side: Side| {
+        rows.into_iter().enumerate().map(move |(number, (name, unit, text))| Variable {
+            reference: WHEELSET * (index as u32 + 1) + RAIL + 10 * side.index() as u32 + number as u32,
+            name: format!("{wheelset}.{}.{name}", side.name()),
+            description: text.into(),
+            kind: Kind::Real,
+            causality: "input",
+            variability: "continuous",
+            initial: None,
+            unit,
+            start: Some(0.0),
+            min: None,
+            max: None,
+            role: Role::Input(rail_input(wheelsets, index, side, number)),
+        })
+    };
+    Side::BOTH.into_iter().flat_map(of_side).collect()
 }
 
 fn axle_inputs(scene: &Scene, index: usize, (wheelset, driven): (&str, bool)) -> Vec<Variable> {

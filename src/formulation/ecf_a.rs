@@ -16,6 +16,7 @@ use super::{
 use super::{points, rigid};
 use crate::geometry::Side;
 use crate::settings::{Entry, Section, SettingsError};
+use nalgebra::Vector3;
 use std::sync::Arc;
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
@@ -26,7 +27,11 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 };
 
 fn parse(_: &Section) -> Result<Build, SettingsError> {
-    Ok(Arc::new(|_| Ok(Box::new(EcfA))))
+    Ok(build())
+}
+
+pub(super) fn build() -> Build {
+    Arc::new(|_| Ok(Box::new(EcfA)))
 }
 
 /// The formulation has no settings of its own.
@@ -51,13 +56,15 @@ impl Formulation for EcfA {
         model.apply_forces(y, memory, &mut workspace.system);
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let motion = workspace.system.motions[wheelset.body];
-            let inputs = &inputs[index * WHEELSET_INPUTS..(index + 1) * WHEELSET_INPUTS];
-            let applied = external_wrench(model, &workspace.system, wheelset.body, inputs);
-            let wrench = &mut workspace.system.wrenches[wheelset.body];
-            *wrench += applied;
-            for (side, friction) in [(Side::Left, inputs[LEFT_FRICTION]), (Side::Right, inputs[RIGHT_FRICTION])] {
+            let own = &inputs[index * WHEELSET_INPUTS..(index + 1) * WHEELSET_INPUTS];
+            let applied = external_wrench(model, &workspace.system, wheelset.body, own);
+            workspace.system.wrenches[wheelset.body] += applied;
+            for (side, friction) in [(Side::Left, own[LEFT_FRICTION]), (Side::Right, own[RIGHT_FRICTION])] {
                 let contact = contact_index(index, side);
-                let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction, y };
+                let moved = model.against_rail(&workspace.system, inputs, wheelset.body, contact);
+                let (motion, climb) = moved.as_ref().map_or((&motion, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
+                let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
+                let wrench = &mut workspace.system.wrenches[wheelset.body];
                 let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
                 points::elastic_wheel(&wheel, &mut memory[model.contact_memory(contact)], wrench, reports)
                     .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;

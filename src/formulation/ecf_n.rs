@@ -83,6 +83,10 @@ impl Formulation for EcfN {
         2
     }
 
+    fn is_smooth(&self) -> bool {
+        false
+    }
+
     fn start(&self, model: &Model, workspace: &mut Workspace, _: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
         model.move_bodies(y, memory, &mut workspace.system);
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
@@ -101,25 +105,28 @@ impl Formulation for EcfN {
         model.apply_forces(y, memory, &mut workspace.system);
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let motion = workspace.system.motions[wheelset.body];
-            let inputs = &inputs[index * WHEELSET_INPUTS..(index + 1) * WHEELSET_INPUTS];
-            let applied = external_wrench(model, &workspace.system, wheelset.body, inputs);
+            let own = &inputs[index * WHEELSET_INPUTS..(index + 1) * WHEELSET_INPUTS];
+            let applied = external_wrench(model, &workspace.system, wheelset.body, own);
             workspace.system.wrenches[wheelset.body] += applied;
-            for (side, friction) in [(Side::Left, inputs[LEFT_FRICTION]), (Side::Right, inputs[RIGHT_FRICTION])] {
+            for (side, friction) in [(Side::Left, own[LEFT_FRICTION]), (Side::Right, own[RIGHT_FRICTION])] {
                 let contact = contact_index(index, side);
                 let state = model.contact_states(contact).start;
                 let section = model.track.rail(side).section(y[state]);
                 let search = &self.searches[contact];
                 let centre = search.centre_point(&motion.position, &motion.frame.axes);
                 dy[state] = arc_rate(&section, &centre, &motion.attachment_velocity(&centre));
+                // The section follows the wheelset along the track, whatever its rail does across.
+                let moved = model.against_rail(&workspace.system, inputs, wheelset.body, contact);
+                let (motion, climb) = moved.as_ref().map_or((&motion, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
                 let found = search.search(&motion.position, &motion.frame.axes, motion.distance, y[state], &section);
                 workspace.work.search_iterations += found.evaluated as u64;
                 let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
                 let [first, second] = &found.contacts;
-                let first = first.as_ref().ok_or_else(|| fail(ContactFailure::OffRail { y: model.beside(&motion).0 }))?;
+                let first = first.as_ref().ok_or_else(|| fail(ContactFailure::OffRail { y: model.beside(motion).0 }))?;
                 keep(&first.parameters, &mut memory[model.contact_memory(contact)]);
-                let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction, y };
+                let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
                 let mut load = |(slot, found): (usize, &ContactLocation)| {
-                    self.check_ends(model, wheelset, side, found, &motion)?;
+                    self.check_ends(model, wheelset, side, found, motion)?;
                     let wrench = &mut workspace.system.wrenches[wheelset.body];
                     Contact { wheel: &wheel, found, slot, share: 1.0 }.elastic(wrench)
                 };

@@ -34,6 +34,8 @@ pub(super) struct WheelAt<'a> {
     /// Index of the wheel's first contact.
     pub contact: usize,
     pub motion: &'a BodyMotion,
+    /// What it meets of a bent rail, part of the rate of penetration, m/s (see `rail_motion`); 0 where rails do not move.
+    pub climb: Vector3<f64>,
     /// Factor of the friction coefficient.
     pub friction: f64,
     /// The whole state, of which the contact takes its tangential states.
@@ -81,7 +83,7 @@ impl Contact<'_> {
         ContactReport {
             parameters: found.parameters,
             penetration: found.penetration,
-            penetration_rate: -velocity.dot(&found.normal),
+            penetration_rate: -(velocity - self.wheel.climb).dot(&found.normal),
             axes,
             iterations: found.iterations,
             slip,

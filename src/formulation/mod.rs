@@ -17,6 +17,7 @@ mod lift;
 mod loading;
 mod model;
 pub mod points;
+mod rail_motion;
 mod rigid;
 pub mod sliding_mean;
 mod tangent;
@@ -27,6 +28,10 @@ pub use failure::{ContactFailure, EvaluationError};
 pub use model::{
     ContactLaws, ContactReport, DRIVE_TORQUE, Evaluation, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, Model, NEUTRAL_INPUTS, Parts,
     RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS, Wheelset, Workspace, contact_index,
+};
+pub use rail_motion::{
+    RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_SLOPE, RAIL_LATERAL_VELOCITY, RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, RAIL_VERTICAL_VELOCITY,
+    rail_input,
 };
 
 use crate::contact::search::nodes::NodeError;
@@ -53,6 +58,11 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
     /// Contacts per wheel that can be loaded at the same time.
     fn points_per_wheel(&self) -> usize {
         1
+    }
+
+    /// Do forces change smoothly with the places of wheels? Where contacts jump from node to node they do not.
+    fn is_smooth(&self) -> bool {
+        true
     }
 
     /// What it does where a constraint would begin to pull; `None`: contact is no constraint.
@@ -133,6 +143,15 @@ pub enum AssemblyError {
     Nodes(NodeError),
     #[error("vehicle.joint: {0}")]
     Joints(crate::mbs::redundancy::AssemblyError),
+    #[error(
+        "interface.inputs: \"rail_motion\" needs elastic contact (contact.formulation = \"ECF-A\" or \"ECF-N\"): a constraint between wheel and rail would need the rail's acceleration, which is no input"
+    )]
+    RailMotion,
+}
+
+/// ECF-A, whose forces are smooth: where the search for a balance with another formulation may begin.
+pub fn algebraic() -> Build {
+    ecf_a::build()
 }
 
 type Parse = fn(&Section) -> Result<Build, SettingsError>;

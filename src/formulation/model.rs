@@ -6,7 +6,7 @@ use super::points::{self, PreparedSearches, WheelSearch};
 use super::rigid::{self, RigidScratch};
 use super::sliding_mean::SlidingMean;
 use super::work::Work;
-use super::{AssemblyError, Build, EvaluationError, Formulation, lift};
+use super::{AssemblyError, Build, EvaluationError, Formulation, RAIL_INPUTS, lift};
 use crate::contact::Patch;
 use crate::contact::creep::CreepLaw;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
@@ -106,6 +106,8 @@ pub struct Model {
     pub(super) contact_states_begin: usize,
     /// Means over the last stretch of travel; `None` where the scene does not ask for them.
     pub means: Option<SlidingMean>,
+    /// Does the rail under each wheel move as inputs say (see `rail_motion`)?
+    pub rail_motion: bool,
     /// Per wheel: the search for all of them; `None` where one place alone can touch.
     pub(super) searches: Vec<Option<Arc<WheelSearch>>>,
 }
@@ -210,7 +212,7 @@ impl Model {
         let searches = points::searches(&wheelsets, &track, if own > 1 { 1 } else { points.min(points::MOST_POINTS) }, &prepared);
         let points = if searches.iter().any(Option::is_some) { points } else { own };
         let contact_states_begin = system.dimension();
-        Ok(Model { system, track, wheelsets, laws, formulation, points, contact_states_begin, searches, means: None })
+        Ok(Model { system, track, wheelsets, laws, formulation, points, contact_states_begin, searches, means: None, rail_motion: false })
     }
 
     pub fn contacts(&self) -> usize {
@@ -339,7 +341,8 @@ impl Model {
 
     /// Values of all inputs that leave the model alone.
     pub fn neutral_inputs(&self) -> Vec<f64> {
-        NEUTRAL_INPUTS.iter().copied().cycle().take(WHEELSET_INPUTS * self.wheelsets.len()).collect()
+        let own = NEUTRAL_INPUTS.iter().copied().cycle().take(WHEELSET_INPUTS * self.wheelsets.len());
+        own.chain(std::iter::repeat_n(0.0, if self.rail_motion { RAIL_INPUTS * self.contacts() } else { 0 })).collect()
     }
 
     /// Derivative `dy` of the state `at.y` at time `at.t`; leaves motions, wrenches and contacts in the workspace.
@@ -359,6 +362,20 @@ impl Model {
         let pressing = self.formulation.on_lift().and_then(|_| rigid::least_pressed(self, memory)).map(|(_, force)| force);
         let touching = points::margin(self, memory);
         pressing.into_iter().chain(touching).reduce(f64::min)
+    }
+
+    /// Are contacts constraints that may also be elastic for a time (`contact.on_lift`)?
+    pub fn may_be_elastic(&self) -> bool {
+        self.formulation.on_lift() == Some(OnLift::Elastic)
+    }
+
+    /// Starts at `y` with all contacts elastic; see [`Formulation::start`].
+    ///
+    /// # Errors
+    /// [`EvaluationError`] when a contact cannot be found.
+    pub fn start_elastic(&self, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
+        lift::start_elastic(self, workspace, y, memory);
+        self.formulation.resettle(self, workspace, t, y, memory)
     }
 
     /// When an elastic contact becomes a constraint again if nothing disturbs it, s; infinity for never.

@@ -26,6 +26,7 @@ use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::kkt::{Coefficients, SingularConstraints};
 use crate::mbs::projection::ProjectionError;
 use crate::mbs::system::SystemWorkspace;
+use nalgebra::Vector3;
 
 /// Numbers per contact in the memory, and their places after the surface parameters.
 pub(super) const MEMORY: usize = 8;
@@ -113,7 +114,16 @@ pub(super) fn derivative(
             let memory = &mut memory[model.contact_memory(contact)];
             let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
             let elastic = is_elastic(memory);
-            let wheel = WheelAt { model, wheelset, side, contact, motion: &motion, friction: friction(inputs, contact, side), y };
+            let wheel = WheelAt {
+                model,
+                wheelset,
+                side,
+                contact,
+                motion: &motion,
+                climb: Vector3::zeros(),
+                friction: friction(inputs, contact, side),
+                y,
+            };
             let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
             let wrench = &mut workspace.system.wrenches[wheelset.body];
             let constraints = &mut workspace.system.constraints;
@@ -258,7 +268,7 @@ fn settle(
             let Some(found) = &rows[contact] else { continue };
             let motion = &system.motions[wheelset.body];
             let friction = friction(inputs, contact, side);
-            let wheel = WheelAt { model, wheelset, side, contact, motion, friction, y };
+            let wheel = WheelAt { model, wheelset, side, contact, motion, climb: Vector3::zeros(), friction, y };
             let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
             load.pressed(&mut contacts[contact], forces[contact], &mut system.wrenches[wheelset.body])
                 .map_err(|cause| LoopFailure::At(EvaluationError::new(t, wheelset, side, cause.into())))?;

@@ -1,6 +1,6 @@
 //! From scene data to a model: only what the scene calls for becomes an object.
 
-use super::spec::{SLIDING_MEANS, Scene};
+use super::spec::{RAIL_MOTION, SLIDING_MEANS, Scene};
 use super::vehicle;
 use crate::contact::transient::TransientContact;
 use crate::formulation::{AssemblyError, ContactLaws, Model, Parts};
@@ -39,5 +39,6 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
         prepared: scene.prepared.clone(),
     };
     let window = scene.interface.outputs.contains(&SLIDING_MEANS).then_some(MEAN_WINDOW);
-    Ok(Model::new(parts, &contact.formulation)?.with_sliding_means(window))
+    let model = Model::new(parts, &contact.formulation)?.with_sliding_means(window);
+    model.with_rail_motion(scene.interface.inputs.contains(&RAIL_MOTION))
 }

@@ -89,10 +89,14 @@ pub struct SolverSpec {
 }
 
 /// Groups of inputs, outputs and parameters that an FMU may show.
-pub const INPUT_GROUPS: &[&str] = &["drive_torque", "centre_forces", "friction"];
-pub const OUTPUT_GROUPS: &[&str] = &["motion", "wheels", "contacts", "suspension", "axles", "bodies", "sensors", "forces", SLIDING_MEANS];
+pub const INPUT_GROUPS: &[&str] = &["drive_torque", "centre_forces", "friction", RAIL_MOTION];
+pub const OUTPUT_GROUPS: &[&str] =
+    &["motion", "wheels", "contacts", "suspension", "axles", "bodies", "sensors", "forces", SLIDING_MEANS, RAIL_FORCES];
 /// The group that costs states: shown only where a scene names it.
 pub const SLIDING_MEANS: &str = "sliding_means";
+/// Motion of the rails from outside: only where a scene names it; with it, the forces on the rails are shown.
+pub const RAIL_MOTION: &str = "rail_motion";
+pub const RAIL_FORCES: &str = "rail_forces";
 pub const PARAMETER_GROUPS: &[&str] = &["vehicle", "suspension", "contact", "solver", "initial"];
 
 /// `[interface]`: names of groups; all when absent.
@@ -153,12 +157,9 @@ impl Scene {
         solver.finish()?;
         let interface = match root.optional_section("interface")? {
             Some(section) => read_interface(section, &vehicle)?,
-            None => InterfaceSpec {
-                inputs: INPUT_GROUPS.to_vec(),
-                outputs: default_outputs(),
-                parameters: PARAMETER_GROUPS.to_vec(),
-                only: None,
-            },
+            None => {
+                InterfaceSpec { inputs: default_inputs(), outputs: default_outputs(&[]), parameters: PARAMETER_GROUPS.to_vec(), only: None }
+            }
         };
         let run = root.section("run")?;
         let spec = RunSpec { stop: run.not_negative("stop", Dimension::Time)?, step: run.positive("step", Dimension::Time)? };
@@ -308,8 +309,14 @@ fn read_points(section: &Section) -> Result<usize, SettingsError> {
 }
 
 /// All groups that cost nothing.
-fn default_outputs() -> Vec<&'static str> {
-    OUTPUT_GROUPS.iter().copied().filter(|group| *group != SLIDING_MEANS).collect()
+fn default_inputs() -> Vec<&'static str> {
+    INPUT_GROUPS.iter().copied().filter(|group| *group != RAIL_MOTION).collect()
+}
+
+/// The same of outputs; forces on the rails belong to rails that move.
+fn default_outputs(inputs: &[&str]) -> Vec<&'static str> {
+    let moving = inputs.contains(&RAIL_MOTION);
+    OUTPUT_GROUPS.iter().copied().filter(|group| *group != SLIDING_MEANS && (moving || *group != RAIL_FORCES)).collect()
 }
 
 fn read_interface(section: Section, vehicle: &VehicleSpec) -> Result<InterfaceSpec, SettingsError> {
@@ -322,9 +329,10 @@ fn read_interface(section: Section, vehicle: &VehicleSpec) -> Result<InterfaceSp
             return Err(section.error("only", problem));
         }
     }
+    let inputs = if section.has("inputs") { section.words_or_all("inputs", INPUT_GROUPS)? } else { default_inputs() };
     let spec = InterfaceSpec {
-        inputs: section.words_or_all("inputs", INPUT_GROUPS)?,
-        outputs: if section.has("outputs") { section.words_or_all("outputs", OUTPUT_GROUPS)? } else { default_outputs() },
+        outputs: if section.has("outputs") { section.words_or_all("outputs", OUTPUT_GROUPS)? } else { default_outputs(&inputs) },
+        inputs,
         parameters: section.words_or_all("parameters", PARAMETER_GROUPS)?,
         only,
     };

@@ -1,36 +1,15 @@
 //! The one table of outputs: FMU variables, CSV columns and plot labels all come from it.
 
 use super::Snapshot;
+use super::feedthrough::{ACROSS, ALL, ALONG, Depends, FRICTIONS, STATE, TURNING, UPWARD, of_wheel};
 use super::unit::Unit;
 use crate::formulation::sliding_mean::derailment_quotient;
-use crate::formulation::{
-    ContactReport, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, Model, RIGHT_FRICTION, VERTICAL_FORCE, contact_index,
-};
+use crate::formulation::{ContactReport, Model, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::on_track::{OnTrack, accelerations, relative};
-use crate::scene::spec::SLIDING_MEANS;
-
-/// What an output depends on at the same instant.
-#[derive(Clone, Copy)]
-enum Depends {
-    /// Coordinates and velocities alone.
-    State,
-    /// The normal force, which is a matter of state where contact is elastic, and of accelerations where it is a constraint.
-    Pressing,
-    /// Inputs of the wheelset (see `formulation`), and the normal force.
-    On(&'static [usize]),
-}
-
-const STATE: Depends = Depends::State;
-const PRESSING: Depends = Depends::Pressing;
-const LEFT: Depends = Depends::On(&[LEFT_FRICTION]);
-const RIGHT: Depends = Depends::On(&[RIGHT_FRICTION]);
-const FRICTIONS: Depends = Depends::On(&[LEFT_FRICTION, RIGHT_FRICTION]);
-/// A torque about the axle turns it by rounding only, but not by nothing.
-const TURNING: Depends = Depends::On(&[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION]);
-pub(super) const ALL: &[usize] = &[DRIVE_TORQUE, LATERAL_FORCE, VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LONGITUDINAL_FORCE];
+use crate::scene::spec::{RAIL_FORCES, SLIDING_MEANS};
 
 pub(super) type Read = Box<dyn Fn(&Snapshot) -> f64 + Send + Sync>;
 
@@ -100,10 +79,8 @@ impl Collector<'_> {
         read: impl Fn(&Snapshot) -> f64 + Send + Sync + 'static,
     ) {
         let feedthrough = match depends {
-            Depends::State => &[],
-            Depends::Pressing | Depends::On(_) if self.constrained => ALL,
-            Depends::Pressing => &[],
-            Depends::On(inputs) => inputs,
+            Depends::On(_) if self.constrained => ALL,
+            Depends::On(inputs) | Depends::Only(inputs) => inputs,
         };
         if self.groups.contains(&group) {
             self.outputs.push(Output {
@@ -135,7 +112,7 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
             outputs: &mut outputs,
         };
         let drive = model.system.drives.iter().position(|drive| drive.body == wheelset.body);
-        let along = if drive.is_some() { STATE } else { Depends::On(&[LONGITUDINAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION]) };
+        let along = if drive.is_some() { STATE } else { ALONG };
         motion(&mut collector, wheelset.body, bodies, along);
         if let Some(drive) = drive {
             let text = "force of the driving constraint, forward positive: what a locomotive must supply to keep the imposed speed";
@@ -204,35 +181,11 @@ fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
     c.add(19, "yawRate", g, Unit::RadianPerSecond, STATE, "time derivative of the yaw angle", y(v + 3));
     c.add(20, "pitchRate", g, Unit::RadianPerSecond, STATE, "time derivative of the pitch angle, rolling forward positive", y(v + 5));
     c.add(21, "ax", g, Unit::MetrePerSecond2, along, "acceleration of the centre along the track (zero under an imposed speed)", dy(v));
-    c.add(
-        22,
-        "ay",
-        g,
-        Unit::MetrePerSecond2,
-        Depends::On(&[LATERAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION]),
-        "lateral acceleration of the centre, left positive",
-        dy(v + 1),
-    );
-    c.add(
-        23,
-        "az",
-        g,
-        Unit::MetrePerSecond2,
-        Depends::On(&[VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION]),
-        "vertical acceleration of the centre, up positive",
-        dy(v + 2),
-    );
+    c.add(22, "ay", g, Unit::MetrePerSecond2, ACROSS, "lateral acceleration of the centre, left positive", dy(v + 1));
+    c.add(23, "az", g, Unit::MetrePerSecond2, UPWARD, "vertical acceleration of the centre, up positive", dy(v + 2));
     c.add(24, "rollAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the roll angle", dy(v + 4));
     c.add(25, "yawAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the yaw angle", dy(v + 3));
-    c.add(
-        26,
-        "pitchAcceleration",
-        g,
-        Unit::RadianPerSecond2,
-        Depends::On(&[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION]),
-        "second time derivative of the pitch angle",
-        dy(v + 5),
-    );
+    c.add(26, "pitchAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the pitch angle", dy(v + 5));
 }
 
 /// Means over the last stretch of travel.
@@ -252,7 +205,8 @@ fn means(c: &mut Collector, model: &Model, wheelset: usize) {
 }
 
 fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usize) {
-    let friction = if side == Side::Left { LEFT } else { RIGHT };
+    let on = of_wheel(side);
+    let friction = on.friction;
     let prefix = c.prefix.clone();
     c.prefix = format!("{prefix}.{}", side.name());
     let base = c.base;
@@ -283,7 +237,7 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usi
         "longitudinal force of the rail on the wheel in the track frame, forward positive",
         move |s| total(s).x,
     );
-    c.add(3, "normalForce", g, Unit::Newton, PRESSING, "sum of the normal forces of the wheel's contacts", of(|k| k.normal_force));
+    c.add(3, "normalForce", g, Unit::Newton, on.pressing, "sum of the normal forces of the wheel's contacts", of(|k| k.normal_force));
     let text = "guiding force of the wheel on the rail, outward positive, over Q: positive when a flange climbs; 0 below Q = 1 N";
     c.add(4, "derailmentQuotient", g, Unit::One, friction, text, move |s| derailment_quotient(side, &total(s)));
     let text = "T-gamma without spin: |Fx xi_x| + |Fy xi_y|, summed over the wheel's contacts (energy per distance, J/m)";
@@ -297,6 +251,11 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usi
         of(|k| (k.creep_force.longitudinal * k.creepage.longitudinal).abs() + (k.creep_force.lateral * k.creepage.lateral).abs()),
     );
 
+    let text = "force of the wheel on the rail across the track, left positive as the rail's displacement; EN 14363 guiding force: left +, right -";
+    c.add(7, "railLateralForce", RAIL_FORCES, Unit::Newton, friction, text, move |s| -total(s).y);
+    let text = "force of the wheel on the rail upward, as the rail's displacement: -Q, negative under load";
+    c.add(8, "railVerticalForce", RAIL_FORCES, Unit::Newton, friction, text, move |s| -total(s).z);
+
     for index in 0..points {
         point_of_contact(c, &format!("{prefix}.{}.contact[{}]", side.name(), index + 1), contact, index, side, body);
     }
@@ -306,20 +265,20 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usi
 
 /// Outputs of a wheel's contact number `index` from 0.
 fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize, side: Side, body: usize) {
-    let friction = if side == Side::Left { LEFT } else { RIGHT };
-    let none = STATE;
+    let on = of_wheel(side);
+    let (friction, place) = (on.friction, on.place);
     let outward = side.sign();
     let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| read(s.workspace.report(contact, index));
     let (prefix, base) = (std::mem::replace(&mut c.prefix, name.into()), c.base);
     c.base += 20 * (index as u32 + 1);
     let g = "contacts";
-    c.add(0, "normalForce", g, Unit::Newton, PRESSING, "normal force", of(|k| k.normal_force));
+    c.add(0, "normalForce", g, Unit::Newton, on.pressing, "normal force", of(|k| k.normal_force));
     c.add(
         1,
         "penetration",
         g,
         Unit::Metre,
-        none,
+        place,
         "penetration of the undeformed surfaces along the normal, negative when they are apart",
         of(|k| k.penetration),
     );
@@ -328,7 +287,7 @@ fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize,
         "longitudinalCreepage",
         g,
         Unit::One,
-        none,
+        on.slip,
         "longitudinal creepage, positive when the wheel slips forward (braking); 0 without contact",
         of(|k| k.creepage.longitudinal),
     );
@@ -337,7 +296,7 @@ fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize,
         "lateralCreepage",
         g,
         Unit::One,
-        none,
+        on.slip,
         "lateral creepage, positive when the wheel slips to the left; 0 without contact",
         of(|k| k.creepage.lateral),
     );
@@ -346,7 +305,7 @@ fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize,
         "spinCreepage",
         g,
         Unit::PerMetre,
-        none,
+        on.slip,
         "spin creepage about the contact normal (up); 0 without contact",
         of(|k| k.creepage.spin),
     );
@@ -377,33 +336,41 @@ fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize,
         "spin moment on the wheel about the contact normal",
         of(|k| k.creep_force.spin_moment),
     );
-    c.add(8, "semiAxisA", g, Unit::Metre, PRESSING, "semi-axis of the contact patch along e1 (rolling direction)", of(|k| k.patch.a));
-    c.add(9, "semiAxisB", g, Unit::Metre, PRESSING, "semi-axis of the contact patch along e2", of(|k| k.patch.b));
+    c.add(8, "semiAxisA", g, Unit::Metre, on.pressing, "semi-axis of the contact patch along e1 (rolling direction)", of(|k| k.patch.a));
+    c.add(9, "semiAxisB", g, Unit::Metre, on.pressing, "semi-axis of the contact patch along e2", of(|k| k.patch.b));
     c.add(
         10,
         "wheelCoordinate",
         g,
         Unit::Metre,
-        none,
+        place,
         "u: contact on the wheel profile from the tread circle, outward positive",
         of(|k| k.parameters.wheel),
     );
-    c.add(11, "railCoordinate", g, Unit::Metre, none, "eta: contact on the rail profile, outward positive", of(|k| k.parameters.rail));
-    c.add(12, "angle", g, Unit::Radian, none, "contact angle: lean of the normal toward the track centre in the cross-section", move |s| {
-        let n = s.workspace.in_track(body, s.workspace.report(contact, index).axes.normal);
-        (-outward * n.y).atan2(n.z)
-    });
+    c.add(11, "railCoordinate", g, Unit::Metre, place, "eta: contact on the rail profile, outward positive", of(|k| k.parameters.rail));
+    c.add(
+        12,
+        "angle",
+        g,
+        Unit::Radian,
+        place,
+        "contact angle: lean of the normal toward the track centre in the cross-section",
+        move |s| {
+            let n = s.workspace.in_track(body, s.workspace.report(contact, index).axes.normal);
+            (-outward * n.y).atan2(n.z)
+        },
+    );
     c.add(
         13,
         "wheelAngle",
         g,
         Unit::Radian,
-        none,
+        place,
         "contact on the wheel: angle about the axle ahead of the lowest point",
         of(|k| k.parameters.angle),
     );
     let text = "contact on the rail: distance along the track";
-    c.add(14, "railDistance", g, Unit::Distance, none, text, move |s| {
+    c.add(14, "railDistance", g, Unit::Distance, place, text, move |s| {
         let distance =
             if s.workspace.system.stations.is_empty() { s.y[body * COORDINATES] } else { s.workspace.system.motions[body].distance };
         distance + s.workspace.report(contact, index).parameters.lead

@@ -4,9 +4,10 @@
 //! 3000000 + 100 s (from 0, in the order of names): they belong to the vehicle, whatever of it is shown.
 
 use super::Snapshot;
-use super::outputs::{ALL, Output, on_track, outputs};
+use super::feedthrough::{ALL, FRICTION_INPUTS};
+use super::outputs::{Output, on_track, outputs};
 use super::unit::Unit;
-use crate::formulation::{LEFT_FRICTION, Model, RIGHT_FRICTION, contact_index};
+use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::force::QuantityKind;
@@ -31,7 +32,7 @@ pub fn scene_outputs(scene: &Scene, model: &Model) -> Vec<Output> {
         vehicle.axles();
         vehicle.bodies(free);
         for (index, sensor) in free.sensors.iter().enumerate() {
-            vehicle.sensor(index, sensor);
+            vehicle.sensor(index, sensor, gravity(scene));
         }
         vehicle.forces(free);
         all.extend(vehicle.outputs);
@@ -79,7 +80,7 @@ impl Collector<'_> {
                 name: format!("{}.trackShiftingForce", wheelset.name),
                 group: "axles",
                 unit: Unit::Newton,
-                feedthrough: if self.coupled() { (ALL, None) } else { (&[LEFT_FRICTION, RIGHT_FRICTION], Some(index)) },
+                feedthrough: if self.coupled() { (ALL, None) } else { (FRICTION_INPUTS, Some(index)) },
             };
             let body = wheelset.body;
             let text = "sum of Y: lateral force of both wheels on the track, left positive";
@@ -109,7 +110,7 @@ impl Collector<'_> {
         }
     }
 
-    fn sensor(&mut self, index: usize, sensor: &Sensor) {
+    fn sensor(&mut self, index: usize, sensor: &Sensor, gravity: Vector3<f64>) {
         let base = SENSOR + STRIDE * index as u32;
         let on_wheelset = sensor.body < self.model.wheelsets.len();
         // Forces of inputs reach other bodies through constraints alone.
@@ -127,14 +128,38 @@ impl Collector<'_> {
             let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, feedthrough: STATE };
             self.add(label, text, move |s| place_of(s, body, &point)[axis]);
         }
-        for (id, name, axis, text) in [
+        let measured = [
+            (
+                6,
+                "measuredAx",
+                0,
+                "what an accelerometer at the point shows along the body's x axis, forward positive: acceleration less gravity",
+            ),
+            (
+                7,
+                "measuredAy",
+                1,
+                "what an accelerometer at the point shows along the body's y axis, left positive: acceleration less gravity",
+            ),
+            (
+                8,
+                "measuredAz",
+                2,
+                "what an accelerometer at the point shows along the body's z axis, up positive: acceleration less gravity (g at rest)",
+            ),
+        ];
+        let kinematic = [
             (3, "ax", 0, "acceleration of the point along the body's x axis, forward positive (kinematic, without gravity's part)"),
             (4, "ay", 1, "acceleration of the point along the body's y axis, left positive (kinematic, without gravity's part)"),
             (5, "az", 2, "acceleration of the point along the body's z axis, up positive (kinematic, without gravity's part)"),
-        ] {
+        ];
+        let with = |gravity| move |line: (u32, &'static str, usize, &'static str)| (line, gravity);
+        let shown = kinematic.into_iter().map(with(Vector3::zeros()));
+        let asked = sensor.measured.then_some(measured.into_iter().map(with(gravity)));
+        for ((id, name, axis, text), gravity) in shown.chain(asked.into_iter().flatten()) {
             let unit = Unit::MetrePerSecond2;
             let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, feedthrough };
-            self.add(label, text, move |s| acceleration(s, body, &point)[axis]);
+            self.add(label, text, move |s| acceleration(s, body, &point, &gravity)[axis]);
         }
     }
 
@@ -169,9 +194,15 @@ fn place_of(s: &Snapshot, body: usize, point: &Vector3<f64>) -> Vector3<f64> {
     }
 }
 
-/// Acceleration of a point of a body in the body's axes, m/s2. With the axes e of yaw, roll and pitch:
+/// What gravity does to a free body, in the world, m/s2.
+fn gravity(scene: &Scene) -> Vector3<f64> {
+    let (sin, cos) = scene.track.grade.sin_cos();
+    Vector3::new(-sin, 0.0, -cos) * scene.vehicle.gravity
+}
+
+/// Acceleration of a point of a body, less `gravity` (in the world), in the body's axes, m/s2. With the axes e of yaw, roll and pitch:
 /// `o' = sum (e q'' + o_e x e q')`, where o_e is the part of the angular velocity that turns e; `a = a_c + o' x r + o x (o x r)`.
-fn acceleration(s: &Snapshot, body: usize, point: &Vector3<f64>) -> Vector3<f64> {
+fn acceleration(s: &Snapshot, body: usize, point: &Vector3<f64>, gravity: &Vector3<f64>) -> Vector3<f64> {
     let motion = &s.workspace.system.motions[body];
     let bodies = s.workspace.system.motions.len();
     let second = &s.dy[COORDINATES * (bodies + body)..COORDINATES * (bodies + body + 1)];
@@ -185,5 +216,5 @@ fn acceleration(s: &Snapshot, body: usize, point: &Vector3<f64>) -> Vector3<f64>
     let arm = motion.frame.axes * point;
     let rate = motion.frame_rotation;
     let whole = Vector3::new(second[0], second[1], second[2]) + turning.cross(&arm) + rate.cross(&rate.cross(&arm));
-    motion.frame.axes.tr_mul(&whole)
+    motion.frame.axes.tr_mul(&(whole - gravity))
 }

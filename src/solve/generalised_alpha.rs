@@ -32,7 +32,7 @@ use std::sync::Arc;
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
     name: "generalised_alpha",
-    summary: "generalised-alpha method, implicit with Newton iterations, order 2, fixed `step` in s; `rho_infinity` 0 to 1 (0.6) of what is too fast for it is left after a step",
+    summary: "implicit, order 2, fixed `step` in s; `rho_infinity`, 0 to 1 (0.6): what is left of too fast vibrations after a step",
     reference: "Jansen, Whiting, Hulbert, Comput. Methods Appl. Mech. Engrg. 190 (2000) 305-319",
     parse,
 };

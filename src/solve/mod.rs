@@ -271,7 +271,7 @@ pub static REGISTRY: &[Entry<Parse>] = &[
 /// Leaves the choice to the scene.
 pub const AUTO: Entry<Parse> = Entry {
     name: "auto",
-    summary: "chosen from the scene; `wheelrail plan` says which and why. Needs what the chosen one needs: give `tolerance` and, if you like, `step`",
+    summary: "chosen from the scene by `tolerance` (or `step`); `wheelrail plan` says which one and why",
     reference: "docs/scene.md",
     parse: |section| Err(section.error("integrator", "\"auto\" stands in a scene only; expected a method's name")),
 };

@@ -31,7 +31,7 @@ use std::sync::Arc;
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
     name: "real_time",
-    summary: "fixed `step` in s with bounded work: Rosenbrock-W method ROS2, order 2, L-stable, two evaluations and one Jacobian per step",
+    summary: "fixed `step` in s with bounded work: Rosenbrock-W method ROS2 of order 2, L-stable",
     reference: "Verwer, Spee, Blom, Hundsdorfer, SIAM J. Sci. Comput. 20 (1999) 1456-1480",
     parse,
 };

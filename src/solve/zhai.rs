@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
     name: "zhai",
-    summary: "Zhai's explicit two-step method, fixed `step` in s, order 2: one evaluation per step, the cheapest where contact vibration limits it",
+    summary: "explicit two-step method of order 2 with a fixed `step` in s: one evaluation per step",
     reference: "Zhai, Int. J. Numer. Meth. Engng 39 (1996) 4199-4214",
     parse,
 };

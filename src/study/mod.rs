@@ -1,8 +1,10 @@
-//! Floor 8: what is asked of a scene without simulating it.
+//! Floor 8: what is asked of a scene beyond one run of it.
 //!
 //! [`contact_geometry`] sets the wheelset on its rails at one lateral shift, [`sweep`] does so over a range of shifts, and
-//! [`conicity`] makes equivalent conicities of the rolling-radius difference that comes out.
+//! [`conicity`] makes equivalent conicities of the rolling-radius difference that comes out. [`accuracy`] measures what accuracy
+//! costs in time.
 
+pub mod accuracy;
 pub mod conicity;
 pub mod contact_geometry;
 pub mod sweep;

@@ -9,8 +9,7 @@ use crate::sim::outputs::outputs;
 use crate::sim::recording::{self, Interrupted};
 use crate::sim::{Simulation, SimulationError};
 use crate::solve::{SettingKind, Statistics};
-use cpu_time::ThreadTime;
-use std::time::Instant;
+use crate::study::accuracy::cpu_time;
 
 /// Timed runs of each formulation; the median counts.
 pub(super) const ROUNDS: usize = 3;
@@ -128,9 +127,7 @@ pub(super) fn time(runs: &mut [(Run, Option<Scene>)], stop: f64, progress: &Prog
 
 fn timed(scene: &Scene, stop: f64) -> Result<Cost, SimulationError> {
     let mut simulation = Simulation::new(scene, 0.0)?;
-    let (clock, wall) = (ThreadTime::try_now(), Instant::now());
-    simulation.advance(stop)?;
-    // A system without a clock of CPU time gives the time that passed.
-    let time = clock.and_then(|clock| clock.try_elapsed()).unwrap_or_else(|_| wall.elapsed());
-    Ok(Cost { seconds: vec![time.as_secs_f64()], statistics: simulation.statistics(), work: simulation.state().work })
+    let (advanced, seconds) = cpu_time(|| simulation.advance(stop));
+    advanced?;
+    Ok(Cost { seconds: vec![seconds], statistics: simulation.statistics(), work: simulation.state().work })
 }

@@ -4,8 +4,8 @@
 //! one. A sample that falls on such a place says nothing about the difference of two runs and is left out.
 
 use crate::formulation::Model;
-use crate::geometry::Side;
 use crate::sim::recording::Recording;
+use crate::study::accuracy::is_smooth;
 
 /// An output that is compared.
 pub(super) struct Quantity {
@@ -77,9 +77,6 @@ pub(super) const QUANTITIES: [Quantity; 6] = [
 /// The output groups that these quantities stand in.
 pub(super) const GROUPS: [&str; 3] = ["motion", "wheels", "contacts"];
 
-/// A contact closer than this to a place where its rail's curvature jumps may be on either side of it, m.
-const ON_JUMP: f64 = 1e-6;
-
 /// A recorded run.
 #[derive(Default)]
 pub(super) struct Samples {
@@ -90,16 +87,7 @@ pub(super) struct Samples {
 
 impl Samples {
     pub(super) fn new(recording: Recording, model: &Model) -> Samples {
-        let mut smooth = vec![true; recording.rows.len()];
-        for wheelset in &model.wheelsets {
-            for side in Side::BOTH {
-                let name = format!("{}.{}.contact[1].railDistance", wheelset.name, side.name());
-                let places = recording.column(&name).unwrap_or_default();
-                for (smooth, place) in smooth.iter_mut().zip(places) {
-                    *smooth &= !model.track.rail(side).has_break_near(place, ON_JUMP);
-                }
-            }
-        }
+        let smooth = is_smooth(&recording, model);
         Samples { recording, smooth }
     }
 

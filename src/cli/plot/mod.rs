@@ -3,6 +3,7 @@
 mod axis;
 pub(super) mod contact_points;
 pub(super) mod curves;
+pub(super) mod loglog;
 mod overview;
 pub(super) mod pair;
 pub(super) mod scatter;

@@ -81,6 +81,16 @@ impl Curve {
         self.corners.first().map(|corner| corner.at)
     }
 
+    /// The steepest slope, N/m or N s/m.
+    pub fn steepest(&self) -> f64 {
+        let mut slope = self.slope;
+        let changed = self.corners.iter().map(|corner| {
+            slope += corner.change;
+            slope
+        });
+        changed.fold(self.slope, f64::max)
+    }
+
     /// F(x), N.
     #[inline]
     pub fn force(&self, x: f64) -> f64 {

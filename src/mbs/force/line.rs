@@ -135,6 +135,11 @@ pub trait LineLaw: Clone + Send + Sync + std::fmt::Debug + 'static {
         0
     }
 
+    /// Shortest time constant of the states, s.
+    fn time_constant(&self) -> Option<f64> {
+        None
+    }
+
     /// States at rest.
     fn settle(&self, _x: f64, _state: &mut [f64]) {}
 
@@ -183,8 +188,16 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         &self.name
     }
 
+    fn bodies(&self) -> [Option<usize>; 2] {
+        [self.span.from.body, self.span.to.body]
+    }
+
     fn states(&self) -> usize {
         self.law.states()
+    }
+
+    fn time_constant(&self) -> Option<f64> {
+        self.law.time_constant()
     }
 
     fn settle(&self, bodies: &[BodyMotion], state: &mut [f64]) {

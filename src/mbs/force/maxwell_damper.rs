@@ -29,6 +29,10 @@ impl LineLaw for MaxwellDamper {
         1
     }
 
+    fn time_constant(&self) -> Option<f64> {
+        Some(1.0 / (self.stiffness * self.speed.steepest()))
+    }
+
     fn settle(&self, x: f64, state: &mut [f64]) {
         state.fill(x);
     }

@@ -46,9 +46,17 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     /// Name in reports.
     fn name(&self) -> &str;
 
+    /// The bodies that the element loads; it follows the motion of no others.
+    fn bodies(&self) -> [Option<usize>; 2];
+
     /// Number of first-order states; in m or rad, because the error control weighs them like positions.
     fn states(&self) -> usize {
         0
+    }
+
+    /// The shortest time constant of the element's own states, s: an explicit integrator's step is bound by it.
+    fn time_constant(&self) -> Option<f64> {
+        None
     }
 
     /// Puts the states where they come to rest with the bodies at rest where they are.

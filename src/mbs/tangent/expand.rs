@@ -71,10 +71,10 @@ impl PairFrames {
     /// Adds dQ/d(motion) of the relative matrix to the blocks (row end, column end) of `slots`.
     #[inline]
     pub fn add_blocks(&self, matrix: &Matrix6<f64>, slots: &[[Option<usize>; 2]; 2], blocks: &mut [Matrix6<f64>]) {
-        for column in 0..2 {
+        for (column, own_angles) in self.by_angles.iter().enumerate() {
             // matrix P
             let mut columns = matrix.data.0;
-            for (own, angle) in columns[3..].iter_mut().zip(&self.by_angles[column]) {
+            for (own, angle) in columns[3..].iter_mut().zip(own_angles) {
                 *own = [0.0; 6];
                 for (matrix, factor) in matrix.data.0.iter().zip(angle) {
                     for (own, matrix) in own.iter_mut().zip(matrix) {
@@ -82,12 +82,11 @@ impl PairFrames {
                     }
                 }
             }
-            for row in 0..2 {
-                let Some(slot) = slots[row][column] else { continue };
+            for (row, (slots, angles)) in slots.iter().zip(&self.by_angles).enumerate() {
+                let Some(slot) = slots[column] else { continue };
                 let sign = if row == column { -1.0 } else { 1.0 };
                 for (target, own) in blocks[slot].data.0.iter_mut().zip(&columns) {
-                    for i in 0..3 {
-                        let angle = &self.by_angles[row][i];
+                    for (i, angle) in angles.iter().enumerate() {
                         target[i] += sign * own[i];
                         target[3 + i] += sign * dot(angle, own);
                     }

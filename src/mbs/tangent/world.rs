@@ -13,7 +13,7 @@ use super::{Tangent, WrenchTangent};
 use crate::mbs::body::BodyMotion;
 use crate::mbs::inertia::Inertia;
 use crate::mbs::system::{System, SystemWorkspace};
-use nalgebra::{Matrix3, Matrix6, Vector6};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// B and D of one body: their parts on angles.
 struct Axes {
@@ -23,13 +23,10 @@ struct Axes {
 
 impl Axes {
     fn of(motion: &BodyMotion) -> Axes {
-        let (yaw, roll, pitch) = (nalgebra::Vector3::z(), motion.roll_axis(), motion.axle());
+        let (yaw, roll, pitch) = (Vector3::z(), motion.roll_axis(), motion.axle());
         let spin = pitch * motion.pitch_rate;
         let by_yaw = yaw.cross(&(roll * motion.roll_rate + spin));
-        Axes {
-            b: Matrix3::from_columns(&[yaw, roll, pitch]),
-            d: Matrix3::from_columns(&[by_yaw, roll.cross(&spin), nalgebra::Vector3::zeros()]),
-        }
+        Axes { b: Matrix3::from_columns(&[yaw, roll, pitch]), d: Matrix3::from_columns(&[by_yaw, roll.cross(&spin), Vector3::zeros()]) }
     }
 
     /// Columns: matrix times B.
@@ -94,9 +91,14 @@ impl Tangent {
         for pair in pairs {
             let frames = PairFrames::new(pair, motions);
             let slots = pair.ends.map(|on| pair.ends.map(|by| neighbours.slot(on?, by?)));
-            frames.add_blocks(&pair.stiffness, &slots, by_position);
-            frames.add_geometry(pair, &slots, by_position);
-            if pair.damping != Matrix6::zeros() {
+            // Weights have nothing to add; many pairs have no dampers.
+            if !is_zero(&pair.stiffness) {
+                frames.add_blocks(&pair.stiffness, &slots, by_position);
+            }
+            if pair.force != Vector3::zeros() || pair.couple != Vector3::zeros() {
+                frames.add_geometry(pair, &slots, by_position);
+            }
+            if !is_zero(&pair.damping) {
                 frames.add_blocks(&pair.damping, &slots, by_velocity);
             }
             self.frames.push(frames);
@@ -108,6 +110,11 @@ impl Tangent {
             }
         }
     }
+}
+
+#[inline]
+fn is_zero(matrix: &Matrix6<f64>) -> bool {
+    matrix.as_slice().iter().all(|value| *value == 0.0)
 }
 
 /// A contact's state in terms of its bodies' coordinates.

@@ -26,6 +26,8 @@ pub(super) struct Entry<'a> {
     /// With prefix and side.
     pub name: String,
     pub scope: usize,
+    /// Of an element between two copies of a module: where its `to` is.
+    pub next: Option<usize>,
     /// The side of a mirrored entry; the right one has y turned.
     pub side: Option<Side>,
     pub section: Section<'a>,
@@ -114,14 +116,7 @@ impl<'a> Expansion<'_, 'a> {
         for (kind, key) in KINDS.into_iter().enumerate() {
             for section in table.sections(key)? {
                 let name = read_name(&section)?;
-                let mirrored = kind != WHEELSET && section.flag_or("mirrored", false)?;
-                let sides: &[Option<Side>] = if mirrored { &[Some(Side::Left), Some(Side::Right)] } else { &[None] };
-                for side in sides {
-                    let ending = side.map(|side| format!(".{}", side.name())).unwrap_or_default();
-                    let name = format!("{prefix}{name}{ending}");
-                    self.take(&name, &section)?;
-                    self.flat.entries[kind].push(Entry { name, scope: number, side: *side, section: section.clone() });
-                }
+                self.add(kind, &format!("{prefix}{name}"), (number, None), &section)?;
             }
         }
         for section in table.sections("place")? {
@@ -139,13 +134,38 @@ impl<'a> Expansion<'_, 'a> {
                 );
             }
             let position: Vector3<f64> = section.triple("position", Dimension::Length)?.into();
+            let copies = read_copies(&section, &name)?;
+            let between = section.sections("between")?;
             section.finish()?;
-            let prefix = format!("{prefix}{name}");
-            self.take(&prefix, &table.clone())?;
             self.placed[index] = true;
-            let module = self.modules[index].1.clone();
-            self.collect(&module, (format!("{prefix}."), offset + position, Some(number)), depth + 1)?;
-            module.finish()?;
+            let mut before: Option<usize> = None;
+            for (copy, (name, shift)) in copies.into_iter().enumerate() {
+                let own = format!("{prefix}{name}");
+                self.take(&own, table)?;
+                let module = self.modules[index].1.clone();
+                let scope = self.flat.scopes.len();
+                self.collect(&module, (format!("{own}."), offset + position + shift, Some(number)), depth + 1)?;
+                module.finish()?;
+                if let Some(front) = before.replace(scope) {
+                    for element in &between {
+                        let name = read_name(element)?;
+                        self.add(FORCE, &format!("{prefix}{name}[{copy}]"), (front, Some(scope)), element)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes an entry, or both of a mirrored one.
+    fn add(&mut self, kind: usize, name: &str, (scope, next): (usize, Option<usize>), section: &Section<'a>) -> Result<(), SettingsError> {
+        let mirrored = kind != WHEELSET && section.flag_or("mirrored", false)?;
+        let sides: &[Option<Side>] = if mirrored { &[Some(Side::Left), Some(Side::Right)] } else { &[None] };
+        for side in sides {
+            let ending = side.map(|side| format!(".{}", side.name())).unwrap_or_default();
+            let name = format!("{name}{ending}");
+            self.take(&name, section)?;
+            self.flat.entries[kind].push(Entry { name, scope, next, side: *side, section: section.clone() });
         }
         Ok(())
     }
@@ -156,6 +176,29 @@ impl<'a> Expansion<'_, 'a> {
         }
         Err(section.error("name", format!("\"{name}\" names something else already; expected a new name")))
     }
+}
+
+/// Most copies of a module.
+const MOST_COPIES: f64 = 1000.0;
+
+/// Name and shift [m] of each copy that an entry of `[[place]]` stands for: with `count` they are called `NAME[1]`, `NAME[2]` ...
+/// and stand `spacing` apart.
+fn read_copies(section: &Section, name: &str) -> Result<Vec<(String, Vector3<f64>)>, SettingsError> {
+    if !section.has("count") {
+        return match ["spacing", "between"].into_iter().find(|key| section.has(key)) {
+            Some(key) => Err(section.error(key, "serves nothing without count, the number of copies")),
+            None => Ok(vec![(name.into(), Vector3::zeros())]),
+        };
+    }
+    let count = section.number("count", Dimension::None)?;
+    if !(count.fract() == 0.0 && (1.0..=MOST_COPIES).contains(&count)) {
+        return Err(section.error("count", format!("found {count:?}, expected a whole number from 1 to {MOST_COPIES}")));
+    }
+    if name.contains('[') {
+        return Err(section.error("name", format!("found \"{name}\", expected no number: count makes the numbers from 1 on")));
+    }
+    let spacing: Vector3<f64> = section.triple("spacing", Dimension::Length)?.into();
+    Ok((0..count as usize).map(|copy| (format!("{name}[{}]", copy + 1), spacing * copy as f64)).collect())
 }
 
 /// `frame`, `wheelset[2]`: letters, digits and _, a letter first, perhaps a number in brackets.

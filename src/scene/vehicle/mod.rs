@@ -106,6 +106,8 @@ pub struct Sensor {
     pub body: usize,
     /// In the body's axes, from its centre of mass, m.
     pub point: Vector3<f64>,
+    /// Is shown what an accelerometer there measures, too?
+    pub measured: bool,
 }
 
 impl FreeVehicle {

@@ -20,12 +20,19 @@ pub(super) struct Resolver<'f> {
     scopes: &'f [Scope],
     bodies: &'f Bodies,
     scope: usize,
+    /// Where the `to` of an element between two copies of a module is.
+    next: Option<usize>,
     side: Option<Side>,
 }
 
 impl<'f> Resolver<'f> {
     pub fn new(scopes: &'f [Scope], bodies: &'f Bodies, entry: &Entry) -> Self {
-        Resolver { scopes, bodies, scope: entry.scope, side: entry.side }
+        Resolver { scopes, bodies, scope: entry.scope, next: entry.next, side: entry.side }
+    }
+
+    /// The resolver of one end of a force element.
+    fn of_end(&self, key: &str) -> Self {
+        Resolver { scope: self.next.filter(|_| key == "to").unwrap_or(self.scope), ..*self }
     }
 
     /// A vector of the entry as written, or mirrored for the right one of a pair.
@@ -94,8 +101,8 @@ const WORLD: &str = "world";
 
 impl Places for ElementPlaces<'_> {
     fn attachment(&self, section: &Section, key: &'static str) -> Result<Attachment, SettingsError> {
-        let resolver = self.resolver;
-        let shared = resolver.optional_point(section, "at")?;
+        let shared = self.resolver.optional_point(section, "at")?;
+        let resolver = self.resolver.of_end(key);
         let body = |section: &Section, key| match section.text(key)?.as_str() {
             WORLD => Ok(None),
             _ => resolver.body(section, key).map(Some),

@@ -64,7 +64,8 @@ pub(super) fn free<'a>(
         let resolver = resolver(entry);
         let body = resolver.body(&entry.section, "body")?;
         let point = resolver.point(&entry.section, "at")? - resolver.position(body);
-        vehicle.sensors.push(Sensor { name: entry.name.clone(), body, point });
+        let measured = entry.section.flag_or("measured", false)?;
+        vehicle.sensors.push(Sensor { name: entry.name.clone(), body, point, measured });
         entry.section.clone().finish()?;
     }
     section.finish()?;
@@ -73,7 +74,7 @@ pub(super) fn free<'a>(
 }
 
 fn body(entry: &Entry, flat: &Flat) -> Result<PlacedBody, SettingsError> {
-    let Entry { name, scope, side, section } = entry;
+    let Entry { name, scope, side, section, .. } = entry;
     let inertia = |key| section.at_least(key, Dimension::Inertia, SMALLEST);
     let principal = Vector3::new(inertia("inertia_xx")?, inertia("inertia_yy")?, inertia("inertia_zz")?);
     let mut position: Vector3<f64> = section.triple("position", Dimension::Length)?.into();

@@ -1,0 +1,213 @@
+//! `wheelrail study SCENE`: what accuracy costs in time; CSV, pictures, and in words what to choose.
+
+mod csv;
+mod pictures;
+mod words;
+
+use super::run::open_csv;
+use super::{Failure, SceneArguments, WheelsetArgument, print, say};
+use crate::contact::creep;
+use crate::formulation;
+use crate::settings::{Entry, did_you_mean};
+use crate::solve;
+use crate::study::accuracy::{self, Request, Study, StudyError};
+use crate::units::Dimension;
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::{Path, PathBuf};
+
+#[derive(Args)]
+#[command(after_long_help = "\
+Every chosen formulation runs with every chosen integrator at every tolerance (adaptive methods) or step (fixed ones). An error is the \
+distance to the reference of the same model at the scene's output times: two independent methods at tight tolerance, whose distance is \
+the reference's uncertainty. Errors below 100 times that are not told; where no point is above, the study refuses (exit code 1). Lateral \
+displacement counts with its largest error, normal force and Y/Q with that which 95 % of the samples keep (both jump where a contact is \
+found or lost); the worst wheelset counts unless --wheelset names one. Costs are CPU time of one thread without outputs, the median of \
+repeated runs, one after the other.
+
+--creep-laws, --node-spacing and --smoothing make models of their own with a reference each: their numerical errors and their \
+distances from the first model are told apart.
+
+Cheap points come first; what does not fit into the budget is not run and named. A long scene is shortened, which is said.
+
+Pictures: SCENE_time_QUANTITY.svg (error against CPU time) and SCENE_work_QUANTITY.svg (against evaluations of the right-hand side) for y, N and YQ, \
+SCENE_best.svg (the points that no other one beats) and SCENE_communication.svg.
+
+Exit code: 0, 1 when the study is refused or a file can't be written, 2 when the scene or an argument makes no sense.")]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Formulations, e.g. "ECF-A,ECCF" [default: all]
+    #[arg(long, value_name = "NAME[,NAME]", value_delimiter = ',')]
+    formulations: Vec<String>,
+    /// Integrators, e.g. "dormand_prince,rk4" [default: all]
+    #[arg(long, value_name = "NAME[,NAME]", value_delimiter = ',')]
+    integrators: Vec<String>,
+    /// Tolerances of adaptive methods
+    #[arg(long, value_name = "TOL[,TOL]", value_delimiter = ',', default_value = "1e-5,1e-6,1e-7,1e-8,1e-10")]
+    tolerances: Vec<String>,
+    /// Steps of methods with fixed steps
+    #[arg(long, value_name = "H[,H]", value_delimiter = ',', default_value = "5 ms,2 ms,1 ms,0.5 ms,0.2 ms,0.1 ms")]
+    steps: Vec<String>,
+    /// Creep laws, e.g. "fastsim,polach" [default: the scene's]
+    #[arg(long, value_name = "NAME[,NAME]", value_delimiter = ',')]
+    creep_laws: Vec<String>,
+    /// Distances of the nodes of ECF-N, e.g. "0.5 mm,0.1 mm" [default: the scene's]
+    #[arg(long, value_name = "D[,D]", value_delimiter = ',')]
+    node_spacing: Vec<String>,
+    /// Smoothing of profiles that are made from points, e.g. "1 um,10 um" [default: the scene's]
+    #[arg(long, value_name = "D[,D]", value_delimiter = ',')]
+    smoothing: Vec<String>,
+    /// Communication steps of a coupled run with the scene's formulation and solver; "none" for no such runs
+    #[arg(long, value_name = "H[,H]", value_delimiter = ',', default_value = "1 ms,2 ms,5 ms,10 ms,20 ms,50 ms")]
+    communication_steps: Vec<String>,
+    #[command(flatten)]
+    wheelset: WheelsetArgument,
+    /// Stop time in s [default: run.stop of the scene, less where the budget asks for it]
+    #[arg(long, value_name = "T")]
+    stop: Option<f64>,
+    /// Distance of the output times in s [default: run.step of the scene]
+    #[arg(long, value_name = "H")]
+    step: Option<f64>,
+    /// Timed runs of each point; the median counts
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    repeats: usize,
+    /// Time for the whole study in s
+    #[arg(long, value_name = "SECONDS", default_value_t = 100.0)]
+    budget: f64,
+    /// Tolerance of the references [default: as tight as the budget allows, at most 1e-13]
+    #[arg(long, value_name = "TOL")]
+    reference: Option<String>,
+    /// Write all points as CSV ("-" for stdout)
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    /// Draw the pictures into a folder; made if it is missing
+    #[arg(long, value_name = "DIR")]
+    plot: Option<PathBuf>,
+    /// Print the study as JSON (SI units)
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
+    let scene = arguments.scene.open()?;
+    let to_stdout = arguments.output.as_deref() == Some(Path::new("-"));
+    if to_stdout && arguments.json {
+        return Err(Failure::Input("-o - and --json both write to stdout; choose one".into()));
+    }
+    if arguments.wheelset.wheelset.is_some() {
+        arguments.wheelset.choose(&scene)?;
+    }
+    let request = request(arguments, scene.run.step)?;
+    if let Some(stop) = arguments.stop.or((scene.run.stop == 0.0).then_some(0.0))
+        && !(stop.is_finite() && stop >= request.step)
+    {
+        return Err(Failure::Input(format!("--stop {stop}: expected a time of at least one output step, {} s", request.step)));
+    }
+    // Whatever can't be written is better known before the runs.
+    let csv = arguments.output.as_deref().map(open_csv).transpose()?;
+    if let Some(folder) = &arguments.plot {
+        std::fs::create_dir_all(folder).map_err(|error| Failure::Input(format!("{}: can't be made: {error}", folder.display())))?;
+    }
+    let study = run(&request)?;
+    if let (Some(csv), Some(path)) = (csv, &arguments.output) {
+        csv::write(csv, &study).map_err(|error| Failure::Run(format!("{}: can't be written: {error}", path.display())))?;
+    }
+    let files = match &arguments.plot {
+        Some(folder) => pictures::draw(folder, &study).map_err(Failure::Run)?,
+        None => Vec::new(),
+    };
+    if arguments.json {
+        let json = serde_json::json!({"study": study, "best": words::json(&study), "pictures": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>()});
+        print(&format!("{json}\n"));
+    } else if !to_stdout {
+        print(&words::text(&study));
+    }
+    for file in files {
+        say(&format!("wrote {}", file.display()));
+    }
+    Ok(())
+}
+
+/// Runs it under a progress bar, which shows where stderr is a terminal.
+fn run(request: &Request) -> Result<Study, Failure> {
+    let style = ProgressStyle::with_template("{wide_bar} {percent} % {msg:40!}").unwrap_or_else(|_| ProgressStyle::default_bar());
+    let bar = ProgressBar::new(1000).with_style(style);
+    let done = accuracy::study(request, &mut |share, what| {
+        bar.set_position((1e3 * share.clamp(0.0, 1.0)) as u64);
+        bar.set_message(what.to_string());
+    });
+    bar.finish_and_clear();
+    done.map_err(|error| match error {
+        StudyError::Refused(reason) => Failure::Run(reason),
+        other => Failure::Input(other.to_string()),
+    })
+}
+
+fn request(arguments: &Arguments, scene_step: f64) -> Result<Request<'_>, Failure> {
+    let step = arguments.step.unwrap_or(scene_step);
+    let positive = |what: &str, value: f64| match value > 0.0 && value.is_finite() {
+        true => Ok(value),
+        false => Err(Failure::Input(format!("{what} {value}: expected a number greater than 0"))),
+    };
+    if arguments.repeats == 0 {
+        return Err(Failure::Input("--repeats 0: expected 1 or more".into()));
+    }
+    // "auto" stands for another one of the list.
+    let methods = solve::REGISTRY.iter().map(|entry| entry.name).filter(|name| *name != solve::AUTO.name);
+    let communication = match arguments.communication_steps.as_slice() {
+        [only] if only == "none" => Vec::new(),
+        steps => numbers("--communication-steps", steps, Dimension::Time)?,
+    };
+    let laws = match arguments.creep_laws.is_empty() {
+        true => Vec::new(),
+        false => chosen("--creep-laws", &arguments.creep_laws, names(creep::REGISTRY))?,
+    };
+    Ok(Request {
+        scene: &arguments.scene.scene,
+        overrides: &arguments.scene.overrides,
+        formulations: chosen("--formulations", &arguments.formulations, names(formulation::REGISTRY))?,
+        integrators: chosen("--integrators", &arguments.integrators, methods.collect())?,
+        tolerances: numbers("--tolerances", &arguments.tolerances, Dimension::Length)?,
+        steps: numbers("--steps", &arguments.steps, Dimension::Time)?,
+        creep_laws: laws,
+        node_spacings: numbers("--node-spacing", &arguments.node_spacing, Dimension::Length)?,
+        smoothings: numbers("--smoothing", &arguments.smoothing, Dimension::Length)?,
+        communication_steps: communication,
+        stop: arguments.stop,
+        step: positive("--step", step)?,
+        wheelset: arguments.wheelset.wheelset.as_deref(),
+        repeats: arguments.repeats,
+        budget: positive("--budget", arguments.budget)?,
+        reference: match &arguments.reference {
+            Some(text) => numbers("--reference", std::slice::from_ref(text), Dimension::Length)?.first().copied(),
+            None => None,
+        },
+    })
+}
+
+fn names<P>(registry: &'static [Entry<P>]) -> Vec<&'static str> {
+    registry.iter().map(|entry| entry.name).collect()
+}
+
+/// Those that are named out of the known ones, in the order of these; all where none is named.
+fn chosen(flag: &str, names: &[String], known: Vec<&'static str>) -> Result<Vec<&'static str>, Failure> {
+    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
+        let hint = did_you_mean(name, &known);
+        return Err(Failure::Input(format!("{flag} {name}{hint}: expected some of {}", known.join(", "))));
+    }
+    Ok(known.into_iter().filter(|known| names.is_empty() || names.iter().any(|name| name == known)).collect())
+}
+
+/// Numbers greater than 0 with or without a unit, in the order of size, largest first, none twice.
+fn numbers(flag: &str, texts: &[String], dimension: Dimension) -> Result<Vec<f64>, Failure> {
+    let read = |text: &String| {
+        let number = text.trim().parse::<f64>().ok().or_else(|| dimension.parse(text.trim()));
+        let refused = || Failure::Input(format!("{flag} {text}: expected {}, greater than 0", dimension.expectation()));
+        number.filter(|number| number.is_finite() && *number > 0.0).ok_or_else(refused)
+    };
+    let mut all = texts.iter().map(read).collect::<Result<Vec<f64>, Failure>>()?;
+    all.sort_by(|a, b| b.total_cmp(a));
+    all.dedup();
+    Ok(all)
+}

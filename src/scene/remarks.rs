@@ -1,0 +1,59 @@
+//! What a reader of a plan should know about numbers that are allowed but perhaps not meant.
+
+use super::spec::Scene;
+use crate::geometry::track::centre_line::{Alignment, Node};
+
+/// Time constants below this [s] bound an explicit integrator's step before wheels on rails do (about 1 ms).
+const SHORT: f64 = 3e-4;
+/// An explicit method of fifth order is stable up to so many time constants per step.
+const STABLE: f64 = 3.3;
+
+/// All of them.
+pub(super) fn remarks(scene: &Scene) -> Vec<String> {
+    let alignment = scene.track.alignment.as_ref().and_then(crowded_corners);
+    alignment.into_iter().chain(short_times(scene)).collect()
+}
+
+/// Corners of the node table that are nearer to each other than they are rounded.
+fn crowded_corners(alignment: &Alignment) -> Option<String> {
+    let nodes = &alignment.nodes;
+    let of: [fn(&Node) -> f64; 3] = [|node| node.curvature, |node| node.superelevation, |node| node.grade];
+    let (mut first, mut pairs) = (None, 0);
+    let mut before: Option<f64> = None;
+    for (i, node) in nodes.iter().enumerate() {
+        // Outside the table values are constant.
+        let slope = |a: Option<&Node>, b: Option<&Node>, value: fn(&Node) -> f64| match (a, b) {
+            (Some(a), Some(b)) => (value(b) - value(a)) / (b.distance - a.distance),
+            _ => 0.0,
+        };
+        let last = i.checked_sub(1).and_then(|last| nodes.get(last));
+        if of.iter().all(|value| slope(last, Some(node), *value) == slope(Some(node), nodes.get(i + 1), *value)) {
+            continue;
+        }
+        if let Some(before) = before.replace(node.distance).filter(|before| node.distance - before < alignment.smoothing) {
+            first = first.or(Some((before, node.distance)));
+            pairs += 1;
+        }
+    }
+    let (from, to) = first?;
+    let more = if pairs > 1 { format!(" and {} more", pairs - 1) } else { String::new() };
+    Some(format!(
+        "track.smoothing = {} m is longer than the stretch between the corners at {from} m and {to} m{more}: rounded together, they do not reach the values of the table",
+        alignment.smoothing
+    ))
+}
+
+/// Force elements whose own states are faster than anything else.
+fn short_times(scene: &Scene) -> impl Iterator<Item = String> {
+    let elements = scene.vehicle.free.iter().flat_map(|free| &free.forces);
+    let short = |element: &super::vehicle::Element| element.0.time_constant().filter(|time| *time < SHORT);
+    elements.filter_map(move |element| {
+        let time = short(element)?;
+        let (step, frequency) = (1e3 * STABLE * time, 1.0 / (std::f64::consts::TAU * time));
+        Some(format!(
+            "{}: time constant c/k = {:.3} ms; explicit integrators can't step further than {step:.3} ms. A spring_damper with the same damping and no spring differs only above {frequency:.0} Hz",
+            element.0.name(),
+            1e3 * time
+        ))
+    })
+}

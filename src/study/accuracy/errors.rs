@@ -1,0 +1,126 @@
+//! Distance between two observed runs in the terms that people use.
+
+use super::observation::{Observation, Trace, crossings, mean_wavelength};
+use serde::Serialize;
+
+/// Distance between two curves at equal times, SI.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Distance {
+    pub largest: f64,
+    /// Root mean square.
+    pub rms: f64,
+    /// 95 % of the samples are nearer.
+    pub most: f64,
+}
+
+/// The part of the samples that [`Distance::most`] covers.
+const MOST: f64 = 0.95;
+
+impl Distance {
+    /// Of differences without sign.
+    fn new(mut differences: Vec<f64>) -> Distance {
+        // A difference that is no number is larger than any.
+        differences.iter_mut().filter(|value| value.is_nan()).for_each(|value| *value = f64::INFINITY);
+        differences.sort_by(f64::total_cmp);
+        let Some(largest) = differences.last().copied() else { return Distance::default() };
+        let place = (MOST * (differences.len() - 1) as f64).round() as usize;
+        let squares: f64 = differences.iter().map(|value| value * value).sum();
+        Distance { largest, rms: (squares / differences.len() as f64).sqrt(), most: differences[place] }
+    }
+
+    fn worse(self, other: Distance) -> Distance {
+        let Distance { largest, rms, most } = other;
+        Distance { largest: self.largest.max(largest), rms: self.rms.max(rms), most: self.most.max(most) }
+    }
+}
+
+/// What an error is an error of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Lateral displacement, m.
+    Displacement,
+    /// Normal force of a wheel, N.
+    NormalForce,
+    /// Y/Q.
+    DerailmentQuotient,
+    /// Mean hunting wavelength, m.
+    Wavelength,
+}
+
+impl Quantity {
+    pub const ALL: [Quantity; 4] = [Quantity::Displacement, Quantity::NormalForce, Quantity::DerailmentQuotient, Quantity::Wavelength];
+
+    /// In the names of files.
+    pub fn key(self) -> &'static str {
+        ["y", "N", "YQ", "wavelength"][self as usize]
+    }
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        ["lateral displacement", "normal force", "Y/Q", "hunting wavelength"][self as usize]
+    }
+
+    /// The SI unit, empty for pure numbers.
+    pub fn unit(self) -> &'static str {
+        ["m", "N", "", "m"][self as usize]
+    }
+}
+
+/// Distances between two runs, the worst of all wheelsets and wheels that both observed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Errors {
+    pub y: Distance,
+    pub normal: Distance,
+    pub quotient: Distance,
+    /// m; `None` where one of the runs shows no two waves.
+    pub wavelength: Option<f64>,
+}
+
+impl Errors {
+    /// Between two runs, as long as both lasted.
+    pub fn between(a: &Observation, b: &Observation) -> Errors {
+        let smooth: Vec<bool> = a.smooth.iter().zip(&b.smooth).map(|(a, b)| *a && *b).collect();
+        let apart = |a: &[f64], b: &[f64]| {
+            let pairs = a.iter().zip(b).zip(&smooth);
+            Distance::new(pairs.filter(|(_, smooth)| **smooth).map(|((a, b), _)| (a - b).abs()).collect())
+        };
+        let mut all = Errors::default();
+        for (a, b) in a.wheelsets.iter().zip(&b.wheelsets) {
+            all.y = all.y.worse(apart(&a.y, &b.y));
+            for side in 0..2 {
+                all.normal = all.normal.worse(apart(&a.normal[side], &b.normal[side]));
+                all.quotient = all.quotient.worse(apart(&a.quotient[side], &b.quotient[side]));
+            }
+            let waves = [crossings(a), crossings(b)];
+            let common = waves[0].len().min(waves[1].len());
+            if let [Some(a), Some(b)] = waves.map(|waves| mean_wavelength(&waves, common)) {
+                all.wavelength = Some(all.wavelength.unwrap_or(0.0).max((a - b).abs()));
+            }
+        }
+        all
+    }
+
+    /// How far the run moves away from its first sample: what an error is large or small against.
+    pub fn motion(run: &Observation) -> Errors {
+        let still = |values: &[f64]| vec![values.first().copied().unwrap_or_default(); values.len()];
+        let stand = |trace: &Trace| Trace {
+            y: still(&trace.y),
+            normal: [0, 1].map(|side| still(&trace.normal[side])),
+            quotient: [0, 1].map(|side| still(&trace.quotient[side])),
+            ..trace.clone()
+        };
+        let start = Observation { smooth: run.smooth.clone(), wheelsets: run.wheelsets.iter().map(stand).collect() };
+        Errors { wavelength: run.wavelength(), ..Errors::between(run, &start) }
+    }
+
+    /// The number by which a quantity is judged; `None` where there is none.
+    pub fn of(&self, quantity: Quantity) -> Option<f64> {
+        match quantity {
+            Quantity::Displacement => Some(self.y.largest),
+            Quantity::NormalForce => Some(self.normal.most),
+            Quantity::DerailmentQuotient => Some(self.quotient.most),
+            Quantity::Wavelength => self.wavelength,
+        }
+    }
+}

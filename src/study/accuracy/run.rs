@@ -1,0 +1,163 @@
+//! One run of a scene with one integrator: observed, then repeated without outputs for its cost.
+
+use super::clock::{cpu_time, in_seconds};
+use super::observation::{Observation, needed};
+use super::reference::METHODS;
+use crate::formulation::work::Work;
+use crate::scene::spec::Scene;
+use crate::sim::Simulation;
+use crate::sim::recording::{Recording, communication_points};
+use crate::solve::{self, SettingKind, Statistics};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// An integrator with the number that governs it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Setting {
+    pub integrator: &'static str,
+    /// Is `value` a step [s]? Otherwise it is a tolerance [m].
+    pub fixed: bool,
+    pub value: f64,
+}
+
+impl Setting {
+    /// "dormand_prince, tolerance 1e-7".
+    pub fn words(&self) -> String {
+        if self.fixed {
+            format!("{}, step {} ms", self.integrator, 1e3 * self.value)
+        } else {
+            format!("{}, tolerance {:.0e}", self.integrator, self.value)
+        }
+    }
+
+    pub fn tolerance(&self) -> Option<f64> {
+        (!self.fixed).then_some(self.value)
+    }
+
+    pub fn step(&self) -> Option<f64> {
+        self.fixed.then_some(self.value)
+    }
+}
+
+/// Span of a run and the distance of its output times, s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct Span {
+    pub stop: f64,
+    pub step: f64,
+}
+
+/// An integrator of the registry with any setting; the kind of number that governs it and its range.
+pub(super) fn method(name: &str) -> Result<Arc<dyn solve::Integrator>, String> {
+    use crate::settings::{Section, Source};
+    // Each reads what it needs.
+    let text = format!("integrator = \"{name}\"\ntolerance = 1e-7\nstep = 1e-3\n");
+    let source = Source { file: "[solver]".into(), text: text.clone(), overridden: vec![], folder: None };
+    let document = toml_edit::Document::parse(text).map_err(|error| error.to_string())?;
+    let parsed = solve::parse(&Section::root(document.as_table(), &source), METHODS[0]).map_err(|error| error.to_string())?;
+    Ok(parsed.1)
+}
+
+/// Settings of an integrator out of the lists that fit it.
+pub(super) fn settings(name: &'static str, tolerances: &[f64], steps: &[f64]) -> Result<Vec<Setting>, String> {
+    let setting = method(name)?.setting();
+    let fixed = setting.kind == SettingKind::Step;
+    let fits = |value: &&f64| (setting.range.0..=setting.range.1).contains(*value);
+    let values = if fixed { steps } else { tolerances };
+    Ok(values.iter().filter(fits).map(|value| Setting { integrator: name, fixed, value: *value }).collect())
+}
+
+/// The scene with another integrator.
+pub(super) fn with_setting(scene: &Scene, setting: &Setting) -> Result<Scene, String> {
+    let mut changed = scene.clone();
+    changed.solver.name = setting.integrator;
+    changed.solver.integrator = method(setting.integrator)?.with_setting(setting.value);
+    Ok(changed)
+}
+
+/// What became of a run.
+#[derive(Clone, Debug)]
+pub(super) struct Observed {
+    pub observation: Observation,
+    /// CPU time of the integration without reading outputs, s.
+    pub cpu: f64,
+    /// Simulated time that was reached, s.
+    pub reached: f64,
+    pub failure: Option<String>,
+}
+
+/// Runs and observes; gives up after `limit` seconds. `wheelset`: see [`needed`].
+pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span: Span, limit: f64) -> Observed {
+    let outputs = needed(simulation.model(), wheelset);
+    let deadline = in_seconds(limit);
+    let mut recording = Recording::new(&outputs);
+    let (mut cpu, mut reached) = (0.0, 0.0);
+    let mut run = || -> Result<(), String> {
+        recording.sample(simulation, &outputs).map_err(|error| error.to_string())?;
+        for time in communication_points(0.0, span.stop, span.step) {
+            let (advanced, seconds) = cpu_time(|| simulation.advance(time));
+            cpu += seconds;
+            advanced.map_err(|error| error.to_string())?;
+            recording.sample(simulation, &outputs).map_err(|error| error.to_string())?;
+            reached = time;
+            if time < span.stop && deadline.is_some_and(|deadline| std::time::Instant::now() > deadline) {
+                return Err(format!("stopped after {limit:.1} s at t = {time} s: the budget has no room for more"));
+            }
+        }
+        Ok(())
+    };
+    let failure = run().err();
+    Observed { observation: Observation::new(&recording, simulation.model()), cpu, reached, failure }
+}
+
+/// What a finished run cost.
+#[derive(Clone, Debug, Serialize)]
+pub struct Measured {
+    /// CPU time of each run per simulated second, ascending.
+    pub cpu: Vec<f64>,
+    pub statistics: Statistics,
+    pub work: Work,
+}
+
+impl Measured {
+    /// CPU time per simulated second: the median.
+    pub fn median(&self) -> f64 {
+        self.cpu.get(self.cpu.len() / 2).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Smallest and largest.
+    pub fn spread(&self) -> (f64, f64) {
+        (self.cpu.first().copied().unwrap_or(f64::NAN), self.cpu.last().copied().unwrap_or(f64::NAN))
+    }
+}
+
+/// A run longer than this is timed while it is observed, s: reading the clock at each output does not count there.
+const LONG: f64 = 0.5;
+
+/// Runs the scene: observes it, and times it `repeats` times, fewer where that takes longer than `patience` seconds.
+pub(super) fn measure(
+    scene: &Scene,
+    wheelset: Option<&str>,
+    span: Span,
+    repeats: usize,
+    [limit, patience]: [f64; 2],
+) -> Result<(Observation, Measured), String> {
+    let mut simulation = Simulation::new(scene, 0.0).map_err(|error| error.to_string())?;
+    let start = simulation.state().clone();
+    let observed = observe(&mut simulation, wheelset, span, limit);
+    if let Some(failure) = observed.failure {
+        return Err(failure);
+    }
+    let (statistics, work) = (simulation.statistics(), simulation.state().work);
+    let mut cpu: Vec<f64> = if observed.cpu > LONG { vec![observed.cpu] } else { Vec::new() };
+    while cpu.len() < repeats && (cpu.is_empty() || (cpu.len() + 1) as f64 * observed.cpu < patience) {
+        if !simulation.restore(&start) {
+            return Err("the initial state does not fit its own simulation".into());
+        }
+        let (advanced, seconds) = cpu_time(|| simulation.advance(span.stop));
+        advanced.map_err(|error| error.to_string())?;
+        cpu.push(seconds);
+    }
+    cpu.iter_mut().for_each(|seconds| *seconds /= span.stop);
+    cpu.sort_by(f64::total_cmp);
+    Ok((observed.observation, Measured { cpu, statistics, work }))
+}

@@ -1,0 +1,398 @@
+//! The study: variants, pilots, span, references, points, coupling.
+
+use super::clock::{Budget, cpu_time};
+use super::communication::{self, Coupled};
+use super::errors::{Errors, Quantity};
+use super::reference::{self, METHODS, Reference, Standing};
+use super::run::{self, Measured, Setting, Span};
+use super::schedule::{Item, PILOT_TOLERANCE, Pilot, Schedule, patience};
+use super::variant::{Variant, variants};
+use crate::scene::load::{self, SceneError};
+use crate::scene::spec::Scene;
+use crate::sim::Simulation;
+use serde::Serialize;
+
+/// What is asked for. Empty lists stand for what the scene says.
+#[derive(Clone, Debug)]
+pub struct Request<'a> {
+    /// Name or file, and `key=value`.
+    pub scene: &'a str,
+    pub overrides: &'a [String],
+    pub formulations: Vec<&'static str>,
+    pub integrators: Vec<&'static str>,
+    /// m.
+    pub tolerances: Vec<f64>,
+    /// s.
+    pub steps: Vec<f64>,
+    pub creep_laws: Vec<&'static str>,
+    /// m.
+    pub node_spacings: Vec<f64>,
+    /// m.
+    pub smoothings: Vec<f64>,
+    /// s; none: no coupling.
+    pub communication_steps: Vec<f64>,
+    /// s; `None`: that of the scene, shortened where the budget asks for it.
+    pub stop: Option<f64>,
+    /// Distance of the output times, s.
+    pub step: f64,
+    /// The only wheelset that counts; `None`: the worst of all.
+    pub wheelset: Option<&'a str>,
+    pub repeats: usize,
+    /// s.
+    pub budget: f64,
+    /// Tolerance of the reference, m; `None`: as tight as the budget allows.
+    pub reference: Option<f64>,
+}
+
+/// What became of a point.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[allow(clippy::large_enum_variant)] // some hundred points
+pub enum Outcome {
+    Done {
+        measured: Measured,
+        errors: Errors,
+    },
+    /// It was run, and this is why there is no result.
+    Failed(String),
+    /// It was not run, and this is why.
+    Skipped(String),
+}
+
+/// One variant with one integrator at one setting.
+#[derive(Clone, Debug, Serialize)]
+pub struct Point {
+    /// Index in [`Study::variants`].
+    pub variant: usize,
+    pub setting: Setting,
+    pub outcome: Outcome,
+}
+
+/// A description of contact that has one exact solution.
+#[derive(Clone, Debug, Serialize)]
+pub struct Model {
+    pub name: String,
+    pub rigid: bool,
+    /// Indices in [`Study::variants`].
+    pub variants: Vec<usize>,
+    pub reference: Result<Reference, String>,
+}
+
+/// How far the references of two models are apart: no error of either.
+#[derive(Clone, Debug, Serialize)]
+pub struct ModelDifference {
+    /// Indices in [`Study::models`].
+    pub first: usize,
+    pub second: usize,
+    pub errors: Errors,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Study {
+    pub scene: String,
+    pub title: String,
+    /// s.
+    pub stop: f64,
+    pub step: f64,
+    pub wheelset: Option<String>,
+    pub budget: f64,
+    pub variants: Vec<Variant>,
+    pub models: Vec<Model>,
+    pub points: Vec<Point>,
+    pub differences: Vec<ModelDifference>,
+    pub coupled: Vec<Coupled>,
+    /// What was shortened, left out or could not be started.
+    pub notes: Vec<String>,
+}
+
+/// Why there is no study.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    #[error("{0}")]
+    Scene(#[from] SceneError),
+    #[error("{0}")]
+    Setting(String),
+    #[error("{0}")]
+    Refused(String),
+}
+
+/// Until these shares of the budget pilots, references and points may take.
+const PILOTS: f64 = 0.1;
+const REFERENCES: f64 = 0.45;
+const POINTS: f64 = 0.88;
+/// The loosest reference of the first model is worth more than points without any.
+const FIRST_REFERENCE: f64 = 0.6;
+/// The plan for the cheapest model should fit into this share.
+const FIRST_MODEL: f64 = 0.5;
+/// What the references cost, in pilot runs.
+const REFERENCE_RUNS: f64 = 10.0;
+
+struct Prepared {
+    scene: Scene,
+    rigid: bool,
+}
+
+/// Makes the study. `progress` is told the share that is done and what is being done.
+///
+/// # Errors
+/// [`StudyError`], also when no point is worth drawing.
+pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<Study, StudyError> {
+    let budget = Budget::new(request.budget);
+    let own = load::open(request.scene, request.overrides)?;
+    let mut notes = Vec::new();
+    let mut items_of = Vec::new();
+    for name in &request.integrators {
+        items_of.extend(run::settings(name, &request.tolerances, &request.steps).map_err(StudyError::Setting)?);
+    }
+    let (variants, prepared) = prepare(request, &mut notes)?;
+    if prepared.is_empty() {
+        return Err(StudyError::Refused(format!("no formulation can start the scene: {}", notes.join("; "))));
+    }
+    let full = Span { stop: request.stop.unwrap_or(own.run.stop), step: request.step };
+    let mut pilots = Vec::new();
+    let (pilot_start, mut pilot_cpu) = (budget.spent(), 0.0);
+    for (index, one) in prepared.iter().enumerate() {
+        progress(budget.spent() / budget.seconds, &format!("pilot run of {}", variants[index].label()));
+        let (pilot, cpu) = cpu_time(|| pilot(one, full, PILOTS * budget.seconds / prepared.len() as f64));
+        pilots.push(pilot);
+        pilot_cpu += cpu;
+    }
+    let slowness = ((budget.spent() - pilot_start) / pilot_cpu).max(1.0);
+    let mut schedule = Schedule::new(pilots, request.repeats, slowness);
+    let span = if request.stop.is_some() { full } else { shortened(full, &schedule, &items_of, &budget, &mut notes) };
+
+    let mut models = models(&variants, &prepared);
+    for (index, shares) in turns(&models, &variants, &schedule, own.contact.formulation_name) {
+        let model = &mut models[index];
+        progress(budget.spent() / budget.seconds, &format!("reference of {}", model.name));
+        // Of the rigid formulations ECCF comes after ACCF and is the cheaper one.
+        for variant in model.variants.iter().rev() {
+            let formulation = (variants[*variant].formulation, &prepared[*variant].scene);
+            let Some(pilot) = schedule.pilots[*variant] else { continue };
+            let seconds = pilot.per_second * span.stop * schedule.slowness;
+            model.reference = reference::reference(formulation, request.wheelset, span, (&budget, shares, seconds), request.reference);
+            if model.reference.is_ok() {
+                break;
+            }
+        }
+    }
+
+    let mut items: Vec<Item> = Vec::new();
+    let mut points: Vec<Point> = Vec::new();
+    for (variant, _) in prepared.iter().enumerate() {
+        let referenced = models.iter().any(|model| model.variants.contains(&variant) && model.reference.is_ok());
+        for setting in &items_of {
+            if referenced {
+                items.push(Item { variant, setting: *setting });
+            } else {
+                points.push(Point { variant, setting: *setting, outcome: Outcome::Skipped("the model has no reference".into()) });
+            }
+        }
+    }
+    let patience = patience(&budget, items.len());
+    while let Some((next, seconds)) = schedule.cheapest(&items, span.stop, patience) {
+        let Item { variant, setting } = items.swap_remove(next);
+        let left = budget.left_of(POINTS);
+        let outcome = if seconds < left {
+            progress(budget.spent() / budget.seconds, &format!("{}: {}", variants[variant].label(), setting.words()));
+            let limits = [(4.0 * seconds).max(1.0).min(left), patience];
+            let done = run::with_setting(&prepared[variant].scene, &setting)
+                .and_then(|scene| run::measure(&scene, request.wheelset, span, request.repeats, limits));
+            let reference = models.iter().find(|model| model.variants.contains(&variant)).and_then(|model| model.reference.as_ref().ok());
+            match (done, reference) {
+                (Ok((observation, measured)), Some(reference)) => {
+                    schedule.learn(Item { variant, setting }, measured.median());
+                    Outcome::Done { measured, errors: Errors::between(&observation, &reference.observation) }
+                }
+                (Ok(_), None) => Outcome::Skipped("the model has no reference".into()),
+                (Err(failure), _) => Outcome::Failed(failure),
+            }
+        } else if seconds.is_finite() {
+            Outcome::Skipped(format!("it needs about {seconds:.1} s, {:.1} s are left", left.max(0.0)))
+        } else {
+            Outcome::Skipped("its pilot run did not come to an end".into())
+        };
+        points.push(Point { variant, setting, outcome });
+    }
+    points.sort_by(|a, b| place(a, request).total_cmp(&place(b, request)));
+    let skipped = points.iter().filter(|point| matches!(point.outcome, Outcome::Skipped(_))).count();
+    if skipped > 0 {
+        notes.push(format!("{skipped} of {} points were not run (a larger --budget has room for more)", points.len()));
+    }
+    let differences = differences(&models);
+    let mut study = Study {
+        scene: own.name.clone(),
+        title: own.title.clone(),
+        stop: span.stop,
+        step: span.step,
+        wheelset: request.wheelset.map(String::from),
+        budget: request.budget,
+        variants,
+        models,
+        points,
+        differences,
+        coupled: Vec::new(),
+        notes,
+    };
+    study.refuse()?;
+    if !request.communication_steps.is_empty() {
+        progress(budget.spent() / budget.seconds, "communication steps");
+        match communication::sweep(&own, request, span, &budget) {
+            Ok(coupled) => study.coupled = coupled,
+            Err(reason) => study.notes.push(format!("communication steps: {reason}")),
+        }
+    }
+    Ok(study)
+}
+
+/// Variants in the order of the formulations, then of settings: where a point stands in tables.
+fn place(point: &Point, request: &Request) -> f64 {
+    let method = request.integrators.iter().position(|name| *name == point.setting.integrator).unwrap_or(0);
+    // Values are below 1.
+    (point.variant * 1000 + method) as f64 + (1.0 - point.setting.value).clamp(0.0, 1.0) * 0.5
+}
+
+/// Opens and starts every variant; those that can't be started are noted.
+fn prepare(request: &Request, notes: &mut Vec<String>) -> Result<(Vec<Variant>, Vec<Prepared>), StudyError> {
+    let all = variants(&request.formulations, &request.creep_laws, &request.node_spacings, &request.smoothings);
+    let (mut started, mut prepared) = (Vec::new(), Vec::new());
+    let count = all.len();
+    for variant in all {
+        match variant.open(request.scene, request.overrides) {
+            // With one formulation alone its refusal is the user's matter.
+            Err(error) if count == 1 => return Err(error.into()),
+            Err(error) => notes.push(format!("{}: {error}", variant.label())),
+            Ok(scene) => match Simulation::new(&scene, 0.0) {
+                Err(error) => notes.push(format!("{}: {error}", variant.label())),
+                Ok(simulation) => {
+                    prepared.push(Prepared { rigid: simulation.model().formulation.constrains(), scene });
+                    started.push(variant);
+                }
+            },
+        }
+    }
+    Ok((started, prepared))
+}
+
+/// A first run that shows what a variant costs; `None` when it did not move.
+fn pilot(prepared: &Prepared, span: Span, limit: f64) -> Option<Pilot> {
+    let setting = Setting { integrator: METHODS[0], fixed: false, value: PILOT_TOLERANCE };
+    let mut simulation = Simulation::new(&run::with_setting(&prepared.scene, &setting).ok()?, 0.0).ok()?;
+    let observed = run::observe(&mut simulation, None, span, limit);
+    let evaluations = simulation.statistics().evaluations.max(1) as f64;
+    (observed.reached > 0.0).then(|| Pilot { per_second: observed.cpu / observed.reached, per_evaluation: observed.cpu / evaluations })
+}
+
+/// A span of which the cheapest variant's runs fit into the budget.
+fn shortened(full: Span, schedule: &Schedule, settings: &[Setting], budget: &Budget, notes: &mut Vec<String>) -> Span {
+    let patience = patience(budget, settings.len() * schedule.pilots.len());
+    let whole = |variant: usize| {
+        let pilot = schedule.pilots[variant]?;
+        let points = settings.iter().filter_map(|setting| schedule.duration(&Item { variant, setting: *setting }, full.stop, patience));
+        Some(points.sum::<f64>() + REFERENCE_RUNS * pilot.per_second * full.stop * schedule.slowness)
+    };
+    let cheapest = (0..schedule.pilots.len()).filter_map(whole).fold(f64::INFINITY, f64::min);
+    let room = FIRST_MODEL * budget.seconds;
+    if !(cheapest > room && cheapest.is_finite()) {
+        return full;
+    }
+    // Whole output steps, a tenth of the scene at least.
+    let rows = (full.stop * (room / cheapest).max(0.1) / full.step).ceil();
+    let stop = (rows * full.step).min(full.stop);
+    let words = format!(
+        "the first {stop:.3} s of {} s, so that the budget of {} s has room (--stop and --budget change that)",
+        full.stop, budget.seconds
+    );
+    notes.push(words);
+    Span { stop, ..full }
+}
+
+/// Variants by model, in the order in which the models first occur.
+fn models(variants: &[Variant], prepared: &[Prepared]) -> Vec<Model> {
+    let mut models: Vec<Model> = Vec::new();
+    for (index, (variant, one)) in variants.iter().zip(prepared).enumerate() {
+        let name = variant.model(one.rigid);
+        match models.iter_mut().find(|model| model.name == name) {
+            Some(model) => model.variants.push(index),
+            None => models.push(Model { name, rigid: one.rigid, variants: vec![index], reference: Err("was not computed".into()) }),
+        }
+    }
+    models
+}
+
+/// The order in which models get their references, and the share of the budget until which each may take: the scene's own
+/// formulation first, then what is cheap. Each may take half of what is left for references; a first, loose one may take more.
+fn turns(models: &[Model], variants: &[Variant], schedule: &Schedule, own: &str) -> Vec<(usize, [f64; 2])> {
+    let expense = |index: &usize| {
+        let of = &models[*index].variants;
+        let cost = of.iter().filter_map(|variant| schedule.pilots[*variant]).map(|pilot| pilot.per_second);
+        if of.iter().any(|variant| variants[*variant].formulation == own) { 0.0 } else { cost.fold(f64::INFINITY, f64::min) }
+    };
+    let mut order: Vec<usize> = (0..models.len()).collect();
+    order.sort_by(|a, b| expense(a).total_cmp(&expense(b)));
+    let part = |turn: usize| if turn + 1 == order.len() { 1.0 } else { 1.0 - 0.5f64.powi(turn as i32 + 1) };
+    let first = |turn: usize| if turn == 0 { FIRST_REFERENCE } else { REFERENCES };
+    (0..order.len()).map(|turn| (order[turn], [first(turn), PILOTS + (REFERENCES - PILOTS) * part(turn)])).collect()
+}
+
+/// Every other model against the first elastic one, or against the first of all.
+fn differences(models: &[Model]) -> Vec<ModelDifference> {
+    let known = |model: &Model| model.reference.as_ref().ok().map(|reference| reference.observation.clone());
+    let first = models.iter().position(|model| !model.rigid && model.reference.is_ok());
+    let Some(base) = first.or_else(|| models.iter().position(|model| model.reference.is_ok())) else { return Vec::new() };
+    let Some(standard) = known(&models[base]) else { return Vec::new() };
+    let others = models.iter().enumerate().filter(|(index, _)| *index != base);
+    others
+        .filter_map(|(index, model)| {
+            Some(ModelDifference { first: index, second: base, errors: Errors::between(&known(model)?, &standard) })
+        })
+        .collect()
+}
+
+impl Study {
+    /// The model of a variant.
+    pub fn model_of(&self, variant: usize) -> Option<&Model> {
+        self.models.iter().find(|model| model.variants.contains(&variant))
+    }
+
+    /// What is known of a point's error.
+    pub fn standing(&self, point: &Point, quantity: Quantity) -> Standing {
+        let reference = self.model_of(point.variant).and_then(|model| model.reference.as_ref().ok());
+        match (&point.outcome, reference) {
+            (Outcome::Done { errors, .. }, Some(reference)) => reference.standing(errors, quantity),
+            _ => Standing::Absent,
+        }
+    }
+
+    /// Does the study have anything to show? References must agree 100 times better than the best point that is drawn.
+    fn refuse(&self) -> Result<(), StudyError> {
+        let shown = |quantity: &Quantity| self.points.iter().any(|point| matches!(self.standing(point, *quantity), Standing::Shown(_)));
+        if Quantity::ALL.iter().any(shown) {
+            return Ok(());
+        }
+        let mut words = String::from("refused: there is no point whose error is 100 times the uncertainty of its reference");
+        for model in &self.models {
+            words += &match &model.reference {
+                Ok(reference) => format!(
+                    "\n  {}: {} and {} at tolerance {:.0e} agree to {:.1e} m, {:.1e} N (95 %)",
+                    model.name,
+                    reference.methods[0],
+                    reference.methods[1],
+                    reference.tolerance,
+                    reference.uncertainty.y.largest,
+                    reference.uncertainty.normal.most
+                ),
+                Err(reason) => format!("\n  {}: no reference: {reason}", model.name),
+            };
+        }
+        for point in &self.points {
+            if let Outcome::Failed(reason) = &point.outcome {
+                words += &format!("\n  {}, {}: {reason}", self.variants[point.variant].label(), point.setting.words());
+                break;
+            }
+        }
+        words += "\n  A larger --budget gives tighter references, looser --tolerances and longer --steps larger errors.";
+        Err(StudyError::Refused(words))
+    }
+}

@@ -1,0 +1,173 @@
+//! The study's parts on curves that are known, and a small study of the embedded wheelset.
+
+use super::observation::{Observation, Trace, crossings, mean_wavelength};
+use super::schedule::{Item, Pilot, Schedule};
+use super::*;
+use std::f64::consts::PI;
+
+/// y = amplitude sin(2 pi x / length), sampled every 0.1 m.
+fn wave(amplitude: f64, length: f64, normal: f64) -> Observation {
+    let distance: Vec<f64> = (0..1000).map(|i| 0.1 * f64::from(i)).collect();
+    let y = distance.iter().map(|x| amplitude * (2.0 * PI * x / length).sin()).collect();
+    let wheel = || vec![normal; 1000];
+    let trace = Trace { name: "w".into(), distance, y, normal: [wheel(), wheel()], quotient: [wheel(), wheel()] };
+    Observation { smooth: vec![true; 1000], wheelsets: vec![trace] }
+}
+
+#[test]
+fn analytic_errors_of_waves_of_different_length() {
+    let (a, b) = (wave(1e-3, 20.0, 5e4), wave(1e-3, 20.5, 5e4 + 3.0));
+    assert!((a.wavelength().unwrap() - 20.0).abs() < 1e-3, "{:?}", a.wavelength());
+    let errors = Errors::between(&a, &b);
+    println!("{errors:?}");
+    assert!((errors.wavelength.unwrap() - 0.5).abs() < 1e-3);
+    assert_eq!((errors.normal.largest, errors.normal.most, errors.normal.rms), (3.0, 3.0, 3.0));
+    assert!(errors.y.most < errors.y.largest && errors.y.rms < errors.y.most);
+    // Too small to be called hunting, and too short for two waves.
+    assert!(wave(9e-6, 20.0, 0.0).wavelength().is_none() && wave(1e-3, 60.0, 0.0).wavelength().is_none());
+    let places = crossings(&a.wheelsets[0]);
+    assert!(places.len() == 4 && mean_wavelength(&places, 2).is_none() && mean_wavelength(&places, 3).is_some(), "{places:?}");
+}
+
+/// A jump that two runs meet at different times moves the largest difference, not that of 95 % of the samples.
+#[test]
+fn analytic_single_jumps_and_samples_on_breaks_do_not_count() {
+    let (a, mut b) = (wave(1e-3, 20.0, 5e4), wave(1e-3, 20.0, 5e4));
+    b.wheelsets[0].normal[1][500] = 6e4;
+    let errors = Errors::between(&a, &b);
+    assert_eq!((errors.normal.largest, errors.normal.most), (1e4, 0.0));
+    b.smooth[500] = false;
+    assert_eq!(Errors::between(&a, &b).normal.largest, 0.0);
+    b.wheelsets[0].y[3] = f64::NAN;
+    assert_eq!(Errors::between(&a, &b).y.largest, f64::INFINITY, "what is no number is no small error");
+}
+
+#[test]
+fn analytic_predictions_follow_the_step_and_learn() {
+    let pilot = Pilot { per_second: 0.01, per_evaluation: 2e-6 };
+    let mut schedule = Schedule::new(vec![Some(pilot), None], 3, 1.0);
+    let item = |variant, fixed, value| Item { variant, setting: Setting { integrator: if fixed { "rk4" } else { "rk43" }, fixed, value } };
+    let predicted = |schedule: &Schedule, fixed, value| schedule.predict(&item(0, fixed, value)).unwrap();
+    assert!((predicted(&schedule, true, 1e-3) - 5.0 * 2e-6 / 1e-3).abs() < 1e-12);
+    assert_eq!(predicted(&schedule, false, 1e-5), 0.01);
+    assert!(schedule.predict(&item(1, true, 1e-3)).is_none());
+    schedule.learn(item(0, true, 1e-3), 0.03);
+    assert!((predicted(&schedule, true, 1e-4) - 0.3).abs() < 1e-12);
+    schedule.learn(item(0, false, 1e-6), 0.02);
+    assert!((predicted(&schedule, false, 1e-10) - 0.2).abs() < 1e-12);
+    let items = [item(0, true, 1e-4), item(0, false, 1e-6), item(1, true, 1e-3)];
+    assert_eq!(schedule.cheapest(&items, 1.0, 0.0).unwrap().0, 1);
+}
+
+fn request(overrides: &[String]) -> Request<'_> {
+    Request {
+        scene: "suspended_wheelset",
+        overrides,
+        formulations: vec!["ECCF", "ECF-A"],
+        integrators: vec!["dormand_prince", "rk4"],
+        tolerances: vec![1e-5],
+        steps: vec![5e-3, 2e-3, 1e-3],
+        creep_laws: vec![],
+        node_spacings: vec![],
+        smoothings: vec![],
+        communication_steps: vec![],
+        stop: Some(0.8),
+        step: 5e-3,
+        wheelset: None,
+        repeats: 1,
+        budget: 60.0,
+        reference: None,
+    }
+}
+
+/// The same numbers whatever the machine does, errors that fall with the step, a step beyond stability named as a failure, and models
+/// told from numerics.
+#[test]
+fn prop_a_small_study_is_deterministic_and_ranks_steps() {
+    let overrides = Vec::new();
+    let request = Request { reference: Some(1e-12), ..request(&overrides) };
+    let make = || study(&request, &mut |_, _| {}).unwrap();
+    let (first, second) = (make(), make());
+    let errors = |study: &Study| -> Vec<Option<Errors>> {
+        let error = |point: &Point| if let Outcome::Done { errors, .. } = &point.outcome { Some(*errors) } else { None };
+        study.points.iter().map(error).collect()
+    };
+    assert_eq!(errors(&first), errors(&second));
+    for point in &first.points {
+        println!(
+            "{} {}: {:?}",
+            first.variants[point.variant].label(),
+            point.setting.words(),
+            first.standing(point, Quantity::Displacement)
+        );
+    }
+    assert!(first.points.len() == 8 && first.models.len() == 2 && first.differences.len() == 1);
+    let known = errors(&first);
+    for rk4 in [1, 5] {
+        assert_eq!(first.points[rk4].setting.value, 5e-3);
+        let fell = |a: usize, b: usize| known[a].is_none_or(|a| known[b].is_some_and(|b| b.y.largest < 0.3 * a.y.largest));
+        assert!(fell(rk4, rk4 + 1) && fell(rk4 + 1, rk4 + 2), "{known:?}");
+    }
+    assert!(matches!(&first.points[5].outcome, Outcome::Failed(reason) if reason.contains("t = ")), "{:?}", first.points[5].outcome);
+    // Elastic wheels sink in, which lateral displacement feels by less than 1 um here: more than any error of the reference.
+    let apart = first.differences[0].errors.y.largest;
+    assert!((1e-8..1e-5).contains(&apart), "{apart:e}");
+    for model in 0..2 {
+        let found = best(&first, model, Quantity::Displacement, &[1e-3, 1e-4, 1e-6]);
+        assert!(!found.is_empty() && found.iter().all(|one| one.levels.iter().all(|level| one.error <= *level)), "{found:?}");
+    }
+    let all: Vec<usize> = (0..first.points.len()).collect();
+    let cheap = front(&first, &all, Quantity::Displacement);
+    assert!(cheap.len() < all.len() && cheap.windows(2).all(|pair| pair[0] != pair[1]));
+}
+
+/// References that are no better than the points tell nothing.
+#[test]
+fn hard_a_loose_reference_is_refused() {
+    let overrides = Vec::new();
+    let loose = Request {
+        formulations: vec!["ECF-A"],
+        integrators: vec!["dormand_prince"],
+        tolerances: vec![1e-8, 1e-10],
+        reference: Some(1e-5),
+        ..request(&overrides)
+    };
+    let refused = study(&loose, &mut |_, _| {}).unwrap_err();
+    println!("{refused}");
+    assert!(matches!(&refused, StudyError::Refused(words) if words.contains("100 times") && words.contains("tolerance 1e-5")));
+}
+
+/// A held input costs order 1 in the communication step, its derivatives 2 and 3.
+#[test]
+fn order_of_the_communication_step_with_and_without_input_derivatives() {
+    let overrides = Vec::new();
+    let coupled = Request { formulations: vec!["ECF-A"], communication_steps: vec![0.05, 0.025], ..request(&overrides) };
+    let found = study(&coupled, &mut |_, _| {}).unwrap().coupled;
+    assert_eq!(found.len(), 6);
+    for (hold, order) in [(0, 1.0), (1, 2.0), (2, 3.0)] {
+        let [coarse, fine] = [0, 1].map(|i| found[2 * hold + i].errors.y.largest);
+        let measured = (coarse / fine).log2();
+        println!("input {}: {coarse:.2e} m, {fine:.2e} m, order {measured:.2}", HOLDS[hold]);
+        assert!((measured - order).abs() < 0.35 && fine > found[2 * hold].floor, "{measured}");
+    }
+}
+
+/// Nodes at another distance and another creep law are models of their own.
+#[test]
+fn prop_variants_make_models_with_references_of_their_own() {
+    let overrides = Vec::new();
+    let laws = Request {
+        formulations: vec!["ECF-A"],
+        integrators: vec!["rk4"],
+        creep_laws: vec!["shen_hedrick_elkins", "polach"],
+        stop: Some(0.6),
+        ..request(&overrides)
+    };
+    let found = study(&laws, &mut |_, _| {}).unwrap();
+    let names: Vec<&str> = found.models.iter().map(|model| model.name.as_str()).collect();
+    assert_eq!(names, ["ECF-A, creep law shen_hedrick_elkins", "ECF-A, creep law polach"]);
+    assert!(found.differences.len() == 1 && found.differences[0].errors.y.largest > 1e-7, "{:?}", found.differences);
+    let nodes = variant::variants(&["ECF-A", "ECF-N"], &[], &[1e-3, 1e-4], &[]);
+    let labels: Vec<String> = nodes.iter().map(Variant::label).collect();
+    assert_eq!(labels, ["ECF-A", "ECF-N, nodes every 1 mm", "ECF-N, nodes every 0.1 mm"]);
+}

@@ -1,0 +1,165 @@
+//! Keys of scenes that stand for more than one thing, and what is said where numbers are allowed but perhaps not meant.
+
+mod common;
+
+use nalgebra::Vector3;
+use std::collections::HashMap;
+use std::sync::Arc;
+use wheelrail::geometry::track::centre_line::{Alignment, CentreLine, Node};
+use wheelrail::scene::spec::Scene;
+use wheelrail::scene::{assemble, load, plan};
+use wheelrail::sim::Simulation;
+use wheelrail::sim::vehicle_outputs::scene_outputs;
+
+fn open(name: &str, changes: &[&str]) -> Result<Scene, String> {
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+    load::open(name, &changes).map_err(|error| error.to_string())
+}
+
+fn error(name: &str, changes: &[&str]) -> String {
+    let error = open(name, changes).err().unwrap_or_default();
+    println!("{error}");
+    error
+}
+
+fn notes(scene: &Scene) -> Vec<String> {
+    let notes = plan::plan(scene, &assemble::model(scene).unwrap()).notes;
+    println!("{notes:#?}");
+    notes
+}
+
+#[test]
+fn analytic_a_train_of_any_number_of_coaches() {
+    for coaches in [1, 3, 5] {
+        let count = format!("vehicle.place[coach].count={coaches}");
+        let only = "interface.only=[\"coach[1].car\"]";
+        let free = open("train", &[&count, only]).unwrap().vehicle.free.unwrap();
+        let names: Vec<&str> = free.forces.iter().map(|force| force.0.name()).filter(|name| name.starts_with("coupler")).collect();
+        let expected: Vec<String> = (1..coaches).map(|n| format!("coupler[{n}]")).collect();
+        assert_eq!((free.wheelsets.len(), names), (4 * coaches, expected.iter().map(String::as_str).collect()));
+        for body in free.bodies.iter().filter(|body| body.body.name.ends_with(".car")) {
+            let number: f64 = body.body.name.trim_start_matches("coach[").split(']').next().unwrap().parse().unwrap();
+            assert_eq!(body.position, Vector3::new(-26.0 * (number - 1.0), 0.0, 1.8), "{}", body.body.name);
+        }
+    }
+    // The couplers join the ends that meet: 1 m apart between points 12.5 m from the middle of each car.
+    let (lone, pair) =
+        (open("train", &["vehicle.place[coach].count=1", "interface.only=[\"coach[1]\"]"]).unwrap(), open("train", &[]).unwrap());
+    let simulation = common::start(&pair);
+    let model = simulation.model();
+    let y = &simulation.state().integration.y;
+    let mut workspace = model.workspace();
+    model.system.apply_forces(y, &mut workspace.system);
+    for element in model.system.forces.iter().filter(|element| element.name().starts_with("coupler")) {
+        let (force, stretch) = (element.quantity(0, &workspace.system.motions, &[]), element.quantity(1, &workspace.system.motions, &[]));
+        println!("{}: {force:.3e} N, elongation {stretch:.3e} m", element.name());
+        assert!(force.abs() < 1e3 && stretch.abs() < 5e-3, "at rest within their slack");
+    }
+    let share = pair.vehicle.free.unwrap().weight(9.81) / lone.vehicle.free.unwrap().weight(9.81);
+    assert!((share - 3.0).abs() < 1e-12, "{share}");
+}
+
+#[test]
+fn hard_wrong_copies_are_refused() {
+    let cases = [
+        ("vehicle.place[coach].count=2.5", "vehicle.place[1].count: found 2.5, expected a whole number"),
+        ("vehicle.place[coach].count=0", "expected a whole number from 1"),
+        ("vehicle.place[coach].spacing=26", "vehicle.place[1].spacing"),
+        ("vehicle.place[coach].name=\"coach[1]\"", "expected no number: count makes the numbers"),
+    ];
+    for (change, words) in cases {
+        assert!(error("train", &[change]).contains(words), "{change}");
+    }
+    let bogie = [
+        "vehicle.module.m.template=bogie",
+        "vehicle.place[m].module=m",
+        "vehicle.place[m].position=[5, 0, 0]",
+        "vehicle.place[m].spacing=[1, 0, 0]",
+    ];
+    assert!(error("bogie", &bogie).contains("serves nothing without count"));
+}
+
+#[test]
+fn hard_a_slip_of_the_pen_in_a_name_is_met_by_the_names_there_are() {
+    let cases = [
+        ("vehicle_manchester_1", "vehicle.body[cra].mass=30000", ["\"cra\" is a new entry that --set made", "vehicle.body had car"]),
+        (
+            "vehicle_manchester_1",
+            "vehicle.module.truck.force[secondery].stiffness=[0, 1e5, 1e5]",
+            ["did you mean \"secondary\"?", "traction_rod"],
+        ),
+        ("train", "vehicle.module.coach.body[cra].mass=30000", ["\"cra\" is a new entry", "had car"]),
+        ("train", "vehicle.place[coahc].count=4", ["did you mean \"coach\"?", "vehicle.place had coach"]),
+    ];
+    for (scene, change, words) in cases {
+        let error = error(scene, &[change]);
+        assert!(words.iter().all(|words| error.contains(words)), "{change}: {error}");
+    }
+    // A new entry that is complete is one; so is a change of a template's entry.
+    let sensor = ["vehicle.sensor[floor].body=car", "vehicle.sensor[floor].at=[0, 0, 1.8]"];
+    assert!(open("bogie", &sensor).is_ok());
+    assert!(!error("bogie", &["vehicle.body[car].mass=-3"]).contains("new entry"));
+}
+
+#[test]
+fn hard_roundings_that_melt_corners_are_told() {
+    let found = |smoothing: &str| notes(&open("vehicle_curve", &[&format!("track.smoothing={smoothing}")]).unwrap());
+    let told = found("200 m");
+    assert!(told.iter().any(|note| note.contains("track.smoothing = 200 m is longer than the stretch between the corners at")), "{told:?}");
+    assert!(found("1 m").iter().all(|note| !note.contains("smoothing")));
+}
+
+#[test]
+fn hard_dampers_faster_than_wheels_are_told() {
+    let damper = [
+        "vehicle.force[quick].kind=maxwell_damper",
+        "vehicle.force[quick].from.body=car",
+        "vehicle.force[quick].from.at=[0, 0, 1]",
+        "vehicle.force[quick].to=frame",
+        "vehicle.force[quick].at=[0, 0, 0.6]",
+        "vehicle.force[quick].stiffness=1e8",
+        "vehicle.force[quick].damping=1e4",
+    ];
+    let told = notes(&open("bogie", &damper).unwrap());
+    let expected = "quick: time constant c/k = 0.100 ms; explicit integrators can't step further than 0.330 ms";
+    assert!(told.iter().any(|note| note.starts_with(expected) && note.contains("1592 Hz")), "{told:?}");
+    assert!(
+        notes(&open("bogie", &[]).unwrap()).iter().all(|note| !note.contains("time constant")),
+        "the coach's own dampers are slow enough"
+    );
+}
+
+/// What an accelerometer on the floor of a car in a steady curve shows across: V^2 / R cos f - g sin f, f = cant + roll of the car.
+#[test]
+fn analytic_measured_acceleration_in_a_steady_curve() {
+    let (speed, radius, height, g) = (25.0, 600.0, 0.1, 9.81);
+    let sensor = ["vehicle.sensor[floor].body=car", "vehicle.sensor[floor].at=[0, 0, 1.8]", "vehicle.sensor[floor].measured=true"];
+    let changes = [&sensor[..], &["vehicle.speed=25", "vehicle.drive=leading", "interface.outputs=[\"bodies\", \"sensors\"]"]].concat();
+    let mut scene = open("vehicle_manchester_1", &changes).unwrap();
+    let base = 2.0 * scene.track.half_rail_distance;
+    let cant = (height / base).asin();
+    let node = |distance: f64, share: f64| Node { distance, curvature: share / radius, superelevation: -share * cant, grade: 0.0 };
+    let alignment = Alignment { nodes: vec![node(20.0, 0.0), node(70.0, 1.0)], smoothing: 10.0, ..Alignment::default() };
+    scene.track.deviations.clear();
+    scene.track.line = CentreLine::new(&alignment, Vector3::zeros(), 0.0).map(Arc::new);
+    scene.track.alignment = Some(alignment);
+    let mut simulation = common::start(&scene);
+    let read = |simulation: &mut Simulation| -> HashMap<String, f64> {
+        let outputs = scene_outputs(&scene, simulation.model());
+        let snapshot = simulation.snapshot().unwrap();
+        outputs.iter().map(|output| (output.name.clone(), output.value(snapshot))).collect()
+    };
+    let at_rest = read(&mut simulation);
+    let shown = ["floor.measuredAx", "floor.measuredAy", "floor.measuredAz"].map(|name| at_rest[name]);
+    println!("straight and level: {shown:?}, kinematic az {:.1e}", at_rest["floor.az"]);
+    assert!((shown[2] - g * at_rest["car.pitch"].cos() * at_rest["car.roll"].cos()).abs() < 1e-6 && shown[1].abs() < 1e-6);
+    simulation.advance(6.0).unwrap();
+    let in_curve = read(&mut simulation);
+    let lean = in_curve["car.roll"] - cant;
+    let expected = speed * speed / radius * lean.cos() + g * lean.sin();
+    let (shown, plain) = (in_curve["floor.measuredAy"], in_curve["floor.ay"]);
+    println!("in the curve: {shown:.4} m/s2, formula {expected:.4}; kinematic {plain:.4}; roll {:.2e}", in_curve["car.roll"]);
+    // What gravity adds is exact but for yaw and pitch; the car still swings a little.
+    assert!((shown - plain - g * lean.sin()).abs() < 1e-4, "{}", shown - plain - g * lean.sin());
+    assert!((shown - expected).abs() < 0.05, "{shown} {expected}");
+}
