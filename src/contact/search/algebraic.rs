@@ -79,7 +79,7 @@ impl ContactLocation {
 
 /// Lengths are of the order of a metre, so one number serves lengths and angles. An error of 1e-11 m in the place of the
 /// contact changes the penetration by less than rounding and the creepage by less than 1e-12.
-pub const LIMITS: NewtonLimits = NewtonLimits { next_step: 1e-11, iterations: 25 };
+pub const LIMITS: NewtonLimits = NewtonLimits { next_step: 1e-11, iterations: 25, rounding: 4e-15 };
 
 /// Everything that the equations take from the surfaces at one choice of parameters.
 #[derive(Clone, Copy, Debug)]
