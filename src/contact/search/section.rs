@@ -38,9 +38,9 @@ const NEXT_STEP: f64 = 1e-11;
 /// Residuals (m, rad) that are nothing but rounding.
 const ROUNDING: f64 = 1e-16;
 /// Change of the rail's direction between the section and the contact that may be left out, rad.
-const TURN: f64 = 1e-11;
-/// Longer steps, m, may lead to another place of contact.
-const LONGEST: f64 = 1e-3;
+const TURN: f64 = 2e-12;
+/// Longer steps, m, and those after which the residual has grown, may lead to another place of contact.
+const LONGEST: f64 = 3e-4;
 /// Least cos^2 c: a steeper flank is not seen along the rail.
 const LEAST_COS2: f64 = 0.05;
 
@@ -174,13 +174,13 @@ impl Sight {
 pub(super) fn locate(pair: &Pair, start: &SurfaceParameters) -> Option<ContactLocation> {
     let mut sight = Sight::new(pair, start.lead);
     let (mut u, mut eta) = (start.wheel, start.rail);
-    let mut last = (f64::INFINITY, 1.0);
+    let mut last: Option<(f64, f64)> = None;
     for iteration in 0..MOST {
         let at = sight.read(pair, u, eta)?;
         let norm = at.residual.norm();
         let turned = at.ahead.abs() * sight.bend > TURN;
         // The next step is foreseen from the last one and the fall of the residual.
-        let settled = last.0 * norm <= NEXT_STEP * last.1 || norm <= ROUNDING;
+        let settled = norm <= ROUNDING || last.is_some_and(|(step, before)| step * norm <= NEXT_STEP * before);
         if settled && !turned {
             return Some(sight.location(pair, u, eta, &at, iteration.max(1)));
         }
@@ -189,16 +189,17 @@ pub(super) fn locate(pair: &Pair, start: &SurfaceParameters) -> Option<ContactLo
         let step =
             Vector2::new(j.m22 * at.residual.x - j.m12 * at.residual.y, j.m11 * at.residual.y - j.m21 * at.residual.x) * per_determinant;
         let length = step.norm();
-        if !(length <= LONGEST) {
+        if !(length <= LONGEST && last.is_none_or(|(_, before)| norm < before)) {
             return None;
         }
         if length <= NEXT_STEP && !turned {
             return Some(sight.location(pair, u, eta, &at, iteration.max(1)));
         }
         (u, eta) = (u - step.x, eta - step.y);
-        last = (length, norm);
+        last = Some((length, norm));
         if turned {
-            sight = Sight::new(pair, sight.lead + at.ahead);
+            // What is left of the residual there says nothing about the step.
+            (sight, last) = (Sight::new(pair, sight.lead + at.ahead), None);
         }
     }
     None

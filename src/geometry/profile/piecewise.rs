@@ -214,6 +214,21 @@ impl Piecewise {
     }
 }
 
+impl Piecewise {
+    /// Values and slopes of two profiles at once, as [`Profile::value_and_slope`] gives them.
+    #[inline(always)]
+    pub fn both(profiles: [&Piecewise; 2], x: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+        Table::read_both(profiles.map(|profile| &profile.table), x).unwrap_or_else(|| Self::read_curves(profiles, x))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn read_curves(profiles: [&Piecewise; 2], x: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+        let [one, other] = [0, 1].map(|i| profiles[i].value_and_slope(x[i]));
+        ([one.0, other.0], [one.1, other.1])
+    }
+}
+
 /// The straight line through `point` at a distance from it.
 fn straight_on(point: &ProfilePoint, distance: f64) -> ProfilePoint {
     ProfilePoint { value: point.value + point.d1 * distance, d1: point.d1, d2: 0.0, d3: 0.0 }

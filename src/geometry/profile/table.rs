@@ -1,6 +1,6 @@
 //! Value and slope of a profile from a table, for laws that read it at many places of one contact.
 //!
-//! The range is cut into equal cells of width h. In a cell, with s from 0 to 1, the profile is the quintic that has the curve's
+//! The range is cut into equal cells of width h. In a cell, with s from -1/2 to 1/2, the profile is the quintic that has the curve's
 //! value, slope and curvature at both ends. Its error is `h^6 y'''''' / 46080`; for an arc of radius r
 //!
 //! ```text
@@ -11,6 +11,7 @@
 //! quintic leaves the curve by more than [`CLOSE`], or in which a piece ends, are left out: there the curve itself is read.
 
 use super::ProfilePoint;
+use super::piecewise::shifted;
 
 /// Width of a cell, m, at most.
 const WIDTH: f64 = 5e-5;
@@ -23,8 +24,10 @@ type Cell = [f64; 6];
 
 #[derive(Clone, Debug)]
 pub(super) struct Table {
-    first: f64,
     cells_per_metre: f64,
+    /// Number (with its fraction) of the place x = 0 in the middle of a cell, times -1.
+    offset: f64,
+    count: f64,
     cells: Vec<Cell>,
 }
 
@@ -33,15 +36,24 @@ fn quintic(width: f64, from: &ProfilePoint, to: &ProfilePoint) -> Cell {
     let (rise, slopes, bends) = (to.value - from.value, [from.d1, to.d1].map(|d| d * width), [from.d2, to.d2].map(|d| d * width * width));
     let [a, b, c] = [rise - slopes[0] - 0.5 * bends[0], slopes[1] - slopes[0] - bends[0], bends[1] - bends[0]];
     let (third, fourth, fifth) = (10.0 * a - 4.0 * b + 0.5 * c, -15.0 * a + 7.0 * b - c, 6.0 * a - 3.0 * b + 0.5 * c);
-    [from.value, slopes[0], 0.5 * bends[0], third, fourth, fifth]
+    shifted([from.value, slopes[0], 0.5 * bends[0], third, fourth, fifth], 0.5)
 }
 
-/// Value, and slope per cell.
-#[inline]
-fn sum(&[c0, c1, c2, c3, c4, c5]: &Cell, s: f64) -> (f64, f64) {
-    let value = c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))));
-    (value, c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * (5.0 * c5)))))
+/// Values and slopes per cell of several cells at once, which the compiler turns into vector instructions.
+#[inline(always)]
+fn sums<const N: usize>(cells: [&Cell; N], s: [f64; N]) -> ([f64; N], [f64; N]) {
+    let step = |sum: [f64; N], add: [f64; N]| -> [f64; N] { std::array::from_fn(|i| sum[i] * s[i] + add[i]) };
+    let terms = |power: usize| -> [f64; N] { std::array::from_fn(|i| cells[i][power]) };
+    let (mut value, mut slope) = (terms(5), [0.0; N]);
+    for power in (0..5).rev() {
+        slope = if power == 4 { value } else { step(slope, value) };
+        value = step(value, terms(power));
+    }
+    (value, slope)
 }
+
+/// Added to a number below 2^31 it leaves the nearest whole number in the last bits.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
 
 impl Table {
     /// A table over `first` to `last` [m]; `curve` gives the curve over one cell, `None` where a piece ends in it.
@@ -53,27 +65,42 @@ impl Table {
             let curve = curve(from, to)?;
             let cell = quintic(width, &curve(from), &curve(to));
             let near = |s: f64| {
-                let (point, (value, slope)) = (curve(from + s * width), sum(&cell, s));
+                let (point, ([value], [slope])) = (curve(from + (0.5 + s) * width), sums([&cell], [s]));
                 (value - point.value).abs() <= CLOSE && (slope / width - point.d1).abs() <= PARALLEL
             };
-            [0.25, 0.5, 0.75].into_iter().all(near).then_some(cell)
+            [-0.25, 0.0, 0.25].into_iter().all(near).then_some(cell)
         };
         let cells = (0..count as usize).map(|index| cell(index).unwrap_or([f64::NAN; 6])).collect();
-        Table { first, cells_per_metre: 1.0 / width, cells }
+        Table { cells_per_metre: 1.0 / width, offset: first / width + 0.5, count, cells }
     }
 
-    /// Value and slope at an `x` inside the range; `None` where the curve must be read.
-    #[inline]
-    pub(super) fn read(&self, x: f64) -> Option<(f64, f64)> {
-        let place = (x - self.first) * self.cells_per_metre;
-        if !(place >= 0.0) {
+    /// The cell of `x`, and s; `None` where the curve must be read.
+    #[inline(always)]
+    fn cell(&self, x: f64) -> Option<(&Cell, f64)> {
+        let place = x * self.cells_per_metre - self.offset;
+        if !(place < self.count) {
             return None;
         }
-        // Numbers that are too great for an i32 become the greatest one.
-        let index = place as i32;
-        let cell = self.cells.get(index as usize)?;
-        let (value, slope) = sum(cell, place - f64::from(index));
-        (!value.is_nan()).then_some((value, slope * self.cells_per_metre))
+        let nearest = place + WHOLE;
+        // Below the first cell the last 32 bits make a very great number.
+        let cell = self.cells.get(nearest.to_bits() as u32 as usize)?;
+        (!cell[0].is_nan()).then(|| (cell, place - (nearest - WHOLE)))
+    }
+
+    /// Value and slope; `None` where the curve must be read.
+    #[inline]
+    pub(super) fn read(&self, x: f64) -> Option<(f64, f64)> {
+        let (cell, s) = self.cell(x)?;
+        let ([value], [slope]) = sums([cell], [s]);
+        Some((value, slope * self.cells_per_metre))
+    }
+
+    /// Values and slopes of two profiles at once.
+    #[inline(always)]
+    pub(super) fn read_both(tables: [&Table; 2], x: [f64; 2]) -> Option<([f64; 2], [f64; 2])> {
+        let ((one, s), (other, z)) = (tables[0].cell(x[0])?, tables[1].cell(x[1])?);
+        let (values, slopes) = sums([one, other], [s, z]);
+        Some((values, [slopes[0] * tables[0].cells_per_metre, slopes[1] * tables[1].cells_per_metre]))
     }
 }
 
