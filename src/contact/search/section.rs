@@ -35,6 +35,8 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 const MOST: usize = 8;
 /// The iteration ends when the next step would be shorter than this, m.
 const NEXT_STEP: f64 = 1e-11;
+/// A step that need not be made, m.
+const NO_STEP: f64 = 1e-14;
 /// Residuals (m, rad) that are nothing but rounding.
 const ROUNDING: f64 = 1e-16;
 /// Change of the rail's direction between the section and the contact that may be left out, rad.
@@ -192,7 +194,7 @@ pub(super) fn locate(pair: &Pair, start: &SurfaceParameters) -> Option<ContactLo
         if !(length <= LONGEST && last.is_none_or(|(_, before)| norm < before)) {
             return None;
         }
-        if length <= NEXT_STEP && !turned {
+        if length <= NO_STEP && !turned {
             return Some(sight.location(pair, u, eta, &at, iteration.max(1)));
         }
         (u, eta) = (u - step.x, eta - step.y);
