@@ -84,7 +84,7 @@ impl Table {
         let nearest = place + WHOLE;
         // Below the first cell the last 32 bits make a very great number.
         let cell = self.cells.get(nearest.to_bits() as u32 as usize)?;
-        (!cell[0].is_nan()).then(|| (cell, place - (nearest - WHOLE)))
+        (!cell[0].is_nan()).then_some((cell, place - (nearest - WHOLE)))
     }
 
     /// Value and slope; `None` where the curve must be read.
