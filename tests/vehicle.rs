@@ -323,13 +323,13 @@ fn prop_energy_balance_of_vehicles() {
     }
 }
 
-/// A start in a curve is refused; before it, one imposed speed leaves the traction rods alone where two strain them.
+/// A start on a transition is refused; before it, one imposed speed leaves the traction rods alone where two strain them.
 #[test]
-fn hard_starts_in_curves_are_refused_and_two_imposed_speeds_said() {
+fn hard_starts_on_transitions_are_refused_and_two_imposed_speeds_said() {
     let nodes = "track.node=[{distance=0.0},{distance=60.0,radius=150.0,superelevation=-0.1}]";
-    let within = load::open("vehicle_manchester_1", &[nodes.into(), "vehicle.initial.distance=100".into()]).unwrap();
+    let within = load::open("vehicle_manchester_1", &[nodes.into(), "vehicle.initial.distance=30".into()]).unwrap();
     let refused = Simulation::new(&within, 0.0).unwrap_err().to_string();
-    assert!(refused.contains("curved or canted (at 1") && refused.contains("start before the curve"), "{refused}");
+    assert!(refused.contains("starts on a transition") && refused.contains("start before it or behind it"), "{refused}");
     let words = |drive: &str| {
         let overrides = [nodes.to_string(), "vehicle.initial.distance=-20".into(), format!("vehicle.drive={drive}")];
         let scene = load::open("vehicle_manchester_1", &overrides).unwrap();

@@ -27,7 +27,11 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 };
 
 fn parse(_: &Section) -> Result<Build, SettingsError> {
-    Ok(Arc::new(|_| Ok(Box::new(EcfA))))
+    Ok(build())
+}
+
+pub(super) fn build() -> Build {
+    Arc::new(|_| Ok(Box::new(EcfA)))
 }
 
 /// The formulation has no settings of its own.

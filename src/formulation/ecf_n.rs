@@ -83,6 +83,10 @@ impl Formulation for EcfN {
         2
     }
 
+    fn is_smooth(&self) -> bool {
+        false
+    }
+
     fn start(&self, model: &Model, workspace: &mut Workspace, _: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
         model.move_bodies(y, memory, &mut workspace.system);
         for (index, wheelset) in model.wheelsets.iter().enumerate() {

@@ -69,6 +69,14 @@ pub(super) fn start(model: &Model, workspace: &mut Workspace, y: &[f64], memory:
     }
 }
 
+/// All contacts begin as elastic ones, each at its wheel's deepest place.
+pub(super) fn start_elastic(model: &Model, workspace: &mut Workspace, y: &[f64], memory: &mut [f64]) {
+    start(model, workspace, y, memory);
+    for (contact, ..) in wheels(model) {
+        memory[model.contact_memory(contact)][MODE] = 1.0;
+    }
+}
+
 /// Watches at the end of a step whether elastic contacts have settled; their reports are those of the step's end.
 pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [f64]) {
     for (contact, wheelset, _) in wheels(model) {

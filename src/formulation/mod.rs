@@ -61,6 +61,11 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
         1
     }
 
+    /// Do forces change smoothly with the places of wheels? Where contacts jump from node to node they do not.
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     /// What it does where a constraint would begin to pull; `None`: contact is no constraint.
     fn on_lift(&self) -> Option<OnLift> {
         None
@@ -143,6 +148,11 @@ pub enum AssemblyError {
         "interface.inputs: \"rail_motion\" needs elastic contact (contact.formulation = \"ECF-A\" or \"ECF-N\"): a constraint between wheel and rail would need the rail's acceleration, which is no input"
     )]
     RailMotion,
+}
+
+/// ECF-A, whose forces are smooth: where the search for a balance with another formulation may begin.
+pub fn algebraic() -> Build {
+    ecf_a::build()
 }
 
 type Parse = fn(&Section) -> Result<Build, SettingsError>;

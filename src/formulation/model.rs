@@ -364,6 +364,20 @@ impl Model {
         pressing.into_iter().chain(touching).reduce(f64::min)
     }
 
+    /// Are contacts constraints that may also be elastic for a time (`contact.on_lift`)?
+    pub fn may_be_elastic(&self) -> bool {
+        self.formulation.on_lift() == Some(OnLift::Elastic)
+    }
+
+    /// Starts at `y` with all contacts elastic; see [`Formulation::start`].
+    ///
+    /// # Errors
+    /// [`EvaluationError`] when a contact cannot be found.
+    pub fn start_elastic(&self, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
+        lift::start_elastic(self, workspace, y, memory);
+        self.formulation.resettle(self, workspace, t, y, memory)
+    }
+
     /// When an elastic contact becomes a constraint again if nothing disturbs it, s; infinity for never.
     pub fn next_return(&self, memory: &[f64]) -> f64 {
         self.formulation.on_lift().map_or(f64::INFINITY, |_| lift::next_return(self, memory))

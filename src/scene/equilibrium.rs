@@ -1,4 +1,4 @@
-//! Steady rolling on straight track: height and pitch rate such that vertical force and axle moment vanish.
+//! Steady rolling of a lone wheelset. On straight track: height and pitch rate such that vertical force and axle moment vanish.
 //!
 //! The wheelset stands centred (y = yaw = 0), does not move sideways or vertically and no input acts. On
 //! straight, undisturbed track two numbers are left: z, which fixes the load, and the pitch rate, which fixes the
@@ -7,8 +7,14 @@
 //! line. Where contact is a constraint, z and roll close the gaps and the load is carried by itself.
 //!
 //! A wheelset that starts at rest has pitch rate 0 and the height of slow rolling.
+//!
+//! On a track of constant curvature, superelevation and grade all coordinates are found, as for a vehicle
+//! ([`super::vehicle::steady_state`]): the wheelset is displaced across the track and yaws. On a transition, where there is no steady state,
+//! it starts as on straight track.
 
 use super::spec::Scene;
+use super::start::{self, Start};
+use super::vehicle::steady_state;
 use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
 use crate::math::newton::{self, NewtonLimits};
 use crate::mbs::body::COORDINATES;
@@ -18,10 +24,14 @@ use std::sync::Arc;
 /// The equilibrium of a wheelset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteadyRolling {
+    /// To the left, m; 0 on straight track.
+    pub y: f64,
     /// Height of the centre, m.
     pub z: f64,
-    /// rad; 0 where both sides are alike.
+    /// rad; on straight track 0 where both sides are alike.
     pub roll: f64,
+    /// rad; 0 on straight track.
+    pub yaw: f64,
     /// rad/s.
     pub pitch_rate: f64,
 }
@@ -29,7 +39,7 @@ pub struct SteadyRolling {
 impl SteadyRolling {
     /// In the order of [`super::spec::INITIAL`].
     pub fn initial_values(&self) -> [f64; 10] {
-        [0.0, 0.0, self.z, self.roll, 0.0, 0.0, 0.0, 0.0, 0.0, self.pitch_rate]
+        [0.0, self.y, self.z, self.roll, self.yaw, 0.0, 0.0, 0.0, 0.0, self.pitch_rate]
     }
 }
 
@@ -43,9 +53,13 @@ pub enum EquilibriumError {
     )]
     NotFound { force: f64, moment: f64 },
     #[error(
-        "the vehicle starts where the track is curved or canted (at {distance:.1} m), but its steady state is that of straight level track; start before the curve (vehicle.initial.distance, the nodes' distances, less track.smoothing)"
+        "the vehicle starts on a transition: curvature, superelevation or grade change under it (at {distance:.1} m), and there is no steady state there; start before it or behind it (vehicle.initial.distance, the nodes' distances, track.smoothing)"
     )]
-    OnCurve { distance: f64 },
+    OnTransition { distance: f64 },
+    #[error(
+        "no steady curving where the vehicle starts; it goes up to {percent:.0} % of the curvature and superelevation there: {cause}{advice}"
+    )]
+    Curving { percent: f64, cause: Box<EquilibriumError>, advice: &'static str },
     #[error("no equilibrium: nothing holds {body} {motion}; a force element or a joint must carry it there")]
     Unsupported { body: String, motion: &'static str },
     #[error("no equilibrium was found: {body} is left with {acceleration:.3e} m/s2 (or rad/s2); check stiffnesses, preloads and positions")]
@@ -66,6 +80,11 @@ pub(super) fn alike(scene: &Scene) -> bool {
 /// # Errors
 /// [`EquilibriumError`].
 pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> {
+    if let Start::Curve(node) = start::start(scene) {
+        let found = steady_state::lone_wheelset(scene, &node)?;
+        let [y, z, yaw, roll] = [1, 2, 3, 4].map(|i| found[i]);
+        return Ok(SteadyRolling { y, z, roll, yaw, pitch_rate: found[PITCH_RATE] });
+    }
     let spec = &scene.vehicle.wheelset;
     let load = spec.mass * scene.vehicle.gravity * scene.track.grade.cos() + spec.vertical_load;
     if load <= 0.0 {
@@ -99,7 +118,7 @@ impl Balance {
     /// touch.
     fn touch(&mut self, radius: f64, pitch_rate: f64, load: f64) -> Result<SteadyRolling, EquilibriumError> {
         const TOUCH: f64 = 1e-5;
-        let mut at = SteadyRolling { z: radius, roll: 0.0, pitch_rate };
+        let mut at = SteadyRolling { y: 0.0, z: radius, roll: 0.0, yaw: 0.0, pitch_rate };
         for _ in 0..3 {
             // Without memory the first contact is the deepest.
             self.memory.fill(0.0);
@@ -127,6 +146,7 @@ impl Balance {
             z: start.z + height * x[0],
             pitch_rate: start.pitch_rate + turn * x[1],
             roll: if N > 2 { start.roll + tilt * x[2] } else { 0.0 },
+            ..start
         };
         let scale = Vector3::new(1.0 / load, 1.0 / (load * radius), 1.0 / load);
         let mut failure = None;
@@ -242,7 +262,10 @@ impl Balance {
             (Err(failed), None) if failed.residual.is_nan() || failed.residual > BALANCED => {
                 Err(EquilibriumError::NotFound { force: 0.0, moment: failed.residual * load * radius })
             }
-            _ => Ok(SteadyRolling { z: self.y[2], roll: self.y[4], pitch_rate: start * (1.0 + 1e-3 * x[0]) }),
+            _ => {
+                let pitch_rate = start * (1.0 + 1e-3 * x[0]);
+                Ok(SteadyRolling { y: 0.0, z: self.y[2], roll: self.y[4], yaw: 0.0, pitch_rate })
+            }
         }
     }
 

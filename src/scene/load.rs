@@ -5,6 +5,7 @@ use super::embedded;
 use super::equilibrium::{self, EquilibriumError};
 use super::overrides;
 use super::spec::{INITIAL, Scene};
+use super::start::{self, Start};
 use crate::formulation::AssemblyError;
 use crate::settings::{Section, SettingsError, Source, did_you_mean};
 use std::path::{Path, PathBuf};
@@ -97,12 +98,19 @@ fn syntax(source: &Source, error: &toml_edit::TomlError) -> SceneError {
 /// Turns initial values that the scene gives into what the FMU shows: offsets to the equilibrium, or absolute values
 /// where `from_equilibrium = false`, absent ones taken from the equilibrium of this moment.
 fn resolve_initial(scene: &mut Scene) -> Result<(), SceneError> {
-    let initial = &scene.vehicle.initial;
+    let initial = &mut scene.vehicle.initial;
     if initial.from_equilibrium && initial.given.iter().all(Option::is_none) {
         return Ok(());
     }
+    // The equilibrium is that of the track there.
+    initial.values[0] = initial.given[0].unwrap_or(0.0);
     // Only these are not zero in the equilibrium; where all of them are given it need not exist.
-    let not_zero: &[&str] = if equilibrium::alike(scene) { &["z", "pitch_rate"] } else { &["z", "pitch_rate", "roll"] };
+    let not_zero: &[&str] = match start::start(scene) {
+        Start::Curve(_) => &["y", "z", "roll", "yaw", "pitch_rate"],
+        _ if equilibrium::alike(scene) => &["z", "pitch_rate"],
+        _ => &["z", "pitch_rate", "roll"],
+    };
+    let initial = &scene.vehicle.initial;
     let needed =
         initial.from_equilibrium || INITIAL.iter().zip(initial.given).any(|(key, given)| given.is_none() && not_zero.contains(&key.0));
     let found = if needed {

@@ -9,4 +9,5 @@ pub mod plan;
 mod remarks;
 pub mod solver_choice;
 pub mod spec;
+pub mod start;
 pub mod vehicle;

@@ -3,6 +3,7 @@
 use super::remarks::remarks;
 use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
+use super::start::{self, Start};
 use super::vehicle::FreeVehicle;
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
@@ -58,6 +59,9 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     }
     for (name, why) in track_effects(scene) {
         effect(name, true, why, 0);
+    }
+    if let Some((included, why)) = curved_start(scene) {
+        effect("steady curving start", included, why, 0);
     }
     match &vehicle.free {
         None => {
@@ -171,6 +175,28 @@ fn track_effects(scene: &Scene) -> Vec<(&'static str, String)> {
         effects.push(("track nodes", format!("{count}, all straight and level: nothing to compute")));
     }
     effects
+}
+
+/// How a vehicle starts that does not stand on straight level track.
+fn curved_start(scene: &Scene) -> Option<(bool, String)> {
+    match start::start(scene) {
+        Start::Straight => None,
+        Start::Curve(node) => {
+            let curvature = match node.curvature {
+                0.0 => "straight".to_string(),
+                curvature => format!("radius {:.1} m to the {}", 1.0 / curvature.abs(), if curvature > 0.0 { "left" } else { "right" }),
+            };
+            let height = 2e3 * scene.track.half_rail_distance * node.superelevation.sin();
+            let why =
+                format!("the track there, all the way: {curvature}, superelevation {height:.1} mm, grade {:.2} %", 1e2 * node.grade.tan());
+            Some((true, why))
+        }
+        Start::Transition { distance } => {
+            let begin = format!("the track changes at {distance:.1} m, under the vehicle:");
+            let then = if scene.vehicle.free.is_some() { "it cannot start there" } else { "it starts as on straight level track" };
+            Some((false, format!("{begin} {then}")))
+        }
+    }
 }
 
 /// Which of several wheelsets the imposed speed acts on.

@@ -20,7 +20,8 @@ use crate::mbs::on_track::{self, OnTrack};
 use crate::scene::assemble;
 use crate::scene::equilibrium::{self, EquilibriumError};
 use crate::scene::spec::Scene;
-use crate::scene::vehicle::{FreeVehicle, steady_state};
+use crate::scene::vehicle::FreeVehicle;
+use crate::scene::vehicle::steady_state::{self, Contacts};
 use crate::solve::{IntegrationState, Integrator, Scratch, SolveError, Statistics};
 use dynamics::ModelDynamics;
 use input::InputSignal;
@@ -109,17 +110,24 @@ impl Simulation {
     /// [`SimulationError`] when there is no equilibrium or the initial state cannot be evaluated.
     pub fn new(scene: &Scene, start: f64) -> Result<Self, SimulationError> {
         let mut model = assemble::model(scene)?;
-        let mut y = match &scene.vehicle.free {
+        let (mut y, contacts) = match &scene.vehicle.free {
             Some(free) => vehicle_state(scene, free, &mut model)?,
-            None => initial_state(scene, &model)?,
+            None => (initial_state(scene, &model)?, Contacts::Any),
         };
         let mut memory = vec![0.0; model.memory()];
+        if let Contacts::Kept(kept) = &contacts {
+            memory.clone_from(kept);
+        }
         model.set_distances(|body| y[model.system.coordinates(body).start], &mut memory);
         if let Some(line) = model.track.line() {
             on_the_line(&model, line, &mut y);
         }
         let mut workspace = model.workspace();
-        model.formulation.start(&model, &mut workspace, start, &mut y, &mut memory)?;
+        match contacts {
+            Contacts::Any => model.formulation.start(&model, &mut workspace, start, &mut y, &mut memory)?,
+            Contacts::Kept(_) => model.formulation.resettle(&model, &mut workspace, start, &mut y, &mut memory)?,
+            Contacts::Elastic => model.start_elastic(&mut workspace, start, &mut y, &mut memory)?,
+        }
         model.project(&mut workspace, start, &mut y, &mut memory)?;
         model.note_means(&y, &mut memory);
         let inputs: Vec<InputSignal> = model.neutral_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
@@ -308,11 +316,9 @@ fn on_the_line(model: &Model, line: &CentreLine, y: &mut [f64]) {
     }
 }
 
-/// The steady state of a free vehicle with the scene's offsets; also gives the wheels their static loads.
-fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result<Vec<f64>, SimulationError> {
-    if let Some(distance) = curved_start(free, model) {
-        return Err(EquilibriumError::OnCurve { distance }.into());
-    }
+/// The steady state of a free vehicle, in the track frame, with the scene's offsets; also gives the wheels their static loads.
+/// With it, how its contacts begin.
+fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result<(Vec<f64>, Contacts), SimulationError> {
     let found = steady_state::steady_state(scene, free)?;
     for (wheelset, load) in model.wheelsets.iter_mut().zip(&found.wheel_loads) {
         wheelset.static_wheel_load = *load;
@@ -327,20 +333,8 @@ fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result
         y[q + 1] += placed.offset[0];
         y[q + 3] += placed.offset[1];
     }
-    Ok(y)
-}
-
-/// Distance along the track [m] of the first body that starts in a curve or on a cant, if one does.
-fn curved_start(free: &FreeVehicle, model: &Model) -> Option<f64> {
-    // Less than this is nothing: 1000 km of radius, 0.1 mrad.
-    const STRAIGHT: f64 = 1e-6;
-    const LEVEL: f64 = 1e-4;
-    let line = model.track.line()?;
-    let places = (0..free.body_count()).map(|body| free.distance + free.design_position(body).x);
-    places.into_iter().find(|distance| {
-        let frame = line.frame(*distance);
-        frame.turn.norm() > STRAIGHT || frame.axes[(2, 1)].abs() > LEVEL
-    })
+    let displaced = free.wheelsets.iter().any(|placed| placed.offset != [0.0; 2]);
+    Ok((y, if displaced { Contacts::Any } else { found.contacts }))
 }
 
 /// Index of an input in the model's input vector.

@@ -1,0 +1,81 @@
+//! What track a scene's vehicle starts on: straight and level, one curve all the way under it, or a transition.
+//!
+//! A place is described by its constant continuation: curvature, cant and climb, which are read off the track frame. With its turn
+//! omega (per length, in its own axes), climb g and cant f (see `geometry::track::frame`):
+//!
+//! ```text
+//! psi' cos g = omega_y sin f + omega_z cos f
+//! ```
+
+use super::spec::Scene;
+use crate::geometry::track::centre_line::{CentreLine, Node};
+
+/// The track at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// Straight and level.
+    Straight,
+    /// Constant curvature, superelevation and grade under the whole vehicle.
+    Curve(Node),
+    /// They change under the vehicle; at this distance [m] they are not what they are at its front.
+    Transition { distance: f64 },
+}
+
+/// Less than this is nothing: 1000 km of radius, 0.1 mrad of cant, 0.01 per mille of grade.
+const STRAIGHT: f64 = 1e-6;
+const LEVEL: f64 = 1e-4;
+const CLIMB: f64 = 1e-5;
+
+/// A vehicle stands on the track this far in front of its foremost and behind its rearmost centre of mass, m.
+const REACH: f64 = 1.0;
+
+/// Looks at the track under the bodies of a scene's vehicle.
+pub fn start(scene: &Scene) -> Start {
+    let Some(line) = &scene.track.line else { return Start::Straight };
+    let centres: Vec<f64> = match &scene.vehicle.free {
+        Some(free) => (0..free.body_count()).map(|body| free.distance + free.design_position(body).x).collect(),
+        None => vec![scene.vehicle.initial.values[0]],
+    };
+    let first = centres.first().map_or(Node::default(), |distance| continuation(line, *distance));
+    let places = centres.iter().flat_map(|centre| [*centre, centre - REACH, centre + REACH]);
+    if let Some(distance) = places.into_iter().find(|distance| !alike(&first, &continuation(line, *distance))) {
+        return Start::Transition { distance };
+    }
+    if alike(&first, &Node::default()) { Start::Straight } else { Start::Curve(first) }
+}
+
+fn alike(a: &Node, b: &Node) -> bool {
+    (a.curvature - b.curvature).abs() <= STRAIGHT
+        && (a.superelevation - b.superelevation).abs() <= LEVEL
+        && (a.grade - b.grade).abs() <= CLIMB
+}
+
+/// Curvature, cant and climb at a distance [m], as a node at 0.
+fn continuation(line: &CentreLine, distance: f64) -> Node {
+    let frame = line.frame(distance);
+    let (climb, level) = (frame.axes[(2, 0)], frame.axes[(2, 0)].asin().cos());
+    let superelevation = (frame.axes[(2, 1)] / level).asin();
+    let (sin, cos) = superelevation.sin_cos();
+    let curvature = (frame.turn.y * sin + frame.turn.z * cos) / level;
+    Node { distance: 0.0, curvature, superelevation, grade: climb.asin() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::track::centre_line::{Alignment, Pivot};
+    use nalgebra::Vector3;
+
+    /// What a node says is read off the line that was laid from it.
+    #[test]
+    fn analytic_continuation_of_a_constant_track_is_its_node() {
+        let node = Node { distance: 0.0, curvature: -0.004, superelevation: 0.09, grade: 0.03 };
+        let alignment = Alignment { nodes: vec![node], smoothing: 0.0, pivot: Pivot::Centre };
+        let line = CentreLine::new(&alignment, Vector3::new(5.0, 2.0, 1.0), 0.7).unwrap();
+        for distance in [-30.0, 0.0, 250.0] {
+            let found = continuation(&line, distance);
+            let off = [found.curvature - node.curvature, found.superelevation - node.superelevation, found.grade - node.grade];
+            assert!(off.iter().all(|off| off.abs() < 1e-15), "{off:?}");
+        }
+    }
+}

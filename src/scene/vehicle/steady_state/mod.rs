@@ -1,0 +1,218 @@
+//! Steady running on ideal track, straight or in a curve, by Newton's method from the design configuration.
+//!
+//! *Pattern.* On a track of constant curvature, superelevation and grade (a helix) all bodies move with it as if they were one rigid body on
+//! a screw: they turn about the vertical through the curve's centre and climb with the track. In the track frame beside each
+//! body nothing changes. With the common speed S = s' of the frames along the centre line, heading rate `W = S curvature` and the velocity v of a
+//! body's centre, in the world:
+//!
+//! ```text
+//! a = W Z x v,   yaw' = W,   roll' = pitch' = 0,   yaw'' = roll'' = pitch'' = 0
+//! ```
+//!
+//! V is the speed v . X of the leading driven wheelset (of the leading one, where none is driven), which gives
+//! `S = V / (1 - (P - C) . X_s)`. W = 0 on straight track.
+//!
+//! *Unknowns* are the six coordinates of each body in the track frame; a wheelset has its pitch rate in place of its pitch. Wheelsets with
+//! imposed speed keep their distance along the track; where there is none the leading wheelset keeps its distance, and in its
+//! place stands the common acceleration along the track with which the vehicle slows down (rolling resistance of spin
+//! creepage, grade). Where several speeds are imposed, the wheelsets that stand elsewhere across the track than the leading one
+//! have that pattern's speed, not their own (off by y/R, 1e-5): a run takes that back within 0.1 s and goes on straining the vehicle.
+//!
+//! *Equations:* accelerations of the constrained system less those of the pattern, along the axes of the track frame; and, where joints or
+//! contacts are constraints, the moves that bring the coordinates onto them. First-order states of force elements are at rest.
+//!
+//! *Continuation:* the balance on straight track (of the curve's grade) comes first; curvature and superelevation then grow together in
+//! steps that double while Newton's method converges and are halved where it fails (a flange begins to touch), each
+//! from the line through the last two states. Contacts that are constraints stay where they were; if there is no balance with
+//! them they are chosen anew (each wheel's deepest place, as at any start). Rigid contact on nearly conformal profiles (S1002 on 60E1) jumps
+//! from place to place and mostly has no balance between; on profiles that can touch at several places a vehicle with
+//! `contact.on_lift = "elastic"` therefore starts in a curve with all contacts elastic, in the balance of ECF-A, and each becomes a constraint
+//! when it has settled. With ECF-N, whose forces jump from node to node, the
+//! balance in a curve is found with ECF-A and then approached as near as it goes.
+//!
+//! *Slow:* a vehicle that starts slower than 1 m/s is balanced at 1 m/s and its velocities are scaled, because creepages do not depend
+//! on the speed. What would be the centripetal accelerations of 1 m/s is scaled too, unless joints or contacts are constraints: those balance
+//! it (1.7 mm/s2 at a radius of 600 m, a cant deficiency of 0.3 mm).
+//!
+//! A direction in which nothing pushes a body back has a vanishing singular value: neutral ones (a cylinder across its rail) stay
+//! where they are, and if no balance exists the body that moves most in such a direction is named.
+
+mod couplings;
+mod newton;
+mod search;
+mod slopes;
+
+use super::FreeVehicle;
+use crate::formulation;
+use crate::geometry::track::centre_line::Node;
+use crate::scene::equilibrium::EquilibriumError;
+use crate::scene::spec::Scene;
+use crate::scene::start::{self, Start};
+use nalgebra::Vector3;
+use search::{Pattern, Search};
+
+/// A state of steady running.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SteadyState {
+    /// The state vector, coordinates and velocities in the track frame; the design frame's origin is at distance 0.
+    pub y: Vec<f64>,
+    /// Mean vertical force of a wheel of each wheelset on straight track, N.
+    pub wheel_loads: Vec<f64>,
+    pub contacts: Contacts,
+}
+
+/// How a run begins with contacts that may be constraints.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Contacts {
+    /// Chosen by the formulation.
+    Any,
+    /// Those of this memory, with which the balance was found.
+    Kept(Vec<f64>),
+    /// Elastic, as the balance was found.
+    Elastic,
+}
+
+/// What stands on the track: wheelsets first, then other bodies.
+struct Standing {
+    wheelsets: usize,
+    /// Centres in the design configuration, m.
+    positions: Vec<Vector3<f64>>,
+    /// Weight and constant loads, N.
+    weight: f64,
+}
+
+/// Speed at which a vehicle that starts at rest is balanced, m/s.
+const CREEPING: f64 = 1.0;
+/// Rest of the equations (parts of g) that counts as none: smoothed curvatures of real profiles leave contact forces less smooth than this.
+const BALANCED: f64 = 1e-6;
+/// The same in a curve, where a contact may lie on a joint of its profile.
+const IN_CURVE: f64 = 1e-5;
+/// Shares of the curve: the first step of the continuation, and the one that is too short.
+const FIRST: f64 = 0.25;
+const SHORTEST: f64 = 8e-3;
+
+/// Finds the steady state of a scene's free vehicle on the track at its start.
+///
+/// # Errors
+/// [`EquilibriumError`], with the name of a body that has no support if that is the reason.
+pub fn steady_state(scene: &Scene, free: &FreeVehicle) -> Result<SteadyState, EquilibriumError> {
+    let node = match start::start(scene) {
+        Start::Straight => Node::default(),
+        Start::Curve(node) => node,
+        Start::Transition { distance } => return Err(EquilibriumError::OnTransition { distance }),
+    };
+    let standing = Standing {
+        wheelsets: free.wheelsets.len(),
+        positions: (0..free.body_count()).map(|body| free.design_position(body)).collect(),
+        weight: free.weight(scene.vehicle.gravity),
+    };
+    running(scene, &standing, &node)
+}
+
+/// Coordinates (distance, y, z, yaw, roll, pitch) and velocities of a lone suspended wheelset in a curve, in the track frame, m and
+/// rad, m/s and rad/s.
+///
+/// # Errors
+/// [`EquilibriumError`].
+pub(in super::super) fn lone_wheelset(scene: &Scene, node: &Node) -> Result<Vec<f64>, EquilibriumError> {
+    let spec = &scene.vehicle.wheelset;
+    let standing = Standing {
+        wheelsets: 1,
+        positions: vec![Vector3::new(0.0, 0.0, spec.profiles[0].profile.at(0.0).value)],
+        weight: spec.mass * scene.vehicle.gravity + spec.vertical_load,
+    };
+    running(scene, &standing, node).map(|found| found.y)
+}
+
+fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyState, EquilibriumError> {
+    let load = standing.weight * (scene.track.grade + node.grade).cos();
+    if load <= 0.0 {
+        return Err(EquilibriumError::NoLoad { load });
+    }
+    let wanted = scene.vehicle.speed;
+    let slow = wanted == 0.0 || (scene.contact.transient.is_some() && wanted.abs() < CREEPING);
+    let speed = if slow { CREEPING.copysign(wanted) } else { wanted };
+    let pattern = Pattern { speed, centripetal: (wanted / speed).powi(2) };
+    if node.curvature == 0.0 && node.superelevation == 0.0 {
+        let (search, wheel_loads) = balanced(scene, standing, pattern, node)?;
+        return Ok(SteadyState { y: search.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any });
+    }
+    let mut own = Search::new(scene, standing, pattern)?;
+    let elastic = || {
+        let mut other = scene.clone();
+        other.contact.formulation = formulation::algebraic();
+        balanced(&other, standing, pattern, node)
+    };
+    if !own.model.formulation.is_smooth() {
+        let (near, wheel_loads) = elastic()?;
+        own.lay(node);
+        own.put_bodies(&near.now);
+        own.approach()?;
+        return Ok(SteadyState { y: own.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any });
+    }
+    let several = (0..own.model.contacts()).any(|contact| own.model.searches_contacts(contact));
+    if own.model.may_be_elastic() && several && standing.positions.len() > 1 {
+        let (search, wheel_loads) = elastic()?;
+        return Ok(SteadyState { y: search.found(wanted / speed).0, wheel_loads, contacts: Contacts::Elastic });
+    }
+    let constrained = own.model.formulation.constrains();
+    let (search, wheel_loads) = balanced(scene, standing, pattern, node)?;
+    let (y, memory) = search.found(wanted / speed);
+    Ok(SteadyState { y, wheel_loads, contacts: if constrained { Contacts::Kept(memory) } else { Contacts::Any } })
+}
+
+/// The balance on a track of that node all the way, and the wheel loads of straight track, N.
+fn balanced<'a>(scene: &Scene, standing: &'a Standing, pattern: Pattern, node: &Node) -> Result<(Search<'a>, Vec<f64>), EquilibriumError> {
+    let load = standing.weight * (scene.track.grade + node.grade).cos();
+    let mut search = Search::new(scene, standing, pattern)?;
+    search.lay(&Node { curvature: 0.0, superelevation: 0.0, ..*node });
+    search.stand(load)?;
+    search.balance()?;
+    let wheel_loads = search.wheel_loads();
+    if node.curvature != 0.0 || node.superelevation != 0.0 {
+        into_the_curve(&mut search, node)?;
+    }
+    Ok((search, wheel_loads))
+}
+
+/// From the balance on straight track to that in the curve.
+fn into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumError> {
+    (search.following, search.tolerance) = (true, IN_CURVE);
+    let (mut done, mut step) = (0.0, FIRST);
+    let mut last = search.configuration();
+    let mut before: Option<(f64, search::Configuration)> = None;
+    while done < 1.0 {
+        let next = f64::min(done + step, 1.0);
+        search.lay(&Node { curvature: next * node.curvature, superelevation: next * node.superelevation, ..*node });
+        if let Some((share, configuration)) = &before {
+            search.go_on(configuration, (next - done) / (done - share));
+        }
+        let predicted = search.configuration();
+        let found = search.balance().or_else(|cause| {
+            // The contact that is a constraint may have come to its end: another one takes its place.
+            if !search.model.formulation.constrains() {
+                return Err(cause);
+            }
+            search.put(&predicted);
+            search.choose_anew()?;
+            search.balance()
+        });
+        match found {
+            Ok(()) => {
+                let here = search.configuration();
+                before = Some((done, std::mem::replace(&mut last, here)));
+                (done, step) = (next, 2.0 * step);
+            }
+            Err(cause) => {
+                search.put(&last);
+                step = 0.5 * (next - done);
+                if step < SHORTEST {
+                    let rigid = search.model.formulation.constrains() && !search.model.may_be_elastic();
+                    let advice = if rigid { "; contact.on_lift = \"elastic\" lets contacts begin elastic" } else { "" };
+                    return Err(EquilibriumError::Curving { percent: 100.0 * next, cause: Box::new(cause), advice });
+                }
+            }
+        }
+    }
+    Ok(())
+}
