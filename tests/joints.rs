@@ -424,9 +424,6 @@ impl ForceElement for Push {
     fn name(&self) -> &str {
         "push"
     }
-    fn bodies(&self) -> [Option<usize>; 2] {
-        [Some(self.0), None]
-    }
     fn apply(&self, _: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         wrenches[self.0].force.x += self.1;
     }

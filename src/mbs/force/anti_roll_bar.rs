@@ -61,10 +61,6 @@ impl ForceElement for AntiRollBar {
         &self.name
     }
 
-    fn bodies(&self) -> [Option<usize>; 2] {
-        [self.from.body, self.to.body]
-    }
-
     #[inline]
     fn apply(&self, bodies: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let couple = self.from.axes(bodies) * self.couple(bodies);

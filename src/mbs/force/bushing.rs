@@ -112,10 +112,6 @@ impl ForceElement for Bushing {
         &self.name
     }
 
-    fn bodies(&self) -> [Option<usize>; 2] {
-        [self.from.body, self.to.body]
-    }
-
     #[inline]
     fn apply(&self, bodies: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let point = self.to.point(bodies);

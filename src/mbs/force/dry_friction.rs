@@ -159,10 +159,6 @@ impl ForceElement for DryFriction {
         &self.name
     }
 
-    fn bodies(&self) -> [Option<usize>; 2] {
-        [self.from.body, self.to.body]
-    }
-
     fn states(&self) -> usize {
         self.slip_axes.len()
     }

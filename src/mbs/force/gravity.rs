@@ -22,10 +22,6 @@ impl ForceElement for Gravity {
         "gravity"
     }
 
-    fn bodies(&self) -> [Option<usize>; 2] {
-        [Some(self.body), None]
-    }
-
     #[inline]
     fn apply(&self, _: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let weight = self.mass * self.acceleration;

@@ -87,10 +87,6 @@ impl ForceElement for GuidedSpring {
         &self.name
     }
 
-    fn bodies(&self) -> [Option<usize>; 2] {
-        [Some(self.body), None]
-    }
-
     #[inline]
     fn apply(&self, bodies: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let body = &bodies[self.body];

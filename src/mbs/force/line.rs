@@ -188,10 +188,6 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         &self.name
     }
 
-    fn bodies(&self) -> [Option<usize>; 2] {
-        [self.span.from.body, self.span.to.body]
-    }
-
     fn states(&self) -> usize {
         self.law.states()
     }

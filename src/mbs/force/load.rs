@@ -19,10 +19,6 @@ impl ForceElement for VerticalLoad {
         "vertical load"
     }
 
-    fn bodies(&self) -> [Option<usize>; 2] {
-        [Some(self.body), None]
-    }
-
     #[inline]
     fn apply(&self, _: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         wrenches[self.body].force.z -= self.force;

@@ -46,9 +46,6 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     /// Name in reports.
     fn name(&self) -> &str;
 
-    /// The bodies that the element loads; it follows the motion of no others.
-    fn bodies(&self) -> [Option<usize>; 2];
-
     /// Number of first-order states; in m or rad, because the error control weighs them like positions.
     fn states(&self) -> usize {
         0
