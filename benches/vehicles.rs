@@ -2,7 +2,6 @@
 //!
 //! `cargo bench --bench vehicles` prints tables. Times depend on the machine; nothing here is asserted.
 
-use std::fmt::Write;
 use std::hint::black_box;
 use std::time::Instant;
 use wheelrail::formulation::Evaluation;

@@ -78,9 +78,19 @@ WHEELRAIL_BLESS=1 cargo test --release --test cli docs_list >/dev/null
     cargo test --release --test robustness -- --nocapture 2>/dev/null | sed -n '/^setting/,/^all:/p'
     echo '```'
     echo
+    echo "## Hard cases over vehicles (tests/hard_vehicles.rs)"
+    echo
+    echo "The same 21 cases in all four formulations, S1002 on 60E1, constraint formulations with contact.on_lift = \"elastic\". Curves follow behind a spiral;"
+    echo "FRA is the class of the track's spectrum. Least normal force of any contact, largest wheel load over the static one, largest gap of a"
+    echo "constraint, largest change of mechanical energy over the energy of motion at the start, changes between constraint and elastic contact."
+    echo
+    echo '```text'
+    cargo test --release --test hard_vehicles -- --nocapture --test-threads 1 2>/dev/null | grep -oE '((ACCF|ECCF|ECF-A|ECF-N)  .*|^(vehicle|coach|bogie|wheelset), .*|^    t = .*)'
+    echo '```'
+    echo
     echo "## The IVP Test Set's problem \"Wheelset\" (index 2)"
     echo
-    echo "A conical wheelset on circular rails, solved with this program's constraint equations, normal-force loop, projection and integrator through a"
+    echo "A conical wheelset on circular rails, solved with this program's constraint equations, projection and integrator through a"
     echo "test-only model (tests/ivp_wheelset.rs). Matching digits at t = 10 s; DASSL is the published reference run at 1e-9."
     echo
     echo '```text'

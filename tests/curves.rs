@@ -195,8 +195,10 @@ fn hard_flange_guides_in_a_tight_curve() {
         );
         scene
     };
-    let mut last: Vec<f64> = Vec::new();
-    for (formulation, hand, outer, inner) in [("ECF-A", 1.0, "right", "left"), ("ECF-A", -1.0, "left", "right")] {
+    let mut last: Option<(&str, f64)> = None;
+    for (formulation, hand, outer, inner) in
+        [("ECF-A", 1.0, "right", "left"), ("ECF-A", -1.0, "left", "right"), ("ECCF", 1.0, "right", "left"), ("ACCF", 1.0, "right", "left")]
+    {
         let scene = scene(formulation, hand);
         let mut simulation = start(&scene);
         let outputs = table(&simulation, &scene);
@@ -208,11 +210,18 @@ fn hard_flange_guides_in_a_tight_curve() {
         println!("{formulation} {hand}: y, yaw, Q outer, Q inner {values:?}, outer contacts {guiding:?} N at {angles:?} rad");
         assert!(hand * at["y"] < -4e-3, "{}", at["y"]);
         assert!(guiding.iter().zip(angles).any(|(force, angle)| *force > 1e3 && angle > 0.3), "the flange must guide");
-        if !last.is_empty() {
-            let difference = (values[0] - last[0]).abs();
-            assert!(difference < 1e-9, "{difference:e} m");
+        // A constrained tread does not sink in beside its elastic flange: the wheelset lies 0.2 mm further out.
+        if let Some((before, y)) = last {
+            let bound = match (before, formulation) {
+                ("ECF-A", "ECF-A") => 1e-9,
+                ("ECCF", "ACCF") => 1e-8,
+                _ => 3e-4,
+            };
+            let difference: f64 = (values[0] - y).abs();
+            println!("  {difference:.1e} m from {before}");
+            assert!(difference < bound, "{difference:e} m");
         }
-        last = values;
+        last = Some((formulation, values[0]));
     }
 }
 

@@ -10,6 +10,7 @@
 
 use super::lift::{self, OnLift};
 use super::loading::{keep, not_found, pair, warm_start};
+use super::points;
 use super::rigid::{self, ConstraintRow, is_elastic, wheels};
 use super::{Build, ContactFailure, Evaluation, EvaluationError, Formulation, Model, Parts, Wheelset, Workspace};
 use crate::contact::search::algebraic::SurfaceParameters;
@@ -117,12 +118,25 @@ pub(super) fn project(
     y: &mut [f64],
     memory: &mut [f64],
 ) -> Result<bool, EvaluationError> {
+    project_pressed(model, workspace, t, y, memory, None)
+}
+
+/// The same; one contact, by its index, is brought to a penetration [m] at its wheel's deepest place, with no rate.
+pub(super) fn project_pressed(
+    model: &Model,
+    workspace: &mut Workspace,
+    t: f64,
+    y: &mut [f64],
+    memory: &mut [f64],
+    pressed: Option<(usize, f64)>,
+) -> Result<bool, EvaluationError> {
     let mut searches = 0;
     let changed = rigid::project(model, workspace, t, y, |system| {
         model.update_stations(memory, system);
         for (contact, wheelset, side) in wheels(model) {
             let memory = &mut memory[model.contact_memory(contact)];
-            let elastic = is_elastic(memory);
+            let pressed = pressed.filter(|(pressed, _)| *pressed == contact);
+            let elastic = is_elastic(memory) && pressed.is_none();
             let index = system.constraints.joint_rows + contact;
             system.constraints.kkt.set_active(index, !elastic);
             (system.constraints.residual[index], system.constraints.rate[index]) = (0.0, 0.0);
@@ -130,11 +144,16 @@ pub(super) fn project(
                 continue;
             }
             let motion = &system.motions[wheelset.body];
+            if pressed.is_some()
+                && let Some(place) = points::deepest(model, contact, &pair(model, wheelset, side, motion))
+            {
+                keep(&place, memory);
+            }
             let found =
                 locate(model, (contact, wheelset, side), motion, memory).map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
             searches += found.location.iterations as u64;
             system.constraints.kkt.set_row(index, &row(motion, &found), &Coefficients::zeros());
-            system.constraints.residual[index] = -found.location.penetration;
+            system.constraints.residual[index] = pressed.map_or(0.0, |(_, depth)| depth) - found.location.penetration;
             system.constraints.rate[index] = found.gap_rate;
         }
         Ok(())

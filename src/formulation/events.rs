@@ -10,6 +10,9 @@ pub enum ContactChange {
     /// The place that was constrained no longer exists (the distance of the surfaces has no minimum there any more); the wheel is
     /// elastic from here.
     Vanished,
+    /// No bounded normal force is in balance with its creep forces: the place is about to cease, or a steep contact is locked by
+    /// friction. Rigid bodies have no motion there; the wheel is elastic from here.
+    Undecided,
     /// The contact has settled and is a constraint again.
     Landed {
         /// Penetration that the projection removed, m.
@@ -32,7 +35,7 @@ pub enum ContactChange {
 impl ContactChange {
     /// Does the contact change from constraint to elastic force or back? (The others belong to ordinary running.)
     pub fn changes_mode(&self) -> bool {
-        matches!(self, ContactChange::Lifted | ContactChange::Vanished | ContactChange::Landed { .. })
+        !matches!(self, ContactChange::Touched { .. } | ContactChange::Parted { .. })
     }
 }
 
@@ -52,6 +55,9 @@ impl std::fmt::Display for ContactEvent {
         match self.change {
             ContactChange::Lifted => write!(f, "normal force fell to zero, the contact is elastic from here"),
             ContactChange::Vanished => write!(f, "the contact point has ceased to exist under load, the wheel is elastic from here"),
+            ContactChange::Undecided => {
+                write!(f, "a rigid contact has no normal force in balance here, the wheel is elastic from here")
+            }
             ContactChange::Touched { contact } => write!(f, "contact {contact} begins"),
             ContactChange::Parted { contact } => write!(f, "contact {contact} ends"),
             ContactChange::Landed { penetration, rate, energy } => write!(

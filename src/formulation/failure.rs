@@ -54,7 +54,8 @@ pub enum ContactFailure {
     )]
     Tensile { normal_force: f64 },
     #[error(
-        "normal force and creep forces do not settle ({iterations} iterations, rest {residual:.1e} N): friction too large for a rigid contact this steep"
+        "normal force and creep forces do not settle ({iterations} iterations, rest {residual:.1e} N): the place of this rigid contact is about \
+         to cease, or friction is too large for a contact this steep; contact.on_lift = \"elastic\" goes on with elastic forces"
     )]
     NotSettled { iterations: usize, residual: f64 },
     #[error("the constraints of the contact are not independent: the surfaces touch along a line or are conformal here")]

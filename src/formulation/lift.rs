@@ -2,9 +2,9 @@
 
 use super::eccf;
 use super::events::{ContactChange, ContactEvent};
-use super::loading::{keep, pair};
+use super::loading::{keep, pair, warm_start};
 use super::points;
-use super::rigid::{MODE, NORMAL_FORCE, SETTLED_SINCE, VANISHED, is_elastic, least_pressed, wheels};
+use super::rigid::{APPROACH, MODE, NORMAL_FORCE, SETTLED_SINCE, VANISHED, is_elastic, least_pressed, wheels};
 use super::{ContactFailure, ContactReport, EvaluationError, Model, Wheelset, Workspace};
 use crate::geometry::Side;
 use crate::settings::{Section, SettingsError};
@@ -44,6 +44,13 @@ const SETTLING_TIME: f64 = 5e-3;
 /// conformal profiles does not become a constraint again and again.
 const PATIENCE: f64 = 8.0;
 
+/// A place this steep (vertical part of its normal) or this far away [m] can't take over the load of one that ceases to exist.
+const STEEPEST: f64 = 0.8;
+const FURTHEST: f64 = 5e-5;
+/// Most that it takes over, in static wheel loads: the force of a constraint grows without bound where its place ceases to exist
+/// (the place runs ever faster along the curved surfaces), and says nothing of the load there.
+const MOST_CARRIED: f64 = 1.25;
+
 fn settling_time(memory: &[f64]) -> f64 {
     SETTLING_TIME * PATIENCE.powi((memory[VANISHED] as i32 - 1).clamp(0, 6))
 }
@@ -57,7 +64,8 @@ pub(super) fn start(model: &Model, workspace: &mut Workspace, y: &[f64], memory:
         if let Some(place) = points::deepest(model, contact, &pair) {
             keep(&place, memory);
         }
-        (memory[NORMAL_FORCE], memory[MODE], memory[SETTLED_SINCE]) = (wheelset.static_wheel_load, 0.0, f64::INFINITY);
+        (memory[NORMAL_FORCE], memory[APPROACH]) = (wheelset.static_wheel_load, 0.0);
+        (memory[MODE], memory[SETTLED_SINCE]) = (0.0, f64::INFINITY);
     }
 }
 
@@ -171,14 +179,45 @@ pub(super) fn release(
     let own = &memory[model.contact_memory(contact)];
     let searched = model.searches[contact].is_some();
     let lost = matches!(failure.cause, ContactFailure::NotFound { .. } | ContactFailure::NotClosed { .. } | ContactFailure::Dependent);
-    if !(searched && lost) || is_elastic(own) {
+    // Where no normal force is in balance rigid bodies have no motion; elastic ones have.
+    let undecided = matches!(failure.cause, ContactFailure::NotSettled { .. });
+    if !(searched && lost || undecided) || is_elastic(own) {
         return Ok(false);
     }
-    free((contact, wheelset, side), ContactChange::Vanished, model, workspace, t, y, memory)?;
+    let change = if undecided { ContactChange::Undecided } else { ContactChange::Vanished };
+    free((contact, wheelset, side), change, model, workspace, t, y, memory)?;
     Ok(true)
 }
 
-/// Makes a constraint an elastic contact and moves the state onto the constraints that are left.
+/// Penetration of a wheel's deepest place [m] under which that would carry the wheel's normal force beside what it carries already;
+/// `None` where it could not: a flange, or nothing near.
+fn depth_under_load(
+    (contact, wheelset, side): (usize, &Wheelset, Side),
+    model: &Model,
+    workspace: &mut Workspace,
+    y: &[f64],
+    memory: &mut [f64],
+) -> Option<f64> {
+    let normal_force = memory[model.contact_memory(contact)][NORMAL_FORCE].min(MOST_CARRIED * wheelset.static_wheel_load);
+    if !(normal_force > 0.0) {
+        return None;
+    }
+    model.move_bodies(y, memory, &mut workspace.system);
+    let pair = pair(model, wheelset, side, &workspace.system.motions[wheelset.body]);
+    let place = points::deepest(model, contact, &pair).unwrap_or_else(|| warm_start(&memory[model.contact_memory(contact)]));
+    let found = pair.locate(&place).ok()?;
+    if found.normal.z < STEEPEST || found.penetration < -FURTHEST {
+        return None;
+    }
+    let shape = found.shape(wheelset.wheel(side), model.track.rail(side));
+    let law = &model.laws.normal;
+    let own = if found.penetration > 0.0 { law.contact(&shape, found.penetration).ok()?.force } else { 0.0 };
+    law.contact_under(&shape, own + normal_force / found.normal.z).ok().map(|(depth, _)| depth)
+}
+
+/// Makes a constraint an elastic contact and moves the state onto the constraints that are left. A wheel that loses its place under
+/// load is moved to where another place carries that load, as landing moves it out of there: else it would fall by its static
+/// penetration, and bounce.
 fn free(
     (contact, wheelset, side): (usize, &Wheelset, Side),
     change: ContactChange,
@@ -188,13 +227,23 @@ fn free(
     y: &mut [f64],
     memory: &mut [f64],
 ) -> Result<(), EvaluationError> {
+    let wheel = (contact, wheelset, side);
+    let lost = matches!(change, ContactChange::Vanished | ContactChange::Undecided);
+    let depth = if lost { depth_under_load(wheel, model, workspace, y, memory) } else { None };
     let own = &mut memory[model.contact_memory(contact)];
     (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
-    if change == ContactChange::Vanished {
+    if lost {
         own[VANISHED] += 1.0;
     }
     points::forget(model, contact, own);
     workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
+    // Where that can't be reached the wheel falls.
+    if depth.is_some() {
+        workspace.rigid.consistent.copy_from_slice(y);
+        if eccf::project_pressed(model, workspace, t, y, memory, depth.map(|depth| (contact, depth))).is_err() {
+            y.copy_from_slice(&workspace.rigid.consistent);
+        }
+    }
     model.formulation.resettle(model, workspace, t, y, memory)
 }
 
@@ -222,7 +271,8 @@ fn land(
     let elastic = 0.4 * stiffness * penetration.max(0.0).powf(2.5);
     let before = mechanical(workspace, y) + elastic;
     let memory_of = &mut memory[range];
-    (memory_of[MODE], memory_of[NORMAL_FORCE], memory_of[SETTLED_SINCE]) = (0.0, wheelset.static_wheel_load, f64::INFINITY);
+    (memory_of[MODE], memory_of[SETTLED_SINCE]) = (0.0, f64::INFINITY);
+    (memory_of[NORMAL_FORCE], memory_of[APPROACH]) = (wheelset.static_wheel_load, penetration.max(0.0));
     points::forget(model, contact, memory_of);
     model.formulation.resettle(model, workspace, t, y, memory)?;
     model.move_bodies(y, memory, &mut workspace.system);

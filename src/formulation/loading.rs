@@ -5,7 +5,7 @@ use crate::contact::Patch;
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{ContactAxes, Creepage, in_rolling_direction};
 use crate::contact::normal::damping::damped_force;
-use crate::contact::normal::{ConformalContact, ContactShape};
+use crate::contact::normal::{ConformalContact, ContactShape, ElasticContact};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
 use crate::contact::transient::{self, LoadedPatch};
 use crate::geometry::Side;
@@ -117,17 +117,33 @@ impl Contact<'_> {
         Ok(report)
     }
 
-    /// Contact of rigid surfaces that press with `normal_force` [N]: patch and creep forces, which the report keeps. The normal
-    /// force itself belongs to the constraint; only the creep forces are added to the wrench.
+    /// Penetration [m] under which the elastic force is `normal_force` > 0 [N].
+    pub fn approach_under(&self, normal_force: f64) -> Result<f64, ConformalContact> {
+        self.wheel.model.laws.normal.contact_under(&self.shape(), normal_force).map(|(approach, _)| approach)
+    }
+
+    /// Contact of rigid surfaces that press as elastic ones would under a penetration of `approach` [m]: fills patch and forces of the
+    /// report; returns N and the wrench of the creep forces on the wheelset. (N itself belongs to the constraint.)
     #[inline]
-    pub fn pressed(&self, report: &mut ContactReport, normal_force: f64, wrench: &mut Wrench) -> Result<(), ConformalContact> {
-        let (_, elastic) = self.wheel.model.laws.normal.contact_under(&self.shape(), normal_force.max(0.0))?;
-        report.stiffness = elastic.stiffness;
-        report.patch = elastic.patch;
-        report.normal_force = normal_force;
+    pub fn squeezed(&self, report: &mut ContactReport, approach: f64) -> Result<(f64, Wrench), ConformalContact> {
+        let law = &self.wheel.model.laws.normal;
+        let elastic = if approach > 0.0 { law.contact(&self.shape(), approach)? } else { ElasticContact::default() };
+        (report.stiffness, report.patch, report.normal_force) = (elastic.stiffness, elastic.patch, elastic.force);
         self.creep(report);
-        self.add(report, report.force - report.axes.normal * normal_force, wrench);
-        Ok(())
+        let mut wrench = Wrench::default();
+        self.add(report, report.force - report.axes.normal * elastic.force, &mut wrench);
+        Ok((elastic.force, wrench))
+    }
+
+    /// d ln T / d ln N at constant creepages for a patch that grows like N^(1/3) and creep forces that saturate after Vermeulen and
+    /// Johnson, `T = mu N (1 - x^3)`: 1 - x^2 / (1 + x + x^2), from 2/3 without to 1 with full sliding.
+    #[inline]
+    pub fn growth(&self, report: &ContactReport) -> f64 {
+        let bound = self.wheel.model.laws.friction * self.wheel.friction.max(0.0) * report.normal_force;
+        let used = report.creep_force.longitudinal.hypot(report.creep_force.lateral) / bound;
+        // Without friction there is no force to grow.
+        let x = if used < 1.0 { (1.0 - used).cbrt() } else { 0.0 };
+        1.0 - x * x / (1.0 + x + x * x)
     }
 
     /// Creep forces from patch, normal force and creepage, and the total force.

@@ -8,6 +8,7 @@
 //! wheel: none in ECF-A and ECCF, the surface parameters and their rates in ACCF, the arc length in ECF-N.
 
 mod accf;
+mod balance;
 mod eccf;
 mod ecf_a;
 mod ecf_n;

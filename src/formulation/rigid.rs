@@ -2,16 +2,17 @@
 //!
 //! Per contact one row `H q'' = Q_cn` stands in the equations of motion (Eq. 23); its multiplier is minus the normal force N,
 //! because n points out of the rail. Patch and friction bound depend on N and creep forces act on the accelerations, so that N
-//! is found from `N = -lambda(creep forces(N))` in every evaluation, to 1e-11 relative; the last N is only the start.
+//! is found from `N = -lambda(creep forces(N))` in every evaluation, to 1e-11 relative (`balance`); the last N is only the start.
 //!
 //! A contact whose N would fall below zero is an event (`on_lift`): it ends the run, or hands the contact to elastic forces
 //! (ECF-A) at N = 0 and zero penetration. Such a contact becomes a constraint again when its penetration has stayed within 1 % of
 //! its static value for 5 ms; what penetration is left is removed by projection.
 //!
 //! Memory per contact: surface parameters, N, mode (0 constraint, 1 elastic), since when the penetration is settled (infinity: it
-//! is not), how many of the wheel's places have ceased to exist.
+//! is not), how many of the wheel's places have ceased to exist, penetration [m] at which N was found.
 
 use super::accf::Partition;
+use super::balance::{self, Balance, Pressing};
 use super::loading::{Contact, WheelAt, external_wrench};
 use super::points;
 use super::{
@@ -21,23 +22,19 @@ use super::{
 use crate::contact::search::algebraic::ContactLocation;
 use crate::contact::search::point_contact::{PointContact, Residual};
 use crate::geometry::Side;
-use crate::math::fixed_point::{self, Limits, NotSettled};
-use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::body::BodyMotion;
 use crate::mbs::kkt::{Coefficients, SingularConstraints};
 use crate::mbs::projection::ProjectionError;
 use crate::mbs::system::SystemWorkspace;
 use nalgebra::Vector3;
 
 /// Numbers per contact in the memory, and their places after the surface parameters.
-pub(super) const MEMORY: usize = 8;
+pub(super) const MEMORY: usize = 9;
 pub(super) const NORMAL_FORCE: usize = 4;
 pub(super) const MODE: usize = 5;
 pub(super) const SETTLED_SINCE: usize = 6;
 pub(super) const VANISHED: usize = 7;
-
-/// The loop between normal forces and creep forces ends when it changes them by less than this; the floor is in newtons. A patch
-/// whose size is a mean over real profiles is not smooth to the last digits everywhere: there 1e-4 of the force must do.
-const LOOP: Limits = Limits { relative: 1e-11, floor: 1e-7, iterations: 60, accepted: 1e-4 };
+pub(super) const APPROACH: usize = 8;
 
 /// Is the contact an elastic one at present?
 #[inline]
@@ -59,14 +56,11 @@ pub(super) struct ConstraintRow {
 #[derive(Clone, Debug, Default)]
 pub struct RigidScratch {
     rows: Vec<Option<ConstraintRow>>,
-    /// Wrenches without the creep forces of constrained contacts.
-    base: Vec<Wrench>,
-    normal_forces: Vec<f64>,
-    work: fixed_point::Work,
+    balance: Balance,
     /// A state that the constraints have been made to hold in (ACCF).
     pub(super) consistent: Vec<f64>,
-    /// Each contact's five constraints there with their second derivatives (ACCF).
-    pub(super) points: Vec<(PointContact, Residual)>,
+    /// Each constrained contact's five constraints there with their second derivatives (ACCF).
+    pub(super) points: Vec<Option<(PointContact, Residual)>>,
     /// The partition of each wheelset in the last evaluation (ACCF).
     pub(super) partitions: Vec<Option<Partition>>,
 }
@@ -76,9 +70,7 @@ impl RigidScratch {
         let count = model.contacts();
         RigidScratch {
             rows: vec![None; count],
-            base: vec![Wrench::default(); model.system.bodies.len()],
-            normal_forces: vec![0.0; count],
-            work: fixed_point::Work::new(count),
+            balance: Balance::new(model),
             consistent: vec![0.0; model.dimension()],
             points: Vec::with_capacity(count),
             partitions: vec![None; model.wheelsets.len()],
@@ -133,7 +125,7 @@ pub(super) fn derivative(
                 constraints.gamma[row] = 0.0;
                 points::elastic_wheel(&wheel, memory, wrench, reports).map_err(fail)?;
                 workspace.work.search_iterations += workspace.contacts[contact].iterations as u64;
-                (rigid.rows[contact], rigid.normal_forces[contact]) = (None, 0.0);
+                (rigid.rows[contact], rigid.balance.contacts[contact]) = (None, Pressing::default());
                 continue;
             }
             let found = find(contact, wheelset, side, &motion, memory).map_err(fail)?;
@@ -148,13 +140,14 @@ pub(super) fn derivative(
             workspace.work.search_iterations += found.location.iterations as u64;
             constraints.kkt.set_row(row, &found.row, &Coefficients::zeros());
             constraints.gamma[row] = -found.bias;
-            rigid.normal_forces[contact] = memory[NORMAL_FORCE];
+            rigid.balance.contacts[contact] = Pressing::start(memory[NORMAL_FORCE], memory[APPROACH]);
             rigid.rows[contact] = Some(found);
         }
         workspace.system.constraints.kkt.factorise().map_err(|error| singular(model, &workspace.system, t, error))?;
-        settle(model, workspace, &mut rigid, t, y, inputs)?;
-        for (contact, ..) in wheels(model) {
-            memory[model.contact_memory(contact)][NORMAL_FORCE] = rigid.normal_forces[contact];
+        balance::settle(model, workspace, &rigid.rows, &mut rigid.balance, (t, y, inputs))?;
+        for ((contact, ..), found) in wheels(model).zip(&rigid.balance.contacts) {
+            let memory = &mut memory[model.contact_memory(contact)];
+            (memory[NORMAL_FORCE], memory[APPROACH]) = (found.force, found.approach);
         }
         model.system.constrained_result(y, &mut workspace.system, dy);
         model.deflection_rates(workspace, y, dy);
@@ -232,66 +225,9 @@ pub(super) fn project(
     Err(EvaluationError::new(t, wheelset, side, cause))
 }
 
-fn friction(inputs: &[f64], contact: usize, side: Side) -> f64 {
+pub(super) fn friction(inputs: &[f64], contact: usize, side: Side) -> f64 {
     let inputs = &inputs[contact / 2 * WHEELSET_INPUTS..];
     if side == Side::Left { inputs[LEFT_FRICTION] } else { inputs[RIGHT_FRICTION] }
-}
-
-/// A failure inside the loop, before it is known where it happened.
-enum LoopFailure {
-    NotSettled(NotSettled),
-    At(EvaluationError),
-}
-
-impl From<NotSettled> for LoopFailure {
-    fn from(failure: NotSettled) -> Self {
-        LoopFailure::NotSettled(failure)
-    }
-}
-
-/// Finds the normal forces with which creep forces and multipliers agree; leaves wrenches with creep forces in the workspace and
-/// the accelerations in the scratch.
-fn settle(
-    model: &Model,
-    workspace: &mut Workspace,
-    rigid: &mut RigidScratch,
-    t: f64,
-    y: &[f64],
-    inputs: &[f64],
-) -> Result<(), EvaluationError> {
-    let RigidScratch { rows, base, normal_forces, work, .. } = rigid;
-    base.copy_from_slice(&workspace.system.wrenches);
-    let Workspace { system, contacts, .. } = workspace;
-    let iterate = |forces: &[f64], next: &mut [f64]| -> Result<(), LoopFailure> {
-        system.wrenches.copy_from_slice(base);
-        for (contact, wheelset, side) in wheels(model) {
-            let Some(found) = &rows[contact] else { continue };
-            let motion = &system.motions[wheelset.body];
-            let friction = friction(inputs, contact, side);
-            let wheel = WheelAt { model, wheelset, side, contact, motion, climb: Vector3::zeros(), friction, y };
-            let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
-            load.pressed(&mut contacts[contact], forces[contact], &mut system.wrenches[wheelset.body])
-                .map_err(|cause| LoopFailure::At(EvaluationError::new(t, wheelset, side, cause.into())))?;
-        }
-        model.system.free_accelerations(system);
-        system.constraints.solve();
-        let multipliers = &system.constraints.multipliers[system.constraints.joint_rows..];
-        for (next, multiplier) in next.iter_mut().zip(multipliers) {
-            *next = -multiplier;
-        }
-        Ok(())
-    };
-    match fixed_point::settle(normal_forces, LOOP, work, iterate) {
-        Ok(iterations) => {
-            workspace.work.force_iterations += iterations as u64;
-            Ok(())
-        }
-        Err(LoopFailure::At(error)) => Err(error),
-        Err(LoopFailure::NotSettled(NotSettled { iterations, residual, component })) => {
-            let (wheelset, side) = wheel_of(model, system, system.constraints.joint_rows + component);
-            Err(EvaluationError::new(t, wheelset, side, ContactFailure::NotSettled { iterations, residual }))
-        }
-    }
 }
 
 /// The constrained contact with the smallest normal force [N].

@@ -9,6 +9,9 @@ pub struct NewtonLimits {
     /// last one and the fall of the residual, so that it need not be computed.
     pub next_step: f64,
     pub iterations: usize,
+    /// A residual (norm) that is below this and can't be reduced is rounding: the iteration ends well, however long the step that
+    /// an ill-conditioned Jacobian makes of it.
+    pub rounding: f64,
 }
 
 /// The iteration did not converge.
@@ -58,6 +61,9 @@ pub fn solve<const N: usize, T>(
                 (*x, residual, value, norm) = (trial, trial_residual, trial_value, trial_norm);
                 break;
             }
+            if halving == HALVINGS && norm <= limits.rounding {
+                return Ok((value, iteration));
+            }
             if halving == HALVINGS {
                 return Err(failure);
             }
@@ -66,6 +72,9 @@ pub fn solve<const N: usize, T>(
         if foreseen <= limits.next_step {
             return Ok((value, iteration));
         }
+    }
+    if norm <= limits.rounding {
+        return Ok((value, limits.iterations));
     }
     Err(NewtonFailure { iterations: limits.iterations, residual: norm })
 }
@@ -76,7 +85,7 @@ mod tests {
     use nalgebra::{Matrix2, Vector2};
 
     fn limits() -> NewtonLimits {
-        NewtonLimits { next_step: 1e-14, iterations: 30 }
+        NewtonLimits { next_step: 1e-14, iterations: 30, rounding: 0.0 }
     }
 
     #[test]

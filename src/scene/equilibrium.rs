@@ -173,7 +173,8 @@ impl Balance {
             (here, jacobian)
         };
         let mut x = SVector::<f64, N>::zeros();
-        let solved = newton::solve(&mut x, NewtonLimits { next_step: 1e-13, iterations: 60 }, evaluate, |_, jacobian| *jacobian);
+        let solved =
+            newton::solve(&mut x, NewtonLimits { next_step: 1e-13, iterations: 60, rounding: 0.0 }, evaluate, |_, jacobian| *jacobian);
         let found = at(&x);
         match (solved, failure) {
             (Err(_), Some(error)) => Err(EquilibriumError::Evaluation(error)),
@@ -255,7 +256,7 @@ impl Balance {
             (Vector1::new(here), Matrix1::new(slope))
         };
         let mut x = Vector1::zeros();
-        let solved = newton::solve(&mut x, NewtonLimits { next_step: 1e-13, iterations: 60 }, evaluate, |_, slope| *slope);
+        let solved = newton::solve(&mut x, NewtonLimits { next_step: 1e-13, iterations: 60, rounding: 0.0 }, evaluate, |_, slope| *slope);
         match (solved, failure) {
             (Err(_), Some(error)) => Err(EquilibriumError::Evaluation(error)),
             (Err(failed), None) if failed.residual.is_nan() || failed.residual > BALANCED => {

@@ -60,7 +60,9 @@ fn known_names(document: &DocumentMut, path: &[&str], list: &str) -> Vec<String>
     let over = modules.filter_map(|module| module.1.as_table_like()?.get("template")?.as_str());
     let mut templates: Vec<(&str, &[&str])> = Vec::new();
     if let ["vehicle", rest @ ..] = path {
-        templates.extend(below(&["vehicle"]).into_iter().chain(over).map(|name| (name, rest)));
+        // Modules of a template come along with a module that lies over it.
+        let along = over.filter(|_| rest.first() == Some(&"module"));
+        templates.extend(below(&["vehicle"]).into_iter().chain(along).map(|name| (name, rest)));
         if let ["module", module, rest @ ..] = rest {
             templates.extend(below(&["vehicle", "module", module]).map(|name| (name, rest)));
         }

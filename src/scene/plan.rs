@@ -1,7 +1,7 @@
 //! What a scene makes the program compute, and what not: the list behind `wheelrail plan`.
 
-use super::solver_choice;
 use super::remarks::remarks;
+use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
 use super::start::{self, Start};
 use super::vehicle::FreeVehicle;

@@ -219,7 +219,13 @@ pub trait Integrator: Send + Sync + Debug {
         target: f64,
     ) -> Result<(), SolveError> {
         while state.t < target - self.slack() {
-            state.begin(dynamics)?;
+            if let Err(error) = state.begin(dynamics) {
+                // A change of form may lead to where the new one has no solution.
+                if !state.release(dynamics, error)? {
+                    return Err(error);
+                }
+                continue;
+            }
             if let Err(error) = self.step(dynamics, state, scratch) {
                 if !state.release(dynamics, error)? {
                     return Err(error);

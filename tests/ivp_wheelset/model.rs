@@ -161,7 +161,7 @@ impl Wheelset {
     /// # Errors
     /// [`NewtonFailure`] when there is none near the start.
     pub fn find_contact(&self, q: &Vector6<f64>, contact: &mut Vector2<f64>) -> Result<(), NewtonFailure> {
-        let limits = NewtonLimits { next_step: 1e-14, iterations: 20 };
+        let limits = NewtonLimits { next_step: 1e-14, iterations: 20, rounding: 0.0 };
         let evaluate = |contact: &Vector2<f64>| (self.tangency(place(q, contact)).into(), ());
         newton::solve(contact, limits, evaluate, |contact, ()| self.tangency_jacobian(&place(q, contact)))?;
         Ok(())

@@ -95,8 +95,8 @@ fn errors(folder: &Path, study: &Study, quantity: Quantity, along: &Along) -> Re
             continue;
         }
         let (levels, aside) = levels(study, model, quantity);
-        let kind = if model.rigid { "rigid contact" } else { "elastic contact" };
-        panels.push(Panel { title: format!("{}: {kind}", variant.label()), series, levels, aside });
+        let kind = if model.rigid { "rigid" } else { "elastic" };
+        panels.push(Panel { title: format!("{} ({kind})", variant.label()), series, levels, aside });
     }
     let marks = || panels.iter().flat_map(|panel| panel.series.iter().flat_map(|series| series.marks.iter()));
     if !marks().any(|mark| !mark.bound) {

@@ -23,6 +23,7 @@ pub(super) fn size(value: f64, quantity: Quantity) -> String {
     match quantity.unit() {
         "" if value < 1e-3 => format!("{value:.0e}"),
         "" => digits(value),
+        unit if value < 1e-15 => format!("0 {unit}"),
         unit => {
             // 0.1 mm is what people say, not 100 um; and no kilometres.
             let most = if unit == "m" { 1.0 } else { 1e3 };
@@ -248,7 +249,7 @@ mod tests {
     fn prop_sizes_are_written_as_people_say_them() {
         let length = |value| size(value, Quantity::Displacement);
         assert_eq!([1e-3, 1e-4, 1e-5, 1e-6, 1e-7].map(length), ["1 mm", "0.1 mm", "10 um", "1 um", "100 nm"]);
-        assert_eq!([2.34, 4.57e-13, 0.0].map(length), ["2.3 m", "460 fm", "0 fm"]);
+        assert_eq!([2.34, 4.57e-13, 0.0].map(length), ["2.3 m", "460 fm", "0 m"]);
         let force = |value| size(value, Quantity::NormalForce);
         assert_eq!([1e3, 250.0, 1.0, 3.21e-4].map(force), ["1 kN", "250 N", "1 N", "320 uN"]);
         assert_eq!([0.01, 1e-3, 1e-4].map(|value| size(value, Quantity::DerailmentQuotient)), ["0.01", "0.001", "1e-4"]);

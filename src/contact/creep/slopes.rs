@@ -65,9 +65,9 @@ mod tests {
     use super::*;
     use crate::contact::Material;
 
-    /// Central differences, fourth order in the creepages.
-    fn central(law: &dyn CreepLaw, contact: &RollingContact) -> CreepSlopes {
-        let scale = 0.02 * contact.bound() / (SHEAR * contact.patch.a * contact.patch.b);
+    /// Central differences, fourth order in the creepages; the step is a share of the creepage that asks for all the friction.
+    fn central(law: &dyn CreepLaw, contact: &RollingContact, step: f64) -> CreepSlopes {
+        let scale = step * contact.bound() / (SHEAR * contact.patch.a * contact.patch.b);
         let force = |d: [f64; 3], load: f64| {
             let creepage = contact.creepage;
             let creepage =
@@ -90,14 +90,15 @@ mod tests {
     #[test]
     fn analytic_slopes_of_every_law_match_central_differences() {
         let cases = [(1e-4, -2e-4, 0.1), (1.5e-3, 1e-3, -0.3), (-4e-3, 2e-3, 0.5), (0.02, 0.01, 0.2)];
-        for (name, allowed) in [
-            ("kalker_linear", 1e-7),
-            ("shen_hedrick_elkins", 1e-5),
-            ("polach", 5e-3),
-            ("polach{surface=\"wet\"}", 5e-3),
-            ("fastsim", 0.02),
-            ("fastrip", 0.02),
-            ("usetab", 0.02),
+        // Formulas, then laws that are differenced: their strips and tables have kinks.
+        for (name, step, allowed) in [
+            ("kalker_linear", 1e-2, 1e-7),
+            ("shen_hedrick_elkins", 1e-3, 1e-6),
+            ("polach", 1e-2, 5e-3),
+            ("polach{surface=\"wet\"}", 1e-2, 5e-3),
+            ("fastsim", 0.02, 2e-3),
+            ("fastrip", 0.02, 2e-3),
+            ("usetab", 0.02, 2e-3),
         ] {
             let law = inline::law(name, "test").unwrap()(Material { youngs_modulus: 2.1e11, poisson_ratio: 0.28 });
             let mut worst = 0.0f64;
@@ -105,7 +106,7 @@ mod tests {
                 let creepage = Creepage { longitudinal, lateral, spin };
                 let patch = Patch { a: 6e-3, b: 4e-3 };
                 let contact = RollingContact { patch, normal_force: 6e4, friction: 0.35, creepage, speed: 20.0 };
-                let (found, exact) = (law.slopes(&contact, &law.force(&contact)), central(law.as_ref(), &contact));
+                let (found, exact) = (law.slopes(&contact, &law.force(&contact)), central(law.as_ref(), &contact, step));
                 // Moments over a length of the patch, spin times it: all entries in newtons.
                 let length = (patch.a * patch.b).sqrt();
                 let even = |m: &Matrix3<f64>| {

@@ -11,8 +11,9 @@
 //! As printed, row 2 of Eq. 24 uses the wheel's second tangent; at zero yaw that repeats row 1 (both are
 //! longitudinal) and the system is singular, so the rail's lateral tangent stands here. The equations are solved
 //! with n not normalised (same roots, polynomial derivatives); the penetration (Eq. 27) uses the unit normal:
-//! `delta = -r . n`, positive when the surfaces overlap.
+//! `delta = -r . n`, positive when the surfaces overlap. On a straight centre line two of them are solved beforehand ([`super::section`]).
 
+use super::section;
 use crate::contact::normal::{ContactShape, ProfileSection};
 use crate::geometry::profile::ProfilePoint;
 use crate::geometry::surface::{SurfacePoint, Wheel, rail_point};
@@ -79,7 +80,7 @@ impl ContactLocation {
 
 /// Lengths are of the order of a metre, so one number serves lengths and angles. An error of 1e-11 m in the place of the
 /// contact changes the penetration by less than rounding and the creepage by less than 1e-12.
-pub const LIMITS: NewtonLimits = NewtonLimits { next_step: 1e-11, iterations: 25 };
+pub const LIMITS: NewtonLimits = NewtonLimits { next_step: 1e-11, iterations: 25, rounding: 4e-15 };
 
 /// Everything that the equations take from the surfaces at one choice of parameters.
 #[derive(Clone, Copy, Debug)]
@@ -160,17 +161,32 @@ impl Candidate {
 }
 
 impl Pair<'_> {
+    /// The contact by Newton's method on all four equations.
+    #[inline(never)]
+    pub(super) fn solve_four(&self, start: &SurfaceParameters) -> Result<(ContactLocation, Candidate), NewtonFailure> {
+        let mut x = Vector4::new(start.wheel, start.angle, start.lead, start.rail);
+        // Far along the track distances are rounded more coarsely.
+        let limits = NewtonLimits { next_step: LIMITS.next_step.max(4.0 * f64::EPSILON * self.distance.abs()), ..LIMITS };
+        let (found, iterations) = newton::solve(&mut x, limits, |x| self.residual(x), |_, at| self.jacobian(at))?;
+        Ok((found.location(&x, iterations), found))
+    }
+
+    /// The contact by two equations where they hold and settle.
+    #[inline]
+    fn locate_in_section(&self, start: &SurfaceParameters) -> Option<ContactLocation> {
+        if self.rail.line().is_none() { section::locate(self, start) } else { None }
+    }
+
     /// Finds the contact and what the surfaces are like there, from a warm start.
     ///
     /// # Errors
     /// [`NewtonFailure`] when the iteration finds no solution.
     #[inline]
     pub(super) fn solve(&self, start: &SurfaceParameters) -> Result<(ContactLocation, Candidate), NewtonFailure> {
-        let mut x = Vector4::new(start.wheel, start.angle, start.lead, start.rail);
-        // Far along the track distances are rounded more coarsely.
-        let limits = NewtonLimits { next_step: LIMITS.next_step.max(4.0 * f64::EPSILON * self.distance.abs()), ..LIMITS };
-        let (found, iterations) = newton::solve(&mut x, limits, |x| self.residual(x), |_, at| self.jacobian(at))?;
-        Ok((found.location(&x, iterations), found))
+        let Some(location) = self.locate_in_section(start) else { return self.solve_four(start) };
+        let p = &location.parameters;
+        let (_, found) = self.residual(&Vector4::new(p.wheel, p.angle, p.lead, p.rail));
+        Ok((location, found))
     }
 
     /// Finds the contact from a warm start.
@@ -179,7 +195,7 @@ impl Pair<'_> {
     /// [`NewtonFailure`] when the iteration finds no solution.
     #[inline]
     pub fn locate(&self, start: &SurfaceParameters) -> Result<ContactLocation, NewtonFailure> {
-        self.solve(start).map(|(location, _)| location)
+        self.locate_in_section(start).map_or_else(|| self.solve_four(start).map(|(location, _)| location), Ok)
     }
 }
 

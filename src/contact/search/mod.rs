@@ -6,6 +6,7 @@ pub mod kinematics;
 pub mod nodal;
 pub mod nodes;
 pub mod point_contact;
+mod section;
 #[cfg(test)]
 mod test_surfaces;
 pub mod wander;

@@ -84,8 +84,9 @@ const MEMORY: usize = rigid::MEMORY + 2;
 /// A partition is given up when its conditioning has fallen to this part of what it was.
 const WORSE: f64 = 0.5;
 
-/// Steps below this (m, rad) end the iteration on position level.
-const POSITION: NewtonLimits = NewtonLimits { next_step: 1e-13, iterations: 12 };
+/// Steps below this (m, rad) end the iteration on position level; a residual at the rounding does where a place of contact is about
+/// to cease and Newton's steps of rounding are long.
+const POSITION: NewtonLimits = NewtonLimits { next_step: 1e-13, iterations: 12, rounding: 1e-14 };
 
 impl Formulation for Accf {
     fn describe(&self) -> String {
@@ -130,6 +131,7 @@ impl Formulation for Accf {
     ) -> Result<bool, EvaluationError> {
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let jacobian = close(model, workspace, index, wheelset, t, y, memory)?;
+            idle(model, workspace, index, wheelset, y, memory);
             let crossing = self.joints[index] || crosses_break(model, index, y);
             let memory = &mut memory[model.contact_memory(contact_index(index, Side::Left))];
             let kept = Partition::from_mask(memory[PARTITION]).map_or(0.0, |partition| conditioning(&partition.block(&jacobian)));
@@ -192,8 +194,12 @@ impl Accf {
         eccf::project(model, workspace, t, y, memory)?;
         model.move_bodies(y, memory, &mut workspace.system);
         for (contact, wheelset, side) in wheels(model) {
+            let memory = &mut memory[model.contact_memory(contact)];
+            if is_elastic(memory) {
+                continue;
+            }
             let motion = &workspace.system.motions[wheelset.body];
-            let found = eccf::locate(model, (contact, wheelset, side), motion, &mut memory[model.contact_memory(contact)])
+            let found = eccf::locate(model, (contact, wheelset, side), motion, memory)
                 .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
             let p = found.location.parameters;
             let states = &mut y[model.contact_states(contact)];
@@ -201,6 +207,7 @@ impl Accf {
             states[PARAMETERS..].copy_from_slice(found.parameter_rates.as_slice());
         }
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
+            idle(model, workspace, index, wheelset, y, memory);
             let axes = model.axes_beside(wheelset.body, y, memory);
             let (variables, _) = gather(model, (index, wheelset), &axes, y);
             let (_, jacobian) = constraints(model, (index, wheelset), &axes, memory, &variables);
@@ -208,6 +215,23 @@ impl Accf {
             choose(&jacobian, crossing, wheelset, t, &mut memory[model.contact_memory(contact_index(index, Side::Left))])?;
         }
         Ok(())
+    }
+}
+
+/// The states of a wheel that is elastic at present take no part in anything but the way to the next break of its rail: they travel
+/// with the wheelset.
+fn idle(model: &Model, workspace: &mut Workspace, index: usize, wheelset: &Wheelset, y: &mut [f64], memory: &mut [f64]) {
+    for side in Side::BOTH {
+        if !is_elastic(&memory[model.contact_memory(contact_index(index, side))]) {
+            continue;
+        }
+        model.move_bodies(y, memory, &mut workspace.system);
+        let motion = &workspace.system.motions[wheelset.body];
+        let (travelled, speed) = (motion.distance, motion.speed);
+        let states = &mut y[model.contact_states(contact_index(index, side))];
+        states[DISTANCE] = travelled;
+        states[PARAMETERS..].fill(0.0);
+        states[PARAMETERS + DISTANCE] = speed;
     }
 }
 
@@ -271,8 +295,8 @@ fn close(
     };
     let mut change = Rows::zeros();
     let evaluate = |change: &Rows| constraints(model, (index, wheelset), &axes, own, &at(change));
-    let limits =
-        NewtonLimits { next_step: POSITION.next_step.max(model.rounding(&y[model.system.coordinates(wheelset.body)])), ..POSITION };
+    let rounding = model.rounding(&y[model.system.coordinates(wheelset.body)]);
+    let limits = NewtonLimits { next_step: POSITION.next_step.max(rounding), rounding: POSITION.rounding.max(rounding), ..POSITION };
     let elastic = Side::BOTH.map(|side| is_elastic(&memory[model.contact_memory(contact_index(index, side))]));
     let uncertain =
         |jacobian: &Jacobian| if elastic[0] == elastic[1] { least_certain(jacobian) } else { Side::BOTH[usize::from(elastic[0])] };
@@ -286,7 +310,7 @@ fn close(
     let mut excess: Rows = jacobian * rates;
     for (side, row) in [(Side::Left, NORMAL), (Side::Right, CONSTRAINTS + NORMAL)] {
         if is_elastic(&own[model.contact_memory(contact_index(index, side))]) {
-            excess[row] = 0.0;
+            excess.fixed_rows_mut::<CONSTRAINTS>(row - NORMAL).fill(0.0);
         }
     }
     if !partition.block(&jacobian).lu().solve_mut(&mut excess) {
@@ -323,16 +347,20 @@ fn evaluate(
     points.clear();
     model.move_bodies(y, memory, &mut workspace.system);
     for (contact, wheelset, side) in wheels(model) {
+        if is_elastic(&memory[model.contact_memory(contact)]) {
+            points.push(None);
+            continue;
+        }
         let own = &y[model.contact_states(contact)];
         let motion = &workspace.system.motions[wheelset.body];
         let pair = pair(model, wheelset, side, motion);
         let found = pair.point_contact(&Vector4::from_column_slice(&own[..PARAMETERS]));
         let bias = pair.bias(&found, &Vector4::from_column_slice(&own[PARAMETERS..]), &motion.carrier());
-        points.push((found, bias));
+        points.push(Some((found, bias)));
     }
     let done = rigid::derivative(model, workspace, Evaluation { t, inputs, y, memory }, dy, |contact, wheelset, side, motion, memory| {
         let own = &y[model.contact_states(contact)];
-        let (found, bias) = &points[contact];
+        let (found, bias) = points[contact].as_ref().ok_or(ContactFailure::Dependent)?;
         keep(&SurfaceParameters { wheel: own[0], angle: own[1], lead: own[2] - motion.distance, rail: own[3] }, memory);
         let weights = free_multiplier(found).ok_or(ContactFailure::Dependent)?;
         let mut row = Coefficients::zeros();
@@ -353,11 +381,14 @@ fn parameter_derivatives(
     workspace: &Workspace,
     t: f64,
     y: &[f64],
-    points: &[(PointContact, Residual)],
+    points: &[Option<(PointContact, Residual)>],
     dy: &mut [f64],
 ) -> Result<(), EvaluationError> {
-    for ((contact, wheelset, side), (found, bias)) in wheels(model).zip(points) {
+    for ((contact, wheelset, side), point) in wheels(model).zip(points) {
         let range = model.contact_states(contact);
+        dy[range.start..range.start + PARAMETERS].copy_from_slice(&y[range.start + PARAMETERS..range.end]);
+        dy[range.start + PARAMETERS..range.end].fill(0.0);
+        let Some((found, bias)) = point else { continue };
         let motion = &workspace.system.motions[wheelset.body];
         let accelerations = Coefficients::from_column_slice(&dy[model.system.velocities(wheelset.body)]);
         let mut rest = *bias;
@@ -366,7 +397,6 @@ fn parameter_derivatives(
         }
         let accelerations =
             parameter_accelerations(found, &rest).ok_or_else(|| EvaluationError::new(t, wheelset, side, ContactFailure::Dependent))?;
-        dy[range.start..range.start + PARAMETERS].copy_from_slice(&y[range.start + PARAMETERS..range.end]);
         dy[range.start + PARAMETERS..range.end].copy_from_slice(accelerations.as_slice());
     }
     Ok(())

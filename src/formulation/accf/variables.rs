@@ -55,8 +55,8 @@ pub(super) fn scatter(
     }
 }
 
-/// Residual and Jacobian of a wheelset's ten constraints. A contact that is elastic at present keeps its four equations for the
-/// surface parameters; instead of the normal constraint one coordinate that no contact determines is held (pitch or x).
+/// Residual and Jacobian of a wheelset's ten constraints. A contact that is elastic at present has none: its surface parameters are
+/// held (the place that they belonged to may be about to cease), and one coordinate that no contact determines (pitch or x).
 pub(super) fn constraints(
     model: &Model,
     (index, wheelset): (usize, &Wheelset),
@@ -71,6 +71,14 @@ pub(super) fn constraints(
     for (side, row, column, held) in
         [(Side::Left, 0, COORDINATES, COORDINATES - 1), (Side::Right, CONSTRAINTS, COORDINATES + PARAMETERS, 0)]
     {
+        if is_elastic(&memory[model.contact_memory(contact_index(index, side))]) {
+            let others = (0..CONSTRAINTS).filter(|i| *i != NORMAL);
+            for (parameter, i) in others.enumerate() {
+                jacobian[(row + i, column + parameter)] = 1.0;
+            }
+            jacobian[(row + NORMAL, held)] = 1.0;
+            continue;
+        }
         let found = pair(model, wheelset, side, &motion).point_contact(&parameters(values, column));
         residual.fixed_rows_mut::<CONSTRAINTS>(row).copy_from(&found.residual);
         jacobian.fixed_view_mut::<CONSTRAINTS, PARAMETERS>(row, column).copy_from(&found.by_parameters);
@@ -81,11 +89,6 @@ pub(super) fn constraints(
                 coefficients.fixed_rows_mut::<3>(0).copy_from(&linear);
             }
             jacobian.fixed_view_mut::<1, COORDINATES>(row + i, 0).copy_from(&coefficients.transpose());
-        }
-        if is_elastic(&memory[model.contact_memory(contact_index(index, side))]) {
-            residual[row + NORMAL] = 0.0;
-            jacobian.row_mut(row + NORMAL).fill(0.0);
-            jacobian[(row + NORMAL, held)] = 1.0;
         }
     }
     (residual, jacobian)

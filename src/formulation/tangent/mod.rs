@@ -55,10 +55,11 @@ impl Model {
         let Some(mut tangent) = workspace.tangent.take() else { return };
         tangent.clear();
         for (contact, wheelset, side) in wheels(self) {
-            let motion = &workspace.system.motions[wheelset.body];
+            let moved = self.against_rail(&workspace.system, inputs, wheelset.body, contact);
+            let motion = moved.as_ref().map_or(&workspace.system.motions[wheelset.body], |moved| &moved.motion);
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
             let along = workspace.system.stations.get(wheelset.body).map_or(Vector3::x(), |station| station.frame.along());
-            let shares = self.share_changes(workspace, contact, (wheelset, side), memory);
+            let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);
             for slot in 0..self.points {
                 let report = workspace.report(contact, slot);
                 let friction = self.laws.friction * factor.max(0.0);
@@ -115,9 +116,15 @@ impl Model {
     }
 
     /// Relative changes of the shares of a wheel's contacts with its pose, by number.
-    fn share_changes(&self, workspace: &Workspace, contact: usize, (wheelset, side): (&Wheelset, Side), memory: &[f64]) -> Shares {
+    fn share_changes(
+        &self,
+        workspace: &Workspace,
+        contact: usize,
+        (wheelset, side, motion): (&Wheelset, Side, &BodyMotion),
+        memory: &[f64],
+    ) -> Shares {
         let mut changes = [Row::zeros(); MOST_POINTS];
-        let pair = pair(self, wheelset, side, &workspace.system.motions[wheelset.body]);
+        let pair = pair(self, wheelset, side, motion);
         for (between, ridge) in points::ridges_of(self, contact, memory) {
             let [first, second] = between.map(|slot| workspace.report(contact, slot));
             let saddle = pair.wander(&ridge);

@@ -17,11 +17,13 @@ mod points;
 mod rail_head;
 mod s1002;
 mod simpack;
+mod table;
 #[cfg(test)]
 mod tests;
 
 use super::file::SceneFile;
 use crate::settings::{Entry, Section, SettingsError, choose};
+pub use piecewise::Piecewise;
 use std::sync::Arc;
 
 /// Value and first three derivatives of a profile at one coordinate.
@@ -43,11 +45,16 @@ pub trait Profile: Send + Sync + std::fmt::Debug {
     /// is a continuation that only serves iterations on their way.
     fn at(&self, x: f64) -> ProfilePoint;
 
-    /// Value and slope as [`Profile::at`] gives them, where nothing else is needed.
+    /// Value and slope, where nothing else is needed: those of [`Profile::at`] to within 1e-13 m and 1e-8.
     #[inline]
     fn value_and_slope(&self, x: f64) -> (f64, f64) {
         let p = self.at(x);
         (p.value, p.d1)
+    }
+
+    /// The profile as the kind that is read at many places of one contact without a dynamic call for each.
+    fn piecewise(&self) -> Option<&Piecewise> {
+        None
     }
 
     /// Coordinates [m] between which the profile describes a real surface.

@@ -6,6 +6,7 @@
 //! near the piece, so that high powers do not cancel. Beyond the range the profile goes on as a straight line
 //! (value and slope continuous). SI units.
 
+use super::table::Table;
 use super::{Profile, ProfilePoint};
 
 /// Most coefficients of a polynomial.
@@ -116,31 +117,6 @@ impl Curve {
     }
 }
 
-impl Curve {
-    /// Value and slope, to the bit those of [`Curve::at`].
-    #[inline]
-    fn value_and_slope(&self, x: f64) -> (f64, f64) {
-        match self {
-            Curve::Arc { centre, crest, radius, branch, correction: [c0, c1, c2, c3] } => {
-                let t = x - centre;
-                let drop = (radius * radius - t * t).sqrt();
-                let inverse = branch / drop;
-                let value = crest - branch * t * t / (radius + drop) + (c0 + t * (c1 + t * (c2 + t * c3)));
-                (value, -t * inverse + (c1 + t * (2.0 * c2 + 3.0 * t * c3)))
-            }
-            Curve::Polynomial { origin, coefficients, degree } => {
-                let t = x - origin;
-                let (mut value, mut d1) = (coefficients[*degree], 0.0);
-                for c in coefficients[..*degree].iter().rev() {
-                    d1 = d1 * t + value;
-                    value = value * t + c;
-                }
-                (value, d1)
-            }
-        }
-    }
-}
-
 /// Coefficients of the cubic with (value, slope) at 0 and at `length`.
 pub(super) fn hermite(length: f64, from: (f64, f64), to: (f64, f64)) -> [f64; 4] {
     let rise = (to.0 - from.0) / length;
@@ -181,6 +157,7 @@ pub struct Piecewise {
     /// The piece in which each of [`CELLS`] equally wide cells begins.
     cells: Vec<u32>,
     cells_per_metre: f64,
+    table: Table,
     description: String,
 }
 
@@ -199,7 +176,12 @@ impl Piecewise {
             })
             .collect();
         let (begin, end) = (first.curve.at(first.from), last.curve.at(last.to));
-        Some(Piecewise { begin, end, cells, cells_per_metre, description, pieces })
+        let curve = |from: f64, to: f64| {
+            let piece = pieces.iter().find(|piece| piece.from <= from && to <= piece.to)?;
+            Some(|x: f64| piece.curve.at(x))
+        };
+        let table = Table::new(first.from, last.to, curve);
+        Some(Piecewise { begin, end, cells, cells_per_metre, table, description, pieces })
     }
 
     /// The piece that holds `x`, which lies in the range.
@@ -232,6 +214,21 @@ impl Piecewise {
     }
 }
 
+impl Piecewise {
+    /// Values and slopes of two profiles at once, as [`Profile::value_and_slope`] gives them.
+    #[inline(always)]
+    pub fn both(profiles: [&Piecewise; 2], x: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+        Table::read_both(profiles.map(|profile| &profile.table), x).unwrap_or_else(|| Self::read_curves(profiles, x))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn read_curves(profiles: [&Piecewise; 2], x: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+        let [one, other] = [0, 1].map(|i| profiles[i].value_and_slope(x[i]));
+        ([one.0, other.0], [one.1, other.1])
+    }
+}
+
 /// The straight line through `point` at a distance from it.
 fn straight_on(point: &ProfilePoint, distance: f64) -> ProfilePoint {
     ProfilePoint { value: point.value + point.d1 * distance, d1: point.d1, d2: 0.0, d3: 0.0 }
@@ -252,12 +249,16 @@ impl Profile for Piecewise {
 
     #[inline]
     fn value_and_slope(&self, x: f64) -> (f64, f64) {
-        let (first, last) = self.range();
-        if !(x >= first && x <= last) {
+        let read = |x: f64| {
             let p = self.at(x);
-            return (p.value, p.d1);
-        }
-        self.piece(x, first).curve.value_and_slope(x)
+            (p.value, p.d1)
+        };
+        self.table.read(x).unwrap_or_else(|| read(x))
+    }
+
+    #[inline]
+    fn piecewise(&self) -> Option<&Piecewise> {
+        Some(self)
     }
 
     fn range(&self) -> (f64, f64) {

@@ -62,7 +62,7 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     /// Adds the element's wrenches to those of the bodies, in the track frame, and writes the rates of its states.
     fn apply(&self, bodies: &[BodyMotion], state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]);
 
-    /// The bodies that the element acts between.
+    /// The bodies that the element acts between and loads; it follows the motion of no others. `None`: the world or the track.
     fn bodies(&self) -> Ends;
 
     /// Adds how wrenches and rates change with the motion of the element's bodies and with its own states, the first of which stands at

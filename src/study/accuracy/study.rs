@@ -284,13 +284,17 @@ fn pilot(prepared: &Prepared, span: Span, limit: f64) -> Option<Pilot> {
     (observed.reached > 0.0).then(|| Pilot { per_second: observed.cpu / observed.reached, per_evaluation: observed.cpu / evaluations })
 }
 
-/// A span of which the cheapest variant's runs fit into the budget.
+/// A span of which half of the cheapest variant's runs fit into the budget.
 fn shortened(full: Span, schedule: &Schedule, settings: &[Setting], budget: &Budget, notes: &mut Vec<String>) -> Span {
     let patience = patience(budget, settings.len() * schedule.pilots.len());
     let whole = |variant: usize| {
         let pilot = schedule.pilots[variant]?;
-        let points = settings.iter().filter_map(|setting| schedule.duration(&Item { variant, setting: *setting }, full.stop, patience));
-        Some(points.sum::<f64>() + REFERENCE_RUNS * pilot.per_second * full.stop * schedule.slowness)
+        let mut points: Vec<f64> =
+            settings.iter().filter_map(|setting| schedule.duration(&Item { variant, setting: *setting }, full.stop, patience)).collect();
+        points.sort_by(f64::total_cmp);
+        // Half of the points tell more of the whole scene than all points of its beginning.
+        let half: f64 = points.iter().take(points.len().div_ceil(2)).sum();
+        Some(half + REFERENCE_RUNS * pilot.per_second * full.stop * schedule.slowness)
     };
     let cheapest = (0..schedule.pilots.len()).filter_map(whole).fold(f64::INFINITY, f64::min);
     let room = FIRST_MODEL * budget.seconds;
@@ -315,7 +319,12 @@ fn models(variants: &[Variant], prepared: &[Prepared]) -> Vec<Model> {
         let name = variant.model(one.rigid);
         match models.iter_mut().find(|model| model.name == name) {
             Some(model) => model.variants.push(index),
-            None => models.push(Model { name, rigid: one.rigid, variants: vec![index], reference: Err("was not computed".into()) }),
+            None => models.push(Model {
+                name,
+                rigid: one.rigid,
+                variants: vec![index],
+                reference: Err("a pilot run came to nothing in its share of the budget".into()),
+            }),
         }
     }
     models

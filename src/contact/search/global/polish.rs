@@ -88,16 +88,20 @@ pub fn is_least(pair: &Pair, at: &ContactLocation) -> bool {
     bending(pair, at) > 0.0
 }
 
-/// Second derivative of the distance along the wheel's trace, 1/m; infinite curvature of the trace counts as positive.
+/// Second derivative of the distance along the wheel's trace, 1/m; infinite curvature of the trace counts as positive. k as in
+/// [`super::view`], by the tangent of the rail at the contact.
+#[inline]
 fn bending(pair: &Pair, at: &ContactLocation) -> f64 {
     let (wheel, rail) = (&at.wheel_profile, &at.rail_profile);
-    let view = View::new(pair, Some(pair.distance + at.parameters.lead));
-    let seen = 1.0 + wheel.d1 * wheel.d1 * (1.0 - view.k2);
-    let own = -wheel.d2 / (seen * seen.sqrt() * view.speed(wheel));
-    let across = 1.0 + rail.d1 * rail.d1;
-    let other = rail.d2 / (across * across.sqrt());
-    if view.speed(wheel) <= 0.0 {
+    let [forward, axial, up] = [0, 1, 2].map(|axis| pair.axes.column(axis).dot(&at.forward));
+    let k2 = axial * axial / (forward * forward + up * up);
+    let speed = 1.0 - k2 * (wheel.d1 * wheel.d1 + wheel.value * wheel.d2);
+    if speed <= 0.0 {
         return f64::NEG_INFINITY;
     }
+    let seen = 1.0 + wheel.d1 * wheel.d1 * (1.0 - k2);
+    let own = -wheel.d2 / (seen * seen.sqrt() * speed);
+    let across = 1.0 + rail.d1 * rail.d1;
+    let other = rail.d2 / (across * across.sqrt());
     own - other / (1.0 + other * at.penetration)
 }

@@ -1,0 +1,241 @@
+//! Contact location in the rail's section: the four equations of [`super::algebraic`] with two unknowns left.
+//!
+//! Where rails follow a straight centre line their sections are parallel, and the tangent along the rail is t(s) all over a section
+//! (origin o(s), axes eta outward and h up). Then t_angle . n = 0 is solved by the wheel's angle and t_s . r = 0 by the distance
+//! s. With the axle a (outward), the direction w of t in the wheel's plane, D normal to both, downward, and the centre Q of the tread
+//! circle, the wheel's point of coordinate u whose normal is normal to t is
+//!
+//! ```text
+//! r(u) = Q + a u + R (w sin c + D cos c),   sin c = k R',   k = (a . t) / |t - a (a . t)|
+//! ```
+//!
+//! Brought along t into the section (flat: v - t v_x / t_x in eta, h) these points are a plane curve with the tangent T
+//!
+//! ```text
+//! C = flat(Q - o) + A (u - k^2 R R') + B R cos c,   C' = m / cos c  T,   T = A cos c + B R',   m = 1 - k^2 (R'^2 + R R'')
+//! ```
+//!
+//! A = flat(a), B = flat(D). With v = C - (eta, f) and e = (1, f') what is left is
+//!
+//! ```text
+//! T x e = 0,   v . M e = 0,   M = I - p p' / t^2,   p = (t . eta, t . h)
+//! ```
+//!
+//! M takes the length along t out of that in the section. Newton's method solves them for u and eta. Each iteration also tells how far
+//! ahead of the section the wheel's point lies; where the rail bends along the track, the next one is made in the section
+//! there. It errs by R times the change of the rail's direction in between, so that it need not be a Newton step itself. Whatever
+//! does not converge at once is left to the four equations.
+
+use super::algebraic::{ContactLocation, Pair, SurfaceParameters};
+use crate::geometry::profile::ProfilePoint;
+use crate::geometry::track::RailSection;
+use nalgebra::{Matrix2, Vector2, Vector3};
+
+/// Most readings of the profiles; a start one step of integration away takes three.
+const MOST: usize = 8;
+/// The iteration ends when the next step would be shorter than this, m.
+const NEXT_STEP: f64 = 1e-11;
+/// A step that need not be made, m.
+const NO_STEP: f64 = 1e-14;
+/// Residuals (m, rad) that are nothing but rounding.
+const ROUNDING: f64 = 1e-16;
+/// Change of the rail's direction between the section and the contact that may be left out, rad.
+const TURN: f64 = 2e-12;
+/// Longer steps, m, and those after which the residual has grown, may lead to another place of contact.
+const LONGEST: f64 = 3e-4;
+/// Least cos^2 c: a steeper flank is not seen along the rail.
+const LEAST_COS2: f64 = 0.05;
+
+/// The wheel seen along the rail from one of its sections.
+struct Sight {
+    lead: f64,
+    section: RailSection,
+    hub: Vector3<f64>,
+    axle: Vector3<f64>,
+    forward: Vector3<f64>,
+    down: Vector3<f64>,
+    /// k and k^2.
+    k: f64,
+    k2: f64,
+    /// flat(Q - o), A, B.
+    flat_hub: Vector2<f64>,
+    flat_axle: Vector2<f64>,
+    flat_down: Vector2<f64>,
+    metric: Matrix2<f64>,
+    /// Components along t over t^2: of Q - o, of a, of w, of eta and h.
+    ahead: [f64; 5],
+    /// How fast the rail turns along the track, rad/m.
+    bend: f64,
+}
+
+/// Wheel and rail at one choice of u and eta.
+struct Reading {
+    wheel: ProfilePoint,
+    rail: ProfilePoint,
+    sin: f64,
+    cos: f64,
+    residual: Vector2<f64>,
+    jacobian: Matrix2<f64>,
+    /// How far ahead of the section the wheel's point lies, m.
+    ahead: f64,
+}
+
+impl Sight {
+    #[inline]
+    fn new(pair: &Pair, lead: f64) -> Sight {
+        let section = pair.rail.section(pair.distance + lead);
+        let axle = pair.axes.column(1) * pair.wheel.side.sign();
+        let hub = pair.centre + axle * pair.wheel.half_spacing;
+        let t = section.d1;
+        let (x, z) = (pair.axes.column(0), pair.axes.column(2));
+        let (forward, up, axial) = (x.dot(&t), z.dot(&t), axle.dot(&t));
+        let across = (forward * forward + up * up).sqrt();
+        let per_across = 1.0 / across;
+        let k = axial * per_across;
+        let down = (x * up - z * forward) * per_across;
+        let flat = |v: Vector3<f64>| {
+            let v = v - t * (v.x / t.x);
+            Vector2::new(v.dot(&section.outward), v.dot(&section.up))
+        };
+        let (to_hub, per_square) = (hub - section.origin, 1.0 / t.norm_squared());
+        let p = Vector2::new(t.dot(&section.outward), t.dot(&section.up));
+        Sight {
+            lead,
+            hub,
+            axle,
+            forward: (x * forward + z * up) * per_across,
+            down,
+            k,
+            k2: k * k,
+            flat_hub: flat(to_hub),
+            flat_axle: flat(axle),
+            flat_down: flat(down),
+            metric: Matrix2::identity() - p * p.transpose() * per_square,
+            ahead: [to_hub.dot(&t), axial, across, p.x, p.y].map(|along| along * per_square),
+            bend: section.d2.y.abs() + section.d2.z.abs(),
+            section,
+        }
+    }
+
+    #[inline]
+    fn read(&self, pair: &Pair, u: f64, eta: f64) -> Option<Reading> {
+        let (wheel, rail) = (pair.wheel.profile.at(u), pair.rail.profile.at(eta));
+        let sin = self.k * wheel.d1;
+        let cos2 = 1.0 - sin * sin;
+        let speed = 1.0 - self.k2 * (wheel.d1 * wheel.d1 + wheel.value * wheel.d2);
+        if !(cos2 >= LEAST_COS2 && speed > 0.0) {
+            return None;
+        }
+        let cos = cos2.sqrt();
+        let per_cos = 1.0 / cos;
+        let place = self.flat_hub + self.flat_axle * (u - self.k2 * wheel.value * wheel.d1) + self.flat_down * (wheel.value * cos);
+        let tangent = self.flat_axle * cos + self.flat_down * wheel.d1;
+        let tangent_u = self.flat_down * wheel.d2 - self.flat_axle * (self.k2 * wheel.d1 * wheel.d2 * per_cos);
+        let (v, e) = (place - Vector2::new(eta, rail.value), Vector2::new(1.0, rail.d1));
+        let across = self.metric * e;
+        let residual = Vector2::new(tangent.y - rail.d1 * tangent.x, across.dot(&v));
+        let jacobian = Matrix2::new(
+            tangent_u.y - rail.d1 * tangent_u.x,
+            -rail.d2 * tangent.x,
+            across.dot(&tangent) * (speed * per_cos),
+            rail.d2 * (self.metric.m12 * v.x + self.metric.m22 * v.y) - across.dot(&e),
+        );
+        let [hub, axle, forward, outward, up] = self.ahead;
+        let ahead = hub + u * axle + wheel.value * sin * forward - eta * outward - rail.value * up;
+        Some(Reading { wheel, rail, sin, cos, residual, jacobian, ahead })
+    }
+
+    #[inline]
+    fn location(&self, pair: &Pair, u: f64, eta: f64, at: &Reading, iterations: usize) -> ContactLocation {
+        let section = &self.section;
+        let radial = self.forward * at.sin + self.down * at.cos;
+        let wheel_point = self.hub + self.axle * u + radial * at.wheel.value;
+        let normal = (section.d1.cross(&(section.outward + section.up * at.rail.d1)) * pair.rail.side.sign()).normalize();
+        let rail_point = section.origin + section.outward * eta + section.up * at.rail.value;
+        ContactLocation {
+            parameters: SurfaceParameters {
+                wheel: u,
+                angle: radial.dot(&pair.axes.column(0)).asin(),
+                lead: self.lead + at.ahead,
+                rail: eta,
+            },
+            wheel_point,
+            normal,
+            forward: section.d1,
+            // t is normal to n: that the rail's point lies behind does not matter.
+            penetration: (rail_point - wheel_point).dot(&normal),
+            wheel_profile: at.wheel,
+            rail_profile: at.rail,
+            iterations,
+        }
+    }
+}
+
+/// The contact near `start` on a rail without a curved centre line; `None` where the iteration does not settle at once.
+#[inline]
+pub(super) fn locate(pair: &Pair, start: &SurfaceParameters) -> Option<ContactLocation> {
+    let mut sight = Sight::new(pair, start.lead);
+    let (mut u, mut eta) = (start.wheel, start.rail);
+    let mut last: Option<(f64, f64)> = None;
+    for iteration in 0..MOST {
+        let at = sight.read(pair, u, eta)?;
+        let norm = at.residual.norm();
+        let turned = at.ahead.abs() * sight.bend > TURN;
+        // The next step is foreseen from the last one and the fall of the residual.
+        let settled = norm <= ROUNDING || last.is_some_and(|(step, before)| step * norm <= NEXT_STEP * before);
+        if settled && !turned {
+            return Some(sight.location(pair, u, eta, &at, iteration.max(1)));
+        }
+        let j = &at.jacobian;
+        let per_determinant = 1.0 / (j.m11 * j.m22 - j.m12 * j.m21);
+        let step =
+            Vector2::new(j.m22 * at.residual.x - j.m12 * at.residual.y, j.m11 * at.residual.y - j.m21 * at.residual.x) * per_determinant;
+        let length = step.norm();
+        if !(length <= LONGEST && last.is_none_or(|(_, before)| norm < before)) {
+            return None;
+        }
+        if length <= NO_STEP && !turned {
+            return Some(sight.location(pair, u, eta, &at, iteration.max(1)));
+        }
+        (u, eta) = (u - step.x, eta - step.y);
+        last = Some((length, norm));
+        if turned {
+            // What is left of the residual there says nothing about the step.
+            (sight, last) = (Sight::new(pair, sight.lead + at.ahead), None);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_surfaces::pair;
+    use super::*;
+    use crate::geometry::Side;
+    use crate::math::rotation::AxleFrame;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn equiv_two_unknowns_find_what_four_equations_find(
+            yaw in -0.04..0.04, roll in -0.01..0.01, y in -0.008..0.008, s in -3.0..3.0, off in -2e-4..2e-4,
+            left in any::<bool>(), wavy in any::<bool>(),
+        ) {
+            let side = if left { Side::Left } else { Side::Right };
+            let (wheel, rail) = pair(side, 0.05, wavy);
+            let frame = AxleFrame::new(yaw, roll);
+            let centre = Vector3::new(s, y, 0.457);
+            let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &frame.axes, distance: s };
+            let exact = pair.solve_four(&SurfaceParameters::default()).unwrap().0;
+            let p = exact.parameters;
+            let start = SurfaceParameters { wheel: p.wheel + off, lead: p.lead - off, rail: p.rail - 0.5 * off, ..p };
+            let found = locate(&pair, &start).unwrap();
+            let q = found.parameters;
+            let differences = [q.wheel - p.wheel, q.angle - p.angle, q.lead - p.lead, q.rail - p.rail];
+            prop_assert!(differences.iter().all(|d| d.abs() < 2e-10), "{differences:?} {} {}", found.iterations, exact.iterations);
+            prop_assert!((found.penetration - exact.penetration).abs() < 1e-14, "{:e}", found.penetration - exact.penetration);
+            prop_assert!((found.wheel_point - exact.wheel_point).norm() < 1e-9 && (found.normal - exact.normal).norm() < 1e-9);
+            prop_assert!((found.forward - exact.forward).norm() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! Normal forces of constrained contacts in balance with the creep forces that depend on them.
+//!
+//! The multipliers follow linearly from the wrenches, and the creep wrench w of a contact depends on its own normal force alone:
+//!
+//! ```text
+//! N = G(w_1(N_1), ..., w_n(N_n)),   dG_i / dN_j = P_ij . w_j'
+//! ```
+//!
+//! P_ij is the multiplier's answer to a wrench. Newton's method solves this with w' from the last two points of the same contact;
+//! the first guess of w' is that of a patch that grows like N^(1/3) with the saturation of Vermeulen and Johnson
+//! (see [`Contact::growth`]), so that three to five evaluations do. Contacts of one wheelset are coupled exactly; between
+//! wheelsets only joints of rigid bodies pass accelerations on, which is left to the iteration.
+//!
+//! A law of contact is read at a penetration delta, which costs no iteration of its own: delta is the unknown behind N, followed with
+//! the slope `d ln delta / d ln N` (2/3 of a Hertzian contact of constant shape). Memory of it is only a start.
+//!
+//! Where a law jumps (quadrature over real profiles at the edge of a patch) no delta may fit N to the last digits. The multipliers hardly
+//! move there, because creep forces alone act on them: an iteration that no longer gains ends with them when they rest to 1e-4 of
+//! the force.
+
+use super::loading::{Contact, WheelAt};
+use super::rigid::{ConstraintRow, friction, wheels};
+use super::{ContactFailure, EvaluationError, Model, Workspace, contact_index};
+use crate::contact::normal::ConformalContact;
+use crate::geometry::Side;
+use crate::mbs::body::Wrench;
+use crate::mbs::system::SystemWorkspace;
+use nalgebra::Vector3;
+
+/// The loop ends when it changes the forces by less than this part of the largest, or by less than the floor [N].
+const RELATIVE: f64 = 1e-11;
+const FLOOR: f64 = 1e-7;
+/// An iteration that no longer gains ends with what it has: soon with this part of the largest force, ...
+const ROUNDING: f64 = 1e-9;
+/// ... after some more with this, ...
+const JUMP: f64 = 1e-4;
+/// ... when nothing helps with this.
+const LAST: f64 = 1e-3;
+const ITERATIONS: usize = 40;
+/// A larger change of the creep force with the normal force than this can't be that of a smooth law: friction is below 1.
+const STEEPEST: f64 = 2.0;
+/// Least determinant for which the coupling of two wheels is solved for.
+const LEAST_DETERMINANT: f64 = 1e-3;
+/// Two points that are nearer to each other (relative to N) say nothing of the slope.
+const NEAR: f64 = 1e-7;
+/// Largest change of N in one iteration, as a factor.
+const LARGEST_CHANGE: f64 = 10.0;
+
+/// A constrained contact in the loop.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pressing {
+    /// Penetration at which the law is read, m; 0 where nothing presses.
+    pub approach: f64,
+    /// N there, N; what the constraint asks for where it would pull.
+    pub force: f64,
+    /// Wrench of the creep forces on the wheelset, its derivative by N, and d ln delta / d ln N.
+    creep: Wrench,
+    slope: Wrench,
+    exponent: f64,
+    /// Penetration, N and wrench one iteration ago.
+    last: Option<(f64, f64, Wrench)>,
+}
+
+/// Scratch of the loop.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Balance {
+    pub contacts: Vec<Pressing>,
+    /// Per wheelset dG/dN, row by row.
+    coupling: Vec<[f64; 4]>,
+    /// Wrenches without the creep forces of constrained contacts.
+    base: Vec<Wrench>,
+    image: Vec<f64>,
+    /// The image one iteration ago.
+    last_image: Vec<f64>,
+    answer: Vec<f64>,
+}
+
+impl Balance {
+    pub fn new(model: &Model) -> Self {
+        let count = model.contacts();
+        Balance {
+            contacts: vec![Pressing::default(); count],
+            coupling: vec![[0.0; 4]; model.wheelsets.len()],
+            base: vec![Wrench::default(); model.system.bodies.len()],
+            image: vec![0.0; count],
+            last_image: vec![0.0; count],
+            answer: vec![0.0; count],
+        }
+    }
+}
+
+fn scaled(wrench: &Wrench, factor: f64) -> Wrench {
+    Wrench { force: wrench.force * factor, moment: wrench.moment * factor }
+}
+
+impl Pressing {
+    /// From the state's memory.
+    pub fn start(force: f64, approach: f64) -> Self {
+        Pressing { approach: if force > 0.0 { approach } else { 0.0 }, force, ..Pressing::default() }
+    }
+
+    /// Reads the law at the present penetration.
+    fn evaluate(&mut self, load: &Contact, report: &mut super::ContactReport, first: bool) -> Result<(), ConformalContact> {
+        if first && self.force > 0.0 && !(self.approach > 0.0) {
+            self.approach = load.approach_under(self.force)?;
+        }
+        let loaded = self.approach > 0.0;
+        let (force, creep) = load.squeezed(report, self.approach)?;
+        self.creep = creep;
+        if !loaded {
+            report.normal_force = self.force;
+            self.slope = Wrench::default();
+            return Ok(());
+        }
+        self.force = force;
+        let moved = self.last.filter(|last| (force - last.1).abs() > NEAR * force);
+        if let Some((approach, before, wrench)) = moved {
+            let part = 1.0 / (force - before);
+            let slope = Wrench { force: (creep.force - wrench.force) * part, moment: (creep.moment - wrench.moment) * part };
+            if slope.force.norm() < STEEPEST {
+                self.slope = slope;
+            }
+            let exponent = (self.approach / approach).ln() / (force / before).ln();
+            self.exponent = if exponent.is_finite() { exponent.clamp(0.3, 1.2) } else { 2.0 / 3.0 };
+        } else if self.last.is_none() {
+            self.slope = scaled(&creep, load.growth(report) / force);
+            self.exponent = 2.0 / 3.0;
+        }
+        Ok(())
+    }
+
+    /// Goes on towards N = `next`.
+    fn advance(&mut self, load: &Contact, next: f64) -> Result<(), ConformalContact> {
+        if self.approach > 0.0 {
+            if next <= 0.0 {
+                *self = Pressing { force: next, ..Pressing::default() };
+                return Ok(());
+            }
+            self.last = Some((self.approach, self.force, self.creep));
+            let change = (next / self.force).clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE);
+            self.approach *= change.powf(self.exponent);
+        } else {
+            self.force = next;
+            if next > 0.0 {
+                (self.approach, self.last) = (load.approach_under(next)?, None);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Multipliers under the base's wrenches and those that `add` gives each constrained contact; wrenches and accelerations stay in the
+/// workspace.
+fn respond(
+    model: &Model,
+    system: &mut SystemWorkspace,
+    (rows, base): (&[Option<ConstraintRow>], &[Wrench]),
+    image: &mut [f64],
+    mut add: impl FnMut(usize, Side) -> Wrench,
+) {
+    system.wrenches.copy_from_slice(base);
+    for (contact, wheelset, side) in wheels(model) {
+        if rows[contact].is_some() {
+            system.wrenches[wheelset.body] += add(contact, side);
+        }
+    }
+    model.system.free_accelerations(system);
+    system.constraints.solve();
+    for (image, multiplier) in image.iter_mut().zip(&system.constraints.multipliers[system.constraints.joint_rows..]) {
+        *image = -multiplier;
+    }
+}
+
+/// Finds the normal forces with which creep forces and multipliers agree, from those in `balance.contacts`; leaves wrenches with
+/// creep forces, accelerations and multipliers in the workspace.
+pub(super) fn settle(
+    model: &Model,
+    workspace: &mut Workspace,
+    rows: &[Option<ConstraintRow>],
+    balance: &mut Balance,
+    (t, y, inputs): (f64, &[f64], &[f64]),
+) -> Result<(), EvaluationError> {
+    let Balance { contacts, coupling, base, image, last_image, answer } = balance;
+    base.copy_from_slice(&workspace.system.wrenches);
+    let Workspace { system, contacts: reports, work, .. } = workspace;
+    let (mut best, mut stale, mut worst, mut damping) = (f64::INFINITY, 0, 0, 1.0);
+    for iteration in 1..=ITERATIONS {
+        for (contact, wheelset, side) in wheels(model) {
+            let Some(found) = &rows[contact] else { continue };
+            let (motion, friction) = (&system.motions[wheelset.body], friction(inputs, contact, side));
+            let wheel = WheelAt { model, wheelset, side, contact, motion, climb: Vector3::zeros(), friction, y };
+            let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
+            let evaluated = contacts[contact].evaluate(&load, &mut reports[contact], iteration == 1);
+            evaluated.map_err(|cause| EvaluationError::new(t, wheelset, side, cause.into()))?;
+        }
+        respond(model, system, (rows, base), image, |contact, _| contacts[contact].creep);
+        work.force_iterations += 1;
+        let (mut largest, mut residual, mut moved) = (0.0f64, 0.0f64, 0.0f64);
+        for (contact, ..) in wheels(model).filter(|wheel| rows[wheel.0].is_some()) {
+            let pressing = &mut contacts[contact];
+            if pressing.approach <= 0.0 && image[contact] <= 0.0 {
+                pressing.force = image[contact];
+            }
+            let rest = (image[contact] - pressing.force).abs();
+            largest = largest.max(image[contact].abs());
+            // As far as the whole step would have gone.
+            moved = moved.max((image[contact] - last_image[contact]).abs() / damping);
+            // NaN must not pass.
+            if !(rest <= residual) {
+                (residual, worst) = (rest, contact);
+            }
+        }
+        if residual < 0.5 * best {
+            (best, stale) = (residual, 0);
+        } else {
+            stale += 1;
+        }
+        // What the last iteration moved says something from the second on.
+        let rest = if iteration > 1 { residual.min(moved) } else { residual };
+        let gained = stale >= 2 && residual <= ROUNDING * largest
+            || stale >= 6 && rest <= JUMP * largest
+            || iteration == ITERATIONS && rest <= LAST * largest;
+        last_image.copy_from_slice(image);
+        if residual <= (RELATIVE * largest).max(FLOOR) || gained {
+            for (contact, ..) in wheels(model).filter(|wheel| rows[wheel.0].is_some()) {
+                let report = &mut reports[contact];
+                report.force += report.axes.normal * (image[contact] - report.normal_force);
+                (report.normal_force, contacts[contact].force) = (image[contact], image[contact]);
+            }
+            return Ok(());
+        }
+        if !residual.is_finite() || iteration == ITERATIONS {
+            let Some((_, wheelset, side)) = wheels(model).find(|wheel| wheel.0 == worst) else { break };
+            let cause = ContactFailure::NotSettled { iterations: iteration, residual };
+            return Err(EvaluationError::new(t, wheelset, side, cause));
+        }
+        if iteration <= 2 || stale > 0 {
+            // One size of change for all, that of the largest force: what is subtracted keeps its digits, and what reaches a wheelset
+            // from others through joints stays as small as it is.
+            let scale = largest.max(1.0);
+            for (column, side) in Side::BOTH.into_iter().enumerate() {
+                respond(model, system, (rows, base), answer, |contact, of| {
+                    let Pressing { creep, slope, .. } = &contacts[contact];
+                    let mut wrench = *creep;
+                    if of == side {
+                        wrench += scaled(slope, scale);
+                    }
+                    wrench
+                });
+                for (index, coupling) in coupling.iter_mut().enumerate() {
+                    for (row, of) in Side::BOTH.into_iter().enumerate() {
+                        let contact = contact_index(index, of);
+                        let change = answer[contact] - image[contact];
+                        coupling[2 * row + column] = change / scale;
+                    }
+                }
+            }
+        }
+        damping = match stale {
+            0..=2 => 1.0,
+            3..=8 => 0.5,
+            _ => 0.2,
+        };
+        for (index, [ll, lr, rl, rr]) in coupling.iter().enumerate() {
+            let pair = Side::BOTH.map(|side| contact_index(index, side));
+            let rest = pair.map(|contact| if rows[contact].is_some() { image[contact] - contacts[contact].force } else { 0.0 });
+            let determinant = (1.0 - ll) * (1.0 - rr) - lr * rl;
+            let step = if determinant.abs() > LEAST_DETERMINANT {
+                [((1.0 - rr) * rest[0] + lr * rest[1]) / determinant, ((1.0 - ll) * rest[1] + rl * rest[0]) / determinant]
+            } else {
+                rest
+            };
+            for (k, side) in Side::BOTH.into_iter().enumerate() {
+                let Some(found) = &rows[pair[k]] else { continue };
+                let wheelset = &model.wheelsets[index];
+                let (motion, friction) = (&system.motions[wheelset.body], friction(inputs, pair[k], side));
+                let wheel = WheelAt { model, wheelset, side, contact: pair[k], motion, climb: Vector3::zeros(), friction, y };
+                let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
+                let next = contacts[pair[k]].force + damping * step[k];
+                let advanced = contacts[pair[k]].advance(&load, next);
+                advanced.map_err(|cause| EvaluationError::new(t, wheelset, side, cause.into()))?;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,104 @@
+//! Instructions of one right-hand side, counted by valgrind: what a change costs shows on any machine.
+//!
+//! `tests/data/instructions.csv` keeps the counts. A test fails where one leaves its number by more than 2 % (15 % with another
+//! compiler than the one the file names): a change for the worse is to be looked into, one for the better to be written down.
+
+use std::hint::black_box;
+use std::process::Command;
+use wheelrail::formulation::{Evaluation, Model, Workspace};
+use wheelrail::scene::load;
+use wheelrail::sim::{Simulation, Snapshot};
+
+/// Stages of the Dormand-Prince method as shares of a step, whose length is typical for these scenes, s.
+const STAGES: [f64; 6] = [0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
+const STEP: f64 = 2e-3;
+const STEPS: usize = 4;
+
+/// Where the worker finds what to run: scene, time and changes, parted by blanks.
+const CASE: &str = "WHEELRAIL_INSTRUCTIONS";
+
+/// Evaluations as they follow each other along the motion, each step from the same state.
+#[inline(never)]
+fn counted_right_hand_sides(
+    model: &Model,
+    workspace: &mut Workspace,
+    snapshot: &Snapshot,
+    memory: &mut [f64],
+    y: &mut [f64],
+    dy: &mut [f64],
+) {
+    for _ in 0..STEPS {
+        memory.copy_from_slice(snapshot.memory());
+        for share in STAGES {
+            for (y, (before, rate)) in y.iter_mut().zip(snapshot.y.iter().zip(&snapshot.dy)) {
+                *y = before + share * STEP * rate;
+            }
+            let at = Evaluation { t: 0.0, inputs: snapshot.inputs(), y: black_box(&*y), memory };
+            model.derivative(workspace, at, dy).unwrap();
+        }
+    }
+}
+
+/// What valgrind runs; not a test of its own.
+#[test]
+#[ignore = "run by the others"]
+fn worker() {
+    let case = std::env::var(CASE).unwrap();
+    let mut words = case.split(' ');
+    let (scene, time) = (words.next().unwrap(), words.next().unwrap().parse().unwrap());
+    let changes: Vec<String> = words.filter(|word| !word.is_empty()).map(String::from).collect();
+    let mut simulation = Simulation::new(&load::open(scene, &changes).unwrap(), 0.0).unwrap();
+    simulation.advance(time).unwrap();
+    let snapshot = simulation.snapshot().unwrap().clone();
+    let model = simulation.model();
+    let (mut workspace, mut memory) = (model.workspace(), snapshot.memory().to_vec());
+    let (mut y, mut dy) = (snapshot.y.clone(), snapshot.dy.clone());
+    let mut best = f64::INFINITY;
+    for _ in 0..std::env::var("WHEELRAIL_ROUNDS").map_or(1, |rounds| rounds.parse().unwrap()) {
+        let clock = std::time::Instant::now();
+        counted_right_hand_sides(model, &mut workspace, &snapshot, &mut memory, &mut y, &mut dy);
+        best = best.min(clock.elapsed().as_secs_f64());
+    }
+    println!("{:.2} us", 1e6 * best / (STEPS * STAGES.len()) as f64);
+}
+
+/// Instructions of one right-hand side.
+fn count(case: &str) -> f64 {
+    let found = Command::new("valgrind")
+        .args(["--tool=callgrind", "--collect-atstart=no", "--toggle-collect=*counted_right_hand_sides*", "--callgrind-out-file=/dev/null"])
+        .arg(std::env::current_exe().unwrap())
+        .args(["--ignored", "--exact", "worker"])
+        .env(CASE, case)
+        .output()
+        .unwrap();
+    let messages = String::from_utf8_lossy(&found.stderr);
+    assert!(found.status.success(), "{case}: {messages}");
+    let collected = messages.lines().find_map(|line| line.split("Collected : ").nth(1)).unwrap_or_else(|| panic!("{messages}"));
+    collected.trim().parse::<f64>().unwrap() / (STEPS * STAGES.len()) as f64
+}
+
+#[test]
+fn regress_instructions_of_one_right_hand_side() {
+    if cfg!(debug_assertions) {
+        return println!("left out: counts are those of a release build");
+    }
+    if Command::new("valgrind").arg("--version").output().is_err() {
+        assert!(std::env::var_os("WHEELRAIL_REQUIRE_VALGRIND").is_none(), "valgrind is required here but not installed");
+        return println!("left out: valgrind is not installed");
+    }
+    let file = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/instructions.csv")).unwrap();
+    let compiler = Command::new("rustc").arg("--version").output().map(|found| String::from_utf8_lossy(&found.stdout).trim().to_string());
+    let same = compiler.is_ok_and(|version| file.lines().any(|line| line.strip_prefix("# ") == Some(&version)));
+    let allowed = if same { 0.02 } else { 0.15 };
+    let mut wrong = Vec::new();
+    for line in file.lines().filter(|line| !line.starts_with('#')).skip(1) {
+        let [scene, time, changes, kept] = line.split(',').collect::<Vec<_>>().try_into().unwrap();
+        let found = count(&format!("{scene} {time} {changes}"));
+        let change = found / kept.parse::<f64>().unwrap() - 1.0;
+        println!("{scene} {changes}: {found:.0} instructions, kept {kept}, {:+.2} %", 100.0 * change);
+        if change.abs() > allowed {
+            wrong.push(format!("{scene} {changes}: {found:.0} instead of {kept}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}; if that is meant, write it into tests/data/instructions.csv", wrong.join("; "));
+}
