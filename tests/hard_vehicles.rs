@@ -106,7 +106,7 @@ fn observe(case: &Case, formulation: &str) -> Seen {
     let rows = (case.stop / 0.01).round() as u32;
     for row in 0..=rows {
         let step = simulation.advance(0.01 * f64::from(row));
-        let read = step.and_then(|()| simulation.snapshot().map(Clone::clone));
+        let read = step.and_then(|()| simulation.snapshot().cloned());
         let snapshot = match read {
             Ok(snapshot) => snapshot,
             Err(error) => {

@@ -37,6 +37,8 @@ const JUMP: f64 = 1e-4;
 /// ... when nothing helps with this.
 const LAST: f64 = 1e-3;
 const ITERATIONS: usize = 40;
+/// Widest jump of a law, as a part of the largest force.
+const WIDEST_JUMP: f64 = 0.02;
 /// A larger change of the creep force with the normal force than this can't be that of a smooth law: friction is below 1.
 const STEEPEST: f64 = 2.0;
 /// Least determinant for which the coupling of two wheels is solved for.
@@ -215,8 +217,8 @@ pub(super) fn settle(
         } else {
             stale += 1;
         }
-        // What the last iteration moved says something from the second on.
-        let rest = if iteration > 1 { residual.min(moved) } else { residual };
+        // Only a narrow jump: far from it multipliers that rest mean that delta creeps.
+        let rest = if residual <= WIDEST_JUMP * largest { residual.min(moved) } else { residual };
         let gained = stale >= 2 && residual <= ROUNDING * largest
             || stale >= 6 && rest <= JUMP * largest
             || iteration == ITERATIONS && rest <= LAST * largest;
