@@ -96,6 +96,7 @@ struct Seen {
 
 fn observe(case: &Case, formulation: &str) -> Seen {
     let mut changes = vec![format!("contact.formulation={formulation}"), "contact.on_lift=elastic".to_string()];
+    changes.extend(["solver.integrator=dormand_prince", "solver.tolerance=1e-7"].map(String::from));
     changes.extend(case.changes.iter().cloned());
     let scene = load::open(case.scene, &changes).unwrap_or_else(|error| panic!("{}: {error}", case.name));
     let mut simulation = Simulation::new(&scene, 0.0).unwrap_or_else(|error| panic!("{}: {error}", case.name));

@@ -17,7 +17,7 @@ const G: f64 = 9.81;
 const FORMULATIONS: [&str; 4] = ["ECF-A", "ECF-N", "ECCF", "ACCF"];
 
 fn scene(name: &str, changes: &[&str]) -> Scene {
-    let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+    let changes: Vec<String> = common::EXACT.iter().chain(changes).map(|change| (*change).to_string()).collect();
     load::open(name, &changes).unwrap_or_else(|error| panic!("{error}"))
 }
 

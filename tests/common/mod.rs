@@ -10,6 +10,9 @@ use wheelrail::sim::outputs::Output;
 use wheelrail::sim::recording::{self, Recording};
 use wheelrail::sim::vehicle_outputs::scene_outputs;
 
+/// Changes under which a vehicle's time integration is far more exact than what tests of its physics look at.
+pub const EXACT: [&str; 2] = ["solver.integrator=dormand_prince", "solver.tolerance=1e-7"];
+
 /// The embedded scene with changes.
 pub fn scene(changes: &[&str]) -> Scene {
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
