@@ -135,7 +135,8 @@ fn regress_work_of_the_default_scene() {
     let s = simulation.statistics();
     let per_search = simulation.state().work.search_iterations as f64 / (2 * s.evaluations) as f64;
     println!("{s:?}, {per_search:.3} Newton iterations per contact search");
-    assert!(per_search < 1.01, "warm starts must serve: {per_search}");
+    // Where the rail bends along the track a search in its section takes a second step now and then.
+    assert!(per_search < 1.06, "warm starts must serve: {per_search}");
     // Numbers of this machine's libm; another one may differ in the last bit and so in a few steps.
     let near = |found: u64, pinned: u64| found.abs_diff(pinned) * 50 <= pinned;
     assert!(near(s.steps, 2646) && near(s.evaluations, 16_066) && s.rejected < 60, "{s:?}");

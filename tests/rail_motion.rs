@@ -185,11 +185,14 @@ fn cosine(amplitude: f64, distance: f64, speed: f64) -> Jet {
     [a * (1.0 - cos), a * w * sin, a * w * w * cos, -a * w * w * w * sin]
 }
 
+/// Name, changes of the scene, how far each side moves to the left and up [m], and the bounds of output differences, parts of the swing.
+type Bend = (&'static str, &'static [&'static str], [(Side, [f64; 2]); 2], &'static [(&'static str, f64)]);
+
 /// A rail with a deviation, and one that inputs bend in the same way: the same but for what the turn of a rail does.
 #[test]
 fn equiv_moving_rail_and_deviation_of_the_same_shape() {
     let speed = 40.0;
-    let cases: [(&str, &[&str], [(Side, [f64; 2]); 2], &[(&str, f64)]); 2] = [
+    let cases: [Bend; 2] = [
         (
             "right rail 10 mm to the left",
             &[],

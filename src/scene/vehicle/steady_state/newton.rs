@@ -86,7 +86,7 @@ impl Search<'_> {
             }
             let after = largest(&rest).0;
             let stalls = !(after < 0.5 * before);
-            if stalls && (after < NEAR || fresh && (after < self.bound() || after == before)) {
+            if stalls && (after < NEAR || fresh && (after < BALANCED || after == before)) {
                 break;
             }
             known = (after < if before < NEAR { 0.5 } else { 0.1 } * before).then_some(factors);
