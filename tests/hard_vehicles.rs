@@ -40,11 +40,11 @@ const BUMP: &str =
     "track.deviation=[{rail=\"both\", direction=\"vertical\", shape=\"haversine\", amplitude=\"10 mm\", from=\"8 m\", to=\"11 m\"}]";
 
 fn cases() -> Vec<Case> {
-    // A vehicle's first wheelset starts 9.1 m to 10.8 m along the track, a bogie's and a wheelset's less than 1.3 m.
+    // A vehicle's first wheelset starts up to 10.8 m along the track, a bogie's and a wheelset's less than 1.3 m.
     let curve150 = |straight: f64| curve(straight, 150.0, 6.0, "20 mm");
     let curve200 = curve(5.0, 200.0, 8.0, "30 mm");
     let curve300 = |straight: f64| curve(straight, 300.0, 12.0, "60 mm");
-    let curve600 = curve(12.0, 600.0, 20.0, "80 mm");
+    let curve600 = curve(14.0, 600.0, 20.0, "80 mm");
     let curved = |name, scene, radius: &str, speed: &str, stop, more: &[&str]| {
         case(name, scene, stop, &[&[radius, &format!("vehicle.speed={speed}"), SMOOTH], more].concat())
     };
@@ -54,9 +54,9 @@ fn cases() -> Vec<Case> {
     };
     let start = "vehicle.initial.distance=0";
     vec![
-        curved("vehicle, R 150 m, 11 m/s", "vehicle_curve", &curve150(12.0), "11", 0.6, &[]),
-        curved("vehicle, R 300 m, 16 m/s", "vehicle_curve", &curve300(12.0), "16", 0.6, &[]),
-        curved("coach, R 600 m, 26 m/s", COACH, &curve600, "26", 0.6, &[LEADING]),
+        curved("vehicle, R 150 m, 11 m/s", "vehicle_curve", &curve150(14.0), "11", 0.8, &[]),
+        curved("vehicle, R 300 m, 16 m/s", "vehicle_curve", &curve300(14.0), "16", 0.7, &[]),
+        curved("coach, R 600 m, 26 m/s", COACH, &curve600, "26", 0.7, &[LEADING]),
         curved("bogie, R 150 m, 11 m/s", BOGIE, &curve150(5.0), "11", 1.2, &[]),
         curved("bogie, R 200 m, 12 m/s", BOGIE, &curve200, "12", 1.1, &[]),
         curved("bogie, R 300 m, friction 0.6", BOGIE, &curve300(5.0), "16", 1.0, &["contact.friction=0.6"]),
