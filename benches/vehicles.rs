@@ -74,21 +74,40 @@ fn motion(scene: &Scene) -> (Vec<f64>, f64) {
     (found, clock.elapsed().as_secs_f64() / 3.0)
 }
 
+/// Scenes with their changes; the last two have aims: 50 and 20 times real time at 1e-5 m.
+const CASES: [(&str, &str, &[&str]); 5] = [
+    ("bogie", "bogie", &[]),
+    ("vehicle_manchester_1, two bumps", "vehicle_manchester_1", &[]),
+    ("vehicle_equalised, two bumps", "vehicle_equalised", &[]),
+    (
+        "vehicle_manchester_1, irregular straight track (ORE B176 low), aim 50 at 1e-5 m",
+        "vehicle_manchester_1",
+        &["track.deviation=[]", "track.irregularity=[{kind=\"spectrum\", spectrum=\"ore_b176_low\", seed=1, from=15, to=400, fade=5}]"],
+    ),
+    ("vehicle_curve, 582 m with flange contact, aim 20 at 1e-5 m", "vehicle_curve", &["vehicle.initial.distance=15"]),
+];
+
 fn main() {
-    for name in ["bogie", "vehicle_manchester_1", "vehicle_equalised"] {
-        let (mut simulation, started) = start(&open(name, &[]));
-        println!("{name}: start {:.1} ms, right-hand side {:.2} us", 1e3 * started, 1e6 * right_hand_side(&mut simulation));
-        let (reference, _) = motion(&open(name, &["solver.tolerance=1e-10"]));
-        for changes in [
-            ["solver.integrator=dormand_prince", "solver.tolerance=1e-5"],
-            ["solver.integrator=dormand_prince", "solver.tolerance=1e-6"],
-            ["solver.integrator=dormand_prince", "solver.tolerance=1e-7"],
-            ["solver.integrator=rk43", "solver.tolerance=1e-6"],
-            ["solver.integrator=rk43", "solver.tolerance=1e-7"],
+    for (label, name, changes) in CASES {
+        let (mut simulation, started) = start(&open(name, changes));
+        println!("{label}: start {:.1} ms, right-hand side {:.2} us", 1e3 * started, 1e6 * right_hand_side(&mut simulation));
+        let with = |integrator: &str, tolerance: &str| {
+            let solver = [format!("solver.integrator={integrator}"), format!("solver.tolerance={tolerance}")];
+            motion(&open(name, &[changes, &solver.each_ref().map(String::as_str)].concat()))
+        };
+        let (reference, _) = with("dormand_prince", "1e-9");
+        for (integrator, tolerance) in [
+            ("rosenbrock", "1e-4"),
+            ("rosenbrock", "1e-5"),
+            ("rosenbrock", "1e-6"),
+            ("imex", "1e-5"),
+            ("dormand_prince", "1e-5"),
+            ("dormand_prince", "1e-7"),
+            ("rk43", "1e-6"),
         ] {
-            let (found, cost) = motion(&open(name, &changes));
+            let (found, cost) = with(integrator, tolerance);
             let error = found.iter().zip(&reference).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            println!("  {:60} error of y {error:.1e} m, {:5.1} times real time", changes.join(" "), 1.0 / cost);
+            println!("  {integrator:15} {tolerance}: error of y {error:.1e} m, {:5.1} times real time", 1.0 / cost);
         }
     }
     for coaches in [1, 2, 4, 8, 16] {
