@@ -49,7 +49,9 @@ fn cost(changes: &[&str]) -> f64 {
 /// Error against a run at 1e-13 and real-time factor of several settings.
 fn accuracy_table() {
     let reference = displacement(&mut simulation(&["solver.tolerance=1e-13"]));
-    println!("suspended_wheelset, 5 s: largest error of the lateral displacement (against tolerance 1e-13) and cost; * = 1e-6 m or better; aims: 500 at 1e-6 m, 2000 at 1e-4 m");
+    println!(
+        "suspended_wheelset, 5 s: largest error of the lateral displacement (against tolerance 1e-13) and cost; * = 1e-6 m or better; aims: 500 at 1e-6 m, 2000 at 1e-4 m"
+    );
     let settings: [&[&str]; 18] = [
         &["solver.integrator=rosenbrock", "solver.tolerance=1e-4"],
         &["solver.integrator=rosenbrock", "solver.tolerance=1e-5"],
