@@ -152,6 +152,8 @@ pub struct Workspace {
     pub work: Work,
     /// Lift-offs and landings since they were last taken away.
     pub events: Vec<ContactEvent>,
+    /// Do the findings of the last evaluation belong to the begin of the integrator's next step?
+    pub findings_marked: bool,
     /// The linearised model, for integrators that need it ([`Model::prepare_tangent`]).
     pub(super) tangent: Option<Tangent>,
 }
@@ -317,6 +319,7 @@ impl Model {
             rigid: if self.formulation.constrains() { RigidScratch::new(self) } else { RigidScratch::default() },
             work: Work::default(),
             events: Vec::new(),
+            findings_marked: false,
             tangent: None,
         }
     }

@@ -31,6 +31,8 @@ impl<'a> ModelDynamics<'a> {
     pub fn new(model: &'a Model, workspace: &'a mut Workspace, signals: &'a [InputSignal], values: &'a mut [f64]) -> Self {
         let constant = signals.iter().all(|signal| signal.first == 0.0 && signal.second == 0.0);
         input::evaluate(signals, 0.0, values);
+        // Inputs are those of the evaluation that found them.
+        workspace.findings_marked &= constant;
         ModelDynamics { model, workspace, signals, values, constant, failure: None }
     }
 }
@@ -49,6 +51,7 @@ impl Dynamics for ModelDynamics<'_> {
         if !self.constant {
             input::evaluate(self.signals, t, self.values);
         }
+        self.workspace.findings_marked = false;
         let at = Evaluation { t, inputs: self.values, y, memory };
         keep(&mut self.failure, self.model.derivative(self.workspace, at, dy))
     }
@@ -74,6 +77,21 @@ impl Dynamics for ModelDynamics<'_> {
         COORDINATES * self.model.system.bodies.len()
     }
 
+    fn mark_findings(&mut self) {
+        self.workspace.findings_marked = true;
+    }
+
+    fn findings_stand(&self) -> bool {
+        self.workspace.findings_marked
+    }
+
+    fn repeat(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        let work = self.workspace.work;
+        let done = self.derivative(t, y, memory, dy);
+        self.workspace.work = work;
+        done
+    }
+
     fn linearise(&mut self, _: f64, y: &[f64], memory: &[f64], part: StiffPart) -> Result<(), Undefined> {
         self.model.linearise(self.workspace, (y, memory), self.values, part == StiffPart::All);
         Ok(())
@@ -88,6 +106,7 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn project(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
+        self.workspace.findings_marked = false;
         let moved = keep(&mut self.failure, self.model.project(self.workspace, t, y, memory))?;
         self.model.note_means(y, memory);
         Ok(moved)
@@ -102,12 +121,14 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn switch(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), Undefined> {
+        self.workspace.findings_marked = false;
         keep(&mut self.failure, self.model.switch(self.workspace, t, y, memory))
     }
 
     fn release(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
         // A failure that lies behind was overcome by a shorter step and says nothing.
         let Some(failure) = self.failure.clone().filter(|failure| failure.time > t - PASSED) else { return Ok(false) };
+        self.workspace.findings_marked = false;
         keep(&mut self.failure, self.model.release(&failure, self.workspace, t, y, memory))
     }
 

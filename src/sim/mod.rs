@@ -198,6 +198,7 @@ impl Simulation {
         if fits {
             self.state.clone_from(state);
             self.workspace.events.clear();
+            self.workspace.findings_marked = false;
             self.snapshot_valid = false;
         }
         fits
@@ -215,6 +216,7 @@ impl Simulation {
             return;
         }
         self.state.integration.restart_at(self.state.time);
+        self.workspace.findings_marked = false;
         self.state.inputs[index] = signal;
         self.snapshot_valid = false;
     }

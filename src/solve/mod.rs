@@ -64,6 +64,22 @@ pub trait Dynamics {
         Ok(())
     }
 
+    /// Notes that what the last evaluation found belongs to the begin of the next step.
+    fn mark_findings(&mut self) {}
+
+    /// Is that still there? Not after another evaluation, a change of the system, or in another system that took over the state.
+    fn findings_stand(&self) -> bool {
+        false
+    }
+
+    /// An evaluation that was made before, for the sake of its findings alone: it does not count as work.
+    ///
+    /// # Errors
+    /// As [`Dynamics::derivative`].
+    fn repeat(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        self.derivative(t, y, memory, dy)
+    }
+
     /// Factorises I - a J, a in s.
     ///
     /// # Errors

@@ -153,7 +153,7 @@ impl Pair for Rosenbrock {
     const LAST_STAGE: Option<usize> = None;
 
     fn prepare(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState) -> Result<(), SolveError> {
-        state.evaluate_afresh(dynamics)?;
+        state.evaluate_with_findings(dynamics)?;
         state.linearise(dynamics, self.part)
     }
 

@@ -40,6 +40,8 @@ pub struct IntegrationState {
     /// Continuous output over the last step: polynomial coefficients in `(time - t_begin) / (t - t_begin)` in powers
     /// of theta, lowest first, one vector after the other.
     pub(super) dense: Vec<f64>,
+    /// The record with which f(t, y) was evaluated, for repeating that to the bit.
+    pub(super) memory_before: Vec<f64>,
     /// f(t, y), valid when `derivative_known`.
     pub(super) derivative: Vec<f64>,
     pub(super) derivative_known: bool,
@@ -64,6 +66,7 @@ impl IntegrationState {
             t,
             y: y.to_vec(),
             memory: memory.to_vec(),
+            memory_before: memory.to_vec(),
             t_begin: t,
             dense: vec![0.0; dense_vectors * y.len()],
             derivative: vec![0.0; y.len()],
@@ -104,8 +107,10 @@ impl IntegrationState {
     /// Evaluates f at the begin of a step where it is not known from the step before.
     pub(super) fn evaluate_begin(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
         if !self.derivative_known {
-            let IntegrationState { t, y, memory, derivative, .. } = self;
+            let IntegrationState { t, y, memory, memory_before, derivative, .. } = self;
+            memory_before.copy_from_slice(memory);
             dynamics.derivative(*t, y, memory, derivative).map_err(|_| SolveError::Undefined { time: *t })?;
+            dynamics.mark_findings();
             self.derivative_known = true;
             self.statistics.evaluations += 1;
         }
@@ -138,11 +143,19 @@ impl IntegrationState {
         self.record_known = false;
     }
 
-    /// Evaluates f at the begin of a step in any case: what an evaluation leaves in the system for [`Dynamics::linearise`] is not
-    /// part of the state.
-    pub(super) fn evaluate_afresh(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
-        self.derivative_known = false;
-        self.evaluate_begin(dynamics)
+    /// Evaluates f at the begin of a step so that what the evaluation leaves in the system for [`Dynamics::linearise`] is there. It is
+    /// not part of the state: where it is gone the evaluation is repeated to the bit.
+    pub(super) fn evaluate_with_findings(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
+        if !self.derivative_known {
+            return self.evaluate_begin(dynamics);
+        }
+        if !dynamics.findings_stand() {
+            let IntegrationState { t, y, memory, memory_before, derivative, .. } = self;
+            memory.copy_from_slice(memory_before);
+            dynamics.repeat(*t, y, memory, derivative).map_err(|_| SolveError::Undefined { time: *t })?;
+            dynamics.mark_findings();
+        }
+        Ok(())
     }
 
     /// Takes the solution back to `time` within the last step and starts anew there, because the system changes.
@@ -172,6 +185,7 @@ impl IntegrationState {
     pub fn fits(&self, other: &IntegrationState) -> bool {
         self.y.len() == other.y.len()
             && self.memory.len() == other.memory.len()
+            && self.memory_before.len() == other.memory_before.len()
             && self.dense.len() == other.dense.len()
             && self.derivative.len() == other.derivative.len()
             && self.record.len() == other.record.len()
