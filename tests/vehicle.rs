@@ -176,7 +176,7 @@ fn prop_the_order_of_entries_does_not_matter() {
     let (forward, _) = write(tables.clone());
     let (backward, _) = write(tables.into_iter().rev().collect());
     assert_eq!(forward, backward, "bit for bit");
-    let embedded = run_all(&self::scene("vehicle_manchester_1", &["vehicle.initial.distance=0"]), 0.3, 0.1);
+    let embedded = run_all(&load::open("vehicle_manchester_1", &["vehicle.initial.distance=0".into()]).unwrap(), 0.3, 0.1);
     assert_eq!(forward, embedded, "as the template itself");
 }
 

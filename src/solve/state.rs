@@ -144,7 +144,8 @@ impl IntegrationState {
     }
 
     /// Evaluates f at the begin of a step so that what the evaluation leaves in the system for [`Dynamics::linearise`] is there. It is
-    /// not part of the state: where it is gone the evaluation is repeated to the bit.
+    /// not part of the state: where it is gone the evaluation is repeated to the bit (and not counted, so that counters do not tell
+    /// whether a state was restored).
     pub(super) fn evaluate_with_findings(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
         if !self.derivative_known {
             return self.evaluate_begin(dynamics);

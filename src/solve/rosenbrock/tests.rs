@@ -157,7 +157,7 @@ fn hard_van_der_pol_takes_few_steps_and_keeps_the_jacobian_on_rejection() {
     assert!((y[0] - 1.706167732170469).abs() < 1e-2, "{y:?}");
     assert!(work.rejected > 0 && work.linearisations == work.steps, "{work:?}");
     assert_eq!(work.factorisations, work.steps + work.rejected);
-    assert_eq!(work.evaluations, work.steps + 3 * (work.steps + work.rejected) + 2, "{work:?}");
+    assert_eq!(work.evaluations, work.steps + 3 * (work.steps + work.rejected) + 1, "{work:?}");
     assert!(work.steps < 5000, "{work:?}");
 }
 
@@ -186,6 +186,6 @@ fn regress_work_on_a_smooth_problem() {
     let (tight, many) = work(1e-8);
     println!("1e-4: {loose:.1e} {few:?}\n1e-8: {tight:.1e} {many:?}\nexplicit, 1e-6: {:?}", state.statistics);
     assert!(loose < 1e-4 && tight < 1e-8, "{loose:e} {tight:e}");
-    assert_eq!((few.steps, few.rejected, few.evaluations), (22, 0, 90), "{few:?}");
-    assert_eq!((many.steps, many.rejected, many.evaluations), (410, 0, 1642), "{many:?}");
+    assert_eq!((few.steps, few.rejected, few.evaluations), (22, 0, 89), "{few:?}");
+    assert_eq!((many.steps, many.rejected, many.evaluations), (410, 0, 1641), "{many:?}");
 }
