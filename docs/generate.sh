@@ -248,7 +248,7 @@ leading='truck[1].wheelset[1]' trailing='truck[2].wheelset[2]' # in names of fil
     echo
     echo "On S1002 and 60E1 the place of a rigid contact jumps by up to 10 mm where an elastic one shifts its load over some 1.5 mm of lateral"
     echo "displacement. Where a constrained place ceases to exist under load the wheel goes on elastically (\`on_lift = \"elastic\"\`), which shows as a"
-    echo "short swing of the load in ECCF. ACCF ends there, and so does ECCF with the finer integration (no row above)."
+    echo "short swing of the load in ECCF."
 } >docs/paper_vehicle.md
 for file in docs/images/vehicle_*.svg; do # what the page does not show
     grep -qF "images/$(basename "$file")" docs/paper_vehicle.md || rm "$file"
