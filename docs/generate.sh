@@ -251,7 +251,7 @@ leading='truck[1].wheelset[1]' trailing='truck[2].wheelset[2]' # in names of fil
     echo "short swing of the load in ECCF."
 } >docs/paper_vehicle.md
 for file in docs/images/vehicle_*.svg; do # what the page does not show
-    grep -qF "images/$(basename "$file")" docs/paper_vehicle.md || rm "$file"
+    grep -qF "images/$(basename "$file")" docs/paper_vehicle.md docs/accuracy.md || rm "$file"
 done
 
 study=$(mktemp -d)
