@@ -194,7 +194,9 @@ TEXT
 } >docs/contact_geometry.md
 
 vehicle() { # scene, wheelset, stop: text of the comparison; pictures go to docs/images
-    ./target/release/wheelrail compare "$1" --formulations ECF-A,ECCF --wheelset "$2" --stop "$3" -o docs/images 2>/dev/null
+    # Finer than the scenes' own tolerance: what is shown is the difference of models.
+    ./target/release/wheelrail compare "$1" --formulations ECF-A,ECCF --wheelset "$2" --stop "$3" -o docs/images \
+        --set solver.integrator=dormand_prince --set solver.tolerance=1e-7 2>/dev/null
 }
 leading='truck[1].wheelset[1]' trailing='truck[2].wheelset[2]' # in names of files: truck1_wheelset1, truck2_wheelset2
 {
