@@ -1,6 +1,8 @@
-//! Against the IVP Test Set's problem "Wheelset": the crate's constraint solver, fixed-point loop and integrator on a published
+//! Against the IVP Test Set's problem "Wheelset": the crate's constraint solver, projection and integrator on a published
 //! index-2 problem.
 
+#[path = "ivp_wheelset/fixed_point.rs"]
+mod fixed_point;
 #[path = "ivp_wheelset/model.rs"]
 mod model;
 #[path = "ivp_wheelset/motion.rs"]

@@ -1,6 +1,5 @@
 //! Floor 0: mathematics that knows nothing of railways.
 
-pub mod fixed_point;
 pub mod newton;
 pub mod rotation;
 pub mod smooth_step;

@@ -5,9 +5,9 @@
 //! state is moved back onto the constraints. The gap is held at its initial value instead of 0: the published initial values keep
 //! the constraint only to 5e-10 m, and the index-2 form, which has only `J q' = 0`, keeps that.
 
+use crate::fixed_point::{Limits, NotSettled, Work, settle};
 use crate::model::{Rolling, Touch, Wheelset};
 use nalgebra::{Vector2, Vector6};
-use wheelrail::math::fixed_point::{Limits, NotSettled, Work, settle};
 use wheelrail::mbs::kkt::{Kkt, RowBodies};
 use wheelrail::solve::{Dynamics, Undefined};
 
