@@ -149,19 +149,10 @@ fn rail_inputs(scene: &Scene, index: usize, wheelset: &str) -> Vec<Variable> {
     ];
     let wheelsets = scene.vehicle.axles().len();
     let of_side = |side: Side| {
-        rows.into_iter().enumerate().map(move |(number, (name, unit, text))| Variable {
-            reference: WHEELSET * (index as u32 + 1) + RAIL + 10 * side.index() as u32 + number as u32,
-            name: format!("{wheelset}.{}.{name}", side.name()),
-            description: text.into(),
-            kind: Kind::Real,
-            causality: "input",
-            variability: "continuous",
-            initial: None,
-            unit,
-            start: Some(0.0),
-            min: None,
-            max: None,
-            role: Role::Input(rail_input(wheelsets, index, side, number)),
+        rows.into_iter().enumerate().map(move |(number, (name, unit, text))| {
+            let id = RAIL + 10 * side.index() as u32 + number as u32;
+            let name = format!("{}.{name}", side.name());
+            input((index, wheelset), (id, &name, text), (unit, None), 0.0, rail_input(wheelsets, index, side, number))
         })
     };
     Side::BOTH.into_iter().flat_map(of_side).collect()
@@ -204,21 +195,34 @@ fn axle_inputs(scene: &Scene, index: usize, (wheelset, driven): (&str, bool)) ->
     let moves = |input| input != LONGITUDINAL_FORCE || !driven;
     let shown = rows.into_iter().filter(|row| scene.interface.inputs.contains(&row.1) && moves(row.5));
     shown
-        .map(|(id, _, name, unit, min, input, text)| Variable {
-            reference: WHEELSET * (index as u32 + 1) + id,
-            name: format!("{wheelset}.{name}"),
-            description: text.into(),
-            kind: Kind::Real,
-            causality: "input",
-            variability: "continuous",
-            initial: None,
-            unit,
-            start: Some(NEUTRAL_INPUTS[input]),
-            min,
-            max: None,
-            role: Role::Input(input_index(index, input)),
+        .map(|(id, _, name, unit, min, number, text)| {
+            input((index, wheelset), (id, name, text), (unit, min), NEUTRAL_INPUTS[number], input_index(index, number))
         })
         .collect()
+}
+
+/// The input `place` of the model, at a wheelset: index and name of that; number, name and words; unit and least value; neutral value.
+fn input(
+    (index, wheelset): (usize, &str),
+    (id, name, text): (u32, &str, &str),
+    (unit, min): (Unit, Option<f64>),
+    neutral: f64,
+    place: usize,
+) -> Variable {
+    Variable {
+        reference: WHEELSET * (index as u32 + 1) + id,
+        name: format!("{wheelset}.{name}"),
+        description: text.into(),
+        kind: Kind::Real,
+        causality: "input",
+        variability: "continuous",
+        initial: None,
+        unit,
+        start: Some(neutral),
+        min,
+        max: None,
+        role: Role::Input(place),
+    }
 }
 
 /// Counters of work; those of constraints only where contact is one, those of implicit methods only with one.

@@ -4,8 +4,8 @@
 //! Lists may name inputs that a scene does not have.
 
 use crate::formulation::{
-    DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_SLOPE, RAIL_LATERAL_VELOCITY,
-    RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, RAIL_VERTICAL_VELOCITY, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS,
+    DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, RAIL_INPUTS, RAIL_LATERAL_VELOCITY, RIGHT_FRICTION, VERTICAL_FORCE,
+    WHEELSET_INPUTS,
 };
 use crate::geometry::Side;
 
@@ -18,55 +18,39 @@ pub(super) enum Depends {
     On(&'static [usize]),
 }
 
+/// Where the inputs of the rail under each wheel begin; its displacements stand before its velocities and slopes.
 const LEFT_RAIL: usize = WHEELSET_INPUTS;
 const RIGHT_RAIL: usize = WHEELSET_INPUTS + RAIL_INPUTS;
-const LY: usize = LEFT_RAIL + RAIL_LATERAL;
-const LZ: usize = LEFT_RAIL + RAIL_VERTICAL;
-const LVY: usize = LEFT_RAIL + RAIL_LATERAL_VELOCITY;
-const LVZ: usize = LEFT_RAIL + RAIL_VERTICAL_VELOCITY;
-const LSY: usize = LEFT_RAIL + RAIL_LATERAL_SLOPE;
-const LSZ: usize = LEFT_RAIL + RAIL_VERTICAL_SLOPE;
-const RY: usize = RIGHT_RAIL + RAIL_LATERAL;
-const RZ: usize = RIGHT_RAIL + RAIL_VERTICAL;
-const RVY: usize = RIGHT_RAIL + RAIL_LATERAL_VELOCITY;
-const RVZ: usize = RIGHT_RAIL + RAIL_VERTICAL_VELOCITY;
-const RSY: usize = RIGHT_RAIL + RAIL_LATERAL_SLOPE;
-const RSZ: usize = RIGHT_RAIL + RAIL_VERTICAL_SLOPE;
+const DISPLACEMENTS: usize = RAIL_LATERAL_VELOCITY;
+const BOTH_RAILS: usize = 2 * RAIL_INPUTS;
+
+/// `listed`, then inputs in their order beginning with `from`, `N` in all.
+const fn then<const M: usize, const N: usize>(listed: [usize; M], from: usize) -> [usize; N] {
+    let mut all = [from; N];
+    let mut i = 0;
+    while i < N {
+        all[i] = if i < M { listed[i] } else { from + i - M };
+        i += 1;
+    }
+    all
+}
+
+/// What acts on the whole wheelset: an input, and with frictions the rails.
+const fn and_wheels(input: usize) -> [usize; 3 + BOTH_RAILS] {
+    then([input, LEFT_FRICTION, RIGHT_FRICTION], LEFT_RAIL)
+}
 
 /// Coordinates and velocities alone.
 pub(super) const STATE: Depends = Depends::Only(&[]);
 /// Frictions of both wheels, and with them the rails under them.
-pub(super) const FRICTION_INPUTS: &[usize] = &[LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, LSY, LSZ, RY, RZ, RVY, RVZ, RSY, RSZ];
+pub(super) const FRICTION_INPUTS: &[usize] = &then::<2, { 2 + BOTH_RAILS }>([LEFT_FRICTION, RIGHT_FRICTION], LEFT_RAIL);
 pub(super) const FRICTIONS: Depends = Depends::On(FRICTION_INPUTS);
 /// A torque about the axle turns it by rounding only, but not by nothing.
-pub(super) const TURNING: Depends =
-    Depends::On(&[DRIVE_TORQUE, LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, LSY, LSZ, RY, RZ, RVY, RVZ, RSY, RSZ]);
-pub(super) const ALONG: Depends =
-    Depends::On(&[LONGITUDINAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, LSY, LSZ, RY, RZ, RVY, RVZ, RSY, RSZ]);
-pub(super) const ACROSS: Depends =
-    Depends::On(&[LATERAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, LSY, LSZ, RY, RZ, RVY, RVZ, RSY, RSZ]);
-pub(super) const UPWARD: Depends =
-    Depends::On(&[VERTICAL_FORCE, LEFT_FRICTION, RIGHT_FRICTION, LY, LZ, LVY, LVZ, LSY, LSZ, RY, RZ, RVY, RVZ, RSY, RSZ]);
-pub(super) const ALL: &[usize] = &[
-    DRIVE_TORQUE,
-    LATERAL_FORCE,
-    VERTICAL_FORCE,
-    LEFT_FRICTION,
-    RIGHT_FRICTION,
-    LONGITUDINAL_FORCE,
-    LY,
-    LZ,
-    LVY,
-    LVZ,
-    LSY,
-    LSZ,
-    RY,
-    RZ,
-    RVY,
-    RVZ,
-    RSY,
-    RSZ,
-];
+pub(super) const TURNING: Depends = Depends::On(&and_wheels(DRIVE_TORQUE));
+pub(super) const ALONG: Depends = Depends::On(&and_wheels(LONGITUDINAL_FORCE));
+pub(super) const ACROSS: Depends = Depends::On(&and_wheels(LATERAL_FORCE));
+pub(super) const UPWARD: Depends = Depends::On(&and_wheels(VERTICAL_FORCE));
+pub(super) const ALL: &[usize] = &then::<0, { WHEELSET_INPUTS + BOTH_RAILS }>([], 0);
 
 /// Outputs of one wheel.
 #[derive(Clone, Copy)]
@@ -82,19 +66,15 @@ pub(super) struct WheelDepends {
 }
 
 pub(super) fn of_wheel(side: Side) -> WheelDepends {
-    match side {
-        Side::Left => WheelDepends {
-            place: Depends::Only(&[LY, LZ]),
-            slip: Depends::Only(&[LY, LZ, LVY, LVZ, LSY, LSZ]),
-            pressing: Depends::On(&[LY, LZ, LVY, LVZ, LSY, LSZ]),
-            friction: Depends::On(&[LEFT_FRICTION, LY, LZ, LVY, LVZ, LSY, LSZ]),
-        },
-        Side::Right => WheelDepends {
-            place: Depends::Only(&[RY, RZ]),
-            slip: Depends::Only(&[RY, RZ, RVY, RVZ, RSY, RSZ]),
-            pressing: Depends::On(&[RY, RZ, RVY, RVZ, RSY, RSZ]),
-            friction: Depends::On(&[RIGHT_FRICTION, RY, RZ, RVY, RVZ, RSY, RSZ]),
-        },
+    const LEFT: &[usize; 1 + RAIL_INPUTS] = &then([LEFT_FRICTION], LEFT_RAIL);
+    const RIGHT: &[usize; 1 + RAIL_INPUTS] = &then([RIGHT_FRICTION], RIGHT_RAIL);
+    let friction: &'static [usize] = if side == Side::Left { LEFT } else { RIGHT };
+    let motion = &friction[1..];
+    WheelDepends {
+        place: Depends::Only(&motion[..DISPLACEMENTS]),
+        slip: Depends::Only(motion),
+        pressing: Depends::On(motion),
+        friction: Depends::On(friction),
     }
 }
 

@@ -4,7 +4,7 @@
 //! connecting lines are seen. Both axes have the same scale.
 
 use super::axis::Axis;
-use super::{Area, BLACK_GREY, BLUE, DrawingError, FINE, GREY, ORANGE, px, write_sheet};
+use super::{Area, BLACK_GREY, BLUE, DrawingError, FINE, GREY, ORANGE, fine_mesh, px, write_sheet};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::path::Path;
@@ -83,16 +83,11 @@ fn draw_section<'a>(area: &Area<'a>, section: &Section) -> Result<(), DrawingErr
         .x_label_area_size(px(BOTTOM))
         .y_label_area_size(px(LEFT))
         .build_cartesian_2d(Axis { range: (x, x + width), most: 9 }, Axis { range: (z, z + height), most: 8 })?;
-    chart
-        .configure_mesh()
+    fine_mesh(&mut chart, 13)
         .x_desc("across the track, left positive [mm]")
         .y_desc("height [mm]")
         .x_label_formatter(&|value| super::short(-value))
-        .light_line_style(TRANSPARENT)
         .bold_line_style(GREY.mix(0.2).stroke_width(FINE))
-        .axis_style(GREY.stroke_width(FINE))
-        .set_all_tick_mark_size(px(5))
-        .label_style((FONT, px(13)))
         .draw()?;
     let inside = |point: &(f64, f64)| point.0 >= x && point.0 <= x + width && point.1 >= z && point.1 <= z + height;
     for Touching { shift: y, wheel, rail } in section.pairs.iter().filter(|pair| inside(&pair.wheel) && inside(&pair.rail)) {

@@ -4,7 +4,7 @@
 //! Like the pair diagram the sheet is drawn larger than it is shown, because the drawing library rounds coordinates.
 
 use super::axis::Axis;
-use super::{Area, BLACK_GREY, DrawingError, FINE, GREY, extent, limits, px, write_sheet};
+use super::{Area, BLACK_GREY, DrawingError, FINE, GREY, extent, fine_mesh, limits, px, write_sheet};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -71,16 +71,7 @@ fn draw_panel<'a>(area: &Area<'a>, panel: &Panel) -> Result<(), DrawingError<'a>
         .x_label_area_size(px(42))
         .y_label_area_size(px(LABELS))
         .build_cartesian_2d(Axis { range, most: 9 }, Axis { range: (low, high), most: 7 })?;
-    chart
-        .configure_mesh()
-        .x_desc(panel.x)
-        .y_desc(panel.y)
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(GREY.mix(0.25).stroke_width(FINE))
-        .axis_style(GREY.stroke_width(FINE))
-        .set_all_tick_mark_size(px(5))
-        .label_style((FONT, px(13)))
-        .draw()?;
+    fine_mesh(&mut chart, 13).x_desc(panel.x).y_desc(panel.y).draw()?;
     for curve in &panel.curves {
         let style = curve.color.stroke_width(FINE * 2);
         for branch in &curve.branches {

@@ -4,7 +4,7 @@
 //! people with the common colour deficiencies tell apart, the yellow one darkened; marks tell series apart without colour. The legend
 //! stands above the panels, where it covers nothing.
 
-use super::{Area, BLACK_GREY, DrawingError, FINE, GREY, extent, px, write_sheet};
+use super::{Area, BLACK_GREY, DrawingError, FINE, GREY, extent, fine_mesh, px, write_sheet};
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
@@ -226,16 +226,7 @@ fn draw_panel<'a>(area: &Area<'a>, axes: [&str; 2], panel: &Panel, [x, y]: [&Log
         .x_label_area_size(px(44))
         .y_label_area_size(px(74))
         .build_cartesian_2d(x.clone(), y.clone())?;
-    chart
-        .configure_mesh()
-        .x_desc(axes[0])
-        .y_desc(axes[1])
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(GREY.mix(0.25).stroke_width(FINE))
-        .axis_style(GREY.stroke_width(FINE))
-        .set_all_tick_mark_size(px(5))
-        .label_style((FONT, px(13)))
-        .draw()?;
+    fine_mesh(&mut chart, 13).x_desc(axes[0]).y_desc(axes[1]).draw()?;
     for level in &panel.levels {
         let line = DashedPathElement::new([(x.low, *level), (x.high, *level)], px(6), px(4), BLACK_GREY.stroke_width(FINE));
         chart.draw_series([line])?;

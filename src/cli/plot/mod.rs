@@ -12,7 +12,9 @@ mod section;
 pub(super) use overview::{overview, prepare};
 pub(super) use section::section;
 
+use plotters::chart::MeshStyle;
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::prelude::*;
 use std::path::Path;
 
@@ -30,6 +32,24 @@ const FINE: u32 = 8;
 /// Units of a fine sheet for a length in pixels.
 const fn px(pixels: u32) -> i32 {
     (FINE * pixels) as i32
+}
+
+/// Axes and grid of a diagram on a fine sheet, with labels of a height in pixels; words along the axes are the caller's.
+fn fine_mesh<'a, 'b, 's, X, Y>(
+    chart: &'b mut ChartContext<'a, SVGBackend<'s>, Cartesian2d<X, Y>>,
+    label: u32,
+) -> MeshStyle<'a, 'b, X, Y, SVGBackend<'s>>
+where
+    X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    let mut mesh = chart.configure_mesh();
+    mesh.light_line_style(TRANSPARENT)
+        .bold_line_style(GREY.mix(0.25).stroke_width(FINE))
+        .axis_style(GREY.stroke_width(FINE))
+        .set_all_tick_mark_size(px(5))
+        .label_style(("sans-serif", px(label)));
+    mesh
 }
 
 /// Draws a sheet of a size in pixels [`FINE`] times larger and writes it so that it is shown in that size.

@@ -7,7 +7,7 @@
 //! so that curves stay smooth.
 
 use super::axis::Axis;
-use super::{Area, BLUE, DrawingError, GREY, ORANGE, distance_range, limits};
+use super::{Area, BLUE, DrawingError, FINE, GREY, ORANGE, distance_range, fine_mesh, limits, px, write_sheet};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -33,14 +33,6 @@ pub(in crate::cli) struct PairDiagram<'a> {
     pub difference: Vec<(f64, f64)>,
 }
 
-/// Units of the sheet per pixel.
-const FINE: u32 = 8;
-
-/// Units for a length in pixels.
-const fn px(pixels: u32) -> i32 {
-    (FINE * pixels) as i32
-}
-
 /// Pixels.
 const WIDTH: u32 = 900;
 const HEIGHT: u32 = 580;
@@ -55,10 +47,7 @@ const FONT: &str = "sans-serif";
 
 /// Draws the diagram into `file`.
 pub(in crate::cli) fn draw(file: &Path, diagram: &PairDiagram) -> Result<(), String> {
-    let mut svg = String::new();
-    let sheet = |svg: &mut String| -> Result<(), DrawingError> {
-        let root = SVGBackend::with_string(svg, (FINE * WIDTH, FINE * HEIGHT)).into_drawing_area();
-        root.fill(&WHITE)?;
+    write_sheet(file, (WIDTH, HEIGHT), |root| {
         let (head, below) = root.split_vertically(px(HEAD));
         let (upper, lower) = below.split_vertically(px(HEIGHT - HEAD - FOOT));
         let distances = diagram.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.0));
@@ -66,12 +55,8 @@ pub(in crate::cli) fn draw(file: &Path, diagram: &PairDiagram) -> Result<(), Str
         draw_head(&head, diagram)?;
         draw_curves(&upper, diagram, range)?;
         draw_difference(&lower, diagram, range)?;
-        root.present()
-    };
-    sheet(&mut svg).map_err(|error| format!("{}: can't be drawn: {error}", file.display()))?;
-    let drawn = format!("width=\"{}\" height=\"{}\"", FINE * WIDTH, FINE * HEIGHT);
-    let svg = svg.replacen(&drawn, &format!("width=\"{WIDTH}\" height=\"{HEIGHT}\""), 1);
-    std::fs::write(file, svg).map_err(|error| format!("{}: can't be written: {error}", file.display()))
+        Ok(())
+    })
 }
 
 fn first_style() -> ShapeStyle {
@@ -118,16 +103,7 @@ fn draw_curves<'a>(area: &Area<'a>, diagram: &PairDiagram, range: (f64, f64)) ->
         .x_label_area_size(px(10))
         .y_label_area_size(px(LEFT))
         .build_cartesian_2d(along, up)?;
-    chart
-        .configure_mesh()
-        .y_desc(diagram.axis)
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(GREY.mix(0.25).stroke_width(FINE))
-        .axis_style(GREY.stroke_width(FINE))
-        .set_all_tick_mark_size(px(5))
-        .x_label_formatter(&|_| String::new())
-        .label_style((FONT, px(14)))
-        .draw()?;
+    fine_mesh(&mut chart, 14).y_desc(diagram.axis).x_label_formatter(&|_| String::new()).draw()?;
     chart.draw_series(LineSeries::new(first, first_style()))?;
     chart.draw_series(DashedLineSeries::new(second, DASH, GAP, second_style()))?;
     Ok(())
@@ -154,16 +130,7 @@ fn draw_difference<'a>(area: &Area<'a>, diagram: &PairDiagram, range: (f64, f64)
         .x_label_area_size(px(40))
         .y_label_area_size(px(LEFT))
         .build_cartesian_2d(along, up)?;
-    chart
-        .configure_mesh()
-        .x_desc("distance [m]")
-        .y_desc(format!("difference [{unit}]"))
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(GREY.mix(0.25).stroke_width(FINE))
-        .axis_style(GREY.stroke_width(FINE))
-        .set_all_tick_mark_size(px(5))
-        .label_style((FONT, px(14)))
-        .draw()?;
+    fine_mesh(&mut chart, 14).x_desc("distance [m]").y_desc(format!("difference [{unit}]")).draw()?;
     chart.draw_series(LineSeries::new(values, BLACK.mix(0.75).stroke_width(FINE + FINE / 4)))?;
     Ok(())
 }
