@@ -201,12 +201,25 @@ impl WheelSearch {
         let own = wheel.model.formulation.memory_per_contact();
         let (memory, rest) = memory.split_at_mut(own);
         let mut record = Record::new(rest, wheel.model.points);
-        if record.holds(wheel)
+        let pose = record::pose(wheel);
+        if record.holds(&pose)
+            && self.as_watched(wheel, &pose, memory, &mut record)
             && let Some(places) = self.follow(wheel, tread, memory, &mut record)
         {
             return Ok(places);
         }
-        self.search(wheel, tread, memory, &mut record)
+        self.search(wheel, tread, &pose, memory, &mut record)
+    }
+
+    /// Is what must be watched as it was?
+    #[inline]
+    fn as_watched(&self, wheel: &WheelAt, pose: &[f64; 6], memory: &[f64], record: &mut Record) -> bool {
+        let Some(watch) = record.watch(pose) else { return true };
+        let holds = self.search.watched(&wheel.pair(), REACH, &watch, &warm_start(memory));
+        if let Some(budget) = holds {
+            record.watched(pose, budget);
+        }
+        holds.is_some()
     }
 
     /// The known places, each from where it was; `None` where one of them is not found so.
@@ -247,6 +260,7 @@ impl WheelSearch {
         &self,
         wheel: &WheelAt,
         tread: Option<&ContactLocation>,
+        pose: &[f64; 6],
         memory: &mut [f64],
         record: &mut Record,
     ) -> Result<Places, ContactFailure> {
@@ -285,7 +299,7 @@ impl WheelSearch {
             record.keep(slot, &location.parameters, location.penetration, memory);
             places[slot] = Some(Place { location, share: 1.0 });
         }
-        let steady = if minima.delicate { 0.0 } else { minima.steady.min(minima.clearance) };
+        let steady = minima.apart.min(minima.clearance);
         // One that found no number matters when it touches, or when it becomes deeper than one that has a number.
         let deepest_left =
             left.iter().take(count).enumerate().filter(|(_, left)| **left).map(|(i, _)| minima[i].distance).fold(f64::INFINITY, f64::min);
@@ -293,7 +307,7 @@ impl WheelSearch {
         let steady = steady.min(deepest_left.max(0.5 * (deepest_left - shallowest))).max(0.0);
         let (saddles, steady) = ridges(&pair, &minima, &numbers, &places, steady);
         share_out(&mut places, &saddles);
-        record.renew(wheel, steady, &saddles);
+        record.renew(pose, steady, (&minima.watch, minima.steady), &saddles);
         Ok(places)
     }
 }

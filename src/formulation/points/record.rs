@@ -1,7 +1,7 @@
 //! What a wheel with several contacts remembers: where they were, and how long no search is needed.
 //!
-//! Part of the contact's memory behind that of its formulation: budget [m], the pose it counts from (6 numbers), one mark per
-//! contact (1: followed), then for each contact but the first (whose place stands where that of a single contact does) u,
+//! Part of the contact's memory behind that of its formulation: budget [m] and the pose it counts from (6 numbers), the same for the
+//! part of the wheel that is watched, its first and last knot and the number of stationary distances there, one mark per contact (1: followed), then for each contact but the first (whose place stands where that of a single contact does) u,
 //! angle, lead, eta, penetration and a mark (1: it was pressed at the last event), then for as many ridges u, angle, lead, eta
 //! and the numbers, from 1, of the contacts on both sides (0: no ridge).
 
@@ -9,10 +9,14 @@ use super::super::loading::{WheelAt, keep};
 use super::share::{Saddle, Saddles};
 use super::{MOST_POINTS, warm_start};
 use crate::contact::search::algebraic::SurfaceParameters;
-use crate::contact::search::global::{MOST, Minimum};
+use crate::contact::search::global::{MOST, Minimum, Watch};
 
-const POSE: usize = 1;
-const MARKS: usize = 7;
+/// A budget and its pose.
+const ALLOWANCE: usize = 7;
+const WATCHED: usize = ALLOWANCE;
+const KNOTS: usize = WATCHED + ALLOWANCE;
+const COUNT: usize = KNOTS + 2;
+const MARKS: usize = COUNT + 1;
 const PER_CONTACT: usize = 6;
 const DEPTH: usize = 4;
 const PRESSED: usize = 5;
@@ -93,20 +97,31 @@ impl<'a> Record<'a> {
 
     /// Has the wheel moved less than the budget against its rail since the last search?
     #[inline]
-    pub fn holds(&self, wheel: &WheelAt) -> bool {
-        let budget = self.values[0];
-        budget > 0.0 && {
-            let then = &self.values[POSE..MARKS];
-            let now = pose(wheel);
-            let change = |i: usize| (now[i] - then[i]).abs();
-            change(0) + change(1) + ARM * (change(2) + change(3)) + LEAD * (change(4) + change(5)) < budget
-        }
+    pub fn holds(&self, now: &[f64; 6]) -> bool {
+        allows(&self.values[..ALLOWANCE], now)
     }
 
-    /// A search has been made here.
-    pub(super) fn renew(&mut self, wheel: &WheelAt, budget: f64, saddles: &Saddles) {
+    /// What must be looked at because the wheel has moved by more than that allows; `None` where there is nothing.
+    #[inline]
+    pub fn watch(&self, now: &[f64; 6]) -> Option<Watch> {
+        let knots = [0, 1].map(|i| self.values[KNOTS + i] as usize);
+        let due = knots[0] < knots[1] && !allows(&self.values[WATCHED..WATCHED + ALLOWANCE], now);
+        due.then(|| Watch { knots: (knots[0], knots[1]), count: self.values[COUNT] as usize })
+    }
+
+    /// It has been looked at, and stays as it is for a motion of `budget` [m].
+    #[inline]
+    pub fn watched(&mut self, now: &[f64; 6], budget: f64) {
+        self.values[WATCHED] = budget;
+        self.values[WATCHED + 1..WATCHED + ALLOWANCE].copy_from_slice(now);
+    }
+
+    /// A search has been made here, which holds for a motion by `budget` [m] but for what is watched, and there by `watched` [m].
+    pub(super) fn renew(&mut self, now: &[f64; 6], budget: f64, (watch, watched): (&Watch, f64), saddles: &Saddles) {
         self.values[0] = budget;
-        self.values[POSE..MARKS].copy_from_slice(&pose(wheel));
+        self.values[1..ALLOWANCE].copy_from_slice(now);
+        self.watched(now, watched);
+        (self.values[KNOTS], self.values[KNOTS + 1], self.values[COUNT]) = (watch.knots.0 as f64, watch.knots.1 as f64, watch.count as f64);
         for (i, saddle) in saddles.iter().enumerate().take(self.points - 1) {
             let sides = self.ridge_place(i) + BETWEEN;
             self.values[sides..sides + 2].copy_from_slice(&saddle.map_or([0.0; 2], |saddle| saddle.between.map(|slot| (slot + 1) as f64)));
@@ -185,10 +200,20 @@ impl<'a> Record<'a> {
     }
 }
 
+/// Is a pose no further from that of a budget than the budget?
+#[inline]
+fn allows(allowance: &[f64], now: &[f64; 6]) -> bool {
+    let (budget, then) = (allowance[0], &allowance[1..]);
+    budget > 0.0 && {
+        let change = |i: usize| (now[i] - then[i]).abs();
+        change(0) + change(1) + ARM * (change(2) + change(3)) + LEAD * (change(4) + change(5)) < budget
+    }
+}
+
 /// Where the wheelset stands against the rail: offset of the centre from the rail's line (lateral, vertical) [m], direction of the
 /// axle (X and Z parts) and of the rail (Y and Z parts).
 #[inline]
-fn pose(wheel: &WheelAt) -> [f64; 6] {
+pub(super) fn pose(wheel: &WheelAt) -> [f64; 6] {
     let motion = wheel.motion;
     let rail = wheel.model.track.rail(wheel.side);
     let section = rail.section(motion.distance);

@@ -25,6 +25,7 @@ use super::GlobalSearch;
 use super::curve::Bounds;
 use super::foot::Foot;
 use super::view::View;
+use super::watch::Certificates;
 use crate::contact::search::algebraic::Pair;
 use nalgebra::Vector2;
 
@@ -51,7 +52,7 @@ pub(super) struct Bracket {
 }
 
 /// Most roots that are looked into; no pair of profiles in use has more than nine.
-const MOST: usize = 24;
+pub(super) const MOST: usize = 24;
 /// Halvings of a single stretch at most, and the difference in depth, m, of a pair of minimum and maximum that may be missed.
 const DEPTH: usize = 6;
 const SHALLOW: f64 = 2e-8;
@@ -82,7 +83,7 @@ pub(super) struct Scan<'a> {
     /// Last place known to be above the reach, u.
     above: f64,
     pub clearance: f64,
-    pub steady: f64,
+    pub certificates: Certificates,
     /// Sign of phi' in the part that was decided last, if that was what decided it.
     bend: Option<bool>,
 }
@@ -103,24 +104,24 @@ struct Part<'a> {
 
 impl<'a> Scan<'a> {
     /// A scan that has not begun.
-    pub fn seen(search: &'a GlobalSearch, pair: &'a Pair<'a>, view: View) -> Self {
+    pub fn seen(search: &'a GlobalSearch, pair: &'a Pair<'a>, view: View, reach: f64) -> Self {
         Scan {
             search,
             pair,
             view,
-            reach: f64::INFINITY,
+            reach,
             brackets: [None; MOST],
             count: 0,
             above: search.wheel.knots[0].x,
             clearance: f64::INFINITY,
-            steady: MOST_STEADY,
+            certificates: Certificates::NONE,
             bend: None,
         }
     }
 
     pub fn run(search: &'a GlobalSearch, pair: &'a Pair<'a>, view: View, reach: f64) -> Self {
         let knots = &search.wheel.knots;
-        let mut scan = Scan { reach, ..Scan::seen(search, pair, view) };
+        let mut scan = Scan::seen(search, pair, view, reach);
         let last = knots.len() - 1;
         let a = scan.at_knot(0, 0.0);
         let b = scan.at_knot(last, search.rail.curve.stretches.len() as f64);
@@ -138,6 +139,16 @@ impl<'a> Scan<'a> {
             }
         }
         scan
+    }
+
+    /// Scans the stretches between two knots alone; the rail lies opposite the wheel about where eta - u is `offset` [m].
+    pub fn part(&mut self, (from, to): (usize, usize), offset: f64) {
+        let mut a = self.at_knot(from, self.search.rail.place(self.search.wheel.knots[from].x + offset));
+        for stretch in from..to {
+            let b = self.at_knot(stretch + 1, a.foot);
+            self.block(self.search.leaves + stretch, stretch, 1, &a, &b);
+            a = b;
+        }
     }
 
     #[inline]
@@ -260,7 +271,7 @@ impl<'a> Scan<'a> {
         let bending = self.bending(wheel, &limits);
         if bending.0 > 0.0 || bending.1 < 0.0 {
             let minimum = bending.0 > 0.0;
-            self.bent(minimum, &limits, a);
+            self.bent(minimum, &limits, a, first);
             if (a.phi < 0.0) == minimum && (b.phi < 0.0) != minimum {
                 self.descend(first, (first + size).min(self.search.wheel.stretches.len()), a, b, minimum);
             }
@@ -270,7 +281,7 @@ impl<'a> Scan<'a> {
             return self.beyond(limits.distance.0, a, b);
         }
         if margin > 0.0 {
-            self.steady = self.steady.min(margin * ARM);
+            self.certificates.add(margin * ARM, (first, (first + size).min(self.search.wheel.stretches.len())));
             return self.pass(b);
         }
         if size == 1 {
@@ -313,11 +324,13 @@ impl<'a> Scan<'a> {
         }
     }
 
-    /// From `a` on phi' has one sign. If it had the other one before, a pair may be born at `a`.
+    /// From `a`, on a `stretch` of wheel, phi' has one sign. If it had the other one before, a pair may be born at `a`.
     #[inline]
-    fn bent(&mut self, grows: bool, limits: &Limits, a: &State) {
+    fn bent(&mut self, grows: bool, limits: &Limits, a: &State, stretch: usize) {
         if self.bend.replace(grows) == Some(!grows) {
-            self.steady = self.steady.min(a.phi.abs() / Self::turning(limits));
+            // The sign before it shows only on the stretch before.
+            let knots = (stretch.saturating_sub(1), stretch + 1);
+            self.certificates.add(a.phi.abs() / Self::turning(limits), knots);
         }
     }
 
@@ -343,7 +356,7 @@ impl<'a> Scan<'a> {
     fn stretch(&mut self, stretch: usize, bending: &(f64, f64), limits: &Limits, a: &State, b: &State) {
         let wheel = &self.search.wheel.stretches[stretch];
         if wheel.length == 0.0 {
-            self.steady = 0.0;
+            self.certificates.add(0.0, (stretch, stretch + 1));
             self.bend = None;
             self.ends(stretch, a, b);
         } else {
@@ -364,8 +377,10 @@ impl<'a> Scan<'a> {
         // By how much phi stays away from 0.
         let margin = if same { 0.5 * ((a.phi + b.phi).abs() - whole.most * length) } else { 0.0 };
         let free = margin / Self::turning(whole.limits);
-        if margin > 0.0 && free >= self.steady.min(USEFUL) {
-            (self.steady, self.bend) = (self.steady.min(free), None);
+        let knots = (whole.stretch, whole.stretch + 1);
+        if margin > 0.0 && free >= self.certificates.steady.min(USEFUL) {
+            self.certificates.add(free, knots);
+            self.bend = None;
             return;
         }
         let most = more(a.phi.abs(), b.phi.abs()) + whole.most * length;
@@ -373,13 +388,14 @@ impl<'a> Scan<'a> {
             let rail = self.search.rail.facing_within(a.foot, b.foot, SWAY * motion).curvature;
             let bending = self.bending(&self.search.wheel.stretches[whole.stretch], &Limits { phi: (-most, most), rail, ..*whole.limits });
             if bending.0 > 0.0 || bending.1 < 0.0 {
-                self.steady = self.steady.min(motion);
-                self.bent(bending.0 > 0.0, whole.limits, a);
+                self.certificates.add(motion, knots);
+                self.bent(bending.0 > 0.0, whole.limits, a, whole.stretch);
                 return self.ends(whole.stretch, a, b);
             }
         }
         if depth == 0 || whole.most * length * length < 8.0 * SHALLOW {
-            (self.steady, self.bend) = (self.steady.min(free.max(0.0)), None);
+            self.certificates.add(free.max(0.0), knots);
+            self.bend = None;
             return self.ends(whole.stretch, a, b);
         }
         let m = self.at(0.5 * (a.u + b.u), 0.5 * (a.foot + b.foot));

@@ -19,6 +19,7 @@ mod refine;
 #[cfg(test)]
 mod tests;
 mod view;
+mod watch;
 
 pub use polish::{Polished, is_least};
 pub use refine::Kink;
@@ -30,6 +31,7 @@ use curve::{Bounds, Curve};
 use foot::RailCurve;
 use refine::Spot;
 use view::View;
+pub use watch::Watch;
 
 /// Most minima of one wheel that are returned.
 pub const MOST: usize = 8;
@@ -76,6 +78,10 @@ pub struct Minima {
     /// this relative to the rail, m, and the wheel turns by no more than this over half a metre (at most 0.3 mm; 0 when
     /// `delicate`).
     pub steady: f64,
+    /// What `watch` leaves out keeps its minima while the wheel moves by no more than this, m; 0 when the watch is of no use.
+    pub apart: f64,
+    /// Where the list may change sooner.
+    pub watch: Watch,
     /// There is a stretch of wheel nearer than the reach where the relative curvature is not certified: minimum and ridge
     /// may be born or merge by a small motion.
     pub delicate: bool,
@@ -83,7 +89,7 @@ pub struct Minima {
 
 impl Default for Minima {
     fn default() -> Self {
-        Minima { list: [Minimum::default(); MOST], count: 0, clearance: f64::INFINITY, steady: 0.0, delicate: false }
+        Minima { list: [Minimum::default(); MOST], count: 0, clearance: f64::INFINITY, steady: 0.0, apart: 0.0, watch: Watch::default(), delicate: false }
     }
 }
 
@@ -153,17 +159,19 @@ impl GlobalSearch {
         let scan = Scan::run(self, pair, View::new(pair, None), reach);
         found.count = 0;
         found.clearance = scan.clearance;
-        found.steady = scan.steady;
+        found.steady = scan.certificates.steady;
+        let (mut stationary, mut whole) = ([f64::NAN; branch::MOST], true);
         let mut ridge: Option<Ridge> = None;
         // Where the basins of neighbours part: at a ridge, also one that is hidden or above the reach.
         let mut parting: Option<f64> = None;
-        for bracket in scan.brackets[..scan.count].iter().flatten() {
+        for (bracket, at) in scan.brackets[..scan.count].iter().flatten().zip(&mut stationary) {
             let spot = scan.refine(bracket);
+            *at = spot.map_or(f64::NAN, |spot| spot.u);
             if !bracket.minimum {
                 parting = Some(spot.map_or(bracket.a.u, |spot| spot.u));
             }
             let Some(spot) = spot else {
-                found.steady = 0.0;
+                (found.steady, whole) = (0.0, false);
                 continue;
             };
             let near = spot.distance < reach;
@@ -189,6 +197,12 @@ impl GlobalSearch {
             }
             (ridge, parting) = (None, None);
             found.push(Minimum { parameters, distance, basin, kink, slope, at_edge: edge, ridge_to_next: None });
+        }
+        let knots = &self.wheel.knots;
+        let between = |(from, to): (usize, usize)| stationary.iter().filter(|u| (knots[from].x..knots[to].x).contains(u)).count();
+        (found.watch, found.apart) = scan.certificates.watch(between);
+        if !whole {
+            found.apart = 0.0;
         }
         found.delicate = found.steady == 0.0;
     }

@@ -53,7 +53,7 @@ impl GlobalSearch {
         let mut parameters = minimum.parameters;
         for round in 1..=6 {
             let view = View::new(pair, Some(pair.distance + parameters.lead));
-            let scan = Scan::seen(self, pair, view);
+            let scan = Scan::seen(self, pair, view, f64::INFINITY);
             let guess = self.rail.place(parameters.rail);
             let (low, high) = (minimum.basin.0, minimum.basin.1);
             let mut span = 1e-6;

@@ -536,6 +536,48 @@ fn prop_minima_are_continuous_but_for_births_and_deaths_beside_a_ridge() {
     }
 }
 
+/// A pose in which no point of the wheel is further away than `length`: half by shifting, the rest by turning about a point on the
+/// tread.
+fn moved(scene: &Scene, pose: &Pose, length: f64, random: &mut Random) -> Pose {
+    let turn = 0.5 * length / branch::ARM * random.sign();
+    let about = Vector3::new(0.0, scene.wheel.side.sign() * 0.75 + pose.centre.y, 0.0);
+    let axes = AxleFrame::new(pose.yaw, pose.roll + turn).axes;
+    let turned = AxleFrame::new(0.0, turn).axes * (pose.centre - about) + about;
+    let shift = Vector3::new(0.0, random.sign(), random.sign()) * (0.45 * length);
+    Pose { centre: turned + shift, axes, roll: pose.roll + turn, ..pose.clone() }
+}
+
+#[test]
+fn prop_what_is_watched_shows_births_and_deaths() {
+    const REACH: f64 = 1e-3;
+    let (mut watched, mut held, mut changed, mut alarms) = (0, 0, 0, 0);
+    for scene in Scene::all() {
+        let mut random = Random::new(9);
+        for _ in 0..if RELEASE { 4000 } else { 200 } {
+            let pose = Pose::new(0.008 * random.sign(), 0.46 + 5e-4 * random.sign(), 0.01 * random.sign(), 0.003 * random.sign());
+            let (mut a, mut b) = (Minima::default(), Minima::default());
+            scene.search.find(&scene.pair(&pose), REACH, &mut a);
+            if a.is_empty() || a.apart == 0.0 || a.watch == Watch::default() || a.iter().any(|m| m.distance < -4e-3) {
+                continue;
+            }
+            watched += 1;
+            let again = scene.search.watched(&scene.pair(&pose), REACH, &a.watch, &a[0].parameters);
+            assert!(again.is_some(), "{} {pose:?}: a search and a look at a part of it differ, {:?}", scene.name, a.watch);
+            let moved = moved(&scene, &pose, a.apart, &mut random);
+            scene.search.find(&scene.pair(&moved), REACH, &mut b);
+            let holds = scene.search.watched(&scene.pair(&moved), REACH, &a.watch, &a[0].parameters).is_some();
+            let sure = |list: &Minima| list.iter().filter(|m| m.distance < REACH - 1.5 * a.apart).count();
+            let same = sure(&a) <= b.len() && sure(&b) <= a.len();
+            assert!(!holds || same, "{} {pose:?} {moved:?}\n{:?}\n{:?}", scene.name, &a[..], &b[..]);
+            held += usize::from(holds);
+            changed += usize::from(!same);
+            alarms += usize::from(same && !holds);
+        }
+    }
+    println!("{watched} poses with a watch: {held} hold, {changed} births and deaths, all of them seen, {alarms} other alarms");
+    assert!(changed > 10 && held * 2 > watched);
+}
+
 #[test]
 fn prop_steady_motion_keeps_the_minima() {
     const REACH: f64 = 1e-3;
@@ -555,13 +597,7 @@ fn prop_steady_motion_keeps_the_minima() {
                 continue;
             }
             certified += 1;
-            // Half of the motion by shifting, the rest by turning about a point on the tread.
-            let (steady, turn) = (a.steady, 0.5 * a.steady / branch::ARM * random.sign());
-            let about = Vector3::new(0.0, scene.wheel.side.sign() * 0.75 + pose.centre.y, 0.0);
-            let axes = AxleFrame::new(pose.yaw, pose.roll + turn).axes;
-            let turned = AxleFrame::new(0.0, turn).axes * (pose.centre - about) + about;
-            let shift = Vector3::new(0.0, random.sign(), random.sign()) * (0.45 * steady);
-            let moved = Pose { centre: turned + shift, axes, roll: pose.roll + turn, ..pose.clone() };
+            let (steady, moved) = (a.steady, moved(&scene, &pose, a.steady, &mut random));
             scene.search.find(&scene.pair(&moved), REACH, &mut b);
             let sure = |list: &Minima| list.iter().filter(|m| m.distance < REACH - 1.5 * steady).count();
             let (before, after) = (&a[..], &b[..]);
