@@ -172,6 +172,15 @@ mod tests {
             let deviation = |direction| Deviation { side, direction, shape: Arc::new(Wave) };
             let rail = Rail::new(side, Arc::new(Bent), 0.716, 0.025, &[deviation(Direction::Lateral), deviation(Direction::Vertical)]);
             check(|s, eta| rail_point(&rail, s, eta).0, rail_third_derivatives(&rail, 0.8, 0.01, &Bent.at(0.01)), 0.8, 0.01);
+            for ahead in [5e-6f64, -5e-6, 2e-3] {
+                let (there, continued) = (rail.section(0.8 + ahead), rail.section(0.8).continued(ahead));
+                let near = |error: Vector3<f64>, power: i32, factor: f64| {
+                    assert!(error.norm() < 0.03 * ahead.abs().powi(power) / factor + 2e-16, "{ahead} {power}: {}", error.norm());
+                };
+                near(there.origin - continued.origin, 4, 24.0);
+                near(there.d1 - continued.d1, 3, 6.0);
+                near(there.d2 - continued.d2, 2, 2.0);
+            }
 
             // The same on a track that bends, twists and climbs, more than any would.
             let node = |distance, curvature, superelevation, grade| Node { distance, curvature, superelevation, grade };

@@ -21,13 +21,13 @@
 //! T x e = 0,   v . M e = 0,   M = I - p p' / t^2,   p = (t . eta, t . h)
 //! ```
 //!
-//! M takes the length along t out of that in the section. Newton's method solves them for u and eta. Each iteration also tells how far
-//! ahead of the section the wheel's point lies; where the rail bends along the track, the next one is made in the section
-//! there. It errs by R times the change of the rail's direction in between, so that it need not be a Newton step itself. Whatever
-//! does not converge at once is left to the four equations.
+//! M takes the length along t out of that in the section. Newton's method solves them for u and eta. Each reading of the profiles also tells
+//! how far ahead of the section the wheel's point lies; where the rail bends along the track, wheel and rail are seen from the section
+//! there before the step is made. What is then left of that distance errs by the rail's change of direction in between. Whatever does
+//! not converge at once is left to the four equations.
 
 use super::algebraic::{ContactLocation, Pair, SurfaceParameters};
-use crate::geometry::profile::ProfilePoint;
+use crate::geometry::profile::{Piecewise, Profile, ProfilePoint};
 use crate::geometry::track::RailSection;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -41,6 +41,9 @@ const NO_STEP: f64 = 1e-14;
 const ROUNDING: f64 = 1e-16;
 /// Change of the rail's direction between the section and the contact that may be left out, rad.
 const TURN: f64 = 2e-12;
+/// Distance along the track, m, over which a section is continued by its third derivative: on a wave of 100 mm and 1 mm that errs
+/// by 3e-13 rad, on a bump of 10 mm by 3e-9 rad.
+const NEAR: f64 = 5e-6;
 /// Longer steps, m, and those after which the residual has grown, may lead to another place of contact.
 const LONGEST: f64 = 3e-4;
 /// Least cos^2 c: a steeper flank is not seen along the rail.
@@ -80,10 +83,48 @@ struct Reading {
     ahead: f64,
 }
 
+/// The profiles of wheel and rail as they are read.
+enum Profiles<'a> {
+    Tables([&'a Piecewise; 2]),
+    Any([&'a dyn Profile; 2]),
+}
+
+impl<'a> Profiles<'a> {
+    #[inline]
+    fn of(pair: &Pair<'a>) -> Self {
+        let any = [pair.wheel.profile.as_ref(), pair.rail.profile.as_ref()];
+        match any.map(|profile| profile.piecewise()) {
+            [Some(wheel), Some(rail)] => Profiles::Tables([wheel, rail]),
+            _ => Profiles::Any(any),
+        }
+    }
+
+    #[inline]
+    fn at(&self, u: f64, eta: f64) -> [ProfilePoint; 2] {
+        match self {
+            Profiles::Tables(both) => Piecewise::near_both(*both, [u, eta]),
+            Profiles::Any([wheel, rail]) => [wheel.at(u), rail.at(eta)],
+        }
+    }
+}
+
 impl Sight {
+    /// Seen from the section at a distance of `lead` [m] ahead of the wheelset's own.
     #[inline]
     fn new(pair: &Pair, lead: f64) -> Sight {
-        let section = pair.rail.section(pair.distance + lead);
+        Self::from(pair, lead, pair.rail.section(pair.distance + lead))
+    }
+
+    /// Seen from the section `ahead` [m] of this one.
+    #[inline]
+    fn moved(self, pair: &Pair, ahead: f64) -> Sight {
+        let lead = self.lead + ahead;
+        let smooth = ahead.abs() <= NEAR && !pair.rail.has_break_near(pair.distance + lead, NEAR);
+        if smooth { Self::from(pair, lead, self.section.continued(ahead)) } else { Self::new(pair, lead) }
+    }
+
+    #[inline]
+    fn from(pair: &Pair, lead: f64, section: RailSection) -> Sight {
         let axle = pair.axes.column(1) * pair.wheel.side.sign();
         let hub = pair.centre + axle * pair.wheel.half_spacing;
         let t = section.d1;
@@ -118,8 +159,7 @@ impl Sight {
     }
 
     #[inline]
-    fn read(&self, pair: &Pair, u: f64, eta: f64) -> Option<Reading> {
-        let (wheel, rail) = (pair.wheel.profile.at(u), pair.rail.profile.at(eta));
+    fn read(&self, [wheel, rail]: [ProfilePoint; 2], u: f64, eta: f64) -> Option<Reading> {
         let sin = self.k * wheel.d1;
         let cos2 = 1.0 - sin * sin;
         let speed = 1.0 - self.k2 * (wheel.d1 * wheel.d1 + wheel.value * wheel.d2);
@@ -174,13 +214,20 @@ impl Sight {
 /// The contact near `start` on a rail without a curved centre line; `None` where the iteration does not settle at once.
 #[inline]
 pub(super) fn locate(pair: &Pair, start: &SurfaceParameters) -> Option<ContactLocation> {
-    let mut sight = Sight::new(pair, start.lead);
+    let (profiles, mut sight) = (Profiles::of(pair), Sight::new(pair, start.lead));
     let (mut u, mut eta) = (start.wheel, start.rail);
     let mut last: Option<(f64, f64)> = None;
     for iteration in 0..MOST {
-        let at = sight.read(pair, u, eta)?;
-        let norm = at.residual.norm();
+        let points = profiles.at(u, eta);
+        let mut at = sight.read(points, u, eta)?;
+        if at.ahead.abs() * sight.bend > TURN {
+            sight = sight.moved(pair, at.ahead);
+            at = sight.read(points, u, eta)?;
+            // What was left of the residual in the other section says nothing about the step.
+            last = None;
+        }
         let turned = at.ahead.abs() * sight.bend > TURN;
+        let norm = at.residual.norm();
         // The next step is foreseen from the last one and the fall of the residual.
         let settled = norm <= ROUNDING || last.is_some_and(|(step, before)| step * norm <= NEXT_STEP * before);
         if settled && !turned {
@@ -199,10 +246,6 @@ pub(super) fn locate(pair: &Pair, start: &SurfaceParameters) -> Option<ContactLo
         }
         (u, eta) = (u - step.x, eta - step.y);
         last = Some((length, norm));
-        if turned {
-            // What is left of the residual there says nothing about the step.
-            (sight, last) = (Sight::new(pair, sight.lead + at.ahead), None);
-        }
     }
     None
 }

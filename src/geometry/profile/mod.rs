@@ -45,7 +45,7 @@ pub trait Profile: Send + Sync + std::fmt::Debug {
     /// is a continuation that only serves iterations on their way.
     fn at(&self, x: f64) -> ProfilePoint;
 
-    /// Value and slope, where nothing else is needed: those of [`Profile::at`] to within 1e-13 m and 1e-8.
+    /// Value and slope, where nothing else is needed: those of [`Profile::at`] to within 1e-13 m and 1e-10.
     #[inline]
     fn value_and_slope(&self, x: f64) -> (f64, f64) {
         let p = self.at(x);

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! so with h = 0.05 mm 4e-20 m on the level part of an arc of 13 mm, 1e-13 m where it stands at 70 degrees. Cells in which the
-//! quintic leaves the curve by more than [`CLOSE`], or in which a piece ends, are left out: there the curve itself is read.
+//! quintic leaves the curve by more than [`CLOSE`] or its slope by more than [`PARALLEL`] (beyond 62 degrees of that arc), or in which
+//! a piece ends, are left out: there the curve itself is read. Neighbouring cells have one curvature where they meet.
 
 use super::ProfilePoint;
 use super::piecewise::shifted;
@@ -17,7 +18,7 @@ use super::piecewise::shifted;
 const WIDTH: f64 = 5e-5;
 /// Furthest that a cell may be from the curve, m, and the same in slope.
 const CLOSE: f64 = 1e-13;
-const PARALLEL: f64 = 1e-8;
+const PARALLEL: f64 = 1e-10;
 
 /// Coefficients in powers of s; the first is NaN where the curve must be read.
 type Cell = [f64; 6];
@@ -50,6 +51,22 @@ fn sums<const N: usize>(cells: [&Cell; N], s: [f64; N]) -> ([f64; N], [f64; N]) 
         value = step(value, terms(power));
     }
     (value, slope)
+}
+
+/// Values and their derivatives per cell, the last of them halved and by 6, of several cells at once.
+#[inline(always)]
+fn derivatives<const N: usize>(cells: [&Cell; N], s: [f64; N]) -> [[f64; N]; 4] {
+    let step = |sum: [f64; N], add: [f64; N]| -> [f64; N] { std::array::from_fn(|i| sum[i] * s[i] + add[i]) };
+    let terms = |power: usize| -> [f64; N] { std::array::from_fn(|i| cells[i][power]) };
+    let top = terms(5);
+    let mut sums = [step(top, terms(4)), top, [0.0; N], [0.0; N]];
+    for power in (0..4).rev() {
+        sums[3] = if power == 3 { [0.0; N] } else { step(sums[3], sums[2]) };
+        sums[2] = if power == 3 { top } else { step(sums[2], sums[1]) };
+        sums[1] = step(sums[1], sums[0]);
+        sums[0] = step(sums[0], terms(power));
+    }
+    sums
 }
 
 /// Added to a number below 2^31 it leaves the nearest whole number in the last bits.
@@ -85,6 +102,17 @@ impl Table {
         // Below the first cell the last 32 bits make a very great number.
         let cell = self.cells.get(nearest.to_bits() as u32 as usize)?;
         (!cell[0].is_nan()).then_some((cell, place - (nearest - WHOLE)))
+    }
+
+    /// Two profiles at one coordinate each; `None` where the curve of one must be read.
+    #[inline(always)]
+    pub(super) fn near_both(tables: [&Table; 2], x: [f64; 2]) -> Option<[ProfilePoint; 2]> {
+        let ((one, s), (other, z)) = (tables[0].cell(x[0])?, tables[1].cell(x[1])?);
+        let [value, d1, d2, d3] = derivatives([one, other], [s, z]);
+        Some([0, 1].map(|i| {
+            let per = tables[i].cells_per_metre;
+            ProfilePoint { value: value[i], d1: d1[i] * per, d2: 2.0 * d2[i] * per * per, d3: 6.0 * d3[i] * per * per * per }
+        }))
     }
 
     /// Value and slope; `None` where the curve must be read.
@@ -123,16 +151,22 @@ mod tests {
         let profile = Piecewise::new(pieces, "two arcs".into()).unwrap();
         let (first, last) = profile.range();
         let (mut value, mut slope, mut exact) = (0.0f64, 0.0f64, 0);
+        let (mut bend, mut third) = (0.0f64, 0.0f64);
         const COUNT: u32 = 100_003;
         for i in 0..=COUNT {
             let x = first + (last - first) * f64::from(i) / f64::from(COUNT);
             let (point, found) = (profile.at(x), profile.value_and_slope(x));
             value = value.max((found.0 - point.value).abs());
             slope = slope.max((found.1 - point.d1).abs());
+            let [near, other] = Piecewise::near_both([&profile; 2], [x, 1e-3]);
+            assert!((near.value, near.d1) == found && (other.value - profile.at(1e-3).value).abs() < 1e-13);
+            bend = bend.max((near.d2 - point.d2).abs());
+            third = third.max((near.d3 - point.d3).abs());
             exact += u32::from(found == (point.value, point.d1));
         }
         println!("value within {value:.1e} m, slope within {slope:.1e}, {exact} of {COUNT} read from the curve or equal to it");
-        assert!(value < 1.1e-13 && slope < 1e-8);
+        println!("second derivative within {bend:.1e} 1/m, third within {third:.1e} 1/m2");
+        assert!(value < 1.1e-13 && slope < 1.1e-10 && bend < 1e-5 && third < 1.0);
         for x in [first - 1e-3, last + 1e-3, f64::NAN, 1e30, -1e30, 10e-3] {
             let point = profile.at(x);
             let found = profile.value_and_slope(x);

@@ -38,6 +38,21 @@ pub struct RailSection {
     pub up: Vector3<f64>,
 }
 
+impl RailSection {
+    /// The section `ahead` [m] on a straight centre line, continued by the derivatives that are known: off by the fourth one times
+    /// `ahead^4 / 24`, its direction by `ahead^3 / 6`.
+    #[inline]
+    pub fn continued(&self, ahead: f64) -> RailSection {
+        let half = 0.5 * ahead;
+        RailSection {
+            origin: self.origin + (self.d1 + (self.d2 + self.d3 * (ahead / 3.0)) * half) * ahead,
+            d1: self.d1 + (self.d2 + self.d3 * half) * ahead,
+            d2: self.d2 + self.d3 * ahead,
+            ..*self
+        }
+    }
+}
+
 /// One rail of the track.
 #[derive(Clone, Debug)]
 pub struct Rail {
