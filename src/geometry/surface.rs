@@ -191,6 +191,11 @@ mod tests {
                 let third = rail_third_derivatives(&rail, s, 0.01, &Bent.at(0.01));
                 check(|s, eta| rail_point(&rail, s, eta).0, third, s, 0.01);
                 let (h, section) = (1e-5, rail.section(s));
+                let (point, profile) = rail_point(&rail, s, 0.01);
+                assert!((section.tangent(0.01, profile.value) - point.t1).norm() < 1e-15);
+                let (there, continued) = (rail.section(s + 1e-5), section.continued(1e-5));
+                assert!((there.outward - continued.outward).norm() < 1e-12 && (there.up - continued.up).norm() < 1e-12);
+                assert!((there.origin - continued.origin).norm() < 1e-15 && (there.d1 - continued.d1).norm() < 1e-14);
                 let [ahead, behind] = [rail.section(s + h), rail.section(s - h)];
                 for (a, b, d) in
                     [(ahead.origin, behind.origin, section.d1), (ahead.d1, behind.d1, section.d2), (ahead.d2, behind.d2, section.d3)]

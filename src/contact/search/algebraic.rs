@@ -11,7 +11,7 @@
 //! As printed, row 2 of Eq. 24 uses the wheel's second tangent; at zero yaw that repeats row 1 (both are
 //! longitudinal) and the system is singular, so the rail's lateral tangent stands here. The equations are solved
 //! with n not normalised (same roots, polynomial derivatives); the penetration (Eq. 27) uses the unit normal:
-//! `delta = -r . n`, positive when the surfaces overlap. On a straight centre line two of them are solved beforehand ([`super::section`]).
+//! `delta = -r . n`, positive when the surfaces overlap. Two of them are solved beforehand wherever that goes ([`super::section`]).
 
 use super::section;
 use crate::contact::normal::{ContactShape, ProfileSection};
@@ -171,19 +171,13 @@ impl Pair<'_> {
         Ok((found.location(&x, iterations), found))
     }
 
-    /// The contact by two equations where they hold and settle.
-    #[inline]
-    fn locate_in_section(&self, start: &SurfaceParameters) -> Option<ContactLocation> {
-        if self.rail.line().is_none() { section::locate(self, start) } else { None }
-    }
-
     /// Finds the contact and what the surfaces are like there, from a warm start.
     ///
     /// # Errors
     /// [`NewtonFailure`] when the iteration finds no solution.
     #[inline]
     pub(super) fn solve(&self, start: &SurfaceParameters) -> Result<(ContactLocation, Candidate), NewtonFailure> {
-        let Some(location) = self.locate_in_section(start) else { return self.solve_four(start) };
+        let Some(location) = section::locate(self, start) else { return self.solve_four(start) };
         let p = &location.parameters;
         let (_, found) = self.residual(&Vector4::new(p.wheel, p.angle, p.lead, p.rail));
         Ok((location, found))
@@ -195,7 +189,7 @@ impl Pair<'_> {
     /// [`NewtonFailure`] when the iteration finds no solution.
     #[inline]
     pub fn locate(&self, start: &SurfaceParameters) -> Result<ContactLocation, NewtonFailure> {
-        self.locate_in_section(start).map_or_else(|| self.solve_four(start).map(|(location, _)| location), Ok)
+        section::locate(self, start).map_or_else(|| self.solve_four(start).map(|(location, _)| location), Ok)
     }
 }
 

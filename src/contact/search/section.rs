@@ -1,8 +1,7 @@
 //! Contact location in the rail's section: the four equations of [`super::algebraic`] with two unknowns left.
 //!
-//! Where rails follow a straight centre line their sections are parallel, and the tangent along the rail is t(s) all over a section
-//! (origin o(s), axes eta outward and h up). Then t_angle . n = 0 is solved by the wheel's angle and t_s . r = 0 by the distance
-//! s. With the axle a (outward), the direction w of t in the wheel's plane, D normal to both, downward, and the centre Q of the tread
+//! A section has the origin o(s) and the axes eta outward and h up; t is the rail's tangent along the track at the contact. Then
+//! t_angle . n = 0 is solved by the wheel's angle and t_s . r = 0 by the distance s. With the axle a (outward), the direction w of t in the wheel's plane, D normal to both, downward, and the centre Q of the tread
 //! circle, the wheel's point of coordinate u whose normal is normal to t is
 //!
 //! ```text
@@ -21,10 +20,12 @@
 //! T x e = 0,   v . M e = 0,   M = I - p p' / t^2,   p = (t . eta, t . h)
 //! ```
 //!
-//! M takes the length along t out of that in the section. Newton's method solves them for u and eta. Each reading of the profiles also tells
+//! M takes the length along t out of that in the section. On a straight centre line t is the same all over a section; where sections
+//! turn with omega it is `o' + omega x (eta, h)`, and what changes its direction is twist alone: a circle turns them about an axis in which
+//! they lie, and t only becomes longer or shorter. Newton's method solves them for u and eta. Each reading of the profiles also tells
 //! how far ahead of the section the wheel's point lies; where the rail bends along the track, wheel and rail are seen from the section
-//! there before the step is made. What is then left of that distance errs by the rail's change of direction in between. Whatever does
-//! not converge at once is left to the four equations.
+//! there before the step is made, along the t of the place where the rail was read. What is then left of that distance errs by the
+//! rail's change of direction in between. Whatever does not converge at once is left to the four equations.
 
 use super::algebraic::{ContactLocation, Pair, SurfaceParameters};
 use crate::geometry::profile::{Piecewise, Profile, ProfilePoint};
@@ -53,6 +54,9 @@ const LEAST_COS2: f64 = 0.05;
 struct Sight {
     lead: f64,
     section: RailSection,
+    /// Where on the section t is taken (eta, h), m, and t.
+    place: Vector2<f64>,
+    along: Vector3<f64>,
     hub: Vector3<f64>,
     axle: Vector3<f64>,
     forward: Vector3<f64>,
@@ -109,39 +113,39 @@ impl<'a> Profiles<'a> {
 }
 
 impl Sight {
-    /// Seen from the section at a distance of `lead` [m] ahead of the wheelset's own.
+    /// Seen from the section `ahead` [m] of this one, along the rail's tangent at `place`.
     #[inline]
-    fn new(pair: &Pair, lead: f64) -> Sight {
-        Self::from(pair, lead, pair.rail.section(pair.distance + lead))
-    }
-
-    /// Seen from the section `ahead` [m] of this one.
-    #[inline]
-    fn moved(self, pair: &Pair, ahead: f64) -> Sight {
+    fn moved(self, pair: &Pair, ahead: f64, place: Vector2<f64>) -> Sight {
         let lead = self.lead + ahead;
         let smooth = ahead.abs() <= NEAR && !pair.rail.has_break_near(pair.distance + lead, NEAR);
-        if smooth { Self::from(pair, lead, self.section.continued(ahead)) } else { Self::new(pair, lead) }
+        let section = if smooth { self.section.continued(ahead) } else { pair.rail.section(pair.distance + lead) };
+        Self::new(pair, lead, section, place)
     }
 
+    /// Seen from the `section` at a distance of `lead` [m] ahead of the wheelset's own, along the rail's tangent at `place`.
     #[inline]
-    fn from(pair: &Pair, lead: f64, section: RailSection) -> Sight {
+    fn new(pair: &Pair, lead: f64, section: RailSection, place: Vector2<f64>) -> Sight {
         let axle = pair.axes.column(1) * pair.wheel.side.sign();
         let hub = pair.centre + axle * pair.wheel.half_spacing;
-        let t = section.d1;
+        let t = section.tangent(place.x, place.y);
         let (x, z) = (pair.axes.column(0), pair.axes.column(2));
         let (forward, up, axial) = (x.dot(&t), z.dot(&t), axle.dot(&t));
         let across = (forward * forward + up * up).sqrt();
         let per_across = 1.0 / across;
         let k = axial * per_across;
         let down = (x * up - z * forward) * per_across;
+        let normal = section.outward.cross(&section.up);
+        let lean = t / normal.dot(&t);
         let flat = |v: Vector3<f64>| {
-            let v = v - t * (v.x / t.x);
+            let v = v - lean * normal.dot(&v);
             Vector2::new(v.dot(&section.outward), v.dot(&section.up))
         };
         let (to_hub, per_square) = (hub - section.origin, 1.0 / t.norm_squared());
         let p = Vector2::new(t.dot(&section.outward), t.dot(&section.up));
         Sight {
             lead,
+            place,
+            along: t,
             hub,
             axle,
             forward: (x * forward + z * up) * per_across,
@@ -153,7 +157,7 @@ impl Sight {
             flat_down: flat(down),
             metric: Matrix2::identity() - p * p.transpose() * per_square,
             ahead: [to_hub.dot(&t), axial, across, p.x, p.y].map(|along| along * per_square),
-            bend: section.d2.y.abs() + section.d2.z.abs(),
+            bend: section.d2.norm(),
             section,
         }
     }
@@ -185,12 +189,25 @@ impl Sight {
         Some(Reading { wheel, rail, sin, cos, residual, jacobian, ahead })
     }
 
+    /// By how much t at the place of a contact turns from the one that is looked along, rad: because the wheel's point is ahead of
+    /// the section, and because the rail was read at another `place`.
+    #[inline]
+    fn turned(&self, ahead: f64, place: &Vector2<f64>) -> f64 {
+        let bend = ahead.abs() * self.bend;
+        if self.section.turn == Vector3::zeros() {
+            return bend;
+        }
+        let off = place - self.place;
+        let change = self.section.turn.cross(&(self.section.outward * off.x + self.section.up * off.y));
+        bend + change.cross(&self.along).norm()
+    }
+
     #[inline]
     fn location(&self, pair: &Pair, u: f64, eta: f64, at: &Reading, iterations: usize) -> ContactLocation {
         let section = &self.section;
         let radial = self.forward * at.sin + self.down * at.cos;
         let wheel_point = self.hub + self.axle * u + radial * at.wheel.value;
-        let normal = (section.d1.cross(&(section.outward + section.up * at.rail.d1)) * pair.rail.side.sign()).normalize();
+        let normal = (self.along.cross(&(section.outward + section.up * at.rail.d1)) * pair.rail.side.sign()).normalize();
         let rail_point = section.origin + section.outward * eta + section.up * at.rail.value;
         ContactLocation {
             parameters: SurfaceParameters {
@@ -201,7 +218,7 @@ impl Sight {
             },
             wheel_point,
             normal,
-            forward: section.d1,
+            forward: self.along,
             // t is normal to n: that the rail's point lies behind does not matter.
             penetration: (rail_point - wheel_point).dot(&normal),
             wheel_profile: at.wheel,
@@ -211,22 +228,23 @@ impl Sight {
     }
 }
 
-/// The contact near `start` on a rail without a curved centre line; `None` where the iteration does not settle at once.
+/// The contact near `start`; `None` where the iteration does not settle at once.
 #[inline]
 pub(super) fn locate(pair: &Pair, start: &SurfaceParameters) -> Option<ContactLocation> {
-    let (profiles, mut sight) = (Profiles::of(pair), Sight::new(pair, start.lead));
+    let profiles = Profiles::of(pair);
     let (mut u, mut eta) = (start.wheel, start.rail);
+    let mut points = profiles.at(u, eta);
+    let mut sight = Sight::new(pair, start.lead, pair.rail.section(pair.distance + start.lead), Vector2::new(eta, points[1].value));
     let mut last: Option<(f64, f64)> = None;
     for iteration in 0..MOST {
-        let points = profiles.at(u, eta);
+        let place = Vector2::new(eta, points[1].value);
         let mut at = sight.read(points, u, eta)?;
-        if at.ahead.abs() * sight.bend > TURN {
-            sight = sight.moved(pair, at.ahead);
+        let elsewhere = sight.turned(at.ahead, &place) > TURN;
+        if elsewhere {
+            sight = sight.moved(pair, at.ahead, place);
             at = sight.read(points, u, eta)?;
-            // What was left of the residual in the other section says nothing about the step.
-            last = None;
         }
-        let turned = at.ahead.abs() * sight.bend > TURN;
+        let turned = sight.turned(at.ahead, &place) > TURN;
         let norm = at.residual.norm();
         // The next step is foreseen from the last one and the fall of the residual.
         let settled = norm <= ROUNDING || last.is_some_and(|(step, before)| step * norm <= NEXT_STEP * before);
@@ -238,7 +256,8 @@ pub(super) fn locate(pair: &Pair, start: &SurfaceParameters) -> Option<ContactLo
         let step =
             Vector2::new(j.m22 * at.residual.x - j.m12 * at.residual.y, j.m11 * at.residual.y - j.m21 * at.residual.x) * per_determinant;
         let length = step.norm();
-        if !(length <= LONGEST && last.is_none_or(|(_, before)| norm < before)) {
+        // The residual may grow where it is that of another section.
+        if !(length <= LONGEST && (elsewhere || last.is_none_or(|(_, before)| norm < before))) {
             return None;
         }
         if length <= NO_STEP && !turned {
@@ -246,6 +265,7 @@ pub(super) fn locate(pair: &Pair, start: &SurfaceParameters) -> Option<ContactLo
         }
         (u, eta) = (u - step.x, eta - step.y);
         last = Some((length, norm));
+        points = profiles.at(u, eta);
     }
     None
 }
@@ -255,20 +275,34 @@ mod tests {
     use super::super::test_surfaces::pair;
     use super::*;
     use crate::geometry::Side;
+    use crate::geometry::track::centre_line::{Alignment, CentreLine, Node, Pivot};
+    use crate::geometry::track::frame::TrackFrame;
     use crate::math::rotation::AxleFrame;
     use proptest::prelude::*;
+    use std::sync::Arc;
+
+    /// Some bent, twisted and climbing track, more than any would.
+    fn curve() -> Option<Arc<CentreLine>> {
+        let node = |distance, curvature, superelevation, grade| Node { distance, curvature, superelevation, grade };
+        let nodes = vec![node(-3.0, 0.002, -0.05, 0.0), node(0.0, -0.001, 0.1, 0.05), node(4.0, 0.005, -0.1, -0.04)];
+        let alignment = Alignment { nodes, smoothing: 5.0, pivot: Pivot::LowRail { base: 1.5 } };
+        CentreLine::new(&alignment, Vector3::new(2.0, -1.0, 0.5), 0.7).map(Arc::new)
+    }
 
     proptest! {
         #[test]
         fn equiv_two_unknowns_find_what_four_equations_find(
             yaw in -0.04..0.04, roll in -0.01..0.01, y in -0.008..0.008, s in -3.0..3.0, off in -2e-4..2e-4,
-            left in any::<bool>(), wavy in any::<bool>(),
+            left in any::<bool>(), wavy in any::<bool>(), curved in any::<bool>(),
         ) {
             let side = if left { Side::Left } else { Side::Right };
             let (wheel, rail) = pair(side, 0.05, wavy);
-            let frame = AxleFrame::new(yaw, roll);
-            let centre = Vector3::new(s, y, 0.457);
-            let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &frame.axes, distance: s };
+            let line = if curved { curve() } else { None };
+            let track = line.as_ref().map_or_else(|| TrackFrame { origin: Vector3::new(s, 0.0, 0.0), ..Default::default() }, |line| line.frame(s));
+            let rail = rail.along(line);
+            let axes = track.axes * AxleFrame::new(yaw, roll).axes;
+            let centre = track.origin + track.axes * Vector3::new(0.0, y, 0.457);
+            let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &axes, distance: s };
             let exact = pair.solve_four(&SurfaceParameters::default()).unwrap().0;
             let p = exact.parameters;
             let start = SurfaceParameters { wheel: p.wheel + off, lead: p.lead - off, rail: p.rail - 0.5 * off, ..p };

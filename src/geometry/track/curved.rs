@@ -37,7 +37,8 @@ impl Rail {
     pub(super) fn curved_section(&self, line: &CentreLine, s: f64) -> RailSection {
         let (frame, w) = (line.frame(s), self.displacement(s));
         let [origin, d1, d2] = frame.carry(&w);
-        RailSection { origin, d1, d2, d3: frame.carry3(&w), outward: frame.axes * self.outward, up: frame.axes * self.up }
+        let [outward, up, turn] = [self.outward, self.up, frame.turn].map(|own| frame.axes * own);
+        RailSection { origin, d1, d2, d3: frame.carry3(&w), outward, up, turn }
     }
 
     #[inline(never)]

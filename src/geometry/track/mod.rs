@@ -36,15 +36,25 @@ pub struct RailSection {
     /// Unit vectors of the section's axes: eta (outward) and height.
     pub outward: Vector3<f64>,
     pub up: Vector3<f64>,
+    /// How fast the axes turn along the track, rad/m: `outward' = turn x outward`.
+    pub turn: Vector3<f64>,
 }
 
 impl RailSection {
-    /// The section `ahead` [m] on a straight centre line, continued by the derivatives that are known: off by the fourth one times
-    /// `ahead^4 / 24`, its direction by `ahead^3 / 6`.
+    /// Derivative with respect to distance of the point with section coordinates `eta` and `height` [m].
+    #[inline]
+    pub fn tangent(&self, eta: f64, height: f64) -> Vector3<f64> {
+        self.d1 + self.turn.cross(&(self.outward * eta + self.up * height))
+    }
+
+    /// The section `ahead` [m], continued by the derivatives that are known: off by the origin's fourth one times `ahead^4 / 24`, in
+    /// direction by `ahead^3 / 6`; in a curve of radius R also by the share `ahead^2 / 2 R^2` of the axes.
     #[inline]
     pub fn continued(&self, ahead: f64) -> RailSection {
         let half = 0.5 * ahead;
         RailSection {
+            outward: self.outward + self.turn.cross(&self.outward) * ahead,
+            up: self.up + self.turn.cross(&self.up) * ahead,
             origin: self.origin + (self.d1 + (self.d2 + self.d3 * (ahead / 3.0)) * half) * ahead,
             d1: self.d1 + (self.d2 + self.d3 * half) * ahead,
             d2: self.d2 + self.d3 * ahead,
@@ -153,6 +163,7 @@ impl Rail {
             d3: Vector3::zeros(),
             outward: self.outward,
             up: self.up,
+            turn: Vector3::zeros(),
         };
         for (direction, shape) in &self.deviations {
             let [value, d1, d2, d3] = shape.at(s);
