@@ -194,7 +194,7 @@ mod tests {
                 let (point, profile) = rail_point(&rail, s, 0.01);
                 assert!((section.tangent(0.01, profile.value) - point.t1).norm() < 1e-15);
                 let (there, continued) = (rail.section(s + 1e-5), section.continued(1e-5));
-                assert!((there.outward - continued.outward).norm() < 1e-12 && (there.up - continued.up).norm() < 1e-12);
+                assert!((there.outward - continued.outward).norm() < 1e-11 && (there.up - continued.up).norm() < 1e-11);
                 assert!((there.origin - continued.origin).norm() < 1e-15 && (there.d1 - continued.d1).norm() < 1e-14);
                 let [ahead, behind] = [rail.section(s + h), rail.section(s - h)];
                 for (a, b, d) in

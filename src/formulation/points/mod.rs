@@ -19,7 +19,8 @@
 //!
 //! *Guard.* A search says by how much the wheel may move until another place can come near (`budget`); until then only the
 //! known places are followed, each by its own Newton iteration, and so are the ridges between them that are pressed or may soon be.
-//! Places far away (a flange) cost nothing.
+//! Places far away (a flange) cost nothing. Where wheel and rail are nearly conformal the budget is next to nothing; such a part of the
+//! wheel has one of its own, and is looked at alone when that is used up.
 //!
 //! *Identity.* A contact keeps its number while it exists; a new one takes the lowest free number. Forces do not depend on it.
 //! The search forgets nothing and waits for nothing: no hysteresis.
@@ -32,7 +33,7 @@ mod touch;
 use super::loading::{Contact, WheelAt, keep, not_found, warm_start};
 use super::{ContactFailure, ContactReport, Model, Workspace};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
-use crate::contact::search::global::{GlobalSearch, MOST, Minima, Ridge, is_least};
+use crate::contact::search::global::{GlobalSearch, MOST, Minima, Ridge, Standing, is_least};
 use crate::geometry::Side;
 use crate::geometry::profile::Profile;
 use crate::mbs::body::Wrench;
@@ -201,8 +202,8 @@ impl WheelSearch {
         let own = wheel.model.formulation.memory_per_contact();
         let (memory, rest) = memory.split_at_mut(own);
         let mut record = Record::new(rest, wheel.model.points);
-        let pose = record::pose(wheel);
-        if record.holds(&pose)
+        let pose = self.search.standing(&wheel.pair());
+        if record.holds(&self.search, &pose)
             && self.as_watched(wheel, &pose, memory, &mut record)
             && let Some(places) = self.follow(wheel, tread, memory, &mut record)
         {
@@ -213,8 +214,8 @@ impl WheelSearch {
 
     /// Is what must be watched as it was?
     #[inline]
-    fn as_watched(&self, wheel: &WheelAt, pose: &[f64; 6], memory: &[f64], record: &mut Record) -> bool {
-        let Some(watch) = record.watch(pose) else { return true };
+    fn as_watched(&self, wheel: &WheelAt, pose: &Standing, memory: &[f64], record: &mut Record) -> bool {
+        let Some(watch) = record.watch(&self.search, pose) else { return true };
         let holds = self.search.watched(&wheel.pair(), REACH, &watch, &warm_start(memory));
         if let Some(budget) = holds {
             record.watched(pose, budget);
@@ -260,7 +261,7 @@ impl WheelSearch {
         &self,
         wheel: &WheelAt,
         tread: Option<&ContactLocation>,
-        pose: &[f64; 6],
+        pose: &Standing,
         memory: &mut [f64],
         record: &mut Record,
     ) -> Result<Places, ContactFailure> {

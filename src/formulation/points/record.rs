@@ -5,11 +5,11 @@
 //! angle, lead, eta, penetration and a mark (1: it was pressed at the last event), then for as many ridges u, angle, lead, eta
 //! and the numbers, from 1, of the contacts on both sides (0: no ridge).
 
-use super::super::loading::{WheelAt, keep};
+use super::super::loading::keep;
 use super::share::{Saddle, Saddles};
 use super::{MOST_POINTS, warm_start};
 use crate::contact::search::algebraic::SurfaceParameters;
-use crate::contact::search::global::{MOST, Minimum, Watch};
+use crate::contact::search::global::{GlobalSearch, MOST, Minimum, Standing, Watch};
 
 /// A budget and its pose.
 const ALLOWANCE: usize = 7;
@@ -22,11 +22,6 @@ const DEPTH: usize = 4;
 const PRESSED: usize = 5;
 const PER_RIDGE: usize = 6;
 const BETWEEN: usize = 4;
-
-/// From the wheelset's centre to the furthest point of a wheel that can touch, m.
-const ARM: f64 = 1.0;
-/// Furthest lead of a contact, m: so much a change of the rail's direction moves the rail there.
-const LEAD: f64 = 0.05;
 
 /// Length of the record for `points` contacts per wheel.
 pub(in super::super) fn record_length(points: usize) -> usize {
@@ -97,27 +92,27 @@ impl<'a> Record<'a> {
 
     /// Has the wheel moved less than the budget against its rail since the last search?
     #[inline]
-    pub fn holds(&self, now: &[f64; 6]) -> bool {
-        allows(&self.values[..ALLOWANCE], now)
+    pub fn holds(&self, search: &GlobalSearch, now: &Standing) -> bool {
+        allows(search, &self.values[..ALLOWANCE], now)
     }
 
     /// What must be looked at because the wheel has moved by more than that allows; `None` where there is nothing.
     #[inline]
-    pub fn watch(&self, now: &[f64; 6]) -> Option<Watch> {
+    pub fn watch(&self, search: &GlobalSearch, now: &Standing) -> Option<Watch> {
         let knots = [0, 1].map(|i| self.values[KNOTS + i] as usize);
-        let due = knots[0] < knots[1] && !allows(&self.values[WATCHED..WATCHED + ALLOWANCE], now);
+        let due = knots[0] < knots[1] && !allows(search, &self.values[WATCHED..WATCHED + ALLOWANCE], now);
         due.then(|| Watch { knots: (knots[0], knots[1]), count: self.values[COUNT] as usize })
     }
 
     /// It has been looked at, and stays as it is for a motion of `budget` [m].
     #[inline]
-    pub fn watched(&mut self, now: &[f64; 6], budget: f64) {
+    pub fn watched(&mut self, now: &Standing, budget: f64) {
         self.values[WATCHED] = budget;
         self.values[WATCHED + 1..WATCHED + ALLOWANCE].copy_from_slice(now);
     }
 
     /// A search has been made here, which holds for a motion by `budget` [m] but for what is watched, and there by `watched` [m].
-    pub(super) fn renew(&mut self, now: &[f64; 6], budget: f64, (watch, watched): (&Watch, f64), saddles: &Saddles) {
+    pub(super) fn renew(&mut self, now: &Standing, budget: f64, (watch, watched): (&Watch, f64), saddles: &Saddles) {
         self.values[0] = budget;
         self.values[1..ALLOWANCE].copy_from_slice(now);
         self.watched(now, watched);
@@ -200,29 +195,11 @@ impl<'a> Record<'a> {
     }
 }
 
-/// Is a pose no further from that of a budget than the budget?
+/// Has the wheel moved by less than the budget from the pose that belongs to it?
 #[inline]
-fn allows(allowance: &[f64], now: &[f64; 6]) -> bool {
-    let (budget, then) = (allowance[0], &allowance[1..]);
-    budget > 0.0 && {
-        let change = |i: usize| (now[i] - then[i]).abs();
-        change(0) + change(1) + ARM * (change(2) + change(3)) + LEAD * (change(4) + change(5)) < budget
-    }
-}
-
-/// Where the wheelset stands against the rail: offset of the centre from the rail's line (lateral, vertical) [m], direction of the
-/// axle (X and Z parts) and of the rail (Y and Z parts).
-#[inline]
-pub(super) fn pose(wheel: &WheelAt) -> [f64; 6] {
-    let motion = wheel.motion;
-    let rail = wheel.model.track.rail(wheel.side);
-    let section = rail.section(motion.distance);
-    let (offset, axle) = (motion.position - section.origin, motion.frame.axes.column(1));
-    if rail.line().is_some() {
-        // In the section's own axes. That they bend within a lead of 50 mm changes nothing: so does the rail.
-        let (across, up) = (section.outward, section.up);
-        let along = across.cross(&up);
-        return [offset.dot(&across), offset.dot(&up), axle.dot(&along), axle.dot(&up), section.d1.dot(&across), section.d1.dot(&up)];
-    }
-    [offset.y, offset.z, axle.x, axle.z, section.d1.y, section.d1.z]
+fn allows(search: &GlobalSearch, allowance: &[f64], now: &Standing) -> bool {
+    let Some((budget, then)) = allowance.split_first().and_then(|(budget, then)| Some((*budget, then.try_into().ok()?))) else {
+        return false;
+    };
+    budget > 0.0 && search.motion(then, now) < budget
 }

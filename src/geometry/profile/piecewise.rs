@@ -221,7 +221,7 @@ impl Piecewise {
         Table::read_both(profiles.map(|profile| &profile.table), x).unwrap_or_else(|| Self::read_curves(profiles, x))
     }
 
-    /// Two profiles at one coordinate each, as [`Profile::at`] gives them to within 1e-13 m, 1e-10, 1e-5 1/m and 1 1/m2.
+    /// Two profiles at one coordinate each, as [`Profile::at`] gives them to within 1e-13 m, 1e-10, 2e-5 1/m and 5 1/m2.
     #[inline(always)]
     pub fn near_both(profiles: [&Piecewise; 2], x: [f64; 2]) -> [ProfilePoint; 2] {
         Table::near_both(profiles.map(|profile| &profile.table), x).unwrap_or_else(|| Self::at_both(profiles, x))

@@ -44,17 +44,25 @@ impl RailSection {
     /// Derivative with respect to distance of the point with section coordinates `eta` and `height` [m].
     #[inline]
     pub fn tangent(&self, eta: f64, height: f64) -> Vector3<f64> {
-        self.d1 + self.turn.cross(&(self.outward * eta + self.up * height))
+        if self.is_parallel() { self.d1 } else { self.d1 + self.turn.cross(&(self.outward * eta + self.up * height)) }
+    }
+
+    /// Are all sections parallel, as on a straight centre line?
+    #[inline]
+    pub fn is_parallel(&self) -> bool {
+        self.turn == Vector3::zeros()
     }
 
     /// The section `ahead` [m], continued by the derivatives that are known: off by the origin's fourth one times `ahead^4 / 24`, in
-    /// direction by `ahead^3 / 6`; in a curve of radius R also by the share `ahead^2 / 2 R^2` of the axes.
+    /// direction by `ahead^3 / 6`. In a curve of radius R the axes are off by `ahead^2 / 2 R^2`, and how fast they turn is kept: a twist that
+    /// grows by 1e-4 1/m2 makes 5e-12 rad at 10 mm from the origin over 5 um.
     #[inline]
     pub fn continued(&self, ahead: f64) -> RailSection {
         let half = 0.5 * ahead;
+        let turned = |axis: Vector3<f64>| if self.is_parallel() { axis } else { axis + self.turn.cross(&axis) * ahead };
         RailSection {
-            outward: self.outward + self.turn.cross(&self.outward) * ahead,
-            up: self.up + self.turn.cross(&self.up) * ahead,
+            outward: turned(self.outward),
+            up: turned(self.up),
             origin: self.origin + (self.d1 + (self.d2 + self.d3 * (ahead / 3.0)) * half) * ahead,
             d1: self.d1 + (self.d2 + self.d3 * half) * ahead,
             d2: self.d2 + self.d3 * ahead,

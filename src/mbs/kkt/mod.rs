@@ -7,7 +7,8 @@
 //!
 //! M is block-diagonal (one 6 x 6 block per body), each row of J touches one or two bodies, so `S_rs` is not zero
 //! only where rows r and s share a body. The blocks `M^-1` ("mobility") and the rows are set before each
-//! [`Kkt::factorise`]; the pattern of S is found once in [`Kkt::new`]. Few rows are factored dense, many sparse.
+//! [`Kkt::factorise`]; the pattern of S is found once in [`Kkt::new`]. Rows that share no body with others, directly or by other
+//! rows, are factored for themselves; dense where such an island has few rows, all of S sparse where one has many.
 //! S depends on the scale of the rows, but whether a pivot counts as zero does not: it is compared with its own
 //! diagonal element of S. Units: those of the coordinates (m, rad), the rows' residuals and N, N m.
 
@@ -17,6 +18,7 @@ mod sparse;
 #[cfg(test)]
 mod tests;
 
+use dense::Islands;
 use pattern::Pattern;
 use sparse::Sparse;
 
@@ -29,7 +31,7 @@ pub type Coefficients = nalgebra::Vector6<f64>;
 /// Coordinates of a body.
 const SIX: usize = crate::mbs::body::COORDINATES;
 
-/// Up to this number of rows S is stored dense: below it the sparse code's bookkeeping costs more than its zeros save.
+/// Up to this number of rows an island is stored dense: below it the sparse code's bookkeeping costs more than its zeros save.
 const DENSE_ROWS: usize = 24;
 
 /// A pivot smaller than this part of its diagonal element of S is rounding: the row depends on those before it.
@@ -54,8 +56,8 @@ pub struct SingularConstraints {
 
 #[derive(Clone, Debug)]
 enum Storage {
-    /// Lower triangle, row by row, in `Kkt::matrix` itself.
-    Dense,
+    /// Lower triangles, row by row, in `Kkt::matrix` itself.
+    Dense(Islands),
     Sparse(Box<Sparse>),
 }
 
@@ -84,11 +86,12 @@ impl Kkt {
     }
 
     fn with_dense_limit(bodies: usize, rows: &[RowBodies], limit: usize) -> Kkt {
-        let sparse = if rows.len() > limit { Sparse::new(bodies, rows) } else { None };
+        let islands = Islands::new(bodies, rows);
+        let sparse = if islands.largest() > limit { Sparse::new(bodies, rows) } else { None };
         // Without memory for the sparse symbolic part the dense one is no better off, but it is not wrong.
         let (pattern, storage) = match sparse {
             Some((pattern, sparse)) => (pattern, Storage::Sparse(Box::new(sparse))),
-            None => (Pattern::dense(bodies, rows), Storage::Dense),
+            None => (islands.pattern(bodies, rows), Storage::Dense(islands)),
         };
         Kkt {
             rows: rows.to_vec(),
@@ -114,7 +117,7 @@ impl Kkt {
     /// Numbers kept of S and of its factor: a measure of the cost of a factorisation and of a solution.
     pub fn stored(&self) -> (usize, usize) {
         match &self.storage {
-            Storage::Dense => (self.matrix.len(), self.matrix.len()),
+            Storage::Dense(_) => (self.matrix.len(), self.matrix.len()),
             Storage::Sparse(sparse) => (self.matrix.len(), sparse.fill()),
         }
     }
@@ -171,13 +174,13 @@ impl Kkt {
             let [row, column] = entry.rows.map(|row| row as usize);
             *value = if self.active[row] && self.active[column] {
                 let pairs = &self.pattern.pairs[entry.pairs.start as usize..entry.pairs.end as usize];
-                pairs.iter().map(|pair| self.weighted[pair.0 as usize].dot(&self.coefficients[pair.1 as usize])).sum()
+                pairs.iter().map(|pair| inner(&self.weighted[pair.0 as usize], &self.coefficients[pair.1 as usize])).sum()
             } else {
                 f64::from(row == column)
             };
         }
         match &mut self.storage {
-            Storage::Dense => dense::factorise(&mut self.matrix, self.rows.len(), SMALLEST_PIVOT),
+            Storage::Dense(islands) => islands.factorise(&mut self.matrix, SMALLEST_PIVOT),
             Storage::Sparse(sparse) => sparse.factorise(&self.matrix, SMALLEST_PIVOT),
         }
         .map_err(|row| SingularConstraints { row })
@@ -210,7 +213,7 @@ impl Kkt {
     #[inline]
     fn apply(&mut self, x: &mut [f64], motion: &mut [f64]) {
         match &mut self.storage {
-            Storage::Dense => dense::solve(&self.matrix, x),
+            Storage::Dense(islands) => islands.solve(&self.matrix, x),
             Storage::Sparse(sparse) => sparse.solve(x),
         }
         for (row, (bodies, x)) in self.rows.iter().zip(x.iter()).enumerate() {
@@ -248,6 +251,17 @@ fn subtract(values: &mut [f64], direction: &Coefficients, factor: f64) {
     for (value, direction) in values.iter_mut().zip(direction.iter()) {
         *value -= factor * direction;
     }
+}
+
+/// In two sums side by side, which the compiler turns into vector instructions.
+#[inline]
+fn inner(a: &Coefficients, b: &Coefficients) -> f64 {
+    let mut sums = [0.0; 2];
+    for (a, b) in a.as_slice().chunks_exact(2).zip(b.as_slice().chunks_exact(2)) {
+        sums[0] += a[0] * b[0];
+        sums[1] += a[1] * b[1];
+    }
+    sums[0] + sums[1]
 }
 
 /// Column by column, which the compiler turns into vector instructions.

@@ -32,10 +32,21 @@ struct Product {
 }
 
 impl Pattern {
-    /// All elements of the lower triangle, row by row, also those that are zero.
-    pub fn dense(bodies: usize, rows: &[RowBodies]) -> Pattern {
-        let all = (0..rows.len() as u32).flat_map(|row| (0..=row).map(move |column| (row, column)));
-        Self::new(bodies, rows, all.collect(), |row, column| (row.max(column), row.min(column)), |place| [place.0, place.1])
+    /// All elements of the lower triangles of islands, row by row, also those that are zero: row `order[place]` stands at `place`, the
+    /// islands end before the places `ends`.
+    pub fn dense(bodies: usize, rows: &[RowBodies], order: &[u32], ends: &[usize]) -> Pattern {
+        let mut position = vec![0; order.len()];
+        for (place, row) in (0u32..).zip(order) {
+            position[*row as usize] = place;
+        }
+        let starts = std::iter::once(0).chain(ends.iter().copied());
+        let places = starts.zip(ends).flat_map(|(start, end)| (start as u32..*end as u32).map(move |row| (start as u32, row)));
+        let all = places.flat_map(|(start, row)| (start..=row).map(move |column| (row, column)));
+        let place = |row: u32, column: u32| {
+            let (a, b) = (position[row as usize], position[column as usize]);
+            (a.max(b), a.min(b))
+        };
+        Self::new(bodies, rows, all.collect(), place, |place| [order[place.0 as usize], order[place.1 as usize]])
     }
 
     /// Elements that are not zero, for a matrix whose row r stands at place `position[r]`: upper triangle, column by

@@ -131,8 +131,8 @@ fn equiv_dense_and_sparse_storage_agree() {
     for row in 0..rows.len() {
         sparse.set_row(row, dense.row(row).1, dense.row(row).2);
     }
-    assert!(matches!(dense.storage, Storage::Dense) && matches!(sparse.storage, Storage::Sparse(_)));
-    assert!(matches!(Kkt::new(8, &rows).storage, Storage::Sparse(_)) && matches!(Kkt::new(8, &rows[..24]).storage, Storage::Dense));
+    assert!(matches!(dense.storage, Storage::Dense(_)) && matches!(sparse.storage, Storage::Sparse(_)));
+    assert!(matches!(Kkt::new(8, &rows).storage, Storage::Sparse(_)) && matches!(Kkt::new(8, &rows[..24]).storage, Storage::Dense(_)));
     let free: Vec<f64> = (0..48).map(|_| random.next()).collect();
     let gamma: Vec<f64> = (0..30).map(|_| random.next()).collect();
     // A clone has its own numbers.
@@ -173,6 +173,44 @@ fn hard_dependent_rows_are_named() {
 fn chain(bodies: usize) -> Vec<RowBodies> {
     let body = |k: usize| RowBodies { first: k, second: k.checked_sub(1) };
     (0..bodies).flat_map(|k| [body(k); 5]).collect()
+}
+
+#[test]
+fn equiv_islands_are_those_of_one_matrix() {
+    // Two mechanisms of 15 rows each, on bodies of even and of odd number, and a row on a body of its own, in turn.
+    let mut rows: Vec<RowBodies> =
+        (0..30).map(|i| RowBodies { first: i % 2 + 2 * (i / 10), second: Some(i % 2 + 2 * (i / 10) + 2) }).collect();
+    rows.insert(7, RowBodies { first: 9, second: None });
+    let mut random = Random(6);
+    let islands = filled(10, &rows, DENSE_ROWS, &mut random);
+    assert!(matches!(islands.storage, Storage::Dense(_)));
+    assert_eq!(islands.stored().0, 2 * 15 * 16 / 2 + 1);
+    let mut whole = Kkt::with_dense_limit(10, &rows, 0);
+    for body in 0..10 {
+        whole.set_mobility(body, islands.mobility(body));
+    }
+    for row in 0..rows.len() {
+        whole.set_row(row, islands.row(row).1, islands.row(row).2);
+    }
+    assert!(matches!(whole.storage, Storage::Sparse(_)));
+    let free: Vec<f64> = (0..60).map(|_| random.next()).collect();
+    let gamma: Vec<f64> = (0..31).map(|_| random.next()).collect();
+    let [one, other] = [islands, whole].map(|mut kkt| {
+        let (mut a, mut l) = (vec![0.0; 60], vec![0.0; 31]);
+        kkt.set_active(3, false);
+        kkt.factorise().unwrap();
+        kkt.solve(&free, &gamma, &mut a, &mut l);
+        a.extend(l);
+        (a, kkt)
+    });
+    let worst = one.0.iter().zip(&other.0).map(|(a, b)| (a - b).abs() / (1.0 + b.abs())).fold(0.0, f64::max);
+    assert!(worst < 1e-11, "{worst:e}");
+    // A row that repeats an earlier one of its island is named by its own number.
+    let mut kkt = one.1;
+    let (first, second) = (*kkt.row(13).1, *kkt.row(13).2);
+    assert_eq!(kkt.row(13).0, kkt.row(15).0);
+    kkt.set_row(15, &first, &second);
+    assert_eq!(kkt.factorise(), Err(SingularConstraints { row: 15 }));
 }
 
 #[test]

@@ -16,6 +16,7 @@ mod curve;
 mod foot;
 mod polish;
 mod refine;
+mod standing;
 #[cfg(test)]
 mod tests;
 mod view;
@@ -23,6 +24,7 @@ mod watch;
 
 pub use polish::{Polished, is_least};
 pub use refine::Kink;
+pub use standing::Standing;
 
 use super::algebraic::{Pair, SurfaceParameters};
 use crate::geometry::profile::Profile;
@@ -89,7 +91,15 @@ pub struct Minima {
 
 impl Default for Minima {
     fn default() -> Self {
-        Minima { list: [Minimum::default(); MOST], count: 0, clearance: f64::INFINITY, steady: 0.0, apart: 0.0, watch: Watch::default(), delicate: false }
+        Minima {
+            list: [Minimum::default(); MOST],
+            count: 0,
+            clearance: f64::INFINITY,
+            steady: 0.0,
+            apart: 0.0,
+            watch: Watch::default(),
+            delicate: false,
+        }
     }
 }
 
@@ -135,10 +145,13 @@ pub struct GlobalSearch {
     /// Blocks above this size are hardly ever decided.
     coarse: usize,
     rail: RailCurve,
+    /// R0, m.
+    radius: f64,
 }
 
 impl GlobalSearch {
     pub fn new(wheel: &dyn Profile, rail: &dyn Profile) -> Self {
+        let radius = wheel.at(0.0).value;
         let wheel = Curve::new(wheel, -1.0, STEEPEST);
         let leaves = wheel.stretches.len().next_power_of_two();
         let mut tree = vec![Bounds::NONE; 2 * leaves];
@@ -147,7 +160,7 @@ impl GlobalSearch {
             tree[i] = tree[2 * i].merge(&tree[2 * i + 1]);
         }
         let rail = RailCurve::new(rail);
-        let mut search = GlobalSearch { wheel, tree, leaves, coarse: leaves, rail };
+        let mut search = GlobalSearch { wheel, tree, leaves, coarse: leaves, rail, radius };
         if !search.strictly_convex() {
             search.coarse = (leaves / 8).max(1);
         }
@@ -160,13 +173,13 @@ impl GlobalSearch {
         found.count = 0;
         found.clearance = scan.clearance;
         found.steady = scan.certificates.steady;
-        let (mut stationary, mut whole) = ([f64::NAN; branch::MOST], true);
+        let (mut stationary, mut whole) = ([(f64::NAN, 0.0); branch::MOST], true);
         let mut ridge: Option<Ridge> = None;
         // Where the basins of neighbours part: at a ridge, also one that is hidden or above the reach.
         let mut parting: Option<f64> = None;
         for (bracket, at) in scan.brackets[..scan.count].iter().flatten().zip(&mut stationary) {
             let spot = scan.refine(bracket);
-            *at = spot.map_or(f64::NAN, |spot| spot.u);
+            *at = spot.map_or((f64::NAN, 0.0), |spot| (spot.u, spot.distance));
             if !bracket.minimum {
                 parting = Some(spot.map_or(bracket.a.u, |spot| spot.u));
             }
@@ -198,9 +211,15 @@ impl GlobalSearch {
             (ridge, parting) = (None, None);
             found.push(Minimum { parameters, distance, basin, kink, slope, at_edge: edge, ridge_to_next: None });
         }
-        let knots = &self.wheel.knots;
-        let between = |(from, to): (usize, usize)| stationary.iter().filter(|u| (knots[from].x..knots[to].x).contains(u)).count();
-        (found.watch, found.apart) = scan.certificates.watch(between);
+        let (knots, apart) = scan.certificates.split();
+        let ends = [knots.0, knots.1].map(|knot| self.wheel.knots[knot].x);
+        let inside = || stationary.iter().filter(|(u, _)| (ends[0]..ends[1]).contains(u));
+        let count = match found.first() {
+            // Whether one that is hardly near enough counts depends on how the stretches are scanned.
+            Some(contact) if inside().any(|(_, distance)| *distance > 0.5 * reach) => self.look(pair, reach, knots, &contact.parameters).0,
+            _ => inside().count(),
+        };
+        (found.watch, found.apart) = (Watch { knots, count }, apart);
         if !whole {
             found.apart = 0.0;
         }

@@ -50,11 +50,13 @@ impl Certificates {
         }
     }
 
-    /// What to watch, where `counted` gives the number of stationary distances between two knots, and how long the rest holds, m.
-    pub fn watch(&self, counted: impl Fn((usize, usize)) -> usize) -> (Watch, f64) {
-        let knots = self.knots.unwrap_or_default();
-        let watch = Watch { knots, count: counted(knots) };
-        (watch, if knots.1 - knots.0 > MOST_STRETCHES { self.steady } else { self.apart })
+    /// The stretches to watch, by their knots, and how long the rest holds, m.
+    pub fn split(&self) -> ((usize, usize), f64) {
+        match self.knots {
+            Some(knots) if knots.1 - knots.0 <= MOST_STRETCHES => (knots, self.apart),
+            Some(_) => ((0, 0), self.steady),
+            None => ((0, 0), self.apart),
+        }
     }
 }
 
@@ -62,8 +64,14 @@ impl GlobalSearch {
     /// Scans what is watched: for how much motion [m] it stays as it is; `None` when something has been born or has gone. Any
     /// contact tells where on the rail that is.
     pub fn watched(&self, pair: &Pair, reach: f64, watch: &Watch, contact: &SurfaceParameters) -> Option<f64> {
+        let (count, steady) = self.look(pair, reach, watch.knots, contact);
+        (count == watch.count).then_some(steady)
+    }
+
+    /// Stationary distances between two knots, and for how much motion [m] they stay as they are.
+    pub(super) fn look(&self, pair: &Pair, reach: f64, knots: (usize, usize), contact: &SurfaceParameters) -> (usize, f64) {
         let mut scan = Scan::seen(self, pair, View::new(pair, None), reach);
-        scan.part(watch.knots, contact.rail - contact.wheel);
-        (scan.count == watch.count).then_some(scan.certificates.steady)
+        scan.part(knots, contact.rail - contact.wheel);
+        (scan.count, scan.certificates.steady)
     }
 }
