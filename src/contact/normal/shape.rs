@@ -15,7 +15,7 @@
 //! shows the section a profile that is wider by 1 / cos(yaw): 2e-4 of t at 20 mrad, left out. Where tangents are parallel only
 //! to a nodal search's spacing, they are taken as parallel.
 
-use crate::geometry::profile::{Piecewise, Profile, ProfilePoint};
+use crate::geometry::profile::{Along, Profile, ProfilePoint};
 
 /// A profile and the place of the contact on it.
 #[derive(Clone, Copy, Debug)]
@@ -37,98 +37,112 @@ pub struct ContactShape<'a> {
     sections: Option<[Section<'a>; 2]>,
 }
 
-/// Reads wheel and rail at two coordinates: values [m] and slopes.
+/// Wheel and rail at the distance t from a contact, along their tangents.
 trait Read {
-    fn both(&self, x: [f64; 2]) -> ([f64; 2], [f64; 2]);
+    /// Slope [-] per slope as it is read.
+    fn unit(&self) -> [f64; 2];
+    /// Values [m] and slopes; NaN where [`Profile::at`] must be asked.
+    fn at(&self, t: f64) -> ([f64; 2], [f64; 2]);
 }
 
-impl Read for [&Piecewise; 2] {
+impl Read for Along<'_> {
     #[inline(always)]
-    fn both(&self, x: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-        Piecewise::both(*self, x)
+    fn unit(&self) -> [f64; 2] {
+        self.unit
+    }
+    #[inline(always)]
+    fn at(&self, t: f64) -> ([f64; 2], [f64; 2]) {
+        self.read(t)
     }
 }
 
-impl Read for [&dyn Profile; 2] {
+/// Profiles of any kind: coordinates of the contact, and dx/dt.
+struct Any<'a> {
+    profiles: [&'a dyn Profile; 2],
+    at: [f64; 2],
+    along: [f64; 2],
+}
+
+impl Read for Any<'_> {
     #[inline]
-    fn both(&self, x: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-        let (wheel, rail) = (self[0].value_and_slope(x[0]), self[1].value_and_slope(x[1]));
+    fn unit(&self) -> [f64; 2] {
+        [1.0; 2]
+    }
+    #[inline]
+    fn at(&self, t: f64) -> ([f64; 2], [f64; 2]) {
+        let [wheel, rail] = [0, 1].map(|i| self.profiles[i].value_and_slope(self.at[i] + self.along[i] * t));
         ([wheel.0, rail.0], [wheel.1, rail.1])
     }
 }
 
 /// Wheel and rail beside a contact, on one side of it, each in the frame of its tangent.
-struct Gap<R> {
-    profiles: R,
-    at: [f64; 2],
+struct Gap<'a, R> {
+    sections: &'a [Section<'a>; 2],
+    read: R,
     value: [f64; 2],
-    /// p, c and 1 / c.
-    slope: [f64; 2],
-    cos: [f64; 2],
-    per_cos: [f64; 2],
-    /// -1 or 1.
-    side: f64,
-}
-
-/// Where wheel and rail are: t and h [m], dt/dx and dh/dt.
-struct Off {
-    t: [f64; 2],
-    h: [f64; 2],
-    stretch: [f64; 2],
-    slope: [f64; 2],
-}
-
-impl Off {
-    /// The gap by the tangents at t = 0, exact to first order in the points' distances from t, and how fast it opens; `None`
-    /// where a profile has turned by a right angle, beyond any contact.
-    #[inline]
-    fn opening(&self) -> Option<(f64, f64)> {
-        let at_zero = -(self.h[0] + self.h[1]) + self.slope[0] * self.t[0] + self.slope[1] * self.t[1];
-        (self.stretch[0] > 0.0 && self.stretch[1] > 0.0).then_some((at_zero, -(self.slope[0] + self.slope[1])))
-    }
+    /// dx/dt and dy/dt on the tangents; t > 0 on either side.
+    along: [f64; 2],
+    rise: [f64; 2],
+    /// -1/c.
+    down: [f64; 2],
+    /// T - 1 per slope as it is read.
+    turn: [f64; 2],
 }
 
 // Both profiles side by side, so that the compiler makes vector instructions of it.
-impl<R: Read> Gap<R> {
-    #[inline]
-    fn new(sections: &[Section; 2], side: f64, profiles: R) -> Self {
-        let both = |get: fn(&Section) -> f64| sections.each_ref().map(get);
-        let slope = both(|section| section.point.d1);
-        let per_cos = slope.map(|p| (1.0 + p * p).sqrt());
+impl<'a, R: Read> Gap<'a, R> {
+    #[inline(always)]
+    fn new(sections: &'a [Section<'a>; 2], per_cos: [f64; 2], along: [f64; 2], read: R) -> Self {
+        let slope = sections.each_ref().map(|section| section.point.d1);
+        let unit = read.unit();
         Gap {
-            profiles,
-            at: both(|section| section.at),
-            value: both(|section| section.point.value),
-            slope,
-            cos: per_cos.map(|per| 1.0 / per),
-            per_cos,
-            side,
+            sections,
+            read,
+            value: sections.each_ref().map(|section| section.point.value),
+            along,
+            rise: [slope[0] * along[0], slope[1] * along[1]],
+            down: per_cos.map(|per| -per),
+            turn: [slope[0] * unit[0], slope[1] * unit[1]],
         }
     }
 
-    /// The gap [m] at the distance t > 0; `None` where a profile has turned by a right angle.
+    /// Depths of both profiles under their tangents [m] and T, which is zero where a profile has turned by a right angle or more.
     #[inline(always)]
-    fn at(&self, t: f64) -> Option<f64> {
-        let along = self.cos.map(|cos| cos * (self.side * t));
-        let (values, slopes) = self.profiles.both([self.at[0] + along[0], self.at[1] + along[1]]);
-        let turn = [1.0 + self.slope[0] * slopes[0], 1.0 + self.slope[1] * slopes[1]];
-        let height = |i: usize| (values[i] - self.value[i] - self.slope[i] * along[i]) * self.per_cos[i];
-        let sum = height(0) * turn[1] + height(1) * turn[0];
-        (turn[0] > 0.0 && turn[1] > 0.0).then(|| -sum / (turn[0] * turn[1]))
+    fn below(&self, t: f64, (values, slopes): ([f64; 2], [f64; 2]), turn: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+        let turned = [1.0 + turn[0] * slopes[0], 1.0 + turn[1] * slopes[1]].map(|turn| if turn < 0.0 { 0.0 } else { turn });
+        let down = [0, 1].map(|i| (values[i] - self.value[i] - self.rise[i] * t) * self.down[i]);
+        ([down[0] / turned[0], down[1] / turned[1]], turned)
     }
 
-    /// Both profiles at their own coordinates, counted from the contact.
+    /// The gap [m] at the distance t > 0; infinite where a profile has turned by a right angle, NaN where curves must be read.
     #[inline(always)]
-    fn off(&self, dx: [f64; 2]) -> Off {
-        let (values, slopes) = self.profiles.both([self.at[0] + dx[0], self.at[1] + dx[1]]);
-        let each = |f: &dyn Fn(usize, f64, f64) -> f64| [0, 1].map(|i| f(i, self.slope[i], values[i] - self.value[i]));
-        let turn = [1.0 + self.slope[0] * slopes[0], 1.0 + self.slope[1] * slopes[1]];
-        Off {
-            t: each(&|i, p, dy| self.cos[i] * (dx[i] + p * dy)),
-            h: each(&|i, p, dy| self.cos[i] * (dy - p * dx[i])),
-            stretch: each(&|i, _, _| self.cos[i] * turn[i]),
-            slope: each(&|i, p, _| (slopes[i] - p) / turn[i]),
+    fn at(&self, t: f64) -> f64 {
+        let ([wheel, rail], _) = self.below(t, self.read.at(t), self.turn);
+        wheel + rail
+    }
+
+    /// The gap [m] and its slope dg/dt, also where curves must be read.
+    #[inline(always)]
+    fn opening(&self, t: f64) -> (f64, f64) {
+        let read = self.read.at(t);
+        let ([wheel, rail], turned) = self.below(t, read, self.turn);
+        if (wheel + rail).is_nan() {
+            return self.by_curves(t);
         }
+        let unit = self.read.unit();
+        let away = [0, 1].map(|i| (read.1[i] * unit[i] - self.sections[i].point.d1) / turned[i] * self.along[i] * self.down[i]);
+        (wheel + rail, away[0] + away[1])
+    }
+
+    /// The same from the profiles' curves.
+    #[cold]
+    #[inline(never)]
+    fn by_curves(&self, t: f64) -> (f64, f64) {
+        let points = [0, 1].map(|i| self.sections[i].profile.at(self.sections[i].at + self.along[i] * t));
+        let slope = self.sections.each_ref().map(|section| section.point.d1);
+        let ([wheel, rail], turned) = self.below(t, (points.map(|p| p.value), points.map(|p| p.d1)), slope);
+        let away = [0, 1].map(|i| (points[i].d1 - slope[i]) / turned[i] * self.along[i] * self.down[i]);
+        (wheel + rail, away[0] + away[1])
     }
 }
 
@@ -136,9 +150,6 @@ impl<R: Read> Gap<R> {
 /// an integral, so its rounding must stay far below what the loop between normal and creep forces can see.
 const SETTLED: f64 = 1e-5;
 const ITERATIONS: usize = 40;
-
-/// Two points whose t differ by less than this share tell on which side of the root they are.
-const APART: f64 = 1e-3;
 
 /// Gauss's three points and weights on [-1, 1]: exact for the parabola's (1 - x^2)^2.
 const GAUSS: [(f64, f64); 3] = [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
@@ -175,12 +186,20 @@ impl<'a> ContactShape<'a> {
                 [(0.5 * t <= reach).then_some(8.0 / 15.0 * t); 2]
             }
             Some(sections) => {
-                let [wheel, rail] = sections.each_ref().map(|section| section.profile);
-                let (start, sides) = ((0.5 * start).min(reach), [-1.0, 1.0]);
-                match (wheel.piecewise(), rail.piecewise()) {
-                    (Some(w), Some(r)) => sides.map(|side| one_side(&Gap::new(sections, side, [w, r]), level, start, reach)),
-                    _ => sides.map(|side| one_side(&Gap::new(sections, side, [wheel, rail]), level, start, reach)),
-                }
+                let start = (0.5 * start).min(reach);
+                let per_cos = sections.each_ref().map(|section| (1.0 + section.point.d1 * section.point.d1).sqrt());
+                let (cos, at) = (per_cos.map(|per| 1.0 / per), sections.each_ref().map(|section| section.at));
+                let profiles = sections.each_ref().map(|section| section.profile);
+                let both = (profiles[0].piecewise(), profiles[1].piecewise());
+                [-1.0, 1.0].map(|side| {
+                    let along = cos.map(|cos| side * cos);
+                    match both {
+                        (Some(w), Some(r)) => {
+                            one_side(&Gap::new(sections, per_cos, along, Along::new([w, r], at, along)), level, start, reach)
+                        }
+                        _ => one_side(&Gap::new(sections, per_cos, along, Any { profiles, at, along }), level, start, reach),
+                    }
+                })
             }
         }
     }
@@ -201,11 +220,17 @@ fn integrate<R: Read>(gap: &Gap<R>, level: f64, first: f64) -> f64 {
     let (mut sum, mut largest, mut from, mut half) = (0.0, 0.0f64, 0.0, 0.5 * first);
     for panel in 0..PANELS {
         for (x, weight) in GAUSS {
-            let Some(here) = gap.at(from + half * (1.0 + x)) else { return sum };
-            largest = if here > largest { here } else { largest };
-            if largest >= level {
-                return sum;
+            let t = from + half * (1.0 + x);
+            let mut here = gap.at(t);
+            if !(here < level) {
+                if here.is_nan() {
+                    here = gap.by_curves(t).0;
+                }
+                if !(here < level) {
+                    return sum;
+                }
             }
+            largest = if here > largest { here } else { largest };
             let depth = 1.0 - largest * per_level;
             sum += weight * half * depth * depth;
         }
@@ -217,43 +242,36 @@ fn integrate<R: Read>(gap: &Gap<R>, level: f64, first: f64) -> f64 {
     sum
 }
 
-/// The distance t > 0 on one side at which the profiles have parted by `level`: Newton's method on both profiles at once, each
-/// step putting the two points on the t where their tangents have the wanted gap. Steps that leave the interval known to hold a
-/// root halve it or, while no end is known, double the distance.
+/// The distance t > 0 on one side at which the profiles have parted by `level`: Newton's method on the root of the gap, which for a
+/// parabola is a straight line. Steps that leave the interval known to hold a root halve it or, while no end is known, double the
+/// distance.
 #[inline(always)]
 fn part<R: Read>(gap: &Gap<R>, level: f64, start: f64, reach: f64) -> Option<f64> {
-    let (side, [cos_w, cos_r]) = (gap.side, gap.cos);
-    let (mut u, mut eta) = (side * start * cos_w, side * start * cos_r);
-    let (mut inside, mut outside) = (0.0f64, f64::INFINITY);
+    let root = level.sqrt();
+    let (mut t, mut inside, mut outside) = (start, 0.0f64, f64::INFINITY);
     for _ in 0..ITERATIONS {
-        let at = gap.off([u, eta]);
-        let [w, r] = at.t;
-        let far = side * 0.5 * (w + r);
-        let Some((at_zero, opening)) = at.opening() else {
-            outside = outside.min(side * u / cos_w).min(side * eta / cos_r);
-            let t = side * 0.5 * (inside + outside);
-            (u, eta) = (t * cos_w, t * cos_r);
-            continue;
-        };
-        if (w - r).abs() < APART * far {
-            if at_zero + opening * side * far < level {
-                inside = far.max(inside);
-            } else {
-                outside = far.min(outside);
+        let (here, opening) = gap.opening(t);
+        if here < level {
+            inside = t;
+            if inside > reach {
+                return None;
             }
+        } else {
+            outside = t;
         }
-        if inside > reach {
-            return None;
+        let root_here = here.sqrt();
+        let next = t + 2.0 * root_here * (root - root_here) / opening;
+        if (next - t).abs() <= SETTLED * t && opening > 0.0 {
+            return (next <= reach).then_some(next);
         }
-        let mut t = side * (level - at_zero) / opening;
-        let slack = APART * far;
-        if !(opening * side > 0.0 && t >= inside - slack && t <= outside + slack && t <= 8.0 * far) {
-            t = if outside.is_finite() { 0.5 * (inside + outside) } else { 2.0 * far };
-        } else if (side * w - t).abs().max((side * r - t).abs()) <= SETTLED * far {
-            return (t <= reach).then_some(t);
-        }
-        u += (side * t - w) / at.stretch[0];
-        eta += (side * t - r) / at.stretch[1];
+        // NaN where the gap is negative.
+        t = if next > inside && next < outside && next <= 8.0 * t {
+            next
+        } else if outside.is_finite() {
+            0.5 * (inside + outside)
+        } else {
+            2.0 * t
+        };
     }
     (inside <= reach).then_some(inside)
 }

@@ -23,7 +23,7 @@ mod tests;
 
 use super::file::SceneFile;
 use crate::settings::{Entry, Section, SettingsError, choose};
-pub use piecewise::Piecewise;
+pub use piecewise::{Along, Piecewise};
 use std::sync::Arc;
 
 /// Value and first three derivatives of a profile at one coordinate.

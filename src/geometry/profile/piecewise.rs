@@ -6,7 +6,7 @@
 //! near the piece, so that high powers do not cancel. Beyond the range the profile goes on as a straight line
 //! (value and slope continuous). SI units.
 
-use super::table::Table;
+use super::table::{self, Table};
 use super::{Profile, ProfilePoint};
 
 /// Most coefficients of a polynomial.
@@ -214,18 +214,26 @@ impl Piecewise {
     }
 }
 
-impl Piecewise {
-    /// Values and slopes of two profiles at once, as [`Profile::value_and_slope`] gives them.
-    #[inline(always)]
-    pub fn both(profiles: [&Piecewise; 2], x: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-        Table::read_both(profiles.map(|profile| &profile.table), x).unwrap_or_else(|| Self::read_curves(profiles, x))
+/// Two profiles, read at equal distances t from two places, for laws that read them at many.
+#[derive(Clone, Copy, Debug)]
+pub struct Along<'a> {
+    tables: table::Along<'a>,
+    /// Slope [-] of each profile per slope as it is read.
+    pub unit: [f64; 2],
+}
+
+impl<'a> Along<'a> {
+    /// The profiles at `at` [m]; `along` is dx/dt.
+    #[inline]
+    pub fn new(profiles: [&'a Piecewise; 2], at: [f64; 2], along: [f64; 2]) -> Self {
+        let tables = profiles.map(|profile| &profile.table);
+        Along { tables: table::Along::new(tables, at, along), unit: tables.map(Table::cells_per_metre) }
     }
 
-    #[cold]
-    #[inline(never)]
-    fn read_curves(profiles: [&Piecewise; 2], x: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-        let [one, other] = [0, 1].map(|i| profiles[i].value_and_slope(x[i]));
-        ([one.0, other.0], [one.1, other.1])
+    /// Values [m] and slopes in their own units, at less than 1e5 m from the profiles' origins; NaN where [`Profile::at`] must be asked.
+    #[inline(always)]
+    pub fn read(&self, t: f64) -> ([f64; 2], [f64; 2]) {
+        self.tables.read(t)
     }
 }
 

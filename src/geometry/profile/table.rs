@@ -74,6 +74,12 @@ impl Table {
         Table { cells_per_metre: 1.0 / width, offset: first / width + 0.5, count, cells }
     }
 
+    /// Slope of the profile per slope in metres per cell, 1/m.
+    #[inline]
+    pub(super) fn cells_per_metre(&self) -> f64 {
+        self.cells_per_metre
+    }
+
     /// The cell of `x`, and s; `None` where the curve must be read.
     #[inline(always)]
     fn cell(&self, x: f64) -> Option<(&Cell, f64)> {
@@ -94,13 +100,38 @@ impl Table {
         let ([value], [slope]) = sums([cell], [s]);
         Some((value, slope * self.cells_per_metre))
     }
+}
 
-    /// Values and slopes of two profiles at once.
+/// Two tables, read at equal distances t from two places.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Along<'a> {
+    cells: [&'a [Cell]; 2],
+    /// Numbers of the places at t = 0, and of cells per metre of t.
+    place: [f64; 2],
+    step: [f64; 2],
+}
+
+impl<'a> Along<'a> {
+    /// The tables at `at` [m]; `along` is dx/dt.
+    #[inline]
+    pub(super) fn new(tables: [&'a Table; 2], at: [f64; 2], along: [f64; 2]) -> Self {
+        Along {
+            cells: tables.map(|table| table.cells.as_slice()),
+            place: [0, 1].map(|i| at[i] * tables[i].cells_per_metre - tables[i].offset),
+            step: [0, 1].map(|i| along[i] * tables[i].cells_per_metre),
+        }
+    }
+
+    /// Values [m] and slopes in metres per cell, at less than 1e5 m; one or all are NaN where a curve must be read.
     #[inline(always)]
-    pub(super) fn read_both(tables: [&Table; 2], x: [f64; 2]) -> Option<([f64; 2], [f64; 2])> {
-        let ((one, s), (other, z)) = (tables[0].cell(x[0])?, tables[1].cell(x[1])?);
-        let (values, slopes) = sums([one, other], [s, z]);
-        Some((values, [slopes[0] * tables[0].cells_per_metre, slopes[1] * tables[1].cells_per_metre]))
+    pub(super) fn read(&self, t: f64) -> ([f64; 2], [f64; 2]) {
+        let place = [self.place[0] + self.step[0] * t, self.place[1] + self.step[1] * t];
+        let nearest = [place[0] + WHOLE, place[1] + WHOLE];
+        let index = nearest.map(|number| number.to_bits() as u32 as usize);
+        let (Some(one), Some(other)) = (self.cells[0].get(index[0]), self.cells[1].get(index[1])) else {
+            return ([f64::NAN; 2], [f64::NAN; 2]);
+        };
+        sums([one, other], [place[0] - (nearest[0] - WHOLE), place[1] - (nearest[1] - WHOLE)])
     }
 }
 
