@@ -15,7 +15,8 @@
 //! shows the section a profile that is wider by 1 / cos(yaw): 2e-4 of t at 20 mrad, left out. Where tangents are parallel only
 //! to a nodal search's spacing, they are taken as parallel.
 
-use crate::geometry::profile::{Along, Profile, ProfilePoint};
+use super::overlap::Overlap;
+use crate::geometry::profile::{Along, Bend, Profile, ProfilePoint};
 
 /// A profile and the place of the contact on it.
 #[derive(Clone, Copy, Debug)]
@@ -75,87 +76,92 @@ impl Read for Any<'_> {
     }
 }
 
-/// Wheel and rail beside a contact, on one side of it, each in the frame of its tangent.
+/// Wheel and rail beside a contact, on one side of it, each in the frame of its tangent. Seen from the contact t > 0 on either side.
 struct Gap<'a, R> {
     sections: &'a [Section<'a>; 2],
     read: R,
     value: [f64; 2],
-    /// dx/dt and dy/dt on the tangents; t > 0 on either side.
+    cos: [f64; 2],
+    /// dx/dt and dy/dt on the tangents, p.
     along: [f64; 2],
     rise: [f64; 2],
-    /// -1/c.
-    down: [f64; 2],
-    /// T - 1 per slope as it is read.
+    slope: [f64; 2],
+    /// Slope and p y' per slope as it is read.
+    unit: [f64; 2],
+    per_unit: [f64; 2],
     turn: [f64; 2],
 }
+
+/// Gaps beyond this [m] are those of profiles that have turned by a right angle, where T = 0.
+const FAR: f64 = 1.0;
 
 // Both profiles side by side, so that the compiler makes vector instructions of it.
 impl<'a, R: Read> Gap<'a, R> {
     #[inline(always)]
-    fn new(sections: &'a [Section<'a>; 2], per_cos: [f64; 2], along: [f64; 2], read: R) -> Self {
+    fn new(sections: &'a [Section<'a>; 2], side: f64, cos: [f64; 2], read: R) -> Self {
         let slope = sections.each_ref().map(|section| section.point.d1);
         let unit = read.unit();
+        let along = cos.map(|cos| side * cos);
         Gap {
             sections,
             read,
             value: sections.each_ref().map(|section| section.point.value),
+            cos,
             along,
             rise: [slope[0] * along[0], slope[1] * along[1]],
-            down: per_cos.map(|per| -per),
+            slope: slope.map(|p| side * p),
+            unit: unit.map(|unit| side * unit),
+            per_unit: unit.map(|unit| 1.0 / unit),
             turn: [slope[0] * unit[0], slope[1] * unit[1]],
         }
     }
 
-    /// Depths of both profiles under their tangents [m] and T, which is zero where a profile has turned by a right angle or more.
+    /// The gap [m] and its slope dg/dt at the distance t > 0, from values and slopes there; `None` where curves must be read, or a
+    /// profile has turned by a right angle.
     #[inline(always)]
-    fn below(&self, t: f64, (values, slopes): ([f64; 2], [f64; 2]), turn: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-        let turned = [1.0 + turn[0] * slopes[0], 1.0 + turn[1] * slopes[1]].map(|turn| if turn < 0.0 { 0.0 } else { turn });
-        let down = [0, 1].map(|i| (values[i] - self.value[i] - self.rise[i] * t) * self.down[i]);
-        ([down[0] / turned[0], down[1] / turned[1]], turned)
+    fn of(&self, t: f64, (values, slopes): ([f64; 2], [f64; 2]), unit: [f64; 2], turn: [f64; 2]) -> Option<(f64, f64)> {
+        let per_t = 1.0 / t;
+        let high = [0, 1].map(|i| (values[i] - self.value[i] - self.rise[i] * t) * self.cos[i]);
+        let turned = [1.0 + turn[0] * slopes[0], 1.0 + turn[1] * slopes[1]].map(|turn| if turn > 0.0 { turn } else { 0.0 });
+        let climb = [0, 1].map(|i| (slopes[i] * unit[i] - self.slope[i]) / turned[i]);
+        let off = [0, 1].map(|i| self.slope[i] * high[i]);
+        let bent = [0, 1].map(|i| (4.0 * climb[i] - 6.0 * per_t * high[i]) * per_t * off[i]);
+        let [wheel, rail] = [0, 1].map(|i| high[i] - off[i] * (climb[i] - 0.5 * bent[i]));
+        let [down, fall] = [0, 1].map(|i| climb[i] - bent[i]);
+        let gap = -(wheel + rail);
+        (gap.abs() < FAR).then_some((gap, -(down + fall)))
     }
 
-    /// The gap [m] at the distance t > 0; infinite where a profile has turned by a right angle, NaN where curves must be read.
+    /// The gap [m] and its slope at t > 0, where a bend of wheel or rail may be.
     #[inline(always)]
-    fn at(&self, t: f64) -> f64 {
-        let ([wheel, rail], _) = self.below(t, self.read.at(t), self.turn);
-        wheel + rail
-    }
-
-    /// The gap [m] and its slope dg/dt, also where curves must be read.
-    #[inline(always)]
-    fn opening(&self, t: f64) -> (f64, f64) {
-        let read = self.read.at(t);
-        let ([wheel, rail], turned) = self.below(t, read, self.turn);
-        if (wheel + rail).is_nan() {
-            return self.by_curves(t);
+    fn at(&self, t: f64, bends: [Option<&Bend>; 2]) -> Option<(f64, f64)> {
+        let (mut values, mut slopes) = self.read.at(t);
+        for i in 0..2 {
+            if let Some(bend) = bends[i] {
+                (values[i], slopes[i]) = (bend.value, bend.slope * self.per_unit[i]);
+            }
         }
-        let unit = self.read.unit();
-        let away = [0, 1].map(|i| (read.1[i] * unit[i] - self.sections[i].point.d1) / turned[i] * self.along[i] * self.down[i]);
-        (wheel + rail, away[0] + away[1])
+        match self.of(t, (values, slopes), self.unit, self.turn) {
+            None => self.by_curves(t),
+            found => found,
+        }
     }
 
     /// The same from the profiles' curves.
     #[cold]
     #[inline(never)]
-    fn by_curves(&self, t: f64) -> (f64, f64) {
+    fn by_curves(&self, t: f64) -> Option<(f64, f64)> {
         let points = [0, 1].map(|i| self.sections[i].profile.at(self.sections[i].at + self.along[i] * t));
-        let slope = self.sections.each_ref().map(|section| section.point.d1);
-        let ([wheel, rail], turned) = self.below(t, (points.map(|p| p.value), points.map(|p| p.d1)), slope);
-        let away = [0, 1].map(|i| (points[i].d1 - slope[i]) / turned[i] * self.along[i] * self.down[i]);
-        (wheel + rail, away[0] + away[1])
+        let side = self.along[0].signum();
+        let turn = self.sections.each_ref().map(|section| section.point.d1);
+        self.of(t, (points.map(|p| p.value), points.map(|p| p.d1)), [side; 2], turn)
     }
 }
 
-/// Relative step of t after which the search ends; the next one would be about its square. The distance scales the panels of
-/// an integral, so its rounding must stay far below what the loop between normal and creep forces can see.
-const SETTLED: f64 = 1e-5;
-const ITERATIONS: usize = 40;
-
-/// Gauss's three points and weights on [-1, 1]: exact for the parabola's (1 - x^2)^2.
-const GAUSS: [(f64, f64); 3] = [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
-/// Panels of the integral, each after the second twice as wide as the one before. For a parabola one panel of twice the width would
-/// do; where two places of contact join (S1002 on 60E1), one of four points would be up to 7 % off, two of three are 3 %.
-const PANELS: usize = 8;
+/// Distances of the nodes as shares of the least distance that counts as conformal, growing by a quarter at most once there are a few.
+static NODES: [f64; 9] = [0.03, 0.08, 0.15, 0.25, 0.4, 0.7, 1.0, 2.0, 4.0];
+/// Share of the first node's distance below which two nodes are one.
+const CLOSE: f64 = 1e-3;
 
 impl<'a> ContactShape<'a> {
     #[inline]
@@ -178,7 +184,7 @@ impl<'a> ContactShape<'a> {
     /// where L is expected to be reached. G instead of g lets a second place of contact beyond a ridge count as little as the
     /// ridge is low under L.
     #[inline]
-    pub fn overlap(&self, level: f64, start: f64, reach: f64) -> [Option<f64>; 2] {
+    pub fn overlap(&self, level: f64, reach: f64) -> [Option<f64>; 2] {
         match &self.sections {
             None => {
                 let t = (level / self.across).sqrt();
@@ -186,18 +192,16 @@ impl<'a> ContactShape<'a> {
                 [(0.5 * t <= reach).then_some(8.0 / 15.0 * t); 2]
             }
             Some(sections) => {
-                let start = (0.5 * start).min(reach);
-                let per_cos = sections.each_ref().map(|section| (1.0 + section.point.d1 * section.point.d1).sqrt());
-                let (cos, at) = (per_cos.map(|per| 1.0 / per), sections.each_ref().map(|section| section.at));
+                let cos = sections.each_ref().map(|section| 1.0 / (1.0 + section.point.d1 * section.point.d1).sqrt());
+                let at = sections.each_ref().map(|section| section.at);
                 let profiles = sections.each_ref().map(|section| section.profile);
+                let bends = [0, 1].map(|i| Bends::new(profiles[i].bends(), at[i]));
                 let both = (profiles[0].piecewise(), profiles[1].piecewise());
                 [-1.0, 1.0].map(|side| {
                     let along = cos.map(|cos| side * cos);
                     match both {
-                        (Some(w), Some(r)) => {
-                            one_side(&Gap::new(sections, per_cos, along, Along::new([w, r], at, along)), level, start, reach)
-                        }
-                        _ => one_side(&Gap::new(sections, per_cos, along, Any { profiles, at, along }), level, start, reach),
+                        (Some(w), Some(r)) => one_side(&Gap::new(sections, side, cos, Along::new([w, r], at, along)), bends, level, reach),
+                        _ => one_side(&Gap::new(sections, side, cos, Any { profiles, at, along }), bends, level, reach),
                     }
                 })
             }
@@ -205,73 +209,68 @@ impl<'a> ContactShape<'a> {
     }
 }
 
+/// The bends of a profile before and behind a contact.
+#[derive(Clone, Copy)]
+struct Bends<'a> {
+    before: &'a [Bend],
+    behind: &'a [Bend],
+}
+
+impl<'a> Bends<'a> {
+    #[inline]
+    fn new(all: &'a [Bend], at: f64) -> Self {
+        let count = all.iter().take_while(|bend| bend.at <= at).count();
+        let (before, behind) = all.split_at(count);
+        Bends { before, behind }
+    }
+
+    /// Takes the next one on a side.
+    #[inline(always)]
+    fn next(&mut self, side: f64) -> Option<&'a Bend> {
+        let rest = if side > 0.0 { self.behind.split_first() } else { self.before.split_last() };
+        let (next, rest) = rest?;
+        *(if side > 0.0 { &mut self.behind } else { &mut self.before }) = rest;
+        Some(next)
+    }
+}
+
 /// One side of [`ContactShape::overlap`].
 #[inline(never)]
-fn one_side<R: Read>(gap: &Gap<R>, level: f64, start: f64, reach: f64) -> Option<f64> {
-    let half = part(gap, 0.25 * level, start, reach)?;
-    Some(integrate(gap, level, half))
-}
-
-/// The integral of [`ContactShape::overlap`] on one side, from panels as wide as `first` (for a parabola half of what is
-/// wanted), twice that, and so on. The integrand is C1, so fixed points keep the sum smooth in the pose.
-#[inline(always)]
-fn integrate<R: Read>(gap: &Gap<R>, level: f64, first: f64) -> f64 {
-    let per_level = 1.0 / level;
-    let (mut sum, mut largest, mut from, mut half) = (0.0, 0.0f64, 0.0, 0.5 * first);
-    for panel in 0..PANELS {
-        for (x, weight) in GAUSS {
-            let t = from + half * (1.0 + x);
-            let mut here = gap.at(t);
-            if !(here < level) {
-                if here.is_nan() {
-                    here = gap.by_curves(t).0;
-                }
-                if !(here < level) {
-                    return sum;
+fn one_side<R: Read>(gap: &Gap<R>, mut bends: [Bends; 2], level: f64, reach: f64) -> Option<f64> {
+    let (per_level, close) = (1.0 / level, CLOSE * NODES[0] * reach);
+    let mut overlap = Overlap::new();
+    let mut from = 0.0;
+    let distance = |i: usize, bend: Option<&Bend>| bend.map_or(f64::INFINITY, |bend| (bend.at - gap.sections[i].at) / gap.along[i]);
+    let mut next = [0, 1].map(|i| bends[i].next(gap.along[i]));
+    let mut bent = [0, 1].map(|i| distance(i, next[i]));
+    for &share in &NODES {
+        let node = share * reach;
+        loop {
+            let (mut t, mut here) = (node, [None; 2]);
+            if bent[0] <= node || bent[1] <= node {
+                t = if bent[0] < bent[1] { bent[0] } else { bent[1] };
+                for i in 0..2 {
+                    if t == bent[i] {
+                        here[i] = next[i];
+                        next[i] = bends[i].next(gap.along[i]);
+                        bent[i] = distance(i, next[i]);
+                    }
                 }
             }
-            largest = if here > largest { here } else { largest };
-            let depth = 1.0 - largest * per_level;
-            sum += weight * half * depth * depth;
-        }
-        from += 2.0 * half;
-        if panel > 0 {
-            half *= 2.0;
-        }
-    }
-    sum
-}
-
-/// The distance t > 0 on one side at which the profiles have parted by `level`: Newton's method on the root of the gap, which for a
-/// parabola is a straight line. Steps that leave the interval known to hold a root halve it or, while no end is known, double the
-/// distance.
-#[inline(always)]
-fn part<R: Read>(gap: &Gap<R>, level: f64, start: f64, reach: f64) -> Option<f64> {
-    let root = level.sqrt();
-    let (mut t, mut inside, mut outside) = (start, 0.0f64, f64::INFINITY);
-    for _ in 0..ITERATIONS {
-        let (here, opening) = gap.opening(t);
-        if here < level {
-            inside = t;
-            if inside > reach {
-                return None;
+            if t - from > close {
+                let Some((open, opening)) = gap.at(t, here) else { return Some(overlap.sum) };
+                if overlap.add(t - from, (1.0 - open * per_level, -opening * per_level)) {
+                    return Some(overlap.sum);
+                }
+                from = t;
             }
-        } else {
-            outside = t;
+            if t == node {
+                break;
+            }
         }
-        let root_here = here.sqrt();
-        let next = t + 2.0 * root_here * (root - root_here) / opening;
-        if (next - t).abs() <= SETTLED * t && opening > 0.0 {
-            return (next <= reach).then_some(next);
+        if share >= 1.0 && overlap.depth > 0.75 {
+            return None;
         }
-        // NaN where the gap is negative.
-        t = if next > inside && next < outside && next <= 8.0 * t {
-            next
-        } else if outside.is_finite() {
-            0.5 * (inside + outside)
-        } else {
-            2.0 * t
-        };
     }
-    (inside <= reach).then_some(inside)
+    Some(overlap.sum)
 }

@@ -7,7 +7,7 @@
 //! (value and slope continuous). SI units.
 
 use super::table::{self, Table};
-use super::{Profile, ProfilePoint};
+use super::{Bend, Profile, ProfilePoint};
 
 /// Most coefficients of a polynomial.
 pub(super) const TERMS: usize = 9;
@@ -143,6 +143,8 @@ pub(super) struct Piece {
 
 /// A jump of the second derivative below this [1/m] is no joint: it is 1e-6 of a rail head's own curvature.
 const JOINT: f64 = 1e-6;
+/// One above this [1/m] would be seen in a cubic over some millimetres: a change of height by 1e-7 m within 8 mm.
+const BEND: f64 = 0.1;
 /// A jump of the slope below this is rounding.
 const KINK: f64 = 1e-10;
 /// Cells of the lookup table: a cell rarely holds more than one joint.
@@ -158,6 +160,7 @@ pub struct Piecewise {
     cells: Vec<u32>,
     cells_per_metre: f64,
     table: Table,
+    bends: Vec<Bend>,
     description: String,
 }
 
@@ -181,7 +184,14 @@ impl Piecewise {
             Some(|x: f64| piece.curve.at(x))
         };
         let table = Table::new(first.from, last.to, curve);
-        Some(Piecewise { begin, end, cells, cells_per_metre, table, description, pieces })
+        let mut profile = Piecewise { begin, end, cells, cells_per_metre, table, bends: Vec::new(), description, pieces };
+        let joints = profile.inner_joints(|left, right| (left.d2 - right.d2).abs() > BEND);
+        let bend = |at| {
+            let point = profile.at(at);
+            Bend { at, value: point.value, slope: point.d1 }
+        };
+        profile.bends = joints.into_iter().map(bend).collect();
+        Some(profile)
     }
 
     /// The piece that holds `x`, which lies in the range.
@@ -279,6 +289,10 @@ impl Profile for Piecewise {
 
     fn joints(&self) -> Vec<f64> {
         self.inner_joints(|left, right| (left.d2 - right.d2).abs() > JOINT)
+    }
+
+    fn bends(&self) -> &[Bend] {
+        &self.bends
     }
 
     fn kinks(&self) -> Vec<f64> {

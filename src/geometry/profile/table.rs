@@ -19,8 +19,12 @@ const WIDTH: f64 = 5e-5;
 const CLOSE: f64 = 1e-13;
 const PARALLEL: f64 = 1e-8;
 
-/// Coefficients in powers of s; the first is NaN where the curve must be read.
-type Cell = [f64; 6];
+const TERMS: usize = 6;
+
+/// Coefficients of value [m] and slope [m per cell], next to each other, in powers of s; the first is NaN where the curve must be read.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(16))]
+struct Cell([[f64; 2]; TERMS]);
 
 #[derive(Clone, Debug)]
 pub(super) struct Table {
@@ -32,24 +36,27 @@ pub(super) struct Table {
 }
 
 /// The quintic in s of a cell of this width, from a curve's points at both ends.
-fn quintic(width: f64, from: &ProfilePoint, to: &ProfilePoint) -> Cell {
+fn quintic(width: f64, from: &ProfilePoint, to: &ProfilePoint) -> [f64; TERMS] {
     let (rise, slopes, bends) = (to.value - from.value, [from.d1, to.d1].map(|d| d * width), [from.d2, to.d2].map(|d| d * width * width));
     let [a, b, c] = [rise - slopes[0] - 0.5 * bends[0], slopes[1] - slopes[0] - bends[0], bends[1] - bends[0]];
     let (third, fourth, fifth) = (10.0 * a - 4.0 * b + 0.5 * c, -15.0 * a + 7.0 * b - c, 6.0 * a - 3.0 * b + 0.5 * c);
     shifted([from.value, slopes[0], 0.5 * bends[0], third, fourth, fifth], 0.5)
 }
 
-/// Values and slopes per cell of several cells at once, which the compiler turns into vector instructions.
-#[inline(always)]
-fn sums<const N: usize>(cells: [&Cell; N], s: [f64; N]) -> ([f64; N], [f64; N]) {
-    let step = |sum: [f64; N], add: [f64; N]| -> [f64; N] { std::array::from_fn(|i| sum[i] * s[i] + add[i]) };
-    let terms = |power: usize| -> [f64; N] { std::array::from_fn(|i| cells[i][power]) };
-    let (mut value, mut slope) = (terms(5), [0.0; N]);
-    for power in (0..5).rev() {
-        slope = if power == 4 { value } else { step(slope, value) };
-        value = step(value, terms(power));
+impl Cell {
+    fn new(value: [f64; TERMS]) -> Self {
+        Cell(std::array::from_fn(|i| [value[i], value.get(i + 1).map_or(0.0, |c| (i + 1) as f64 * c)]))
     }
-    (value, slope)
+
+    /// Value, and slope in metres per cell: side by side, so that the compiler makes vector instructions of it.
+    #[inline(always)]
+    fn at(&self, s: f64) -> [f64; 2] {
+        let mut sum = self.0[TERMS - 1];
+        for term in self.0[..TERMS - 1].iter().rev() {
+            sum = [sum[0] * s + term[0], sum[1] * s + term[1]];
+        }
+        sum
+    }
 }
 
 /// Added to a number below 2^31 it leaves the nearest whole number in the last bits.
@@ -63,14 +70,14 @@ impl Table {
         let cell = |index: usize| {
             let (from, to) = (first + index as f64 * width, first + (index + 1) as f64 * width);
             let curve = curve(from, to)?;
-            let cell = quintic(width, &curve(from), &curve(to));
+            let cell = Cell::new(quintic(width, &curve(from), &curve(to)));
             let near = |s: f64| {
-                let (point, ([value], [slope])) = (curve(from + (0.5 + s) * width), sums([&cell], [s]));
+                let (point, [value, slope]) = (curve(from + (0.5 + s) * width), cell.at(s));
                 (value - point.value).abs() <= CLOSE && (slope / width - point.d1).abs() <= PARALLEL
             };
             [-0.25, 0.0, 0.25].into_iter().all(near).then_some(cell)
         };
-        let cells = (0..count as usize).map(|index| cell(index).unwrap_or([f64::NAN; 6])).collect();
+        let cells = (0..count as usize).map(|index| cell(index).unwrap_or(Cell([[f64::NAN; 2]; TERMS]))).collect();
         Table { cells_per_metre: 1.0 / width, offset: first / width + 0.5, count, cells }
     }
 
@@ -90,14 +97,14 @@ impl Table {
         let nearest = place + WHOLE;
         // Below the first cell the last 32 bits make a very great number.
         let cell = self.cells.get(nearest.to_bits() as u32 as usize)?;
-        (!cell[0].is_nan()).then_some((cell, place - (nearest - WHOLE)))
+        (!cell.0[0][0].is_nan()).then_some((cell, place - (nearest - WHOLE)))
     }
 
     /// Value and slope; `None` where the curve must be read.
     #[inline]
     pub(super) fn read(&self, x: f64) -> Option<(f64, f64)> {
         let (cell, s) = self.cell(x)?;
-        let ([value], [slope]) = sums([cell], [s]);
+        let [value, slope] = cell.at(s);
         Some((value, slope * self.cells_per_metre))
     }
 }
@@ -131,7 +138,8 @@ impl<'a> Along<'a> {
         let (Some(one), Some(other)) = (self.cells[0].get(index[0]), self.cells[1].get(index[1])) else {
             return ([f64::NAN; 2], [f64::NAN; 2]);
         };
-        sums([one, other], [place[0] - (nearest[0] - WHOLE), place[1] - (nearest[1] - WHOLE)])
+        let (one, other) = (one.at(place[0] - (nearest[0] - WHOLE)), other.at(place[1] - (nearest[1] - WHOLE)));
+        ([one[0], other[0]], [one[1], other[1]])
     }
 }
 
