@@ -159,7 +159,8 @@ impl<'a, R: Read> Gap<'a, R> {
 }
 
 /// Distances of the nodes as shares of the least distance that counts as conformal, growing by a quarter at most once there are a few.
-static NODES: [f64; 9] = [0.03, 0.08, 0.15, 0.25, 0.4, 0.7, 1.0, 2.0, 4.0];
+static NODES: [f64; 14] = [0.04, 0.09, 0.15, 0.25, 0.4, 0.7, 1.0, 1.5, 2.3, 3.5, 5.0, 8.0, 12.0, 20.0];
+const STEEP: f64 = 20.0;
 /// Share of the first node's distance below which two nodes are one.
 const CLOSE: f64 = 1e-3;
 
@@ -237,14 +238,15 @@ impl<'a> Bends<'a> {
 /// One side of [`ContactShape::overlap`].
 #[inline(never)]
 fn one_side<R: Read>(gap: &Gap<R>, mut bends: [Bends; 2], level: f64, reach: f64) -> Option<f64> {
-    let (per_level, close) = (1.0 / level, CLOSE * NODES[0] * reach);
+    let unit = reach / (1.0 + STEEP * (gap.slope[0] * gap.slope[0] + gap.slope[1] * gap.slope[1]));
+    let (per_level, close) = (1.0 / level, CLOSE * NODES[0] * unit);
     let mut overlap = Overlap::new();
     let mut from = 0.0;
     let distance = |i: usize, bend: Option<&Bend>| bend.map_or(f64::INFINITY, |bend| (bend.at - gap.sections[i].at) / gap.along[i]);
     let mut next = [0, 1].map(|i| bends[i].next(gap.along[i]));
     let mut bent = [0, 1].map(|i| distance(i, next[i]));
     for &share in &NODES {
-        let node = share * reach;
+        let node = share * unit;
         loop {
             let (mut t, mut here) = (node, [None; 2]);
             if bent[0] <= node || bent[1] <= node {
@@ -268,7 +270,7 @@ fn one_side<R: Read>(gap: &Gap<R>, mut bends: [Bends; 2], level: f64, reach: f64
                 break;
             }
         }
-        if share >= 1.0 && overlap.depth > 0.75 {
+        if node >= reach && overlap.depth > 0.75 {
             return None;
         }
     }
