@@ -181,3 +181,71 @@ impl Overlap {
         false
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The integral of the piecewise cubic's (1 - G)^2 by 20000 points, L = 1, from gaps and slopes at nodes 1 m apart.
+    fn by_points(nodes: &[(f64, f64)]) -> f64 {
+        let (mut sum, mut largest) = (0.0, 0.0f64);
+        for pair in nodes.windows(2) {
+            let cubic = Cubic::new([pair[0].0, pair[1].0], [pair[0].1, pair[1].1]);
+            for i in 0..20_000 {
+                largest = largest.max(cubic.value((f64::from(i) + 0.5) / 20_000.0));
+                sum += (1.0 - largest.min(1.0)).powi(2) / 20_000.0;
+            }
+        }
+        sum
+    }
+
+    fn closed(nodes: &[(f64, f64)]) -> f64 {
+        let mut overlap = Overlap::new();
+        for &(gap, slope) in &nodes[1..] {
+            if overlap.add(1.0, (1.0 - gap, -slope)) {
+                break;
+            }
+        }
+        overlap.sum
+    }
+
+    #[test]
+    fn analytic_a_parabola_is_met_wherever_its_nodes_lie() {
+        for end in [0.2, 0.9, 1.0, 1.7, 3.0] {
+            let nodes: Vec<(f64, f64)> = (0..=4).map(f64::from).map(|t| (t * t / (end * end), 2.0 * t / (end * end))).collect();
+            assert!((closed(&nodes) / (8.0 / 15.0 * end) - 1.0).abs() < 1e-12, "{end}");
+        }
+    }
+
+    #[test]
+    fn analytic_ridges_valleys_and_plateaus_are_met() {
+        // Gaps and slopes that rise, fall below zero, rise again; ridges inside an interval, and ends of all kinds.
+        let mut worst = 0.0f64;
+        for i in 0..4000u32 {
+            let part = |k: u32| f64::from((i / 10u32.pow(k)) % 10) / 10.0;
+            let random = |k: u32| (f64::from(i) * 12.9898 + f64::from(k) * 78.233).sin() * 0.9;
+            let nodes = [
+                (0.0, 0.0),
+                (0.6 * part(0), random(1)),
+                (random(2), random(3)),
+                (0.9 * part(1), 2.0 * random(4)),
+                (0.5 + part(2), 1.0),
+                (2.0 + part(3), 1.5),
+            ];
+            let error = (closed(&nodes) - by_points(&nodes)).abs();
+            assert!(error < 2e-4, "{nodes:?}: {} {}", closed(&nodes), by_points(&nodes));
+            worst = worst.max(error);
+        }
+        println!("closed form and points differ by {worst:.1e}");
+    }
+
+    #[test]
+    fn analytic_the_sum_is_smooth_where_a_ridge_passes_the_level() {
+        let at = |height: f64| closed(&[(0.0, 0.0), (height, 0.0), (0.1, 0.0), (3.0, 4.0)]);
+        let slope = |x: f64| (at(x + 1e-6) - at(x - 1e-6)) / 2e-6;
+        for height in [0.1, 0.3, 0.999, 1.0, 1.001] {
+            let (left, right) = (slope(height - 4e-6), slope(height + 4e-6));
+            assert!((left - right).abs() < 1e-3, "{height}: {left} {right}");
+        }
+    }
+}
