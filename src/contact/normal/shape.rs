@@ -92,8 +92,10 @@ struct Gap<'a, R> {
     turn: [f64; 2],
 }
 
-/// Gaps beyond this [m] are those of profiles that have turned by a right angle, where T is set to 0.
+/// Gaps beyond this [m], and slopes against the tangents that together are beyond TURNED, are far outside any patch: behind a flange or
+/// a rail's flank.
 const FAR: f64 = 1.0;
+const TURNED: f64 = 4.0;
 
 // Both profiles side by side, so that the compiler makes vector instructions of it.
 impl<'a, R: Read> Gap<'a, R> {
@@ -117,7 +119,7 @@ impl<'a, R: Read> Gap<'a, R> {
     }
 
     /// The gap [m] and its slope dg/dt at the distance t > 0, from values and slopes there; `None` where curves must be read, or a
-    /// profile has turned by a right angle.
+    /// profile has turned away.
     #[inline(always)]
     fn of(&self, t: f64, (values, slopes): ([f64; 2], [f64; 2]), unit: [f64; 2], turn: [f64; 2]) -> Option<(f64, f64)> {
         let per_t = 1.0 / t;
@@ -129,7 +131,7 @@ impl<'a, R: Read> Gap<'a, R> {
         let [wheel, rail] = [0, 1].map(|i| high[i] - off[i] * (climb[i] - 0.5 * bent[i]));
         let [down, fall] = [0, 1].map(|i| climb[i] - bent[i]);
         let gap = -(wheel + rail);
-        (gap.abs() < FAR).then_some((gap, -(down + fall)))
+        (gap.abs() < FAR && climb[0].abs() + climb[1].abs() < TURNED).then_some((gap, -(down + fall)))
     }
 
     /// The gap [m] and its slope at t > 0, where a bend of wheel or rail may be.
@@ -246,6 +248,9 @@ fn one_side<R: Read>(gap: &Gap<R>, mut bends: [Bends; 2], level: f64, reach: f64
     let (per_level, close) = (1.0 / level, CLOSE * NODES[0] * unit);
     let mut overlap = Overlap::new();
     let mut from = 0.0;
+    // A gap that can't be read is very wide.
+    let depth =
+        |open: Option<(f64, f64)>| open.map_or((f64::NEG_INFINITY, 0.0), |(open, opening)| (1.0 - open * per_level, -opening * per_level));
     let distance = |i: usize, bend: Option<&Bend>| bend.map_or(f64::INFINITY, |bend| (bend.at - gap.sections[i].at) / gap.along[i]);
     let mut next = [0, 1].map(|i| bends[i].next(gap.along[i]));
     let mut bent = [0, 1].map(|i| distance(i, next[i]));
@@ -264,8 +269,11 @@ fn one_side<R: Read>(gap: &Gap<R>, mut bends: [Bends; 2], level: f64, reach: f64
                 }
             }
             if t - from > close {
-                let Some((open, opening)) = gap.at(t, here) else { return Some(overlap.sum) };
-                if overlap.add(t - from, (1.0 - open * per_level, -opening * per_level)) {
+                let node = depth(gap.at(t, here));
+                if node.0 <= 1.0 - NARROW {
+                    return Some(last_interval(gap, overlap, (from, t), node, depth));
+                }
+                if overlap.add(t - from, node) {
                     return Some(overlap.sum);
                 }
                 from = t;
@@ -279,4 +287,45 @@ fn one_side<R: Read>(gap: &Gap<R>, mut bends: [Bends; 2], level: f64, reach: f64
         }
     }
     Some(overlap.sum)
+}
+
+/// An interval at whose end the gap is more than NARROW L is halved; from there on its whole gives way to its halves, until the gap is
+/// WIDE L, so that nothing jumps.
+const NARROW: f64 = 10.0;
+const WIDE: f64 = 20.0;
+const HALVINGS: usize = 8;
+
+/// The integral up to its end, which lies in an interval; `node` is the depth at the interval's end and its slope.
+#[inline(never)]
+fn last_interval<R: Read>(
+    gap: &Gap<R>,
+    mut overlap: Overlap,
+    (mut from, mut to): (f64, f64),
+    mut node: (f64, f64),
+    depth: impl Fn(Option<(f64, f64)>) -> (f64, f64),
+) -> f64 {
+    let (mut sum, mut rest) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let share = (1.0 - node.0 - NARROW) * (1.0 / (WIDE - NARROW));
+        if share < 1.0 {
+            let mut whole = overlap;
+            whole.add(to - from, node);
+            if share <= 0.0 {
+                return sum + rest * whole.sum;
+            }
+            let halved = share * share * (3.0 - 2.0 * share);
+            sum += rest * (1.0 - halved) * whole.sum;
+            rest *= halved;
+        }
+        let middle = 0.5 * (from + to);
+        let found = depth(gap.at(middle, [None; 2]));
+        if found.0 <= 0.0 {
+            (to, node) = (middle, found);
+        } else if overlap.add(middle - from, found) {
+            break;
+        } else {
+            from = middle;
+        }
+    }
+    sum + rest * overlap.sum
 }
