@@ -9,11 +9,11 @@
 //! h(t) = h' - (t' - t) (dh/dt - k (t' - t) / 2),   dh/dt at t = dh/dt - k (t' - t),   k = (4 dh/dt - 6 h' / t) / t
 //! ```
 //!
-//! where k is the curvature at t' of the cubic from the contact to there, with the same value and slope: an error of third order in the
-//! distance t' - t where the curvature is constant. At the contact the tangents are parallel, so the frames fall together and the gap of the undeformed profiles along the
-//! normal is `g(t) = -h_wheel(t) - h_rail(t)`, with `g(0) = g'(0) = 0` and `g''(0) = 2 B`. The wheel turned by a yaw angle
-//! shows the section a profile that is wider by 1 / cos(yaw): 2e-4 of t at 20 mrad, left out. Where tangents are parallel only
-//! to a nodal search's spacing, they are taken as parallel.
+//! where k is the curvature at t' of the cubic from the contact to there that has the same value and slope: an error of third order in
+//! the distance t' - t where the curvature is constant. At the contact the tangents are parallel, so the frames fall together and the
+//! gap of the undeformed profiles along the normal is `g(t) = -h_wheel(t) - h_rail(t)`, with `g(0) = g'(0) = 0` and `g''(0) = 2 B`. The
+//! wheel turned by a yaw angle shows the section a profile that is wider by 1 / cos(yaw): 2e-4 of t at 20 mrad, left out. Where
+//! tangents are parallel only to a nodal search's spacing, they are taken as parallel.
 
 use super::overlap::Overlap;
 use crate::geometry::profile::{Along, Bend, Profile, ProfilePoint};
@@ -95,7 +95,7 @@ struct Gap<'a, R> {
 /// Gaps beyond this [m], and slopes against the tangents that together are beyond TURNED, are far outside any patch: behind a flange or
 /// a rail's flank.
 const FAR: f64 = 1.0;
-const TURNED: f64 = 4.0;
+const TURNED: f64 = 2.5;
 
 // Both profiles side by side, so that the compiler makes vector instructions of it.
 impl<'a, R: Read> Gap<'a, R> {
