@@ -60,16 +60,18 @@ impl Cubic {
     /// Where the cubic, falling from more than `target` to less between two places, has that value.
     fn fall_to(&self, target: f64, mut from: f64, mut to: f64) -> f64 {
         let first = self.value(from) - target;
-        let mut s = from + (to - from) * first / (first + target - self.value(to));
+        let chord = from + (to - from) * first / (first + target - self.value(to));
+        let inside = |s: f64, from: f64, to: f64| if s > from && s < to { s } else { 0.5 * (from + to) };
+        let mut s = inside(chord, from, to);
         for _ in 0..ITERATIONS {
             let over = self.value(s) - target;
             *(if over > 0.0 { &mut from } else { &mut to }) = s;
             let next = s - over / self.slope(s);
             if (next - s).abs() <= SETTLED {
-                return next.clamp(from, to);
+                return if next < from || next > to { s } else { next };
             }
             // NaN on a level place.
-            s = if next > from && next < to { next } else { 0.5 * (from + to) };
+            s = inside(next, from, to);
         }
         s
     }
@@ -186,14 +188,14 @@ impl Overlap {
 mod tests {
     use super::*;
 
-    /// The integral of the piecewise cubic's (1 - G)^2 by 20000 points, L = 1, from gaps and slopes at nodes 1 m apart.
+    /// The integral of the piecewise cubic's (1 - G)^2 by 2000 points, L = 1, from gaps and slopes at nodes 1 m apart.
     fn by_points(nodes: &[(f64, f64)]) -> f64 {
         let (mut sum, mut largest) = (0.0, 0.0f64);
         for pair in nodes.windows(2) {
             let cubic = Cubic::new([pair[0].0, pair[1].0], [pair[0].1, pair[1].1]);
-            for i in 0..20_000 {
-                largest = largest.max(cubic.value((f64::from(i) + 0.5) / 20_000.0));
-                sum += (1.0 - largest.min(1.0)).powi(2) / 20_000.0;
+            for i in 0..2_000 {
+                largest = largest.max(cubic.value((f64::from(i) + 0.5) / 2_000.0));
+                sum += (1.0 - largest.min(1.0)).powi(2) / 2_000.0;
             }
         }
         sum
@@ -233,7 +235,7 @@ mod tests {
                 (2.0 + part(3), 1.5),
             ];
             let error = (closed(&nodes) - by_points(&nodes)).abs();
-            assert!(error < 2e-4, "{nodes:?}: {} {}", closed(&nodes), by_points(&nodes));
+            assert!(error < 2e-5, "{nodes:?}: {} {}", closed(&nodes), by_points(&nodes));
             worst = worst.max(error);
         }
         println!("closed form and points differ by {worst:.1e}");
@@ -241,7 +243,7 @@ mod tests {
 
     #[test]
     fn analytic_the_sum_is_smooth_where_a_ridge_passes_the_level() {
-        let at = |height: f64| closed(&[(0.0, 0.0), (height, 0.0), (0.1, 0.0), (3.0, 4.0)]);
+        let at = |height: f64| closed(&[(0.0, 0.0), (height, 0.0), (-0.2, 0.0), (3.0, 4.0)]);
         let slope = |x: f64| (at(x + 1e-6) - at(x - 1e-6)) / 2e-6;
         for height in [0.1, 0.3, 0.999, 1.0, 1.001] {
             let (left, right) = (slope(height - 4e-6), slope(height + 4e-6));
