@@ -84,7 +84,8 @@ impl Cubic {
         for _ in 0..ITERATIONS {
             let step = self.value(s) / self.slope(s);
             if !(step.abs() > SETTLED) {
-                return s - step;
+                // 0 / 0 where the cubic only touches zero.
+                return if step.is_nan() { s } else { s - step };
             }
             s = (s - step).clamp(0.0, 1.0);
         }
