@@ -161,7 +161,7 @@ impl<'a, R: Read> Gap<'a, R> {
 }
 
 /// Distances of the nodes, which the end of the reach measures on a level tread. Patches of S1002 on 60E1 end at 0.01 to 0.16.
-static NODES: [f64; 19] = [0.03, 0.08, 0.15, 0.25, 0.4, 0.7, 1.0, 1.5, 2.3, 3.5, 5.0, 8.0, 12.0, 20.0, 32.0, 50.0, 80.0, 130.0, 200.0];
+static NODES: [f64; 19] = [0.04, 0.09, 0.15, 0.25, 0.4, 0.7, 1.0, 1.5, 2.3, 3.5, 5.0, 8.0, 12.0, 20.0, 32.0, 50.0, 80.0, 130.0, 200.0];
 /// Nodes are closer on a slope p, by 1 + STEEP p^2 for wheel and rail together: gauge corner and flange have small radii.
 const STEEP: f64 = 20.0;
 /// Share of the first node's distance below which two nodes are one.

@@ -31,7 +31,7 @@ fn analytic_overlap_of_a_circle_with_its_tangent_at_any_slope() {
                 // As the rule has it, and half of that.
                 for share in [0.5, 1.0] {
                     let reach = share * 1.5 * f64::sqrt(level * LARGEST_RATIO / 1.09);
-                    let first = 0.03 * reach / (1.0 + 40.0 * slope * slope);
+                    let first = 0.04 * reach / (1.0 + 40.0 * slope * slope);
                     for found in shape.overlap(level, reach) {
                         let error = found.unwrap() / exact - 1.0;
                         worst = worst.max(error.abs());
