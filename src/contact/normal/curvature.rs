@@ -123,8 +123,7 @@ impl Rule {
     fn over_patch(&self, shape: &ContactShape, penetration: f64) -> Result<f64, ConformalContact> {
         let level = (SHARE * penetration).max(LEAST_LEVEL);
         let widest = (level * LARGEST_RATIO / shape.rolling).sqrt();
-        let start = (level / self.guess(shape)).sqrt();
-        let half_width = match (self.conformal, shape.overlap(level, start, 1.5 * widest)) {
+        let half_width = match (self.conformal, shape.overlap(level, 1.5 * widest)) {
             (Conformal::Error, [Some(one), Some(other)]) => 0.5 * (15.0 / 8.0 * one + 15.0 / 8.0 * other),
             (Conformal::Error, _) => return Err(ConformalContact { rolling: shape.rolling, across: shape.across }),
             (Conformal::Bounded, [one, other]) => {

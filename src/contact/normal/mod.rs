@@ -5,6 +5,7 @@ mod curvature;
 pub mod damping;
 mod hertz;
 pub mod hertz_table;
+mod overlap;
 mod shape;
 #[cfg(test)]
 mod test_surfaces;

@@ -3,7 +3,7 @@
 use super::{ContactShape, NormalLaw, ProfileSection};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
 use crate::geometry::Side;
-use crate::geometry::profile::{Profile, ProfilePoint};
+use crate::geometry::profile::{Bend, Profile, ProfilePoint};
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::Rail;
 use crate::math::rotation::AxleFrame;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Arcs and straight lines that follow each other smoothly.
 #[derive(Debug)]
-pub struct Shape(Vec<Piece>);
+pub struct Shape(Vec<Piece>, Vec<Bend>);
 
 /// A circle of signed curvature (positive bends up) through (from, value) with `slope` there.
 #[derive(Debug)]
@@ -44,7 +44,13 @@ impl Shape {
             let (value, slope) = pieces.last().map_or((value, slope), |last| (last.at(from).value, last.at(from).d1));
             pieces.push(Piece { from, value, slope, curvature });
         }
-        Shape(pieces)
+        Shape::of(pieces)
+    }
+
+    fn of(pieces: Vec<Piece>) -> Self {
+        let bend = |piece: &Piece| Bend { at: piece.from, value: piece.value, slope: piece.slope };
+        let bends = pieces.iter().skip(1).map(bend).collect();
+        Shape(pieces, bends)
     }
 }
 
@@ -52,6 +58,9 @@ impl Profile for Shape {
     fn at(&self, x: f64) -> ProfilePoint {
         let place = self.0.partition_point(|piece| piece.from <= x).max(1) - 1;
         self.0[place].at(x)
+    }
+    fn bends(&self) -> &[Bend] {
+        &self.1
     }
     fn range(&self) -> (f64, f64) {
         (-1.0, 1.0)
@@ -128,7 +137,7 @@ pub fn rail_60e1() -> Shape {
         })
         .collect();
     pieces.extend(half.0);
-    Shape(pieces)
+    Shape::of(pieces)
 }
 
 /// S1002 (EN 13715) from the flange's throat outward: polynomial zones C and B and the throat's arc D, mm, with tread radius 460 mm.

@@ -23,7 +23,7 @@ mod tests;
 
 use super::file::SceneFile;
 use crate::settings::{Entry, Section, SettingsError, choose};
-pub use piecewise::Piecewise;
+pub use piecewise::{Along, Piecewise};
 use std::sync::Arc;
 
 /// Value and first three derivatives of a profile at one coordinate.
@@ -37,6 +37,17 @@ pub struct ProfilePoint {
     pub d2: f64,
     /// Third derivative, 1/m2.
     pub d3: f64,
+}
+
+/// A place where the curvature of a profile jumps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bend {
+    /// Coordinate, m.
+    pub at: f64,
+    /// Radius or height there, m.
+    pub value: f64,
+    /// Slope there, -.
+    pub slope: f64,
 }
 
 /// A smooth profile.
@@ -66,6 +77,11 @@ pub trait Profile: Send + Sync + std::fmt::Debug {
     /// Coordinates [m], increasing, at which the second derivative jumps: what depends on curvature steps there.
     fn joints(&self) -> Vec<f64> {
         Vec::new()
+    }
+
+    /// Those of them, increasing, at which it jumps by so much that readings on both sides must not be joined by one smooth curve.
+    fn bends(&self) -> &[Bend] {
+        &[]
     }
 
     /// Coordinates [m], increasing, at which the slope jumps. No profile of this program has any: angles of

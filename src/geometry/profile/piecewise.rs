@@ -6,8 +6,8 @@
 //! near the piece, so that high powers do not cancel. Beyond the range the profile goes on as a straight line
 //! (value and slope continuous). SI units.
 
-use super::table::Table;
-use super::{Profile, ProfilePoint};
+use super::table::{self, Table};
+use super::{Bend, Profile, ProfilePoint};
 
 /// Most coefficients of a polynomial.
 pub(super) const TERMS: usize = 9;
@@ -143,6 +143,8 @@ pub(super) struct Piece {
 
 /// A jump of the second derivative below this [1/m] is no joint: it is 1e-6 of a rail head's own curvature.
 const JOINT: f64 = 1e-6;
+/// One above this [1/m] would be seen in a cubic over some millimetres: a change of height by 1e-7 m within 8 mm.
+const BEND: f64 = 0.1;
 /// A jump of the slope below this is rounding.
 const KINK: f64 = 1e-10;
 /// Cells of the lookup table: a cell rarely holds more than one joint.
@@ -158,6 +160,7 @@ pub struct Piecewise {
     cells: Vec<u32>,
     cells_per_metre: f64,
     table: Table,
+    bends: Vec<Bend>,
     description: String,
 }
 
@@ -181,7 +184,14 @@ impl Piecewise {
             Some(|x: f64| piece.curve.at(x))
         };
         let table = Table::new(first.from, last.to, curve);
-        Some(Piecewise { begin, end, cells, cells_per_metre, table, description, pieces })
+        let mut profile = Piecewise { begin, end, cells, cells_per_metre, table, bends: Vec::new(), description, pieces };
+        let joints = profile.inner_joints(|left, right| (left.d2 - right.d2).abs() > BEND);
+        let bend = |at| {
+            let point = profile.at(at);
+            Bend { at, value: point.value, slope: point.d1 }
+        };
+        profile.bends = joints.into_iter().map(bend).collect();
+        Some(profile)
     }
 
     /// The piece that holds `x`, which lies in the range.
@@ -214,13 +224,30 @@ impl Piecewise {
     }
 }
 
-impl Piecewise {
-    /// Values and slopes of two profiles at once, as [`Profile::value_and_slope`] gives them.
-    #[inline(always)]
-    pub fn both(profiles: [&Piecewise; 2], x: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-        Table::read_both(profiles.map(|profile| &profile.table), x).unwrap_or_else(|| Self::read_curves(profiles, x))
+/// Two profiles, read at equal distances t from two places, for laws that read them at many.
+#[derive(Clone, Copy, Debug)]
+pub struct Along<'a> {
+    tables: table::Along<'a>,
+    /// Slope [-] of each profile per slope as it is read.
+    pub unit: [f64; 2],
+}
+
+impl<'a> Along<'a> {
+    /// The profiles at `at` [m]; `along` is dx/dt.
+    #[inline]
+    pub fn new(profiles: [&'a Piecewise; 2], at: [f64; 2], along: [f64; 2]) -> Self {
+        let tables = profiles.map(|profile| &profile.table);
+        Along { tables: table::Along::new(tables, at, along), unit: tables.map(Table::cells_per_metre) }
     }
 
+    /// Values [m] and slopes in their own units, at less than 1e5 m from the profiles' origins; NaN where [`Profile::at`] must be asked.
+    #[inline(always)]
+    pub fn read(&self, t: f64) -> ([f64; 2], [f64; 2]) {
+        self.tables.read(t)
+    }
+}
+
+impl Piecewise {
     /// Two profiles at one coordinate each, as [`Profile::at`] gives them to within 1e-13 m, 1e-10, 2e-5 1/m and 5 1/m2.
     #[inline(always)]
     pub fn near_both(profiles: [&Piecewise; 2], x: [f64; 2]) -> [ProfilePoint; 2] {
@@ -231,13 +258,6 @@ impl Piecewise {
     #[inline(never)]
     fn at_both(profiles: [&Piecewise; 2], x: [f64; 2]) -> [ProfilePoint; 2] {
         [0, 1].map(|i| profiles[i].at(x[i]))
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn read_curves(profiles: [&Piecewise; 2], x: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-        let [one, other] = [0, 1].map(|i| profiles[i].value_and_slope(x[i]));
-        ([one.0, other.0], [one.1, other.1])
     }
 }
 
@@ -283,6 +303,10 @@ impl Profile for Piecewise {
 
     fn joints(&self) -> Vec<f64> {
         self.inner_joints(|left, right| (left.d2 - right.d2).abs() > JOINT)
+    }
+
+    fn bends(&self) -> &[Bend] {
+        &self.bends
     }
 
     fn kinks(&self) -> Vec<f64> {

@@ -20,8 +20,12 @@ const WIDTH: f64 = 5e-5;
 const CLOSE: f64 = 1e-13;
 const PARALLEL: f64 = 1e-10;
 
-/// Coefficients in powers of s; the first is NaN where the curve must be read.
-type Cell = [f64; 6];
+const TERMS: usize = 6;
+
+/// Coefficients of value [m] and slope [m per cell], next to each other, in powers of s; the first is NaN where the curve must be read.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(16))]
+struct Cell([[f64; 2]; TERMS]);
 
 #[derive(Clone, Debug)]
 pub(super) struct Table {
@@ -33,40 +37,40 @@ pub(super) struct Table {
 }
 
 /// The quintic in s of a cell of this width, from a curve's points at both ends.
-fn quintic(width: f64, from: &ProfilePoint, to: &ProfilePoint) -> Cell {
+fn quintic(width: f64, from: &ProfilePoint, to: &ProfilePoint) -> [f64; TERMS] {
     let (rise, slopes, bends) = (to.value - from.value, [from.d1, to.d1].map(|d| d * width), [from.d2, to.d2].map(|d| d * width * width));
     let [a, b, c] = [rise - slopes[0] - 0.5 * bends[0], slopes[1] - slopes[0] - bends[0], bends[1] - bends[0]];
     let (third, fourth, fifth) = (10.0 * a - 4.0 * b + 0.5 * c, -15.0 * a + 7.0 * b - c, 6.0 * a - 3.0 * b + 0.5 * c);
     shifted([from.value, slopes[0], 0.5 * bends[0], third, fourth, fifth], 0.5)
 }
 
-/// Values and slopes per cell of several cells at once, which the compiler turns into vector instructions.
-#[inline(always)]
-fn sums<const N: usize>(cells: [&Cell; N], s: [f64; N]) -> ([f64; N], [f64; N]) {
-    let step = |sum: [f64; N], add: [f64; N]| -> [f64; N] { std::array::from_fn(|i| sum[i] * s[i] + add[i]) };
-    let terms = |power: usize| -> [f64; N] { std::array::from_fn(|i| cells[i][power]) };
-    let (mut value, mut slope) = (terms(5), [0.0; N]);
-    for power in (0..5).rev() {
-        slope = if power == 4 { value } else { step(slope, value) };
-        value = step(value, terms(power));
+impl Cell {
+    fn new(value: [f64; TERMS]) -> Self {
+        Cell(std::array::from_fn(|i| [value[i], value.get(i + 1).map_or(0.0, |c| (i + 1) as f64 * c)]))
     }
-    (value, slope)
-}
 
-/// Values and their derivatives per cell, the last of them halved and by 6, of several cells at once.
-#[inline(always)]
-fn derivatives<const N: usize>(cells: [&Cell; N], s: [f64; N]) -> [[f64; N]; 4] {
-    let step = |sum: [f64; N], add: [f64; N]| -> [f64; N] { std::array::from_fn(|i| sum[i] * s[i] + add[i]) };
-    let terms = |power: usize| -> [f64; N] { std::array::from_fn(|i| cells[i][power]) };
-    let top = terms(5);
-    let mut sums = [step(top, terms(4)), top, [0.0; N], [0.0; N]];
-    for power in (0..4).rev() {
-        sums[3] = if power == 3 { [0.0; N] } else { step(sums[3], sums[2]) };
-        sums[2] = if power == 3 { top } else { step(sums[2], sums[1]) };
-        sums[1] = step(sums[1], sums[0]);
-        sums[0] = step(sums[0], terms(power));
+    /// Value, and slope in metres per cell: side by side, so that the compiler makes vector instructions of it.
+    #[inline(always)]
+    fn at(&self, s: f64) -> [f64; 2] {
+        let mut sum = self.0[TERMS - 1];
+        for term in self.0[..TERMS - 1].iter().rev() {
+            sum = [sum[0] * s + term[0], sum[1] * s + term[1]];
+        }
+        sum
     }
-    sums
+
+    /// Value and three derivatives, per cell.
+    #[inline(always)]
+    fn derivatives(&self, s: f64) -> [f64; 4] {
+        let step = |sum: [f64; 2], add: [f64; 2]| [sum[0] * s + add[0], sum[1] * s + add[1]];
+        let (mut sum, mut rate, mut half) = (self.0[TERMS - 1], [0.0; 2], [0.0; 2]);
+        for term in self.0[..TERMS - 1].iter().rev() {
+            half = step(half, rate);
+            rate = step(rate, sum);
+            sum = step(sum, *term);
+        }
+        [sum[0], sum[1], rate[1], 2.0 * half[1]]
+    }
 }
 
 /// Added to a number below 2^31 it leaves the nearest whole number in the last bits.
@@ -80,15 +84,21 @@ impl Table {
         let cell = |index: usize| {
             let (from, to) = (first + index as f64 * width, first + (index + 1) as f64 * width);
             let curve = curve(from, to)?;
-            let cell = quintic(width, &curve(from), &curve(to));
+            let cell = Cell::new(quintic(width, &curve(from), &curve(to)));
             let near = |s: f64| {
-                let (point, ([value], [slope])) = (curve(from + (0.5 + s) * width), sums([&cell], [s]));
+                let (point, [value, slope]) = (curve(from + (0.5 + s) * width), cell.at(s));
                 (value - point.value).abs() <= CLOSE && (slope / width - point.d1).abs() <= PARALLEL
             };
             [-0.25, 0.0, 0.25].into_iter().all(near).then_some(cell)
         };
-        let cells = (0..count as usize).map(|index| cell(index).unwrap_or([f64::NAN; 6])).collect();
+        let cells = (0..count as usize).map(|index| cell(index).unwrap_or(Cell([[f64::NAN; 2]; TERMS]))).collect();
         Table { cells_per_metre: 1.0 / width, offset: first / width + 0.5, count, cells }
+    }
+
+    /// Slope of the profile per slope in metres per cell, 1/m.
+    #[inline]
+    pub(super) fn cells_per_metre(&self) -> f64 {
+        self.cells_per_metre
     }
 
     /// The cell of `x`, and s; `None` where the curve must be read.
@@ -101,34 +111,58 @@ impl Table {
         let nearest = place + WHOLE;
         // Below the first cell the last 32 bits make a very great number.
         let cell = self.cells.get(nearest.to_bits() as u32 as usize)?;
-        (!cell[0].is_nan()).then_some((cell, place - (nearest - WHOLE)))
+        (!cell.0[0][0].is_nan()).then_some((cell, place - (nearest - WHOLE)))
     }
 
     /// Two profiles at one coordinate each; `None` where the curve of one must be read.
     #[inline(always)]
     pub(super) fn near_both(tables: [&Table; 2], x: [f64; 2]) -> Option<[ProfilePoint; 2]> {
         let ((one, s), (other, z)) = (tables[0].cell(x[0])?, tables[1].cell(x[1])?);
-        let [value, d1, d2, d3] = derivatives([one, other], [s, z]);
-        Some([0, 1].map(|i| {
-            let per = tables[i].cells_per_metre;
-            ProfilePoint { value: value[i], d1: d1[i] * per, d2: 2.0 * d2[i] * per * per, d3: 6.0 * d3[i] * per * per * per }
-        }))
+        let point = |[value, d1, d2, d3]: [f64; 4], per: f64| ProfilePoint { value, d1: d1 * per, d2: d2 * per * per, d3: d3 * per * per * per };
+        let [per, other_per] = tables.map(Table::cells_per_metre);
+        Some([point(one.derivatives(s), per), point(other.derivatives(z), other_per)])
     }
 
     /// Value and slope; `None` where the curve must be read.
     #[inline]
     pub(super) fn read(&self, x: f64) -> Option<(f64, f64)> {
         let (cell, s) = self.cell(x)?;
-        let ([value], [slope]) = sums([cell], [s]);
+        let [value, slope] = cell.at(s);
         Some((value, slope * self.cells_per_metre))
     }
+}
 
-    /// Values and slopes of two profiles at once.
+/// Two tables, read at equal distances t from two places.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Along<'a> {
+    cells: [&'a [Cell]; 2],
+    /// Numbers of the places at t = 0, and of cells per metre of t.
+    place: [f64; 2],
+    step: [f64; 2],
+}
+
+impl<'a> Along<'a> {
+    /// The tables at `at` [m]; `along` is dx/dt.
+    #[inline]
+    pub(super) fn new(tables: [&'a Table; 2], at: [f64; 2], along: [f64; 2]) -> Self {
+        Along {
+            cells: tables.map(|table| table.cells.as_slice()),
+            place: [0, 1].map(|i| at[i] * tables[i].cells_per_metre - tables[i].offset),
+            step: [0, 1].map(|i| along[i] * tables[i].cells_per_metre),
+        }
+    }
+
+    /// Values [m] and slopes in metres per cell, at less than 1e5 m; one or all are NaN where a curve must be read.
     #[inline(always)]
-    pub(super) fn read_both(tables: [&Table; 2], x: [f64; 2]) -> Option<([f64; 2], [f64; 2])> {
-        let ((one, s), (other, z)) = (tables[0].cell(x[0])?, tables[1].cell(x[1])?);
-        let (values, slopes) = sums([one, other], [s, z]);
-        Some((values, [slopes[0] * tables[0].cells_per_metre, slopes[1] * tables[1].cells_per_metre]))
+    pub(super) fn read(&self, t: f64) -> ([f64; 2], [f64; 2]) {
+        let place = [self.place[0] + self.step[0] * t, self.place[1] + self.step[1] * t];
+        let nearest = [place[0] + WHOLE, place[1] + WHOLE];
+        let index = nearest.map(|number| number.to_bits() as u32 as usize);
+        let (Some(one), Some(other)) = (self.cells[0].get(index[0]), self.cells[1].get(index[1])) else {
+            return ([f64::NAN; 2], [f64::NAN; 2]);
+        };
+        let (one, other) = (one.at(place[0] - (nearest[0] - WHOLE)), other.at(place[1] - (nearest[1] - WHOLE)));
+        ([one[0], other[0]], [one[1], other[1]])
     }
 }
 
