@@ -20,7 +20,7 @@ mod refine;
 mod tests;
 mod view;
 
-pub use polish::{Polished, is_least};
+pub use polish::{Polished, bending_ahead, is_least};
 pub use refine::Kink;
 
 use super::algebraic::{Pair, SurfaceParameters};
