@@ -192,7 +192,11 @@ pub(super) fn release(
     memory: &mut [f64],
 ) -> Result<bool, EvaluationError> {
     let lost = wheels(model).find(|(_, wheelset, side)| wheelset.name == failure.wheelset && *side == failure.side);
-    let Some((contact, wheelset, side)) = lost else { return Ok(false) };
+    let Some(lost) = lost else { return Ok(false) };
+    // Positions of a wheelset are closed together: the wheel whose place ends first is the one that they can't be closed with.
+    let ending = lasting::least_lasting(model, memory).filter(|_| matches!(failure.cause, ContactFailure::NotClosed { .. }));
+    let ending = ending.and_then(|(contact, _)| wheels(model).find(|wheel| wheel.0 == contact));
+    let (contact, wheelset, side) = ending.filter(|wheel| wheel.1.name == failure.wheelset).unwrap_or(lost);
     let own = &memory[model.contact_memory(contact)];
     let searched = model.searches[contact].is_some();
     let lost = matches!(failure.cause, ContactFailure::NotFound { .. } | ContactFailure::NotClosed { .. } | ContactFailure::Dependent);

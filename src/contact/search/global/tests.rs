@@ -681,3 +681,37 @@ fn equiv_polished_minima_solve_the_equations_on_a_rail_that_bends() {
     println!("{count} minima, {rough} narrowed, shift by bending up to {shift:.1e} m");
     assert!(count > 50 && rough * 50 < count);
 }
+
+#[test]
+fn analytic_bending_ahead_is_the_bending_and_its_rate() {
+    use crate::contact::search::algebraic::SurfaceParameters;
+    let scene = Scene::new("S1002 on 60E1", Side::Left, s1002(), rail_60e1());
+    let frame = AxleFrame::new(0.0, 0.0);
+    // With a motion of 1 m/s sideways and the time 1/2, k + dk/dy.
+    let at = |y: f64| {
+        let centre = Vector3::new(0.0, y, 0.46);
+        let pair = Pair { wheel: &scene.wheel, rail: &scene.rail, centre: &centre, axes: &frame.axes, distance: 0.0 };
+        pair.locate(&SurfaceParameters::default()).map(|found| (found, bending_ahead(&pair, &found, [0.0; 2], 0.5)))
+    };
+    let (step, mut count) = (1e-7, 0);
+    for i in -20..=20 {
+        let y = 1e-4 * f64::from(i);
+        let (Ok(before), Ok(after)) = (at(y - step), at(y + step)) else { continue };
+        let change = |a: f64, b: f64| (b - a) / (2.0 * step);
+        let (p, q) = (before.0.parameters, after.0.parameters);
+        let rates = [change(p.wheel, q.wheel), change(p.rail, q.rail)];
+        let bending = change(before.1, after.1);
+        // Jumps of curvature and other places of contact apart.
+        if !(rates[0].abs() < 1e2 && bending.abs() < 1e5) {
+            continue;
+        }
+        let centre = Vector3::new(0.0, y, 0.46);
+        let pair = Pair { wheel: &scene.wheel, rail: &scene.rail, centre: &centre, axes: &frame.axes, distance: 0.0 };
+        let found = pair.locate(&p).unwrap();
+        let rate = bending_ahead(&pair, &found, rates, 0.5) - bending_ahead(&pair, &found, [0.0; 2], 0.5);
+        assert!((rate - bending).abs() < 1e-4 * (1.0 + bending.abs()), "y = {y:.4}: {rate} {bending}");
+        count += 1;
+    }
+    println!("{count} places");
+    assert!(count > 20);
+}
