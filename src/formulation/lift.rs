@@ -38,7 +38,7 @@ pub(super) fn parse(section: &Section) -> Result<OnLift, SettingsError> {
     })
 }
 
-/// A penetration that stays this close to its static value (relative) ...
+/// A penetration that stays this close to its static value (relative; amplitude of displacement and rate) ...
 const SETTLED: f64 = 0.01;
 /// ... for this long [s] ends the elastic mode, if one place carries the wheel alone and all others are further from their rail than
 /// it is pressed in: a rigid contact knows nothing of a load that moves from place to place.
@@ -96,7 +96,12 @@ pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [
         let unsettled = if report.stiffness > 0.0 {
             // N = K delta^1.5 with the vertical part of N equal to the static load.
             let at_rest = (wheelset.static_wheel_load / (report.axes.normal.z * report.stiffness)).cbrt().powi(2);
-            ((report.penetration / at_rest - 1.0).abs() - SETTLED).max(1.0 - clearance(workspace, contact, report) / at_rest)
+            // Of the wheel's bouncing on its contact, whose stiffness there is 1.5 N / delta: it falls steadily where the
+            // displacement alone passes any bound again and again.
+            let mass = 0.5 * model.system.bodies[wheelset.body].mass;
+            let frequency = (1.5 * wheelset.static_wheel_load / (mass * at_rest)).sqrt();
+            let amplitude = (report.penetration / at_rest - 1.0).hypot(report.penetration_rate / (frequency * at_rest));
+            (amplitude - SETTLED).max(1.0 - clearance(workspace, contact, report) / at_rest)
         } else {
             f64::INFINITY
         };
