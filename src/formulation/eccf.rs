@@ -60,7 +60,8 @@ impl Formulation for Eccf {
     fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
         rigid::derivative(model, workspace, at, dy, |contact, wheelset, side, motion, memory| {
             let found = locate(model, (contact, wheelset, side), motion, memory)?;
-            Ok(ConstraintRow { location: found.location, row: row(motion, &found), bias: found.gap_bias })
+            let rates = [found.parameter_rates[0], found.parameter_rates[3]];
+            Ok(ConstraintRow { location: found.location, row: row(motion, &found), bias: found.gap_bias, rates })
         })
     }
 

@@ -7,8 +7,8 @@ use crate::geometry::Side;
 pub enum ContactChange {
     /// The constraint would have begun to pull; the contact is elastic from here.
     Lifted,
-    /// The place that was constrained no longer exists (the distance of the surfaces has no minimum there any more); the wheel is
-    /// elastic from here.
+    /// The place that was constrained is about to cease (within 1 ms the distance of the surfaces has no minimum there any more), or
+    /// has ceased where a curvature jumps; the wheel is elastic from here.
     Vanished,
     /// No bounded normal force is in balance with its creep forces: the place is about to cease, or a steep contact is locked by
     /// friction. Rigid bodies have no motion there; the wheel is elastic from here.
@@ -54,7 +54,7 @@ impl std::fmt::Display for ContactEvent {
         write!(f, "t = {:.9} s, {}, {} wheel: ", self.time, self.wheelset, self.side.name())?;
         match self.change {
             ContactChange::Lifted => write!(f, "normal force fell to zero, the contact is elastic from here"),
-            ContactChange::Vanished => write!(f, "the contact point has ceased to exist under load, the wheel is elastic from here"),
+            ContactChange::Vanished => write!(f, "the contact point ceases to exist under load, the wheel is elastic from here"),
             ContactChange::Undecided => {
                 write!(f, "a rigid contact has no normal force in balance here, the wheel is elastic from here")
             }

@@ -2,9 +2,11 @@
 
 use super::eccf;
 use super::events::{ContactChange, ContactEvent};
-use super::loading::{keep, pair, warm_start};
+use super::handover::{carried, depth_under_load, press};
+use super::lasting;
+use super::loading::{keep, pair};
 use super::points;
-use super::rigid::{APPROACH, MODE, NORMAL_FORCE, SETTLED_SINCE, VANISHED, is_elastic, least_pressed, wheels};
+use super::rigid::{APPROACH, LASTING, MODE, NORMAL_FORCE, SETTLED_SINCE, UNSETTLED, VANISHED, WATCHED, is_elastic, least_pressed, wheels};
 use super::{ContactFailure, ContactReport, EvaluationError, Model, Wheelset, Workspace};
 use crate::geometry::Side;
 use crate::settings::{Section, SettingsError};
@@ -35,7 +37,7 @@ pub(super) fn parse(section: &Section) -> Result<OnLift, SettingsError> {
     })
 }
 
-/// A penetration that stays this close to its static value (relative) ...
+/// A penetration that stays this close to its static value (relative; amplitude of displacement and rate) ...
 const SETTLED: f64 = 0.01;
 /// ... for this long [s] ends the elastic mode, if one place carries the wheel alone and all others are further from their rail than
 /// it is pressed in: a rigid contact knows nothing of a load that moves from place to place.
@@ -43,13 +45,6 @@ const SETTLING_TIME: f64 = 5e-3;
 /// By this factor the time grows with each place of the wheel that has ceased to exist after the first, so that a wheel on nearly
 /// conformal profiles does not become a constraint again and again.
 const PATIENCE: f64 = 8.0;
-
-/// A place this steep (vertical part of its normal) or this far away [m] can't take over the load of one that ceases to exist.
-const STEEPEST: f64 = 0.8;
-const FURTHEST: f64 = 5e-5;
-/// Most that it takes over, in static wheel loads: the force of a constraint grows without bound where its place ceases to exist
-/// (the place runs ever faster along the curved surfaces), and says nothing of the load there.
-const MOST_CARRIED: f64 = 1.25;
 
 fn settling_time(memory: &[f64]) -> f64 {
     SETTLING_TIME * PATIENCE.powi((memory[VANISHED] as i32 - 1).clamp(0, 6))
@@ -66,6 +61,7 @@ pub(super) fn start(model: &Model, workspace: &mut Workspace, y: &[f64], memory:
         }
         (memory[NORMAL_FORCE], memory[APPROACH]) = (wheelset.static_wheel_load, 0.0);
         (memory[MODE], memory[SETTLED_SINCE]) = (0.0, f64::INFINITY);
+        (memory[LASTING], memory[UNSETTLED]) = (f64::INFINITY, f64::INFINITY);
     }
 }
 
@@ -85,29 +81,39 @@ pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [
             continue;
         }
         let report = most_pressed(workspace, contact);
-        let settled = report.stiffness > 0.0 && pressed(workspace, contact) == 1 && {
+        let unsettled = if report.stiffness > 0.0 {
             // N = K delta^1.5 with the vertical part of N equal to the static load.
             let at_rest = (wheelset.static_wheel_load / (report.axes.normal.z * report.stiffness)).cbrt().powi(2);
-            (report.penetration / at_rest - 1.0).abs() <= SETTLED && clearance(workspace, contact) > at_rest
+            // Of the wheel's bouncing on its contact, whose stiffness there is 1.5 N / delta: it falls steadily where the
+            // displacement alone passes any bound again and again.
+            let mass = 0.5 * model.system.bodies[wheelset.body].mass;
+            let frequency = (1.5 * wheelset.static_wheel_load / (mass * at_rest)).sqrt();
+            let amplitude = (report.penetration / at_rest - 1.0).hypot(report.penetration_rate / (frequency * at_rest));
+            (amplitude - SETTLED).max(1.0 - clearance(workspace, contact, report) / at_rest)
+        } else {
+            f64::INFINITY
         };
-        if !settled {
+        if !(unsettled <= 0.0) {
             memory[SETTLED_SINCE] = f64::INFINITY;
         } else {
+            // When it settled within the step: its end says nothing, and depends on the integrator.
+            let (before, begin) = (memory[UNSETTLED], memory[WATCHED]);
+            let within = before > 0.0 && before.is_finite() && begin < t;
+            let since = if within { begin + (t - begin) * before / (before - unsettled) } else { t };
             // A time to come belongs to a step that was cut.
-            memory[SETTLED_SINCE] = memory[SETTLED_SINCE].min(t);
+            if !(memory[SETTLED_SINCE] <= t) {
+                memory[SETTLED_SINCE] = since;
+            }
         }
+        (memory[UNSETTLED], memory[WATCHED]) = (unsettled, t);
     }
 }
 
-fn pressed(workspace: &Workspace, contact: usize) -> usize {
-    workspace.reports(contact).filter(|report| report.normal_force > 0.0).count()
-}
-
-/// Distance of the nearest place of a wheel that is not pressed, m.
-fn clearance(workspace: &Workspace, contact: usize) -> f64 {
+/// Distance of the nearest place of a wheel beside `most` from the rail, m; negative where it is pressed.
+fn clearance(workspace: &Workspace, contact: usize, most: &ContactReport) -> f64 {
     // A report without iterations belongs to no place.
-    let free = workspace.reports(contact).filter(|report| report.iterations > 0 && !(report.normal_force > 0.0));
-    free.map(|report| -report.penetration).fold(f64::INFINITY, f64::min)
+    let others = workspace.reports(contact).filter(|report| report.iterations > 0 && !std::ptr::eq(*report, most));
+    others.map(|report| -report.penetration).fold(f64::INFINITY, f64::min)
 }
 
 fn most_pressed(workspace: &Workspace, contact: usize) -> &ContactReport {
@@ -148,13 +154,17 @@ pub(super) fn switch(
     let mut landed = false;
     for wheel @ (contact, wheelset, side) in wheels(model) {
         if settled(&memory[model.contact_memory(contact)]) {
-            let change = land(wheel, model, workspace, t, y, memory)?;
+            let Some(change) = land(wheel, model, workspace, t, y, memory)? else { continue };
             workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
             landed = true;
         }
     }
     if landed {
         return Ok(());
+    }
+    let ending = lasting::least_lasting(model, memory).filter(|(_, margin)| on_lift == OnLift::Elastic && *margin < 0.0);
+    if let Some(wheel) = ending.and_then(|(contact, _)| wheels(model).find(|wheel| wheel.0 == contact)) {
+        return free(wheel, ContactChange::Vanished, model, workspace, t, y, memory);
     }
     // The least pressed contact alone: once it is free the others may press again.
     let Some((contact, normal_force)) = least_pressed(model, memory).filter(|(_, force)| *force < 0.0) else { return Ok(()) };
@@ -175,7 +185,11 @@ pub(super) fn release(
     memory: &mut [f64],
 ) -> Result<bool, EvaluationError> {
     let lost = wheels(model).find(|(_, wheelset, side)| wheelset.name == failure.wheelset && *side == failure.side);
-    let Some((contact, wheelset, side)) = lost else { return Ok(false) };
+    let Some(lost) = lost else { return Ok(false) };
+    // Positions of a wheelset are closed together: the wheel whose place ends first is the one that they can't be closed with.
+    let ending = lasting::least_lasting(model, memory).filter(|_| matches!(failure.cause, ContactFailure::NotClosed { .. }));
+    let ending = ending.and_then(|(contact, _)| wheels(model).find(|wheel| wheel.0 == contact));
+    let (contact, wheelset, side) = ending.filter(|wheel| wheel.1.name == failure.wheelset).unwrap_or(lost);
     let own = &memory[model.contact_memory(contact)];
     let searched = model.searches[contact].is_some();
     let lost = matches!(failure.cause, ContactFailure::NotFound { .. } | ContactFailure::NotClosed { .. } | ContactFailure::Dependent);
@@ -189,34 +203,8 @@ pub(super) fn release(
     Ok(true)
 }
 
-/// Penetration of a wheel's deepest place [m] under which that would carry the wheel's normal force beside what it carries already;
-/// `None` where it could not: a flange, or nothing near.
-fn depth_under_load(
-    (contact, wheelset, side): (usize, &Wheelset, Side),
-    model: &Model,
-    workspace: &mut Workspace,
-    y: &[f64],
-    memory: &mut [f64],
-) -> Option<f64> {
-    let normal_force = memory[model.contact_memory(contact)][NORMAL_FORCE].min(MOST_CARRIED * wheelset.static_wheel_load);
-    if !(normal_force > 0.0) {
-        return None;
-    }
-    model.move_bodies(y, memory, &mut workspace.system);
-    let pair = pair(model, wheelset, side, &workspace.system.motions[wheelset.body]);
-    let place = points::deepest(model, contact, &pair).unwrap_or_else(|| warm_start(&memory[model.contact_memory(contact)]));
-    let found = pair.locate(&place).ok()?;
-    if found.normal.z < STEEPEST || found.penetration < -FURTHEST {
-        return None;
-    }
-    let shape = found.shape(wheelset.wheel(side), model.track.rail(side));
-    let law = &model.laws.normal;
-    let own = if found.penetration > 0.0 { law.contact(&shape, found.penetration).ok()?.force } else { 0.0 };
-    law.contact_under(&shape, own + normal_force / found.normal.z).ok().map(|(depth, _)| depth)
-}
-
 /// Makes a constraint an elastic contact and moves the state onto the constraints that are left. A wheel that loses its place under
-/// load is moved to where another place carries that load, as landing moves it out of there: else it would fall by its static
+/// load is moved to where its elastic places carry that load, as landing moves it out of there: else it would fall by its static
 /// penetration, and bounce.
 fn free(
     (contact, wheelset, side): (usize, &Wheelset, Side),
@@ -229,25 +217,25 @@ fn free(
 ) -> Result<(), EvaluationError> {
     let wheel = (contact, wheelset, side);
     let lost = matches!(change, ContactChange::Vanished | ContactChange::Undecided);
-    let depth = if lost { depth_under_load(wheel, model, workspace, y, memory) } else { None };
+    let load = carried(wheelset, contact, workspace);
+    let depth = if lost { depth_under_load(wheel, load, model, workspace, y, memory) } else { None };
     let own = &mut memory[model.contact_memory(contact)];
     (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
+    (own[LASTING], own[UNSETTLED]) = (f64::INFINITY, f64::INFINITY);
     if lost {
         own[VANISHED] += 1.0;
     }
     points::forget(model, contact, own);
     workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
-    // Where that can't be reached the wheel falls.
-    if depth.is_some() {
-        workspace.rigid.consistent.copy_from_slice(y);
-        if eccf::project_pressed(model, workspace, t, y, memory, depth.map(|depth| (contact, depth))).is_err() {
-            y.copy_from_slice(&workspace.rigid.consistent);
-        }
+    if let Some(depth) = depth {
+        press(wheel, (load, depth), model, workspace, t, y, memory);
+        points::forget(model, contact, &mut memory[model.contact_memory(contact)]);
     }
     model.formulation.resettle(model, workspace, t, y, memory)
 }
 
-/// Makes an elastic contact a constraint again: positions, then velocities are projected.
+/// Makes an elastic contact a constraint again: positions, then velocities are projected. `None` where its place would not last: it
+/// waits once more.
 fn land(
     (contact, wheelset, side): (usize, &Wheelset, Side),
     model: &Model,
@@ -255,13 +243,18 @@ fn land(
     t: f64,
     y: &mut [f64],
     memory: &mut [f64],
-) -> Result<ContactChange, EvaluationError> {
+) -> Result<Option<ContactChange>, EvaluationError> {
     model.move_bodies(y, memory, &mut workspace.system);
     let motion = workspace.system.motions[wheelset.body];
     let range = model.contact_memory(contact);
     points::promote(model, workspace, contact, y, &mut memory[range.clone()]);
     let found = eccf::locate(model, (contact, wheelset, side), &motion, &mut memory[range.clone()])
         .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
+    let rates = [found.parameter_rates[0], found.parameter_rates[3]];
+    if !lasting::bears(model, (contact, wheelset, side), &motion, &found.location, rates) {
+        memory[range.start + SETTLED_SINCE] = t;
+        return Ok(None);
+    }
     let mechanical = |workspace: &Workspace, y: &[f64]| model.system.mechanical_energy(y, &workspace.system);
     let penetration = found.location.penetration;
     // K delta^1.5 integrated; a curvature taken over the patch changes K a little on the way, which is left out.
@@ -276,5 +269,5 @@ fn land(
     points::forget(model, contact, memory_of);
     model.formulation.resettle(model, workspace, t, y, memory)?;
     model.move_bodies(y, memory, &mut workspace.system);
-    Ok(ContactChange::Landed { penetration, rate: -found.gap_rate, energy: mechanical(workspace, y) - before })
+    Ok(Some(ContactChange::Landed { penetration, rate: -found.gap_rate, energy: mechanical(workspace, y) - before }))
 }

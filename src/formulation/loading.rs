@@ -128,11 +128,17 @@ impl Contact<'_> {
     pub fn squeezed(&self, report: &mut ContactReport, approach: f64) -> Result<(f64, Wrench), ConformalContact> {
         let law = &self.wheel.model.laws.normal;
         let elastic = if approach > 0.0 { law.contact(&self.shape(), approach)? } else { ElasticContact::default() };
+        Ok((elastic.force, self.pressed(report, &elastic)))
+    }
+
+    /// The same with patch and force given.
+    #[inline]
+    pub fn pressed(&self, report: &mut ContactReport, elastic: &ElasticContact) -> Wrench {
         (report.stiffness, report.patch, report.normal_force) = (elastic.stiffness, elastic.patch, elastic.force);
         self.creep(report);
         let mut wrench = Wrench::default();
         self.add(report, report.force - report.axes.normal * elastic.force, &mut wrench);
-        Ok((elastic.force, wrench))
+        wrench
     }
 
     /// d ln T / d ln N at constant creepages for a patch that grows like N^(1/3) and creep forces that saturate after Vermeulen and

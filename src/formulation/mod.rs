@@ -14,6 +14,8 @@ mod ecf_a;
 mod ecf_n;
 pub mod events;
 mod failure;
+mod handover;
+mod lasting;
 mod lift;
 mod loading;
 mod model;

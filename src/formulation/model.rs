@@ -6,7 +6,7 @@ use super::points::{self, PreparedSearches, WheelSearch};
 use super::rigid::{self, RigidScratch};
 use super::sliding_mean::SlidingMean;
 use super::work::Work;
-use super::{AssemblyError, Build, EvaluationError, Formulation, RAIL_INPUTS, lift};
+use super::{AssemblyError, Build, EvaluationError, Formulation, RAIL_INPUTS, lasting, lift};
 use crate::contact::Patch;
 use crate::contact::creep::CreepLaw;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
@@ -359,12 +359,13 @@ impl Model {
         Ok(())
     }
 
-    /// The smallest normal force [N] of a constrained contact as it was found last, or how far (times a stiffness) a contact beside
-    /// the first is from beginning or ending; `None` when there is neither.
+    /// The smallest normal force [N] of a constrained contact as it was found last, how far its place is from being left, or how far
+    /// (times a stiffness) a contact beside the first is from beginning or ending; `None` when there is none of them.
     pub fn margin(&self, memory: &[f64]) -> Option<f64> {
         let pressing = self.formulation.on_lift().and_then(|_| rigid::least_pressed(self, memory)).map(|(_, force)| force);
+        let lasting = if self.may_be_elastic() { lasting::least_lasting(self, memory).map(|(_, margin)| margin) } else { None };
         let touching = points::margin(self, memory);
-        pressing.into_iter().chain(touching).reduce(f64::min)
+        pressing.into_iter().chain(lasting).chain(touching).reduce(f64::min)
     }
 
     /// Are contacts constraints that may also be elastic for a time (`contact.on_lift`)?

@@ -9,10 +9,12 @@
 //! its static value for 5 ms; what penetration is left is removed by projection.
 //!
 //! Memory per contact: surface parameters, N, mode (0 constraint, 1 elastic), since when the penetration is settled (infinity: it
-//! is not), how many of the wheel's places have ceased to exist, penetration [m] at which N was found.
+//! is not), how many of the wheel's places have ceased to exist, penetration [m] at which N was found, how far its place is from being
+//! left (`lasting`), how far from settled an elastic wheel was when a step ended last, and when that was.
 
 use super::accf::Partition;
 use super::balance::{self, Balance, Pressing};
+use super::lasting;
 use super::loading::{Contact, WheelAt, external_wrench};
 use super::points;
 use super::{
@@ -29,12 +31,15 @@ use crate::mbs::system::SystemWorkspace;
 use nalgebra::Vector3;
 
 /// Numbers per contact in the memory, and their places after the surface parameters.
-pub(super) const MEMORY: usize = 9;
+pub(super) const MEMORY: usize = 12;
 pub(super) const NORMAL_FORCE: usize = 4;
 pub(super) const MODE: usize = 5;
 pub(super) const SETTLED_SINCE: usize = 6;
 pub(super) const VANISHED: usize = 7;
 pub(super) const APPROACH: usize = 8;
+pub(super) const LASTING: usize = 9;
+pub(super) const UNSETTLED: usize = 10;
+pub(super) const WATCHED: usize = 11;
 
 /// Is the contact an elastic one at present?
 #[inline]
@@ -50,6 +55,8 @@ pub(super) struct ConstraintRow {
     pub row: Coefficients,
     /// -Q_cn: second derivative of the gap when no coordinate accelerates, m/s2.
     pub bias: f64,
+    /// Rates of u and eta, m/s.
+    pub rates: [f64; 2],
 }
 
 /// Scratch of the constraint formulations; rows and multipliers are in the system's workspace.
@@ -122,7 +129,7 @@ pub(super) fn derivative(
             let row = constraints.joint_rows + contact;
             constraints.kkt.set_active(row, !elastic);
             if elastic {
-                constraints.gamma[row] = 0.0;
+                (constraints.gamma[row], memory[LASTING]) = (0.0, f64::INFINITY);
                 points::elastic_wheel(&wheel, memory, wrench, reports).map_err(fail)?;
                 workspace.work.search_iterations += workspace.contacts[contact].iterations as u64;
                 (rigid.rows[contact], rigid.balance.contacts[contact]) = (None, Pressing::default());
@@ -140,6 +147,7 @@ pub(super) fn derivative(
             workspace.work.search_iterations += found.location.iterations as u64;
             constraints.kkt.set_row(row, &found.row, &Coefficients::zeros());
             constraints.gamma[row] = -found.bias;
+            memory[LASTING] = lasting::remaining(model, (contact, wheelset, side), &motion, &found.location, found.rates);
             rigid.balance.contacts[contact] = Pressing::start(memory[NORMAL_FORCE], memory[APPROACH]);
             rigid.rows[contact] = Some(found);
         }

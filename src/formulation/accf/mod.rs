@@ -367,7 +367,8 @@ fn evaluate(
         for (i, weight) in weights.iter().enumerate() {
             row += motion.coefficients(&found.by_velocity[i], &found.by_rotation[i]) * *weight;
         }
-        Ok(ConstraintRow { location: pair(model, wheelset, side, motion).location(found), row, bias: weights.dot(bias) })
+        let rates = [own[PARAMETERS], own[PARAMETERS + 3]];
+        Ok(ConstraintRow { location: pair(model, wheelset, side, motion).location(found), row, bias: weights.dot(bias), rates })
     });
     let done = done.and_then(|()| parameter_derivatives(model, workspace, t, y, &points, dy));
     workspace.rigid.points = points;

@@ -146,6 +146,12 @@ pub(super) fn deepest(model: &Model, contact: usize, pair: &Pair) -> Option<Surf
     minima.deepest().map(|minimum| search.polish(pair, minimum).location.parameters)
 }
 
+/// Can the wheel have other places than one?
+#[inline]
+pub(super) fn searched(model: &Model, contact: usize) -> bool {
+    model.searches[contact].is_some()
+}
+
 /// Has a constrained contact run beyond the end of its least distance, onto a ridge?
 #[inline]
 pub(super) fn vanished(model: &Model, contact: usize, pair: &Pair, found: &ContactLocation) -> bool {

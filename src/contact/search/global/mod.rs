@@ -22,7 +22,7 @@ mod tests;
 mod view;
 mod watch;
 
-pub use polish::{Polished, is_least};
+pub use polish::{Polished, bending_ahead, is_least};
 pub use refine::Kink;
 pub use standing::Standing;
 

@@ -105,3 +105,14 @@ fn bending(pair: &Pair, at: &ContactLocation) -> f64 {
     let other = rail.d2 / (across * across.sqrt());
     own - other / (1.0 + other * at.penetration)
 }
+
+/// `k + 2 time dk/dt` [1/m] with k as in `bending`, where u and eta run at `rates` [m/s]: towards a place where least distance and ridge
+/// merge k^2 falls evenly, so that this is zero `time` [s] before. The squares of k in [`super::view`] are left out of dk/dt.
+#[inline]
+pub fn bending_ahead(pair: &Pair, at: &ContactLocation, rates: [f64; 2], time: f64) -> f64 {
+    let [own, other] = [&at.wheel_profile, &at.rail_profile].map(|profile| {
+        let arc = 1.0 + profile.d1 * profile.d1;
+        (profile.d3 - 3.0 * profile.d1 * profile.d2 * profile.d2 / arc) / (arc * arc.sqrt())
+    });
+    bending(pair, at) - 2.0 * time * (own * rates[0] + other * rates[1])
+}

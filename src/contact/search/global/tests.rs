@@ -746,3 +746,45 @@ fn equiv_polished_minima_solve_the_equations_on_a_rail_that_bends() {
     println!("{count} minima, {rough} narrowed, shift by bending up to {shift:.1e} m");
     assert!(count > 50 && rough * 50 < count);
 }
+
+#[test]
+fn analytic_bending_ahead_is_the_bending_and_its_rate() {
+    use crate::contact::search::algebraic::{ContactLocation, SurfaceParameters};
+    let scene = Scene::new("S1002 on 60E1", Side::Left, s1002(), rail_60e1());
+    let frame = AxleFrame::new(0.0, 0.0);
+    fn posed<'a>(scene: &'a Scene, frame: &'a AxleFrame, centre: &'a Vector3<f64>) -> Pair<'a> {
+        Pair { wheel: &scene.wheel, rail: &scene.rail, centre, axes: &frame.axes, distance: 0.0 }
+    }
+    // The wheel rests on its place, as a constraint has it.
+    let resting = |y: f64| -> Option<(Vector3<f64>, ContactLocation)> {
+        let mut centre = Vector3::new(0.0, y, 0.46);
+        let mut found = posed(&scene, &frame, &centre).locate(&SurfaceParameters::default()).ok()?;
+        for _ in 0..4 {
+            centre.z += found.penetration / found.normal.z;
+            found = posed(&scene, &frame, &centre).locate(&found.parameters).ok()?;
+        }
+        Some((centre, found))
+    };
+    let bending = |(centre, found): &(Vector3<f64>, ContactLocation), rates: [f64; 2]| {
+        bending_ahead(&posed(&scene, &frame, centre), found, rates, 0.5)
+    };
+    let (step, mut count) = (1e-7, 0);
+    for i in -20..=20 {
+        let y = 1e-4 * f64::from(i);
+        let (Some(before), Some(here), Some(after)) = (resting(y - step), resting(y), resting(y + step)) else { continue };
+        let change = |a: f64, b: f64| (b - a) / (2.0 * step);
+        let (p, q) = (before.1.parameters, after.1.parameters);
+        // Of 1 m/s sideways; the time 1/2 then makes it k + dk/dy.
+        let rates = [change(p.wheel, q.wheel), change(p.rail, q.rail)];
+        let expected = change(bending(&before, [0.0; 2]), bending(&after, [0.0; 2]));
+        // Jumps of curvature and other places of contact apart.
+        if !(rates[0].abs() < 1e2 && expected.abs() < 1e5) {
+            continue;
+        }
+        let rate = bending(&here, rates) - bending(&here, [0.0; 2]);
+        println!("y = {y:.4} m: k = {:.4} 1/m, dk/dy = {rate:.5e}, by differences {expected:.5e}", bending(&here, [0.0; 2]));
+        assert!((rate - expected).abs() < 1e-3 * (1.0 + expected.abs()), "y = {y:.4}: {rate} {expected}");
+        count += 1;
+    }
+    assert!(count >= 15, "{count}");
+}

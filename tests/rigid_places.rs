@@ -1,0 +1,94 @@
+//! Rigid contacts (ECCF, ACCF) whose place ceases to exist, or where the law of contact jumps: a truck runs into a curve of 300 m radius with
+//! a friction of 0.6; S1002 on 60E1.
+//!
+//! Two places cease on the way (0.229 s and 0.257 s). The curvature over the patch jumps twice before (0.120 s and 0.149 s), where a rigid
+//! contact has to stay one.
+
+use wheelrail::formulation::events::ContactChange;
+use wheelrail::geometry::Side;
+use wheelrail::mbs::body::COORDINATES;
+use wheelrail::scene::load;
+use wheelrail::sim::Simulation;
+
+const STOP: f64 = 0.28;
+
+/// What was seen along a run.
+struct Run {
+    /// When and where places ceased.
+    ceased: Vec<(f64, String, Side)>,
+    /// Other changes of mode.
+    others: usize,
+    /// Lateral displacements of both wheelsets [m] and vertical forces of their wheels [N] every 0.2 ms.
+    lateral: Vec<[f64; 2]>,
+    vertical: Vec<[f64; 4]>,
+}
+
+fn run(formulation: &str, integrator: &str, tolerance: &str) -> Run {
+    let node = "curvature=0.0033333333333333335, superelevation=\"-60 mm\"";
+    let changes = [
+        format!("contact.formulation={formulation}"),
+        "contact.on_lift=elastic".into(),
+        format!("track.node=[{{distance=0}}, {{distance=3}}, {{distance=15, {node}}}, {{distance=400, {node}}}]"),
+        "track.deviation=[]".into(),
+        "vehicle.speed=16".into(),
+        "contact.friction=0.6".into(),
+        format!("solver.integrator={integrator}"),
+        format!("solver.tolerance={tolerance}"),
+    ];
+    let scene = load::open("bogie", &changes).unwrap_or_else(|error| panic!("{error}"));
+    let mut simulation = Simulation::new(&scene, 0.0).unwrap_or_else(|error| panic!("{error}"));
+    let bodies: Vec<usize> = simulation.model().wheelsets.iter().map(|wheelset| wheelset.body).collect();
+    let mut run = Run { ceased: vec![], others: 0, lateral: vec![], vertical: vec![] };
+    let step = 2e-4;
+    for row in 0..=(STOP / step).round() as u32 {
+        simulation.advance(step * f64::from(row)).unwrap_or_else(|error| panic!("{formulation}, {integrator}, {tolerance}: {error}"));
+        let snapshot = simulation.snapshot().unwrap_or_else(|error| panic!("{error}"));
+        run.lateral.push([0, 1].map(|i| snapshot.y[COORDINATES * bodies[i] + 1]));
+        run.vertical.push([0, 1, 2, 3].map(|contact| snapshot.workspace.wheel_force(contact, bodies[contact / 2]).z));
+    }
+    for event in simulation.take_events().iter().filter(|event| event.change.changes_mode()) {
+        match event.change {
+            ContactChange::Vanished => run.ceased.push((event.time, event.wheelset.clone(), event.side)),
+            _ => run.others += 1,
+        }
+    }
+    run
+}
+
+/// Largest difference of lateral displacements, m.
+fn apart(a: &Run, b: &Run) -> f64 {
+    let pairs = a.lateral.iter().flatten().zip(b.lateral.iter().flatten());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn equiv_places_cease_where_they_do_whatever_integrates() {
+    let reference = run("ECCF", "dormand_prince", "1e-9");
+    assert_eq!((reference.ceased.len(), reference.others), (2, 0), "{:?}", reference.ceased);
+    for (formulation, integrator, tolerance, near, soon) in
+        [("ECCF", "rk43", "1e-8", 3e-8, 3e-6), ("ACCF", "dormand_prince", "1e-8", 3e-8, 3e-6), ("ECCF", "rosenbrock", "1e-6", 3e-6, 3e-4)]
+    {
+        let other = run(formulation, integrator, tolerance);
+        let lateral = apart(&reference, &other);
+        assert_eq!((other.ceased.len(), other.others), (2, 0), "{formulation}, {integrator}: {:?}", other.ceased);
+        for (a, b) in reference.ceased.iter().zip(&other.ceased) {
+            println!("{formulation}, {integrator}, {tolerance}: {} {:?} {:+.1e} s; y {lateral:.1e} m", b.1, b.2, b.0 - a.0);
+            assert!((&a.1, a.2) == (&b.1, b.2) && (a.0 - b.0).abs() < soon, "{formulation}, {integrator}: {a:?} {b:?}");
+        }
+        assert!(lateral < near, "{formulation}, {integrator}: {lateral:.1e} m");
+    }
+}
+
+#[test]
+fn hard_wheel_loads_pass_over_the_end_of_a_place_without_a_blow() {
+    let rigid = run("ECCF", "dormand_prince", "1e-8");
+    let elastic = run("ECF-A", "dormand_prince", "1e-8");
+    // Between rows, and against elastic contact.
+    let jump =
+        rigid.vertical.windows(2).flat_map(|rows| (0..4).map(|i| ((rows[1][i] - rows[0][i]) / rows[0][i]).abs())).fold(0.0, f64::max);
+    let pairs = rigid.vertical.iter().flatten().zip(elastic.vertical.iter().flatten());
+    let apart = pairs.map(|(rigid, elastic)| ((rigid - elastic) / elastic).abs()).fold(0.0, f64::max);
+    println!("wheel loads: by {:.2} % within 0.2 ms, {:.2} % from elastic ones", 100.0 * jump, 100.0 * apart);
+    assert!(jump < 0.015, "{jump}");
+    assert!(apart < 0.04, "{apart}");
+}
