@@ -10,6 +10,7 @@ use crate::sim::recording::{Recording, communication_points};
 use crate::solve::{self, SettingKind, Statistics};
 use serde::Serialize;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// An integrator with the number that governs it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -74,6 +75,10 @@ pub(super) fn with_setting(scene: &Scene, setting: &Setting) -> Result<Scene, St
     Ok(changed)
 }
 
+/// A run is foreseen to fail when this share of its time is gone and it seems to need so many times its time: a scene may begin
+/// with its hardest part.
+const FORESEEN: (f64, f64) = (0.25, 1.5);
+
 /// What became of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Observed {
@@ -85,8 +90,9 @@ pub(super) struct Observed {
     pub failure: Option<String>,
 }
 
-/// Runs and observes; gives up after `limit` seconds. `wheelset`: see [`needed`].
-pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span: Span, limit: f64) -> Observed {
+/// Runs and observes; gives up after `limit` seconds, `early` where it can be foreseen. `wheelset`: see [`needed`].
+pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span: Span, limit: f64, early: bool) -> Observed {
+    let start = Instant::now();
     let outputs = needed(simulation.model(), wheelset);
     let deadline = in_seconds(limit);
     let mut recording = Recording::new(&outputs);
@@ -99,8 +105,12 @@ pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span:
             advanced.map_err(|error| error.to_string())?;
             recording.sample(simulation, &outputs).map_err(|error| error.to_string())?;
             reached = time;
-            if time < span.stop && deadline.is_some_and(|deadline| std::time::Instant::now() > deadline) {
-                return Err(format!("stopped after {limit:.1} s at t = {time} s: the budget has no room for more"));
+            let (spent, expected) = (start.elapsed().as_secs_f64(), start.elapsed().as_secs_f64() * span.stop / time);
+            if early && spent > FORESEEN.0 * limit && expected > FORESEEN.1 * limit {
+                return Err(format!("given up at t = {time:.3} s: it needs about {expected:.1} s, the budget has {limit:.1} s"));
+            }
+            if time < span.stop && deadline.is_some_and(|deadline| Instant::now() > deadline) {
+                return Err(format!("stopped after {limit:.1} s at t = {time:.3} s: the budget has no room for more"));
             }
         }
         Ok(())
@@ -143,7 +153,7 @@ pub(super) fn measure(
 ) -> Result<(Observation, Measured), String> {
     let mut simulation = Simulation::new(scene, 0.0).map_err(|error| error.to_string())?;
     let start = simulation.state().clone();
-    let observed = observe(&mut simulation, wheelset, span, limit);
+    let observed = observe(&mut simulation, wheelset, span, limit, true);
     if let Some(failure) = observed.failure {
         return Err(failure);
     }
