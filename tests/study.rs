@@ -161,7 +161,7 @@ fn prop_where_the_time_goes() {
     let (stdout, _, _) = text(&wheelrail(&[&run[..], &["--json"]].concat()));
     let found: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     let shares: Vec<f64> = found["shares"].as_array().unwrap().iter().map(|share| share["share"].as_f64().unwrap()).collect();
-    assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-9 && shares.len() == 14, "{stdout}");
+    assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-9 && shares.len() == 15, "{stdout}");
     let (_, stderr, code) = text(&wheelrail(&[&run[..], &["--integrators", "rk4"]].concat()));
     assert!(code == 2 && stderr.contains("--where"), "{code} {stderr}");
     let (_, stderr, code) = text(&wheelrail(&["study", "suspended_wheelset", "--where", "--stop", "0"]));

@@ -147,18 +147,19 @@ fn best(folder: &Path, study: &Study) -> Result<Option<PathBuf>, String> {
     let Some(quantity) = quantity else { return Ok(None) };
     let mut labels = Vec::new();
     for model in &study.models {
-        let among: Vec<usize> = (0..study.points.len())
-            .filter(|point| model.variants.contains(&study.points[*point].variant))
-            .filter(|point| matches!(study.standing(&study.points[*point], quantity), Standing::Shown(_)))
-            .collect();
+        let among: Vec<usize> = (0..study.points.len()).filter(|point| model.variants.contains(&study.points[*point].variant)).collect();
         for point in front(study, &among, quantity) {
             let point = &study.points[point];
-            let (Outcome::Done { measured, .. }, Standing::Shown(error)) = (&point.outcome, study.standing(point, quantity)) else {
-                continue;
+            let Outcome::Done { measured, .. } = &point.outcome else { continue };
+            let (error, better) = match study.standing(point, quantity) {
+                Standing::Shown(error) => (error, ""),
+                // The cheapest of those that the reference can't tell apart.
+                Standing::Below(floor) if floor > 0.0 => (floor, " (or better)"),
+                _ => continue,
             };
             let number =
                 point.setting.tolerance().map_or(format!("{} ms", 1e3 * point.setting.value), |tolerance| format!("{tolerance:.0e}"));
-            let label = format!("{} {} {number}", study.variants[point.variant].label(), point.setting.integrator);
+            let label = format!("{} {} {number}{better}", study.variants[point.variant].label(), point.setting.integrator);
             labels.push((label, 1e3 * measured.median(), error));
         }
     }

@@ -119,7 +119,8 @@ pub enum StudyError {
 }
 
 /// What helps a rigid model without reference.
-const ENDS: &str = "rigid contact ends its runs where a wheel has no place for it (a jump of the contact on profiles that nearly conform,      a lift-off); --set contact.on_lift=elastic lets such a wheel go on elastically";
+const ENDS: &str = "rigid contact ends its runs where a wheel has no place for it (a jump of the contact on profiles that nearly conform, a lift-off); --set \
+     contact.on_lift=elastic lets such a wheel go on elastically";
 
 struct Prepared {
     scene: Scene,

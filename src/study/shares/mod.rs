@@ -42,7 +42,8 @@ pub enum Part {
     LinearSystems,
     Constraints,
     Integrator,
-    Outputs,
+    ReadingOutputs,
+    WritingOutputs,
 }
 
 /// What parts belong to.
@@ -63,7 +64,7 @@ impl Group {
 }
 
 impl Part {
-    pub const ALL: [Part; 14] = [
+    pub const ALL: [Part; 15] = [
         Part::ContactSearch,
         Part::NormalLaw,
         Part::CreepLaw,
@@ -77,7 +78,8 @@ impl Part {
         Part::LinearSystems,
         Part::Constraints,
         Part::Integrator,
-        Part::Outputs,
+        Part::ReadingOutputs,
+        Part::WritingOutputs,
     ];
 
     pub fn group(self) -> Group {
@@ -93,7 +95,7 @@ impl Part {
             Part::Factorisation | Part::LinearSystems => Group::LinearSystems,
             Part::Constraints => Group::Constraints,
             Part::Integrator => Group::Integrator,
-            Part::Outputs => Group::Outputs,
+            Part::ReadingOutputs | Part::WritingOutputs => Group::Outputs,
         }
     }
 }
@@ -154,19 +156,21 @@ const LONG: f64 = 20.0;
 struct Times {
     calls: [f64; CALLS],
     own: f64,
-    outputs: f64,
+    reading: f64,
+    writing: f64,
 }
 
 impl Times {
     fn sum(&self) -> f64 {
-        self.calls.iter().sum::<f64>() + self.own + self.outputs
+        self.calls.iter().sum::<f64>() + self.own + self.reading + self.writing
     }
 
     fn least(self, other: Times) -> Times {
         Times {
             calls: std::array::from_fn(|call| self.calls[call].min(other.calls[call])),
             own: self.own.min(other.own),
-            outputs: self.outputs.min(other.outputs),
+            reading: self.reading.min(other.reading),
+            writing: self.writing.min(other.writing),
         }
     }
 }
@@ -186,8 +190,8 @@ impl Runner {
         Ok(Runner { simulation, start, outputs, span })
     }
 
-    /// Time of advancing and that of outputs, s.
-    fn run(&mut self) -> Result<[f64; 2], String> {
+    /// Time of advancing, of reading outputs and of writing them, s.
+    fn run(&mut self) -> Result<[f64; 3], String> {
         if !self.simulation.restore(&self.start) {
             return Err("the initial state does not fit its own simulation".into());
         }
@@ -212,9 +216,9 @@ impl Runner {
         let mut text = Vec::new();
         recording.write_csv(&mut text).map_err(|error| error.to_string())?;
         std::hint::black_box(&text);
-        reading += lap();
+        let writing = lap();
         self.simulation.take_events();
-        Ok([advancing, reading])
+        Ok([advancing, reading, writing])
     }
 }
 
@@ -238,8 +242,8 @@ pub fn shares(scene: &Scene, span: Span, repeats: usize) -> Result<Shares, Strin
         if round > 0 && begin.elapsed().as_secs_f64() > LONG {
             break;
         }
-        let [advancing, outputs] = watched.run()?;
-        let times = cleared(&meter.take(), advancing, outputs, clock_time);
+        let run = watched.run()?;
+        let times = cleared(&meter.take(), run, clock_time);
         best = Some(best.map_or(times, |best| best.least(times)));
         seconds = seconds.min(plain.run()?.iter().sum());
     }
@@ -263,11 +267,11 @@ pub fn shares(scene: &Scene, span: Span, repeats: usize) -> Result<Shares, Strin
 }
 
 /// Takes the clock's own time, of which `inside` falls into each call's, off a run's times.
-fn cleared(tallies: &[Tally; CALLS], advancing: f64, outputs: f64, [inside, all]: [f64; 2]) -> Times {
+fn cleared(tallies: &[Tally; CALLS], [advancing, reading, writing]: [f64; 3], [inside, all]: [f64; 2]) -> Times {
     let raw = tallies.map(|tally| tally.time.as_secs_f64());
     let counts = tallies.map(|tally| tally.count as f64);
     let own = advancing - raw.iter().sum::<f64>() - (all - inside) * counts.iter().sum::<f64>();
-    Times { calls: std::array::from_fn(|call| (raw[call] - inside * counts[call]).max(0.0)), own: own.max(0.0), outputs }
+    Times { calls: std::array::from_fn(|call| (raw[call] - inside * counts[call]).max(0.0)), own: own.max(0.0), reading, writing }
 }
 
 /// All parts, with the times of the calls divided as the replay says.
@@ -295,7 +299,8 @@ fn divide(times: &Times, replay: &Replay) -> Vec<Share> {
         Part::LinearSystems => solutions,
         Part::Constraints => keeping,
         Part::Integrator => times.own,
-        Part::Outputs => times.outputs,
+        Part::ReadingOutputs => times.reading,
+        Part::WritingOutputs => times.writing,
     };
     Part::ALL.map(|part| Share { part, share: seconds(part) / whole }).to_vec()
 }

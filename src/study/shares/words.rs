@@ -20,7 +20,8 @@ impl Part {
             Part::LinearSystems => "solving with them",
             Part::Constraints => "projection onto constraints, breaks of the track, events",
             Part::Integrator => "integrator: sums of stages, error norm, step control, continuous output",
-            Part::Outputs => "outputs: one evaluation each, reading and writing them",
+            Part::ReadingOutputs => "an evaluation at each output time, and reading them",
+            Part::WritingOutputs => "writing them as CSV",
         }
     }
 }
@@ -34,7 +35,7 @@ impl Group {
             Group::LinearSystems => "linear systems",
             Group::Constraints => Part::Constraints.words(),
             Group::Integrator => Part::Integrator.words(),
-            Group::Outputs => Part::Outputs.words(),
+            Group::Outputs => "outputs",
         }
     }
 }
@@ -59,15 +60,19 @@ impl Display for Shares {
             "{} steps, {} rejected, {} evaluations of the right-hand side, {} Jacobians, {} factorisations",
             work.steps, work.rejected, work.evaluations, work.linearisations, work.factorisations
         )?;
+        writeln!(out, "  of all  without outputs")?;
+        let integration = 1.0 - self.of(Group::Outputs);
         for group in Group::ALL {
-            let share = self.of(group);
-            if share > 0.0 {
-                writeln!(out, "  {:5.1} %  {}", 100.0 * share, group.words())?;
-            }
-            let own: Vec<_> = self.shares.iter().filter(|one| one.part.group() == group && one.share > 0.0).collect();
-            if matches!(group, Group::RightHandSides | Group::Jacobians | Group::LinearSystems) {
+            let mut line = |share: f64, words: String| match (share > 0.0, group) {
+                (false, _) => Ok(()),
+                (true, Group::Outputs) => writeln!(out, "  {:5.1} %                 {words}", 100.0 * share),
+                (true, _) => writeln!(out, "  {:5.1} %       {:5.1} %    {words}", 100.0 * share, 100.0 * share / integration),
+            };
+            line(self.of(group), group.words().into())?;
+            let own: Vec<_> = self.shares.iter().filter(|one| one.part.group() == group).collect();
+            if own.len() > 1 {
                 for one in own {
-                    writeln!(out, "           {:5.1} %  {}", 100.0 * one.share, one.part.words())?;
+                    line(one.share, format!("    {}", one.part.words()))?;
                 }
             }
         }
