@@ -28,7 +28,8 @@ fn check(found: &Shares, absent: &[Part]) {
     for Share { part, share } in &found.shares {
         assert_eq!(*share > 0.0, !absent.contains(part), "{part:?}: {share}");
     }
-    assert!(found.of(Group::RightHandSides) > 0.2 && found.seconds > 0.0 && found.watched > 0.0);
+    let integration = 1.0 - found.of(Group::Outputs);
+    assert!(found.of(Group::RightHandSides) > 0.2 * integration && found.seconds > 0.0 && found.watched > 0.0);
 }
 
 const IMPLICIT: [Part; 4] = [Part::JacobianContacts, Part::JacobianForces, Part::Factorisation, Part::LinearSystems];
@@ -69,10 +70,9 @@ fn equiv_the_watch_changes_no_bit_and_counts_what_the_integrator_counts() {
     let work = plain.statistics();
     let of = |call: Call| counts[call as usize];
     assert!(work.linearisations > 10);
-    assert_eq!(
-        [of(Call::Derivative), of(Call::Linearise), of(Call::Factorise)],
-        [work.evaluations, work.linearisations, work.factorisations]
-    );
+    assert_eq!([of(Call::Linearise), of(Call::Factorise)], [work.linearisations, work.factorisations]);
+    // Where a run goes on, an evaluation may be repeated, which the integrator does not count.
+    assert!((0..=3).contains(&(of(Call::Derivative) - work.evaluations)), "{} {}", of(Call::Derivative), work.evaluations);
     assert_eq!(of(Call::Solve), 4 * work.factorisations, "four stages");
     let samples = meter.take_samples();
     assert!((40..=80).contains(&samples.len()) && meter.take_samples().is_empty(), "{}", samples.len());
@@ -104,6 +104,14 @@ impl Dynamics for Slow {
     fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
         spin(Call::Keep);
         f64::INFINITY
+    }
+    fn margin(&self, _: &[f64]) -> Option<f64> {
+        spin(Call::Keep);
+        None
+    }
+    fn project(&mut self, _: f64, _: &mut [f64], _: &mut [f64]) -> Result<bool, Undefined> {
+        spin(Call::Keep);
+        Ok(false)
     }
     fn linearise(&mut self, _: f64, _: &[f64], _: &[f64], _: StiffPart) -> Result<(), Undefined> {
         spin(Call::Linearise);
