@@ -88,6 +88,8 @@ pub(super) struct Observed {
     /// Simulated time that was reached, s.
     pub reached: f64,
     pub failure: Option<String>,
+    /// Is the reason that there was no time?
+    pub late: bool,
 }
 
 /// Runs and observes; gives up after `limit` seconds, `early` where it can be foreseen. `wheelset`: see [`needed`].
@@ -96,7 +98,7 @@ pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span:
     let outputs = needed(simulation.model(), wheelset);
     let deadline = in_seconds(limit);
     let mut recording = Recording::new(&outputs);
-    let (mut cpu, mut reached) = (0.0, 0.0);
+    let (mut cpu, mut reached, mut late) = (0.0, 0.0, false);
     let mut run = || -> Result<(), String> {
         recording.sample(simulation, &outputs).map_err(|error| error.to_string())?;
         for time in communication_points(0.0, span.stop, span.step) {
@@ -106,17 +108,19 @@ pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span:
             recording.sample(simulation, &outputs).map_err(|error| error.to_string())?;
             reached = time;
             let (spent, expected) = (start.elapsed().as_secs_f64(), start.elapsed().as_secs_f64() * span.stop / time);
-            if early && spent > FORESEEN.0 * limit && expected > FORESEEN.1 * limit {
+            late = early && spent > FORESEEN.0 * limit && expected > FORESEEN.1 * limit;
+            if late {
                 return Err(format!("given up at t = {time:.3} s: it needs about {expected:.1} s, the budget has {limit:.1} s"));
             }
-            if time < span.stop && deadline.is_some_and(|deadline| Instant::now() > deadline) {
+            late = time < span.stop && deadline.is_some_and(|deadline| Instant::now() > deadline);
+            if late {
                 return Err(format!("stopped after {limit:.1} s at t = {time:.3} s: the budget has no room for more"));
             }
         }
         Ok(())
     };
     let failure = run().err();
-    Observed { observation: Observation::new(&recording, simulation.model()), cpu, reached, failure }
+    Observed { observation: Observation::new(&recording, simulation.model()), cpu, reached, failure, late }
 }
 
 /// What a finished run cost.

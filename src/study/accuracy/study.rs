@@ -4,7 +4,7 @@ use super::clock::{Budget, cpu_time};
 use super::communication::{self, Coupled};
 use super::division::{PILOTS, POINTS, POINTS_ALONE, shortened, turns};
 use super::errors::{Errors, Quantity};
-use super::reference::{self, METHODS, Reference, Standing};
+use super::reference::{self, ENDS, METHODS, Reference, Standing};
 use super::run::{self, Measured, Setting, Span};
 use super::schedule::{Item, PILOT_TOLERANCE, Pilot, Schedule, patience};
 use super::variant::{Variant, variants};
@@ -118,10 +118,6 @@ pub enum StudyError {
     Refused(String),
 }
 
-/// What helps a rigid model without reference.
-const ENDS: &str = "rigid contact ends its runs where a wheel has no place for it (a jump of the contact on profiles that nearly conform, a lift-off); --set \
-     contact.on_lift=elastic lets such a wheel go on elastically";
-
 struct Prepared {
     scene: Scene,
     rigid: bool,
@@ -164,7 +160,8 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
         progress(budget.spent() / budget.seconds, &format!("reference of {}", model.name));
         // Of the rigid formulations ECCF comes after ACCF and is the cheaper one.
         for variant in model.variants.iter().rev() {
-            let formulation = (variants[*variant].formulation, &prepared[*variant].scene);
+            let Prepared { scene, ends, .. } = &prepared[*variant];
+            let formulation = (variants[*variant].formulation, scene, if *ends { ENDS } else { "" });
             let Some(pilot) = schedule.pilots[*variant] else { continue };
             let seconds = pilot.per_second * span.stop * schedule.slowness;
             model.reference = reference::reference(formulation, request.wheelset, span, (&budget, shares, seconds), request.reference);
@@ -174,10 +171,6 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
         }
     }
 
-    let lost = |model: &Model| model.reference.is_err() && model.variants.iter().any(|variant| prepared[*variant].ends);
-    if models.iter().any(lost) {
-        notes.push(ENDS.into());
-    }
     let own_pilot = variants.iter().position(|variant| variant.formulation == own.contact.formulation_name);
     let own_cost =
         own_pilot.and_then(|variant| schedule.pilots[variant]).map_or(f64::INFINITY, |pilot| pilot.per_second * schedule.slowness);
