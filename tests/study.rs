@@ -44,6 +44,7 @@ fn prop_study_writes_csv_pictures_and_words() {
         "s per simulated second",
         "times real time",
         "Differences of models",
+        "hunting wavelength",
         "input held",
         "ECF-A, rk4, step 5 ms: failed: t = ",
     ] {
@@ -59,6 +60,9 @@ fn prop_study_writes_csv_pictures_and_words() {
     let columns =
         "formulation,integrator,tolerance,step,error_y [m],error_N [N],cpu_per_simulated_second,realtime_factor,rhs,newton,rejected";
     assert_eq!(rows[0][..11].join(","), columns);
+    for column in ["error_YQ", "error_wavelength [m]", "y_told", "N_told", "YQ_told", "wavelength_told"] {
+        assert!(rows[0].contains(&column), "{column}");
+    }
     assert_eq!(rows.len(), 1 + 6 + 6, "a row for each point and each coupled run");
     let done: Vec<&Vec<&str>> = rows[1..7].iter().filter(|row| row[11] == "ok").collect();
     assert!(done.len() >= 5 && done.iter().all(|row| row.len() == rows[0].len()));
