@@ -75,7 +75,7 @@ WHEELRAIL_BLESS=1 cargo test --release --test cli docs_list >/dev/null
     echo "an implicit method, the Manchester coach on irregular straight track (ORE B176 low), the vehicle in the curve. A watch around the integrator"
     echo "times each of its calls of the model, and takes off what the clock itself takes; the product has no clocks on its stepping path. The"
     echo "integrator's own share is what is left. What right-hand sides and Jacobians consist of is measured on 40 to 80 evaluations out of the run, made again in"
-    echo "parts from the run's own states and warm starts; laws of contact by calling them twice more. The shortest of several times counts for each part."
+    echo "parts from the run's own states and warm starts; laws of contact by calling them four times more. The shortest of several times counts for each part."
     echo
     echo '```text'
     sed -n '/^Where the time of a run goes/,/^$/p' "$speed" | sed '$d'

@@ -13,7 +13,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 /// Further calls per call.
-pub(super) const EXTRA: usize = 2;
+pub(super) const EXTRA: usize = 4;
 
 #[derive(Debug)]
 struct Again<L: ?Sized> {

@@ -63,16 +63,19 @@ impl Display for Shares {
         writeln!(out, "  of all  without outputs")?;
         let integration = 1.0 - self.of(Group::Outputs);
         for group in Group::ALL {
-            let mut line = |share: f64, words: String| match (share > 0.0, group) {
+            let mut line = |share: f64, shown: bool, words: String| match (shown, group) {
                 (false, _) => Ok(()),
                 (true, Group::Outputs) => writeln!(out, "  {:5.1} %                 {words}", 100.0 * share),
                 (true, _) => writeln!(out, "  {:5.1} %       {:5.1} %    {words}", 100.0 * share, 100.0 * share / integration),
             };
-            line(self.of(group), group.words().into())?;
+            let all = self.of(group);
+            line(all, all > 0.0, group.words().into())?;
             let own: Vec<_> = self.shares.iter().filter(|one| one.part.group() == group).collect();
             if own.len() > 1 {
                 for one in own {
-                    line(one.share, format!("    {}", one.part.words()))?;
+                    // Too small to be measured is not the same as absent.
+                    let known = matches!(one.part, Part::NormalLaw | Part::CreepLaw | Part::Forces);
+                    line(one.share, one.share > 0.0 || known, format!("    {}", one.part.words()))?;
                 }
             }
         }
