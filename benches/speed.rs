@@ -1,8 +1,12 @@
 //! Cost of one contact, one right-hand side, one simulated second natively and through the C interface.
 //!
-//! `cargo bench` prints criterion's measurements and, before them, real-time factors at a stated accuracy. Times depend on
-//! the machine; nothing here is asserted.
+//! `cargo bench` prints criterion's measurements and, before them, real-time factors at a stated accuracy and where the time of whole
+//! runs goes. Times depend on the machine; nothing here is asserted.
 
+#[path = "common/aims.rs"]
+mod aims;
+
+use aims::{Aim, Measured};
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -15,6 +19,7 @@ use wheelrail::formulation::Evaluation;
 use wheelrail::geometry::Side;
 use wheelrail::scene::load;
 use wheelrail::sim::Simulation;
+use wheelrail::study::shares::{Span, shares};
 
 const SCENE: &str = "suspended_wheelset";
 
@@ -34,28 +39,34 @@ fn displacement(simulation: &mut Simulation) -> Vec<f64> {
         .collect()
 }
 
-/// Best of several runs of 5 s without outputs, s per simulated second.
-fn cost(changes: &[&str]) -> f64 {
-    let mut best = f64::INFINITY;
+/// Best of several runs of 5 s without outputs, s per simulated second, and the slowest one over the best.
+fn cost(changes: &[&str]) -> (f64, f64) {
+    let (mut best, mut worst) = (f64::INFINITY, 0.0f64);
     for _ in 0..7 {
         let mut simulation = simulation(changes);
         let clock = Instant::now();
         simulation.advance(5.0).unwrap_or_else(|error| panic!("{error}"));
-        best = best.min(clock.elapsed().as_secs_f64() / 5.0);
+        let seconds = clock.elapsed().as_secs_f64() / 5.0;
+        (best, worst) = (best.min(seconds), worst.max(seconds));
     }
-    best
+    (best, worst / best)
 }
+
+const AIMS: [Aim; 2] = [Aim { what: SCENE, factor: 500.0, error: 1e-6 }, Aim { what: SCENE, factor: 2000.0, error: 1e-4 }];
 
 /// Error against a run at 1e-13 and real-time factor of several settings.
 fn accuracy_table() {
     let reference = displacement(&mut simulation(&["solver.tolerance=1e-13"]));
     println!(
-        "suspended_wheelset, 5 s: largest error of the lateral displacement (against tolerance 1e-13) and cost; * = 1e-6 m or better; aims: 500 at 1e-6 m, 2000 at 1e-4 m"
+        "suspended_wheelset, 5 s: largest error of the lateral displacement (against tolerance 1e-13) and cost without outputs (best of 7); * = 1e-6 m or better"
     );
-    let settings: [&[&str]; 18] = [
+    let mut points = Vec::new();
+    let settings: [&[&str]; 20] = [
+        &["solver.integrator=rosenbrock", "solver.tolerance=3e-4"],
         &["solver.integrator=rosenbrock", "solver.tolerance=1e-4"],
         &["solver.integrator=rosenbrock", "solver.tolerance=1e-5"],
         &["solver.integrator=rosenbrock", "solver.tolerance=1e-6"],
+        &["solver.integrator=rosenbrock", "solver.tolerance=2e-7"],
         &["solver.integrator=rosenbrock", "solver.tolerance=1e-7"],
         &["solver.integrator=real_time", "solver.step=0.002"],
         &["solver.integrator=zhai", "solver.step=0.0005"],
@@ -75,7 +86,11 @@ fn accuracy_table() {
     for changes in settings {
         let found = displacement(&mut simulation(changes));
         let error = found.iter().zip(&reference).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let cost = cost(changes);
+        let (cost, spread) = cost(changes);
+        let value = |key: &str| changes.iter().find_map(|change| change.strip_prefix(key)).map(String::from);
+        let integrator = value("solver.integrator=").unwrap_or("dormand_prince".into());
+        let setting = value("solver.tolerance=").or(value("solver.step=")).unwrap_or_default();
+        points.push(Measured { integrator, setting, error, factor: 1.0 / cost, spread });
         println!(
             "{} {:45} error {error:8.1e} m   {:6.2} ms per simulated second   {:4.0} times real time",
             if error <= 1e-6 { "*" } else { " " },
@@ -83,6 +98,35 @@ fn accuracy_table() {
             1e3 * cost,
             1.0 / cost
         );
+    }
+    for aim in &AIMS {
+        println!("{}", aim.words(&points));
+    }
+}
+
+/// Scenes with their changes and simulated time, of which a whole run is divided.
+const WHERE: [(&str, &[&str], f64); 4] = [
+    (SCENE, &[], 5.0),
+    (SCENE, &["solver.integrator=rosenbrock", "solver.tolerance=1e-6"], 5.0),
+    (
+        "vehicle_manchester_1",
+        &[
+            "track.deviation=[]",
+            "track.irregularity=[{kind=\"spectrum\", spectrum=\"ore_b176_low\", seed=1, from=15, to=400, fade=5}]",
+            "solver.tolerance=3e-5",
+        ],
+        3.0,
+    ),
+    ("vehicle_curve", &["vehicle.initial.distance=15", "solver.tolerance=3e-5"], 3.0),
+];
+
+/// Where the time of whole runs goes.
+fn where_table() {
+    for (name, changes, stop) in WHERE {
+        let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+        let scene = load::open(name, &changes).unwrap_or_else(|error| panic!("{error}"));
+        let span = Span { stop, step: scene.run.step };
+        println!("{}", shares(&scene, span, 7).unwrap_or_else(|error| panic!("{error}")));
     }
 }
 
@@ -130,7 +174,7 @@ fn formulation_table() {
             let changes = [named.as_str(), &format!("solver.tolerance={tolerance}")];
             let found = displacement(&mut simulation(&changes));
             let error = found.iter().zip(&reference).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            let cost = cost(&changes);
+            let cost = cost(&changes).0;
             let per_second = 1e3 * cost;
             println!(
                 "         tolerance {tolerance}: error {error:8.1e} m, {per_second:7.2} ms per simulated second, {:5.0} times real time",
@@ -223,6 +267,7 @@ fn overhead() {
 
 fn benchmarks(criterion: &mut Criterion) {
     accuracy_table();
+    where_table();
     formulation_table();
     fmu_table();
     overhead();

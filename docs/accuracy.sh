@@ -16,7 +16,7 @@ study() { # heading, words, study's arguments; the CSV's name is that of the sce
     printf '## %s\n\n%s\n\n' "$heading" "$words"
     local text
     text=$("$program" study "$@" --plot "$folder" -o "$folder/$name.csv" 2>&1 | grep -v '^wrote ') || true # a refusal is a result
-    for quantity in y N; do
+    for quantity in y N wavelength; do
         local file="${name}_time_$quantity.svg"
         if [ -e "$folder/$file" ]; then
             mv "$folder/$file" docs/images/

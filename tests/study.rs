@@ -44,6 +44,7 @@ fn prop_study_writes_csv_pictures_and_words() {
         "s per simulated second",
         "times real time",
         "Differences of models",
+        "hunting wavelength",
         "input held",
         "ECF-A, rk4, step 5 ms: failed: t = ",
     ] {
@@ -59,6 +60,9 @@ fn prop_study_writes_csv_pictures_and_words() {
     let columns =
         "formulation,integrator,tolerance,step,error_y [m],error_N [N],cpu_per_simulated_second,realtime_factor,rhs,newton,rejected";
     assert_eq!(rows[0][..11].join(","), columns);
+    for column in ["error_YQ", "error_wavelength [m]", "y_told", "N_told", "YQ_told", "wavelength_told"] {
+        assert!(rows[0].contains(&column), "{column}");
+    }
     assert_eq!(rows.len(), 1 + 6 + 6, "a row for each point and each coupled run");
     let done: Vec<&Vec<&str>> = rows[1..7].iter().filter(|row| row[11] == "ok").collect();
     assert!(done.len() >= 5 && done.iter().all(|row| row.len() == rows[0].len()));
@@ -116,4 +120,54 @@ fn prop_json_holds_points_references_and_choices() {
     assert_eq!(found["study"]["points"].as_array().unwrap().len(), 6);
     assert!(found["study"]["models"][0]["reference"]["Ok"]["uncertainty"]["y"]["largest"].as_f64().unwrap() < 1e-9, "{stdout}");
     assert!(found["best"].as_array().unwrap().iter().any(|best| best["quantity"] == "displacement"));
+}
+
+#[path = "../benches/common/aims.rs"]
+mod aims;
+
+/// What `cargo bench` says of its aims: the fastest setting that is exact enough, and straight lines between settings.
+#[test]
+fn analytic_aims_are_judged_at_their_accuracy() {
+    use aims::{Aim, Measured};
+    let point = |integrator: &str, error: f64, factor: f64| Measured {
+        integrator: integrator.into(),
+        setting: "1e-5".into(),
+        error,
+        factor,
+        spread: 1.25,
+    };
+    let points = [point("a", 1e-4, 80.0), point("a", 1e-6, 20.0), point("b", 1e-5, 30.0), point("b", 1e-7, 3.0)];
+    let aim = |factor: f64, error: f64| Aim { what: "scene", factor, error };
+    assert_eq!(aim(50.0, 1e-5).nearest(&points).unwrap().factor, 30.0);
+    let (factor, name) = aim(50.0, 1e-5).between(&points).unwrap();
+    assert!((factor - 40.0).abs() < 1e-9 && name == "a", "halfway between 20 and 80 over logarithmic axes: {factor}");
+    assert!(
+        aim(50.0, 1e-5)
+            .words(&points)
+            .contains("at 1e-5 m: missed; measured 30.0 times at 1.0e-5 m (b 1e-5; the slowest run took 25 % longer)")
+    );
+    assert!(
+        aim(35.0, 1e-5).words(&points).contains("reached between two settings") && aim(30.0, 1e-5).words(&points).contains("m: reached; ")
+    );
+    let far = aim(1.0, 1e-8).words(&points);
+    assert!(far.ends_with("missed; no setting is that exact"), "{far}");
+}
+
+/// `--where`: shares of a whole run, in words and as JSON, and no mixing with what belongs to a study.
+#[test]
+fn prop_where_the_time_goes() {
+    let run = ["study", "suspended_wheelset", "--where", "--stop", "0.3", "--set", "solver.integrator=rosenbrock"];
+    let (stdout, stderr, code) = text(&wheelrail(&run));
+    assert_eq!(code, 0, "{stderr}");
+    for words in ["contact search", "creep law", "multibody", "integrator", "Jacobians", "factorisations", "solving with them", "outputs"] {
+        assert!(stdout.contains(words), "{words}:\n{stdout}");
+    }
+    let (stdout, _, _) = text(&wheelrail(&[&run[..], &["--json"]].concat()));
+    let found: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let shares: Vec<f64> = found["shares"].as_array().unwrap().iter().map(|share| share["share"].as_f64().unwrap()).collect();
+    assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-9 && shares.len() == 15, "{stdout}");
+    let (_, stderr, code) = text(&wheelrail(&[&run[..], &["--integrators", "rk4"]].concat()));
+    assert!(code == 2 && stderr.contains("--where"), "{code} {stderr}");
+    let (_, stderr, code) = text(&wheelrail(&["study", "suspended_wheelset", "--where", "--stop", "0"]));
+    assert!(code == 2 && stderr.contains("--stop 0"), "{code} {stderr}");
 }

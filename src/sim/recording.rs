@@ -2,6 +2,7 @@
 
 use super::outputs::Output;
 use super::{Simulation, SimulationError};
+use std::fmt::Write as _;
 use std::io::Write;
 
 /// Outputs over time.
@@ -46,8 +47,15 @@ impl Recording {
     pub fn write_csv(&self, writer: impl Write) -> csv::Result<()> {
         let mut csv = csv::Writer::from_writer(writer);
         csv.write_record(self.columns.iter().map(|(name, unit)| format!("{name} [{unit}]")))?;
+        // Text is most of what outputs cost: one buffer serves all numbers.
+        let mut text = String::new();
         for row in &self.rows {
-            csv.write_record(row.iter().map(|value| format!("{value:?}")))?;
+            for value in row {
+                text.clear();
+                write!(text, "{value:?}").map_err(std::io::Error::other)?;
+                csv.write_field(&text)?;
+            }
+            csv.write_record(None::<&[u8]>)?;
         }
         csv.flush()?;
         Ok(())

@@ -2,9 +2,10 @@
 //!
 //! [`contact_geometry`] sets the wheelset on its rails at one lateral shift, [`sweep`] does so over a range of shifts, and
 //! [`conicity`] makes equivalent conicities of the rolling-radius difference that comes out. [`accuracy`] measures what accuracy
-//! costs in time.
+//! costs in time, [`shares`] where the time of a run goes.
 
 pub mod accuracy;
 pub mod conicity;
 pub mod contact_geometry;
+pub mod shares;
 pub mod sweep;

@@ -4,7 +4,7 @@ use crate::study::accuracy::{COUPLING, Errors, FACTOR, HOLDS, Measured, Outcome,
 use std::io::Write;
 
 /// The columns.
-pub(super) const HEADER: [&str; 34] = [
+pub(super) const HEADER: [&str; 36] = [
     "formulation",
     "integrator",
     "tolerance",
@@ -26,6 +26,8 @@ pub(super) const HEADER: [&str; 34] = [
     "error_wavelength [m]",
     "y_told",
     "N_told",
+    "YQ_told",
+    "wavelength_told",
     "steps",
     "linearisations",
     "factorisations",
@@ -65,7 +67,7 @@ pub(super) fn write(mut writer: impl Write, study: &Study) -> std::io::Result<()
     for model in &study.models {
         let text = match &model.reference {
             Ok(reference) => format!(
-                "{}: {} with {} and {} at tolerance {:e} m; uncertainty: y {:.1e} m, N {:.1e} N, YQ {:.1e}",
+                "{}: {} with {} and {} at tolerance {:e} m; uncertainty: y {:.1e} m, N {:.1e} N, YQ {:.1e}{}",
                 model.name,
                 reference.formulation,
                 reference.methods[0],
@@ -73,7 +75,8 @@ pub(super) fn write(mut writer: impl Write, study: &Study) -> std::io::Result<()
                 reference.tolerance,
                 reference.uncertainty.y.largest,
                 reference.uncertainty.normal.most,
-                reference.uncertainty.quotient.most
+                reference.uncertainty.quotient.most,
+                wavelength(reference.uncertainty.wavelength)
             ),
             Err(reason) => format!("{}: none: {reason}", model.name),
         };
@@ -81,10 +84,13 @@ pub(super) fn write(mut writer: impl Write, study: &Study) -> std::io::Result<()
     }
     for difference in &study.differences {
         let [first, second] = [difference.first, difference.second].map(|model| study.models[model].name.as_str());
-        let Errors { y, normal, quotient, .. } = difference.errors;
+        let Errors { y, normal, quotient, wavelength: waves } = difference.errors;
         let text = format!(
-            "{first} against {second}: y {:.3e} m, N {:.3e} N (95 %), YQ {:.3e} (95 %): no numerical error",
-            y.largest, normal.most, quotient.most
+            "{first} against {second}: y {:.3e} m, N {:.3e} N (95 %), YQ {:.3e} (95 %){}: no numerical error",
+            y.largest,
+            normal.most,
+            quotient.most,
+            wavelength(waves)
         );
         note(&mut writer, "models", &text)?;
     }
@@ -103,8 +109,7 @@ pub(super) fn write(mut writer: impl Write, study: &Study) -> std::io::Result<()
             Outcome::Failed(reason) => (format!("failed: {reason}"), None),
             Outcome::Skipped(reason) => (format!("not run: {reason}"), None),
         };
-        let told =
-            [Quantity::Displacement, Quantity::NormalForce].map(|quantity| done.map_or("", |_| told(study.standing(point, quantity))));
+        let told = Quantity::ALL.map(|quantity| done.map_or("", |_| told(study.standing(point, quantity))));
         let own =
             [variant.creep_law.map(String::from).unwrap_or_default(), some(variant.node_spacing), some(variant.smoothing), String::new()];
         csv.write_record(row(variant.formulation, &point.setting, &outcome, done, told, own))?;
@@ -118,7 +123,7 @@ pub(super) fn write(mut writer: impl Write, study: &Study) -> std::io::Result<()
             &coupled.setting,
             &outcome,
             Some((&coupled.measured, &coupled.errors)),
-            [told, ""],
+            [told, "", "", ""],
             own,
         ))?;
     }
@@ -134,6 +139,11 @@ fn told(standing: Standing) -> &'static str {
     }
 }
 
+/// Behind other quantities.
+fn wavelength(value: Option<f64>) -> String {
+    value.map(|value| format!(", wavelength {value:.1e} m")).unwrap_or_default()
+}
+
 fn some(value: Option<f64>) -> String {
     value.map(|value| format!("{value:?}")).unwrap_or_default()
 }
@@ -143,7 +153,7 @@ fn row(
     setting: &Setting,
     outcome: &str,
     done: Option<(&Measured, &Errors)>,
-    told: [&str; 2],
+    told: [&str; 4],
     own: [String; 4],
 ) -> Vec<String> {
     let number = |value: &dyn Fn(&Measured, &Errors) -> f64| {
@@ -167,8 +177,9 @@ fn row(
         number(&|_, errors| errors.quotient.rms),
         number(&|_, errors| errors.quotient.largest),
         some(done.and_then(|(_, errors)| errors.wavelength)),
-        told[0].to_string(),
-        told[1].to_string(),
+    ]);
+    row.extend(told.map(String::from));
+    row.extend([
         count(&|measured| measured.statistics.steps),
         count(&|measured| measured.statistics.linearisations),
         count(&|measured| measured.statistics.factorisations),

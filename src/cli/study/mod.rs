@@ -5,12 +5,14 @@ mod pictures;
 mod words;
 
 use super::run::open_csv;
-use super::{Failure, SceneArguments, WheelsetArgument, print, say};
+use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, print, say};
 use crate::contact::creep;
 use crate::formulation;
+use crate::scene::spec::Scene;
 use crate::settings::{Entry, did_you_mean};
 use crate::solve;
 use crate::study::accuracy::{self, Request, Study, StudyError};
+use crate::study::shares::{self, Span};
 use crate::units::Dimension;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -30,8 +32,8 @@ distances from the first model are told apart.
 
 Cheap points come first; what does not fit into the budget is not run and named. A long scene is shortened, which is said.
 
-Pictures: SCENE_time_QUANTITY.svg (error against CPU time) and SCENE_work_QUANTITY.svg (against evaluations of the right-hand side) for y, N and YQ, \
-SCENE_best.svg (the points that no other one beats) and SCENE_communication.svg.
+Pictures: SCENE_time_QUANTITY.svg (error against CPU time) and SCENE_work_QUANTITY.svg (against evaluations of the right-hand side) for y, N, YQ and the \
+hunting wavelength, SCENE_best.svg (the points that no other one beats) and SCENE_communication.svg.
 
 Exit code: 0, 1 when the study is refused or a file can't be written, 2 when the scene or an argument makes no sense.")]
 pub(super) struct Arguments {
@@ -44,7 +46,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME[,NAME]", value_delimiter = ',')]
     integrators: Vec<String>,
     /// Tolerances of adaptive methods
-    #[arg(long, value_name = "TOL[,TOL]", value_delimiter = ',', default_value = "1e-5,1e-6,1e-7,1e-8,1e-10")]
+    #[arg(long, value_name = "TOL[,TOL]", value_delimiter = ',', default_value = "1e-4,3e-5,1e-5,1e-6,1e-7,1e-8,1e-10")]
     tolerances: Vec<String>,
     /// Steps of methods with fixed steps
     #[arg(long, value_name = "H[,H]", value_delimiter = ',', default_value = "5 ms,2 ms,1 ms,0.5 ms,0.2 ms,0.1 ms")]
@@ -84,6 +86,9 @@ pub(super) struct Arguments {
     /// Draw the pictures into a folder; made if it is missing
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
+    /// Instead: where the time of one run with the scene's own solver (or that of --set) goes
+    #[arg(long = "where", conflicts_with_all = ["formulations", "integrators", "creep_laws", "node_spacing", "smoothing", "reference", "output", "plot"])]
+    shares: bool,
     /// Print the study as JSON (SI units)
     #[arg(long)]
     json: bool,
@@ -99,6 +104,9 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
         arguments.wheelset.choose(&scene)?;
     }
     let request = request(arguments, scene.run.step)?;
+    if arguments.shares {
+        return where_time_goes(arguments, &scene);
+    }
     if let Some(stop) = arguments.stop.or((scene.run.stop == 0.0).then_some(0.0))
         && !(stop.is_finite() && stop >= request.step)
     {
@@ -126,6 +134,16 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
     for file in files {
         say(&format!("wrote {}", file.display()));
     }
+    Ok(())
+}
+
+fn where_time_goes(arguments: &Arguments, scene: &Scene) -> Result<(), Failure> {
+    let (stop, step) = TimeArguments { stop: arguments.stop, step: arguments.step }.read(scene)?;
+    if !(stop >= step) {
+        return Err(Failure::Input(format!("--stop {stop}: expected a time of at least one output step, {step} s")));
+    }
+    let found = shares::shares(scene, Span { stop, step }, arguments.repeats).map_err(Failure::Run)?;
+    print(&if arguments.json { format!("{}\n", serde_json::json!(found)) } else { found.to_string() });
     Ok(())
 }
 

@@ -34,7 +34,7 @@ const ALONG: [Along; 2] = [
 /// Draws all of them; returns the files.
 pub(super) fn draw(folder: &Path, study: &Study) -> Result<Vec<PathBuf>, String> {
     let mut files = Vec::new();
-    for quantity in [Quantity::Displacement, Quantity::NormalForce, Quantity::DerailmentQuotient] {
+    for quantity in Quantity::ALL {
         for along in &ALONG {
             files.extend(errors(folder, study, quantity, along)?);
         }
@@ -47,7 +47,11 @@ pub(super) fn draw(folder: &Path, study: &Study) -> Result<Vec<PathBuf>, String>
 /// Caption of an error's axis.
 fn axis(quantity: Quantity) -> String {
     let unit = if quantity.unit().is_empty() { String::new() } else { format!(" [{}]", quantity.unit()) };
-    let how = if quantity == Quantity::Displacement { "largest error" } else { "error kept by 95 % of the samples" };
+    let how = match quantity {
+        Quantity::Displacement => "largest error",
+        Quantity::NormalForce | Quantity::DerailmentQuotient => "error kept by 95 % of the samples",
+        Quantity::Wavelength => "error of the mean",
+    };
     format!("{}: {how}{unit}", capital(quantity.words()))
 }
 
@@ -73,6 +77,7 @@ fn subtitles(study: &Study, stop: f64, bounds: bool) -> Vec<String> {
 /// One panel per variant, one series per integrator; nothing where no point can be shown.
 fn errors(folder: &Path, study: &Study, quantity: Quantity, along: &Along) -> Result<Option<PathBuf>, String> {
     let mut panels = Vec::new();
+    let mut bounded = Vec::new();
     for (index, variant) in study.variants.iter().enumerate() {
         let Some(model) = study.model_of(index) else { continue };
         let mut series: Vec<Series> = Vec::new();
@@ -94,17 +99,26 @@ fn errors(folder: &Path, study: &Study, quantity: Quantity, along: &Along) -> Re
         if series.is_empty() {
             continue;
         }
+        // Where all points are better than the reference can tell there is nothing to see.
+        if !series.iter().any(|series| series.marks.iter().any(|mark| !mark.bound)) {
+            let floor = model.reference.as_ref().map_or(f64::INFINITY, |reference| reference.floor(quantity));
+            bounded.push(format!("{} (all below {})", variant.label(), size(floor, quantity)));
+            continue;
+        }
         let (levels, aside) = levels(study, model, quantity);
         let kind = if model.rigid { "rigid" } else { "elastic" };
         panels.push(Panel { title: format!("{} ({kind})", variant.label()), series, levels, aside });
     }
-    let marks = || panels.iter().flat_map(|panel| panel.series.iter().flat_map(|series| series.marks.iter()));
-    if !marks().any(|mark| !mark.bound) {
+    if panels.is_empty() {
         return Ok(None);
     }
+    let marks = || panels.iter().flat_map(|panel| panel.series.iter().flat_map(|series| series.marks.iter()));
     let file = folder.join(format!("{}_{}_{}.svg", study.scene, along.key, quantity.key()));
     let title = format!("{}: {}", capital(quantity.words()), along.title);
-    let subtitles = subtitles(study, study.stop, marks().any(|mark| mark.bound));
+    let mut subtitles = subtitles(study, study.stop, marks().any(|mark| mark.bound));
+    if !bounded.is_empty() {
+        subtitles.push(format!("without a panel, better than the reference can tell: {}", bounded.join(", ")));
+    }
     loglog::draw(&file, &Sheet { title: &title, subtitles: &subtitles, axes: [along.axis, &axis(quantity)], panels: &panels })?;
     Ok(Some(file))
 }
@@ -133,18 +147,19 @@ fn best(folder: &Path, study: &Study) -> Result<Option<PathBuf>, String> {
     let Some(quantity) = quantity else { return Ok(None) };
     let mut labels = Vec::new();
     for model in &study.models {
-        let among: Vec<usize> = (0..study.points.len())
-            .filter(|point| model.variants.contains(&study.points[*point].variant))
-            .filter(|point| matches!(study.standing(&study.points[*point], quantity), Standing::Shown(_)))
-            .collect();
+        let among: Vec<usize> = (0..study.points.len()).filter(|point| model.variants.contains(&study.points[*point].variant)).collect();
         for point in front(study, &among, quantity) {
             let point = &study.points[point];
-            let (Outcome::Done { measured, .. }, Standing::Shown(error)) = (&point.outcome, study.standing(point, quantity)) else {
-                continue;
+            let Outcome::Done { measured, .. } = &point.outcome else { continue };
+            let (error, better) = match study.standing(point, quantity) {
+                Standing::Shown(error) => (error, ""),
+                // The cheapest of those that the reference can't tell apart.
+                Standing::Below(floor) if floor > 0.0 => (floor, " (or better)"),
+                _ => continue,
             };
             let number =
                 point.setting.tolerance().map_or(format!("{} ms", 1e3 * point.setting.value), |tolerance| format!("{tolerance:.0e}"));
-            let label = format!("{} {} {number}", study.variants[point.variant].label(), point.setting.integrator);
+            let label = format!("{} {} {number}{better}", study.variants[point.variant].label(), point.setting.integrator);
             labels.push((label, 1e3 * measured.median(), error));
         }
     }

@@ -97,7 +97,7 @@ fn choices(study: &Study, quantity: Quantity, levels: &[f64]) -> String {
     let any = study.points.iter().any(|point| study.standing(point, quantity) != Standing::Absent);
     if !any {
         let why = match quantity {
-            Quantity::Wavelength => return text,
+            Quantity::Wavelength => "no wheelset swings through two waves of more than 10 um, or all waves agree",
             Quantity::Displacement => "does not move by more than the references can tell",
             _ => "changes by no more than the references can tell",
         };
@@ -186,10 +186,12 @@ fn counts(study: &Study) -> String {
     let below = told(|standing| matches!(standing, Standing::Below(_)));
     let useless = told(|standing| matches!(standing, Standing::Useless));
     if below > 0 {
-        text += &format!("  {below} points are more exact in y than the references can tell: only the bound is drawn\n");
+        let are = if below == 1 { "point is" } else { "points are" };
+        text += &format!("  {below} {are} more exact in y than the references can tell: only the bound is drawn\n");
     }
     if useless > 0 {
-        text += &format!("  {useless} points have an error in y larger than the motion itself: they are not drawn\n");
+        let have = if useless == 1 { "point has" } else { "points have" };
+        text += &format!("  {useless} {have} an error in y larger than the motion itself: not drawn\n");
     }
     for (index, variant) in study.variants.iter().enumerate() {
         let own: Vec<&Point> = study.points.iter().filter(|point| point.variant == index).collect();

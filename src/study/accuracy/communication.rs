@@ -9,8 +9,9 @@
 use super::clock::{Budget, cpu_time, in_seconds};
 use super::errors::{Errors, Quantity};
 use super::observation::{Observation, needed};
-use super::reference::METHODS;
+use super::reference::{METHODS, PER_DECADE};
 use super::run::{Measured, Setting, Span, with_setting};
+use super::schedule::PILOT_TOLERANCE;
 use super::study::Request;
 use crate::formulation::LATERAL_FORCE;
 use crate::scene::spec::Scene;
@@ -105,6 +106,11 @@ impl Drive {
         self.run(&mut simulation, Some(&mut sample))?;
         Ok((Observation::new(&recording, simulation.model()), simulation))
     }
+}
+
+/// What the reference takes, s: both methods on a core of their own, where a run at the pilots' tolerance takes `pilot` per simulated second.
+pub(super) fn duration(pilot: f64, span: Span) -> f64 {
+    pilot * span.stop.min(LONGEST) * PER_DECADE.powf((PILOT_TOLERANCE / REFERENCE_TOLERANCE).log10())
 }
 
 /// Every way of holding with every communication step.

@@ -16,6 +16,7 @@
 mod best;
 mod clock;
 mod communication;
+mod division;
 mod errors;
 mod observation;
 mod reference;

@@ -10,6 +10,7 @@ use crate::sim::recording::{Recording, communication_points};
 use crate::solve::{self, SettingKind, Statistics};
 use serde::Serialize;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// An integrator with the number that governs it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -74,6 +75,10 @@ pub(super) fn with_setting(scene: &Scene, setting: &Setting) -> Result<Scene, St
     Ok(changed)
 }
 
+/// A run is foreseen to fail when this share of its time is gone and it seems to need so many times its time: a scene may begin
+/// with its hardest part.
+const FORESEEN: (f64, f64) = (0.25, 1.5);
+
 /// What became of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Observed {
@@ -83,14 +88,17 @@ pub(super) struct Observed {
     /// Simulated time that was reached, s.
     pub reached: f64,
     pub failure: Option<String>,
+    /// Is the reason that there was no time?
+    pub late: bool,
 }
 
-/// Runs and observes; gives up after `limit` seconds. `wheelset`: see [`needed`].
-pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span: Span, limit: f64) -> Observed {
+/// Runs and observes; gives up after `limit` seconds, `early` where it can be foreseen. `wheelset`: see [`needed`].
+pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span: Span, limit: f64, early: bool) -> Observed {
+    let start = Instant::now();
     let outputs = needed(simulation.model(), wheelset);
     let deadline = in_seconds(limit);
     let mut recording = Recording::new(&outputs);
-    let (mut cpu, mut reached) = (0.0, 0.0);
+    let (mut cpu, mut reached, mut late) = (0.0, 0.0, false);
     let mut run = || -> Result<(), String> {
         recording.sample(simulation, &outputs).map_err(|error| error.to_string())?;
         for time in communication_points(0.0, span.stop, span.step) {
@@ -99,14 +107,20 @@ pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span:
             advanced.map_err(|error| error.to_string())?;
             recording.sample(simulation, &outputs).map_err(|error| error.to_string())?;
             reached = time;
-            if time < span.stop && deadline.is_some_and(|deadline| std::time::Instant::now() > deadline) {
-                return Err(format!("stopped after {limit:.1} s at t = {time} s: the budget has no room for more"));
+            let (spent, expected) = (start.elapsed().as_secs_f64(), start.elapsed().as_secs_f64() * span.stop / time);
+            late = early && spent > FORESEEN.0 * limit && expected > FORESEEN.1 * limit;
+            if late {
+                return Err(format!("given up at t = {time:.3} s: it needs about {expected:.1} s, the budget has {limit:.1} s"));
+            }
+            late = time < span.stop && deadline.is_some_and(|deadline| Instant::now() > deadline);
+            if late {
+                return Err(format!("stopped after {limit:.1} s at t = {time:.3} s: the budget has no room for more"));
             }
         }
         Ok(())
     };
     let failure = run().err();
-    Observed { observation: Observation::new(&recording, simulation.model()), cpu, reached, failure }
+    Observed { observation: Observation::new(&recording, simulation.model()), cpu, reached, failure, late }
 }
 
 /// What a finished run cost.
@@ -143,7 +157,7 @@ pub(super) fn measure(
 ) -> Result<(Observation, Measured), String> {
     let mut simulation = Simulation::new(scene, 0.0).map_err(|error| error.to_string())?;
     let start = simulation.state().clone();
-    let observed = observe(&mut simulation, wheelset, span, limit);
+    let observed = observe(&mut simulation, wheelset, span, limit, true);
     if let Some(failure) = observed.failure {
         return Err(failure);
     }

@@ -2,8 +2,9 @@
 
 use super::clock::{Budget, cpu_time};
 use super::communication::{self, Coupled};
+use super::division::{PILOTS, POINTS, POINTS_ALONE, shortened, turns};
 use super::errors::{Errors, Quantity};
-use super::reference::{self, METHODS, Reference, Standing};
+use super::reference::{self, ENDS, METHODS, Reference, Standing};
 use super::run::{self, Measured, Setting, Span};
 use super::schedule::{Item, PILOT_TOLERANCE, Pilot, Schedule, patience};
 use super::variant::{Variant, variants};
@@ -117,20 +118,11 @@ pub enum StudyError {
     Refused(String),
 }
 
-/// Until these shares of the budget pilots, references and points may take.
-const PILOTS: f64 = 0.1;
-const REFERENCES: f64 = 0.45;
-const POINTS: f64 = 0.88;
-/// The loosest reference of the first model is worth more than points without any.
-const FIRST_REFERENCE: f64 = 0.6;
-/// The plan for the cheapest model should fit into this share.
-const FIRST_MODEL: f64 = 0.5;
-/// What the references cost, in pilot runs.
-const REFERENCE_RUNS: f64 = 10.0;
-
 struct Prepared {
     scene: Scene,
     rigid: bool,
+    /// Is contact a constraint that ends the run where it has no solution?
+    ends: bool,
 }
 
 /// Makes the study. `progress` is told the share that is done and what is being done.
@@ -168,7 +160,8 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
         progress(budget.spent() / budget.seconds, &format!("reference of {}", model.name));
         // Of the rigid formulations ECCF comes after ACCF and is the cheaper one.
         for variant in model.variants.iter().rev() {
-            let formulation = (variants[*variant].formulation, &prepared[*variant].scene);
+            let Prepared { scene, ends, .. } = &prepared[*variant];
+            let formulation = (variants[*variant].formulation, scene, if *ends { ENDS } else { "" });
             let Some(pilot) = schedule.pilots[*variant] else { continue };
             let seconds = pilot.per_second * span.stop * schedule.slowness;
             model.reference = reference::reference(formulation, request.wheelset, span, (&budget, shares, seconds), request.reference);
@@ -176,6 +169,16 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
                 break;
             }
         }
+    }
+
+    let own_pilot = variants.iter().position(|variant| variant.formulation == own.contact.formulation_name);
+    let own_cost =
+        own_pilot.and_then(|variant| schedule.pilots[variant]).map_or(f64::INFINITY, |pilot| pilot.per_second * schedule.slowness);
+    let coupling = !request.communication_steps.is_empty();
+    let coupled = coupling && communication::duration(own_cost, span) < (1.0 - POINTS) * budget.seconds;
+    let until = if coupled { POINTS } else { POINTS_ALONE };
+    if coupling && !coupled {
+        notes.push("communication steps: left out, the budget has no room for their reference (a larger --budget has)".into());
     }
 
     let mut items: Vec<Item> = Vec::new();
@@ -193,7 +196,7 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
     let patience = patience(&budget, items.len());
     while let Some((next, seconds)) = schedule.cheapest(&items, span.stop, patience) {
         let Item { variant, setting } = items.swap_remove(next);
-        let left = budget.left_of(POINTS);
+        let left = budget.left_of(until);
         let outcome = if seconds < left {
             progress(budget.spent() / budget.seconds, &format!("{}: {}", variants[variant].label(), setting.words()));
             let limits = [(4.0 * seconds).max(1.0).min(left), patience];
@@ -236,11 +239,11 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
         notes,
     };
     study.refuse()?;
-    if !request.communication_steps.is_empty() {
+    if coupled {
         progress(budget.spent() / budget.seconds, "communication steps");
         match communication::sweep(&own, request, span, &budget) {
             Ok(coupled) => study.coupled = coupled,
-            Err(reason) => study.notes.push(format!("communication steps: {reason}")),
+            Err(reason) => study.notes.push(format!("communication steps: left out: {reason}")),
         }
     }
     Ok(study)
@@ -266,7 +269,9 @@ fn prepare(request: &Request, notes: &mut Vec<String>) -> Result<(Vec<Variant>, 
             Ok(scene) => match Simulation::new(&scene, 0.0) {
                 Err(error) => notes.push(format!("{}: {error}", variant.label())),
                 Ok(simulation) => {
-                    prepared.push(Prepared { rigid: simulation.model().formulation.constrains(), scene });
+                    let model = simulation.model();
+                    let rigid = model.formulation.constrains();
+                    prepared.push(Prepared { rigid, ends: rigid && !model.may_be_elastic(), scene });
                     started.push(variant);
                 }
             },
@@ -279,37 +284,9 @@ fn prepare(request: &Request, notes: &mut Vec<String>) -> Result<(Vec<Variant>, 
 fn pilot(prepared: &Prepared, span: Span, limit: f64) -> Option<Pilot> {
     let setting = Setting { integrator: METHODS[0], fixed: false, value: PILOT_TOLERANCE };
     let mut simulation = Simulation::new(&run::with_setting(&prepared.scene, &setting).ok()?, 0.0).ok()?;
-    let observed = run::observe(&mut simulation, None, span, limit);
+    let observed = run::observe(&mut simulation, None, span, limit, false);
     let evaluations = simulation.statistics().evaluations.max(1) as f64;
     (observed.reached > 0.0).then(|| Pilot { per_second: observed.cpu / observed.reached, per_evaluation: observed.cpu / evaluations })
-}
-
-/// A span of which half of the cheapest variant's runs fit into the budget.
-fn shortened(full: Span, schedule: &Schedule, settings: &[Setting], budget: &Budget, notes: &mut Vec<String>) -> Span {
-    let patience = patience(budget, settings.len() * schedule.pilots.len());
-    let whole = |variant: usize| {
-        let pilot = schedule.pilots[variant]?;
-        let mut points: Vec<f64> =
-            settings.iter().filter_map(|setting| schedule.duration(&Item { variant, setting: *setting }, full.stop, patience)).collect();
-        points.sort_by(f64::total_cmp);
-        // Half of the points tell more of the whole scene than all points of its beginning.
-        let half: f64 = points.iter().take(points.len().div_ceil(2)).sum();
-        Some(half + REFERENCE_RUNS * pilot.per_second * full.stop * schedule.slowness)
-    };
-    let cheapest = (0..schedule.pilots.len()).filter_map(whole).fold(f64::INFINITY, f64::min);
-    let room = FIRST_MODEL * budget.seconds;
-    if !(cheapest > room && cheapest.is_finite()) {
-        return full;
-    }
-    // Whole output steps, a tenth of the scene at least.
-    let rows = (full.stop * (room / cheapest).max(0.1) / full.step).ceil();
-    let stop = (rows * full.step).min(full.stop);
-    let words = format!(
-        "the first {stop:.3} s of {} s, so that the budget of {} s has room (--stop and --budget change that)",
-        full.stop, budget.seconds
-    );
-    notes.push(words);
-    Span { stop, ..full }
 }
 
 /// Variants by model, in the order in which the models first occur.
@@ -328,21 +305,6 @@ fn models(variants: &[Variant], prepared: &[Prepared]) -> Vec<Model> {
         }
     }
     models
-}
-
-/// The order in which models get their references, and the share of the budget until which each may take: the scene's own
-/// formulation first, then what is cheap. Each may take half of what is left for references; a first, loose one may take more.
-fn turns(models: &[Model], variants: &[Variant], schedule: &Schedule, own: &str) -> Vec<(usize, [f64; 2])> {
-    let expense = |index: &usize| {
-        let of = &models[*index].variants;
-        let cost = of.iter().filter_map(|variant| schedule.pilots[*variant]).map(|pilot| pilot.per_second);
-        if of.iter().any(|variant| variants[*variant].formulation == own) { 0.0 } else { cost.fold(f64::INFINITY, f64::min) }
-    };
-    let mut order: Vec<usize> = (0..models.len()).collect();
-    order.sort_by(|a, b| expense(a).total_cmp(&expense(b)));
-    let part = |turn: usize| if turn + 1 == order.len() { 1.0 } else { 1.0 - 0.5f64.powi(turn as i32 + 1) };
-    let first = |turn: usize| if turn == 0 { FIRST_REFERENCE } else { REFERENCES };
-    (0..order.len()).map(|turn| (order[turn], [first(turn), PILOTS + (REFERENCES - PILOTS) * part(turn)])).collect()
 }
 
 /// Every other model against the first elastic one, or against the first of all.

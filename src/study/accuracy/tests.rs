@@ -51,6 +51,10 @@ fn analytic_predictions_follow_the_step_and_learn() {
     assert!((predicted(&schedule, true, 1e-3) - 5.0 * 2e-6 / 1e-3).abs() < 1e-12);
     assert_eq!(predicted(&schedule, false, 1e-5), 0.01);
     assert!(schedule.predict(&item(1, true, 1e-3)).is_none());
+    // Stiff contact does not limit the steps of an implicit method.
+    let implicit = |value| Item { variant: 0, setting: Setting { integrator: "rosenbrock", fixed: false, value } };
+    let [loose, tight] = [1e-5, 1e-8].map(|value| schedule.predict(&implicit(value)).unwrap());
+    assert!((loose - 0.002).abs() < 1e-12 && (tight - 0.02).abs() < 1e-9, "{loose} {tight}");
     schedule.learn(item(0, true, 1e-3), 0.03);
     assert!((predicted(&schedule, true, 1e-4) - 0.3).abs() < 1e-12);
     schedule.learn(item(0, false, 1e-6), 0.02);
@@ -150,6 +154,46 @@ fn order_of_the_communication_step_with_and_without_input_derivatives() {
         println!("input {}: {coarse:.2e} m, {fine:.2e} m, order {measured:.2}", HOLDS[hold]);
         assert!((measured - order).abs() < 0.35 && fine > found[2 * hold].floor, "{measured}");
     }
+}
+
+/// A run that has no time to end is given up long before its time is over; a pilot goes on.
+#[test]
+fn hard_a_run_that_will_not_end_in_time_is_given_up_early() {
+    let scene = crate::scene::load::open("suspended_wheelset", &["solver.tolerance=1e-12".to_string()]).unwrap();
+    let run = |limit: f64, early: bool| {
+        let mut simulation = crate::sim::Simulation::new(&scene, 0.0).unwrap();
+        run::observe(&mut simulation, None, run::Span { stop: 500.0, step: 5e-3 }, limit, early)
+    };
+    let given_up = run(0.2, true);
+    let why = given_up.failure.unwrap();
+    println!("{why}; {} s", given_up.cpu);
+    assert!(why.starts_with("given up at t = ") && why.contains("it needs about") && why.contains("the budget has 0.2 s"), "{why}");
+    assert!(given_up.cpu < 0.2 && given_up.reached < 500.0);
+    let pilot = run(0.05, false);
+    assert!(pilot.failure.unwrap().starts_with("stopped after") && pilot.reached > 0.0);
+}
+
+/// Rigid contact that can't go on is told how it could, and that communication steps have no room.
+#[test]
+fn hard_a_study_without_a_reference_says_what_to_do() {
+    // A dip that a wheel can't follow.
+    let overrides = ["direction=vertical", "amplitude=-25 mm", "to=23"].map(|change| format!("track.deviation[1].{change}"));
+    let dip = Request { stop: Some(0.6), budget: 20.0, communication_steps: vec![0.01], ..request(&overrides) };
+    match study(&dip, &mut |_, _| {}) {
+        Ok(found) => {
+            assert!(found.notes.iter().all(|note| !note.contains("communication steps")) || found.coupled.is_empty());
+            let rigid = found.models.iter().find(|model| model.rigid).unwrap();
+            assert!(rigid.reference.as_ref().is_err_and(|reason| reason.contains("--set contact.on_lift=elastic")));
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// What coupled references take: a decade of tolerance costs 1.8 times, and no more than 2 s are simulated.
+#[test]
+fn analytic_coupled_references_are_foreseen() {
+    let seconds = |stop: f64| communication::duration(0.1, run::Span { stop, step: 5e-3 });
+    assert!((seconds(1.0) - 0.1 * 1.8f64.powi(6)).abs() < 1e-9 && (seconds(5.0) - 2.0 * seconds(1.0)).abs() < 1e-9);
 }
 
 /// Nodes at another distance and another creep law are models of their own.
