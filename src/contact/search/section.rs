@@ -35,7 +35,7 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 /// Most readings of the profiles; a start one step of integration away takes three.
 const MOST: usize = 8;
 /// A step that is shorter than this need not be made, m: the penetration changes by less than rounding.
-const NEXT_STEP: f64 = 1e-11;
+const NEXT_STEP: f64 = 1e-12;
 /// Residuals (m, rad) that are nothing but rounding.
 const ROUNDING: f64 = 1e-16;
 /// Change of the rail's direction between the section and the contact that may be left out, rad.

@@ -118,7 +118,8 @@ impl Table {
     #[inline(always)]
     pub(super) fn near_both(tables: [&Table; 2], x: [f64; 2]) -> Option<[ProfilePoint; 2]> {
         let ((one, s), (other, z)) = (tables[0].cell(x[0])?, tables[1].cell(x[1])?);
-        let point = |[value, d1, d2, d3]: [f64; 4], per: f64| ProfilePoint { value, d1: d1 * per, d2: d2 * per * per, d3: d3 * per * per * per };
+        let point =
+            |[value, d1, d2, d3]: [f64; 4], per: f64| ProfilePoint { value, d1: d1 * per, d2: d2 * per * per, d3: d3 * per * per * per };
         let [per, other_per] = tables.map(Table::cells_per_metre);
         Some([point(one.derivatives(s), per), point(other.derivatives(z), other_per)])
     }

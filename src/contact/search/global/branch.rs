@@ -15,7 +15,7 @@
 //!
 //! and is halved otherwise. A stretch that can't be decided so is halved on (`halve`) with its own bound on |phi'| and the rail's
 //! curvature between the feet of its ends. The search gives up where a pair of minimum and maximum could differ in depth by no
-//! more than `|phi'| L^2 / 8 = 2e-8 m`, or at a 64th of the stretch.
+//! more than `|phi'| L^2 / 8 = 2e-10 m`, or at a 64th of the stretch.
 //!
 //! *Steadiness.* For each part it is also noted by how much the wheel may move until the decision could be another: 1 holds while
 //! phi keeps its margin, 2 while feet move by less than what the rail's bounds were widened by. Where phi' has opposite signs on
@@ -55,7 +55,7 @@ pub(super) struct Bracket {
 pub(super) const MOST: usize = 24;
 /// Halvings of a single stretch at most, and the difference in depth, m, of a pair of minimum and maximum that may be missed.
 const DEPTH: usize = 6;
-const SHALLOW: f64 = 2e-8;
+const SHALLOW: f64 = 2e-10;
 /// Stretches over which Newton is trusted to find a root that is known to be the only one.
 const NARROW: usize = 6;
 /// Motion for which certificates are asked at most, m. Feet then move by less than the slack of the rail's bounds.
@@ -66,9 +66,9 @@ const ROUGH: f64 = 1e-5;
 const TRUSTED: f64 = 2e-3;
 /// A motion by some length turns the wheel by no more than that length over this arm, m.
 pub(super) const ARM: f64 = 0.5;
-/// Motions, m, for which a part of a stretch is tried to be certified by the sign of phi', and the share of it by which feet
-/// move at most.
-const LOCAL: [f64; 2] = [1e-4, 2e-5];
+/// Motions, m, for which a part of a stretch is tried to be certified by the sign of phi' (none: it tells at least how many roots there
+/// are now), and the share of it by which feet move at most.
+const LOCAL: [f64; 3] = [1e-4, 2e-5, 0.0];
 const SWAY: f64 = 1.25;
 /// Certificates that are better than this, m, are not worth more halvings.
 const USEFUL: f64 = 4e-5;
@@ -384,7 +384,7 @@ impl<'a> Scan<'a> {
             return;
         }
         let most = more(a.phi.abs(), b.phi.abs()) + whole.most * length;
-        for motion in LOCAL.into_iter().filter(|motion| *motion > free) {
+        for motion in LOCAL.into_iter().filter(|motion| *motion > free || free <= 0.0) {
             let rail = self.search.rail.facing_within(a.foot, b.foot, SWAY * motion).curvature;
             let bending = self.bending(&self.search.wheel.stretches[whole.stretch], &Limits { phi: (-most, most), rail, ..*whole.limits });
             if bending.0 > 0.0 || bending.1 < 0.0 {

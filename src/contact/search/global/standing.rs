@@ -21,6 +21,8 @@ use crate::contact::search::algebraic::Pair;
 const STEEPEST: f64 = 4.0;
 /// Furthest from the tread's point to one that touches, m.
 const REACH: f64 = 0.09;
+/// Certificates and this measure are of first order, for instance in how the gap changes a foot's curvature.
+const SAFETY: f64 = 2.0;
 /// Furthest lead of a contact, m.
 const LEAD: f64 = 0.05;
 
@@ -59,6 +61,6 @@ impl GlobalSearch {
         let direction = change(4) + change(5);
         let shift = change(0) + change(1) + REACH * change(2) + self.radius * (2.0 + STEEPEST) * STEEPEST * yawing + LEAD * direction;
         let turn = change(2) + STEEPEST * yawing;
-        shift.max(ARM * turn)
+        SAFETY * shift.max(ARM * turn)
     }
 }
