@@ -77,9 +77,12 @@ def traction(report, fmu):
     slip = last[f"{W}.pitchRate"] * rolling / SPEED - 1.0
     creepage = -np.mean([last[f"{c}.longitudinalCreepage"] for c in CONTACTS])
     report.near(slip, creepage, 2e-2 * abs(creepage), "slip of the pitch rate = creepage")
-    power = torque * last[f"{W}.pitchRate"] + last[f"{W}.drivingForce"] * SPEED
-    report.check(dissipated(last) > 0.0, "creep dissipates", f"{dissipated(last):.3f} W")
-    report.near(power, dissipated(last), 1e-2 * dissipated(last), "T omega + drivingForce V = dissipated power", "W")
+    # The difference of two numbers of 219 kW: what the integration leaves of the contact's vibration, 1 N of 57 kN, is averaged out.
+    end = {name: series[-100:] for name, series in values.items()}
+    power = np.mean(torques[-100:] * end[f"{W}.pitchRate"] + end[f"{W}.drivingForce"] * SPEED)
+    heat = np.mean(dissipated(end))
+    report.check(heat > 0.0, "creep dissipates", f"{heat:.3f} W")
+    report.near(power, heat, 2e-3 * heat, "T omega + drivingForce V = dissipated power", "W")
     bound(report, values, 1.0, "friction bound")
     # While the torque rises: the wheels' force follows it, short of the pitch inertia.
     inertia = PITCH_INERTIA * np.gradient(values[f"{W}.pitchRate"], step)
