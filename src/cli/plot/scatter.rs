@@ -69,7 +69,11 @@ pub(in crate::cli) fn draw(file: &Path, title: &str, subtitle: &str, axes: [&str
             .label_style((FONT, 14))
             .draw()?;
         chart.draw_series(points.iter().map(|point| Circle::new((point.x, point.y), 5, BLUE.filled())))?;
-        for (point, label) in points.iter().zip(labels(points, x, y)) {
+        for (point, label) in points.iter().zip(labels(points, x, y)).filter_map(|(point, label)| Some((point, label?))) {
+            if let Some((from, to)) = label.leader() {
+                let pixels = |(x, y): (f64, f64)| (x as i32, y as i32);
+                root.draw(&PathElement::new([pixels(from), pixels(to)], GREY.mix(0.7)))?;
+            }
             let style = (FONT, 14).into_text_style(&root).pos(Pos::new(label.anchor, VPos::Center));
             root.draw(&Text::new(point.label.to_string(), (label.at.0 as i32, label.at.1 as i32), style))?;
         }
@@ -101,13 +105,14 @@ impl Area {
 
 /// Where a label stands, in pixels.
 struct Label {
+    point: (f64, f64),
     at: (f64, f64),
     anchor: HPos,
     area: Area,
 }
 
 impl Label {
-    fn new(at: (f64, f64), anchor: HPos, letters: usize) -> Self {
+    fn new(point: (f64, f64), at: (f64, f64), anchor: HPos, letters: usize) -> Self {
         const LETTER: f64 = 6.8;
         let width = LETTER * letters as f64;
         let left = match anchor {
@@ -115,16 +120,24 @@ impl Label {
             HPos::Center => at.0 - 0.5 * width,
             HPos::Right => at.0 - width,
         };
-        Label { at, anchor, area: Area { left, right: left + width, top: at.1 - 8.0, bottom: at.1 + 8.0 } }
+        Label { point, at, anchor, area: Area { left, right: left + width, top: at.1 - 8.0, bottom: at.1 + 8.0 } }
+    }
+
+    /// A line from the point to a label that does not stand next to it.
+    fn leader(&self) -> Option<((f64, f64), (f64, f64))> {
+        const NEXT_TO: f64 = 20.0;
+        let near = self.point.0.clamp(self.area.left - 3.0, self.area.right + 3.0);
+        ((self.at.1 - self.point.1).abs() > NEXT_TO).then_some((self.point, (near, self.at.1)))
     }
 }
 
-/// Labels beside their points, each at the first place that is clear of all points and of the labels before it.
-fn labels(points: &[Point], x: (f64, f64), y: (f64, f64)) -> Vec<Label> {
+/// Labels beside their points, each at the first place that is clear of all points and of the labels before it; `None` where there is no
+/// such place.
+fn labels(points: &[Point], x: (f64, f64), y: (f64, f64)) -> Vec<Option<Label>> {
     const RADIUS: f64 = 7.0;
     const BESIDE: f64 = 12.0;
     const LINE: f64 = 17.0;
-    const LINES: usize = 12;
+    const LINES: usize = 8;
     let part = |value: f64, range: (f64, f64)| (value / range.0).ln() / (range.1 / range.0).ln();
     let (width, height) = (f64::from(SIZE.0) - FRAME.0 - FRAME.1, f64::from(SIZE.1) - FRAME.2 - FRAME.3);
     let place = |point: &Point| (FRAME.0 + width * part(point.x, x), FRAME.2 + height * (1.0 - part(point.y, y)));
@@ -141,15 +154,15 @@ fn labels(points: &[Point], x: (f64, f64), y: (f64, f64)) -> Vec<Label> {
                 HPos::Center => 0.0,
                 HPos::Right => -BESIDE,
             };
-            Label::new((px + aside, py + line * LINE), anchor, letters)
+            Label::new((px, py), (px + aside, py + line * LINE), anchor, letters)
         };
         let near = [(0.0, HPos::Left), (0.0, HPos::Right), (-1.0, HPos::Center), (1.0, HPos::Center)];
-        let further = (1..LINES).flat_map(|k| [1.0, -1.0].map(|side| (side * k as f64, HPos::Left)));
+        let around = |k: f64| [(-k, HPos::Left), (k, HPos::Left), (-k, HPos::Right), (k, HPos::Right)];
+        let further = (1..LINES).flat_map(|k| around(k as f64));
         let mut places = near.into_iter().chain(further).map(|(line, anchor)| beside(line, anchor));
-        let clear = places.find(|label| label.area.on_sheet() && !taken.iter().any(|area| area.overlaps(&label.area)));
-        let label = clear.unwrap_or_else(|| beside(0.0, HPos::Left));
+        let label = places.find(|label| label.area.on_sheet() && !taken.iter().any(|area| area.overlaps(&label.area)))?;
         taken.push(label.area);
-        label
+        Some(label)
     };
     points.iter().map(label).collect()
 }
@@ -169,10 +182,13 @@ mod tests {
         for word in ["Title", "Subtitle", "along", "up", "one", "two", "three", "1e-7", "<circle"] {
             assert!(svg.contains(word), "{word}: {svg}");
         }
-        let places = labels(&points, (1e-8, 1e-3), (1e-3, 1.0));
+        let named = |points: &[Point]| -> Vec<Label> { labels(points, (1e-8, 1e-3), (1e-3, 1.0)).into_iter().flatten().collect() };
+        let places = named(&points);
+        assert!(places.len() == 3 && places.iter().all(|label| label.leader().is_none()));
         assert!(!places[0].area.overlaps(&places[1].area), "{:?} {:?}", places[0].area, places[1].area);
         let crowd: Vec<Point> = (0..9).map(|i| point("a long name", 1e-6 * 1.02f64.powi(i), 0.01 * 1.1f64.powi(i))).collect();
-        let places = labels(&crowd, (1e-8, 1e-3), (1e-3, 1.0));
+        let places = named(&crowd);
+        assert!(places.len() == 9 && places.iter().any(|label| label.leader().is_some()));
         for (i, first) in places.iter().enumerate() {
             assert!(first.area.on_sheet() && places[..i].iter().all(|other| !other.area.overlaps(&first.area)), "{:?}", first.area);
         }
