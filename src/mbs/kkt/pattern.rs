@@ -42,31 +42,21 @@ impl Pattern {
         let starts = std::iter::once(0).chain(ends.iter().copied());
         let places = starts.zip(ends).flat_map(|(start, end)| (start as u32..*end as u32).map(move |row| (start as u32, row)));
         let all = places.flat_map(|(start, row)| (start..=row).map(move |column| (row, column)));
-        let place = |row: u32, column: u32| {
-            let (a, b) = (position[row as usize], position[column as usize]);
-            (a.max(b), a.min(b))
-        };
-        Self::new(bodies, rows, all.collect(), place, |place| [order[place.0 as usize], order[place.1 as usize]])
+        Self::permuted(bodies, rows, all.collect(), &position, order)
     }
 
     /// Elements that are not zero, for a matrix whose row r stands at place `position[r]`: upper triangle, column by
     /// column. `order` is the inverse of `position`.
     pub fn sparse(bodies: usize, rows: &[RowBodies], position: &[u32], order: &[u32]) -> Pattern {
+        Self::permuted(bodies, rows, Vec::new(), position, order)
+    }
+
+    /// `wanted` places (sorted) are kept even without products.
+    fn permuted(bodies: usize, rows: &[RowBodies], wanted: Vec<(u32, u32)>, position: &[u32], order: &[u32]) -> Pattern {
         let place = |row: u32, column: u32| {
             let (a, b) = (position[row as usize], position[column as usize]);
             (a.max(b), a.min(b))
         };
-        Self::new(bodies, rows, Vec::new(), place, |place| [order[place.0 as usize], order[place.1 as usize]])
-    }
-
-    /// `wanted` places (sorted) are kept even without products.
-    fn new(
-        bodies: usize,
-        rows: &[RowBodies],
-        wanted: Vec<(u32, u32)>,
-        place: impl Fn(u32, u32) -> (u32, u32),
-        rows_at: impl Fn((u32, u32)) -> [u32; 2],
-    ) -> Pattern {
         let (slots, starts) = slots(bodies, rows);
         let mut products = Vec::new();
         for body in 0..bodies {
@@ -92,7 +82,7 @@ impl Pattern {
             while products.get(next).is_some_and(|product| product.place == place) {
                 next += 1;
             }
-            Entry { rows: rows_at(place), pairs: start as u32..next as u32 }
+            Entry { rows: [place.0, place.1].map(|place| order[place as usize]), pairs: start as u32..next as u32 }
         });
         let entries = entries.collect();
         Pattern { entries, pairs: products.iter().map(|product| product.slots).collect(), slots, starts }
