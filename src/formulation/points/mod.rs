@@ -27,6 +27,7 @@
 
 mod prepared;
 mod record;
+mod reply;
 mod share;
 mod touch;
 
@@ -39,6 +40,7 @@ use crate::geometry::profile::Profile;
 use crate::mbs::body::Wrench;
 pub use prepared::PreparedSearches;
 pub(super) use record::{Record, record_length};
+use reply::reply;
 pub(super) use share::share_slopes;
 use share::{Saddle, Saddles, share_out};
 use std::sync::Arc;
@@ -113,7 +115,8 @@ pub(super) fn elastic_wheel(
         *first = Contact { wheel, found: &found, slot: 0, share: 1.0 }.elastic(wrench)?;
         return Ok(());
     };
-    let places = search.places(wheel, None, memory)?;
+    let mut places = Places::default();
+    search.places(wheel, None, memory, &mut places)?;
     for (slot, (place, report)) in places.iter().zip(std::iter::once(first).chain(further)).enumerate() {
         *report = search.load(wheel, slot, place.as_ref(), wrench)?;
     }
@@ -130,7 +133,8 @@ pub(super) fn elastic_beside(
     further: &mut [ContactReport],
 ) -> Result<(), ContactFailure> {
     let Some(search) = &wheel.model.searches[wheel.contact] else { return Ok(()) };
-    let places = search.places(wheel, Some(tread), memory)?;
+    let mut places = Places::default();
+    search.places(wheel, Some(tread), memory, &mut places)?;
     for (slot, (place, report)) in (1..).zip(places[1..].iter().zip(further)) {
         *report = search.load(wheel, slot, place.as_ref(), wrench)?;
     }
@@ -204,25 +208,32 @@ impl WheelSearch {
     }
 
     /// All places near the rail by number of the contact. With a `tread` that is a constraint, number 0 is that and stays empty.
-    fn places(&self, wheel: &WheelAt, tread: Option<&ContactLocation>, memory: &mut [f64]) -> Result<Places, ContactFailure> {
+    fn places(
+        &self,
+        wheel: &WheelAt,
+        tread: Option<&ContactLocation>,
+        memory: &mut [f64],
+        places: &mut Places,
+    ) -> Result<(), ContactFailure> {
         let own = wheel.model.formulation.memory_per_contact();
         let (memory, rest) = memory.split_at_mut(own);
         let mut record = Record::new(rest, wheel.model.points);
         let pose = self.search.standing(&wheel.pair());
         if record.holds(&self.search, &pose)
             && self.as_watched(wheel, &pose, memory, &mut record)
-            && let Some(places) = self.follow(wheel, tread, memory, &mut record)
+            && self.follow(wheel, tread, &pose, (memory, &mut record), places).is_some()
         {
-            return Ok(places);
+            return Ok(());
         }
-        self.search(wheel, tread, &pose, memory, &mut record)
+        *places = Places::default();
+        self.search(wheel, tread, &pose, (memory, &mut record), places)
     }
 
     /// Is what must be watched as it was?
     #[inline]
     fn as_watched(&self, wheel: &WheelAt, pose: &Standing, memory: &[f64], record: &mut Record) -> bool {
         let Some(watch) = record.watch(&self.search, pose) else { return true };
-        let holds = self.search.watched(&wheel.pair(), REACH, &watch, &warm_start(memory));
+        let holds = self.search.watched(&wheel.pair(), &watch, &warm_start(memory));
         if let Some(budget) = holds {
             record.watched(pose, budget);
         }
@@ -231,15 +242,22 @@ impl WheelSearch {
 
     /// The known places, each from where it was; `None` where one of them is not found so.
     #[inline]
-    fn follow(&self, wheel: &WheelAt, tread: Option<&ContactLocation>, memory: &mut [f64], record: &mut Record) -> Option<Places> {
+    fn follow(
+        &self,
+        wheel: &WheelAt,
+        tread: Option<&ContactLocation>,
+        pose: &Standing,
+        (memory, record): (&mut [f64], &mut Record),
+        places: &mut Places,
+    ) -> Option<()> {
         let constrained = tread.is_some();
-        let pair = wheel.pair();
-        let mut places = Places::default();
+        let (pair, radius, moved) = (wheel.pair(), self.search.radius(), record.moved(pose));
         for slot in usize::from(constrained)..wheel.model.points {
             if !record.is_tracked(slot) {
                 continue;
             }
             let start = if slot == 0 { warm_start(memory) } else { record.parameters(slot) };
+            let start = record.after(slot, start, &moved);
             let location = pair.locate(&start).ok()?;
             // Newton knows nothing of least distances: it may run to a ridge or to the place of another contact.
             let u = location.parameters.wheel;
@@ -249,17 +267,20 @@ impl WheelSearch {
                 return None;
             }
             record.keep(slot, &location.parameters, location.penetration, memory);
+            record.keep_reply(slot, &reply(&pair, pose, radius, &location));
             places[slot] = Some(Place { location, share: 1.0 });
         }
         let mut saddles = Saddles::default();
         for (i, saddle) in saddles.iter_mut().enumerate().take(wheel.model.points - 1) {
             let Some((between, start)) = record.ridge(i) else { continue };
-            let found = Saddle::locate(&pair, &start, between, &places)?;
+            let start = record.ridge_after(i, start, &moved);
+            let found = Saddle::locate((&pair, pose, radius), &start, between, places)?;
             record.keep_ridge(i, &found);
             *saddle = Some(found);
         }
-        share_out(&mut places, &saddles);
-        Some(places)
+        record.located(pose);
+        share_out(places, &saddles);
+        Some(())
     }
 
     /// A search from nothing.
@@ -268,9 +289,9 @@ impl WheelSearch {
         wheel: &WheelAt,
         tread: Option<&ContactLocation>,
         pose: &Standing,
-        memory: &mut [f64],
-        record: &mut Record,
-    ) -> Result<Places, ContactFailure> {
+        (memory, record): (&mut [f64], &mut Record),
+        places: &mut Places,
+    ) -> Result<(), ContactFailure> {
         let pair = wheel.pair();
         let mut minima = Minima::default();
         self.search.find(&pair, REACH, &mut minima);
@@ -298,12 +319,12 @@ impl WheelSearch {
                 (chosen[shallowest], left[shallowest]) = (false, true);
             }
         }
-        let mut places = Places::default();
         let numbers = record.assign(&minima, &chosen[..count], tread.is_some(), memory);
         for (i, minimum) in minima.iter().enumerate().filter(|(i, _)| chosen[*i]) {
             let Some(slot) = numbers[i] else { continue };
             let location = self.search.polish(&pair, minimum).location;
             record.keep(slot, &location.parameters, location.penetration, memory);
+            record.keep_reply(slot, &reply(&pair, pose, self.search.radius(), &location));
             places[slot] = Some(Place { location, share: 1.0 });
         }
         let steady = minima.apart.min(minima.clearance);
@@ -312,16 +333,16 @@ impl WheelSearch {
             left.iter().take(count).enumerate().filter(|(_, left)| **left).map(|(i, _)| minima[i].distance).fold(f64::INFINITY, f64::min);
         let shallowest = (0..count).filter(|i| chosen[*i]).map(|i| minima[i].distance).fold(f64::MIN, f64::max);
         let steady = steady.min(deepest_left.max(0.5 * (deepest_left - shallowest))).max(0.0);
-        let (saddles, steady) = ridges(&pair, &minima, &numbers, &places, steady);
-        share_out(&mut places, &saddles);
+        let (saddles, steady) = ridges((&pair, pose, self.search.radius()), &minima, &numbers, places, steady);
+        share_out(places, &saddles);
         record.renew(pose, steady, (&minima.watch, minima.steady), &saddles);
-        Ok(places)
+        Ok(())
     }
 }
 
 /// Ridges between contacts that are pressed, or may be while the wheel moves by less than `steady` [m], and how long they can be
 /// followed, m. Where a place without a number lies between two contacts, it is the highest ridge that parts them.
-fn ridges(pair: &Pair, minima: &Minima, numbers: &[Option<usize>; MOST], places: &Places, steady: f64) -> (Saddles, f64) {
+fn ridges(at: (&Pair, &Standing, f64), minima: &Minima, numbers: &[Option<usize>; MOST], places: &Places, steady: f64) -> (Saddles, f64) {
     let (mut saddles, mut lasts, mut count) = (Saddles::default(), steady, 0);
     let mut before: Option<(usize, usize)> = None;
     for (i, slot) in numbers.iter().enumerate().filter_map(|(i, number)| Some((i, (*number)?))) {
@@ -336,11 +357,12 @@ fn ridges(pair: &Pair, minima: &Minima, numbers: &[Option<usize>; MOST], places:
             lasts = lasts.min(0.5 * (highest.distance - ridge.distance));
         }
         let between = [other, slot];
-        let found = Saddle::locate(pair, &highest.parameters, between, places);
+        let found = Saddle::locate(at, &highest.parameters, between, places);
         if found.is_none() {
             lasts = 0.0;
         }
-        saddles[count] = found.or(Some(Saddle { between, parameters: highest.parameters, penetration: -highest.distance }));
+        saddles[count] =
+            found.or(Some(Saddle { between, parameters: highest.parameters, penetration: -highest.distance, reply: Default::default() }));
         count += 1;
     }
     (saddles, lasts)

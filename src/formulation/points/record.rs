@@ -1,22 +1,27 @@
 //! What a wheel with several contacts remembers: where they were, and how long no search is needed.
 //!
 //! Part of the contact's memory behind that of its formulation: budget [m] and the pose it counts from (6 numbers), the same for the
-//! part of the wheel that is watched, its first and last knot and the number of stationary distances there, one mark per contact (1: followed), then for each contact but the first (whose place stands where that of a single contact does) u,
+//! part of the wheel that is watched, its first knot, its stretches and what was found there, three points that are watched (kind and sign;
+//! number of the knot or coordinate), one mark per contact (1: followed), then for each contact but the first (whose place stands where that of a single contact does) u,
 //! angle, lead, eta, penetration and a mark (1: it was pressed at the last event), then for as many ridges u, angle, lead, eta
-//! and the numbers, from 1, of the contacts on both sides (0: no ridge).
+//! and the numbers, from 1, of the contacts on both sides (0: no ridge). At the end what the next location begins with ([`super::reply`]): the pose of
+//! the last one, and the replies of all contacts and ridges.
 
 use super::super::loading::keep;
+use super::reply::{POSE, REPLY, Reply, after, pose_of};
 use super::share::{Saddle, Saddles};
 use super::{MOST_POINTS, warm_start};
 use crate::contact::search::algebraic::SurfaceParameters;
-use crate::contact::search::global::{GlobalSearch, MOST, Minimum, Standing, Watch};
+use crate::contact::search::global::{Extreme, GlobalSearch, MOST, Minimum, POINTS, Point, Standing, Watch};
 
 /// A budget and its pose.
 const ALLOWANCE: usize = 7;
 const WATCHED: usize = ALLOWANCE;
-const KNOTS: usize = WATCHED + ALLOWANCE;
-const COUNT: usize = KNOTS + 2;
-const MARKS: usize = COUNT + 1;
+const FIRST: usize = WATCHED + ALLOWANCE;
+const STRETCHES: usize = FIRST + 1;
+const SIGNATURE: usize = STRETCHES + 1;
+const WATCHED_POINTS: usize = SIGNATURE + 1;
+const MARKS: usize = WATCHED_POINTS + 2 * POINTS;
 const PER_CONTACT: usize = 6;
 const DEPTH: usize = 4;
 const PRESSED: usize = 5;
@@ -25,6 +30,11 @@ const BETWEEN: usize = 4;
 
 /// Length of the record for `points` contacts per wheel.
 pub(in super::super) fn record_length(points: usize) -> usize {
+    located(points) + POSE + REPLY * (2 * points - 1)
+}
+
+/// Where the pose stands at which all was located last, and behind it the replies of contacts and ridges.
+fn located(points: usize) -> usize {
     MARKS + points + (PER_CONTACT + PER_RIDGE) * (points - 1)
 }
 
@@ -36,6 +46,28 @@ pub(in super::super) struct Record<'a> {
 
 fn ridge_place(points: usize, ridge: usize) -> usize {
     MARKS + points + PER_CONTACT * (points - 1) + PER_RIDGE * ridge
+}
+
+const JOINT: f64 = 1.0;
+const WHEEL: f64 = 2.0;
+
+fn point(values: &[f64]) -> Option<Point> {
+    let place = match values[0].abs() {
+        JOINT => Extreme::Joint(values[1] as usize),
+        WHEEL => Extreme::Wheel(values[1]),
+        _ => return None,
+    };
+    Some(Point { place, above: values[0] > 0.0 })
+}
+
+fn keep_point(point: Option<&Point>, values: &mut [f64]) {
+    let (kind, number) = match point.map(|point| point.place) {
+        Some(Extreme::Joint(knot)) => (JOINT, knot as f64),
+        Some(Extreme::Wheel(u)) => (WHEEL, u),
+        None => (0.0, 0.0),
+    };
+    values[0] = if point.is_some_and(|point| point.above) { kind } else { -kind };
+    values[1] = number;
 }
 
 /// [`Record::ridge`] of a record with so many contacts.
@@ -53,6 +85,48 @@ impl<'a> Record<'a> {
 
     fn place(&self, slot: usize) -> usize {
         MARKS + self.points + PER_CONTACT * (slot - 1)
+    }
+
+    /// The pose at which all has been located.
+    #[inline]
+    pub fn located(&mut self, now: &Standing) {
+        let place = located(self.points);
+        self.values[place..place + POSE].copy_from_slice(&pose_of(now));
+    }
+
+    /// The motion since then.
+    #[inline]
+    pub fn moved(&self, now: &Standing) -> [f64; POSE] {
+        let (place, now) = (located(self.points), pose_of(now));
+        std::array::from_fn(|i| now[i] - self.values[place + i])
+    }
+
+    fn reply_place(&self, slot: usize) -> usize {
+        located(self.points) + POSE + REPLY * slot
+    }
+
+    /// Keeps the reply of a contact; those of the ridges stand behind.
+    #[inline]
+    pub fn keep_reply(&mut self, slot: usize, reply: &Reply) {
+        let place = self.reply_place(slot);
+        self.values[place..place + REPLY].copy_from_slice(reply);
+    }
+
+    #[inline]
+    pub fn keep_ridge_reply(&mut self, ridge: usize, reply: &Reply) {
+        self.keep_reply(self.points + ridge, reply);
+    }
+
+    /// Where a contact that was at `start` will be after a motion.
+    #[inline]
+    pub fn after(&self, slot: usize, start: SurfaceParameters, moved: &[f64; POSE]) -> SurfaceParameters {
+        after(start, &self.values[self.reply_place(slot)..], moved)
+    }
+
+    /// The same for a ridge.
+    #[inline]
+    pub fn ridge_after(&self, ridge: usize, start: SurfaceParameters, moved: &[f64; POSE]) -> SurfaceParameters {
+        self.after(self.points + ridge, start, moved)
     }
 
     pub fn is_tracked(&self, slot: usize) -> bool {
@@ -77,6 +151,7 @@ impl<'a> Record<'a> {
     pub(super) fn keep_ridge(&mut self, ridge: usize, found: &Saddle) {
         let place = self.ridge_place(ridge);
         keep(&found.parameters, &mut self.values[place..]);
+        self.keep_ridge_reply(ridge, &found.reply);
     }
 
     /// Keeps where a contact was found; that of the first stands in `own`.
@@ -99,9 +174,13 @@ impl<'a> Record<'a> {
     /// What must be looked at because the wheel has moved by more than that allows; `None` where there is nothing.
     #[inline]
     pub fn watch(&self, search: &GlobalSearch, now: &Standing) -> Option<Watch> {
-        let knots = [0, 1].map(|i| self.values[KNOTS + i] as usize);
-        let due = knots[0] < knots[1] && !allows(search, &self.values[WATCHED..WATCHED + ALLOWANCE], now);
-        due.then(|| Watch { knots: (knots[0], knots[1]), count: self.values[COUNT] as usize })
+        let nothing = self.values[STRETCHES] == 0.0 && self.values[WATCHED_POINTS] == 0.0;
+        if nothing || allows(search, &self.values[WATCHED..WATCHED + ALLOWANCE], now) {
+            return None;
+        }
+        let [first, stretches, signature] = [FIRST, STRETCHES, SIGNATURE].map(|place| self.values[place]);
+        let points = std::array::from_fn(|i| point(&self.values[WATCHED_POINTS + 2 * i..]));
+        Some(Watch { first: first as usize, stretches: stretches as u64, signature: signature as u64, points })
     }
 
     /// It has been looked at, and stays as it is for a motion of `budget` [m].
@@ -116,7 +195,13 @@ impl<'a> Record<'a> {
         self.values[0] = budget;
         self.values[1..ALLOWANCE].copy_from_slice(now);
         self.watched(now, watched);
-        (self.values[KNOTS], self.values[KNOTS + 1], self.values[COUNT]) = (watch.knots.0 as f64, watch.knots.1 as f64, watch.count as f64);
+        self.located(now);
+        self.values[FIRST] = watch.first as f64;
+        // Both are below 2^53.
+        (self.values[STRETCHES], self.values[SIGNATURE]) = (watch.stretches as f64, watch.signature as f64);
+        for (i, point) in watch.points.iter().enumerate() {
+            keep_point(point.as_ref(), &mut self.values[WATCHED_POINTS + 2 * i..]);
+        }
         for (i, saddle) in saddles.iter().enumerate().take(self.points - 1) {
             let sides = self.ridge_place(i) + BETWEEN;
             self.values[sides..sides + 2].copy_from_slice(&saddle.map_or([0.0; 2], |saddle| saddle.between.map(|slot| (slot + 1) as f64)));

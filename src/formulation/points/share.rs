@@ -14,9 +14,10 @@
 //! load gives 12 to 18 N m, by its shape.) A place covers the share s of its
 //! ellipse's area, so that where both melt together areas, and with them c11 G a b, add up to those of one patch.
 
+use super::reply::{Reply, reply};
 use super::{MOST_POINTS, Places};
 use crate::contact::search::algebraic::{Pair, SurfaceParameters};
-use crate::contact::search::global::is_least;
+use crate::contact::search::global::{Standing, is_least};
 
 /// The ridge between two contacts.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +27,7 @@ pub(super) struct Saddle {
     pub parameters: SurfaceParameters,
     /// m, negative where the surfaces are apart.
     pub penetration: f64,
+    pub reply: Reply,
 }
 
 /// Ridges of one wheel, in no order.
@@ -34,7 +36,12 @@ pub(super) type Saddles = [Option<Saddle>; MOST_POINTS - 1];
 impl Saddle {
     /// The ridge from a place near it; `None` where it is not found between its contacts.
     #[inline]
-    pub(super) fn locate(pair: &Pair, start: &SurfaceParameters, between: [usize; 2], places: &Places) -> Option<Saddle> {
+    pub(super) fn locate(
+        (pair, pose, radius): (&Pair, &Standing, f64),
+        start: &SurfaceParameters,
+        between: [usize; 2],
+        places: &Places,
+    ) -> Option<Saddle> {
         let [below, above] = between.map(|slot| places[slot].as_ref().map(|place| place.location.parameters.wheel));
         let found = pair.locate(start).ok()?;
         let u = found.parameters.wheel;
@@ -42,6 +49,7 @@ impl Saddle {
             between,
             parameters: found.parameters,
             penetration: found.penetration,
+            reply: reply(pair, pose, radius, &found),
         })
     }
 }
@@ -50,13 +58,15 @@ impl Saddle {
 #[inline]
 pub(super) fn share_out(places: &mut Places, saddles: &Saddles) {
     for Saddle { between: [below, above], penetration, .. } in saddles.iter().flatten() {
-        if let (Some(first), Some(second)) = (places[*below], places[*above])
+        let [one, two] = [below, above].map(|slot| places[*slot].as_ref().map(|place| place.location.penetration));
+        if let (Some(one), Some(two)) = (one, two)
             && *penetration > 0.0
         {
-            let (one, two) = (first.location.penetration, second.location.penetration);
-            let shares = [first.share * beside(one, *penetration, two), second.share * beside(two, *penetration, one)];
-            (places[*below], places[*above]) =
-                (Some(super::Place { share: shares[0], ..first }), Some(super::Place { share: shares[1], ..second }));
+            for (slot, own, other) in [(below, one, two), (above, two, one)] {
+                if let Some(place) = &mut places[*slot] {
+                    place.share *= beside(own, *penetration, other);
+                }
+            }
         }
     }
 }

@@ -19,13 +19,14 @@
 //!
 //! *Steadiness.* For each part it is also noted by how much the wheel may move until the decision could be another: 1 holds while
 //! phi keeps its margin, 2 while feet move by less than what the rail's bounds were widened by. Where phi' has opposite signs on
-//! both sides of a knot, a pair may be born at the knot itself: there phi must keep away from 0.
+//! both sides of a knot, a pair may be born at the knot itself: there phi must keep away from 0; so it must opposite a joint of the
+//! rail ([`super::joint`]).
 
 use super::GlobalSearch;
 use super::curve::Bounds;
 use super::foot::Foot;
 use super::view::View;
-use super::watch::Certificates;
+use super::watch::{Certificates, Extreme, WATCHED};
 use crate::contact::search::algebraic::Pair;
 use nalgebra::Vector2;
 
@@ -53,13 +54,15 @@ pub(super) struct Bracket {
 
 /// Most roots that are looked into; no pair of profiles in use has more than nine.
 pub(super) const MOST: usize = 24;
+/// Brackets by growing u.
+pub(super) type Brackets = [Option<Bracket>; MOST];
 /// Halvings of a single stretch at most, and the difference in depth, m, of a pair of minimum and maximum that may be missed.
 const DEPTH: usize = 6;
 const SHALLOW: f64 = 2e-10;
 /// Stretches over which Newton is trusted to find a root that is known to be the only one.
 const NARROW: usize = 6;
 /// Motion for which certificates are asked at most, m. Feet then move by less than the slack of the rail's bounds.
-pub(super) const MOST_STEADY: f64 = 3e-4;
+pub(super) const MOST_STEADY: f64 = 1e-3;
 /// Error of distances from knots, m, with a wide margin.
 const ROUGH: f64 = 1e-5;
 /// Directions from knots are trusted from here on, rad.
@@ -68,8 +71,8 @@ const TRUSTED: f64 = 2e-3;
 pub(super) const ARM: f64 = 0.5;
 /// Motions, m, for which a part of a stretch is tried to be certified by the sign of phi' (none: it tells at least how many roots there
 /// are now), and the share of it by which feet move at most.
-const LOCAL: [f64; 3] = [1e-4, 2e-5, 0.0];
-const SWAY: f64 = 1.25;
+const LOCAL: [f64; 5] = [MOST_STEADY, 3e-4, 1e-4, 2e-5, 0.0];
+pub(super) const SWAY: f64 = 1.25;
 /// Certificates that are better than this, m, are not worth more halvings.
 const USEFUL: f64 = 4e-5;
 
@@ -78,28 +81,31 @@ pub(super) struct Scan<'a> {
     pub pair: &'a Pair<'a>,
     pub view: View,
     pub reach: f64,
-    pub brackets: [Option<Bracket>; MOST],
+    /// Where brackets are kept, if they are asked for: otherwise they are only counted.
+    brackets: Option<&'a mut Brackets>,
     pub count: usize,
     /// Last place known to be above the reach, u.
     above: f64,
     pub clearance: f64,
     pub certificates: Certificates,
     /// Sign of phi' in the part that was decided last, if that was what decided it.
-    bend: Option<bool>,
+    pub bend: Option<bool>,
 }
 
 #[derive(Clone, Copy)]
-struct Limits {
-    phi: (f64, f64),
-    rail: (f64, f64),
-    distance: (f64, f64),
+pub(super) struct Limits {
+    pub phi: (f64, f64),
+    pub rail: (f64, f64),
+    pub distance: (f64, f64),
 }
 
 /// A stretch that bounds don't decide, with its greatest |phi'|, 1/m.
-struct Part<'a> {
-    stretch: usize,
-    most: f64,
-    limits: &'a Limits,
+pub(super) struct Part<'a> {
+    pub stretch: usize,
+    pub most: f64,
+    /// For what motion, m, bounds tell that phi has no root there.
+    pub free: f64,
+    pub limits: &'a Limits,
 }
 
 impl<'a> Scan<'a> {
@@ -110,7 +116,7 @@ impl<'a> Scan<'a> {
             pair,
             view,
             reach,
-            brackets: [None; MOST],
+            brackets: None,
             count: 0,
             above: search.wheel.knots[0].x,
             clearance: f64::INFINITY,
@@ -119,9 +125,9 @@ impl<'a> Scan<'a> {
         }
     }
 
-    pub fn run(search: &'a GlobalSearch, pair: &'a Pair<'a>, view: View, reach: f64) -> Self {
+    pub fn run(search: &'a GlobalSearch, pair: &'a Pair<'a>, view: View, reach: f64, brackets: &'a mut Brackets) -> Self {
         let knots = &search.wheel.knots;
-        let mut scan = Scan::seen(search, pair, view, reach);
+        let mut scan = Scan { brackets: Some(brackets), ..Scan::seen(search, pair, view, reach) };
         let last = knots.len() - 1;
         let a = scan.at_knot(0, 0.0);
         let b = scan.at_knot(last, search.rail.curve.stretches.len() as f64);
@@ -133,7 +139,7 @@ impl<'a> Scan<'a> {
         if b.phi < 0.0 && b.distance < reach {
             scan.found(b, b, (last, last), true);
         }
-        for bracket in scan.brackets.iter_mut().flatten() {
+        for bracket in scan.kept() {
             if bracket.basin.1.is_infinite() {
                 bracket.basin.1 = b.u;
             }
@@ -141,14 +147,18 @@ impl<'a> Scan<'a> {
         scan
     }
 
-    /// Scans the stretches between two knots alone; the rail lies opposite the wheel about where eta - u is `offset` [m].
-    pub fn part(&mut self, (from, to): (usize, usize), offset: f64) {
-        let mut a = self.at_knot(from, self.search.rail.place(self.search.wheel.knots[from].x + offset));
+    /// Scans the stretches between two knots alone; the rail lies opposite the wheel about where eta - u is `offset` [m]. Returns
+    /// what is at both ends.
+    pub fn part(&mut self, (from, to): (usize, usize), offset: f64) -> (State, State) {
+        self.bend = None;
+        let first = self.at_knot(from, self.search.rail.place(self.search.wheel.knots[from].x + offset));
+        let mut a = first;
         for stretch in from..to {
             let b = self.at_knot(stretch + 1, a.foot);
             self.block(self.search.leaves + stretch, stretch, 1, &a, &b);
             a = b;
         }
+        (first, a)
     }
 
     #[inline]
@@ -176,10 +186,22 @@ impl<'a> Scan<'a> {
         State { u, distance: exact.distance, phi, foot: foot.place }
     }
 
+    pub fn bracket(&self, i: usize) -> Option<&Bracket> {
+        self.brackets.as_ref()?[i].as_ref()
+    }
+
+    fn kept(&mut self) -> impl DoubleEndedIterator<Item = &mut Bracket> {
+        let count = self.count;
+        self.brackets.iter_mut().flat_map(move |brackets| brackets[..count].iter_mut().flatten())
+    }
+
     /// Notes a change of sign.
     fn found(&mut self, a: State, b: State, knots: (usize, usize), minimum: bool) {
         if self.count < MOST {
-            self.brackets[self.count] = Some(Bracket { a, b, knots, minimum, basin: (self.above, f64::INFINITY) });
+            let basin = (self.above, f64::INFINITY);
+            if let Some(brackets) = &mut self.brackets {
+                brackets[self.count] = Some(Bracket { a, b, knots, minimum, basin });
+            }
             self.count += 1;
         }
     }
@@ -188,7 +210,7 @@ impl<'a> Scan<'a> {
     #[inline]
     fn leave(&mut self, u: f64) {
         self.above = u;
-        for bracket in self.brackets[..self.count].iter_mut().rev().flatten() {
+        for bracket in self.kept().rev() {
             if bracket.basin.1.is_finite() {
                 break;
             }
@@ -220,15 +242,15 @@ impl<'a> Scan<'a> {
     /// Least and greatest phi' over a block, 1/m; infinite where unknown. Where the foot jumps across a convex place of the rail
     /// phi jumps upward, so that the lower bound holds there too.
     #[inline]
-    fn bending(&self, wheel: &Bounds, limits: &Limits) -> (f64, f64) {
+    pub fn bending(&self, wheel: &Bounds, limits: &Limits) -> (f64, f64) {
         let most = more(limits.phi.0.abs(), limits.phi.1.abs());
         let cos = 1.0 - 0.5 * most * most;
         let own = trace_curvature(wheel, self.view.k2);
         if cos <= 0.0 {
             return (f64::NEG_INFINITY, f64::INFINITY);
         }
-        // kappa / (1 - kappa d) grows with both; the factor lies between cos and 1.
-        let (near, far) = limits.distance;
+        // kappa / (1 - kappa d) grows with both; the factor lies between cos and 1. The motion changes d too.
+        let (near, far) = (limits.distance.0 - MOST_STEADY, limits.distance.1 + MOST_STEADY);
         let open = 1.0 - limits.rail.1 * far;
         let high = if open < 0.05 {
             f64::INFINITY
@@ -249,9 +271,9 @@ impl<'a> Scan<'a> {
     }
 
     /// How much phi changes at most for a motion by one metre, 1/m: the foot moves along a curved rail, and the wheel turns.
-    fn turning(limits: &Limits) -> f64 {
-        let swing = |c: f64| (c / (1.0 - c * limits.distance.0).max(0.1)).abs();
-        1.2 * swing(limits.rail.0).max(swing(limits.rail.1)) + 1.0 / ARM
+    pub fn turning(rail: (f64, f64), distance: f64) -> f64 {
+        let swing = |c: f64| (c / more(1.0 - c * distance, 0.1)).abs();
+        1.2 * more(swing(rail.0), swing(rail.1)) + 1.0 / ARM
     }
 
     fn block(&mut self, block: usize, first: usize, size: usize, a: &State, b: &State) {
@@ -271,7 +293,7 @@ impl<'a> Scan<'a> {
         let bending = self.bending(wheel, &limits);
         if bending.0 > 0.0 || bending.1 < 0.0 {
             let minimum = bending.0 > 0.0;
-            self.bent(minimum, &limits, a, first);
+            self.bent(minimum, &limits, a);
             if (a.phi < 0.0) == minimum && (b.phi < 0.0) != minimum {
                 self.descend(first, (first + size).min(self.search.wheel.stretches.len()), a, b, minimum);
             }
@@ -280,12 +302,13 @@ impl<'a> Scan<'a> {
         if limits.distance.0 > self.reach {
             return self.beyond(limits.distance.0, a, b);
         }
-        if margin > 0.0 {
-            self.certificates.add(margin * ARM, (first, (first + size).min(self.search.wheel.stretches.len())));
+        let free = margin * ARM;
+        if free >= WATCHED {
+            self.certificates.add(free, (first, (first + size).min(self.search.wheel.stretches.len())));
             return self.pass(b);
         }
         if size == 1 {
-            return self.stretch(first, &bending, &limits, a, b);
+            return self.stretch(first, free, &bending, &limits, a, b);
         }
         self.split(block, first, size, a, b);
     }
@@ -324,13 +347,12 @@ impl<'a> Scan<'a> {
         }
     }
 
-    /// From `a`, on a `stretch` of wheel, phi' has one sign. If it had the other one before, a pair may be born at `a`.
+    /// From `a` on phi' has one sign. If it had the other one before, a pair may be born at `a`.
     #[inline]
-    fn bent(&mut self, grows: bool, limits: &Limits, a: &State, stretch: usize) {
+    pub fn bent(&mut self, grows: bool, limits: &Limits, a: &State) {
         if self.bend.replace(grows) == Some(!grows) {
-            // The sign before it shows only on the stretch before.
-            let knots = (stretch.saturating_sub(1), stretch + 1);
-            self.certificates.add(a.phi.abs() / Self::turning(limits), knots);
+            let motion = a.phi.abs() / Self::turning(limits.rail, limits.distance.0);
+            self.certificates.point(motion, Extreme::Wheel(a.u), a.phi);
         }
     }
 
@@ -353,7 +375,7 @@ impl<'a> Scan<'a> {
     }
 
     /// A stretch that bounds don't decide.
-    fn stretch(&mut self, stretch: usize, bending: &(f64, f64), limits: &Limits, a: &State, b: &State) {
+    fn stretch(&mut self, stretch: usize, free: f64, bending: &(f64, f64), limits: &Limits, a: &State, b: &State) {
         let wheel = &self.search.wheel.stretches[stretch];
         if wheel.length == 0.0 {
             self.certificates.add(0.0, (stretch, stretch + 1));
@@ -361,7 +383,7 @@ impl<'a> Scan<'a> {
             self.ends(stretch, a, b);
         } else {
             let most = bending.1.max(-bending.0);
-            self.halve(&Part { stretch, most, limits }, self.trace_length(wheel), DEPTH, a, b);
+            self.halve(&Part { stretch, most, free, limits }, self.trace_length(wheel), DEPTH, a, b);
         }
         self.leave_if_far(b);
     }
@@ -374,27 +396,35 @@ impl<'a> Scan<'a> {
     /// Looks at a part of a stretch, `length` long.
     fn halve(&mut self, whole: &Part, length: f64, depth: usize, a: &State, b: &State) {
         let same = (a.phi < 0.0) == (b.phi < 0.0);
-        // By how much phi stays away from 0.
-        let margin = if same { 0.5 * ((a.phi + b.phi).abs() - whole.most * length) } else { 0.0 };
-        let free = margin / Self::turning(whole.limits);
         let knots = (whole.stretch, whole.stretch + 1);
-        if margin > 0.0 && free >= self.certificates.steady.min(USEFUL) {
-            self.certificates.add(free, knots);
-            self.bend = None;
-            return;
-        }
+        let wheel = &self.search.wheel.stretches[whole.stretch];
         let most = more(a.phi.abs(), b.phi.abs()) + whole.most * length;
-        for motion in LOCAL.into_iter().filter(|motion| *motion > free || free <= 0.0) {
-            let rail = self.search.rail.facing_within(a.foot, b.foot, SWAY * motion).curvature;
-            let bending = self.bending(&self.search.wheel.stretches[whole.stretch], &Limits { phi: (-most, most), rail, ..*whole.limits });
+        // For what motion phi stays away from 0.
+        let mut free = whole.free;
+        for motion in LOCAL {
+            if free > 0.0 && free >= less(less(self.certificates.steady, USEFUL), motion) {
+                self.certificates.add(free, knots);
+                self.bend = None;
+                return;
+            }
+            let (from, to) = self.search.rail.within(a.foot, b.foot, SWAY * motion);
+            let rail = self.search.rail.over(from, to).curvature;
+            let bending = self.bending(wheel, &Limits { phi: (-most, most), rail, ..*whole.limits });
             if bending.0 > 0.0 || bending.1 < 0.0 {
                 self.certificates.add(motion, knots);
-                self.bent(bending.0 > 0.0, whole.limits, a, whole.stretch);
+                self.bent(bending.0 > 0.0, whole.limits, a);
                 return self.ends(whole.stretch, a, b);
+            }
+            if self.beside_joint(whole, (motion, from, to), most, a, b) {
+                return;
+            }
+            if same {
+                let margin = 0.5 * ((a.phi + b.phi).abs() - more(bending.1, -bending.0) * length);
+                free = more(free, less(motion, margin / Self::turning(rail, whole.limits.distance.0)));
             }
         }
         if depth == 0 || whole.most * length * length < 8.0 * SHALLOW {
-            self.certificates.add(free.max(0.0), knots);
+            self.certificates.add(more(free, 0.0), knots);
             self.bend = None;
             return self.ends(whole.stretch, a, b);
         }
@@ -403,7 +433,7 @@ impl<'a> Scan<'a> {
         self.halve(whole, 0.5 * length, depth - 1, &m, b);
     }
 
-    fn ends(&mut self, stretch: usize, a: &State, b: &State) {
+    pub fn ends(&mut self, stretch: usize, a: &State, b: &State) {
         if (a.phi < 0.0) != (b.phi < 0.0) && a.distance.min(b.distance) < self.reach + 1e-3 {
             self.found(*a, *b, (stretch, stretch + 1), a.phi < 0.0);
         }

@@ -217,6 +217,15 @@ impl Curve {
         curve
     }
 
+    /// Knots at which the curvature jumps, those of kinks among them.
+    pub fn joints(&self) -> impl Iterator<Item = usize> {
+        let jumps = |knot: &usize| {
+            let [a, b] = [knot - 1, *knot].map(|stretch| self.stretches[stretch].curvature);
+            a.1 < b.0 || b.1 < a.0
+        };
+        (1..self.stretches.len()).filter(jumps)
+    }
+
     /// Appends stretches up to `to`, with even shares of length and turn.
     fn smooth(&mut self, profile: &dyn Profile, turn: f64, from: f64, to: f64) {
         let samples = ((to - from) / GRID).clamp(16.0, MOST_SAMPLES).ceil() as usize;

@@ -5,13 +5,13 @@
 //! straight. The foot is found by walking from a guess, so it is the near one where a hollow rail offers several; at concave
 //! kinks, where two always compete, the nearer wins.
 
-use super::branch::{less, more};
+use super::branch::{MOST_STEADY, SWAY, less, more};
 use super::curve::{Bounds, Curve};
 use crate::geometry::profile::Profile;
 use nalgebra::Vector2;
 
 /// Length, m, by which a stretch of rail is widened on both sides when bounds are asked for: feet may move that far.
-pub(super) const SLACK: f64 = 5e-4;
+pub(super) const SLACK: f64 = SWAY * MOST_STEADY;
 
 /// Greatest slope at which a rail is looked at; no wheel's flank gets there.
 const STEEPEST: f64 = 25.0;
@@ -51,6 +51,8 @@ pub(super) struct RailCurve {
     levels: Vec<Vec<Facing>>,
     /// Concave kinks.
     hollows: Vec<usize>,
+    /// Knots at which the curvature jumps while the direction does not.
+    pub joints: Vec<usize>,
     /// Length of the curve up to each knot, m.
     lengths: Vec<f64>,
 }
@@ -83,7 +85,9 @@ impl RailCurve {
         }
         let kinked = |b: &Bounds| b.length == 0.0 && b.curvature.0 > 0.0;
         let hollows = (0..count).filter(|i| kinked(&curve.stretches[*i])).collect();
-        RailCurve { curve, reach, levels, hollows, lengths }
+        let smooth = |knot: &usize| !(*knot - 1..=*knot).any(|stretch| curve.stretches[stretch].length == 0.0);
+        let joints = curve.joints().filter(smooth).collect();
+        RailCurve { curve, reach, levels, hollows, joints, lengths }
     }
 
     fn is_vertex(&self, i: usize) -> bool {
@@ -107,12 +111,12 @@ impl RailCurve {
                 to += 1;
             }
         }
-        let level = (to + 1 - from).ilog2() as usize;
-        self.levels[level][from].merge(&self.levels[level][to + 1 - (1 << level)])
+        self.over(from, to)
     }
 
-    /// Bounds between two places, widened by `wider` [m] alone.
-    pub fn facing_within(&self, a: f64, b: f64, wider: f64) -> Facing {
+    /// First and last stretch between two places, widened by `wider` [m] alone.
+    #[inline]
+    pub fn within(&self, a: f64, b: f64, wider: f64) -> (usize, usize) {
         let last = self.curve.stretches.len() - 1;
         let (low, high) = if a < b { (a, b) } else { (b, a) };
         let at = |place: f64| {
@@ -126,8 +130,21 @@ impl RailCurve {
         while to < last && self.lengths[to + 1] < end + wider {
             to += 1;
         }
+        (from, to)
+    }
+
+    /// Bounds over the stretches from one to another.
+    #[inline]
+    pub fn over(&self, from: usize, to: usize) -> Facing {
         let level = (to + 1 - from).ilog2() as usize;
         self.levels[level][from].merge(&self.levels[level][to + 1 - (1 << level)])
+    }
+
+    /// The knot at which the curvature jumps between the stretches from one to another, if there is one and no other.
+    #[inline]
+    pub fn only_joint(&self, from: usize, to: usize) -> Option<usize> {
+        let mut inside = self.joints.iter().filter(|knot| (from + 1..=to).contains(*knot));
+        inside.next().copied().filter(|_| inside.next().is_none())
     }
 
     #[inline]

@@ -14,6 +14,7 @@
 mod branch;
 mod curve;
 mod foot;
+mod joint;
 mod polish;
 mod refine;
 mod standing;
@@ -33,7 +34,7 @@ use curve::{Bounds, Curve};
 use foot::RailCurve;
 use refine::Spot;
 use view::View;
-pub use watch::Watch;
+pub use watch::{Extreme, POINTS, Point, Watch};
 
 /// Most minima of one wheel that are returned.
 pub const MOST: usize = 8;
@@ -77,7 +78,7 @@ pub struct Minima {
     /// Every minimum that is not in the list has at least this distance, m (infinite when there is none at all).
     pub clearance: f64,
     /// The list keeps its length, but for minima that pass the reach, as long as no point of the wheel moves by more than
-    /// this relative to the rail, m, and the wheel turns by no more than this over half a metre (at most 0.3 mm; 0 when
+    /// this relative to the rail, m, and the wheel turns by no more than this over half a metre (at most 1 mm; 0 when
     /// `delicate`).
     pub steady: f64,
     /// What `watch` leaves out keeps its minima while the wheel moves by no more than this, m; 0 when the watch is of no use.
@@ -145,6 +146,8 @@ pub struct GlobalSearch {
     /// Blocks above this size are hardly ever decided.
     coarse: usize,
     rail: RailCurve,
+    /// Coordinates at which the wheel's own curvature jumps, m.
+    joints: Vec<f64>,
     /// R0, m.
     radius: f64,
 }
@@ -160,26 +163,34 @@ impl GlobalSearch {
             tree[i] = tree[2 * i].merge(&tree[2 * i + 1]);
         }
         let rail = RailCurve::new(rail);
-        let mut search = GlobalSearch { wheel, tree, leaves, coarse: leaves, rail, radius };
+        let joints = wheel.joints().map(|knot| wheel.knots[knot].x).collect();
+        let mut search = GlobalSearch { joints, wheel, tree, leaves, coarse: leaves, rail, radius };
         if !search.strictly_convex() {
             search.coarse = (leaves / 8).max(1);
         }
         search
     }
 
+    /// Radius of the tread circle, m.
+    #[inline]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// All minima with a distance below `reach` [m], by growing u; of more than [`MOST`] the deepest.
     pub fn find(&self, pair: &Pair, reach: f64, found: &mut Minima) {
-        let scan = Scan::run(self, pair, View::new(pair, None), reach);
+        let mut brackets = [None; branch::MOST];
+        let scan = Scan::run(self, pair, View::new(pair, None), reach, &mut brackets);
         found.count = 0;
         found.clearance = scan.clearance;
         found.steady = scan.certificates.steady;
-        let (mut stationary, mut whole) = ([(f64::NAN, 0.0); branch::MOST], true);
+        let mut whole = true;
         let mut ridge: Option<Ridge> = None;
         // Where the basins of neighbours part: at a ridge, also one that is hidden or above the reach.
         let mut parting: Option<f64> = None;
-        for (bracket, at) in scan.brackets[..scan.count].iter().flatten().zip(&mut stationary) {
+        for i in 0..scan.count {
+            let Some(bracket) = scan.bracket(i) else { continue };
             let spot = scan.refine(bracket);
-            *at = spot.map_or((f64::NAN, 0.0), |spot| (spot.u, spot.distance));
             if !bracket.minimum {
                 parting = Some(spot.map_or(bracket.a.u, |spot| spot.u));
             }
@@ -211,15 +222,15 @@ impl GlobalSearch {
             (ridge, parting) = (None, None);
             found.push(Minimum { parameters, distance, basin, kink, slope, at_edge: edge, ridge_to_next: None });
         }
-        let (knots, apart) = scan.certificates.split();
-        let ends = [knots.0, knots.1].map(|knot| self.wheel.knots[knot].x);
-        let inside = || stationary.iter().filter(|(u, _)| (ends[0]..ends[1]).contains(u));
-        let count = match found.first() {
-            // Whether one that is hardly near enough counts depends on how the stretches are scanned.
-            Some(contact) if inside().any(|(_, distance)| *distance > 0.5 * reach) => self.look(pair, reach, knots, &contact.parameters).0,
-            _ => inside().count(),
-        };
-        (found.watch, found.apart) = (Watch { knots, count }, apart);
+        (found.watch, found.apart) = scan.certificates.split();
+        if found.watch.stretches != 0
+            && let Some(contact) = found.first()
+        {
+            match self.look(pair, &found.watch, &contact.parameters) {
+                Some((signature, _)) => found.watch.signature = signature,
+                None => found.apart = 0.0,
+            }
+        }
         if !whole {
             found.apart = 0.0;
         }

@@ -1,28 +1,80 @@
 //! The part of a wheel where another contact may be born soon, looked at alone.
 //!
-//! What a search decides holds until the wheel has moved by some length. Where wheel and rail are nearly conformal (S1002 on 60E1: two stretches
-//! of 1 and 4 mm) that length may be nothing, all over the rest of the wheel it is 0.2 mm and more. So a search keeps
-//! two lengths: how long all of it holds (`steady`), and how long it holds outside the stretches that decide by less than
-//! [`WATCHED`] (`apart`). Until the wheel has moved by `apart`, only these stretches are scanned again, each by the same decisions
-//! as in a search; as long as they hold as many stationary distances as before, no contact has been born or has gone.
+//! What a search decides holds until the wheel has moved by some length. Where wheel and rail are nearly conformal (S1002 on 60E1: two
+//! places) that length may be nothing, all over the rest of the wheel it is 0.5 mm and more. So a search keeps two lengths: how
+//! long all of it holds (`steady`), and how long it holds but for what decides by less than [`WATCHED`] (`apart`). Until the
+//! wheel has moved by `apart`, only that is looked at again:
+//!
+//! *Points* where phi is extreme, between parts in which phi' keeps its sign: a joint of the rail ([`super::joint`]) or a place of the
+//! wheel where its own curvature jumps. As long as phi keeps its sign there, nothing has been born or has gone.
+//!
+//! *Stretches* that bounds don't decide, each scanned by the same decisions as in a search. As long as a run of them holds as
+//! many stationary distances as before, and phi at both ends has the sign that it had, so that none has come in or has gone out, no
+//! contact has been born or has gone.
 
 use super::GlobalSearch;
-use super::branch::{MOST_STEADY, Scan};
+use super::branch::{MOST_STEADY, Scan, State, less};
 use super::view::View;
 use crate::contact::search::algebraic::{Pair, SurfaceParameters};
 
-/// Stretches whose decision holds for less than this motion, m, are watched.
-const WATCHED: f64 = 2e-4;
-/// Most stretches that are scanned alone: more are not quicker than a search.
-const MOST_STRETCHES: usize = 24;
+/// What holds for less than this motion, m, is watched.
+pub(super) const WATCHED: f64 = 2.0 / 3.0 * MOST_STEADY;
+/// Most stretches that are scanned alone, most runs of them and the longest way from the first to the last: more are not quicker than a
+/// search.
+const MOST_STRETCHES: u32 = 24;
+const MOST_RUNS: usize = 8;
+const LONGEST: usize = 48;
+/// Bits of a run in the signature, the two signs among them.
+const BITS: u32 = 6;
+/// Most points that are watched.
+pub const POINTS: usize = 3;
 
-/// Neighbouring stretches of a wheel and what was found there.
+/// A place where phi is extreme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Extreme {
+    /// Opposite this knot of the rail.
+    Joint(usize),
+    /// At this coordinate of the wheel, m.
+    Wheel(f64),
+}
+
+/// Such a place, and the sign of phi there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    pub place: Extreme,
+    pub above: bool,
+}
+
+/// What is watched, and what was found there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Watch {
-    /// First and last knot of the wheel; equal when there is nothing to watch.
-    pub knots: (usize, usize),
-    /// Stationary distances, least and greatest, between them.
-    pub count: usize,
+    /// A knot of the wheel, and the stretches from there on: the lowest bit is the first.
+    pub first: usize,
+    pub stretches: u64,
+    /// For each run of neighbours among them the number of stationary distances, least and greatest, and the signs of phi at
+    /// both ends; below 2^48.
+    pub signature: u64,
+    pub points: [Option<Point>; POINTS],
+}
+
+impl Watch {
+    pub fn is_empty(&self) -> bool {
+        self.stretches == 0 && self.points[0].is_none()
+    }
+
+    /// First and last knot of each run.
+    fn runs(&self) -> impl Iterator<Item = (usize, usize)> {
+        let (mut at, mut rest) = (self.first, self.stretches);
+        std::iter::from_fn(move || {
+            let gap = rest.trailing_zeros();
+            rest = rest.checked_shr(gap)?;
+            let length = rest.trailing_ones();
+            let from = at + gap as usize;
+            at = from + length as usize;
+            rest = rest.checked_shr(length).unwrap_or(0);
+            Some((from, at))
+        })
+    }
 }
 
 /// Certificates of a scan, collected.
@@ -31,47 +83,96 @@ pub(super) struct Certificates {
     /// The least of all, m.
     pub steady: f64,
     /// The least of those that are not watched, m.
-    pub apart: f64,
-    /// Knots around those that are.
-    pub knots: Option<(usize, usize)>,
+    apart: f64,
+    watch: Watch,
+    /// Are they too far apart?
+    wide: bool,
 }
 
 impl Certificates {
-    pub const NONE: Certificates = Certificates { steady: MOST_STEADY, apart: MOST_STEADY, knots: None };
+    pub const NONE: Certificates = Certificates {
+        steady: MOST_STEADY,
+        apart: MOST_STEADY,
+        watch: Watch { first: 0, stretches: 0, signature: 0, points: [None; POINTS] },
+        wide: false,
+    };
 
     /// A decision between two knots that holds for a `motion` [m].
     #[inline]
     pub fn add(&mut self, motion: f64, (from, to): (usize, usize)) {
-        self.steady = self.steady.min(motion);
-        if motion < WATCHED {
-            self.knots = Some(self.knots.map_or((from, to), |known| (known.0.min(from), known.1.max(to))));
+        self.steady = less(motion, self.steady);
+        if motion >= WATCHED {
+            self.apart = less(motion, self.apart);
         } else {
-            self.apart = self.apart.min(motion);
+            self.watch(from, to);
         }
     }
 
-    /// The stretches to watch, by their knots, and how long the rest holds, m.
-    pub fn split(&self) -> ((usize, usize), f64) {
-        match self.knots {
-            Some(knots) if knots.1 - knots.0 <= MOST_STRETCHES => (knots, self.apart),
-            Some(_) => ((0, 0), self.steady),
-            None => ((0, 0), self.apart),
+    fn watch(&mut self, from: usize, to: usize) {
+        let watch = &mut self.watch;
+        let first = if watch.stretches == 0 { from } else { watch.first.min(from) };
+        let last = first.max(watch.first + (u64::BITS - watch.stretches.leading_zeros()) as usize).max(to);
+        if last - first > LONGEST {
+            self.wide = true;
+            return;
         }
+        let known = if watch.stretches == 0 { 0 } else { watch.stretches << (watch.first - first) };
+        watch.stretches = known | ((1 << (to - from)) - 1) << (from - first);
+        watch.first = first;
+    }
+
+    /// Nothing is born at a place where phi is extreme before a `motion` [m].
+    #[inline]
+    pub fn point(&mut self, motion: f64, place: Extreme, phi: f64) {
+        self.steady = less(motion, self.steady);
+        let motion =
+            if motion >= WATCHED { motion } else { self.keep(Point { place, above: phi >= 0.0 }).map_or(motion, |()| MOST_STEADY) };
+        self.apart = less(motion, self.apart);
+    }
+
+    /// `None` when there is no room for it.
+    fn keep(&mut self, point: Point) -> Option<()> {
+        let room = self.watch.points.iter_mut().find(|known| known.is_none_or(|known| known.place == point.place))?;
+        *room = Some(point);
+        Some(())
+    }
+
+    /// What to watch, and how long the rest holds, m.
+    pub fn split(&self) -> (Watch, f64) {
+        let many = self.watch.stretches.count_ones() > MOST_STRETCHES || self.watch.runs().count() > MOST_RUNS;
+        if self.wide || many { (Watch::default(), self.steady) } else { (self.watch, self.apart) }
     }
 }
 
 impl GlobalSearch {
-    /// Scans what is watched: for how much motion [m] it stays as it is; `None` when something has been born or has gone. Any
+    /// Looks at what is watched: for how much motion [m] it stays as it is; `None` when something has been born or has gone. Any
     /// contact tells where on the rail that is.
-    pub fn watched(&self, pair: &Pair, reach: f64, watch: &Watch, contact: &SurfaceParameters) -> Option<f64> {
-        let (count, steady) = self.look(pair, reach, watch.knots, contact);
-        (count == watch.count).then_some(steady)
+    pub fn watched(&self, pair: &Pair, watch: &Watch, contact: &SurfaceParameters) -> Option<f64> {
+        let (signature, steady) = self.look(pair, watch, contact)?;
+        (signature == watch.signature).then_some(steady)
     }
 
-    /// Stationary distances between two knots, and for how much motion [m] they stay as they are.
-    pub(super) fn look(&self, pair: &Pair, reach: f64, knots: (usize, usize), contact: &SurfaceParameters) -> (usize, f64) {
-        let mut scan = Scan::seen(self, pair, View::new(pair, None), reach);
-        scan.part(knots, contact.rail - contact.wheel);
-        (scan.count, scan.certificates.steady)
+    /// The signature, and for how much motion [m] all stays as it is; `None` when phi has another sign at a point.
+    pub(super) fn look(&self, pair: &Pair, watch: &Watch, contact: &SurfaceParameters) -> Option<(u64, f64)> {
+        let mut scan = Scan::seen(self, pair, View::new(pair, None), f64::INFINITY);
+        let offset = contact.rail - contact.wheel;
+        let mut steady = MOST_STEADY;
+        for point in watch.points.iter().flatten() {
+            let (phi, turning) = scan.extreme(&point.place, offset)?;
+            if (phi >= 0.0) != point.above {
+                return None;
+            }
+            steady = less(phi.abs() / turning, steady);
+        }
+        let mut signature = 0;
+        for run in watch.runs() {
+            let before = scan.count;
+            let (a, b) = scan.part(run, offset);
+            let count = (scan.count - before).min(15) as u64;
+            signature = signature << BITS | count << 2 | u64::from(a.phi < 0.0) << 1 | u64::from(b.phi < 0.0);
+            let holds = |end: &State| end.phi.abs() / scan.turning_at(end);
+            steady = less(less(holds(&a), holds(&b)), steady);
+        }
+        Some((signature, less(scan.certificates.steady, steady)))
     }
 }
