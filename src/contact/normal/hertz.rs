@@ -141,7 +141,9 @@ fn parse(section: &Section) -> Result<Build, SettingsError> {
 #[cfg(test)]
 mod tests {
     use super::super::curvature::{Across, Conformal};
+    use super::super::test_surfaces::Stand;
     use super::*;
+    use crate::contact::search::algebraic::SurfaceParameters;
 
     impl Hertz {
         /// Curvatures at the point; conformal contact is an error.
@@ -198,6 +200,38 @@ mod tests {
             assert!((found / delta - 1.0).abs() < 1e-14 && (under.patch.a / contact.patch.a - 1.0).abs() < 1e-14);
         }
         assert_eq!(law.contact_under(&ContactShape::of_constant_curvature(1.09, 1.7), 0.0).unwrap().1.patch, Patch::default());
+    }
+
+    #[test]
+    fn analytic_slope_is_the_derivative_of_the_force() {
+        let stand = Stand::s1002_on_60e1();
+        let mut worst = [0.0f64; 4];
+        let rules = [
+            (Across::Point, Conformal::Error),
+            (Across::Patch, Conformal::Error),
+            (Across::Patch, Conformal::Bounded),
+            (Across::Stated(0.3), Conformal::Error),
+        ];
+        for (worst, (across, conformal)) in worst.iter_mut().zip(rules) {
+            let law = Hertz::with(Material { youngs_modulus: 2.1e11, poisson_ratio: 0.3 }, Rule { across, conformal });
+            for i in 0..200 {
+                let (y, start) = (-3e-3 + 3.5e-5 * f64::from(i), if i < 110 { 0.0 } else { -0.011 });
+                let start = SurfaceParameters { rail: start, wheel: start, ..Default::default() };
+                for delta in [2e-5, 7e-5, 1.5e-4] {
+                    let Some(found) = stand.pressed(y, delta, &start) else { continue };
+                    let shape = found.shape(&stand.wheel, &stand.rail);
+                    let at = |delta: f64| law.contact(&shape, delta).unwrap();
+                    let (middle, h) = (at(delta), 1e-4 * delta);
+                    let difference = (at(delta + h).force - at(delta - h).force) / (2.0 * h);
+                    *worst = worst.max((middle.slope / difference - 1.0).abs());
+                    let (_, under) = law.contact_under(&shape, middle.force).unwrap();
+                    assert!((under.slope / middle.slope - 1.0).abs() < 1e-6, "{y} {delta}: {} {}", under.slope, middle.slope);
+                }
+            }
+        }
+        println!("slopes are off by {worst:.1e}");
+        // The nodes of the quadrature move with the penetration.
+        assert!(worst[0] < 1e-8 && worst[3] < 1e-8 && worst[1] < 2e-3 && worst[2] < 2e-3, "{worst:?}");
     }
 
     #[test]

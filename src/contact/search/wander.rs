@@ -66,9 +66,12 @@ pub fn add(sum: &mut Row, factor: f64, row: &Row) {
 /// Sum of rows with factors.
 #[inline(always)]
 pub fn sum<const N: usize>(factors: [f64; N], rows: [&Row; N]) -> Row {
-    let mut sum = rows[0].map(|value| factors[0] * value);
-    for i in 1..N {
-        add(&mut sum, factors[i], rows[i]);
+    let mut sum = [0.0; 6];
+    for (j, sum) in sum.iter_mut().enumerate() {
+        *sum = factors[0] * rows[0][j];
+        for i in 1..N {
+            *sum += factors[i] * rows[i][j];
+        }
     }
     sum
 }
@@ -92,6 +95,7 @@ fn wheel_curvature(axes: &ContactAxes, axle: &Vector3<f64>, profile: &ProfilePoi
 
 impl Pair<'_> {
     /// Derivatives at a contact. Where the surfaces fit so closely that it has no definite place it is taken to stay where it is on both.
+    #[inline]
     pub fn wander(&self, touch: &Touch) -> Wander {
         let Touch { parameters, axes, arm, penetration, profiles: [wheel, rail] } = touch;
         let ContactAxes { e1, e2, normal } = axes;
@@ -118,13 +122,13 @@ impl Pair<'_> {
         }
         let inverse = Matrix2::new(parting.m22, -parting.m12, -parting.m21, parting.m11) * (1.0 / determinant);
         let by_material = inverse * wheel;
-        let way = [0, 1].map(|i| {
-            let mut way = sum([by_material[(i, 0)], by_material[(i, 1)]], [&material[0], &material[1]]);
+        let mut way = [[0.0; 6]; 2];
+        for (i, way) in way.iter_mut().enumerate() {
+            *way = sum([by_material[(i, 0)], by_material[(i, 1)]], [&material[0], &material[1]]);
             for j in 0..3 {
                 way[3 + j] += inverse[(i, 0)] * e2[j] - inverse[(i, 1)] * e1[j];
             }
-            way
-        });
+        }
         let turn = [sum([r12, r22], [&way[0], &way[1]]), sum([-r11, -r12], [&way[0], &way[1]]), sum([g1, g2], [&way[0], &way[1]])];
         let mut arm = [sum([1.0, -penetration], [&way[0], &turn[1]]), sum([1.0, *penetration], [&way[1], &turn[0]]), [0.0; 6]];
         for j in 0..3 {

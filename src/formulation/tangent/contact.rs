@@ -70,7 +70,7 @@ pub(super) struct Touching<'a> {
 
 /// Change of a contact's penetration with displacement and rotation: `-n . (d + w x rho)`.
 pub(super) fn penetration_by_pose(arm: &Vector3<f64>, normal: &Vector3<f64>) -> Row {
-    material(arm, normal).map(|value| -value)
+    material(arm, &-normal)
 }
 
 /// Slopes of the normal force of an elastic contact that carries some force.
@@ -85,6 +85,7 @@ pub(super) fn normal_slopes(damping: &dyn DampingLaw, report: &ContactReport) ->
 }
 
 impl<'a> Touching<'a> {
+    #[inline]
     pub fn new(report: &'a ContactReport, motion: &BodyMotion, pair: &Pair) -> Self {
         let (axes, arm) = (&report.axes, report.wheel_point - motion.position);
         let ContactReport { parameters, penetration, profiles, .. } = report;
@@ -105,23 +106,25 @@ impl<'a> Touching<'a> {
         let mut position = shared;
         add(&mut position, -slopes.by_penetration, normal);
         add(&mut position, -slopes.by_rate, &self.parting);
-        ByMotion { position: [position], velocity: [normal.map(|value| -slopes.by_rate * value)] }
+        ByMotion { position: [position], velocity: [sum([-slopes.by_rate], [normal])] }
     }
 
     /// Change of the creep force with slip and normal force.
+    #[inline]
     pub fn creep(&self, by_slip: &Matrix3<f64>, by_normal: &Vector3<f64>, normal: &ByMotion<1>) -> ByMotion<3> {
-        let [one, two, _] = &self.wander.material;
-        let part = |i: usize, [one, two, spin]: [&Row; 3], [normal]: &[Row; 1]| {
-            sum([by_slip[(i, 0)], by_slip[(i, 1)], by_slip[(i, 2)], by_normal[i]], [one, two, spin, normal])
-        };
-        ByMotion {
-            position: [0, 1, 2].map(|i| part(i, self.slip.each_ref(), &normal.position)),
-            velocity: [0, 1, 2].map(|i| part(i, [one, two, &self.turn], &normal.velocity)),
+        let ([one, two, _], [along, across, spin]) = (&self.wander.material, &self.slip);
+        let mut force = ByMotion { position: [[0.0; 6]; 3], velocity: [[0.0; 6]; 3] };
+        for i in 0..3 {
+            let factors = [by_slip[(i, 0)], by_slip[(i, 1)], by_slip[(i, 2)], by_normal[i]];
+            force.position[i] = sum(factors, [along, across, spin, &normal.position[0]]);
+            force.velocity[i] = sum(factors, [one, two, &self.turn, &normal.velocity[0]]);
         }
+        force
     }
 
     /// Change of the creep force of steady rolling with the travelling speed V [m/s]; `travel` is the change of V with the centre's
     /// velocity, if that is free.
+    #[inline]
     pub fn steady(
         &self,
         report: &ContactReport,

@@ -16,7 +16,7 @@ use super::rigid::wheels;
 use super::{ContactReport, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{CreepForce, Creepage};
-use crate::contact::search::wander::{Row, add};
+use crate::contact::search::wander::{Row, add, sum};
 use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
 use crate::geometry::Side;
 use crate::mbs::body::BodyMotion;
@@ -105,7 +105,7 @@ impl Model {
             false => normal_slopes(self.laws.damping.as_ref(), report),
         };
         let touching = Touching::new(report, motion, &pair(self, wheelset, side, motion));
-        let shared = share.map_or([0.0; 6], |share| share.map(|change| change * report.normal_force));
+        let shared = share.map_or([0.0; 6], |share| sum([report.normal_force], [share]));
         let normal = touching.normal_force(slopes, shared);
         let creep = match transient {
             None => self.steady(at, &touching, &normal),

@@ -96,8 +96,11 @@ impl BlockLu {
                 add_product(&mut lower, &self.blocks[row.lower as usize], &inverse, 1.0);
                 self.blocks[row.lower as usize] = lower;
                 for column in neighbours {
-                    let upper = self.blocks[column.upper as usize];
-                    add_product(&mut self.blocks[self.targets[target] as usize], &lower, &upper, -1.0);
+                    let places = [self.targets[target] as usize, column.upper as usize];
+                    // They are different blocks: the target is not of this step.
+                    if let Ok([own, upper]) = self.blocks.get_disjoint_mut(places) {
+                        add_product(own, &lower, upper, -1.0);
+                    }
                     target += 1;
                 }
             }
@@ -192,6 +195,6 @@ fn invert(matrix: &Matrix6<f64>) -> Option<Matrix6<f64>> {
             row.swap(k, pivots[k]);
         }
     }
-    let finite = rows.as_flattened().iter().all(|value| value.is_finite());
-    finite.then(|| Matrix6::from_array_storage(nalgebra::ArrayStorage(rows)))
+    let finite = rows.iter().fold(0.0, |sum: f64, row| sum + row.iter().map(|value| value * 0.0).sum::<f64>());
+    (finite == 0.0).then(|| Matrix6::from_array_storage(nalgebra::ArrayStorage(rows)))
 }

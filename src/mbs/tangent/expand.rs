@@ -57,38 +57,48 @@ fn add(block: &mut Matrix6<f64>, (row, column): (usize, usize), part: &Matrix3<f
 
 impl PairFrames {
     pub fn new(pair: &PairSum, motions: &[BodyMotion]) -> PairFrames {
-        let axes = pair.ends.map(|end| end.map_or_else(Matrix3::zeros, |body| axes_of(&motions[body])));
-        let lever = pair.ends[0].map_or_else(Vector3::zeros, |body| reference(pair, motions) - motions[body].position);
-        let column = |end: usize, j: usize| {
-            let axis = axes[end].column(j).into_owned();
-            let moved = if end == 0 { axis.cross(&lever) } else { Vector3::zeros() };
-            [moved.x, moved.y, moved.z, axis.x, axis.y, axis.z]
-        };
-        let by_angles = [0, 1].map(|end| [0, 1, 2].map(|j| column(end, j)));
-        PairFrames { axes, lever, by_angles }
+        let mut frames = PairFrames { axes: [Matrix3::zeros(); 2], lever: Vector3::zeros(), by_angles: [[[0.0; 6]; 3]; 2] };
+        if let Some(body) = pair.ends[0] {
+            frames.lever = reference(pair, motions) - motions[body].position;
+        }
+        for (end, body) in pair.ends.iter().enumerate() {
+            let Some(body) = body else { continue };
+            frames.axes[end] = axes_of(&motions[*body]);
+            for (j, column) in frames.by_angles[end].iter_mut().enumerate() {
+                let axis = frames.axes[end].column(j);
+                column[3..].copy_from_slice(axis.as_slice());
+                if end == 0 {
+                    column[..3].copy_from_slice(axis.cross(&frames.lever).as_slice());
+                }
+            }
+        }
+        frames
     }
 
     /// Adds dQ/d(motion) of the relative matrix to the blocks (row end, column end) of `slots`.
     #[inline]
     pub fn add_blocks(&self, matrix: &Matrix6<f64>, slots: &[[Option<usize>; 2]; 2], blocks: &mut [Matrix6<f64>]) {
-        for (column, own_angles) in self.by_angles.iter().enumerate() {
-            // matrix P
-            let mut columns = matrix.data.0;
-            for (own, angle) in columns[3..].iter_mut().zip(own_angles) {
-                *own = [0.0; 6];
-                for (matrix, factor) in matrix.data.0.iter().zip(angle) {
+        let matrix = &matrix.data.0;
+        let [by_a, by_b] = &self.by_angles;
+        for column in 0..2 {
+            // matrix P on the angles; angles of b displace nothing at c.
+            let mut angles = [[0.0; 6]; 3];
+            let first = if column == 0 { 0 } else { 3 };
+            for (own, angle) in angles.iter_mut().zip(&self.by_angles[column]) {
+                for (matrix, factor) in matrix[first..].iter().zip(&angle[first..]) {
                     for (own, matrix) in own.iter_mut().zip(matrix) {
                         *own += matrix * factor;
                     }
                 }
             }
-            for (row, (slots, angles)) in slots.iter().zip(&self.by_angles).enumerate() {
+            for (row, slots) in slots.iter().enumerate() {
                 let Some(slot) = slots[column] else { continue };
                 let sign = if row == column { -1.0 } else { 1.0 };
-                for (target, own) in blocks[slot].data.0.iter_mut().zip(&columns) {
-                    for (i, angle) in angles.iter().enumerate() {
+                let columns = matrix[..3].iter().chain(&angles);
+                for (target, own) in blocks[slot].data.0.iter_mut().zip(columns) {
+                    for i in 0..3 {
                         target[i] += sign * own[i];
-                        target[3 + i] += sign * dot(angle, own);
+                        target[3 + i] += sign * if row == 0 { dot(&by_a[i], own) } else { turned(&by_b[i], own) };
                     }
                 }
             }
@@ -128,12 +138,12 @@ impl PairFrames {
     /// Of the coefficients on the relative twist: those on both ends' coordinates.
     #[inline]
     fn gradient(&self, relative: &Vector6<f64>) -> Gradient {
-        let own = relative.data.0[0];
-        [0, 1].map(|end| {
-            let sign = if end == 0 { -1.0 } else { 1.0 };
-            let [yaw, roll, pitch] = [0, 1, 2].map(|j| sign * dot(&self.by_angles[end][j], &own));
-            Vector6::new(sign * own[0], sign * own[1], sign * own[2], yaw, roll, pitch)
-        })
+        let own = &relative.data.0[0];
+        let [a, b] = &self.by_angles;
+        [
+            -Vector6::new(own[0], own[1], own[2], dot(&a[0], own), dot(&a[1], own), dot(&a[2], own)),
+            Vector6::new(own[0], own[1], own[2], turned(&b[0], own), turned(&b[1], own), turned(&b[2], own)),
+        ]
     }
 
     /// From relative twists and wrenches to coordinates and generalised forces.
@@ -147,8 +157,14 @@ impl PairFrames {
 }
 
 #[inline]
-fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+pub(super) fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
     (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
+}
+
+/// The same where the first one displaces nothing.
+#[inline]
+fn turned(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a[3] * b[3] + a[4] * b[4] + a[5] * b[5]
 }
 
 /// Sum of r x F from that of r F^T.

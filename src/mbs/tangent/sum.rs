@@ -1,5 +1,6 @@
 //! First-order states and what they couple; the sums over pairs of bodies and their blocks.
 
+use super::expand::dot;
 use super::pair::PairSum;
 use super::pattern::Neighbours;
 use nalgebra::{Matrix2, Matrix6, Vector2, Vector6};
@@ -59,7 +60,8 @@ impl StateTangent {
         for i in 0..self.count {
             for (end, gradient) in self.ends.iter().zip(&gradients[i]) {
                 let Some(body) = end else { continue };
-                result[i] += x[6 * body..6 * body + 6].iter().zip(&gradient.data.0[0]).map(|(x, g)| x * g).sum::<f64>();
+                let Some(x) = x[6 * body..].first_chunk::<6>() else { continue };
+                result[i] += dot(&gradient.data.0[0], x);
             }
         }
         result
