@@ -80,27 +80,13 @@ impl PairFrames {
     pub fn add_blocks(&self, matrix: &Matrix6<f64>, slots: &[[Option<usize>; 2]; 2], blocks: &mut [Matrix6<f64>]) {
         let matrix = &matrix.data.0;
         let [by_a, by_b] = &self.by_angles;
-        for column in 0..2 {
-            // matrix P on the angles; angles of b displace nothing at c.
-            let mut angles = [[0.0; 6]; 3];
-            let first = if column == 0 { 0 } else { 3 };
-            for (own, angle) in angles.iter_mut().zip(&self.by_angles[column]) {
-                for (matrix, factor) in matrix[first..].iter().zip(&angle[first..]) {
-                    for (own, matrix) in own.iter_mut().zip(matrix) {
-                        *own += matrix * factor;
-                    }
-                }
+        for (column, columns) in [times::<0>(matrix, by_a), times::<3>(matrix, by_b)].iter().enumerate() {
+            let sign = |row: usize| if row == column { -1.0 } else { 1.0 };
+            if let Some(slot) = slots[0][column] {
+                add_rows::<0>(columns, by_a, sign(0), &mut blocks[slot]);
             }
-            for (row, slots) in slots.iter().enumerate() {
-                let Some(slot) = slots[column] else { continue };
-                let sign = if row == column { -1.0 } else { 1.0 };
-                let columns = matrix[..3].iter().chain(&angles);
-                for (target, own) in blocks[slot].data.0.iter_mut().zip(columns) {
-                    for i in 0..3 {
-                        target[i] += sign * own[i];
-                        target[3 + i] += sign * if row == 0 { dot(&by_a[i], own) } else { turned(&by_b[i], own) };
-                    }
-                }
+            if let Some(slot) = slots[1][column] {
+                add_rows::<3>(columns, by_b, sign(1), &mut blocks[slot]);
             }
         }
     }
@@ -165,6 +151,33 @@ pub(super) fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
 #[inline]
 fn turned(a: &[f64; 6], b: &[f64; 6]) -> f64 {
     a[3] * b[3] + a[4] * b[4] + a[5] * b[5]
+}
+
+/// The matrix times P, whose columns of angles are zero above `FIRST` (angles of b displace nothing at c).
+#[inline(always)]
+fn times<const FIRST: usize>(matrix: &[[f64; 6]; 6], by_angles: &[[f64; 6]; 3]) -> [[f64; 6]; 6] {
+    let mut columns = *matrix;
+    for (j, angle) in by_angles.iter().enumerate() {
+        let mut own = [0.0; 6];
+        for k in FIRST..6 {
+            for (own, matrix) in own.iter_mut().zip(&matrix[k]) {
+                *own += matrix * angle[k];
+            }
+        }
+        columns[3 + j] = own;
+    }
+    columns
+}
+
+/// Adds `sign P^T` times the columns, likewise.
+#[inline(always)]
+fn add_rows<const FIRST: usize>(columns: &[[f64; 6]; 6], by_angles: &[[f64; 6]; 3], sign: f64, block: &mut Matrix6<f64>) {
+    for (target, own) in block.data.0.iter_mut().zip(columns) {
+        for i in 0..3 {
+            target[i] += sign * own[i];
+            target[3 + i] += sign * if FIRST == 0 { dot(&by_angles[i], own) } else { turned(&by_angles[i], own) };
+        }
+    }
 }
 
 /// Sum of r x F from that of r F^T.

@@ -160,8 +160,9 @@ impl Tangent {
                 graph.before[group.node].push(side.body);
             }
         }
-        let lu = BlockLu::new(&graph);
-        let places = neighbours.iter().map(|(_, row, column)| lu.place(row, column)).collect();
+        let mut lu = BlockLu::new(&graph);
+        let places: Vec<usize> = neighbours.iter().map(|(_, row, column)| lu.place(row, column)).collect();
+        lu.overwritten(&places);
         for group in &mut groups {
             group.pivot = lu.place(group.node, group.node);
             for side in &mut group.sides {

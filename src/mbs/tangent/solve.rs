@@ -44,11 +44,10 @@ impl Tangent {
         }
         for state in &self.sum.states {
             let own = Vector2::from_fn(|i, _| if i < state.count { x[state.index(i)] } else { 0.0 });
-            let rates = state.times(&state.rate_by_position, positions)
-                + state.times(&state.rate_by_velocity, velocities)
-                + state.rate_by_state * own;
+            let rates = state.rate_by_state * own;
             for i in 0..state.count {
-                result[state.index(i)] = rates[i];
+                let moved = state.along(&state.rate_by_position[i], positions) + state.along(&state.rate_by_velocity[i], velocities);
+                result[state.index(i)] = moved + rates[i];
                 for (end, body) in state.ends.iter().enumerate() {
                     let Some(body) = body else { continue };
                     let part = state.load_by_state[i][end] * own[i];
@@ -170,9 +169,9 @@ impl Tangent {
             }
         }
         for (state, eliminated) in self.sum.states.iter().zip(&mut self.eliminated) {
-            let mut right = state.times(&state.rate_by_position, positions) * a;
+            let mut right = Vector2::zeros();
             for i in 0..state.count {
-                right[i] += rest[state.index(i) - count];
+                right[i] = a * state.along(&state.rate_by_position[i], positions) + rest[state.index(i) - count];
             }
             eliminated.known = eliminated.inverse * right;
             for i in 0..state.count {
@@ -188,7 +187,11 @@ impl Tangent {
             values.copy_from_slice(own.as_slice());
         }
         for (state, eliminated) in self.sum.states.iter().zip(&self.eliminated) {
-            let found = eliminated.known + eliminated.inverse * state.times(&eliminated.change, &rest[..count]);
+            let mut moved = Vector2::zeros();
+            for i in 0..state.count {
+                moved[i] = state.along(&eliminated.change[i], &rest[..count]);
+            }
+            let found = eliminated.known + eliminated.inverse * moved;
             for i in 0..state.count {
                 rest[state.index(i) - count] = found[i];
             }

@@ -3,7 +3,7 @@
 use super::expand::dot;
 use super::pair::PairSum;
 use super::pattern::Neighbours;
-use nalgebra::{Matrix2, Matrix6, Vector2, Vector6};
+use nalgebra::{Matrix2, Matrix6, Vector6};
 
 /// Bodies of the two ends of something; `None`: the world.
 pub type Ends = [Option<usize>; 2];
@@ -53,18 +53,16 @@ impl StateTangent {
         (Matrix2::identity() - self.rate_by_state * a).try_inverse()
     }
 
-    /// Change of the rates with coordinate changes `x` (6 per body).
-    #[inline]
-    pub(super) fn times(&self, gradients: &[Gradient; 2], x: &[f64]) -> Vector2<f64> {
-        let mut result = Vector2::zeros();
-        for i in 0..self.count {
-            for (end, gradient) in self.ends.iter().zip(&gradients[i]) {
-                let Some(body) = end else { continue };
-                let Some(x) = x[6 * body..].first_chunk::<6>() else { continue };
-                result[i] += dot(&gradient.data.0[0], x);
+    /// What coordinate changes `x` (6 per body) change by a gradient.
+    #[inline(always)]
+    pub(super) fn along(&self, gradient: &Gradient, x: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for (end, gradient) in self.ends.iter().zip(gradient) {
+            if let Some(x) = end.and_then(|body| x[6 * body..].first_chunk::<6>()) {
+                sum += dot(&gradient.data.0[0], x);
             }
         }
-        result
+        sum
     }
 }
 
