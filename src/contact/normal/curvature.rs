@@ -21,7 +21,7 @@
 //! of contact join and by 1 % elsewhere.
 //!
 //! B grows with delta like `d ln B / d ln delta = 1 - 2 d ln b / d ln L`, from the integral of 1 - G/L ([`super::overlap`]); that the
-//! nodes of the quadrature move with L is left out, a share of 1e-3 of it at most.
+//! nodes of the quadrature move with L is left out, 1e-3 of dN/d delta at most for S1002 on 60E1.
 //!
 //! *Conformal contact.* Hertz's theory needs B > 0. `error` refuses others; `bounded` keeps B between A / 117 and 117 A, where the
 //! ellipse has axes of about 1:20. Within a factor of 2 of a bound the curvature is bent towards it with a C1 parabola, elsewhere it is

@@ -229,7 +229,7 @@ mod tests {
                 }
             }
         }
-        println!("slopes are off by {worst:.1e}");
+        println!("slopes are off by {:?}", worst.map(|worst| format!("{worst:.1e}")));
         // The nodes of the quadrature move with the penetration.
         assert!(worst[0] < 1e-8 && worst[3] < 1e-8 && worst[1] < 2e-3 && worst[2] < 2e-3, "{worst:?}");
     }
