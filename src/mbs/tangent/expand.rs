@@ -134,10 +134,13 @@ impl PairFrames {
 
     /// From relative twists and wrenches to coordinates and generalised forces.
     pub fn expand_state(&self, state: &mut StateTangent) {
+        let StateTangent { rate_by_position, rate_by_velocity, load_by_state, .. } = state;
         for i in 0..state.count {
-            state.rate_by_position[i] = self.gradient(&state.rate_by_position[i][0]);
-            state.rate_by_velocity[i] = self.gradient(&state.rate_by_velocity[i][0]);
-            state.load_by_state[i] = self.gradient(&-state.load_by_state[i][0]);
+            for (gradient, sign) in [(&mut rate_by_position[i], 1.0), (&mut rate_by_velocity[i], 1.0), (&mut load_by_state[i], -1.0)] {
+                if gradient[0] != Vector6::zeros() {
+                    *gradient = self.gradient(&(gradient[0] * sign));
+                }
+            }
         }
     }
 }

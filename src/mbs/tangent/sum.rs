@@ -84,9 +84,8 @@ impl TangentSum {
         TangentSum { neighbours, pairs, by_position: zero.clone(), by_velocity: zero, states: Vec::with_capacity(states) }
     }
 
+    /// Blocks are begun anew by [`super::Tangent::finish`].
     pub fn clear(&mut self) {
-        self.by_position.fill(Matrix6::zeros());
-        self.by_velocity.fill(Matrix6::zeros());
         self.pairs.iter_mut().for_each(PairSum::clear);
         self.states.clear();
     }

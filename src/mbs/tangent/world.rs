@@ -41,13 +41,13 @@ impl Axes {
         columns
     }
 
-    /// Adds rows: B^T times the columns.
+    /// Rows: B^T times the columns.
     #[inline]
-    fn add_rows(&self, columns: &[[f64; 6]; 6], block: &mut Matrix6<f64>) {
+    fn rows(&self, columns: &[[f64; 6]; 6], block: &mut Matrix6<f64>) {
         for (target, own) in block.data.0.iter_mut().zip(columns) {
             for i in 0..3 {
-                target[i] += own[i];
-                target[3 + i] += self.b[(0, i)] * own[3] + self.b[(1, i)] * own[4] + self.b[(2, i)] * own[5];
+                target[i] = own[i];
+                target[3 + i] = self.b[(0, i)] * own[3] + self.b[(1, i)] * own[4] + self.b[(2, i)] * own[5];
             }
         }
     }
@@ -75,7 +75,13 @@ impl Tangent {
     pub fn finish(&mut self, system: &System, workspace: &SystemWorkspace) {
         let motions = &workspace.motions;
         for (slot, row, column) in self.sum.neighbours.iter() {
-            let Some(WrenchTangent { by_position, by_velocity }) = &self.world[slot] else { continue };
+            let blocks = [&mut self.sum.by_position[slot], &mut self.sum.by_velocity[slot]];
+            let Some(WrenchTangent { by_position, by_velocity }) = &self.world[slot] else {
+                for block in blocks {
+                    *block = Matrix6::zeros();
+                }
+                continue;
+            };
             let by = Axes::of(&motions[column]);
             let on = if row == column { by } else { Axes::of(&motions[row]) };
             let mut position = by.columns(by_position);
@@ -84,8 +90,9 @@ impl Tangent {
                     *own += turning;
                 }
             }
-            on.add_rows(&position, &mut self.sum.by_position[slot]);
-            on.add_rows(&by.columns(by_velocity), &mut self.sum.by_velocity[slot]);
+            for (block, columns) in blocks.into_iter().zip([position, by.columns(by_velocity)]) {
+                on.rows(&columns, block);
+            }
         }
         self.expand_pairs(motions);
         for (mobility, (body, motion)) in self.mobility.iter_mut().zip(system.bodies.iter().zip(motions)) {
