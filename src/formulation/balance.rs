@@ -105,7 +105,7 @@ impl Balance {
 /// A contact of the same stiffness under another force.
 fn grown(kept: &ElasticContact, force: f64) -> ElasticContact {
     let growth = (force / kept.force).cbrt();
-    ElasticContact { stiffness: kept.stiffness, force, patch: Patch { a: growth * kept.patch.a, b: growth * kept.patch.b } }
+    ElasticContact { force, slope: growth * kept.slope, patch: Patch { a: growth * kept.patch.a, b: growth * kept.patch.b }, ..*kept }
 }
 
 fn scaled(wrench: &Wrench, factor: f64) -> Wrench {
@@ -143,7 +143,7 @@ impl Pressing {
             self.slope = scaled(&creep, load.growth(report) / force);
             self.exponent = 2.0 / 3.0;
             if self.jumps >= MOST_JUMPS {
-                self.kept = Some(ElasticContact { stiffness: report.stiffness, force, patch: report.patch });
+                self.kept = Some(ElasticContact { stiffness: report.stiffness, force, slope: report.elastic_slope, patch: report.patch });
             }
         } else if let Some((_, before, wrench)) = moved {
             let part = 1.0 / (force - before);

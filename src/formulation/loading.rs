@@ -85,6 +85,9 @@ impl Contact<'_> {
             penetration: found.penetration,
             penetration_rate: -(velocity - self.wheel.climb).dot(&found.normal),
             axes,
+            wheel_point: found.wheel_point,
+            profiles: [found.wheel_profile, found.rail_profile],
+            share: self.share,
             iterations: found.iterations,
             slip,
             creepage: if self.wheel.model.laws.transient.is_some() { Creepage::default() } else { slip.creepage(self.wheel.speed()) },
@@ -108,7 +111,7 @@ impl Contact<'_> {
         let elastic = model.laws.normal.contact(&self.shape(), found.penetration)?;
         // A place that carries a share of a patch's force covers that share of its area.
         let narrower = self.share.sqrt();
-        report.stiffness = elastic.stiffness;
+        (report.stiffness, report.elastic_slope) = (elastic.stiffness, elastic.slope);
         report.patch = Patch { a: narrower * elastic.patch.a, b: narrower * elastic.patch.b };
         report.normal_force =
             self.share * damped_force(model.laws.damping.as_ref(), elastic.force, found.penetration, report.penetration_rate);
@@ -135,6 +138,7 @@ impl Contact<'_> {
     #[inline]
     pub fn pressed(&self, report: &mut ContactReport, elastic: &ElasticContact) -> Wrench {
         (report.stiffness, report.patch, report.normal_force) = (elastic.stiffness, elastic.patch, elastic.force);
+        report.elastic_slope = elastic.slope;
         self.creep(report);
         let mut wrench = Wrench::default();
         self.add(report, report.force - report.axes.normal * elastic.force, &mut wrench);

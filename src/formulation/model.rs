@@ -15,6 +15,7 @@ use crate::contact::normal::damping::DampingLaw;
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
 use crate::geometry::Side;
+use crate::geometry::profile::ProfilePoint;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::Track;
 use crate::mbs::body::BodyMotion;
@@ -119,8 +120,15 @@ pub struct ContactReport {
     /// delta, m, negative when the surfaces are apart; its rate, m/s.
     pub penetration: f64,
     pub penetration_rate: f64,
+    /// The wheel's material point, m, and the profiles of wheel and rail there.
+    pub wheel_point: Vector3<f64>,
+    pub profiles: [ProfilePoint; 2],
+    /// Of its Hertzian force that it carries: less than 1 where it shares its patch with another contact (see `points`).
+    pub share: f64,
     /// K_h, N/m^1.5; zero without contact.
     pub stiffness: f64,
+    /// How the undivided elastic force grows with delta, N/m.
+    pub elastic_slope: f64,
     /// N, N.
     pub normal_force: f64,
     pub patch: Patch,

@@ -46,19 +46,24 @@ pub fn rail_third_derivatives(rail: &Rail, s: f64, eta: f64, profile: &ProfilePo
 #[inline]
 pub fn rail_point(rail: &Rail, s: f64, eta: f64) -> (SurfacePoint, ProfilePoint) {
     let f = rail.profile.at(eta);
+    (rail_point_of(rail, s, eta, &f), f)
+}
+
+/// The same where the rail's profile is known to be `f`.
+#[inline]
+pub fn rail_point_of(rail: &Rail, s: f64, eta: f64, f: &ProfilePoint) -> SurfacePoint {
     if let Some(line) = rail.line() {
-        return (rail.curved_point(line, s, eta, &f), f);
+        return rail.curved_point(line, s, eta, f);
     }
     let section = rail.section(s);
-    let point = SurfacePoint {
+    SurfacePoint {
         position: section.origin + rail.outward * eta + rail.up * f.value,
         t1: section.d1,
         t2: rail.outward + rail.up * f.d1,
         t11: section.d2,
         t12: Vector3::zeros(),
         t22: rail.up * f.d2,
-    };
-    (point, f)
+    }
 }
 
 /// The wheel of one side of a wheelset.

@@ -32,7 +32,8 @@ impl Assumed {
     #[inline]
     fn loaded(&self, shape: &ContactShape, force: f64) -> Result<ElasticContact, ConformalContact> {
         let (_, contact) = self.patch.contact_under(shape, force)?;
-        Ok(ElasticContact { stiffness: self.stiffness, force, patch: contact.patch })
+        let root = (force / self.stiffness).cbrt();
+        Ok(ElasticContact { stiffness: self.stiffness, force, slope: 1.5 * self.stiffness * root, patch: contact.patch })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Hertz's theory of elliptic contact.
 
-use super::curvature::{self, Rule};
+use super::curvature::{self, AcrossUnder, Rule};
 use super::hertz_table::{EllipseFunctions, EllipseTable, SharedTable};
 use super::{Build, ConformalContact, ContactShape, ElasticContact, NormalLaw};
 use crate::contact::{Material, Patch};
@@ -19,6 +19,10 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 /// The patch is that of the elastic force: `a = m_a c0`, `b = m_b c0`, `c0^2 = delta / (xi (A + B))`, so it depends
 /// on the penetration alone. (With damping, N differs from the elastic force while the penetration changes.) What B is, see
 /// `curvature.rs`.
+///
+/// At a given penetration K_h falls with B like `d ln K_h / d ln B = -B b^2 / (2 delta)`: the elastic energy 2/5 N delta changes by
+/// -N b^2 / 5, the work of the pressures on the gap y^2 dB, because they make that energy stationary. So
+/// `dN/d delta = N / delta (3/2 - B b^2 / (2 delta) d ln B / d ln delta)`.
 #[derive(Debug)]
 pub struct Hertz {
     /// 2 E / (3 (1 - nu^2)), Pa.
@@ -41,7 +45,7 @@ const EVALUATIONS: usize = 30;
 impl Hertz {
     /// The ellipse's functions, A + B and K_h.
     #[inline]
-    fn ellipse(&self, rolling: f64, across: f64) -> Result<(EllipseFunctions, f64, f64), ConformalContact> {
+    fn ellipse(&self, rolling: f64, AcrossUnder { across, .. }: AcrossUnder) -> Result<(EllipseFunctions, f64, f64), ConformalContact> {
         if !(rolling > 0.0 && across > 0.0) {
             return Err(ConformalContact { rolling, across });
         }
@@ -52,13 +56,13 @@ impl Hertz {
 
     /// The curvature over the patch that belongs to `force`: `delta = (N / K_h(B(delta)))^(2/3)` by secants between bounds. N
     /// grows with delta, so the right side exceeds delta below the root and falls short of it above.
-    fn across_under(&self, shape: &ContactShape, force: f64) -> Result<f64, ConformalContact> {
-        let image = |across: f64| {
+    fn across_under(&self, shape: &ContactShape, force: f64) -> Result<AcrossUnder, ConformalContact> {
+        let image = |across: AcrossUnder| {
             let (.., stiffness) = self.ellipse(shape.rolling, across)?;
             let root = (force / stiffness).cbrt();
             Ok(root * root)
         };
-        let mut penetration = image(self.rule.guess(shape))?;
+        let mut penetration = image(AcrossUnder { across: self.rule.guess(shape), exponent: 0.0 })?;
         let mut across = self.rule.across(shape, penetration)?;
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut last: Option<(f64, f64)> = None;
@@ -94,12 +98,24 @@ fn patch(functions: &EllipseFunctions, sum: f64, penetration: f64) -> Patch {
     Patch { a: functions.m_a * c0, b: functions.m_b * c0 }
 }
 
+/// dN/d delta, N/m.
+#[inline]
+fn slope(found: AcrossUnder, patch: &Patch, penetration: f64, force: f64) -> f64 {
+    // Nothing presses: 0 / 0.
+    if !(penetration > 0.0) {
+        return 0.0;
+    }
+    let per_penetration = 1.0 / penetration;
+    force * per_penetration * (1.5 - 0.5 * found.across * patch.b * patch.b * per_penetration * found.exponent)
+}
+
 impl NormalLaw for Hertz {
     #[inline]
     fn contact(&self, shape: &ContactShape, penetration: f64) -> Result<ElasticContact, ConformalContact> {
-        let (functions, sum, stiffness) = self.ellipse(shape.rolling, self.rule.across(shape, penetration)?)?;
-        let force = stiffness * penetration * penetration.sqrt();
-        Ok(ElasticContact { stiffness, force, patch: patch(&functions, sum, penetration) })
+        let across = self.rule.across(shape, penetration)?;
+        let (functions, sum, stiffness) = self.ellipse(shape.rolling, across)?;
+        let (force, patch) = (stiffness * penetration * penetration.sqrt(), patch(&functions, sum, penetration));
+        Ok(ElasticContact { stiffness, force, slope: slope(across, &patch, penetration, force), patch })
     }
 
     #[inline]
@@ -108,7 +124,8 @@ impl NormalLaw for Hertz {
         let (functions, sum, stiffness) = self.ellipse(shape.rolling, across)?;
         let root = (force / stiffness).cbrt();
         let penetration = root * root;
-        Ok((penetration, ElasticContact { stiffness, force, patch: patch(&functions, sum, penetration) }))
+        let patch = patch(&functions, sum, penetration);
+        Ok((penetration, ElasticContact { stiffness, force, slope: slope(across, &patch, penetration, force), patch }))
     }
 
     fn describe(&self) -> String {
@@ -124,7 +141,9 @@ fn parse(section: &Section) -> Result<Build, SettingsError> {
 #[cfg(test)]
 mod tests {
     use super::super::curvature::{Across, Conformal};
+    use super::super::test_surfaces::Stand;
     use super::*;
+    use crate::contact::search::algebraic::SurfaceParameters;
 
     impl Hertz {
         /// Curvatures at the point; conformal contact is an error.
@@ -181,6 +200,38 @@ mod tests {
             assert!((found / delta - 1.0).abs() < 1e-14 && (under.patch.a / contact.patch.a - 1.0).abs() < 1e-14);
         }
         assert_eq!(law.contact_under(&ContactShape::of_constant_curvature(1.09, 1.7), 0.0).unwrap().1.patch, Patch::default());
+    }
+
+    #[test]
+    fn analytic_slope_is_the_derivative_of_the_force() {
+        let stand = Stand::s1002_on_60e1();
+        let mut worst = [0.0f64; 4];
+        let rules = [
+            (Across::Point, Conformal::Error),
+            (Across::Patch, Conformal::Error),
+            (Across::Patch, Conformal::Bounded),
+            (Across::Stated(0.3), Conformal::Error),
+        ];
+        for (worst, (across, conformal)) in worst.iter_mut().zip(rules) {
+            let law = Hertz::with(Material { youngs_modulus: 2.1e11, poisson_ratio: 0.3 }, Rule { across, conformal });
+            for i in 0..200 {
+                let (y, start) = (-3e-3 + 3.5e-5 * f64::from(i), if i < 110 { 0.0 } else { -0.011 });
+                let start = SurfaceParameters { rail: start, wheel: start, ..Default::default() };
+                for delta in [2e-5, 7e-5, 1.5e-4] {
+                    let Some(found) = stand.pressed(y, delta, &start) else { continue };
+                    let shape = found.shape(&stand.wheel, &stand.rail);
+                    let at = |delta: f64| law.contact(&shape, delta).unwrap();
+                    let (middle, h) = (at(delta), 1e-4 * delta);
+                    let difference = (at(delta + h).force - at(delta - h).force) / (2.0 * h);
+                    *worst = worst.max((middle.slope / difference - 1.0).abs());
+                    let (_, under) = law.contact_under(&shape, middle.force).unwrap();
+                    assert!((under.slope / middle.slope - 1.0).abs() < 1e-6, "{y} {delta}: {} {}", under.slope, middle.slope);
+                }
+            }
+        }
+        println!("slopes are off by {:?}", worst.map(|worst| format!("{worst:.1e}")));
+        // The nodes of the quadrature move with the penetration.
+        assert!(worst[0] < 1e-8 && worst[3] < 1e-8 && worst[1] < 2e-3 && worst[2] < 2e-3, "{worst:?}");
     }
 
     #[test]

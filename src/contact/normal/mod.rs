@@ -25,6 +25,8 @@ pub struct ElasticContact {
     pub stiffness: f64,
     /// Elastic force, N.
     pub force: f64,
+    /// How it grows with the penetration, N/m.
+    pub slope: f64,
     /// Patch that belongs to the elastic force.
     pub patch: Patch,
 }

@@ -15,7 +15,7 @@
 //! wheel turned by a yaw angle shows the section a profile that is wider by 1 / cos(yaw): 2e-4 of t at 20 mrad, left out. Where
 //! tangents are parallel only to a nodal search's spacing, they are taken as parallel.
 
-use super::overlap::Overlap;
+use super::overlap::{Depths, Overlap};
 use crate::geometry::profile::{Along, Bend, Profile, ProfilePoint};
 
 /// A profile and the place of the contact on it.
@@ -185,19 +185,19 @@ impl<'a> ContactShape<'a> {
     /// integral over |t| of (1 - G / L)^2 where G < L,   G(t) = the largest g between the contact and t [m]
     /// ```
     ///
-    /// with L = `level` > 0 [m]. `None` for a side on which the profiles have not parted by L / 4 within `reach` [m]. G instead of g
+    /// with L = `level` > 0 [m], above the same of 1 - G / L. `None` for a side on which the profiles have not parted by L / 4 within `reach` [m]. G instead of g
     /// lets a second place of contact beyond a ridge count as little as the ridge is low under L.
     ///
     /// Gap and slope are read at nodes that depend on `reach` and on the slope at the contact alone, and at the profiles' bends;
     /// [`super::overlap`] integrates the cubics between them. No node depends on where L is reached, so the integral is as smooth in
     /// the pose as the gap, whether two places of contact join or part.
     #[inline]
-    pub fn overlap(&self, level: f64, reach: f64) -> [Option<f64>; 2] {
+    pub(super) fn overlap(&self, level: f64, reach: f64) -> [Option<Depths>; 2] {
         match &self.sections {
             None => {
                 let t = (level / self.across).sqrt();
                 // NaN of a hollow shape is not within reach.
-                [(0.5 * t <= reach).then_some(8.0 / 15.0 * t); 2]
+                [(0.5 * t <= reach).then(|| Depths::new(8.0 / 15.0 * t, 2.0 / 3.0 * t)); 2]
             }
             Some(sections) => {
                 let cos = sections.each_ref().map(|section| 1.0 / (1.0 + section.point.d1 * section.point.d1).sqrt());
@@ -244,7 +244,7 @@ impl<'a> Bends<'a> {
 
 /// One side of [`ContactShape::overlap`].
 #[inline(never)]
-fn one_side<R: Read>(gap: &Gap<R>, mut bends: [Bends; 2], level: f64, reach: f64) -> Option<f64> {
+fn one_side<R: Read>(gap: &Gap<R>, mut bends: [Bends; 2], level: f64, reach: f64) -> Option<Depths> {
     let unit = reach / (1.0 + STEEP * (gap.slope[0] * gap.slope[0] + gap.slope[1] * gap.slope[1]));
     let (per_level, close) = (1.0 / level, CLOSE * NODES[0] * unit);
     let mut overlap = Overlap::new();
@@ -304,8 +304,8 @@ fn last_interval<R: Read>(
     (mut from, mut to): (f64, f64),
     mut node: (f64, f64),
     depth: impl Fn(Option<(f64, f64)>) -> (f64, f64),
-) -> f64 {
-    let (mut sum, mut rest) = (0.0, 1.0);
+) -> Depths {
+    let (mut sum, mut rest) = (Depths::zeros(), 1.0);
     for _ in 0..HALVINGS {
         let share = (1.0 - node.0 - NARROW) * (1.0 / (WIDE - NARROW));
         if share < 1.0 {

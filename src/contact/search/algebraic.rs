@@ -183,6 +183,12 @@ impl Pair<'_> {
         Ok((location, found))
     }
 
+    /// What is at parameters that are known to solve the equations.
+    pub fn at(&self, parameters: &SurfaceParameters) -> ContactLocation {
+        let x = Vector4::new(parameters.wheel, parameters.angle, parameters.lead, parameters.rail);
+        self.residual(&x).1.location(&x, 0)
+    }
+
     /// Finds the contact from a warm start.
     ///
     /// # Errors

@@ -1,12 +1,13 @@
 //! How a contact's wrench on its wheelset changes with the wheelset's motion.
 //!
 //! The wheelset is displaced by d and turned by w, its velocity changes by dv and its angular velocity by dW (world axes, about the
-//! centre). With rho from the centre to the wheel's point, v_P = v + W x rho its velocity, and d rho, dn, de1 from
-//! [`crate::contact::search::wander`] (the contact wanders over wheel and rail while the wheelset moves):
+//! centre). With rho from the centre to the wheel's point, v_P = v + W x rho its velocity, and d rho and the rotation theta of the
+//! contact's axes from [`crate::contact::search::wander`] (the contact wanders over wheel and rail while the wheelset moves):
 //!
 //! ```text
 //! d delta = -n . (d + w x rho)                         the place makes delta stationary
 //! dv_P    = dv + dW x rho + W x d rho
+//! dn      = theta x n,  de1 = theta x e1
 //! d delta' = -n . dv_P - v_P . dn
 //! dN      = N_delta d delta + N_delta' d delta'        0 where the contact is a constraint
 //! d slip  = (e1 . dv_P + v_P . de1,  e2 . dv_P + v_P . de2,  n . dW + W . dn),   d creepage = d slip / |V| - creepage dV / V
@@ -17,8 +18,12 @@
 //! Rolling radius and conicity are in W x d rho, yaw to lateral creepage in the turning of W that the multibody system adds by way of
 //! dM/dW. A turn about the axle moves nothing.
 //!
-//! N_delta is that of the normal law, whose stiffness may depend on the penetration (`curvature = "patch"`): one secant of the law
-//! over 1e-3 of delta, error about 3e-4. A contact that shares its patch also changes with its share (see [`super`]).
+//! All of it is found in the contact's axes, where a force that turns with them changes by theta x F and a velocity seen from them by
+//! -theta x v_P. Forces depend on p . e1, p . e2, p . n and w . n alone (p = d + w x rho, likewise for velocities), and the wrench has
+//! no other parts: those four rows are also the columns that carry T_1, T_2, N and M_z to the centre.
+//!
+//! N_delta is that of the normal law, whose stiffness may depend on the penetration (`curvature = "patch"`). A contact that shares its
+//! patch also changes with its share (see [`super`]).
 //!
 //! Left out:
 //! - how K_h and the patch's shape change where the contact wanders to other curvatures. On S1002 and 60E1 it leaves 2 to 9 % of the
@@ -28,23 +33,20 @@
 //! - how creep forces of constrained contacts follow their multiplier.
 
 use crate::contact::creep::slopes::CreepSlopes;
-use crate::contact::normal::NormalLaw;
-use crate::contact::normal::damping::{Approach, DampingLaw, damped_force};
-use crate::contact::search::wander::{ByPose, Wander};
+use crate::contact::creepage::ContactAxes;
+use crate::contact::normal::damping::{Approach, DampingLaw};
+use crate::contact::search::algebraic::Pair;
+use crate::contact::search::wander::{Row, Touch, Wander, add, material, row, sum};
 use crate::formulation::ContactReport;
-use crate::geometry::surface::Wheel;
-use crate::geometry::track::Rail;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::tangent::WrenchTangent;
-use nalgebra::{Matrix2, Matrix3, RowSVector, SMatrix, Vector3};
-
-pub(super) type Row = RowSVector<f64, 6>;
+use nalgebra::{Matrix2, Matrix3, Vector3, Vector6};
 
 /// Something linear in displacement and velocity.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ByMotion<const N: usize> {
-    pub position: SMatrix<f64, N, 6>,
-    pub velocity: SMatrix<f64, N, 6>,
+    pub position: [Row; N],
+    pub velocity: [Row; N],
 }
 
 /// dN/d delta and dN/d delta'.
@@ -56,94 +58,73 @@ pub(super) struct NormalSlopes {
 
 /// A contact's geometry with derivatives.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Touching {
-    pub wander: Wander,
-    lateral_by_pose: ByPose,
-    /// Of the slip along e1, e2 and about n.
-    pub slip: ByMotion<3>,
-    penetration: Row,
-    rate: ByMotion<1>,
+pub(super) struct Touching<'a> {
+    axes: &'a ContactAxes,
+    wander: Wander,
+    /// w . n.
+    turn: Row,
+    /// Of the slip along e1 and e2, about n, and of v_P . n.
+    slip: [Row; 3],
+    parting: Row,
 }
 
 /// Change of a contact's penetration with displacement and rotation: `-n . (d + w x rho)`.
-pub(super) fn penetration_by_pose(wander: &Wander) -> Row {
-    let normal = wander.location.normal;
-    let moment = wander.arm.cross(&normal);
-    -Row::from([normal.x, normal.y, normal.z, moment.x, moment.y, moment.z])
+pub(super) fn penetration_by_pose(arm: &Vector3<f64>, normal: &Vector3<f64>) -> Row {
+    material(arm, &-normal)
 }
-
-/// Step of the penetration for the normal law's secant, relative.
-const SECANT: f64 = 1e-3;
 
 /// Slopes of the normal force of an elastic contact that carries some force.
-pub(super) fn normal_slopes(
-    (normal, damping): (&dyn NormalLaw, &dyn DampingLaw),
-    report: &ContactReport,
-    wander: &Wander,
-    (wheel, rail): (&Wheel, &Rail),
-) -> NormalSlopes {
-    let (delta, rate) = (report.penetration, report.penetration_rate);
-    let elastic = report.stiffness * delta * delta.sqrt();
-    let undivided = damped_force(damping, elastic, delta, rate);
-    if !(delta > 0.0 && undivided > 0.0) {
-        return NormalSlopes::default();
-    }
-    let deeper = normal.contact(&wander.location.shape(wheel, rail), (1.0 + SECANT) * delta);
-    let stiffness = deeper.map_or(1.5 * elastic / delta, |deeper| (deeper.force - elastic) / (SECANT * delta));
-    let slopes = damping.slopes(&Approach { elastic, penetration: delta, rate });
-    let share = report.normal_force / undivided;
+pub(super) fn normal_slopes(damping: &dyn DampingLaw, report: &ContactReport) -> NormalSlopes {
+    let (penetration, rate) = (report.penetration, report.penetration_rate);
+    let elastic = report.stiffness * penetration * penetration.sqrt();
+    let slopes = damping.slopes(&Approach { elastic, penetration, rate });
     NormalSlopes {
-        by_penetration: share * ((1.0 + slopes.by_elastic) * stiffness + slopes.by_penetration),
-        by_rate: share * slopes.by_rate,
+        by_penetration: report.share * ((1.0 + slopes.by_elastic) * report.elastic_slope + slopes.by_penetration),
+        by_rate: report.share * slopes.by_rate,
     }
 }
 
-impl Touching {
-    pub fn new(report: &ContactReport, motion: &BodyMotion, wander: Wander) -> Self {
-        let (axes, spin) = (&report.axes, &motion.rotation);
-        let velocity = motion.velocity + spin.cross(&wander.arm);
-        let lateral_by_pose = axes.normal.cross_matrix() * wander.forward_by_pose - axes.e1.cross_matrix() * wander.normal_by_pose;
-        let by_pose = spin.cross_matrix() * wander.arm_by_pose;
-        let lever = -wander.arm.cross_matrix();
-        let material = |direction: Vector3<f64>| -> Row {
-            let mut row = Row::zeros();
-            row.fixed_columns_mut::<3>(0).copy_from(&direction.transpose());
-            row.fixed_columns_mut::<3>(3).copy_from(&(direction.transpose() * lever));
-            row
-        };
-        let turn = |direction: Vector3<f64>| -> Row {
-            let mut row = Row::zeros();
-            row.fixed_columns_mut::<3>(3).copy_from(&direction.transpose());
-            row
-        };
-        let slip = |unit: Vector3<f64>, unit_by_pose: &ByPose| -> Row { unit.transpose() * by_pose + velocity.transpose() * unit_by_pose };
-        let along_normal = slip(axes.normal, &wander.normal_by_pose);
-        Touching {
-            lateral_by_pose,
-            slip: ByMotion {
-                position: SMatrix::from_rows(&[
-                    slip(axes.e1, &wander.forward_by_pose),
-                    slip(axes.e2, &lateral_by_pose),
-                    spin.transpose() * wander.normal_by_pose,
-                ]),
-                velocity: SMatrix::from_rows(&[material(axes.e1), material(axes.e2), turn(axes.normal)]),
-            },
-            penetration: -material(axes.normal),
-            rate: ByMotion { position: -along_normal, velocity: -material(axes.normal) },
-            wander,
-        }
+impl<'a> Touching<'a> {
+    #[inline]
+    pub fn new(report: &'a ContactReport, motion: &BodyMotion, pair: &Pair) -> Self {
+        let (axes, arm) = (&report.axes, report.wheel_point - motion.position);
+        let ContactReport { parameters, penetration, profiles, .. } = report;
+        let wander = pair.wander(&Touch { parameters, axes, arm, penetration: *penetration, profiles });
+        let spin = [motion.rotation.dot(&axes.e1), motion.rotation.dot(&axes.e2), report.slip.spin];
+        let off = (motion.velocity + motion.rotation.cross(&arm)).dot(&axes.normal);
+        let velocity = [report.slip.longitudinal, report.slip.lateral, off];
+        let Wander { arm, turn, .. } = &wander;
+        // W x d rho - theta x v_P
+        let seen = |i: usize, j: usize| sum([spin[i], -spin[j], -velocity[j], velocity[i]], [&arm[j], &arm[i], &turn[i], &turn[j]]);
+        let slip = [seen(1, 2), seen(2, 0), sum([spin[0], -spin[1]], [&turn[1], &turn[0]])];
+        Touching { axes, turn: row(&Vector3::zeros(), &axes.normal), slip, parting: seen(0, 1), wander }
     }
 
-    /// Change of the normal force.
-    pub fn normal_force(&self, slopes: NormalSlopes) -> ByMotion<1> {
-        ByMotion {
-            position: self.penetration * slopes.by_penetration + self.rate.position * slopes.by_rate,
-            velocity: self.rate.velocity * slopes.by_rate,
+    /// Change of the normal force, with that by the contact's share.
+    pub fn normal_force(&self, slopes: NormalSlopes, shared: Row) -> ByMotion<1> {
+        let normal = &self.wander.material[2];
+        let mut position = shared;
+        add(&mut position, -slopes.by_penetration, normal);
+        add(&mut position, -slopes.by_rate, &self.parting);
+        ByMotion { position: [position], velocity: [sum([-slopes.by_rate], [normal])] }
+    }
+
+    /// Change of the creep force with slip and normal force.
+    #[inline]
+    pub fn creep(&self, by_slip: &Matrix3<f64>, by_normal: &Vector3<f64>, normal: &ByMotion<1>) -> ByMotion<3> {
+        let ([one, two, _], [along, across, spin]) = (&self.wander.material, &self.slip);
+        let mut force = ByMotion { position: [[0.0; 6]; 3], velocity: [[0.0; 6]; 3] };
+        for i in 0..3 {
+            let factors = [by_slip[(i, 0)], by_slip[(i, 1)], by_slip[(i, 2)], by_normal[i]];
+            force.position[i] = sum(factors, [along, across, spin, &normal.position[0]]);
+            force.velocity[i] = sum(factors, [one, two, &self.turn, &normal.velocity[0]]);
         }
+        force
     }
 
     /// Change of the creep force of steady rolling with the travelling speed V [m/s]; `travel` is the change of V with the centre's
     /// velocity, if that is free.
+    #[inline]
     pub fn steady(
         &self,
         report: &ContactReport,
@@ -152,59 +133,66 @@ impl Touching {
         (speed, travel): (f64, Option<Vector3<f64>>),
     ) -> ByMotion<3> {
         // The law is stated in axes turned into the rolling direction.
-        let turn = Matrix3::from_diagonal(&Vector3::new(speed.signum(), speed.signum(), 1.0));
-        let by_creepage = turn * slopes.by_creepage * turn / speed.abs();
-        let by_normal = turn * slopes.by_normal_force;
-        let mut force = ByMotion {
-            position: by_creepage * self.slip.position + by_normal * normal.position,
-            velocity: by_creepage * self.slip.velocity + by_normal * normal.velocity,
-        };
+        let sign = Vector3::new(speed.signum(), speed.signum(), 1.0);
+        let per_speed = 1.0 / speed.abs();
+        let by_slip = slopes.by_creepage.map_with_location(|i, j, slope| sign[i] * sign[j] * slope * per_speed);
+        let mut force = self.creep(&by_slip, &slopes.by_normal_force.component_mul(&sign), normal);
         if let Some(travel) = travel {
             let creepage = Vector3::new(report.creepage.longitudinal, report.creepage.lateral, report.creepage.spin);
-            let by_speed = by_creepage * creepage * speed.signum();
-            let mut linear = force.velocity.fixed_columns_mut::<3>(0);
-            linear -= by_speed * travel.transpose();
+            let by_speed = by_slip * creepage * speed.signum();
+            for (row, by_speed) in force.velocity.iter_mut().zip(&by_speed) {
+                for (value, travel) in row.iter_mut().zip(&travel) {
+                    *value -= by_speed * travel;
+                }
+            }
         }
         force
     }
 
-    /// The wrench's change from those of normal and creep force.
-    pub fn wrench(&self, report: &ContactReport, normal: &ByMotion<1>, creep: &ByMotion<3>) -> WrenchTangent {
-        let (axes, moment) = (&report.axes, report.creep_force.spin_moment);
-        let arm = self.wander.arm.cross_matrix();
-        let in_space =
-            |normal: &Row, creep: &SMatrix<f64, 3, 6>| -> ByPose { axes.normal * normal + axes.e1 * creep.row(0) + axes.e2 * creep.row(1) };
-        let force_by_velocity = in_space(&normal.velocity, &creep.velocity);
-        let turning = self.wander.normal_by_pose * report.normal_force
-            + self.wander.forward_by_pose * report.creep_force.longitudinal
-            + self.lateral_by_pose * report.creep_force.lateral;
-        let force_by_position = in_space(&normal.position, &creep.position) + turning;
-        let moment_by_position = arm * force_by_position - report.force.cross_matrix() * self.wander.arm_by_pose
-            + axes.normal * creep.position.row(2)
-            + self.wander.normal_by_pose * moment;
-        let moment_by_velocity = arm * force_by_velocity + axes.normal * creep.velocity.row(2);
-        WrenchTangent {
-            by_position: stacked(&force_by_position, &moment_by_position),
-            by_velocity: stacked(&force_by_velocity, &moment_by_velocity),
+    /// Adds the wrench's change from those of normal and creep force.
+    pub fn add_wrench(&self, report: &ContactReport, normal: &ByMotion<1>, creep: &ByMotion<3>, wrench: &mut WrenchTangent) {
+        let moment = report.creep_force.spin_moment;
+        let force = [report.creep_force.longitudinal, report.creep_force.lateral, report.normal_force];
+        let Wander { arm, turn, .. } = &self.wander;
+        // theta x F, and d rho x F + M_z theta x n
+        let across = |rows: &[Row; 3], i: usize, j: usize| sum([force[j], -force[i]], [&rows[i], &rows[j]]);
+        let mut forces = [across(turn, 1, 2), across(turn, 2, 0), across(turn, 0, 1)];
+        for (own, change) in forces.iter_mut().zip([&creep.position[0], &creep.position[1], &normal.position[0]]) {
+            add(own, 1.0, change);
+        }
+        let mut moments = [across(arm, 1, 2), across(arm, 2, 0), across(arm, 0, 1)];
+        add(&mut moments[0], moment, &turn[1]);
+        add(&mut moments[1], -moment, &turn[0]);
+        add(&mut moments[2], 1.0, &creep.position[2]);
+        let [one, two, off] = &self.wander.material;
+        let ContactAxes { e1, e2, .. } = self.axes;
+        for (j, column) in wrench.by_position.data.0.iter_mut().enumerate() {
+            add(column, forces[0][j], one);
+            add(column, forces[1][j], two);
+            add(column, forces[2][j], off);
+            add(column, moments[2][j], &self.turn);
+            for i in 0..3 {
+                column[3 + i] += e1[i] * moments[0][j] + e2[i] * moments[1][j];
+            }
+        }
+        for (j, column) in wrench.by_velocity.data.0.iter_mut().enumerate() {
+            add(column, creep.velocity[0][j], one);
+            add(column, creep.velocity[1][j], two);
+            add(column, normal.velocity[0][j], off);
+            add(column, creep.velocity[2][j], &self.turn);
         }
     }
 
     /// The wrench of a change of the creep force alone: longitudinal, lateral, moment.
-    pub fn wrench_of(&self, report: &ContactReport, creep: &Vector3<f64>) -> nalgebra::Vector6<f64> {
-        let force = report.axes.e1 * creep.x + report.axes.e2 * creep.y;
-        let moment = self.wander.arm.cross(&force) + report.axes.normal * creep.z;
-        nalgebra::Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
+    pub fn wrench_of(&self, creep: [f64; 3]) -> Vector6<f64> {
+        let [one, two, _] = &self.wander.material;
+        sum(creep, [one, two, &self.turn]).into()
     }
 
     /// Rates of the deflections by displacement and velocity.
     pub fn deflection_rates(&self, by_slip: &Matrix2<f64>) -> ByMotion<2> {
-        ByMotion { position: by_slip * self.slip.position.fixed_rows::<2>(0), velocity: by_slip * self.slip.velocity.fixed_rows::<2>(0) }
+        let [one, two, _] = &self.wander.material;
+        let part = |i: usize, rows: [&Row; 2]| sum([by_slip[(i, 0)], by_slip[(i, 1)]], rows);
+        ByMotion { position: [0, 1].map(|i| part(i, [&self.slip[0], &self.slip[1]])), velocity: [0, 1].map(|i| part(i, [one, two])) }
     }
-}
-
-fn stacked(upper: &ByPose, lower: &ByPose) -> SMatrix<f64, 6, 6> {
-    let mut matrix = SMatrix::<f64, 6, 6>::zeros();
-    matrix.fixed_rows_mut::<3>(0).copy_from(upper);
-    matrix.fixed_rows_mut::<3>(3).copy_from(lower);
-    matrix
 }

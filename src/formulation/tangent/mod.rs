@@ -16,11 +16,12 @@ use super::rigid::wheels;
 use super::{ContactReport, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{CreepForce, Creepage};
+use crate::contact::search::wander::{Row, add, sum};
 use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
 use crate::geometry::Side;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::tangent::{SingularTangent, StateCoupling, Tangent};
-use contact::{ByMotion, NormalSlopes, Row, Touching, normal_slopes, penetration_by_pose};
+use contact::{ByMotion, NormalSlopes, Touching, normal_slopes, penetration_by_pose};
 use nalgebra::Vector3;
 
 /// A contact that carries less than this share of its force counts as one that carries so much.
@@ -65,7 +66,7 @@ impl Model {
                 let friction = self.laws.friction * factor.max(0.0);
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
                 let at = At { wheelset, side, contact, slot, motion, report, friction, travel };
-                self.add_contact(&at, &shares.get(slot).copied().unwrap_or_default(), y, &mut tangent);
+                self.add_contact(&at, shares.get(slot), y, &mut tangent);
             }
         }
         if forces {
@@ -90,7 +91,7 @@ impl Model {
         }
     }
 
-    fn add_contact(&self, at: &At, share: &Row, y: &[f64], tangent: &mut Tangent) {
+    fn add_contact(&self, at: &At, share: Option<&Row>, y: &[f64], tangent: &mut Tangent) {
         let At { wheelset, side, motion, report, .. } = *at;
         let transient = self.laws.transient.as_ref();
         if !(report.normal_force > 0.0) {
@@ -99,20 +100,20 @@ impl Model {
             }
             return;
         }
-        let (wheel, rail) = (wheelset.wheel(side), self.track.rail(side));
-        let wander = pair(self, wheelset, side, motion).wander(&report.parameters);
         let slopes = match report.constrained {
             true => NormalSlopes::default(),
-            false => normal_slopes((self.laws.normal.as_ref(), self.laws.damping.as_ref()), report, &wander, (wheel, rail)),
+            false => normal_slopes(self.laws.damping.as_ref(), report),
         };
-        let touching = Touching::new(report, motion, wander);
-        let mut normal = touching.normal_force(slopes);
-        normal.position += share * report.normal_force;
+        let touching = Touching::new(report, motion, &pair(self, wheelset, side, motion));
+        let shared = share.map_or([0.0; 6], |share| sum([report.normal_force], [share]));
+        let normal = touching.normal_force(slopes, shared);
         let creep = match transient {
             None => self.steady(at, &touching, &normal),
             Some(transient) => self.add_transient(at, transient, &touching, &normal, y, tangent),
         };
-        tangent.add_wrench(wheelset.body, wheelset.body, &touching.wrench(report, &normal, &creep));
+        if let Some(wrench) = tangent.wrench_mut(wheelset.body, wheelset.body) {
+            touching.add_wrench(report, &normal, &creep, wrench);
+        }
     }
 
     /// Relative changes of the shares of a wheel's contacts with its pose, by number.
@@ -123,22 +124,23 @@ impl Model {
         (wheelset, side, motion): (&Wheelset, Side, &BodyMotion),
         memory: &[f64],
     ) -> Shares {
-        let mut changes = [Row::zeros(); MOST_POINTS];
-        let pair = pair(self, wheelset, side, motion);
+        let mut changes = Shares::default();
         for (between, ridge) in points::ridges_of(self, contact, memory) {
-            let [first, second] = between.map(|slot| workspace.report(contact, slot));
-            let saddle = pair.wander(&ridge);
-            let depth = saddle.location.penetration;
-            if !(depth > 0.0 && first.normal_force > 0.0 && second.normal_force > 0.0) {
+            let sides = between.map(|slot| workspace.report(contact, slot));
+            // One of both carries less than its whole force where the ridge is pressed.
+            if !(sides.iter().all(|report| report.normal_force > 0.0) && sides.iter().any(|report| report.share < 1.0)) {
                 continue;
             }
-            let by_pose = penetration_by_pose(&saddle);
-            let sides = [first, second].map(|report| penetration_by_pose(&pair.wander(&report.parameters)));
-            for (own, other) in [(0, 1), (1, 0)] {
-                let deltas = [first.penetration, second.penetration];
-                let (slopes, share) = points::share_slopes(deltas[own], depth, deltas[other]);
-                let share = share.max(LEAST_SHARE);
-                changes[between[own]] += (sides[own] * slopes[0] + by_pose * slopes[1] + sides[other] * slopes[2]) / share;
+            let saddle = pair(self, wheelset, side, motion).at(&ridge);
+            let depth = saddle.penetration;
+            let [own, other] = sides.map(|report| penetration_by_pose(&(report.wheel_point - motion.position), &report.axes.normal));
+            let by_pose = penetration_by_pose(&(saddle.wheel_point - motion.position), &saddle.normal);
+            for (i, by_own, by_other) in [(0, &own, &other), (1, &other, &own)] {
+                let (slopes, share) = points::share_slopes(sides[i].penetration, depth, sides[1 - i].penetration);
+                let per_share = 1.0 / share.max(LEAST_SHARE);
+                for (slope, row) in slopes.iter().zip([by_own, &by_pose, by_other]) {
+                    add(&mut changes[between[i]], slope * per_share, row);
+                }
             }
         }
         changes
@@ -175,17 +177,14 @@ impl Model {
         for i in 0..2 {
             let coupling = StateCoupling {
                 body,
-                rate_by_position: rates.position.row(i).transpose(),
-                rate_by_velocity: rates.velocity.row(i).transpose(),
-                wrench_by_state: touching.wrench_of(report, &slopes.force_by_deflection.column(i).into_owned()),
+                rate_by_position: rates.position[i].into(),
+                rate_by_velocity: rates.velocity[i].into(),
+                wrench_by_state: touching.wrench_of(slopes.force_by_deflection.column(i).into_owned().into()),
             };
             tangent.add_state(states.start + i, slopes.rate_by_deflection[(i, i)], &[coupling]);
         }
         tangent.add_state(states.start + 2, slopes.direction_rate, &[]);
-        ByMotion {
-            position: slopes.force_by_slip * touching.slip.position + slopes.force_by_normal_force * normal.position,
-            velocity: slopes.force_by_slip * touching.slip.velocity + slopes.force_by_normal_force * normal.velocity,
-        }
+        touching.creep(&slopes.force_by_slip, &slopes.force_by_normal_force, normal)
     }
 
     /// The states of a contact without load fade away on their own.

@@ -22,7 +22,7 @@ use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::tangent::{Ends, PairTangent};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Six springs and dampers between two places; all vectors in the attachment axes of `from`.
 #[derive(Clone, Debug)]
@@ -131,15 +131,14 @@ impl ForceElement for Bushing {
         let point = self.to.point(bodies);
         let at = self.deflection(bodies, &point);
         let axes = self.from.axes(bodies);
-        for i in 0..3 {
-            let line = sum.line(&point, &axes.column(i).into_owned());
-            if self.stiffness[i] != 0.0 {
-                sum.add_spring(&line, &line, self.stiffness[i]);
+        let in_world = |diagonal: &Vector3<f64>| {
+            let mut matrix = Matrix3::zeros();
+            for (axis, factor) in axes.column_iter().zip(diagonal) {
+                matrix += axis * (axis * *factor).transpose();
             }
-            if self.damping[i] != 0.0 {
-                sum.add_damper(&line, &line, self.damping[i]);
-            }
-        }
+            matrix
+        };
+        sum.add_point(&point, &in_world(&self.stiffness), &in_world(&self.damping));
         sum.add_force(&point, &(axes * self.force(&at)));
         if self.turns() {
             let (stiffness, damping) = (self.rotational_stiffness, self.rotational_damping);

@@ -37,6 +37,8 @@ pub(super) struct BlockLu {
     targets: Vec<u32>,
     places: BTreeMap<(usize, usize), usize>,
     blocks: Vec<Matrix6<f64>>,
+    /// Those that must be cleared.
+    filling: Vec<usize>,
 }
 
 impl BlockLu {
@@ -47,7 +49,8 @@ impl BlockLu {
             let next = places.len();
             *places.entry((row, column)).or_insert(next) as u32
         };
-        let mut lu = BlockLu { steps: vec![], neighbours: vec![], targets: vec![], places: BTreeMap::new(), blocks: vec![] };
+        let mut lu =
+            BlockLu { steps: vec![], neighbours: vec![], targets: vec![], places: BTreeMap::new(), blocks: vec![], filling: vec![] };
         for Elimination { node, neighbours } in &order {
             let diagonal = place(*node, *node);
             for other in neighbours {
@@ -62,6 +65,7 @@ impl BlockLu {
             }
         }
         lu.blocks = vec![Matrix6::zeros(); places.len()];
+        lu.filling = (0..places.len()).collect();
         lu.places = places;
         lu
     }
@@ -76,8 +80,16 @@ impl BlockLu {
         (self.blocks.len(), self.neighbours.len() + self.targets.len())
     }
 
+    /// Sets to zero what fills up while others are eliminated and nobody overwrites.
     pub fn clear(&mut self) {
-        self.blocks.fill(Matrix6::zeros());
+        for place in &self.filling {
+            self.blocks[*place] = Matrix6::zeros();
+        }
+    }
+
+    /// The blocks at these places are overwritten before each factorisation.
+    pub fn overwritten(&mut self, places: &[usize]) {
+        self.filling.retain(|place| !places.contains(place));
     }
 
     pub fn block_mut(&mut self, place: usize) -> &mut Matrix6<f64> {
@@ -96,8 +108,11 @@ impl BlockLu {
                 add_product(&mut lower, &self.blocks[row.lower as usize], &inverse, 1.0);
                 self.blocks[row.lower as usize] = lower;
                 for column in neighbours {
-                    let upper = self.blocks[column.upper as usize];
-                    add_product(&mut self.blocks[self.targets[target] as usize], &lower, &upper, -1.0);
+                    let places = [self.targets[target] as usize, column.upper as usize];
+                    // They are different blocks: the target is not of this step.
+                    if let Ok([own, upper]) = self.blocks.get_disjoint_mut(places) {
+                        add_product(own, &lower, upper, -1.0);
+                    }
                     target += 1;
                 }
             }
@@ -192,6 +207,6 @@ fn invert(matrix: &Matrix6<f64>) -> Option<Matrix6<f64>> {
             row.swap(k, pivots[k]);
         }
     }
-    let finite = rows.as_flattened().iter().all(|value| value.is_finite());
-    finite.then(|| Matrix6::from_array_storage(nalgebra::ArrayStorage(rows)))
+    let finite = rows.iter().fold(0.0, |sum: f64, row| sum + row.iter().map(|value| value * 0.0).sum::<f64>());
+    (finite == 0.0).then(|| Matrix6::from_array_storage(nalgebra::ArrayStorage(rows)))
 }

@@ -57,40 +57,36 @@ fn add(block: &mut Matrix6<f64>, (row, column): (usize, usize), part: &Matrix3<f
 
 impl PairFrames {
     pub fn new(pair: &PairSum, motions: &[BodyMotion]) -> PairFrames {
-        let axes = pair.ends.map(|end| end.map_or_else(Matrix3::zeros, |body| axes_of(&motions[body])));
-        let lever = pair.ends[0].map_or_else(Vector3::zeros, |body| reference(pair, motions) - motions[body].position);
-        let column = |end: usize, j: usize| {
-            let axis = axes[end].column(j).into_owned();
-            let moved = if end == 0 { axis.cross(&lever) } else { Vector3::zeros() };
-            [moved.x, moved.y, moved.z, axis.x, axis.y, axis.z]
-        };
-        let by_angles = [0, 1].map(|end| [0, 1, 2].map(|j| column(end, j)));
-        PairFrames { axes, lever, by_angles }
+        let mut frames = PairFrames { axes: [Matrix3::zeros(); 2], lever: Vector3::zeros(), by_angles: [[[0.0; 6]; 3]; 2] };
+        if let Some(body) = pair.ends[0] {
+            frames.lever = reference(pair, motions) - motions[body].position;
+        }
+        for (end, body) in pair.ends.iter().enumerate() {
+            let Some(body) = body else { continue };
+            frames.axes[end] = axes_of(&motions[*body]);
+            for (j, column) in frames.by_angles[end].iter_mut().enumerate() {
+                let axis = frames.axes[end].column(j);
+                column[3..].copy_from_slice(axis.as_slice());
+                if end == 0 {
+                    column[..3].copy_from_slice(axis.cross(&frames.lever).as_slice());
+                }
+            }
+        }
+        frames
     }
 
     /// Adds dQ/d(motion) of the relative matrix to the blocks (row end, column end) of `slots`.
     #[inline]
     pub fn add_blocks(&self, matrix: &Matrix6<f64>, slots: &[[Option<usize>; 2]; 2], blocks: &mut [Matrix6<f64>]) {
-        for (column, own_angles) in self.by_angles.iter().enumerate() {
-            // matrix P
-            let mut columns = matrix.data.0;
-            for (own, angle) in columns[3..].iter_mut().zip(own_angles) {
-                *own = [0.0; 6];
-                for (matrix, factor) in matrix.data.0.iter().zip(angle) {
-                    for (own, matrix) in own.iter_mut().zip(matrix) {
-                        *own += matrix * factor;
-                    }
-                }
+        let matrix = &matrix.data.0;
+        let [by_a, by_b] = &self.by_angles;
+        for (column, columns) in [times::<0>(matrix, by_a), times::<3>(matrix, by_b)].iter().enumerate() {
+            let sign = |row: usize| if row == column { -1.0 } else { 1.0 };
+            if let Some(slot) = slots[0][column] {
+                add_rows::<0>(columns, by_a, sign(0), &mut blocks[slot]);
             }
-            for (row, (slots, angles)) in slots.iter().zip(&self.by_angles).enumerate() {
-                let Some(slot) = slots[column] else { continue };
-                let sign = if row == column { -1.0 } else { 1.0 };
-                for (target, own) in blocks[slot].data.0.iter_mut().zip(&columns) {
-                    for (i, angle) in angles.iter().enumerate() {
-                        target[i] += sign * own[i];
-                        target[3 + i] += sign * dot(angle, own);
-                    }
-                }
+            if let Some(slot) = slots[1][column] {
+                add_rows::<3>(columns, by_b, sign(1), &mut blocks[slot]);
             }
         }
     }
@@ -128,27 +124,63 @@ impl PairFrames {
     /// Of the coefficients on the relative twist: those on both ends' coordinates.
     #[inline]
     fn gradient(&self, relative: &Vector6<f64>) -> Gradient {
-        let own = relative.data.0[0];
-        [0, 1].map(|end| {
-            let sign = if end == 0 { -1.0 } else { 1.0 };
-            let [yaw, roll, pitch] = [0, 1, 2].map(|j| sign * dot(&self.by_angles[end][j], &own));
-            Vector6::new(sign * own[0], sign * own[1], sign * own[2], yaw, roll, pitch)
-        })
+        let own = &relative.data.0[0];
+        let [a, b] = &self.by_angles;
+        [
+            -Vector6::new(own[0], own[1], own[2], dot(&a[0], own), dot(&a[1], own), dot(&a[2], own)),
+            Vector6::new(own[0], own[1], own[2], turned(&b[0], own), turned(&b[1], own), turned(&b[2], own)),
+        ]
     }
 
     /// From relative twists and wrenches to coordinates and generalised forces.
     pub fn expand_state(&self, state: &mut StateTangent) {
+        let StateTangent { rate_by_position, rate_by_velocity, load_by_state, .. } = state;
         for i in 0..state.count {
-            state.rate_by_position[i] = self.gradient(&state.rate_by_position[i][0]);
-            state.rate_by_velocity[i] = self.gradient(&state.rate_by_velocity[i][0]);
-            state.load_by_state[i] = self.gradient(&-state.load_by_state[i][0]);
+            for (gradient, sign) in [(&mut rate_by_position[i], 1.0), (&mut rate_by_velocity[i], 1.0), (&mut load_by_state[i], -1.0)] {
+                if gradient[0] != Vector6::zeros() {
+                    *gradient = self.gradient(&(gradient[0] * sign));
+                }
+            }
         }
     }
 }
 
 #[inline]
-fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+pub(super) fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
     (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
+}
+
+/// The same where the first one displaces nothing.
+#[inline]
+fn turned(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a[3] * b[3] + a[4] * b[4] + a[5] * b[5]
+}
+
+/// The matrix times P, whose columns of angles are zero above `FIRST` (angles of b displace nothing at c).
+#[inline(always)]
+fn times<const FIRST: usize>(matrix: &[[f64; 6]; 6], by_angles: &[[f64; 6]; 3]) -> [[f64; 6]; 6] {
+    let mut columns = *matrix;
+    for (j, angle) in by_angles.iter().enumerate() {
+        let mut own = [0.0; 6];
+        for k in FIRST..6 {
+            for (own, matrix) in own.iter_mut().zip(&matrix[k]) {
+                *own += matrix * angle[k];
+            }
+        }
+        columns[3 + j] = own;
+    }
+    columns
+}
+
+/// Adds `sign P^T` times the columns, likewise.
+#[inline(always)]
+fn add_rows<const FIRST: usize>(columns: &[[f64; 6]; 6], by_angles: &[[f64; 6]; 3], sign: f64, block: &mut Matrix6<f64>) {
+    for (target, own) in block.data.0.iter_mut().zip(columns) {
+        for i in 0..3 {
+            target[i] += sign * own[i];
+            target[3 + i] += sign * if FIRST == 0 { dot(&by_angles[i], own) } else { turned(&by_angles[i], own) };
+        }
+    }
 }
 
 /// Sum of r x F from that of r F^T.

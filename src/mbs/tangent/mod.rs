@@ -160,8 +160,9 @@ impl Tangent {
                 graph.before[group.node].push(side.body);
             }
         }
-        let lu = BlockLu::new(&graph);
-        let places = neighbours.iter().map(|(_, row, column)| lu.place(row, column)).collect();
+        let mut lu = BlockLu::new(&graph);
+        let places: Vec<usize> = neighbours.iter().map(|(_, row, column)| lu.place(row, column)).collect();
+        lu.overwritten(&places);
         for group in &mut groups {
             group.pivot = lu.place(group.node, group.node);
             for side in &mut group.sides {
@@ -200,12 +201,18 @@ impl Tangent {
     /// it.
     #[inline]
     pub fn add_wrench(&mut self, on: usize, by: usize, tangent: &WrenchTangent) {
+        if let Some(sum) = self.wrench_mut(on, by) {
+            sum.by_position += tangent.by_position;
+            sum.by_velocity += tangent.by_velocity;
+        }
+    }
+
+    /// What [`Tangent::add_wrench`] adds to.
+    #[inline]
+    pub fn wrench_mut(&mut self, on: usize, by: usize) -> Option<&mut WrenchTangent> {
         let slot = self.sum.neighbours.slot(on, by);
         debug_assert!(slot.is_some(), "no force element joins bodies {on} and {by}");
-        let Some(slot) = slot else { return };
-        let sum = self.world[slot].get_or_insert_default();
-        sum.by_position += tangent.by_position;
-        sum.by_velocity += tangent.by_velocity;
+        Some(self.world[slot?].get_or_insert_default())
     }
 
     /// Adds a first-order state at index `state` of the state vector: the change of its rate with itself, 1/s, and what couples it

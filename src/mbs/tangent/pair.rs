@@ -21,6 +21,8 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 #[derive(Clone, Debug)]
 pub struct PairSum {
     pub(super) ends: Ends,
+    /// Has anything been added?
+    pub(super) used: bool,
     /// Change of the wrench on `from` at c with the relative twist at c, and with its rate.
     pub(super) stiffness: Matrix6<f64>,
     pub(super) damping: Matrix6<f64>,
@@ -33,11 +35,13 @@ pub struct PairSum {
 impl PairSum {
     pub(super) fn new(ends: Ends) -> PairSum {
         let (zero, six) = (Vector3::zeros(), Matrix6::zeros());
-        PairSum { ends, stiffness: six, damping: six, force: zero, arm_force: Matrix3::zeros(), couple: zero }
+        PairSum { ends, used: false, stiffness: six, damping: six, force: zero, arm_force: Matrix3::zeros(), couple: zero }
     }
 
     pub(super) fn clear(&mut self) {
-        *self = PairSum::new(self.ends);
+        if self.used {
+            *self = PairSum::new(self.ends);
+        }
     }
 }
 
@@ -63,6 +67,7 @@ impl PairTangent<'_> {
     /// A force on `from` that turns with its frame, with its lever arms, N.
     #[inline]
     pub fn add_force(&mut self, point: &Vector3<f64>, force: &Vector3<f64>) {
+        self.sum.used = true;
         self.sum.force += force;
         self.sum.arm_force += (point - self.reference) * force.transpose();
     }
@@ -70,18 +75,21 @@ impl PairTangent<'_> {
     /// A couple on `from` that turns with its frame, N m.
     #[inline]
     pub fn add_couple(&mut self, couple: &Vector3<f64>) {
+        self.sum.used = true;
         self.sum.couple += couple;
     }
 
     /// The wrench `load` per unit, which changes with `measured . t`, N/m.
     #[inline]
     pub fn add_spring(&mut self, load: &Vector6<f64>, measured: &Vector6<f64>, stiffness: f64) {
+        self.sum.used = true;
         add_outer(&mut self.sum.stiffness, load, measured, stiffness);
     }
 
     /// The same with the twist's rate, N s/m.
     #[inline]
     pub fn add_damper(&mut self, load: &Vector6<f64>, measured: &Vector6<f64>, damping: f64) {
+        self.sum.used = true;
         add_outer(&mut self.sum.damping, load, measured, damping);
     }
 
@@ -90,6 +98,7 @@ impl PairTangent<'_> {
     pub fn add_uniform_spring(&mut self, point: &Vector3<f64>, stiffness: f64) {
         let arm = point - self.reference;
         let (cross, square) = (arm.cross_matrix() * stiffness, arm.norm_squared());
+        self.sum.used = true;
         let matrix = &mut self.sum.stiffness;
         for i in 0..3 {
             matrix[(i, i)] += stiffness;
@@ -102,9 +111,20 @@ impl PairTangent<'_> {
         }
     }
 
+    /// Stiffness and damping at a point, symmetric, world axes, N/m and N s/m.
+    pub fn add_point(&mut self, point: &Vector3<f64>, stiffness: &Matrix3<f64>, damping: &Matrix3<f64>) {
+        self.sum.used = true;
+        let arm = point - self.reference;
+        add_at(&mut self.sum.stiffness, &arm, stiffness);
+        if *damping != Matrix3::zeros() {
+            add_at(&mut self.sum.damping, &arm, damping);
+        }
+    }
+
     /// A couple on `from` that changes with the relative rotation and its rate, world axes, N m/rad and N m s/rad.
     #[inline]
     pub fn add_turning(&mut self, stiffness: &Matrix3<f64>, damping: &Matrix3<f64>) {
+        self.sum.used = true;
         let mut part = self.sum.stiffness.fixed_view_mut::<3, 3>(3, 3);
         part += stiffness;
         let mut part = self.sum.damping.fixed_view_mut::<3, 3>(3, 3);
@@ -118,6 +138,26 @@ impl PairTangent<'_> {
         debug_assert!(self.states.len() < self.states.capacity(), "more states than Tangent::new was told");
         self.states.push(StateTangent::new(first, count, self.sum.ends, Some(self.pair)));
         self.states.last_mut()
+    }
+}
+
+/// Adds `(1, -[r x])^T K (1, -[r x])` of a symmetric K.
+#[inline]
+fn add_at(matrix: &mut Matrix6<f64>, arm: &Vector3<f64>, part: &Matrix3<f64>) {
+    let columns = &mut matrix.data.0;
+    // r x K, whose transpose is -K [r x].
+    let mut lower = Matrix3::zeros();
+    for j in 0..3 {
+        lower.set_column(j, &arm.cross(&part.column(j)));
+    }
+    for j in 0..3 {
+        let turning = arm.cross(&Vector3::new(lower[(j, 0)], lower[(j, 1)], lower[(j, 2)]));
+        for i in 0..3 {
+            columns[j][i] += part[(i, j)];
+            columns[j][3 + i] += lower[(i, j)];
+            columns[3 + j][i] += lower[(j, i)];
+            columns[3 + j][3 + i] += turning[i];
+        }
     }
 }
 

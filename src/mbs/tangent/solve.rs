@@ -9,7 +9,7 @@ use crate::mbs::system::SystemWorkspace;
 use nalgebra::{Matrix2, Matrix6, Vector2, Vector6};
 
 /// First-order states after their elimination.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Eliminated {
     /// (1 - a d s'/d s)^-1.
     inverse: Matrix2<f64>,
@@ -44,11 +44,10 @@ impl Tangent {
         }
         for state in &self.sum.states {
             let own = Vector2::from_fn(|i, _| if i < state.count { x[state.index(i)] } else { 0.0 });
-            let rates = state.times(&state.rate_by_position, positions)
-                + state.times(&state.rate_by_velocity, velocities)
-                + state.rate_by_state * own;
+            let rates = state.rate_by_state * own;
             for i in 0..state.count {
-                result[state.index(i)] = rates[i];
+                let moved = state.along(&state.rate_by_position[i], positions) + state.along(&state.rate_by_velocity[i], velocities);
+                result[state.index(i)] = moved + rates[i];
                 for (end, body) in state.ends.iter().enumerate() {
                     let Some(body) = body else { continue };
                     let part = state.load_by_state[i][end] * own[i];
@@ -90,16 +89,12 @@ impl Tangent {
     }
 
     fn eliminate_states(&mut self, a: f64) -> Result<(), SingularTangent> {
-        self.eliminated.clear();
-        for (index, state) in self.sum.states.iter().enumerate() {
-            let inverse = state.inverse(a).ok_or(SingularTangent { node: self.x.len() + index })?;
-            let zero = [[Vector6::zeros(); 2]; 2];
-            let mut own = Eliminated { inverse, change: zero, acceleration: zero, known: Vector2::zeros() };
+        let places = &self.places;
+        self.eliminated.resize(self.sum.states.len(), Eliminated::default());
+        for (index, (state, own)) in self.sum.states.iter().zip(&mut self.eliminated).enumerate() {
+            own.inverse = state.inverse(a).ok_or(SingularTangent { node: self.x.len() + index })?;
             for i in 0..state.count {
-                for (end, body) in state.ends.iter().enumerate() {
-                    if body.is_none() {
-                        continue;
-                    }
+                for end in (0..2).filter(|end| state.ends[*end].is_some()) {
                     own.change[i][end] = (state.rate_by_position[i][end] * a + state.rate_by_velocity[i][end]) * a;
                     own.acceleration[i][end] = state.load_by_state[i][end] * a;
                 }
@@ -108,15 +103,14 @@ impl Tangent {
                 for (by, column) in state.ends.iter().enumerate() {
                     let (Some(row), Some(column)) = (row, column) else { continue };
                     let Some(slot) = self.sum.neighbours.slot(*row, *column) else { continue };
-                    let block = self.lu.block_mut(self.places[slot]);
+                    let block = self.lu.block_mut(places[slot]);
                     for i in 0..state.count {
                         for j in 0..state.count {
-                            add_outer(block, &own.acceleration[i][on], &own.change[j][by], -inverse[(i, j)]);
+                            add_outer(block, &own.acceleration[i][on], &own.change[j][by], -own.inverse[(i, j)]);
                         }
                     }
                 }
             }
-            self.eliminated.push(own);
         }
         Ok(())
     }
@@ -175,9 +169,9 @@ impl Tangent {
             }
         }
         for (state, eliminated) in self.sum.states.iter().zip(&mut self.eliminated) {
-            let mut right = state.times(&state.rate_by_position, positions) * a;
+            let mut right = Vector2::zeros();
             for i in 0..state.count {
-                right[i] += rest[state.index(i) - count];
+                right[i] = a * state.along(&state.rate_by_position[i], positions) + rest[state.index(i) - count];
             }
             eliminated.known = eliminated.inverse * right;
             for i in 0..state.count {
@@ -193,7 +187,11 @@ impl Tangent {
             values.copy_from_slice(own.as_slice());
         }
         for (state, eliminated) in self.sum.states.iter().zip(&self.eliminated) {
-            let found = eliminated.known + eliminated.inverse * state.times(&eliminated.change, &rest[..count]);
+            let mut moved = Vector2::zeros();
+            for i in 0..state.count {
+                moved[i] = state.along(&eliminated.change[i], &rest[..count]);
+            }
+            let found = eliminated.known + eliminated.inverse * moved;
             for i in 0..state.count {
                 rest[state.index(i) - count] = found[i];
             }

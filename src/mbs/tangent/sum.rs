@@ -1,8 +1,9 @@
 //! First-order states and what they couple; the sums over pairs of bodies and their blocks.
 
+use super::expand::dot;
 use super::pair::PairSum;
 use super::pattern::Neighbours;
-use nalgebra::{Matrix2, Matrix6, Vector2, Vector6};
+use nalgebra::{Matrix2, Matrix6, Vector6};
 
 /// Bodies of the two ends of something; `None`: the world.
 pub type Ends = [Option<usize>; 2];
@@ -52,17 +53,16 @@ impl StateTangent {
         (Matrix2::identity() - self.rate_by_state * a).try_inverse()
     }
 
-    /// Change of the rates with coordinate changes `x` (6 per body).
-    #[inline]
-    pub(super) fn times(&self, gradients: &[Gradient; 2], x: &[f64]) -> Vector2<f64> {
-        let mut result = Vector2::zeros();
-        for i in 0..self.count {
-            for (end, gradient) in self.ends.iter().zip(&gradients[i]) {
-                let Some(body) = end else { continue };
-                result[i] += x[6 * body..6 * body + 6].iter().zip(&gradient.data.0[0]).map(|(x, g)| x * g).sum::<f64>();
+    /// What coordinate changes `x` (6 per body) change by a gradient.
+    #[inline(always)]
+    pub(super) fn along(&self, gradient: &Gradient, x: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for (end, gradient) in self.ends.iter().zip(gradient) {
+            if let Some(x) = end.and_then(|body| x[6 * body..].first_chunk::<6>()) {
+                sum += dot(&gradient.data.0[0], x);
             }
         }
-        result
+        sum
     }
 }
 
@@ -84,9 +84,8 @@ impl TangentSum {
         TangentSum { neighbours, pairs, by_position: zero.clone(), by_velocity: zero, states: Vec::with_capacity(states) }
     }
 
+    /// Blocks are begun anew by [`super::Tangent::finish`].
     pub fn clear(&mut self) {
-        self.by_position.fill(Matrix6::zeros());
-        self.by_velocity.fill(Matrix6::zeros());
         self.pairs.iter_mut().for_each(PairSum::clear);
         self.states.clear();
     }

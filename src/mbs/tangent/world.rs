@@ -16,6 +16,7 @@ use crate::mbs::system::{System, SystemWorkspace};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// B and D of one body: their parts on angles.
+#[derive(Clone, Copy)]
 struct Axes {
     b: Matrix3<f64>,
     d: Matrix3<f64>,
@@ -30,17 +31,25 @@ impl Axes {
     }
 
     /// Columns: matrix times B.
-    fn columns(&self, matrix: &Matrix6<f64>) -> Matrix6<f64> {
-        let mut result = *matrix;
-        result.fixed_view_mut::<6, 3>(0, 3).copy_from(&(matrix.fixed_view::<6, 3>(0, 3) * self.b));
-        result
+    #[inline]
+    fn columns(&self, matrix: &Matrix6<f64>) -> [[f64; 6]; 6] {
+        let mut columns = matrix.data.0;
+        let (_, angles) = columns.split_at_mut(3);
+        for (j, own) in angles.iter_mut().enumerate() {
+            *own = times(matrix, &self.b, j);
+        }
+        columns
     }
 
-    /// Rows: B^T times matrix.
-    fn rows(&self, matrix: &Matrix6<f64>) -> Matrix6<f64> {
-        let mut result = *matrix;
-        result.fixed_view_mut::<3, 6>(3, 0).copy_from(&self.b.tr_mul(&matrix.fixed_view::<3, 6>(3, 0)));
-        result
+    /// Rows: B^T times the columns.
+    #[inline]
+    fn rows(&self, columns: &[[f64; 6]; 6], block: &mut Matrix6<f64>) {
+        for (target, own) in block.data.0.iter_mut().zip(columns) {
+            for i in 0..3 {
+                target[i] = own[i];
+                target[3 + i] = self.b[(0, i)] * own[3] + self.b[(1, i)] * own[4] + self.b[(2, i)] * own[5];
+            }
+        }
     }
 
     fn angles(&self, vector: &Vector6<f64>) -> Vector6<f64> {
@@ -50,19 +59,40 @@ impl Axes {
     }
 }
 
+/// The matrix's columns of rotation times column j of `angles`.
+#[inline]
+fn times(matrix: &Matrix6<f64>, angles: &Matrix3<f64>, j: usize) -> [f64; 6] {
+    let [_, _, _, yaw, roll, pitch] = &matrix.data.0;
+    let mut sum = [0.0; 6];
+    for (i, sum) in sum.iter_mut().enumerate() {
+        *sum = yaw[i] * angles[(0, j)] + roll[i] * angles[(1, j)] + pitch[i] * angles[(2, j)];
+    }
+    sum
+}
+
 impl Tangent {
     /// Ends the sum: with the motions in the workspace, everything is turned into terms of coordinates.
     pub fn finish(&mut self, system: &System, workspace: &SystemWorkspace) {
         let motions = &workspace.motions;
         for (slot, row, column) in self.sum.neighbours.iter() {
-            let Some(WrenchTangent { by_position, by_velocity }) = &self.world[slot] else { continue };
-            let (on, by) = (Axes::of(&motions[row]), Axes::of(&motions[column]));
+            let blocks = [&mut self.sum.by_position[slot], &mut self.sum.by_velocity[slot]];
+            let Some(WrenchTangent { by_position, by_velocity }) = &self.world[slot] else {
+                for block in blocks {
+                    *block = Matrix6::zeros();
+                }
+                continue;
+            };
+            let by = Axes::of(&motions[column]);
+            let on = if row == column { by } else { Axes::of(&motions[row]) };
             let mut position = by.columns(by_position);
-            let turning = by_velocity.fixed_view::<6, 3>(0, 3) * by.d;
-            let mut angles = position.fixed_view_mut::<6, 3>(0, 3);
-            angles += turning;
-            self.sum.by_position[slot] += on.rows(&position);
-            self.sum.by_velocity[slot] += on.rows(&by.columns(by_velocity));
+            for (j, own) in position[3..].iter_mut().enumerate() {
+                for (own, turning) in own.iter_mut().zip(&times(by_velocity, &by.d, j)) {
+                    *own += turning;
+                }
+            }
+            for (block, columns) in blocks.into_iter().zip([position, by.columns(by_velocity)]) {
+                on.rows(&columns, block);
+            }
         }
         self.expand_pairs(motions);
         for (mobility, (body, motion)) in self.mobility.iter_mut().zip(system.bodies.iter().zip(motions)) {
@@ -90,8 +120,17 @@ impl Tangent {
         self.frames.clear();
         for pair in pairs {
             let frames = PairFrames::new(pair, motions);
-            let slots = pair.ends.map(|on| pair.ends.map(|by| neighbours.slot(on?, by?)));
             // Weights have nothing to add; many pairs have no dampers.
+            if !pair.used {
+                self.frames.push(frames);
+                continue;
+            }
+            let mut slots = [[None; 2]; 2];
+            for (slots, on) in slots.iter_mut().zip(pair.ends) {
+                for (slot, by) in slots.iter_mut().zip(pair.ends) {
+                    *slot = on.zip(by).and_then(|(on, by)| neighbours.slot(on, by));
+                }
+            }
             if !is_zero(&pair.stiffness) {
                 frames.add_blocks(&pair.stiffness, &slots, by_position);
             }
@@ -114,7 +153,7 @@ impl Tangent {
 
 #[inline]
 fn is_zero(matrix: &Matrix6<f64>) -> bool {
-    matrix.as_slice().iter().all(|value| *value == 0.0)
+    matrix.data.0.iter().all(|column| column.iter().fold(0.0, |sum: f64, value| sum + value.abs()) == 0.0)
 }
 
 /// A contact's state in terms of its bodies' coordinates.
