@@ -61,9 +61,10 @@ fn accuracy_table() {
         "suspended_wheelset, 5 s: largest error of the lateral displacement (against tolerance 1e-13) and cost without outputs (best of 7); * = 1e-6 m or better"
     );
     let mut points = Vec::new();
-    let settings: [&[&str]; 20] = [
+    let settings: [&[&str]; 21] = [
         &["solver.integrator=rosenbrock", "solver.tolerance=3e-4"],
         &["solver.integrator=rosenbrock", "solver.tolerance=1e-4"],
+        &["solver.integrator=rosenbrock", "solver.tolerance=3e-5"],
         &["solver.integrator=rosenbrock", "solver.tolerance=1e-5"],
         &["solver.integrator=rosenbrock", "solver.tolerance=1e-6"],
         &["solver.integrator=rosenbrock", "solver.tolerance=2e-7"],

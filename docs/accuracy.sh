@@ -53,7 +53,7 @@ TEXT
 - *Reference.* Rigid contact (ACCF and ECCF) has one, each elastic formulation its own (ECF-N at its node spacing): two independent methods
   (Dormand-Prince 5(4) and the classical method with the error estimate 4(3)) at the same tight tolerance. Their distance is the reference's
   uncertainty. An error below 100 times that is not told: hollow marks with an arrow are bounds, and a study without any point above is refused.
-  All other integrators tend to the same references, the implicit ones too, which share nothing with the two.
+  All other integrators tend to the same references, the implicit ones too, whose step formulas share nothing with the two (forces, contact search and events are the same).
 - *Errors.* Lateral displacement: the largest over the run. Normal force and Y/Q: 95 % of the samples are nearer. Both jump where a contact is found
   or lost; two runs that jump nanoseconds apart differ by the whole jump at the samples between, which says nothing of their accuracy (the CSV has
   the largest and the rms too). Hunting wavelength: mean distance of the upward passages of y through zero between swings of more than

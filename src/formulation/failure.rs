@@ -45,7 +45,7 @@ pub enum ContactFailure {
     #[error("{0}")]
     Conformal(#[from] ConformalContact),
     #[error(
-        "penetration of {penetration:.4} m is beyond elastic contact (wheelset at z = {z:.4} m): an initial position that is too low, or an impact"
+        "penetration of {penetration:.4} m is beyond elastic contact (wheelset at z = {z:.4} m): an initial position that is too low, an impact, or with a fixed step one that is too long (solver.step)"
     )]
     TooDeep { penetration: f64, z: f64 },
     #[error(

@@ -57,7 +57,8 @@ pub(super) fn depth_under_load(
 }
 
 /// Moves a wheel that has become elastic to where its places together carry `load` [N, vertical], from the penetration of the deepest one
-/// that alone would: another one may be pressed beside it and share its patch. Where that can't be reached the wheel falls.
+/// that alone would: another one may be pressed beside it and share its patch. Where
+/// the search for the depth ends before (no load there, or [`PRESSINGS`] tries) the wheel starts from the depth tried last, and bounces.
 pub(super) fn press(
     (contact, wheelset, side): (usize, &Wheelset, Side),
     (load, depth): (f64, f64),

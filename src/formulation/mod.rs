@@ -9,6 +9,7 @@
 
 mod accf;
 mod balance;
+mod carried;
 mod eccf;
 mod ecf_a;
 mod ecf_n;

@@ -1,5 +1,6 @@
 //! What stays constant during a simulation, and the scratch of its evaluations.
 
+use super::carried::Carried;
 use super::events::ContactEvent;
 use super::lift::OnLift;
 use super::points::{self, PreparedSearches, WheelSearch};
@@ -164,6 +165,8 @@ pub struct Workspace {
     pub findings_marked: bool,
     /// The linearised model, for integrators that need it ([`Model::prepare_tangent`]).
     pub(super) tangent: Option<Tangent>,
+    /// How the track carries the bodies along from that state.
+    pub(super) carried: Carried,
 }
 
 /// Time, inputs and state of an evaluation; the memory is both read and written.
@@ -329,6 +332,7 @@ impl Model {
             events: Vec::new(),
             findings_marked: false,
             tangent: None,
+            carried: Carried::default(),
         }
     }
 

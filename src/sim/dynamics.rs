@@ -105,6 +105,19 @@ impl Dynamics for ModelDynamics<'_> {
         self.model.solve_linear(self.workspace, x);
     }
 
+    fn solve_linear_pushed(&mut self, x: &mut [f64], weight: f64, push: &[f64]) {
+        self.model.solve_linear_pushed(self.workspace, x, weight, push);
+    }
+
+    fn carry(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {
+        self.model.carry(self.workspace, ahead, shift, rate);
+        true
+    }
+
+    fn carried_change(&mut self, change: &mut [f64]) {
+        self.model.carried_change(self.workspace, change);
+    }
+
     fn project(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
         self.workspace.findings_marked = false;
         let moved = keep(&mut self.failure, self.model.project(self.workspace, t, y, memory))?;

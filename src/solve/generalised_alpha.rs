@@ -92,7 +92,7 @@ impl GeneralisedAlpha {
         let Weights { rates, states, gamma } = self.weights();
         let h = step.h;
         let undefined = |Undefined| SolveError::Undefined { time: state.t };
-        let Scratch { stages: [rate, change, ..], trial, memory } = scratch;
+        let Scratch { stages: [rate, change, ..], trial, memory, .. } = scratch;
         rate.copy_from_slice(&state.record);
         let movement = (0..state.y.len()).map(|i| dynamics.error_weight(i) * (h * state.record[i]).abs()).fold(0.0, f64::max);
         let allowed = RELATIVE * movement + ABSOLUTE;

@@ -7,6 +7,7 @@
 //! ([`Dynamics::project`]), and the step is cut where the system changes its form ([`Dynamics::margin`]).
 
 mod adaptive;
+mod carried;
 mod dense;
 mod dormand_prince;
 mod events;
@@ -31,6 +32,7 @@ pub use zhai::Zhai;
 
 use crate::settings::{Entry, Section, SettingsError, choose};
 use crate::units::Dimension;
+use carried::Carried;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -90,6 +92,23 @@ pub trait Dynamics {
 
     /// Solves (I - a J) x = x in place. Systems that say nothing have J = 0.
     fn solve_linear(&mut self, _x: &mut [f64]) {}
+
+    /// Solves (I - a J) x = x + weight push in place. Constraints that x fulfils hold for the result whatever `push` is.
+    fn solve_linear_pushed(&mut self, x: &mut [f64], weight: f64, push: &[f64]) {
+        x.iter_mut().zip(push).for_each(|(x, push)| *x += weight * push);
+        self.solve_linear(x);
+    }
+
+    /// A known motion that the solution nearly follows from the state that was linearised last: writes what it has added to the state
+    /// `ahead` [s] later (`shift`, zero for 0) and its rate there. False where there is no such motion.
+    fn carry(&mut self, _ahead: f64, _shift: &mut [f64], _rate: &mut [f64]) -> bool {
+        false
+    }
+
+    /// J c' - c'' of that motion c at its begin.
+    fn carried_change(&mut self, change: &mut [f64]) {
+        change.fill(0.0);
+    }
 
     /// Moves `y` onto the constraints that it must satisfy exactly; called at the end of each accepted step. Returns whether
     /// `y` was changed.
@@ -265,13 +284,15 @@ pub trait Integrator: Send + Sync + Debug {
 #[derive(Clone, Debug)]
 pub struct Scratch {
     stages: [Vec<f64>; 7],
+    carried: Carried,
     trial: Vec<f64>,
     memory: Vec<f64>,
 }
 
 impl Scratch {
     pub fn new(dimension: usize, memory: usize) -> Self {
-        Scratch { stages: std::array::from_fn(|_| vec![0.0; dimension]), trial: vec![0.0; dimension], memory: vec![0.0; memory] }
+        let zero = || vec![0.0; dimension];
+        Scratch { stages: std::array::from_fn(|_| zero()), carried: Carried::new(dimension), trial: zero(), memory: vec![0.0; memory] }
     }
 }
 

@@ -13,6 +13,9 @@
 //! Continuous output: with the stages in standard form, K1 = k1 and K2 = k2 + 2 k1, y + theta K1 + theta^2 / 2 (K2 - K1): of order 2
 //! like the method, and free of f, whose stiff part would swing it far between the ends.
 //!
+//! Both for what is left beside a carried motion, where the system knows one ([`super::carried`]; dF/dtau counts gamma h^2 in the first
+//! stage, -gamma h^2 in the second).
+//!
 //! What else may happen in a step depends on the system: an event is located by up to [`super::events::MOST_LOOKS`] more evaluations; a
 //! system with a margin takes one more evaluation in each step.
 //!
@@ -49,8 +52,8 @@ pub struct RealTime {
 
 const GAMMA: f64 = 1.0 - FRAC_1_SQRT_2;
 
-/// Continuous output: powers 0 to 2 of theta.
-const DENSE_VECTORS: usize = 3;
+/// Continuous output: powers 0 to 3 of theta, the last one for the carried motion alone.
+const DENSE_VECTORS: usize = 4;
 
 impl Integrator for RealTime {
     fn setting(&self) -> Setting {
@@ -92,10 +95,11 @@ impl Integrator for RealTime {
         for i in 0..n {
             let first = scratch.stages[0][i];
             let second = scratch.stages[1][i] + 2.0 * first;
-            for (power, coefficient) in [state.y[i], first, 0.5 * (second - first)].into_iter().enumerate() {
+            for (power, coefficient) in [state.y[i], first, 0.5 * (second - first), 0.0].into_iter().enumerate() {
                 state.dense[power * n + i] = coefficient;
             }
         }
+        scratch.carried.add_to(&mut state.dense, step.h);
         step.accept(state, scratch, None);
         Ok(())
     }
@@ -103,24 +107,28 @@ impl Integrator for RealTime {
 
 /// Both stages and the solution at the end.
 fn stages(dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch, step: &FixedStep) -> Result<(), Undefined> {
-    let Scratch { stages: [first, second, ..], trial, memory } = scratch;
+    let Scratch { stages: [first, second, ..], carried, trial, memory } = scratch;
     state.statistics.factorisations += 1;
     dynamics.factorise(GAMMA * step.h)?;
-    for (value, rate) in first.iter_mut().zip(&state.derivative) {
-        *value = step.h * rate;
+    carried.begin(dynamics);
+    // The gammas of the second stage sum up to minus the first one's.
+    let change = GAMMA * step.h * step.h;
+    for (i, value) in first.iter_mut().enumerate() {
+        *value = step.h * (state.derivative[i] - carried.rate[i]);
     }
-    dynamics.solve_linear(first);
-    for ((value, begin), change) in trial.iter_mut().zip(&state.y).zip(&*first) {
-        *value = begin + change;
+    carried.solve(dynamics, first, change);
+    carried.move_to(dynamics, step.h);
+    for (i, value) in trial.iter_mut().enumerate() {
+        *value = state.y[i] + carried.shift[i] + first[i];
     }
     state.statistics.evaluations += 1;
     dynamics.derivative(step.end, trial, memory, second)?;
-    for (value, change) in second.iter_mut().zip(&*first) {
-        *value = step.h * *value - 2.0 * change;
+    for (i, value) in second.iter_mut().enumerate() {
+        *value = step.h * (*value - carried.rate[i]) - 2.0 * first[i];
     }
-    dynamics.solve_linear(second);
+    carried.solve(dynamics, second, -change);
     for (i, value) in trial.iter_mut().enumerate() {
-        *value = state.y[i] + 1.5 * first[i] + 0.5 * second[i];
+        *value = state.y[i] + carried.shift[i] + 1.5 * first[i] + 0.5 * second[i];
     }
     Ok(())
 }

@@ -58,7 +58,7 @@ pub(super) fn stages(
     end: f64,
     h: f64,
 ) -> Result<(), Undefined> {
-    let Scratch { stages, trial, memory } = scratch;
+    let Scratch { stages, trial, memory, .. } = scratch;
     stages[0].copy_from_slice(&state.derivative);
     let points = [(0.5, 0.5 * h), (0.5, 0.5 * h), (1.0, h)];
     for (stage, (fraction, weight)) in points.into_iter().enumerate() {

@@ -18,6 +18,8 @@
 //! the k alone: f itself at the ends of the step, as a Hermite polynomial would take it, is off by lambda times a stiff component's error, which
 //! spoils it by h lambda / 8 times that error in the middle of the step (Kaps' problem, h lambda = 1e7: by 500 where the ends are off by 3e-4).
 //!
+//! Where the system knows a motion that the solution nearly follows, steps are made beside it ([`super::carried`]).
+//!
 //! The Jacobian belongs to the begin of the step: a rejected step keeps it and only factorises anew.
 //!
 //! Source: J. Rang, L. Angermann, BIT 45 (2005) 761-787; all conditions are checked in the tests.
@@ -160,28 +162,31 @@ impl Pair for Rosenbrock {
     fn attempt(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch, h: f64) -> Result<f64, Undefined> {
         state.statistics.factorisations += 1;
         dynamics.factorise(GAMMA * h)?;
+        let Scratch { stages, carried, trial, memory } = scratch;
+        carried.begin(dynamics);
         for stage in 0..STAGES {
-            let (done, rest) = scratch.stages.split_at_mut(stage);
+            let (done, rest) = stages.split_at_mut(stage);
             let u = &mut rest[0];
             if stage == 0 {
                 u.copy_from_slice(&state.derivative);
             } else {
-                for (i, value) in scratch.trial.iter_mut().enumerate() {
-                    *value = state.y[i] + combined(&A[stage], done, i);
+                carried.move_to(dynamics, C[stage] * h);
+                for (i, value) in trial.iter_mut().enumerate() {
+                    *value = state.y[i] + carried.shift[i] + combined(&A[stage], done, i);
                 }
                 state.statistics.evaluations += 1;
-                dynamics.derivative(state.t + C[stage] * h, &scratch.trial, &mut scratch.memory, u)?;
+                dynamics.derivative(state.t + C[stage] * h, trial, memory, u)?;
             }
             let coupling = INVERSE[stage].map(|inverse| -GAMMA * inverse);
             for (i, value) in u.iter_mut().enumerate() {
-                *value = GAMMA * h * *value + combined(&coupling, done, i);
+                *value = GAMMA * h * (*value - carried.rate[i]) + combined(&coupling, done, i);
             }
-            dynamics.solve_linear(u);
+            carried.solve(dynamics, u, GAMMA * h * h * sum(GAMMAS[stage]));
         }
         let mut largest: f64 = 0.0;
-        for (i, value) in scratch.trial.iter_mut().enumerate() {
-            *value = state.y[i] + combined(&M, &scratch.stages[..STAGES], i);
-            let error = combined(&E, &scratch.stages[..STAGES], i);
+        for (i, value) in trial.iter_mut().enumerate() {
+            *value = state.y[i] + carried.shift[i] + combined(&M, &stages[..STAGES], i);
+            let error = combined(&E, &stages[..STAGES], i);
             if !(error.is_finite() && value.is_finite()) {
                 return Ok(f64::INFINITY);
             }
@@ -190,7 +195,7 @@ impl Pair for Rosenbrock {
         Ok(largest)
     }
 
-    fn write_dense(&self, state: &mut IntegrationState, scratch: &Scratch, _: f64) {
+    fn write_dense(&self, state: &mut IntegrationState, scratch: &Scratch, h: f64) {
         let (begin, powers) = state.dense.split_at_mut(state.y.len());
         begin.copy_from_slice(&state.y);
         for (weights, power) in D.iter().zip(powers.chunks_exact_mut(begin.len())) {
@@ -198,6 +203,7 @@ impl Pair for Rosenbrock {
                 *coefficient = combined(weights, &scratch.stages[..STAGES], i);
             }
         }
+        scratch.carried.add_to(&mut state.dense, h);
     }
 }
 

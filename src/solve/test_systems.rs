@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 type Rate = fn(f64, &[f64], &mut [f64]);
 type Jacobian = fn(f64, &[f64]) -> DMatrix<f64>;
+type Motion = fn(f64, &[f64], f64) -> [Vec<f64>; 3];
 
 /// A system that watches that a Jacobian is asked for directly after an evaluation at the same place.
 #[derive(Clone)]
@@ -21,13 +22,17 @@ pub(super) struct Watched {
     pub margin: Option<f64>,
     /// Where f is not smooth.
     pub breaks: f64,
+    /// c, c' and c'' of a carried motion at a time after its begin (t, y), which is noted below.
+    pub motion: Option<Motion>,
+    pub begin: (f64, Vec<f64>),
 }
 
 impl Watched {
     pub fn new(rate: Rate, jacobian: Jacobian, coordinates: usize) -> Self {
         let matrix = DMatrix::zeros(0, 0);
-        let breaks = f64::INFINITY;
-        Watched { rate, jacobian, coordinates, share: 1.0, last: (0.0, vec![]), matrix, factors: None, margin: None, breaks }
+        let (breaks, nowhere) = (f64::INFINITY, (0.0, vec![]));
+        let (last, begin) = (nowhere.clone(), nowhere);
+        Watched { rate, jacobian, coordinates, share: 1.0, last, matrix, factors: None, margin: None, breaks, motion: None, begin }
     }
 }
 
@@ -49,7 +54,20 @@ impl Dynamics for Watched {
     fn linearise(&mut self, t: f64, y: &[f64], _: &[f64], _: StiffPart) -> Result<(), Undefined> {
         assert_eq!((t, y), (self.last.0, &self.last.1[..]), "an evaluation at the same place must come right before");
         self.matrix = self.share * (self.jacobian)(t, y);
+        self.begin = self.last.clone();
         Ok(())
+    }
+    fn carry(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {
+        let Some(motion) = self.motion else { return false };
+        let [c, c1, _] = motion(self.begin.0, &self.begin.1, ahead);
+        shift.copy_from_slice(&c);
+        rate.copy_from_slice(&c1);
+        true
+    }
+    fn carried_change(&mut self, change: &mut [f64]) {
+        let Some(motion) = self.motion else { return };
+        let [_, c1, c2] = motion(self.begin.0, &self.begin.1, 0.0);
+        change.copy_from_slice((&self.matrix * DVector::from(c1) - DVector::from(c2)).as_slice());
     }
     fn factorise(&mut self, a: f64) -> Result<(), Undefined> {
         let n = self.matrix.nrows();
@@ -105,6 +123,20 @@ pub(super) fn kaps_solution(t: f64) -> [f64; 2] {
 /// Relaxation to a slow motion (Prothero, Robinson): y' = -1e6 (y - cos t) - sin t.
 pub(super) fn relaxation() -> Watched {
     Watched::new(|t, y, dy| dy[0] = -1e6 * (y[0] - t.cos()) - t.sin(), |_, _| DMatrix::from_element(1, 1, -1e6), 0)
+}
+
+/// A wheel on its rail: y' = -100 (y - w(x)) + w'(x), x' = 1, w = sin 2x, with the solution y = w(x).
+pub(super) fn rail() -> Watched {
+    let rate: Rate = |_, y, dy| (dy[0], dy[1]) = (1.0, -100.0 * (y[1] - (2.0 * y[0]).sin()) + 2.0 * (2.0 * y[0]).cos());
+    let jacobian: Jacobian = |_, y| {
+        let (sin, cos) = (2.0 * y[0]).sin_cos();
+        DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 200.0 * cos - 4.0 * sin, -100.0])
+    };
+    Watched::new(rate, jacobian, 0)
+}
+
+pub(super) fn rail_solution(t: f64) -> [f64; 2] {
+    [t, (2.0 * t).sin()]
 }
 
 /// A mass on a very stiff spring: q'' = -w^2 q with w = 1e6 / s.

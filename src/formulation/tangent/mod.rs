@@ -49,6 +49,7 @@ impl Model {
     pub fn prepare_tangent(&self, workspace: &mut Workspace) {
         let states = self.contacts() * self.points * self.deflection_states();
         workspace.tangent = Some(Tangent::new(&self.system, &self.constrained_bodies(), states));
+        workspace.carried = self.carried();
     }
 
     /// Finds J at the state `y`, with its memory, that was evaluated last: of the contacts and, with `forces`, of the force elements.
@@ -74,6 +75,7 @@ impl Model {
         }
         tangent.finish(&self.system, &workspace.system);
         workspace.tangent = Some(tangent);
+        self.note_carried(workspace);
     }
 
     /// Factorises I - a J, a in s.
@@ -86,8 +88,13 @@ impl Model {
 
     /// Solves (I - a J) x = x in place.
     pub fn solve_linear(&self, workspace: &mut Workspace, x: &mut [f64]) {
+        self.solve_linear_pushed(workspace, x, 0.0, &[]);
+    }
+
+    /// Solves (I - a J) x = x + weight push in place, where accelerations in `push` are none that constraints let pass.
+    pub fn solve_linear_pushed(&self, workspace: &mut Workspace, x: &mut [f64], weight: f64, push: &[f64]) {
         if let Some(tangent) = &mut workspace.tangent {
-            tangent.solve(x);
+            tangent.solve_pushed(x, weight, push);
         }
     }
 

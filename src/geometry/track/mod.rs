@@ -121,6 +121,27 @@ impl Rail {
         self
     }
 
+    /// Does any deviation move it?
+    pub fn deviates(&self) -> bool {
+        !self.deviations.is_empty()
+    }
+
+    /// Lateral and vertical displacement by deviations at distance `s` [m], m, with three derivatives each.
+    #[inline]
+    pub fn deviation(&self, s: f64) -> [[f64; 4]; 2] {
+        let mut sum = [[0.0; 4]; 2];
+        for (direction, shape) in &self.deviations {
+            let own = &mut sum[usize::from(*direction == Direction::Vertical)];
+            own.iter_mut().zip(shape.at(s)).for_each(|(own, value)| *own += value);
+        }
+        sum
+    }
+
+    /// How far this rail stands to the left of another, both undisturbed, m.
+    pub fn spacing(&self, other: &Rail) -> f64 {
+        self.offset - other.offset
+    }
+
     /// Is there any place where the rail is not smooth?
     pub fn has_breaks(&self) -> bool {
         !self.breaks.is_empty()

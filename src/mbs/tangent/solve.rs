@@ -140,6 +140,12 @@ impl Tangent {
 
     /// Solves (I - a J) x = x in place, x as long as the state vector; states that J does not know (J = 0) stay.
     pub fn solve(&mut self, x: &mut [f64]) {
+        self.solve_pushed(x, 0.0, &[]);
+    }
+
+    /// Solves (I - a J) x = x + weight push in place. Constraints hold for x as it comes, so that accelerations in `push`, as long as x
+    /// or empty, may be what forces do without them. Its coordinates do not count.
+    pub fn solve_pushed(&mut self, x: &mut [f64], weight: f64, push: &[f64]) {
         let (a, count) = (self.a, COORDINATES * self.mobility.len());
         let (positions, rest) = x.split_at_mut(count);
         let velocities = &mut rest[..count];
@@ -152,6 +158,12 @@ impl Tangent {
                 own += side.rows * self.x[side.body];
             }
             self.x[group.node] = own;
+        }
+        if let Some(push) = push.get(count..) {
+            for (own, push) in self.x.iter_mut().zip(push[..count].chunks_exact(COORDINATES)) {
+                own.iter_mut().zip(push).for_each(|(own, push)| *own += weight * push);
+            }
+            rest[count..].iter_mut().zip(&push[count..]).for_each(|(own, push)| *own += weight * push);
         }
         for row in 0..self.mobility.len() {
             let mut load = [0.0; 6];

@@ -10,7 +10,7 @@
 use super::expand::PairFrames;
 use super::sum::{StateTangent, TangentSum};
 use super::{Tangent, WrenchTangent};
-use crate::mbs::body::BodyMotion;
+use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::inertia::Inertia;
 use crate::mbs::system::{System, SystemWorkspace};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
@@ -112,6 +112,24 @@ impl Tangent {
                 }
             }
         }
+    }
+
+    /// How the wrenches that [`Tangent::add_wrench`] put on a body by its own motion change the accelerations of its coordinates. The
+    /// motion in world axes: displacement above rotation, and velocity above angular velocity; `known` is taken off the wrench's change.
+    pub fn acceleration(
+        &self,
+        body: usize,
+        motion: &BodyMotion,
+        [displacement, velocity]: [&Vector6<f64>; 2],
+        known: &Wrench,
+    ) -> Vector6<f64> {
+        let slot = self.sum.neighbours.slot(body, body);
+        let Some(tangent) = slot.and_then(|slot| self.world[slot].as_ref()) else { return Vector6::zeros() };
+        let change = tangent.by_position * displacement + tangent.by_velocity * velocity;
+        let force = Vector3::new(change[0], change[1], change[2]) - known.force;
+        let moment = Vector3::new(change[3], change[4], change[5]) - known.moment;
+        let generalised = motion.generalised_force(&Wrench { force, moment });
+        self.mobility[body] * Vector6::from_iterator(generalised.iter().copied())
     }
 
     /// Generalised forces and states of pairs, and states of contacts, in terms of coordinates.

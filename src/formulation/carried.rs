@@ -1,0 +1,307 @@
+//! How the track carries a vehicle along: the motion that implicit integrators take for granted within a step ([`crate::solve`]).
+//!
+//! From the step's begin all bodies travel on at the mean of their rates s' along the track. In a curve, whose heading psi turns by psi' for
+//! each metre, velocity v (along the track, at the body's place) and yaw turn about the vertical by `alpha = omega tau + omega' tau^2 / 2`,
+//! `omega = psi' s'`:
+//!
+//! ```text
+//! c' = Rz(alpha) v,   c'' = (omega + omega' tau) Z x c',   yaw: alpha
+//! c = v sin(omega tau) / omega + Z x v ((1 - cos(omega tau)) / omega + omega' tau^3 / 6)
+//! ```
+//!
+//! (c and c' differ by `omega omega' V tau^4 / 8`: 2e-9 m in 0.5 m of a transition of 50 m to R = 500 m at 25 m/s.) Wheelsets besides rise and
+//! roll with what deviations do to their rails. With left and right deviations y and z, 2 b the distance of the rails, n the normal of each
+//! wheel's most loaded contact at the begin
+//!
+//! ```text
+//! H = z + (n_y / n_z) y,   height: (H_left + H_right) / 2,   roll: (H_left - H_right) / 2b,   each at s + s' tau minus at s
+//! ```
+//!
+//! A tilt n_y / n_z beyond [`STEEPEST`] (flange) counts as none. What c leaves out is not lost: the method itself finds it, as all
+//! of it would be without.
+//!
+//! *J c' - c''.* J leaves out that forces turn with their bodies, so that J c' of a vehicle that turns as a whole is not what it should be
+//! (rigid bodies that turn together press no spring). The turn that is common to all bodies (mean velocity, mean rate) is therefore taken out
+//! of c': only contacts see it, by their part of J and without what turns in their wrenches. For that common turn, without contacts, the
+//! exact answer (Z omega x (v' - c''), of the order of 0.05 m/s3) is left out. In a steady curve 2e-1 rad/s3 is left of 6e5.
+
+use super::rigid::wheels;
+use super::{Model, Workspace, contact_index};
+use crate::geometry::Side;
+use crate::geometry::track::station::Station;
+use crate::mbs::body::{COORDINATES, Wrench};
+use crate::mbs::system::SystemWorkspace;
+use crate::mbs::tangent::Tangent;
+use nalgebra::{Vector3, Vector6};
+
+/// Greatest n_y / n_z of a contact on a tread.
+const STEEPEST: f64 = 0.3;
+
+const HEIGHT: usize = 2;
+const YAW: usize = 3;
+const ROLL: usize = 4;
+
+/// The motion from one state on.
+#[derive(Clone, Debug, Default)]
+pub struct Carried {
+    bodies: Vec<Travel>,
+    /// By wheelset; none where no rail has a deviation.
+    rides: Vec<Ride>,
+    /// c' in part, and J c' - c'', as long as the state.
+    rate: Vec<f64>,
+    change: Vec<f64>,
+}
+
+/// A body along the track.
+#[derive(Clone, Copy, Debug, Default)]
+struct Travel {
+    /// Velocity along the track, m/s, its rate of turn about the vertical, rad/s, and how fast that changes, rad/s2.
+    velocity: Vector3<f64>,
+    turn: f64,
+    winding: f64,
+}
+
+/// A wheelset on its rails.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ride {
+    /// Distance along the track, m, and its rate, m/s.
+    distance: f64,
+    speed: f64,
+    /// The track's Z in the world.
+    up: Vector3<f64>,
+    /// n_y / n_z, left and right.
+    tilt: [f64; 2],
+    /// H and roll at the begin, with derivatives along the track.
+    begin: [[f64; 4]; 2],
+}
+
+impl Travel {
+    /// What position, velocity and acceleration are after `ahead` [s], the first counted from the begin.
+    fn after(&self, ahead: f64) -> [Vector3<f64>; 3] {
+        let Travel { velocity: v, turn, winding } = *self;
+        let straight = turn == 0.0 && winding == 0.0;
+        if straight {
+            return [v * ahead, v, Vector3::zeros()];
+        }
+        let (sin, cos) = (turn * ahead + 0.5 * winding * ahead * ahead).sin_cos();
+        let (level, climb) = (Vector3::new(v.x, v.y, 0.0), Vector3::new(0.0, 0.0, v.z));
+        let now = level * cos + up_cross(&v) * sin;
+        // Chord and sagitta of the circle; with its turn zero it is the tangent.
+        let (half, _) = (0.5 * turn * ahead).sin_cos();
+        let [along, aside] = if turn == 0.0 { [ahead, 0.0] } else { [(turn * ahead).sin() / turn, 2.0 * half * half / turn] };
+        let way = level * along + up_cross(&v) * (aside + winding * ahead * ahead * ahead / 6.0);
+        [way + climb * ahead, now + climb, up_cross(&now) * (turn + winding * ahead)]
+    }
+}
+
+impl Model {
+    /// Makes room for what [`Model::note_carried`] notes.
+    pub(super) fn carried(&self) -> Carried {
+        let moved = Side::BOTH.iter().any(|side| self.track.rail(*side).deviates());
+        Carried {
+            bodies: vec![Travel::default(); self.system.bodies.len()],
+            rides: if moved { vec![Ride::default(); self.wheelsets.len()] } else { Vec::new() },
+            rate: vec![0.0; self.dimension()],
+            change: vec![0.0; self.dimension()],
+        }
+    }
+
+    /// H and roll of a wheelset at the distance `s` [m], with three derivatives along the track.
+    fn ride(&self, tilt: [f64; 2], s: f64) -> [[f64; 4]; 2] {
+        let [left, right] = [Side::Left, Side::Right].map(|side| self.track.rail(side));
+        let [h, g] = [(left, tilt[0]), (right, tilt[1])].map(|(rail, tilt)| {
+            let [y, z] = rail.deviation(s);
+            [0, 1, 2, 3].map(|i| z[i] + tilt * y[i])
+        });
+        let spacing = left.spacing(right);
+        [[0, 1, 2, 3].map(|i| 0.5 * (h[i] + g[i])), [0, 1, 2, 3].map(|i| (h[i] - g[i]) / spacing)]
+    }
+
+    /// Notes how the bodies travel on from the state that was evaluated last.
+    pub(super) fn note_carried(&self, workspace: &mut Workspace) {
+        let mut carried = std::mem::take(&mut workspace.carried);
+        let SystemWorkspace { motions, stations, .. } = &workspace.system;
+        let advance = |body: usize| stations.get(body).map_or(motions[body].speed, |station| station.travel);
+        // One for all: how bodies move against each other along the track is not the track's doing.
+        let advance = (0..motions.len()).map(advance).sum::<f64>() / motions.len().max(1) as f64;
+        for (body, travel) in carried.bodies.iter_mut().enumerate() {
+            *travel = Travel { velocity: Vector3::x() * advance, ..Travel::default() };
+            if let Some(Station { frame, .. }) = stations.get(body) {
+                let stretch = 1.0 - (motions[body].position - frame.origin).dot(&frame.bend());
+                travel.velocity = frame.along() * (advance * stretch);
+                travel.turn = (frame.axes * frame.turn).z * advance;
+                travel.winding = (frame.axes * frame.turn1).z * advance * advance;
+            }
+        }
+        if !carried.rides.is_empty() {
+            for (contact, wheelset, side) in wheels(self) {
+                let ride = &mut carried.rides[contact / 2];
+                let pressed = workspace.reports(contact).max_by(|a, b| a.normal_force.total_cmp(&b.normal_force));
+                let normal = pressed.map_or(Vector3::zeros(), |report| workspace.in_track(wheelset.body, report.axes.normal));
+                let tilt = normal.y / normal.z;
+                ride.tilt[usize::from(side == Side::Right)] = if tilt.abs() < STEEPEST { tilt } else { 0.0 };
+            }
+            for (ride, wheelset) in carried.rides.iter_mut().zip(&self.wheelsets) {
+                let motion = &workspace.system.motions[wheelset.body];
+                let station = workspace.system.stations.get(wheelset.body);
+                (ride.distance, ride.speed) = (motion.distance, advance);
+                ride.up = station.map_or(Vector3::z(), |station| station.frame.axes.column(2).into_owned());
+                ride.begin = self.ride(ride.tilt, ride.distance);
+            }
+        }
+        workspace.carried = carried;
+        self.note_change(workspace);
+    }
+
+    /// c and c' after `ahead` [s]: what is added to the state that was linearised last, and its rate.
+    pub fn carry(&self, workspace: &Workspace, ahead: f64, shift: &mut [f64], rate: &mut [f64]) {
+        let Carried { bodies, rides, .. } = &workspace.carried;
+        let velocities = COORDINATES * bodies.len();
+        shift.fill(0.0);
+        rate.fill(0.0);
+        for (body, travel) in bodies.iter().enumerate() {
+            let first = COORDINATES * body;
+            let [way, velocity, acceleration] = travel.after(ahead);
+            for i in 0..3 {
+                (shift[first + i], rate[first + i]) = (way[i], velocity[i]);
+                shift[velocities + first + i] = velocity[i] - travel.velocity[i];
+                rate[velocities + first + i] = acceleration[i];
+            }
+            let Travel { turn, winding, .. } = *travel;
+            (shift[first + YAW], rate[first + YAW]) = (turn * ahead + 0.5 * winding * ahead * ahead, turn + winding * ahead);
+            (shift[velocities + first + YAW], rate[velocities + first + YAW]) = (winding * ahead, winding);
+        }
+        for (ride, wheelset) in rides.iter().zip(&self.wheelsets) {
+            let first = COORDINATES * wheelset.body;
+            let Ride { speed, up, begin: [height, roll], .. } = ride;
+            let to = self.ride(ride.tilt, ride.distance + speed * ahead);
+            let mut add = |i: usize, share: f64, from: &[f64; 4], to: &[f64; 4]| {
+                shift[first + i] += share * (to[0] - from[0]);
+                shift[velocities + first + i] += share * speed * (to[1] - from[1]);
+            };
+            for i in 0..=HEIGHT {
+                add(i, up[i], height, &to[0]);
+            }
+            add(ROLL, 1.0, roll, &to[1]);
+            ride.add_rates(first, velocities, &to, rate);
+        }
+    }
+
+    /// J c' - c'' at the state that was linearised last.
+    pub fn carried_change(&self, workspace: &Workspace, change: &mut [f64]) {
+        change.copy_from_slice(&workspace.carried.change);
+    }
+
+    /// Finds J c' - c''.
+    fn note_change(&self, workspace: &mut Workspace) {
+        let Some(tangent) = workspace.tangent.take() else { return };
+        let mut carried = std::mem::take(&mut workspace.carried);
+        let Carried { bodies, rides, rate, change, .. } = &mut carried;
+        let whole = Turn::new(bodies, &workspace.system);
+        let velocities = COORDINATES * bodies.len();
+        rate.fill(0.0);
+        for (body, (travel, motion)) in bodies.iter().zip(&workspace.system.motions).enumerate() {
+            let first = COORDINATES * body;
+            let own = travel.velocity - whole.velocity(&motion.position);
+            let bending = up_cross(&travel.velocity) * travel.turn - up_cross(&motion.velocity) * whole.turn;
+            for i in 0..3 {
+                (rate[first + i], rate[velocities + first + i]) = (own[i], bending[i]);
+            }
+            (rate[first + YAW], rate[velocities + first + YAW]) = (travel.turn - whole.turn, travel.winding);
+        }
+        for (ride, wheelset) in rides.iter().zip(&self.wheelsets) {
+            ride.add_rates(COORDINATES * wheelset.body, velocities, &ride.begin, rate);
+        }
+        tangent.times(rate, change);
+        // What J finds for coordinates is c'' of the velocities, which is c'' of the coordinates.
+        change[..velocities].fill(0.0);
+        for (index, wheelset) in self.wheelsets.iter().enumerate() {
+            let body = wheelset.body;
+            let found = self.turned_contacts(workspace, &tangent, index, &whole);
+            for (own, value) in change[velocities + COORDINATES * body..].iter_mut().zip(found.iter()) {
+                *own += value;
+            }
+        }
+        for (travel, own) in bodies.iter().zip(change[velocities..].chunks_exact_mut(COORDINATES)) {
+            let winding = up_cross(&travel.velocity) * travel.winding;
+            (own[0], own[1]) = (own[0] - winding.x, own[1] - winding.y);
+        }
+        for (ride, wheelset) in rides.iter().zip(&self.wheelsets) {
+            let first = velocities + COORDINATES * wheelset.body;
+            let cube = ride.speed * ride.speed * ride.speed;
+            for i in 0..=HEIGHT {
+                change[first + i] -= cube * ride.up[i] * ride.begin[0][3];
+            }
+            change[first + ROLL] -= cube * ride.begin[1][3];
+        }
+        workspace.tangent = Some(tangent);
+        workspace.carried = carried;
+    }
+
+    /// How the contacts of a wheelset change its accelerations while it takes part in the motion of the whole, beside what turning with it is.
+    fn turned_contacts(&self, workspace: &Workspace, tangent: &Tangent, wheelset: usize, whole: &Turn) -> Vector6<f64> {
+        let body = self.wheelsets[wheelset].body;
+        let motion = &workspace.system.motions[body];
+        let mut wrench = Wrench::default();
+        for side in Side::BOTH {
+            for report in workspace.reports(contact_index(wheelset, side)).filter(|report| !report.constrained) {
+                wrench.add_at(report.force, &report.wheel_point, &motion.position);
+                wrench.moment += report.axes.normal * report.creep_force.spin_moment;
+            }
+        }
+        let about = |v: &Vector3<f64>| up_cross(v) * whole.turn;
+        let displacement = joined(&whole.velocity(&motion.position), &(Vector3::z() * whole.turn));
+        let velocity = joined(&about(&motion.velocity), &about(&motion.rotation));
+        let turned = Wrench { force: about(&wrench.force), moment: about(&wrench.moment) };
+        tangent.acceleration(body, motion, [&displacement, &velocity], &turned)
+    }
+}
+
+/// Z x v.
+fn up_cross(v: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(-v.y, v.x, 0.0)
+}
+
+fn joined(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(a.x, a.y, a.z, b.x, b.y, b.z)
+}
+
+/// The motion of all bodies as one that turns about the vertical.
+struct Turn {
+    centre: Vector3<f64>,
+    travel: Vector3<f64>,
+    /// rad/s.
+    turn: f64,
+}
+
+impl Turn {
+    fn new(bodies: &[Travel], system: &SystemWorkspace) -> Turn {
+        let share = 1.0 / bodies.len().max(1) as f64;
+        let mut whole = Turn { centre: Vector3::zeros(), travel: Vector3::zeros(), turn: 0.0 };
+        for (travel, motion) in bodies.iter().zip(&system.motions) {
+            whole.centre += motion.position * share;
+            whole.travel += travel.velocity * share;
+            whole.turn += travel.turn * share;
+        }
+        whole
+    }
+
+    fn velocity(&self, at: &Vector3<f64>) -> Vector3<f64> {
+        self.travel + up_cross(&(at - self.centre)) * self.turn
+    }
+}
+
+impl Ride {
+    /// Adds the rates of a wheelset's coordinates from `first` on and of its velocities where the ride is `now`.
+    fn add_rates(&self, first: usize, velocities: usize, now: &[[f64; 4]; 2], rate: &mut [f64]) {
+        let Ride { speed, up, .. } = self;
+        let mut add = |i: usize, share: f64, to: &[f64; 4]| {
+            rate[first + i] += share * speed * to[1];
+            rate[velocities + first + i] += share * speed * speed * to[2];
+        };
+        for i in 0..=HEIGHT {
+            add(i, up[i], &now[0]);
+        }
+        add(ROLL, 1.0, &now[1]);
+    }
+}

@@ -1,0 +1,135 @@
+//! A known motion that carries the solution along, so that steps are made for what is left beside it.
+//!
+//! A wheel follows its rail, a vehicle its curve, held by forces that are stiff. A linearly implicit step knows f and J at its begin; that the
+//! rail bends on the way (by `(V h)^2 w'' / 2` until its end) comes to it as an error of stiff components, which is felt as force. So with a
+//! motion c(tau), c(0) = 0, of which the system says that the solution follows it from the step's begin t0, y0 on,
+//!
+//! ```text
+//! y = y0 + c(tau) + z(tau),   z' = F(tau, z) = f(t0 + tau, y0 + c + z) - c',   dF/dtau = J c' - c''  at tau = 0
+//! ```
+//!
+//! is solved for z by the same method in its form for systems that depend on time: a stage at a_i h evaluates f at y0 + c(a_i h) + .., takes
+//! c'(a_i h) off, and adds `gamma_i h^2 dF/dtau`, gamma_i the sum of its row of gammas. That f itself may depend on t counts in dF/dtau as little as in J.
+//!
+//! A W-method keeps its order whatever c is. With the exact J a motion that is linear in tau changes nothing at all: what c is for is its
+//! curvature. Continuous output: that of z, plus the cubic that has c and c' at both ends of the step (off by h^4 c'''' / 384).
+
+use super::Dynamics;
+
+/// c over one step.
+#[derive(Clone, Debug)]
+pub(super) struct Carried {
+    /// c and c' at the place asked for last.
+    pub shift: Vec<f64>,
+    pub rate: Vec<f64>,
+    /// c' and dF/dtau at the step's begin.
+    first: Vec<f64>,
+    change: Vec<f64>,
+    carries: bool,
+}
+
+impl Carried {
+    pub fn new(dimension: usize) -> Self {
+        let zero = || vec![0.0; dimension];
+        Carried { shift: zero(), rate: zero(), first: zero(), change: zero(), carries: false }
+    }
+
+    /// At the begin of a step, after [`Dynamics::linearise`] there.
+    pub fn begin(&mut self, dynamics: &mut dyn Dynamics) {
+        self.carries = dynamics.carry(0.0, &mut self.shift, &mut self.rate);
+        if self.carries {
+            self.first.copy_from_slice(&self.rate);
+            dynamics.carried_change(&mut self.change);
+        } else {
+            for vector in [&mut self.shift, &mut self.rate] {
+                vector.fill(0.0);
+            }
+        }
+    }
+
+    /// Finds c and c' at `ahead` [s] after the begin.
+    pub fn move_to(&mut self, dynamics: &mut dyn Dynamics, ahead: f64) {
+        if self.carries {
+            dynamics.carry(ahead, &mut self.shift, &mut self.rate);
+        }
+    }
+
+    /// Solves (I - a J) x = x + weight dF/dtau in place.
+    pub fn solve(&self, dynamics: &mut dyn Dynamics, x: &mut [f64], weight: f64) {
+        if self.carries { dynamics.solve_linear_pushed(x, weight, &self.change) } else { dynamics.solve_linear(x) }
+    }
+
+    /// Adds c over a step of `h` [s], at whose end it was asked for last, to a continuous output in powers 0 to 3 of theta.
+    pub fn add_to(&self, dense: &mut [f64], h: f64) {
+        let count = self.shift.len();
+        if !self.carries {
+            return;
+        }
+        for i in 0..count {
+            let (shift, from, to) = (self.shift[i], h * self.first[i], h * self.rate[i]);
+            dense[count + i] += from;
+            dense[2 * count + i] += 3.0 * shift - 2.0 * from - to;
+            dense[3 * count + i] += from + to - 2.0 * shift;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_systems::*;
+    use super::super::{Integrator, RealTime, Rosenbrock, StiffPart};
+    use std::sync::Arc;
+
+    fn methods(h: f64) -> [(Arc<dyn Integrator>, f64); 2] {
+        [(Arc::new(Rosenbrock { tolerance: 1e9, part: StiffPart::All }), 3.0), (Arc::new(RealTime { step: h }), 2.0)]
+    }
+
+    #[test]
+    fn analytic_a_stiff_motion_that_is_carried_is_exact() {
+        // What is left is zero; between the ends of steps the cubic differs from the sine.
+        let carried = Watched {
+            motion: Some(|_, y, ahead| {
+                let [(from, _), (to, cos)] = [y[0], y[0] + ahead].map(|x| (2.0 * x).sin_cos());
+                [vec![ahead, to - from], vec![1.0, 2.0 * cos], vec![0.0, -4.0 * to]]
+            }),
+            ..rail()
+        };
+        for (method, _) in methods(0.1) {
+            let (ends, inside) = errors(method.as_ref(), carried.clone(), rail_solution, 0.1, 1.0);
+            let (own, _) = errors(method.as_ref(), rail(), rail_solution, 0.1, 1.0);
+            println!("{method:?}: {ends:.1e}, inside {inside:.1e}; without the carried motion {own:.1e}");
+            assert!(ends < 1e-13 && inside < 16.0 * 0.1f64.powi(4) / 384.0 * 1.01 && own > 1e-5);
+        }
+    }
+
+    #[test]
+    fn order_is_kept_whatever_motion_is_carried() {
+        let carried = |share| Watched {
+            motion: Some(|t, y, ahead| {
+                let (sin, cos) = (1.5 * ahead).sin_cos();
+                let [a, b, c] = [0.5 + y[0], 0.3 * t, -0.4];
+                let [shift, rate, second] = [sin, 1.5 * cos, -2.25 * sin].map(|x| vec![a * x, b * x, c * x]);
+                [shift, rate, second]
+            }),
+            ..nonlinear(share)
+        };
+        for share in [1.0, 0.4] {
+            for kind in 0..2 {
+                let expected = methods(0.1)[kind].1;
+                let at = |h: f64| errors(methods(h)[kind].0.as_ref(), carried(share), nonlinear_solution, h, 1.0);
+                let (ends, _) = orders(at, 0.02);
+                println!("order {expected} with {share} of J: {ends:.2}");
+                assert!((ends - expected).abs() < 0.25);
+            }
+        }
+    }
+
+    #[test]
+    fn equiv_a_linear_motion_changes_nothing() {
+        let carried = Watched { motion: Some(|_, _, ahead| [vec![0.3 * ahead; 3], vec![0.3; 3], vec![0.0; 3]]), ..nonlinear(1.0) };
+        // What t itself does to f is left out of J both times.
+        let (with, _) = errors(methods(0.1)[0].0.as_ref(), carried, nonlinear_solution, 0.1, 0.1);
+        let (without, _) = errors(methods(0.1)[0].0.as_ref(), nonlinear(1.0), nonlinear_solution, 0.1, 0.1);
+        assert!((with - without).abs() < 1e-15 + 1e-9 * without, "{with:e} {without:e}");
+    }
+}
