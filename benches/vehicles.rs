@@ -96,7 +96,7 @@ fn cost(scene: &Scene) -> (f64, f64) {
 }
 
 /// Scenes with their changes and the aim of times real time at 1e-5 m, where there is one.
-const CASES: [(&str, &str, Option<f64>, &[&str]); 5] = [
+const CASES: [(&str, &str, Option<f64>, &[&str]); 6] = [
     ("bogie", "bogie", None, &[]),
     ("vehicle_manchester_1, two bumps", "vehicle_manchester_1", None, &[]),
     ("vehicle_equalised, two bumps", "vehicle_equalised", None, &[]),
@@ -105,6 +105,19 @@ const CASES: [(&str, &str, Option<f64>, &[&str]); 5] = [
         "vehicle_manchester_1",
         Some(50.0),
         &["track.deviation=[]", "track.irregularity=[{kind=\"spectrum\", spectrum=\"ore_b176_low\", seed=1, from=15, to=400, fade=5}]"],
+    ),
+    (
+        "vehicle_manchester_1, the same at 60 km/h with FASTSIM 21 x 21",
+        "vehicle_manchester_1",
+        None,
+        &[
+            "track.deviation=[]",
+            "track.irregularity=[{kind=\"spectrum\", spectrum=\"ore_b176_low\", seed=1, from=15, to=400, fade=5}]",
+            "vehicle.speed=\"60 km/h\"",
+            "contact.creep.law=fastsim",
+            "contact.creep.strips=21",
+            "contact.creep.cells=21",
+        ],
     ),
     ("vehicle_curve, 582 m with flange contact", "vehicle_curve", Some(20.0), &["vehicle.initial.distance=15"]),
 ];

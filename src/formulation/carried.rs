@@ -1,4 +1,4 @@
-//! How the track carries a vehicle along: the motion that implicit integrators take for granted within a step ([`crate::solve`]).
+//! How the track carries a vehicle along: the motion that implicit integrators take for granted within a step (`src/solve/carried.rs`).
 //!
 //! From the step's begin all bodies travel on at the mean of their rates s' along the track. In a curve, whose heading psi turns by psi' for
 //! each metre, velocity v (along the track, at the body's place) and yaw turn about the vertical by `alpha = omega tau + omega' tau^2 / 2`,
