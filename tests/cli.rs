@@ -38,6 +38,16 @@ fn prop_zero_length_run_gives_the_initial_state() {
 }
 
 #[test]
+fn equiv_times_with_and_without_units() {
+    let run = |stop: &str, step: &str| {
+        let (stdout, stderr, code) = text(&wheelrail(&["run", "suspended_wheelset", "--stop", stop, "--step", step, "-o", "-"]));
+        assert_eq!(code, 0, "{stderr}");
+        stdout
+    };
+    assert_eq!(run("0.1", "0.004"), run("100 ms", "4 ms"));
+}
+
+#[test]
 fn prop_set_keeps_words_that_look_like_numbers() {
     // 60e1 is a rail; as a number it would be 600.
     let arguments = ["plan", "wheelset_s1002", "--set", "track.rail.kind=60e1", "--set", "track.inclination=0.025"];
@@ -162,6 +172,8 @@ fn prop_bad_input_is_exit_code_2_with_a_sentence_that_helps() {
         (&["run", "suspended_wheelset", "--set", "track.deviation[2].rail=left"], "1 entries"),
         (&["run", "suspended_wheelset", "--set", "vehicle.wheelset.inertia_zz=1"], "body of revolution"),
         (&["run", "suspended_wheelset", "--step", "0"], "--step 0"),
+        (&["run", "suspended_wheelset", "--step", "4 mm"], "expected a number in s; a string may carry ms, us"),
+        (&["run", "suspended_wheelset", "-o", "no/such/folder/x.csv"], "there is no folder no/such/folder; make the folder first"),
         (&["run", "suspended_wheelset", "--stop", "-1"], "--stop"),
         (&["compare", "suspended_wheelsets"], "did you mean \"suspended_wheelset\"?"),
         (&["compare", "suspended_wheelset", "--set", "vehicle.sped=30"], "did you mean \"speed\"?"),

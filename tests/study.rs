@@ -20,11 +20,11 @@ const SMALL: [&str; 14] = [
     "--integrators",
     "rk43,rk4",
     "--tolerances",
-    "1e-5",
+    "3e-5,1e-5",
     "--steps",
     "5 ms,2 ms",
     "--stop",
-    "0.8",
+    "800 ms",
     "--repeats",
     "2",
 ];
@@ -47,6 +47,7 @@ fn prop_study_writes_csv_pictures_and_words() {
         "hunting wavelength",
         "input held",
         "ECF-A, rk4, step 5 ms: failed: t = ",
+        "note: rk43: tolerance 3e-5 left out, it takes ",
     ] {
         assert!(stdout.contains(words), "{words}:\n{stdout}");
     }
@@ -83,6 +84,7 @@ fn prop_study_writes_csv_pictures_and_words() {
     ] {
         let svg = std::fs::read_to_string(pictures.join(format!("suspended_wheelset_{name}.svg"))).unwrap();
         assert!(svg.contains(words) && (svg.contains("<poly") || svg.contains("<circle")), "{name}");
+        assert_eq!(svg.contains("bars: spread of up to 2 runs"), name.starts_with("time"), "{name}");
     }
     assert_eq!(stderr.lines().count(), std::fs::read_dir(&pictures).unwrap().count(), "one message per picture: {stderr}");
 }
@@ -101,6 +103,9 @@ fn prop_bad_arguments_are_named() {
     for (arguments, words) in [
         (&["--integrators", "rk44"][..], "--integrators rk44 (did you mean \"rk4\"?): expected some of "),
         (&["--steps", "5 kg"], "--steps 5 kg: expected a number in s"),
+        (&["--step", "5 kg"], "expected a number in s; a string may carry ms"),
+        (&["--integrators", "dormand_prince", "--tolerances", "1e-4"], "dormand_prince: tolerance 1e-4 left out, it takes 1e-15 to 1e-5"),
+        (&["-o", "no/such/folder/x.csv"], "there is no folder no/such/folder; make the folder first"),
         (&["--tolerances=-1"], "--tolerances -1: expected a number in m"),
         (&["--budget", "0"], "--budget 0: expected a number greater than 0"),
         (&["--stop", "0"], "--stop 0: expected a time of at least one output step"),

@@ -3,6 +3,7 @@
 use super::{Failure, SceneArguments, print, table};
 use crate::fmi::package::{self, PackageError, PackedScene};
 use crate::sim::unit::Unit;
+use crate::study::digits::rounded;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -92,7 +93,7 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
             row
         })
         .collect();
-    print(&format!("\nIts own library, stepped by {} ms through the C interface:\n\n", 1e3 * run.step));
+    print(&format!("\nIts own library, stepped by {} ms through the C interface:\n\n", rounded(1e3 * run.step)));
     print(&table(&head, &body));
     if run.stop > 0.0 {
         print(&format!("\n  {} s simulated in {elapsed:.3} s, start and outputs included.\n", run.stop));

@@ -17,7 +17,9 @@ use crate::scene::load::{self, SceneError};
 use crate::scene::spec::{MOST_STEPS, Scene};
 use crate::settings::did_you_mean;
 use crate::sim::Simulation;
+use crate::units::Dimension;
 use clap::{Args, Parser, Subcommand};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Vehicles on real wheel/rail contact: from a scene file to an FMI 2.0 co-simulation FMU.
@@ -92,11 +94,11 @@ impl WheelsetArgument {
 /// Simulated time and its sampling.
 #[derive(Args)]
 struct TimeArguments {
-    /// Stop time in s [default: run.stop of the scene]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    /// Stop time, s or with a unit [default: run.stop of the scene]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = seconds)]
     stop: Option<f64>,
-    /// Output step in s [default: run.step of the scene]
-    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    /// Output step, s or with a unit, e.g. "4 ms" [default: run.step of the scene]
+    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = seconds)]
     step: Option<f64>,
 }
 
@@ -115,6 +117,21 @@ impl TimeArguments {
             return Err(Failure::Input(format!("--step {step:?}: that would be {:.1e} output rows", stop / step)));
         }
         Ok((stop, step))
+    }
+}
+
+/// Reads a time: "0.004" or "4 ms".
+fn seconds(text: &str) -> Result<f64, String> {
+    let plain = text.trim().parse::<f64>().ok();
+    plain.or_else(|| Dimension::Time.parse(text)).ok_or_else(|| format!("expected {}", Dimension::Time.expectation()))
+}
+
+/// Why a file can't be written: most often its folder is missing.
+fn unwritable(path: &Path, error: &std::io::Error) -> String {
+    let folder = path.parent().filter(|folder| error.kind() == std::io::ErrorKind::NotFound && !folder.exists());
+    match folder {
+        Some(folder) => format!("{}: can't be written: there is no folder {}; make the folder first", path.display(), folder.display()),
+        None => format!("{}: can't be written: {error}", path.display()),
     }
 }
 

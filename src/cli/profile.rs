@@ -167,7 +167,7 @@ fn write(path: &Path, text: &str) -> Result<(), Failure> {
         return Ok(());
     }
     let done = std::fs::File::create(path).and_then(|mut file| file.write_all(text.as_bytes()));
-    done.map_err(|error| Failure::Input(format!("{}: can't be written: {error}", path.display())))
+    done.map_err(|error| Failure::Input(super::unwritable(path, &error)))
 }
 
 /// A number with a fixed count of decimals; what rounds to zero has no sign.

@@ -4,6 +4,7 @@ use super::progress::Progress;
 use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, plot, print, table};
 use crate::sim::recording::{self, Recording};
 use crate::sim::vehicle_outputs::scene_outputs;
+use crate::study::digits::rounded;
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -90,9 +91,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else if !to_stdout {
         print(&summary(&scene.title, wheelset, &recording));
         print(&format!(
-            "\n  {simulated} s simulated in {elapsed:.3} s ({} times real time with outputs every {} ms):\n  {} steps, {} rejected, {} evaluations of the right-hand side\n",
+            "\n  {} s simulated in {elapsed:.3} s ({} times real time with outputs every {} ms):\n  {} steps, {} rejected, {} evaluations of the right-hand side\n",
+            rounded(simulated),
             times(simulated / elapsed.max(1e-9)),
-            1e3 * step,
+            rounded(1e3 * step),
             statistics.steps,
             statistics.rejected,
             statistics.evaluations
@@ -123,7 +125,7 @@ pub(super) fn open_csv(path: &Path) -> Result<Box<dyn Write>, Failure> {
     if path == Path::new("-") {
         return Ok(Box::new(std::io::stdout().lock()));
     }
-    let file = std::fs::File::create(path).map_err(|error| Failure::Input(format!("{}: can't be written: {error}", path.display())))?;
+    let file = std::fs::File::create(path).map_err(|error| Failure::Input(super::unwritable(path, &error)))?;
     Ok(Box::new(std::io::BufWriter::new(file)))
 }
 

@@ -41,7 +41,7 @@ pub(super) fn table(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Input(format!("--nu {nu}: expected a number from 0 to 0.5")));
     }
     // Before minutes of work: can the file be written at all?
-    let failed = |error: std::io::Error| format!("{}: can't be written: {error}", output.display());
+    let failed = |error: std::io::Error| super::unwritable(output, &error);
     drop(std::fs::OpenOptions::new().write(true).create(true).truncate(false).open(output).map_err(|error| Failure::Input(failed(error)))?);
     let style = ProgressStyle::with_template("{wide_bar} {percent} % {eta}").unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::new(0).with_style(style);

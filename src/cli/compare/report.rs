@@ -5,6 +5,7 @@ use super::pairs;
 use super::quantity::{Apart, QUANTITIES, Samples, Trace};
 use crate::cli::table;
 use crate::scene::spec::Scene;
+use crate::study::digits::rounded;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
@@ -90,7 +91,7 @@ fn number(value: f64) -> String {
 pub(super) fn text(comparison: &Comparison) -> String {
     let Times { stop, step } = comparison.times;
     let width = comparison.runs.iter().map(|run| run.name.len()).max().unwrap_or(0);
-    let mut text = format!("{}\n{stop} s with each formulation, sampled every {} ms\n\n", comparison.scene.title, 1e3 * step);
+    let mut text = format!("{}\n{stop} s with each formulation, sampled every {} ms\n\n", comparison.scene.title, rounded(1e3 * step));
     for run in comparison.runs {
         let kind = match run.rigid {
             Some(true) => "rigid:   ",

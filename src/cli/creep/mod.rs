@@ -74,7 +74,7 @@ pub(super) fn creep(arguments: &Arguments) -> Result<(), Failure> {
     let table = cases::table(&results(&cases, &laws));
     match arguments.output.as_deref() {
         Some(path) if path != Path::new("-") => {
-            std::fs::write(path, table).map_err(|error| Failure::Input(format!("{}: can't be written: {error}", path.display())))?;
+            std::fs::write(path, table).map_err(|error| Failure::Input(super::unwritable(path, &error)))?;
             say(&format!("wrote {}", path.display()));
         }
         _ => print(&table),

@@ -64,7 +64,7 @@ fn write_sheet(file: &Path, size: (u32, u32), draw: impl Fn(&Area) -> Result<(),
     }
     let drawn = format!("width=\"{}\" height=\"{}\"", FINE * size.0, FINE * size.1);
     let svg = svg.replacen(&drawn, &format!("width=\"{}\" height=\"{}\"", size.0, size.1), 1);
-    std::fs::write(file, svg).map_err(|error| format!("{}: can't be written: {error}", file.display()))
+    std::fs::write(file, svg).map_err(|error| crate::cli::unwritable(file, &error))
 }
 
 /// A range with some air around the values.

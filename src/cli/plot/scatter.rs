@@ -80,7 +80,7 @@ pub(in crate::cli) fn draw(file: &Path, title: &str, subtitle: &str, axes: [&str
         root.present()
     };
     sheet(&mut svg).map_err(|error| format!("{}: can't be drawn: {error}", file.display()))?;
-    std::fs::write(file, svg).map_err(|error| format!("{}: can't be written: {error}", file.display()))
+    std::fs::write(file, svg).map_err(|error| crate::cli::unwritable(file, &error))
 }
 
 /// A rectangle on the sheet, in pixels.

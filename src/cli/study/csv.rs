@@ -1,6 +1,6 @@
 //! All points as CSV: what the study is in `#` lines, then one row per point, coupled runs last.
 
-use crate::study::accuracy::{COUPLING, Errors, FACTOR, HOLDS, Measured, Outcome, Quantity, Setting, Standing, Study};
+use crate::study::accuracy::{Apart, COUPLING, Errors, FACTOR, HOLDS, Measured, Outcome, Quantity, Setting, Standing, Study};
 use std::io::Write;
 
 /// The columns.
@@ -84,14 +84,13 @@ pub(super) fn write(mut writer: impl Write, study: &Study) -> std::io::Result<()
     }
     for difference in &study.differences {
         let [first, second] = [difference.first, difference.second].map(|model| study.models[model].name.as_str());
-        let Errors { y, normal, quotient, wavelength: waves } = difference.errors;
-        let text = format!(
-            "{first} against {second}: y {:.3e} m, N {:.3e} N (95 %), YQ {:.3e} (95 %){}: no numerical error",
-            y.largest,
-            normal.most,
-            quotient.most,
-            wavelength(waves)
-        );
+        let how = ["y", "N (95 %)", "YQ (95 %)", "wavelength"];
+        let part = |(quantity, how): (Quantity, &str)| match study.apart(difference, quantity)? {
+            Apart::Told(apart) => Some(format!("{how} {apart:.3e} {}", quantity.unit()).trim_end().to_string()),
+            Apart::Untold => Some(format!("{how} not to be told from the references")),
+        };
+        let parts: Vec<String> = Quantity::ALL.into_iter().zip(how).filter_map(part).collect();
+        let text = format!("{first} against {second}: {}: no numerical error", parts.join(", "));
         note(&mut writer, "models", &text)?;
     }
     for text in &study.notes {

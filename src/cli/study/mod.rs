@@ -5,7 +5,7 @@ mod pictures;
 mod words;
 
 use super::run::open_csv;
-use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, print, say};
+use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, print, say, seconds};
 use crate::contact::creep;
 use crate::formulation;
 use crate::scene::spec::Scene;
@@ -18,9 +18,19 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::{Path, PathBuf};
 
+/// What is run where nothing is named.
+const TOLERANCES: &str = "1e-4,3e-5,1e-5,1e-6,1e-7,1e-8,1e-10";
+const STEPS: &str = "5 ms,2 ms,1 ms,0.5 ms,0.2 ms,0.1 ms";
+
+/// Of a list out of which each method takes what is in its range.
+fn help(what: &str, standard: &str) -> String {
+    format!("{what}; each takes those in its range [default: {standard}]")
+}
+
 #[derive(Args)]
 #[command(after_long_help = "\
-Every chosen formulation runs with every chosen integrator at every tolerance (adaptive methods) or step (fixed ones). An error is the \
+Every chosen formulation runs with every chosen integrator at those of the tolerances (adaptive methods) or steps (fixed ones) that the \
+integrator takes. An error is the \
 distance to the reference of the same model at the scene's output times: two independent methods at tight tolerance, whose distance is \
 the reference's uncertainty. Errors below 100 times that are not told; where no point is above, the study refuses (exit code 1). Lateral \
 displacement counts with its largest error, normal force and Y/Q with that which 95 % of the samples keep (both jump where a contact is \
@@ -35,7 +45,8 @@ Cheap points come first; what does not fit into the budget is not run and named.
 Pictures: SCENE_time_QUANTITY.svg (error against CPU time) and SCENE_work_QUANTITY.svg (against evaluations of the right-hand side) for y, N, YQ and the \
 hunting wavelength, SCENE_best.svg (the points that no other one beats) and SCENE_communication.svg.
 
-Exit code: 0, 1 when the study is refused or a file can't be written, 2 when the scene or an argument makes no sense.")]
+Exit code: 0, 1 when the study is refused or a file can't be written to its end, 2 when the scene or an argument makes no sense or names \
+a place where nothing can be written.")]
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
@@ -45,11 +56,9 @@ pub(super) struct Arguments {
     /// Integrators, e.g. "dormand_prince,rk4" [default: all]
     #[arg(long, value_name = "NAME[,NAME]", value_delimiter = ',')]
     integrators: Vec<String>,
-    /// Tolerances of adaptive methods
-    #[arg(long, value_name = "TOL[,TOL]", value_delimiter = ',', default_value = "1e-4,3e-5,1e-5,1e-6,1e-7,1e-8,1e-10")]
+    #[arg(long, value_name = "TOL[,TOL]", value_delimiter = ',', help = help("Tolerances of adaptive methods", TOLERANCES))]
     tolerances: Vec<String>,
-    /// Steps of methods with fixed steps
-    #[arg(long, value_name = "H[,H]", value_delimiter = ',', default_value = "5 ms,2 ms,1 ms,0.5 ms,0.2 ms,0.1 ms")]
+    #[arg(long, value_name = "H[,H]", value_delimiter = ',', help = help("Steps of methods with fixed steps", STEPS))]
     steps: Vec<String>,
     /// Creep laws, e.g. "fastsim,polach" [default: the scene's]
     #[arg(long, value_name = "NAME[,NAME]", value_delimiter = ',')]
@@ -65,11 +74,11 @@ pub(super) struct Arguments {
     communication_steps: Vec<String>,
     #[command(flatten)]
     wheelset: WheelsetArgument,
-    /// Stop time in s [default: run.stop of the scene, less where the budget asks for it]
-    #[arg(long, value_name = "T")]
+    /// Stop time, s or with a unit [default: run.stop of the scene, less where the budget asks for it]
+    #[arg(long, value_name = "T", value_parser = seconds)]
     stop: Option<f64>,
-    /// Distance of the output times in s [default: run.step of the scene]
-    #[arg(long, value_name = "H")]
+    /// Distance of the output times, s or with a unit, e.g. "4 ms" [default: run.step of the scene]
+    #[arg(long, value_name = "H", value_parser = seconds)]
     step: Option<f64>,
     /// Timed runs of each point; the median counts
     #[arg(long, value_name = "N", default_value_t = 3)]
@@ -112,12 +121,20 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
     {
         return Err(Failure::Input(format!("--stop {stop}: expected a time of at least one output step, {} s", request.step)));
     }
+    let left_out = left_out(arguments, &request)?;
     // Whatever can't be written is better known before the runs.
     let csv = arguments.output.as_deref().map(open_csv).transpose()?;
     if let Some(folder) = &arguments.plot {
         std::fs::create_dir_all(folder).map_err(|error| Failure::Input(format!("{}: can't be made: {error}", folder.display())))?;
     }
-    let study = run(&request)?;
+    let mut study = run(&request).map_err(|failure| match failure {
+        Failure::Run(reason) => {
+            let notes: String = left_out.iter().map(|note| format!("\n  note: {note}")).collect();
+            Failure::Run(reason + &notes)
+        }
+        other => other,
+    })?;
+    study.notes.splice(0..0, left_out);
     if let (Some(csv), Some(path)) = (csv, &arguments.output) {
         csv::write(csv, &study).map_err(|error| Failure::Run(format!("{}: can't be written: {error}", path.display())))?;
     }
@@ -135,6 +152,13 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
         say(&format!("wrote {}", file.display()));
     }
     Ok(())
+}
+
+/// What the methods do not take of lists that the user gave; of the standard ones each is known to take a part.
+fn left_out(arguments: &Arguments, request: &Request) -> Result<Vec<String>, Failure> {
+    let all = accuracy::left_out(&request.integrators, &request.tolerances, &request.steps).map_err(Failure::Input)?;
+    let given = |fixed: bool| if fixed { !arguments.steps.is_empty() } else { !arguments.tolerances.is_empty() };
+    Ok(all.into_iter().filter(|one| given(one.fixed)).map(|one| one.words).collect())
 }
 
 fn where_time_goes(arguments: &Arguments, scene: &Scene) -> Result<(), Failure> {
@@ -186,8 +210,8 @@ fn request(arguments: &Arguments, scene_step: f64) -> Result<Request<'_>, Failur
         overrides: &arguments.scene.overrides,
         formulations: chosen("--formulations", &arguments.formulations, names(formulation::REGISTRY))?,
         integrators: chosen("--integrators", &arguments.integrators, methods.collect())?,
-        tolerances: numbers("--tolerances", &arguments.tolerances, Dimension::Length)?,
-        steps: numbers("--steps", &arguments.steps, Dimension::Time)?,
+        tolerances: numbers("--tolerances", &or_standard(&arguments.tolerances, TOLERANCES), Dimension::Length)?,
+        steps: numbers("--steps", &or_standard(&arguments.steps, STEPS), Dimension::Time)?,
         creep_laws: laws,
         node_spacings: numbers("--node-spacing", &arguments.node_spacing, Dimension::Length)?,
         smoothings: numbers("--smoothing", &arguments.smoothing, Dimension::Length)?,
@@ -202,6 +226,10 @@ fn request(arguments: &Arguments, scene_step: f64) -> Result<Request<'_>, Failur
             None => None,
         },
     })
+}
+
+fn or_standard(given: &[String], standard: &str) -> Vec<String> {
+    if given.is_empty() { standard.split(',').map(String::from).collect() } else { given.to_vec() }
 }
 
 fn names<P>(registry: &'static [Entry<P>]) -> Vec<&'static str> {

@@ -1,10 +1,11 @@
 //! The study's pictures.
 
-use super::words::size;
+use super::words::{size, useless};
 use crate::cli::plot::loglog::{self, Mark, Panel, Series, Sheet};
 use crate::cli::plot::scatter;
 use crate::solve;
-use crate::study::accuracy::{COUPLING, HOLDS, Measured, Model, Outcome, Quantity, Standing, Study, front};
+use crate::study::accuracy::{Apart, COUPLING, HOLDS, Measured, Model, Outcome, Quantity, Setting, Standing, Study, front};
+use crate::study::digits::rounded;
 use std::path::{Path, PathBuf};
 
 /// A horizontal axis.
@@ -67,7 +68,7 @@ fn style(integrator: &str) -> usize {
 
 /// What all pictures say below their title.
 fn subtitles(study: &Study, stop: f64, bounds: bool) -> Vec<String> {
-    let mut lines = vec![format!("{}, {stop} s", study.title)];
+    let mut lines = vec![format!("{}, {} s", study.title, rounded(stop))];
     if bounds {
         lines.push("hollow with an arrow: better than this, which is all that the reference can tell".into());
     }
@@ -77,7 +78,7 @@ fn subtitles(study: &Study, stop: f64, bounds: bool) -> Vec<String> {
 /// One panel per variant, one series per integrator; nothing where no point can be shown.
 fn errors(folder: &Path, study: &Study, quantity: Quantity, along: &Along) -> Result<Option<PathBuf>, String> {
     let mut panels = Vec::new();
-    let mut bounded = Vec::new();
+    let (mut bounded, mut runs) = (Vec::new(), 0);
     for (index, variant) in study.variants.iter().enumerate() {
         let Some(model) = study.model_of(index) else { continue };
         let mut series: Vec<Series> = Vec::new();
@@ -90,6 +91,7 @@ fn errors(folder: &Path, study: &Study, quantity: Quantity, along: &Along) -> Re
             };
             let [x, low, high] = (along.value)(measured, study.stop);
             let mark = Mark { x, y, low, high, bound };
+            runs = measured.cpu.len().max(runs);
             let name = point.setting.integrator;
             match series.iter_mut().find(|series| series.label == name) {
                 Some(series) => series.marks.push(mark),
@@ -119,6 +121,14 @@ fn errors(folder: &Path, study: &Study, quantity: Quantity, along: &Along) -> Re
     if !bounded.is_empty() {
         subtitles.push(format!("without a panel, better than the reference can tell: {}", bounded.join(", ")));
     }
+    if along.key == "time" && runs > 1 {
+        subtitles.push(format!("bars: spread of up to {runs} runs"));
+    }
+    match useless(study, quantity) {
+        0 => {}
+        1 => subtitles.push("not drawn: 1 point with an error larger than the motion itself".into()),
+        count => subtitles.push(format!("not drawn: {count} points with errors larger than the motion itself")),
+    }
     loglog::draw(&file, &Sheet { title: &title, subtitles: &subtitles, axes: [along.axis, &axis(quantity)], panels: &panels })?;
     Ok(Some(file))
 }
@@ -130,7 +140,10 @@ fn levels(study: &Study, model: &Model, quantity: Quantity) -> (Vec<f64>, String
         let [first, second] = [difference.first, difference.second].map(|index| &study.models[index]);
         let other = if first.name == model.name { second } else { first };
         let concerned = first.name == model.name || second.name == model.name;
-        if let (true, Some(level)) = (concerned, difference.errors.of(quantity).filter(|level| *level > 0.0)) {
+        // A distance that the references can't tell is no line.
+        if let (true, Some(Apart::Told(level))) = (concerned, study.apart(difference, quantity))
+            && level > 0.0
+        {
             levels.push(level);
             words.push(format!("{} {}", other.name, size(level, quantity)));
         }
@@ -157,9 +170,8 @@ fn best(folder: &Path, study: &Study) -> Result<Option<PathBuf>, String> {
                 Standing::Below(floor) if floor > 0.0 => (floor, " (or better)"),
                 _ => continue,
             };
-            let number =
-                point.setting.tolerance().map_or(format!("{} ms", 1e3 * point.setting.value), |tolerance| format!("{tolerance:.0e}"));
-            let label = format!("{} {} {number}{better}", study.variants[point.variant].label(), point.setting.integrator);
+            let Setting { integrator, .. } = point.setting;
+            let label = format!("{} {integrator} {}{better}", study.variants[point.variant].label(), point.setting.number());
             labels.push((label, 1e3 * measured.median(), error));
         }
     }
@@ -168,7 +180,7 @@ fn best(folder: &Path, study: &Study) -> Result<Option<PathBuf>, String> {
     }
     let points: Vec<scatter::Point> = labels.iter().map(|(label, x, y)| scatter::Point { label, x: *x, y: *y }).collect();
     let file = folder.join(format!("{}_best.svg", study.scene));
-    let subtitle = format!("{}, {} s; ECCF and ACCF are rigid, ECF elastic: errors within each model", study.title, study.stop);
+    let subtitle = format!("{}, {} s; ECCF and ACCF are rigid, ECF elastic: errors within each model", study.title, rounded(study.stop));
     scatter::draw(
         &file,
         "What to choose: in its model nothing is more exact and faster",

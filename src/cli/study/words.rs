@@ -2,7 +2,8 @@
 
 use super::csv::machine;
 use crate::cli::table;
-use crate::study::accuracy::{Best, COUPLING, FACTOR, HOLDS, Model, Outcome, Point, Quantity, Setting, Standing, Study, best};
+use crate::study::accuracy::{Apart, Best, COUPLING, FACTOR, HOLDS, Model, Outcome, Point, Quantity, Standing, Study, best};
+use crate::study::digits::rounded;
 use serde_json::{Value, json};
 
 /// Accuracies that are asked for, SI.
@@ -53,10 +54,22 @@ fn model_words(study: &Study, model: &Model) -> String {
     format!("{kind} contact ({}){changes}", names.join(", "))
 }
 
+/// Accuracies out of `levels` that are smaller than the model's motion itself.
+fn sensible(model: &Model, quantity: Quantity, levels: &[f64]) -> Vec<f64> {
+    let motion = model.reference.as_ref().ok().and_then(|reference| reference.motion.of(quantity)).unwrap_or(f64::INFINITY);
+    levels.iter().copied().filter(|level| *level < motion).collect()
+}
+
+/// Points with an error that is larger than the motion itself.
+pub(super) fn useless(study: &Study, quantity: Quantity) -> usize {
+    study.points.iter().filter(|point| study.standing(point, quantity) == Standing::Useless).count()
+}
+
 /// The whole text.
 pub(super) fn text(study: &Study) -> String {
     let whose = study.wheelset.as_deref().map_or("the worst wheelset and wheel count".into(), |name| format!("errors of {name}"));
-    let mut text = format!("{}\n{} s, outputs every {} ms, {whose}; {}\n", study.title, study.stop, 1e3 * study.step, machine());
+    let mut text =
+        format!("{}\n{} s, outputs every {} ms, {whose}; {}\n", study.title, rounded(study.stop), rounded(1e3 * study.step), machine());
     for note in &study.notes {
         text += &format!("  note: {note}\n");
     }
@@ -104,6 +117,11 @@ fn choices(study: &Study, quantity: Quantity, levels: &[f64]) -> String {
         return format!("\n  {}: {why}\n", quantity.words());
     }
     for (index, model) in study.models.iter().enumerate() {
+        let levels = &sensible(model, quantity, levels);
+        if let (true, Ok(reference)) = (levels.is_empty(), &model.reference) {
+            let motion = size(reference.motion.of(quantity).unwrap_or(0.0), quantity);
+            text += &format!("\n  {}, {}: changes by {motion}, less than any accuracy here\n", quantity.words(), model_words(study, model));
+        }
         let found = best(study, index, quantity, levels);
         if found.is_empty() {
             continue;
@@ -148,7 +166,13 @@ fn differences(study: &Study) -> String {
         let [first, second] = [difference.first, difference.second].map(|model| model_words(study, &study.models[model]));
         let parts: Vec<String> = Quantity::ALL
             .into_iter()
-            .filter_map(|quantity| difference.errors.of(quantity).map(|value| format!("{} {}", quantity.words(), size(value, quantity))))
+            .filter_map(|quantity| {
+                let words = match study.apart(difference, quantity)? {
+                    Apart::Told(value) => size(value, quantity),
+                    Apart::Untold => "not to be told from the references".into(),
+                };
+                Some(format!("{} {words}", quantity.words()))
+            })
             .collect();
         text += &format!("  {first} against {second}: {}\n", parts.join(", "));
     }
@@ -162,7 +186,7 @@ fn coupling(study: &Study) -> String {
     steps.dedup();
     let head: Vec<String> = ["largest error of y at a communication step of".to_string()]
         .into_iter()
-        .chain(steps.iter().map(|step| format!("{} ms", 1e3 * step)))
+        .chain(steps.iter().map(|step| format!("{} ms", rounded(1e3 * step))))
         .collect();
     let mut rows = Vec::new();
     for (hold, words) in HOLDS.iter().enumerate() {
@@ -181,17 +205,23 @@ fn coupling(study: &Study) -> String {
 /// Points that gave nothing, with their reasons.
 fn counts(study: &Study) -> String {
     let mut text = String::new();
-    let told =
-        |wanted: fn(&Standing) -> bool| study.points.iter().filter(|point| wanted(&study.standing(point, Quantity::Displacement))).count();
-    let below = told(|standing| matches!(standing, Standing::Below(_)));
-    let useless = told(|standing| matches!(standing, Standing::Useless));
-    if below > 0 {
-        let are = if below == 1 { "point is" } else { "points are" };
-        text += &format!("  {below} {are} more exact in y than the references can tell: only the bound is drawn\n");
-    }
-    if useless > 0 {
-        let have = if useless == 1 { "point has" } else { "points have" };
-        text += &format!("  {useless} {have} an error in y larger than the motion itself: not drawn\n");
+    let points = |count: usize| if count == 1 { "1 point".to_string() } else { format!("{count} points") };
+    for quantity in Quantity::ALL {
+        let standings: Vec<Standing> = study.points.iter().map(|point| study.standing(point, quantity)).collect();
+        let below = standings.iter().filter(|standing| matches!(standing, Standing::Below(_))).count();
+        let words = quantity.words();
+        if below > 0 {
+            text += &format!("  {words}: {} more exact than the references can tell: only the bound is drawn\n", points(below));
+        }
+        if useless(study, quantity) > 0 {
+            text += &format!("  {words}: {} with an error larger than the motion itself: not drawn\n", points(useless(study, quantity)));
+        }
+        // Where no point has it the choices have said why.
+        let done = study.points.iter().zip(&standings).filter(|(point, _)| matches!(point.outcome, Outcome::Done { .. }));
+        let absent = done.filter(|(_, standing)| **standing == Standing::Absent).count();
+        if absent > 0 && standings.iter().any(|standing| *standing != Standing::Absent) {
+            text += &format!("  {words}: {} where it is absent or moves by less than the reference can tell: not drawn\n", points(absent));
+        }
     }
     for (index, variant) in study.variants.iter().enumerate() {
         let own: Vec<&Point> = study.points.iter().filter(|point| point.variant == index).collect();
@@ -219,8 +249,7 @@ fn failures(label: &str, points: &[&Point], integrator: &str) -> String {
     let mut first: Option<&str> = None;
     for point in points.iter().filter(|point| point.setting.integrator == integrator) {
         if let Outcome::Failed(reason) = &point.outcome {
-            let Setting { fixed, value, .. } = point.setting;
-            settings.push(if fixed { format!("step {} ms", 1e3 * value) } else { format!("tolerance {value:.0e}") });
+            settings.push(format!("{} {}", if point.setting.fixed { "step" } else { "tolerance" }, point.setting.number()));
             first = first.or(Some(reason));
         }
     }
@@ -235,7 +264,7 @@ pub(super) fn json(study: &Study) -> Value {
     let mut all = Vec::new();
     for (quantity, levels) in LEVELS {
         for (index, model) in study.models.iter().enumerate() {
-            for one in best(study, index, quantity, levels) {
+            for one in best(study, index, quantity, &sensible(model, quantity, levels)) {
                 all.push(json!({"quantity": quantity, "model": model.name, "levels": one.levels, "point": one.point, "error": one.error}));
             }
         }

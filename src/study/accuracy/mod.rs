@@ -9,13 +9,15 @@
 //!   where a contact is found or lost, so that the largest difference only tells that two runs jump nanoseconds apart), and hunting
 //!   wavelength; always the worst wheelset or wheel. Samples at which a wheel stands where the curvature of its rail jumps are left out.
 //! - *Cost*: CPU time of one thread, runs one after the other and without outputs, median of repeated runs.
-//! - *Models*: the distance between the references of two models is no error of either and is named on its own.
+//! - *Models*: the distance between the references of two models is no error of either and is named on its own, where it is more than
+//!   both references are uncertain by.
 //! - *Budget*: what is predicted not to fit into the time that is left is not run, and the study says so. Which points are run depends
 //!   on the machine; their errors do not, to the uncertainty of the reference, which is as tight as the budget allows.
 
 mod best;
 mod clock;
 mod communication;
+mod difference;
 mod division;
 mod errors;
 mod observation;
@@ -28,11 +30,12 @@ mod variant;
 pub use best::{Best, best, front};
 pub use clock::cpu_time;
 pub use communication::{COUPLING, Coupled, HOLDS};
+pub use difference::{Apart, ModelDifference};
 pub use errors::{Distance, Errors, Quantity};
 pub use observation::{Observation, is_smooth};
 pub use reference::{Reference, Standing};
-pub use run::{Measured, Setting};
-pub use study::{Model, ModelDifference, Outcome, Point, Request, Study, StudyError, study};
+pub use run::{LeftOut, Measured, Setting, left_out};
+pub use study::{Model, Outcome, Point, Request, Study, StudyError, study};
 pub use variant::Variant;
 
 /// A point is drawn where its error is at least this many times the reference's uncertainty.

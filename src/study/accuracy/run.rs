@@ -8,6 +8,7 @@ use crate::scene::spec::Scene;
 use crate::sim::Simulation;
 use crate::sim::recording::{Recording, communication_points};
 use crate::solve::{self, SettingKind, Statistics};
+use crate::study::digits::rounded;
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -24,11 +25,12 @@ pub struct Setting {
 impl Setting {
     /// "dormand_prince, tolerance 1e-7".
     pub fn words(&self) -> String {
-        if self.fixed {
-            format!("{}, step {} ms", self.integrator, 1e3 * self.value)
-        } else {
-            format!("{}, tolerance {:.0e}", self.integrator, self.value)
-        }
+        format!("{}, {} {}", self.integrator, if self.fixed { "step" } else { "tolerance" }, self.number())
+    }
+
+    /// "1e-7" or "0.5 ms".
+    pub fn number(&self) -> String {
+        number(self.fixed, self.value)
     }
 
     pub fn tolerance(&self) -> Option<f64> {
@@ -38,6 +40,11 @@ impl Setting {
     pub fn step(&self) -> Option<f64> {
         self.fixed.then_some(self.value)
     }
+}
+
+/// A step [s] (`fixed`) or a tolerance [m] in words.
+fn number(fixed: bool, value: f64) -> String {
+    if fixed { format!("{} ms", rounded(1e3 * value)) } else { format!("{:e}", rounded(value)) }
 }
 
 /// Span of a run and the distance of its output times, s.
@@ -58,13 +65,59 @@ pub(super) fn method(name: &str) -> Result<Arc<dyn solve::Integrator>, String> {
     Ok(parsed.1)
 }
 
+/// Does a method have fixed steps, and which numbers does it take?
+fn takes(name: &str) -> Result<(bool, (f64, f64)), String> {
+    let setting = method(name)?.setting();
+    Ok((setting.kind == SettingKind::Step, setting.range))
+}
+
 /// Settings of an integrator out of the lists that fit it.
 pub(super) fn settings(name: &'static str, tolerances: &[f64], steps: &[f64]) -> Result<Vec<Setting>, String> {
-    let setting = method(name)?.setting();
-    let fixed = setting.kind == SettingKind::Step;
-    let fits = |value: &&f64| (setting.range.0..=setting.range.1).contains(*value);
+    let (fixed, (least, most)) = takes(name)?;
     let values = if fixed { steps } else { tolerances };
-    Ok(values.iter().filter(fits).map(|value| Setting { integrator: name, fixed, value: *value }).collect())
+    let fits = values.iter().filter(|value| (least..=most).contains(*value));
+    Ok(fits.map(|value| Setting { integrator: name, fixed, value: *value }).collect())
+}
+
+/// Numbers of a list that a method does not take.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOut {
+    /// Are they steps? Otherwise they are tolerances.
+    pub fixed: bool,
+    /// "dormand_prince: tolerance 1e-4 left out, it takes 1e-15 to 1e-5".
+    pub words: String,
+}
+
+/// What is left out of the lists of tolerances [m] and steps [s], by method.
+///
+/// # Errors
+/// In words, where nothing is left for any method.
+pub fn left_out(integrators: &[&'static str], tolerances: &[f64], steps: &[f64]) -> Result<Vec<LeftOut>, String> {
+    let mut all = Vec::new();
+    let (mut left, mut wanted) = (0, [false; 2]);
+    for name in integrators {
+        let (fixed, (least, most)) = takes(name)?;
+        wanted[usize::from(fixed)] = true;
+        let values = if fixed { steps } else { tolerances };
+        let outside: Vec<String> =
+            values.iter().filter(|value| !(least..=most).contains(*value)).map(|value| number(fixed, *value)).collect();
+        left += values.len() - outside.len();
+        if !outside.is_empty() {
+            let what = format!("{}{}", if fixed { "step" } else { "tolerance" }, if outside.len() > 1 { "s" } else { "" });
+            let [least, most] = [least, most].map(|value| number(fixed, value));
+            all.push(LeftOut { fixed, words: format!("{name}: {what} {} left out, it takes {least} to {most}", outside.join(", ")) });
+        }
+    }
+    if left == 0 {
+        let words: Vec<String> = all.into_iter().map(|one| one.words).collect();
+        return Err(format!("no tolerance and no step is left for any method: {}", words.join("; ")));
+    }
+    for (fixed, what) in [(false, "tolerances"), (true, "steps")] {
+        if !wanted[usize::from(fixed)] {
+            all.push(LeftOut { fixed, words: format!("{what} left out: none of the methods takes one") });
+        }
+    }
+    Ok(all)
 }
 
 /// The scene with another integrator.
@@ -133,9 +186,10 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// CPU time per simulated second: the median.
+    /// CPU time per simulated second: the median, of an even number of runs the mean of the middle two.
     pub fn median(&self) -> f64 {
-        self.cpu.get(self.cpu.len() / 2).copied().unwrap_or(f64::NAN)
+        let middle = |place: usize| self.cpu.get(place).copied().unwrap_or(f64::NAN);
+        0.5 * (middle(self.cpu.len().saturating_sub(1) / 2) + middle(self.cpu.len() / 2))
     }
 
     /// Smallest and largest.

@@ -2,6 +2,7 @@
 
 use super::clock::{Budget, cpu_time};
 use super::communication::{self, Coupled};
+use super::difference::{ModelDifference, differences};
 use super::division::{PILOTS, POINTS, POINTS_ALONE, shortened, turns};
 use super::errors::{Errors, Quantity};
 use super::reference::{self, ENDS, METHODS, Reference, Standing};
@@ -79,15 +80,6 @@ pub struct Model {
     pub reference: Result<Reference, String>,
 }
 
-/// How far the references of two models are apart: no error of either.
-#[derive(Clone, Debug, Serialize)]
-pub struct ModelDifference {
-    /// Indices in [`Study::models`].
-    pub first: usize,
-    pub second: usize,
-    pub errors: Errors,
-}
-
 /// What was found.
 #[derive(Clone, Debug, Serialize)]
 pub struct Study {
@@ -133,6 +125,7 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
     let budget = Budget::new(request.budget);
     let own = load::open(request.scene, request.overrides)?;
     let mut notes = Vec::new();
+    run::left_out(&request.integrators, &request.tolerances, &request.steps).map_err(StudyError::Setting)?;
     let mut items_of = Vec::new();
     for name in &request.integrators {
         items_of.extend(run::settings(name, &request.tolerances, &request.steps).map_err(StudyError::Setting)?);
@@ -305,20 +298,6 @@ fn models(variants: &[Variant], prepared: &[Prepared]) -> Vec<Model> {
         }
     }
     models
-}
-
-/// Every other model against the first elastic one, or against the first of all.
-fn differences(models: &[Model]) -> Vec<ModelDifference> {
-    let known = |model: &Model| model.reference.as_ref().ok().map(|reference| reference.observation.clone());
-    let first = models.iter().position(|model| !model.rigid && model.reference.is_ok());
-    let Some(base) = first.or_else(|| models.iter().position(|model| model.reference.is_ok())) else { return Vec::new() };
-    let Some(standard) = known(&models[base]) else { return Vec::new() };
-    let others = models.iter().enumerate().filter(|(index, _)| *index != base);
-    others
-        .filter_map(|(index, model)| {
-            Some(ModelDifference { first: index, second: base, errors: Errors::between(&known(model)?, &standard) })
-        })
-        .collect()
 }
 
 impl Study {

@@ -116,6 +116,13 @@ fn prop_a_small_study_is_deterministic_and_ranks_steps() {
     // Elastic wheels sink in, which lateral displacement feels by less than 1 um here: more than any error of the reference.
     let apart = first.differences[0].errors.y.largest;
     assert!((1e-8..1e-5).contains(&apart), "{apart:e}");
+    assert_eq!(first.apart(&first.differences[0], Quantity::Displacement), Some(Apart::Told(apart)));
+    // The same distance below what both references are uncertain by is no fact.
+    let mut uncertain = first.clone();
+    for model in &mut uncertain.models {
+        model.reference.as_mut().unwrap().uncertainty.y.largest = 0.6 * apart;
+    }
+    assert_eq!(uncertain.apart(&uncertain.differences[0], Quantity::Displacement), Some(Apart::Untold));
     for model in 0..2 {
         let found = best(&first, model, Quantity::Displacement, &[1e-3, 1e-4, 1e-6]);
         assert!(!found.is_empty() && found.iter().all(|one| one.levels.iter().all(|level| one.error <= *level)), "{found:?}");
@@ -123,6 +130,29 @@ fn prop_a_small_study_is_deterministic_and_ranks_steps() {
     let all: Vec<usize> = (0..first.points.len()).collect();
     let cheap = front(&first, &all, Quantity::Displacement);
     assert!(cheap.len() < all.len() && cheap.windows(2).all(|pair| pair[0] != pair[1]));
+}
+
+#[test]
+fn analytic_the_median_of_an_even_number_of_runs_lies_between_the_middle_two() {
+    let median = |cpu: &[f64]| Measured { cpu: cpu.to_vec(), statistics: Default::default(), work: Default::default() }.median();
+    assert_eq!([median(&[1.0]), median(&[1.0, 3.0]), median(&[1.0, 2.0, 7.0]), median(&[1.0, 2.0, 4.0, 9.0])], [1.0, 2.0, 2.0, 3.0]);
+    assert!(median(&[]).is_nan());
+}
+
+/// Each method takes what is in its range; what it does not take is named, and nothing at all is an error.
+#[test]
+fn prop_tolerances_and_steps_that_no_method_takes_are_named() {
+    let words = |integrators: &[&'static str], tolerances: &[f64], steps: &[f64]| -> Vec<String> {
+        left_out(integrators, tolerances, steps).unwrap().into_iter().map(|one| one.words).collect()
+    };
+    let explicit = words(&["dormand_prince", "rosenbrock", "rk4"], &[1e-4, 3e-5, 1e-6], &[1e-3]);
+    assert_eq!(explicit, ["dormand_prince: tolerances 1e-4, 3e-5 left out, it takes 1e-15 to 1e-5"]);
+    assert_eq!(words(&["rk4"], &[1e-6], &[1e-3]), ["tolerances left out: none of the methods takes one"]);
+    let none = left_out(&["dormand_prince"], &[1e-4], &[1e-3]).unwrap_err();
+    assert!(none.ends_with("dormand_prince: tolerance 1e-4 left out, it takes 1e-15 to 1e-5"), "{none}");
+    let overrides = Vec::new();
+    let empty = Request { integrators: vec!["dormand_prince"], tolerances: vec![1e-4], ..request(&overrides) };
+    assert!(matches!(study(&empty, &mut |_, _| {}), Err(StudyError::Setting(words)) if words.contains("1e-5")));
 }
 
 /// References that are no better than the points tell nothing.

@@ -2,6 +2,7 @@
 
 use crate::scene::load::{self, SceneError};
 use crate::scene::spec::Scene;
+use crate::study::digits::rounded;
 use serde::Serialize;
 
 /// One way to describe the scene's contact.
@@ -71,8 +72,8 @@ impl Variant {
     /// What is changed beside the formulation: "creep law polach, nodes every 0.2 mm"; empty when nothing is.
     pub fn changes(&self) -> String {
         let law = self.creep_law.map(|law| format!("creep law {law}"));
-        let spacing = self.node_spacing.map(|spacing| format!("nodes every {} mm", 1e3 * spacing));
-        let smoothing = self.smoothing.map(|smoothing| format!("smoothing {} mm", 1e3 * smoothing));
+        let spacing = self.node_spacing.map(|spacing| format!("nodes every {} mm", rounded(1e3 * spacing)));
+        let smoothing = self.smoothing.map(|smoothing| format!("smoothing {} mm", rounded(1e3 * smoothing)));
         [law, spacing, smoothing].into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 

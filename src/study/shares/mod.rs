@@ -130,6 +130,8 @@ pub struct Shares {
     pub statistics: Statistics,
     /// In the order of the parts; a part that the run does not have has the share 0.
     pub shares: Vec<Share>,
+    /// Why the parts can't be trusted, where they were measured as more than the whole.
+    pub doubt: Option<String>,
 }
 
 impl Shares {
@@ -158,6 +160,8 @@ struct Times {
     own: f64,
     reading: f64,
     writing: f64,
+    /// What was measured as less than nothing, which the parts above do not show.
+    clipped: f64,
 }
 
 impl Times {
@@ -171,6 +175,7 @@ impl Times {
             own: self.own.min(other.own),
             reading: self.reading.min(other.reading),
             writing: self.writing.min(other.writing),
+            clipped: self.clipped.max(other.clipped),
         }
     }
 }
@@ -263,6 +268,7 @@ pub fn shares(scene: &Scene, span: Span, repeats: usize) -> Result<Shares, Strin
         watched: times.sum(),
         statistics: plain.simulation.statistics(),
         shares: divide(&times, &parts),
+        doubt: doubt(&times, &parts),
     })
 }
 
@@ -271,7 +277,34 @@ fn cleared(tallies: &[Tally; CALLS], [advancing, reading, writing]: [f64; 3], [i
     let raw = tallies.map(|tally| tally.time.as_secs_f64());
     let counts = tallies.map(|tally| tally.count as f64);
     let own = advancing - raw.iter().sum::<f64>() - (all - inside) * counts.iter().sum::<f64>();
-    Times { calls: std::array::from_fn(|call| (raw[call] - inside * counts[call]).max(0.0)), own: own.max(0.0), reading, writing }
+    let calls: [f64; CALLS] = std::array::from_fn(|call| raw[call] - inside * counts[call]);
+    let clipped = calls.iter().chain([&own]).map(|seconds| (-seconds).max(0.0)).sum();
+    Times { calls: calls.map(|seconds| seconds.max(0.0)), own: own.max(0.0), reading, writing, clipped }
+}
+
+/// Parts of a right-hand side that were measured by themselves, s.
+fn apart(replay: &Replay) -> f64 {
+    replay.normal + replay.creep + replay.track + replay.forces + replay.equations
+}
+
+/// What speaks against the parts: each was measured by itself, so that on a busy machine they may be more than the whole.
+fn doubt(times: &Times, replay: &Replay) -> Option<String> {
+    /// Of the whole: less than nothing by so little is the clock's noise.
+    const NOISE: f64 = 0.01;
+    let percent = |part: f64, whole: f64| format!("{:.0} %", 100.0 * part / whole);
+    let mut reasons = Vec::new();
+    if apart(replay) > replay.whole {
+        let sum = percent(apart(replay), replay.whole);
+        reasons.push(format!("the parts of a right-hand side were measured as {sum} of it, and nothing is left for the search"));
+    }
+    if replay.jacobian_forces > replay.jacobian {
+        let sum = percent(replay.jacobian_forces, replay.jacobian);
+        reasons.push(format!("the force elements of a Jacobian were measured as {sum} of it"));
+    }
+    if times.clipped > NOISE * times.sum() {
+        reasons.push(format!("{} of the run were measured as less than nothing", percent(times.clipped, times.sum())));
+    }
+    (!reasons.is_empty()).then(|| format!("not to be trusted: {}; repeat it on a quiet machine", reasons.join(", ")))
 }
 
 /// All parts, with the times of the calls divided as the replay says.
@@ -279,11 +312,11 @@ fn divide(times: &Times, replay: &Replay) -> Vec<Share> {
     let whole = times.sum();
     let [derivatives, jacobians, factorisations, solutions, keeping] = times.calls;
     let Replay { normal, creep, track, forces, equations, .. } = *replay;
-    let rest = (replay.whole - normal - creep - track - forces - equations).max(0.0);
-    // With the measuring errors of the parts the sum may be more than the whole.
-    let all = normal + creep + track + forces + equations + rest;
+    let rest = (replay.whole - apart(replay)).max(0.0);
+    // With the measuring errors of the parts the sum may be more than the whole, which `doubt` says.
+    let all = apart(replay) + rest;
     let of_derivatives = |part: f64| if all > 0.0 { derivatives * part / all } else { 0.0 };
-    let of_forces = if replay.jacobian > 0.0 { replay.jacobian_forces / replay.jacobian } else { 0.0 };
+    let of_forces = if replay.jacobian > 0.0 { (replay.jacobian_forces / replay.jacobian).min(1.0) } else { 0.0 };
     let (search, together) = if replay.equations > 0.0 { (rest, 0.0) } else { (0.0, rest) };
     let seconds = |part: Part| match part {
         Part::ContactSearch => of_derivatives(search),

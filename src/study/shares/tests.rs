@@ -174,6 +174,15 @@ fn analytic_the_clock_is_taken_off_and_times_are_divided() {
     let found = divide(&times, &Replay { whole: 4e-6, ..parts });
     let sum: f64 = found.iter().map(|share| share.share).sum();
     assert!(found[0].share == 0.0 && (sum - 1.0).abs() < 1e-12, "{found:?}");
+    // Which is said, and nothing else where all is well.
+    assert_eq!(doubt(&times, &parts), None);
+    let said = |replay: Replay| doubt(&times, &replay).unwrap();
+    let more = said(Replay { whole: 4e-6, ..parts });
+    assert!(more.contains("measured as 150 % of it") && more.contains("repeat it on a quiet machine"), "{more}");
+    assert!(said(Replay { jacobian_forces: 5e-6, ..parts }).contains("force elements of a Jacobian were measured as 125 % of it"));
+    // 26 calls take more than the 52 us that were not spent in calls.
+    let busy = cleared(&tallies, [230e-6, 40e-6, 10e-6], [1e-6, 3e-6]);
+    assert!(near(busy.own, 0.0) && near(busy.clipped, 22.0) && doubt(&busy, &parts).unwrap().contains("less than nothing"), "{busy:?}");
 }
 
 /// What the watch itself takes is some tens of nanoseconds, and less of it inside the call's time than in all.

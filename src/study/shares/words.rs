@@ -1,6 +1,7 @@
 //! Shares as a table in words.
 
 use super::{Group, Part, Shares};
+use crate::study::digits::rounded;
 use std::fmt::{Display, Formatter, Result};
 
 impl Part {
@@ -42,14 +43,15 @@ impl Group {
 
 impl Display for Shares {
     fn fmt(&self, out: &mut Formatter) -> Result {
-        let setting = if self.fixed { format!("step {} ms", 1e3 * self.setting) } else { format!("tolerance {:.0e}", self.setting) };
+        let setting =
+            if self.fixed { format!("step {} ms", rounded(1e3 * self.setting)) } else { format!("tolerance {:.0e}", self.setting) };
         writeln!(out, "Where the time of a run goes: {}, {}, {}, {setting}", self.scene, self.formulation, self.integrator)?;
         writeln!(
             out,
             "{} s with {} outputs every {} ms: {:.2} ms per simulated second, {} times real time ({:.2} ms under the watch)",
             self.stop,
             self.outputs,
-            1e3 * self.step,
+            rounded(1e3 * self.step),
             1e3 * self.seconds / self.stop,
             factor(self.stop / self.seconds),
             1e3 * self.watched / self.stop
@@ -79,7 +81,7 @@ impl Display for Shares {
                 }
             }
         }
-        Ok(())
+        self.doubt.as_ref().map_or(Ok(()), |doubt| writeln!(out, "  {doubt}"))
     }
 }
 

@@ -1,0 +1,50 @@
+//! How far models are apart: no numerical error of either.
+
+use super::errors::{Errors, Quantity};
+use super::study::{Model, Study};
+use serde::Serialize;
+
+/// How far the references of two models are apart: no error of either.
+#[derive(Clone, Debug, Serialize)]
+pub struct ModelDifference {
+    /// Indices in [`Study::models`].
+    pub first: usize,
+    pub second: usize,
+    pub errors: Errors,
+}
+
+/// A distance of two models in the light of their references.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Apart {
+    /// SI.
+    Told(f64),
+    /// Smaller than what both references together are uncertain by.
+    Untold,
+}
+
+/// Every other model against the first elastic one, or against the first of all.
+pub(super) fn differences(models: &[Model]) -> Vec<ModelDifference> {
+    let known = |model: &Model| model.reference.as_ref().ok().map(|reference| reference.observation.clone());
+    let first = models.iter().position(|model| !model.rigid && model.reference.is_ok());
+    let Some(base) = first.or_else(|| models.iter().position(|model| model.reference.is_ok())) else { return Vec::new() };
+    let Some(standard) = known(&models[base]) else { return Vec::new() };
+    let others = models.iter().enumerate().filter(|(index, _)| *index != base);
+    others
+        .filter_map(|(index, model)| {
+            Some(ModelDifference { first: index, second: base, errors: Errors::between(&known(model)?, &standard) })
+        })
+        .collect()
+}
+
+impl Study {
+    /// What can be said of the distance of two models; `None` where the quantity does not occur.
+    pub fn apart(&self, difference: &ModelDifference, quantity: Quantity) -> Option<Apart> {
+        let apart = difference.errors.of(quantity)?;
+        let uncertain = |model: usize| {
+            let reference = self.models[model].reference.as_ref().ok();
+            reference.and_then(|reference| reference.uncertainty.of(quantity)).unwrap_or(f64::INFINITY)
+        };
+        let least = uncertain(difference.first) + uncertain(difference.second);
+        Some(if apart < least { Apart::Untold } else { Apart::Told(apart) })
+    }
+}
