@@ -2,7 +2,7 @@
 //!
 //! The run is the scene's, with its integrator and all its outputs at equal intervals, and written as CSV (into memory). What the
 //! integrator asks of the model is timed around each call (see [`watch`]); what is left of the time between two outputs is the
-//! integrator's own: sums of stages, error norm, step control, continuous output. What a right-hand side and a Jacobian consist of is
+//! integrator's own: sums of stages, carried motion, error norm, step control, continuous output. What a right-hand side and a Jacobian consist of is
 //! measured on evaluations out of that run, made again in parts (see [`replay`]).
 //!
 //! Each call's time is cleared of the clock's own. The run is repeated; each part counts with its shortest time, and all parts

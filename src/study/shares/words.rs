@@ -20,7 +20,7 @@ impl Part {
             Part::Factorisation => "factorisations",
             Part::LinearSystems => "solving with them",
             Part::Constraints => "projection onto constraints, breaks of the track, events",
-            Part::Integrator => "integrator: sums of stages, error norm, step control, continuous output",
+            Part::Integrator => "integrator: sums of stages, carried motion, error norm, step control, continuous output",
             Part::ReadingOutputs => "an evaluation at each output time, and reading them",
             Part::WritingOutputs => "writing them as CSV",
         }
