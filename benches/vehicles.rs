@@ -136,6 +136,7 @@ fn main() {
             ("rosenbrock", "1e-4"),
             ("rosenbrock", "5e-5"),
             ("rosenbrock", "3e-5"),
+            ("rosenbrock", "2e-5"),
             ("rosenbrock", "1e-5"),
             ("rosenbrock", "1e-6"),
             ("imex", "1e-5"),
