@@ -51,9 +51,14 @@ impl Dynamics for Watched {
     fn coordinates(&self) -> usize {
         self.coordinates
     }
-    fn linearise(&mut self, t: f64, y: &[f64], _: &[f64], _: StiffPart) -> Result<(), Undefined> {
+    /// Contact stands for the last equation alone.
+    fn linearise(&mut self, t: f64, y: &[f64], _: &[f64], part: StiffPart) -> Result<(), Undefined> {
         assert_eq!((t, y), (self.last.0, &self.last.1[..]), "an evaluation at the same place must come right before");
         self.matrix = self.share * (self.jacobian)(t, y);
+        if part == StiffPart::Contact {
+            let last = self.matrix.nrows() - 1;
+            self.matrix.rows_mut(0, last).fill(0.0);
+        }
         self.begin = self.last.clone();
         Ok(())
     }

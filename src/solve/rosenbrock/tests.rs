@@ -80,11 +80,13 @@ fn analytic_the_method_is_stiffly_accurate_and_l_stable() {
 
 #[test]
 fn order_three_with_any_jacobian_and_output_of_order_three() {
-    for share in [1.0, 0.5, 0.0, -0.3] {
-        let at = |h| errors(&free(StiffPart::All), nonlinear(share), nonlinear_solution, h, 2.0);
+    // The last one is `imex`.
+    let (all, contact) = (StiffPart::All, StiffPart::Contact);
+    for (share, part) in [(1.0, all), (0.5, all), (0.0, all), (-0.3, all), (1.0, contact)] {
+        let at = |h| errors(&free(part), nonlinear(share), nonlinear_solution, h, 2.0);
         let (ends, inside) = orders(at, 0.1);
         println!(
-            "share {share} of the Jacobian: order {ends:.2} at the ends, {inside:.2} inside, errors at 0.1: {:.1e} and {:.1e}",
+            "share {share} of the Jacobian ({part:?}): order {ends:.2} at the ends, {inside:.2} inside, errors at 0.1: {:.1e} and {:.1e}",
             at(0.1).0,
             at(0.1).1
         );
@@ -163,9 +165,11 @@ fn hard_van_der_pol_takes_few_steps_and_keeps_the_jacobian_on_rejection() {
 
 #[test]
 fn prop_restored_states_go_on_in_the_same_bits() {
-    let method = Rosenbrock { tolerance: 1e-5, part: StiffPart::All };
-    assert_restores_bits(&method, None);
-    assert_restores_bits(&method, Some(1.0));
+    for part in [StiffPart::All, StiffPart::Contact] {
+        let method = Rosenbrock { tolerance: 1e-5, part };
+        assert_restores_bits(&method, None);
+        assert_restores_bits(&method, Some(1.0));
+    }
 }
 
 #[test]
