@@ -29,17 +29,13 @@ use super::rigid::wheels;
 use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::station::Station;
-use crate::mbs::body::{COORDINATES, Wrench};
+use crate::mbs::body::{COORDINATES, ROLL, Wrench, YAW};
 use crate::mbs::system::SystemWorkspace;
 use crate::mbs::tangent::Tangent;
 use nalgebra::{Vector3, Vector6};
 
 /// Greatest n_y / n_z of a contact on a tread.
 const STEEPEST: f64 = 0.3;
-
-const HEIGHT: usize = 2;
-const YAW: usize = 3;
-const ROLL: usize = 4;
 
 /// The motion from one state on.
 #[derive(Clone, Debug, Default)]
@@ -79,8 +75,7 @@ impl Travel {
     /// What position, velocity and acceleration are after `ahead` [s], the first counted from the begin.
     fn after(&self, ahead: f64) -> [Vector3<f64>; 3] {
         let Travel { velocity: v, turn, winding } = *self;
-        let straight = turn == 0.0 && winding == 0.0;
-        if straight {
+        if turn == 0.0 && winding == 0.0 {
             return [v * ahead, v, Vector3::zeros()];
         }
         let (sin, cos) = (turn * ahead + 0.5 * winding * ahead * ahead).sin_cos();
@@ -117,8 +112,8 @@ impl Model {
         [[0, 1, 2, 3].map(|i| 0.5 * (h[i] + g[i])), [0, 1, 2, 3].map(|i| (h[i] - g[i]) / spacing)]
     }
 
-    /// Notes how the bodies travel on from the state that was evaluated last.
-    pub(super) fn note_carried(&self, workspace: &mut Workspace) {
+    /// Notes how the bodies travel on from the state that was evaluated last and linearised as `tangent`.
+    pub(super) fn note_carried(&self, workspace: &mut Workspace, tangent: &Tangent) {
         let mut carried = std::mem::take(&mut workspace.carried);
         let SystemWorkspace { motions, stations, .. } = &workspace.system;
         let advance = |body: usize| stations.get(body).map_or(motions[body].speed, |station| station.travel);
@@ -127,8 +122,7 @@ impl Model {
         for (body, travel) in carried.bodies.iter_mut().enumerate() {
             *travel = Travel { velocity: Vector3::x() * advance, ..Travel::default() };
             if let Some(Station { frame, .. }) = stations.get(body) {
-                let stretch = 1.0 - (motions[body].position - frame.origin).dot(&frame.bend());
-                travel.velocity = frame.along() * (advance * stretch);
+                travel.velocity = frame.along() * (advance * frame.stretch(&(motions[body].position - frame.origin)));
                 travel.turn = (frame.axes * frame.turn).z * advance;
                 travel.winding = (frame.axes * frame.turn1).z * advance * advance;
             }
@@ -149,8 +143,8 @@ impl Model {
                 ride.begin = self.ride(ride.tilt, ride.distance);
             }
         }
+        self.find_change(&mut carried, workspace, tangent);
         workspace.carried = carried;
-        self.note_change(workspace);
     }
 
     /// c and c' after `ahead` [s]: what is added to the state that was linearised last, and its rate.
@@ -173,16 +167,12 @@ impl Model {
         }
         for (ride, wheelset) in rides.iter().zip(&self.wheelsets) {
             let first = COORDINATES * wheelset.body;
-            let Ride { speed, up, begin: [height, roll], .. } = ride;
-            let to = self.ride(ride.tilt, ride.distance + speed * ahead);
-            let mut add = |i: usize, share: f64, from: &[f64; 4], to: &[f64; 4]| {
+            let to = self.ride(ride.tilt, ride.distance + ride.speed * ahead);
+            for (i, share, k) in ride.rows() {
+                let (from, to) = (&ride.begin[k], &to[k]);
                 shift[first + i] += share * (to[0] - from[0]);
-                shift[velocities + first + i] += share * speed * (to[1] - from[1]);
-            };
-            for i in 0..=HEIGHT {
-                add(i, up[i], height, &to[0]);
+                shift[velocities + first + i] += share * ride.speed * (to[1] - from[1]);
             }
-            add(ROLL, 1.0, roll, &to[1]);
             ride.add_rates(first, velocities, &to, rate);
         }
     }
@@ -193,10 +183,8 @@ impl Model {
     }
 
     /// Finds J c' - c''.
-    fn note_change(&self, workspace: &mut Workspace) {
-        let Some(tangent) = workspace.tangent.take() else { return };
-        let mut carried = std::mem::take(&mut workspace.carried);
-        let Carried { bodies, rides, rate, change, .. } = &mut carried;
+    fn find_change(&self, carried: &mut Carried, workspace: &Workspace, tangent: &Tangent) {
+        let Carried { bodies, rides, rate, change } = carried;
         let whole = Turn::new(bodies, &workspace.system);
         let velocities = COORDINATES * bodies.len();
         rate.fill(0.0);
@@ -217,7 +205,7 @@ impl Model {
         change[..velocities].fill(0.0);
         for (index, wheelset) in self.wheelsets.iter().enumerate() {
             let body = wheelset.body;
-            let found = self.turned_contacts(workspace, &tangent, index, &whole);
+            let found = self.turned_contacts(workspace, tangent, index, &whole);
             for (own, value) in change[velocities + COORDINATES * body..].iter_mut().zip(found.iter()) {
                 *own += value;
             }
@@ -229,13 +217,10 @@ impl Model {
         for (ride, wheelset) in rides.iter().zip(&self.wheelsets) {
             let first = velocities + COORDINATES * wheelset.body;
             let cube = ride.speed * ride.speed * ride.speed;
-            for i in 0..=HEIGHT {
-                change[first + i] -= cube * ride.up[i] * ride.begin[0][3];
+            for (i, share, k) in ride.rows() {
+                change[first + i] -= cube * share * ride.begin[k][3];
             }
-            change[first + ROLL] -= cube * ride.begin[1][3];
         }
-        workspace.tangent = Some(tangent);
-        workspace.carried = carried;
     }
 
     /// How the contacts of a wheelset change its accelerations while it takes part in the motion of the whole, beside what turning with it is.
@@ -245,8 +230,7 @@ impl Model {
         let mut wrench = Wrench::default();
         for side in Side::BOTH {
             for report in workspace.reports(contact_index(wheelset, side)).filter(|report| !report.constrained) {
-                wrench.add_at(report.force, &report.wheel_point, &motion.position);
-                wrench.moment += report.axes.normal * report.creep_force.spin_moment;
+                report.add_to(&mut wrench, report.force, &motion.position);
             }
         }
         let about = |v: &Vector3<f64>| up_cross(v) * whole.turn;
@@ -292,16 +276,16 @@ impl Turn {
 }
 
 impl Ride {
+    /// Coordinates of the wheelset that take part, by what share, in H (0) or roll (1).
+    fn rows(&self) -> [(usize, f64, usize); 4] {
+        [(0, self.up.x, 0), (1, self.up.y, 0), (2, self.up.z, 0), (ROLL, 1.0, 1)]
+    }
+
     /// Adds the rates of a wheelset's coordinates from `first` on and of its velocities where the ride is `now`.
     fn add_rates(&self, first: usize, velocities: usize, now: &[[f64; 4]; 2], rate: &mut [f64]) {
-        let Ride { speed, up, .. } = self;
-        let mut add = |i: usize, share: f64, to: &[f64; 4]| {
-            rate[first + i] += share * speed * to[1];
-            rate[velocities + first + i] += share * speed * speed * to[2];
-        };
-        for i in 0..=HEIGHT {
-            add(i, up[i], &now[0]);
+        for (i, share, k) in self.rows() {
+            rate[first + i] += share * self.speed * now[k][1];
+            rate[velocities + first + i] += share * self.speed * self.speed * now[k][2];
         }
-        add(ROLL, 1.0, &now[1]);
     }
 }

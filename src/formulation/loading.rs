@@ -116,7 +116,7 @@ impl Contact<'_> {
         report.normal_force =
             self.share * damped_force(model.laws.damping.as_ref(), elastic.force, found.penetration, report.penetration_rate);
         self.creep(&mut report);
-        self.add(&report, report.force, wrench);
+        report.add_to(wrench, report.force, &self.wheel.motion.position);
         Ok(report)
     }
 
@@ -141,7 +141,7 @@ impl Contact<'_> {
         report.elastic_slope = elastic.slope;
         self.creep(report);
         let mut wrench = Wrench::default();
-        self.add(report, report.force - report.axes.normal * elastic.force, &mut wrench);
+        report.add_to(&mut wrench, report.force - report.axes.normal * elastic.force, &self.wheel.motion.position);
         wrench
     }
 
@@ -176,12 +176,6 @@ impl Contact<'_> {
         }
         let (axes, creep) = (&report.axes, &report.creep_force);
         report.force = axes.normal * report.normal_force + axes.e1 * creep.longitudinal + axes.e2 * creep.lateral;
-    }
-
-    #[inline]
-    fn add(&self, report: &ContactReport, force: Vector3<f64>, wrench: &mut Wrench) {
-        wrench.add_at(force, &self.found.wheel_point, &self.wheel.motion.position);
-        wrench.moment += report.axes.normal * report.creep_force.spin_moment;
     }
 
     /// A loaded contact must lie on both profiles, and roll fast enough for the laws of creepage.

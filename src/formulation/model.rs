@@ -19,7 +19,7 @@ use crate::geometry::Side;
 use crate::geometry::profile::ProfilePoint;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::Track;
-use crate::mbs::body::BodyMotion;
+use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::system::{System, SystemWorkspace};
 use crate::mbs::tangent::Tangent;
 use nalgebra::Vector3;
@@ -145,6 +145,15 @@ pub struct ContactReport {
     pub iterations: usize,
     /// Is the contact a constraint (its normal force a multiplier), not elastic?
     pub constrained: bool,
+}
+
+impl ContactReport {
+    /// Adds `force` [N] of this contact and its spin moment to the wrench of a wheelset whose centre is at `centre`.
+    #[inline]
+    pub(super) fn add_to(&self, wrench: &mut Wrench, force: Vector3<f64>, centre: &Vector3<f64>) {
+        wrench.add_at(force, &self.wheel_point, centre);
+        wrench.moment += self.axes.normal * self.creep_force.spin_moment;
+    }
 }
 
 /// Scratch of an evaluation; holds its findings until the next one.

@@ -14,6 +14,10 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Coordinates of one body in the state vector: x, y, z, yaw, roll, pitch.
 pub const COORDINATES: usize = 6;
+/// Places of some of them.
+pub const HEIGHT: usize = 2;
+pub const YAW: usize = 3;
+pub const ROLL: usize = 4;
 
 /// Mass properties of a rigid body.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,14 +2,12 @@
 
 use super::input::{self, InputSignal};
 use crate::formulation::{Evaluation, EvaluationError, Model, Workspace};
-use crate::mbs::body::COORDINATES;
+use crate::mbs::body::{COORDINATES, HEIGHT, ROLL};
 use crate::solve::{Dynamics, StiffPart, Undefined};
 
 /// Weight of a wheelset's height and roll in the error control: a loaded wheel's penetration is 0.07 mm, so that an error of
 /// 1e-6 m there would be one of 2 % (1.6 kN) in the wheel load. With the weight, wheel loads are about as exact as lateral motion.
 const PRESSING: f64 = 100.0;
-const HEIGHT: usize = 2;
-const ROLL: usize = 4;
 /// Place of the lead in a contact's memory.
 const LEAD: usize = 2;
 

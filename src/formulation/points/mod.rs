@@ -197,6 +197,14 @@ pub(super) fn promote(model: &Model, workspace: &Workspace, contact: usize, y: &
     }
 }
 
+/// What places are asked for.
+struct Asked<'a> {
+    wheel: &'a WheelAt<'a>,
+    /// Where the wheel's constraint is, if it has one.
+    tread: Option<&'a ContactLocation>,
+    pose: Standing,
+}
+
 impl WheelSearch {
     #[inline]
     fn load(&self, wheel: &WheelAt, slot: usize, place: Option<&Place>, wrench: &mut Wrench) -> Result<ContactReport, ContactFailure> {
@@ -219,14 +227,23 @@ impl WheelSearch {
         let (memory, rest) = memory.split_at_mut(own);
         let mut record = Record::new(rest, wheel.model.points);
         let pose = self.search.standing(&wheel.pair());
+        let asked = Asked { wheel, tread, pose };
         if record.holds(&self.search, &pose)
             && self.as_watched(wheel, &pose, memory, &mut record)
-            && self.follow(wheel, tread, &pose, (memory, &mut record), places).is_some()
+            && self.follow(&asked, memory, &mut record, places).is_some()
         {
             return Ok(());
         }
         *places = Places::default();
-        self.search(wheel, tread, &pose, (memory, &mut record), places)
+        self.search(&asked, memory, &mut record, places)
+    }
+
+    /// Notes a place that has been located, and its reply to motion, as the contact of that number.
+    #[inline]
+    fn take(&self, asked: &Asked, slot: usize, location: ContactLocation, memory: &mut [f64], record: &mut Record, places: &mut Places) {
+        record.keep(slot, &location.parameters, location.penetration, memory);
+        record.keep_reply(slot, &reply(&asked.wheel.pair(), &asked.pose, self.search.radius(), &location));
+        places[slot] = Some(Place { location, share: 1.0 });
     }
 
     /// Is what must be watched as it was?
@@ -242,14 +259,8 @@ impl WheelSearch {
 
     /// The known places, each from where it was; `None` where one of them is not found so.
     #[inline]
-    fn follow(
-        &self,
-        wheel: &WheelAt,
-        tread: Option<&ContactLocation>,
-        pose: &Standing,
-        (memory, record): (&mut [f64], &mut Record),
-        places: &mut Places,
-    ) -> Option<()> {
+    fn follow(&self, asked: &Asked, memory: &mut [f64], record: &mut Record, places: &mut Places) -> Option<()> {
+        let Asked { wheel, tread, pose } = asked;
         let constrained = tread.is_some();
         let (pair, radius, moved) = (wheel.pair(), self.search.radius(), record.moved(pose));
         for slot in usize::from(constrained)..wheel.model.points {
@@ -266,9 +277,7 @@ impl WheelSearch {
             if !is_least(&pair, &location) || known.chain(tread.map(|tread| tread.parameters.wheel)).any(taken) {
                 return None;
             }
-            record.keep(slot, &location.parameters, location.penetration, memory);
-            record.keep_reply(slot, &reply(&pair, pose, radius, &location));
-            places[slot] = Some(Place { location, share: 1.0 });
+            self.take(asked, slot, location, memory, record, places);
         }
         let mut saddles = Saddles::default();
         for (i, saddle) in saddles.iter_mut().enumerate().take(wheel.model.points - 1) {
@@ -284,14 +293,8 @@ impl WheelSearch {
     }
 
     /// A search from nothing.
-    fn search(
-        &self,
-        wheel: &WheelAt,
-        tread: Option<&ContactLocation>,
-        pose: &Standing,
-        (memory, record): (&mut [f64], &mut Record),
-        places: &mut Places,
-    ) -> Result<(), ContactFailure> {
+    fn search(&self, asked: &Asked, memory: &mut [f64], record: &mut Record, places: &mut Places) -> Result<(), ContactFailure> {
+        let Asked { wheel, tread, pose } = asked;
         let pair = wheel.pair();
         let mut minima = Minima::default();
         self.search.find(&pair, REACH, &mut minima);
@@ -323,9 +326,7 @@ impl WheelSearch {
         for (i, minimum) in minima.iter().enumerate().filter(|(i, _)| chosen[*i]) {
             let Some(slot) = numbers[i] else { continue };
             let location = self.search.polish(&pair, minimum).location;
-            record.keep(slot, &location.parameters, location.penetration, memory);
-            record.keep_reply(slot, &reply(&pair, pose, self.search.radius(), &location));
-            places[slot] = Some(Place { location, share: 1.0 });
+            self.take(asked, slot, location, memory, record, places);
         }
         let steady = minima.apart.min(minima.clearance);
         // One that found no number matters when it touches, or when it becomes deeper than one that has a number.

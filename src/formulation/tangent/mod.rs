@@ -74,8 +74,8 @@ impl Model {
             tangent.add_forces(&self.system, &workspace.system, y);
         }
         tangent.finish(&self.system, &workspace.system);
+        self.note_carried(workspace, &tangent);
         workspace.tangent = Some(tangent);
-        self.note_carried(workspace);
     }
 
     /// Factorises I - a J, a in s.

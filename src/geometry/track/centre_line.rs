@@ -287,7 +287,7 @@ impl CentreLine {
         let mut frame = self.frame(guess);
         for _ in 0..ITERATIONS {
             let offset = point - frame.origin;
-            let step = offset.dot(&frame.along()) / (1.0 - offset.dot(&frame.bend()));
+            let step = offset.dot(&frame.along()) / frame.stretch(&offset);
             let rounding = 4.0 * f64::EPSILON * (frame.distance.abs() + point.x.abs() + point.y.abs() + 1.0);
             // Not a number ends it too.
             if !(step.abs() > rounding) {

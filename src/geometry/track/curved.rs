@@ -5,7 +5,7 @@
 
 use super::centre_line::CentreLine;
 use super::frame::Jet;
-use super::{Direction, Rail, RailSection};
+use super::{Rail, RailSection};
 use crate::geometry::profile::ProfilePoint;
 use crate::geometry::surface::{SurfacePoint, ThirdDerivatives};
 use nalgebra::Vector3;
@@ -21,15 +21,7 @@ impl Rail {
     #[inline]
     fn displacement(&self, s: f64) -> Jet {
         let mut w = [Vector3::new(0.0, self.offset, 0.0), Vector3::zeros(), Vector3::zeros(), Vector3::zeros()];
-        for (direction, shape) in &self.deviations {
-            let axis = match direction {
-                Direction::Lateral => 1,
-                Direction::Vertical => 2,
-            };
-            for (w, value) in w.iter_mut().zip(shape.at(s)) {
-                w[axis] += value;
-            }
-        }
+        self.deviate(s, |axis, values| w.iter_mut().zip(values).for_each(|(w, value)| w[axis] += value));
         w
     }
 

@@ -99,6 +99,12 @@ impl TrackFrame {
         self.axes.column(1) * self.turn.z - self.axes.column(2) * self.turn.y
     }
 
+    /// By how much less a point at an offset [m] from the origin travels than the frame, -: inside a curve below 1.
+    #[inline]
+    pub fn stretch(&self, offset: &Vector3<f64>) -> f64 {
+        1.0 - offset.dot(&self.bend())
+    }
+
     /// Position in the world and first two derivatives along s of a point of the frame.
     #[inline]
     pub(in super::super) fn carry(&self, w: &Jet) -> [Vector3<f64>; 3] {

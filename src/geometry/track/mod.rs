@@ -121,6 +121,18 @@ impl Rail {
         self
     }
 
+    /// Hands over what each deviation does at distance `s` [m]: along which axis (1: Y, 2: Z), displacement and three derivatives.
+    #[inline]
+    fn deviate(&self, s: f64, mut add: impl FnMut(usize, [f64; 4])) {
+        for (direction, shape) in &self.deviations {
+            let axis = match direction {
+                Direction::Lateral => 1,
+                Direction::Vertical => 2,
+            };
+            add(axis, shape.at(s));
+        }
+    }
+
     /// Does any deviation move it?
     pub fn deviates(&self) -> bool {
         !self.deviations.is_empty()
@@ -130,10 +142,7 @@ impl Rail {
     #[inline]
     pub fn deviation(&self, s: f64) -> [[f64; 4]; 2] {
         let mut sum = [[0.0; 4]; 2];
-        for (direction, shape) in &self.deviations {
-            let own = &mut sum[usize::from(*direction == Direction::Vertical)];
-            own.iter_mut().zip(shape.at(s)).for_each(|(own, value)| *own += value);
-        }
+        self.deviate(s, |axis, values| sum[axis - 1].iter_mut().zip(values).for_each(|(own, value)| *own += value));
         sum
     }
 
@@ -194,17 +203,12 @@ impl Rail {
             up: self.up,
             turn: Vector3::zeros(),
         };
-        for (direction, shape) in &self.deviations {
-            let [value, d1, d2, d3] = shape.at(s);
-            let axis = match direction {
-                Direction::Lateral => 1,
-                Direction::Vertical => 2,
-            };
+        self.deviate(s, |axis, [value, d1, d2, d3]| {
             section.origin[axis] += value;
             section.d1[axis] += d1;
             section.d2[axis] += d2;
             section.d3[axis] += d3;
-        }
+        });
         section
     }
 }

@@ -27,7 +27,7 @@ impl Station {
     pub fn new(line: &CentreLine, point: &Vector3<f64>, velocity: &Vector3<f64>, guess: f64) -> Station {
         let frame = line.project(point, guess);
         let speed = velocity.dot(&frame.along());
-        let stretch = 1.0 - (point - frame.origin).dot(&frame.bend());
+        let stretch = frame.stretch(&(point - frame.origin));
         Station { frame, speed, travel: speed / stretch }
     }
 
