@@ -25,6 +25,7 @@ pub mod points;
 mod rail_motion;
 mod rigid;
 pub mod sliding_mean;
+pub mod swing;
 mod tangent;
 mod travel;
 pub mod work;

@@ -2,6 +2,7 @@
 
 use super::input::{self, InputSignal};
 use crate::formulation::carried::CarriedMotion;
+use crate::formulation::swing::Swings;
 use crate::formulation::{Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::{COORDINATES, HEIGHT, ROLL};
 use crate::solve::{Dynamics, StiffPart, Undefined};
@@ -25,6 +26,7 @@ pub struct ModelDynamics<'a> {
     values: &'a mut [f64],
     /// Beside which the last accepted step was made.
     carried: &'a mut CarriedMotion,
+    swings: &'a mut Swings,
     constant: bool,
     /// Why the last failed evaluation failed.
     pub failure: Option<EvaluationError>,
@@ -36,13 +38,13 @@ impl<'a> ModelDynamics<'a> {
         workspace: &'a mut Workspace,
         signals: &'a [InputSignal],
         values: &'a mut [f64],
-        carried: &'a mut CarriedMotion,
+        (carried, swings): (&'a mut CarriedMotion, &'a mut Swings),
     ) -> Self {
         let constant = signals.iter().all(|signal| signal.first == 0.0 && signal.second == 0.0);
         input::evaluate(signals, 0.0, values);
         // Inputs are those of the evaluation that found them.
         workspace.findings_marked &= constant;
-        ModelDynamics { model, workspace, signals, values, carried, constant, failure: None }
+        ModelDynamics { model, workspace, signals, values, carried, swings, constant, failure: None }
     }
 }
 
@@ -100,6 +102,14 @@ impl Dynamics for ModelDynamics<'_> {
 
     fn doubtful_error(&self) -> f64 {
         DOUBTFUL
+    }
+
+    fn swing_error(&self, error: &[f64]) -> f64 {
+        self.model.swing_error(self.swings, error)
+    }
+
+    fn note_step(&mut self, t: f64) {
+        self.model.note_swings(self.workspace, t, self.swings);
     }
 
     fn clear_findings(&mut self) {

@@ -13,6 +13,7 @@ pub mod vehicle_outputs;
 
 use crate::formulation::carried::CarriedMotion;
 use crate::formulation::events::ContactEvent;
+use crate::formulation::swing::Swings;
 use crate::formulation::work::Work;
 use crate::formulation::{AssemblyError, ContactFailure, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
 use crate::geometry::track::centre_line::CentreLine;
@@ -39,6 +40,8 @@ pub struct SimulationState {
     pub inputs: Vec<InputSignal>,
     /// The motion beside which the last step was made; its continuous output is counted from it.
     pub carried: CarriedMotion,
+    /// How far wheelsets swing.
+    pub swings: Swings,
     /// Work of the formulation on the stepping path.
     pub work: Work,
 }
@@ -46,7 +49,10 @@ pub struct SimulationState {
 impl SimulationState {
     /// Could this state have come from the same model and integrator as `other`?
     pub fn fits(&self, other: &SimulationState) -> bool {
-        self.integration.fits(&other.integration) && self.carried.fits(&other.carried) && self.inputs.len() == other.inputs.len()
+        self.integration.fits(&other.integration)
+            && self.carried.fits(&other.carried)
+            && self.swings.fits(&other.swings)
+            && self.inputs.len() == other.inputs.len()
     }
 }
 
@@ -146,7 +152,14 @@ impl Simulation {
         let mut simulation = Simulation {
             integrator: scene.solver.integrator.clone(),
             scratch: Scratch::new(y.len(), memory.len()),
-            state: SimulationState { time: start, integration, inputs, carried: CarriedMotion::default(), work: Work::default() },
+            state: SimulationState {
+                time: start,
+                integration,
+                inputs,
+                carried: CarriedMotion::default(),
+                swings: model.swings(),
+                work: Work::default(),
+            },
             workspace,
             snapshot,
             snapshot_valid: false,
@@ -243,8 +256,8 @@ impl Simulation {
     pub fn advance(&mut self, target: f64) -> Result<(), SimulationError> {
         self.snapshot_valid = false;
         self.workspace.work = Work::default();
-        let SimulationState { inputs, carried, integration, .. } = &mut self.state;
-        let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, inputs, &mut self.snapshot.inputs, carried);
+        let SimulationState { inputs, carried, swings, integration, .. } = &mut self.state;
+        let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, inputs, &mut self.snapshot.inputs, (carried, swings));
         let advanced = self.integrator.advance(&mut dynamics, integration, &mut self.scratch, target);
         let failure = dynamics.failure.take();
         self.state.work += self.workspace.work;

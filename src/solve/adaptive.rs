@@ -139,6 +139,7 @@ pub(super) fn step<P: Pair>(
         if state.derivative_known {
             dynamics.mark_findings();
         }
+        dynamics.note_step(end);
         scratch.carried.keep(dynamics, state);
         scratch.completed = true;
         if let Some(margin) = ending.margin.filter(|margin| *margin < 0.0) {
@@ -191,11 +192,12 @@ fn finish<P: Pair>(
     Ok(End { stage, moved, margin, error: if error.is_nan() { f64::INFINITY } else { error } })
 }
 
-/// An error of the state as it counts: of controlled components, and of forces in parts of what is allowed.
+/// An error of the state as it counts: of controlled components; of forces, and against the motion's own size, in parts of what is allowed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LocalError {
     pub state: f64,
     pub load: f64,
+    pub swing: f64,
 }
 
 impl LocalError {
@@ -204,11 +206,11 @@ impl LocalError {
         let mut largest: f64 = 0.0;
         for (i, error) in error.iter().enumerate() {
             if !error.is_finite() {
-                return LocalError { state: f64::INFINITY, load: f64::INFINITY };
+                return LocalError { state: f64::INFINITY, load: f64::INFINITY, swing: f64::INFINITY };
             }
             largest = largest.max(dynamics.error_weight(i) * error.abs());
         }
-        LocalError { state: largest, load: dynamics.load_error(error) }
+        LocalError { state: largest, load: dynamics.load_error(error), swing: dynamics.swing_error(error) }
     }
 
     /// Of an error vector whose controlled components all count alike.
@@ -225,7 +227,7 @@ impl LocalError {
 
     /// In parts of what is allowed.
     fn over(&self, tolerance: f64) -> f64 {
-        (self.state / tolerance).max(self.load)
+        (self.state / tolerance).max(self.load).max(self.swing)
     }
 }
 

@@ -118,7 +118,7 @@ impl FixedStep {
     /// Judges the step that was just accepted by its error, which is in `scratch.stages[WORK]`.
     pub fn judge(&self, dynamics: &dyn Dynamics, state: &mut IntegrationState, scratch: &Scratch) -> Result<(), SolveError> {
         let error = LocalError::unweighted(dynamics, &scratch.stages[WORK]);
-        let limit = |times: f64| LocalError { state: times * dynamics.doubtful_error(), load: times * DOUBTFUL };
+        let limit = |times: f64| LocalError { state: times * dynamics.doubtful_error(), load: times * DOUBTFUL, swing: f64::INFINITY };
         let doubtful = error.reaches(&limit(1.0));
         state.doubts.run = if doubtful { state.doubts.run + 1 } else { 0 };
         if error.reaches(&limit(WRONG)) || state.doubts.run >= LASTING {

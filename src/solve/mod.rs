@@ -69,6 +69,14 @@ pub trait Dynamics {
         0.0
     }
 
+    /// The same for what is held against the motion itself, whatever the tolerance.
+    fn swing_error(&self, _error: &[f64]) -> f64 {
+        0.0
+    }
+
+    /// Notes that a step with step-size control has been accepted; f was evaluated last at its end.
+    fn note_step(&mut self, _t: f64) {}
+
     /// Error of a controlled component from which a fixed step is doubtful, in that component's own unit.
     fn doubtful_error(&self) -> f64 {
         f64::INFINITY
