@@ -1,5 +1,6 @@
 //! `wheelrail hard`: the hard cases, each with what must hold, and what every formulation and integrator makes of it.
 
+mod scenes;
 mod words;
 
 use super::{Failure, print, say, unwritable};
@@ -42,6 +43,15 @@ pub(super) struct Arguments {
     /// Print every row and the commands that show what is broken
     #[arg(long)]
     all: bool,
+    /// Judge so many random scenes instead
+    #[arg(long, value_name = "N", conflicts_with_all = ["cases", "markdown"])]
+    random: Option<u64>,
+    /// Seed of the first random scene; the others follow
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Print the random scene of a seed as TOML
+    #[arg(long, value_name = "SEED", conflicts_with_all = ["cases", "random"])]
+    random_scene: Option<u64>,
     /// Write the table as a page
     #[arg(long, value_name = "FILE.md")]
     markdown: Option<PathBuf>,
@@ -51,6 +61,13 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn hard(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(seed) = arguments.random_scene {
+        print(&hard::random::RandomScene::draw(seed).text);
+        return Ok(());
+    }
+    if let Some(count) = arguments.random {
+        return scenes::scenes(count, arguments);
+    }
     let cases = chosen(arguments)?;
     if arguments.list {
         print(&words::list(&cases));

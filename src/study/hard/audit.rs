@@ -32,8 +32,6 @@ const GAP: f64 = 1e-10;
 const BEYOND: f64 = 1e-6;
 /// Friction of this size [N] is none.
 const NO_FORCE: f64 = 1.0;
-/// A wheel that lands is set on its rail at 0.6 N delta (see `ContactChange::Landed`); the contact held the rest of N delta.
-const LANDING: f64 = 1.0 / 0.6;
 
 /// Rates and amounts at one instant.
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,6 +65,8 @@ pub struct Audit {
     exchanged: f64,
     impulse: f64,
     landings: f64,
+    /// Largest static wheel load, N.
+    heaviest: f64,
     /// Worst of each, with its time.
     energy: (f64, f64),
     pull: (f64, f64),
@@ -97,6 +97,7 @@ impl Audit {
             exchanged: 0.0,
             impulse: 0.0,
             landings: 0.0,
+            heaviest: model.wheelsets.iter().map(|wheelset| wheelset.static_wheel_load).fold(0.0, f64::max),
             energy: zero,
             pull: zero,
             gap: zero,
@@ -127,16 +128,17 @@ impl Audit {
         self.exchanged += simpson(|at| at.exchange).abs();
         self.impulse += simpson(|at| at.lift);
         (self.last, self.pending) = ([now; 2], 0);
-        let left = (now.stored - first.stored - self.work).abs() - LANDING * self.landings;
+        let left = (now.stored - first.stored - self.work).abs() - self.landings;
         let share = left.max(0.0) / (self.exchanged + REST * self.weight);
         keep(&mut self.energy, share, now.time);
     }
 
-    /// Rigid contacts that were closed again: what that changed is known.
+    /// Rigid contacts that were closed again: what that changed is known, and what the elastic contact held until then is not more than
+    /// the work of the load over its penetration.
     pub fn note(&mut self, events: &[ContactEvent]) {
         for event in events {
-            if let ContactChange::Landed { energy, .. } = event.change {
-                self.landings += energy.abs();
+            if let ContactChange::Landed { penetration, energy, .. } = event.change {
+                self.landings += energy.abs() + self.heaviest * penetration.abs();
             }
         }
     }

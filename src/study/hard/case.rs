@@ -62,6 +62,8 @@ pub enum Must {
     Reference { methods: [Method; 2], bounds: &'static [Bound] },
     /// A formula, a conservation law or a published number.
     Formula(fn(&Ran) -> Vec<Finding>),
+    /// Ends with the same bits when a master looks in so many times.
+    Exchanges(u64),
     /// Is refused before it runs, within 2 s, in words that contain all of these.
     Refusal(&'static [&'static str]),
 }
@@ -91,6 +93,8 @@ pub struct Case {
     pub methods: &'static [Method],
     pub must: &'static [Must],
     pub audit: Audited,
+    /// May the start be refused? Else a refusal breaks the case, but for fixed steps that are too long.
+    pub refusable: bool,
     /// Does it run in the tests too?
     pub quick: bool,
 }
@@ -137,5 +141,6 @@ pub const CASE: Case = Case {
     methods: &[],
     must: &[],
     audit: AUDIT,
+    refusable: false,
     quick: true,
 };

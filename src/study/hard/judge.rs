@@ -1,9 +1,9 @@
 //! Runs a case in one formulation with all its methods and says what holds.
 
-use super::case::{Case, Method, Must};
+use super::case::{Bound, Case, Method, Must};
 use super::finding::{Finding, Unit};
 use super::open;
-use super::run::{End, Look, Ran, restored, run};
+use super::run::{End, Look, Ran, exchanged, restored, run};
 use super::trace::Trace;
 use crate::scene::spec::Scene;
 use crate::sim::Simulation;
@@ -137,7 +137,7 @@ fn row(case: &Case, formulation: &'static str, method: Option<&Method>, outcome:
 type Open<'a> = &'a dyn Fn(&Method) -> Result<Scene, String>;
 
 /// Two tight runs; the first one's trace where they agree.
-fn references(case: &Case, methods: &[Method; 2], bounds: &[super::case::Bound], scene: Open) -> Result<Trace, (Vec<Finding>, String)> {
+fn references(case: &Case, methods: &[Method; 2], bounds: &[Bound], scene: Open) -> Result<Trace, (Vec<Finding>, String)> {
     let look = Look { stop: case.stop, grid: case.grid, inputs: case.inputs, limit: REFERENCE_LIMIT, audit: case.audit };
     let tight = |method: &Method| -> Result<Ran, String> {
         let scene = scene(method)?;
@@ -153,7 +153,7 @@ fn references(case: &Case, methods: &[Method; 2], bounds: &[super::case::Bound],
     };
     let fail = |reason: String| (vec![], reason);
     let (first, second) = (tight(&methods[0]).map_err(fail)?, tight(&methods[1]).map_err(fail)?);
-    let findings: Vec<Finding> = compare(&first.trace, &second.trace, first.load, bounds, "distance of the references in", SURE);
+    let findings: Vec<Finding> = compare(&first, &second.trace, bounds, "distance of the references in", SURE);
     match findings.iter().all(Finding::holds) {
         true => Ok(first.trace),
         false => Err((findings, format!("{} and {} disagree", methods[0].words(), methods[1].words()))),
@@ -161,9 +161,10 @@ fn references(case: &Case, methods: &[Method; 2], bounds: &[super::case::Bound],
 }
 
 /// Largest distances of two runs against `share` of the bounds.
-pub(super) fn compare(found: &Trace, right: &Trace, load: f64, bounds: &[super::case::Bound], what: &str, share: f64) -> Vec<Finding> {
-    let one = |bound: &super::case::Bound| {
-        let (size, time) = found.distance(right, bound.quantity);
+fn compare(found: &Ran, right: &Trace, bounds: &[Bound], what: &str, share: f64) -> Vec<Finding> {
+    let load = found.load;
+    let one = |bound: &Bound| {
+        let (size, time) = found.trace.distance(right, bound.quantity, found.rigid);
         let words = format!("{what} {} at t = {time:.4} s", bound.quantity.words());
         match bound.quantity.is_force() {
             true => Finding::new(words, size / load, share * bound.most, Unit::Share),
@@ -173,8 +174,14 @@ pub(super) fn compare(found: &Trace, right: &Trace, load: f64, bounds: &[super::
     bounds.iter().map(one).collect()
 }
 
-fn one(case: &Case, formulation: &'static str, method: &Method, tight: Option<(&Trace, &[super::case::Bound])>, open: Open) -> Judged {
-    let refused = |reason: String| row(case, formulation, Some(method), Outcome::Refused { reason }, 0.0, 0);
+fn one(case: &Case, formulation: &'static str, method: &Method, tight: Option<(&Trace, &[Bound])>, open: Open) -> Judged {
+    let refused = |reason: String| {
+        let outcome = match case.refusable || method.is_fixed() && reason.contains("solver.step") {
+            true => Outcome::Refused { reason },
+            false => Outcome::Broken { findings: vec![], reason: format!("refused: {reason}") },
+        };
+        row(case, formulation, Some(method), outcome, 0.0, 0)
+    };
     let begin = Instant::now();
     let scene = match open(method) {
         Ok(scene) => scene,
@@ -202,11 +209,17 @@ fn one(case: &Case, formulation: &'static str, method: &Method, tight: Option<(&
     };
     let mut findings = ran.audit.findings();
     if let Some((trace, bounds)) = tight {
-        findings.extend(compare(&ran.trace, trace, ran.load, bounds, "error of", 1.0));
+        findings.extend(compare(&ran, trace, bounds, "error of", 1.0));
     }
     for must in case.must {
-        if let Must::Formula(formula) = must {
-            findings.extend(formula(&ran));
+        match must {
+            Must::Formula(formula) => findings.extend(formula(&ran)),
+            Must::Exchanges(count) => {
+                if let Err(words) = exchanged(&scene, &look, *count) {
+                    reason = if reason.is_empty() { words } else { format!("{reason}; {words}") };
+                }
+            }
+            Must::Reference { .. } | Must::Refusal(_) => {}
         }
     }
     // Starts are as quick as refusals.

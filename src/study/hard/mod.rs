@@ -4,7 +4,7 @@
 //! methods of different families, tight, whose distance must lie below the bounds that are asked of others), then every method, read on a
 //! *dense* grid that no step knows of, so that what happens between the ends of steps counts too. Each run is audited whatever the
 //! case ([`audit`]): energy, momentum, gaps of rigid contacts, sign of normal forces, bound of creep forces; and a state that is saved in
-//! the middle must lead to the same bits.
+//! the middle must lead to the same bits. [`random`] draws scenes from the whole schema and judges them in the same way.
 
 mod audit;
 mod case;
@@ -12,6 +12,7 @@ mod cases;
 mod finding;
 mod judge;
 mod open;
+pub mod random;
 mod run;
 mod trace;
 

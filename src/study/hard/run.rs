@@ -39,6 +39,8 @@ pub struct Ran {
     pub statistics: Statistics,
     /// Largest static wheel load, N.
     pub load: f64,
+    /// Are contacts constraints, so that forces jump where a place changes?
+    pub rigid: bool,
     /// Lift-offs and landings, places that vanish.
     pub mode_changes: usize,
     /// Contacts beside the first that began or ended.
@@ -83,6 +85,7 @@ pub fn run(scene: &Scene, simulation: &mut Simulation, look: &Look) -> Ran {
     let mut trace = Trace::new(simulation.model());
     let mut audit = Audit::new(scene, simulation.model(), look.audit);
     let load = simulation.model().wheelsets.iter().map(|wheelset| wheelset.static_wheel_load).fold(0.0, f64::max);
+    let rigid = simulation.model().formulation.constrains();
     let (mut cpu, mut mode_changes, mut touches, mut middle) = (0.0, 0, 0, None);
     let mut end = End::Finished;
     for sample in 0..=look.samples() {
@@ -117,7 +120,7 @@ pub fn run(scene: &Scene, simulation: &mut Simulation, look: &Look) -> Ran {
     }
     let last = (end == End::Finished).then(|| simulation.state().clone());
     let statistics = simulation.statistics();
-    Ran { trace, audit, end, cpu, statistics, load, mode_changes, touches, middle, last }
+    Ran { trace, audit, end, cpu, statistics, load, rigid, mode_changes, touches, middle, last }
 }
 
 /// Does a simulation that takes up the state of the middle end with the same bits?
@@ -140,4 +143,23 @@ pub fn restored(scene: &Scene, look: &Look, ran: &Ran) -> Result<(), String> {
     }
     let same = postcard::to_stdvec(other.state()).map_err(words)? == postcard::to_stdvec(last).map_err(words)?;
     if same { Ok(()) } else { Err("a run that was saved in its middle and restored ends elsewhere".into()) }
+}
+
+/// Does a run in many communication steps end with the same bits as one in a single step?
+///
+/// # Errors
+/// In words, what differs or fails.
+pub fn exchanged(scene: &Scene, look: &Look, count: u64) -> Result<(), String> {
+    let end = |count: u64| -> Result<Vec<f64>, String> {
+        let mut simulation = Simulation::new(scene, 0.0).map_err(|error| error.to_string())?;
+        for exchange in 1..=count {
+            simulation.advance(look.stop * exchange as f64 / count as f64).map_err(|error| error.to_string())?;
+        }
+        let mut y = simulation.state().integration.y.clone();
+        simulation.state().integration.interpolate(look.stop, &mut y);
+        Ok(y)
+    };
+    let (many, one) = (end(count)?, end(1)?);
+    let same = many.iter().zip(&one).all(|(a, b)| a.to_bits() == b.to_bits());
+    if same { Ok(()) } else { Err(format!("{count} communication steps end elsewhere than one")) }
 }

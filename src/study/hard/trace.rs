@@ -183,12 +183,17 @@ impl Trace {
         self.of(quantity).flatten().fold(0.0, |most: f64, value| most.max(value.abs()))
     }
 
-    /// The largest distance of a quantity from that of another run on the same grid, as far as both go, and when.
-    pub fn distance(&self, other: &Trace, quantity: Quantity) -> (f64, f64) {
+    /// The largest distance of a quantity from that of another run on the same grid, as far as both go, and when. `jumps`: where
+    /// forces jump, as those of rigid contacts do where their place changes, a jump may come one sample sooner or later: what lies
+    /// within the other run's three samples around is no error.
+    pub fn distance(&self, other: &Trace, quantity: Quantity, jumps: bool) -> (f64, f64) {
         let mut worst = (0.0, 0.0);
+        let around = usize::from(jumps);
         for (ours, theirs) in self.of(quantity).zip(other.of(quantity)) {
-            for ((a, b), time) in ours.iter().zip(theirs).zip(&self.time) {
-                let size = (a - b).abs();
+            for (sample, (value, time)) in ours.iter().zip(&self.time).enumerate().take(theirs.len()) {
+                let near = &theirs[sample.saturating_sub(around)..(sample + around + 1).min(theirs.len())];
+                let (low, high) = near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+                let size = if value.is_nan() { f64::NAN } else { (value - high).max(low - value).max(0.0) };
                 if size > worst.0 || size.is_nan() {
                     worst = (size, *time);
                 }

@@ -2,8 +2,12 @@
 
 mod between_steps;
 mod creep_modes;
+mod extremes;
 mod fixed_steps;
+mod friction;
 mod impacts;
+mod profiles;
+mod refusals;
 mod seen_track;
 mod verdicts;
 
@@ -12,7 +16,19 @@ use super::trace::Quantity;
 
 /// Every case, in the order of the page.
 pub fn all() -> Vec<Case> {
-    [seen_track::CASES, between_steps::CASES, creep_modes::CASES, impacts::CASES, fixed_steps::CASES, verdicts::CASES].concat()
+    [
+        seen_track::CASES,
+        between_steps::CASES,
+        creep_modes::CASES,
+        impacts::CASES,
+        fixed_steps::CASES,
+        verdicts::CASES,
+        friction::CASES,
+        extremes::CASES,
+        profiles::CASES,
+        refusals::CASES,
+    ]
+    .concat()
 }
 
 /// Adaptive methods at tolerances that people take.
@@ -36,7 +52,9 @@ const EVERY: &[Method] = &[
 ];
 
 /// The reference steps as its error asks for; what checks it takes steps that nothing makes longer.
-const TIGHT: [Method; 2] = [Method::new("dormand_prince", "tolerance=1e-9"), Method::new("rk4", "step=0.1 ms")];
+const TIGHT: [Method; 2] = [Method::new("dormand_prince", "tolerance=1e-9"), Method::new("rk4", "step=0.05 ms")];
+/// Where flanges strike.
+const TIGHT_STRIKES: [Method; 2] = [Method::new("dormand_prince", "tolerance=1e-10"), Method::new("rk4", "step=0.02 ms")];
 /// For impacts.
 const TIGHTER: [Method; 2] = [Method::new("dormand_prince", "tolerance=1e-11"), Method::new("rk4", "step=0.02 ms")];
 
@@ -47,4 +65,9 @@ const fn bound(quantity: Quantity, most: f64) -> Bound {
 /// Near to the reference in what users read.
 const fn near(bounds: &'static [Bound]) -> Must {
     Must::Reference { methods: TIGHT, bounds }
+}
+
+/// The same where flanges strike.
+const fn near_strikes(bounds: &'static [Bound]) -> Must {
+    Must::Reference { methods: TIGHT_STRIKES, bounds }
 }

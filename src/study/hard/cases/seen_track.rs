@@ -2,7 +2,7 @@
 
 use super::super::case::{ALL, CASE, Case, Method, SMOOTH};
 use super::super::trace::Quantity;
-use super::{ADAPTIVE, EVERY, bound, near};
+use super::{ADAPTIVE, EVERY, bound, near, near_strikes};
 use std::fmt::Write as _;
 
 const STRAIGHT: &str = "track.deviation=[]";
@@ -42,9 +42,8 @@ pub(super) const CASES: &[Case] = &[
             "vehicle.initial.distance=40",
         ],
         stop: 2.2,
-        formulations: ALL,
         methods: ADAPTIVE,
-        must: &[near(ROUGH)],
+        must: &[near_strikes(ROUGH)],
         ..CASE
     },
     Case {
