@@ -4,6 +4,7 @@ mod compare;
 mod contact;
 mod creep;
 mod export;
+mod hard;
 mod list;
 mod plan;
 mod plot;
@@ -46,6 +47,8 @@ enum Command {
     Plan(plan::Arguments),
     /// Show a wheel or rail profile: table, CSV, diagram
     Profile(profile::Arguments),
+    /// Run the hard cases: held, refused or broken, with numbers
+    Hard(hard::Arguments),
     /// List scenes, profiles, laws, formulations, integrators ...
     List(list::Arguments),
     /// Measure what accuracy costs in time: formulations, integrators and tolerances against references
@@ -159,6 +162,7 @@ pub fn main() -> ExitCode {
         Command::Creep(arguments) => creep::creep(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::Profile(arguments) => profile::profile(&arguments),
+        Command::Hard(arguments) => hard::hard(&arguments),
         Command::List(arguments) => list::list(&arguments),
         Command::Study(arguments) => study::study(&arguments),
         Command::Table(arguments) => table::table(&arguments),

@@ -2,11 +2,13 @@
 //!
 //! [`contact_geometry`] sets the wheelset on its rails at one lateral shift, [`sweep`] does so over a range of shifts, and
 //! [`conicity`] makes equivalent conicities of the rolling-radius difference that comes out. [`accuracy`] measures what accuracy
-//! costs in time, [`shares`] where the time of a run goes; [`digits`] writes numbers in words.
+//! costs in time, [`shares`] where the time of a run goes; [`hard`] shows that
+//! hard cases stay right; [`digits`] writes numbers in words.
 
 pub mod accuracy;
 pub mod conicity;
 pub mod contact_geometry;
 pub mod digits;
+pub mod hard;
 pub mod shares;
 pub mod sweep;

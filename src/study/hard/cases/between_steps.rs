@@ -1,0 +1,87 @@
+//! Wheel loads between the ends of long steps.
+
+use super::super::case::{CASE, Case, Method, Must, SMOOTH};
+use super::super::finding::{Finding, Unit};
+use super::super::run::Ran;
+use super::super::trace::Quantity;
+use super::{bound, near};
+
+const METHODS: &[Method] = &[
+    Method::new("rosenbrock", "tolerance=1e-4"),
+    Method::new("rosenbrock", "tolerance=3e-5"),
+    Method::new("rosenbrock", "tolerance=1e-5"),
+    Method::new("rosenbrock", "tolerance=1e-6"),
+    Method::new("imex", "tolerance=1e-5"),
+    Method::new("generalised_alpha", "step=1 ms"),
+    Method::new("real_time", "step=1 ms"),
+];
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "loads_between_steps",
+        hard: "coach on ORE B176 low with long implicit steps: Q was right at their ends and off by 17 kN between them",
+        claim: "Q to 1 %, Y to 2 % of the static load at every 0.5 ms, y to 0.05 mm, against dormand_prince 1e-9",
+        scene: "vehicle_manchester_1",
+        changes: &["track.deviation=[]", "track.irregularity=[{kind=\"spectrum\",spectrum=\"ore_b176_low\",seed=1,from=15,to=400,fade=5}]"],
+        stop: 1.5,
+        grid: 5e-4,
+        formulations: &["ECF-A", "ECCF"],
+        methods: METHODS,
+        must: &[near(&[bound(Quantity::Y, 5e-5), bound(Quantity::Vertical, 0.01), bound(Quantity::Lateral, 0.02)])],
+        quick: false,
+        ..CASE
+    },
+    Case {
+        name: "steady_curve",
+        hard: "R 600 m at 25 m/s in the steady state: the state moves with the turning frame, every step is long",
+        claim: "Q constant to 0.5 % of the static load, yaw acceleration 0 to 0.02 rad/s2, ay constant to 0.01 m/s2, at every 1 ms",
+        scene: "bogie",
+        changes: &["track.deviation=[]", "track.node=[{distance=0,radius=600,superelevation=\"-100 mm\"}]", "vehicle.speed=25"],
+        stop: 2.0,
+        grid: 1e-3,
+        formulations: SMOOTH,
+        methods: METHODS,
+        must: &[Must::Formula(steady)],
+        ..CASE
+    },
+    Case {
+        name: "steady_curve_nodes",
+        hard: "the same with ECF-N, whose contacts jump from node to node: the start left 3.7 m/s2 of acceleration",
+        claim: "Q constant to 2 % of the static load, ay constant to 0.1 m/s2",
+        scene: "bogie",
+        changes: &["track.deviation=[]", "track.node=[{distance=0,radius=600,superelevation=\"-100 mm\"}]", "vehicle.speed=25"],
+        stop: 0.5,
+        grid: 1e-3,
+        formulations: &["ECF-N"],
+        methods: &[Method::new("dormand_prince", "tolerance=1e-6"), Method::new("rosenbrock", "tolerance=1e-5")],
+        must: &[Must::Formula(nearly_steady)],
+        ..CASE
+    },
+];
+
+/// Largest less smallest.
+fn spread(column: &[f64]) -> f64 {
+    let (least, most) =
+        column.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(*value), most.max(*value)));
+    most - least
+}
+
+fn widest(ran: &Ran, quantity: Quantity) -> f64 {
+    ran.trace.of(quantity).map(spread).fold(0.0, f64::max)
+}
+
+/// Nothing changes in a steady state.
+fn steady(ran: &Ran) -> Vec<Finding> {
+    vec![
+        Finding::new("change of Q", widest(ran, Quantity::Vertical) / ran.load, 0.005, Unit::Share),
+        Finding::new("yaw acceleration", ran.trace.largest(Quantity::YawAcceleration), 0.02, Unit::RadianPerSecond2),
+        Finding::new("change of ay", widest(ran, Quantity::LateralAcceleration), 0.01, Unit::MetrePerSecond2),
+    ]
+}
+
+fn nearly_steady(ran: &Ran) -> Vec<Finding> {
+    vec![
+        Finding::new("change of Q", widest(ran, Quantity::Vertical) / ran.load, 0.02, Unit::Share),
+        Finding::new("change of ay", widest(ran, Quantity::LateralAcceleration), 0.1, Unit::MetrePerSecond2),
+    ]
+}

@@ -1,0 +1,228 @@
+//! What became of a random scene.
+//!
+//! The same scene with a tight explicit method (a tight implicit one where that can't) says what is right. Bounds: y to 20 times the
+//! tolerance, at least 0.01 mm and at most 0.5 mm; with fixed steps to 0.1 mm and 3 % of the largest |y|. Q to 3 % (fixed steps: 10 %) of the static
+//! load or of the largest Q, whichever is more. Where a scene is so sensitive that two tight methods differ by more than a third of a
+//! bound, that difference three times is the bound: beyond it nobody can say what is right. Both on a grid of 0.2 ms. The books (see `audit`) must balance to 5 %.
+
+use super::super::audit::Audit;
+use super::super::case::Audited;
+use super::super::judge::guarded;
+use super::super::run::{End, Look, Ran, run};
+use super::super::trace::{Quantity, Trace};
+use super::super::{finding::Finding, open};
+use super::scene::RandomScene;
+use crate::scene::spec::Scene;
+use crate::sim::Simulation;
+use serde::Serialize;
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+const GRID: f64 = 2e-4;
+/// CPU time of a run and of a reference, s; a refusal comes within.
+const LIMIT: f64 = 20.0;
+const REFERENCE_LIMIT: f64 = 20.0;
+const REFUSAL: f64 = 2.0;
+/// A run that has not come back after this hangs, s of wall time.
+const HANG: u64 = 150;
+const BOOKS: Audited = Audited { energy: 0.05, weight: 0.02, derailment: true };
+/// A derailment or a physical end is the same one within this, s.
+const SAME_END: f64 = 0.03;
+
+/// What became of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Class {
+    Right,
+    /// Before the run, with a reason.
+    Refused,
+    /// A wheel left its rail, or the model ended (a constraint would pull, a profile ends), as the reference says.
+    Derailed,
+    /// The integration gave up, with place and reason.
+    GaveUp,
+    /// No reference could be made.
+    Unjudged,
+    SilentlyWrong,
+    Panic,
+    Hang,
+}
+
+impl Class {
+    pub const ALL: [Class; 8] =
+        [Class::Right, Class::Refused, Class::Derailed, Class::GaveUp, Class::Unjudged, Class::SilentlyWrong, Class::Panic, Class::Hang];
+
+    pub fn words(self) -> &'static str {
+        match self {
+            Class::Right => "right",
+            Class::Refused => "refused",
+            Class::Derailed => "derailed as it must",
+            Class::GaveUp => "gave up",
+            Class::Unjudged => "no reference",
+            Class::SilentlyWrong => "SILENTLY WRONG",
+            Class::Panic => "PANIC",
+            Class::Hang => "HANG",
+        }
+    }
+
+    /// What must not be at all.
+    pub fn is_failure(self) -> bool {
+        matches!(self, Class::SilentlyWrong | Class::Panic | Class::Hang)
+    }
+}
+
+/// A scene's class with the reason.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verdict {
+    pub seed: u64,
+    pub class: Class,
+    /// Method and formulation, what is wrong and by how much.
+    pub reason: String,
+    /// CPU time of the run without its references, s.
+    pub cpu: f64,
+}
+
+/// Judges the scene of a seed; whatever it does, this comes back.
+pub fn judge(seed: u64) -> Verdict {
+    let (sender, receiver) = mpsc::channel();
+    let spawned = std::thread::Builder::new().name(format!("random {seed}")).spawn(move || {
+        let judged = guarded(|| judge_here(seed));
+        let _ = sender.send(judged.unwrap_or_else(|reason| Verdict { seed, class: Class::Panic, reason, cpu: 0.0 }));
+    });
+    if let Err(error) = spawned {
+        return Verdict { seed, class: Class::Unjudged, reason: format!("no thread: {error}"), cpu: 0.0 };
+    }
+    // A thread that hangs can't be ended; it is left behind.
+    let late = || Verdict { seed, class: Class::Hang, reason: format!("not back after {HANG} s"), cpu: HANG as f64 };
+    receiver.recv_timeout(Duration::from_secs(HANG)).unwrap_or_else(|_| late())
+}
+
+fn open_with(drawn: &RandomScene, changes: &[&str]) -> Result<Scene, String> {
+    let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
+    open::read(&format!("random_{}", drawn.seed), drawn.text.clone(), None, &changes).map_err(|error| error.to_string())
+}
+
+fn judge_here(seed: u64) -> Verdict {
+    let drawn = RandomScene::draw(seed);
+    let verdict = |class, reason: String, cpu| Verdict { seed, class, reason, cpu };
+    let begin = Instant::now();
+    let started =
+        open_with(&drawn, &[]).and_then(|scene| Simulation::new(&scene, 0.0).map(|run| (scene, run)).map_err(|error| error.to_string()));
+    let seconds = begin.elapsed().as_secs_f64();
+    // The machine may have others to serve: wall time is no more than a hint, so three times is allowed.
+    if seconds > 3.0 * REFUSAL {
+        return verdict(Class::Hang, format!("{seconds:.1} s to start or to refuse"), seconds);
+    }
+    let (scene, mut simulation) = match started {
+        Ok(started) => started,
+        Err(reason) => return verdict(Class::Refused, reason, seconds),
+    };
+    let label = format!("{}, {} {:e}", scene.contact.formulation_name, drawn.integrator, drawn.setting);
+    let look = Look { stop: drawn.stop, grid: GRID, inputs: &drawn.inputs, limit: LIMIT, audit: BOOKS };
+    let ran = run(&scene, &mut simulation, &look);
+    let say = |class, reason: &str| verdict(class, format!("{label}: {reason}"), ran.cpu);
+    if let End::Late { time, limit } = ran.end {
+        return say(Class::Hang, &format!("at t = {time:.3} s after {limit} s"));
+    }
+    let right = match reference(&drawn, &look) {
+        Ok(right) => right,
+        Err(reason) => {
+            // Its own books may say enough.
+            return match (&ran.end, broken(&ran.audit)) {
+                (End::Finished, Some(reason)) => say(Class::SilentlyWrong, &reason),
+                (End::Stopped { words, .. }, _) => say(end_class(words), words),
+                _ => say(Class::Unjudged, &reason),
+            };
+        }
+    };
+    let (ours, theirs) = (ended(&ran), ended(&right[0]));
+    match (&ran.end, theirs) {
+        (End::Finished, Some(time)) => {
+            return say(Class::SilentlyWrong, &format!("runs on where the reference ends at t = {time:.4} s: {}", words(&right[0])));
+        }
+        (End::Finished, None) => {}
+        (_, Some(time)) if (time - ours.unwrap_or(time)).abs() < SAME_END => return say(Class::Derailed, &words(&ran)),
+        (End::Derailed { .. }, _) => return say(Class::SilentlyWrong, &format!("{}, but the reference does not end there", words(&ran))),
+        (_, _) => return say(Class::GaveUp, &words(&ran)),
+    }
+    let beyond = distances(&drawn, &ran, &right);
+    match beyond.or_else(|| broken(&ran.audit)) {
+        Some(reason) => say(Class::SilentlyWrong, &reason),
+        None => say(Class::Right, ""),
+    }
+}
+
+fn ended(ran: &Ran) -> Option<f64> {
+    match &ran.end {
+        End::Derailed { time, .. } | End::Stopped { time, .. } | End::Late { time, .. } => Some(*time),
+        End::Finished => None,
+    }
+}
+
+fn words(ran: &Ran) -> String {
+    match &ran.end {
+        End::Derailed { words, .. } | End::Stopped { words, .. } => words.clone(),
+        End::Late { limit, .. } => format!("after {limit} s"),
+        End::Finished => String::new(),
+    }
+}
+
+/// Ends that belong to the model and not to its integration.
+fn end_class(words: &str) -> Class {
+    let physical = ["would have to pull", "profile reaches only", "travelling speed has fallen", "derailed"];
+    if physical.iter().any(|part| words.contains(part)) { Class::Derailed } else { Class::GaveUp }
+}
+
+/// Two tight runs of the scene.
+fn reference(drawn: &RandomScene, look: &Look) -> Result<[Ran; 2], String> {
+    let look = Look { limit: REFERENCE_LIMIT, ..*look };
+    let tight = |changes: [&str; 2]| -> Result<Ran, String> {
+        let scene = open_with(drawn, &changes)?;
+        let mut simulation = Simulation::new(&scene, 0.0).map_err(|error| error.to_string())?;
+        let ran = run(&scene, &mut simulation, &look);
+        match &ran.end {
+            End::Late { .. } => Err(format!("{} needs more than {} s", changes[0], look.limit)),
+            End::Stopped { words, .. } if end_class(words) == Class::GaveUp => Err(words.clone()),
+            _ => Ok(ran),
+        }
+    };
+    let explicit = guarded(|| tight(["solver.integrator=dormand_prince", "solver.tolerance=1e-9"])).and_then(|done| done);
+    let implicit = |tolerance: &'static str| guarded(|| tight(["solver.integrator=rosenbrock", tolerance])).and_then(|done| done);
+    match explicit {
+        Ok(first) => {
+            let second = guarded(|| tight(["solver.integrator=rk43", "solver.tolerance=1e-8"])).and_then(|done| done);
+            Ok([first, second.or_else(|_| implicit("solver.tolerance=1e-8"))?])
+        }
+        Err(_) => Ok([implicit("solver.tolerance=1e-9")?, implicit("solver.tolerance=1e-8")?]),
+    }
+}
+
+/// What the books say against a run.
+fn broken(audit: &Audit) -> Option<String> {
+    let wrong: Vec<String> = audit.findings().iter().filter(|finding| !finding.holds()).map(Finding::words).collect();
+    (!wrong.is_empty()).then(|| wrong.join("; "))
+}
+
+/// What is further from the reference than it may be.
+fn distances(drawn: &RandomScene, ran: &Ran, [first, second]: &[Ran; 2]) -> Option<String> {
+    let largest = |trace: &Trace, quantity| trace.largest(quantity);
+    let (y, q) = (largest(&first.trace, Quantity::Y), largest(&first.trace, Quantity::Vertical));
+    let bounds = match drawn.fixed {
+        true => [(Quantity::Y, (0.03 * y).max(1e-4)), (Quantity::Vertical, 0.1 * q.max(ran.load))],
+        false => [(Quantity::Y, (20.0 * drawn.setting).clamp(1e-5, 5e-4)), (Quantity::Vertical, 0.03 * q.max(ran.load))],
+    };
+    let mut wrong = Vec::new();
+    for (quantity, bound) in bounds {
+        let unsure = first.trace.distance(&second.trace, quantity, ran.rigid).0;
+        let bound = if unsure > bound / 3.0 { 3.0 * unsure } else { bound };
+        let (size, time) = ran.trace.distance(&first.trace, quantity, ran.rigid);
+        let what = format!("error of {} at t = {time:.4} s", quantity.words());
+        let finding = match quantity.is_force() {
+            true => Finding::new(what, size / ran.load, bound / ran.load, super::super::Unit::Share),
+            false => Finding::new(what, size, bound, quantity.unit()),
+        };
+        if !finding.holds() {
+            wrong.push(finding.words());
+        }
+    }
+    (!wrong.is_empty()).then(|| wrong.join("; "))
+}

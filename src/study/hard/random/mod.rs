@@ -1,0 +1,8 @@
+//! Random scenes over the whole schema, each judged against a tight explicit run and by the books of every run.
+
+mod dice;
+mod judge;
+mod scene;
+
+pub use judge::{Class, Verdict, judge};
+pub use scene::RandomScene;

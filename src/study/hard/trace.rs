@@ -1,0 +1,204 @@
+//! What is kept of a run on its dense grid.
+
+use super::finding::Unit;
+use crate::formulation::Model;
+use crate::geometry::Side;
+use crate::sim::Snapshot;
+use crate::sim::outputs::{Output, outputs};
+
+/// A quantity of every wheelset, or of every wheel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    Distance,
+    Y,
+    Z,
+    Yaw,
+    Speed,
+    LateralSpeed,
+    VerticalSpeed,
+    PitchRate,
+    LateralAcceleration,
+    VerticalAcceleration,
+    YawAcceleration,
+    /// Force of the driving constraint; absent on wheelsets without.
+    Driving,
+    /// Q, Y, force along the track, N, Y/Q.
+    Vertical,
+    Lateral,
+    Longitudinal,
+    Normal,
+    Quotient,
+}
+
+impl Quantity {
+    const ALL: [Quantity; 17] = [
+        Quantity::Distance,
+        Quantity::Y,
+        Quantity::Z,
+        Quantity::Yaw,
+        Quantity::Speed,
+        Quantity::LateralSpeed,
+        Quantity::VerticalSpeed,
+        Quantity::PitchRate,
+        Quantity::LateralAcceleration,
+        Quantity::VerticalAcceleration,
+        Quantity::YawAcceleration,
+        Quantity::Driving,
+        Quantity::Vertical,
+        Quantity::Lateral,
+        Quantity::Longitudinal,
+        Quantity::Normal,
+        Quantity::Quotient,
+    ];
+
+    /// Its name among the outputs of a wheelset or a wheel.
+    pub fn name(self) -> &'static str {
+        match self {
+            Quantity::Distance => "distance",
+            Quantity::Y => "y",
+            Quantity::Z => "z",
+            Quantity::Yaw => "yaw",
+            Quantity::Speed => "vx",
+            Quantity::LateralSpeed => "vy",
+            Quantity::VerticalSpeed => "vz",
+            Quantity::PitchRate => "pitchRate",
+            Quantity::LateralAcceleration => "ay",
+            Quantity::VerticalAcceleration => "az",
+            Quantity::YawAcceleration => "yawAcceleration",
+            Quantity::Driving => "drivingForce",
+            Quantity::Vertical => "verticalForce",
+            Quantity::Lateral => "lateralForce",
+            Quantity::Longitudinal => "longitudinalForce",
+            Quantity::Normal => "normalForce",
+            Quantity::Quotient => "derailmentQuotient",
+        }
+    }
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Quantity::Vertical => "Q",
+            Quantity::Lateral => "Y",
+            Quantity::Longitudinal => "Fx",
+            Quantity::Normal => "N",
+            Quantity::Quotient => "Y/Q",
+            Quantity::Driving => "driving force",
+            Quantity::YawAcceleration => "yaw acceleration",
+            other => other.name(),
+        }
+    }
+
+    fn of_wheels(self) -> bool {
+        matches!(self, Quantity::Vertical | Quantity::Lateral | Quantity::Longitudinal | Quantity::Normal | Quantity::Quotient)
+    }
+
+    /// Of its errors; forces are told as shares.
+    pub fn unit(self) -> Unit {
+        match self {
+            Quantity::Distance | Quantity::Y | Quantity::Z => Unit::Metre,
+            Quantity::Yaw => Unit::Radian,
+            Quantity::Speed | Quantity::LateralSpeed | Quantity::VerticalSpeed => Unit::MetrePerSecond,
+            Quantity::LateralAcceleration | Quantity::VerticalAcceleration => Unit::MetrePerSecond2,
+            Quantity::YawAcceleration => Unit::RadianPerSecond2,
+            Quantity::PitchRate | Quantity::Quotient => Unit::One,
+            _ => Unit::Newton,
+        }
+    }
+
+    /// Is it a force, whose error is told as a share of the static wheel load?
+    pub fn is_force(self) -> bool {
+        self.of_wheels() && self != Quantity::Quotient || self == Quantity::Driving
+    }
+}
+
+/// One column: a quantity of a wheelset or one of its wheels.
+struct Channel {
+    quantity: Quantity,
+    wheelset: usize,
+    side: Option<Side>,
+    output: Output,
+}
+
+/// A run on its grid.
+pub struct Trace {
+    channels: Vec<Channel>,
+    pub time: Vec<f64>,
+    /// By channel.
+    columns: Vec<Vec<f64>>,
+}
+
+impl Trace {
+    /// An empty one for the wheelsets of a model.
+    pub fn new(model: &Model) -> Trace {
+        let mut channels = Vec::new();
+        for output in outputs(model, &["motion", "wheels"]) {
+            let wheelset = output.reference as usize / 1000 - 1;
+            let Some(local) =
+                model.wheelsets.get(wheelset).and_then(|known| output.name.strip_prefix(known.name.as_str())?.strip_prefix('.'))
+            else {
+                continue;
+            };
+            let side = Side::BOTH.into_iter().find(|side| local.strip_prefix(side.name()).is_some_and(|rest| rest.starts_with('.')));
+            let name = local.rsplit('.').next().unwrap_or(local);
+            let found = Quantity::ALL.into_iter().find(|quantity| quantity.name() == name && quantity.of_wheels() == side.is_some());
+            if let Some(quantity) = found {
+                channels.push(Channel { quantity, wheelset, side, output });
+            }
+        }
+        let columns = vec![Vec::new(); channels.len()];
+        Trace { channels, time: Vec::new(), columns }
+    }
+
+    /// Adds a sample.
+    pub fn push(&mut self, snapshot: &Snapshot) {
+        self.time.push(snapshot.time);
+        for (channel, column) in self.channels.iter().zip(&mut self.columns) {
+            column.push(channel.output.value(snapshot));
+        }
+    }
+
+    /// Columns of a quantity, of every wheelset and wheel.
+    pub fn of(&self, quantity: Quantity) -> impl Iterator<Item = &[f64]> {
+        self.channels
+            .iter()
+            .zip(&self.columns)
+            .filter(move |(channel, _)| channel.quantity == quantity)
+            .map(|(_, column)| column.as_slice())
+    }
+
+    /// One column; empty where there is none.
+    pub fn one(&self, quantity: Quantity, wheelset: usize, side: Option<Side>) -> &[f64] {
+        let wanted = |channel: &&Channel| channel.quantity == quantity && channel.wheelset == wheelset && channel.side == side;
+        let place = self.channels.iter().position(|channel| wanted(&channel));
+        place.map_or(&[], |place| self.columns[place].as_slice())
+    }
+
+    /// Of the leading wheelset.
+    pub fn first(&self, quantity: Quantity) -> &[f64] {
+        self.one(quantity, 0, quantity.of_wheels().then_some(Side::Left))
+    }
+
+    /// The largest size of a quantity, of all wheelsets and wheels.
+    pub fn largest(&self, quantity: Quantity) -> f64 {
+        self.of(quantity).flatten().fold(0.0, |most: f64, value| most.max(value.abs()))
+    }
+
+    /// The largest distance of a quantity from that of another run on the same grid, as far as both go, and when. `jumps`: where
+    /// forces jump, as those of rigid contacts do where their place changes, a jump may come one sample sooner or later: what lies
+    /// within the other run's three samples around is no error.
+    pub fn distance(&self, other: &Trace, quantity: Quantity, jumps: bool) -> (f64, f64) {
+        let mut worst = (0.0, 0.0);
+        let around = usize::from(jumps);
+        for (ours, theirs) in self.of(quantity).zip(other.of(quantity)) {
+            for (sample, (value, time)) in ours.iter().zip(&self.time).enumerate().take(theirs.len()) {
+                let near = &theirs[sample.saturating_sub(around)..(sample + around + 1).min(theirs.len())];
+                let (low, high) = near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+                let size = if value.is_nan() { f64::NAN } else { (value - high).max(low - value).max(0.0) };
+                if size > worst.0 || size.is_nan() {
+                    worst = (size, *time);
+                }
+            }
+        }
+        worst
+    }
+}
