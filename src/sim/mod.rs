@@ -268,6 +268,14 @@ impl Simulation {
         })
     }
 
+    /// The state vector at the present time.
+    pub fn solution(&self) -> Vec<f64> {
+        let SimulationState { time, integration, carried, .. } = &self.state;
+        let mut y = integration.y.clone();
+        integration.interpolate_beside(*time, &mut y, |ahead, y| self.model.add_carried(carried, ahead, y));
+        y
+    }
+
     /// The snapshot that was taken last.
     pub fn last_snapshot(&self) -> &Snapshot {
         &self.snapshot

@@ -74,6 +74,8 @@ const PATCH: &str = "contact.normal={law=\"hertz\",curvature=\"patch\",conformal
 /// 2 mm of gauge reduction: a swing that stays on the tread.
 const SMALL: &str = "track.deviation[1].amplitude=2 mm";
 
+const MUST: &[super::super::case::Must] = &[near(BOUNDS)];
+
 const fn case(name: &'static str, hard: &'static str, files: super::super::case::Files, changes: &'static [&'static str]) -> Case {
     Case {
         name,
@@ -85,7 +87,7 @@ const fn case(name: &'static str, hard: &'static str, files: super::super::case:
         stop: 1.0,
         formulations: SMOOTH,
         methods: METHODS,
-        must: &[near(BOUNDS)],
+        must: MUST,
         refusable: true,
         ..CASE
     }
