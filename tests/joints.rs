@@ -67,7 +67,7 @@ impl Mechanism {
             let at = |part: u32| end * f64::from(part) / f64::from(parts);
             let mut state = integrator.start(at(part), &y, &[]);
             integrator.advance(self, &mut state, &mut scratch, at(part + 1)).unwrap();
-            state.interpolate(at(part + 1), &mut y);
+            state.interpolate_beside(at(part + 1), &mut y, |_, _| ());
             drift = drift.max(self.project(at(part + 1), &mut y).drift);
         }
         (y, drift)

@@ -76,6 +76,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if events.len() > EVENTS_SHOWN {
         super::say(&format!("... and {} more events (--json lists all)", events.len() - EVENTS_SHOWN));
     }
+    let doubts = simulation.doubts();
+    if doubts.steps > 0 {
+        super::say(&format!("warning: {doubts}"));
+    }
     let statistics = simulation.statistics();
     let simulated = simulation.time();
     if arguments.json {
@@ -85,7 +89,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             .collect();
         let value = serde_json::json!({
             "scene": scene.name, "simulated": simulated, "seconds": elapsed, "statistics": statistics,
-            "extremes": extremes, "events": events, "error": failure,
+            "extremes": extremes, "events": events, "doubtful_steps": doubts, "error": failure,
         });
         print(&format!("{value}\n"));
     } else if !to_stdout {

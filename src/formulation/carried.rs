@@ -33,38 +33,52 @@ use crate::mbs::body::{COORDINATES, ROLL, Wrench, YAW};
 use crate::mbs::system::SystemWorkspace;
 use crate::mbs::tangent::Tangent;
 use nalgebra::{Vector3, Vector6};
+use serde::{Deserialize, Serialize};
 
 /// Greatest n_y / n_z of a contact on a tread.
 const STEEPEST: f64 = 0.3;
 
-/// The motion from one state on.
-#[derive(Clone, Debug, Default)]
-pub struct Carried {
+/// c from one state on; part of a simulation's state, because the solution within its last step is read beside it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CarriedMotion {
     bodies: Vec<Travel>,
     /// By wheelset; none where no rail has a deviation.
     rides: Vec<Ride>,
+}
+
+impl CarriedMotion {
+    /// Could this have come from the same model as `other`?
+    pub fn fits(&self, other: &CarriedMotion) -> bool {
+        self.bodies.len() == other.bodies.len() && self.rides.len() == other.rides.len()
+    }
+}
+
+/// The motion from one state on, and scratch.
+#[derive(Clone, Debug, Default)]
+pub struct Carried {
+    pub motion: CarriedMotion,
     /// c' in part, and J c' - c'', as long as the state.
     rate: Vec<f64>,
     change: Vec<f64>,
 }
 
 /// A body along the track.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Travel {
     /// Velocity along the track, m/s, its rate of turn about the vertical, rad/s, and how fast that changes, rad/s2.
-    velocity: Vector3<f64>,
+    velocity: [f64; 3],
     turn: f64,
     winding: f64,
 }
 
 /// A wheelset on its rails.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Ride {
     /// Distance along the track, m, and its rate, m/s.
     distance: f64,
     speed: f64,
     /// The track's Z in the world.
-    up: Vector3<f64>,
+    up: [f64; 3],
     /// n_y / n_z, left and right.
     tilt: [f64; 2],
     /// H and roll at the begin, with derivatives along the track.
@@ -72,9 +86,13 @@ struct Ride {
 }
 
 impl Travel {
+    fn velocity(&self) -> Vector3<f64> {
+        self.velocity.into()
+    }
+
     /// What position, velocity and acceleration are after `ahead` [s], the first counted from the begin.
     fn after(&self, ahead: f64) -> [Vector3<f64>; 3] {
-        let Travel { velocity: v, turn, winding } = *self;
+        let (v, Travel { turn, winding, .. }) = (self.velocity(), *self);
         if turn == 0.0 && winding == 0.0 {
             return [v * ahead, v, Vector3::zeros()];
         }
@@ -94,8 +112,10 @@ impl Model {
     pub(super) fn carried(&self) -> Carried {
         let moved = Side::BOTH.iter().any(|side| self.track.rail(*side).deviates());
         Carried {
-            bodies: vec![Travel::default(); self.system.bodies.len()],
-            rides: if moved { vec![Ride::default(); self.wheelsets.len()] } else { Vec::new() },
+            motion: CarriedMotion {
+                bodies: vec![Travel::default(); self.system.bodies.len()],
+                rides: if moved { vec![Ride::default(); self.wheelsets.len()] } else { Vec::new() },
+            },
             rate: vec![0.0; self.dimension()],
             change: vec![0.0; self.dimension()],
         }
@@ -119,27 +139,27 @@ impl Model {
         let advance = |body: usize| stations.get(body).map_or(motions[body].speed, |station| station.travel);
         // One for all: how bodies move against each other along the track is not the track's doing.
         let advance = (0..motions.len()).map(advance).sum::<f64>() / motions.len().max(1) as f64;
-        for (body, travel) in carried.bodies.iter_mut().enumerate() {
-            *travel = Travel { velocity: Vector3::x() * advance, ..Travel::default() };
+        for (body, travel) in carried.motion.bodies.iter_mut().enumerate() {
+            *travel = Travel { velocity: [advance, 0.0, 0.0], ..Travel::default() };
             if let Some(Station { frame, .. }) = stations.get(body) {
-                travel.velocity = frame.along() * (advance * frame.stretch(&(motions[body].position - frame.origin)));
+                travel.velocity = (frame.along() * (advance * frame.stretch(&(motions[body].position - frame.origin)))).into();
                 travel.turn = (frame.axes * frame.turn).z * advance;
                 travel.winding = (frame.axes * frame.turn1).z * advance * advance;
             }
         }
-        if !carried.rides.is_empty() {
+        if !carried.motion.rides.is_empty() {
             for (contact, wheelset, side) in wheels(self) {
-                let ride = &mut carried.rides[contact / 2];
+                let ride = &mut carried.motion.rides[contact / 2];
                 let pressed = workspace.reports(contact).max_by(|a, b| a.normal_force.total_cmp(&b.normal_force));
                 let normal = pressed.map_or(Vector3::zeros(), |report| workspace.in_track(wheelset.body, report.axes.normal));
                 let tilt = normal.y / normal.z;
                 ride.tilt[usize::from(side == Side::Right)] = if tilt.abs() < STEEPEST { tilt } else { 0.0 };
             }
-            for (ride, wheelset) in carried.rides.iter_mut().zip(&self.wheelsets) {
+            for (ride, wheelset) in carried.motion.rides.iter_mut().zip(&self.wheelsets) {
                 let motion = &workspace.system.motions[wheelset.body];
                 let station = workspace.system.stations.get(wheelset.body);
                 (ride.distance, ride.speed) = (motion.distance, advance);
-                ride.up = station.map_or(Vector3::z(), |station| station.frame.axes.column(2).into_owned());
+                ride.up = station.map_or(Vector3::z(), |station| station.frame.axes.column(2).into_owned()).into();
                 ride.begin = self.ride(ride.tilt, ride.distance);
             }
         }
@@ -149,31 +169,49 @@ impl Model {
 
     /// c and c' after `ahead` [s]: what is added to the state that was linearised last, and its rate.
     pub fn carry(&self, workspace: &Workspace, ahead: f64, shift: &mut [f64], rate: &mut [f64]) {
-        let Carried { bodies, rides, .. } = &workspace.carried;
-        let velocities = COORDINATES * bodies.len();
         shift.fill(0.0);
         rate.fill(0.0);
+        self.visit_carried(&workspace.carried.motion, ahead, |i, by, at| {
+            shift[i] += by;
+            rate[i] += at;
+        });
+    }
+
+    /// Adds c after `ahead` [s] to the state in `y`.
+    pub fn add_carried(&self, motion: &CarriedMotion, ahead: f64, y: &mut [f64]) {
+        self.visit_carried(motion, ahead, |i, by, _| y[i] += by);
+    }
+
+    /// The motion from the state on that was linearised last.
+    pub fn carried_motion<'a>(&self, workspace: &'a Workspace) -> &'a CarriedMotion {
+        &workspace.carried.motion
+    }
+
+    /// Hands over parts of c and c' after `ahead` [s], by place in the state.
+    #[inline(always)] // twice, on the stepping path
+    fn visit_carried(&self, motion: &CarriedMotion, ahead: f64, mut add: impl FnMut(usize, f64, f64)) {
+        let CarriedMotion { bodies, rides } = motion;
+        let velocities = COORDINATES * bodies.len();
         for (body, travel) in bodies.iter().enumerate() {
             let first = COORDINATES * body;
             let [way, velocity, acceleration] = travel.after(ahead);
             for i in 0..3 {
-                (shift[first + i], rate[first + i]) = (way[i], velocity[i]);
-                shift[velocities + first + i] = velocity[i] - travel.velocity[i];
-                rate[velocities + first + i] = acceleration[i];
+                add(first + i, way[i], velocity[i]);
+                add(velocities + first + i, velocity[i] - travel.velocity[i], acceleration[i]);
             }
             let Travel { turn, winding, .. } = *travel;
-            (shift[first + YAW], rate[first + YAW]) = (turn * ahead + 0.5 * winding * ahead * ahead, turn + winding * ahead);
-            (shift[velocities + first + YAW], rate[velocities + first + YAW]) = (winding * ahead, winding);
+            add(first + YAW, turn * ahead + 0.5 * winding * ahead * ahead, turn + winding * ahead);
+            add(velocities + first + YAW, winding * ahead, winding);
         }
         for (ride, wheelset) in rides.iter().zip(&self.wheelsets) {
             let first = COORDINATES * wheelset.body;
             let to = self.ride(ride.tilt, ride.distance + ride.speed * ahead);
+            let speed = ride.speed;
             for (i, share, k) in ride.rows() {
                 let (from, to) = (&ride.begin[k], &to[k]);
-                shift[first + i] += share * (to[0] - from[0]);
-                shift[velocities + first + i] += share * ride.speed * (to[1] - from[1]);
+                add(first + i, share * (to[0] - from[0]), share * speed * to[1]);
+                add(velocities + first + i, share * speed * (to[1] - from[1]), share * speed * speed * to[2]);
             }
-            ride.add_rates(first, velocities, &to, rate);
         }
     }
 
@@ -184,14 +222,14 @@ impl Model {
 
     /// Finds J c' - c''.
     fn find_change(&self, carried: &mut Carried, workspace: &Workspace, tangent: &Tangent) {
-        let Carried { bodies, rides, rate, change } = carried;
+        let Carried { motion: CarriedMotion { bodies, rides }, rate, change } = carried;
         let whole = Turn::new(bodies, &workspace.system);
         let velocities = COORDINATES * bodies.len();
         rate.fill(0.0);
         for (body, (travel, motion)) in bodies.iter().zip(&workspace.system.motions).enumerate() {
             let first = COORDINATES * body;
-            let own = travel.velocity - whole.velocity(&motion.position);
-            let bending = up_cross(&travel.velocity) * travel.turn - up_cross(&motion.velocity) * whole.turn;
+            let own = travel.velocity() - whole.velocity(&motion.position);
+            let bending = up_cross(&travel.velocity()) * travel.turn - up_cross(&motion.velocity) * whole.turn;
             for i in 0..3 {
                 (rate[first + i], rate[velocities + first + i]) = (own[i], bending[i]);
             }
@@ -211,7 +249,7 @@ impl Model {
             }
         }
         for (travel, own) in bodies.iter().zip(change[velocities..].chunks_exact_mut(COORDINATES)) {
-            let winding = up_cross(&travel.velocity) * travel.winding;
+            let winding = up_cross(&travel.velocity()) * travel.winding;
             (own[0], own[1]) = (own[0] - winding.x, own[1] - winding.y);
         }
         for (ride, wheelset) in rides.iter().zip(&self.wheelsets) {
@@ -264,7 +302,7 @@ impl Turn {
         let mut whole = Turn { centre: Vector3::zeros(), travel: Vector3::zeros(), turn: 0.0 };
         for (travel, motion) in bodies.iter().zip(&system.motions) {
             whole.centre += motion.position * share;
-            whole.travel += travel.velocity * share;
+            whole.travel += travel.velocity() * share;
             whole.turn += travel.turn * share;
         }
         whole
@@ -278,7 +316,7 @@ impl Turn {
 impl Ride {
     /// Coordinates of the wheelset that take part, by what share, in H (0) or roll (1).
     fn rows(&self) -> [(usize, f64, usize); 4] {
-        [(0, self.up.x, 0), (1, self.up.y, 0), (2, self.up.z, 0), (ROLL, 1.0, 1)]
+        [(0, self.up[0], 0), (1, self.up[1], 0), (2, self.up[2], 0), (ROLL, 1.0, 1)]
     }
 
     /// Adds the rates of a wheelset's coordinates from `first` on and of its velocities where the ride is `now`.

@@ -9,12 +9,13 @@
 
 mod accf;
 mod balance;
-mod carried;
+pub mod carried;
 mod eccf;
 mod ecf_a;
 mod ecf_n;
 pub mod events;
 mod failure;
+mod foresight;
 mod handover;
 mod lasting;
 mod lift;
@@ -24,14 +25,15 @@ pub mod points;
 mod rail_motion;
 mod rigid;
 pub mod sliding_mean;
+pub mod swing;
 mod tangent;
 mod travel;
 pub mod work;
 
 pub use failure::{ContactFailure, EvaluationError};
 pub use model::{
-    ContactLaws, ContactReport, DRIVE_TORQUE, Evaluation, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, Model, NEUTRAL_INPUTS, Parts,
-    RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS, Wheelset, Workspace, contact_index,
+    ContactLaws, ContactReport, DRIVE_TORQUE, Evaluation, LATERAL_FORCE, LEFT_FRICTION, LOAD_TOLERANCE, LONGITUDINAL_FORCE, Model,
+    NEUTRAL_INPUTS, Parts, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS, Wheelset, Workspace, contact_index,
 };
 pub use rail_motion::{
     RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_SLOPE, RAIL_LATERAL_VELOCITY, RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, RAIL_VERTICAL_VELOCITY,

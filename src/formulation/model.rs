@@ -36,6 +36,9 @@ pub const LONGITUDINAL_FORCE: usize = 5;
 /// Values of a wheelset's inputs that leave it alone.
 pub const NEUTRAL_INPUTS: [f64; WHEELSET_INPUTS] = [0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
 
+/// Of `solver.load_tolerance`, where a scene names none.
+pub const LOAD_TOLERANCE: f64 = 0.01;
+
 /// A body with two wheels on the track.
 #[derive(Debug)]
 pub struct Wheelset {
@@ -79,6 +82,8 @@ pub struct ContactLaws {
     pub transient: Option<TransientContact>,
     /// mu, -.
     pub friction: f64,
+    /// G, Pa.
+    pub shear_modulus: f64,
 }
 
 /// Everything that stays constant during a simulation, before a formulation is chosen.
@@ -106,6 +111,9 @@ pub struct Model {
     pub points: usize,
     /// Where the contacts' states begin in the state vector (the system's dimension).
     pub(super) contact_states_begin: usize,
+    /// Error of a contact's normal or creep force that a step may make, in parts of the static wheel load or, where it is larger, of the
+    /// normal force, -.
+    pub load_tolerance: f64,
     /// Means over the last stretch of travel; `None` where the scene does not ask for them.
     pub means: Option<SlidingMean>,
     /// Does the rail under each wheel move as inputs say (see `rail_motion`)?
@@ -234,7 +242,19 @@ impl Model {
         let searches = points::searches(&wheelsets, &track, if own > 1 { 1 } else { points.min(points::MOST_POINTS) }, &prepared);
         let points = if searches.iter().any(Option::is_some) { points } else { own };
         let contact_states_begin = system.dimension();
-        Ok(Model { system, track, wheelsets, laws, formulation, points, contact_states_begin, searches, means: None, rail_motion: false })
+        Ok(Model {
+            system,
+            track,
+            wheelsets,
+            laws,
+            formulation,
+            points,
+            contact_states_begin,
+            searches,
+            load_tolerance: LOAD_TOLERANCE,
+            means: None,
+            rail_motion: false,
+        })
     }
 
     pub fn contacts(&self) -> usize {

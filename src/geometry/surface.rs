@@ -158,6 +158,10 @@ mod tests {
         fn at(&self, s: f64) -> [f64; 4] {
             [0.02 * s.sin(), 0.02 * s.cos(), -0.02 * s.sin(), -0.02 * s.cos()]
         }
+        fn waves(&self) -> Vec<crate::geometry::track::waves::Stretch> {
+            Vec::new()
+        }
+
         fn breaks(&self) -> Vec<f64> {
             vec![]
         }

@@ -34,11 +34,13 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
             damping: (contact.damping_law.build)(contact.damping),
             friction: contact.friction,
             transient,
+            shear_modulus: contact.material.shear_modulus(),
         },
         points: contact.points,
         prepared: scene.prepared.clone(),
     };
     let window = scene.interface.outputs.contains(&SLIDING_MEANS).then_some(MEAN_WINDOW);
-    let model = Model::new(parts, &contact.formulation)?.with_sliding_means(window);
+    let mut model = Model::new(parts, &contact.formulation)?.with_sliding_means(window);
+    model.load_tolerance = scene.solver.load_tolerance;
     model.with_rail_motion(scene.interface.inputs.contains(&RAIL_MOTION))
 }

@@ -7,6 +7,7 @@ pub use super::vehicle::suspended::{INITIAL, Initial, SuspensionSpec, WheelsetSp
 pub use super::vehicle::{TEMPLATES, VehicleSpec};
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
+use crate::formulation::LOAD_TOLERANCE;
 use crate::formulation::{
     self,
     points::{MOST_POINTS, PreparedSearches},
@@ -84,6 +85,8 @@ pub struct SolverSpec {
     /// Of the method; where the scene says "auto", of the one that this is.
     pub name: &'static str,
     pub integrator: Arc<dyn Integrator>,
+    /// Error of contact forces that a step may make, in parts of the static wheel load, -.
+    pub load_tolerance: f64,
     /// Why "auto" is this method.
     pub why: Option<&'static str>,
 }
@@ -154,6 +157,7 @@ impl Scene {
         let (automatic, why) = solver_choice::choose(&solver_choice::facts(&solver, &contact)?);
         let (solver_name, integrator) = solve::parse(&solver, automatic)?;
         let why = solver.word("integrator", &[solve::AUTO.name]).is_ok().then_some(why);
+        let load_tolerance = read_load_tolerance(&solver)?;
         solver.finish()?;
         let interface = match root.optional_section("interface")? {
             Some(section) => read_interface(section, &vehicle)?,
@@ -175,7 +179,7 @@ impl Scene {
             vehicle,
             track,
             contact,
-            solver: SolverSpec { name: solver_name, integrator, why },
+            solver: SolverSpec { name: solver_name, integrator, load_tolerance, why },
             interface,
             run: spec,
             prepared: PreparedSearches::default(),
@@ -338,4 +342,17 @@ fn read_interface(section: Section, vehicle: &VehicleSpec) -> Result<InterfaceSp
     };
     section.finish()?;
     Ok(spec)
+}
+
+/// `solver.load_tolerance`.
+fn read_load_tolerance(solver: &Section) -> Result<f64, SettingsError> {
+    const RANGE: std::ops::RangeInclusive<f64> = 1e-9..=0.5;
+    let value = solver.number_or("load_tolerance", Dimension::None, LOAD_TOLERANCE)?;
+    if RANGE.contains(&value) {
+        return Ok(value);
+    }
+    Err(solver.error(
+        "load_tolerance",
+        format!("found {value:?}, expected {:?} to {:?} (parts of the static wheel load)", RANGE.start(), RANGE.end()),
+    ))
 }

@@ -1,6 +1,8 @@
 //! The model with its inputs as a system that an integrator can advance.
 
 use super::input::{self, InputSignal};
+use crate::formulation::carried::CarriedMotion;
+use crate::formulation::swing::Swings;
 use crate::formulation::{Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::{COORDINATES, HEIGHT, ROLL};
 use crate::solve::{Dynamics, StiffPart, Undefined};
@@ -8,6 +10,8 @@ use crate::solve::{Dynamics, StiffPart, Undefined};
 /// Weight of a wheelset's height and roll in the error control: a loaded wheel's penetration is 0.07 mm, so that an error of
 /// 1e-6 m there would be one of 2 % (1.6 kN) in the wheel load. With the weight, wheel loads are about as exact as lateral motion.
 const PRESSING: f64 = 100.0;
+/// Error of a position that makes a fixed step doubtful, m and rad.
+const DOUBTFUL: f64 = 1e-4;
 /// Place of the lead in a contact's memory.
 const LEAD: usize = 2;
 
@@ -20,18 +24,27 @@ pub struct ModelDynamics<'a> {
     workspace: &'a mut Workspace,
     signals: &'a [InputSignal],
     values: &'a mut [f64],
+    /// Beside which the last accepted step was made.
+    carried: &'a mut CarriedMotion,
+    swings: &'a mut Swings,
     constant: bool,
     /// Why the last failed evaluation failed.
     pub failure: Option<EvaluationError>,
 }
 
 impl<'a> ModelDynamics<'a> {
-    pub fn new(model: &'a Model, workspace: &'a mut Workspace, signals: &'a [InputSignal], values: &'a mut [f64]) -> Self {
+    pub fn new(
+        model: &'a Model,
+        workspace: &'a mut Workspace,
+        signals: &'a [InputSignal],
+        values: &'a mut [f64],
+        (carried, swings): (&'a mut CarriedMotion, &'a mut Swings),
+    ) -> Self {
         let constant = signals.iter().all(|signal| signal.first == 0.0 && signal.second == 0.0);
         input::evaluate(signals, 0.0, values);
         // Inputs are those of the evaluation that found them.
         workspace.findings_marked &= constant;
-        ModelDynamics { model, workspace, signals, values, constant, failure: None }
+        ModelDynamics { model, workspace, signals, values, carried, swings, constant, failure: None }
     }
 }
 
@@ -75,6 +88,34 @@ impl Dynamics for ModelDynamics<'_> {
         COORDINATES * self.model.system.bodies.len()
     }
 
+    fn longest_step(&self, dy: &[f64]) -> f64 {
+        self.model.longest_step(self.workspace, dy)
+    }
+
+    fn longest_known(&self) -> f64 {
+        self.model.longest_known(self.workspace)
+    }
+
+    fn load_error(&self, error: &[f64]) -> f64 {
+        self.model.load_error(self.workspace, error)
+    }
+
+    fn doubtful_error(&self) -> f64 {
+        DOUBTFUL
+    }
+
+    fn swing_error(&self, error: &[f64]) -> f64 {
+        self.model.swing_error(self.swings, error)
+    }
+
+    fn note_step(&mut self, t: f64) {
+        self.model.note_swings(self.workspace, t, self.swings);
+    }
+
+    fn clear_findings(&mut self) {
+        self.workspace.findings_marked = false;
+    }
+
     fn mark_findings(&mut self) {
         self.workspace.findings_marked = true;
     }
@@ -110,6 +151,14 @@ impl Dynamics for ModelDynamics<'_> {
     fn carry(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {
         self.model.carry(self.workspace, ahead, shift, rate);
         true
+    }
+
+    fn keep_carried(&mut self) {
+        self.carried.clone_from(self.model.carried_motion(self.workspace));
+    }
+
+    fn add_carried(&self, ahead: f64, y: &mut [f64]) {
+        self.model.add_carried(self.carried, ahead, y);
     }
 
     fn carried_change(&mut self, change: &mut [f64]) {

@@ -11,7 +11,9 @@ pub mod recording;
 pub mod unit;
 pub mod vehicle_outputs;
 
+use crate::formulation::carried::CarriedMotion;
 use crate::formulation::events::ContactEvent;
+use crate::formulation::swing::Swings;
 use crate::formulation::work::Work;
 use crate::formulation::{AssemblyError, ContactFailure, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
 use crate::geometry::track::centre_line::CentreLine;
@@ -22,7 +24,7 @@ use crate::scene::equilibrium::{self, EquilibriumError};
 use crate::scene::spec::Scene;
 use crate::scene::vehicle::FreeVehicle;
 use crate::scene::vehicle::steady_state::{self, Contacts};
-use crate::solve::{IntegrationState, Integrator, Scratch, SolveError, Statistics};
+use crate::solve::{Doubts, IntegrationState, Integrator, Scratch, SolveError, Statistics};
 use dynamics::ModelDynamics;
 use input::InputSignal;
 use serde::{Deserialize, Serialize};
@@ -36,6 +38,10 @@ pub struct SimulationState {
     pub integration: IntegrationState,
     /// One signal per input of the model.
     pub inputs: Vec<InputSignal>,
+    /// The motion beside which the last step was made; its continuous output is counted from it.
+    pub carried: CarriedMotion,
+    /// How far wheelsets swing.
+    pub swings: Swings,
     /// Work of the formulation on the stepping path.
     pub work: Work,
 }
@@ -43,7 +49,10 @@ pub struct SimulationState {
 impl SimulationState {
     /// Could this state have come from the same model and integrator as `other`?
     pub fn fits(&self, other: &SimulationState) -> bool {
-        self.integration.fits(&other.integration) && self.inputs.len() == other.inputs.len()
+        self.integration.fits(&other.integration)
+            && self.carried.fits(&other.carried)
+            && self.swings.fits(&other.swings)
+            && self.inputs.len() == other.inputs.len()
     }
 }
 
@@ -143,7 +152,14 @@ impl Simulation {
         let mut simulation = Simulation {
             integrator: scene.solver.integrator.clone(),
             scratch: Scratch::new(y.len(), memory.len()),
-            state: SimulationState { time: start, integration, inputs, work: Work::default() },
+            state: SimulationState {
+                time: start,
+                integration,
+                inputs,
+                carried: CarriedMotion::default(),
+                swings: model.swings(),
+                work: Work::default(),
+            },
             workspace,
             snapshot,
             snapshot_valid: false,
@@ -151,6 +167,7 @@ impl Simulation {
         };
         if simulation.integrator.linearises() {
             simulation.model.prepare_tangent(&mut simulation.workspace);
+            simulation.state.carried = simulation.model.carried_motion(&simulation.workspace).clone();
         }
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
         simulation.snapshot()?;
@@ -208,6 +225,11 @@ impl Simulation {
         self.state.integration.statistics
     }
 
+    /// Steps of a fixed length whose estimated error was no longer small.
+    pub fn doubts(&self) -> Doubts {
+        self.state.integration.doubts
+    }
+
     /// Sets an input from now on to `value + first (t - now) + second (t - now)^2 / 2`. The integration restarts here when
     /// that is a change.
     pub fn set_input(&mut self, index: usize, value: f64, first: f64, second: f64) {
@@ -215,7 +237,8 @@ impl Simulation {
         if self.state.inputs[index].at(self.state.time) == signal.at(self.state.time) {
             return;
         }
-        self.state.integration.restart_at(self.state.time);
+        let SimulationState { time, integration, carried, .. } = &mut self.state;
+        integration.restart_at(*time, |ahead, y| self.model.add_carried(carried, ahead, y));
         self.workspace.findings_marked = false;
         self.state.inputs[index] = signal;
         self.snapshot_valid = false;
@@ -233,8 +256,9 @@ impl Simulation {
     pub fn advance(&mut self, target: f64) -> Result<(), SimulationError> {
         self.snapshot_valid = false;
         self.workspace.work = Work::default();
-        let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, &self.state.inputs, &mut self.snapshot.inputs);
-        let advanced = self.integrator.advance(&mut dynamics, &mut self.state.integration, &mut self.scratch, target);
+        let SimulationState { inputs, carried, swings, integration, .. } = &mut self.state;
+        let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, inputs, &mut self.snapshot.inputs, (carried, swings));
+        let advanced = self.integrator.advance(&mut dynamics, integration, &mut self.scratch, target);
         let failure = dynamics.failure.take();
         self.state.work += self.workspace.work;
         self.state.time = if advanced.is_ok() { target } else { self.state.integration.t.max(self.state.time).min(target) };
@@ -242,6 +266,14 @@ impl Simulation {
             (SolveError::Undefined { .. }, Some(reason)) => SimulationError::Evaluation(reason),
             _ => SimulationError::Solve(error),
         })
+    }
+
+    /// The state vector at the present time.
+    pub fn solution(&self) -> Vec<f64> {
+        let SimulationState { time, integration, carried, .. } = &self.state;
+        let mut y = integration.y.clone();
+        integration.interpolate_beside(*time, &mut y, |ahead, y| self.model.add_carried(carried, ahead, y));
+        y
     }
 
     /// The snapshot that was taken last.
@@ -259,7 +291,8 @@ impl Simulation {
         }
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
         *time = self.state.time;
-        self.state.integration.interpolate(*time, y);
+        let SimulationState { integration, carried, .. } = &self.state;
+        integration.interpolate_beside(*time, y, |ahead, y| self.model.add_carried(carried, ahead, y));
         memory.copy_from_slice(&self.state.integration.memory);
         input::evaluate(&self.state.inputs, *time, inputs);
         // The continuous output leaves constraints by its error.

@@ -16,6 +16,10 @@ const BETA: f64 = 0.08;
 /// vehicle does on its rails, and time is not saved, because stability limits the step.
 pub(super) const TOLERANCES: (f64, f64) = (1e-15, 1e-5);
 
+/// The stage that holds f at the end of a step, and one for work on it.
+pub(super) const END: usize = 5;
+pub(super) const WORK: usize = 6;
+
 /// A pair of one-step methods of neighbouring orders.
 pub(super) trait Pair {
     /// The local error estimate falls like h^ORDER.
@@ -25,18 +29,34 @@ pub(super) trait Pair {
 
     /// What a step needs besides f at its begin, once for all attempts at it.
     fn prepare(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState) -> Result<(), SolveError> {
-        state.evaluate_begin(dynamics)
+        state.evaluate_with_findings(dynamics)
     }
 
-    /// Computes all stages; the solution is left in `scratch.trial`. Returns the largest local error of the controlled
-    /// components, infinity when a number is not finite.
-    fn attempt(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch, h: f64) -> Result<f64, Undefined>;
+    /// Does [`Pair::check`] see what no stage has seen?
+    const CHECKED: bool = false;
+
+    /// Computes all stages; the solution is left in `scratch.trial`. Returns the local error.
+    fn attempt(
+        &self,
+        dynamics: &mut dyn Dynamics,
+        state: &mut IntegrationState,
+        scratch: &mut Scratch,
+        h: f64,
+    ) -> Result<LocalError, Undefined>;
+
+    /// Error of a step by f at its end, which is in `scratch.stages[END]`.
+    fn check(&self, _dynamics: &mut dyn Dynamics, _scratch: &mut Scratch, _h: f64) -> LocalError {
+        LocalError::default()
+    }
 
     /// Writes the continuous output of a step that was accepted.
     fn write_dense(&self, state: &mut IntegrationState, scratch: &Scratch, h: f64);
 }
 
-/// One accepted step.
+/// One accepted step, its end on the constraints and looked at for events.
+///
+/// An attempt is judged three times: by the pair's own estimate; by whether its end can be moved onto the constraints and evaluated;
+/// and, where no stage stands at the end ([`Pair::CHECKED`]), by what f there says of the step. Each of them may ask for a shorter one.
 pub(super) fn step<P: Pair>(
     pair: &P,
     tolerance: f64,
@@ -48,10 +68,12 @@ pub(super) fn step<P: Pair>(
     if state.next_step <= 0.0 {
         state.evaluate_begin(dynamics)?;
         state.next_step = first_step(tolerance, dynamics, state, scratch);
+        // What the first step was found with is not what was found at the begin.
+        dynamics.clear_findings();
     }
     pair.prepare(dynamics, state)?;
     let limit = dynamics.next_break(state.t, &state.y, &state.memory);
-    let mut h = state.next_step;
+    let mut h = state.next_step.min(dynamics.longest_step(&state.derivative));
     let mut rejected = false;
     loop {
         // A rest of a step that would be tiny is split evenly instead.
@@ -69,8 +91,17 @@ pub(super) fn step<P: Pair>(
             return Err(SolveError::NoProgress { time: state.t, step: h });
         }
         scratch.memory.copy_from_slice(&state.memory);
-        let error = match pair.attempt(dynamics, state, scratch, step) {
-            Ok(error) => error / tolerance,
+        let judged = pair.attempt(dynamics, state, scratch, step).and_then(|error| {
+            let error = error.over(tolerance);
+            // NaN must count as a rejection.
+            if error <= 1.0 {
+                finish(pair, dynamics, state, scratch, end, step, tolerance).map(|end| (error, end))
+            } else {
+                Ok((error, End::default()))
+            }
+        });
+        let (error, ending) = match judged {
+            Ok(judged) => judged,
             Err(Undefined) => {
                 state.statistics.rejected += 1;
                 if step < SHORTEST {
@@ -81,13 +112,13 @@ pub(super) fn step<P: Pair>(
                 continue;
             }
         };
-        // NaN must count as a rejection.
-        if !(error <= 1.0) {
+        let worst = if ending.error > 1.0 { ending.error } else { error };
+        if !(worst <= 1.0) {
             state.statistics.rejected += 1;
             if step < SHORTEST {
                 return Err(SolveError::StepTooSmall { time: state.t, step, tolerance });
             }
-            let factor = if error.is_finite() { SAFETY * error.powf(-1.0 / f64::from(P::ORDER)) } else { LARGEST_SHRINK };
+            let factor = if worst.is_finite() { SAFETY * worst.powf(-1.0 / f64::from(P::ORDER)) } else { LARGEST_SHRINK };
             h = step * factor.clamp(LARGEST_SHRINK, 1.0);
             rejected = true;
             continue;
@@ -101,9 +132,102 @@ pub(super) fn step<P: Pair>(
         state.next_step = if cut { proposed.max(h) } else { proposed };
         state.last_error = error.max(1e-4);
         pair.write_dense(state, scratch, step);
-        // A stage at the end of the step is the first of the next one, unless the system is not smooth there.
-        state.accept(end, scratch, P::LAST_STAGE.filter(|_| end < limit));
+        state.accept(end, scratch, ending.stage.filter(|_| end < limit));
+        if ending.moved {
+            state.statistics.projections += 1;
+        }
+        if state.derivative_known {
+            dynamics.mark_findings();
+        }
+        dynamics.note_step(end);
+        scratch.carried.keep(dynamics, state);
+        scratch.completed = true;
+        if let Some(margin) = ending.margin.filter(|margin| *margin < 0.0) {
+            let found = state.cut_at_event(dynamics, scratch, margin);
+            if found.is_err() {
+                state.take_back();
+            }
+            // Too short a step to be tried again: the form itself has no solution further on.
+            return if state.next_step < super::events::SHORTEST_RETRY { found } else { Ok(()) };
+        }
         return Ok(());
+    }
+}
+
+/// What the end of an attempt showed.
+#[derive(Clone, Copy, Debug, Default)]
+struct End {
+    /// The stage that is f there.
+    stage: Option<usize>,
+    /// Was it moved onto the constraints?
+    moved: bool,
+    margin: Option<f64>,
+    /// Of the check, in parts of what is allowed.
+    error: f64,
+}
+
+/// Moves the end of an attempt onto the constraints, evaluates f there where that is needed, and checks the step by it.
+fn finish<P: Pair>(
+    pair: &P,
+    dynamics: &mut dyn Dynamics,
+    state: &mut IntegrationState,
+    scratch: &mut Scratch,
+    end: f64,
+    h: f64,
+    tolerance: f64,
+) -> Result<End, Undefined> {
+    let moved = dynamics.project(end, &mut scratch.trial, &mut scratch.memory)?;
+    let mut stage = P::LAST_STAGE.filter(|_| !moved);
+    if stage.is_none() && (P::CHECKED || dynamics.margin(&scratch.memory).is_some()) {
+        let Scratch { stages, trial, memory, memory_before, .. } = scratch;
+        memory_before.copy_from_slice(memory);
+        state.statistics.evaluations += 1;
+        dynamics.derivative(end, trial, memory, &mut stages[END])?;
+        stage = Some(END);
+    }
+    let margin = dynamics.margin(&scratch.memory);
+    // At an event f changes its form: what it says there is no error.
+    let error =
+        if P::CHECKED && margin.is_none_or(|margin| margin >= 0.0) { pair.check(dynamics, scratch, h).over(tolerance) } else { 0.0 };
+    Ok(End { stage, moved, margin, error: if error.is_nan() { f64::INFINITY } else { error } })
+}
+
+/// An error of the state as it counts: of controlled components; of forces, and against the motion's own size, in parts of what is allowed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LocalError {
+    pub state: f64,
+    pub load: f64,
+    pub swing: f64,
+}
+
+impl LocalError {
+    /// Of an error vector; infinite where it is not finite.
+    pub fn of(dynamics: &dyn Dynamics, error: &[f64]) -> LocalError {
+        let mut largest: f64 = 0.0;
+        for (i, error) in error.iter().enumerate() {
+            if !error.is_finite() {
+                return LocalError { state: f64::INFINITY, load: f64::INFINITY, swing: f64::INFINITY };
+            }
+            largest = largest.max(dynamics.error_weight(i) * error.abs());
+        }
+        LocalError { state: largest, load: dynamics.load_error(error), swing: dynamics.swing_error(error) }
+    }
+
+    /// Of an error vector whose controlled components all count alike.
+    pub fn unweighted(dynamics: &dyn Dynamics, error: &[f64]) -> LocalError {
+        let weighted = LocalError::of(dynamics, error);
+        let plain = error.iter().enumerate().filter(|(i, _)| dynamics.error_weight(*i) > 0.0).map(|(_, error)| error.abs());
+        LocalError { state: if weighted.state.is_finite() { plain.fold(0.0, f64::max) } else { weighted.state }, ..weighted }
+    }
+
+    /// Is either as large as the other's?
+    pub fn reaches(&self, other: &LocalError) -> bool {
+        self.state >= other.state || self.load >= other.load
+    }
+
+    /// In parts of what is allowed.
+    fn over(&self, tolerance: f64) -> f64 {
+        (self.state / tolerance).max(self.load).max(self.swing)
     }
 }
 

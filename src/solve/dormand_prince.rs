@@ -3,7 +3,7 @@
 //! Source: J.R. Dormand, P.J. Prince, J. Comp. Appl. Math. 6 (1980) 19-26; continuous output and step-size
 //! controller after Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sections II.4-II.6.
 
-use super::adaptive::{self, Pair, TOLERANCES};
+use super::adaptive::{self, LocalError, Pair, TOLERANCES};
 use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -77,7 +77,13 @@ impl Pair for DormandPrince {
     const ORDER: i32 = 5;
     const LAST_STAGE: Option<usize> = Some(6);
 
-    fn attempt(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch, h: f64) -> Result<f64, Undefined> {
+    fn attempt(
+        &self,
+        dynamics: &mut dyn Dynamics,
+        state: &mut IntegrationState,
+        scratch: &mut Scratch,
+        h: f64,
+    ) -> Result<LocalError, Undefined> {
         scratch.stages[0].copy_from_slice(&state.derivative);
         for stage in 1..STAGES {
             let (done, rest) = scratch.stages.split_at_mut(stage);
@@ -89,18 +95,17 @@ impl Pair for DormandPrince {
                 }
                 *value = sum;
             }
+            if stage == STAGES - 1 {
+                scratch.memory_before.copy_from_slice(&scratch.memory);
+            }
             dynamics.derivative(state.t + C[stage] * h, &scratch.trial, &mut scratch.memory, &mut rest[0])?;
             state.statistics.evaluations += 1;
         }
-        let mut largest: f64 = 0.0;
+        // The second stage is in no weight.
         for i in 0..state.y.len() {
-            let error: f64 = h * (0..STAGES).map(|j| E[j] * scratch.stages[j][i]).sum::<f64>();
-            if !(error.is_finite() && scratch.trial[i].is_finite()) {
-                return Ok(f64::INFINITY);
-            }
-            largest = largest.max(dynamics.error_weight(i) * error.abs());
+            scratch.stages[1][i] = h * (0..STAGES).map(|j| E[j] * scratch.stages[j][i]).sum::<f64>();
         }
-        Ok(largest)
+        Ok(LocalError::of(dynamics, &scratch.stages[1]))
     }
 
     /// Turns Hairer's nested form of the continuous output into powers of theta.

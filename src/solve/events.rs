@@ -61,16 +61,21 @@ impl IntegrationState {
     pub(super) fn complete(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
         let done = self.try_complete(dynamics, scratch);
         if done.is_err() {
-            let count = self.y.len();
-            self.y.copy_from_slice(&self.dense[..count]);
-            self.t = self.t_begin;
-            self.grid_start = self.t;
-            self.grid_count = 0;
-            self.forget();
-            self.next_step *= 0.25;
-            self.statistics.rejected += 1;
+            self.take_back();
         }
         done
+    }
+
+    /// Takes the last step back: the next one is shorter.
+    pub(super) fn take_back(&mut self) {
+        let count = self.y.len();
+        self.y.copy_from_slice(&self.dense[..count]);
+        self.t = self.t_begin;
+        self.grid_start = self.t;
+        self.grid_count = 0;
+        self.forget();
+        self.next_step *= 0.25;
+        self.statistics.rejected += 1;
     }
 
     fn try_complete(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
@@ -94,7 +99,7 @@ impl IntegrationState {
     }
 
     /// Finds where the margin passes zero within the last step (Illinois variant of the false position) and ends the step there.
-    fn cut_at_event(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch, at_end: f64) -> Result<(), SolveError> {
+    pub(super) fn cut_at_event(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch, at_end: f64) -> Result<(), SolveError> {
         let (mut low, mut high) = (0.0, 1.0);
         let mut above = self.margin_at(dynamics, scratch, low)?;
         let mut below = at_end;
@@ -137,7 +142,7 @@ impl IntegrationState {
             self.next_step *= 0.25;
         }
         if high < 1.0 {
-            self.cut(high);
+            self.cut(dynamics, high);
         }
         self.switch_due = true;
         Ok(())
@@ -146,7 +151,7 @@ impl IntegrationState {
     /// The margin at a fraction of the last step.
     fn margin_at(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch, theta: f64) -> Result<f64, SolveError> {
         let time = self.t_begin + theta * (self.t - self.t_begin);
-        self.interpolate(time, &mut scratch.trial);
+        self.interpolate(dynamics, time, &mut scratch.trial);
         scratch.memory.copy_from_slice(&self.memory);
         self.statistics.evaluations += 1;
         let evaluated = dynamics.derivative(time, &scratch.trial, &mut scratch.memory, &mut scratch.stages[1]);
@@ -155,10 +160,10 @@ impl IntegrationState {
     }
 
     /// Ends the last step at a fraction of its length; the continuous output then spans the shorter step.
-    fn cut(&mut self, theta: f64) {
+    fn cut(&mut self, dynamics: &dyn Dynamics, theta: f64) {
         let time = self.t_begin + theta * (self.t - self.t_begin);
         let mut y = std::mem::take(&mut self.derivative);
-        self.interpolate(time, &mut y);
+        self.interpolate(dynamics, time, &mut y);
         std::mem::swap(&mut self.y, &mut y);
         self.derivative = y;
         self.forget();

@@ -2,14 +2,55 @@
 //!
 //! Steps stand on the grid `start + k step`; a step that would pass a point where the system is not smooth is shortened to end
 //! there, and the grid starts anew.
+//!
+//! A fixed step has no error control, but it has an error. Each method estimates its own from f at the end of the step, which is the begin of the
+//! next one, and [`FixedStep::judge`] compares it with what adaptive methods would allow: from [`DOUBTFUL`] times that on a step counts as
+//! doubtful ([`Doubts`], which whoever runs the simulation reports), from [`WRONG`] times on, or
+//! after [`LASTING`] doubtful steps on end, the run ends there and says so. So does a step
+//! that is too long to see what the system has ahead of it.
 
+use super::adaptive::{END, LocalError, WORK};
 use super::{Dynamics, IntegrationState, Scratch, SolveError};
+use serde::{Deserialize, Serialize};
+
+/// From so many times what the system allows of forces on, and from [`Dynamics::doubtful_error`] of positions, a step is doubtful.
+const DOUBTFUL: f64 = 10.0;
+/// From so many times that on it is wrong.
+const WRONG: f64 = 10.0;
+/// So many doubtful steps on end are no disturbance that passes: the step is too long for the motion.
+const LASTING: u64 = 30;
+/// A step may be so many times as long as an adaptive one would be before what lies ahead.
+const AHEAD: f64 = 2.0;
+
+/// Steps whose estimated error is no longer small.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Doubts {
+    /// How many.
+    pub steps: u64,
+    /// The largest error of forces, in parts of what the system allows, and of positions, m and rad.
+    pub load: f64,
+    pub position: f64,
+    /// End of the first of them, s.
+    pub first: f64,
+    /// How many of the last steps on end.
+    run: u64,
+}
 
 /// Steps that end in this life, s.
 pub(super) const STEPS: (f64, f64) = (1e-8, 1.0);
 
 /// A step nearer to its end than this fraction of itself has reached it.
 pub(super) const SLACK: f64 = 1e-9;
+
+impl std::fmt::Display for Doubts {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Doubts { steps, load, position, first, .. } = *self;
+        write!(
+            f,
+            "{steps} steps, the first to t = {first:.6} s, were doubtful: contact forces off by up to {load:.0} times the load tolerance, positions by {position:.1e} m or rad a step; reduce solver.step or choose an integrator with a tolerance"
+        )
+    }
+}
 
 /// The next step on the grid.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +70,10 @@ pub(super) struct FixedStep {
 impl FixedStep {
     /// The step that is next on the grid with whole steps of `step` [s].
     pub fn next(step: f64, dynamics: &dyn Dynamics, state: &IntegrationState) -> Result<Self, SolveError> {
+        let known = dynamics.longest_known();
+        if step > AHEAD * known {
+            return Err(SolveError::StepPassesTrack { time: state.t, step, longest: AHEAD * known });
+        }
         let limit = dynamics.next_break(state.t, &state.y, &state.memory);
         let next = state.grid_start + (state.grid_count + 1) as f64 * step;
         let cut = next >= limit - SLACK * step;
@@ -55,6 +100,39 @@ impl FixedStep {
     pub fn check(&self, state: &IntegrationState, scratch: &Scratch) -> Result<(), SolveError> {
         let finite = scratch.trial.iter().all(|value| value.is_finite());
         if finite { Ok(()) } else { Err(SolveError::NotFinite { time: state.t, step: self.step }) }
+    }
+
+    /// Completes the step that was just accepted (constraints, events) and evaluates f at its end, for [`FixedStep::judge`]; it is then in
+    /// `scratch.stages[END]`. False where an event has cut the step: what was left of it says nothing of its error.
+    pub fn complete(dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<bool, SolveError> {
+        state.complete(dynamics, scratch)?;
+        scratch.completed = true;
+        if state.switch_due {
+            return Ok(false);
+        }
+        state.evaluate_begin(dynamics)?;
+        scratch.stages[END].copy_from_slice(&state.derivative);
+        Ok(true)
+    }
+
+    /// Judges the step that was just accepted by its error, which is in `scratch.stages[WORK]`.
+    pub fn judge(&self, dynamics: &dyn Dynamics, state: &mut IntegrationState, scratch: &Scratch) -> Result<(), SolveError> {
+        let error = LocalError::unweighted(dynamics, &scratch.stages[WORK]);
+        let limit = |times: f64| LocalError { state: times * dynamics.doubtful_error(), load: times * DOUBTFUL, swing: f64::INFINITY };
+        let doubtful = error.reaches(&limit(1.0));
+        state.doubts.run = if doubtful { state.doubts.run + 1 } else { 0 };
+        if error.reaches(&limit(WRONG)) || state.doubts.run >= LASTING {
+            return Err(SolveError::StepTooLong { time: state.t, step: self.h, position: error.state, load: error.load });
+        }
+        if doubtful {
+            let doubts = &mut state.doubts;
+            if doubts.steps == 0 {
+                doubts.first = state.t;
+            }
+            doubts.steps += 1;
+            (doubts.load, doubts.position) = (doubts.load.max(error.load), doubts.position.max(error.state));
+        }
+        Ok(())
     }
 
     /// Ends the step with the solution in `scratch.trial`; the stage `last` is f there.

@@ -22,6 +22,7 @@ mod state;
 mod zhai;
 
 pub use dormand_prince::DormandPrince;
+pub use fixed::Doubts;
 pub use generalised_alpha::GeneralisedAlpha;
 pub use real_time::RealTime;
 pub use rk4::RungeKutta4;
@@ -52,6 +53,35 @@ pub trait Dynamics {
     /// asked for before each step.
     fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64;
 
+    /// The longest step that may begin where f was evaluated last, with the result `dy`, s: what lies ahead must be met by evaluations,
+    /// because an error estimate knows nothing of what no evaluation has seen.
+    fn longest_step(&self, _dy: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+
+    /// The part of that bound which knows where things are beforehand (a track), without what is foreseen from the motion, s.
+    fn longest_known(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    /// What an error of the state makes of the forces, near the state that was evaluated last: 1 where it is as large as is allowed.
+    fn load_error(&self, _error: &[f64]) -> f64 {
+        0.0
+    }
+
+    /// The same for what is held against the motion itself, whatever the tolerance.
+    fn swing_error(&self, _error: &[f64]) -> f64 {
+        0.0
+    }
+
+    /// Notes that a step with step-size control has been accepted; f was evaluated last at its end.
+    fn note_step(&mut self, _t: f64) {}
+
+    /// Error of a controlled component from which a fixed step is doubtful, in that component's own unit.
+    fn doubtful_error(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// How the state divides: that many coordinates, as many velocities (their time derivatives), then first-order states.
     fn coordinates(&self) -> usize {
         0
@@ -68,6 +98,9 @@ pub trait Dynamics {
 
     /// Notes that what the last evaluation found belongs to the begin of the next step.
     fn mark_findings(&mut self) {}
+
+    /// What the last evaluation found belongs to no begin of a step any more.
+    fn clear_findings(&mut self) {}
 
     /// Is that still there? Not after another evaluation, a change of the system, or in another system that took over the state.
     fn findings_stand(&self) -> bool {
@@ -104,6 +137,12 @@ pub trait Dynamics {
     fn carry(&mut self, _ahead: f64, _shift: &mut [f64], _rate: &mut [f64]) -> bool {
         false
     }
+
+    /// Notes that the step for which that motion was asked has been accepted: [`Dynamics::add_carried`] speaks of it from now on.
+    fn keep_carried(&mut self) {}
+
+    /// Adds that motion, as it was kept, to the state: `ahead` [s] after the begin of the last step.
+    fn add_carried(&self, _ahead: f64, _y: &mut [f64]) {}
 
     /// J c' - c'' of that motion c at its begin.
     fn carried_change(&mut self, change: &mut [f64]) {
@@ -177,6 +216,14 @@ pub enum SolveError {
         "t = {time:.9} s: the equations of a step of {step:.1e} s are not solved after {iterations} iterations; reduce solver.step or choose another integrator"
     )]
     NotConverged { time: f64, step: f64, iterations: usize },
+    #[error(
+        "t = {time:.9} s: the step of {step:.2e} s that ended here is off by {position:.1e} m or rad in position and by {load:.0} times the load tolerance in contact forces; reduce solver.step or choose an integrator with a tolerance"
+    )]
+    StepTooLong { time: f64, step: f64, position: f64, load: f64 },
+    #[error(
+        "t = {time:.9} s: a step of {step:.2e} s would pass what the track has ahead without seeing it; reduce solver.step to {longest:.1e} s or less, or choose an integrator with a tolerance"
+    )]
+    StepPassesTrack { time: f64, step: f64, longest: f64 },
     #[error("t = {time:.9} s: the solution is no longer finite; reduce solver.step (it is {step:.1e} s)")]
     NotFinite { time: f64, step: f64 },
 }
@@ -261,6 +308,7 @@ pub trait Integrator: Send + Sync + Debug {
                 }
                 continue;
             }
+            scratch.completed = false;
             if let Err(error) = self.step(dynamics, state, scratch) {
                 if !state.release(dynamics, error)? {
                     return Err(error);
@@ -268,7 +316,7 @@ pub trait Integrator: Send + Sync + Debug {
                 continue;
             }
             // A fixed step has no shorter one to try.
-            if let Err(error) = state.complete(dynamics, scratch)
+            if let Err(error) = if scratch.completed { Ok(()) } else { state.complete(dynamics, scratch) }
                 && state.next_step < events::SHORTEST_RETRY
                 && !state.release(dynamics, error)?
             {
@@ -287,12 +335,23 @@ pub struct Scratch {
     carried: Carried,
     trial: Vec<f64>,
     memory: Vec<f64>,
+    /// The memory with which f at the end of the step was evaluated.
+    memory_before: Vec<f64>,
+    /// Has the step itself moved its end onto the constraints and looked for events?
+    completed: bool,
 }
 
 impl Scratch {
     pub fn new(dimension: usize, memory: usize) -> Self {
         let zero = || vec![0.0; dimension];
-        Scratch { stages: std::array::from_fn(|_| zero()), carried: Carried::new(dimension), trial: zero(), memory: vec![0.0; memory] }
+        Scratch {
+            stages: std::array::from_fn(|_| zero()),
+            carried: Carried::new(dimension),
+            trial: zero(),
+            memory: vec![0.0; memory],
+            memory_before: vec![0.0; memory],
+            completed: false,
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! ROS2: a Rosenbrock-W method of order 2 with a fixed step, and a step's work is always the same.
 //!
-//! For hosts that must answer in time. A step takes two evaluations of f, one Jacobian, one factorisation and two solutions of
-//! linear systems; nothing is iterated and nothing rejected:
+//! For hosts that must answer in time. A step takes two evaluations of f (one more after a restart), one Jacobian, one factorisation and three
+//! solutions of linear systems; nothing is iterated and nothing rejected:
 //!
 //!   (I - gamma h J) k1 = h f(t, y),    (I - gamma h J) k2 = h f(t + h, y + k1) - 2 k1,    y1 = y + 3/2 k1 + 1/2 k2 .
 //!
@@ -15,6 +15,9 @@
 //!
 //! Both for what is left beside a carried motion, where the system knows one ([`super::carried`]; dF/dtau counts gamma h^2 in the first
 //! stage, -gamma h^2 in the second).
+//!
+//! Error of a step, estimated: `gamma h (I - gamma h J)^-1 (f - y')` with f at its end and y' the rate of the continuous output there, of order 3
+//! like the error itself. That evaluation is the first one of the next step.
 //!
 //! What else may happen in a step depends on the system: an event is located by up to [`super::events::MOST_LOOKS`] more evaluations; a
 //! system with a margin takes one more evaluation in each step.
@@ -52,8 +55,8 @@ pub struct RealTime {
 
 const GAMMA: f64 = 1.0 - FRAC_1_SQRT_2;
 
-/// Continuous output: powers 0 to 3 of theta, the last one for the carried motion alone.
-const DENSE_VECTORS: usize = 4;
+/// Continuous output: powers 0 to 2 of theta.
+const DENSE_VECTORS: usize = 3;
 
 impl Integrator for RealTime {
     fn setting(&self) -> Setting {
@@ -74,7 +77,7 @@ impl Integrator for RealTime {
 
     fn worst_case(&self) -> Option<String> {
         Some(format!(
-            "each step of {} s: 2 evaluations, 1 Jacobian, 1 factorisation, 2 linear solutions; 1 evaluation more where events are watched, up to {} more in a step that an event ends",
+            "each step of {} s: 2 evaluations, 1 Jacobian, 1 factorisation, 3 linear solutions; 1 evaluation more after a restart, up to {} more in a step that an event ends",
             self.step,
             events::MOST_LOOKS
         ))
@@ -95,19 +98,29 @@ impl Integrator for RealTime {
         for i in 0..n {
             let first = scratch.stages[0][i];
             let second = scratch.stages[1][i] + 2.0 * first;
-            for (power, coefficient) in [state.y[i], first, 0.5 * (second - first), 0.0].into_iter().enumerate() {
+            for (power, coefficient) in [state.y[i], first, 0.5 * (second - first)].into_iter().enumerate() {
                 state.dense[power * n + i] = coefficient;
             }
         }
-        scratch.carried.add_to(&mut state.dense, step.h);
+        scratch.carried.move_to(dynamics, step.h);
         step.accept(state, scratch, None);
-        Ok(())
+        scratch.carried.keep(dynamics, state);
+        if !FixedStep::complete(dynamics, state, scratch)? {
+            return Ok(());
+        }
+        let Scratch { stages: [first, second, .., end, error], carried, .. } = scratch;
+        // u' h of the continuous output at the end is K2.
+        for (i, value) in error.iter_mut().enumerate() {
+            *value = GAMMA * (step.h * (end[i] - carried.rate[i]) - second[i] - 2.0 * first[i]);
+        }
+        dynamics.solve_linear(error);
+        step.judge(dynamics, state, scratch)
     }
 }
 
 /// Both stages and the solution at the end.
 fn stages(dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch, step: &FixedStep) -> Result<(), Undefined> {
-    let Scratch { stages: [first, second, ..], carried, trial, memory } = scratch;
+    let Scratch { stages: [first, second, ..], carried, trial, memory, .. } = scratch;
     state.statistics.factorisations += 1;
     dynamics.factorise(GAMMA * step.h)?;
     carried.begin(dynamics);

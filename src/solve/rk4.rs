@@ -1,4 +1,8 @@
 //! The classical Runge-Kutta method of order 4 with a fixed step and cubic Hermite output.
+//!
+//! Its error is estimated as that of the pair 4(3) (see `rk43`), or by how far the step is from the trapezoidal rule where that is
+//! more: beyond the limit of stability a saturating force can hold the method at a wrong state, in which its stages repeat themselves and an
+//! embedded estimate sees nothing, but the state does not move as f says.
 
 use super::dense;
 use super::fixed::{FixedStep, STEPS};
@@ -39,14 +43,26 @@ impl Integrator for RungeKutta4 {
     }
 
     fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        state.evaluate_begin(dynamics)?;
+        state.evaluate_with_findings(dynamics)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
         scratch.memory.copy_from_slice(&state.memory);
         stages(dynamics, state, scratch, step.end, step.h).map_err(|Undefined| FixedStep::undefined(state))?;
         step.check(state, scratch)?;
         write_dense(state, scratch, step.h);
+        let Scratch { stages: [first, _, _, last, end, _, error], trial, .. } = scratch;
+        for (i, error) in error.iter_mut().enumerate() {
+            let embedded = step.h / 6.0 * (last[i] - end[i]);
+            let trapezoid = trial[i] - state.y[i] - 0.5 * step.h * (first[i] + end[i]);
+            *error = if trapezoid.abs() > embedded.abs() { trapezoid } else { embedded };
+        }
         step.accept(state, scratch, Some(4));
-        Ok(())
+        if state.derivative_known {
+            dynamics.mark_findings();
+        }
+        if !FixedStep::complete(dynamics, state, scratch)? {
+            return Ok(());
+        }
+        step.judge(dynamics, state, scratch)
     }
 }
 
@@ -58,7 +74,7 @@ pub(super) fn stages(
     end: f64,
     h: f64,
 ) -> Result<(), Undefined> {
-    let Scratch { stages, trial, memory, .. } = scratch;
+    let Scratch { stages, trial, memory, memory_before, .. } = scratch;
     stages[0].copy_from_slice(&state.derivative);
     let points = [(0.5, 0.5 * h), (0.5, 0.5 * h), (1.0, h)];
     for (stage, (fraction, weight)) in points.into_iter().enumerate() {
@@ -73,6 +89,7 @@ pub(super) fn stages(
         *value = state.y[i] + h / 6.0 * (k(0) + 2.0 * (k(1) + k(2)) + k(3));
     }
     state.statistics.evaluations += 1;
+    memory_before.copy_from_slice(memory);
     dynamics.derivative(end, trial, memory, &mut stages[4])
 }
 

@@ -5,7 +5,7 @@
 //! estimate is the difference to the classical weights, h (k4 - k5) / 6. Four evaluations per step and a stability limit of 2.83
 //! on the imaginary axis make it the cheapest choice where the contact's vibration limits the step.
 
-use super::adaptive::{self, Pair, TOLERANCES};
+use super::adaptive::{self, LocalError, Pair, TOLERANCES};
 use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use super::{dense, rk4};
 use crate::settings::{Entry, Section, SettingsError};
@@ -52,17 +52,19 @@ impl Pair for RungeKutta43 {
     const ORDER: i32 = 4;
     const LAST_STAGE: Option<usize> = Some(4);
 
-    fn attempt(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch, h: f64) -> Result<f64, Undefined> {
+    fn attempt(
+        &self,
+        dynamics: &mut dyn Dynamics,
+        state: &mut IntegrationState,
+        scratch: &mut Scratch,
+        h: f64,
+    ) -> Result<LocalError, Undefined> {
         rk4::stages(dynamics, state, scratch, state.t + h, h)?;
-        let mut largest: f64 = 0.0;
-        for i in 0..state.y.len() {
-            let error = h / 6.0 * (scratch.stages[3][i] - scratch.stages[4][i]);
-            if !(error.is_finite() && scratch.trial[i].is_finite()) {
-                return Ok(f64::INFINITY);
-            }
-            largest = largest.max(dynamics.error_weight(i) * error.abs());
+        let Scratch { stages: [_, _, _, last, end, error, ..], .. } = scratch;
+        for (error, (last, end)) in error.iter_mut().zip(last.iter().zip(end.iter())) {
+            *error = h / 6.0 * (last - end);
         }
-        Ok(largest)
+        Ok(LocalError::of(dynamics, error))
     }
 
     fn write_dense(&self, state: &mut IntegrationState, scratch: &Scratch, h: f64) {

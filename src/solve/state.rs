@@ -1,6 +1,6 @@
 //! All memory of an integration: cloning it is saving the simulation.
 
-use super::{Dynamics, Scratch, SolveError, StiffPart, Undefined};
+use super::{Doubts, Dynamics, Scratch, SolveError, StiffPart, Undefined};
 use serde::{Deserialize, Serialize};
 
 /// Work done so far.
@@ -42,6 +42,8 @@ pub struct IntegrationState {
     pub(super) dense: Vec<f64>,
     /// The record with which f(t, y) was evaluated, for repeating that to the bit.
     pub(super) memory_before: Vec<f64>,
+    /// Is a motion to be added to the continuous output ([`Dynamics::add_carried`])?
+    pub(super) carries: bool,
     /// f(t, y), valid when `derivative_known`.
     pub(super) derivative: Vec<f64>,
     pub(super) derivative_known: bool,
@@ -58,6 +60,8 @@ pub struct IntegrationState {
     pub(super) record: Vec<f64>,
     pub(super) record_known: bool,
     pub statistics: Statistics,
+    /// Of methods with a fixed step.
+    pub doubts: Doubts,
 }
 
 impl IntegrationState {
@@ -69,6 +73,7 @@ impl IntegrationState {
             memory_before: memory.to_vec(),
             t_begin: t,
             dense: vec![0.0; dense_vectors * y.len()],
+            carries: false,
             derivative: vec![0.0; y.len()],
             derivative_known: false,
             switch_due: false,
@@ -79,6 +84,7 @@ impl IntegrationState {
             record: vec![0.0; record_vectors * y.len()],
             record_known: false,
             statistics: Statistics::default(),
+            doubts: Doubts::default(),
         }
     }
 
@@ -88,11 +94,23 @@ impl IntegrationState {
     }
 
     /// Writes the solution at `time`, which lies within the last step (or is `t`), to `out`.
-    pub fn interpolate(&self, time: f64, out: &mut [f64]) {
+    pub fn interpolate(&self, dynamics: &dyn Dynamics, time: f64, out: &mut [f64]) {
+        self.interpolate_beside(time, out, |ahead, y| dynamics.add_carried(ahead, y));
+    }
+
+    /// The same; `carried` adds the carried motion so many seconds after the begin of the step.
+    pub fn interpolate_beside(&self, time: f64, out: &mut [f64], carried: impl FnOnce(f64, &mut [f64])) {
         if time >= self.t || self.t_begin >= self.t {
             out.copy_from_slice(&self.y);
             return;
         }
+        self.polynomial(time, out);
+        if self.carries {
+            carried(time - self.t_begin, out);
+        }
+    }
+
+    fn polynomial(&self, time: f64, out: &mut [f64]) {
         let theta = (time - self.t_begin) / (self.t - self.t_begin);
         let n = self.y.len();
         let vectors = self.dense.len() / n;
@@ -130,8 +148,10 @@ impl IntegrationState {
         self.t = end;
         self.y.copy_from_slice(&scratch.trial);
         self.memory.copy_from_slice(&scratch.memory);
+        self.carries = false;
         if let Some(last) = last {
             self.derivative.copy_from_slice(&scratch.stages[last]);
+            self.memory_before.copy_from_slice(&scratch.memory_before);
         }
         self.derivative_known = last.is_some();
         self.statistics.steps += 1;
@@ -159,16 +179,17 @@ impl IntegrationState {
         Ok(())
     }
 
-    /// Takes the solution back to `time` within the last step and starts anew there, because the system changes.
+    /// Takes the solution back to `time` within the last step and starts anew there, because the system changes; `carried` as in
+    /// [`IntegrationState::interpolate_beside`].
     /// Step-size control is kept: a jump of an input rarely changes the scale of the solution.
-    pub fn restart_at(&mut self, time: f64) {
+    pub fn restart_at(&mut self, time: f64, carried: impl FnOnce(f64, &mut [f64])) {
         let fresh = time == self.t && self.t_begin == self.t && !self.derivative_known;
         if fresh {
             return;
         }
         if time < self.t {
             let mut y = std::mem::take(&mut self.derivative);
-            self.interpolate(time, &mut y);
+            self.interpolate_beside(time, &mut y, carried);
             std::mem::swap(&mut self.y, &mut y);
             self.derivative = y;
         }

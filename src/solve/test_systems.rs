@@ -25,14 +25,16 @@ pub(super) struct Watched {
     /// c, c' and c'' of a carried motion at a time after its begin (t, y), which is noted below.
     pub motion: Option<Motion>,
     pub begin: (f64, Vec<f64>),
+    /// Of the step that was accepted last.
+    pub kept: (f64, Vec<f64>),
 }
 
 impl Watched {
     pub fn new(rate: Rate, jacobian: Jacobian, coordinates: usize) -> Self {
         let matrix = DMatrix::zeros(0, 0);
         let (breaks, nowhere) = (f64::INFINITY, (0.0, vec![]));
-        let (last, begin) = (nowhere.clone(), nowhere);
-        Watched { rate, jacobian, coordinates, share: 1.0, last, matrix, factors: None, margin: None, breaks, motion: None, begin }
+        let (last, begin, kept) = (nowhere.clone(), nowhere.clone(), nowhere);
+        Watched { rate, jacobian, coordinates, share: 1.0, last, matrix, factors: None, margin: None, breaks, motion: None, begin, kept }
     }
 }
 
@@ -68,6 +70,14 @@ impl Dynamics for Watched {
         shift.copy_from_slice(&c);
         rate.copy_from_slice(&c1);
         true
+    }
+    fn keep_carried(&mut self) {
+        self.kept.clone_from(&self.begin);
+    }
+    fn add_carried(&self, ahead: f64, y: &mut [f64]) {
+        let Some(motion) = self.motion else { return };
+        let [c, ..] = motion(self.kept.0, &self.kept.1, ahead);
+        y.iter_mut().zip(c).for_each(|(y, c)| *y += c);
     }
     fn carried_change(&mut self, change: &mut [f64]) {
         let Some(motion) = self.motion else { return };
@@ -176,7 +186,7 @@ pub(super) fn errors<const N: usize>(
         ends = ends.max(distance(state.t, &state.y));
         for k in 1..10 {
             let t = state.t_begin + (state.t - state.t_begin) * f64::from(k) / 10.0;
-            state.interpolate(t, &mut y);
+            state.interpolate(&system, t, &mut y);
             inside = inside.max(distance(t, &y));
         }
     }

@@ -49,7 +49,7 @@ fn errors(integrator: &dyn Integrator, h: f64) -> (f64, f64) {
         end = end.max((state.y[0] - state.t - state.t.sin()).abs());
         for k in 1..10 {
             let t = state.t_begin + (state.t - state.t_begin) * f64::from(k) / 10.0;
-            state.interpolate(t, &mut y);
+            state.interpolate_beside(t, &mut y, |_, _| ());
             dense = dense.max((y[0] - t - t.sin()).abs());
         }
     }
@@ -91,7 +91,7 @@ fn order_rk43_converges_with_order_4_and_its_estimate_with_order_4() {
         let mut state = pair.start(0.0, &[0.0], &[]);
         let mut scratch = Scratch::new(1, 0);
         state.evaluate_begin(&mut Power(degree)).unwrap();
-        adaptive::Pair::attempt(&pair, &mut Power(degree), &mut state, &mut scratch, h).unwrap()
+        adaptive::Pair::attempt(&pair, &mut Power(degree), &mut state, &mut scratch, h).unwrap().state
     };
     assert!(estimate(3, 0.7) < 1e-15);
 }
@@ -109,7 +109,7 @@ fn order_methods_are_exact_on_polynomials_of_their_order() {
             let error = (state.y[0] - 0.7f64.powi(degree)).abs();
             assert_eq!(error < 1e-14, degree <= exact, "{integrator:?} degree {degree}: {error:e}");
             let mut y = [0.0];
-            state.interpolate(0.3, &mut y);
+            state.interpolate_beside(0.3, &mut y, |_, _| ());
             let error = (y[0] - 0.3f64.powi(degree)).abs();
             assert_eq!(error < 1e-14, degree <= dense, "{integrator:?} dense, degree {degree}: {error:e}");
         }
@@ -123,7 +123,7 @@ fn order_error_falls_with_tolerance_and_work_is_pinned() {
         let (mut state, mut scratch) = oscillator(&integrator);
         integrator.advance(&mut Oscillator, &mut state, &mut scratch, 20.0).unwrap();
         let mut y = [0.0; 2];
-        state.interpolate(20.0, &mut y);
+        state.interpolate_beside(20.0, &mut y, |_, _| ());
         ((y[0] - 20.0 - 20f64.sin()).abs(), state.statistics)
     };
     let (loose, few) = run(1e-5);
@@ -180,7 +180,7 @@ fn prop_result_does_not_depend_on_where_it_is_read() {
             for i in 1..=steps {
                 let t = 4.0 * f64::from(i) / f64::from(steps);
                 integrator.advance(&mut Oscillator, &mut state, &mut scratch, t).unwrap();
-                state.interpolate(t, &mut y);
+                state.interpolate_beside(t, &mut y, |_, _| ());
             }
             y
         };
@@ -194,11 +194,11 @@ fn prop_restart_continues_from_the_dense_output() {
     let (mut state, mut scratch) = oscillator(&integrator);
     integrator.advance(&mut Oscillator, &mut state, &mut scratch, 1.234).unwrap();
     assert!(state.t > 1.234);
-    state.restart_at(1.234);
+    state.restart_at(1.234, |_, _| ());
     assert!((state.y[0] - 1.234 - 1.234f64.sin()).abs() < 1e-8);
     integrator.advance(&mut Oscillator, &mut state, &mut scratch, 3.0).unwrap();
     let mut y = [0.0; 2];
-    state.interpolate(3.0, &mut y);
+    state.interpolate_beside(3.0, &mut y, |_, _| ());
     assert!((y[0] - 3.0 - 3f64.sin()).abs() < 1e-7);
     assert_eq!(state.statistics.restarts, 1);
 }
@@ -252,7 +252,7 @@ fn hard_a_start_of_unix_epoch_size_loses_only_the_digits_of_time() {
     let mut scratch = Scratch::new(1, 0);
     integrator.advance(&mut Decay, &mut state, &mut scratch, start + 2.0).unwrap();
     let mut y = [0.0];
-    state.interpolate(start + 2.0, &mut y);
+    state.interpolate_beside(start + 2.0, &mut y, |_, _| ());
     assert!((y[0] - (-2f64).exp()).abs() < 1e-8, "{}", y[0]);
 }
 
@@ -310,7 +310,7 @@ fn analytic_events_are_located_and_read_in_the_right_form() {
         let mut y = [0.0; 2];
         for (time, height, speed) in [(0.9 * landing, 1.0 - 0.81, -0.9 * 20f64.sqrt()), (1.5 * landing, 0.25, 0.0)] {
             integrator.advance(&mut ball, &mut state, &mut scratch, time).unwrap();
-            state.interpolate(time, &mut y);
+            state.interpolate_beside(time, &mut y, |_, _| ());
             assert!((y[0] - height).abs() < 1e-9 && (y[1] - speed).abs() < 1e-9, "{time}: {y:?}");
         }
         assert_eq!((state.statistics.events, state.memory[0]), (1, 1.0));
@@ -327,7 +327,7 @@ fn prop_a_restart_before_an_event_undoes_it() {
     // The step that holds the landing has begun before 0.44.
     integrator.advance(&mut ball, &mut state, &mut scratch, 0.44).unwrap();
     assert!(state.switch_due && (state.t - 0.2f64.sqrt()).abs() < 1e-9, "{}", state.t);
-    state.restart_at(0.44);
+    state.restart_at(0.44, |_, _| ());
     assert!(!state.switch_due && state.t == 0.44 && (state.y[0] - 0.032).abs() < 1e-12);
 }
 

@@ -14,6 +14,8 @@
 //! Continuous output: x as cubic Hermite polynomial of its values and velocities at both ends, the rest as parabola of its values
 //! and its rate at the begin.
 //!
+//! Error of a step, estimated from a at its end: `h^2 / 3 (a_n - a_{n-1})` of x, `5 h / 12 (a_{n+1} - 2 a_n + a_{n-1})` of v.
+//!
 //! Source: W.M. Zhai, Int. J. Numer. Meth. Engng 39 (1996) 4199-4214.
 
 use super::fixed::{FixedStep, STEPS};
@@ -59,7 +61,7 @@ impl Integrator for Zhai {
     }
 
     fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        state.evaluate_begin(dynamics)?;
+        state.evaluate_with_findings(dynamics)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
         let h = step.h;
         // phi and psi.
@@ -83,11 +85,27 @@ impl Integrator for Zhai {
             }
         });
         step.check(state, scratch)?;
+        scratch.memory.copy_from_slice(&state.memory);
+        let Scratch { stages: [begin, before, ..], .. } = scratch;
+        begin.copy_from_slice(&state.derivative);
+        // Without a step before, the change within this one stands for that of the last.
+        let two_steps = weight > 0.0;
+        before.copy_from_slice(if two_steps { &state.record } else { &state.derivative });
         state.record.copy_from_slice(&state.derivative);
         state.record_known = true;
-        scratch.memory.copy_from_slice(&state.memory);
         step.accept(state, scratch, None);
-        Ok(())
+        if !FixedStep::complete(dynamics, state, scratch)? {
+            return Ok(());
+        }
+        let Scratch { stages: [begin, before, .., end, error], .. } = scratch;
+        for (i, value) in error.iter_mut().enumerate() {
+            *value = if i < coordinates {
+                h * h / 3.0 * (begin[coordinates + i] - before[coordinates + i])
+            } else {
+                5.0 / 12.0 * h * (end[i] - 2.0 * begin[i] + before[i])
+            };
+        }
+        step.judge(dynamics, state, scratch)
     }
 }
 

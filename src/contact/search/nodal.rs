@@ -654,6 +654,10 @@ mod tests {
             let half = 0.5 * self.0;
             [half * (1.0 - cos), half * k * sin, half * k * k * cos, -half * k * k * k * sin]
         }
+        fn waves(&self) -> Vec<crate::geometry::track::waves::Stretch> {
+            Vec::new()
+        }
+
         fn breaks(&self) -> Vec<f64> {
             vec![]
         }

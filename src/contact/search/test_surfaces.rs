@@ -35,6 +35,10 @@ impl DeviationShape for Wave {
     fn at(&self, s: f64) -> [f64; 4] {
         [0.004 * s.sin(), 0.004 * s.cos(), -0.004 * s.sin(), -0.004 * s.cos()]
     }
+    fn waves(&self) -> Vec<crate::geometry::track::waves::Stretch> {
+        Vec::new()
+    }
+
     fn breaks(&self) -> Vec<f64> {
         vec![]
     }

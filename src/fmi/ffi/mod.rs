@@ -226,8 +226,12 @@ pub unsafe extern "C" fn fmi2DoStep(
             component.derailed = false;
             Status::Ok
         }
-        Ok(StepOutcome::DoneWithEvents(events)) => {
+        Ok(StepOutcome::DoneWithRemarks(events, doubt)) => {
             component.last_step = remarks(component, &events);
+            if let Some(doubt) = doubt {
+                component.log.remark(&doubt);
+                component.last_step = Status::Warning;
+            }
             component.derailed = false;
             component.last_step
         }

@@ -44,8 +44,8 @@ impl Phase {
 #[derive(Debug)]
 pub enum StepOutcome {
     Done,
-    /// Contacts that are constraints lifted off or landed on the way, or others began or ended.
-    DoneWithEvents(Vec<ContactEvent>),
+    /// Contacts that are constraints lifted off or landed on the way, or others began or ended; or fixed steps were doubtful, in words.
+    DoneWithRemarks(Vec<ContactEvent>, Option<String>),
     /// The model could not be advanced to the end; time stands at the last successful step. With what happened before.
     Discarded(SimulationError, Vec<ContactEvent>),
 }
@@ -268,12 +268,14 @@ impl Instance {
             });
         }
         let simulation = self.started()?;
+        let doubtful = simulation.doubts().steps;
         let advanced = simulation.advance(target);
+        let doubt = (simulation.doubts().steps > doubtful).then(|| simulation.doubts().to_string());
         // None may be left for a later step, which may begin elsewhere.
         let events = simulation.take_events();
         Ok(match advanced {
-            Ok(()) if events.is_empty() => StepOutcome::Done,
-            Ok(()) => StepOutcome::DoneWithEvents(events),
+            Ok(()) if events.is_empty() && doubt.is_none() => StepOutcome::Done,
+            Ok(()) => StepOutcome::DoneWithRemarks(events, doubt),
             Err(error) => StepOutcome::Discarded(error, events),
         })
     }

@@ -14,6 +14,7 @@
 
 use super::frame::TrackFrame;
 use super::ramp::{Polynomial, Ramp};
+use super::waves::Stretch;
 use nalgebra::Vector3;
 
 /// One node of the alignment.
@@ -67,6 +68,8 @@ pub struct CentreLine {
     first: f64,
     bins_per_metre: f64,
     breaks: Vec<f64>,
+    /// Where curvature, grade or cant change.
+    waves: Vec<Stretch>,
 }
 
 #[derive(Clone, Debug)]
@@ -154,6 +157,14 @@ impl Piece {
     }
 }
 
+/// Between breaks where one of the functions changes: over the distance of the breaks, or over the rounding where breaks of several
+/// corners lie closer than a corner's own.
+fn changes(breaks: &[f64], smoothing: f64, changes: impl Fn(f64) -> bool) -> Vec<Stretch> {
+    let parts =
+        breaks.windows(2).map(|pair| Stretch { from: pair[0], to: pair[1], wave: (pair[1] - pair[0]).max(smoothing.max(LEAST_ROUNDING)) });
+    parts.filter(|part| changes(0.5 * (part.from + part.to))).collect()
+}
+
 impl CentreLine {
     /// The line that at s = 0 is at `origin` [m] and runs with `heading` [rad] about the vertical. `None` for straight level track
     /// without cant.
@@ -177,7 +188,8 @@ impl CentreLine {
         let rough: Vec<f64> = curvature.breaks().chain(grade.breaks()).collect();
         let gentle = cant.breaks().chain(rise.iter().flat_map(|(_, ramp)| ramp.breaks()));
         let breaks = ascending(rough.iter().copied().chain(gentle).collect());
-        let mut line = CentreLine { pieces: Vec::new(), bins: Vec::new(), first: 0.0, bins_per_metre: 0.0, breaks: Vec::new() };
+        let mut line =
+            CentreLine { pieces: Vec::new(), bins: Vec::new(), first: 0.0, bins_per_metre: 0.0, breaks: Vec::new(), waves: Vec::new() };
         let mut psi = 0.0;
         let places = split(&breaks, |a, b| {
             let turn = |ramp: &Ramp| [a, 0.5 * (a + b), b].map(|s| ramp.around(s).0[0].abs()).into_iter().fold(0.0, f64::max);
@@ -220,10 +232,19 @@ impl CentreLine {
             let degree = [&heading, &climb, &cant].into_iter().map(Polynomial::degree).max().unwrap_or(0);
             line.pieces.push(Piece { from, to, middle, degree, heading, climb, cant, path: Path::Arc(Vector3::zeros()) });
         }
+        line.waves = changes(&breaks, alignment.smoothing, |s| {
+            let jet = |ramp: &Ramp| ramp.around(s).degree() > 0;
+            jet(&curvature) || jet(&grade) || jet(&cant) || rise.iter().any(|(_, ramp)| jet(ramp))
+        });
         line.breaks = if alignment.smoothing > 0.0 { Vec::new() } else { ascending(rough) };
         line.index();
         line.lay(origin, heading);
         Some(line)
+    }
+
+    /// Where curvature, grade or cant change with the distance, and over which length.
+    pub fn waves(&self) -> impl Iterator<Item = Stretch> + '_ {
+        self.waves.iter().copied()
     }
 
     /// Finds the pieces by distance in constant time.

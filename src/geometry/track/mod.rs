@@ -15,6 +15,7 @@ mod ramp;
 pub mod station;
 #[cfg(test)]
 mod tests;
+pub mod waves;
 
 pub use deviation::{Deviation, DeviationShape, Direction, REGISTRY, parse_deviation};
 
@@ -23,6 +24,7 @@ use super::profile::Profile;
 use centre_line::CentreLine;
 use nalgebra::Vector3;
 use std::sync::Arc;
+use waves::Waves;
 
 /// Where a rail's section stands at some distance, with derivatives along the track.
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +89,8 @@ pub struct Rail {
     deviations: Vec<(Direction, Arc<dyn DeviationShape>)>,
     /// Distances where the rail is not smooth, increasing.
     breaks: Vec<f64>,
+    /// How short its waves are.
+    waves: Waves,
 }
 
 impl Rail {
@@ -108,6 +112,7 @@ impl Rail {
                 breaks.dedup();
                 breaks
             },
+            waves: Waves::new(deviations.iter().filter(|d| d.side == side).flat_map(|d| d.shape.waves())),
             deviations: deviations.iter().filter(|d| d.side == side).map(|d| (d.direction, d.shape.clone())).collect(),
         }
     }
@@ -117,6 +122,7 @@ impl Rail {
         self.breaks.extend(line.iter().flat_map(|line| line.breaks()));
         self.breaks.sort_by(f64::total_cmp);
         self.breaks.dedup();
+        self.waves = self.waves.with(line.iter().flat_map(|line| line.waves()));
         self.line = line;
         self
     }
@@ -131,6 +137,11 @@ impl Rail {
             };
             add(axis, shape.at(s));
         }
+    }
+
+    /// How finely a step must look at it.
+    pub fn waves(&self) -> &Waves {
+        &self.waves
     }
 
     /// Does any deviation move it?
@@ -235,7 +246,7 @@ impl Track {
 
     /// The same rails without deviations on straight level track.
     pub fn ideal(&self) -> Track {
-        let bare = |rail: &Rail| Rail { deviations: Vec::new(), breaks: Vec::new(), line: None, ..rail.clone() };
+        let bare = |rail: &Rail| Rail { deviations: Vec::new(), breaks: Vec::new(), waves: Waves::default(), line: None, ..rail.clone() };
         Track { left: bare(&self.left), right: bare(&self.right) }
     }
 }

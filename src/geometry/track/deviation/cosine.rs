@@ -3,7 +3,7 @@
 //! It is the haversine, `amplitude hav(2 pi (s - from) / (to - from))`, of bumps and dips: one formula under both names,
 //! `cosine` as the paper's "sinusoidal gauge reduction" and `haversine` as bumps are usually called.
 
-use super::{DeviationShape, read_extent};
+use super::{DeviationShape, Stretch, one_wave, read_extent};
 use crate::settings::{Entry, Section, SettingsError};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -49,6 +49,10 @@ impl DeviationShape for CosineBump {
 
     fn breaks(&self) -> Vec<f64> {
         vec![self.from, self.to]
+    }
+
+    fn waves(&self) -> Vec<Stretch> {
+        one_wave(self.amplitude, self.from, self.to)
     }
 
     fn describe(&self) -> String {

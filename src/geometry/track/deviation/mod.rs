@@ -3,6 +3,7 @@
 mod cosine;
 mod ramp;
 
+use super::waves::Stretch;
 use crate::geometry::Side;
 use crate::settings::{Entry, Section, SettingsError, choose};
 use crate::units::Dimension;
@@ -15,6 +16,9 @@ pub trait DeviationShape: Send + Sync + std::fmt::Debug {
 
     /// Distances [m] where a derivative that the equations use jumps: steps end there.
     fn breaks(&self) -> Vec<f64>;
+
+    /// Where it does anything, and how short its waves are there: steps look at each of them.
+    fn waves(&self) -> Vec<Stretch>;
 
     fn describe(&self) -> String;
 }
@@ -61,6 +65,11 @@ pub fn parse_deviation(section: Section) -> Result<Vec<Deviation>, SettingsError
     let shape = (choose(REGISTRY, &section, "shape")?.parse)(&section)?;
     section.finish()?;
     Ok(sides.iter().map(|&side| Deviation { side, direction, shape: shape.clone() }).collect())
+}
+
+/// A shape that does all that it does once between two distances; nothing without an amplitude.
+fn one_wave(amplitude: f64, from: f64, to: f64) -> Vec<Stretch> {
+    if amplitude == 0.0 { Vec::new() } else { vec![Stretch { from, to, wave: to - from }] }
 }
 
 /// `amplitude`, `from`, `to` [m] of a shape whose steepest slope is `steepness` times amplitude over length.

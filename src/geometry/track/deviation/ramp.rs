@@ -3,7 +3,7 @@
 //! Between them `amplitude w((s - from) / (to - from))` with the step w of [`smooth_step`]: value and three derivatives are
 //! continuous everywhere, so there are no breaks. The steepest slope is 35/16 amplitude / (to - from), in the middle.
 
-use super::{DeviationShape, read_extent};
+use super::{DeviationShape, Stretch, one_wave, read_extent};
 use crate::math::smooth_step::{STEEPEST, smooth_step};
 use crate::settings::{Entry, Section, SettingsError};
 use std::sync::Arc;
@@ -36,6 +36,10 @@ impl DeviationShape for Ramp {
 
     fn breaks(&self) -> Vec<f64> {
         Vec::new()
+    }
+
+    fn waves(&self) -> Vec<Stretch> {
+        one_wave(self.amplitude, self.from, self.to)
     }
 
     fn describe(&self) -> String {

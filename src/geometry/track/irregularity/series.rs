@@ -16,6 +16,7 @@ use super::window::{Window, Windowed};
 use super::{Irregularity, Quantity, deviations};
 use crate::geometry::file::OpenFile;
 use crate::geometry::track::DeviationShape;
+use crate::geometry::track::waves::resolved;
 use crate::math::smoothing::smooth;
 use crate::math::spline::CubicSpline;
 use crate::settings::{Entry, Section, SettingsError, did_you_mean};
@@ -90,7 +91,12 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     let deviations = deviations(&quantities(table), |_, _, values| {
         let points: Vec<(f64, f64)> = positions.iter().zip(values).map(|(&position, value)| (position, scale * value)).collect();
         let spline = CubicSpline::natural(&points).map_err(|error| file.error(0, COLUMNS[0], error.to_string()))?;
-        Ok(Arc::new(Windowed { spline, window, description: description.clone() }) as Arc<dyn DeviationShape>)
+        let mut shape = Windowed { spline, window, description: description.clone(), waves: Vec::new() };
+        shape.waves = resolved(&shape, window.from, window.to, |s| {
+            let behind = positions.partition_point(|position| *position <= s).clamp(1, positions.len() - 1);
+            positions[behind] - positions[behind - 1]
+        });
+        Ok(Arc::new(shape) as Arc<dyn DeviationShape>)
     })?;
     Ok(Irregularity { deviations, file: Some(file.kept) })
 }

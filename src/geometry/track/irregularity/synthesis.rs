@@ -18,6 +18,7 @@
 use super::spectrum::{self, Spectrum};
 use super::window::{Window, Windowed};
 use super::{Irregularity, Quantity, deviations, mean_and_difference};
+use crate::geometry::track::waves::Stretch;
 use crate::geometry::track::{DeviationShape, Direction};
 use crate::math::uniform_spline::{BEFORE, BEHIND, UniformSpline, response};
 use crate::settings::{Entry, Section, SettingsError, choose};
@@ -146,7 +147,8 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     let deviations = deviations(&Quantity::ALL.map(part), |_, direction, coefficients| {
         let spline = UniformSpline::new(synthesis.spacing, first, coefficients)
             .ok_or_else(|| section.error("to", "the irregularity covers less than a wave"))?;
-        Ok(Arc::new(Windowed { spline, window, description: describe(direction) }) as Arc<dyn DeviationShape>)
+        let waves = vec![Stretch { from: window.from, to: window.to, wave: band[0].min(2.0 * window.fade) }];
+        Ok(Arc::new(Windowed { spline, window, description: describe(direction), waves }) as Arc<dyn DeviationShape>)
     })?;
     Ok(Irregularity { deviations, file: None })
 }

@@ -4,6 +4,7 @@
 //! ([`smooth_step`]); derivatives by the product rule, so that w f has the smoothness of f and is exactly zero outside.
 
 use crate::geometry::track::DeviationShape;
+use crate::geometry::track::waves::Stretch;
 use crate::math::smooth_step::smooth_step;
 use crate::math::spline::CubicSpline;
 use crate::math::uniform_spline::UniformSpline;
@@ -88,6 +89,8 @@ pub(super) struct Windowed<S> {
     pub spline: S,
     pub window: Window,
     pub description: String,
+    /// How short its waves are.
+    pub waves: Vec<Stretch>,
 }
 
 impl<S: Spline> DeviationShape for Windowed<S> {
@@ -98,6 +101,10 @@ impl<S: Spline> DeviationShape for Windowed<S> {
 
     fn breaks(&self) -> Vec<f64> {
         Vec::new()
+    }
+
+    fn waves(&self) -> Vec<Stretch> {
+        self.waves.clone()
     }
 
     fn describe(&self) -> String {

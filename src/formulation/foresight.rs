@@ -1,0 +1,111 @@
+//! What lies ahead of a vehicle, so that no step is longer than what its first evaluation can speak for.
+//!
+//! *Track.* Each wheelset travels at most [`crate::geometry::track::waves::Waves::reach`] in a step: a part of the shortest wave where it
+//! is, and no further than such a part into what its rails or the centre line have ahead of it.
+//!
+//! *Landing.* A wheel in the air feels nothing of its rail, and in free flight every method is exact: nothing would stop a step from ending
+//! below the rail. With gap g, closing speed r and closing acceleration a of the nearest place, from the state and its derivative,
+//!
+//! ```text
+//! g = r t + a t^2 / 2      a step takes at most t + e / v,   v = sqrt(r^2 + 2 a g): speed at the touch
+//! ```
+//!
+//! with e = 20 um: at most that deep (a third of a static penetration) has the wheel come when its step ends, wherever the rail is plain. What
+//! happens from there on is the error control's.
+
+use super::rigid::wheels;
+use super::{ContactReport, Model, Wheelset, Workspace};
+use crate::geometry::track::station::Station;
+use crate::mbs::body::COORDINATES;
+use nalgebra::Vector3;
+
+/// e, m.
+const ENTRY: f64 = 2e-5;
+
+impl Model {
+    /// The longest step that may begin at the state `y` with derivative `dy`, s, whose evaluation the workspace holds.
+    pub fn longest_step(&self, workspace: &Workspace, dy: &[f64]) -> f64 {
+        let mut longest = self.longest_known(workspace);
+        for (contact, wheelset, _) in wheels(self) {
+            // A report without iterations belongs to no place.
+            let mut places = workspace.reports(contact).filter(|report| report.iterations > 0 || report.penetration != 0.0).peekable();
+            if places.peek().is_some() && places.all(|report| report.normal_force <= 0.0 && report.penetration < 0.0 && !report.constrained)
+            {
+                for report in workspace.reports(contact).filter(|report| report.penetration < 0.0) {
+                    longest = longest.min(self.time_to_touch(wheelset, workspace, report, dy));
+                }
+            }
+        }
+        longest
+    }
+
+    /// The part of it that the track alone asks for, s.
+    pub fn longest_known(&self, workspace: &Workspace) -> f64 {
+        let mut longest = f64::INFINITY;
+        for (_, wheelset, side) in wheels(self) {
+            let motion = &workspace.system.motions[wheelset.body];
+            let travel = workspace.system.stations.get(wheelset.body).map_or(motion.speed, |Station { travel, .. }| *travel);
+            let reach = self.track.rail(side).waves().reach(motion.distance, travel);
+            // At rest nothing comes nearer.
+            if reach < f64::INFINITY && travel != 0.0 {
+                longest = longest.min(reach / travel.abs());
+            }
+        }
+        longest
+    }
+
+    fn time_to_touch(&self, wheelset: &Wheelset, workspace: &Workspace, report: &ContactReport, dy: &[f64]) -> f64 {
+        let motion = &workspace.system.motions[wheelset.body];
+        let rates = &dy[self.system.velocities(wheelset.body)];
+        let turning = Vector3::z() * rates[3] + motion.roll_axis() * rates[4];
+        let acceleration = Vector3::new(rates[0], rates[1], rates[2]) + turning.cross(&(report.wheel_point - motion.position));
+        let normal = &report.axes.normal;
+        let (gap, closing, faster) = (-report.penetration, report.penetration_rate, -acceleration.dot(normal));
+        let at_touch = closing * closing + 2.0 * faster * gap;
+        if !(at_touch > 0.0) || (closing <= 0.0 && faster <= 0.0) {
+            return f64::INFINITY;
+        }
+        let speed = at_touch.sqrt();
+        // The first root without the difference of nearly equal numbers.
+        let time = if closing > 0.0 { 2.0 * gap / (closing + speed) } else { (speed - closing) / faster };
+        time + ENTRY / speed
+    }
+
+    /// Changes of the contacts' forces that an error `error` of the state makes, in parts of what the scene allows
+    /// ([`Model::load_tolerance`]): the largest over all wheels, of normal and creep force. The workspace holds an evaluation nearby.
+    ///
+    /// `dN = N' n . d P`, P the wheel's point. Creep forces grow with slip by no more than linear theory says, `G a b C / V`, C the larger of
+    /// Kalker's C11 and C22 (about 5), and never beyond twice the friction bound.
+    pub fn load_error(&self, workspace: &Workspace, error: &[f64]) -> f64 {
+        const KALKER: f64 = 5.0;
+        /// Below, a contact with deflection answers with its stiffness, not with slip, m/s.
+        const SLOW: f64 = 0.5;
+        let velocities = COORDINATES * self.system.bodies.len();
+        let mut largest: f64 = 0.0;
+        for (contact, wheelset, _) in wheels(self) {
+            let motion = &workspace.system.motions[wheelset.body];
+            let part = |first: usize| {
+                let e = &error[first + COORDINATES * wheelset.body..first + COORDINATES * (wheelset.body + 1)];
+                let turn = Vector3::z() * e[3] + motion.roll_axis() * e[4];
+                (Vector3::new(e[0], e[1], e[2]), turn, motion.axle() * e[5])
+            };
+            let ((moved, turned, _), (velocity, turning, spin)) = (part(0), part(velocities));
+            let friction = self.laws.friction;
+            for report in workspace.reports(contact).filter(|report| report.normal_force > 0.0) {
+                let arm = report.wheel_point - motion.position;
+                let axes = &report.axes;
+                let scale = 1.0 / (self.load_tolerance * wheelset.static_wheel_load.max(report.normal_force));
+                if !report.constrained {
+                    let sunk = (moved + turned.cross(&arm)).dot(&axes.normal);
+                    largest = largest.max((report.share * report.elastic_slope * sunk).abs() * scale);
+                }
+                let slip = velocity + (turning + spin).cross(&arm);
+                let slip = slip.dot(&axes.e1).hypot(slip.dot(&axes.e2));
+                let stiffness = self.laws.shear_modulus * report.patch.a * report.patch.b * KALKER;
+                let speed = wheelset.speed(motion).abs().max(SLOW);
+                largest = largest.max((stiffness * slip / speed).min(2.0 * friction * report.normal_force) * scale);
+            }
+        }
+        if largest.is_nan() { f64::INFINITY } else { largest }
+    }
+}
