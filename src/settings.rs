@@ -132,7 +132,7 @@ impl<'a> Section<'a> {
         let Some(item) = self.find(key) else { return Ok(None) };
         match item.as_value().and_then(|value| number(value, dimension)) {
             Some(value) => Ok(Some(value)),
-            None => Err(self.wrong(key, item, &dimension.expectation())),
+            None => Err(self.wrong(key, item, &expected(item.as_value(), dimension))),
         }
     }
 
@@ -168,6 +168,27 @@ impl<'a> Section<'a> {
         if value >= smallest { Ok(value) } else { Err(self.error(key, format!("found {value:?}, expected {smallest:?} or more"))) }
     }
 
+    /// A number between two bounds, or at one of them.
+    pub fn within(&self, key: &'static str, dimension: Dimension, (least, greatest): (f64, f64)) -> Result<f64, SettingsError> {
+        let value = self.number(key, dimension)?;
+        if (least..=greatest).contains(&value) {
+            return Ok(value);
+        }
+        let unit = dimension.unit();
+        Err(self.error(key, format!("found {value:?}{unit}, expected {least:?}{unit} to {greatest:?}{unit}")))
+    }
+
+    /// The same, or `default`.
+    pub fn within_or(
+        &self,
+        key: &'static str,
+        dimension: Dimension,
+        bounds: (f64, f64),
+        default: f64,
+    ) -> Result<f64, SettingsError> {
+        if self.has(key) { self.within(key, dimension, bounds) } else { Ok(default) }
+    }
+
     /// A number of zero or more.
     pub fn not_negative(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
         let value = self.number(key, dimension)?;
@@ -191,12 +212,17 @@ impl<'a> Section<'a> {
         item.as_array()
             .and_then(|array| array.iter().map(|value| number(value, dimension)).collect::<Option<Vec<f64>>>())
             .and_then(|numbers| numbers.try_into().ok())
-            .ok_or_else(|| self.wrong(key, item, &format!("a list of three, each {}", dimension.expectation())))
+            .ok_or_else(|| {
+                let values = item.as_array().into_iter().flatten();
+                let expected = values.map(|value| expected(Some(value), dimension)).max_by_key(String::len);
+                self.wrong(key, item, &format!("a list of three, each {}", expected.unwrap_or_else(|| dimension.expectation())))
+            })
     }
 
     /// Pairs of finite numbers `[[x, y], ...]` in SI.
     pub fn pairs(&self, key: &'static str, x: Dimension, y: Dimension) -> Result<Vec<[f64; 2]>, SettingsError> {
-        let expected = || format!("a list of pairs [[x, y], ...], x {}, y {}", x.expectation(), y.expectation());
+        let size = |of: Dimension| format!("{} (at most {:e})", of.expectation(), of.largest());
+        let expected = || format!("a list of pairs [[x, y], ...], x {}, y {}", size(x), size(y));
         let item = self.find(key).ok_or_else(|| self.missing(key, &expected()))?;
         let pair = |value: &Value| {
             let pair = value.as_array().filter(|pair| pair.len() == 2)?;
@@ -355,15 +381,27 @@ impl<'a> Section<'a> {
     }
 }
 
-/// A finite number in SI, with or without unit.
+/// A finite number in SI, with or without unit, of a size that makes sense.
 fn number(value: &Value, dimension: Dimension) -> Option<f64> {
-    let number = match value {
+    any_number(value, dimension).filter(|number| number.abs() <= dimension.largest())
+}
+
+fn any_number(value: &Value, dimension: Dimension) -> Option<f64> {
+    match value {
         Value::Float(value) => Some(*value.value()),
         Value::Integer(value) => Some(*value.value() as f64),
         Value::String(value) => dimension.parse(value.value()),
         _ => None,
+    }
+}
+
+/// What should stand where `value` is no such number.
+fn expected(value: Option<&Value>, dimension: Dimension) -> String {
+    let limit = match value.and_then(|value| any_number(value, dimension)) {
+        Some(number) if number.is_finite() => format!(", of at most {:e}{} either way", dimension.largest(), dimension.unit()),
+        _ => String::new(),
     };
-    number.filter(|number| number.is_finite())
+    format!("{}{limit}", dimension.expectation())
 }
 
 fn one_of(words: &[&str]) -> String {

@@ -62,6 +62,30 @@ impl Dimension {
         }
     }
 
+    /// Largest size that a scene may give, SI: far beyond any railway, and small enough that squares and products stay finite.
+    /// Distances end where a double still tells nanometres apart.
+    pub fn largest(self) -> f64 {
+        match self {
+            Dimension::None => 1e16,
+            Dimension::Length => 1e7,
+            Dimension::Angle | Dimension::Curvature => 1e3,
+            Dimension::Time => 1e9,
+            Dimension::Speed | Dimension::Acceleration => 1e4,
+            Dimension::AngularSpeed | Dimension::PerSpeed => 1e6,
+            Dimension::Mass => 1e9,
+            Dimension::Inertia | Dimension::Force => 1e12,
+            Dimension::Stiffness | Dimension::Damping | Dimension::RotationalStiffness | Dimension::RotationalDamping => 1e15,
+            Dimension::PenetrationDamping | Dimension::ContactStiffness => 1e18,
+            Dimension::Pressure => 1e15,
+        }
+    }
+
+    /// Name of the SI unit with a blank before it; nothing for plain numbers.
+    pub fn unit(self) -> String {
+        let name = self.units()[0].0;
+        if name.is_empty() { String::new() } else { format!(" {name}") }
+    }
+
     /// What to write instead, for error messages: `a length in m (also mm, um, ...)`.
     pub fn expectation(self) -> String {
         let names: Vec<_> = self.units().iter().map(|unit| unit.0).collect();

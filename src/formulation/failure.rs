@@ -3,6 +3,7 @@
 use super::Wheelset;
 use crate::contact::normal::ConformalContact;
 use crate::geometry::Side;
+use crate::mbs::tangent::SingularTangent;
 
 /// Why the equations could not be evaluated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -25,8 +26,8 @@ impl EvaluationError {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ContactFailure {
     #[error(
-        "the contact search found no solution ({iterations} iterations, residual {residual:.1e}, wheelset at y = {y:.4} m); \
-         the wheelset may have left the rails, or the profile is not smooth enough for ECF-A"
+        "the contact search found no solution ({iterations} iterations, residual {residual:.1e}, wheelset at y = {y:.4} m): {}",
+        not_found(*residual)
     )]
     NotFound { iterations: usize, residual: f64, y: f64 },
     #[error(
@@ -62,6 +63,32 @@ pub enum ContactFailure {
     Dependent,
     #[error("the constraints do not determine their forces (row {row}; wheelset at y = {y:.4} m)")]
     Singular { row: usize, y: f64 },
-    #[error("no position near this one satisfies the constraints ({iterations} iterations, gap {gap:.1e} m, wheelset at y = {y:.4} m)")]
+    #[error("{} ({iterations} iterations, gap {gap:.1e} m, wheelset at y = {y:.4} m)", not_closed(*gap))]
     NotClosed { iterations: usize, gap: f64, y: f64 },
+    #[error("{0}")]
+    Stiff(#[from] SingularTangent),
+}
+
+/// A residual (m and direction cosines) up to which a search that fails was near its place: where a place ceases, it goes to zero
+/// with the way beyond.
+const NEAR: f64 = 1e-3;
+/// A gap, m, that nobody can measure: the constraints hold, and what fails is finding the next position.
+const SHUT: f64 = 1e-10;
+
+fn not_found(residual: f64) -> &'static str {
+    if residual < NEAR {
+        "the place that was followed has ceased, since wheel and rail part there or touch along a line; contact.on_lift = \"elastic\" or an \
+         elastic formulation goes on with the places that are left"
+    } else {
+        "the wheelset may have left the rails"
+    }
+}
+
+fn not_closed(gap: f64) -> &'static str {
+    if gap < SHUT {
+        "the contacts are closed but no longer say where the wheelset goes: a place of rigid contact is about to cease; \
+         contact.on_lift = \"elastic\" goes on with elastic forces"
+    } else {
+        "no position near this one satisfies the constraints"
+    }
 }

@@ -174,7 +174,7 @@ pub(super) fn finish_elastic(model: &Model, workspace: &mut Workspace, t: f64, y
 }
 
 /// The wheel that belongs to a row of the constraints; the first one for rows of joints.
-fn wheel_of<'a>(model: &'a Model, system: &SystemWorkspace, row: usize) -> (&'a Wheelset, Side) {
+pub(super) fn wheel_of<'a>(model: &'a Model, system: &SystemWorkspace, row: usize) -> (&'a Wheelset, Side) {
     let contact = row.checked_sub(system.constraints.joint_rows);
     contact.and_then(|contact| wheels(model).find(|wheel| wheel.0 == contact)).map_or((&model.wheelsets[0], Side::Left), |w| (w.1, w.2))
 }

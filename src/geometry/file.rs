@@ -3,6 +3,9 @@
 use crate::settings::{Section, SettingsError};
 use std::path::{Path, PathBuf};
 
+/// Largest file, bytes: a million points of a series with all columns.
+const LARGEST: u64 = 128 << 20;
+
 /// A file that a scene refers to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneFile {
@@ -33,7 +36,16 @@ impl OpenFile {
             );
         };
         let path = folder.join(&name);
-        let content = std::fs::read(&path).map_err(|error| section.error("file", format!("can't read \"{}\": {error}", path.display())))?;
+        let unreadable = |problem: String| section.error("file", format!("can't read \"{}\": {problem}", path.display()));
+        let about = std::fs::metadata(&path).map_err(|error| unreadable(error.to_string()))?;
+        // A device or a pipe may have no end.
+        if !about.is_file() {
+            return Err(unreadable("it is no file".into()));
+        }
+        if about.len() > LARGEST {
+            return Err(unreadable(format!("it has {} MB; expected at most {} MB", about.len() >> 20, LARGEST >> 20)));
+        }
+        let content = std::fs::read(&path).map_err(|error| unreadable(error.to_string()))?;
         // Instruments write comments in whatever code page they like; numbers are ASCII in all of them.
         let text = String::from_utf8_lossy(&content).into_owned();
         let kept = SceneFile { key: section.full_key("file"), path: Path::new(&name).to_path_buf(), content, folder: keep_in };

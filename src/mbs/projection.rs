@@ -10,6 +10,8 @@ use super::system::{System, SystemWorkspace};
 
 /// Newton converges quadratically from an integrator's drift; more means that it started elsewhere.
 pub const MOST_ITERATIONS: usize = 30;
+/// A residual of so many tolerances is accepted once iterations can't reduce it.
+const ROUNDED: f64 = 10.0;
 
 /// What a projection did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -74,6 +76,10 @@ impl System {
                 done.drift = residual;
             }
             if residual <= tolerance {
+                return Ok(done);
+            }
+            // Where a place of contact is about to cease, rounding is amplified: what can't be reduced is as good as closed.
+            if done.iterations == MOST_ITERATIONS && residual <= ROUNDED * tolerance {
                 return Ok(done);
             }
             if done.iterations == MOST_ITERATIONS || !residual.is_finite() {

@@ -137,7 +137,7 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn factorise(&mut self, a: f64) -> Result<(), Undefined> {
-        self.model.factorise(self.workspace, a).map_err(|_| Undefined)
+        keep(&mut self.failure, self.model.factorise(self.workspace, a).map_err(|error| self.model.singular_tangent(self.workspace, error)))
     }
 
     fn solve_linear(&mut self, x: &mut [f64]) {

@@ -263,7 +263,10 @@ impl Simulation {
         self.state.work += self.workspace.work;
         self.state.time = if advanced.is_ok() { target } else { self.state.integration.t.max(self.state.time).min(target) };
         advanced.map_err(|error| match (error, failure) {
-            (SolveError::Undefined { .. }, Some(reason)) => SimulationError::Evaluation(reason),
+            (SolveError::Undefined { time }, Some(reason)) => {
+                // What fails in linear algebra does not know when.
+                SimulationError::Evaluation(EvaluationError { time: if reason.time.is_nan() { time } else { reason.time }, ..reason })
+            }
             _ => SimulationError::Solve(error),
         })
     }

@@ -33,10 +33,22 @@ pub struct ElasticContact {
 
 /// The surfaces do not fit the law: they are conformal or hollow in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("half relative curvatures A = {rolling:.4} 1/m, B = {across:.4} 1/m; Hertz theory needs both positive")]
+#[error("half relative curvatures A = {rolling:.4e} 1/m, B = {across:.4e} 1/m; {}", self.wanted())]
 pub struct ConformalContact {
     pub rolling: f64,
+    /// At the point of contact.
     pub across: f64,
+}
+
+impl ConformalContact {
+    fn wanted(&self) -> &'static str {
+        if self.rolling > 0.0 && self.across > 0.0 {
+            "beside the point the surfaces do not part within the width of an ellipse: they are conformal there, beyond Hertz theory \
+             (contact.normal.conformal = \"bounded\" goes on)"
+        } else {
+            "Hertz theory needs both positive (contact.normal.conformal = \"bounded\" goes on)"
+        }
+    }
 }
 
 /// A law from penetration and the surfaces' shape to elastic force.

@@ -40,6 +40,8 @@
 //!   rest. What is left out is the twisting spring of a resting patch, of the order G (ab)^1.5, 1e-5 of what the two
 //!   wheels' longitudinal springs do to yaw.
 //! * Unloaded (N = 0 or an empty patch): u' = -u/T, p' = -p/T. A falling N leads there continuously.
+//! * Without friction (mu N = 0; a law without bound aside) nothing holds a deflection: u' = -u/T, which is where u goes for mu to 0,
+//!   and the law sees the slip velocity as it is. p goes on: friction may come back.
 //!
 //! Rolling backward the law is called in axes turned by 180 degrees (`in_rolling_direction`). All laws are
 //! mirror-symmetric: (Fx, Fy, Mz)(-x, y, s) = (-Fx, Fy, Mz) and (x, -y, -s) -> (Fx, -Fy, -Mz). So the turned law is
@@ -150,6 +152,8 @@ pub struct TransientContact {
 
 /// r_2 / r_1.
 const SLIDE_WIDTH: f64 = 1.25;
+/// Friction bound, N, below which nothing holds: the deflection under it is smaller than a picometre.
+const LEAST_BOUND: f64 = 1e-3;
 
 impl TransientContact {
     /// Measures the law's saturation (a few hundred calls); not for the stepping path.
@@ -197,17 +201,20 @@ impl TransientContact {
             _ => return Evaluation { rates: state.map(|x| -x / floor), ..Evaluation::default() },
         };
         let speed = slip.rolling.abs();
-        let bound = contact.friction * contact.normal_force;
         let spin_ratio = slip.spin * self.inverse_speed(slip.rolling);
+        let way = 0.5 * contact.patch.a;
+        let rate_p = (slip.rolling - speed * p) / way / (1.0 + (floor * speed / way).powi(2)).sqrt();
+        if !self.holds(contact) {
+            return Evaluation { rates: [-ux / floor, -uy / floor, rate_p], ..Evaluation::default() };
+        }
 
         // How far the deflection has gone towards sliding.
-        let slide_from = self.slide_from * bound + elastic.spin_coupling * spin_ratio.abs();
+        let slide_from = self.sliding_load(contact, &elastic, spin_ratio);
         let load = elastic.stiffness * ux.hypot(uy);
         let slide_full = SLIDE_WIDTH * slide_from;
         let alpha = if load > slide_from { smooth_step((load - slide_from) / (slide_full - slide_from)) } else { 0.0 };
         let sliding = if alpha > 0.0 {
             let power = slip.longitudinal * ux + slip.lateral * uy;
-            // The least divisor only matters without friction, where any deflection slides.
             alpha * power.max(0.0) / (ux * ux / elastic.length[0] + uy * uy / elastic.length[1]).max(1e-60)
         } else {
             0.0
@@ -222,8 +229,6 @@ impl TransientContact {
             (v - lambda * u) / (1.0 + (floor * lambda).powi(2)).sqrt() - excess * u / floor
         };
         let rates_xy = [rate(ux, slip.longitudinal, elastic.length[0]), rate(uy, slip.lateral, elastic.length[1])];
-        let way = 0.5 * contact.patch.a;
-        let rate_p = (slip.rolling - speed * p) / way / (1.0 + (floor * speed / way).powi(2)).sqrt();
 
         // Creepage for the law: the deflection's below, v/V above.
         let weight = self.transient_weight(speed);
@@ -250,6 +255,18 @@ impl TransientContact {
             rates: [rates_xy[0], rates_xy[1], rate_p],
             creepage: Creepage { longitudinal, lateral, spin: turn * spin },
         }
+    }
+
+    /// Is there friction that can hold a deflection?
+    fn holds(&self, contact: &LoadedPatch) -> bool {
+        self.slide_from.is_infinite() || contact.friction * contact.normal_force > LEAST_BOUND
+    }
+
+    /// k |u| from which on the contact slides, N.
+    fn sliding_load(&self, contact: &LoadedPatch, elastic: &Elasticity, spin_ratio: f64) -> f64 {
+        // Without bound and without friction the product would be none.
+        let bound = (contact.friction * contact.normal_force).max(LEAST_BOUND);
+        self.slide_from * bound + elastic.spin_coupling * spin_ratio.abs()
     }
 
     /// w(|V|).

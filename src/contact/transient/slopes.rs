@@ -64,10 +64,15 @@ impl TransientContact {
         };
         let (speed, inverse, turn) = (slip.rolling.abs(), self.inverse_speed(slip.rolling), self.smooth_sign(slip.rolling));
         let spin_ratio = slip.spin * inverse;
-        let from = self.slide_from * contact.friction * contact.normal_force + elastic.spin_coupling * spin_ratio.abs();
+        let way = 0.5 * contact.patch.a;
+        let direction_rate = -speed / way / (1.0 + (floor * speed / way).powi(2)).sqrt();
+        if !self.holds(contact) {
+            let by_deflection = Matrix2::identity() * (-1.0 / floor);
+            return TransientSlopes { rate_by_deflection: by_deflection, direction_rate, ..TransientSlopes::default() };
+        }
+        let from = self.sliding_load(contact, &elastic, spin_ratio);
         let deflection = self.deflection(&elastic, &Range { from, full: SLIDE_WIDTH * from }, slip, state);
         let Deflection { rates, by_slip, by_deflection, relaxing, sliding, .. } = deflection;
-        let way = 0.5 * contact.patch.a;
 
         let (weight, tau) = (self.transient_weight(speed), self.settings.damping_time);
         let per_length = Vector2::from(elastic.length).map(|length| weight / length);
@@ -109,7 +114,7 @@ impl TransientContact {
             force_by_normal_force: turned * by_normal_force - in_plane * deflected / (3.0 * contact.normal_force),
             rate_by_slip: by_slip,
             rate_by_deflection: by_deflection,
-            direction_rate: -speed / way / (1.0 + (floor * speed / way).powi(2)).sqrt(),
+            direction_rate,
         }
     }
 

@@ -7,9 +7,9 @@ mod common;
 mod component;
 pub mod host;
 mod model_exchange;
-mod states;
+pub mod states;
 pub mod types;
-mod values;
+pub mod values;
 
 use crate::formulation::events::ContactEvent;
 use common::{guard, refuse, report, text};

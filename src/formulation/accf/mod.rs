@@ -86,7 +86,7 @@ const WORSE: f64 = 0.5;
 
 /// Steps below this (m, rad) end the iteration on position level; a residual at the rounding does where a place of contact is about
 /// to cease and Newton's steps of rounding are long.
-const POSITION: NewtonLimits = NewtonLimits { next_step: 1e-13, iterations: 12, rounding: 1e-14 };
+const POSITION: NewtonLimits = NewtonLimits { next_step: 1e-13, iterations: 12, rounding: 1e-12 };
 
 impl Formulation for Accf {
     fn describe(&self) -> String {

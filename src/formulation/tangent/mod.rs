@@ -12,8 +12,8 @@ mod contact;
 
 use super::loading::pair;
 use super::points::{self, MOST_POINTS};
-use super::rigid::wheels;
-use super::{ContactReport, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
+use super::rigid::{self, wheels};
+use super::{ContactReport, EvaluationError, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{CreepForce, Creepage};
 use crate::contact::search::wander::{Row, add, sum};
@@ -84,6 +84,17 @@ impl Model {
     /// [`SingularTangent`].
     pub fn factorise(&self, workspace: &mut Workspace, a: f64) -> Result<(), SingularTangent> {
         workspace.tangent.as_mut().map_or(Ok(()), |tangent| tangent.factorise(a, &workspace.system))
+    }
+
+    /// The same error with the wheel that it stands nearest to. Its time is not a number: a factorisation does not know it.
+    pub fn singular_tangent(&self, workspace: &Workspace, error: SingularTangent) -> EvaluationError {
+        let bodies = self.system.bodies.len();
+        let own = self.wheelsets.iter().find(|wheelset| wheelset.body == error.node);
+        let (wheelset, side) = match error.node.checked_sub(bodies) {
+            None => (own.unwrap_or(&self.wheelsets[0]), Side::Left),
+            Some(row) => rigid::wheel_of(self, &workspace.system, row),
+        };
+        EvaluationError::new(f64::NAN, wheelset, side, error.into())
     }
 
     /// Solves (I - a J) x = x in place.

@@ -9,6 +9,9 @@ pub(super) const ENTRY: Entry<super::Parse> =
     Entry { name: "arc", summary: "rail head that is one circular arc, highest at eta = 0", reference: "elementary geometry", parse };
 
 /// `f(eta) = sqrt(radius^2 - eta^2) - radius`, f(0) = 0.
+///
+/// The head ends at 0.8 of the radius, or 250 mm from the middle where the arc is wider: no rail or roller is, and a search for
+/// contacts looks at the whole range.
 #[derive(Debug, Clone)]
 pub struct Arch {
     /// Radius of the head, m.
@@ -18,6 +21,10 @@ pub struct Arch {
 /// Share of the radius up to which the arc is used; beyond, a parabola goes on with equal value, slope and
 /// curvature, so that an iteration that strays stays finite.
 const STEEPEST: f64 = 0.8;
+/// Half of the widest head, m.
+const WIDEST: f64 = 0.25;
+/// Radii that a head may have, m. The largest is flat to 0.03 mm over the widest head.
+const RADII: (f64, f64) = (1e-3, 1e3);
 
 impl Profile for Arch {
     fn at(&self, eta: f64) -> ProfilePoint {
@@ -36,7 +43,8 @@ impl Profile for Arch {
     }
 
     fn range(&self) -> (f64, f64) {
-        (-STEEPEST * self.radius, STEEPEST * self.radius)
+        let end = (STEEPEST * self.radius).min(WIDEST);
+        (-end, end)
     }
 
     fn describe(&self) -> String {
@@ -48,7 +56,8 @@ fn parse(section: &Section, part: Part) -> Result<ProfileChoice, SettingsError> 
     if part == Part::Wheel {
         return Err(section.error("kind", "an arc is a rail profile; a wheel may be \"s1002\", \"cone\", \"points\", ..."));
     }
-    Ok(ProfileChoice::own(Arc::new(Arch { radius: section.positive("radius", Dimension::Length)? })))
+    let radius = section.within("radius", Dimension::Length, RADII)?;
+    Ok(ProfileChoice::own(Arc::new(Arch { radius })))
 }
 
 #[cfg(test)]

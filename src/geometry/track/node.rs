@@ -12,6 +12,8 @@ use crate::units::Dimension;
 const TIGHTEST: f64 = 10.0;
 /// Greatest angles of cant and grade, rad.
 const STEEPEST: f64 = 0.3;
+/// Most that a line may turn in all, rad: 4000 circles. The line is cut into pieces of a quarter of a radian.
+const MOST_TURN: f64 = 2.5e4;
 
 /// Reads `node`, `smoothing` and `superelevation_about` of `[track]`; `None` without nodes. `base` [m] is the distance of the
 /// rails' nominal contact points.
@@ -33,6 +35,7 @@ pub fn parse(track: &Section, base: f64) -> Result<Option<Alignment>, SettingsEr
         return lonely.map_or(Ok(None), |key| Err(track.error(key, "serves nothing without [[track.node]]")));
     }
     let mut nodes: Vec<Node> = Vec::with_capacity(sections.len());
+    let mut turn = 0.0;
     for section in sections {
         let distance = section.number("distance", Dimension::Length)?;
         if let Some(before) = nodes.last().filter(|before| before.distance >= distance) {
@@ -40,6 +43,13 @@ pub fn parse(track: &Section, base: f64) -> Result<Option<Alignment>, SettingsEr
             return Err(section.error("distance", problem));
         }
         let (curvature, grade) = (curvature(&section)?, grade(&section)?);
+        if let Some(before) = nodes.last() {
+            turn += (distance - before.distance) * curvature.abs().max(before.curvature.abs());
+        }
+        if turn > MOST_TURN {
+            let problem = format!("until here the track turns by more than {MOST_TURN:?} rad; expected a shorter curve or a greater radius");
+            return Err(section.error("distance", problem));
+        }
         nodes.push(Node { distance, curvature, superelevation: superelevation(&section, base)?, grade });
         section.finish()?;
     }

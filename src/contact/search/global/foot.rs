@@ -67,10 +67,17 @@ impl RailCurve {
             lengths.push(length);
         }
         let count = curve.stretches.len();
+        // Both ends of the reach only move forward.
+        let (mut first, mut last) = (0, 0);
         let reach = (0..count)
             .map(|i| {
-                let first = (0..=i).find(|j| lengths[i] - lengths[j + 1] < SLACK).unwrap_or(i);
-                let last = (i..count).rev().find(|j| lengths[*j] - lengths[i + 1] < SLACK).unwrap_or(i);
+                while first < i && lengths[i] - lengths[first + 1] >= SLACK {
+                    first += 1;
+                }
+                last = last.max(i);
+                while last + 1 < count && lengths[last + 1] - lengths[i + 1] < SLACK {
+                    last += 1;
+                }
                 (first as u32, last as u32)
             })
             .collect();
@@ -221,7 +228,8 @@ impl RailCurve {
         }
         let spread = before - behind;
         let share = if spread > 0.0 { before / spread } else { 0.5 };
-        let place = j as f64 + share.min(1.0 - 1e-12);
+        // Far along a rail of many stretches the sum itself may round up to the next one.
+        let place = (j as f64 + share).min(((j + 1) as f64).next_down());
         if self.is_vertex(j) {
             // In front of a convex kink, or behind a concave one.
             let side = if b.angle > a.angle { -1.0 } else { 1.0 };
@@ -237,7 +245,7 @@ impl RailCurve {
     /// The foot on the profile itself, near one on the knots.
     pub fn exact(&self, profile: &dyn Profile, c: &Vector2<f64>, near: &Foot) -> ExactFoot {
         let last = self.curve.stretches.len() - 1;
-        if near.place < 0.0 || near.place > last as f64 + 1.0 - 1e-13 {
+        if near.place < 0.0 || near.place as usize > last {
             let k = &self.curve.knots[if near.place < 0.0 { 0 } else { last + 1 }];
             let along = (c.x - k.x) * k.cos + (c.y - k.y) * k.sin;
             return ExactFoot { eta: k.x + along * k.cos, distance: near.distance, tangent: Vector2::new(k.cos, k.sin) };

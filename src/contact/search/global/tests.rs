@@ -858,3 +858,34 @@ fn analytic_bending_ahead_is_the_bending_and_its_rate() {
     }
     assert!(count >= 15, "{count}");
 }
+
+/// A rail of some thousand stretches: what lies beyond its end is no stretch, however the sum rounds.
+#[test]
+fn hard_feet_beyond_the_ends_of_a_long_rail() {
+    #[derive(Debug)]
+    struct Long(f64);
+    impl Profile for Long {
+        fn at(&self, x: f64) -> ProfilePoint {
+            ProfilePoint { value: -0.05 * x * x, d1: -0.1 * x, d2: -0.1, d3: 0.0 }
+        }
+        fn range(&self) -> (f64, f64) {
+            (-self.0, self.0)
+        }
+        fn describe(&self) -> String {
+            "long".into()
+        }
+    }
+    for half in [0.3, 0.6, 1.2, 2.5] {
+        let profile = Long(half);
+        let rail = super::foot::RailCurve::new(&profile);
+        let count = rail.curve.stretches.len();
+        for eta in [-half - 0.1, -half, -half + 1e-13, 0.1, half - 1e-13, half, half + 1e-13, half + 0.1] {
+            for guess in [-1e-9, 0.0, 0.5 * count as f64, (count as f64).next_down(), count as f64] {
+                let point = Vector2::new(eta, profile.at(eta).value + 1e-4);
+                let foot = rail.foot(&point, guess);
+                let exact = rail.exact(&profile, &point, &foot);
+                assert!((exact.eta - eta).abs() < 1e-4 && (exact.distance - 1e-4).abs() < 1e-3, "{half} {eta}: {exact:?}");
+            }
+        }
+    }
+}

@@ -107,7 +107,7 @@ impl<'a> Synthesis<'a> {
 fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     let chosen = choose(spectrum::REGISTRY, section, "spectrum")?;
     let seed = read_seed(section)?;
-    let (from, to) = (read_distance(section, "from")?, read_distance(section, "to")?);
+    let (from, to) = (section.number("from", Dimension::Length)?, section.number("to", Dimension::Length)?);
     let window = Window::read(section, from, to, FADE)?;
     let band = read_band(section, &chosen.parse)?;
     let scale = section.number_or("scale", Dimension::None, 1.0)?;
@@ -151,16 +151,6 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
         Ok(Arc::new(Windowed { spline, window, description: describe(direction), waves }) as Arc<dyn DeviationShape>)
     })?;
     Ok(Irregularity { deviations, file: None })
-}
-
-fn read_distance(section: &Section, key: &'static str) -> Result<f64, SettingsError> {
-    /// m; the number of a knot must be a whole number.
-    const FARTHEST: f64 = 1e8;
-    let distance = section.number(key, Dimension::Length)?;
-    if distance.abs() > FARTHEST {
-        return Err(section.error(key, format!("found {distance:?} m, expected at most {FARTHEST:?} m")));
-    }
-    Ok(distance)
 }
 
 fn read_seed(section: &Section) -> Result<u64, SettingsError> {
