@@ -228,11 +228,11 @@ impl Audit {
         self.energy.0
     }
 
-    /// What the books say.
-    pub fn findings(&self) -> Vec<Finding> {
+    /// What the books say. `unbooked`: share of energy that the grid can't tell.
+    pub fn findings(&self, unbooked: f64) -> Vec<Finding> {
         let at = |what: &str, time: f64| if time > 0.0 { format!("{what} at t = {time:.4} s") } else { what.to_string() };
         let mut all = vec![
-            Finding::new(at("energy from nowhere", self.energy.1), self.energy.0, self.allowed.energy, Unit::Share),
+            Finding::new(at("energy from nowhere", self.energy.1), self.energy.0, self.allowed.energy.max(unbooked), Unit::Share),
             Finding::new(at("pull of a contact", self.pull.1), self.pull.0.max(0.0), 0.0, Unit::Newton),
             Finding::new(at("creep force beyond friction", self.beyond.1), self.beyond.0.max(0.0), BEYOND, Unit::Share),
             Finding::new(at("gap of a rigid contact", self.gap.1), self.gap.0, GAP, Unit::Metre),

@@ -14,6 +14,8 @@ const METHODS: &[Method] = &[
 
 const BOUNDS: &[super::Bound] = &[bound(Quantity::Y, 2e-5), bound(Quantity::Vertical, 0.03)];
 
+const NEAR: &[Must] = &[near(BOUNDS)];
+
 /// Points of a curve between two coordinates.
 fn points(head: &str, (from, to): (f64, f64), count: u32, curve: impl Fn(f64) -> f64) -> String {
     let mut text = format!("{head}\n");
@@ -74,8 +76,6 @@ const PATCH: &str = "contact.normal={law=\"hertz\",curvature=\"patch\",conformal
 /// 2 mm of gauge reduction: a swing that stays on the tread.
 const SMALL: &str = "track.deviation[1].amplitude=2 mm";
 
-const MUST: &[super::super::case::Must] = &[near(BOUNDS)];
-
 const fn case(name: &'static str, hard: &'static str, files: super::super::case::Files, changes: &'static [&'static str]) -> Case {
     Case {
         name,
@@ -87,7 +87,7 @@ const fn case(name: &'static str, hard: &'static str, files: super::super::case:
         stop: 1.0,
         formulations: SMOOTH,
         methods: METHODS,
-        must: MUST,
+        must: NEAR,
         refusable: true,
         ..CASE
     }
@@ -118,7 +118,7 @@ pub(super) const CASES: &[Case] = &[
         scene: "suspended_wheelset",
         changes: &["track.rail={kind=\"arc\",radius=0.005}", PATCH, SMALL],
         methods: METHODS,
-        must: &[near(BOUNDS)],
+        must: NEAR,
         refusable: true,
         ..CASE
     },
@@ -129,7 +129,7 @@ pub(super) const CASES: &[Case] = &[
         scene: "suspended_wheelset",
         changes: &["track.rail={kind=\"arc\",radius=2.0}", PATCH, SMALL],
         methods: METHODS,
-        must: &[near(BOUNDS)],
+        must: NEAR,
         refusable: true,
         ..CASE
     },
@@ -140,7 +140,7 @@ pub(super) const CASES: &[Case] = &[
         scene: "wheelset_s1002",
         changes: &["track.rail={kind=\"arc\",radius=2.0}", "contact.on_lift=elastic"],
         methods: METHODS,
-        must: &[Must::Reference { methods: super::TIGHT, bounds: BOUNDS }],
+        must: NEAR,
         refusable: true,
         ..CASE
     },
