@@ -2,6 +2,7 @@
 
 use super::Standing;
 use super::couplings::Couplings;
+use super::rails::{Ride, Riding};
 use super::slopes::Entry;
 use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, Workspace, contact_index};
 use crate::geometry::Side;
@@ -66,6 +67,8 @@ pub(super) struct Search<'a> {
     leading: usize,
     /// Of the track at present, 1/m.
     curvature: f64,
+    /// What bodies do beside the pattern.
+    rides: Vec<Ride>,
     y: Vec<f64>,
     dy: Vec<f64>,
     inputs: Vec<f64>,
@@ -108,6 +111,7 @@ impl<'a> Search<'a> {
             constrained: model.formulation.constrains() || !model.system.joints.is_empty(),
             leading: model.system.drives.iter().map(|drive| drive.body).min().unwrap_or(0),
             curvature: 0.0,
+            rides: vec![Ride::default(); at.len()],
             now: Configuration { at, slowing: 0.0, travel: pattern.speed, memory: vec![0.0; model.memory()] },
             unknowns: Vec::new(),
             square: Vec::new(),
@@ -147,17 +151,87 @@ impl<'a> Search<'a> {
         unknowns
     }
 
-    /// Lays the track: `node` all the way. Contacts are where they were.
-    pub fn lay(&mut self, node: &Node) {
+    /// Lays the track: `node` all the way, the rails displaced by a share of what `riding` says. Contacts are where they were.
+    pub fn lay(&mut self, node: &Node, riding: Option<(&Riding, f64)>) {
         let followed = self.model.followed();
         let line = CentreLine::new(&Alignment { nodes: vec![*node], ..Alignment::default() }, Vector3::zeros(), 0.0).map(Arc::new);
-        let Track { left, right } = self.model.track.ideal();
-        self.model.track = Track { left: left.along(line.clone()), right: right.along(line) };
+        self.model.track = match riding {
+            Some((riding, share)) => riding.track(line, share),
+            None => {
+                let Track { left, right } = self.model.track.ideal();
+                Track { left: left.along(line.clone()), right: right.along(line) }
+            }
+        };
         self.curvature = node.curvature;
         self.workspace = self.model.workspace();
         let memory = &mut self.now.memory;
         memory.truncate(memory.len() - followed);
         memory.resize(self.model.memory(), 0.0);
+    }
+
+    /// Moves bodies to where rails that are displaced take them in first approximation, and lets them ride: from the share `done` to
+    /// `share`.
+    pub fn ride(&mut self, riding: &Riding, [done, share]: [f64; 2]) -> Result<(), EvaluationError> {
+        for (at, ride) in self.now.at.iter_mut().zip(&riding.bodies) {
+            for (coordinate, place) in at.coordinates.iter_mut().zip(&ride.places) {
+                *coordinate += (share - done) * place;
+            }
+        }
+        self.rides = riding.bodies.iter().map(|ride| ride.times(share)).collect();
+        self.follow_joints()
+    }
+
+    /// Lets bodies ride as they do in another search for the same vehicle.
+    pub fn ride_as(&mut self, other: &Search) {
+        self.rides.clone_from(&other.rides);
+    }
+
+    /// Accelerations beside the pattern become some that joints allow: those nearest in kinetic energy, as velocities would.
+    fn follow_joints(&mut self) -> Result<(), EvaluationError> {
+        if self.model.system.joints.is_empty() || self.model.formulation.constrains() {
+            return Ok(());
+        }
+        self.follow_pattern(true);
+        let (model, memory) = (&self.model, &mut self.now.memory);
+        for (body, ride) in self.rides.iter().enumerate() {
+            let [_, y, z, ..] = ride.bends;
+            let across = model
+                .track
+                .line()
+                .map_or(Vector3::new(0.0, y, z), |line| line.frame(self.now.at[body].coordinates[0]).axes * Vector3::new(0.0, y, z));
+            let velocities = &mut self.y[model.system.velocities(body)];
+            velocities[..3].copy_from_slice(across.as_slice());
+            velocities[3..].copy_from_slice(&ride.bends[3..]);
+        }
+        model.project(&mut self.workspace, 0.0, &mut self.y, memory)?;
+        for body in 0..self.rides.len() {
+            let v = &self.y[self.model.system.velocities(body)];
+            let along = self.components(body, &Vector3::new(v[0], v[1], v[2]));
+            self.rides[body].bends = [along.x, along.y, along.z, v[3], v[4], v[5]];
+        }
+        Ok(())
+    }
+
+    /// Lets no pressed contact be compressed: corrects the wheelsets' vertical and roll velocities, which the first approximation takes from
+    /// the rails' heights alone.
+    pub fn follow_contacts(&mut self) {
+        for (wheelset, ride) in self.model.wheelsets.iter().zip(&mut self.rides) {
+            let centre = self.workspace.system.motions[wheelset.body].position;
+            // Rate of penetration per upward and per roll velocity of the wheelset.
+            let rows = Side::BOTH.map(|side| {
+                let index = contact_index(wheelset.body, side);
+                let most = self.workspace.reports(index).max_by(|a, b| a.normal_force.total_cmp(&b.normal_force))?;
+                let (n, arm) = (most.axes.normal, most.wheel_point - centre);
+                (most.normal_force > 0.0).then_some((most.penetration_rate, -n.z, n.y * arm.z - n.z * arm.y))
+            });
+            let [Some((left, a, b)), Some((right, c, d))] = rows else { continue };
+            let determinant = a * d - b * c;
+            // Contacts side by side, or on flanks, do not hold both.
+            if determinant.abs() > 0.1 {
+                ride.slopes[2] -= (left * d - right * b) / determinant / self.now.travel;
+                ride.slopes[4] -= (right * a - left * c) / determinant / self.now.travel;
+            }
+        }
     }
 
     pub fn configuration(&self) -> Configuration {
@@ -243,8 +317,12 @@ impl<'a> Search<'a> {
         if renew {
             *travel = self.pattern.speed / stretch(&at[self.leading]);
         }
-        for (body, at) in at.iter_mut().enumerate() {
+        for (body, (at, ride)) in at.iter_mut().zip(&self.rides).enumerate() {
             at.velocities[0] = *travel * stretch(at);
+            let count = if body < self.standing.wheelsets { PITCH } else { COORDINATES };
+            for (velocity, slope) in at.velocities[1..count].iter_mut().zip(&ride.slopes[1..]) {
+                *velocity = *travel * slope;
+            }
             let (q, v) = match line {
                 Some(line) => on_track::place(&line.frame(at.coordinates[0]), at),
                 None => (at.coordinates, at.velocities),
@@ -351,7 +429,13 @@ impl<'a> Search<'a> {
         let wanted = [slower * v[0] - turning * v[1], slower * v[1] + turning * v[0]];
         let linear = Vector3::new(a[0] - wanted[0], a[1] - wanted[1], a[2] - slower * v[2]);
         let along = self.components(body, &linear);
-        [along.x, along.y, along.z, a[3] - slower * v[3], a[4] - slower * v[4], a[5] - slower * v[5]].map(|off| off / UNIT)
+        let off = [along.x, along.y, along.z, a[3] - slower * v[3], a[4] - slower * v[4], a[5] - slower * v[5]];
+        let bent = self.pattern.centripetal * self.now.travel * self.now.travel;
+        let mut rest = [0.0; COORDINATES];
+        for ((rest, off), bend) in rest.iter_mut().zip(off).zip(self.rides[body].bends) {
+            *rest = (off - bent * bend) / UNIT;
+        }
+        rest
     }
 
     /// W [rad/s] as it makes centripetal accelerations, and the rate of all speeds relative to themselves, 1/s.
