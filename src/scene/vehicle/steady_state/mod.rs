@@ -185,20 +185,26 @@ fn on_displaced_rails(
     smooth.contact.formulation = formulation::algebraic();
     let (mut search, wheel_loads) = balanced(&smooth, standing, pattern, node)?;
     onto_the_rails(&mut search, node, riding)?;
-    let own = Search::new(scene, standing, pattern)?;
+    let mut own = Search::new(scene, standing, pattern)?;
+    own.lay(node, Some((riding, 1.0)));
+    own.put_bodies(&search.now);
+    own.ride_as(&search);
     let scale = scene.vehicle.speed / pattern.speed;
     if !own.model.formulation.is_smooth() {
-        let mut own = own;
-        own.lay(node, Some((riding, 1.0)));
-        own.put_bodies(&search.now);
-        own.ride_as(&search);
         own.approach()?;
         return Ok(SteadyState { y: own.found(scale).0, wheel_loads, contacts: Contacts::Any });
     }
+    if !own.model.formulation.constrains() {
+        return Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts: Contacts::Any });
+    }
+    own.tolerance = ON_RAILS;
+    if own.choose_anew().and_then(|()| own.balance()).is_ok() && own.presses() {
+        let (y, memory) = own.found(scale);
+        return Ok(SteadyState { y, wheel_loads, contacts: Contacts::Kept(memory) });
+    }
     let several = (0..own.model.contacts()).any(|contact| own.model.searches_contacts(contact));
-    let curved = node.curvature != 0.0 || node.superelevation != 0.0;
-    let elastic = curved && own.model.may_be_elastic() && several && standing.positions.len() > 1;
-    Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts: if elastic { Contacts::Elastic } else { Contacts::Any } })
+    let contacts = if own.model.may_be_elastic() && several { Contacts::Elastic } else { Contacts::Any };
+    Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts })
 }
 
 /// From the balance on ideal rails to that on displaced ones, by parts of the displacements where need be.
@@ -209,7 +215,8 @@ fn onto_the_rails(search: &mut Search, node: &Node, riding: &Riding) -> Result<(
     while done < 1.0 {
         let next = f64::min(done + step, 1.0);
         search.lay(node, Some((riding, next)));
-        let mut found = search.ride(riding, [done, next]).map_err(EquilibriumError::Evaluation).and_then(|()| search.balance());
+        search.ride(riding, [done, next]);
+        let mut found = search.balance();
         for _ in 0..if next == 1.0 { CORRECTIONS } else { 0 } {
             found = found.and_then(|()| {
                 search.follow_contacts();

@@ -14,7 +14,7 @@ use crate::mbs::on_track::{self, OnTrack};
 use crate::scene::assemble;
 use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// The motion that all bodies take part in.
@@ -67,8 +67,11 @@ pub(super) struct Search<'a> {
     leading: usize,
     /// Of the track at present, 1/m.
     curvature: f64,
-    /// What bodies do beside the pattern.
+    /// What bodies do beside the pattern, and the accelerations along the track frame's axes that go with it, m/s2 or rad/s2.
     rides: Vec<Ride>,
+    accelerations: Vec<[f64; COORDINATES]>,
+    /// Do bodies ride at all?
+    riding: bool,
     y: Vec<f64>,
     dy: Vec<f64>,
     inputs: Vec<f64>,
@@ -112,6 +115,8 @@ impl<'a> Search<'a> {
             leading: model.system.drives.iter().map(|drive| drive.body).min().unwrap_or(0),
             curvature: 0.0,
             rides: vec![Ride::default(); at.len()],
+            accelerations: vec![[0.0; COORDINATES]; at.len()],
+            riding: false,
             now: Configuration { at, slowing: 0.0, travel: pattern.speed, memory: vec![0.0; model.memory()] },
             unknowns: Vec::new(),
             square: Vec::new(),
@@ -171,43 +176,44 @@ impl<'a> Search<'a> {
 
     /// Moves bodies to where rails that are displaced take them in first approximation, and lets them ride: from the share `done` to
     /// `share`.
-    pub fn ride(&mut self, riding: &Riding, [done, share]: [f64; 2]) -> Result<(), EvaluationError> {
+    pub fn ride(&mut self, riding: &Riding, [done, share]: [f64; 2]) {
         for (at, ride) in self.now.at.iter_mut().zip(&riding.bodies) {
             for (coordinate, place) in at.coordinates.iter_mut().zip(&ride.places) {
                 *coordinate += (share - done) * place;
             }
         }
         self.rides = riding.bodies.iter().map(|ride| ride.times(share)).collect();
-        self.follow_joints()
+        self.bend();
     }
 
     /// Lets bodies ride as they do in another search for the same vehicle.
     pub fn ride_as(&mut self, other: &Search) {
         self.rides.clone_from(&other.rides);
+        self.bend();
     }
 
-    /// Accelerations beside the pattern become some that joints allow: those nearest in kinetic energy, as velocities would.
-    fn follow_joints(&mut self) -> Result<(), EvaluationError> {
-        if self.model.system.joints.is_empty() || self.model.formulation.constrains() {
-            return Ok(());
+    /// What bodies that ride are to have of accelerations.
+    fn bend(&mut self) {
+        let square = self.pattern.centripetal * self.pattern.speed.powi(2);
+        self.accelerations = self.rides.iter().map(|ride| ride.bends.map(|bend| square * bend)).collect();
+        self.riding = true;
+    }
+
+    /// The part of accelerations off the balance that constraints allow: the nearest in kinetic energy, as with velocities. The rest is what
+    /// constraints demand of bodies that ride (a bar goes up with its axle boxes, and with squares of velocities).
+    fn allowed(&mut self, off: &mut [f64]) -> Result<(), EvaluationError> {
+        let bodies = self.rides.len();
+        for body in 0..bodies {
+            let (axes, off) = (self.axes(body), &off[COORDINATES * body..]);
+            let velocities = &mut self.y[self.model.system.velocities(body)];
+            velocities[..3].copy_from_slice((axes * Vector3::new(off[0], off[1], off[2])).as_slice());
+            velocities[3..].copy_from_slice(&off[3..COORDINATES]);
         }
-        self.follow_pattern(true);
-        let (model, memory) = (&self.model, &mut self.now.memory);
-        for (body, ride) in self.rides.iter().enumerate() {
-            let [_, y, z, ..] = ride.bends;
-            let across = model
-                .track
-                .line()
-                .map_or(Vector3::new(0.0, y, z), |line| line.frame(self.now.at[body].coordinates[0]).axes * Vector3::new(0.0, y, z));
-            let velocities = &mut self.y[model.system.velocities(body)];
-            velocities[..3].copy_from_slice(across.as_slice());
-            velocities[3..].copy_from_slice(&ride.bends[3..]);
-        }
-        model.project(&mut self.workspace, 0.0, &mut self.y, memory)?;
-        for body in 0..self.rides.len() {
+        self.model.project(&mut self.workspace, 0.0, &mut self.y, &mut self.now.memory)?;
+        for body in 0..bodies {
             let v = &self.y[self.model.system.velocities(body)];
-            let along = self.components(body, &Vector3::new(v[0], v[1], v[2]));
-            self.rides[body].bends = [along.x, along.y, along.z, v[3], v[4], v[5]];
+            let along = self.axes(body).tr_mul(&Vector3::new(v[0], v[1], v[2]));
+            off[COORDINATES * body..][..COORDINATES].copy_from_slice(&[along.x, along.y, along.z, v[3], v[4], v[5]]);
         }
         Ok(())
     }
@@ -385,9 +391,10 @@ impl<'a> Search<'a> {
                 off[0] = 0.0;
             }
             rest[row..row + COORDINATES].copy_from_slice(&off);
-            if !self.constrained {
-                continue;
-            }
+        }
+        let constrained = if self.constrained { self.now.at.len() } else { 0 };
+        for body in 0..constrained {
+            let row = COORDINATES * body;
             let found = self.in_the_track_frame(body);
             let asked = &mut self.now.at[body].coordinates;
             for (i, found) in found.into_iter().enumerate() {
@@ -395,6 +402,12 @@ impl<'a> Search<'a> {
                 if keep {
                     asked[i] = found;
                 }
+            }
+        }
+        if self.constrained && self.riding {
+            self.allowed(&mut rest[..count])?;
+            for drive in &self.model.system.drives {
+                rest[COORDINATES * drive.body] = 0.0;
             }
         }
         Ok(rest)
@@ -430,11 +443,8 @@ impl<'a> Search<'a> {
         let linear = Vector3::new(a[0] - wanted[0], a[1] - wanted[1], a[2] - slower * v[2]);
         let along = self.components(body, &linear);
         let off = [along.x, along.y, along.z, a[3] - slower * v[3], a[4] - slower * v[4], a[5] - slower * v[5]];
-        let bent = self.pattern.centripetal * self.now.travel * self.now.travel;
-        let mut rest = [0.0; COORDINATES];
-        for ((rest, off), bend) in rest.iter_mut().zip(off).zip(self.rides[body].bends) {
-            *rest = (off - bent * bend) / UNIT;
-        }
+        let mut rest = self.accelerations[body];
+        rest.iter_mut().zip(off).for_each(|(rest, off)| *rest = (off - *rest) / UNIT);
         rest
     }
 
@@ -445,8 +455,12 @@ impl<'a> Search<'a> {
     }
 
     fn components(&self, body: usize, vector: &Vector3<f64>) -> Vector3<f64> {
-        let line = self.model.track.line();
-        line.map_or(*vector, |line| line.frame(self.now.at[body].coordinates[0]).components(vector))
+        self.axes(body).tr_mul(vector)
+    }
+
+    /// Of the track frame beside a body.
+    fn axes(&self, body: usize) -> Matrix3<f64> {
+        self.model.track.line().map_or(Matrix3::identity(), |line| line.frame(self.now.at[body].coordinates[0]).axes)
     }
 
     /// Differences of the equations for all unknowns, as many at once as share no row; `rest` is that here. One-sided ones serve
@@ -505,6 +519,11 @@ impl<'a> Search<'a> {
             let slopes = [along.x, along.y, along.z, v[3], v[4], v[5]].map(|speed| -speed / self.pattern.speed);
             (0..).zip(slopes).map(move |(i, slope)| (COORDINATES * body + i, slope)).filter(|entry| entry.1 != 0.0)
         })
+    }
+
+    /// Does every contact that is a constraint press?
+    pub fn presses(&self) -> bool {
+        self.model.margin(&self.now.memory).is_none_or(|margin| margin >= 0.0)
     }
 
     /// Mean vertical force of each wheelset's wheels, N.
