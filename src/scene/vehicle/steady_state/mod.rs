@@ -91,8 +91,9 @@ const BALANCED: f64 = 1e-6;
 const IN_CURVE: f64 = 1e-5;
 /// The same on displaced rails: joints are followed but for squares of velocities.
 const ON_RAILS: f64 = 1e-4;
-/// Share of the displacements that is too small a step.
-const LEAST_SHARE: f64 = 0.03;
+/// Share of the displacements that is tried first, and the one that is too small a step.
+const FIRST_SHARE: f64 = 0.0625;
+const LEAST_SHARE: f64 = 0.01;
 /// Corrections of wheelsets' vertical velocities.
 const CORRECTIONS: usize = 2;
 /// Shares of the curve: the first step of the continuation, and the one that is too short.
@@ -158,6 +159,7 @@ fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyStat
     if !own.model.formulation.is_smooth() {
         let (near, wheel_loads) = elastic()?;
         own.lay(node, None);
+        own.effort = near.effort;
         own.put_bodies(&near.now);
         own.approach()?;
         return Ok(SteadyState { y: own.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any });
@@ -187,6 +189,7 @@ fn on_displaced_rails(
     onto_the_rails(&mut search, node, riding)?;
     let mut own = Search::new(scene, standing, pattern)?;
     own.lay(node, Some((riding, 1.0)));
+    own.effort = search.effort;
     own.put_bodies(&search.now);
     own.ride_as(&search);
     let scale = scene.vehicle.speed / pattern.speed;
@@ -210,12 +213,18 @@ fn on_displaced_rails(
 /// From the balance on ideal rails to that on displaced ones, by parts of the displacements where need be.
 fn onto_the_rails(search: &mut Search, node: &Node, riding: &Riding) -> Result<(), EquilibriumError> {
     (search.following, search.tolerance) = (true, ON_RAILS);
-    let (mut done, mut step) = (0.0, 1.0);
+    // The first approximation is a poor one, but the balance at the first share shows the way.
+    let (mut done, mut step) = (0.0, FIRST_SHARE);
     let mut last = search.configuration();
+    let mut before: Option<(f64, search::Configuration)> = None;
     while done < 1.0 {
         let next = f64::min(done + step, 1.0);
         search.lay(node, Some((riding, next)));
-        search.ride(riding, [done, next]);
+        match &before {
+            Some((share, configuration)) => search.go_on(configuration, (next - done) / (done - share)),
+            None => search.move_along(riding, next - done),
+        }
+        search.ride(riding, next);
         let mut found = search.balance();
         for _ in 0..if next == 1.0 { CORRECTIONS } else { 0 } {
             found = found.and_then(|()| {
@@ -225,13 +234,14 @@ fn onto_the_rails(search: &mut Search, node: &Node, riding: &Riding) -> Result<(
         }
         match found {
             Ok(()) => {
-                last = search.configuration();
-                (done, step) = (next, 2.0 * step);
+                let here = search.configuration();
+                before = Some((done, std::mem::replace(&mut last, here)));
+                (done, step) = (next, 4.0 * step);
             }
             Err(cause) => {
                 search.put(&last);
                 step = 0.5 * (next - done);
-                if step < LEAST_SHARE {
+                if step < LEAST_SHARE || search.exhausted() {
                     return Err(EquilibriumError::OnRails { percent: 100.0 * next, cause: Box::new(cause) });
                 }
             }
@@ -285,9 +295,13 @@ fn into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumErr
             Err(cause) => {
                 search.put(&last);
                 step = 0.5 * (next - done);
-                if step < SHORTEST {
+                if step < SHORTEST || search.exhausted() {
                     let rigid = search.model.formulation.constrains() && !search.model.may_be_elastic();
-                    let advice = if rigid { "; contact.on_lift = \"elastic\" lets contacts begin elastic" } else { "" };
+                    let advice = match (rigid, search.exhausted()) {
+                        (true, _) => "; contact.on_lift = \"elastic\" lets contacts begin elastic",
+                        (false, true) => "; the search was given up there (its work is bounded): start before the curve, or on a wider one",
+                        (false, false) => "",
+                    };
                     return Err(EquilibriumError::Curving { percent: 100.0 * next, cause: Box::new(cause), advice });
                 }
             }

@@ -54,6 +54,8 @@ pub(super) const PITCH: usize = COORDINATES - 1;
 
 /// Accelerations count in parts of this, m/s2 or rad/s2.
 pub(super) const UNIT: f64 = 9.81;
+/// Evaluations of one wheel after which a search is given up: about 1.5 s.
+const MOST_EFFORT: u64 = 120_000;
 /// Moves onto constraints count in parts of this, m or rad.
 const MOVE: f64 = 1e-4;
 
@@ -81,6 +83,8 @@ pub(super) struct Search<'a> {
     constrained: bool,
     /// Rest of the equations that counts as none.
     pub tolerance: f64,
+    /// Work done so far, in evaluations of one wheel.
+    pub effort: u64,
     pub unknowns: Vec<Unknown>,
     /// Row of the square system for each coordinate; `None` where the speed is imposed.
     pub square: Vec<Option<usize>>,
@@ -110,6 +114,7 @@ impl<'a> Search<'a> {
             dy: vec![0.0; model.dimension()],
             following: false,
             tolerance: super::BALANCED,
+            effort: 0,
             inputs: model.neutral_inputs(),
             constrained: model.formulation.constrains() || !model.system.joints.is_empty(),
             leading: model.system.drives.iter().map(|drive| drive.body).min().unwrap_or(0),
@@ -140,6 +145,7 @@ impl<'a> Search<'a> {
     fn unknowns(&self) -> Vec<Unknown> {
         let wheelsets = self.standing.wheelsets;
         let elastic = !self.model.formulation.constrains();
+        let among_nodes = !self.model.formulation.is_smooth();
         let mut unknowns = Vec::new();
         for body in 0..self.now.at.len() {
             for axis in 0..COORDINATES {
@@ -149,6 +155,8 @@ impl<'a> Search<'a> {
                     PITCH if body < wheelsets => Unknown::Spin { body, unit: self.now.at[body].velocities[PITCH].abs() },
                     // Height and roll press wheels into rails: 1e-9 m are some newtons.
                     2 | 4 if body < wheelsets && elastic => Unknown::Coordinate { body, axis, step: 1e-9 },
+                    // A contact that lies among nodes must stay at its node: it moves some ten times as far as the wheel.
+                    _ if body < wheelsets && among_nodes => Unknown::Coordinate { body, axis, step: 1e-9 },
                     _ => Unknown::Coordinate { body, axis, step: 1e-6 },
                 });
             }
@@ -174,14 +182,17 @@ impl<'a> Search<'a> {
         memory.resize(self.model.memory(), 0.0);
     }
 
-    /// Moves bodies to where rails that are displaced take them in first approximation, and lets them ride: from the share `done` to
-    /// `share`.
-    pub fn ride(&mut self, riding: &Riding, [done, share]: [f64; 2]) {
+    /// Moves bodies to where a further share of the displacements takes them in first approximation.
+    pub fn move_along(&mut self, riding: &Riding, further: f64) {
         for (at, ride) in self.now.at.iter_mut().zip(&riding.bodies) {
             for (coordinate, place) in at.coordinates.iter_mut().zip(&ride.places) {
-                *coordinate += (share - done) * place;
+                *coordinate += further * place;
             }
         }
+    }
+
+    /// Lets bodies ride on rails with a share of their displacements.
+    pub fn ride(&mut self, riding: &Riding, share: f64) {
         self.rides = riding.bodies.iter().map(|ride| ride.times(share)).collect();
         self.bend();
     }
@@ -254,6 +265,15 @@ impl<'a> Search<'a> {
     pub fn put_bodies(&mut self, configuration: &Configuration) {
         let memory = vec![0.0; self.model.memory()];
         self.now = Configuration { memory, ..configuration.clone() };
+    }
+
+    /// Moves every wheelset across the track by up to `most` [m], each trial otherwise (multiples of the golden ratio fill an interval evenly).
+    pub fn stir(&mut self, trial: usize, most: f64) {
+        const GOLDEN: f64 = 0.618_033_988_749_895;
+        for wheelset in 0..self.standing.wheelsets {
+            let part = (GOLDEN * (trial * (2 * wheelset + 1)) as f64).fract();
+            self.now.at[wheelset].coordinates[1] += most * (2.0 * part - 1.0);
+        }
     }
 
     /// Chooses the contacts that are constraints here anew.
@@ -357,6 +377,11 @@ impl<'a> Search<'a> {
         model.derivative(workspace, Evaluation { t: 0.0, inputs, y, memory }, dy)
     }
 
+    /// Has the search done all the work that it may?
+    pub fn exhausted(&self) -> bool {
+        self.effort > MOST_EFFORT
+    }
+
     fn change(&mut self, unknown: Unknown, change: f64) {
         match unknown {
             Unknown::Coordinate { body, axis, .. } => self.now.at[body].coordinates[axis] += change,
@@ -381,6 +406,8 @@ impl<'a> Search<'a> {
     /// What is to vanish here. With `keep` the configuration is put onto the constraints.
     fn rest(&mut self, renew: bool, keep: bool) -> Result<Vec<f64>, EvaluationError> {
         self.follow_pattern(renew);
+        // Bringing what is left onto the constraints costs as much again.
+        self.effort += self.model.contacts() as u64 * if self.constrained && self.riding { 2 } else { 1 };
         self.evaluate()?;
         let count = COORDINATES * self.now.at.len();
         let mut rest = vec![0.0; if self.constrained { 2 * count } else { count }];
