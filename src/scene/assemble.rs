@@ -1,7 +1,7 @@
 //! From scene data to a model: only what the scene calls for becomes an object.
 
 use super::spec::{RAIL_MOTION, SLIDING_MEANS, Scene};
-use super::vehicle;
+use super::{start, vehicle};
 use crate::contact::transient::TransientContact;
 use crate::formulation::{AssemblyError, ContactLaws, Model, Parts};
 use crate::geometry::Side;
@@ -16,9 +16,10 @@ pub const MEAN_WINDOW: f64 = 2.0;
 /// [`AssemblyError`] when the formulation can't treat the scene.
 pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     let track = &scene.track;
+    let deviations = start::deviations(scene);
     let rail = |side: Side| {
         let profile = track.rails[side.index()].profile.clone();
-        Rail::new(side, profile, track.half_rail_distance, track.inclination, &track.deviations).along(track.line.clone())
+        Rail::new(side, profile, track.half_rail_distance, track.inclination, &deviations).along(track.line.clone())
     };
     let contact = &scene.contact;
     let creep = (contact.creep)(contact.material);

@@ -16,6 +16,7 @@ use super::spec::Scene;
 use super::start::{self, Start};
 use super::vehicle::steady_state;
 use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
+use crate::geometry::track::centre_line::Node;
 use crate::math::newton::{self, NewtonLimits};
 use crate::mbs::body::COORDINATES;
 use nalgebra::{Matrix1, SMatrix, SVector, Vector1, Vector3};
@@ -34,12 +35,15 @@ pub struct SteadyRolling {
     pub yaw: f64,
     /// rad/s.
     pub pitch_rate: f64,
+    /// Across the track and upward [m/s], of roll and yaw [rad/s]: 0 on rails that are where they should be.
+    pub riding: [f64; 4],
 }
 
 impl SteadyRolling {
     /// In the order of [`super::spec::INITIAL`].
     pub fn initial_values(&self) -> [f64; 10] {
-        [0.0, self.y, self.z, self.roll, self.yaw, 0.0, 0.0, 0.0, 0.0, self.pitch_rate]
+        let [vy, vz, roll_rate, yaw_rate] = self.riding;
+        [0.0, self.y, self.z, self.roll, self.yaw, vy, vz, roll_rate, yaw_rate, self.pitch_rate]
     }
 }
 
@@ -60,6 +64,10 @@ pub enum EquilibriumError {
         "no steady curving where the vehicle starts; it goes up to {percent:.0} % of the curvature and superelevation there: {cause}{advice}"
     )]
     Curving { percent: f64, cause: Box<EquilibriumError>, advice: &'static str },
+    #[error(
+        "no balance on the rails where the vehicle starts: it goes up to {percent:.0} % of their displacements there: {cause}; track.start_fade = \"30 m\" lets them grow in front of the vehicle, vehicle.initial.distance starts it elsewhere"
+    )]
+    OnRails { percent: f64, cause: Box<EquilibriumError> },
     #[error("no equilibrium: nothing holds {body} {motion}; a force element or a joint must carry it there")]
     Unsupported { body: String, motion: &'static str },
     #[error("no equilibrium was found: {body} is left with {acceleration:.3e} m/s2 (or rad/s2); check stiffnesses, preloads and positions")]
@@ -80,10 +88,15 @@ pub(super) fn alike(scene: &Scene) -> bool {
 /// # Errors
 /// [`EquilibriumError`].
 pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> {
-    if let Start::Curve(node) = start::start(scene) {
+    let node = match start::start(scene) {
+        Start::Curve(node) => Some(node),
+        Start::Straight | Start::Transition { .. } => start::displaced(scene).map(|_| Node::default()),
+    };
+    if let Some(node) = node {
         let found = steady_state::lone_wheelset(scene, &node)?;
         let [y, z, yaw, roll] = [1, 2, 3, 4].map(|i| found[i]);
-        return Ok(SteadyRolling { y, z, roll, yaw, pitch_rate: found[PITCH_RATE] });
+        let riding = [1, 2, 4, 3].map(|i| found[COORDINATES + i]);
+        return Ok(SteadyRolling { y, z, roll, yaw, pitch_rate: found[PITCH_RATE], riding });
     }
     let spec = &scene.vehicle.wheelset;
     let load = spec.mass * scene.vehicle.gravity * scene.track.grade.cos() + spec.vertical_load;
@@ -118,7 +131,7 @@ impl Balance {
     /// touch.
     fn touch(&mut self, radius: f64, pitch_rate: f64, load: f64) -> Result<SteadyRolling, EquilibriumError> {
         const TOUCH: f64 = 1e-5;
-        let mut at = SteadyRolling { y: 0.0, z: radius, roll: 0.0, yaw: 0.0, pitch_rate };
+        let mut at = SteadyRolling { y: 0.0, z: radius, roll: 0.0, yaw: 0.0, pitch_rate, riding: [0.0; 4] };
         for _ in 0..3 {
             // Without memory the first contact is the deepest.
             self.memory.fill(0.0);
@@ -264,7 +277,7 @@ impl Balance {
             }
             _ => {
                 let pitch_rate = start * (1.0 + 1e-3 * x[0]);
-                Ok(SteadyRolling { y: 0.0, z: self.y[2], roll: self.y[4], yaw: 0.0, pitch_rate })
+                Ok(SteadyRolling { y: 0.0, z: self.y[2], roll: self.y[4], yaw: 0.0, pitch_rate, riding: [0.0; 4] })
             }
         }
     }

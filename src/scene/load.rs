@@ -106,6 +106,7 @@ fn resolve_initial(scene: &mut Scene) -> Result<(), SceneError> {
     initial.values[0] = initial.given[0].unwrap_or(0.0);
     // Only these are not zero in the equilibrium; where all of them are given it need not exist.
     let not_zero: &[&str] = match start::start(scene) {
+        _ if start::displaced(scene).is_some() => &["y", "z", "roll", "yaw", "vy", "vz", "roll_rate", "yaw_rate", "pitch_rate"],
         Start::Curve(_) => &["y", "z", "roll", "yaw", "pitch_rate"],
         _ if equilibrium::alike(scene) => &["z", "pitch_rate"],
         _ => &["z", "pitch_rate", "roll"],

@@ -3,6 +3,7 @@
 pub mod assemble;
 pub mod embedded;
 pub mod equilibrium;
+mod fade;
 pub mod load;
 mod overrides;
 pub mod plan;

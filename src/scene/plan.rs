@@ -63,6 +63,9 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     if let Some((included, why)) = curved_start(scene) {
         effect("steady curving start", included, why, 0);
     }
+    if let Some(why) = displaced_start(scene) {
+        effect("start on displaced rails", true, why, 0);
+    }
     match &vehicle.free {
         None => {
             let load = vehicle.wheelset.vertical_load;
@@ -78,9 +81,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         }
     }
     for (name, side) in [("left rail deviations", Side::Left), ("right rail deviations", Side::Right)] {
-        let shapes: Vec<String> = scene
-            .track
-            .deviations
+        let shapes: Vec<String> = start::deviations(scene)
             .iter()
             .filter(|d| d.side == side)
             .map(|d| format!("{:?}: {}", d.direction, d.shape.describe()).to_lowercase())
@@ -197,6 +198,15 @@ fn curved_start(scene: &Scene) -> Option<(bool, String)> {
             Some((false, format!("{begin} {then}")))
         }
     }
+}
+
+/// How a vehicle starts where rails are displaced, or why they are not.
+fn displaced_start(scene: &Scene) -> Option<String> {
+    let found = start::displaced(scene)?;
+    let (most, steepest) = (1e3 * found.most, 1e3 * found.steepest);
+    Some(format!(
+        "under the wheels rails are up to {most:.2} mm out of place and {steepest:.2} mm/m out of line: wheels stand on them with their static loads and rise and fall with them from the start (track.start_fade lets displacements begin in front of the vehicle)"
+    ))
 }
 
 /// Which of several wheelsets the imposed speed acts on.

@@ -55,6 +55,8 @@ pub struct TrackSpec {
     pub rails: [ProfileChoice; 2],
     /// Of single rails, and those that irregularities make of both.
     pub deviations: Vec<Deviation>,
+    /// Length in front of the starting vehicle over which they grow from nothing, m; `None`: they are what they are.
+    pub start_fade: Option<f64>,
     /// That irregularities were read from.
     pub files: Vec<SceneFile>,
 }
@@ -234,8 +236,9 @@ fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
         deviations.extend(irregularity.deviations);
         files.extend(irregularity.file);
     }
+    let start_fade = if section.has("start_fade") { Some(section.positive("start_fade", Dimension::Length)?) } else { None };
     section.finish()?;
-    Ok(TrackSpec { half_rail_distance, inclination, grade, alignment, line, rails, deviations, files })
+    Ok(TrackSpec { half_rail_distance, inclination, grade, alignment, line, rails, deviations, start_fade, files })
 }
 
 /// Half of `rail_distance`, or what `gauge` makes of it.

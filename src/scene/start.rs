@@ -7,8 +7,11 @@
 //! psi' cos g = omega_y sin f + omega_z cos f
 //! ```
 
+use super::fade::Faded;
 use super::spec::Scene;
 use crate::geometry::track::centre_line::{CentreLine, Node};
+use crate::geometry::track::{Deviation, Direction};
+use std::sync::Arc;
 
 /// The track at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,16 +35,69 @@ const REACH: f64 = 1.0;
 /// Looks at the track under the bodies of a scene's vehicle.
 pub fn start(scene: &Scene) -> Start {
     let Some(line) = &scene.track.line else { return Start::Straight };
-    let centres: Vec<f64> = match &scene.vehicle.free {
-        Some(free) => (0..free.body_count()).map(|body| free.distance + free.design_position(body).x).collect(),
-        None => vec![scene.vehicle.initial.values[0]],
-    };
+    let centres = centres(scene);
     let first = centres.first().map_or(Node::default(), |distance| continuation(line, *distance));
     let places = centres.iter().flat_map(|centre| [*centre, centre - REACH, centre + REACH]);
     if let Some(distance) = places.into_iter().find(|distance| !alike(&first, &continuation(line, *distance))) {
         return Start::Transition { distance };
     }
     if alike(&first, &Node::default()) { Start::Straight } else { Start::Curve(first) }
+}
+
+/// Distance of the design frame's origin, m.
+pub fn origin(scene: &Scene) -> f64 {
+    scene.vehicle.free.as_ref().map_or(scene.vehicle.initial.values[0], |free| free.distance)
+}
+
+/// Distances of all bodies' centres, wheelsets first, m.
+fn centres(scene: &Scene) -> Vec<f64> {
+    let origin = origin(scene);
+    match &scene.vehicle.free {
+        Some(free) => (0..free.body_count()).map(|body| origin + free.design_position(body).x).collect(),
+        None => vec![origin],
+    }
+}
+
+/// What displaces the rails, faded in where the scene asks for it.
+pub fn deviations(scene: &Scene) -> Vec<Deviation> {
+    let deviations = &scene.track.deviations;
+    let Some(length) = scene.track.start_fade else { return deviations.clone() };
+    let forward = scene.vehicle.speed >= 0.0;
+    let front = |a: f64, b: f64| if forward { a.max(b) } else { a.min(b) };
+    let foremost = centres(scene).into_iter().reduce(front).unwrap_or(0.0);
+    let faded = |deviation: &Deviation| {
+        let shape =
+            Faded { shape: deviation.shape.clone(), from: foremost + REACH.copysign(if forward { 1.0 } else { -1.0 }), length, forward };
+        Deviation { shape: Arc::new(shape), ..*deviation }
+    };
+    deviations.iter().map(faded).collect()
+}
+
+/// How rails are displaced under the wheels of a scene's vehicle at its start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Displaced {
+    /// Largest displacement, m, and slope, -, of a rail under a wheel.
+    pub most: f64,
+    pub steepest: f64,
+}
+
+/// Are rails displaced, or do they rise or swing, under any wheel?
+pub fn displaced(scene: &Scene) -> Option<Displaced> {
+    let wheelsets = scene.vehicle.free.as_ref().map_or(1, |free| free.wheelsets.len());
+    let deviations = deviations(scene);
+    let mut found = Displaced { most: 0.0, steepest: 0.0 };
+    for distance in &centres(scene)[..wheelsets] {
+        let mut sums = [[[0.0; 2]; 2]; 2];
+        for deviation in &deviations {
+            let [value, slope, ..] = deviation.shape.at(*distance);
+            let sum = &mut sums[deviation.side.index()][usize::from(deviation.direction == Direction::Vertical)];
+            *sum = [sum[0] + value, sum[1] + slope];
+        }
+        for [value, slope] in sums.into_iter().flatten() {
+            found = Displaced { most: found.most.max(value.abs()), steepest: found.steepest.max(slope.abs()) };
+        }
+    }
+    (found.most > 0.0 || found.steepest > 0.0).then_some(found)
 }
 
 fn alike(a: &Node, b: &Node) -> bool {

@@ -125,7 +125,9 @@ impl Simulation {
         };
         let mut memory = vec![0.0; model.memory()];
         if let Contacts::Kept(kept) = &contacts {
-            memory.clone_from(kept);
+            // What follows bodies along a curved track is none of the contacts' memory.
+            let own = memory.len() - model.followed();
+            memory[..own].copy_from_slice(&kept[..own]);
         }
         model.set_distances(|body| y[model.system.coordinates(body).start], &mut memory);
         if let Some(line) = model.track.line() {

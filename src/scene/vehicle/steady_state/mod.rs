@@ -39,6 +39,7 @@
 
 mod couplings;
 mod newton;
+mod rails;
 mod search;
 mod slopes;
 
@@ -49,6 +50,7 @@ use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
 use crate::scene::start::{self, Start};
 use nalgebra::Vector3;
+use rails::Riding;
 use search::{Pattern, Search};
 
 /// A state of steady running.
@@ -87,6 +89,13 @@ const CREEPING: f64 = 1.0;
 const BALANCED: f64 = 1e-6;
 /// The same in a curve, where a contact may lie on a joint of its profile.
 const IN_CURVE: f64 = 1e-5;
+/// The same on displaced rails: joints are followed but for squares of velocities.
+const ON_RAILS: f64 = 1e-4;
+/// Share of the displacements that is tried first, and the one that is too small a step.
+const FIRST_SHARE: f64 = 0.0625;
+const LEAST_SHARE: f64 = 0.01;
+/// Corrections of wheelsets' vertical velocities.
+const CORRECTIONS: usize = 2;
 /// Shares of the curve: the first step of the continuation, and the one that is too short.
 const FIRST: f64 = 0.25;
 const SHORTEST: f64 = 8e-3;
@@ -133,6 +142,10 @@ fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyStat
     let slow = wanted == 0.0 || (scene.contact.transient.is_some() && wanted.abs() < CREEPING);
     let speed = if slow { CREEPING.copysign(wanted) } else { wanted };
     let pattern = Pattern { speed, centripetal: (wanted / speed).powi(2) };
+    let riding = Riding::new(scene, standing);
+    if let Some(riding) = &riding {
+        return on_displaced_rails(scene, standing, pattern, node, riding);
+    }
     if node.curvature == 0.0 && node.superelevation == 0.0 {
         let (search, wheel_loads) = balanced(scene, standing, pattern, node)?;
         return Ok(SteadyState { y: search.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any });
@@ -145,7 +158,8 @@ fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyStat
     };
     if !own.model.formulation.is_smooth() {
         let (near, wheel_loads) = elastic()?;
-        own.lay(node);
+        own.lay(node, None);
+        own.effort = near.effort;
         own.put_bodies(&near.now);
         own.approach()?;
         return Ok(SteadyState { y: own.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any });
@@ -161,11 +175,86 @@ fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyStat
     Ok(SteadyState { y, wheel_loads, contacts: if constrained { Contacts::Kept(memory) } else { Contacts::Any } })
 }
 
+/// The balance on displaced rails: with elastic contacts first, whatever the formulation.
+fn on_displaced_rails(
+    scene: &Scene,
+    standing: &Standing,
+    pattern: Pattern,
+    node: &Node,
+    riding: &Riding,
+) -> Result<SteadyState, EquilibriumError> {
+    let mut smooth = scene.clone();
+    smooth.contact.formulation = formulation::algebraic();
+    let (mut search, wheel_loads) = balanced(&smooth, standing, pattern, node)?;
+    onto_the_rails(&mut search, node, riding)?;
+    let mut own = Search::new(scene, standing, pattern)?;
+    own.lay(node, Some((riding, 1.0)));
+    own.effort = search.effort;
+    own.put_bodies(&search.now);
+    own.ride_as(&search);
+    let scale = scene.vehicle.speed / pattern.speed;
+    if !own.model.formulation.is_smooth() {
+        own.approach()?;
+        return Ok(SteadyState { y: own.found(scale).0, wheel_loads, contacts: Contacts::Any });
+    }
+    if !own.model.formulation.constrains() {
+        return Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts: Contacts::Any });
+    }
+    own.tolerance = ON_RAILS;
+    if own.choose_anew().and_then(|()| own.balance()).is_ok() && own.presses() {
+        let (y, memory) = own.found(scale);
+        return Ok(SteadyState { y, wheel_loads, contacts: Contacts::Kept(memory) });
+    }
+    let several = (0..own.model.contacts()).any(|contact| own.model.searches_contacts(contact));
+    let contacts = if own.model.may_be_elastic() && several { Contacts::Elastic } else { Contacts::Any };
+    Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts })
+}
+
+/// From the balance on ideal rails to that on displaced ones, by parts of the displacements where need be.
+fn onto_the_rails(search: &mut Search, node: &Node, riding: &Riding) -> Result<(), EquilibriumError> {
+    (search.following, search.tolerance) = (true, ON_RAILS);
+    // The first approximation is a poor one, but the balance at the first share shows the way.
+    let (mut done, mut step) = (0.0, FIRST_SHARE);
+    let mut last = search.configuration();
+    let mut before: Option<(f64, search::Configuration)> = None;
+    while done < 1.0 {
+        let next = f64::min(done + step, 1.0);
+        search.lay(node, Some((riding, next)));
+        match &before {
+            Some((share, configuration)) => search.go_on(configuration, (next - done) / (done - share)),
+            None => search.move_along(riding, next - done),
+        }
+        search.ride(riding, next);
+        let mut found = search.balance();
+        for _ in 0..if next == 1.0 { CORRECTIONS } else { 0 } {
+            found = found.and_then(|()| {
+                search.follow_contacts();
+                search.balance()
+            });
+        }
+        match found {
+            Ok(()) => {
+                let here = search.configuration();
+                before = Some((done, std::mem::replace(&mut last, here)));
+                (done, step) = (next, 4.0 * step);
+            }
+            Err(cause) => {
+                search.put(&last);
+                step = 0.5 * (next - done);
+                if step < LEAST_SHARE || search.exhausted() {
+                    return Err(EquilibriumError::OnRails { percent: 100.0 * next, cause: Box::new(cause) });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
 /// The balance on a track of that node all the way, and the wheel loads of straight track, N.
 fn balanced<'a>(scene: &Scene, standing: &'a Standing, pattern: Pattern, node: &Node) -> Result<(Search<'a>, Vec<f64>), EquilibriumError> {
     let load = standing.weight * (scene.track.grade + node.grade).cos();
     let mut search = Search::new(scene, standing, pattern)?;
-    search.lay(&Node { curvature: 0.0, superelevation: 0.0, ..*node });
+    search.lay(&Node { curvature: 0.0, superelevation: 0.0, ..*node }, None);
     search.stand(load)?;
     search.balance()?;
     let wheel_loads = search.wheel_loads();
@@ -183,7 +272,7 @@ fn into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumErr
     let mut before: Option<(f64, search::Configuration)> = None;
     while done < 1.0 {
         let next = f64::min(done + step, 1.0);
-        search.lay(&Node { curvature: next * node.curvature, superelevation: next * node.superelevation, ..*node });
+        search.lay(&Node { curvature: next * node.curvature, superelevation: next * node.superelevation, ..*node }, None);
         if let Some((share, configuration)) = &before {
             search.go_on(configuration, (next - done) / (done - share));
         }
@@ -206,9 +295,13 @@ fn into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumErr
             Err(cause) => {
                 search.put(&last);
                 step = 0.5 * (next - done);
-                if step < SHORTEST {
+                if step < SHORTEST || search.exhausted() {
                     let rigid = search.model.formulation.constrains() && !search.model.may_be_elastic();
-                    let advice = if rigid { "; contact.on_lift = \"elastic\" lets contacts begin elastic" } else { "" };
+                    let advice = match (rigid, search.exhausted()) {
+                        (true, _) => "; contact.on_lift = \"elastic\" lets contacts begin elastic",
+                        (false, true) => "; the search was given up there (its work is bounded): start before the curve, or on a wider one",
+                        (false, false) => "",
+                    };
                     return Err(EquilibriumError::Curving { percent: 100.0 * next, cause: Box::new(cause), advice });
                 }
             }

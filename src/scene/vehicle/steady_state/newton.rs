@@ -16,6 +16,10 @@ use crate::scene::equilibrium::EquilibriumError;
 
 /// The same where contacts jump from node to node of the profiles (0.1 m/s2).
 const NODAL: f64 = 1e-2;
+/// Trials beside the nearest place, rest at which none is needed (10 mm/s2), and how far aside the last one begins, m.
+const TRIALS: usize = 16;
+const NEAREST: f64 = 1e-3;
+const FARTHEST_TRIAL: f64 = 2e-5;
 /// Below this the iteration goes on with the differences that it has, and ends where they bring no more.
 const NEAR: f64 = 1e-10;
 /// Rest at which rounding is reached.
@@ -48,9 +52,25 @@ impl Search<'_> {
         self.read()
     }
 
-    /// Goes on as near to the balance as contacts among nodes allow.
+    /// Goes on as near to the balance as contacts among nodes allow: from where it is, and from places some micrometres beside the nearest yet,
+    /// where other nodes touch.
     pub fn approach(&mut self) -> Result<(), EquilibriumError> {
-        self.newton().map_err(EquilibriumError::Evaluation)?;
+        let mut nearest = largest(&self.newton().map_err(EquilibriumError::Evaluation)?).0;
+        let mut best = self.configuration();
+        for trial in 1..=TRIALS {
+            if nearest < NEAREST || self.exhausted() {
+                break;
+            }
+            self.put(&best);
+            self.stir(trial, FARTHEST_TRIAL * trial as f64 / TRIALS as f64);
+            // A place that can't be evaluated is none.
+            if let Ok(rest) = self.newton()
+                && largest(&rest).0 < nearest
+            {
+                (nearest, best) = (largest(&rest).0, self.configuration());
+            }
+        }
+        self.put(&best);
         self.read()
     }
 
@@ -71,7 +91,7 @@ impl Search<'_> {
         let mut known: Option<Factors> = None;
         for _ in 0..ITERATIONS {
             let before = largest(&rest).0;
-            if before < EXACT {
+            if before < EXACT || self.exhausted() {
                 break;
             }
             let fresh = known.is_none();
@@ -102,6 +122,9 @@ impl Search<'_> {
         for _ in 0..DRIFTS {
             if largest(&rest).0 < SETTLED {
                 return Ok(true);
+            }
+            if self.exhausted() {
+                break;
             }
             let entries = self.differences(&rest, false)?;
             let mut moved = None;

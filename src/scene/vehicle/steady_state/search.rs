@@ -2,6 +2,7 @@
 
 use super::Standing;
 use super::couplings::Couplings;
+use super::rails::{Ride, Riding};
 use super::slopes::Entry;
 use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, Workspace, contact_index};
 use crate::geometry::Side;
@@ -13,7 +14,7 @@ use crate::mbs::on_track::{self, OnTrack};
 use crate::scene::assemble;
 use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 /// The motion that all bodies take part in.
@@ -53,6 +54,8 @@ pub(super) const PITCH: usize = COORDINATES - 1;
 
 /// Accelerations count in parts of this, m/s2 or rad/s2.
 pub(super) const UNIT: f64 = 9.81;
+/// Evaluations of one wheel after which a search is given up: about 1.5 s.
+const MOST_EFFORT: u64 = 120_000;
 /// Moves onto constraints count in parts of this, m or rad.
 const MOVE: f64 = 1e-4;
 
@@ -66,6 +69,11 @@ pub(super) struct Search<'a> {
     leading: usize,
     /// Of the track at present, 1/m.
     curvature: f64,
+    /// What bodies do beside the pattern, and the accelerations along the track frame's axes that go with it, m/s2 or rad/s2.
+    rides: Vec<Ride>,
+    accelerations: Vec<[f64; COORDINATES]>,
+    /// Do bodies ride at all?
+    riding: bool,
     y: Vec<f64>,
     dy: Vec<f64>,
     inputs: Vec<f64>,
@@ -75,6 +83,8 @@ pub(super) struct Search<'a> {
     constrained: bool,
     /// Rest of the equations that counts as none.
     pub tolerance: f64,
+    /// Work done so far, in evaluations of one wheel.
+    pub effort: u64,
     pub unknowns: Vec<Unknown>,
     /// Row of the square system for each coordinate; `None` where the speed is imposed.
     pub square: Vec<Option<usize>>,
@@ -104,10 +114,14 @@ impl<'a> Search<'a> {
             dy: vec![0.0; model.dimension()],
             following: false,
             tolerance: super::BALANCED,
+            effort: 0,
             inputs: model.neutral_inputs(),
             constrained: model.formulation.constrains() || !model.system.joints.is_empty(),
             leading: model.system.drives.iter().map(|drive| drive.body).min().unwrap_or(0),
             curvature: 0.0,
+            rides: vec![Ride::default(); at.len()],
+            accelerations: vec![[0.0; COORDINATES]; at.len()],
+            riding: false,
             now: Configuration { at, slowing: 0.0, travel: pattern.speed, memory: vec![0.0; model.memory()] },
             unknowns: Vec::new(),
             square: Vec::new(),
@@ -131,6 +145,7 @@ impl<'a> Search<'a> {
     fn unknowns(&self) -> Vec<Unknown> {
         let wheelsets = self.standing.wheelsets;
         let elastic = !self.model.formulation.constrains();
+        let among_nodes = !self.model.formulation.is_smooth();
         let mut unknowns = Vec::new();
         for body in 0..self.now.at.len() {
             for axis in 0..COORDINATES {
@@ -140,6 +155,8 @@ impl<'a> Search<'a> {
                     PITCH if body < wheelsets => Unknown::Spin { body, unit: self.now.at[body].velocities[PITCH].abs() },
                     // Height and roll press wheels into rails: 1e-9 m are some newtons.
                     2 | 4 if body < wheelsets && elastic => Unknown::Coordinate { body, axis, step: 1e-9 },
+                    // A contact that lies among nodes must stay at its node: it moves some ten times as far as the wheel.
+                    _ if body < wheelsets && among_nodes => Unknown::Coordinate { body, axis, step: 1e-9 },
                     _ => Unknown::Coordinate { body, axis, step: 1e-6 },
                 });
             }
@@ -147,17 +164,91 @@ impl<'a> Search<'a> {
         unknowns
     }
 
-    /// Lays the track: `node` all the way. Contacts are where they were.
-    pub fn lay(&mut self, node: &Node) {
+    /// Lays the track: `node` all the way, the rails displaced by a share of what `riding` says. Contacts are where they were.
+    pub fn lay(&mut self, node: &Node, riding: Option<(&Riding, f64)>) {
         let followed = self.model.followed();
         let line = CentreLine::new(&Alignment { nodes: vec![*node], ..Alignment::default() }, Vector3::zeros(), 0.0).map(Arc::new);
-        let Track { left, right } = self.model.track.ideal();
-        self.model.track = Track { left: left.along(line.clone()), right: right.along(line) };
+        self.model.track = match riding {
+            Some((riding, share)) => riding.track(line, share),
+            None => {
+                let Track { left, right } = self.model.track.ideal();
+                Track { left: left.along(line.clone()), right: right.along(line) }
+            }
+        };
         self.curvature = node.curvature;
         self.workspace = self.model.workspace();
         let memory = &mut self.now.memory;
         memory.truncate(memory.len() - followed);
         memory.resize(self.model.memory(), 0.0);
+    }
+
+    /// Moves bodies to where a further share of the displacements takes them in first approximation.
+    pub fn move_along(&mut self, riding: &Riding, further: f64) {
+        for (at, ride) in self.now.at.iter_mut().zip(&riding.bodies) {
+            for (coordinate, place) in at.coordinates.iter_mut().zip(&ride.places) {
+                *coordinate += further * place;
+            }
+        }
+    }
+
+    /// Lets bodies ride on rails with a share of their displacements.
+    pub fn ride(&mut self, riding: &Riding, share: f64) {
+        self.rides = riding.bodies.iter().map(|ride| ride.times(share)).collect();
+        self.bend();
+    }
+
+    /// Lets bodies ride as they do in another search for the same vehicle.
+    pub fn ride_as(&mut self, other: &Search) {
+        self.rides.clone_from(&other.rides);
+        self.bend();
+    }
+
+    /// What bodies that ride are to have of accelerations.
+    fn bend(&mut self) {
+        let square = self.pattern.centripetal * self.pattern.speed.powi(2);
+        self.accelerations = self.rides.iter().map(|ride| ride.bends.map(|bend| square * bend)).collect();
+        self.riding = true;
+    }
+
+    /// The part of accelerations off the balance that constraints allow: the nearest in kinetic energy, as with velocities. The rest is what
+    /// constraints demand of bodies that ride (a bar goes up with its axle boxes, and with squares of velocities).
+    fn allowed(&mut self, off: &mut [f64]) -> Result<(), EvaluationError> {
+        let bodies = self.rides.len();
+        for body in 0..bodies {
+            let (axes, off) = (self.axes(body), &off[COORDINATES * body..]);
+            let velocities = &mut self.y[self.model.system.velocities(body)];
+            velocities[..3].copy_from_slice((axes * Vector3::new(off[0], off[1], off[2])).as_slice());
+            velocities[3..].copy_from_slice(&off[3..COORDINATES]);
+        }
+        self.model.project(&mut self.workspace, 0.0, &mut self.y, &mut self.now.memory)?;
+        for body in 0..bodies {
+            let v = &self.y[self.model.system.velocities(body)];
+            let along = self.axes(body).tr_mul(&Vector3::new(v[0], v[1], v[2]));
+            off[COORDINATES * body..][..COORDINATES].copy_from_slice(&[along.x, along.y, along.z, v[3], v[4], v[5]]);
+        }
+        Ok(())
+    }
+
+    /// Lets no pressed contact be compressed: corrects the wheelsets' vertical and roll velocities, which the first approximation takes from
+    /// the rails' heights alone.
+    pub fn follow_contacts(&mut self) {
+        for (wheelset, ride) in self.model.wheelsets.iter().zip(&mut self.rides) {
+            let centre = self.workspace.system.motions[wheelset.body].position;
+            // Rate of penetration per upward and per roll velocity of the wheelset.
+            let rows = Side::BOTH.map(|side| {
+                let index = contact_index(wheelset.body, side);
+                let most = self.workspace.reports(index).max_by(|a, b| a.normal_force.total_cmp(&b.normal_force))?;
+                let (n, arm) = (most.axes.normal, most.wheel_point - centre);
+                (most.normal_force > 0.0).then_some((most.penetration_rate, -n.z, n.y * arm.z - n.z * arm.y))
+            });
+            let [Some((left, a, b)), Some((right, c, d))] = rows else { continue };
+            let determinant = a * d - b * c;
+            // Contacts side by side, or on flanks, do not hold both.
+            if determinant.abs() > 0.1 {
+                ride.slopes[2] -= (left * d - right * b) / determinant / self.now.travel;
+                ride.slopes[4] -= (right * a - left * c) / determinant / self.now.travel;
+            }
+        }
     }
 
     pub fn configuration(&self) -> Configuration {
@@ -174,6 +265,15 @@ impl<'a> Search<'a> {
     pub fn put_bodies(&mut self, configuration: &Configuration) {
         let memory = vec![0.0; self.model.memory()];
         self.now = Configuration { memory, ..configuration.clone() };
+    }
+
+    /// Moves every wheelset across the track by up to `most` [m], each trial otherwise (multiples of the golden ratio fill an interval evenly).
+    pub fn stir(&mut self, trial: usize, most: f64) {
+        const GOLDEN: f64 = 0.618_033_988_749_895;
+        for wheelset in 0..self.standing.wheelsets {
+            let part = (GOLDEN * (trial * (2 * wheelset + 1)) as f64).fract();
+            self.now.at[wheelset].coordinates[1] += most * (2.0 * part - 1.0);
+        }
     }
 
     /// Chooses the contacts that are constraints here anew.
@@ -243,8 +343,12 @@ impl<'a> Search<'a> {
         if renew {
             *travel = self.pattern.speed / stretch(&at[self.leading]);
         }
-        for (body, at) in at.iter_mut().enumerate() {
+        for (body, (at, ride)) in at.iter_mut().zip(&self.rides).enumerate() {
             at.velocities[0] = *travel * stretch(at);
+            let count = if body < self.standing.wheelsets { PITCH } else { COORDINATES };
+            for (velocity, slope) in at.velocities[1..count].iter_mut().zip(&ride.slopes[1..]) {
+                *velocity = *travel * slope;
+            }
             let (q, v) = match line {
                 Some(line) => on_track::place(&line.frame(at.coordinates[0]), at),
                 None => (at.coordinates, at.velocities),
@@ -273,6 +377,11 @@ impl<'a> Search<'a> {
         model.derivative(workspace, Evaluation { t: 0.0, inputs, y, memory }, dy)
     }
 
+    /// Has the search done all the work that it may?
+    pub fn exhausted(&self) -> bool {
+        self.effort > MOST_EFFORT
+    }
+
     fn change(&mut self, unknown: Unknown, change: f64) {
         match unknown {
             Unknown::Coordinate { body, axis, .. } => self.now.at[body].coordinates[axis] += change,
@@ -297,6 +406,8 @@ impl<'a> Search<'a> {
     /// What is to vanish here. With `keep` the configuration is put onto the constraints.
     fn rest(&mut self, renew: bool, keep: bool) -> Result<Vec<f64>, EvaluationError> {
         self.follow_pattern(renew);
+        // Bringing what is left onto the constraints costs as much again.
+        self.effort += self.model.contacts() as u64 * if self.constrained && self.riding { 2 } else { 1 };
         self.evaluate()?;
         let count = COORDINATES * self.now.at.len();
         let mut rest = vec![0.0; if self.constrained { 2 * count } else { count }];
@@ -307,9 +418,10 @@ impl<'a> Search<'a> {
                 off[0] = 0.0;
             }
             rest[row..row + COORDINATES].copy_from_slice(&off);
-            if !self.constrained {
-                continue;
-            }
+        }
+        let constrained = if self.constrained { self.now.at.len() } else { 0 };
+        for body in 0..constrained {
+            let row = COORDINATES * body;
             let found = self.in_the_track_frame(body);
             let asked = &mut self.now.at[body].coordinates;
             for (i, found) in found.into_iter().enumerate() {
@@ -317,6 +429,12 @@ impl<'a> Search<'a> {
                 if keep {
                     asked[i] = found;
                 }
+            }
+        }
+        if self.constrained && self.riding {
+            self.allowed(&mut rest[..count])?;
+            for drive in &self.model.system.drives {
+                rest[COORDINATES * drive.body] = 0.0;
             }
         }
         Ok(rest)
@@ -351,7 +469,10 @@ impl<'a> Search<'a> {
         let wanted = [slower * v[0] - turning * v[1], slower * v[1] + turning * v[0]];
         let linear = Vector3::new(a[0] - wanted[0], a[1] - wanted[1], a[2] - slower * v[2]);
         let along = self.components(body, &linear);
-        [along.x, along.y, along.z, a[3] - slower * v[3], a[4] - slower * v[4], a[5] - slower * v[5]].map(|off| off / UNIT)
+        let off = [along.x, along.y, along.z, a[3] - slower * v[3], a[4] - slower * v[4], a[5] - slower * v[5]];
+        let mut rest = self.accelerations[body];
+        rest.iter_mut().zip(off).for_each(|(rest, off)| *rest = (off - *rest) / UNIT);
+        rest
     }
 
     /// W [rad/s] as it makes centripetal accelerations, and the rate of all speeds relative to themselves, 1/s.
@@ -361,8 +482,12 @@ impl<'a> Search<'a> {
     }
 
     fn components(&self, body: usize, vector: &Vector3<f64>) -> Vector3<f64> {
-        let line = self.model.track.line();
-        line.map_or(*vector, |line| line.frame(self.now.at[body].coordinates[0]).components(vector))
+        self.axes(body).tr_mul(vector)
+    }
+
+    /// Of the track frame beside a body.
+    fn axes(&self, body: usize) -> Matrix3<f64> {
+        self.model.track.line().map_or(Matrix3::identity(), |line| line.frame(self.now.at[body].coordinates[0]).axes)
     }
 
     /// Differences of the equations for all unknowns, as many at once as share no row; `rest` is that here. One-sided ones serve
@@ -421,6 +546,11 @@ impl<'a> Search<'a> {
             let slopes = [along.x, along.y, along.z, v[3], v[4], v[5]].map(|speed| -speed / self.pattern.speed);
             (0..).zip(slopes).map(move |(i, slope)| (COORDINATES * body + i, slope)).filter(|entry| entry.1 != 0.0)
         })
+    }
+
+    /// Does every contact that is a constraint press?
+    pub fn presses(&self) -> bool {
+        self.model.margin(&self.now.memory).is_none_or(|margin| margin >= 0.0)
     }
 
     /// Mean vertical force of each wheelset's wheels, N.
