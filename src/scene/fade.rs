@@ -1,6 +1,7 @@
 //! Rails whose displacements begin behind the place where the vehicle starts (`track.start_fade`).
 
 use crate::geometry::track::DeviationShape;
+use crate::geometry::track::waves::Stretch;
 use crate::math::smooth_step::smooth_step;
 use std::sync::Arc;
 
@@ -38,6 +39,12 @@ impl DeviationShape for Faded {
         self.shape.breaks()
     }
 
+    fn waves(&self) -> Vec<Stretch> {
+        let [first, last] = if self.forward { [self.from, f64::INFINITY] } else { [f64::NEG_INFINITY, self.from] };
+        let cut = |own: Stretch| Stretch { from: own.from.max(first), to: own.to.min(last), wave: own.wave.min(2.0 * self.length) };
+        self.shape.waves().into_iter().map(cut).filter(|own| own.from < own.to).collect()
+    }
+
     fn describe(&self) -> String {
         format!("{}, fading in over {} m from {} m on, where the vehicle starts", self.shape.describe(), self.length, self.from)
     }
@@ -56,6 +63,10 @@ mod tests {
         }
 
         fn breaks(&self) -> Vec<f64> {
+            Vec::new()
+        }
+
+        fn waves(&self) -> Vec<Stretch> {
             Vec::new()
         }
 

@@ -24,6 +24,7 @@ use super::Standing;
 use crate::geometry::Side;
 use crate::geometry::profile::Profile;
 use crate::geometry::track::centre_line::CentreLine;
+use crate::geometry::track::waves::Stretch;
 use crate::geometry::track::{Deviation, DeviationShape, Rail, Track};
 use crate::mbs::body::COORDINATES;
 use crate::scene::spec::Scene;
@@ -79,6 +80,11 @@ impl DeviationShape for Seen {
     }
 
     fn breaks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// No step is made on it.
+    fn waves(&self) -> Vec<Stretch> {
         Vec::new()
     }
 
