@@ -91,6 +91,7 @@ pub(super) fn step<P: Pair>(
             return Err(SolveError::NoProgress { time: state.t, step: h });
         }
         scratch.memory.copy_from_slice(&state.memory);
+        scratch.beyond = None;
         let judged = pair.attempt(dynamics, state, scratch, step).and_then(|error| {
             let error = error.over(tolerance);
             // NaN must count as a rejection.
@@ -142,11 +143,13 @@ pub(super) fn step<P: Pair>(
         dynamics.note_step(end);
         scratch.carried.keep(dynamics, state);
         scratch.completed = true;
-        if let Some(margin) = ending.margin.filter(|margin| *margin < 0.0) {
-            let found = state.cut_at_event(dynamics, scratch, margin);
-            if found.is_err() {
-                state.take_back();
-            }
+        let found = match ending.margin {
+            Some(margin) if margin < 0.0 => state.cut_at_event(dynamics, scratch, margin, 1.0),
+            Some(_) => state.look_within(dynamics, scratch),
+            None => Ok(()),
+        };
+        if found.is_err() {
+            state.take_back();
             // Too short a step to be tried again: the form itself has no solution further on.
             return if state.next_step < super::events::SHORTEST_RETRY { found } else { Ok(()) };
         }

@@ -100,6 +100,7 @@ impl Pair for DormandPrince {
             }
             dynamics.derivative(state.t + C[stage] * h, &scratch.trial, &mut scratch.memory, &mut rest[0])?;
             state.statistics.evaluations += 1;
+            Scratch::look_at_stage(&mut scratch.beyond, dynamics, state.t + C[stage] * h, &scratch.memory);
         }
         // The second stage is in no weight.
         for i in 0..state.y.len() {

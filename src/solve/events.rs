@@ -83,8 +83,9 @@ impl IntegrationState {
         if dynamics.margin(&self.memory).is_some() {
             self.evaluate_begin(dynamics)?;
             if let Some(margin) = dynamics.margin(&self.memory).filter(|margin| *margin < 0.0) {
-                return self.cut_at_event(dynamics, scratch, margin);
+                return self.cut_at_event(dynamics, scratch, margin, 1.0);
             }
+            return self.look_within(dynamics, scratch);
         }
         Ok(())
     }
@@ -98,9 +99,26 @@ impl IntegrationState {
         Ok(())
     }
 
-    /// Finds where the margin passes zero within the last step (Illinois variant of the false position) and ends the step there.
-    pub(super) fn cut_at_event(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch, at_end: f64) -> Result<(), SolveError> {
-        let (mut low, mut high) = (0.0, 1.0);
+    /// Looks within the last step, whose end is on this side of any event, where one of its stages lay beyond one: the continuous output tells
+    /// whether the solution itself did.
+    pub(super) fn look_within(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
+        let Some(time) = scratch.beyond.take().filter(|time| *time > self.t_begin && *time < self.t) else { return Ok(()) };
+        let theta = (time - self.t_begin) / (self.t - self.t_begin);
+        let margin = self.margin_at(dynamics, scratch, theta)?;
+        dynamics.clear_findings();
+        if margin < 0.0 { self.cut_at_event(dynamics, scratch, margin, theta) } else { Ok(()) }
+    }
+
+    /// Finds where the margin passes zero within the last step before the fraction `until` of it, where it is `at_end` (Illinois variant of the
+    /// false position), and ends the step there.
+    pub(super) fn cut_at_event(
+        &mut self,
+        dynamics: &mut dyn Dynamics,
+        scratch: &mut Scratch,
+        at_end: f64,
+        until: f64,
+    ) -> Result<(), SolveError> {
+        let (mut low, mut high) = (0.0, until);
         let mut above = self.margin_at(dynamics, scratch, low)?;
         let mut below = at_end;
         // Right after an event the margin may begin at zero: then it is looked for inside the step.
@@ -108,7 +126,7 @@ impl IntegrationState {
             if above > 0.0 {
                 break;
             }
-            let theta = 0.5f64.powi(halvings);
+            let theta = until * 0.5f64.powi(halvings);
             let margin = self.margin_at(dynamics, scratch, theta)?;
             if margin > 0.0 {
                 (low, above) = (theta, margin);

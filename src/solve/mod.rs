@@ -337,11 +337,21 @@ pub struct Scratch {
     memory: Vec<f64>,
     /// The memory with which f at the end of the step was evaluated.
     memory_before: Vec<f64>,
+    /// Of the stages of the last attempt, the first one in time at which the system would have changed its form.
+    beyond: Option<f64>,
     /// Has the step itself moved its end onto the constraints and looked for events?
     completed: bool,
 }
 
 impl Scratch {
+    /// Notes whether a stage that was evaluated at time `t`, with its memory, lies beyond an event. One within the step need not show at its end.
+    #[inline]
+    fn look_at_stage(beyond: &mut Option<f64>, dynamics: &dyn Dynamics, t: f64, memory: &[f64]) {
+        if dynamics.margin(memory).is_some_and(|margin| margin < 0.0) {
+            *beyond = Some(beyond.map_or(t, |before| before.min(t)));
+        }
+    }
+
     pub fn new(dimension: usize, memory: usize) -> Self {
         let zero = || vec![0.0; dimension];
         Scratch {
@@ -350,6 +360,7 @@ impl Scratch {
             trial: zero(),
             memory: vec![0.0; memory],
             memory_before: vec![0.0; memory],
+            beyond: None,
             completed: false,
         }
     }

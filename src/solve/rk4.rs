@@ -46,6 +46,7 @@ impl Integrator for RungeKutta4 {
         state.evaluate_with_findings(dynamics)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
         scratch.memory.copy_from_slice(&state.memory);
+        scratch.beyond = None;
         stages(dynamics, state, scratch, step.end, step.h).map_err(|Undefined| FixedStep::undefined(state))?;
         step.check(state, scratch)?;
         write_dense(state, scratch, step.h);
@@ -74,7 +75,7 @@ pub(super) fn stages(
     end: f64,
     h: f64,
 ) -> Result<(), Undefined> {
-    let Scratch { stages, trial, memory, memory_before, .. } = scratch;
+    let Scratch { stages, trial, memory, memory_before, beyond, .. } = scratch;
     stages[0].copy_from_slice(&state.derivative);
     let points = [(0.5, 0.5 * h), (0.5, 0.5 * h), (1.0, h)];
     for (stage, (fraction, weight)) in points.into_iter().enumerate() {
@@ -83,6 +84,7 @@ pub(super) fn stages(
         }
         state.statistics.evaluations += 1;
         dynamics.derivative(state.t + fraction * h, trial, memory, &mut stages[stage + 1])?;
+        Scratch::look_at_stage(beyond, dynamics, state.t + fraction * h, memory);
     }
     for (i, value) in trial.iter_mut().enumerate() {
         let k = |j: usize| stages[j][i];

@@ -176,7 +176,7 @@ impl Pair for Rosenbrock {
     ) -> Result<LocalError, Undefined> {
         state.statistics.factorisations += 1;
         dynamics.factorise(GAMMA * h)?;
-        let Scratch { stages, carried, trial, memory, .. } = scratch;
+        let Scratch { stages, carried, trial, memory, beyond, .. } = scratch;
         carried.begin(dynamics);
         for stage in 0..STAGES {
             let (done, rest) = stages.split_at_mut(stage);
@@ -190,6 +190,7 @@ impl Pair for Rosenbrock {
                 }
                 state.statistics.evaluations += 1;
                 dynamics.derivative(state.t + C[stage] * h, trial, memory, u)?;
+                Scratch::look_at_stage(beyond, dynamics, state.t + C[stage] * h, memory);
             }
             let coupling = INVERSE[stage].map(|inverse| -GAMMA * inverse);
             for (i, value) in u.iter_mut().enumerate() {
