@@ -178,11 +178,6 @@ impl<'a> Section<'a> {
         Err(self.error(key, format!("found {value:?}{unit}, expected {least:?}{unit} to {greatest:?}{unit}")))
     }
 
-    /// The same, or `default`.
-    pub fn within_or(&self, key: &'static str, dimension: Dimension, bounds: (f64, f64), default: f64) -> Result<f64, SettingsError> {
-        if self.has(key) { self.within(key, dimension, bounds) } else { Ok(default) }
-    }
-
     /// A number of zero or more.
     pub fn not_negative(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
         let value = self.number(key, dimension)?;

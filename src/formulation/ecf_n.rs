@@ -5,8 +5,14 @@
 //! the deepest pair of each is loaded as in ECF-A (Eq. 28). See `contact::search::nodal` for the rules that the paper leaves
 //! open and the slips that are corrected.
 //!
-//! The contact jumps from node to node, so that rolling radius and spin, with them creepages and creep forces, jump too: the right-hand
+//! The contact jumps from node to node, so that rolling radius and spin, with them creepages and creep forces, jump: the right-hand
 //! side is not continuous, and accurate integration with an adaptive method costs many small steps.
+//!
+//! The normal force is continuous from node to node: penetration is the greatest of many continuous ones, and the normal law reads the
+//! profiles where the overlap is deepest (see `contact::search::nodal`). S1002 on 60E1 up to 120 kN, nodes every 0.1 mm: what is left is
+//! below 1e-3 of N (0.4 mm: 2 %). One jump remains at any spacing, as the paper has one contact for each batch: where two places of one batch
+//! are equally deep, the contact goes from one to the other, and N with it from one stiffness to the other (10 mm aside, 2 % of 68 kN);
+//! ECF-A shares the force out between such places instead.
 //!
 //! State per contact: s of the section, m. Memory per contact: the surface parameters of the first contact, for whoever asks where
 //! the wheel stands; nothing is taken from them.

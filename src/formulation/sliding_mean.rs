@@ -43,7 +43,7 @@ impl SlidingMean {
     /// Notes the states at the end of an accepted step.
     pub fn note(&self, states: &[f64], memory: &mut [f64]) {
         let width = self.states();
-        let (count, oldest) = (memory[0] as usize, memory[1] as usize);
+        let (count, oldest) = ((memory[0] as usize).min(ENTRIES), memory[1] as usize % ENTRIES);
         let place = |entry: usize| 2 + (entry % ENTRIES) * width;
         if count > 0 && states[0] - memory[place(oldest + count - 1)] < self.window / PER_WINDOW {
             return;
@@ -60,7 +60,7 @@ impl SlidingMean {
     /// Mean of quantity `index` over the window that ends at the given states; 0 before anything was travelled.
     pub fn mean(&self, index: usize, states: &[f64], memory: &[f64]) -> f64 {
         let (end, integral) = (states[0], states[1 + index]);
-        let count = memory[0] as usize;
+        let count = (memory[0] as usize).min(ENTRIES);
         let begin = (end - self.window).max(if count > 0 { self.entry(0, memory)[0] } else { end });
         if !(end > begin) {
             return 0.0;
@@ -70,13 +70,13 @@ impl SlidingMean {
 
     fn entry<'a>(&self, number: usize, memory: &'a [f64]) -> &'a [f64] {
         let width = self.states();
-        let at = 2 + ((memory[1] as usize + number) % ENTRIES) * width;
+        let at = 2 + ((memory[1] as usize % ENTRIES + number) % ENTRIES) * width;
         &memory[at..at + width]
     }
 
     /// An integral at travelled distance `at`, by the polynomial through the four entries around it.
     fn past(&self, at: f64, index: usize, memory: &[f64]) -> f64 {
-        let count = memory[0] as usize;
+        let count = (memory[0] as usize).min(ENTRIES);
         let after = (0..count).find(|number| self.entry(*number, memory)[0] > at).unwrap_or(count);
         let first = after.saturating_sub(2).min(count.saturating_sub(4));
         let nodes = first..(first + 4).min(count);

@@ -47,6 +47,13 @@ pub struct SimulationState {
 }
 
 impl SimulationState {
+    /// Are time, solution and inputs numbers? (Memory may hold times that never come.)
+    pub fn is_finite(&self) -> bool {
+        let signals = self.inputs.iter().flat_map(|signal| signal.at(self.time));
+        let own = [self.time, self.integration.t];
+        own.into_iter().chain(signals).chain(self.integration.y.iter().copied()).all(f64::is_finite)
+    }
+
     /// Could this state have come from the same model and integrator as `other`?
     pub fn fits(&self, other: &SimulationState) -> bool {
         self.integration.fits(&other.integration)

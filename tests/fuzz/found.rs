@@ -25,6 +25,8 @@ fn regress_sizes_beyond_any_railway_are_refused_where_they_stand() {
         ("track.rail={kind=\"arc\", radius=1e-6}", "found 1e-6 m, expected 0.001 m to 1000.0 m"),
         ("track.rail={kind=\"points\", file=\"/dev/zero\"}", "an embedded scene has no folder"),
         ("vehicle.wheelset.mass=\"1e300 t\"", "of at most 1e9 kg either way"),
+        // A yaw frequency of 3e6 rad/s: explicit steps without end.
+        ("vehicle.suspension.distance=2e5", "found 200000.0 m, expected 0.0 m to 10.0 m"),
         ("vehicle.gravity=1e200", "of at most 1e4 m/s2 either way"),
         ("track.deviation=[{rail=\"left\", direction=\"lateral\", shape=\"cosine\", amplitude=0.01, from=10, to=1e300}]", "at most 1e7 m"),
     ];

@@ -154,3 +154,27 @@ pub fn each(target: &'static str, default: u64, mut case: impl FnMut(&mut Random
 pub fn now(target: &'static str, text: &str) {
     std::fs::write(folder().join(format!("{target}-now.txt")), text).unwrap();
 }
+
+#[cfg(test)]
+mod tests {
+    use super::each;
+
+    /// A panic counts, also one that somebody caught on the way.
+    #[test]
+    #[should_panic(expected = "caught on the way")]
+    fn hard_a_caught_panic_is_a_fault() {
+        each("none", 3, |random, _| {
+            let _ = std::panic::catch_unwind(|| panic!("caught on the way"));
+            random.next();
+        });
+    }
+
+    #[test]
+    #[should_panic(expected = "LARGE")]
+    fn hard_too_much_memory_is_a_fault() {
+        each("none", 1, |random, _| {
+            let held: Vec<u8> = Vec::with_capacity((1 << 31) + random.below(10));
+            std::hint::black_box(&held);
+        });
+    }
+}

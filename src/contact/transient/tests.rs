@@ -457,33 +457,3 @@ fn validate_against_transient_rolling_of_elastic_half_spaces() {
         }
     }
 }
-
-/// Without friction nothing presses sideways and nothing is held, at rest and rolling; the slopes are those of that.
-#[test]
-fn hard_without_friction_no_force_and_finite_slopes() {
-    let material = Material { youngs_modulus: 2.1e11, poisson_ratio: 0.28 };
-    for law in ["polach", "shen_hedrick_elkins", "fastsim"] {
-        let law = crate::contact::creep::inline::law(law, "test").unwrap()(material);
-        let settings = TransientSettings { below: 2.0, time_floor: 2e-3, damping_time: 5e-5 };
-        let transient = TransientContact::new(settings, material, law.as_ref());
-        for friction in [0.0, 1e-320, 1e-15, 1e-8, 1e-7, 1e-4] {
-            let loaded = LoadedPatch { patch: Patch { a: 6e-3, b: 4e-3 }, normal_force: 6e4, friction };
-            for rolling in [0.0, 0.01, -1.5, 30.0] {
-                for u in [0.0, 1e-300, 1e-12, 1e-5] {
-                    let slip = SlipVelocity { longitudinal: 1e-3, lateral: -2e-3, spin: 0.1 * rolling, rolling };
-                    let state = [u, -0.5 * u, 0.3];
-                    let found = transient.evaluate(law.as_ref(), &loaded, &slip, &state);
-                    let slopes = transient.slopes(law.as_ref(), &loaded, &slip, &state);
-                    let numbers = slopes.rate_by_deflection.iter().chain(&slopes.rate_by_slip).chain(&slopes.force_by_deflection);
-                    let numbers = numbers.chain(&slopes.force_by_slip).chain(&slopes.force_by_normal_force).chain(&found.rates);
-                    assert!(numbers.copied().all(f64::is_finite), "{friction} {rolling} {u}: {slopes:?}");
-                    assert!(found.force.longitudinal.hypot(found.force.lateral) <= 1.001 * friction * 6e4 + 1e-300);
-                    if friction == 0.0 {
-                        assert_eq!(found.rates[..2], [-u / 2e-3, 0.5 * u / 2e-3]);
-                        assert_eq!(slopes.rate_by_deflection, nalgebra::Matrix2::identity() * (-1.0 / 2e-3));
-                    }
-                }
-            }
-        }
-    }
-}

@@ -54,6 +54,15 @@ impl Instance {
             return Err(CallError::ForeignState);
         }
         for (variable, value) in parameters.iter().zip(&saved.parameters) {
+            // What can't be set can't be restored either.
+            self.check_value(variable, *value).map_err(|_| CallError::ForeignState)?;
+        }
+        let Experiment { start, stop, tolerance } = saved.experiment;
+        let numbers = saved.inputs.iter().flatten().chain([&start]).chain(&stop).chain(&tolerance);
+        if !numbers.copied().all(f64::is_finite) || !saved.simulation.as_ref().is_none_or(SimulationState::is_finite) {
+            return Err(CallError::ForeignState);
+        }
+        for (variable, value) in parameters.iter().zip(&saved.parameters) {
             match variable.role {
                 Role::RealParameter(parameter) => parameter.assign(&mut scene, *value),
                 _ => scene.vehicle.initial.from_equilibrium = *value == 1.0,

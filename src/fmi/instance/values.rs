@@ -95,7 +95,7 @@ impl Instance {
         if allowed { Ok(()) } else { Err(self.not_settable(variable)) }
     }
 
-    fn check_value(&self, variable: &Variable, value: f64) -> Result<(), CallError> {
+    pub(super) fn check_value(&self, variable: &Variable, value: f64) -> Result<(), CallError> {
         let problem = if !value.is_finite() {
             "it must be a finite number".to_string()
         } else if variable.min.is_some_and(|min| value < min) {

@@ -74,7 +74,7 @@ fn keep_point(point: Option<&Point>, values: &mut [f64]) {
 #[inline]
 pub(super) fn ridge(values: &[f64], points: usize, ridge: usize) -> Option<([usize; 2], SurfaceParameters)> {
     let place = ridge_place(points, ridge);
-    let number = |i: usize| (values[place + BETWEEN + i] as usize).checked_sub(1);
+    let number = |i: usize| (values[place + BETWEEN + i] as usize).checked_sub(1).filter(|slot| *slot < points);
     Some(([number(0)?, number(1)?], warm_start(&values[place..])))
 }
 

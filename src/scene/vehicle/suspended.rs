@@ -115,9 +115,12 @@ impl WheelsetSpec {
     }
 }
 
+/// Most distance between the suspension's springs, m: further apart, no step would be short enough for their yaw stiffness.
+const WIDEST: f64 = 10.0;
+
 fn read_suspension(section: Section) -> Result<SuspensionSpec, SettingsError> {
     let mut spec = SuspensionSpec {
-        distance: section.not_negative("distance", Dimension::Length)?,
+        distance: section.within("distance", Dimension::Length, (0.0, WIDEST))?,
         longitudinal_stiffness: section.not_negative("longitudinal_stiffness", Dimension::Stiffness)?,
         longitudinal_damping: section.not_negative("longitudinal_damping", Dimension::Damping)?,
         lateral_stiffness: section.not_negative("lateral_stiffness", Dimension::Stiffness)?,

@@ -4,7 +4,7 @@
 use super::*;
 use crate::contact::search::test_surfaces::Wave;
 use crate::geometry::Side;
-use crate::geometry::profile::{Part, ProfilePoint, parse};
+use crate::geometry::profile::{Part, Profile, ProfilePoint, parse};
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Deviation, Direction, Rail};
 use crate::math::rotation::AxleFrame;

@@ -69,8 +69,8 @@ impl Watch {
             let gap = rest.trailing_zeros();
             rest = rest.checked_shr(gap)?;
             let length = rest.trailing_ones();
-            let from = at + gap as usize;
-            at = from + length as usize;
+            let from = at.saturating_add(gap as usize);
+            at = from.saturating_add(length as usize);
             rest = rest.checked_shr(length).unwrap_or(0);
             Some((from, at))
         })
@@ -165,7 +165,12 @@ impl GlobalSearch {
             steady = less(phi.abs() / turning, steady);
         }
         let mut signature = 0;
+        let last = self.wheel.stretches.len();
         for run in watch.runs() {
+            // A record of another wheel.
+            if run.1 > last {
+                return None;
+            }
             let before = scan.count;
             let (a, b) = scan.part(run, offset);
             let count = (scan.count - before).min(15) as u64;

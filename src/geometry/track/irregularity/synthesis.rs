@@ -358,7 +358,7 @@ mod tests {
             ("seed = 7\n", "", "seed: is missing"),
             ("to = 900", "to = 50", "a.toml:5: to: found 50 m, expected more than 100 m"),
             ("to = 900", "to = 1e7", "need too many knots"),
-            ("to = 900", "to = 1e30", "expected at most"),
+            ("to = 900", "to = 1e30", "of at most 1e7 m either way"),
             ("to = 900", "to = 900\nshortest = 400", "longest: found 304.8 m, expected more than shortest = 400 m"),
             ("to = 900", "to = 900\nshortest = \"1 mm\"", "a.toml:6: shortest: found 0.001 m"),
             ("to = 900", "to = 900\nfade = 500", "a.toml:6: fade: found 500 m, expected at most half"),
