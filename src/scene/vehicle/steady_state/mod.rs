@@ -94,6 +94,8 @@ const ON_RAILS: f64 = 1e-4;
 /// Share of the displacements that is tried first, and the one that is too small a step.
 const FIRST_SHARE: f64 = 0.0625;
 const LEAST_SHARE: f64 = 0.01;
+/// A longer step is halved at once where it does not go well.
+const HASTY_SHARE: f64 = 0.05;
 /// Corrections of wheelsets' vertical velocities.
 const CORRECTIONS: usize = 2;
 /// Shares of the curve: the first step of the continuation, and the one that is too short.
@@ -225,9 +227,11 @@ fn onto_the_rails(search: &mut Search, node: &Node, riding: &Riding) -> Result<(
             None => search.move_along(riding, next - done),
         }
         search.ride(riding, next);
+        search.hasty = next - done > HASTY_SHARE;
         let mut found = search.balance();
         for _ in 0..if next == 1.0 { CORRECTIONS } else { 0 } {
             found = found.and_then(|()| {
+                search.hasty = false;
                 search.follow_contacts();
                 search.balance()
             });

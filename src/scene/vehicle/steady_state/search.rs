@@ -54,8 +54,8 @@ pub(super) const PITCH: usize = COORDINATES - 1;
 
 /// Accelerations count in parts of this, m/s2 or rad/s2.
 pub(super) const UNIT: f64 = 9.81;
-/// Evaluations of one wheel after which a search is given up: about 1.5 s.
-const MOST_EFFORT: u64 = 120_000;
+/// Evaluations of one wheel after which a search is given up: 1 to 2 s.
+const MOST_EFFORT: u64 = 200_000;
 /// Moves onto constraints count in parts of this, m or rad.
 const MOVE: f64 = 1e-4;
 
@@ -83,6 +83,8 @@ pub(super) struct Search<'a> {
     constrained: bool,
     /// Rest of the equations that counts as none.
     pub tolerance: f64,
+    /// Is a try given up early, because a nearer place is tried next?
+    pub hasty: bool,
     /// Work done so far, in evaluations of one wheel.
     pub effort: u64,
     pub unknowns: Vec<Unknown>,
@@ -114,6 +116,7 @@ impl<'a> Search<'a> {
             dy: vec![0.0; model.dimension()],
             following: false,
             tolerance: super::BALANCED,
+            hasty: false,
             effort: 0,
             inputs: model.neutral_inputs(),
             constrained: model.formulation.constrains() || !model.system.joints.is_empty(),
