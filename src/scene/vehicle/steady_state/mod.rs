@@ -188,7 +188,13 @@ fn on_displaced_rails(
     let mut smooth = scene.clone();
     smooth.contact.formulation = formulation::algebraic();
     let (mut search, wheel_loads) = balanced(&smooth, standing, pattern, node)?;
-    onto_the_rails(&mut search, node, riding)?;
+    let mut level = None;
+    if onto_the_rails(&mut search, node, riding).is_err() {
+        // Rails may demand more than contacts between wheels and rails can give, or the search lost its way: then with static loads alone.
+        search = balanced(&smooth, standing, pattern, node)?.0;
+        onto_the_rails(&mut search, node, level.insert(riding.without_bends()))?;
+    }
+    let riding = level.as_ref().unwrap_or(riding);
     let mut own = Search::new(scene, standing, pattern)?;
     own.lay(node, Some((riding, 1.0)));
     own.effort = search.effort;
