@@ -68,7 +68,7 @@ fn prop_steady_curving_has_no_accelerations_but_the_patterns() {
             println!("{name} {radius} {formulation}: {largest:.2e} m/s2 or rad/s2");
             // A wheel of the coach stands on a joint of its profile: what counts as balance in a curve is 1e-5 g.
             let bound = match (name, *formulation) {
-                (_, "ECF-N") => 5.0,
+                (_, "ECF-N") => 1.0,
                 ("bogie", _) => 1e-6,
                 _ => 1e-4,
             };

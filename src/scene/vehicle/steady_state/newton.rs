@@ -25,6 +25,8 @@ const NEAR: f64 = 1e-10;
 /// Rest at which rounding is reached.
 const EXACT: f64 = 1e-13;
 const ITERATIONS: usize = 40;
+/// The same where a shorter way is tried next.
+const HASTY: usize = 10;
 /// First length of a drift's step in parts of what moves a body by 1 m or rad per g of acceleration; most steps; furthest that one goes, m or rad;
 /// by how much it may worsen the balance; what is left when Newton's method takes over.
 const DRIFT: f64 = 1e-4;
@@ -41,15 +43,15 @@ impl Search<'_> {
     /// There is no balance, or it was not found from here.
     pub fn balance(&mut self) -> Result<(), EquilibriumError> {
         // Rigid contacts that jump do not let bodies drift on.
-        let drifts = !self.model.formulation.constrains();
+        let drifts = !self.model.formulation.constrains() && !self.hasty;
         let mut rest = self.newton().map_err(EquilibriumError::Evaluation)?;
         if drifts && !(largest(&rest).0 < self.bound()) && self.drift(&rest).map_err(EquilibriumError::Evaluation)? {
             rest = self.newton().map_err(EquilibriumError::Evaluation)?;
         }
-        if !(largest(&rest).0 < self.bound()) {
-            return Err(self.unsupported(&rest));
+        if largest(&rest).0 < self.bound() {
+            return self.read();
         }
-        self.read()
+        Err(if self.hasty { self.unbalanced(&rest) } else { self.unsupported(&rest) })
     }
 
     /// Goes on as near to the balance as contacts among nodes allow: from where it is, and from places some micrometres beside the nearest yet,
@@ -89,7 +91,7 @@ impl Search<'_> {
         let none = vec![0.0; self.unknowns.len()];
         let mut rest = self.residual(&none, true)?;
         let mut known: Option<Factors> = None;
-        for _ in 0..ITERATIONS {
+        for _ in 0..if self.hasty { HASTY } else { ITERATIONS } {
             let before = largest(&rest).0;
             if before < EXACT || self.exhausted() {
                 break;
@@ -193,8 +195,13 @@ impl Search<'_> {
         if most > BALANCED {
             return EquilibriumError::Unsupported { body: name(place / COORDINATES), motion: MOTIONS[place % COORDINATES] };
         }
-        let (worst, row) = largest(&rest[..coordinates]);
-        EquilibriumError::Unbalanced { body: name(row / COORDINATES), acceleration: worst * UNIT }
+        self.unbalanced(rest)
+    }
+
+    /// The body that is off the balance most.
+    fn unbalanced(&self, rest: &[f64]) -> EquilibriumError {
+        let (worst, row) = largest(&rest[..self.square.len()]);
+        EquilibriumError::Unbalanced { body: self.model.system.bodies[row / COORDINATES].name.clone(), acceleration: worst * UNIT }
     }
 }
 

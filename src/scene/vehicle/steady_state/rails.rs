@@ -17,6 +17,10 @@
 //! body that is no wheelset goes through all wheelsets with the weights `1 / (1 m2 + d^2)`, d their distance from it: a frame goes with its own
 //! two, a car with its trucks.
 //!
+//! *How it is found:* on elastic contacts, from the balance on ideal rails, by shares of the displacements (each from the line through the last two
+//! balances); a formulation with constraints then finds its own balance from there. Where constraints leave bodies no choice only the part of
+//! accelerations that they allow is compared. If there is no balance with V^2 l'' and V^2 c''/b it is looked for without them.
+//!
 //! *Where it is only near:* waves that a body on springs does not follow at speed are in its place and velocity, too. It then swings by some
 //! 0.1 mm to millimetres about what a run that came from far behind has.
 
@@ -145,6 +149,13 @@ impl Riding {
         });
         riding.bodies = bodies.collect();
         Some(riding)
+    }
+
+    /// The same ride with static loads: as if rails were straight from here on.
+    pub fn without_bends(&self) -> Riding {
+        let mut level = self.clone();
+        level.bodies.iter_mut().for_each(|ride| ride.bends = [0.0; COORDINATES]);
+        level
     }
 
     /// The rails with that share of their displacements, along a centre line.

@@ -40,13 +40,13 @@ pub(super) enum Unknown {
 /// Where the bodies are, and what goes with it.
 #[derive(Clone, Debug)]
 pub(super) struct Configuration {
-    at: Vec<OnTrack>,
+    pub at: Vec<OnTrack>,
     /// m/s2.
     slowing: f64,
     /// S, m/s.
-    travel: f64,
+    pub travel: f64,
     /// Which places of the wheels are in contact, and where.
-    memory: Vec<f64>,
+    pub memory: Vec<f64>,
 }
 
 /// Place of a wheelset's pitch rate among its velocities, of pitch among coordinates.
@@ -54,27 +54,27 @@ pub(super) const PITCH: usize = COORDINATES - 1;
 
 /// Accelerations count in parts of this, m/s2 or rad/s2.
 pub(super) const UNIT: f64 = 9.81;
-/// Evaluations of one wheel after which a search is given up: about 1.5 s.
-const MOST_EFFORT: u64 = 120_000;
+/// Evaluations of one wheel after which a search is given up: 1 to 2 s.
+const MOST_EFFORT: u64 = 200_000;
 /// Moves onto constraints count in parts of this, m or rad.
 const MOVE: f64 = 1e-4;
 
 pub(super) struct Search<'a> {
-    standing: &'a Standing,
-    pattern: Pattern,
+    pub standing: &'a Standing,
+    pub pattern: Pattern,
     pub model: Model,
-    workspace: Workspace,
+    pub workspace: Workspace,
     pub now: Configuration,
     /// The body whose speed is V.
     leading: usize,
     /// Of the track at present, 1/m.
     curvature: f64,
     /// What bodies do beside the pattern, and the accelerations along the track frame's axes that go with it, m/s2 or rad/s2.
-    rides: Vec<Ride>,
-    accelerations: Vec<[f64; COORDINATES]>,
+    pub rides: Vec<Ride>,
+    pub accelerations: Vec<[f64; COORDINATES]>,
     /// Do bodies ride at all?
-    riding: bool,
-    y: Vec<f64>,
+    pub riding: bool,
+    pub y: Vec<f64>,
     dy: Vec<f64>,
     inputs: Vec<f64>,
     /// Do contacts that are constraints stay those that they were? Otherwise each wheel's deepest place is taken each time.
@@ -83,6 +83,8 @@ pub(super) struct Search<'a> {
     constrained: bool,
     /// Rest of the equations that counts as none.
     pub tolerance: f64,
+    /// Is a try given up early, because a nearer place is tried next?
+    pub hasty: bool,
     /// Work done so far, in evaluations of one wheel.
     pub effort: u64,
     pub unknowns: Vec<Unknown>,
@@ -114,6 +116,7 @@ impl<'a> Search<'a> {
             dy: vec![0.0; model.dimension()],
             following: false,
             tolerance: super::BALANCED,
+            hasty: false,
             effort: 0,
             inputs: model.neutral_inputs(),
             constrained: model.formulation.constrains() || !model.system.joints.is_empty(),
@@ -182,75 +185,6 @@ impl<'a> Search<'a> {
         memory.resize(self.model.memory(), 0.0);
     }
 
-    /// Moves bodies to where a further share of the displacements takes them in first approximation.
-    pub fn move_along(&mut self, riding: &Riding, further: f64) {
-        for (at, ride) in self.now.at.iter_mut().zip(&riding.bodies) {
-            for (coordinate, place) in at.coordinates.iter_mut().zip(&ride.places) {
-                *coordinate += further * place;
-            }
-        }
-    }
-
-    /// Lets bodies ride on rails with a share of their displacements.
-    pub fn ride(&mut self, riding: &Riding, share: f64) {
-        self.rides = riding.bodies.iter().map(|ride| ride.times(share)).collect();
-        self.bend();
-    }
-
-    /// Lets bodies ride as they do in another search for the same vehicle.
-    pub fn ride_as(&mut self, other: &Search) {
-        self.rides.clone_from(&other.rides);
-        self.bend();
-    }
-
-    /// What bodies that ride are to have of accelerations.
-    fn bend(&mut self) {
-        let square = self.pattern.centripetal * self.pattern.speed.powi(2);
-        self.accelerations = self.rides.iter().map(|ride| ride.bends.map(|bend| square * bend)).collect();
-        self.riding = true;
-    }
-
-    /// The part of accelerations off the balance that constraints allow: the nearest in kinetic energy, as with velocities. The rest is what
-    /// constraints demand of bodies that ride (a bar goes up with its axle boxes, and with squares of velocities).
-    fn allowed(&mut self, off: &mut [f64]) -> Result<(), EvaluationError> {
-        let bodies = self.rides.len();
-        for body in 0..bodies {
-            let (axes, off) = (self.axes(body), &off[COORDINATES * body..]);
-            let velocities = &mut self.y[self.model.system.velocities(body)];
-            velocities[..3].copy_from_slice((axes * Vector3::new(off[0], off[1], off[2])).as_slice());
-            velocities[3..].copy_from_slice(&off[3..COORDINATES]);
-        }
-        self.model.project(&mut self.workspace, 0.0, &mut self.y, &mut self.now.memory)?;
-        for body in 0..bodies {
-            let v = &self.y[self.model.system.velocities(body)];
-            let along = self.axes(body).tr_mul(&Vector3::new(v[0], v[1], v[2]));
-            off[COORDINATES * body..][..COORDINATES].copy_from_slice(&[along.x, along.y, along.z, v[3], v[4], v[5]]);
-        }
-        Ok(())
-    }
-
-    /// Lets no pressed contact be compressed: corrects the wheelsets' vertical and roll velocities, which the first approximation takes from
-    /// the rails' heights alone.
-    pub fn follow_contacts(&mut self) {
-        for (wheelset, ride) in self.model.wheelsets.iter().zip(&mut self.rides) {
-            let centre = self.workspace.system.motions[wheelset.body].position;
-            // Rate of penetration per upward and per roll velocity of the wheelset.
-            let rows = Side::BOTH.map(|side| {
-                let index = contact_index(wheelset.body, side);
-                let most = self.workspace.reports(index).max_by(|a, b| a.normal_force.total_cmp(&b.normal_force))?;
-                let (n, arm) = (most.axes.normal, most.wheel_point - centre);
-                (most.normal_force > 0.0).then_some((most.penetration_rate, -n.z, n.y * arm.z - n.z * arm.y))
-            });
-            let [Some((left, a, b)), Some((right, c, d))] = rows else { continue };
-            let determinant = a * d - b * c;
-            // Contacts side by side, or on flanks, do not hold both.
-            if determinant.abs() > 0.1 {
-                ride.slopes[2] -= (left * d - right * b) / determinant / self.now.travel;
-                ride.slopes[4] -= (right * a - left * c) / determinant / self.now.travel;
-            }
-        }
-    }
-
     pub fn configuration(&self) -> Configuration {
         self.now.clone()
     }
@@ -265,15 +199,6 @@ impl<'a> Search<'a> {
     pub fn put_bodies(&mut self, configuration: &Configuration) {
         let memory = vec![0.0; self.model.memory()];
         self.now = Configuration { memory, ..configuration.clone() };
-    }
-
-    /// Moves every wheelset across the track by up to `most` [m], each trial otherwise (multiples of the golden ratio fill an interval evenly).
-    pub fn stir(&mut self, trial: usize, most: f64) {
-        const GOLDEN: f64 = 0.618_033_988_749_895;
-        for wheelset in 0..self.standing.wheelsets {
-            let part = (GOLDEN * (trial * (2 * wheelset + 1)) as f64).fract();
-            self.now.at[wheelset].coordinates[1] += most * (2.0 * part - 1.0);
-        }
     }
 
     /// Chooses the contacts that are constraints here anew.
@@ -486,7 +411,7 @@ impl<'a> Search<'a> {
     }
 
     /// Of the track frame beside a body.
-    fn axes(&self, body: usize) -> Matrix3<f64> {
+    pub fn axes(&self, body: usize) -> Matrix3<f64> {
         self.model.track.line().map_or(Matrix3::identity(), |line| line.frame(self.now.at[body].coordinates[0]).axes)
     }
 
