@@ -171,9 +171,10 @@ impl IntegrationState {
             return self.evaluate_begin(dynamics);
         }
         if !dynamics.findings_stand() {
-            let IntegrationState { t, y, memory, memory_before, derivative, .. } = self;
-            memory.copy_from_slice(memory_before);
-            dynamics.repeat(*t, y, memory, derivative).map_err(|_| SolveError::Undefined { time: *t })?;
+            let IntegrationState { t, y, memory_before, derivative, .. } = self;
+            // What was noted in the memory since then stays; only a state that was put back comes here.
+            let mut again = memory_before.clone();
+            dynamics.repeat(*t, y, &mut again, derivative).map_err(|_| SolveError::Undefined { time: *t })?;
             dynamics.mark_findings();
         }
         Ok(())
