@@ -17,8 +17,8 @@ const BETA: f64 = 0.08;
 pub(super) const TOLERANCES: (f64, f64) = (1e-15, 1e-5);
 
 /// The stage that holds f at the end of a step, and one for work on it.
-pub(super) const END: usize = 5;
-pub(super) const WORK: usize = 6;
+pub(super) const END: usize = 7;
+pub(super) const WORK: usize = 8;
 
 /// A pair of one-step methods of neighbouring orders.
 pub(super) trait Pair {
@@ -179,7 +179,12 @@ fn finish<P: Pair>(
     h: f64,
     tolerance: f64,
 ) -> Result<End, Undefined> {
+    scratch.stages[WORK].copy_from_slice(&scratch.trial);
     let moved = dynamics.project(end, &mut scratch.trial, &mut scratch.memory)?;
+    if !moved {
+        // What rounding did counts as nothing: f was evaluated without it.
+        scratch.trial.copy_from_slice(&scratch.stages[WORK]);
+    }
     let mut stage = P::LAST_STAGE.filter(|_| !moved);
     if stage.is_none() && (P::CHECKED || dynamics.margin(&scratch.memory).is_some()) {
         let Scratch { stages, trial, memory, memory_before, .. } = scratch;

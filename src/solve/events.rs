@@ -79,7 +79,7 @@ impl IntegrationState {
     }
 
     fn try_complete(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
-        self.project(dynamics)?;
+        self.project(dynamics, scratch)?;
         if dynamics.margin(&self.memory).is_some() {
             self.evaluate_begin(dynamics)?;
             if let Some(margin) = dynamics.margin(&self.memory).filter(|margin| *margin < 0.0) {
@@ -90,11 +90,14 @@ impl IntegrationState {
         Ok(())
     }
 
-    fn project(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
+    fn project(&mut self, dynamics: &mut dyn Dynamics, scratch: &Scratch) -> Result<(), SolveError> {
         let IntegrationState { t, y, memory, .. } = self;
         if dynamics.project(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })? {
             self.derivative_known = false;
             self.statistics.projections += 1;
+        } else {
+            // What rounding did counts as nothing: f was evaluated without it.
+            self.y.copy_from_slice(&scratch.trial);
         }
         Ok(())
     }

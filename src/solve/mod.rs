@@ -331,7 +331,7 @@ pub trait Integrator: Send + Sync + Debug {
 /// Vectors that a step works in; nothing in here outlives it.
 #[derive(Clone, Debug)]
 pub struct Scratch {
-    stages: [Vec<f64>; 7],
+    stages: [Vec<f64>; 9],
     carried: Carried,
     trial: Vec<f64>,
     memory: Vec<f64>,

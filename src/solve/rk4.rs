@@ -50,7 +50,7 @@ impl Integrator for RungeKutta4 {
         stages(dynamics, state, scratch, step.end, step.h).map_err(|Undefined| FixedStep::undefined(state))?;
         step.check(state, scratch)?;
         write_dense(state, scratch, step.h);
-        let Scratch { stages: [first, _, _, last, end, _, error], trial, .. } = scratch;
+        let Scratch { stages: [first, _, _, last, end, .., error], trial, .. } = scratch;
         for (i, error) in error.iter_mut().enumerate() {
             let embedded = step.h / 6.0 * (last[i] - end[i]);
             let trapezoid = trial[i] - state.y[i] - 0.5 * step.h * (first[i] + end[i]);
