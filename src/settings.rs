@@ -179,13 +179,7 @@ impl<'a> Section<'a> {
     }
 
     /// The same, or `default`.
-    pub fn within_or(
-        &self,
-        key: &'static str,
-        dimension: Dimension,
-        bounds: (f64, f64),
-        default: f64,
-    ) -> Result<f64, SettingsError> {
+    pub fn within_or(&self, key: &'static str, dimension: Dimension, bounds: (f64, f64), default: f64) -> Result<f64, SettingsError> {
         if self.has(key) { self.within(key, dimension, bounds) } else { Ok(default) }
     }
 

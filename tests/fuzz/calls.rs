@@ -75,7 +75,14 @@ impl Host<'_> {
         let what = random.below(26);
         let status = unsafe {
             match what {
-                0 | 1 => fmi2SetupExperiment(c, random.below(2) as i32, value(random, 1e-6), value(random, 0.0), random.below(2) as i32, value(random, 1.0)),
+                0 | 1 => fmi2SetupExperiment(
+                    c,
+                    random.below(2) as i32,
+                    value(random, 1e-6),
+                    value(random, 0.0),
+                    random.below(2) as i32,
+                    value(random, 1.0),
+                ),
                 2 | 3 => fmi2EnterInitializationMode(c),
                 4 | 5 => fmi2ExitInitializationMode(c),
                 6..=10 => {
@@ -118,7 +125,13 @@ impl Host<'_> {
                 },
                 20 => fmi2SetRealInputDerivatives(c, vr, count, orders.as_ptr(), if null_values { null() } else { given.as_ptr() }),
                 21 => {
-                    let status = fmi2GetRealOutputDerivatives(c, vr, count, orders.as_ptr(), if null_values { null_mut() } else { reals.as_mut_ptr() });
+                    let status = fmi2GetRealOutputDerivatives(
+                        c,
+                        vr,
+                        count,
+                        orders.as_ptr(),
+                        if null_values { null_mut() } else { reals.as_mut_ptr() },
+                    );
                     if status == Status::Ok {
                         assert!(reals.iter().all(|value| value.is_finite()), "derivatives of {references:?} are {reals:?}");
                     }
@@ -132,7 +145,12 @@ impl Host<'_> {
                 },
                 24 => {
                     let categories = [c"logAll".as_ptr(), null()];
-                    fmi2SetDebugLogging(c, random.below(2) as i32, random.below(3), if random.once_in(4) { null() } else { categories.as_ptr() })
+                    fmi2SetDebugLogging(
+                        c,
+                        random.below(2) as i32,
+                        random.below(3),
+                        if random.once_in(4) { null() } else { categories.as_ptr() },
+                    )
                 }
                 _ => {
                     let mut status = Status::Ok;

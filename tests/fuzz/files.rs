@@ -25,7 +25,11 @@ fn seeds() -> Vec<Seed> {
         seed("vehicle.wheelset.profile", "kind = \"points\", radius = 0.46", "profiles/wheel_s1002.csv"),
         seed("vehicle.wheelset.profile", "kind = \"miniprof\", radius = 0.46", "profiles/wheel_s1002.whl"),
         seed("vehicle.wheelset.profile", "kind = \"simpack\", radius = 0.46", "profiles/wheel_s1002.prw"),
-        seed("vehicle.wheelset.profile", "kind = \"points\", radius = 0.46, drop_outliers = true, smoothing = 1e-5", "profiles/wheel_s1002.csv"),
+        seed(
+            "vehicle.wheelset.profile",
+            "kind = \"points\", radius = 0.46, drop_outliers = true, smoothing = 1e-5",
+            "profiles/wheel_s1002.csv",
+        ),
         seed("track.rail", "kind = \"miniprof\"", "profiles/rail_60e1.ban"),
         seed("track.rail", "kind = \"simpack\"", "profiles/rail_60e1.prr"),
         seed("track.rail", "kind = \"points\"", "fuzz/rail.csv"),
@@ -103,7 +107,8 @@ fn prop_any_file_of_a_profile_or_a_measured_track_is_read_or_refused() {
         counts[usize::from(good)] += 1;
         if good && random.once_in(4) {
             let scene = wheelrail::scene::embedded::find("wheelset_s1002").unwrap();
-            let change = if seed.key == "track.irregularity" { format!("{}=[{{{table}}}]", seed.key) } else { format!("{}={{{table}}}", seed.key) };
+            let change =
+                if seed.key == "track.irregularity" { format!("{}=[{{{table}}}]", seed.key) } else { format!("{}={{{table}}}", seed.key) };
             let came = try_scene(case, "wheelset_s1002", scene.text, Some(folder.path().into()), &[change]);
             counts[2] += usize::from(came == "ran");
         }

@@ -37,7 +37,9 @@ fn regress_sizes_beyond_any_railway_are_refused_where_they_stand() {
 /// Stretches of 1 mm over the whole arc took minutes.
 #[test]
 fn regress_wide_arcs_are_ready_at_once() {
-    for (scene, radius) in [("suspended_wheelset", 1.2), ("suspended_wheelset", 3.0), ("suspended_wheelset", 300.0), ("wheelset_s1002", 1e3)] {
+    for (scene, radius) in
+        [("suspended_wheelset", 1.2), ("suspended_wheelset", 3.0), ("suspended_wheelset", 300.0), ("wheelset_s1002", 1e3)]
+    {
         let scene = open(scene, &[&format!("track.rail={{kind=\"arc\", radius={radius}}}"), "contact.formulation=ECF-A"]);
         if let Ok(scene) = scene {
             let started = ThreadTime::now();

@@ -101,7 +101,11 @@ fn prop_any_saved_state_is_refused_or_the_one_it_was() {
             assert_eq!(instance.save(), before, "a refusal changes nothing");
             return;
         };
-        assert!(signed || (bytes == seed && other == model) || unpacked[model].packed.description.guid == unpacked[other].packed.description.guid);
+        assert!(
+            signed
+                || (bytes == seed && other == model)
+                || unpacked[model].packed.description.guid == unpacked[other].packed.description.guid
+        );
         if !signed {
             assert_eq!(instance.serialize(&saved).unwrap(), bytes, "read and written again");
         }

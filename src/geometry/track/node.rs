@@ -47,7 +47,8 @@ pub fn parse(track: &Section, base: f64) -> Result<Option<Alignment>, SettingsEr
             turn += (distance - before.distance) * curvature.abs().max(before.curvature.abs());
         }
         if turn > MOST_TURN {
-            let problem = format!("until here the track turns by more than {MOST_TURN:?} rad; expected a shorter curve or a greater radius");
+            let problem =
+                format!("until here the track turns by more than {MOST_TURN:?} rad; expected a shorter curve or a greater radius");
             return Err(section.error("distance", problem));
         }
         nodes.push(Node { distance, curvature, superelevation: superelevation(&section, base)?, grade });

@@ -30,6 +30,8 @@ const REST: f64 = 1e-3;
 const GAP: f64 = 1e-10;
 /// Creep force beyond friction, over it: rounding of the laws.
 const BEYOND: f64 = 1e-6;
+/// A wheel that goes on elastically sinks by this into its rail before it carries what the rigid contact carried, m.
+const SINK: f64 = 1e-4;
 /// Friction of this size [N] is none.
 const NO_FORCE: f64 = 1.0;
 
@@ -133,12 +135,26 @@ impl Audit {
         keep(&mut self.energy, share, now.time);
     }
 
+    /// Inputs have jumped since the last sample, which was booked with the old ones.
+    pub fn restart(&mut self, model: &Model, snapshot: &Snapshot) {
+        let [a, b] = self.last;
+        if self.pending == 1 {
+            let mean = |rate: fn(&Instant) -> f64| 0.5 * (b.time - a.time) * (rate(&a) + rate(&b));
+            self.work += mean(|at| at.power);
+            self.exchanged += mean(|at| at.exchange);
+            self.impulse += mean(|at| at.lift);
+        }
+        (self.last, self.pending) = ([self.instant(model, snapshot); 2], 0);
+    }
+
     /// Rigid contacts that were closed again: what that changed is known, and what the elastic contact held until then is not more than
     /// the work of the load over its penetration.
     pub fn note(&mut self, events: &[ContactEvent]) {
         for event in events {
-            if let ContactChange::Landed { penetration, energy, .. } = event.change {
-                self.landings += energy.abs() + self.heaviest * penetration.abs();
+            match event.change {
+                ContactChange::Landed { penetration, energy, .. } => self.landings += energy.abs() + self.heaviest * penetration.abs(),
+                ContactChange::Lifted | ContactChange::Vanished | ContactChange::Undecided => self.landings += self.heaviest * SINK,
+                ContactChange::Touched { .. } | ContactChange::Parted { .. } => {}
             }
         }
     }
