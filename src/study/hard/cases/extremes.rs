@@ -283,7 +283,7 @@ pub(super) const CASES: &[Case] = &[
         formulations: SMOOTH,
         methods: &[Method::new("rosenbrock", "tolerance=1e-5"), Method::new("dormand_prince", "tolerance=1e-7")],
         must: &[Must::Formula(climbs_at_nadal)],
-        audit: Audited { derailment: true, weight: 0.05, energy: 0.05 },
+        audit: Audited { derailment: true, weight: 0.05, energy: 0.05, ..AUDIT },
         ..CASE
     },
 ];

@@ -25,7 +25,7 @@ const REFERENCE_LIMIT: f64 = 20.0;
 const REFUSAL: f64 = 2.0;
 /// A run that has not come back after this hangs, s of wall time.
 const HANG: u64 = 150;
-const BOOKS: Audited = Audited { energy: 0.05, weight: 0.02, derailment: true };
+const BOOKS: Audited = Audited { energy: 0.05, way: 0.01, weight: 0.02, derailment: true };
 /// A derailment or a physical end is the same one within this, s.
 const SAME_END: f64 = 0.03;
 
