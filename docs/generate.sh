@@ -138,6 +138,18 @@ WHEELRAIL_BLESS=1 cargo test --release --test cli docs_list >/dev/null
     echo
     echo "Accuracy and cost of creep laws: [creep_laws.md](creep_laws.md). Contact geometry: [contact_geometry.md](contact_geometry.md)."
 } >docs/evidence.md
+./target/release/wheelrail hard --markdown docs/hard_cases.md >/dev/null 2>&1 || true # says itself what is broken
+{
+    echo
+    echo "## Random scenes"
+    echo
+    echo "Vehicles, profiles, tracks, laws, formulations, integrators, tolerances, steps, inputs drawn over the whole schema from a seed, each against a tight run and"
+    echo "with the same books; what counts as right: \`src/study/hard/random/judge.rs\`. \`wheelrail hard --random-scene SEED\` prints one."
+    echo
+    echo '```text'
+    ./target/release/wheelrail hard --random "${SCENES:-2000}" --seed 1 2>/dev/null || true
+    echo '```'
+} >>docs/hard_cases.md
 ./target/release/wheelrail contact wheelset_s1002 --plot docs/images >/dev/null
 {
     cat <<'TEXT'

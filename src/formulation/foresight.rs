@@ -77,7 +77,8 @@ impl Model {
     /// Changes of the contacts' forces that an error `error` of the state makes, in parts of what the scene allows
     /// ([`Model::load_tolerance`]): the largest over all wheels, of normal and creep force. The workspace holds an evaluation nearby.
     ///
-    /// `dN = N' n . d P`, P the wheel's point. Creep forces grow with slip by no more than linear theory says, `G a b C / V`, C the larger of
+    /// `dN = N' n . d P`, P the wheel's point, or what a velocity across the contact becomes when the wheel of mass m bounces on it,
+    /// `sqrt(N' m) n . d P'`: the force that a wrong speed of impact will have. Creep forces grow with slip by no more than linear theory says, `G a b C / V`, C the larger of
     /// Kalker's C11 and C22 (about 5), and never beyond twice the friction bound.
     pub fn load_error(&self, workspace: &Workspace, error: &[f64]) -> f64 {
         const KALKER: f64 = 5.0;
@@ -98,11 +99,14 @@ impl Model {
                 let arm = report.wheel_point - motion.position;
                 let axes = &report.axes;
                 let scale = 1.0 / (PART * self.load_tolerance * wheelset.static_wheel_load.max(report.normal_force));
+                let slip = velocity + (turning + spin).cross(&arm);
                 if !report.constrained {
                     let sunk = (moved + turned.cross(&arm)).dot(&axes.normal);
-                    largest = largest.max((report.share * report.elastic_slope * sunk).abs() * scale);
+                    let slope = report.share * report.elastic_slope;
+                    // Half the wheelset on its contact.
+                    let impedance = (0.5 * slope * self.system.bodies[wheelset.body].mass).sqrt();
+                    largest = largest.max((slope * sunk).abs().max((impedance * slip.dot(&axes.normal)).abs()) * scale);
                 }
-                let slip = velocity + (turning + spin).cross(&arm);
                 let slip = slip.dot(&axes.e1).hypot(slip.dot(&axes.e2));
                 let stiffness = self.laws.shear_modulus * report.patch.a * report.patch.b * KALKER;
                 let speed = wheelset.speed(motion).abs().max(SLOW);

@@ -5,7 +5,7 @@
 //! nothing but its own stability decides what becomes of a swing, a step's error is also held against the swing's amplitude:
 //!
 //! ```text
-//! |e_y| <= r A_y,   |e_yaw| <= r A_yaw,   r = 1e-3,   A_y >= 1 um
+//! |e_y| <= r A_y,   |e_yaw| <= r A_yaw,   r = 2e-4,   A_y >= 1 um
 //! ```
 //!
 //! A is an envelope: the largest distance from a slow mean, which fades with the mean's own time. Where a rail or the centre line changes
@@ -18,7 +18,7 @@ use crate::mbs::body::{COORDINATES, YAW};
 use serde::{Deserialize, Serialize};
 
 /// r, -.
-const SHARE: f64 = 1e-3;
+const SHARE: f64 = 2e-4;
 /// Swings below this do not matter, m; the same in yaw, rad: that of a wave of 60 m.
 const SMALLEST: [f64; 2] = [1e-6, 1e-7];
 /// Time of mean and envelope, s: a few periods of slow hunting.

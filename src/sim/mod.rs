@@ -83,6 +83,9 @@ impl SimulationError {
     }
 }
 
+/// Contacts that may change their form one after the other at one instant.
+const MOST_CHANGES: usize = 16;
+
 /// A running simulation of one scene.
 #[derive(Debug)]
 pub struct Simulation {
@@ -310,6 +313,17 @@ impl Simulation {
         // The continuous output leaves constraints by its error.
         self.model.project(workspace, *time, y, memory)?;
         self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
+        // After a jump of an input a contact may have to change its form at once: what is shown is what the next step begins with.
+        let stands = self.state.integration.t == *time;
+        for _ in 0..if stands { MOST_CHANGES } else { 0 } {
+            let due = self.model.margin(memory).is_some_and(|margin| margin < 0.0);
+            // Where that ends the run, the next step says so.
+            if !due || self.model.switch(workspace, *time, y, memory).is_err() {
+                break;
+            }
+            self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
+        }
+        workspace.events.clear();
         self.snapshot_valid = true;
         Ok(&self.snapshot)
     }

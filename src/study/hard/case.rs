@@ -111,6 +111,8 @@ impl Case {
 pub struct Audited {
     /// Energy that no one accounts for, over what was exchanged.
     pub energy: f64,
+    /// Share of the weight whose creep is exchanged over the way travelled: the energy of travel and spin is told to that only.
+    pub way: f64,
     /// Mean vertical force that no one accounts for, over the weight.
     pub weight: f64,
     /// May a wheel leave its rail for good? Else a derailment breaks the case.
@@ -118,7 +120,7 @@ pub struct Audited {
 }
 
 /// What holds for a run that nothing is wrong with.
-pub const AUDIT: Audited = Audited { energy: 0.01, weight: 0.002, derailment: false };
+pub const AUDIT: Audited = Audited { energy: 0.01, way: 0.01, weight: 0.002, derailment: false };
 
 pub const ALL: &[&str] = &["ECF-A", "ECF-N", "ECCF", "ACCF"];
 pub const ELASTIC: &[&str] = &["ECF-A", "ECF-N"];

@@ -13,7 +13,7 @@ const RADIUS: f64 = 0.457;
 const MASS: f64 = 1568.0;
 const LOAD: f64 = 98_000.0;
 const GRAVITY: f64 = 9.81;
-const IMPACT: Audited = Audited { weight: 0.01, ..AUDIT };
+const IMPACT: Audited = Audited { weight: 0.01, energy: 0.02, way: 0.0, ..AUDIT };
 
 const METHODS: &[Method] = &[
     Method::new("rosenbrock", "tolerance=1e-5"),

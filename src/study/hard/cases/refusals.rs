@@ -33,9 +33,9 @@ pub(super) const CASES: &[Case] = &[
     case(
         "arc_radius_300_m",
         "a rail head of 300 m radius: nearly flat over its whole width, the search took minutes",
-        "refused within 2 s, naming the rail",
+        "refused within 2 s, naming where on the rail it would touch",
         &["track.rail={kind=\"arc\",radius=300}"],
-        &[Must::Refusal(&["track.rail"])],
+        &[Must::Refusal(&["rail coordinate"])],
     ),
     case(
         "body_without_support",

@@ -1,6 +1,6 @@
 //! Verdicts on stability that a loose tolerance must not turn round.
 
-use super::super::case::{CASE, Case, Method, Must, RIGID};
+use super::super::case::{AUDIT, Audited, CASE, Case, Method, Must, RIGID};
 use super::super::finding::{Finding, Unit};
 use super::super::run::Ran;
 use super::super::trace::Quantity;
@@ -25,6 +25,29 @@ pub(super) const CASES: &[Case] = &[
         formulations: RIGID,
         methods: METHODS,
         must: &[Must::Formula(grows)],
+        ..CASE
+    },
+    Case {
+        name: "limit_cycle_60_s",
+        hard: "a wheelset far above its critical speed runs from flange to flange for 60 s, 900 times: places change thousands of times",
+        claim: "amplitude of y 6.41 mm to 2 % and frequency 7.642 Hz to 0.5 % (dormand_prince 1e-8), whatever the method and tolerance",
+        scene: "wheelset_s1002",
+        changes: &["track.deviation=[]", "vehicle.speed=60", "vehicle.initial.y=3 mm"],
+        stop: 60.0,
+        grid: 5e-4,
+        formulations: &["ECF-A", "ECCF"],
+        methods: &[
+            Method::new("rosenbrock", "tolerance=1e-4"),
+            Method::new("rosenbrock", "tolerance=1e-5"),
+            Method::new("rosenbrock", "tolerance=1e-6"),
+            Method::new("imex", "tolerance=1e-5"),
+            Method::new("dormand_prince", "tolerance=1e-6"),
+            Method::new("generalised_alpha", "step=0.5 ms"),
+            Method::new("real_time", "step=0.5 ms"),
+        ],
+        must: &[Must::Formula(limit_cycle)],
+        audit: Audited { energy: 0.05, ..AUDIT },
+        quick: false,
         ..CASE
     },
     Case {
@@ -89,4 +112,21 @@ fn swings_on(ran: &Ran) -> Vec<Finding> {
     let size = |part: &[(f64, f64)]| part.iter().map(|p| p.1).fold(0.0, f64::max);
     let (begin, end) = (size(&all[..count / 5]), size(&all[count - count / 5..]));
     vec![Finding::relative("amplitude at the end against that at the start", end, begin, 0.01)]
+}
+
+/// Peak to peak half and frequency over the last half of the run.
+fn limit_cycle(ran: &Ran) -> Vec<Finding> {
+    let (time, y) = (&ran.trace.time, ran.trace.first(Quantity::Y));
+    let begin = y.len() / 2;
+    let late = &y[begin..];
+    let amplitude = 0.5 * (late.iter().copied().fold(f64::MIN, f64::max) - late.iter().copied().fold(f64::MAX, f64::min));
+    let upward: Vec<f64> = (begin + 1..y.len()).filter(|i| y[i - 1] < 0.0 && y[*i] >= 0.0).map(|i| time[i]).collect();
+    let frequency = match upward.as_slice() {
+        [first, .., last] => (upward.len() - 1) as f64 / (last - first),
+        _ => f64::NAN,
+    };
+    vec![
+        Finding::relative("amplitude of y against 6.41 mm", amplitude, 6.41e-3, 0.02),
+        Finding::relative("frequency against 7.642 Hz", frequency, 7.642, 0.005),
+    ]
 }

@@ -1,0 +1,80 @@
+//! The table of hard cases and random scenes (`wheelrail hard`), the part that fits into a test run: nothing in it is broken.
+
+use rayon::prelude::*;
+use wheelrail::scene::load;
+use wheelrail::settings::Source;
+use wheelrail::study::hard::random::{self, Class, RandomScene};
+use wheelrail::study::hard::{Finding, Judged, Unit, all, judge};
+
+/// Random scenes of a test run, and the first one's seed.
+const SCENES: u64 = 300;
+const SEED: u64 = 1;
+
+#[test]
+fn hard_nothing_in_the_table_is_broken() {
+    let quick: Vec<_> = all().into_iter().filter(|case| case.quick).collect();
+    let mut jobs: Vec<_> = quick.iter().flat_map(|case| case.formulations.iter().map(move |formulation| (case, *formulation))).collect();
+    jobs.sort_by(|a, b| b.0.stop.total_cmp(&a.0.stop));
+    let rows: Vec<Judged> =
+        jobs.par_iter().with_max_len(1).flat_map_iter(|(case, formulation)| judge(case, formulation, case.methods)).collect();
+    for row in &rows {
+        println!("{}: {}, {}: {}", row.case, row.formulation, row.method, row.outcome.words());
+    }
+    let broken: Vec<String> = rows
+        .iter()
+        .filter(|row| row.outcome.is_broken())
+        .map(|row| format!("{}, {}, {}: {}\n    {}", row.case, row.formulation, row.method, row.outcome.words(), row.command))
+        .collect();
+    assert!(rows.len() > 300, "the table has shrunk: {}", rows.len());
+    assert!(broken.is_empty(), "{} of {} broken:\n{}", broken.len(), rows.len(), broken.join("\n"));
+}
+
+#[test]
+fn hard_random_scenes_are_right_or_say_why_not() {
+    let all: Vec<random::Verdict> = (SEED..SEED + SCENES).into_par_iter().map(random::judge).collect();
+    for class in Class::ALL {
+        println!("{:20} {}", class.words(), all.iter().filter(|verdict| verdict.class == class).count());
+    }
+    let failed: Vec<String> = all
+        .iter()
+        .filter(|verdict| verdict.class.is_failure())
+        .map(|verdict| format!("wheelrail hard --random-scene {}: {}: {}", verdict.seed, verdict.class.words(), verdict.reason))
+        .collect();
+    assert!(failed.is_empty(), "{} of {SCENES} fail:\n{}", failed.len(), failed.join("\n"));
+    // A generator that makes nothing but refusals shows nothing.
+    let right = all.iter().filter(|verdict| verdict.class == Class::Right).count() as u64;
+    assert!(2 * right > SCENES, "only {right} of {SCENES} ran to their end");
+}
+
+#[test]
+fn prop_a_seed_makes_the_same_scene_and_most_scenes_can_be_read() {
+    let (mut read, mut formulations) = (0, std::collections::BTreeSet::new());
+    for seed in 1..=100 {
+        let (one, other) = (RandomScene::draw(seed), RandomScene::draw(seed));
+        assert_eq!(one.text, other.text);
+        let source = Source { file: "random.toml".into(), text: one.text, overridden: vec![], folder: None };
+        if let Ok(scene) = load::read("random", source, &[]) {
+            read += 1;
+            formulations.insert(scene.contact.formulation_name);
+        }
+    }
+    assert!(read > 80 && formulations.len() == 4, "{read} {formulations:?}");
+}
+
+#[test]
+fn prop_a_number_that_is_none_does_not_hold() {
+    assert!(!Finding::new("", f64::NAN, 1.0, Unit::One).holds());
+    assert!(!Finding::new("", 1.1, 1.0, Unit::One).holds() && Finding::new("", 1.0, 1.0, Unit::One).holds());
+    assert!(Finding::relative("", 1.01, 1.0, 0.02,).holds() && !Finding::relative("", 0.97, 1.0, 0.02).holds());
+}
+
+#[test]
+fn prop_every_case_says_what_it_is_about_and_has_a_name_of_its_own() {
+    let cases = all();
+    let names: std::collections::BTreeSet<&str> = cases.iter().map(|case| case.name).collect();
+    assert_eq!(names.len(), cases.len());
+    for case in &cases {
+        assert!(!case.hard.is_empty() && !case.claim.is_empty() && !case.must.is_empty(), "{}", case.name);
+        assert!(!case.methods.is_empty() && !case.formulations.is_empty(), "{}", case.name);
+    }
+}
