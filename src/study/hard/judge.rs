@@ -240,7 +240,15 @@ fn one(case: &Case, formulation: &'static str, method: &Method, tight: Option<(&
         reason = if reason.is_empty() { words } else { format!("{reason}; {words}") };
     }
     let holds = reason.is_empty() && findings.iter().all(Finding::holds);
-    row(if holds { Outcome::Held { findings } } else { Outcome::Broken { findings, reason } })
+    let doubts = simulation.doubts();
+    row(if holds {
+        Outcome::Held { findings }
+    } else if doubts.steps > 0 {
+        // The run says itself that it is not to be believed, and what to do.
+        Outcome::Refused { reason: format!("warned: {doubts}") }
+    } else {
+        Outcome::Broken { findings, reason }
+    })
 }
 
 /// A scene that must be refused in these words, or run to its end.
