@@ -22,8 +22,8 @@ use nalgebra::Vector3;
 /// e, m.
 const ENTRY: f64 = 2e-5;
 /// Of the load tolerance that the estimate for one step may use: forces between the ends of steps, and where places of contact join or part,
-/// are off by up to four times what is estimated at the ends (a coach on irregular track, tolerances 1e-4 to 1e-6).
-const PART: f64 = 0.25;
+/// are off by up to five times what is estimated at the ends (a coach on irregular track, tolerances 1e-4 to 1e-6).
+const PART: f64 = 0.2;
 
 impl Model {
     /// The longest step that may begin at the state `y` with derivative `dy`, s, whose evaluation the workspace holds.
