@@ -42,11 +42,13 @@ pub fn solve<const N: usize, T>(
     let mut norm = residual.norm();
     for iteration in 1..=limits.iterations {
         let failure = NewtonFailure { iterations: iteration, residual: norm };
-        let Some(inverse) = jacobian(x, &value).try_inverse() else { return Err(failure) };
+        // Where two solutions merge the Jacobian is singular at the solution itself.
+        let solved = norm <= limits.rounding;
+        let Some(inverse) = jacobian(x, &value).try_inverse() else { return if solved { Ok((value, iteration)) } else { Err(failure) } };
         let step = inverse * residual;
         let length = step.norm();
         if !length.is_finite() {
-            return Err(failure);
+            return if solved { Ok((value, iteration)) } else { Err(failure) };
         }
         let mut factor = 1.0;
         let mut foreseen = f64::INFINITY;

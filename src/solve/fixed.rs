@@ -47,7 +47,7 @@ impl std::fmt::Display for Doubts {
         let Doubts { steps, load, position, first, .. } = *self;
         write!(
             f,
-            "{steps} steps, the first to t = {first:.6} s, were doubtful: contact forces off by up to {load:.0} times the load tolerance, positions by {position:.1e} m or rad a step; reduce solver.step or choose an integrator with a tolerance"
+            "{steps} steps, the first to t = {first:.6} s, were doubtful: contact forces off by up to {load:.0} times what a step with error control may be, positions by {position:.1e} m or rad a step; reduce solver.step or choose an integrator with a tolerance"
         )
     }
 }

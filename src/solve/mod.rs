@@ -217,7 +217,7 @@ pub enum SolveError {
     )]
     NotConverged { time: f64, step: f64, iterations: usize },
     #[error(
-        "t = {time:.9} s: the step of {step:.2e} s that ended here is off by {position:.1e} m or rad in position and by {load:.0} times the load tolerance in contact forces; reduce solver.step or choose an integrator with a tolerance"
+        "t = {time:.9} s: the step of {step:.2e} s that ended here is off by {position:.1e} m or rad in position and by {load:.0} times what a step with error control may be off in contact forces; reduce solver.step or choose an integrator with a tolerance"
     )]
     StepTooLong { time: f64, step: f64, position: f64, load: f64 },
     #[error(

@@ -96,8 +96,9 @@ impl ContactLocation {
 }
 
 /// Lengths are of the order of a metre, so one number serves lengths and angles. An error of 1e-11 m in the place of the
-/// contact changes the penetration by less than rounding and the creepage by less than 1e-12.
-pub const LIMITS: NewtonLimits = NewtonLimits { next_step: 1e-11, iterations: 25, rounding: 4e-15 };
+/// contact changes the penetration by less than rounding and the creepage by less than 1e-12. Where a place is about to cease the equations
+/// are singular; what is left then, 4e-12 m, is 4 mN of a normal force.
+pub const LIMITS: NewtonLimits = NewtonLimits { next_step: 1e-11, iterations: 25, rounding: 4e-12 };
 
 /// Everything that the equations take from the surfaces at one choice of parameters.
 #[derive(Clone, Copy, Debug)]
