@@ -111,7 +111,7 @@ fn track(dice: &mut Dice, text: &mut String, vehicle: &str, speed: f64, stop: f6
     if !curved && dice.chance(0.15) {
         let _ = writeln!(text, "grade = {}", dice.sign() * dice.log(1e-3, 0.04));
     }
-    let _ = write!(text, "rail = {rail}\n");
+    let _ = writeln!(text, "rail = {rail}");
     let reach = (speed.abs() * stop).max(0.2);
     let ahead = |dice: &mut Dice| speed.signum() * dice.flat(0.0, reach) + if vehicle == "vehicle_manchester_1" { 10.8 } else { 0.0 };
     if curved {
@@ -166,7 +166,7 @@ fn contact(dice: &mut Dice, text: &mut String, slow: bool) {
     );
     text.push_str("material = { youngs_modulus = 2.1e11, poisson_ratio = 0.28 }\n");
     let curvature = if dice.chance(0.85) { "patch" } else { "point" };
-    let _ = write!(text, "normal = {{ law = \"hertz\", curvature = \"{curvature}\", conformal = \"bounded\" }}\n");
+    let _ = writeln!(text, "normal = {{ law = \"hertz\", curvature = \"{curvature}\", conformal = \"bounded\" }}");
     let law = dice.pick(&["shen_hedrick_elkins", "polach", "fastsim", "usetab", "shen_hedrick_elkins", "kalker_linear"]);
     let _ = match law {
         "fastsim" => writeln!(text, "creep = {{ law = \"fastsim\", strips = 10, cells = 10 }}"),
