@@ -168,8 +168,8 @@ impl Dynamics for ModelDynamics<'_> {
     fn project(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
         let marked = std::mem::take(&mut self.workspace.findings_marked);
         let moved = keep(&mut self.failure, self.model.project(self.workspace, t, y, memory))?;
-        // Where nothing moves, bodies' motions are found again to the bit; their places along a curved track but for rounding.
-        self.workspace.findings_marked = marked && !moved && self.model.followed() == 0;
+        // Where nothing moves, bodies' motions are found again to the bit, and so are their places along a curved track: the search ends where it begins.
+        self.workspace.findings_marked = marked && !moved;
         self.model.note_means(y, memory);
         Ok(moved)
     }

@@ -92,15 +92,12 @@ impl IntegrationState {
 
     fn project(&mut self, dynamics: &mut dyn Dynamics, scratch: &Scratch) -> Result<(), SolveError> {
         let IntegrationState { t, y, memory, .. } = self;
-        let stood = dynamics.findings_stand();
         if dynamics.project(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })? {
             self.derivative_known = false;
             self.statistics.projections += 1;
         } else {
             // What rounding did counts as nothing: f was evaluated without it.
             self.y.copy_from_slice(&scratch.trial);
-            // What it found is needed at the begin of the next step.
-            self.derivative_known &= !stood || dynamics.findings_stand();
         }
         Ok(())
     }
