@@ -142,7 +142,7 @@ fn regress_wheel_loads_in_a_steady_curve_do_not_wave() {
 }
 
 /// On irregular track the rails' rise and fall does not limit the step. Contact forces weigh in the error, and a step's end is checked: that
-/// takes 351 steps, with y within 2 um (bounds before: 240 steps, 30 um).
+/// takes 351 steps, with y within 2 um (before, 189 steps and 14 um).
 #[test]
 fn regress_irregular_track_takes_few_steps() {
     let changes = |tolerance| [IRREGULAR[0], IRREGULAR[1], "solver.integrator=rosenbrock", tolerance];
