@@ -25,7 +25,10 @@ fn prop_stepping_and_looking_do_not_allocate() {
         simulation.advance(0.01).unwrap();
         let before = counting::count();
         for i in 2..=100 {
-            simulation.set_input(wheelrail::formulation::LATERAL_FORCE, f64::from(i), 10.0, 0.0);
+            // Between jumps the input's slope goes on: what a step found is found again when the next call begins.
+            if i % 3 == 0 {
+                simulation.set_input(wheelrail::formulation::LATERAL_FORCE, f64::from(i), 10.0, 0.0);
+            }
             simulation.advance(0.01 * f64::from(i)).unwrap();
             let snapshot = simulation.snapshot().unwrap();
             assert!(outputs.iter().all(|output| output.value(snapshot).is_finite()));

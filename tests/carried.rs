@@ -141,7 +141,8 @@ fn regress_wheel_loads_in_a_steady_curve_do_not_wave() {
     }
 }
 
-/// On irregular track the rails' rise and fall does not limit the step any more (it took 324 steps, with y within 14 um).
+/// On irregular track the rails' rise and fall does not limit the step. Contact forces weigh in the error, and a step's end is checked: that
+/// takes 351 steps, with y within 2 um (before, 189 steps and 14 um).
 #[test]
 fn regress_irregular_track_takes_few_steps() {
     let changes = |tolerance| [IRREGULAR[0], IRREGULAR[1], "solver.integrator=rosenbrock", tolerance];
@@ -160,5 +161,5 @@ fn regress_irregular_track_takes_few_steps() {
         "{} steps, {} rejected, {} evaluations; y within {worst:.1e} m",
         statistics.steps, statistics.rejected, statistics.evaluations
     );
-    assert!(statistics.steps < 240 && worst < 3e-5);
+    assert!(statistics.steps < 370 && worst < 4e-6);
 }

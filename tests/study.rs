@@ -66,7 +66,8 @@ fn prop_study_writes_csv_pictures_and_words() {
     }
     assert_eq!(rows.len(), 1 + 6 + 6, "a row for each point and each coupled run");
     let done: Vec<&Vec<&str>> = rows[1..7].iter().filter(|row| row[11] == "ok").collect();
-    assert!(done.len() >= 5 && done.iter().all(|row| row.len() == rows[0].len()));
+    // Steps of 5 ms are too long for both models: their errors are judged, and these runs end.
+    assert!(done.len() == 4 && done.iter().all(|row| row.len() == rows[0].len()));
     for row in &done {
         let number = |column: usize| row[column].parse::<f64>().unwrap();
         assert!(

@@ -365,3 +365,34 @@ fn prop_a_restored_vehicle_goes_on_bit_for_bit() {
         assert!(done.evaluations <= stages * (done.steps + done.rejected) + 40);
     }
 }
+
+/// The same on irregular track, straight and curved, by methods without Jacobians: what lies ahead bounds their steps, and it is known from
+/// the last evaluation alone.
+#[test]
+fn prop_a_restored_explicit_run_sees_the_same_ahead() {
+    const WAVES: &str = "track.irregularity=[{kind=\"spectrum\", spectrum=\"ore_b176_low\", seed=1, from=-15, to=400, fade=5}]";
+    const CURVE: &[&str] =
+        &[WAVES, "track.node=[{distance=0.0},{distance=30.0,radius=400.0,superelevation=-0.1}]", "vehicle.initial.distance=-20"];
+    for (track, formulation, integrator) in [
+        (&[WAVES][..], "ECF-A", "dormand_prince"),
+        (CURVE, "ECF-A", "dormand_prince"),
+        (CURVE, "ECF-A", "rk43"),
+        (CURVE, "ECF-A", "rk4"),
+        (CURVE, "ECCF", "dormand_prince"),
+    ] {
+        let own = [format!("contact.formulation={formulation}"), format!("solver.integrator={integrator}")];
+        let mut changes = vec!["solver.tolerance=1e-5", "solver.step=0.0002", &own[0], &own[1]];
+        changes.extend(track);
+        let scene = scene("vehicle_manchester_1", &changes);
+        let (mut simulation, mut other) = (start(&scene), start(&scene));
+        for sample in 1..=20 {
+            simulation.advance(0.03 * f64::from(sample)).unwrap();
+            let saved = simulation.state().clone();
+            assert!(other.restore(&saved));
+            for at in [&mut simulation, &mut other] {
+                at.advance(0.03 * f64::from(sample) + 0.02).unwrap();
+            }
+            assert_eq!(simulation.state(), other.state(), "{changes:?} at {sample}");
+        }
+    }
+}

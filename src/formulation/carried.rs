@@ -51,6 +51,12 @@ impl CarriedMotion {
     pub fn fits(&self, other: &CarriedMotion) -> bool {
         self.bodies.len() == other.bodies.len() && self.rides.len() == other.rides.len()
     }
+
+    /// Becomes that of the same model's `other`, in the memory that it has: this is on the stepping path.
+    pub fn take_over(&mut self, other: &CarriedMotion) {
+        self.bodies.clone_from(&other.bodies);
+        self.rides.clone_from(&other.rides);
+    }
 }
 
 /// The motion from one state on, and scratch.

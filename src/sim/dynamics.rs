@@ -154,7 +154,7 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn keep_carried(&mut self) {
-        self.carried.clone_from(self.model.carried_motion(self.workspace));
+        self.carried.take_over(self.model.carried_motion(self.workspace));
     }
 
     fn add_carried(&self, ahead: f64, y: &mut [f64]) {
@@ -166,8 +166,10 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn project(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
-        self.workspace.findings_marked = false;
+        let marked = std::mem::take(&mut self.workspace.findings_marked);
         let moved = keep(&mut self.failure, self.model.project(self.workspace, t, y, memory))?;
+        // Where nothing moves, bodies' motions are found again to the bit, and so are their places along a curved track: the search ends where it begins.
+        self.workspace.findings_marked = marked && !moved;
         self.model.note_means(y, memory);
         Ok(moved)
     }

@@ -28,8 +28,8 @@ pub(super) trait Pair {
     const LAST_STAGE: Option<usize>;
 
     /// What a step needs besides f at its begin, once for all attempts at it.
-    fn prepare(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState) -> Result<(), SolveError> {
-        state.evaluate_with_findings(dynamics)
+    fn prepare(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+        state.evaluate_with_findings(dynamics, scratch)
     }
 
     /// Does [`Pair::check`] see what no stage has seen?
@@ -71,7 +71,7 @@ pub(super) fn step<P: Pair>(
         // What the first step was found with is not what was found at the begin.
         dynamics.clear_findings();
     }
-    pair.prepare(dynamics, state)?;
+    pair.prepare(dynamics, state, scratch)?;
     let limit = dynamics.next_break(state.t, &state.y, &state.memory);
     let mut h = state.next_step.min(dynamics.longest_step(&state.derivative));
     let mut rejected = false;

@@ -167,7 +167,7 @@ impl Integrator for GeneralisedAlpha {
     }
 
     fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        state.evaluate_with_findings(dynamics)?;
+        state.evaluate_with_findings(dynamics, scratch)?;
         if !state.record_known {
             state.record.copy_from_slice(&state.derivative);
             state.record_known = true;

@@ -88,7 +88,7 @@ impl Integrator for RealTime {
     }
 
     fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        state.evaluate_with_findings(dynamics)?;
+        state.evaluate_with_findings(dynamics, scratch)?;
         state.linearise(dynamics, StiffPart::All)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
         scratch.memory.copy_from_slice(&state.memory);

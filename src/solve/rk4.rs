@@ -43,7 +43,7 @@ impl Integrator for RungeKutta4 {
     }
 
     fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        state.evaluate_with_findings(dynamics)?;
+        state.evaluate_with_findings(dynamics, scratch)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
         scratch.memory.copy_from_slice(&state.memory);
         scratch.beyond = None;

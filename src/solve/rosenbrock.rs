@@ -162,8 +162,8 @@ impl Pair for Rosenbrock {
     const LAST_STAGE: Option<usize> = None;
     const CHECKED: bool = true;
 
-    fn prepare(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState) -> Result<(), SolveError> {
-        state.evaluate_with_findings(dynamics)?;
+    fn prepare(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+        state.evaluate_with_findings(dynamics, scratch)?;
         state.linearise(dynamics, self.part)
     }
 

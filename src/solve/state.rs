@@ -166,15 +166,15 @@ impl IntegrationState {
     /// Evaluates f at the begin of a step so that what the evaluation leaves in the system for [`Dynamics::linearise`] is there. It is
     /// not part of the state: where it is gone the evaluation is repeated to the bit (and not counted, so that counters do not tell
     /// whether a state was restored).
-    pub(super) fn evaluate_with_findings(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
+    pub(super) fn evaluate_with_findings(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
         if !self.derivative_known {
             return self.evaluate_begin(dynamics);
         }
         if !dynamics.findings_stand() {
             let IntegrationState { t, y, memory_before, derivative, .. } = self;
             // What was noted in the memory since then stays; only a state that was put back comes here.
-            let mut again = memory_before.clone();
-            dynamics.repeat(*t, y, &mut again, derivative).map_err(|_| SolveError::Undefined { time: *t })?;
+            scratch.memory.copy_from_slice(memory_before);
+            dynamics.repeat(*t, y, &mut scratch.memory, derivative).map_err(|_| SolveError::Undefined { time: *t })?;
             dynamics.mark_findings();
         }
         Ok(())

@@ -61,7 +61,7 @@ impl Integrator for Zhai {
     }
 
     fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        state.evaluate_with_findings(dynamics)?;
+        state.evaluate_with_findings(dynamics, scratch)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
         let h = step.h;
         // phi and psi.

@@ -81,6 +81,24 @@ fn equiv_the_watch_changes_no_bit_and_counts_what_the_integrator_counts() {
     assert!(meter.covers_forces());
 }
 
+/// A method of [`Dynamics`] that the watch does not hand on would fall back to its default without a word.
+#[test]
+fn prop_the_watch_hands_on_every_method() {
+    let methods = |text: &'static str, begin: &str| -> Vec<&'static str> {
+        let body = text.split(begin).nth(1).and_then(|rest| rest.split("\n}").next()).unwrap_or_default();
+        body.split("\n    fn ").skip(1).filter_map(|rest| rest.split('(').next()).collect()
+    };
+    for (text, interface, watched, least) in [
+        (include_str!("../../solve/mod.rs"), "pub trait Dynamics {", "impl Dynamics for Guarded<'_> {", 25),
+        (include_str!("../../solve/mod.rs"), "pub trait Integrator: Send + Sync + Debug {", "impl Integrator for Watched {", 8),
+    ] {
+        let (asked, handed) = (methods(text, interface), methods(include_str!("watch.rs"), watched));
+        assert!(asked.len() >= least, "{asked:?}");
+        let missing: Vec<_> = asked.iter().filter(|name| !handed.contains(name)).collect();
+        assert!(missing.is_empty(), "{watched} leaves out {missing:?}");
+    }
+}
+
 /// y' = -y that takes its time in each call.
 struct Slow;
 

@@ -243,6 +243,14 @@ impl Dynamics for Guarded<'_> {
         self.inner.carry(ahead, shift, rate)
     }
 
+    fn keep_carried(&mut self) {
+        self.inner.keep_carried();
+    }
+
+    fn add_carried(&self, ahead: f64, y: &mut [f64]) {
+        self.inner.add_carried(ahead, y);
+    }
+
     fn carried_change(&mut self, change: &mut [f64]) {
         self.inner.carried_change(change);
     }
@@ -274,6 +282,34 @@ impl Dynamics for Guarded<'_> {
 
     fn coordinates(&self) -> usize {
         self.inner.coordinates()
+    }
+
+    fn longest_step(&self, dy: &[f64]) -> f64 {
+        self.inner.longest_step(dy)
+    }
+
+    fn longest_known(&self) -> f64 {
+        self.inner.longest_known()
+    }
+
+    fn load_error(&self, error: &[f64]) -> f64 {
+        self.inner.load_error(error)
+    }
+
+    fn swing_error(&self, error: &[f64]) -> f64 {
+        self.inner.swing_error(error)
+    }
+
+    fn note_step(&mut self, t: f64) {
+        self.inner.note_step(t);
+    }
+
+    fn doubtful_error(&self) -> f64 {
+        self.inner.doubtful_error()
+    }
+
+    fn clear_findings(&mut self) {
+        self.inner.clear_findings();
     }
 
     fn mark_findings(&mut self) {
