@@ -1,5 +1,9 @@
 //! Dormand and Prince's explicit Runge-Kutta pair of order 5(4) with continuous output of order 4.
 //!
+//! The embedded estimate speaks for the ends of steps. Near the limit of stability a contact's vibration (w h = 2 to 3) is right there and off by
+//! several per cent between them, so forces are also held against the last term of the continuous output, theta^2 (1 - theta)^2 r5, r5 / 16 in the
+//! middle of the step: 10 % more steps, Q off by 3 % instead of 15 % of the static load after a strike.
+//!
 //! Source: J.R. Dormand, P.J. Prince, J. Comp. Appl. Math. 6 (1980) 19-26; continuous output and step-size
 //! controller after Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sections II.4-II.6.
 
@@ -106,7 +110,12 @@ impl Pair for DormandPrince {
         for i in 0..state.y.len() {
             scratch.stages[1][i] = h * (0..STAGES).map(|j| E[j] * scratch.stages[j][i]).sum::<f64>();
         }
-        Ok(LocalError::of(dynamics, &scratch.stages[1]))
+        let mut error = LocalError::of(dynamics, &scratch.stages[1]);
+        for i in 0..state.y.len() {
+            scratch.stages[1][i] = h / 16.0 * (0..STAGES).filter(|j| *j != 1).map(|j| D[j] * scratch.stages[j][i]).sum::<f64>();
+        }
+        error.load = error.load.max(dynamics.load_error(&scratch.stages[1]));
+        Ok(error)
     }
 
     /// Turns Hairer's nested form of the continuous output into powers of theta.
