@@ -182,12 +182,12 @@ impl Simulation {
             simulation.state.carried = simulation.model.carried_motion(&simulation.workspace).clone();
         }
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
-        simulation.snapshot()?;
+        simulation.look()?;
         simulation.state.integration.memory.clone_from(&simulation.snapshot.memory);
         simulation.model.settle_deflections(&simulation.snapshot.workspace, &mut simulation.state.integration.y);
         // What is shown belongs to the state: a cold start differs in the last digits.
         simulation.snapshot_valid = false;
-        simulation.snapshot()?;
+        simulation.look()?;
         if simulation.model.margin(&simulation.snapshot.memory).is_some_and(|margin| margin < 0.0) {
             simulation.switch_at_start(start)?;
         }
@@ -296,11 +296,35 @@ impl Simulation {
         &self.snapshot
     }
 
-    /// Evaluates the model at the present time, once per state. The state is not touched: looking changes nothing.
+    /// Evaluates the model at the present time, once per state. The state is not touched: looking changes nothing. After a jump of an input a
+    /// contact may have to change its form at once: what is shown is what the next step begins with.
     ///
     /// # Errors
     /// [`SimulationError`] when the model cannot be evaluated here.
     pub fn snapshot(&mut self) -> Result<&Snapshot, SimulationError> {
+        if self.snapshot_valid {
+            return Ok(&self.snapshot);
+        }
+        self.look()?;
+        let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
+        let stands = self.state.integration.t == *time;
+        for _ in 0..if stands { MOST_CHANGES } else { 0 } {
+            let due = self.model.margin(memory).is_some_and(|margin| margin < 0.0);
+            // Where that ends the run, the next step says so.
+            if !due || self.model.switch(workspace, *time, y, memory).is_err() {
+                break;
+            }
+            if let Err(error) = self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy) {
+                self.snapshot_valid = false;
+                return Err(error.into());
+            }
+        }
+        workspace.events.clear();
+        Ok(&self.snapshot)
+    }
+
+    /// The evaluation alone, whatever form it asks for.
+    fn look(&mut self) -> Result<&Snapshot, SimulationError> {
         if self.snapshot_valid {
             return Ok(&self.snapshot);
         }
@@ -313,17 +337,6 @@ impl Simulation {
         // The continuous output leaves constraints by its error.
         self.model.project(workspace, *time, y, memory)?;
         self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
-        // After a jump of an input a contact may have to change its form at once: what is shown is what the next step begins with.
-        let stands = self.state.integration.t == *time;
-        for _ in 0..if stands { MOST_CHANGES } else { 0 } {
-            let due = self.model.margin(memory).is_some_and(|margin| margin < 0.0);
-            // Where that ends the run, the next step says so.
-            if !due || self.model.switch(workspace, *time, y, memory).is_err() {
-                break;
-            }
-            self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
-        }
-        workspace.events.clear();
         self.snapshot_valid = true;
         Ok(&self.snapshot)
     }

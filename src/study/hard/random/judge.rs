@@ -120,7 +120,12 @@ fn judge_here(seed: u64) -> Verdict {
     let label = format!("{}, {} {:e}", scene.contact.formulation_name, drawn.integrator, drawn.setting);
     let look = Look { stop: drawn.stop, grid: GRID, inputs: &drawn.inputs, limit: LIMIT, audit: BOOKS };
     let ran = run(&scene, &mut simulation, &look);
-    let say = |class, reason: &str| verdict(class, format!("{label}: {reason}"), ran.cpu);
+    let doubts = simulation.doubts();
+    let say = |class, reason: &str| match class {
+        // A run of fixed steps that says itself that they are too long, and what to do, is not silent.
+        Class::SilentlyWrong if doubts.steps > 0 => verdict(Class::Refused, format!("{label}: warned: {doubts}; {reason}"), ran.cpu),
+        _ => verdict(class, format!("{label}: {reason}"), ran.cpu),
+    };
     if let End::Late { time, limit } = ran.end {
         return say(Class::Hang, &format!("at t = {time:.3} s after {limit} s"));
     }
