@@ -13,7 +13,6 @@
 
 use super::rigid::wheels;
 use super::{Model, Workspace};
-use crate::geometry::Side;
 use crate::mbs::body::{COORDINATES, YAW};
 use serde::{Deserialize, Serialize};
 
@@ -77,7 +76,7 @@ impl Model {
             }
         }
         swings.time = Some(t);
-        swings.plain = wheels(self).all(|(_, wheelset, side): (usize, _, Side)| {
+        swings.plain = wheels(self).all(|(_, wheelset, side)| {
             self.track.rail(side).waves().shortest_at(workspace.system.motions[wheelset.body].distance).is_none()
         });
     }
@@ -92,7 +91,7 @@ impl Model {
         let allowed = [SHARE * amplitude(0), SHARE * amplitude(1)];
         let of = |body: usize| {
             let own = &error[COORDINATES * body..COORDINATES * (body + 1)];
-            let across = own[0].hypot(own[1]).min(if self.track.line().is_none() { own[1].abs() } else { f64::INFINITY });
+            let across = if self.track.line().is_none() { own[1].abs() } else { own[0].hypot(own[1]) };
             (across / allowed[0]).max(own[YAW].abs() / allowed[1])
         };
         self.wheelsets.iter().map(|wheelset| of(wheelset.body)).fold(0.0, f64::max)

@@ -24,6 +24,13 @@ pub fn smooth_step(t: f64) -> [f64; 4] {
     ]
 }
 
+/// Value and first three derivatives of `w f` with respect to s, w a smooth step of t whose `rate` is dt/ds [1/m].
+#[inline]
+pub fn weighted([w, w1, w2, w3]: [f64; 4], rate: f64, [f, f1, f2, f3]: [f64; 4]) -> [f64; 4] {
+    let (w1, w2, w3) = (rate * w1, rate * rate * w2, rate * rate * rate * w3);
+    [w * f, w * f1 + w1 * f, w * f2 + 2.0 * w1 * f1 + w2 * f, w * f3 + 3.0 * (w1 * f2 + w2 * f1) + w3 * f]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,7 +2,7 @@
 
 use crate::geometry::track::DeviationShape;
 use crate::geometry::track::waves::Stretch;
-use crate::math::smooth_step::smooth_step;
+use crate::math::smooth_step::{smooth_step, weighted};
 use std::sync::Arc;
 
 /// A deviation f times a weight w that rises from 0 at `from` to 1 over `length` in the direction of travel
@@ -29,10 +29,7 @@ impl DeviationShape for Faded {
         if along >= 1.0 {
             return value;
         }
-        let [w, w1, w2, w3] = smooth_step(along);
-        let (w1, w2, w3) = (rate * w1, rate * rate * w2, rate * rate * rate * w3);
-        let [f, f1, f2, f3] = value;
-        [w * f, w * f1 + w1 * f, w * f2 + 2.0 * w1 * f1 + w2 * f, w * f3 + 3.0 * (w1 * f2 + w2 * f1) + w3 * f]
+        weighted(smooth_step(along), rate, value)
     }
 
     fn breaks(&self) -> Vec<f64> {

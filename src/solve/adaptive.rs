@@ -142,7 +142,6 @@ pub(super) fn step<P: Pair>(
         }
         dynamics.note_step(end);
         scratch.carried.keep(dynamics, state);
-        scratch.completed = true;
         let found = match ending.margin {
             Some(margin) if margin < 0.0 => state.cut_at_event(dynamics, scratch, margin, 1.0),
             Some(_) => state.look_within(dynamics, scratch),

@@ -106,7 +106,6 @@ impl FixedStep {
     /// `scratch.stages[END]`. False where an event has cut the step: what was left of it says nothing of its error.
     pub fn complete(dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<bool, SolveError> {
         state.complete(dynamics, scratch)?;
-        scratch.completed = true;
         if state.switch_due {
             return Ok(false);
         }

@@ -277,7 +277,7 @@ pub trait Integrator: Send + Sync + Debug {
         0.0
     }
 
-    /// One accepted step, which ends at the next break at the latest.
+    /// One accepted step, which ends at the next break at the latest: its end on the constraints, and cut where the system changes its form.
     ///
     /// # Errors
     /// [`SolveError`]; the state then stands at the last successful step.
@@ -301,23 +301,8 @@ pub trait Integrator: Send + Sync + Debug {
         target: f64,
     ) -> Result<(), SolveError> {
         while state.t < target - self.slack() {
-            if let Err(error) = state.begin(dynamics) {
-                // A change of form may lead to where the new one has no solution.
-                if !state.release(dynamics, error)? {
-                    return Err(error);
-                }
-                continue;
-            }
-            scratch.completed = false;
-            if let Err(error) = self.step(dynamics, state, scratch) {
-                if !state.release(dynamics, error)? {
-                    return Err(error);
-                }
-                continue;
-            }
-            // A fixed step has no shorter one to try.
-            if let Err(error) = if scratch.completed { Ok(()) } else { state.complete(dynamics, scratch) }
-                && state.next_step < events::SHORTEST_RETRY
+            // A change of form may lead to where the new one has no solution.
+            if let Err(error) = state.begin(dynamics).and_then(|()| self.step(dynamics, state, scratch))
                 && !state.release(dynamics, error)?
             {
                 return Err(error);
@@ -339,8 +324,6 @@ pub struct Scratch {
     memory_before: Vec<f64>,
     /// Of the stages of the last attempt, the first one in time at which the system would have changed its form.
     beyond: Option<f64>,
-    /// Has the step itself moved its end onto the constraints and looked for events?
-    completed: bool,
 }
 
 impl Scratch {
@@ -361,7 +344,6 @@ impl Scratch {
             memory: vec![0.0; memory],
             memory_before: vec![0.0; memory],
             beyond: None,
-            completed: false,
         }
     }
 }

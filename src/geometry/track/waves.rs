@@ -60,27 +60,13 @@ impl Waves {
     /// How far from `s` [m] in the given direction (sign of the speed) one step may reach, m: a part of the shortest wave of where it is, and
     /// no further than such a part into anything that lies ahead. Infinite where the track is plain as far as it goes.
     pub fn reach(&self, s: f64, speed: f64) -> f64 {
-        let mut reach = f64::INFINITY;
         if speed >= 0.0 {
             let first = self.cells.partition_point(|cell| cell.to <= s);
-            for cell in &self.cells[first..] {
-                let gap = (cell.from - s).max(0.0);
-                if gap >= reach {
-                    break;
-                }
-                reach = reach.min(gap + cell.wave / STEPS_IN_WAVE);
-            }
+            within(self.cells[first..].iter().map(|cell| (cell.from - s, cell.wave)))
         } else {
             let behind = self.cells.partition_point(|cell| cell.from < s);
-            for cell in self.cells[..behind].iter().rev() {
-                let gap = (s - cell.to).max(0.0);
-                if gap >= reach {
-                    break;
-                }
-                reach = reach.min(gap + cell.wave / STEPS_IN_WAVE);
-            }
+            within(self.cells[..behind].iter().rev().map(|cell| (s - cell.to, cell.wave)))
         }
-        reach
     }
 
     /// The shortest wave at `s`, m; `None` where the track is plain.
@@ -93,6 +79,18 @@ impl Waves {
     pub fn is_empty(&self) -> bool {
         self.cells.is_empty()
     }
+}
+
+/// How far one step may reach over cells by the way to them (negative inside one) and their wave, nearest first, m.
+fn within(ahead: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let mut reach = f64::INFINITY;
+    for (gap, wave) in ahead.map(|(gap, wave)| (gap.max(0.0), wave)) {
+        if gap >= reach {
+            break;
+        }
+        reach = reach.min(gap + wave / STEPS_IN_WAVE);
+    }
+    reach
 }
 
 /// What a cubic through five places of a part may be off in between for the part to count as one that such a step sees, m: a tenth of

@@ -5,7 +5,7 @@
 
 use crate::geometry::track::DeviationShape;
 use crate::geometry::track::waves::Stretch;
-use crate::math::smooth_step::smooth_step;
+use crate::math::smooth_step::{smooth_step, weighted};
 use crate::math::spline::CubicSpline;
 use crate::math::uniform_spline::UniformSpline;
 use crate::settings::{Section, SettingsError};
@@ -53,10 +53,7 @@ impl Window {
         }
         let (inward, sign) = if behind < ahead { (behind, 1.0) } else { (ahead, -1.0) };
         let rate = sign / self.fade;
-        let [w, w1, w2, w3] = smooth_step(inward / self.fade);
-        let (w1, w2, w3) = (rate * w1, rate * rate * w2, rate * rate * rate * w3);
-        let [f, f1, f2, f3] = value;
-        [w * f, w * f1 + w1 * f, w * f2 + 2.0 * w1 * f1 + w2 * f, w * f3 + 3.0 * (w1 * f2 + w2 * f1) + w3 * f]
+        weighted(smooth_step(inward / self.fade), rate, value)
     }
 
     pub fn describe(&self) -> String {
