@@ -73,9 +73,7 @@ impl Formulation for Eccf {
         y: &mut [f64],
         memory: &mut [f64],
     ) -> Result<bool, EvaluationError> {
-        let changed = project(model, workspace, t, y, memory)?;
-        lift::watch(model, workspace, t, memory);
-        Ok(changed)
+        project(model, workspace, t, y, memory)
     }
 
     fn error_weight(&self, model: &Model, workspace: &Workspace, i: usize, plain: f64) -> f64 {
@@ -106,7 +104,7 @@ pub(super) fn locate(
 
 /// H of Eq. 23 on the wheelset's coordinates.
 #[inline]
-fn row(motion: &BodyMotion, found: &MovingContact) -> Coefficients {
+pub(super) fn row(motion: &BodyMotion, found: &MovingContact) -> Coefficients {
     let normal = found.location.normal;
     motion.coefficients(&normal, &found.arm.cross(&normal))
 }

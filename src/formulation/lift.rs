@@ -6,9 +6,10 @@ use super::handover::{carried, depth_under_load, press};
 use super::lasting;
 use super::loading::{keep, pair};
 use super::points;
-use super::rigid::{APPROACH, LASTING, MODE, NORMAL_FORCE, SETTLED_SINCE, UNSETTLED, VANISHED, WATCHED, is_elastic, least_pressed, wheels};
+use super::rigid::{APPROACH, LASTING, MODE, NORMAL_FORCE, RETURN, TRIES, VANISHED, is_elastic, least_pressed, wheels};
 use super::{ContactFailure, ContactReport, EvaluationError, Model, Wheelset, Workspace};
 use crate::geometry::Side;
+use crate::mbs::kkt::Coefficients;
 use crate::settings::{Section, SettingsError};
 
 /// What to do where the constraint would begin to pull.
@@ -37,17 +38,22 @@ pub(super) fn parse(section: &Section) -> Result<OnLift, SettingsError> {
     })
 }
 
-/// A penetration that stays this close to its static value (relative; amplitude of displacement and rate) ...
-const SETTLED: f64 = 0.01;
-/// ... for this long [s] ends the elastic mode, if one place carries the wheel alone and all others are further from their rail than
-/// it is pressed in: a rigid contact knows nothing of a load that moves from place to place.
-const SETTLING_TIME: f64 = 5e-3;
+/// A wheel that bounces by less than this part of its penetration becomes a constraint again, if one place carries the wheel alone and all
+/// others are further from their rail than it is pressed in: a rigid contact knows nothing of a load that moves from place to place.
+const SETTLED: f64 = 0.05;
+/// It tries to so long after it has become elastic, s. It tries at times that are fixed beforehand because the instant at which a decaying
+/// vibration passes a bound is ill conditioned: errors of 1 % move it by milliseconds, and all that follows with it.
+const FIRST_TRY: f64 = 5e-3;
+/// Each try that fails doubles the time to the next one, so often at most: a wheel whose places share its load for long is left alone.
+const DOUBLINGS: i32 = 6;
 /// By this factor the time grows with each place of the wheel that has ceased to exist after the first, so that a wheel on nearly
 /// conformal profiles does not become a constraint again and again.
 const PATIENCE: f64 = 8.0;
 
-fn settling_time(memory: &[f64]) -> f64 {
-    SETTLING_TIME * PATIENCE.powi((memory[VANISHED] as i32 - 1).clamp(0, 6))
+/// The next try of a contact that is elastic at time `t`.
+fn next_try(memory: &[f64], t: f64) -> f64 {
+    let patience = PATIENCE.powi((memory[VANISHED] as i32 - 1).clamp(0, 6));
+    t + FIRST_TRY * patience * 2f64.powi((memory[TRIES] as i32).min(DOUBLINGS))
 }
 
 /// All contacts begin as constraints that carry the static load, each at its wheel's deepest place.
@@ -60,53 +66,49 @@ pub(super) fn start(model: &Model, workspace: &mut Workspace, y: &[f64], memory:
             keep(&place, memory);
         }
         (memory[NORMAL_FORCE], memory[APPROACH]) = (wheelset.static_wheel_load, 0.0);
-        (memory[MODE], memory[SETTLED_SINCE]) = (0.0, f64::INFINITY);
-        (memory[LASTING], memory[UNSETTLED]) = (f64::INFINITY, f64::INFINITY);
+        (memory[MODE], memory[RETURN], memory[TRIES], memory[LASTING]) = (0.0, f64::INFINITY, 0.0, f64::INFINITY);
     }
 }
 
 /// All contacts begin as elastic ones, each at its wheel's deepest place.
-pub(super) fn start_elastic(model: &Model, workspace: &mut Workspace, y: &[f64], memory: &mut [f64]) {
+pub(super) fn start_elastic(model: &Model, workspace: &mut Workspace, t: f64, y: &[f64], memory: &mut [f64]) {
     start(model, workspace, y, memory);
     for (contact, ..) in wheels(model) {
-        memory[model.contact_memory(contact)][MODE] = 1.0;
+        let memory = &mut memory[model.contact_memory(contact)];
+        (memory[MODE], memory[RETURN]) = (1.0, next_try(memory, t));
     }
 }
 
-/// Watches at the end of a step whether elastic contacts have settled; their reports are those of the step's end.
-pub(super) fn watch(model: &Model, workspace: &Workspace, t: f64, memory: &mut [f64]) {
-    for (contact, wheelset, _) in wheels(model) {
-        let memory = &mut memory[model.contact_memory(contact)];
-        if !is_elastic(memory) {
-            continue;
-        }
-        let report = most_pressed(workspace, contact);
-        let unsettled = if report.stiffness > 0.0 {
-            // N = K delta^1.5 with the vertical part of N equal to the static load.
-            let at_rest = (wheelset.static_wheel_load / (report.axes.normal.z * report.stiffness)).cbrt().powi(2);
-            // Of the wheel's bouncing on its contact, whose stiffness there is 1.5 N / delta: it falls steadily where the
-            // displacement alone passes any bound again and again.
-            let mass = 0.5 * model.system.bodies[wheelset.body].mass;
-            let frequency = (1.5 * wheelset.static_wheel_load / (mass * at_rest)).sqrt();
-            let amplitude = (report.penetration / at_rest - 1.0).hypot(report.penetration_rate / (frequency * at_rest));
-            (amplitude - SETTLED).max(1.0 - clearance(workspace, contact, report) / at_rest)
-        } else {
-            f64::INFINITY
-        };
-        if !(unsettled <= 0.0) {
-            memory[SETTLED_SINCE] = f64::INFINITY;
-        } else {
-            // When it settled within the step: its end says nothing, and depends on the integrator.
-            let (before, begin) = (memory[UNSETTLED], memory[WATCHED]);
-            let within = before > 0.0 && before.is_finite() && begin < t;
-            let since = if within { begin + (t - begin) * before / (before - unsettled) } else { t };
-            // A time to come belongs to a step that was cut.
-            if !(memory[SETTLED_SINCE] <= t) {
-                memory[SETTLED_SINCE] = since;
-            }
-        }
-        (memory[UNSETTLED], memory[WATCHED]) = (unsettled, t);
+/// Has an elastic wheel settled, in the state that was evaluated last?
+///
+/// Where a wheel follows its rail its penetration changes as slowly as the load on it. What a rigid contact knows nothing of is the wheel's
+/// bouncing on its contact, with the frequency `omega = sqrt(1.5 N / (m delta))` (the contact's stiffness is 1.5 N / delta, m half
+/// the wheelset). Its amplitude in parts of delta is that of the rate and the acceleration of the penetration,
+///
+/// ```text
+/// a = hypot(delta' / (omega delta), delta'' / (omega^2 delta)),
+/// ```
+///
+/// which falls steadily where either alone passes zero again and again, whatever the load itself is: in a curve a wheel settles beside its static
+/// load. A load that changes with the frequency f counts as (f / omega) of its change: 10 Hz as a twentieth.
+fn settled(model: &Model, workspace: &Workspace, (contact, wheelset, side): (usize, &Wheelset, Side)) -> bool {
+    let report = most_pressed(workspace, contact);
+    if !(report.stiffness > 0.0) {
+        return false;
     }
+    let motion = &workspace.system.motions[wheelset.body];
+    let Ok(found) = pair(model, wheelset, side, motion).locate_moving(&report.parameters, &motion.carrier()) else {
+        return false;
+    };
+    let accelerations = &workspace.system.constraints.accelerations[model.system.coordinates(wheelset.body)];
+    let acceleration = found.gap_bias + eccf::row(motion, &found).dot(&Coefficients::from_column_slice(accelerations));
+    // N = K delta^1.5 with the vertical part of N equal to the static load.
+    let load = wheelset.static_wheel_load / report.axes.normal.z;
+    let penetration = (load / report.stiffness).cbrt().powi(2);
+    let mass = 0.5 * model.system.bodies[wheelset.body].mass;
+    let frequency = (1.5 * load / (mass * penetration)).sqrt();
+    let amplitude = (found.gap_rate / (frequency * penetration)).hypot(acceleration / (frequency * frequency * penetration));
+    amplitude <= SETTLED && clearance(workspace, contact, report) >= penetration
 }
 
 /// Distance of the nearest place of a wheel beside `most` from the rail, m; negative where it is pressed.
@@ -121,13 +123,9 @@ fn most_pressed(workspace: &Workspace, contact: usize) -> &ContactReport {
     workspace.reports(contact).fold(first, |most, other| if other.normal_force > most.normal_force { other } else { most })
 }
 
-/// When the next elastic contact becomes a constraint if it stays settled, s.
+/// When the next elastic contact tries to become a constraint again, s.
 pub(super) fn next_return(model: &Model, memory: &[f64]) -> f64 {
-    let returns = wheels(model).map(|(contact, ..)| {
-        let memory = &memory[model.contact_memory(contact)];
-        memory[SETTLED_SINCE] + settling_time(memory)
-    });
-    returns.fold(f64::INFINITY, f64::min)
+    wheels(model).map(|(contact, ..)| memory[model.contact_memory(contact)][RETURN]).fold(f64::INFINITY, f64::min)
 }
 
 /// Height and roll of a wheelset weigh no more than other coordinates while both wheels are constraints: no penetration
@@ -141,7 +139,7 @@ pub(super) fn error_weight(model: &Model, workspace: &Workspace, i: usize, plain
     if rests { 1.0 } else { plain }
 }
 
-/// Changes the mode of the contacts that have settled, or else of those that would be pulled on.
+/// Changes the mode of the contacts that have settled, or else of those that would be pulled on; returns whether one changed.
 pub(super) fn switch(
     on_lift: OnLift,
     model: &Model,
@@ -149,30 +147,33 @@ pub(super) fn switch(
     t: f64,
     y: &mut [f64],
     memory: &mut [f64],
-) -> Result<(), EvaluationError> {
-    let settled = |memory: &[f64]| is_elastic(memory) && t >= memory[SETTLED_SINCE] + settling_time(memory);
-    let mut landed = false;
+) -> Result<bool, EvaluationError> {
     for wheel @ (contact, wheelset, side) in wheels(model) {
-        if settled(&memory[model.contact_memory(contact)]) {
-            let Some(change) = land(wheel, model, workspace, t, y, memory)? else { continue };
-            workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
-            landed = true;
+        let range = model.contact_memory(contact);
+        if t < memory[range.start + RETURN] {
+            continue;
         }
-    }
-    if landed {
-        return Ok(());
+        let change = if settled(model, workspace, wheel) { land(wheel, model, workspace, t, y, memory)? } else { None };
+        if let Some(change) = change {
+            workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
+            // Landing moves the state: another wheel tries in what is found there.
+            return Ok(true);
+        }
+        let memory = &mut memory[range];
+        memory[TRIES] += 1.0;
+        memory[RETURN] = next_try(memory, t);
     }
     let ending = lasting::least_lasting(model, memory).filter(|(_, margin)| on_lift == OnLift::Elastic && *margin < 0.0);
     if let Some(wheel) = ending.and_then(|(contact, _)| wheels(model).find(|wheel| wheel.0 == contact)) {
-        return free(wheel, ContactChange::Vanished, model, workspace, t, y, memory);
+        return free(wheel, ContactChange::Vanished, model, workspace, t, y, memory).map(|()| true);
     }
     // The least pressed contact alone: once it is free the others may press again.
-    let Some((contact, normal_force)) = least_pressed(model, memory).filter(|(_, force)| *force < 0.0) else { return Ok(()) };
-    let Some((_, wheelset, side)) = wheels(model).find(|wheel| wheel.0 == contact) else { return Ok(()) };
+    let Some((contact, normal_force)) = least_pressed(model, memory).filter(|(_, force)| *force < 0.0) else { return Ok(false) };
+    let Some((_, wheelset, side)) = wheels(model).find(|wheel| wheel.0 == contact) else { return Ok(false) };
     if on_lift == OnLift::Stop {
         return Err(EvaluationError::new(t, wheelset, side, ContactFailure::Tensile { normal_force }));
     }
-    free((contact, wheelset, side), ContactChange::Lifted, model, workspace, t, y, memory)
+    free((contact, wheelset, side), ContactChange::Lifted, model, workspace, t, y, memory).map(|()| true)
 }
 
 /// Frees the wheel whose contact was not found.
@@ -220,11 +221,11 @@ fn free(
     let load = carried(wheelset, contact, workspace);
     let depth = if lost { depth_under_load(wheel, load, model, workspace, y, memory) } else { None };
     let own = &mut memory[model.contact_memory(contact)];
-    (own[MODE], own[NORMAL_FORCE], own[SETTLED_SINCE]) = (1.0, 0.0, f64::INFINITY);
-    (own[LASTING], own[UNSETTLED]) = (f64::INFINITY, f64::INFINITY);
+    (own[MODE], own[NORMAL_FORCE], own[LASTING]) = (1.0, 0.0, f64::INFINITY);
     if lost {
         own[VANISHED] += 1.0;
     }
+    (own[TRIES], own[RETURN]) = (0.0, next_try(own, t));
     points::forget(model, contact, own);
     workspace.events.push(ContactEvent { time: t, wheelset: wheelset.name.clone(), side, change });
     if let Some(depth) = depth {
@@ -235,7 +236,7 @@ fn free(
 }
 
 /// Makes an elastic contact a constraint again: positions, then velocities are projected. `None` where its place would not last: it
-/// waits once more.
+/// stays elastic.
 fn land(
     (contact, wheelset, side): (usize, &Wheelset, Side),
     model: &Model,
@@ -252,7 +253,6 @@ fn land(
         .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
     let rates = [found.parameter_rates[0], found.parameter_rates[3]];
     if !lasting::bears(model, (contact, wheelset, side), &motion, &found.location, rates) {
-        memory[range.start + SETTLED_SINCE] = t;
         return Ok(None);
     }
     let mechanical = |workspace: &Workspace, y: &[f64]| model.system.mechanical_energy(y, &workspace.system);
@@ -264,7 +264,7 @@ fn land(
     let elastic = 0.4 * stiffness * penetration.max(0.0).powf(2.5);
     let before = mechanical(workspace, y) + elastic;
     let memory_of = &mut memory[range];
-    (memory_of[MODE], memory_of[SETTLED_SINCE]) = (0.0, f64::INFINITY);
+    (memory_of[MODE], memory_of[RETURN], memory_of[TRIES]) = (0.0, f64::INFINITY, 0.0);
     (memory_of[NORMAL_FORCE], memory_of[APPROACH]) = (wheelset.static_wheel_load, penetration.max(0.0));
     points::forget(model, contact, memory_of);
     model.formulation.resettle(model, workspace, t, y, memory)?;

@@ -419,24 +419,24 @@ impl Model {
     /// # Errors
     /// [`EvaluationError`] when a contact cannot be found.
     pub fn start_elastic(&self, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-        lift::start_elastic(self, workspace, y, memory);
+        lift::start_elastic(self, workspace, t, y, memory);
         self.formulation.resettle(self, workspace, t, y, memory)
     }
 
-    /// When an elastic contact becomes a constraint again if nothing disturbs it, s; infinity for never.
+    /// When an elastic contact tries next to become a constraint again, s; infinity for never.
     pub fn next_return(&self, memory: &[f64]) -> f64 {
         self.formulation.on_lift().map_or(f64::INFINITY, |_| lift::next_return(self, memory))
     }
 
-    /// Changes the mode of the contacts that are to change it.
+    /// Changes the mode of the contacts that are to change it, by what the last evaluation found in this state; returns whether one did.
     ///
     /// # Errors
     /// [`EvaluationError`] when the formulation can't go on.
-    pub fn switch(&self, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
+    pub fn switch(&self, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, EvaluationError> {
         if points::switch(self, workspace, t, memory) {
-            return Ok(());
+            return Ok(true);
         }
-        self.formulation.on_lift().map_or(Ok(()), |on_lift| lift::switch(on_lift, self, workspace, t, y, memory))
+        self.formulation.on_lift().map_or(Ok(false), |on_lift| lift::switch(on_lift, self, workspace, t, y, memory))
     }
 
     /// Hands a constrained contact that can't be found any more to elastic forces, where the scene allows it; returns whether it

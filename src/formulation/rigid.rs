@@ -5,12 +5,12 @@
 //! is found from `N = -lambda(creep forces(N))` in every evaluation, to 1e-11 relative (`balance`); the last N is only the start.
 //!
 //! A contact whose N would fall below zero is an event (`on_lift`): it ends the run, or hands the contact to elastic forces
-//! (ECF-A) at N = 0 and zero penetration. Such a contact becomes a constraint again when its penetration has stayed within 1 % of
-//! its static value for 5 ms; what penetration is left is removed by projection.
+//! (ECF-A) at N = 0 and zero penetration. Such a contact becomes a constraint again where it no longer bounces (`lift`); what penetration
+//! is left is removed by projection.
 //!
-//! Memory per contact: surface parameters, N, mode (0 constraint, 1 elastic), since when the penetration is settled (infinity: it
-//! is not), how many of the wheel's places have ceased to exist, penetration [m] at which N was found, how far its place is from being
-//! left (`lasting`), how far from settled an elastic wheel was when a step ended last, and when that was.
+//! Memory per contact: surface parameters, N, mode (0 constraint, 1 elastic), when it tries next to become a constraint (infinity:
+//! it is one), how many of the wheel's places have ceased to exist, penetration [m] at which N was found, how far its place is from being
+//! left (`lasting`), how often it has tried.
 
 use super::accf::Partition;
 use super::balance::{self, Balance, Pressing};
@@ -31,15 +31,14 @@ use crate::mbs::system::SystemWorkspace;
 use nalgebra::Vector3;
 
 /// Numbers per contact in the memory, and their places after the surface parameters.
-pub(super) const MEMORY: usize = 12;
+pub(super) const MEMORY: usize = 11;
 pub(super) const NORMAL_FORCE: usize = 4;
 pub(super) const MODE: usize = 5;
-pub(super) const SETTLED_SINCE: usize = 6;
+pub(super) const RETURN: usize = 6;
 pub(super) const VANISHED: usize = 7;
 pub(super) const APPROACH: usize = 8;
 pub(super) const LASTING: usize = 9;
-pub(super) const UNSETTLED: usize = 10;
-pub(super) const WATCHED: usize = 11;
+pub(super) const TRIES: usize = 10;
 
 /// Is the contact an elastic one at present?
 #[inline]

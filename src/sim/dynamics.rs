@@ -182,9 +182,10 @@ impl Dynamics for ModelDynamics<'_> {
         t >= self.model.next_return(memory)
     }
 
-    fn switch(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), Undefined> {
-        self.workspace.findings_marked = false;
-        keep(&mut self.failure, self.model.switch(self.workspace, t, y, memory))
+    fn switch(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
+        let changed = keep(&mut self.failure, self.model.switch(self.workspace, t, y, memory))?;
+        self.workspace.findings_marked &= !changed;
+        Ok(changed)
     }
 
     fn release(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {

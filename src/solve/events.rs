@@ -33,8 +33,11 @@ impl IntegrationState {
                 return Ok(());
             }
             let IntegrationState { t, y, memory, .. } = self;
-            dynamics.switch(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })?;
+            let changed = dynamics.switch(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })?;
             self.switch_due = false;
+            if !changed {
+                continue;
+            }
             self.t_begin = self.t;
             self.forget();
             self.statistics.events += 1;

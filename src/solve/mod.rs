@@ -169,12 +169,12 @@ pub trait Dynamics {
         false
     }
 
-    /// Changes the system's form at an event; may change `y` and the memory.
+    /// Changes the system's form at an event; may change `y` and the memory. Returns whether it did.
     ///
     /// # Errors
     /// [`Undefined`] when it can't go on from here.
-    fn switch(&mut self, _t: f64, _y: &mut [f64], _memory: &mut [f64]) -> Result<(), Undefined> {
-        Ok(())
+    fn switch(&mut self, _t: f64, _y: &mut [f64], _memory: &mut [f64]) -> Result<bool, Undefined> {
+        Ok(false)
     }
 
     /// Changes the system's form where the present one has no solution beyond `t`; returns whether there is another form.

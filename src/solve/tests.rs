@@ -291,11 +291,11 @@ impl Dynamics for Ball {
     fn margin(&self, _: &[f64]) -> Option<f64> {
         Some(self.height)
     }
-    fn switch(&mut self, _: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), Undefined> {
+    fn switch(&mut self, _: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
         y[1] *= -0.5;
         y[0] = 0.0;
         memory[0] += 1.0;
-        Ok(())
+        Ok(true)
     }
 }
 

@@ -141,7 +141,6 @@ impl Formulation for Accf {
                 workspace.work.partitions += 1;
             }
         }
-        lift::watch(model, workspace, t, memory);
         Ok(false)
     }
 

@@ -267,7 +267,7 @@ impl Dynamics for Guarded<'_> {
         self.meter.timed(Call::Keep, || self.inner.margin(memory))
     }
 
-    fn switch(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), Undefined> {
+    fn switch(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
         self.meter.timed(Call::Keep, || self.inner.switch(t, y, memory))
     }
 
