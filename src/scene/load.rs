@@ -6,7 +6,8 @@ use super::equilibrium::{self, EquilibriumError};
 use super::overrides;
 use super::spec::{INITIAL, Scene};
 use super::start::{self, Start};
-use crate::formulation::AssemblyError;
+use crate::formulation::{AssemblyError, Model};
+use crate::geometry::Side;
 use crate::settings::{Section, SettingsError, Source, did_you_mean};
 use std::path::{Path, PathBuf};
 use toml_edit::Document;
@@ -26,6 +27,10 @@ pub enum SceneError {
     Settings(#[from] SettingsError),
     #[error("{file}: {error}")]
     Assembly { file: String, error: AssemblyError },
+    #[error(
+        "{file}: track: at {distance:.3} m the {side} rail bends upwards with a radius of {bend:.3} m, a wheel of {radius:.3} m would stand on two places along the track, which are not modelled; make what deviates there longer or lower, or smooth it as a wheel does"
+    )]
+    Bend { file: String, side: &'static str, bend: f64, distance: f64, radius: f64 },
     #[error("{file}: {error}")]
     Equilibrium { file: String, error: EquilibriumError },
 }
@@ -84,9 +89,27 @@ pub fn read(name: &str, mut source: Source, overrides: &[String]) -> Result<Scen
     let root = Section::root(document.as_table(), &source);
     let mut scene = Scene::read(name, root, source.clone()).map_err(|error| overrides::explain(error, &made))?;
     // What a formulation refuses is known before anything is run.
-    assemble::model(&scene).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
+    let model = assemble::model(&scene).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
+    refuse_bridged_bends(&scene, &model)?;
     resolve_initial(&mut scene)?;
     Ok(scene)
+}
+
+/// A wheel may be this much less curved than a rail bends upwards, 1 where it just touches it at one place: the flange, a little larger than the
+/// tread, touches too.
+const MOST_BENT: f64 = 0.9;
+
+/// Refuses rails that bend upwards so sharply that a wheel would stand on two places along the track, of which a contact search along the
+/// profiles finds one, now this and now that.
+fn refuse_bridged_bends(scene: &Scene, model: &Model) -> Result<(), SceneError> {
+    for side in Side::BOTH {
+        let Some((bend, distance)) = model.track.rail(side).sharpest_bend() else { continue };
+        let radius = model.wheelsets.iter().map(|wheelset| wheelset.wheel(side).profile.at(0.0).value).fold(0.0, f64::max);
+        if bend * radius > MOST_BENT {
+            return Err(SceneError::Bend { file: scene.source.file.clone(), side: side.name(), bend: 1.0 / bend, distance, radius });
+        }
+    }
+    Ok(())
 }
 
 fn syntax(source: &Source, error: &toml_edit::TomlError) -> SceneError {

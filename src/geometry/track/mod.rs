@@ -4,6 +4,7 @@
 //! turning it, so the section axes are constant on straight track (Eqs. 5 and 6 with constant A^rp) and follow the track frame
 //! elsewhere.
 
+mod bend;
 pub mod centre_line;
 mod curved;
 mod deviation;

@@ -75,6 +75,11 @@ impl Waves {
         self.cells.get(first).filter(|cell| cell.from <= s).map(|cell| cell.wave)
     }
 
+    /// Parts with the same shortest wave, which do not overlap.
+    pub fn cells(&self) -> &[Stretch] {
+        &self.cells
+    }
+
     /// Where the track is plain everywhere.
     pub fn is_empty(&self) -> bool {
         self.cells.is_empty()

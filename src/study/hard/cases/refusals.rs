@@ -38,6 +38,13 @@ pub(super) const CASES: &[Case] = &[
         &[Must::Refusal(&["rail coordinate"])],
     ),
     case(
+        "square_step",
+        "a step of 1 mm within 20 mm, up: more curved than the wheel, which stands on two places along the track; the one that was found changed between two looks",
+        "refused within 2 s, naming the place and the radii",
+        &["track.deviation=[{rail=\"left\",direction=\"vertical\",shape=\"ramp\",amplitude=\"1 mm\",from=6,to=6.02}]"],
+        &[Must::Refusal(&["two places along the track", "left rail", "6.0"])],
+    ),
+    case(
         "body_without_support",
         "a body that nothing holds falls for ever: there is no steady state",
         "refused within 2 s, naming the body",
