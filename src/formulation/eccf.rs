@@ -117,24 +117,34 @@ pub(super) fn project(
     y: &mut [f64],
     memory: &mut [f64],
 ) -> Result<bool, EvaluationError> {
-    project_pressed(model, workspace, t, y, memory, None)
+    project_pressed(model, workspace, t, y, memory, &[])
 }
 
-/// The same; one contact, by its index, is brought to a penetration [m] at its wheel's deepest place, with no rate.
+/// An elastic contact that projection treats as if it were a constraint, at its wheel's deepest place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pressed {
+    pub contact: usize,
+    /// Penetration, m.
+    pub depth: f64,
+    /// Rate of the gap, m/s.
+    pub gap_rate: f64,
+}
+
+/// The same; some elastic contacts are brought to a penetration and its rate, or held there.
 pub(super) fn project_pressed(
     model: &Model,
     workspace: &mut Workspace,
     t: f64,
     y: &mut [f64],
     memory: &mut [f64],
-    pressed: Option<(usize, f64)>,
+    pressed: &[Pressed],
 ) -> Result<bool, EvaluationError> {
     let mut searches = 0;
     let changed = rigid::project(model, workspace, t, y, |system| {
         model.update_stations(memory, system);
         for (contact, wheelset, side) in wheels(model) {
             let memory = &mut memory[model.contact_memory(contact)];
-            let pressed = pressed.filter(|(pressed, _)| *pressed == contact);
+            let pressed = pressed.iter().find(|pressed| pressed.contact == contact);
             let elastic = is_elastic(memory) && pressed.is_none();
             let index = system.constraints.joint_rows + contact;
             system.constraints.kkt.set_active(index, !elastic);
@@ -152,8 +162,8 @@ pub(super) fn project_pressed(
                 locate(model, (contact, wheelset, side), motion, memory).map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
             searches += found.location.iterations as u64;
             system.constraints.kkt.set_row(index, &row(motion, &found), &Coefficients::zeros());
-            system.constraints.residual[index] = pressed.map_or(0.0, |(_, depth)| depth) - found.location.penetration;
-            system.constraints.rate[index] = found.gap_rate;
+            system.constraints.residual[index] = pressed.map_or(0.0, |pressed| pressed.depth) - found.location.penetration;
+            system.constraints.rate[index] = found.gap_rate - pressed.map_or(0.0, |pressed| pressed.gap_rate);
         }
         Ok(())
     });

@@ -4,10 +4,11 @@
 //! place has ended is therefore moved down to where all its places together carry the vertical force that they carried before,
 //! so that accelerations pass over the change as if there were none; rates are left as the other constraints want them.
 
-use super::eccf;
+use super::eccf::{self, Pressed};
 use super::loading::{WheelAt, pair, warm_start};
 use super::points;
-use super::{ContactReport, Model, Wheelset, Workspace};
+use super::rigid::is_elastic;
+use super::{ContactReport, EvaluationError, Model, Wheelset, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::Wrench;
 use nalgebra::Vector3;
@@ -69,10 +70,11 @@ pub(super) fn press(
     memory: &mut [f64],
 ) {
     let mut depth = depth;
+    let beside = held_beside((contact, wheelset, side), model, workspace, y, memory);
     workspace.rigid.consistent.copy_from_slice(y);
     for _ in 0..PRESSINGS {
         y.copy_from_slice(&workspace.rigid.consistent);
-        if eccf::project_pressed(model, workspace, t, y, memory, Some((contact, depth))).is_err() {
+        if project_with(beside, Pressed { contact, depth, gap_rate: 0.0 }, model, workspace, t, y, memory).is_err() {
             y.copy_from_slice(&workspace.rigid.consistent);
             return;
         }
@@ -81,6 +83,46 @@ pub(super) fn press(
             return;
         }
         depth *= (load / found).cbrt().powi(2).clamp(0.5, 2.0);
+    }
+}
+
+/// The other wheel of a wheelset where it is elastic and pressed, as it is in `y`: what is done to one wheel must not move the other, whose load
+/// changes by 1 % with each half micrometre.
+pub(super) fn held_beside(
+    (contact, wheelset, side): (usize, &Wheelset, Side),
+    model: &Model,
+    workspace: &mut Workspace,
+    y: &[f64],
+    memory: &mut [f64],
+) -> Option<Pressed> {
+    let side = side.other();
+    let other = contact_index(contact / 2, side);
+    model.move_bodies(y, memory, &mut workspace.system);
+    let own = &memory[model.contact_memory(other)];
+    if !is_elastic(own) {
+        return None;
+    }
+    let motion = &workspace.system.motions[wheelset.body];
+    let pair = pair(model, wheelset, side, motion);
+    let place = points::deepest(model, other, &pair).unwrap_or_else(|| warm_start(own));
+    let found = pair.locate_moving(&place, &motion.carrier()).ok()?;
+    let depth = found.location.penetration;
+    (depth > 0.0).then_some(Pressed { contact: other, depth, gap_rate: found.gap_rate })
+}
+
+/// Projects with one wheel pressed and the other held.
+fn project_with(
+    beside: Option<Pressed>,
+    pressed: Pressed,
+    model: &Model,
+    workspace: &mut Workspace,
+    t: f64,
+    y: &mut [f64],
+    memory: &mut [f64],
+) -> Result<bool, EvaluationError> {
+    match beside {
+        Some(beside) => eccf::project_pressed(model, workspace, t, y, memory, &[pressed, beside]),
+        None => eccf::project_pressed(model, workspace, t, y, memory, &[pressed]),
     }
 }
 

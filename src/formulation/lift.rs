@@ -2,7 +2,7 @@
 
 use super::eccf;
 use super::events::{ContactChange, ContactEvent};
-use super::handover::{carried, depth_under_load, press};
+use super::handover::{carried, depth_under_load, held_beside, press};
 use super::lasting;
 use super::loading::{keep, pair};
 use super::points;
@@ -263,10 +263,14 @@ fn land(
     let stiffness = law.map_err(|cause| EvaluationError::new(t, wheelset, side, cause.into()))?.stiffness;
     let elastic = 0.4 * stiffness * penetration.max(0.0).powf(2.5);
     let before = mechanical(workspace, y) + elastic;
+    let beside = held_beside((contact, wheelset, side), model, workspace, y, memory);
     let memory_of = &mut memory[range];
     (memory_of[MODE], memory_of[RETURN], memory_of[TRIES]) = (0.0, f64::INFINITY, 0.0);
     (memory_of[NORMAL_FORCE], memory_of[APPROACH]) = (wheelset.static_wheel_load, penetration.max(0.0));
     points::forget(model, contact, memory_of);
+    if let Some(beside) = beside {
+        eccf::project_pressed(model, workspace, t, y, memory, &[beside])?;
+    }
     model.formulation.resettle(model, workspace, t, y, memory)?;
     model.move_bodies(y, memory, &mut workspace.system);
     Ok(Some(ContactChange::Landed { penetration, rate: -found.gap_rate, energy: mechanical(workspace, y) - before }))

@@ -28,6 +28,14 @@ impl Side {
         }
     }
 
+    /// The other side.
+    pub fn other(self) -> Side {
+        match self {
+            Side::Left => Side::Right,
+            Side::Right => Side::Left,
+        }
+    }
+
     /// Place in arrays that hold left and right.
     pub fn index(self) -> usize {
         usize::from(self == Side::Right)
