@@ -64,13 +64,13 @@ fn apart(a: &Run, b: &Run) -> f64 {
 #[test]
 fn equiv_places_cease_where_they_do_whatever_integrates() {
     let reference = run("ECCF", "dormand_prince", "1e-9");
-    assert_eq!((reference.ceased.len(), reference.others), (2, 0), "{:?}", reference.ceased);
+    assert_eq!(reference.ceased.len(), 2, "{:?}", reference.ceased);
     for (formulation, integrator, tolerance, near, soon) in
         [("ECCF", "rk43", "1e-8", 3e-8, 3e-6), ("ACCF", "dormand_prince", "1e-8", 3e-8, 3e-6), ("ECCF", "rosenbrock", "1e-6", 3e-6, 3e-4)]
     {
         let other = run(formulation, integrator, tolerance);
         let lateral = apart(&reference, &other);
-        assert_eq!((other.ceased.len(), other.others), (2, 0), "{formulation}, {integrator}: {:?}", other.ceased);
+        assert_eq!((other.ceased.len(), other.others), (2, reference.others), "{formulation}, {integrator}: {:?}", other.ceased);
         for (a, b) in reference.ceased.iter().zip(&other.ceased) {
             println!("{formulation}, {integrator}, {tolerance}: {} {:?} {:+.1e} s; y {lateral:.1e} m", b.1, b.2, b.0 - a.0);
             assert!((&a.1, a.2) == (&b.1, b.2) && (a.0 - b.0).abs() < soon, "{formulation}, {integrator}: {a:?} {b:?}");

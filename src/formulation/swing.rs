@@ -17,7 +17,7 @@ use crate::mbs::body::{COORDINATES, YAW};
 use serde::{Deserialize, Serialize};
 
 /// r, -.
-const SHARE: f64 = 2e-4;
+const SHARE: f64 = 1.5e-4;
 /// Swings below this do not matter, m; the same in yaw, rad: that of a wave of 60 m.
 const SMALLEST: [f64; 2] = [1e-6, 1e-7];
 /// Time of mean and envelope, s: a few periods of slow hunting.

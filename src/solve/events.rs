@@ -73,11 +73,12 @@ impl IntegrationState {
     pub(super) fn take_back(&mut self) {
         let count = self.y.len();
         self.y.copy_from_slice(&self.dense[..count]);
+        // The step that was taken back may have asked for a longer one already.
+        self.next_step = 0.25 * self.next_step.min(self.t - self.t_begin);
         self.t = self.t_begin;
         self.grid_start = self.t;
         self.grid_count = 0;
         self.forget();
-        self.next_step *= 0.25;
         self.statistics.rejected += 1;
     }
 

@@ -53,6 +53,8 @@ pub struct InputChange {
 pub struct Bound {
     pub quantity: Quantity,
     pub most: f64,
+    /// It may come so much sooner or later, s: a flange that closes with 0.03 m/s strikes 0.3 ms sooner for an error of 1e-5 m.
+    pub shift: f64,
 }
 
 /// What must hold of a run.

@@ -174,7 +174,7 @@ fn references(case: &Case, methods: &[Method; 2], bounds: &[Bound], scene: Open)
 /// Largest distances of two runs against `share` of the bounds.
 fn compare(found: &Ran, right: &Trace, bounds: &[Bound], what: &str, share: f64) -> Vec<Finding> {
     let one = |bound: &Bound| {
-        let (size, time) = found.trace.distance(right, bound.quantity, found.rigid);
+        let (size, time) = found.trace.distance(right, bound.quantity, found.rigid, bound.shift);
         let words = format!("{what} {} at t = {time:.4} s", bound.quantity.words());
         // Of the static load, or of the largest force where that is more: an impact's height is known to a share of itself.
         let load = found.load.max(if bound.quantity.is_force() { right.largest(bound.quantity) } else { 0.0 });

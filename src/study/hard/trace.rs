@@ -185,10 +185,11 @@ impl Trace {
 
     /// The largest distance of a quantity from that of another run on the same grid, as far as both go, and when. `jumps`: where
     /// forces jump, as those of rigid contacts do where their place changes, a jump may come one sample sooner or later: what lies
-    /// within the other run's three samples around is no error.
-    pub fn distance(&self, other: &Trace, quantity: Quantity, jumps: bool) -> (f64, f64) {
+    /// within the other run's three samples around is no error; nor what it has within `shift` [s].
+    pub fn distance(&self, other: &Trace, quantity: Quantity, jumps: bool, shift: f64) -> (f64, f64) {
         let mut worst = (0.0, 0.0);
-        let around = usize::from(jumps);
+        let grid = if let [first, second, ..] = self.time[..] { second - first } else { f64::INFINITY };
+        let around = usize::from(jumps).max((shift / grid).round() as usize);
         for (ours, theirs) in self.of(quantity).zip(other.of(quantity)) {
             for (sample, (value, time)) in ours.iter().zip(&self.time).enumerate().take(theirs.len()) {
                 let near = &theirs[sample.saturating_sub(around)..(sample + around + 1).min(theirs.len())];

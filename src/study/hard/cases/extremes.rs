@@ -4,7 +4,7 @@ use super::super::case::{AUDIT, Audited, CASE, Case, ELASTIC, Method, Must, SMOO
 use super::super::finding::{Finding, Unit};
 use super::super::run::Ran;
 use super::super::trace::Quantity;
-use super::{EVERY, bound, near, near_strikes};
+use super::{EVERY, bound, near, near_strikes, strike};
 use crate::formulation::VERTICAL_FORCE;
 
 const METHODS: &[Method] = &[
@@ -21,9 +21,12 @@ const IMPLICIT: &[Method] = &[
     Method::new("real_time", "step=0.5 ms"),
 ];
 const BOUNDS: &[super::Bound] = &[bound(Quantity::Y, 2e-5), bound(Quantity::Vertical, 0.03)];
-const STRIKES: &[super::Bound] = &[bound(Quantity::Y, 1e-4), bound(Quantity::Vertical, 0.1)];
+const STRIKES: &[super::Bound] = &[bound(Quantity::Y, 1e-4), strike(Quantity::Vertical, 0.1)];
+/// One strike, otherwise calm.
+const STRUCK: &[super::Bound] = &[bound(Quantity::Y, 2e-5), strike(Quantity::Vertical, 0.03)];
 const CLAIM: &str = "y to 0.02 mm, Q to 3 % of the static load at every 0.2 ms, against dormand_prince 1e-9";
-const CLAIM_STRIKES: &str = "y to 0.1 mm, Q to 10 % of the static load at every 0.2 ms, against dormand_prince 1e-10";
+const CLAIM_STRIKES: &str = "y to 0.1 mm, Q to 10 % of the static load at every 0.2 ms within 0.4 ms, against dormand_prince 1e-10";
+const CLAIM_STRUCK: &str = "y to 0.02 mm, Q to 3 % of the static load at every 0.2 ms within 0.4 ms, against dormand_prince 1e-9";
 const STRAIGHT: &str = "track.deviation=[]";
 /// Two stiff implicit runs where explicit ones take steps of nanoseconds.
 const STIFF: Must = Must::Reference {
@@ -112,14 +115,14 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "curvature_as_a_step",
         hard: "the table jumps from straight to R 500 m within 1 cm",
-        claim: CLAIM,
+        claim: CLAIM_STRUCK,
         changes: &[
             STRAIGHT,
             "vehicle.drive=leading",
             "track.node=[{distance=0},{distance=5},{distance=5.01,radius=500},{distance=400,radius=500}]",
         ],
         methods: METHODS,
-        must: &[near(BOUNDS)],
+        must: &[near(STRUCK)],
         ..CASE
     },
     Case {

@@ -59,7 +59,12 @@ const TIGHT_STRIKES: [Method; 2] = [Method::new("dormand_prince", "tolerance=1e-
 const TIGHTER: [Method; 2] = [Method::new("dormand_prince", "tolerance=1e-11"), Method::new("rk4", "step=0.02 ms")];
 
 const fn bound(quantity: Quantity, most: f64) -> Bound {
-    Bound { quantity, most }
+    Bound { quantity, most, shift: 0.0 }
+}
+
+/// Of a force that strikes and is over within milliseconds.
+const fn strike(quantity: Quantity, most: f64) -> Bound {
+    Bound { quantity, most, shift: 4e-4 }
 }
 
 /// Near to the reference in what users read.

@@ -222,9 +222,9 @@ fn distances(drawn: &RandomScene, ran: &Ran, [first, second]: &[Ran; 2]) -> Opti
     };
     let mut wrong = Vec::new();
     for (quantity, bound) in bounds {
-        let unsure = first.trace.distance(&second.trace, quantity, true).0;
+        let unsure = first.trace.distance(&second.trace, quantity, true, 0.0).0;
         let bound = if unsure > bound / 3.0 { 3.0 * unsure } else { bound };
-        let (size, time) = ran.trace.distance(&first.trace, quantity, true);
+        let (size, time) = ran.trace.distance(&first.trace, quantity, true, 0.0);
         let what = format!("error of {} at t = {time:.4} s", quantity.words());
         let finding = match quantity.is_force() {
             true => Finding::new(what, size / ran.load, bound / ran.load, super::super::Unit::Share),
