@@ -2,7 +2,7 @@
 
 use super::Arguments;
 use crate::cli::{Failure, print};
-use crate::study::hard::random::{Class, RandomScene, Verdict, judge};
+use crate::study::hard::random::{Class, RandomScene, Verdict, judge_with};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
@@ -11,6 +11,7 @@ pub(super) fn scenes(count: u64, arguments: &Arguments) -> Result<(), Failure> {
     if count == 0 || arguments.seed.checked_add(count).is_none() {
         return Err(Failure::Input(format!("--random {count} --seed {}: expected 1 scene or more", arguments.seed)));
     }
+    let with = arguments.with.as_deref().map(super::method).transpose()?;
     let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} {eta}").unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::new(count).with_style(style);
     let begin = std::time::Instant::now();
@@ -19,7 +20,7 @@ pub(super) fn scenes(count: u64, arguments: &Arguments) -> Result<(), Failure> {
     let all: Vec<Verdict> = (arguments.seed..arguments.seed + count)
         .into_par_iter()
         .map(|seed| {
-            let verdict = judge(seed);
+            let verdict = judge_with(seed, with);
             bar.inc(1);
             verdict
         })

@@ -216,8 +216,10 @@ impl Audit {
         }
         if self.driven_frame {
             now.stored = model.system.kinetic_energy(&system.motions);
-            let power = self.outside(model, snapshot);
+            let (power, lift) = self.outside(model, snapshot);
             book(power);
+            // Across a canted track a suspension lifts too; weight is among its forces.
+            now.lift += lift + self.weight;
         } else {
             now.stored = model.system.mechanical_energy(&snapshot.y, system);
             for (element, force) in model.system.forces.iter().enumerate() {
@@ -234,8 +236,8 @@ impl Audit {
         now
     }
 
-    /// Power of all force elements on the bodies, W.
-    fn outside(&mut self, model: &Model, snapshot: &Snapshot) -> f64 {
+    /// Power of all force elements on the bodies, W, and their vertical force, N.
+    fn outside(&mut self, model: &Model, snapshot: &Snapshot) -> (f64, f64) {
         let system = &snapshot.workspace.system;
         self.wrenches.fill(Wrench::default());
         let begin = model.system.force_states().start;
@@ -245,7 +247,8 @@ impl Audit {
             force.apply_on_track(&system.motions, &system.stations, &snapshot.y[range], rates, &mut self.wrenches);
         }
         let pairs = self.wrenches.iter().zip(&system.motions);
-        pairs.map(|(wrench, motion)| wrench.force.dot(&motion.velocity) + wrench.moment.dot(&motion.rotation)).sum()
+        let power = pairs.map(|(wrench, motion)| wrench.force.dot(&motion.velocity) + wrench.moment.dot(&motion.rotation)).sum();
+        (power, self.wrenches.iter().map(|wrench| wrench.force.z).sum())
     }
 
     /// Energy that nobody accounts for at worst, as a share.

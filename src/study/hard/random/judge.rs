@@ -7,7 +7,7 @@
 //! reference's three samples around is no error, since an impact may come a sample sooner or later. The books (see `audit`) must balance to 5 %.
 
 use super::super::audit::Audit;
-use super::super::case::Audited;
+use super::super::case::{Audited, Method};
 use super::super::judge::guarded;
 use super::super::run::{End, Look, Ran, run};
 use super::super::trace::{Quantity, Trace};
@@ -84,9 +84,14 @@ pub struct Verdict {
 
 /// Judges the scene of a seed; whatever it does, this comes back.
 pub fn judge(seed: u64) -> Verdict {
+    judge_with(seed, None)
+}
+
+/// The same scene with another method.
+pub fn judge_with(seed: u64, method: Option<Method>) -> Verdict {
     let (sender, receiver) = mpsc::channel();
     let spawned = std::thread::Builder::new().name(format!("random {seed}")).spawn(move || {
-        let judged = guarded(|| judge_here(seed));
+        let judged = guarded(|| judge_here(seed, method));
         let _ = sender.send(judged.unwrap_or_else(|reason| Verdict { seed, class: Class::Panic, reason, cpu: 0.0 }));
     });
     if let Err(error) = spawned {
@@ -102,12 +107,14 @@ fn open_with(drawn: &RandomScene, changes: &[&str]) -> Result<Scene, String> {
     open::read(&format!("random_{}", drawn.seed), drawn.text.clone(), None, &changes).map_err(|error| error.to_string())
 }
 
-fn judge_here(seed: u64) -> Verdict {
-    let drawn = RandomScene::draw(seed);
+fn judge_here(seed: u64, method: Option<Method>) -> Verdict {
+    let drawn = RandomScene::draw(seed).with(method);
+    let own: Vec<String> = method.iter().flat_map(Method::changes).collect();
+    let own: Vec<&str> = own.iter().map(String::as_str).collect();
     let verdict = |class, reason: String, cpu| Verdict { seed, class, reason, cpu };
     let begin = Instant::now();
     let started =
-        open_with(&drawn, &[]).and_then(|scene| Simulation::new(&scene, 0.0).map(|run| (scene, run)).map_err(|error| error.to_string()));
+        open_with(&drawn, &own).and_then(|scene| Simulation::new(&scene, 0.0).map(|run| (scene, run)).map_err(|error| error.to_string()));
     let seconds = begin.elapsed().as_secs_f64();
     // The machine may have others to serve: wall time is no more than a hint, so three times is allowed.
     if seconds > 3.0 * REFUSAL {

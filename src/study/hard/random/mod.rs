@@ -4,5 +4,5 @@ mod dice;
 mod judge;
 mod scene;
 
-pub use judge::{Class, Verdict, judge};
+pub use judge::{Class, Verdict, judge, judge_with};
 pub use scene::RandomScene;

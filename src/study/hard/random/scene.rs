@@ -3,7 +3,7 @@
 //! Nothing is drawn so as to be easy: features begin and end anywhere, suspensions are soft or hard by five orders, steps and
 //! tolerances go over all that docs/scene.md allows in part, starts may stand on irregular track or beside the equilibrium.
 
-use super::super::case::InputChange;
+use super::super::case::{InputChange, Method};
 use super::dice::Dice;
 use crate::formulation::{DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, RIGHT_FRICTION, VERTICAL_FORCE};
 use std::fmt::Write as _;
@@ -21,6 +21,8 @@ pub struct RandomScene {
     pub integrator: &'static str,
     pub fixed: bool,
     pub setting: f64,
+    /// Instead of the drawn one.
+    pub method: Option<Method>,
 }
 
 impl RandomScene {
@@ -45,7 +47,18 @@ impl RandomScene {
             let name = ["driveTorque", "lateralForce", "verticalForce", "leftFriction", "rightFriction", "longitudinalForce"];
             let _ = writeln!(text, "# input of the leading wheelset: {} = {} at {} s", name[change.input], change.value, change.time);
         }
-        RandomScene { seed, text, inputs, stop, integrator, fixed, setting }
+        RandomScene { seed, text, inputs, stop, integrator, fixed, setting, method: None }
+    }
+
+    /// The same scene run with another method.
+    pub fn with(mut self, method: Option<Method>) -> RandomScene {
+        if let Some(method) = method {
+            (self.integrator, self.fixed) = (method.integrator, method.is_fixed());
+            // A step has a unit; it is told only.
+            self.setting = method.setting.split_once('=').and_then(|(_, value)| value.parse().ok()).unwrap_or(f64::NAN);
+            self.method = Some(method);
+        }
+        self
     }
 }
 
