@@ -15,6 +15,7 @@
 
 use super::rigid::wheels;
 use super::{ContactReport, Model, Wheelset, Workspace};
+use crate::contact::normal::damping::Approach;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::COORDINATES;
 use nalgebra::Vector3;
@@ -24,6 +25,10 @@ const ENTRY: f64 = 2e-5;
 /// Of the load tolerance that the estimate for one step may use: forces between the ends of steps, and where places of contact join or part,
 /// are off by up to five times what is estimated at the ends (a coach on irregular track, tolerances 1e-4 to 1e-6).
 const PART: f64 = 0.2;
+/// ... where a wheel's bouncing on its contact fades so fast, s. Errors of a bouncing that lasts longer add up in it, most of all in its phase:
+/// less is allowed in that proportion, down to what adds up over the longest time.
+const FADING: f64 = 0.04;
+const LONGEST_FADING: f64 = 0.8;
 
 impl Model {
     /// The longest step that may begin at the state `y` with derivative `dy`, s, whose evaluation the workspace holds.
@@ -105,7 +110,8 @@ impl Model {
                     let slope = report.share * report.elastic_slope;
                     // Half the wheelset on its contact.
                     let impedance = (0.5 * slope * self.system.bodies[wheelset.body].mass).sqrt();
-                    largest = largest.max((slope * sunk).abs().max((impedance * slip.dot(&axes.normal)).abs()) * scale);
+                    let lasting = self.lasting_of_bouncing(wheelset, report);
+                    largest = largest.max((slope * sunk).abs().max((impedance * slip.dot(&axes.normal)).abs()) * scale * lasting);
                 }
                 let slip = slip.dot(&axes.e1).hypot(slip.dot(&axes.e2));
                 let stiffness = self.laws.shear_modulus * report.patch.a * report.patch.b * KALKER;
@@ -114,5 +120,15 @@ impl Model {
             }
         }
         if largest.is_nan() { f64::INFINITY } else { largest }
+    }
+
+    /// How much longer than [`FADING`] a wheel's bouncing lasts, at least 1: half the wheelset's mass m on a contact whose damping is c fades
+    /// with the time 2 m / c.
+    fn lasting_of_bouncing(&self, wheelset: &Wheelset, report: &ContactReport) -> f64 {
+        let elastic = report.stiffness * report.penetration.max(0.0).powf(1.5);
+        let approach = Approach { elastic, penetration: report.penetration, rate: report.penetration_rate };
+        let damping = report.share * self.laws.damping.slopes(&approach).by_rate;
+        let fading = self.system.bodies[wheelset.body].mass / damping;
+        (fading.min(LONGEST_FADING) / FADING).max(1.0)
     }
 }

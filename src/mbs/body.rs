@@ -15,6 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Coordinates of one body in the state vector: x, y, z, yaw, roll, pitch.
 pub const COORDINATES: usize = 6;
 /// Places of some of them.
+pub const LATERAL: usize = 1;
 pub const HEIGHT: usize = 2;
 pub const YAW: usize = 3;
 pub const ROLL: usize = 4;
