@@ -294,7 +294,9 @@ fn close(
     };
     let mut change = Rows::zeros();
     let evaluate = |change: &Rows| constraints(model, (index, wheelset), &axes, own, &at(change));
-    let rounding = model.rounding(&y[model.system.coordinates(wheelset.body)]);
+    let q = &y[model.system.coordinates(wheelset.body)];
+    // Distances along the rail are among the variables: they are known to the rounding of the way travelled, on straight track too.
+    let rounding = model.rounding(q).max(8.0 * f64::EPSILON * q[0].abs());
     let limits = NewtonLimits { next_step: POSITION.next_step.max(rounding), rounding: POSITION.rounding.max(rounding), ..POSITION };
     let elastic = Side::BOTH.map(|side| is_elastic(&memory[model.contact_memory(contact_index(index, side))]));
     let uncertain =

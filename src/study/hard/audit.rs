@@ -5,8 +5,8 @@
 //! inputs. Dissipated: dampers and friction elements. `stored(t) - stored(0) = integral of (in - dissipated)` holds for any
 //! law of contact, so that what is left over is the error of the integration alone. It is told as a share of everything that was
 //! exchanged, in and out, of what the static loads do over 1 mm (without which a wheelset at rest would be judged by rounding), and of
-//! what creep of 1 % of the weight does over the way travelled (an imposed speed V makes V dF out of an error dF of a creep force: 1 % of
-//! that is a mean error of 1e-4 of the weight, 10 N under a wheelset). Impacts are booked without the latter.
+//! what creep of 2.5 % of the weight does over the way travelled (an imposed speed V makes V dF out of an error dF of a creep force: 1 % of
+//! that is a mean error of 2.5e-4 of the weight, 25 N under a wheelset, where a step may be off by 0.2 % of each wheel load). Impacts are booked without the latter.
 //!
 //! *Vertical momentum.* The mean of all wheels' vertical forces is the weight, but for the change of momentum.
 //!

@@ -122,7 +122,7 @@ pub struct Audited {
 }
 
 /// What holds for a run that nothing is wrong with.
-pub const AUDIT: Audited = Audited { energy: 0.01, way: 0.01, weight: 0.002, derailment: false };
+pub const AUDIT: Audited = Audited { energy: 0.01, way: 0.025, weight: 0.002, derailment: false };
 
 pub const ALL: &[&str] = &["ECF-A", "ECF-N", "ECCF", "ACCF"];
 pub const ELASTIC: &[&str] = &["ECF-A", "ECF-N"];

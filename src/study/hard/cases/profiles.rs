@@ -104,7 +104,11 @@ pub(super) const CASES: &[Case] = &[
     ),
     case("kinked_profile", "two straight flanks that meet in a kink under the wheel", kinked, &[POINTS_RAIL, PATCH, SMALL]),
     case("flat_on_flat", "a cone on a flat rail head: a line of contact", flat, &[POINTS_RAIL, PATCH, SMALL]),
-    case("conformal", "a tread hollow with 0.33 m on a head of 0.3 m", conformal, &[POINTS_WHEEL, PATCH, SMALL]),
+    Case {
+        claim: "y to 0.05 mm (the place of contact moves eleven times as far), Q to 3 % of the static load at every 0.2 ms, against dormand_prince 1e-9",
+        must: &[near(&[bound(Quantity::Y, 5e-5), bound(Quantity::Vertical, 0.03)])],
+        ..case("conformal", "a tread hollow with 0.33 m on a head of 0.3 m", conformal, &[POINTS_WHEEL, PATCH, SMALL])
+    },
     case(
         "negative_relative_curvature",
         "a tread hollower (0.28 m) than the head is round (0.3 m): it stands on its edges",
