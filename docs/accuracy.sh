@@ -16,7 +16,7 @@ study() { # heading, words, study's arguments; the CSV's name is that of the sce
     printf '## %s\n\n%s\n\n' "$heading" "$words"
     local text
     text=$("$program" study "$@" --plot "$folder" -o "$folder/$name.csv" 2>&1 | grep -v '^wrote ') || true # a refusal is a result
-    for quantity in y N wavelength; do
+    for quantity in y Q acceleration wavelength; do
         local file="${name}_time_$quantity.svg"
         if [ -e "$folder/$file" ]; then
             mv "$folder/$file" docs/images/
@@ -54,9 +54,9 @@ TEXT
   (Dormand-Prince 5(4) and the classical method with the error estimate 4(3)) at the same tight tolerance. Their distance is the reference's
   uncertainty. An error below 100 times that is not told: hollow marks with an arrow are bounds, and a study without any point above is refused.
   All other integrators tend to the same references, the implicit ones too, whose step formulas share nothing with the two (forces, contact search and events are the same).
-- *Errors.* Lateral displacement: the largest over the run. Normal force and Y/Q: 95 % of the samples are nearer. Both jump where a contact is found
-  or lost; two runs that jump nanoseconds apart differ by the whole jump at the samples between, which says nothing of their accuracy (the CSV has
-  the largest and the rms too). Hunting wavelength: mean distance of the upward passages of y through zero between swings of more than
+- *Errors.* The largest over the run, of lateral displacement, wheel load Q, normal force, Y/Q and a wheelset's accelerations, read every 0.73 ms: a grid
+  that no step knows of, between the ends of steps. Where forces jump with the state (places of rigid contacts, nodes) what the other run has within one
+  sample is no error: a jump may come a little sooner or later (the CSV has rms and 95 % too). Hunting wavelength: mean distance of the upward passages of y through zero between swings of more than
   10 um. Always the worst wheelset or wheel. A sample at which a wheel stands where its rail's curvature jumps is left out.
 - *Cost.* CPU time of one thread without reading outputs, one run after the other, median of up to three runs; bars show the spread.
 - *Numerical error is not the difference of models.* How far the references of two models are apart is named on its own and drawn as a dashed line:

@@ -27,7 +27,7 @@ const ENTRY: f64 = 2e-5;
 const PART: f64 = 0.2;
 /// ... where a wheel's bouncing on its contact fades so fast, s. Errors of a bouncing that lasts longer add up in it, most of all in its phase:
 /// less is allowed in that proportion, down to what adds up over the longest time.
-const FADING: f64 = 0.04;
+const FADING: f64 = 0.06;
 const LONGEST_FADING: f64 = 0.8;
 
 impl Model {

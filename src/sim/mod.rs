@@ -314,12 +314,14 @@ impl Simulation {
             if !due || self.model.switch(workspace, *time, y, memory).is_err() {
                 break;
             }
-            if let Err(error) = self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy) {
+            if self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy).is_err() {
+                // The new form has no solution, which ends the next step: what can be read is the old one.
                 self.snapshot_valid = false;
-                return Err(error.into());
+                self.look()?;
+                break;
             }
         }
-        workspace.events.clear();
+        self.snapshot.workspace.events.clear();
         Ok(&self.snapshot)
     }
 

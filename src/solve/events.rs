@@ -20,24 +20,35 @@ pub(super) const SHORTEST_RETRY: f64 = 1e-9;
 
 impl IntegrationState {
     /// Changes the system's form as often as that is due before the next step: events that ended the last step, events that a
-    /// jump of an input has brought about, and those that follow from them at the same time.
+    /// jump of an input has brought about, and those that follow from them at the same time. Where the new form has no solution the state stays in the
+    /// old one, in which it can be read.
     pub(super) fn begin(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
+        let mut old = None;
         for _ in 0..MOST_CHANGES {
             let mut due = self.switch_due || dynamics.switch_due(self.t, &self.memory);
             if due || dynamics.margin(&self.memory).is_some() {
                 // What changes is decided from an evaluation at this very state.
-                self.evaluate_begin(dynamics)?;
+                if let Err(error) = self.evaluate_begin(dynamics) {
+                    self.put_back(old);
+                    return Err(error);
+                }
                 due |= dynamics.margin(&self.memory).is_some_and(|margin| margin < 0.0);
             }
             if !due {
                 return Ok(());
             }
+            let present = (self.y.clone(), self.memory.clone());
             let IntegrationState { t, y, memory, .. } = self;
-            let changed = dynamics.switch(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })?;
+            let Ok(changed) = dynamics.switch(*t, y, memory) else {
+                let time = self.t;
+                self.put_back(old.or(Some(present)));
+                return Err(SolveError::Undefined { time });
+            };
             self.switch_due = false;
             if !changed {
                 continue;
             }
+            old = old.or(Some(present));
             self.t_begin = self.t;
             self.forget();
             self.statistics.events += 1;
@@ -45,18 +56,38 @@ impl IntegrationState {
         Err(SolveError::EndlessEvents { time: self.t })
     }
 
-    /// After a step that failed because the system is not defined, or not smooth, further on: asks for another form of it.
+    /// Back to the solution and record of another form.
+    fn put_back(&mut self, old: Option<(Vec<f64>, Vec<f64>)>) {
+        if let Some((y, memory)) = old {
+            (self.y, self.memory) = (y, memory);
+            self.forget();
+        }
+    }
+
+    /// After a step that failed because the system is not defined, or not smooth, further on: asks for another form of it, which has a
+    /// solution.
     pub(super) fn release(&mut self, dynamics: &mut dyn Dynamics, error: SolveError) -> Result<bool, SolveError> {
         let (SolveError::Undefined { .. } | SolveError::StepTooSmall { .. }) = error else { return Ok(false) };
+        let old = (self.y.clone(), self.memory.clone());
         let IntegrationState { t, y, memory, .. } = self;
-        let released = dynamics.release(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })?;
-        if released {
-            self.t_begin = self.t;
-            self.forget();
-            self.next_step = 0.0;
-            self.statistics.events += 1;
+        let time = *t;
+        let released = dynamics.release(time, y, memory);
+        if !released.is_ok_and(|released| released) {
+            if released.is_err() {
+                self.put_back(Some(old));
+                return Err(SolveError::Undefined { time });
+            }
+            return Ok(false);
         }
-        Ok(released)
+        self.t_begin = self.t;
+        self.forget();
+        self.next_step = 0.0;
+        self.statistics.events += 1;
+        if self.evaluate_begin(dynamics).is_err() {
+            self.put_back(Some(old));
+            return Ok(false);
+        }
+        Ok(true)
     }
 
     /// Completes an accepted step: moves its end onto the constraints, and cuts it where the system changes its form. A step that

@@ -4,7 +4,7 @@ use crate::study::accuracy::{Apart, COUPLING, Errors, FACTOR, HOLDS, Measured, O
 use std::io::Write;
 
 /// The columns.
-pub(super) const HEADER: [&str; 36] = [
+pub(super) const HEADER: [&str; 44] = [
     "formulation",
     "integrator",
     "tolerance",
@@ -19,14 +19,22 @@ pub(super) const HEADER: [&str; 36] = [
     "outcome",
     "error_y_rms [m]",
     "error_N_rms [N]",
-    "error_N_largest [N]",
+    "error_N_95 [N]",
+    "error_Q [N]",
+    "error_Q_rms [N]",
+    "error_Q_95 [N]",
     "error_YQ",
     "error_YQ_rms",
-    "error_YQ_largest",
+    "error_YQ_95",
+    "error_acceleration [m/s2]",
+    "error_acceleration_rms [m/s2]",
+    "error_acceleration_95 [m/s2]",
     "error_wavelength [m]",
     "y_told",
+    "Q_told",
     "N_told",
     "YQ_told",
+    "acceleration_told",
     "wavelength_told",
     "steps",
     "linearisations",
@@ -62,20 +70,22 @@ pub(super) fn write(mut writer: impl Write, study: &Study) -> std::io::Result<()
         "span",
         &format!("{} s, outputs every {} s, worst of {}", study.stop, study.step, study.wheelset.as_deref().unwrap_or("all wheelsets")),
     )?;
-    note(&mut writer, "errors", "y: largest over the run; N and YQ: 95 % of the samples are nearer; told: shown (FACTOR times the reference's uncertainty or more), below, useless (larger than the motion), absent".replace("FACTOR", &FACTOR.to_string()).as_str())?;
+    note(&mut writer, "errors", "largest over the run, at output times that no step knows of; _95: 95 % of the samples are nearer; told: shown (FACTOR times the reference's uncertainty or more), below, useless (larger than the motion), absent".replace("FACTOR", &FACTOR.to_string()).as_str())?;
     note(&mut writer, "cost", "CPU seconds of one thread per simulated second, median of the repeated runs without outputs")?;
     for model in &study.models {
         let text = match &model.reference {
             Ok(reference) => format!(
-                "{}: {} with {} and {} at tolerance {:e} m; uncertainty: y {:.1e} m, N {:.1e} N, YQ {:.1e}{}",
+                "{}: {} with {} and {} at tolerance {:e} m; uncertainty: y {:.1e} m, Q {:.1e} N, N {:.1e} N, YQ {:.1e}, acceleration {:.1e} m/s2{}",
                 model.name,
                 reference.formulation,
                 reference.methods[0],
                 reference.methods[1],
                 reference.tolerance,
                 reference.uncertainty.y.largest,
-                reference.uncertainty.normal.most,
-                reference.uncertainty.quotient.most,
+                reference.uncertainty.vertical.largest,
+                reference.uncertainty.normal.largest,
+                reference.uncertainty.quotient.largest,
+                reference.uncertainty.acceleration.largest,
                 wavelength(reference.uncertainty.wavelength)
             ),
             Err(reason) => format!("{}: none: {reason}", model.name),
@@ -84,12 +94,11 @@ pub(super) fn write(mut writer: impl Write, study: &Study) -> std::io::Result<()
     }
     for difference in &study.differences {
         let [first, second] = [difference.first, difference.second].map(|model| study.models[model].name.as_str());
-        let how = ["y", "N (95 %)", "YQ (95 %)", "wavelength"];
-        let part = |(quantity, how): (Quantity, &str)| match study.apart(difference, quantity)? {
-            Apart::Told(apart) => Some(format!("{how} {apart:.3e} {}", quantity.unit()).trim_end().to_string()),
-            Apart::Untold => Some(format!("{how} not to be told from the references")),
+        let part = |quantity: Quantity| match study.apart(difference, quantity)? {
+            Apart::Told(apart) => Some(format!("{} {apart:.3e} {}", quantity.key(), quantity.unit()).trim_end().to_string()),
+            Apart::Untold => Some(format!("{} not to be told from the references", quantity.key())),
         };
-        let parts: Vec<String> = Quantity::ALL.into_iter().zip(how).filter_map(part).collect();
+        let parts: Vec<String> = Quantity::ALL.into_iter().filter_map(part).collect();
         let text = format!("{first} against {second}: {}: no numerical error", parts.join(", "));
         note(&mut writer, "models", &text)?;
     }
@@ -122,7 +131,7 @@ pub(super) fn write(mut writer: impl Write, study: &Study) -> std::io::Result<()
             &coupled.setting,
             &outcome,
             Some((&coupled.measured, &coupled.errors)),
-            [told, "", "", ""],
+            [told, "", "", "", "", ""],
             own,
         ))?;
     }
@@ -152,7 +161,7 @@ fn row(
     setting: &Setting,
     outcome: &str,
     done: Option<(&Measured, &Errors)>,
-    told: [&str; 4],
+    told: [&str; 6],
     own: [String; 4],
 ) -> Vec<String> {
     let number = |value: &dyn Fn(&Measured, &Errors) -> f64| {
@@ -162,7 +171,7 @@ fn row(
     let mut row = vec![formulation.to_string(), setting.integrator.to_string(), some(setting.tolerance()), some(setting.step())];
     row.extend([
         number(&|_, errors| errors.y.largest),
-        number(&|_, errors| errors.normal.most),
+        number(&|_, errors| errors.normal.largest),
         number(&|measured, _| measured.median()),
         number(&|measured, _| 1.0 / measured.median()),
         count(&|measured| measured.statistics.evaluations),
@@ -171,10 +180,16 @@ fn row(
         outcome.to_string(),
         number(&|_, errors| errors.y.rms),
         number(&|_, errors| errors.normal.rms),
-        number(&|_, errors| errors.normal.largest),
-        number(&|_, errors| errors.quotient.most),
-        number(&|_, errors| errors.quotient.rms),
+        number(&|_, errors| errors.normal.most),
+        number(&|_, errors| errors.vertical.largest),
+        number(&|_, errors| errors.vertical.rms),
+        number(&|_, errors| errors.vertical.most),
         number(&|_, errors| errors.quotient.largest),
+        number(&|_, errors| errors.quotient.rms),
+        number(&|_, errors| errors.quotient.most),
+        number(&|_, errors| errors.acceleration.largest),
+        number(&|_, errors| errors.acceleration.rms),
+        number(&|_, errors| errors.acceleration.most),
         some(done.and_then(|(_, errors)| errors.wavelength)),
     ]);
     row.extend(told.map(String::from));

@@ -49,9 +49,8 @@ pub(super) fn draw(folder: &Path, study: &Study) -> Result<Vec<PathBuf>, String>
 fn axis(quantity: Quantity) -> String {
     let unit = if quantity.unit().is_empty() { String::new() } else { format!(" [{}]", quantity.unit()) };
     let how = match quantity {
-        Quantity::Displacement => "largest error",
-        Quantity::NormalForce | Quantity::DerailmentQuotient => "error kept by 95 % of the samples",
         Quantity::Wavelength => "error of the mean",
+        _ => "largest error",
     };
     format!("{}: {how}{unit}", capital(quantity.words()))
 }
@@ -154,7 +153,7 @@ fn levels(study: &Study, model: &Model, quantity: Quantity) -> (Vec<f64>, String
 
 /// The points of each model that no other one beats, by name.
 fn best(folder: &Path, study: &Study) -> Result<Option<PathBuf>, String> {
-    let quantity = [Quantity::Displacement, Quantity::NormalForce]
+    let quantity = [Quantity::Displacement, Quantity::WheelLoad]
         .into_iter()
         .find(|quantity| study.points.iter().any(|point| matches!(study.standing(point, *quantity), Standing::Shown(_))));
     let Some(quantity) = quantity else { return Ok(None) };

@@ -7,10 +7,12 @@ use crate::study::digits::rounded;
 use serde_json::{Value, json};
 
 /// Accuracies that are asked for, SI.
-const LEVELS: [(Quantity, &[f64]); 4] = [
+const LEVELS: [(Quantity, &[f64]); 6] = [
     (Quantity::Displacement, &[1e-3, 1e-4, 1e-5, 1e-6, 1e-7]),
+    (Quantity::WheelLoad, &[1e3, 1e2, 1e1, 1.0]),
     (Quantity::NormalForce, &[1e3, 1e2, 1e1, 1.0]),
     (Quantity::DerailmentQuotient, &[1e-2, 1e-3, 1e-4]),
+    (Quantity::Acceleration, &[1.0, 0.1, 0.01, 1e-3]),
     (Quantity::Wavelength, &[1.0, 0.1, 0.01]),
 ];
 
@@ -82,7 +84,7 @@ pub(super) fn text(study: &Study) -> String {
 }
 
 fn references(study: &Study) -> String {
-    let head = ["model", "tolerance", "y [m]", "N, 95 % [N]", "Y/Q, 95 %", "wavelength [m]", "waves of [m]"].map(String::from);
+    let head = ["model", "tolerance", "y [m]", "Q [N]", "N [N]", "Y/Q", "a [m/s2]", "wavelength [m]", "waves of [m]"].map(String::from);
     let mut rows = Vec::new();
     let mut missing = String::new();
     for model in &study.models {

@@ -40,39 +40,64 @@ impl Distance {
 pub enum Quantity {
     /// Lateral displacement, m.
     Displacement,
+    /// Q of a wheel, N.
+    WheelLoad,
     /// Normal force of a wheel, N.
     NormalForce,
     /// Y/Q.
     DerailmentQuotient,
+    /// Of a wheelset's centre, lateral or vertical, m/s2.
+    Acceleration,
     /// Mean hunting wavelength, m.
     Wavelength,
 }
 
 impl Quantity {
-    pub const ALL: [Quantity; 4] = [Quantity::Displacement, Quantity::NormalForce, Quantity::DerailmentQuotient, Quantity::Wavelength];
+    pub const ALL: [Quantity; 6] = [
+        Quantity::Displacement,
+        Quantity::WheelLoad,
+        Quantity::NormalForce,
+        Quantity::DerailmentQuotient,
+        Quantity::Acceleration,
+        Quantity::Wavelength,
+    ];
 
     /// In the names of files.
     pub fn key(self) -> &'static str {
-        ["y", "N", "YQ", "wavelength"][self as usize]
+        ["y", "Q", "N", "YQ", "acceleration", "wavelength"][self as usize]
     }
 
     /// In words.
     pub fn words(self) -> &'static str {
-        ["lateral displacement", "normal force", "Y/Q", "hunting wavelength"][self as usize]
+        ["lateral displacement", "wheel load Q", "normal force", "Y/Q", "acceleration", "hunting wavelength"][self as usize]
     }
 
     /// The SI unit, empty for pure numbers.
     pub fn unit(self) -> &'static str {
-        ["m", "N", "", "m"][self as usize]
+        ["m", "N", "N", "", "m/s2", "m"][self as usize]
     }
+}
+
+/// How far a value is from what another run has at the same sample; with `reach`, from all that it has within so many samples around.
+fn beside(value: f64, other: &[f64], sample: usize, reach: usize) -> f64 {
+    if value.is_nan() {
+        return f64::INFINITY;
+    }
+    let near = &other[sample.saturating_sub(reach)..(sample + reach + 1).min(other.len())];
+    let (low, high) = near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    // What is no number is outside of any range.
+    let apart = (value - high).max(low - value);
+    if apart.is_finite() { apart.max(0.0) } else { f64::INFINITY }
 }
 
 /// Distances between two runs, the worst of all wheelsets and wheels that both observed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Errors {
     pub y: Distance,
+    pub vertical: Distance,
     pub normal: Distance,
     pub quotient: Distance,
+    pub acceleration: Distance,
     /// m; `None` where one of the runs shows no two waves.
     pub wavelength: Option<f64>,
 }
@@ -81,16 +106,19 @@ impl Errors {
     /// Between two runs, as long as both lasted.
     pub fn between(a: &Observation, b: &Observation) -> Errors {
         let smooth: Vec<bool> = a.smooth.iter().zip(&b.smooth).map(|(a, b)| *a && *b).collect();
-        let apart = |a: &[f64], b: &[f64]| {
-            let pairs = a.iter().zip(b).zip(&smooth);
-            Distance::new(pairs.filter(|(_, smooth)| **smooth).map(|((a, b), _)| (a - b).abs()).collect())
+        let reach = usize::from(a.jumps || b.jumps);
+        let apart = |a: &[f64], b: &[f64], reach: usize| {
+            let samples = (0..a.len().min(b.len())).filter(|sample| smooth[*sample]);
+            Distance::new(samples.map(|sample| beside(a[sample], b, sample, reach).max(beside(b[sample], a, sample, reach))).collect())
         };
         let mut all = Errors::default();
         for (a, b) in a.wheelsets.iter().zip(&b.wheelsets) {
-            all.y = all.y.worse(apart(&a.y, &b.y));
-            for side in 0..2 {
-                all.normal = all.normal.worse(apart(&a.normal[side], &b.normal[side]));
-                all.quotient = all.quotient.worse(apart(&a.quotient[side], &b.quotient[side]));
+            all.y = all.y.worse(apart(&a.y, &b.y, 0));
+            for i in 0..2 {
+                all.vertical = all.vertical.worse(apart(&a.vertical[i], &b.vertical[i], reach));
+                all.normal = all.normal.worse(apart(&a.normal[i], &b.normal[i], reach));
+                all.quotient = all.quotient.worse(apart(&a.quotient[i], &b.quotient[i], reach));
+                all.acceleration = all.acceleration.worse(apart(&a.acceleration[i], &b.acceleration[i], reach));
             }
             let waves = [crossings(a), crossings(b)];
             let common = waves[0].len().min(waves[1].len());
@@ -106,20 +134,25 @@ impl Errors {
         let still = |values: &[f64]| vec![values.first().copied().unwrap_or_default(); values.len()];
         let stand = |trace: &Trace| Trace {
             y: still(&trace.y),
-            normal: [0, 1].map(|side| still(&trace.normal[side])),
-            quotient: [0, 1].map(|side| still(&trace.quotient[side])),
+            vertical: [0, 1].map(|i| still(&trace.vertical[i])),
+            normal: [0, 1].map(|i| still(&trace.normal[i])),
+            quotient: [0, 1].map(|i| still(&trace.quotient[i])),
+            acceleration: [0, 1].map(|i| still(&trace.acceleration[i])),
             ..trace.clone()
         };
-        let start = Observation { smooth: run.smooth.clone(), wheelsets: run.wheelsets.iter().map(stand).collect() };
-        Errors { wavelength: run.wavelength(), ..Errors::between(run, &start) }
+        let start = Observation { smooth: run.smooth.clone(), jumps: false, wheelsets: run.wheelsets.iter().map(stand).collect() };
+        let moving = Observation { jumps: false, ..run.clone() };
+        Errors { wavelength: run.wavelength(), ..Errors::between(&moving, &start) }
     }
 
     /// The number by which a quantity is judged; `None` where there is none.
     pub fn of(&self, quantity: Quantity) -> Option<f64> {
         match quantity {
             Quantity::Displacement => Some(self.y.largest),
-            Quantity::NormalForce => Some(self.normal.most),
-            Quantity::DerailmentQuotient => Some(self.quotient.most),
+            Quantity::WheelLoad => Some(self.vertical.largest),
+            Quantity::NormalForce => Some(self.normal.largest),
+            Quantity::DerailmentQuotient => Some(self.quotient.largest),
+            Quantity::Acceleration => Some(self.acceleration.largest),
             Quantity::Wavelength => self.wavelength,
         }
     }

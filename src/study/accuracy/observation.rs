@@ -1,4 +1,4 @@
-//! What is kept of a run to be compared with another one: per wheelset y, normal forces and Y/Q at common times.
+//! What is kept of a run to be compared with another one: per wheelset y, accelerations, wheel loads, normal forces and Y/Q at common times.
 
 use crate::formulation;
 use crate::geometry::Side;
@@ -31,20 +31,25 @@ pub(super) struct Trace {
     pub distance: Vec<f64>,
     pub y: Vec<f64>,
     /// Left and right wheel.
+    pub vertical: [Vec<f64>; 2],
     pub normal: [Vec<f64>; 2],
     pub quotient: [Vec<f64>; 2],
+    /// Lateral and vertical, of the centre.
+    pub acceleration: [Vec<f64>; 2],
 }
 
 /// A run on its output times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Observation {
     pub(super) smooth: Vec<bool>,
+    /// Do forces jump with the state (places of rigid contacts, nodes)? A jump may come one sample sooner or later.
+    pub(super) jumps: bool,
     pub(super) wheelsets: Vec<Trace>,
 }
 
 /// The outputs that an observation needs, no others: `wheelset` alone, or those of all.
 pub(super) fn needed(model: &formulation::Model, wheelset: Option<&str>) -> Vec<Output> {
-    const NAMES: [&str; 4] = ["distance", "y", "normalForce", "derailmentQuotient"];
+    const NAMES: [&str; 7] = ["distance", "y", "ay", "az", "verticalForce", "normalForce", "derailmentQuotient"];
     const PLACE: &str = "contact[1].railDistance";
     let wanted = |name: &str| {
         model.wheelsets.iter().any(|known| {
@@ -65,11 +70,17 @@ impl Observation {
             name: name.clone(),
             distance: column(&format!("{name}.distance")),
             y: column(&format!("{name}.y")),
+            vertical: wheels(name, "verticalForce"),
             normal: wheels(name, "normalForce"),
             quotient: wheels(name, "derailmentQuotient"),
+            acceleration: ["ay", "az"].map(|output| column(&format!("{name}.{output}"))),
         };
         let wheelsets = model.wheelsets.iter().map(|wheelset| trace(&wheelset.name)).filter(|trace| !trace.y.is_empty());
-        Observation { smooth: is_smooth(recording, model), wheelsets: wheelsets.collect() }
+        Observation {
+            smooth: is_smooth(recording, model),
+            jumps: model.formulation.constrains() || !model.formulation.is_smooth(),
+            wheelsets: wheelsets.collect(),
+        }
     }
 
     /// Number of samples.

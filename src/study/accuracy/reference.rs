@@ -96,7 +96,7 @@ pub(super) fn reference(
         let uncertainty = Errors::between(&one.observation, &other.observation);
         let better = |old: &Errors| {
             let gain = |quantity| matches!((old.of(quantity), uncertainty.of(quantity)), (Some(old), Some(new)) if new < 0.5 * old);
-            gain(Quantity::Displacement) || gain(Quantity::NormalForce)
+            gain(Quantity::Displacement) || gain(Quantity::WheelLoad)
         };
         let gained = found.as_ref().is_none_or(|old| better(&old.uncertainty));
         if gained {

@@ -325,13 +325,13 @@ impl Study {
         for model in &self.models {
             words += &match &model.reference {
                 Ok(reference) => format!(
-                    "\n  {}: {} and {} at tolerance {:.0e} agree to {:.1e} m, {:.1e} N (95 %)",
+                    "\n  {}: {} and {} at tolerance {:.0e} agree to {:.1e} m, {:.1e} N",
                     model.name,
                     reference.methods[0],
                     reference.methods[1],
                     reference.tolerance,
                     reference.uncertainty.y.largest,
-                    reference.uncertainty.normal.most
+                    reference.uncertainty.vertical.largest
                 ),
                 Err(reason) => format!("\n  {}: no reference: {reason}", model.name),
             };
