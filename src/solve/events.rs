@@ -22,14 +22,16 @@ impl IntegrationState {
     /// Changes the system's form as often as that is due before the next step: events that ended the last step, events that a
     /// jump of an input has brought about, and those that follow from them at the same time. Where the new form has no solution the state stays in the
     /// old one, in which it can be read.
-    pub(super) fn begin(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
-        let mut old = None;
+    pub(super) fn begin(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
+        let mut changed_before = false;
         for _ in 0..MOST_CHANGES {
             let mut due = self.switch_due || dynamics.switch_due(self.t, &self.memory);
             if due || dynamics.margin(&self.memory).is_some() {
                 // What changes is decided from an evaluation at this very state.
                 if let Err(error) = self.evaluate_begin(dynamics) {
-                    self.put_back(old);
+                    if changed_before {
+                        self.put_back(scratch);
+                    }
                     return Err(error);
                 }
                 due |= dynamics.margin(&self.memory).is_some_and(|margin| margin < 0.0);
@@ -37,18 +39,19 @@ impl IntegrationState {
             if !due {
                 return Ok(());
             }
-            let present = (self.y.clone(), self.memory.clone());
+            if !changed_before {
+                self.keep_in(scratch);
+            }
             let IntegrationState { t, y, memory, .. } = self;
             let Ok(changed) = dynamics.switch(*t, y, memory) else {
-                let time = self.t;
-                self.put_back(old.or(Some(present)));
-                return Err(SolveError::Undefined { time });
+                self.put_back(scratch);
+                return Err(SolveError::Undefined { time: self.t });
             };
             self.switch_due = false;
             if !changed {
                 continue;
             }
-            old = old.or(Some(present));
+            changed_before = true;
             self.t_begin = self.t;
             self.forget();
             self.statistics.events += 1;
@@ -56,35 +59,39 @@ impl IntegrationState {
         Err(SolveError::EndlessEvents { time: self.t })
     }
 
-    /// Back to the solution and record of another form.
-    fn put_back(&mut self, old: Option<(Vec<f64>, Vec<f64>)>) {
-        if let Some((y, memory)) = old {
-            (self.y, self.memory) = (y, memory);
-            self.forget();
-        }
+    /// Keeps solution and record of the present form, for [`IntegrationState::put_back`].
+    fn keep_in(&self, scratch: &mut Scratch) {
+        scratch.trial.copy_from_slice(&self.y);
+        scratch.memory.copy_from_slice(&self.memory);
+    }
+
+    /// Back to the form that was kept.
+    fn put_back(&mut self, scratch: &Scratch) {
+        self.y.copy_from_slice(&scratch.trial);
+        self.memory.copy_from_slice(&scratch.memory);
+        self.forget();
     }
 
     /// After a step that failed because the system is not defined, or not smooth, further on: asks for another form of it, which has a
     /// solution.
-    pub(super) fn release(&mut self, dynamics: &mut dyn Dynamics, error: SolveError) -> Result<bool, SolveError> {
+    pub(super) fn release(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch, error: SolveError) -> Result<bool, SolveError> {
         let (SolveError::Undefined { .. } | SolveError::StepTooSmall { .. }) = error else { return Ok(false) };
-        let old = (self.y.clone(), self.memory.clone());
+        self.keep_in(scratch);
         let IntegrationState { t, y, memory, .. } = self;
-        let time = *t;
-        let released = dynamics.release(time, y, memory);
-        if !released.is_ok_and(|released| released) {
-            if released.is_err() {
-                self.put_back(Some(old));
-                return Err(SolveError::Undefined { time });
+        match dynamics.release(*t, y, memory) {
+            Ok(true) => {}
+            Ok(false) => return Ok(false),
+            Err(Undefined) => {
+                self.put_back(scratch);
+                return Err(SolveError::Undefined { time: self.t });
             }
-            return Ok(false);
         }
         self.t_begin = self.t;
         self.forget();
         self.next_step = 0.0;
         self.statistics.events += 1;
         if self.evaluate_begin(dynamics).is_err() {
-            self.put_back(Some(old));
+            self.put_back(scratch);
             return Ok(false);
         }
         Ok(true)

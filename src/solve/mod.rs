@@ -302,14 +302,14 @@ pub trait Integrator: Send + Sync + Debug {
     ) -> Result<(), SolveError> {
         while state.t < target - self.slack() {
             // A change of form may lead to where the new one has no solution.
-            if let Err(error) = state.begin(dynamics).and_then(|()| self.step(dynamics, state, scratch))
-                && !state.release(dynamics, error)?
+            if let Err(error) = state.begin(dynamics, scratch).and_then(|()| self.step(dynamics, state, scratch))
+                && !state.release(dynamics, scratch, error)?
             {
                 return Err(error);
             }
         }
         // An event at the target itself is over when the solution is read there.
-        if state.t <= target { state.begin(dynamics) } else { Ok(()) }
+        if state.t <= target { state.begin(dynamics, scratch) } else { Ok(()) }
     }
 }
 
