@@ -239,7 +239,7 @@ impl Model {
         let formulation = build(&parts)?;
         let Parts { system, track, wheelsets, laws, points, prepared } = parts;
         let own = formulation.points_per_wheel();
-        let searches = points::searches(&wheelsets, &track, if own > 1 { 1 } else { points.min(points::MOST_POINTS) }, &prepared);
+        let searches = points::searches(&wheelsets, &track, own == 1, &prepared);
         let points = if searches.iter().any(Option::is_some) { points } else { own };
         let contact_states_begin = system.dimension();
         Ok(Model {

@@ -267,7 +267,7 @@ fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
         return (true, format!("contact.formulation = \"{}\" finds up to {own} by itself", scene.contact.formulation_name));
     }
     if points == 1 {
-        return (false, "contact.points = 1: the place that is nearest to where it was before".into());
+        return (false, "contact.points = 1: the deepest place alone".into());
     }
     const CONVEX: &str = "only one place can touch (the profiles are strictly convex against each other)";
     let [left, right] = Side::BOTH.map(|side| model.searches_contacts(contact_index(0, side)));

@@ -374,13 +374,13 @@ fn derailed(wheel: &WheelAt, how: &'static str) -> ContactFailure {
     ContactFailure::Derailed { how, y, z }
 }
 
-/// Searches for all wheels whose profiles can touch at more than one place; none where `points` is 1.
+/// Searches for all wheels whose profiles can touch at more than one place, where they are wanted. With one contact per wheel it is the deepest place.
 pub(super) fn searches(
     wheelsets: &[super::Wheelset],
     track: &crate::geometry::track::Track,
-    points: usize,
+    wanted: bool,
     prepared: &PreparedSearches,
 ) -> Vec<Option<Arc<WheelSearch>>> {
     let both = wheelsets.iter().flat_map(|wheelset| Side::BOTH.map(|side| (&wheelset.wheel(side).profile, &track.rail(side).profile)));
-    both.map(|(wheel, rail)| if points > 1 { prepared.of(wheel, rail) } else { None }).collect()
+    both.map(|(wheel, rail)| if wanted { prepared.of(wheel, rail) } else { None }).collect()
 }
