@@ -77,24 +77,27 @@ impl IntegrationState {
     pub(super) fn release(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch, error: SolveError) -> Result<bool, SolveError> {
         let (SolveError::Undefined { .. } | SolveError::StepTooSmall { .. }) = error else { return Ok(false) };
         self.keep_in(scratch);
-        let IntegrationState { t, y, memory, .. } = self;
-        match dynamics.release(*t, y, memory) {
-            Ok(true) => {}
-            Ok(false) => return Ok(false),
-            Err(Undefined) => {
-                self.put_back(scratch);
-                return Err(SolveError::Undefined { time: self.t });
+        // The new form may have no solution either until more of it has changed.
+        for _ in 0..MOST_CHANGES {
+            let IntegrationState { t, y, memory, .. } = self;
+            match dynamics.release(*t, y, memory) {
+                Ok(true) => {}
+                Ok(false) => break,
+                Err(Undefined) => {
+                    self.put_back(scratch);
+                    return Err(SolveError::Undefined { time: self.t });
+                }
+            }
+            self.t_begin = self.t;
+            self.forget();
+            self.next_step = 0.0;
+            self.statistics.events += 1;
+            if self.evaluate_begin(dynamics).is_ok() {
+                return Ok(true);
             }
         }
-        self.t_begin = self.t;
-        self.forget();
-        self.next_step = 0.0;
-        self.statistics.events += 1;
-        if self.evaluate_begin(dynamics).is_err() {
-            self.put_back(scratch);
-            return Ok(false);
-        }
-        Ok(true)
+        self.put_back(scratch);
+        Ok(false)
     }
 
     /// Completes an accepted step: moves its end onto the constraints, and cuts it where the system changes its form. A step that
