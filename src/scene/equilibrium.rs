@@ -231,6 +231,9 @@ impl Balance {
         model.track = model.track.ideal();
         // In steady rolling the transient model says what the law says.
         model.laws.transient = None;
+        for wheelset in &mut model.wheelsets {
+            wheelset.imposed_speed = wheelset.imposed_speed.map(|_| speed);
+        }
         let dimension = model.dimension();
         let mut y = vec![0.0; dimension];
         y[COORDINATES] = speed;

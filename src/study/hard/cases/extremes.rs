@@ -81,6 +81,57 @@ pub(super) const CASES: &[Case] = &[
         ..CASE
     },
     Case {
+        name: "one_centimetre_per_second",
+        hard: "0.01 m/s: contacts deflect more than they slip",
+        claim: CLAIM,
+        scene: "wheelset_s1002",
+        changes: &[STRAIGHT, "vehicle.speed=0.01", "vehicle.initial.y=0.2 mm", "contact.transient.below=0.5"],
+        stop: 0.3,
+        methods: IMPLICIT,
+        must: &[STIFF],
+        ..CASE
+    },
+    Case {
+        name: "fifty_kilometres",
+        hard: "a spectrum over 50 km: waves ahead by the hundred thousand, of which a start may cost nothing",
+        claim: CLAIM,
+        changes: &[
+            STRAIGHT,
+            "track.irregularity=[{kind=\"spectrum\",spectrum=\"ore_b176_low\",seed=1,from=0,to=50000,fade=5}]",
+            "vehicle.initial.distance=24000",
+        ],
+        stop: 0.5,
+        formulations: &["ECF-A"],
+        methods: METHODS,
+        must: &[near(BOUNDS)],
+        ..CASE
+    },
+    Case {
+        name: "redundant_joints",
+        hard: "a box held to the car by two rigid joints: six constraints of twelve say what the others say",
+        claim: CLAIM,
+        changes: &[
+            "vehicle.body[box].mass=200",
+            "vehicle.body[box].inertia_xx=20",
+            "vehicle.body[box].inertia_yy=20",
+            "vehicle.body[box].inertia_zz=20",
+            "vehicle.body[box].position=[0.0,0.0,2.5]",
+            "vehicle.joint[fore].kind=rigid",
+            "vehicle.joint[fore].first=car",
+            "vehicle.joint[fore].second=box",
+            "vehicle.joint[fore].at=[0.5,0.0,2.0]",
+            "vehicle.joint[aft].kind=rigid",
+            "vehicle.joint[aft].first=car",
+            "vehicle.joint[aft].second=box",
+            "vehicle.joint[aft].at=[-0.5,0.0,2.0]",
+            "vehicle.initial.distance=15",
+        ],
+        methods: super::ADAPTIVE,
+        must: &[near(BOUNDS)],
+        refusable: true,
+        ..CASE
+    },
+    Case {
         name: "150_m_s",
         hard: "150 m/s, far above the critical speed, into the flanges",
         claim: CLAIM_STRIKES,

@@ -127,6 +127,17 @@ pub(super) const CASES: &[Case] = &[
         ..CASE
     },
     Case {
+        name: "edge_of_a_rail",
+        hard: "a rail head of 1 mm radius: patches of a/b 1:50, beyond most tables of creep coefficients",
+        claim: "y to 0.02 mm, Q to 3 % of the static load at every 0.2 ms, against dormand_prince 1e-9, or a refusal with its reason",
+        scene: "suspended_wheelset",
+        changes: &["track.rail={kind=\"arc\",radius=0.001}", PATCH, SMALL],
+        methods: METHODS,
+        must: NEAR,
+        refusable: true,
+        ..CASE
+    },
+    Case {
         name: "blunt_rail",
         hard: "a rail head of 2 m radius under a cone: patches of a/b 1:4 across; the search for several contacts panicked",
         claim: "y to 0.02 mm, Q to 3 % of the static load at every 0.2 ms, against dormand_prince 1e-9, or a refusal with its reason",

@@ -38,6 +38,13 @@ pub(super) const CASES: &[Case] = &[
         &[Must::Refusal(&["rail coordinate"])],
     ),
     case(
+        "steady_creep_at_a_crawl",
+        "0.01 m/s where creepage is steady: the creep mode has 2 500 000/s and creep forces divide by the speed",
+        "refused within 2 s, naming contact.transient",
+        &["track.deviation=[]", "vehicle.speed=0.01"],
+        &[Must::Refusal(&["travelling speed", "[contact.transient]"])],
+    ),
+    case(
         "square_step",
         "a step of 1 mm within 20 mm, up: more curved than the wheel, which stands on two places along the track; the one that was found changed between two looks",
         "refused within 2 s, naming the place and the radii",

@@ -98,6 +98,8 @@ pub struct Verdict {
     pub class: Class,
     /// Method and formulation, what is wrong and by how much.
     pub reason: String,
+    /// How many times its bound the worst error is; infinite where the reason is no number.
+    pub strain: f64,
     /// CPU time of the run without its references, s.
     pub cpu: f64,
 }
@@ -112,13 +114,13 @@ pub fn judge_with(seed: u64, method: Option<Method>) -> Verdict {
     let (sender, receiver) = mpsc::channel();
     let spawned = std::thread::Builder::new().name(format!("random {seed}")).spawn(move || {
         let judged = guarded(|| judge_here(seed, method));
-        let _ = sender.send(judged.unwrap_or_else(|reason| Verdict { seed, class: Class::Panic, reason, cpu: 0.0 }));
+        let _ = sender.send(judged.unwrap_or_else(|reason| Verdict { seed, class: Class::Panic, reason, strain: f64::INFINITY, cpu: 0.0 }));
     });
     if let Err(error) = spawned {
-        return Verdict { seed, class: Class::Unjudged, reason: format!("no thread: {error}"), cpu: 0.0 };
+        return Verdict { seed, class: Class::Unjudged, reason: format!("no thread: {error}"), strain: f64::INFINITY, cpu: 0.0 };
     }
     // A thread that hangs can't be ended; it is left behind.
-    let late = || Verdict { seed, class: Class::Hang, reason: format!("not back after {HANG} s"), cpu: HANG as f64 };
+    let late = || Verdict { seed, class: Class::Hang, reason: format!("not back after {HANG} s"), strain: f64::INFINITY, cpu: HANG as f64 };
     receiver.recv_timeout(Duration::from_secs(HANG)).unwrap_or_else(|_| late())
 }
 
@@ -131,7 +133,7 @@ fn judge_here(seed: u64, method: Option<Method>) -> Verdict {
     let drawn = RandomScene::draw(seed).with(method);
     let own: Vec<String> = method.iter().flat_map(Method::changes).collect();
     let own: Vec<&str> = own.iter().map(String::as_str).collect();
-    let verdict = |class, reason: String, cpu| Verdict { seed, class, reason, cpu };
+    let verdict = |class, reason: String, cpu| Verdict { seed, class, reason, strain: f64::INFINITY, cpu };
     let begin = Instant::now();
     let started =
         open_with(&drawn, &own).and_then(|scene| Simulation::new(&scene, 0.0).map(|run| (scene, run)).map_err(|error| error.to_string()));
@@ -161,7 +163,7 @@ fn judge_here(seed: u64, method: Option<Method>) -> Verdict {
         Err(reason) => {
             // Its own books may say enough.
             return match (&ran.end, broken(&ran.audit, 0.0)) {
-                (End::Finished, Some(reason)) => say(Class::SilentlyWrong, &reason),
+                (End::Finished, Some((reason, strain))) => Verdict { strain, ..say(Class::SilentlyWrong, &reason) },
                 (End::Stopped { words, .. }, _) if drawn.fixed && words.contains("solver.step") => say(Class::Refused, words),
                 (End::Stopped { words, .. }, _) => say(end_class(words), words),
                 _ => say(Class::Unjudged, &reason),
@@ -180,7 +182,7 @@ fn judge_here(seed: u64, method: Option<Method>) -> Verdict {
         (_, _) => return say(Class::GaveUp, &words(&ran)),
     }
     let beyond = distances(&drawn, &ran, &right, None);
-    if let Some(reason) = &beyond
+    if let Some((reason, _)) = &beyond
         && let Ok(shaken) = shaken(&drawn, &look)
         && distances(&drawn, &ran, &right, Some(&shaken.trace)).is_none()
     {
@@ -189,7 +191,7 @@ fn judge_here(seed: u64, method: Option<Method>) -> Verdict {
     // Impacts between two samples can't be booked; a tight run has them too.
     let unbooked = 3.0 * right[0].audit.energy().max(right[1].audit.energy());
     match beyond.or_else(|| broken(&ran.audit, unbooked)) {
-        Some(reason) => say(Class::SilentlyWrong, &reason),
+        Some((reason, strain)) => Verdict { strain, ..say(Class::SilentlyWrong, &reason) },
         None => say(Class::Right, ""),
     }
 }
@@ -240,9 +242,15 @@ fn reference(drawn: &RandomScene, look: &Look) -> Result<[Ran; 2], String> {
 }
 
 /// What the books say against a run, where `unbooked` of the energy can't be told on this grid.
-fn broken(audit: &Audit, unbooked: f64) -> Option<String> {
-    let wrong: Vec<String> = audit.findings(unbooked).iter().filter(|finding| !finding.holds()).map(Finding::words).collect();
-    (!wrong.is_empty()).then(|| wrong.join("; "))
+fn broken(audit: &Audit, unbooked: f64) -> Option<(String, f64)> {
+    told(&audit.findings(unbooked))
+}
+
+/// Those that do not hold, in words, and how many times its bound the worst of them is.
+fn told(findings: &[Finding]) -> Option<(String, f64)> {
+    let wrong: Vec<&Finding> = findings.iter().filter(|finding| !finding.holds()).collect();
+    let strain = wrong.iter().map(|finding| finding.strain()).fold(0.0, f64::max);
+    (!wrong.is_empty()).then(|| (wrong.iter().map(|finding| finding.words()).collect::<Vec<_>>().join("; "), strain))
 }
 
 /// The scene from a start that is moved aside: y and yaw of all bodies by a few times the tolerance, one body to the left, the next to the right.
@@ -271,27 +279,24 @@ fn shaken(drawn: &RandomScene, look: &Look) -> Result<Ran, String> {
 }
 
 /// What is further from the reference than it may be, or than half of how far a start that was moved aside is from it.
-fn distances(drawn: &RandomScene, ran: &Ran, [first, second]: &[Ran; 2], shaken: Option<&Trace>) -> Option<String> {
+fn distances(drawn: &RandomScene, ran: &Ran, [first, second]: &[Ran; 2], shaken: Option<&Trace>) -> Option<(String, f64)> {
     let largest = |trace: &Trace, quantity| trace.largest(quantity);
     let (y, q) = (largest(&first.trace, Quantity::Y), largest(&first.trace, Quantity::Vertical));
     let bounds = match drawn.fixed {
         true => [(Quantity::Y, (0.03 * y).max(1e-4)), (Quantity::Vertical, 0.1 * q.max(ran.load))],
         false => [(Quantity::Y, (20.0 * drawn.setting).clamp(1e-5, 5e-4)), (Quantity::Vertical, 0.03 * q.max(ran.load))],
     };
-    let mut wrong = Vec::new();
+    let mut findings = Vec::new();
     for (quantity, bound) in bounds {
         let unsure = first.trace.distance(&second.trace, quantity, true, 0.0).0;
         let bound = if unsure > bound / 3.0 { 3.0 * unsure } else { bound };
         let bound = shaken.map_or(bound, |shaken| bound.max(2.0 * shaken.distance(&first.trace, quantity, true, 0.0).0));
         let (size, time) = ran.trace.distance(&first.trace, quantity, true, 0.0);
         let what = format!("error of {} at t = {time:.4} s", quantity.words());
-        let finding = match quantity.is_force() {
+        findings.push(match quantity.is_force() {
             true => Finding::new(what, size / ran.load, bound / ran.load, super::super::Unit::Share),
             false => Finding::new(what, size, bound, quantity.unit()),
-        };
-        if !finding.holds() {
-            wrong.push(finding.words());
-        }
+        });
     }
-    (!wrong.is_empty()).then(|| wrong.join("; "))
+    told(&findings)
 }
