@@ -120,8 +120,7 @@ impl Formulation for Accf {
         done
     }
 
-    /// Writes the dependent variables into `y`. An evaluation before and after it gives the same: it says `false`, unless variables that were
-    /// dependent become independent, which then go on from what the constraints give.
+    /// Writes the dependent variables into `y`. An evaluation before and after it gives the same: it says `false`.
     fn project(
         &self,
         model: &Model,
@@ -130,7 +129,6 @@ impl Formulation for Accf {
         y: &mut [f64],
         memory: &mut [f64],
     ) -> Result<bool, EvaluationError> {
-        let mut chosen = false;
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let jacobian = close(model, workspace, index, wheelset, t, y, memory)?;
             idle(model, workspace, index, wheelset, y, memory);
@@ -141,10 +139,9 @@ impl Formulation for Accf {
             if crossing != memory[CONDITIONING].is_infinite() || (!crossing && kept < WORSE * memory[CONDITIONING]) {
                 choose(&jacobian, crossing, wheelset, t, memory)?;
                 workspace.work.partitions += 1;
-                chosen = true;
             }
         }
-        Ok(chosen)
+        Ok(false)
     }
 
     /// The local error of independent variables is controlled; while a wheel is elastic that of all coordinates.
