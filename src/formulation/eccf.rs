@@ -117,7 +117,7 @@ pub(super) fn project(
     y: &mut [f64],
     memory: &mut [f64],
 ) -> Result<bool, EvaluationError> {
-    project_pressed(model, workspace, t, y, memory, &[])
+    project_pressed(model, workspace, t, y, memory, [None; 2])
 }
 
 /// An elastic contact that projection treats as if it were a constraint, at its wheel's deepest place.
@@ -130,21 +130,21 @@ pub(super) struct Pressed {
     pub gap_rate: f64,
 }
 
-/// The same; some elastic contacts are brought to a penetration and its rate, or held there.
+/// The same; the elastic contacts of one wheelset may be brought to a penetration and its rate, or held there.
 pub(super) fn project_pressed(
     model: &Model,
     workspace: &mut Workspace,
     t: f64,
     y: &mut [f64],
     memory: &mut [f64],
-    pressed: &[Pressed],
+    pressed: [Option<Pressed>; 2],
 ) -> Result<bool, EvaluationError> {
     let mut searches = 0;
     let changed = rigid::project(model, workspace, t, y, |system| {
         model.update_stations(memory, system);
         for (contact, wheelset, side) in wheels(model) {
             let memory = &mut memory[model.contact_memory(contact)];
-            let pressed = pressed.iter().find(|pressed| pressed.contact == contact);
+            let pressed = pressed.into_iter().flatten().find(|pressed| pressed.contact == contact);
             let elastic = is_elastic(memory) && pressed.is_none();
             let index = system.constraints.joint_rows + contact;
             system.constraints.kkt.set_active(index, !elastic);

@@ -14,8 +14,8 @@
 //! happens from there on is the error control's.
 
 use super::rigid::wheels;
+use super::tangent::normal_slopes;
 use super::{ContactReport, Model, Wheelset, Workspace};
-use crate::contact::normal::damping::Approach;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::COORDINATES;
 use nalgebra::Vector3;
@@ -125,9 +125,7 @@ impl Model {
     /// How much longer than [`FADING`] a wheel's bouncing lasts, at least 1: half the wheelset's mass m on a contact whose damping is c fades
     /// with the time 2 m / c.
     fn lasting_of_bouncing(&self, wheelset: &Wheelset, report: &ContactReport) -> f64 {
-        let elastic = report.stiffness * report.penetration.max(0.0).powf(1.5);
-        let approach = Approach { elastic, penetration: report.penetration, rate: report.penetration_rate };
-        let damping = report.share * self.laws.damping.slopes(&approach).by_rate;
+        let damping = normal_slopes(self.laws.damping.as_ref(), report).by_rate;
         let fading = self.system.bodies[wheelset.body].mass / damping;
         (fading.min(LONGEST_FADING) / FADING).max(1.0)
     }

@@ -8,7 +8,7 @@ use super::eccf::{self, Pressed};
 use super::loading::{WheelAt, pair, warm_start};
 use super::points;
 use super::rigid::is_elastic;
-use super::{ContactReport, EvaluationError, Model, Wheelset, Workspace, contact_index};
+use super::{ContactReport, Model, Wheelset, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::Wrench;
 use nalgebra::Vector3;
@@ -74,7 +74,8 @@ pub(super) fn press(
     workspace.rigid.consistent.copy_from_slice(y);
     for _ in 0..PRESSINGS {
         y.copy_from_slice(&workspace.rigid.consistent);
-        if project_with(beside, Pressed { contact, depth, gap_rate: 0.0 }, model, workspace, t, y, memory).is_err() {
+        let pressed = [Some(Pressed { contact, depth, gap_rate: 0.0 }), beside];
+        if eccf::project_pressed(model, workspace, t, y, memory, pressed).is_err() {
             y.copy_from_slice(&workspace.rigid.consistent);
             return;
         }
@@ -108,22 +109,6 @@ pub(super) fn held_beside(
     let found = pair.locate_moving(&place, &motion.carrier()).ok()?;
     let depth = found.location.penetration;
     (depth > 0.0).then_some(Pressed { contact: other, depth, gap_rate: found.gap_rate })
-}
-
-/// Projects with one wheel pressed and the other held.
-fn project_with(
-    beside: Option<Pressed>,
-    pressed: Pressed,
-    model: &Model,
-    workspace: &mut Workspace,
-    t: f64,
-    y: &mut [f64],
-    memory: &mut [f64],
-) -> Result<bool, EvaluationError> {
-    match beside {
-        Some(beside) => eccf::project_pressed(model, workspace, t, y, memory, &[pressed, beside]),
-        None => eccf::project_pressed(model, workspace, t, y, memory, &[pressed]),
-    }
 }
 
 /// Vertical force of all places of an elastic wheel in a state, N.

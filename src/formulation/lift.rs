@@ -268,8 +268,8 @@ fn land(
     (memory_of[MODE], memory_of[RETURN], memory_of[TRIES]) = (0.0, f64::INFINITY, 0.0);
     (memory_of[NORMAL_FORCE], memory_of[APPROACH]) = (wheelset.static_wheel_load, penetration.max(0.0));
     points::forget(model, contact, memory_of);
-    if let Some(beside) = beside {
-        eccf::project_pressed(model, workspace, t, y, memory, &[beside])?;
+    if beside.is_some() {
+        eccf::project_pressed(model, workspace, t, y, memory, [beside, None])?;
     }
     model.formulation.resettle(model, workspace, t, y, memory)?;
     model.move_bodies(y, memory, &mut workspace.system);

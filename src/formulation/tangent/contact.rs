@@ -51,7 +51,7 @@ pub(super) struct ByMotion<const N: usize> {
 
 /// dN/d delta and dN/d delta'.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct NormalSlopes {
+pub(in crate::formulation) struct NormalSlopes {
     pub by_penetration: f64,
     pub by_rate: f64,
 }
@@ -74,7 +74,7 @@ pub(super) fn penetration_by_pose(arm: &Vector3<f64>, normal: &Vector3<f64>) -> 
 }
 
 /// Slopes of the normal force of an elastic contact that carries some force.
-pub(super) fn normal_slopes(damping: &dyn DampingLaw, report: &ContactReport) -> NormalSlopes {
+pub(in crate::formulation) fn normal_slopes(damping: &dyn DampingLaw, report: &ContactReport) -> NormalSlopes {
     let (penetration, rate) = (report.penetration, report.penetration_rate);
     let elastic = report.stiffness * penetration * penetration.sqrt();
     let slopes = damping.slopes(&Approach { elastic, penetration, rate });

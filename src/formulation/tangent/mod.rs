@@ -21,7 +21,8 @@ use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContac
 use crate::geometry::Side;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::tangent::{SingularTangent, StateCoupling, Tangent};
-use contact::{ByMotion, NormalSlopes, Touching, normal_slopes, penetration_by_pose};
+pub(super) use contact::normal_slopes;
+use contact::{ByMotion, NormalSlopes, Touching, penetration_by_pose};
 use nalgebra::Vector3;
 
 /// A contact that carries less than this share of its force counts as one that carries so much.

@@ -1,5 +1,6 @@
 //! Distance between two observed runs in the terms that people use.
 
+use super::super::beside::beside;
 use super::observation::{Observation, Trace, crossings, mean_wavelength};
 use serde::Serialize;
 
@@ -76,18 +77,6 @@ impl Quantity {
     pub fn unit(self) -> &'static str {
         ["m", "N", "N", "", "m/s2", "m"][self as usize]
     }
-}
-
-/// How far a value is from what another run has at the same sample; with `reach`, from all that it has within so many samples around.
-fn beside(value: f64, other: &[f64], sample: usize, reach: usize) -> f64 {
-    if value.is_nan() {
-        return f64::INFINITY;
-    }
-    let near = &other[sample.saturating_sub(reach)..(sample + reach + 1).min(other.len())];
-    let (low, high) = near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
-    // What is no number is outside of any range.
-    let apart = (value - high).max(low - value);
-    if apart.is_finite() { apart.max(0.0) } else { f64::INFINITY }
 }
 
 /// Distances between two runs, the worst of all wheelsets and wheels that both observed.

@@ -1,5 +1,6 @@
 //! What is kept of a run on its dense grid.
 
+use super::super::beside::beside;
 use super::finding::Unit;
 use crate::formulation::Model;
 use crate::geometry::Side;
@@ -192,10 +193,8 @@ impl Trace {
         let around = usize::from(jumps).max((shift / grid).round() as usize);
         for (ours, theirs) in self.of(quantity).zip(other.of(quantity)) {
             for (sample, (value, time)) in ours.iter().zip(&self.time).enumerate().take(theirs.len()) {
-                let near = &theirs[sample.saturating_sub(around)..(sample + around + 1).min(theirs.len())];
-                let (low, high) = near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
-                let size = if value.is_nan() { f64::NAN } else { (value - high).max(low - value).max(0.0) };
-                if size > worst.0 || size.is_nan() {
+                let size = beside(*value, theirs, sample, around);
+                if size > worst.0 {
                     worst = (size, *time);
                 }
             }

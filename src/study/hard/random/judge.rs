@@ -219,26 +219,53 @@ fn end_class(words: &str) -> Class {
 
 /// Two tight runs of the scene.
 fn reference(drawn: &RandomScene, look: &Look) -> Result<[Ran; 2], String> {
+    let implicit = |tolerance| tight(drawn, look, ("rosenbrock", tolerance), 0.0);
+    match tight(drawn, look, ("dormand_prince", "1e-9"), 0.0) {
+        Ok(first) => Ok([first, tight(drawn, look, ("rk43", "1e-8"), 0.0).or_else(|_| implicit("1e-8"))?]),
+        Err(_) => Ok([implicit("1e-9")?, implicit("1e-8")?]),
+    }
+}
+
+/// The scene from a start that is moved aside by a few times the tolerance.
+fn shaken(drawn: &RandomScene, look: &Look) -> Result<Ran, String> {
+    const TIMES: f64 = 3.0;
+    let aside = TIMES * if drawn.fixed { OF_FIXED_STEPS } else { drawn.setting };
+    let finished = |method| {
+        let ran = tight(drawn, look, method, aside)?;
+        if matches!(ran.end, End::Finished) { Ok(ran) } else { Err(words(&ran)) }
+    };
+    finished(("dormand_prince", "1e-9")).or_else(|_| finished(("rosenbrock", "1e-8")))
+}
+
+/// A run with an integrator and its tolerance that did not give up. At the start y and yaw of all bodies are moved `aside` (m, rad), one body to
+/// the left, the next to the right.
+fn tight(drawn: &RandomScene, look: &Look, (integrator, tolerance): (&str, &str), aside: f64) -> Result<Ran, String> {
     let look = Look { limit: REFERENCE_LIMIT, ..*look };
-    let tight = |changes: [&str; 2]| -> Result<Ran, String> {
-        let scene = open_with(drawn, &changes)?;
+    guarded(|| {
+        let scene = open_with(drawn, &[&format!("solver.integrator={integrator}"), &format!("solver.tolerance={tolerance}")])?;
         let mut simulation = Simulation::new(&scene, 0.0).map_err(|error| error.to_string())?;
+        if aside > 0.0 {
+            move_aside(&mut simulation, aside)?;
+        }
         let ran = run(&scene, &mut simulation, &look);
         match &ran.end {
-            End::Late { .. } => Err(format!("{} needs more than {} s", changes[0], look.limit)),
+            End::Late { .. } => Err(format!("{integrator} needs more than {} s", look.limit)),
             End::Stopped { words, .. } if end_class(words) == Class::GaveUp => Err(words.clone()),
             _ => Ok(ran),
         }
-    };
-    let explicit = guarded(|| tight(["solver.integrator=dormand_prince", "solver.tolerance=1e-9"])).and_then(|done| done);
-    let implicit = |tolerance: &'static str| guarded(|| tight(["solver.integrator=rosenbrock", tolerance])).and_then(|done| done);
-    match explicit {
-        Ok(first) => {
-            let second = guarded(|| tight(["solver.integrator=rk43", "solver.tolerance=1e-8"])).and_then(|done| done);
-            Ok([first, second.or_else(|_| implicit("solver.tolerance=1e-8"))?])
-        }
-        Err(_) => Ok([implicit("solver.tolerance=1e-9")?, implicit("solver.tolerance=1e-8")?]),
+    })
+    .and_then(|done| done)
+}
+
+fn move_aside(simulation: &mut Simulation, aside: f64) -> Result<(), String> {
+    let mut state = simulation.state().clone();
+    for body in 0..simulation.model().system.bodies.len() {
+        let sign = if body % 2 == 0 { 1.0 } else { -1.0 };
+        let coordinates = &mut state.integration.y[simulation.model().system.coordinates(body)];
+        coordinates[LATERAL] += sign * aside;
+        coordinates[YAW] += sign * aside;
     }
+    if simulation.restore(&state) { Ok(()) } else { Err("the moved state does not fit".into()) }
 }
 
 /// What the books say against a run, where `unbooked` of the energy can't be told on this grid.
@@ -251,31 +278,6 @@ fn told(findings: &[Finding]) -> Option<(String, f64)> {
     let wrong: Vec<&Finding> = findings.iter().filter(|finding| !finding.holds()).collect();
     let strain = wrong.iter().map(|finding| finding.strain()).fold(0.0, f64::max);
     (!wrong.is_empty()).then(|| (wrong.iter().map(|finding| finding.words()).collect::<Vec<_>>().join("; "), strain))
-}
-
-/// The scene from a start that is moved aside: y and yaw of all bodies by a few times the tolerance, one body to the left, the next to the right.
-fn shaken(drawn: &RandomScene, look: &Look) -> Result<Ran, String> {
-    const TIMES: f64 = 3.0;
-    let aside = TIMES * if drawn.fixed { OF_FIXED_STEPS } else { drawn.setting };
-    let look = Look { limit: REFERENCE_LIMIT, ..*look };
-    let from = |changes: [&str; 2]| -> Result<Ran, String> {
-        let scene = open_with(drawn, &changes)?;
-        let mut simulation = Simulation::new(&scene, 0.0).map_err(|error| error.to_string())?;
-        let mut state = simulation.state().clone();
-        for body in 0..simulation.model().system.bodies.len() {
-            let sign = if body % 2 == 0 { 1.0 } else { -1.0 };
-            let coordinates = &mut state.integration.y[simulation.model().system.coordinates(body)];
-            coordinates[LATERAL] += sign * aside;
-            coordinates[YAW] += sign * aside;
-        }
-        if !simulation.restore(&state) {
-            return Err("the moved state does not fit".into());
-        }
-        let ran = run(&scene, &mut simulation, &look);
-        if matches!(ran.end, End::Finished) { Ok(ran) } else { Err(words(&ran)) }
-    };
-    let explicit = guarded(|| from(["solver.integrator=dormand_prince", "solver.tolerance=1e-9"])).and_then(|done| done);
-    explicit.or_else(|_| guarded(|| from(["solver.integrator=rosenbrock", "solver.tolerance=1e-8"])).and_then(|done| done))
 }
 
 /// What is further from the reference than it may be, or than half of how far a start that was moved aside is from it.
