@@ -75,6 +75,8 @@ fn hard_success_rate_and_work_of_accf_and_eccf_over_tolerances() {
                 setting.join(" "),
                 CASES.len()
             );
+            // Variables change at the ends of the gauge reduction: what was dependent must be exact by then.
+            assert!(setting[0] != "solver.tolerance=1e-8" || worst < 1e-7, "{formulation}, {}: {worst:.1e} m", setting[0]);
             *total += good;
         }
     }

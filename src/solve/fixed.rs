@@ -65,10 +65,12 @@ pub(super) struct FixedStep {
     partial: bool,
     /// Length of a whole step, s.
     step: f64,
+    /// Where the grid starts, and the steps done on it.
+    grid: (f64, u64),
 }
 
 impl FixedStep {
-    /// The step that is next on the grid with whole steps of `step` [s].
+    /// The step that is next on the grid with whole steps of `step` [s]; a part of it after one that failed.
     pub fn next(step: f64, dynamics: &dyn Dynamics, state: &IntegrationState) -> Result<Self, SolveError> {
         let known = dynamics.longest_known();
         if step > AHEAD * known {
@@ -78,22 +80,36 @@ impl FixedStep {
         let next = state.grid_start + (state.grid_count + 1) as f64 * step;
         let cut = next >= limit - SLACK * step;
         let end = if cut { limit } else { next };
+        let part = state.t + state.next_step;
+        let partial = state.next_step > 0.0 && part < end;
+        let end = if partial { part } else { end };
         let h = end - state.t;
-        if h > 0.0 { Ok(FixedStep { end, h, cut, partial: false, step }) } else { Err(SolveError::NoProgress { time: state.t, step }) }
+        let grid = (state.grid_start, state.grid_count);
+        if h > 0.0 {
+            Ok(FixedStep { end, h, cut: cut && !partial, partial, step, grid })
+        } else {
+            Err(SolveError::NoProgress { time: state.t, step })
+        }
     }
 
-    /// The first part of this step; the rest is a step of its own. `None` where that would be too short to help.
-    pub fn shortened(&self, state: &IntegrationState) -> Option<Self> {
-        const FRACTION: f64 = 0.25;
+    /// After a failure of this step, which has left the state as it was: half of it is tried next, and what is left then is a step of its own. So the
+    /// place where a solution ends is found to a thousandth of a step.
+    ///
+    /// # Errors
+    /// The failure, where a shorter step would not help.
+    pub fn failed(&self, state: &mut IntegrationState, error: SolveError) -> Result<(), SolveError> {
         const SHORTEST: f64 = 1e-3;
-        let end = state.t + FRACTION * self.h;
-        let h = end - state.t;
-        (h > SHORTEST * self.step).then_some(FixedStep { end, h, cut: false, partial: true, ..*self })
+        let half = 0.5 * self.h;
+        let helps = matches!(error, SolveError::Undefined { .. } | SolveError::NotConverged { .. }) && half > SHORTEST * self.step;
+        (state.grid_start, state.grid_count) = self.grid;
+        state.next_step = if helps { half } else { 0.0 };
+        if helps { Ok(()) } else { Err(error) }
     }
 
-    /// The failure of an evaluation in this step.
-    pub fn undefined(state: &IntegrationState) -> SolveError {
-        SolveError::Undefined { time: state.t }
+    /// The same for an evaluation that failed within the step.
+    pub fn undefined(&self, state: &mut IntegrationState) -> Result<(), SolveError> {
+        state.statistics.rejected += 1;
+        self.failed(state, SolveError::Undefined { time: state.t })
     }
 
     /// Refuses a solution that is not finite.
@@ -103,9 +119,13 @@ impl FixedStep {
     }
 
     /// Completes the step that was just accepted (constraints, events) and evaluates f at its end, for [`FixedStep::judge`]; it is then in
-    /// `scratch.stages[END]`. False where an event has cut the step: what was left of it says nothing of its error.
-    pub fn complete(dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<bool, SolveError> {
-        state.complete(dynamics, scratch)?;
+    /// `scratch.stages[END]`. False where an event has cut the step, or where it was taken back to be tried in parts: what is left of it says nothing of
+    /// its error.
+    pub fn complete(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<bool, SolveError> {
+        if let Err(error) = state.complete(dynamics, scratch) {
+            return self.failed(state, error).map(|()| false);
+        }
+        state.next_step = 0.0;
         if state.switch_due {
             return Ok(false);
         }

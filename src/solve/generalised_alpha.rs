@@ -172,10 +172,10 @@ impl Integrator for GeneralisedAlpha {
             state.record.copy_from_slice(&state.derivative);
             state.record_known = true;
         }
-        let mut step = FixedStep::next(self.step, dynamics, state)?;
-        while let Err(error) = self.iterate(dynamics, state, scratch, &step) {
-            step = step.shortened(state).ok_or(error)?;
+        let step = FixedStep::next(self.step, dynamics, state)?;
+        if let Err(error) = self.iterate(dynamics, state, scratch, &step) {
             state.statistics.rejected += 1;
+            return step.failed(state, error);
         }
         let (h, gamma) = (step.h, self.weights().gamma);
         let rate = &scratch.stages[0];
@@ -186,7 +186,7 @@ impl Integrator for GeneralisedAlpha {
         dense::write_cubic(&mut state.dense, &state.y, &scratch.trial, |i| [h * state.record[i], h * scratch.stages[0][i]]);
         state.record.copy_from_slice(&scratch.stages[0]);
         step.accept(state, scratch, None);
-        if !FixedStep::complete(dynamics, state, scratch)? {
+        if !step.complete(dynamics, state, scratch)? {
             return Ok(());
         }
         let Weights { rates, states, gamma } = self.weights();

@@ -92,7 +92,9 @@ impl Integrator for RealTime {
         state.linearise(dynamics, StiffPart::All)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
         scratch.memory.copy_from_slice(&state.memory);
-        stages(dynamics, state, scratch, &step).map_err(|Undefined| FixedStep::undefined(state))?;
+        if stages(dynamics, state, scratch, &step).is_err() {
+            return step.undefined(state);
+        }
         step.check(state, scratch)?;
         let n = state.y.len();
         for i in 0..n {
@@ -105,7 +107,7 @@ impl Integrator for RealTime {
         scratch.carried.move_to(dynamics, step.h);
         step.accept(state, scratch, None);
         scratch.carried.keep(dynamics, state);
-        if !FixedStep::complete(dynamics, state, scratch)? {
+        if !step.complete(dynamics, state, scratch)? {
             return Ok(());
         }
         let Scratch { stages: [first, second, .., end, error], carried, .. } = scratch;

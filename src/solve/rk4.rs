@@ -47,7 +47,9 @@ impl Integrator for RungeKutta4 {
         let step = FixedStep::next(self.step, dynamics, state)?;
         scratch.memory.copy_from_slice(&state.memory);
         scratch.beyond = None;
-        stages(dynamics, state, scratch, step.end, step.h).map_err(|Undefined| FixedStep::undefined(state))?;
+        if stages(dynamics, state, scratch, step.end, step.h).is_err() {
+            return step.undefined(state);
+        }
         step.check(state, scratch)?;
         write_dense(state, scratch, step.h);
         let Scratch { stages: [first, _, _, last, end, .., error], trial, .. } = scratch;
@@ -60,7 +62,7 @@ impl Integrator for RungeKutta4 {
         if state.derivative_known {
             dynamics.mark_findings();
         }
-        if !FixedStep::complete(dynamics, state, scratch)? {
+        if !step.complete(dynamics, state, scratch)? {
             return Ok(());
         }
         step.judge(dynamics, state, scratch)

@@ -49,7 +49,7 @@ pub struct IntegrationState {
     pub(super) derivative_known: bool,
     /// Does the system change its form at `t`, before the next step?
     pub(super) switch_due: bool,
-    /// Length of the next step, s; 0 when it has to be found.
+    /// Length of the next step, s; 0 when it has to be found. Of fixed steps the part that is tried next after a failure, 0 else.
     pub(super) next_step: f64,
     /// Scaled error of the last accepted step, for the step-size controller.
     pub(super) last_error: f64,

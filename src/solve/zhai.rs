@@ -94,7 +94,7 @@ impl Integrator for Zhai {
         state.record.copy_from_slice(&state.derivative);
         state.record_known = true;
         step.accept(state, scratch, None);
-        if !FixedStep::complete(dynamics, state, scratch)? {
+        if !step.complete(dynamics, state, scratch)? {
             return Ok(());
         }
         let Scratch { stages: [begin, before, .., end, error], .. } = scratch;

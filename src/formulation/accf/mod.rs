@@ -20,7 +20,9 @@
 //! on the heading and an imposed speed stays out of the constraints' reach.
 //!
 //! Where a rail's second derivative jumps (the end of a deviation), the rates of surface parameters jump while the coordinates'
-//! do not: within 20 ms of such a place coordinates are the independent variables; elsewhere pivoting chooses. The same rates jump
+//! do not: within 20 ms of such a place coordinates are the independent variables; elsewhere pivoting chooses, and prefers coordinates as
+//! independent ones ten to one: with a parameter in the place of y an error of 1e-5 m in it pulls at the suspension, however stiff that is.
+//! The same rates jump
 //! where the curvature of a profile does. A contact may stand at such a joint for long (S1002 on 60E1: 0.3 mm beside one at the
 //! place to which it jumps), so that on a pair of profiles with joints coordinates are independent all the time.
 //!
@@ -120,7 +122,8 @@ impl Formulation for Accf {
         done
     }
 
-    /// Writes the dependent variables into `y`. An evaluation before and after it gives the same: it says `false`.
+    /// Writes the dependent variables into `y`. An evaluation before and after it gives the same: it says `false`, unless variables that were
+    /// dependent become independent, which then go on from what the constraints give.
     fn project(
         &self,
         model: &Model,
@@ -129,6 +132,7 @@ impl Formulation for Accf {
         y: &mut [f64],
         memory: &mut [f64],
     ) -> Result<bool, EvaluationError> {
+        let mut chosen = false;
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let jacobian = close(model, workspace, index, wheelset, t, y, memory)?;
             idle(model, workspace, index, wheelset, y, memory);
@@ -139,9 +143,10 @@ impl Formulation for Accf {
             if crossing != memory[CONDITIONING].is_infinite() || (!crossing && kept < WORSE * memory[CONDITIONING]) {
                 choose(&jacobian, crossing, wheelset, t, memory)?;
                 workspace.work.partitions += 1;
+                chosen = true;
             }
         }
-        Ok(false)
+        Ok(chosen)
     }
 
     /// The local error of independent variables is controlled; while a wheel is elastic that of all coordinates.
@@ -250,6 +255,11 @@ const INSIDE: f64 = 1e-5;
 /// Place of s among the surface parameters.
 const DISTANCE: usize = 2;
 
+/// How much more columns of surface parameters weigh in the choice of dependent variables: in general, and where coordinates must be
+/// independent.
+const PREFERRED: f64 = 10.0;
+const ALWAYS: f64 = 1e4;
+
 /// Chooses a partition and keeps it in the left contact's memory. One for a crossing ends with it.
 fn choose(jacobian: &Jacobian, crossing: bool, wheelset: &Wheelset, t: f64, memory: &mut [f64]) -> Result<(), EvaluationError> {
     let mut free = *jacobian;
@@ -260,8 +270,8 @@ fn choose(jacobian: &Jacobian, crossing: bool, wheelset: &Wheelset, t: f64, memo
         free.column_mut(0).fill(0.0);
         free[(CONSTRAINTS + NORMAL, 0)] = if holds { held } else { 0.0 };
     }
-    let partition = if crossing { Partition::of_coordinates(&free) } else { Partition::choose(&free) };
-    let partition = partition.ok_or_else(|| EvaluationError::new(t, wheelset, Side::Left, ContactFailure::Dependent))?;
+    let partition = Partition::choose(&free, if crossing { ALWAYS } else { PREFERRED });
+    let partition = partition.ok_or_else(|| EvaluationError::new(t, wheelset, least_certain(jacobian), ContactFailure::Dependent))?;
     memory[PARTITION] = partition.mask();
     memory[CONDITIONING] = if crossing { f64::INFINITY } else { conditioning(&partition.block(jacobian)) };
     Ok(())
@@ -302,10 +312,23 @@ fn close(
     let uncertain =
         |jacobian: &Jacobian| if elastic[0] == elastic[1] { least_certain(jacobian) } else { Side::BOTH[usize::from(elastic[0])] };
     let solved = newton::solve(&mut change, limits, evaluate, |_, jacobian| partition.block(jacobian));
-    let (jacobian, iterations) = solved.map_err(|failure| {
-        let cause = ContactFailure::NotClosed { iterations: failure.iterations, gap: failure.residual, y: base[1] };
-        EvaluationError::new(t, wheelset, uncertain(&evaluate(&change).1), cause)
-    })?;
+    let (jacobian, iterations) = match solved {
+        Ok(solved) => solved,
+        Err(failure) => {
+            let (rest, jacobian) = evaluate(&change);
+            let (iterations, y_wheelset) = (failure.iterations, base[1]);
+            return Err(lost(model, workspace, wheelset, t, y, memory).unwrap_or_else(|| match unplaced(&rest) {
+                Some(side) => {
+                    let cause = ContactFailure::NotFound { iterations, residual: failure.residual, y: y_wheelset };
+                    EvaluationError::new(t, wheelset, side, cause)
+                }
+                None => {
+                    let cause = ContactFailure::NotClosed { iterations, gap: failure.residual, y: y_wheelset };
+                    EvaluationError::new(t, wheelset, uncertain(&jacobian), cause)
+                }
+            }));
+        }
+    };
     workspace.work.constraint_iterations += iterations as u64;
     values = at(&change);
     let mut excess: Rows = jacobian * rates;
@@ -321,6 +344,20 @@ fn close(
     scatter(model, (index, wheelset), &axes, values, rates, y);
     workspace.rigid.partitions[index] = Some(partition);
     Ok(jacobian)
+}
+
+/// Which wheel has lost its place: contacts of a wheelset are closed together here, but ECCF's projection locates each on its own.
+fn lost(model: &Model, workspace: &mut Workspace, wheelset: &Wheelset, t: f64, y: &[f64], memory: &[f64]) -> Option<EvaluationError> {
+    let failure = eccf::project(model, workspace, t, &mut y.to_vec(), &mut memory.to_vec()).err()?;
+    (failure.wheelset == wheelset.name && matches!(failure.cause, ContactFailure::NotFound { .. })).then_some(failure)
+}
+
+/// The side whose surfaces are not parallel yet, or not above each other, where the other one's are: its place ends at a corner of curvature.
+fn unplaced(residual: &Rows) -> Option<Side> {
+    const CLEARLY: f64 = 3.0;
+    let size = |begin: usize| (0..CONSTRAINTS).filter(|row| *row != NORMAL).map(|row| residual[begin + row].abs()).fold(0.0, f64::max);
+    let (left, right) = (size(0), size(CONSTRAINTS));
+    if left > CLEARLY * right { Some(Side::Left) } else { (right > CLEARLY * left).then_some(Side::Right) }
 }
 
 /// The side whose contact's place is least certain: where it ceases to exist the determinant of its equations falls to zero.

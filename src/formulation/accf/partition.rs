@@ -25,10 +25,13 @@ pub struct Partition {
 }
 
 impl Partition {
-    /// Picks dependent variables by pivoting; `None` when the constraints are not independent.
-    pub fn choose(jacobian: &Jacobian) -> Option<Partition> {
+    /// Picks dependent variables by pivoting; `None` when the constraints are not independent. Columns of surface parameters count
+    /// `outweigh` times: the more, the sooner they are dependent, and coordinates, which inertia and suspension act on, are integrated.
+    pub fn choose(jacobian: &Jacobian, outweigh: f64) -> Option<Partition> {
         const INDEPENDENT: f64 = 1e-9;
-        let factors = jacobian.col_piv_qr();
+        let mut weighted = *jacobian;
+        weighted.columns_mut(COORDINATES, VARIABLES - COORDINATES).scale_mut(outweigh);
+        let factors = weighted.col_piv_qr();
         let r = factors.r();
         let first = r[(0, 0)].abs();
         if !(0..ROWS).all(|i| r[(i, i)].abs() > INDEPENDENT * first) {
@@ -39,15 +42,6 @@ impl Partition {
         let mut dependent: [usize; ROWS] = std::array::from_fn(|i| order[i] as usize);
         dependent.sort_unstable();
         Some(Partition { dependent })
-    }
-
-    /// Makes all surface parameters dependent, and the coordinates that are determined best with them. (Their columns outweigh
-    /// all others, so that pivoting takes them first.)
-    pub fn of_coordinates(jacobian: &Jacobian) -> Option<Partition> {
-        const OUTWEIGH: f64 = 1e4;
-        let mut weighted = *jacobian;
-        weighted.columns_mut(COORDINATES, VARIABLES - COORDINATES).scale_mut(OUTWEIGH);
-        Self::choose(&weighted)
     }
 
     /// The choice as a number that the state's memory can hold: bit i says that variable i is dependent.
@@ -109,7 +103,7 @@ mod tests {
             let scaled = jacobian.column(tiny) * 1e-3;
             jacobian.set_column(tiny, &scaled);
         }
-        let partition = Partition::choose(&jacobian).unwrap();
+        let partition = Partition::choose(&jacobian, 1.0).unwrap();
         assert!([3, 4, 5].iter().all(|tiny| !partition.is_dependent(*tiny)));
         assert!(!(partition.is_dependent(1) && partition.is_dependent(7)));
         assert!(conditioning(&partition.block(&jacobian)) > 1e-2);
@@ -118,6 +112,6 @@ mod tests {
 
         let row = jacobian.row(2) + jacobian.row(3);
         jacobian.set_row(4, &row);
-        assert_eq!(Partition::choose(&jacobian), None, "dependent rows must be noticed");
+        assert_eq!(Partition::choose(&jacobian, 1.0), None, "dependent rows must be noticed");
     }
 }
