@@ -10,19 +10,19 @@
 //!
 //! The normal force is continuous from node to node: penetration is the greatest of many continuous ones, and the normal law reads the
 //! profiles where the overlap is deepest (see `contact::search::nodal`). S1002 on 60E1 up to 120 kN, nodes every 0.1 mm: what is left is
-//! below 1e-3 of N (0.4 mm: 2 %). One jump remains at any spacing, as the paper has one contact for each batch: where two places of one batch
-//! are equally deep, the contact goes from one to the other, and N with it from one stiffness to the other (10 mm aside, 2 % of 68 kN);
-//! ECF-A shares the force out between such places instead.
+//! below 1e-3 of N (0.4 mm: 2 %). The paper has one contact for each batch; where two places of one batch are equally deep it would go from
+//! one to the other, and N with it from one stiffness to the other (10 mm aside, 2 % of 68 kN): such places share the force out as ECF-A's do
+//! (`points::share`). Only while a second batch (the flange) touches too the deepest of a batch has it all.
 //!
 //! State per contact: s of the section, m. Memory per contact: the surface parameters of the first contact, for whoever asks where
 //! the wheel stands; nothing is taken from them.
 
 use super::loading::{Contact, WheelAt, external_wrench, keep};
-use super::rigid;
 use super::{
     AssemblyError, Build, ContactFailure, ContactReport, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, Parts,
     RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace, contact_index,
 };
+use super::{points, rigid};
 use crate::contact::search::algebraic::ContactLocation;
 use crate::contact::search::nodal::{NodalSearch, arc_rate};
 use crate::geometry::Side;
@@ -131,10 +131,15 @@ impl Formulation for EcfN {
                 let first = first.as_ref().ok_or_else(|| fail(ContactFailure::OffRail { y: model.beside(motion).0 }))?;
                 keep(&first.parameters, &mut memory[model.contact_memory(contact)]);
                 let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
+                // Humps of one batch share a patch, as ECF-A's places do.
+                let share = |own: usize| match (found.saddle, [first, second.as_ref().unwrap_or(first)]) {
+                    (Some(saddle), both) => points::share_beside(both[own].penetration, saddle, both[1 - own].penetration),
+                    (None, _) => 1.0,
+                };
                 let mut load = |(slot, found): (usize, &ContactLocation)| {
                     self.check_ends(model, wheelset, side, found, motion)?;
                     let wrench = &mut workspace.system.wrenches[wheelset.body];
-                    Contact { wheel: &wheel, found, slot, share: 1.0 }.elastic(wrench)
+                    Contact { wheel: &wheel, found, slot, share: share(slot) }.elastic(wrench)
                 };
                 let found = [Some((0, first)), second.as_ref().map(|second| (1, second))];
                 let reports = found.map(|found| found.map_or(Ok(ContactReport::default()), &mut load));

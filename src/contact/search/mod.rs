@@ -2,6 +2,7 @@
 
 pub mod algebraic;
 pub mod global;
+mod humps;
 pub mod kinematics;
 pub mod nodal;
 pub mod nodes;

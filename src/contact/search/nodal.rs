@@ -53,11 +53,17 @@
 //! are returned, the one further out (greater u) first: the flange is the inner end of the profile, so a tread contact
 //! stays in place 0 when a flange contact comes and goes, whichever is deeper. A contact that is alone is in place 0.
 //!
+//! *Humps.* Where one batch is all there is and its depth has two humps (S1002 on 60E1: 10 mm apart, equally deep at y = 0.2 mm), the
+//! second is a contact too, with the saddle between them: with the deepest alone the contact would jump from one to the other. A hump that
+//! stands out by less than 1e-3 of the greatest depth is none (the surfaces of nodes are rough by less), and it rises from there: the
+//! saddle is taken to be higher by so much.
+//!
 //! *Passing over nodes.* From node to node G changes by at least `-D` (see `Section::fall`), so from a gap G > 0 the
 //! next `G / D` nodes cannot touch. Both profiles' bounds enter, so D is the closing slope of the surfaces and not
 //! the slope of either.
 
 use super::algebraic::{ContactLocation, SurfaceParameters};
+use super::humps::Humps;
 use super::nodes::{Bounds, NodeError, NodeTable};
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Rail, RailSection};
@@ -89,6 +95,9 @@ const TURNED: f64 = 0.5;
 /// Wheel nodes without bounds asked for after bounds have gained nothing.
 const PATIENCE: usize = 4;
 
+/// A hump of a batch's depth stands out by more than so much of its greatest depth.
+const LEAST_HUMP: f64 = 1e-3;
+
 /// Projections on tangents in search of the foot; each leaves about `curvature delta` of the error before it.
 const PROJECTIONS: usize = 4;
 
@@ -100,6 +109,8 @@ pub struct NodalContacts {
     pub contacts: [Option<ContactLocation>; 2],
     /// Number of contacts, 0 to 2.
     pub count: usize,
+    /// Where both belong to one batch: penetration at the saddle between them, m.
+    pub saddle: Option<f64>,
     /// Pairs whose gap was evaluated.
     pub evaluated: usize,
     /// Bounds of stretches of nodes that were looked up.
@@ -263,7 +274,7 @@ impl NodalSearch {
             walk.closest_wanted = true;
             self.walk(&plane, &mut walk);
         }
-        let mut found = walk.batches();
+        let (mut found, saddle) = walk.found();
         if let [Some(first), Some(second)] = found
             && second.wheel > first.wheel
         {
@@ -276,6 +287,7 @@ impl NodalSearch {
         NodalContacts {
             contacts: found.map(|pair| pair.map(|pair| self.location(&pair, &plane, centre, axes, (distance, arc), section))),
             count,
+            saddle,
             evaluated: walk.evaluated,
             looked_up: walk.looked_up,
         }
@@ -376,8 +388,7 @@ impl NodalSearch {
 
     /// Takes the batch that begins at the wheel node `begin`; returns the node after its last.
     fn batch(&self, plane: &Section, walk: &mut Walk, begin: usize) -> usize {
-        // Depth over the tangent and N^2 of the deepest pair: penetrations are compared by their squares.
-        let (mut depth, mut norm2, mut best) = (0.0, 1.0, (begin, 0));
+        let mut humps = Humps::new();
         let mut index = begin;
         while index < self.wheel.count()
             && let Some(node) = self.node(plane, index)
@@ -388,16 +399,20 @@ impl NodalSearch {
                 break;
             }
             let (foot, below) = self.foot(nearest, gap, &node);
-            let across = plane.norm2(self.rail.point(foot).d1);
             // Between two nodes the two tangents may differ in their last digits about whether anything touches.
-            if below > 0.0 && below * below * norm2 > depth * depth * across {
-                (depth, norm2, best) = (below, across, (index, foot));
+            if below > 0.0 {
+                humps.pass(below / plane.norm2(self.rail.point(foot).d1).sqrt(), (index, foot));
             }
             index += 1;
         }
         walk.evaluated += index - begin;
-        if depth > 0.0 {
-            walk.keep(Pair { wheel: best.0, rail: best.1, penetration: depth / norm2.sqrt() });
+        let pair = |(penetration, (wheel, rail))| Pair { wheel, rail, penetration };
+        if let Some(deepest) = humps.deepest() {
+            let beside = humps.beside().and_then(|hump| {
+                let saddle = hump.saddle + LEAST_HUMP * deepest.0;
+                (hump.depth > saddle).then(|| (pair((hump.depth, hump.place)), saddle))
+            });
+            walk.keep(Batch { deepest: pair(deepest), beside });
         }
         index
     }
@@ -510,12 +525,20 @@ impl NodalSearch {
     }
 }
 
+/// Consecutive nodes that touch.
+#[derive(Clone, Copy)]
+struct Batch {
+    deepest: Pair,
+    /// A second hump with the penetration at the saddle, m.
+    beside: Option<(Pair, f64)>,
+}
+
 /// What has been seen on the way along the wheel's profile.
 #[derive(Default)]
 struct Walk {
-    /// Deepest pairs of the deepest batch and of the next.
-    deepest: Option<Pair>,
-    second: Option<Pair>,
+    /// The deepest batch and the next.
+    deepest: Option<Batch>,
+    second: Option<Batch>,
     /// Pair with the greatest penetration, touching or not.
     closest: Option<Pair>,
     /// Only pairs that cannot come closer than `closest` may be passed over.
@@ -532,19 +555,24 @@ impl Walk {
         }
     }
 
-    /// Keeps the deepest pair of a batch if the batch is one of the two deepest so far.
-    fn keep(&mut self, pair: Pair) {
-        let deeper = |other: Option<Pair>| other.is_none_or(|other| pair.penetration > other.penetration);
+    /// Keeps a batch if it is one of the two deepest so far.
+    fn keep(&mut self, batch: Batch) {
+        let deeper = |other: Option<Batch>| other.is_none_or(|other| batch.deepest.penetration > other.deepest.penetration);
         if deeper(self.deepest) {
             self.second = self.deepest;
-            self.deepest = Some(pair);
+            self.deepest = Some(batch);
         } else if deeper(self.second) {
-            self.second = Some(pair);
+            self.second = Some(batch);
         }
     }
 
-    fn batches(&self) -> [Option<Pair>; 2] {
-        [self.deepest, self.second]
+    /// The contacts, and the penetration at the saddle between them where they are humps of one batch.
+    fn found(&self) -> ([Option<Pair>; 2], Option<f64>) {
+        let deepest = |batch: Option<Batch>| batch.map(|batch| batch.deepest);
+        match (self.second, self.deepest.and_then(|batch| batch.beside)) {
+            (None, Some((beside, saddle))) => ([deepest(self.deepest), Some(beside)], Some(saddle)),
+            _ => ([deepest(self.deepest), deepest(self.second)], None),
+        }
     }
 
     /// Least G, m, of a node that may be passed over on a rail with these bounds: the normal gap of the closest pair

@@ -41,8 +41,8 @@ use crate::mbs::body::Wrench;
 pub use prepared::PreparedSearches;
 pub(super) use record::{Record, record_length};
 use reply::reply;
-pub(super) use share::share_slopes;
 use share::{Saddle, Saddles, share_out};
+pub(super) use share::{beside as share_beside, share_slopes};
 use std::sync::Arc;
 pub(super) use touch::{margin, switch};
 

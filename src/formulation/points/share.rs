@@ -73,7 +73,7 @@ pub(super) fn share_out(places: &mut Places, saddles: &Saddles) {
 
 /// Share of a place of penetration `own` beside a `neighbour` over a pressed `ridge`, m.
 #[inline]
-fn beside(own: f64, ridge: f64, neighbour: f64) -> f64 {
+pub(in super::super) fn beside(own: f64, ridge: f64, neighbour: f64) -> f64 {
     let (p, other) = ((own - ridge).max(0.0), (neighbour - ridge).max(0.0));
     let sum = p + other;
     // Rounding may put a ridge below the contact.

@@ -29,10 +29,13 @@ pub enum Quantity {
     Longitudinal,
     Normal,
     Quotient,
+    /// Of each place of contact: N and the contact angle.
+    PlaceNormal,
+    PlaceAngle,
 }
 
 impl Quantity {
-    const ALL: [Quantity; 17] = [
+    const ALL: [Quantity; 19] = [
         Quantity::Distance,
         Quantity::Y,
         Quantity::Z,
@@ -50,6 +53,8 @@ impl Quantity {
         Quantity::Longitudinal,
         Quantity::Normal,
         Quantity::Quotient,
+        Quantity::PlaceNormal,
+        Quantity::PlaceAngle,
     ];
 
     /// Its name among the outputs of a wheelset or a wheel.
@@ -70,7 +75,8 @@ impl Quantity {
             Quantity::Vertical => "verticalForce",
             Quantity::Lateral => "lateralForce",
             Quantity::Longitudinal => "longitudinalForce",
-            Quantity::Normal => "normalForce",
+            Quantity::Normal | Quantity::PlaceNormal => "normalForce",
+            Quantity::PlaceAngle => "angle",
             Quantity::Quotient => "derailmentQuotient",
         }
     }
@@ -93,11 +99,15 @@ impl Quantity {
         matches!(self, Quantity::Vertical | Quantity::Lateral | Quantity::Longitudinal | Quantity::Normal | Quantity::Quotient)
     }
 
+    fn of_places(self) -> bool {
+        matches!(self, Quantity::PlaceNormal | Quantity::PlaceAngle)
+    }
+
     /// Of its errors; forces are told as shares.
     pub fn unit(self) -> Unit {
         match self {
             Quantity::Distance | Quantity::Y | Quantity::Z => Unit::Metre,
-            Quantity::Yaw => Unit::Radian,
+            Quantity::Yaw | Quantity::PlaceAngle => Unit::Radian,
             Quantity::Speed | Quantity::LateralSpeed | Quantity::VerticalSpeed => Unit::MetrePerSecond,
             Quantity::LateralAcceleration | Quantity::VerticalAcceleration => Unit::MetrePerSecond2,
             Quantity::YawAcceleration => Unit::RadianPerSecond2,
@@ -108,7 +118,7 @@ impl Quantity {
 
     /// Is it a force, whose error is told as a share of the static wheel load?
     pub fn is_force(self) -> bool {
-        self.of_wheels() && self != Quantity::Quotient || self == Quantity::Driving
+        self.of_wheels() && self != Quantity::Quotient || matches!(self, Quantity::Driving | Quantity::PlaceNormal)
     }
 }
 
@@ -132,7 +142,7 @@ impl Trace {
     /// An empty one for the wheelsets of a model.
     pub fn new(model: &Model) -> Trace {
         let mut channels = Vec::new();
-        for output in outputs(model, &["motion", "wheels"]) {
+        for output in outputs(model, &["motion", "wheels", "contacts"]) {
             let wheelset = output.reference as usize / 1000 - 1;
             let Some(local) =
                 model.wheelsets.get(wheelset).and_then(|known| output.name.strip_prefix(known.name.as_str())?.strip_prefix('.'))
@@ -141,7 +151,10 @@ impl Trace {
             };
             let side = Side::BOTH.into_iter().find(|side| local.strip_prefix(side.name()).is_some_and(|rest| rest.starts_with('.')));
             let name = local.rsplit('.').next().unwrap_or(local);
-            let found = Quantity::ALL.into_iter().find(|quantity| quantity.name() == name && quantity.of_wheels() == side.is_some());
+            let place = local.contains(".contact[");
+            let found = Quantity::ALL.into_iter().find(|quantity| {
+                quantity.name() == name && (quantity.of_wheels() || quantity.of_places()) == side.is_some() && quantity.of_places() == place
+            });
             if let Some(quantity) = found {
                 channels.push(Channel { quantity, wheelset, side, output });
             }
@@ -158,13 +171,19 @@ impl Trace {
         }
     }
 
-    /// Columns of a quantity, of every wheelset and wheel.
+    /// Columns of a quantity, of every wheelset and wheel (place).
     pub fn of(&self, quantity: Quantity) -> impl Iterator<Item = &[f64]> {
         self.channels
             .iter()
             .zip(&self.columns)
             .filter(move |(channel, _)| channel.quantity == quantity)
             .map(|(_, column)| column.as_slice())
+    }
+
+    /// Columns of every place of a wheel.
+    pub fn places(&self, quantity: Quantity, wheelset: usize, side: Side) -> Vec<&[f64]> {
+        let wanted = |channel: &Channel| channel.quantity == quantity && channel.wheelset == wheelset && channel.side == Some(side);
+        self.channels.iter().zip(&self.columns).filter(|(channel, _)| wanted(channel)).map(|(_, column)| column.as_slice()).collect()
     }
 
     /// One column; empty where there is none.

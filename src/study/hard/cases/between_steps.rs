@@ -15,6 +15,16 @@ const METHODS: &[Method] = &[
     Method::new("generalised_alpha", "step=1 ms"),
     Method::new("real_time", "step=1 ms"),
 ];
+/// The generalised-alpha method is of order 2 and has no motion that is carried along: with 1 ms it takes ay off by 0.014 m/s2 here, with 0.5 ms by 0.0033.
+const STEADY: &[Method] = &[
+    Method::new("rosenbrock", "tolerance=1e-4"),
+    Method::new("rosenbrock", "tolerance=3e-5"),
+    Method::new("rosenbrock", "tolerance=1e-5"),
+    Method::new("rosenbrock", "tolerance=1e-6"),
+    Method::new("imex", "tolerance=1e-5"),
+    Method::new("generalised_alpha", "step=0.5 ms"),
+    Method::new("real_time", "step=1 ms"),
+];
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -40,7 +50,7 @@ pub(super) const CASES: &[Case] = &[
         stop: 2.0,
         grid: 1e-3,
         formulations: SMOOTH,
-        methods: METHODS,
+        methods: STEADY,
         must: &[Must::Formula(steady)],
         ..CASE
     },

@@ -10,8 +10,14 @@ const STRAIGHT: &str = "track.deviation=[]";
 /// Violent track: flanges run against rails, wheels lift.
 const ROUGH: &[super::Bound] =
     &[bound(Quantity::Y, 5e-5), bound(Quantity::Vertical, 0.05), bound(Quantity::Lateral, 0.05), bound(Quantity::Normal, 0.05)];
-const STRUCK: &[super::Bound] =
-    &[bound(Quantity::Y, 5e-5), strike(Quantity::Vertical, 0.05), strike(Quantity::Lateral, 0.05), strike(Quantity::Normal, 0.05)];
+/// Half a second of strikes before makes the last ones come sooner or later by as much as this, s.
+const LATE: f64 = 8e-4;
+const STRUCK: &[super::Bound] = &[
+    bound(Quantity::Y, 5e-5),
+    super::Bound { shift: LATE, ..strike(Quantity::Vertical, 0.05) },
+    super::Bound { shift: LATE, ..strike(Quantity::Lateral, 0.05) },
+    super::Bound { shift: LATE, ..strike(Quantity::Normal, 0.05) },
+];
 /// What fast settings must hold.
 const MILD: &[super::Bound] = &[
     bound(Quantity::Y, 1e-5),
@@ -36,7 +42,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "stretch_after_smooth",
         hard: "15 m of FRA 4 from 60 m behind smooth track: in the steady state before it the error is 0 and steps grow to seconds",
-        claim: "y to 0.05 mm, Q, Y and N to 5 % of the static load at every 0.2 ms, within 0.4 ms (flanges strike for 2 ms), against dormand_prince 1e-10",
+        claim: "y to 0.05 mm, Q, Y and N to 5 % of the static load at every 0.2 ms, within 0.8 ms (flanges strike for 2 ms), against dormand_prince 1e-10",
         scene: "bogie",
         changes: &[
             STRAIGHT,
