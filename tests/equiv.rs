@@ -167,12 +167,13 @@ fn equiv_nodal_search_tends_to_algebraic_equations_with_spacing() {
         assert!(differences[0] < 0.5 * last, "a quarter of the spacing must at least halve the difference: {} {last}", differences[0]);
         last = differences[0];
     }
-    assert!(last < 5e-6, "{last}");
+    assert!(last < 1e-8, "{last}");
 }
 
 #[test]
-fn equiv_nodal_search_jumps_where_the_algebraic_one_does_not() {
-    // Section 4.2: contact jumps from node to node; rolling radius, creepages and creep forces jump with it.
+fn equiv_creep_forces_of_nodes_are_nearly_as_smooth_as_the_algebraic_ones() {
+    // Section 4.2 takes contacts at nodes: on a 1:40 cone the rolling radius would jump by 0.025 mm at 1 mm of spacing, Fx by Kalker's
+    // c11 G a b times 5.5e-5 (300 N). Here they are where the overlap is deepest between them.
     let jump = |formulation: &str, spacing: &str| {
         let formulation = format!("contact.formulation={formulation}");
         let scene = scene(&[&formulation, &format!("contact.node_spacing={spacing}")]);
@@ -191,9 +192,7 @@ fn equiv_nodal_search_jumps_where_the_algebraic_one_does_not() {
     };
     let smooth = jump("ECF-A", "1 mm");
     let (coarse, fine) = (jump("ECF-N", "1 mm"), jump("ECF-N", "0.1 mm"));
-    // One node of a 1:40 cone changes the rolling radius by 0.025 mm, the creepage by 5.5e-5 and Fx by Kalker's c11 G a b of it.
-    assert!(coarse > 100.0 * smooth, "{coarse} {smooth}");
-    assert!((5.0..20.0).contains(&(coarse / fine)), "jumps shrink with the spacing: {coarse} {fine}");
+    assert!(coarse < 10.0 * smooth && fine < 2.0 * smooth, "{coarse} {fine} {smooth}");
 }
 
 #[test]

@@ -81,7 +81,7 @@ impl FixedStep {
         let cut = next >= limit - SLACK * step;
         let end = if cut { limit } else { next };
         let part = state.t + state.next_step;
-        let partial = state.next_step > 0.0 && part < end;
+        let partial = state.next_step > 0.0 && part < end - SLACK * step;
         let end = if partial { part } else { end };
         let h = end - state.t;
         let grid = (state.grid_start, state.grid_count);

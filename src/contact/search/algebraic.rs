@@ -50,8 +50,6 @@ pub struct ContactLocation {
     pub penetration: f64,
     pub wheel_profile: ProfilePoint,
     pub rail_profile: ProfilePoint,
-    /// From here to where the surfaces are nearest, along u and eta, m: not nothing only where a search knows places at nodes.
-    pub beside: [f64; 2],
     /// Newton iterations that were needed.
     pub iterations: usize,
 }
@@ -70,24 +68,9 @@ impl ContactLocation {
         (0.5 * rolling, 0.5 * across)
     }
 
-    /// The same contact with the profiles where the surfaces are nearest.
-    fn nearest(&self, wheel: &Wheel, rail: &Rail) -> ContactLocation {
-        let (u, eta) = (self.parameters.wheel + self.beside[0], self.parameters.rail + self.beside[1]);
-        ContactLocation {
-            parameters: SurfaceParameters { wheel: u, rail: eta, ..self.parameters },
-            wheel_profile: wheel.profile.at(u),
-            rail_profile: rail.profile.at(eta),
-            beside: [0.0; 2],
-            ..*self
-        }
-    }
-
     /// What a normal law may ask of this contact of `wheel` and `rail`.
     #[inline]
     pub fn shape<'a>(&self, wheel: &'a Wheel, rail: &'a Rail) -> ContactShape<'a> {
-        if self.beside != [0.0; 2] {
-            return self.nearest(wheel, rail).shape(wheel, rail);
-        }
         let (rolling, across) = self.half_curvatures();
         let wheel = ProfileSection { profile: wheel.profile.as_ref(), at: self.parameters.wheel, point: self.wheel_profile };
         let rail = ProfileSection { profile: rail.profile.as_ref(), at: self.parameters.rail, point: self.rail_profile };
@@ -173,7 +156,6 @@ impl Candidate {
             penetration: -self.gap.dot(&normal),
             wheel_profile: self.wheel_profile,
             rail_profile: self.rail_profile,
-            beside: [0.0; 2],
             iterations,
         }
     }

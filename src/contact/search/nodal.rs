@@ -43,11 +43,10 @@
 //! aside costs at most `curvature (1 + f'^2) d^2 / 8` in delta. A wheel node without a rail node within half a spacing in
 //! eta has no partner; a node that does not touch is paired with i.
 //!
-//! *Shape.* The normal law reads both profiles beside the contact. Read beside the nodes of a pair, which lie up to a spacing off each
-//! other's tangent, their curvatures would be shifted against each other by that much, and the stiffness would jump from pair to pair by the
-//! spacing times what the curvatures change by (S1002 on 60E1 under 70 kN, nodes every 0.1 mm: by 10 % where R80 begins). So it reads
-//! them where the overlap is deepest: at the vertex of the parabola through the depths of three wheel nodes, and at its foot on the rail.
-//! Place, rolling radius, normal and penetration stay those of the nodes.
+//! *Between nodes.* The contact is where the overlap is deepest: at the vertex of the parabola through the depths of three wheel nodes, and at
+//! its foot on the rail; there the profiles are read, for rolling radius, normal and stiffness. With those of the nodes themselves a contact
+//! would jump by a spacing, its normal by the spacing times the curvature (0.1 mm in a corner of 13 mm: 8 mrad, 0.5 kN of lateral force), its
+//! stiffness by what the curvatures change by (S1002 on 60E1 under 70 kN: by 10 % where R80 begins).
 //!
 //! *Batches.* Consecutive wheel nodes with delta > 0; the deepest pair of each is its contact. The two deepest batches
 //! are returned, the one further out (greater u) first: the flange is the inner end of the profile, so a tread contact
@@ -65,9 +64,11 @@
 use super::algebraic::{ContactLocation, SurfaceParameters};
 use super::humps::Humps;
 use super::nodes::{Bounds, NodeError, NodeTable};
+use crate::geometry::profile::Profile;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Rail, RailSection};
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 /// Rate of the rail's distance s [m/s] that belongs to a point (Eq. 29, made exact), from the rail's section at s and
 /// the point's position and velocity in the world.
@@ -122,6 +123,7 @@ pub struct NodalContacts {
 pub struct NodalSearch {
     wheel: NodeTable,
     rail: NodeTable,
+    profiles: [Arc<dyn Profile>; 2],
     half_spacing: f64,
     sign: f64,
 }
@@ -158,6 +160,20 @@ struct Pair {
     rail: usize,
     /// delta, m.
     penetration: f64,
+}
+
+impl Pair {
+    fn touches(&self) -> bool {
+        self.penetration > 0.0
+    }
+}
+
+/// What [`NodalContacts`] is made of.
+struct Pairs {
+    found: [Option<Pair>; 2],
+    saddle: Option<f64>,
+    evaluated: usize,
+    looked_up: usize,
 }
 
 impl Section {
@@ -250,6 +266,7 @@ impl NodalSearch {
         Ok(NodalSearch {
             wheel: NodeTable::new(wheel.profile.as_ref(), "wheel", spacing)?,
             rail: NodeTable::new(rail.profile.as_ref(), "rail", spacing)?,
+            profiles: [wheel.profile.clone(), rail.profile.clone()],
             half_spacing: wheel.half_spacing,
             sign: wheel.side.sign(),
         })
@@ -267,12 +284,24 @@ impl NodalSearch {
     /// along the track (leads count from there), `arc` [m] the rail's distance s and `section` the rail there.
     pub fn search(&self, centre: &Vector3<f64>, axes: &Matrix3<f64>, distance: f64, arc: f64, section: &RailSection) -> NodalContacts {
         let plane = self.section(centre, axes, section);
+        let Pairs { found, saddle, evaluated, looked_up } = self.pairs(&plane);
+        NodalContacts {
+            count: found.iter().flatten().filter(|pair| pair.touches()).count(),
+            contacts: found.map(|pair| pair.map(|pair| self.location(&pair, &plane, centre, axes, (distance, arc), section))),
+            saddle,
+            evaluated,
+            looked_up,
+        }
+    }
+
+    /// The pairs of nodes that are contacts, outer one first; where nothing touches the one that comes closest.
+    fn pairs(&self, plane: &Section) -> Pairs {
         let mut walk = Walk::default();
-        self.walk(&plane, &mut walk);
+        self.walk(plane, &mut walk);
         if walk.deepest.is_none() {
             // Nothing touches: once more, for the pair that comes closest.
             walk.closest_wanted = true;
-            self.walk(&plane, &mut walk);
+            self.walk(plane, &mut walk);
         }
         let (mut found, saddle) = walk.found();
         if let [Some(first), Some(second)] = found
@@ -280,17 +309,10 @@ impl NodalSearch {
         {
             found.swap(0, 1);
         }
-        let count = found.iter().flatten().count();
-        if count == 0 {
+        if found[0].is_none() {
             found[0] = walk.closest;
         }
-        NodalContacts {
-            contacts: found.map(|pair| pair.map(|pair| self.location(&pair, &plane, centre, axes, (distance, arc), section))),
-            count,
-            saddle,
-            evaluated: walk.evaluated,
-            looked_up: walk.looked_up,
-        }
+        Pairs { found, saddle, evaluated: walk.evaluated, looked_up: walk.looked_up }
     }
 
     /// Axes, angle and normals of the rail's section as this wheel sees it.
@@ -474,22 +496,23 @@ impl NodalSearch {
         Some((below / plane.norm2(self.rail.point(foot).d1).sqrt(), foot, node))
     }
 
-    /// How far the surfaces' deepest overlap lies beside a touching pair, along u and eta, m: the vertex of the parabola through the
-    /// depths of the wheel node and its neighbours, and the foot of the wheel's point there on the rail.
-    fn beside(&self, pair: &Pair, plane: &Section) -> [f64; 2] {
+    /// Where the surfaces' overlap is deepest near a pair: u and eta, m, and the penetration there, m. The vertex of the parabola through the
+    /// depths of the wheel node and its neighbours.
+    fn between(&self, pair: &Pair, plane: &Section) -> [f64; 3] {
+        let [u, eta] = [self.wheel.coordinate(pair.wheel), self.rail.coordinate(pair.rail)];
         let at = |index: usize| self.depth(plane, index);
         let next = Some(pair.wheel + 1).filter(|next| *next < self.wheel.count());
         let around = (pair.wheel.checked_sub(1).and_then(at), at(pair.wheel), next.and_then(at));
-        let (true, (Some((before, _, a)), Some((depth, foot, node)), Some((behind, _, b)))) = (pair.penetration > 0.0, around) else {
-            return [0.0; 2];
+        let (true, (Some((before, _, a)), Some((depth, foot, node)), Some((behind, _, b)))) = (pair.touches(), around) else {
+            return [u, eta, pair.penetration];
         };
         let bend = before - 2.0 * depth + behind;
         // Neighbours that are as deep, or a kink between them: the node itself.
         let share = if bend < 0.0 { (0.5 * (before - behind) / bend).clamp(-0.5, 0.5) } else { 0.0 };
         let slope = self.rail.point(foot).d1;
         let above = node.eta + 0.5 * share * (b.eta - a.eta);
-        let eta = above - slope * depth / plane.norm2(slope).sqrt();
-        [share * self.wheel.spacing, eta - self.rail.coordinate(pair.rail)]
+        let deepest = depth + 0.5 * share * (behind - before + share * bend);
+        [u + share * self.wheel.spacing, above - slope * depth / plane.norm2(slope).sqrt(), deepest]
     }
 
     /// Everything that the laws of contact need from a pair.
@@ -502,8 +525,8 @@ impl NodalSearch {
         (distance, arc): (f64, f64),
         section: &RailSection,
     ) -> ContactLocation {
-        let (u, eta) = (self.wheel.coordinate(pair.wheel), self.rail.coordinate(pair.rail));
-        let (wheel, rail) = (*self.wheel.point(pair.wheel), *self.rail.point(pair.rail));
+        let [u, eta, penetration] = self.between(pair, plane);
+        let [wheel, rail] = [self.profiles[0].at(u), self.profiles[1].at(eta)];
         let angle = plane.angle + (plane.turn * wheel.d1).asin();
         let (sin, cos) = angle.sin_cos();
         let radial = axes.column(0) * sin - axes.column(2) * cos;
@@ -516,10 +539,9 @@ impl NodalSearch {
             wheel_point,
             normal: (section.up - section.outward * rail.d1 + across * lean) / plane.norm2(rail.d1).sqrt(),
             forward: section.d1,
-            penetration: pair.penetration,
+            penetration,
             wheel_profile: wheel,
             rail_profile: rail,
-            beside: self.beside(pair, plane),
             iterations: 0,
         }
     }
@@ -987,19 +1009,33 @@ mod tests {
                     Stand::new(wheel(side, wheels[w].clone()), rail(side, rails[r].clone(), inclination, lateral, vertical), spacing);
                 let axes = AxleFrame::new(yaw, roll).axes;
                 let centre = stand.settle(Vector3::new(x, side.sign() * y, RADIUS), &axes, penetration);
+                let search = &stand.search;
+                let arc = project(&stand.rail, &search.centre_point(&centre, &axes));
+                let plane = search.section(&centre, &axes, &stand.rail.section(arc));
+                let Pairs { found: mut pairs, saddle, evaluated, .. } = search.pairs(&plane);
                 let found = stand.search(&centre, &axes);
-                let (batches, closest) = all_pairs(&stand, &centre, &axes);
-                prop_assert_eq!(found.count, batches.len());
-                counts[found.count].set(counts[found.count].get() + 1);
-                for (contact, batch) in found.contacts.iter().flatten().zip(&batches) {
-                    prop_assert!((contact.penetration - batch.0).abs() < 1e-12, "{} {}", contact.penetration, batch.0);
-                    prop_assert_eq!((contact.parameters.wheel, contact.parameters.rail), (batch.1, batch.2));
-                    flange.set(flange.get() + u32::from(contact.rail_profile.d1.abs() > 0.8));
+                for (pair, contact) in pairs.iter().flatten().zip(found.contacts.iter().flatten()) {
+                    let aside = contact.parameters.wheel - search.wheel.coordinate(pair.wheel);
+                    prop_assert!(aside.abs() < 0.5001 * spacing && contact.penetration > pair.penetration - 1e-12);
                 }
-                match (found.count, found.contacts[0]) {
+                if let (Some(_), [Some(one), Some(other)]) = (saddle, pairs) {
+                    // Humps of one batch.
+                    pairs = [Some(if one.penetration > other.penetration { one } else { other }), None];
+                }
+                let count = pairs.iter().flatten().filter(|pair| pair.touches()).count();
+                let (batches, closest) = all_pairs(&stand, &centre, &axes);
+                prop_assert_eq!(count, batches.len());
+                counts[count].set(counts[count].get() + 1);
+                for (pair, batch) in pairs.iter().flatten().zip(&batches) {
+                    prop_assert!((pair.penetration - batch.0).abs() < 1e-12, "{} {}", pair.penetration, batch.0);
+                    let place = (search.wheel.coordinate(pair.wheel), search.rail.coordinate(pair.rail));
+                    prop_assert_eq!(place, (batch.1, batch.2));
+                    flange.set(flange.get() + u32::from(search.rail.point(pair.rail).d1.abs() > 0.8));
+                }
+                match (count, pairs[0]) {
                     (0, Some(pair)) => prop_assert!((pair.penetration - closest.unwrap()).abs() < 1e-12),
                     (0, None) => prop_assert!(closest.is_none()),
-                    _ => nodes.set((nodes.get().0 + found.evaluated, nodes.get().1 + stand.search.wheel.count())),
+                    _ => nodes.set((nodes.get().0 + evaluated, nodes.get().1 + search.wheel.count())),
                 }
                 Ok(())
             })
@@ -1113,7 +1149,7 @@ mod tests {
                     }
                     let [u, eta, lead, penetration] = worst;
                     println!("{name} {side:?} {spacing:.0e}: u {u:.2e}, eta {eta:.2e}, lead {lead:.2e}, penetration {penetration:.2e} m");
-                    assert!(u < 1.1 * spacing && eta < 1.1 * spacing && lead < 0.012 * spacing + 2e-6);
+                    assert!(u < 1e-3 * spacing && eta < 1e-3 * spacing && lead < 4e-7);
                     depth.push(penetration);
                 }
                 let order = (depth[0] / depth[2]).log2() / 2.0;

@@ -221,7 +221,6 @@ impl Sight {
             penetration: (rail_point - wheel_point).dot(&normal),
             wheel_profile: at.wheel,
             rail_profile: at.rail,
-            beside: [0.0; 2],
             iterations,
         }
     }
