@@ -67,11 +67,7 @@ fn prop_steady_curving_has_no_accelerations_but_the_patterns() {
             let largest = off_the_pattern(&mut start(&scene), 1.0 / radius);
             println!("{name} {radius} {formulation}: {largest:.2e} m/s2 or rad/s2");
             // A wheel of the coach stands on a joint of its profile: what counts as balance in a curve is 1e-5 g.
-            let bound = match (name, *formulation) {
-                (_, "ECF-N") => 1.0,
-                ("bogie", _) => 1e-6,
-                _ => 1e-4,
-            };
+            let bound = if name == "bogie" { 1e-6 } else { 1e-4 };
             assert!(largest < bound, "{name} {formulation}: {largest}");
         }
     }
@@ -225,8 +221,7 @@ fn prop_a_lone_wheelset_starts_in_steady_curving() {
         let after = values(&scene, &mut simulation);
         let [y, yaw] = ["wheelset.y", "wheelset.yaw"].map(|name| (before[name], after[name] - before[name]));
         println!("{formulation}: y {:.6e} m ({:.1e} after 1 s), yaw {:.6e} rad ({:.1e})", y.0, y.1, yaw.0, yaw.1);
-        let bound = if formulation == "ECF-N" { 1e-4 } else { 1e-8 };
-        assert!(y.1.abs() < bound && yaw.1.abs() < bound && y.0.abs() > 1e-4);
+        assert!(y.1.abs() < 1e-8 && yaw.1.abs() < 1e-8 && y.0.abs() > 1e-4);
         let straight = values(&open(50.0), &mut start(&open(50.0)));
         assert!(straight["wheelset.yaw"].abs() < 1e-5 && straight["wheelset.y"].abs() < 1e-4);
     }

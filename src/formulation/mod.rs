@@ -66,11 +66,6 @@ pub trait Formulation: Send + Sync + std::fmt::Debug {
         1
     }
 
-    /// Do forces change smoothly with the places of wheels? Where contacts jump from node to node they do not.
-    fn is_smooth(&self) -> bool {
-        true
-    }
-
     /// What it does where a constraint would begin to pull; `None`: contact is no constraint.
     fn on_lift(&self) -> Option<OnLift> {
         None

@@ -218,8 +218,8 @@ fn explanations(comparison: &Comparison, compared: &[[&Run; 2]]) -> String {
         Kind::Search,
         format!(
             "Contact search: {} use the same elastic force law but find the points of contact in different ways. The difference comes \
-             mainly from the distance of the nodes (contact.node_spacing) and shrinks with it: a point found among nodes jumps from \
-             node to node, each jump makes the contact springs ring, and the integration loses accuracy there.",
+             from the distance of the nodes (contact.node_spacing) and shrinks with its square: between them the point is that of a parabola \
+             through three of them.",
             names(false)
         ),
     );

@@ -42,7 +42,7 @@ pub(super) struct Trace {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Observation {
     pub(super) smooth: Vec<bool>,
-    /// Do forces jump with the state (places of rigid contacts, nodes)? A jump may come one sample sooner or later.
+    /// Do forces jump with the state (places of rigid contacts)? A jump may come one sample sooner or later.
     pub(super) jumps: bool,
     pub(super) wheelsets: Vec<Trace>,
 }
@@ -76,11 +76,7 @@ impl Observation {
             acceleration: ["ay", "az"].map(|output| column(&format!("{name}.{output}"))),
         };
         let wheelsets = model.wheelsets.iter().map(|wheelset| trace(&wheelset.name)).filter(|trace| !trace.y.is_empty());
-        Observation {
-            smooth: is_smooth(recording, model),
-            jumps: model.formulation.constrains() || !model.formulation.is_smooth(),
-            wheelsets: wheelsets.collect(),
-        }
+        Observation { smooth: is_smooth(recording, model), jumps: model.formulation.constrains(), wheelsets: wheelsets.collect() }
     }
 
     /// Number of samples.

@@ -27,12 +27,7 @@
 //! them they are chosen anew (each wheel's deepest place, as at any start). Rigid contact on nearly conformal profiles (S1002 on 60E1) jumps
 //! from place to place and mostly has no balance between; on profiles that can touch at several places a vehicle with
 //! `contact.on_lift = "elastic"` therefore starts in a curve with all contacts elastic, in the balance of ECF-A, and each becomes a constraint
-//! when it has settled. With ECF-N, whose forces jump from node to node, the
-//! balance in a curve is found with ECF-A and then approached as near as it goes. Nodes h apart hold a contact up to h/2 off its place: its radius is off by
-//! `h tan(angle) / 2` (23 um at 25 degrees and 0.1 mm) and its longitudinal creepage by that over R (5e-5, some 500 N and 2 rad/s2 of an axle's
-//! spin), its angle by `h / 2 rho` (4 mrad in a flange root of 13 mm: 200 N, 0.1 m/s2). Spin, yaw and place of a wheelset are not bound to nodes and
-//! mostly balance that while the nodes stay: what is left is that of the nearest set of nodes that was met. Where a wheel's second place
-//! comes and goes with its whole force there is no balance at all, and some m/s2 remain.
+//! when it has settled.
 //!
 //! *Slow:* a vehicle that starts slower than 1 m/s is balanced at 1 m/s and its velocities are scaled, because creepages do not depend
 //! on the speed. What would be the centripetal accelerations of 1 m/s is scaled too, unless joints or contacts are constraints: those balance
@@ -157,20 +152,12 @@ fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyStat
         let (search, wheel_loads) = balanced(scene, standing, pattern, node)?;
         return Ok(SteadyState { y: search.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any });
     }
-    let mut own = Search::new(scene, standing, pattern)?;
+    let own = Search::new(scene, standing, pattern)?;
     let elastic = || {
         let mut other = scene.clone();
         other.contact.formulation = formulation::algebraic();
         balanced(&other, standing, pattern, node)
     };
-    if !own.model.formulation.is_smooth() {
-        let (near, wheel_loads) = elastic()?;
-        own.lay(node, None);
-        own.effort = near.effort;
-        own.put_bodies(&near.now);
-        own.approach()?;
-        return Ok(SteadyState { y: own.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any });
-    }
     let several = (0..own.model.contacts()).any(|contact| own.model.searches_contacts(contact));
     if own.model.may_be_elastic() && several && standing.positions.len() > 1 {
         let (search, wheel_loads) = elastic()?;
@@ -206,14 +193,13 @@ fn on_displaced_rails(
     own.put_bodies(&search.now);
     own.ride_as(&search);
     let scale = scene.vehicle.speed / pattern.speed;
-    if !own.model.formulation.is_smooth() {
-        own.approach()?;
-        return Ok(SteadyState { y: own.found(scale).0, wheel_loads, contacts: Contacts::Any });
-    }
-    if !own.model.formulation.constrains() {
-        return Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts: Contacts::Any });
-    }
     own.tolerance = ON_RAILS;
+    if !own.model.formulation.constrains() {
+        // ECF-N's balance is beside that of ECF-A.
+        let balanced = own.balance().is_ok();
+        let y = if balanced { own.found(scale).0 } else { search.found(scale).0 };
+        return Ok(SteadyState { y, wheel_loads, contacts: Contacts::Any });
+    }
     if own.choose_anew().and_then(|()| own.balance()).is_ok() && own.presses() {
         let (y, memory) = own.found(scale);
         return Ok(SteadyState { y, wheel_loads, contacts: Contacts::Kept(memory) });

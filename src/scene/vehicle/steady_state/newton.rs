@@ -14,12 +14,6 @@ use crate::formulation::EvaluationError;
 use crate::mbs::body::COORDINATES;
 use crate::scene::equilibrium::EquilibriumError;
 
-/// The same where contacts jump from node to node of the profiles (0.1 m/s2).
-const NODAL: f64 = 1e-2;
-/// Trials beside the nearest place, rest at which none is needed (10 mm/s2), and how far aside the last one begins, m.
-const TRIALS: usize = 16;
-const NEAREST: f64 = 1e-3;
-const FARTHEST_TRIAL: f64 = 2e-5;
 /// Below this the iteration goes on with the differences that it has, and ends where they bring no more.
 const NEAR: f64 = 1e-10;
 /// Rest at which rounding is reached.
@@ -45,45 +39,19 @@ impl Search<'_> {
         // Rigid contacts that jump do not let bodies drift on.
         let drifts = !self.model.formulation.constrains() && !self.hasty;
         let mut rest = self.newton().map_err(EquilibriumError::Evaluation)?;
-        if drifts && !(largest(&rest).0 < self.bound()) && self.drift(&rest).map_err(EquilibriumError::Evaluation)? {
+        if drifts && !(largest(&rest).0 < self.tolerance) && self.drift(&rest).map_err(EquilibriumError::Evaluation)? {
             rest = self.newton().map_err(EquilibriumError::Evaluation)?;
         }
-        if largest(&rest).0 < self.bound() {
+        if largest(&rest).0 < self.tolerance {
             return self.read();
         }
         Err(if self.hasty { self.unbalanced(&rest) } else { self.unsupported(&rest) })
-    }
-
-    /// Goes on as near to the balance as contacts among nodes allow: from where it is, and from places some micrometres beside the nearest yet,
-    /// where other nodes touch.
-    pub fn approach(&mut self) -> Result<(), EquilibriumError> {
-        let mut nearest = largest(&self.newton().map_err(EquilibriumError::Evaluation)?).0;
-        let mut best = self.configuration();
-        for trial in 1..=TRIALS {
-            if nearest < NEAREST || self.exhausted() {
-                break;
-            }
-            self.put(&best);
-            self.stir(trial, FARTHEST_TRIAL * trial as f64 / TRIALS as f64);
-            // A place that can't be evaluated is none.
-            if let Ok(rest) = self.newton()
-                && largest(&rest).0 < nearest
-            {
-                (nearest, best) = (largest(&rest).0, self.configuration());
-            }
-        }
-        self.put(&best);
-        self.read()
     }
 
     /// What is read off the search is that of the balance, not of the last trial.
     fn read(&mut self) -> Result<(), EquilibriumError> {
         let none = vec![0.0; self.unknowns.len()];
         self.residual(&none, true).map(|_| ()).map_err(EquilibriumError::Evaluation)
-    }
-
-    fn bound(&self) -> f64 {
-        if self.model.formulation.is_smooth() { self.tolerance } else { NODAL }
     }
 
     /// Returns what is left.

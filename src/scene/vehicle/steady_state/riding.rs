@@ -76,13 +76,4 @@ impl Search<'_> {
             }
         }
     }
-
-    /// Moves every wheelset across the track by up to `most` [m], each trial otherwise (multiples of the golden ratio fill an interval evenly).
-    pub fn stir(&mut self, trial: usize, most: f64) {
-        const GOLDEN: f64 = 0.618_033_988_749_895;
-        for wheelset in 0..self.standing.wheelsets {
-            let part = (GOLDEN * (trial * (2 * wheelset + 1)) as f64).fract();
-            self.now.at[wheelset].coordinates[1] += most * (2.0 * part - 1.0);
-        }
-    }
 }

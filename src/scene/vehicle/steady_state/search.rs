@@ -148,7 +148,6 @@ impl<'a> Search<'a> {
     fn unknowns(&self) -> Vec<Unknown> {
         let wheelsets = self.standing.wheelsets;
         let elastic = !self.model.formulation.constrains();
-        let among_nodes = !self.model.formulation.is_smooth();
         let mut unknowns = Vec::new();
         for body in 0..self.now.at.len() {
             for axis in 0..COORDINATES {
@@ -158,8 +157,6 @@ impl<'a> Search<'a> {
                     PITCH if body < wheelsets => Unknown::Spin { body, unit: self.now.at[body].velocities[PITCH].abs() },
                     // Height and roll press wheels into rails: 1e-9 m are some newtons.
                     2 | 4 if body < wheelsets && elastic => Unknown::Coordinate { body, axis, step: 1e-9 },
-                    // A contact that lies among nodes must stay at its node: it moves some ten times as far as the wheel.
-                    _ if body < wheelsets && among_nodes => Unknown::Coordinate { body, axis, step: 1e-9 },
                     _ => Unknown::Coordinate { body, axis, step: 1e-6 },
                 });
             }

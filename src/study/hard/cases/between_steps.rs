@@ -1,6 +1,6 @@
 //! Wheel loads between the ends of long steps.
 
-use super::super::case::{CASE, Case, Method, Must, SMOOTH};
+use super::super::case::{CASE, Case, Method, Must};
 use super::super::finding::{Finding, Unit};
 use super::super::run::Ran;
 use super::super::trace::Quantity;
@@ -49,22 +49,8 @@ pub(super) const CASES: &[Case] = &[
         changes: &["track.deviation=[]", "track.node=[{distance=0,radius=600,superelevation=\"-100 mm\"}]", "vehicle.speed=25"],
         stop: 2.0,
         grid: 1e-3,
-        formulations: SMOOTH,
         methods: STEADY,
         must: &[Must::Formula(steady)],
-        ..CASE
-    },
-    Case {
-        name: "steady_curve_nodes",
-        hard: "the same with ECF-N, whose contacts jump from node to node: the start left 3.7 m/s2 of acceleration",
-        claim: "Q constant to 2 % of the static load, ay constant to 0.1 m/s2",
-        scene: "bogie",
-        changes: &["track.deviation=[]", "track.node=[{distance=0,radius=600,superelevation=\"-100 mm\"}]", "vehicle.speed=25"],
-        stop: 0.5,
-        grid: 1e-3,
-        formulations: &["ECF-N"],
-        methods: &[Method::new("dormand_prince", "tolerance=1e-6"), Method::new("rosenbrock", "tolerance=1e-5")],
-        must: &[Must::Formula(nearly_steady)],
         ..CASE
     },
 ];
@@ -97,12 +83,5 @@ fn steady(ran: &Ran) -> Vec<Finding> {
         Finding::new("change of Q", widest(ran, Quantity::Vertical) / ran.load, 0.005, Unit::Share),
         Finding::new("yaw acceleration", turned, 0.02, Unit::RadianPerSecond2),
         Finding::new("change of ay", widest(ran, Quantity::LateralAcceleration), 0.01, Unit::MetrePerSecond2),
-    ]
-}
-
-fn nearly_steady(ran: &Ran) -> Vec<Finding> {
-    vec![
-        Finding::new("change of Q", widest(ran, Quantity::Vertical) / ran.load, 0.02, Unit::Share),
-        Finding::new("change of ay", widest(ran, Quantity::LateralAcceleration), 0.1, Unit::MetrePerSecond2),
     ]
 }
