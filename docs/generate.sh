@@ -94,8 +94,8 @@ WHEELRAIL_BLESS=1 cargo test --release --test cli docs_list >/dev/null
     echo "Six scenes (the paper's; 30 mm gauge reduction; started 6 mm aside; 70 m/s; 8 m/s; a bump of 8 mm), 3 s each. A run succeeds when it ends"
     echo "and y is right to 0.1 mm against ECCF at 1e-13. The paper found ECCF more robust and less sensitive to tolerances. Here both succeed"
     echo "equally often, but at the same tolerance ECCF is mostly more exact, and ACCF costs 2 to 2.5 times as much per evaluation. ACCF keeps up because it"
-    echo "takes coordinates as independent variables where the track is not smooth: before that rule it was wrong by 1.2e-6 m at tolerance 1e-8 in the"
-    echo "paper's scene, and its error fell only with the square root of the tolerance."
+    echo "takes coordinates as independent variables where the track is not smooth and prefers them elsewhere: before it was wrong by 1.0e-6 m at tolerance"
+    echo "1e-8 in the paper's scene, and its error fell only with the square root of the tolerance."
     echo
     echo '```text'
     cargo test --release --test robustness -- --nocapture 2>/dev/null | sed -n '/^setting/,/^all:/p'

@@ -44,7 +44,7 @@
 //! eta has no partner; a node that does not touch is paired with i.
 //!
 //! *Between nodes.* The contact is where the overlap is deepest: at the vertex of the parabola through the depths of three wheel nodes, and at
-//! its foot on the rail; there the profiles are read, for rolling radius, normal and stiffness. With those of the nodes themselves a contact
+//! its foot on the rail, depths being those under the rail's parabola at its nodes; there the profiles are read, for rolling radius, normal and stiffness. With those of the nodes themselves a contact
 //! would jump by a spacing, its normal by the spacing times the curvature (0.1 mm in a corner of 13 mm: 8 mrad, 0.5 kN of lateral force), its
 //! stiffness by what the curvatures change by (S1002 on 60E1 under 70 kN: by 10 % where R80 begins).
 //!

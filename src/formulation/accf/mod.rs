@@ -317,15 +317,14 @@ fn close(
         Err(failure) => {
             let (rest, jacobian) = evaluate(&change);
             let (iterations, y_wheelset) = (failure.iterations, base[1]);
-            return Err(lost(model, workspace, wheelset, t, y, memory).unwrap_or_else(|| match unplaced(&rest) {
-                Some(side) => {
-                    let cause = ContactFailure::NotFound { iterations, residual: failure.residual, y: y_wheelset };
-                    EvaluationError::new(t, wheelset, side, cause)
-                }
-                None => {
-                    let cause = ContactFailure::NotClosed { iterations, gap: failure.residual, y: y_wheelset };
-                    EvaluationError::new(t, wheelset, uncertain(&jacobian), cause)
-                }
+            let certain = lost(model, workspace, wheelset, t, y, memory, 0.0).or_else(|| {
+                let cause = ContactFailure::NotFound { iterations, residual: failure.residual, y: y_wheelset };
+                unplaced(&rest).map(|side| EvaluationError::new(t, wheelset, side, cause))
+            });
+            let certain = certain.or_else(|| AHEAD.iter().find_map(|ahead| lost(model, workspace, wheelset, t, y, memory, *ahead)));
+            return Err(certain.unwrap_or_else(|| {
+                let cause = ContactFailure::NotClosed { iterations, gap: failure.residual, y: y_wheelset };
+                EvaluationError::new(t, wheelset, uncertain(&jacobian), cause)
             }));
         }
     };
@@ -346,11 +345,28 @@ fn close(
     Ok(jacobian)
 }
 
-/// Which wheel has lost its place: contacts of a wheelset are closed together here, but ECCF's projection locates each on its own.
-fn lost(model: &Model, workspace: &mut Workspace, wheelset: &Wheelset, t: f64, y: &[f64], memory: &[f64]) -> Option<EvaluationError> {
-    let failure = eccf::project(model, workspace, t, &mut y.to_vec(), &mut memory.to_vec()).err()?;
+/// Which wheel has lost its place, or will have `ahead` [s]: contacts of a wheelset are closed together here, but ECCF's projection locates each
+/// on its own.
+fn lost(
+    model: &Model,
+    workspace: &mut Workspace,
+    wheelset: &Wheelset,
+    t: f64,
+    y: &[f64],
+    memory: &[f64],
+    ahead: f64,
+) -> Option<EvaluationError> {
+    let mut moved = y.to_vec();
+    for (coordinate, rate) in model.system.coordinates(wheelset.body).zip(model.system.velocities(wheelset.body)) {
+        moved[coordinate] += ahead * y[rate];
+    }
+    let failure = eccf::project(model, workspace, t, &mut moved, &mut memory.to_vec()).err()?;
     (failure.wheelset == wheelset.name && matches!(failure.cause, ContactFailure::NotFound { .. })).then_some(failure)
 }
+
+/// Where both contacts are closed to rounding but Newton's method fails beside a corner of curvature: how far ahead the wheel is looked for
+/// that loses its place, s.
+const AHEAD: [f64; 4] = [1e-7, 1e-6, 1e-5, 1e-4];
 
 /// The side whose surfaces are not parallel yet, or not above each other, where the other one's are: its place ends at a corner of curvature.
 fn unplaced(residual: &Rows) -> Option<Side> {
