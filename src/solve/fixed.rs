@@ -36,6 +36,10 @@ pub struct Doubts {
     run: u64,
 }
 
+/// Least part of a step that is tried where it fails, and the parts at most: ten halvings, and what was left each time.
+const SHORTEST_PART: f64 = 1e-3;
+pub(super) const MOST_PARTS: usize = 20;
+
 /// Steps that end in this life, s.
 pub(super) const STEPS: (f64, f64) = (1e-8, 1.0);
 
@@ -98,9 +102,8 @@ impl FixedStep {
     /// # Errors
     /// The failure, where a shorter step would not help.
     pub fn failed(&self, state: &mut IntegrationState, error: SolveError) -> Result<(), SolveError> {
-        const SHORTEST: f64 = 1e-3;
         let half = 0.5 * self.h;
-        let helps = matches!(error, SolveError::Undefined { .. } | SolveError::NotConverged { .. }) && half > SHORTEST * self.step;
+        let helps = matches!(error, SolveError::Undefined { .. } | SolveError::NotConverged { .. }) && half > SHORTEST_PART * self.step;
         (state.grid_start, state.grid_count) = self.grid;
         state.next_step = if helps { half } else { 0.0 };
         if helps { Ok(()) } else { Err(error) }

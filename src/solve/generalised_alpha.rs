@@ -14,7 +14,7 @@
 //! found at the prediction d_{n+1} = d_n and again after [`REFRESH`] iterations. They end when what is left of y_{n+1}, foreseen from how the
 //! steps shrink, is below 1e-10 of the step's own movement (weighted as for the error).
 //!
-//! Where the iterations do not end the step is divided: its first quarter is done alone, and the rest is the next step. Where f jumps
+//! Where the iterations do not end the step is divided: its first half is tried alone, and the rest is the next step. Where f jumps
 //! (a contact that changes its place on the profile), what is left need only be below [`ACCEPTED`].
 //!
 //! Error of a step, estimated: `a (I - a J)^-1 (f - d)` at its end, with the matrix of its iterations.

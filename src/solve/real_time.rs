@@ -26,7 +26,7 @@
 //!
 //! Source: J.G. Verwer, E.J. Spee, J.G. Blom, W. Hundsdorfer, SIAM J. Sci. Comput. 20 (1999) 1456-1480.
 
-use super::fixed::{FixedStep, SLACK, STEPS};
+use super::fixed::{FixedStep, MOST_PARTS, SLACK, STEPS};
 use super::{
     Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, events, parse_setting,
 };
@@ -77,9 +77,10 @@ impl Integrator for RealTime {
 
     fn worst_case(&self) -> Option<String> {
         Some(format!(
-            "each step of {} s: 2 evaluations, 1 Jacobian, 1 factorisation, 3 linear solutions; 1 evaluation more after a restart, up to {} more in a step that an event ends",
+            "each step of {} s: 2 evaluations, 1 Jacobian, 1 factorisation, 3 linear solutions; 1 evaluation more after a restart, up to {} more in a step that an event ends; a step in which a contact loses its place is tried in halves, up to {} times",
             self.step,
-            events::MOST_LOOKS
+            events::MOST_LOOKS,
+            MOST_PARTS
         ))
     }
 
