@@ -7,9 +7,9 @@ use super::run::{End, Look, Ran, exchanged, restored, run};
 use super::trace::Trace;
 use crate::scene::spec::Scene;
 use crate::sim::Simulation;
+use crate::study::accuracy::cpu_time;
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::time::Instant;
 
 /// CPU time that one run may take, s, and a reference.
 const LIMIT: f64 = 30.0;
@@ -194,16 +194,15 @@ fn one(case: &Case, formulation: &'static str, method: &Method, tight: Option<(&
         };
         row(case, formulation, Some(method), outcome, 0.0, 0)
     };
-    let begin = Instant::now();
-    let scene = match open(method) {
-        Ok(scene) => scene,
+    let started = || {
+        let scene = open(method)?;
+        Simulation::new(&scene, 0.0).map(|simulation| (scene, simulation)).map_err(|error| error.to_string())
+    };
+    let (started, start) = cpu_time(started);
+    let (scene, mut simulation) = match started {
+        Ok(started) => started,
         Err(reason) => return refused(reason),
     };
-    let mut simulation = match Simulation::new(&scene, 0.0) {
-        Ok(simulation) => simulation,
-        Err(error) => return refused(error.to_string()),
-    };
-    let start = begin.elapsed().as_secs_f64();
     let look = Look { stop: case.stop, grid: case.grid, inputs: case.inputs, limit: LIMIT, audit: case.audit };
     let ran = run(&scene, &mut simulation, &look);
     let (cpu, steps) = (ran.cpu, ran.statistics.steps);
@@ -253,13 +252,12 @@ fn one(case: &Case, formulation: &'static str, method: &Method, tight: Option<(&
 
 /// A scene that must be refused in these words, or run to its end.
 fn refusal(case: &Case, formulation: &'static str, method: &Method, words: &[&str], open: Open) -> Judged {
-    let begin = Instant::now();
-    let tried = guarded(|| {
+    let tried = || {
         let scene = open(method)?;
         let mut simulation = Simulation::new(&scene, 0.0).map_err(|error| error.to_string())?;
         simulation.advance(case.stop).map_err(|error| error.to_string())
-    });
-    let seconds = begin.elapsed().as_secs_f64();
+    };
+    let (tried, seconds) = cpu_time(|| guarded(tried));
     let time = Finding::new("time to be refused", seconds, REFUSAL, Unit::Second);
     let outcome = match tried {
         Err(panic) => Outcome::Broken { findings: vec![time], reason: panic },

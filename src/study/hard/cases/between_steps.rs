@@ -1,6 +1,6 @@
 //! Wheel loads between the ends of long steps.
 
-use super::super::case::{CASE, Case, Method, Must};
+use super::super::case::{ALL, CASE, Case, Method, Must};
 use super::super::finding::{Finding, Unit};
 use super::super::run::Ran;
 use super::super::trace::Quantity;
@@ -49,6 +49,7 @@ pub(super) const CASES: &[Case] = &[
         changes: &["track.deviation=[]", "track.node=[{distance=0,radius=600,superelevation=\"-100 mm\"}]", "vehicle.speed=25"],
         stop: 2.0,
         grid: 1e-3,
+        formulations: ALL,
         methods: STEADY,
         must: &[Must::Formula(steady)],
         ..CASE

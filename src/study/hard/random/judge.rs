@@ -20,9 +20,10 @@ use super::scene::RandomScene;
 use crate::mbs::body::{LATERAL, YAW};
 use crate::scene::spec::Scene;
 use crate::sim::Simulation;
+use crate::study::accuracy::cpu_time;
 use serde::Serialize;
 use std::sync::mpsc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 const GRID: f64 = 2e-4;
 /// CPU time of a run and of a reference, s; a refusal comes within.
@@ -134,12 +135,12 @@ fn judge_here(seed: u64, method: Option<Method>) -> Verdict {
     let own: Vec<String> = method.iter().flat_map(Method::changes).collect();
     let own: Vec<&str> = own.iter().map(String::as_str).collect();
     let verdict = |class, reason: String, cpu| Verdict { seed, class, reason, strain: f64::INFINITY, cpu };
-    let begin = Instant::now();
-    let started =
-        open_with(&drawn, &own).and_then(|scene| Simulation::new(&scene, 0.0).map(|run| (scene, run)).map_err(|error| error.to_string()));
-    let seconds = begin.elapsed().as_secs_f64();
-    // The machine may have others to serve: wall time is no more than a hint, so three times is allowed.
-    if seconds > 3.0 * REFUSAL {
+    let start = || {
+        let scene = open_with(&drawn, &own)?;
+        Simulation::new(&scene, 0.0).map(|run| (scene, run)).map_err(|error| error.to_string())
+    };
+    let (started, seconds) = cpu_time(start);
+    if seconds > REFUSAL {
         return verdict(Class::Hang, format!("{seconds:.1} s to start or to refuse"), seconds);
     }
     let (scene, mut simulation) = match started {
