@@ -55,7 +55,7 @@ TEXT
   uncertainty. An error below 100 times that is not told: hollow marks with an arrow are bounds, and a study without any point above is refused.
   All other integrators tend to the same references, the implicit ones too, whose step formulas share nothing with the two (forces, contact search and events are the same).
 - *Errors.* The largest over the run, of lateral displacement, wheel load Q, normal force, Y/Q and a wheelset's accelerations, read every 0.73 ms: a grid
-  that no step knows of, between the ends of steps. Where forces jump with the state (places of rigid contacts, nodes) what the other run has within one
+  that no step knows of, between the ends of steps. Where forces jump with the state (places of rigid contacts) what the other run has within one
   sample is no error: a jump may come a little sooner or later (the CSV has rms and 95 % too). Hunting wavelength: mean distance of the upward passages of y through zero between swings of more than
   10 um. Always the worst wheelset or wheel. A sample at which a wheel stands where its rail's curvature jumps is left out.
 - *Cost.* CPU time of one thread without reading outputs, one run after the other, median of up to three runs; bars show the spread.
