@@ -43,10 +43,11 @@
 //! aside costs at most `curvature (1 + f'^2) d^2 / 8` in delta. A wheel node without a rail node within half a spacing in
 //! eta has no partner; a node that does not touch is paired with i.
 //!
-//! *Between nodes.* The contact is where the overlap is deepest: at the vertex of the parabola through the depths of three wheel nodes, and at
-//! its foot on the rail, depths being those under the rail's parabola at its nodes; there the profiles are read, for rolling radius, normal and stiffness. With those of the nodes themselves a contact
-//! would jump by a spacing, its normal by the spacing times the curvature (0.1 mm in a corner of 13 mm: 8 mrad, 0.5 kN of lateral force), its
-//! stiffness by what the curvatures change by (S1002 on 60E1 under 70 kN: by 10 % where R80 begins).
+//! *Between nodes.* The contact is where the overlap is deepest: at the vertex of the parabola through the depths of three wheel nodes (each
+//! under the rail's parabola at its partner), and at its foot on the rail. There the profiles are read, for rolling radius, normal and
+//! stiffness. With those of the nodes themselves a contact would jump by a spacing, its normal by the spacing times the curvature (0.1 mm in
+//! a corner of 13 mm: 8 mrad, 0.5 kN of lateral force), its stiffness by what the curvatures change by (S1002 on 60E1 under 70 kN: by 10 %
+//! where R80 begins).
 //!
 //! *Batches.* Consecutive wheel nodes with delta > 0; the deepest pair of each is its contact. The two deepest batches
 //! are returned, the one further out (greater u) first: the flange is the inner end of the profile, so a tread contact

@@ -195,8 +195,8 @@ fn on_displaced_rails(
     let scale = scene.vehicle.speed / pattern.speed;
     own.tolerance = ON_RAILS;
     if !own.model.formulation.constrains() {
-        // ECF-N's balance is beside that of ECF-A.
-        let balanced = own.balance().is_ok();
+        // ECF-A is balanced already, ECF-N beside it.
+        let balanced = own.is_balanced() || own.balance().is_ok();
         let y = if balanced { own.found(scale).0 } else { search.found(scale).0 };
         return Ok(SteadyState { y, wheel_loads, contacts: Contacts::Any });
     }

@@ -48,6 +48,12 @@ impl Search<'_> {
         Err(if self.hasty { self.unbalanced(&rest) } else { self.unsupported(&rest) })
     }
 
+    /// Is what is left here within the tolerance?
+    pub fn is_balanced(&mut self) -> bool {
+        let none = vec![0.0; self.unknowns.len()];
+        self.residual(&none, true).is_ok_and(|rest| largest(&rest).0 < self.tolerance)
+    }
+
     /// What is read off the search is that of the balance, not of the last trial.
     fn read(&mut self) -> Result<(), EquilibriumError> {
         let none = vec![0.0; self.unknowns.len()];
