@@ -3,12 +3,20 @@
 use super::spec::{RAIL_MOTION, SLIDING_MEANS, Scene};
 use super::{start, vehicle};
 use crate::contact::transient::TransientContact;
-use crate::formulation::{AssemblyError, ContactLaws, Model, Parts};
+use crate::formulation::{AssemblyError, ContactLaws, Model, Parts, points};
 use crate::geometry::Side;
 use crate::geometry::track::{Rail, Track};
 
 /// Distance over which forces are averaged, m (EN 14363).
 pub const MEAN_WINDOW: f64 = 2.0;
+
+/// Contacts that a wheel of the scene can have at once. (Rails are looked at where nothing displaces them.)
+pub fn points_needed(scene: &Scene) -> usize {
+    let track = &scene.track;
+    let rail = |side: Side| Rail::new(side, track.rails[side.index()].profile.clone(), track.half_rail_distance, track.inclination, &[]);
+    let track = Track { left: rail(Side::Left), right: rail(Side::Right) };
+    points::needed(vehicle::assemble::all_wheels(&scene.vehicle).as_flattened(), &track, &scene.prepared)
+}
 
 /// Assembles the model of a scene.
 ///
@@ -37,7 +45,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
             transient,
             shear_modulus: contact.material.shear_modulus(),
         },
-        points: contact.points,
+        points: scene.points,
         prepared: scene.prepared.clone(),
     };
     let window = scene.interface.outputs.contains(&SLIDING_MEANS).then_some(MEAN_WINDOW);

@@ -261,7 +261,7 @@ fn parts(free: &FreeVehicle, model: &Model) -> Vec<(&'static str, bool, String, 
 
 /// May wheels have several contacts at the same time, and why?
 fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
-    let points = scene.contact.points;
+    let points = scene.points;
     let own = model.formulation.points_per_wheel();
     if own > 1 {
         return (true, format!("contact.formulation = \"{}\" finds up to {own} by itself", scene.contact.formulation_name));
@@ -271,11 +271,15 @@ fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
     }
     const CONVEX: &str = "only one place can touch (the profiles are strictly convex against each other)";
     let [left, right] = Side::BOTH.map(|side| model.searches_contacts(contact_index(0, side)));
+    let points = match scene.contact.points {
+        Some(stated) => format!("contact.points = {stated}"),
+        None => format!("up to {points} at once by these profiles"),
+    };
     match (left, right) {
-        (true, true) => (true, format!("contact.points = {points}: searched for")),
+        (true, true) => (true, format!("{points}: searched for")),
         (false, false) => (false, CONVEX.into()),
-        (true, false) => (true, format!("contact.points = {points}: searched for on the left; on the right {CONVEX}")),
-        (false, true) => (true, format!("contact.points = {points}: searched for on the right; on the left {CONVEX}")),
+        (true, false) => (true, format!("{points}: searched for on the left; on the right {CONVEX}")),
+        (false, true) => (true, format!("{points}: searched for on the right; on the left {CONVEX}")),
     }
 }
 

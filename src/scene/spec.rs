@@ -2,9 +2,9 @@
 //!
 //! FMU parameters are fields of this data; a model is assembled from it anew when they are set.
 
-use super::solver_choice;
 pub use super::vehicle::suspended::{INITIAL, Initial, SuspensionSpec, WheelsetSpec};
 pub use super::vehicle::{TEMPLATES, VehicleSpec};
+use super::{assemble, solver_choice};
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
 use crate::formulation::LOAD_TOLERANCE;
@@ -37,6 +37,8 @@ pub struct Scene {
     pub run: RunSpec,
     /// What the models that are assembled from it share.
     pub prepared: PreparedSearches,
+    /// Contacts that a wheel may have at once: `contact.points`, or as many as its profiles can need.
+    pub points: usize,
 }
 
 /// `[track]`.
@@ -70,8 +72,8 @@ pub struct ContactSpec {
     pub friction: f64,
     /// C of Eq. 28, N s/m2; 0 with another law.
     pub damping: f64,
-    /// Contacts that each wheel may have at the same time.
-    pub points: usize,
+    /// Contacts that each wheel may have at the same time; `None`: as many as it can need.
+    pub points: Option<usize>,
     pub damping_law: normal::damping::Choice,
     pub material: Material,
     pub normal_name: String,
@@ -174,7 +176,7 @@ impl Scene {
         }
         run.finish()?;
         root.finish()?;
-        Ok(Scene {
+        let mut scene = Scene {
             name: name.into(),
             source,
             title,
@@ -185,7 +187,10 @@ impl Scene {
             interface,
             run: spec,
             prepared: PreparedSearches::default(),
-        })
+            points: MOST_POINTS,
+        };
+        scene.points = scene.contact.points.unwrap_or_else(|| assemble::points_needed(&scene));
+        Ok(scene)
     }
 
     /// Files that the scene refers to.
@@ -306,11 +311,11 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
     Ok(spec)
 }
 
-/// `contact.points`: 2 when absent.
-fn read_points(section: &Section) -> Result<usize, SettingsError> {
-    let points = section.number_or("points", Dimension::None, 2.0)?;
+/// `contact.points`; `None` when absent.
+fn read_points(section: &Section) -> Result<Option<usize>, SettingsError> {
+    let Some(points) = section.optional("points", Dimension::None)? else { return Ok(None) };
     if points.fract() == 0.0 && (1.0..=MOST_POINTS as f64).contains(&points) {
-        return Ok(points as usize);
+        return Ok(Some(points as usize));
     }
     Err(section.error("points", format!("found {points:?}, expected a whole number from 1 to {MOST_POINTS}")))
 }

@@ -1,24 +1,27 @@
 //! Equivalent conicity: the slope of the cone that would run like these profiles.
 //!
-//! A free wheelset rolling without creep turns toward its smaller wheel. With the rolling-radius difference dr(y) = r_left -
-//! r_right, the distance e of the tread circles and the nominal radius r0, over the distance x along the track (Klingel 1883):
+//! A free wheelset rolling without creep turns toward its smaller wheel (Klingel 1883). What must not slip sideways is its treads, which a roll
+//! moves beside its centre: with the distance e of the tread circles, the nominal radius r0, the mean rolling radius r(y) and the roll at
+//! which both wheels touch, over the distance x along the track,
 //!
 //! ```text
-//! y' = yaw,   yaw' = -dr(y) / (e r0)
+//! w' = yaw,   yaw' = -dr(y) / (e r0),   dr(y) = r_left - r_right,   dw = dy + r(y) d roll(y)
 //! ```
 //!
-//! A cone of slope gamma has dr = 2 gamma y and the wavelength L = 2 pi sqrt(e r0 / (2 gamma)).
+//! With the axle held level w = y, as in EN 15302. On the gauge corner the roll is no correction: there w runs several times as fast as y.
+//!
+//! A cone of slope gamma has dr = 2 gamma w and the wavelength L = 2 pi sqrt(e r0 / (2 gamma)).
 //!
 //! *EN 15302.* The same equation with the true dr has a periodic motion between y1 and y2 whose wavelength is compared with
-//! that of the cone: `lambda = 2 pi^2 e r0 / L^2`, at the amplitude A = (y2 - y1) / 2. The first integral
-//! `y'^2 / 2 = E(y) / (e r0)`, E(y) = integral of dr from y to y2, gives the wavelength as a quadrature; with
-//! y = c + A sin phi
+//! that of the cone: `lambda = 2 pi^2 e r0 / L^2`, at the amplitude (y2 - y1) / 2. The first integral
+//! `w'^2 / 2 = E(w) / (e r0)`, E(w) = integral of dr from w to w2, gives the wavelength as a quadrature; with
+//! w = c + A sin phi
 //!
 //! ```text
 //! L / sqrt(e r0) = 2 G,   G = integral over phi, -pi/2 .. pi/2, of A cos phi / sqrt(2 E),   lambda = pi^2 / (2 G^2)
 //! ```
 //!
-//! so that e and r0 drop out of lambda. The ends satisfy E(y1) = 0: the middle c is zero when dr is odd.
+//! so that e and r0 drop out of lambda. The ends satisfy E(w1) = 0: the middle c is zero when dr is odd.
 //!
 //! *Harmonic linearisation.* The first harmonic of dr over a sine about c, with a mean that must vanish:
 //!
@@ -26,7 +29,7 @@
 //! lambda = 1 / (2 pi A) integral_0^2pi dr(c + A sin phi) sin phi dphi,     integral_0^2pi dr(c + A sin phi) dphi = 0
 //! ```
 //!
-//! dr is taken as straight lines between given points: the harmonic integrals are then exact, the quadrature of G nearly so (four
+//! again over w. dr(w) and w(y) are taken as straight lines between given points: the harmonic integrals are then exact, the quadrature of G nearly so (four
 //! Gauss points per line; the integrand is smooth up to both ends). A jump of dr is a line a nanometre long.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -54,10 +57,24 @@ pub fn wavelength(conicity: f64, tread_circle_distance: f64, radius: f64) -> f64
     2.0 * PI * (tread_circle_distance * radius / (2.0 * conicity)).sqrt()
 }
 
-/// Rolling-radius difference over lateral shift: straight lines between points of growing y.
+/// Rolling-radius difference over lateral shift: straight lines between points of growing y and w.
 #[derive(Clone, Debug)]
 pub struct RadiusDifference {
+    /// w, dr, m.
     points: Vec<(f64, f64)>,
+    /// y of each, m.
+    shifts: Vec<f64>,
+}
+
+/// One pose of a wheelset that rests on its rails.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RollingPose {
+    /// Lateral shift of the centre, left positive, m.
+    pub y: f64,
+    /// Left side up, rad.
+    pub roll: f64,
+    /// Rolling radii left and right, m.
+    pub radii: [f64; 2],
 }
 
 /// A line from (y, dr) to (y, dr), inside the motion.
@@ -72,32 +89,66 @@ const GAUSS: [(f64, f64); 4] = [
 ];
 
 impl RadiusDifference {
-    /// From (y, dr) [m] by growing y; points that do not grow are left out.
+    /// From (y, dr) [m] by growing y, of an axle that does not roll; points that do not grow are left out.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        let mut kept: Vec<(f64, f64)> = Vec::new();
-        for point in points {
-            if kept.last().is_none_or(|last| point.0 > last.0) {
-                kept.push(point);
-            }
+        let mut kept = RadiusDifference { points: Vec::new(), shifts: Vec::new() };
+        points.into_iter().for_each(|(y, dr)| kept.push(y, y, dr));
+        kept
+    }
+
+    /// From poses by growing y; those at which y or w do not grow are left out.
+    pub fn of_poses(poses: impl IntoIterator<Item = RollingPose>) -> Self {
+        let mut kept = RadiusDifference { points: Vec::new(), shifts: Vec::new() };
+        let mut before: Option<(RollingPose, f64)> = None;
+        for pose in poses {
+            let radius = |pose: &RollingPose| 0.5 * (pose.radii[0] + pose.radii[1]);
+            // w begins as y: only its differences count.
+            let w =
+                before.map_or(pose.y, |(last, w)| w + (pose.y - last.y) + 0.5 * (radius(&last) + radius(&pose)) * (pose.roll - last.roll));
+            before = Some((pose, w));
+            kept.push(pose.y, w, pose.radii[0] - pose.radii[1]);
         }
-        RadiusDifference { points: kept }
+        kept
+    }
+
+    fn push(&mut self, y: f64, w: f64, dr: f64) {
+        if self.points.last().is_none_or(|last| w > last.0) && self.shifts.last().is_none_or(|last| y > *last) {
+            self.points.push((w, dr));
+            self.shifts.push(y);
+        }
     }
 
     /// Smallest and largest lateral shift, m.
     pub fn range(&self) -> (f64, f64) {
-        let end = |point: Option<&(f64, f64)>| point.map_or(f64::NAN, |point| point.0);
-        (end(self.points.first()), end(self.points.last()))
+        let end = |shift: Option<&f64>| shift.copied().unwrap_or(f64::NAN);
+        (end(self.shifts.first()), end(self.shifts.last()))
     }
 
-    /// dr at a lateral shift [m], on the continued line beyond the ends.
-    pub fn at(&self, y: f64) -> f64 {
+    /// w at a lateral shift, m.
+    fn way(&self, y: f64) -> f64 {
         let Some(last) = self.points.len().checked_sub(1).filter(|last| *last > 0) else { return f64::NAN };
-        let after = self.points.partition_point(|point| point.0 < y).clamp(1, last);
-        let (a, b) = (self.points[after - 1], self.points[after]);
-        a.1 + (b.1 - a.1) * (y - a.0) / (b.0 - a.0)
+        let after = self.shifts.partition_point(|shift| *shift < y).clamp(1, last);
+        let ([a, b], [from, to]) = ([after - 1, after].map(|i| self.shifts[i]), [after - 1, after].map(|i| self.points[i].0));
+        // To the bit where the axle is level.
+        if a == from && b == to { y } else { from + (to - from) * (y - a) / (b - a) }
     }
 
-    /// The lines between two lateral shifts, by growing y.
+    /// Middle and amplitude in w of the motion about the shift `c` with the amplitude `a` in y, m.
+    fn wave(&self, c: f64, a: f64) -> (f64, f64) {
+        let (low, high) = (self.way(c - a), self.way(c + a));
+        // To the bit where the axle is level.
+        if low == c - a && high == c + a { (c, a) } else { (0.5 * (low + high), 0.5 * (high - low)) }
+    }
+
+    /// dr at w [m], which is y where the axle is level; on the continued line beyond the ends.
+    pub fn at(&self, w: f64) -> f64 {
+        let Some(last) = self.points.len().checked_sub(1).filter(|last| *last > 0) else { return f64::NAN };
+        let after = self.points.partition_point(|point| point.0 < w).clamp(1, last);
+        let (a, b) = (self.points[after - 1], self.points[after]);
+        a.1 + (b.1 - a.1) * (w - a.0) / (b.0 - a.0)
+    }
+
+    /// The lines between two places, by growing w.
     fn lines(&self, from: f64, to: f64) -> impl DoubleEndedIterator<Item = Line> + '_ {
         let first = self.points.partition_point(|point| point.0 <= from);
         let end = self.points.partition_point(|point| point.0 < to).max(first);
@@ -109,7 +160,7 @@ impl RadiusDifference {
         })
     }
 
-    /// Where a mean that grows with the middle c of the motion vanishes, nearest to c = 0.
+    /// Where a mean that grows with the middle c [y, m] of the motion vanishes, nearest to c = 0.
     fn middle(&self, amplitude: f64, mean: impl Fn(f64) -> f64) -> Result<f64, NoConicity> {
         let (first, last) = self.range();
         let (low, high) = (first + amplitude, last - amplitude);
@@ -138,7 +189,7 @@ impl RadiusDifference {
         if here.abs() < 1e-12 * amplitude { Ok(0.0) } else { Err(NoConicity::BeyondRange) }
     }
 
-    /// Mean and first harmonic of dr over y = c + A sin phi: `(integral dr dphi, integral dr sin phi dphi) / pi` over half a
+    /// Mean and first harmonic of dr over w = c + A sin phi: `(integral dr dphi, integral dr sin phi dphi) / pi` over half a
     /// turn, m.
     fn harmonics(&self, c: f64, amplitude: f64) -> (f64, f64) {
         let (mut mean, mut first) = (0.0, 0.0);
@@ -167,9 +218,14 @@ impl RadiusDifference {
     /// # Errors
     /// [`NoConicity::BeyondRange`].
     pub fn harmonic(&self, amplitude: f64) -> Result<Conicity, NoConicity> {
-        let centre = self.middle(amplitude, |c| self.harmonics(c, amplitude).0)?;
-        // Half a turn is half of the full integral: lambda = (2 / (2 A)) (1 / pi) integral over half a turn.
-        Ok(Conicity { value: self.harmonics(centre, amplitude).1 / amplitude, centre })
+        let harmonics = |c: f64| {
+            let (middle, amplitude) = self.wave(c, amplitude);
+            let (mean, first) = self.harmonics(middle, amplitude);
+            // Half a turn is half of the full integral: lambda = (2 / (2 A)) (1 / pi) integral over half a turn.
+            (mean, first / amplitude)
+        };
+        let centre = self.middle(amplitude, |c| harmonics(c).0)?;
+        Ok(Conicity { value: harmonics(centre).1, centre })
     }
 
     /// Equivalent conicity by EN 15302 at `amplitude` [m], half of the motion from peak to peak.
@@ -177,15 +233,19 @@ impl RadiusDifference {
     /// # Errors
     /// [`NoConicity`].
     pub fn en15302(&self, amplitude: f64) -> Result<Conicity, NoConicity> {
-        let area = |c: f64| self.lines(c - amplitude, c + amplitude).map(|(a, b)| 0.5 * (a.1 + b.1) * (b.0 - a.0)).sum::<f64>();
-        let c = self.middle(amplitude, area)?;
+        let area = |c: f64| {
+            let (middle, amplitude) = self.wave(c, amplitude);
+            self.lines(middle - amplitude, middle + amplitude).map(|(a, b)| 0.5 * (a.1 + b.1) * (b.0 - a.0)).sum::<f64>()
+        };
+        let centre = self.middle(amplitude, area)?;
+        let (c, amplitude) = self.wave(centre, amplitude);
         let (low, high) = (c - amplitude, c + amplitude);
-        // From each end inward, so that E is a sum of small positive parts near it. E(y) = area from y to the upper end = minus
+        // From each end inward, so that E is a sum of small positive parts near it. E(w) = area from w to the upper end = minus
         // the area from the lower end to y.
         let upper = half_wave(self.lines(c, high).rev().map(|(a, b)| (b, a)), amplitude, 1.0)?;
         let lower = half_wave(self.lines(low, c), amplitude, -1.0)?;
         let g = upper + lower;
-        Ok(Conicity { value: PI * PI / (2.0 * g * g), centre: c })
+        Ok(Conicity { value: PI * PI / (2.0 * g * g), centre })
     }
 }
 

@@ -4,6 +4,7 @@
 //! next. Where that never happens the contact *jumps* from one place to another: the jump is closed in by bisection and shown by
 //! the stands on both of its sides, a nanometre apart.
 
+use super::conicity::RollingPose;
 use super::contact_geometry::{NoStand, Stand, Start, WheelsetOnTrack};
 use crate::geometry::Side;
 
@@ -105,9 +106,11 @@ impl Sweep {
         self.samples.split_inclusive(|sample| sample.jumps_after).collect()
     }
 
-    /// Lateral shift [m] and rolling-radius difference [m] of each sample.
-    pub fn radius_difference(&self) -> Vec<(f64, f64)> {
-        self.samples.iter().map(|sample| (sample.stand.y, sample.stand.radius_difference())).collect()
+    /// Lateral shift, roll and rolling radii of each sample.
+    pub fn poses(&self) -> impl Iterator<Item = RollingPose> + '_ {
+        let pose =
+            |stand: &Stand| RollingPose { y: stand.y, roll: stand.roll, radii: [0, 1].map(|side| stand.contacts[side].rolling_radius) };
+        self.samples.iter().map(move |sample| pose(&sample.stand))
     }
 
     /// The stand nearest to a lateral shift [m].

@@ -131,7 +131,7 @@ pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
     for error in sweep.ended.iter().flatten() {
         say(&format!("the lateral shifts end early: {error}"));
     }
-    let difference = RadiusDifference::new(sweep.radius_difference());
+    let difference = RadiusDifference::of_poses(sweep.poses());
     let at = |amplitude: f64| Conicities::new(&difference, amplitude);
     let millimetres = (range / 1e-3 + 1e-9).floor() as usize;
     const CURVE: usize = 200;

@@ -23,7 +23,7 @@
 //! B grows with delta like `d ln B / d ln delta = 1 - 2 d ln b / d ln L`, from the integral of 1 - G/L ([`super::overlap`]); that the
 //! nodes of the quadrature move with L is left out, 1e-3 of dN/d delta at most for S1002 on 60E1.
 //!
-//! *Conformal contact.* Hertz's theory needs B > 0. `error` refuses others; `bounded` keeps B between A / 117 and 117 A, where the
+//! *Conformal contact.* Hertz's theory needs B > 0. `error` refuses others; `bounded` (default) keeps B between A / 117 and 117 A, where the
 //! ellipse has axes of about 1:20. Within a factor of 2 of a bound the curvature is bent towards it with a C1 parabola, elsewhere it is
 //! kept to the bit.
 
@@ -168,7 +168,7 @@ impl Rule {
             Across::Patch => ", curvature over the patch",
             Across::Stated(_) => ", stated ratio of the semi-axes",
         };
-        let conformal = if self.conformal == Conformal::Bounded { ", conformal contact bounded" } else { "" };
+        let conformal = if self.conformal == Conformal::Error { ", conformal contact refused" } else { "" };
         format!("{across}{conformal}")
     }
 }
@@ -179,9 +179,9 @@ pub(super) fn parse(section: &Section) -> Result<Rule, SettingsError> {
         "patch" => Across::Patch,
         _ => Across::Point,
     };
-    let conformal = match section.word_or("conformal", &["error", "bounded"], "error")? {
-        "bounded" => Conformal::Bounded,
-        _ => Conformal::Error,
+    let conformal = match section.word_or("conformal", &["error", "bounded"], "bounded")? {
+        "error" => Conformal::Error,
+        _ => Conformal::Bounded,
     };
     Ok(Rule { across, conformal })
 }

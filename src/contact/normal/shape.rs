@@ -92,10 +92,19 @@ struct Gap<'a, R> {
     turn: [f64; 2],
 }
 
-/// Gaps beyond this [m], and slopes against the tangents that together are beyond TURNED, are far outside any patch: behind a flange or
-/// a rail's flank.
-const FAR: f64 = 1.0;
-const TURNED: f64 = 2.5;
+/// Profiles that have turned against their tangents by more than NEAR together (sum of the tangents of the angles) are found exactly at the distance t;
+/// up to there and NEARER the closed form is used, between them a mean that leads from one to the other.
+const NEARER: f64 = 0.2;
+const NEAR: f64 = 0.4;
+/// A surface that has turned by these tangents of angles (50 and 70 degrees) faces another way: it is not of this patch. The gap is
+/// widened from the first one, by WIDENED [m] at the middle, and is infinite at the second.
+const TURNING: f64 = 1.2;
+const TURNED: f64 = 2.75;
+const WIDENED: f64 = 1e-3;
+/// Where a profile is found at a distance: the last step [m], steps, and the least dt/dx times c.
+const SETTLED: f64 = 1e-14;
+const STEPS: usize = 60;
+const LEAST_TURN: f64 = 1e-3;
 
 // Both profiles side by side, so that the compiler makes vector instructions of it.
 impl<'a, R: Read> Gap<'a, R> {
@@ -118,23 +127,22 @@ impl<'a, R: Read> Gap<'a, R> {
         }
     }
 
-    /// The gap [m] and its slope dg/dt at the distance t > 0, from values and slopes there; `None` where curves must be read, or a
-    /// profile has turned away.
+    /// The gap [m] and its slope dg/dt at the distance t > 0, from values and slopes there; and by how much the profiles have turned, infinite
+    /// or NaN where curves must be read.
     #[inline(always)]
-    fn of(&self, t: f64, (values, slopes): ([f64; 2], [f64; 2]), unit: [f64; 2], turn: [f64; 2]) -> Option<(f64, f64)> {
+    fn of(&self, t: f64, (values, slopes): ([f64; 2], [f64; 2])) -> (f64, f64, f64) {
         let per_t = 1.0 / t;
         let high = [0, 1].map(|i| (values[i] - self.value[i] - self.rise[i] * t) * self.cos[i]);
-        let turned = [1.0 + turn[0] * slopes[0], 1.0 + turn[1] * slopes[1]].map(|turn| if turn > 0.0 { turn } else { 0.0 });
-        let climb = [0, 1].map(|i| (slopes[i] * unit[i] - self.slope[i]) / turned[i]);
+        let turned = [1.0 + self.turn[0] * slopes[0], 1.0 + self.turn[1] * slopes[1]].map(|turn| if turn > 0.0 { turn } else { 0.0 });
+        let climb = [0, 1].map(|i| (slopes[i] * self.unit[i] - self.slope[i]) / turned[i]);
         let off = [0, 1].map(|i| self.slope[i] * high[i]);
         let bent = [0, 1].map(|i| (4.0 * climb[i] - 6.0 * per_t * high[i]) * per_t * off[i]);
         let [wheel, rail] = [0, 1].map(|i| high[i] - off[i] * (climb[i] - 0.5 * bent[i]));
         let [down, fall] = [0, 1].map(|i| climb[i] - bent[i]);
-        let gap = -(wheel + rail);
-        (gap.abs() < FAR && climb[0].abs() + climb[1].abs() < TURNED).then_some((gap, -(down + fall)))
+        (-(wheel + rail), -(down + fall), climb[0].abs() + climb[1].abs())
     }
 
-    /// The gap [m] and its slope at t > 0, where a bend of wheel or rail may be.
+    /// The gap [m] and its slope at t > 0, where a bend of wheel or rail may be; `None` where a profile has turned away.
     #[inline(always)]
     fn at(&self, t: f64, bends: [Option<&Bend>; 2]) -> Option<(f64, f64)> {
         let (mut values, mut slopes) = self.read.at(t);
@@ -143,20 +151,65 @@ impl<'a, R: Read> Gap<'a, R> {
                 (values[i], slopes[i]) = (bend.value, bend.slope * self.per_unit[i]);
             }
         }
-        match self.of(t, (values, slopes), self.unit, self.turn) {
-            None => self.by_curves(t),
-            found => found,
-        }
+        let found = self.of(t, (values, slopes));
+        if found.2 < NEARER { Some((found.0, found.1)) } else { self.turned(t, found) }
     }
 
-    /// The same from the profiles' curves.
+    /// The same where profiles have turned, or must be read from their curves.
     #[cold]
     #[inline(never)]
-    fn by_curves(&self, t: f64) -> Option<(f64, f64)> {
-        let points = [0, 1].map(|i| self.sections[i].profile.at(self.sections[i].at + self.along[i] * t));
-        let side = self.along[0].signum();
-        let turn = self.sections.each_ref().map(|section| section.point.d1);
-        self.of(t, (points.map(|p| p.value), points.map(|p| p.d1)), [side; 2], turn)
+    fn turned(&self, t: f64, mut found: (f64, f64, f64)) -> Option<(f64, f64)> {
+        if found.2.is_nan() {
+            let read = [0, 1].map(|i| self.sections[i].profile.value_and_slope(self.sections[i].at + self.along[i] * t));
+            found = self.of(t, (read.map(|(value, _)| value), [0, 1].map(|i| read[i].1 * self.per_unit[i])));
+        }
+        let (near, opening_near, turned) = found;
+        if turned < NEARER {
+            return Some((near, opening_near));
+        }
+        let [wheel, rail] = [self.foot(0, t)?, self.foot(1, t)?];
+        let (mut gap, mut opening) = (-(wheel.0 + rail.0), -(wheel.1 + rail.1));
+        if turned < NEAR {
+            let share = (turned - NEARER) / (NEAR - NEARER);
+            let exact = share * share * (3.0 - 2.0 * share);
+            (gap, opening) = (near + exact * (gap - near), opening_near + exact * (opening - opening_near));
+        }
+        for (_, climb) in [wheel, rail] {
+            let beyond = (climb.abs() - TURNING) / (TURNED - TURNING);
+            if beyond >= 1.0 {
+                return None;
+            }
+            if beyond > 0.0 {
+                gap += 2.0 * WIDENED * beyond * beyond / (1.0 - beyond);
+            }
+        }
+        Some((gap, opening))
+    }
+
+    /// Height [m] and slope over its tangent of a profile at the distance t along that, on the branch that begins at the contact; `None` where that turns back
+    /// before. With x measured from the contact towards t, `t'(x) = c (x + p (y - y0))`, `dt'/dx = c (1 + p y')`: Newton's method between bounds.
+    fn foot(&self, i: usize, t: f64) -> Option<(f64, f64)> {
+        let (Section { profile, at, point }, side) = (&self.sections[i], self.along[i].signum());
+        let (cos, slope) = (self.cos[i], self.slope[i]);
+        let (mut low, mut high, mut x) = (0.0, f64::INFINITY, cos * t);
+        for _ in 0..STEPS {
+            let (value, read) = profile.value_and_slope(at + side * x);
+            let (rise, steep) = (value - point.value, side * read);
+            let (short, turn) = (t - cos * (x + slope * rise), 1.0 + slope * steep);
+            // Beyond a place where it turns back all distances are another branch's.
+            if turn < LEAST_TURN || short < 0.0 {
+                high = x
+            } else {
+                low = x
+            }
+            let step = short / (cos * turn);
+            if turn >= LEAST_TURN && step.abs() <= SETTLED {
+                return Some((cos * (rise - slope * x), (steep - slope) / turn));
+            }
+            let next = x + step;
+            x = if turn >= LEAST_TURN && next > low && next < high { next } else { 0.5 * (low + high.min(2.0 * x)) };
+        }
+        None
     }
 }
 

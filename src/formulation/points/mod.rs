@@ -25,6 +25,7 @@
 //! *Identity.* A contact keeps its number while it exists; a new one takes the lowest free number. Forces do not depend on it.
 //! The search forgets nothing and waits for nothing: no hysteresis.
 
+mod count;
 mod prepared;
 mod record;
 mod reply;
@@ -38,6 +39,7 @@ use crate::contact::search::global::{GlobalSearch, MOST, Minima, Ridge, Standing
 use crate::geometry::Side;
 use crate::geometry::profile::Profile;
 use crate::mbs::body::Wrench;
+pub use count::needed;
 pub use prepared::PreparedSearches;
 pub(super) use record::{Record, record_length};
 use reply::reply;

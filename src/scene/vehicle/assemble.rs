@@ -26,10 +26,23 @@ fn body(spec: &WheelsetSpec) -> Body {
     Body { name: spec.name.clone(), mass: spec.mass, inertia }
 }
 
-fn wheelset(spec: &WheelsetSpec, body: usize, imposed_speed: Option<f64>, static_wheel_load: f64) -> Wheelset {
+fn wheels(spec: &WheelsetSpec) -> [Wheel; 2] {
     let wheel =
         |side: Side| Wheel { side, profile: spec.profiles[side.index()].profile.clone(), half_spacing: spec.half_tread_circle_distance };
-    Wheelset { name: spec.name.clone(), body, left: wheel(Side::Left), right: wheel(Side::Right), imposed_speed, static_wheel_load }
+    Side::BOTH.map(wheel)
+}
+
+fn wheelset(spec: &WheelsetSpec, body: usize, imposed_speed: Option<f64>, static_wheel_load: f64) -> Wheelset {
+    let [left, right] = wheels(spec);
+    Wheelset { name: spec.name.clone(), body, left, right, imposed_speed, static_wheel_load }
+}
+
+/// Left and right wheels of every wheelset.
+pub fn all_wheels(vehicle: &VehicleSpec) -> Vec<[Wheel; 2]> {
+    match &vehicle.free {
+        Some(free) => free.wheelsets.iter().map(|placed| wheels(&placed.spec)).collect(),
+        None => vec![wheels(&vehicle.wheelset)],
+    }
 }
 
 fn suspended_parts(vehicle: &VehicleSpec, grade: f64) -> (System, Vec<Wheelset>) {
