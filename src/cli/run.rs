@@ -80,6 +80,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if doubts.steps > 0 {
         super::say(&format!("warning: {doubts}"));
     }
+    let notes = simulation.notes();
+    for note in &notes {
+        super::say(&format!("note: {note}"));
+    }
     let statistics = simulation.statistics();
     let simulated = simulation.time();
     if arguments.json {
@@ -89,7 +93,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             .collect();
         let value = serde_json::json!({
             "scene": scene.name, "simulated": simulated, "seconds": elapsed, "statistics": statistics,
-            "extremes": extremes, "events": events, "doubtful_steps": doubts, "error": failure,
+            "extremes": extremes, "events": events, "doubtful_steps": doubts, "notes": notes, "error": failure,
         });
         print(&format!("{value}\n"));
     } else if !to_stdout {

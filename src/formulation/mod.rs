@@ -15,6 +15,7 @@ mod ecf_a;
 mod ecf_n;
 pub mod events;
 mod failure;
+pub mod flutter;
 mod foresight;
 mod handover;
 mod lasting;
@@ -28,6 +29,7 @@ pub mod sliding_mean;
 pub mod swing;
 mod tangent;
 mod travel;
+pub mod wheel_loads;
 pub mod work;
 
 pub use failure::{ContactFailure, EvaluationError};

@@ -1,5 +1,6 @@
 //! What a scene makes the program compute, and what not: the list behind `wheelrail plan`.
 
+use super::cautions::cautions;
 use super::remarks::remarks;
 use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
@@ -142,7 +143,12 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         states: model.dimension(),
         memory: model.memory(),
         effects,
-        notes: profile_notes(scene).into_iter().chain(remarks(scene)).chain(solver_choice::notes(scene)).collect(),
+        notes: profile_notes(scene)
+            .into_iter()
+            .chain(remarks(scene))
+            .chain(cautions(scene, model))
+            .chain(solver_choice::notes(scene))
+            .collect(),
     }
 }
 

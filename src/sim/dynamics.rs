@@ -2,7 +2,9 @@
 
 use super::input::{self, InputSignal};
 use crate::formulation::carried::CarriedMotion;
+use crate::formulation::flutter::Flutter;
 use crate::formulation::swing::Swings;
+use crate::formulation::wheel_loads::WheelLoads;
 use crate::formulation::{Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::{COORDINATES, HEIGHT, ROLL};
 use crate::solve::{Dynamics, StiffPart, Undefined};
@@ -27,6 +29,8 @@ pub struct ModelDynamics<'a> {
     /// Beside which the last accepted step was made.
     carried: &'a mut CarriedMotion,
     swings: &'a mut Swings,
+    flutter: &'a mut Flutter,
+    loads: &'a mut WheelLoads,
     constant: bool,
     /// Why the last failed evaluation failed.
     pub failure: Option<EvaluationError>,
@@ -38,13 +42,14 @@ impl<'a> ModelDynamics<'a> {
         workspace: &'a mut Workspace,
         signals: &'a [InputSignal],
         values: &'a mut [f64],
-        (carried, swings): (&'a mut CarriedMotion, &'a mut Swings),
+        (carried, swings, flutter): (&'a mut CarriedMotion, &'a mut Swings, &'a mut Flutter),
+        loads: &'a mut WheelLoads,
     ) -> Self {
         let constant = signals.iter().all(|signal| signal.first == 0.0 && signal.second == 0.0);
         input::evaluate(signals, 0.0, values);
         // Inputs are those of the evaluation that found them.
         workspace.findings_marked &= constant;
-        ModelDynamics { model, workspace, signals, values, carried, swings, constant, failure: None }
+        ModelDynamics { model, workspace, signals, values, carried, swings, flutter, loads, constant, failure: None }
     }
 }
 
@@ -89,7 +94,7 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn longest_step(&self, dy: &[f64]) -> f64 {
-        self.model.longest_step(self.workspace, dy)
+        self.model.longest_step(self.workspace, dy).min(self.flutter.longest_step())
     }
 
     fn longest_known(&self) -> f64 {
@@ -110,6 +115,7 @@ impl Dynamics for ModelDynamics<'_> {
 
     fn note_step(&mut self, t: f64) {
         self.model.note_swings(self.workspace, t, self.swings);
+        self.model.note_wheel_loads(self.workspace, t, self.loads);
     }
 
     fn clear_findings(&mut self) {
@@ -131,8 +137,9 @@ impl Dynamics for ModelDynamics<'_> {
         done
     }
 
-    fn linearise(&mut self, _: f64, y: &[f64], memory: &[f64], part: StiffPart) -> Result<(), Undefined> {
+    fn linearise(&mut self, t: f64, y: &[f64], memory: &[f64], part: StiffPart) -> Result<(), Undefined> {
         self.model.linearise(self.workspace, (y, memory), self.values, part == StiffPart::All);
+        self.model.note_flutter(self.workspace, t, self.flutter);
         Ok(())
     }
 

@@ -13,7 +13,9 @@ pub mod vehicle_outputs;
 
 use crate::formulation::carried::CarriedMotion;
 use crate::formulation::events::ContactEvent;
+use crate::formulation::flutter::{Flutter, Fluttering};
 use crate::formulation::swing::Swings;
+use crate::formulation::wheel_loads::WheelLoads;
 use crate::formulation::work::Work;
 use crate::formulation::{AssemblyError, ContactFailure, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
 use crate::geometry::track::centre_line::CentreLine;
@@ -24,7 +26,7 @@ use crate::scene::equilibrium::{self, EquilibriumError};
 use crate::scene::spec::Scene;
 use crate::scene::vehicle::FreeVehicle;
 use crate::scene::vehicle::steady_state::{self, Contacts};
-use crate::solve::{Doubts, IntegrationState, Integrator, Scratch, SolveError, Statistics};
+use crate::solve::{Doubts, IntegrationState, Integrator, Scratch, SettingKind, SolveError, Statistics};
 use dynamics::ModelDynamics;
 use input::InputSignal;
 use serde::{Deserialize, Serialize};
@@ -42,6 +44,8 @@ pub struct SimulationState {
     pub carried: CarriedMotion,
     /// How far wheelsets swing.
     pub swings: Swings,
+    /// Wheelsets that flutter on their contacts.
+    pub flutter: Flutter,
     /// Work of the formulation on the stepping path.
     pub work: Work,
 }
@@ -59,6 +63,7 @@ impl SimulationState {
         self.integration.fits(&other.integration)
             && self.carried.fits(&other.carried)
             && self.swings.fits(&other.swings)
+            && self.flutter.fits(&other.flutter)
             && self.inputs.len() == other.inputs.len()
     }
 }
@@ -97,6 +102,8 @@ pub struct Simulation {
     snapshot: Snapshot,
     /// Does the snapshot belong to the present state?
     snapshot_valid: bool,
+    /// Over the run so far, for its notes alone.
+    loads: WheelLoads,
 }
 
 /// Solution and everything computed from it at one time; outputs are read from it.
@@ -170,11 +177,13 @@ impl Simulation {
                 inputs,
                 carried: CarriedMotion::default(),
                 swings: model.swings(),
+                flutter: model.flutter(),
                 work: Work::default(),
             },
             workspace,
             snapshot,
             snapshot_valid: false,
+            loads: model.wheel_loads(),
             model,
         };
         if simulation.integrator.linearises() {
@@ -242,6 +251,24 @@ impl Simulation {
         self.state.integration.doubts
     }
 
+    /// What a user should know about the run so far: wheels that unload, loads no real track would meet, wheelsets that flutter.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = self.model.load_notes(&self.loads);
+        if let Some(Fluttering { since, wheelset, frequency, growth }) = self.state.flutter.first {
+            let fixed = match self.integrator.setting().kind {
+                SettingKind::Step => "; steps of a fixed length may hide it, and loads are then those of an unstable balance",
+                SettingKind::Tolerance => "",
+            };
+            notes.push(format!(
+                "{} flutters on its contacts from {since:.3} s on, at {frequency:.0} Hz (a small swing grows by {growth:.0} 1/s): friction at its bound \
+                 couples its bouncing and rolling on rigid rails. That is the model's own motion, not an error of steps{fixed}; less friction or more \
+                 contact.damping calms it",
+                self.model.wheelsets[wheelset].name
+            ));
+        }
+        notes
+    }
+
     /// Sets an input from now on to `value + first (t - now) + second (t - now)^2 / 2`. The integration restarts here when
     /// that is a change.
     pub fn set_input(&mut self, index: usize, value: f64, first: f64, second: f64) {
@@ -268,8 +295,9 @@ impl Simulation {
     pub fn advance(&mut self, target: f64) -> Result<(), SimulationError> {
         self.snapshot_valid = false;
         self.workspace.work = Work::default();
-        let SimulationState { inputs, carried, swings, integration, .. } = &mut self.state;
-        let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, inputs, &mut self.snapshot.inputs, (carried, swings));
+        let SimulationState { inputs, carried, swings, flutter, integration, .. } = &mut self.state;
+        let notes = (carried, swings, flutter);
+        let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, inputs, &mut self.snapshot.inputs, notes, &mut self.loads);
         let advanced = self.integrator.advance(&mut dynamics, integration, &mut self.scratch, target);
         let failure = dynamics.failure.take();
         self.state.work += self.workspace.work;

@@ -180,6 +180,7 @@ pub unsafe extern "C" fn fmi2Terminate(c: Component) -> Status {
         let answer = component.instance.terminate();
         let status = report(component, answer);
         if status == Status::Ok {
+            component.instance.notes().iter().for_each(|note| component.log.remark(note));
             component.log.event(&component.instance.summary());
         }
         status

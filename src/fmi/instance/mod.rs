@@ -196,6 +196,11 @@ impl Instance {
         Ok(())
     }
 
+    /// What a user should know about the run so far.
+    pub fn notes(&self) -> Vec<String> {
+        self.simulation.as_ref().map(Simulation::notes).unwrap_or_default()
+    }
+
     /// fmi2Reset: as after fmi2Instantiate.
     pub fn reset(&mut self) {
         self.scene = self.exported.clone();

@@ -114,6 +114,11 @@ impl Tangent {
         }
     }
 
+    /// How the wrench on a body that [`Tangent::add_wrench`] put there changes with its own motion.
+    pub fn own_wrench(&self, body: usize) -> Option<&WrenchTangent> {
+        self.world[self.sum.neighbours.slot(body, body)?].as_ref()
+    }
+
     /// How the wrenches that [`Tangent::add_wrench`] put on a body by its own motion change the accelerations of its coordinates. The
     /// motion in world axes: displacement above rotation, and velocity above angular velocity; `known` is taken off the wrench's change.
     pub fn acceleration(

@@ -1,0 +1,154 @@
+//! Wheelsets that flutter on their contacts: an instability of the model that long steps would hide.
+//!
+//! A rigid wheelset of mass m and roll inertia J bounces and rolls on the contact stiffnesses of its wheels at nearly the same frequency
+//! (2 K / m and 2 K b^2 / J: coach 1813 kg, 1120 kg m2, b = 0.75 m, 190 Hz). Where its creep forces are at their friction bound and a flange
+//! or a steep contact ties lateral motion to these two, each wheel's force follows the other's load, which is a stiffness without
+//! symmetry: beyond some friction the two motions feed each other (mode coupling). With a coefficient of 0.55 in a curve of 150 m the
+//! leading wheelset of a coach grows so, until its wheels lift from the rails 100 times a second; friction of 0.35 leaves it at rest.
+//!
+//! That is the model's own motion: rails and axle are rigid in it. But an implicit step of 20 ms damps what grows at 100 Hz, and the same scene runs
+//! quietly. So the linearised wheelset on its contacts alone,
+//!
+//! ```text
+//! x'' = M^-1 (dW/dx x + dW/dx' x'),   x = displacement and rotation, W = wrench of all its contacts,
+//! ```
+//!
+//! is asked for eigenvalues with a real part above zero; while it has one, steps follow it: `h <= 1/2 / |lambda|`. (Suspensions are a
+//! hundred times softer, and gyroscopic moments 2 % of the frequency at 60 m/s: both are left out.)
+
+use super::rigid::wheels;
+use super::{Model, Workspace};
+use crate::mbs::body::COORDINATES;
+use crate::mbs::inertia::Inertia;
+use nalgebra::linalg::Schur;
+use nalgebra::{Matrix3, SMatrix};
+use serde::{Deserialize, Serialize};
+
+/// Linearisations between two looks, and wheelsets take turns: a look is 1 % of a coach's step.
+const EVERY: u32 = 4;
+/// Below this share of friction nothing flutters.
+const LEAST_USE: f64 = 0.7;
+/// Least growth [1/s], the same by |lambda|, and least frequency [rad/s] of what counts.
+const GROWS: f64 = 1.0;
+const GROWS_BY: f64 = 2e-3;
+const FAST: f64 = 100.0;
+/// Steps are at most this long, 1 / |lambda|.
+const FOLLOWED: f64 = 0.5;
+/// What the eigenvalues' iteration may cost.
+const ITERATIONS: usize = 400;
+
+/// A small swing has grown by e to this power before anybody is told.
+const TOLD: f64 = 6.0;
+
+/// An unstable motion of a wheelset on its contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fluttering {
+    /// When it began to grow, s.
+    pub since: f64,
+    /// Number of the wheelset, from 0.
+    pub wheelset: usize,
+    /// Hz, and growth, 1/s, when it had grown.
+    pub frequency: f64,
+    pub growth: f64,
+}
+
+/// One wheelset as it was last looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Growing {
+    /// |lambda|, 1/s; zero where nothing grows.
+    rate: f64,
+    /// When it was looked at, and when it began to grow, s.
+    time: f64,
+    since: f64,
+    /// Logarithm of what a small swing has grown by since then.
+    exponent: f64,
+}
+
+/// What is known of a model's wheelsets; part of a simulation's state.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Flutter {
+    count: u32,
+    wheelsets: Vec<Growing>,
+    /// The first that grew so far that it matters.
+    pub first: Option<Fluttering>,
+}
+
+impl Flutter {
+    /// Could this have come from the same model as `other`?
+    pub fn fits(&self, other: &Flutter) -> bool {
+        self.wheelsets.len() == other.wheelsets.len()
+    }
+
+    /// The longest step that follows what grows, s.
+    pub fn longest_step(&self) -> f64 {
+        FOLLOWED / self.wheelsets.iter().map(|growing| growing.rate).fold(0.0, f64::max)
+    }
+}
+
+impl Model {
+    /// Before the first step.
+    pub fn flutter(&self) -> Flutter {
+        Flutter { wheelsets: vec![Growing::default(); self.wheelsets.len()], ..Default::default() }
+    }
+
+    /// Looks at a wheelset's linearisation, which was made at `t` [s].
+    pub fn note_flutter(&self, workspace: &Workspace, t: f64, flutter: &mut Flutter) {
+        flutter.count = flutter.count.wrapping_add(1);
+        if !flutter.count.is_multiple_of(EVERY) || flutter.wheelsets.is_empty() {
+            return;
+        }
+        let wheelset = (flutter.count / EVERY) as usize % flutter.wheelsets.len();
+        let found = if self.slides(workspace, wheelset) { self.grows(workspace, wheelset) } else { None };
+        let growing = &mut flutter.wheelsets[wheelset];
+        let Some((growth, rate)) = found else {
+            *growing = Growing { time: t, ..Growing::default() };
+            return;
+        };
+        if growing.rate == 0.0 {
+            growing.since = t;
+        } else {
+            growing.exponent += growth * (t - growing.time).max(0.0);
+        }
+        (growing.rate, growing.time) = (growth.hypot(rate), t);
+        if growing.exponent > TOLD && flutter.first.is_none() {
+            flutter.first = Some(Fluttering { since: growing.since, wheelset, frequency: rate / std::f64::consts::TAU, growth });
+        }
+    }
+
+    /// Is an elastic contact of the wheelset near its friction bound?
+    fn slides(&self, workspace: &Workspace, wheelset: usize) -> bool {
+        wheels(self).filter(|(contact, ..)| contact / 2 == wheelset).any(|(contact, ..)| {
+            workspace.reports(contact).any(|report| {
+                let bound = self.laws.friction * report.normal_force;
+                !report.constrained && bound > 0.0 && report.creep_force.longitudinal.hypot(report.creep_force.lateral) > LEAST_USE * bound
+            })
+        })
+    }
+
+    /// Real and imaginary part [1/s] of the fastest growing oscillation of a wheelset on its contacts.
+    fn grows(&self, workspace: &Workspace, wheelset: usize) -> Option<(f64, f64)> {
+        const N: usize = COORDINATES;
+        let number = self.wheelsets[wheelset].body;
+        let wrench = workspace.tangent.as_ref()?.own_wrench(number)?;
+        let (body, motion) = (&self.system.bodies[number], &workspace.system.motions[number]);
+        let Inertia::Revolution { transverse, axial } = body.inertia else { return None };
+        let axle = motion.frame.axes.column(1).into_owned();
+        let turn = Matrix3::identity() / transverse + axle * axle.transpose() * (1.0 / axial - 1.0 / transverse);
+        let mut system = SMatrix::<f64, { 2 * COORDINATES }, { 2 * COORDINATES }>::zeros();
+        for (from, block) in [(0, &wrench.by_position), (N, &wrench.by_velocity)] {
+            let force = block.fixed_rows::<3>(0) / body.mass;
+            let moment = turn * block.fixed_rows::<3>(3);
+            system.fixed_view_mut::<3, 6>(N, from).copy_from(&force);
+            system.fixed_view_mut::<3, 6>(N + 3, from).copy_from(&moment);
+        }
+        // In times of 1 ms the numbers of both halves are alike.
+        const SCALE: f64 = 1e-3;
+        for i in 0..N {
+            system[(i, N + i)] = SCALE;
+        }
+        system.fixed_view_mut::<6, 12>(N, 0).scale_mut(SCALE);
+        let values = Schur::try_new(system, f64::EPSILON, ITERATIONS)?.complex_eigenvalues();
+        let growing = values.iter().map(|value| (value.re / SCALE, value.im / SCALE));
+        growing.filter(|(re, im)| *im > FAST && *re > GROWS && *re > GROWS_BY * im).max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}

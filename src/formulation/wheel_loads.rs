@@ -1,0 +1,77 @@
+//! Wheel loads over a run, for what its user should know: wheels that unload, and loads that no rigid track would meet.
+
+use super::{Model, Workspace, contact_index};
+use crate::geometry::Side;
+
+/// Shares of the static load below and above which a wheel is named.
+const LEAST: f64 = 0.1;
+const MOST: f64 = 4.0;
+
+/// Least and greatest load of a wheel by its static load, and when, s.
+#[derive(Clone, Copy, Debug)]
+struct Range {
+    least: (f64, f64),
+    most: (f64, f64),
+}
+
+/// Those of all wheels, the left one of each wheelset first.
+#[derive(Clone, Debug, Default)]
+pub struct WheelLoads(Vec<Range>);
+
+impl Model {
+    /// Before a run.
+    pub fn wheel_loads(&self) -> WheelLoads {
+        WheelLoads(vec![Range { least: (f64::INFINITY, f64::NAN), most: (0.0, f64::NAN) }; self.contacts()])
+    }
+
+    /// Notes the loads that the workspace's evaluation found at `t` [s].
+    pub fn note_wheel_loads(&self, workspace: &Workspace, t: f64, loads: &mut WheelLoads) {
+        for (contact, range) in loads.0.iter_mut().enumerate() {
+            let wheelset = &self.wheelsets[contact / 2];
+            let share = workspace.wheel_force(contact, wheelset.body).z / wheelset.static_wheel_load;
+            if share < range.least.0 {
+                range.least = (share, t);
+            }
+            if share > range.most.0 && share.is_finite() {
+                range.most = (share, t);
+            }
+        }
+    }
+
+    /// What a user should know about loads, the extreme wheel of each kind.
+    pub fn load_notes(&self, loads: &WheelLoads) -> Vec<String> {
+        let named = |contact: usize| {
+            let side = Side::BOTH.into_iter().find(|side| contact_index(contact / 2, *side) == contact).unwrap_or(Side::Left);
+            format!("{}, {} wheel", self.wheelsets[contact / 2].name, side.name())
+        };
+        let others = |count: usize| match count {
+            0 | 1 => String::new(),
+            2 => ", and another wheel".into(),
+            more => format!(", and {} more wheels", more - 1),
+        };
+        let mut notes = Vec::new();
+        let all = || loads.0.iter().enumerate();
+        let light = all().filter(|(_, range)| range.least.0 < LEAST);
+        if let Some((contact, range)) = light.clone().min_by(|a, b| a.1.least.0.total_cmp(&b.1.least.0)) {
+            let load = if range.least.0 > 0.0 { format!("{:.1} % of the static load", 100.0 * range.least.0) } else { "nothing".into() };
+            notes.push(format!(
+                "{} carries {load} at {:.4} s (below {:.0} %: its guidance is not safe{})",
+                named(contact),
+                range.least.1,
+                100.0 * LEAST,
+                others(light.count())
+            ));
+        }
+        let heavy = all().filter(|(_, range)| range.most.0 > MOST);
+        if let Some((contact, range)) = heavy.clone().max_by(|a, b| a.1.most.0.total_cmp(&b.1.most.0)) {
+            notes.push(format!(
+                "{} carries {:.1} times its static load at {:.4} s: rails are rigid here and a real track would yield; the force is an upper bound{}",
+                named(contact),
+                range.most.0,
+                range.most.1,
+                others(heavy.count())
+            ));
+        }
+        notes
+    }
+}

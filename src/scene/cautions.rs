@@ -1,0 +1,135 @@
+//! Where a scene asks for more than its model means: rigid rails that are too rough for the speed, measured points that are not smooth,
+//! explicit methods at low speed.
+
+use super::spec::Scene;
+use crate::formulation::Model;
+use crate::geometry::Side;
+use crate::geometry::profile::{Part, Profile};
+
+/// All of them.
+pub(super) fn cautions(scene: &Scene, model: &Model) -> Vec<String> {
+    rough_track(scene, model).into_iter().chain(scattered_points(scene)).chain(slow_and_explicit(scene)).collect()
+}
+
+/// Share of the static load that unsprung masses on rigid rails may add (rms) without a word.
+const ROUGH: f64 = 0.3;
+/// Stretch that is looked at, m, and spacing.
+const AHEAD: f64 = 500.0;
+const SPACING: f64 = 0.1;
+
+/// A rail of the height l(s) under a wheel at speed V accelerates it by `V^2 l''`; half the wheelset's mass times that adds to the wheel's load,
+/// where nothing yields.
+fn rough_track(scene: &Scene, model: &Model) -> Option<String> {
+    let speed = scene.vehicle.speed;
+    let begin = super::start::origin(scene);
+    let count = (AHEAD.min(scene.run.stop * speed.abs()) / SPACING) as usize;
+    if count < 10 || Side::BOTH.iter().all(|side| !model.track.rail(*side).deviates()) {
+        return None;
+    }
+    let sum: f64 = Side::BOTH
+        .iter()
+        .flat_map(|side| {
+            (0..count).map(move |i| model.track.rail(*side).deviation(begin + speed.signum() * SPACING * i as f64)[1][2].powi(2))
+        })
+        .sum();
+    let acceleration = speed * speed * (sum / (2 * count) as f64).sqrt();
+    let share = model.wheelsets.iter().map(|wheelset| 0.5 * model.system.bodies[wheelset.body].mass / wheelset.static_wheel_load);
+    let added = acceleration * share.fold(0.0, f64::max);
+    (added > ROUGH && added.is_finite()).then(|| {
+        format!(
+            "the rails accelerate wheels by {acceleration:.1} m/s2 (rms over {:.0} m at {speed} m/s): on rigid rails that adds {:.0} % of the static load (rms), \
+             and wheels lift at peaks. Real track yields; such loads are upper bounds",
+            SPACING * count as f64,
+            100.0 * added
+        )
+    })
+}
+
+/// Scatter of the curvature that smooth profiles do not have, 1/m: treads and heads have 0 to 13, but from one point to the next they
+/// change by less than 0.1 nearly everywhere.
+const SCATTER: f64 = 2.0;
+/// Part of a profile that is looked at, m, and the spacing of readings.
+const TREAD: f64 = 25e-3;
+const READINGS: usize = 200;
+
+/// The median change of curvature between readings 0.25 mm apart tells noise from the joints of a drawing.
+fn scattered_points(scene: &Scene) -> Vec<String> {
+    let scatter = |profile: &dyn Profile| {
+        let at = |i: usize| profile.at(TREAD * (2.0 * i as f64 / READINGS as f64 - 1.0)).d2;
+        let mut changes: Vec<f64> = (1..=READINGS).map(|i| (at(i) - at(i - 1)).abs()).collect();
+        changes.sort_by(f64::total_cmp);
+        changes[changes.len() / 2]
+    };
+    let sides = [(Part::Wheel, &scene.vehicle.wheelset.profiles), (Part::Rail, &scene.track.rails)];
+    let mut found = Vec::new();
+    for (part, choices) in sides {
+        let worst = choices.iter().map(|choice| scatter(choice.profile.as_ref())).fold(0.0, f64::max);
+        if worst > SCATTER {
+            let name = if part == Part::Wheel { "wheel" } else { "rail" };
+            found.push(format!(
+                "the curvature of the {name} profile scatters by {worst:.0} 1/m from 0.25 mm to the next: its points are not smooth, contacts jump between \
+                 them and an evaluation costs several times as much. smoothing = \"0.01 mm\" (or the accuracy of the measurement) takes the noise out"
+            ));
+        }
+    }
+    found
+}
+
+/// Below this speed [m/s] creep forces settle faster than explicit steps can follow cheaply.
+const SLOW: f64 = 5.0;
+
+/// Creepage is slip over speed: a wheelset's creep forces settle at the rate c11 G a b / (m V), 5000 1/s at 5 m/s and 25 000 at 1 m/s.
+fn slow_and_explicit(scene: &Scene) -> Option<String> {
+    let explicit = ["dormand_prince", "rk43", "rk4", "zhai"].contains(&scene.solver.name);
+    let (speed, transient) = (scene.vehicle.speed, scene.contact.transient.is_some());
+    (explicit && speed.abs() < SLOW && !transient).then(|| {
+        format!(
+            "at {speed} m/s creep forces settle in some 0.0002 s V / (5 m/s), and {} must follow that in every step: \
+             solver.integrator = \"rosenbrock\" or \"auto\" takes steps a hundred times as long",
+            scene.solver.name
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{assemble, load};
+
+    fn of(scene: &str, changes: &[&str]) -> Vec<String> {
+        let changes: Vec<String> = changes.iter().map(|change| change.to_string()).collect();
+        let scene = load::open(scene, &changes).unwrap_or_else(|error| panic!("{error}"));
+        cautions(&scene, &assemble::model(&scene).unwrap())
+    }
+
+    #[test]
+    fn prop_rough_rails_are_named_and_smooth_ones_are_not() {
+        let rough = |spectrum: &str, speed: &str| {
+            let irregularity = format!("track.irregularity=[{{kind=\"spectrum\",spectrum=\"{spectrum}\",seed=1,from=0,to=500,fade=3}}]");
+            of("bogie", &["track.deviation=[]", &irregularity, &format!("vehicle.speed={speed}")])
+        };
+        let found = rough("fra4", "50");
+        assert!(found.len() == 1 && found[0].contains("rigid rails"), "{found:?}");
+        assert!(rough("ore_b176_low", "50").is_empty() && rough("fra4", "5").is_empty());
+    }
+
+    #[test]
+    fn prop_noisy_points_are_named_and_smoothed_ones_and_drawings_are_not() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/profiles/rail_60e1.ban");
+        let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/scenes/apta_flange.toml"));
+        let with = |rail: &str| {
+            let scene = load::open_file(path, "apta_flange", &[format!("track.rail={rail}"), "solver.integrator=auto".into()]).unwrap();
+            cautions(&scene, &assemble::model(&scene).unwrap())
+        };
+        let noisy = with(&format!("{{kind=\"miniprof\",file=\"{file}\"}}"));
+        assert!(noisy.len() == 1 && noisy[0].contains("curvature of the rail profile scatters"), "{noisy:?}");
+        let smooth = with(&format!("{{kind=\"miniprof\",file=\"{file}\",smoothing=\"0.02 mm\"}}"));
+        assert!(smooth.is_empty() && with("{kind=\"60e1\"}").is_empty(), "{smooth:?}");
+    }
+
+    #[test]
+    fn prop_explicit_methods_are_named_where_they_are_slow() {
+        let at = |speed: &str| of("suspended_wheelset", &["solver.integrator=dormand_prince", &format!("vehicle.speed={speed}")]);
+        assert!(at("2").len() == 1 && at("20").is_empty());
+    }
+}
