@@ -20,6 +20,7 @@ mod handover;
 mod lasting;
 mod lift;
 mod loading;
+mod low_pass;
 mod model;
 pub mod points;
 mod rail_motion;
