@@ -26,6 +26,26 @@ fn analytic_static_wheel_load_is_half_of_weight_and_load() {
     assert!((found["z"] - 0.4569).abs() < 1e-4);
 }
 
+/// Friction work per metre is what forces and moment take from all three creepages; the wear number leaves spin out.
+#[test]
+fn analytic_friction_work_has_the_spins_part() {
+    for (law, moment) in [("fastsim", true), ("polach", false)] {
+        let scene = scene(&[&format!("contact.creep.law={law}"), "vehicle.initial.y=0.002", "vehicle.initial.yaw=0.0005"]);
+        let mut simulation = start(&scene);
+        let outputs = table(&simulation, &scene);
+        let found = read(&mut simulation, &outputs);
+        for side in ["left", "right"] {
+            let of = |name: &str| found[&format!("{side}.contact[1].{name}")];
+            let plain = of("creepForceX") * of("longitudinalCreepage") + of("creepForceY") * of("lateralCreepage");
+            let spin = of("spinMoment") * of("spinCreepage");
+            let (work, wear) = (found[&format!("{side}.frictionWork")], found[&format!("{side}.wearNumber")]);
+            println!("{law}, {side}: friction work {work:.4} J/m, spin's part {:.4}, wear number {wear:.4}", -spin);
+            assert!(work > 0.0 && (work + plain + spin).abs() < 1e-12 * work, "{work} {plain} {spin}");
+            assert!(wear >= -plain - 1e-12 && (spin != 0.0) == moment);
+        }
+    }
+}
+
 /// Contacts of a rigid wheelset at lateral displacement `y`: z and roll such that both wheels just touch.
 fn rigid_contacts(model: &Model, y: f64) -> (f64, [ContactLocation; 2]) {
     let wheelset = &model.wheelsets[0];

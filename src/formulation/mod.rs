@@ -21,6 +21,7 @@ mod handover;
 mod lasting;
 mod lift;
 mod loading;
+mod low_pass;
 mod model;
 pub mod points;
 mod rail_motion;

@@ -6,6 +6,7 @@ use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
 use super::start::{self, Start};
 use super::vehicle::FreeVehicle;
+use crate::formulation::sliding_mean::CUT_OFF;
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::centre_line::{LEAST_ROUNDING, Node, Pivot};
@@ -55,7 +56,8 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     let why = if grade == 0.0 { "no track.grade".into() } else { format!("track.grade = {grade} rad: gravity pulls along the track too") };
     effect("grade", grade != 0.0, why, 0);
     if let Some(mean) = &model.means {
-        let why = format!("interface.outputs names \"sliding_means\": over {} m", mean.window);
+        let why =
+            format!("interface.outputs names \"sliding_means\": over {} m, also behind a low-pass filter of {CUT_OFF} Hz", mean.window);
         effect("sliding means", true, why, mean.states() * model.wheelsets.len());
     }
     for (name, why) in track_effects(scene) {

@@ -177,7 +177,7 @@ impl Dynamics for ModelDynamics<'_> {
         let moved = keep(&mut self.failure, self.model.project(self.workspace, t, y, memory))?;
         // Where nothing moves, bodies' motions are found again to the bit, and so are their places along a curved track: the search ends where it begins.
         self.workspace.findings_marked = marked && !moved;
-        self.model.note_means(y, memory);
+        self.model.note_means(t, y, memory);
         Ok(moved)
     }
 

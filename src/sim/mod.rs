@@ -157,7 +157,7 @@ impl Simulation {
             Contacts::Elastic => model.start_elastic(&mut workspace, start, &mut y, &mut memory)?,
         }
         model.project(&mut workspace, start, &mut y, &mut memory)?;
-        model.note_means(&y, &mut memory);
+        model.note_means(start, &y, &mut memory);
         let inputs: Vec<InputSignal> = model.neutral_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
         let integration = scene.solver.integrator.start(start, &y, &memory);
         let snapshot = Snapshot {

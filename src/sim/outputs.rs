@@ -3,7 +3,7 @@
 use super::Snapshot;
 use super::feedthrough::{ACROSS, ALL, ALONG, Depends, FRICTIONS, STATE, TURNING, UPWARD, of_wheel};
 use super::unit::Unit;
-use crate::formulation::sliding_mean::derailment_quotient;
+use crate::formulation::sliding_mean::{Averaged, CUT_OFF, derailment_quotient};
 use crate::formulation::{ContactReport, Model, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::station::Station;
@@ -193,14 +193,26 @@ fn means(c: &mut Collector, model: &Model, wheelset: usize) {
     let Some(mean) = model.means else { return };
     let (states, memory) = (model.mean_states(wheelset), model.mean_memory(wheelset));
     let lines = [
-        (106, "left.derailmentQuotientMean", Unit::One, "derailmentQuotient of the left wheel, sliding mean"),
-        (206, "right.derailmentQuotientMean", Unit::One, "derailmentQuotient of the right wheel, sliding mean"),
-        (32, "trackShiftingForceMean", Unit::Newton, "sum of Y: lateral force of both wheels on the track, left positive, sliding mean"),
+        (106, 110, "left.derailmentQuotientMean", Unit::One, "derailmentQuotient of the left wheel"),
+        (206, 210, "right.derailmentQuotientMean", Unit::One, "derailmentQuotient of the right wheel"),
+        (32, 33, "trackShiftingForceMean", Unit::Newton, "sum of Y (lateral force of both wheels on the track, left positive)"),
     ];
-    for (quantity, (id, name, unit, text)) in lines.into_iter().enumerate() {
-        let (states, memory) = (states.clone(), memory.clone());
-        let text = format!("{text} over {} m (over what was travelled until then)", mean.window);
-        c.add(id, name, SLIDING_MEANS, unit, STATE, &text, move |s| mean.mean(quantity, &s.y[states.clone()], &s.memory()[memory.clone()]));
+    for (quantity, (filtered, unfiltered, name, unit, text)) in lines.into_iter().enumerate() {
+        let over = format!("sliding mean over {} m (over what was travelled until then)", mean.window);
+        let kinds = [
+            (
+                filtered,
+                "",
+                format!("{text}, low-pass filtered ({CUT_OFF} Hz, Butterworth of fourth order), then {over}: as EN 14363 evaluates it"),
+                Averaged::Filtered,
+            ),
+            (unfiltered, "Unfiltered", format!("{text}, {over}, without the low-pass filter of EN 14363"), Averaged::Unfiltered),
+        ];
+        for (id, suffix, text, averaged) in kinds {
+            let (states, memory) = (states.clone(), memory.clone());
+            let read = move |s: &Snapshot| mean.mean(quantity, averaged, s.time, &s.y[states.clone()], &s.memory()[memory.clone()]);
+            c.add(id, &format!("{name}{suffix}"), SLIDING_MEANS, unit, STATE, &text, read);
+        }
     }
 }
 
@@ -240,7 +252,7 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usi
     c.add(3, "normalForce", g, Unit::Newton, on.pressing, "sum of the normal forces of the wheel's contacts", of(|k| k.normal_force));
     let text = "guiding force of the wheel on the rail, outward positive, over Q: positive when a flange climbs; 0 below Q = 1 N";
     c.add(4, "derailmentQuotient", g, Unit::One, friction, text, move |s| derailment_quotient(side, &total(s)));
-    let text = "T-gamma without spin: |Fx xi_x| + |Fy xi_y|, summed over the wheel's contacts (energy per distance, J/m)";
+    let text = "T-gamma without spin: |Fx xi_x| + |Fy xi_y|, summed over the wheel's contacts, J/m; frictionWork has spin's part";
     c.add(
         5,
         "wearNumber",
@@ -250,6 +262,9 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usi
         text,
         of(|k| (k.creep_force.longitudinal * k.creepage.longitudinal).abs() + (k.creep_force.lateral * k.creepage.lateral).abs()),
     );
+
+    let text = "work of friction per distance travelled, with spin: -(Fx xi_x + Fy xi_y + Mz phi), summed over the wheel's contacts, J/m (laws without a spin moment: Mz = 0)";
+    c.add(9, "frictionWork", g, Unit::Newton, friction, text, of(friction_work));
 
     let text = "force of the wheel on the rail across the track, left positive as the rail's displacement; EN 14363 guiding force: left +, right -";
     c.add(7, "railLateralForce", RAIL_FORCES, Unit::Newton, friction, text, move |s| -total(s).y);
@@ -261,6 +276,13 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usi
     }
     c.prefix = prefix;
     c.base = base;
+}
+
+/// Work of a contact's friction per distance travelled, J/m: what the tractions take from the rigid slip. In steady rolling all of it becomes heat; a transient
+/// contact also stores some of it elastically and gives it back.
+fn friction_work(k: &ContactReport) -> f64 {
+    let (force, creepage) = (&k.creep_force, &k.creepage);
+    -(force.longitudinal * creepage.longitudinal + force.lateral * creepage.lateral + force.spin_moment * creepage.spin)
 }
 
 /// Outputs of a wheel's contact number `index` from 0.

@@ -30,7 +30,8 @@ REQUIRED_OUTPUTS = [f"{W}.{name}" for name in (
     "distance", "y", "z", "roll", "yaw", "pitchRate", "vy", "vz", "rollRate", "yawRate", "ay", "az",
     "yawAcceleration")]
 REQUIRED_OUTPUTS += [f"{W}.{side}.{name}" for side in SIDES for name in (
-    "verticalForce", "lateralForce", "longitudinalForce", "normalForce", "derailmentQuotient", "wearNumber")]
+    "verticalForce", "lateralForce", "longitudinalForce", "normalForce", "derailmentQuotient", "wearNumber",
+    "frictionWork")]
 REQUIRED_OUTPUTS += [f"{contact}.{name}" for contact in CONTACTS for name in (
     "normalForce", "penetration", "longitudinalCreepage", "lateralCreepage", "spinCreepage", "creepForceX",
     "creepForceY", "spinMoment", "semiAxisA", "semiAxisB", "wheelCoordinate", "railCoordinate", "angle")]

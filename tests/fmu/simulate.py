@@ -74,6 +74,10 @@ def general(report, result, factor=None, vertical=0.0):
                    + np.abs(result[f"{c}.creepForceY"] * result[f"{c}.lateralCreepage"]) for c in own)
         error = np.max(np.abs(result[f"{wheel}.wearNumber"] - wear) / (1e-3 + wear))
         report.below(error, 1e-9, f"{wheel}.wearNumber = |Fx xi_x| + |Fy xi_y|, relative")
+        work = -sum(result[f"{c}.{force}"] * result[f"{c}.{creepage}Creepage"] for c in own for force, creepage in (
+            ("creepForceX", "longitudinal"), ("creepForceY", "lateral"), ("spinMoment", "spin")))
+        error = np.max(np.abs(result[f"{wheel}.frictionWork"] - work) / (1e-3 + np.abs(work)))
+        report.below(error, 1e-9, f"{wheel}.frictionWork = -(Fx xi_x + Fy xi_y + Mz phi), relative")
         if len(own) == 1:  # the wheel's force is the contact's force in other axes
             there = np.sqrt(sum(result[f"{own[0]}.{n}"] ** 2 for n in ("normalForce", "creepForceX", "creepForceY")))
             here = np.sqrt(sum(result[f"{wheel}.{n}"] ** 2

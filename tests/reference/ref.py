@@ -3,6 +3,7 @@ import csv, math, numpy as np
 import os
 TABLE=os.path.join(os.path.dirname(os.path.abspath(__file__)),'../../src/contact/creep/kalker_coefficients.csv')
 from numba import njit
+from fractions import Fraction
 L=0.716; R0=0.457; CON=0.025; RR=0.3; BETA=math.atan(0.025); SB=math.sin(BETA); CB=math.cos(BETA)
 E_Y=2.07e11; NU=0.28; G=E_Y/(2*(1+NU)); CD=2e9; MU=0.5
 M=1568.0; I=656.0; IY=168.0; GR=9.81; W=98000.0
@@ -10,21 +11,19 @@ H2=0.45
 AMP=0.010
 # ---- Kalker splines (natural cubic in ln(a/b); parabola in nu of c)
 from scipy.interpolate import CubicSpline
-def kalker_nodes(exact_recip=False):
+def kalker_nodes():
     t={}
     for r in csv.reader(l for l in open(TABLE) if l[0]!='#'):
         if r[0]=='nu' or r[2]=='': continue
-        t.setdefault(float(r[0]),[]).append([float(v) for v in r[1:6]])
+        t.setdefault(float(r[0]),[]).append([float(Fraction(v)) for v in r[1:6]])
     T=[np.array(t[k]) for k in (0.0,0.25,0.5)]
     x=T[0][:,0].copy(); assert len(x)==19 and all(np.array_equal(x,q[:,0]) for q in T)
-    if exact_recip:
-        for i,v in enumerate([.9,.8,.7,.6,.5,.4,.3,.2,.1]): x[10+i]=1/v
     n=NU
     w=[(n-.25)*(n-.5)/(.25*.5), n*(n-.5)/(.25*(-.25)), n*(n-.25)/(.5*.25)]
     C=sum(wi*q[:,1:] for wi,q in zip(w,T))
     return np.log(x),C
-def make_spline(exact_recip=False):
-    lx,C=kalker_nodes(exact_recip)
+def make_spline():
+    lx,C=kalker_nodes()
     cs=CubicSpline(lx,C,bc_type='natural')
     return lx,np.ascontiguousarray(cs.c)   # c[k,interval,comp]
 LX,SPC=make_spline()

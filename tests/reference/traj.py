@@ -5,7 +5,7 @@ RT=float(sys.argv[1]) if len(sys.argv)>1 else 1e-12
 AT=float(sys.argv[2]) if len(sys.argv)>2 else 1e-13
 OUT=sys.argv[3] if len(sys.argv)>3 else 'trajectory.csv'
 V=40.0
-lx,sp=(make_spline(True) if len(sys.argv)>4 else (LX,SPC))
+lx,sp=LX,SPC
 q=equilibrium(V,(lx,sp))
 nev=0
 def mk(on):

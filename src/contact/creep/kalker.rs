@@ -45,13 +45,21 @@ pub struct TableRow {
     pub coefficients: Coefficients,
 }
 
+/// A number or a fraction.
+fn number(cell: &str) -> Option<f64> {
+    match cell.split_once('/') {
+        Some((above, below)) => Some(above.parse::<f64>().ok()? / below.parse::<f64>().ok()?),
+        None => cell.parse().ok(),
+    }
+}
+
 /// The published table.
 pub fn published_table() -> Vec<TableRow> {
     include_str!("kalker_coefficients.csv")
         .lines()
         .filter(|line| !line.starts_with('#') && !line.starts_with("nu"))
         .filter_map(|line| {
-            let numbers: Vec<f64> = line.split(',').filter_map(|cell| cell.parse().ok()).collect();
+            let numbers: Vec<f64> = line.split(',').filter_map(number).collect();
             let [poisson_ratio, a_over_b, c11, c22, c23, c33] = numbers[..] else { return None };
             Some(TableRow { poisson_ratio, a_over_b, coefficients: Coefficients { c11, c22, c23, c33 } })
         })
@@ -209,6 +217,18 @@ mod tests {
             let found = KalkerTable::new(row.poisson_ratio).at(row.a_over_b);
             let difference = found.map2(row.coefficients, |a, b| (a / b - 1.0).abs());
             assert!([difference.c11, difference.c22, difference.c23, difference.c33].iter().all(|d| *d < 1e-13), "{row:?} {found:?}");
+        }
+    }
+
+    #[test]
+    fn validate_nodes_are_those_of_the_publication() {
+        // a/b and b/a = 0.1, 0.2 .. 1 for each nu.
+        let table = published_table();
+        let mut nodes: Vec<f64> = (1..=10).map(|k| f64::from(k) / 10.0).collect();
+        nodes.extend((1..10).rev().map(|k| 10.0 / f64::from(k)));
+        for nu in [0.0, 0.25, 0.5] {
+            let found: Vec<f64> = table.iter().filter(|row| row.poisson_ratio == nu).map(|row| row.a_over_b).collect();
+            assert!(found.len() == nodes.len() && found.iter().zip(&nodes).all(|(f, n)| (f / n - 1.0).abs() < 1e-15), "{found:?}");
         }
     }
 

@@ -10,22 +10,22 @@
 //! - [`normal`]: cells in contact and Hertz's pressure, the bound of the tractions
 //! - [`tangential`]: stick and slip, semismooth Newton
 //! - [`patch`]: steady rolling, dimensionless
+//! - [`grids`]: the grid that a case needs
 //! - [`transient`]: step by step, with rolling or without
 //!
-//! Size of the error: proportional to the cell size, so by default the force of steady rolling is extrapolated from
-//! the given grid and one with half as many cells, `2 F(n) - F(n/2)`, and cut back to mu N where that overshoots.
-//! Over 40 random cases (a/b 0.1 to 10, with spin) against 128 and 64 cells: 32 cells alone are off by 0.6 % of mu N on
-//! average and 3.5 % at worst, 32 and 16 extrapolated by 0.12 % and 0.6 %; the moment by 0.2 % and 0.5 % of
-//! mu N sqrt(a b). The hard case is pure spin near its largest force on a long patch: 2.7 % at a/b = 5. Slopes at zero creepage
+//! Size of the error: proportional to the cell size, so the force of steady rolling is extrapolated from a grid and one with half
+//! as many cells, `2 F(n) - F(n/2)`, and cut back to mu N where that overshoots. By default n is chosen by the case, 32 to 256
+//! ([`grids`]): see there for the error that is left. A given grid is used as it is. Slopes at zero creepage
 //! against a spectral solution (tests/reference/adhesion.py), 48 and 24 cells: 0.12 % (c11, c22), 0.27 % (c23), 0.65 % (c33); c33
-//! of long patches needs them: by default it is 5 % off at a/b = 5, 23 % at a/b = 10. The theory itself
+//! of long patches needs them: with 32 it is 5 % off at a/b = 5, 23 % at a/b = 10. The theory itself
 //! leaves out the bodies' real shape (half-spaces), roughness, a third layer and falling friction.
 //!
-//! This is the slow reference: a call solves some 1500 coupled equations (milliseconds) and allocates its memory.
+//! This is the slow reference: a call solves some thousand coupled equations (10 ms to seconds) and allocates its memory.
 //!
 //! Source: J.J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact, Kluwer (1990), chapters 3 and 4; the
 //! numbers are checked against the open program CONTACT.
 
+mod grids;
 pub(crate) mod influence;
 mod krylov;
 pub(crate) mod normal;
@@ -42,16 +42,17 @@ use crate::contact::creepage::CreepForce;
 use crate::contact::{Material, Patch};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
+use grids::{Case, Ladder, OnGrid};
 use influence::{Convolver, Pair};
 use normal::Pressure;
-use patch::{SteadyPatch, extrapolated, resultant};
+use patch::{extrapolated, resultant};
 use std::f64::consts::PI;
 use std::sync::Arc;
 use tangential::{Limits, MOST_STEPS, Outcome, Workspace};
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
     name: "exact",
-    summary: "Kalker's exact theory: half-space, Coulomb friction, tractions on a grid; slow, the reference",
+    summary: "Kalker's exact theory: half-space, Coulomb friction, tractions on a grid chosen by the case; slow, the reference",
     reference: "Kalker, Three-Dimensional Elastic Bodies in Rolling Contact, Kluwer (1990)",
     parse,
 };
@@ -59,8 +60,8 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 /// Settings of the numerical solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Cells across each axis of the ellipse.
-    pub grid: usize,
+    /// Cells across each axis of the ellipse; `None`: chosen by the case where the force is extrapolated, else 32.
+    pub grid: Option<usize>,
     /// Is the force extrapolated from this grid and one with half as many cells?
     pub extrapolate: bool,
     /// Residual of the friction law over the bound (root mean square) at which the iteration stops.
@@ -69,7 +70,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { grid: 32, extrapolate: true, tolerance: 1e-6 }
+        Settings { grid: None, extrapolate: true, tolerance: 1e-6 }
     }
 }
 
@@ -79,9 +80,14 @@ pub struct Exact {
     shear_modulus: f64,
     nu: f64,
     settings: Settings,
+    /// Of a given grid, of transients and of a force that is not extrapolated.
     convolver: Convolver,
     half: Option<Convolver>,
+    ladder: Option<Ladder>,
 }
+
+/// Cells across each axis where none are given and none are chosen by the case.
+const GRID: usize = 32;
 
 /// One cell of the solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -148,10 +154,12 @@ impl Exact {
     /// # Panics
     /// If `settings.grid` is below 4, or odd where the force is to be extrapolated.
     pub fn new(material: Material, settings: Settings) -> Self {
-        assert!(settings.grid >= 4 && !(settings.extrapolate && settings.grid % 2 == 1), "no such grid: {settings:?}");
-        let convolver = Convolver::new(settings.grid);
-        let half = settings.extrapolate.then(|| Convolver::new(settings.grid / 2));
-        Exact { shear_modulus: material.shear_modulus(), nu: material.poisson_ratio, settings, convolver, half }
+        let grid = settings.grid.unwrap_or(GRID);
+        assert!(grid >= 4 && !(settings.extrapolate && grid % 2 == 1), "no such grid: {settings:?}");
+        let half = (settings.extrapolate && settings.grid.is_some()).then(|| Convolver::new(grid / 2));
+        let ladder = (settings.extrapolate && settings.grid.is_none()).then(Ladder::new);
+        let (shear_modulus, nu) = (material.shear_modulus(), material.poisson_ratio);
+        Exact { shear_modulus, nu, settings, convolver: Convolver::new(grid), half, ladder }
     }
 
     fn limits(&self) -> Limits {
@@ -170,21 +178,25 @@ impl Exact {
     /// Steady rolling. Zero where the friction bound is zero.
     pub fn solve(&self, contact: &RollingContact) -> Solution {
         let Some(scale) = self.scale(contact) else { return Solution::default() };
-        let patch = SteadyPatch::new(scale.a_over_b, self.nu, &self.convolver);
         let creepage = contact.creepage;
         let normalised = [creepage.longitudinal, creepage.lateral, creepage.spin * scale.length].map(|c| c * scale.creep);
-        let (mut p, mut workspace) = (Vec::new(), Workspace::new(&self.convolver));
-        let (_, outcome) = patch.solve(normalised, &mut p, self.limits(), &mut workspace);
-        let slip = patch.tangential().slip_of(&patch.rigid(normalised), &p, &mut workspace);
+        let case = Case { a_over_b: scale.a_over_b, nu: self.nu, creepage: normalised, limits: self.limits() };
+        let (finest, best, residual) = match (&self.ladder, &self.half) {
+            (Some(ladder), _) => ladder.climb(&case),
+            (None, half) => {
+                let coarse = half.as_ref().map(|half| OnGrid::solve(&case, half, None));
+                let fine = OnGrid::solve(&case, &self.convolver, coarse.as_ref());
+                let best = coarse.as_ref().map_or(fine.force, |coarse| extrapolated(fine.force, coarse.force));
+                let residual = coarse.map_or(0.0, |coarse| coarse.outcome.residual);
+                (fine, best, residual)
+            }
+        };
+        let OnGrid { patch, p, outcome, .. } = &finest;
+        let slip = patch.tangential().slip_of(&patch.rigid(normalised), p, &mut Workspace::new(&patch.convolver));
         let slip: Vec<Pair> = slip.iter().map(|s| s.map(|s| s / scale.creep)).collect();
-        let mut solution = self.solution(&scale, &patch.pressure, &p, &slip, outcome);
-        if let Some(half) = &self.half {
-            let coarse = SteadyPatch::new(scale.a_over_b, self.nu, half);
-            let start = &mut Vec::new();
-            let (force, outcome) = coarse.solve(normalised, start, self.limits(), &mut Workspace::new(half));
-            solution.force = scale.force(extrapolated(resultant(&patch.pressure, &p), force));
-            solution.residual = solution.residual.max(outcome.residual);
-        }
+        let mut solution = self.solution(&scale, &patch.pressure, p, &slip, *outcome);
+        solution.force = scale.force(best);
+        solution.residual = solution.residual.max(residual);
         solution
     }
 
@@ -218,15 +230,16 @@ impl CreepLaw for Exact {
 
 fn parse(section: &Section) -> Result<Build, SettingsError> {
     let defaults = Settings::default();
-    let grid = section.number_or("grid", Dimension::None, defaults.grid as f64)?;
-    if !(grid % 2.0 == 0.0 && (4.0..=256.0).contains(&grid)) {
-        return Err(section.error("grid", format!("found {grid:?}, expected an even number of cells from 4 to 256")));
-    }
+    let grid = match section.optional("grid", Dimension::None)? {
+        None => None,
+        Some(grid) if grid % 2.0 == 0.0 && (4.0..=256.0).contains(&grid) => Some(grid as usize),
+        Some(grid) => return Err(section.error("grid", format!("found {grid:?}, expected an even number of cells from 4 to 256"))),
+    };
     let extrapolate = section.flag_or("extrapolate", defaults.extrapolate)?;
     let tolerance = section.number_or("tolerance", Dimension::None, defaults.tolerance)?;
     if !(1e-10..=1e-2).contains(&tolerance) {
         return Err(section.error("tolerance", format!("found {tolerance:?}, expected a number from 1e-10 to 1e-2")));
     }
-    let settings = Settings { grid: grid as usize, extrapolate, tolerance };
+    let settings = Settings { grid, extrapolate, tolerance };
     Ok(Arc::new(move |material| Box::new(Exact::new(material, settings))))
 }

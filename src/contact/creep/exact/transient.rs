@@ -38,7 +38,7 @@ impl Exact {
     /// Zero where the friction bound is zero.
     pub fn advance(&self, contact: &RollingContact, previous: Option<&Solution>, increment: Increment) -> Solution {
         let Some(scale) = self.scale(contact) else { return Solution::default() };
-        let pressure = Pressure::new(scale.a_over_b, self.settings.grid);
+        let pressure = Pressure::new(scale.a_over_b, self.convolver.n);
         let (size, nu) = (pressure.size, self.nu);
         let rolled = increment.rolled / scale.length;
         let now = self.convolver.kernel(|i, j| influence(size, nu, 0.0, (i, j)));
@@ -68,7 +68,7 @@ impl Exact {
 
     /// Length of a cell along e1, m: a good distance to roll per step.
     pub fn cell_length(&self, patch: Patch) -> f64 {
-        let pressure = Pressure::new(patch.a / patch.b, self.settings.grid);
+        let pressure = Pressure::new(patch.a / patch.b, self.convolver.n);
         pressure.size[0] * (patch.a * patch.b).sqrt()
     }
 }

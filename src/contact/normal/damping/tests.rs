@@ -151,3 +151,46 @@ fn prop_scenes_give_a_number_or_a_table() {
     assert!(wrong("damping = { law = \"none\", coefficient = 1 }").contains("unknown key"));
     assert!(wrong("friction = 1").contains("damping: is missing"));
 }
+
+/// Largest and least `(N / N_elastic)^(1/3) - 1` while N is above half of its maximum: by how much the semi-axes of an ellipse for the whole N differ from those
+/// for the penetration, which are used.
+fn semi_axes(law: &dyn DampingLaw, v: f64) -> [f64; 2] {
+    let (stiffness, mass): (f64, f64) = (1e11, 800.0);
+    let step = 3.0 * (mass * mass / (stiffness * stiffness * v)).powf(0.2) / 20_000.0;
+    let (mut delta, mut rate, mut course) = (0.0, v, Vec::new());
+    // Symplectic steps: two digits are wanted.
+    while course.len() < 2 || delta > 0.0 {
+        delta += step * rate;
+        let elastic = stiffness * delta.max(0.0).powf(1.5);
+        let force = damped_force(law, elastic, delta.max(0.0), rate);
+        course.push((force, (force / elastic).cbrt() - 1.0));
+        rate -= step * force / mass;
+    }
+    let most = course.iter().map(|(force, _)| *force).fold(0.0, f64::max);
+    let loaded = || course.iter().filter(|(force, _)| *force > 0.5 * most).map(|(_, change)| *change);
+    [loaded().fold(f64::MIN, f64::max), loaded().fold(f64::MAX, f64::min)]
+}
+
+/// The numbers of docs/model.md.
+#[test]
+fn regress_damping_that_is_not_counted_in_the_patch() {
+    let hysteresis = |e, speed, factor| Box::new(Hysteresis::new(e, speed, factor)) as Box<dyn DampingLaw>;
+    let number = |coefficient| (read(&format!("damping = {coefficient:?}")).unwrap().1.build)(coefficient);
+    let crossley = || hysteresis(0.5, 1.0, hunt_crossley::factor);
+    let cases = [
+        (number(2e9), 0.01, [0.018, -0.017]),
+        (number(2e9), 0.1, [0.074, -0.057]),
+        (number(2e9), 1.0, [0.315, -0.115]),
+        (crossley(), 0.1, [0.039, -0.036]),
+        (crossley(), 1.0, [0.322, -0.104]),
+        (crossley(), 3.0, [0.710, 0.061]),
+        (hysteresis(0.5, 1.0, lankarani_nikravesh::factor), 1.0, [0.145, -0.100]),
+        (hysteresis(0.9, 1.0, hunt_crossley::factor), 1.0, [0.045, -0.041]),
+        (Box::new(Linear { coefficient: 1e5, full_at: 1e-4 }) as Box<dyn DampingLaw>, 0.1, [0.038, -0.035]),
+    ];
+    for (law, v, expected) in cases {
+        let found = semi_axes(law.as_ref(), v);
+        println!("{} at {v} m/s: {:.1} %, {:.1} %", law.describe(), 100.0 * found[0], 100.0 * found[1]);
+        assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 2e-3), "{} at {v}: {found:?} {expected:?}", law.describe());
+    }
+}
