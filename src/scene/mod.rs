@@ -4,6 +4,7 @@ pub mod assemble;
 pub mod embedded;
 pub mod equilibrium;
 mod fade;
+mod identifier;
 pub mod load;
 mod overrides;
 pub mod plan;
