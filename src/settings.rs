@@ -76,61 +76,6 @@ impl<'a> Section<'a> {
         Section { table, path: String::new(), source, known: RefCell::default(), span: None, base: None, faults: None }
     }
 
-    /// The whole document, whose faults are collected: ask [`Section::faults`] before a value is used, it may be a stand-in.
-    pub fn collecting(table: &'a dyn TableLike, source: &'a Source) -> Self {
-        Section { faults: Some(Rc::default()), ..Section::root(table, source) }
-    }
-
-    /// Another document, whose faults are collected with those of `other`.
-    pub fn beside(table: &'a dyn TableLike, source: &'a Source, other: &Section) -> Self {
-        Section { faults: other.faults.clone(), ..Section::root(table, source) }
-    }
-
-    /// All faults that were collected so far, in the order of the file.
-    pub fn faults(&self) -> Vec<SettingsError> {
-        self.faults.as_ref().map(|faults| faults.borrow().sorted()).unwrap_or_default()
-    }
-
-    /// What a part of the scene was read to. `None` where it could not be: that is told among the faults.
-    ///
-    /// # Errors
-    /// The part's, where faults are not collected.
-    pub fn keep<T>(&self, read: Result<T, SettingsError>) -> Result<Option<T>, SettingsError> {
-        match (read, &self.faults) {
-            (Ok(value), _) => Ok(Some(value)),
-            (Err(error), None) => Err(error),
-            (Err(error), Some(faults)) => {
-                faults.borrow_mut().give_up(error);
-                Ok(None)
-            }
-        }
-    }
-
-    /// What a reader returns whose parts could not all be kept: nothing that is not told already.
-    pub fn stop(&self) -> SettingsError {
-        SettingsError { file: self.source.file.clone(), line: 0, key: self.path.clone(), problem: String::new() }
-    }
-
-    /// Goes on with a stand-in where faults are collected.
-    fn or_stand_in<T>(&self, error: SettingsError, stand_in: T) -> Result<T, SettingsError> {
-        self.told(error).map_or_else(Err, |()| Ok(stand_in))
-    }
-
-    /// Tells a fault of one value; returns it where faults are not collected.
-    fn told(&self, error: SettingsError) -> Result<(), SettingsError> {
-        let Some(faults) = &self.faults else { return Err(error) };
-        faults.borrow_mut().tell(error);
-        Ok(())
-    }
-
-    /// A fault of one value behind which its table can't be read on.
-    fn fatal(&self, error: SettingsError) -> SettingsError {
-        if let Some(faults) = &self.faults {
-            faults.borrow_mut().tell(error.clone());
-        }
-        error
-    }
-
     /// This table on top of another one, whose keys hold where this one is silent. Tables below are laid on each other in the
     /// same way, and entries of `[[key]]` on those with the same `name`; a table that says its own `kind` stands alone.
     pub fn over(self, base: Section<'a>) -> Self {

@@ -231,7 +231,7 @@ fn prop_faults_in_several_parts_of_a_vehicle() {
     ] {
         assert!(message.contains(words), "{words}: {message}");
     }
-    let spectrum = ["track.irregularity=[{kind=\"random\",spectrum=\"FRA4\",seed=1}]"];
+    let spectrum = ["track.irregularity=[{kind=\"spectrum\",spectrum=\"FRA4\",seed=1}]"];
     assert!(error("suspended_wheelset", &spectrum).contains("(did you mean \"fra4\"?)"));
     assert!(error("suspended_wheelset", &["run.step=10"]).contains("run.step: found 10.0 s, expected at most run.stop = 5.0 s"));
 }
@@ -316,7 +316,9 @@ fn equiv_initial_values_mean_the_same_in_a_file_and_in_the_fmu() {
         ["vehicle.initial.from_equilibrium=false", "vehicle.initial.y=1 mm", "vehicle.initial.z=457 mm", "vehicle.initial.pitch_rate=87.5"];
     let from_file = fmu(&absolute, None, &[]).0;
     let all: Vec<(&str, f64)> = names.iter().copied().zip(from_file.iter().copied()).collect();
-    assert_eq!(from_file, fmu(&[], Some(false), &all).0);
+    let set = fmu(&[], Some(false), &all).0;
+    // Coordinates go through the curve's frame and back.
+    assert!(from_file.iter().zip(&set).all(|(a, b)| (a - b).abs() <= 1e-13 * a.abs().max(1.0)), "{from_file:?} {set:?}");
     assert!((from_file[1] - 1e-3).abs() < 1e-12 && (from_file[2] - 0.457).abs() < 1e-12, "{from_file:?}");
     // A radius is no offset.
     assert!(error("suspended_wheelset", &["vehicle.initial.z=0.467"]).contains("or from_equilibrium = false"));
