@@ -2,12 +2,20 @@
 //! what is allowed; and the shape of a registry entry, from which the scene reader, `wheelrail list` and the
 //! docs all take the names that a scene may use.
 
+mod faults;
+mod nearest;
+
 use crate::units::Dimension;
+use faults::Faults;
+pub use nearest::did_you_mean;
+use nearest::{nearest, slip};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::PathBuf;
-use toml_edit::{Item, TableLike, Value};
+use std::rc::Rc;
+use std::sync::LazyLock;
+use toml_edit::{Item, Table, TableLike, Value};
 
 /// A setting that cannot be used: where it stands, what was found and what would be right.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -55,12 +63,17 @@ pub struct Section<'a> {
     span: Option<Range<usize>>,
     /// What stands for the keys that this table leaves out: the same table of a template.
     base: Option<Box<Section<'a>>>,
+    /// Where faults are collected; `None`: the first one is returned.
+    faults: Option<Rc<RefCell<Faults>>>,
 }
+
+/// What stands for a table that may be left out.
+static EMPTY: LazyLock<Table> = LazyLock::new(Table::new);
 
 impl<'a> Section<'a> {
     /// The whole document.
     pub fn root(table: &'a dyn TableLike, source: &'a Source) -> Self {
-        Section { table, path: String::new(), source, known: RefCell::default(), span: None, base: None }
+        Section { table, path: String::new(), source, known: RefCell::default(), span: None, base: None, faults: None }
     }
 
     /// This table on top of another one, whose keys hold where this one is silent. Tables below are laid on each other in the
@@ -117,6 +130,20 @@ impl<'a> Section<'a> {
         self.error(key, format!("found {}, expected {expected}", item.to_string().trim()))
     }
 
+    /// The same of a key that decides how its table is read on: a key of a like name that nobody asked for yet may be a slip of the pen.
+    fn missing_word(&self, key: &str, expected: &str) -> SettingsError {
+        let others: Vec<&str> = self.table.iter().map(|(other, _)| other).filter(|other| !self.known.borrow().contains(other)).collect();
+        let slip = slip(key, &others).map(|other| format!(" (there is \"{other}\")")).unwrap_or_default();
+        self.error(key, format!("is missing{slip}; expected {expected}"))
+    }
+
+    /// The same of a number: a unit may be written otherwise.
+    fn wrong_number(&self, key: &str, item: &Item, dimension: Dimension, expected: &str) -> SettingsError {
+        let texts = item.as_array().into_iter().flatten().chain(item.as_value()).filter_map(Value::as_str);
+        let meant = texts.filter_map(|text| dimension.meant(text)).map(|meant| format!(" (did you mean \"{meant}\"?)")).next();
+        self.error(key, format!("found {}{}, expected {expected}", item.to_string().trim(), meant.unwrap_or_default()))
+    }
+
     /// Is `key` given?
     pub fn has(&self, key: &'static str) -> bool {
         self.find(key).is_some()
@@ -132,13 +159,17 @@ impl<'a> Section<'a> {
         let Some(item) = self.find(key) else { return Ok(None) };
         match item.as_value().and_then(|value| number(value, dimension)) {
             Some(value) => Ok(Some(value)),
-            None => Err(self.wrong(key, item, &expected(item.as_value(), dimension))),
+            None => self.or_stand_in(self.wrong_number(key, item, dimension, &expected(item.as_value(), dimension)), None),
         }
     }
 
     /// A finite number in SI that must be given.
     pub fn number(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
-        self.optional(key, dimension)?.ok_or_else(|| self.missing(key, &dimension.expectation()))
+        match self.optional(key, dimension)? {
+            Some(value) => Ok(value),
+            // Where it is given but wrong that is told already.
+            None => self.or_stand_in(self.missing(key, &dimension.expectation()), STAND_IN),
+        }
     }
 
     /// A number in SI that must be given; `inf` and `"inf"` are allowed.
@@ -156,16 +187,33 @@ impl<'a> Section<'a> {
         Ok(self.optional(key, dimension)?.unwrap_or(default))
     }
 
+    /// Refuses a number of any size beyond `largest` (SI) either way, and says why.
+    pub fn refuse_beyond(&self, key: &'static str, dimension: Dimension, largest: f64, why: &str) -> Result<(), SettingsError> {
+        match self.find(key).and_then(Item::as_value).and_then(|value| any_number(value, dimension)) {
+            Some(value) if value.is_finite() && value.abs() > largest => {
+                let unit = dimension.unit();
+                self.told(self.error(key, format!("found {value:?}{unit}, expected at most {largest:?}{unit} either way: {why}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// A number greater than zero.
     pub fn positive(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
         let value = self.number(key, dimension)?;
-        if value > 0.0 { Ok(value) } else { Err(self.error(key, format!("found {value:?}, expected a number greater than 0"))) }
+        if value > 0.0 {
+            return Ok(value);
+        }
+        self.or_stand_in(self.error(key, format!("found {value:?}, expected a number greater than 0")), STAND_IN)
     }
 
     /// A number of at least `smallest`.
     pub fn at_least(&self, key: &'static str, dimension: Dimension, smallest: f64) -> Result<f64, SettingsError> {
         let value = self.number(key, dimension)?;
-        if value >= smallest { Ok(value) } else { Err(self.error(key, format!("found {value:?}, expected {smallest:?} or more"))) }
+        if value >= smallest {
+            return Ok(value);
+        }
+        self.or_stand_in(self.error(key, format!("found {value:?}, expected {smallest:?} or more")), smallest.max(STAND_IN))
     }
 
     /// A number between two bounds, or at one of them.
@@ -175,13 +223,19 @@ impl<'a> Section<'a> {
             return Ok(value);
         }
         let unit = dimension.unit();
-        Err(self.error(key, format!("found {value:?}{unit}, expected {least:?}{unit} to {greatest:?}{unit}")))
+        self.or_stand_in(
+            self.error(key, format!("found {value:?}{unit}, expected {least:?}{unit} to {greatest:?}{unit}")),
+            STAND_IN.clamp(least, greatest),
+        )
     }
 
     /// A number of zero or more.
     pub fn not_negative(&self, key: &'static str, dimension: Dimension) -> Result<f64, SettingsError> {
         let value = self.number(key, dimension)?;
-        if value >= 0.0 { Ok(value) } else { Err(self.error(key, format!("found {value:?}, expected 0 or more"))) }
+        if value >= 0.0 {
+            return Ok(value);
+        }
+        self.or_stand_in(self.error(key, format!("found {value:?}, expected 0 or more")), STAND_IN)
     }
 
     /// Three finite numbers `[x, y, z]` in SI, `None` when absent.
@@ -191,39 +245,41 @@ impl<'a> Section<'a> {
 
     /// Three finite numbers `[x, y, z]` in SI that must be given.
     pub fn triple(&self, key: &'static str, dimension: Dimension) -> Result<[f64; 3], SettingsError> {
-        let expected = || self.missing(key, &format!("a list of three, each {}", dimension.expectation()));
-        self.optional_triple(key, dimension)?.ok_or_else(expected)
+        match self.optional_triple(key, dimension)? {
+            Some(triple) => Ok(triple),
+            None => self.or_stand_in(self.missing(key, &format!("a list of three, each {}", dimension.expectation())), [STAND_IN; 3]),
+        }
     }
 
     /// Three finite numbers `[x, y, z]` in SI, or `default`.
     pub fn triple_or(&self, key: &'static str, dimension: Dimension, default: [f64; 3]) -> Result<[f64; 3], SettingsError> {
         let Some(item) = self.find(key) else { return Ok(default) };
-        item.as_array()
-            .and_then(|array| array.iter().map(|value| number(value, dimension)).collect::<Option<Vec<f64>>>())
-            .and_then(|numbers| numbers.try_into().ok())
-            .ok_or_else(|| {
-                let values = item.as_array().into_iter().flatten();
-                let expected = values.map(|value| expected(Some(value), dimension)).max_by_key(String::len);
-                self.wrong(key, item, &format!("a list of three, each {}", expected.unwrap_or_else(|| dimension.expectation())))
-            })
+        let numbers = item.as_array().and_then(|array| array.iter().map(|value| number(value, dimension)).collect::<Option<Vec<f64>>>());
+        if let Some(triple) = numbers.and_then(|numbers| numbers.try_into().ok()) {
+            return Ok(triple);
+        }
+        let values = item.as_array().into_iter().flatten();
+        let expected = values.map(|value| expected(Some(value), dimension)).max_by_key(String::len);
+        let expected = format!("a list of three, each {}", expected.unwrap_or_else(|| dimension.expectation()));
+        self.or_stand_in(self.wrong_number(key, item, dimension, &expected), default)
     }
 
     /// Pairs of finite numbers `[[x, y], ...]` in SI.
     pub fn pairs(&self, key: &'static str, x: Dimension, y: Dimension) -> Result<Vec<[f64; 2]>, SettingsError> {
         let size = |of: Dimension| format!("{} (at most {:e})", of.expectation(), of.largest());
         let expected = || format!("a list of pairs [[x, y], ...], x {}, y {}", size(x), size(y));
-        let item = self.find(key).ok_or_else(|| self.missing(key, &expected()))?;
+        let item = self.find(key).ok_or_else(|| self.fatal(self.missing(key, &expected())))?;
         let pair = |value: &Value| {
             let pair = value.as_array().filter(|pair| pair.len() == 2)?;
             Some([number(pair.get(0)?, x)?, number(pair.get(1)?, y)?])
         };
         let pairs = item.as_array().and_then(|array| array.iter().map(pair).collect());
-        pairs.ok_or_else(|| self.wrong(key, item, &expected()))
+        pairs.ok_or_else(|| self.fatal(self.wrong(key, item, &expected())))
     }
 
     /// A string that must be given.
     pub fn text(&self, key: &'static str) -> Result<String, SettingsError> {
-        let item = self.find(key).ok_or_else(|| self.missing(key, "a string"))?;
+        let item = self.find(key).ok_or_else(|| self.missing_word(key, "a string"))?;
         item.as_str().map(str::to_owned).ok_or_else(|| self.wrong(key, item, "a string"))
     }
 
@@ -234,9 +290,12 @@ impl<'a> Section<'a> {
 
     /// One word out of `allowed`.
     pub fn word(&self, key: &'static str, allowed: &[&'static str]) -> Result<&'static str, SettingsError> {
-        let item = self.find(key).ok_or_else(|| self.missing(key, &one_of(allowed)))?;
-        let word = item.as_str().ok_or_else(|| self.wrong(key, item, &one_of(allowed)))?;
-        self.match_word(key, word, allowed)
+        let read = || {
+            let item = self.find(key).ok_or_else(|| self.missing_word(key, &one_of(allowed)))?;
+            let word = item.as_str().ok_or_else(|| self.wrong(key, item, &one_of(allowed)))?;
+            self.match_word(key, word, allowed)
+        };
+        read().map_err(|error| self.fatal(error))
     }
 
     /// One word out of `allowed`, or `default`.
@@ -257,13 +316,15 @@ impl<'a> Section<'a> {
         let Some(item) = self.find(key) else { return Ok(allowed.to_vec()) };
         let expected = format!("a list of {}", one_of(allowed));
         let array = item.as_array().ok_or_else(|| self.wrong(key, item, &expected))?;
-        array
-            .iter()
-            .map(|value| {
-                let word = value.as_str().ok_or_else(|| self.wrong(key, item, &expected))?;
-                self.match_word(key, word, allowed)
-            })
-            .collect()
+        let mut words = Vec::new();
+        for value in array {
+            let word = value.as_str().ok_or_else(|| self.wrong(key, item, &expected))?;
+            match self.match_word(key, word, allowed) {
+                Ok(word) => words.push(word),
+                Err(error) => self.told(error)?,
+            }
+        }
+        Ok(words)
     }
 
     /// A list of strings, `None` when absent.
@@ -276,7 +337,10 @@ impl<'a> Section<'a> {
     /// A Boolean, or `default`.
     pub fn flag_or(&self, key: &'static str, default: bool) -> Result<bool, SettingsError> {
         let Some(item) = self.find(key) else { return Ok(default) };
-        item.as_bool().ok_or_else(|| self.wrong(key, item, "true or false"))
+        match item.as_bool() {
+            Some(flag) => Ok(flag),
+            None => self.or_stand_in(self.wrong(key, item, "true or false"), default),
+        }
     }
 
     /// A table below this one, `None` when absent.
@@ -293,7 +357,12 @@ impl<'a> Section<'a> {
 
     /// A table below this one that must be given.
     pub fn section(&self, key: &'static str) -> Result<Section<'a>, SettingsError> {
-        self.optional_section(key)?.ok_or_else(|| self.missing(key, &format!("a table [{}]", self.full_key(key))))
+        self.optional_section(key)?.ok_or_else(|| self.fatal(self.missing_word(key, &format!("a table [{}]", self.full_key(key)))))
+    }
+
+    /// A table below this one; an empty one where it is left out.
+    pub fn section_or_empty(&self, key: &'static str) -> Result<Section<'a>, SettingsError> {
+        Ok(self.optional_section(key)?.unwrap_or_else(|| self.child(key.to_string(), &*EMPTY, None)))
     }
 
     /// The tables of `[[key]]`, or of `key = [{...}, ...]`; none when absent.
@@ -353,22 +422,37 @@ impl<'a> Section<'a> {
     }
 
     fn child(&self, name: String, table: &'a dyn TableLike, span: Option<Range<usize>>) -> Section<'a> {
-        Section { table, path: self.full_key(&name), source: self.source, known: RefCell::default(), span, base: None }
+        let faults = self.faults.clone();
+        Section { table, path: self.full_key(&name), source: self.source, known: RefCell::default(), span, base: None, faults }
     }
 
     /// Refuses keys that nobody asked for.
     pub fn finish(self) -> Result<(), SettingsError> {
         let known = self.known.borrow();
         let allowed: Vec<&str> = known.iter().copied().collect();
-        for (key, _) in self.table.iter() {
-            if !known.contains(key) {
-                return Err(self.error(key, format!("unknown key{}; expected {}", did_you_mean(key, &allowed), one_of(&allowed))));
+        // Of a table that was not read to its end not all keys are known: only slips of the pen are sure.
+        let unread = self.faults.as_ref().is_some_and(|faults| faults.borrow().gave_up(&self.path));
+        // A key that is absent is what was meant rather than one that is there.
+        let absent: Vec<&str> = allowed.iter().copied().filter(|known| !self.has_key(known)).collect();
+        for (key, _) in self.table.iter().filter(|(key, _)| !known.contains(key)) {
+            let meant = if unread { slip(key, &absent) } else { nearest(key, &absent).or(nearest(key, &allowed)) };
+            if unread && meant.is_none() {
+                continue;
+            }
+            let hint = meant.map(|meant| format!(" (did you mean \"{meant}\"?)")).unwrap_or_default();
+            let error = self.error(key, format!("unknown key{hint}; expected {}", one_of(&allowed)));
+            match &self.faults {
+                None => return Err(error),
+                Some(faults) => faults.borrow_mut().tell_unknown(error, meant.map(|meant| self.full_key(meant))),
             }
         }
         drop(known);
         self.base.map_or(Ok(()), |base| base.finish())
     }
 }
+
+/// Stands for a number that can't be read.
+const STAND_IN: f64 = 1.0;
 
 /// A finite number in SI, with or without unit, of a size that makes sense.
 fn number(value: &Value, dimension: Dimension) -> Option<f64> {
@@ -398,15 +482,6 @@ fn one_of(words: &[&str]) -> String {
         [] => "nothing here".into(),
         [only] => format!("\"{only}\""),
         _ => format!("one of \"{}\"", words.join("\", \"")),
-    }
-}
-
-/// `, did you mean "x"?` when some allowed word is close.
-pub fn did_you_mean(word: &str, allowed: &[&str]) -> String {
-    let best = allowed.iter().max_by(|a, b| strsim::jaro_winkler(word, a).total_cmp(&strsim::jaro_winkler(word, b)));
-    match best {
-        Some(best) if strsim::jaro_winkler(word, best) > 0.75 => format!(" (did you mean \"{best}\"?)"),
-        _ => String::new(),
     }
 }
 

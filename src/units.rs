@@ -96,18 +96,27 @@ impl Dimension {
         format!("a number in {}{more}", names[0])
     }
 
+    /// `"10 kN s/m"` where `"10 kN.s/m"` was written: the unit of this dimension that differs in capitals and in signs between letters
+    /// alone, or one of its other names.
+    pub fn meant(self, text: &str) -> Option<String> {
+        let (number, name) = parts(text);
+        let value: f64 = number.parse().ok()?;
+        let wanted = bare(name);
+        if !value.is_finite() || wanted.is_empty() {
+            return None;
+        }
+        let wanted = OTHER_NAMES.iter().find(|other| other.0 == wanted).map_or(wanted, |other| bare(other.1));
+        let known = || self.units().iter().map(|unit| unit.0).filter(|known| bare(known) == wanted);
+        // Capitals tell milli from mega; without any that fit the first one will do.
+        let exact = |known: &&str| known.chars().find(char::is_ascii_alphabetic) == name.chars().find(char::is_ascii_alphabetic);
+        let found = known().find(exact).or(known().next())?;
+        Some(format!("{number} {found}"))
+    }
+
     /// Reads `"10 mm"` as 0.01. `None` when number or unit is not understood.
     pub fn parse(self, text: &str) -> Option<f64> {
-        let text = text.trim();
-        let split = text
-            .char_indices()
-            .find(|&(at, c)| {
-                let exponent = (c == 'e' || c == 'E') && text[at + 1..].starts_with(|d: char| d.is_ascii_digit() || d == '-' || d == '+');
-                !(c.is_ascii_digit() || ".+-".contains(c) || exponent)
-            })
-            .map_or(text.len(), |(at, _)| at);
-        let number: f64 = text[..split].trim().parse().ok()?;
-        let name = text[split..].trim();
+        let (number, name) = parts(text);
+        let number: f64 = number.parse().ok()?;
         if name.is_empty() {
             return Some(number);
         }
@@ -119,9 +128,82 @@ impl Dimension {
     }
 }
 
+/// Other names of units, as [`bare`] writes them.
+const OTHER_NAMES: &[(&str, &str)] = &[
+    ("\u{b0}", "deg"),
+    ("degree", "deg"),
+    ("degrees", "deg"),
+    ("radian", "rad"),
+    ("radians", "rad"),
+    ("\"", "in"),
+    ("inch", "in"),
+    ("inches", "in"),
+    ("foot", "ft"),
+    ("feet", "ft"),
+    ("metre", "m"),
+    ("metres", "m"),
+    ("meter", "m"),
+    ("meters", "m"),
+    ("micron", "um"),
+    ("kph", "km/h"),
+    ("kmph", "km/h"),
+    ("sec", "s"),
+    ("msec", "ms"),
+    ("to", "t"),
+    ("percent", "%"),
+    ("nmm2", "MPa"),
+];
+
+/// The number and the unit of a quantity, as written.
+fn parts(text: &str) -> (&str, &str) {
+    let text = text.trim();
+    let split = text
+        .char_indices()
+        .find(|&(at, c)| {
+            let exponent = (c == 'e' || c == 'E') && text[at + 1..].starts_with(|d: char| d.is_ascii_digit() || d == '-' || d == '+');
+            !(c.is_ascii_digit() || ".+-".contains(c) || exponent)
+        })
+        .map_or(text.len(), |(at, _)| at);
+    (text[..split].trim(), text[split..].trim())
+}
+
+/// A unit in small letters, without what stands between letters; raised digits and the Greek mu are plain.
+fn bare(name: &str) -> String {
+    let plain = |c: char| match c {
+        '\u{b2}' => Some('2'),
+        '\u{b3}' => Some('3'),
+        '\u{b5}' | '\u{3bc}' => Some('u'),
+        ' ' | '.' | '*' | '\u{b7}' | '\u{d7}' | '\u{22c5}' | '^' | '/' | '_' | '-' | '(' | ')' => None,
+        other => Some(other),
+    };
+    name.chars().filter_map(plain).flat_map(char::to_lowercase).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn prop_a_unit_written_otherwise_is_recognised() {
+        let cases = [
+            (Dimension::Damping, "10 kN.s/m", Some("10 kN s/m")),
+            (Dimension::Damping, "10 kN*s/m", Some("10 kN s/m")),
+            (Dimension::Damping, "10 KN\u{b7}s/m", Some("10 kN s/m")),
+            (Dimension::Stiffness, "2 MN/M", Some("2 MN/m")),
+            (Dimension::Length, "3 MM", Some("3 mm")),
+            (Dimension::Length, "3 \u{3bc}m", Some("3 um")),
+            (Dimension::Angle, "3\u{b0}", Some("3 deg")),
+            (Dimension::Speed, "90 kmh", Some("90 km/h")),
+            (Dimension::Inertia, "5 kg*m^2", Some("5 kg m2")),
+            (Dimension::Pressure, "207 gpa", Some("207 GPa")),
+            (Dimension::Length, "3 deg", None),
+            (Dimension::Length, "ten mm", None),
+        ];
+        for (dimension, text, meant) in cases {
+            assert_eq!(dimension.meant(text).as_deref(), meant, "{text}");
+            assert!(meant.is_none_or(|meant| dimension.parse(meant).is_some()), "{meant:?} can be read");
+        }
+    }
 
     #[test]
     fn analytic_units_become_si() {

@@ -163,3 +163,163 @@ fn analytic_measured_acceleration_in_a_steady_curve() {
     assert!((shown - plain - g * lean.sin()).abs() < 1e-4, "{}", shown - plain - g * lean.sin());
     assert!((shown - expected).abs() < 0.05, "{shown} {expected}");
 }
+
+/// A scene with several faults: all are told, each once, by line, what is missing last; a slip of the pen stands for the key that it hides.
+#[test]
+fn prop_all_faults_of_a_scene_are_told_at_once() {
+    let embedded = wheelrail::scene::embedded::find("suspended_wheelset").unwrap().text;
+    let found = |changes: &[(&str, &str)]| {
+        let text = changes.iter().fold(embedded.to_string(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replacen(from, to, 1)
+        });
+        let source = wheelrail::settings::Source { file: "a.toml".into(), text, overridden: vec![], folder: None };
+        let message = load::read("a", source, &[]).err().map(|error| error.to_string()).unwrap_or_default();
+        println!("{message}\n");
+        message
+    };
+    let places = |message: &str| -> Vec<String> {
+        let lines = message.lines().filter_map(|line| line.trim_start().strip_prefix("a.toml:"));
+        lines.map(|line| line.split(": ").nth(1).unwrap_or_default().to_string()).collect()
+    };
+    let many = found(&[
+        ("\nspeed = ", "\nspeed = \"forty\" # "),
+        ("\nmass = ", "\n# mass = "),
+        ("\nlateral_damping = ", "\nlateral_dampig = "),
+        ("\nformulation = \"ECF-A\"", "\nformulation = \"ecf-a\""),
+        ("\nfriction = ", "\nfrction = "),
+        ("\nstop = ", "\nstop = -"),
+    ]);
+    assert!(many.starts_with("6 faults in the scene:\n"), "{many}");
+    let expected = [
+        "vehicle.speed",
+        "vehicle.suspension.lateral_dampig",
+        "contact.formulation",
+        "contact.frction",
+        "run.stop",
+        "vehicle.wheelset.mass",
+    ];
+    assert_eq!(places(&many), expected);
+    for words in ["frction: unknown key (did you mean \"friction\"?)", "found \"ecf-a\" (did you mean \"ECF-A\"?)", "mass: is missing"] {
+        assert!(many.contains(words), "{words}: {many}");
+    }
+    assert!(!many.contains("friction: is missing"), "{many}");
+    // One fault is told as before.
+    assert!(found(&[("\nfriction = ", "\nfrction = ")]).starts_with("a.toml:"));
+    // What follows from a fault is not told: settings of a law that is not known, numbers that belong together, a table's own keys.
+    assert_eq!(places(&found(&[("law = \"shen_hedrick_elkins\"", "law = \"fastsimm\"\nstrips = 10")])), ["contact.creep.law"]);
+    assert_eq!(places(&found(&[("\ninertia_xx = ", "\ninertia_xx = \"x\" # ")])), ["vehicle.wheelset.inertia_xx"]);
+    let renamed = found(&[("[contact]", "[contct]")]);
+    assert!(renamed.contains("contact: is missing (there is \"contct\")") || renamed.contains("did you mean \"contact\"?"), "{renamed}");
+    // A word that decides how the rest is read.
+    let kind = error("bogie", &["vehicle.force[new].knd=spring_damper"]);
+    assert!(kind.contains("kind: is missing (there is \"knd\")"), "{kind}");
+}
+
+#[test]
+fn prop_faults_in_several_parts_of_a_vehicle() {
+    let message = error(
+        "bogie",
+        &["vehicle.body[car].mass=-3", "vehicle.body[car].inertia_xx=\"1 kg.m2\"", "vehicle.speed=1e6", "solver.tolerance=1"],
+    );
+    for words in [
+        "4 faults in the scene:",
+        "mass: found -3.0, expected 1e-6 or more",
+        "(did you mean \"1 kg m2\"?)",
+        "vehicle.speed: found 1000000.0 m/s, expected at most 500.0 m/s either way: contact is computed as at rest",
+        "solver.tolerance: found 1.0",
+    ] {
+        assert!(message.contains(words), "{words}: {message}");
+    }
+    let spectrum = ["track.irregularity=[{kind=\"spectrum\",spectrum=\"FRA4\",seed=1}]"];
+    assert!(error("suspended_wheelset", &spectrum).contains("(did you mean \"fra4\"?)"));
+    assert!(error("suspended_wheelset", &["run.step=10"]).contains("run.step: found 10.0 s, expected at most run.stop = 5.0 s"));
+}
+
+/// What nobody knows may be left out, and the plan says what is taken instead.
+#[test]
+fn prop_defaults_for_what_nobody_knows() {
+    let text = wheelrail::scene::embedded::find("suspended_wheelset").unwrap().text;
+    let kept: String = text
+        .lines()
+        .take_while(|line| *line != "[solver]")
+        .chain(text.lines().skip_while(|line| *line != "[run]"))
+        .filter(|line| !["gravity", "damping"].iter().any(|key| line.starts_with(key)))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let read = |text: &str, changes: &[&str]| {
+        let source = wheelrail::settings::Source { file: "a.toml".into(), text: text.into(), overridden: vec![], folder: None };
+        load::read("a", source, &changes.iter().map(|change| (*change).to_string()).collect::<Vec<_>>())
+            .unwrap_or_else(|error| panic!("{error}"))
+    };
+    let scene = read(&kept, &[]);
+    assert_eq!((scene.vehicle.gravity, scene.solver.name, scene.solver.integrator.setting().value), (9.81, "rosenbrock", 1e-5));
+    let plan = plan::plan(&scene, &assemble::model(&scene).unwrap());
+    let damping = plan.effects.iter().find(|effect| effect.name == "contact damping").unwrap();
+    assert!(damping.why.contains("restitution 0.8 at 0.1 m/s"), "{}", damping.why);
+    assert!(plan.notes.iter().any(|note| note.starts_with("solver.tolerance is 1e-5 m, the default")), "{:?}", plan.notes);
+    // A step alone still asks for equal steps.
+    assert_eq!(read(&kept, &["solver.step=1 ms"]).solver.name, "real_time");
+    let mut simulation = common::start(&scene);
+    simulation.advance(0.1).unwrap();
+}
+
+/// A file's initial values and flag mean what the FMU's mean: on a curve, where the balance is not at zero.
+#[test]
+fn equiv_initial_values_mean_the_same_in_a_file_and_in_the_fmu() {
+    use wheelrail::fmi::instance::Instance;
+    use wheelrail::fmi::package;
+    let curve = ["track.deviation=[]", "track.node=[{distance=0.0,radius=800.0,superelevation=0.05}]"];
+    let native = |changes: &[&str]| {
+        let scene = open("suspended_wheelset", &[&curve[..], changes].concat()).unwrap();
+        common::start(&scene).state().integration.y.clone()
+    };
+    let names = ["distance", "y", "z", "roll", "yaw", "vy", "vz", "rollRate", "yawRate", "pitchRate"];
+    // Initial values as outputs of the FMU of a scene with `changes`, with parameters set; and what its parameters read.
+    let fmu = |changes: &[&str], flag: Option<bool>, values: &[(&str, f64)]| -> (Vec<f64>, f64) {
+        let packed = package::pack_scene(&open("suspended_wheelset", &[&curve[..], changes].concat()).unwrap()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        for (name, content) in &packed.resources {
+            let file = folder.path().join(name);
+            std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+            std::fs::write(file, content).unwrap();
+        }
+        let reference =
+            |name: &str| packed.table.variables.iter().find(|variable| variable.name == format!("wheelset.{name}")).unwrap().reference;
+        let mut instance = Instance::new(folder.path(), &packed.description.guid).unwrap();
+        instance.setup_experiment(None, 0.0, None).unwrap();
+        if let Some(flag) = flag {
+            instance.set_boolean(&[reference("initial.fromEquilibrium")], &[flag]).unwrap();
+        }
+        for (name, value) in values {
+            instance.set_real(&[reference(&format!("initial.{name}"))], &[*value]).unwrap();
+        }
+        instance.enter_initialization().unwrap();
+        instance.exit_initialization().unwrap();
+        let mut found = vec![0.0; names.len()];
+        instance.get_real(&names.map(reference), &mut found).unwrap();
+        let mut y = [0.0];
+        instance.get_real(&[reference("initial.y")], &mut y).unwrap();
+        (found, y[0])
+    };
+    let balance = fmu(&[], None, &[]).0;
+    assert!(balance[1].abs() > 1e-5, "the curve moves the wheelset: {balance:?}");
+    // Added to the balance, by default and where it is said.
+    let given = ["vehicle.initial.y=1 mm", "vehicle.initial.yaw=0.5 mrad", "vehicle.initial.vz=0.01"];
+    let set = [("y", 1e-3), ("yaw", 5e-4), ("vz", 0.01)];
+    let from_file = fmu(&given, None, &[]);
+    assert_eq!((from_file.0.clone(), from_file.1), fmu(&[], None, &set));
+    assert_eq!(native(&given), native(&[&given[..], &["vehicle.initial.from_equilibrium=true"]].concat()));
+    assert!((from_file.0[1] - balance[1] - 1e-3).abs() < 1e-12, "{from_file:?}");
+    // Absolute.
+    let absolute =
+        ["vehicle.initial.from_equilibrium=false", "vehicle.initial.y=1 mm", "vehicle.initial.z=457 mm", "vehicle.initial.pitch_rate=87.5"];
+    let from_file = fmu(&absolute, None, &[]).0;
+    let all: Vec<(&str, f64)> = names.iter().copied().zip(from_file.iter().copied()).collect();
+    let set = fmu(&[], Some(false), &all).0;
+    // Coordinates go through the curve's frame and back.
+    assert!(from_file.iter().zip(&set).all(|(a, b)| (a - b).abs() <= 1e-13 * a.abs().max(1.0)), "{from_file:?} {set:?}");
+    assert!((from_file[1] - 1e-3).abs() < 1e-12 && (from_file[2] - 0.457).abs() < 1e-12, "{from_file:?}");
+    // A radius is no offset.
+    assert!(error("suspended_wheelset", &["vehicle.initial.z=0.467"]).contains("or from_equilibrium = false"));
+}

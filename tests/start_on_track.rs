@@ -200,16 +200,19 @@ fn prop_the_plan_says_how_the_start_stands() {
     assert_eq!(line(&[rough("fra6", 1, 1.0), "track.start_fade=20".into()]), None);
 }
 
-/// Values that a scene gives keep their meaning: absolute ones of a wheelset are what it starts with, offsets are added to the balance on the
+/// Values that a scene gives keep their meaning: absolute ones of a wheelset are what it starts with, others are added to the balance on the
 /// displaced rails.
 #[test]
 fn prop_given_initial_values_are_kept() {
     let rails = rough("fra6", 3, 1.0);
     let given = ["vehicle.initial.y=0.002".to_string(), "vehicle.initial.vy=0.01".into(), rails.clone()];
-    let found = start(&scene("suspended_wheelset", &given)).state().integration.y.clone();
+    let absolute = [&given[..], &["vehicle.initial.from_equilibrium=false".into()]].concat();
+    let state = |changes: &[String]| start(&scene("suspended_wheelset", changes)).state().integration.y.clone();
+    let (found, added, free) = (state(&absolute), state(&given), state(std::slice::from_ref(&rails)));
     assert!((found[1] - 0.002).abs() < 1e-15 && (found[COORDINATES + 1] - 0.01).abs() < 1e-15, "{found:?}");
-    let free = start(&scene("suspended_wheelset", std::slice::from_ref(&rails))).state().integration.y.clone();
     assert!(free[1] != 0.0 && free[2] == found[2] && free[COORDINATES + 2] != 0.0);
+    let off = [added[1] - free[1] - 0.002, added[COORDINATES + 1] - free[COORDINATES + 1] - 0.01, added[2] - free[2]];
+    assert!(off.iter().all(|off| off.abs() < 1e-15), "{off:?}");
 }
 
 /// What can't be balanced is refused with place, reason and cure.

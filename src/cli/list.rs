@@ -80,19 +80,19 @@ pub(super) fn list(arguments: &Arguments) -> Result<(), Failure> {
                 (kind.to_string(), rows.collect())
             })
             .collect();
-        print(&format!("{}\n", serde_json::Value::Object(object)));
+        print(&format!("{}\n", serde_json::Value::Object(object)))?;
         return Ok(());
     }
     for (kind, place, rows) in kinds {
-        print(&format!("{kind} ({place})\n"));
+        print(&format!("{kind} ({place})\n"))?;
         let width = rows.iter().map(|row| row.0.len()).max().unwrap_or(0);
         for (name, summary, reference) in rows {
-            print(&format!("  {name:width$}  {summary}\n"));
+            print(&format!("  {name:width$}  {summary}\n"))?;
             if !reference.is_empty() {
-                print(&format!("  {:width$}  [{reference}]\n", ""));
+                print(&format!("  {:width$}  [{reference}]\n", ""))?;
             }
         }
-        print("\n");
+        print("\n")?;
     }
     Ok(())
 }

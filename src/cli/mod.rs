@@ -5,12 +5,15 @@ mod contact;
 mod creep;
 mod export;
 mod hard;
+mod interrupt;
 mod list;
+mod output;
 mod plan;
 mod plot;
 mod profile;
 mod progress;
 mod run;
+mod scene;
 mod study;
 mod table;
 
@@ -20,7 +23,7 @@ use crate::settings::did_you_mean;
 use crate::sim::Simulation;
 use crate::units::Dimension;
 use clap::{Args, Parser, Subcommand};
-use std::path::Path;
+use output::{OutputError, print};
 use std::process::ExitCode;
 
 /// Vehicles on real wheel/rail contact: from a scene file to an FMI 2.0 co-simulation FMU.
@@ -51,6 +54,8 @@ enum Command {
     Hard(hard::Arguments),
     /// List scenes, profiles, laws, formulations, integrators ...
     List(list::Arguments),
+    /// Print an embedded scene, to start an own one from
+    Scene(scene::Arguments),
     /// Measure what accuracy costs in time: formulations, integrators and tolerances against references
     Study(study::Arguments),
     /// Compute the creep-force table of the creep law `usetab`
@@ -116,6 +121,11 @@ impl TimeArguments {
         if !(step.is_finite() && step > 0.0) {
             return Err(Failure::Input(format!("--step {step}: expected a time greater than 0 s")));
         }
+        // A scene's own step may be longer than a short piece of it that is asked for.
+        if self.step.is_some() && stop > 0.0 && step > stop {
+            let whose = if self.stop.is_some() { "--stop" } else { "run.stop" };
+            return Err(Failure::Input(format!("--step {step:?}: expected at most {whose} = {stop:?} s")));
+        }
         if stop / step > MOST_STEPS {
             return Err(Failure::Input(format!("--step {step:?}: that would be {:.1e} output rows", stop / step)));
         }
@@ -129,21 +139,26 @@ fn seconds(text: &str) -> Result<f64, String> {
     plain.or_else(|| Dimension::Time.parse(text)).ok_or_else(|| format!("expected {}", Dimension::Time.expectation()))
 }
 
-/// Why a file can't be written: most often its folder is missing.
-fn unwritable(path: &Path, error: &std::io::Error) -> String {
-    let folder = path.parent().filter(|folder| error.kind() == std::io::ErrorKind::NotFound && !folder.exists());
-    match folder {
-        Some(folder) => format!("{}: can't be written: there is no folder {}; make the folder first", path.display(), folder.display()),
-        None => format!("{}: can't be written: {error}", path.display()),
-    }
-}
-
 /// How a command failed: the exit code says whose turn it is.
 enum Failure {
-    /// The simulation could not be finished (1).
+    /// The simulation could not be finished, or its results not be written (1).
     Run(String),
     /// What was asked for makes no sense (2).
     Input(String),
+    /// A signal asked for the end: words and exit code.
+    Interrupted(String, u8),
+}
+
+/// What was computed could not be kept. An output that can't even begin is bad input: [`refused`].
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Failure::Run(error.to_string())
+    }
+}
+
+/// Of an output that is known to be impossible before the work.
+fn refused(error: OutputError) -> Failure {
+    Failure::Input(error.to_string())
 }
 
 impl From<SceneError> for Failure {
@@ -154,7 +169,11 @@ impl From<SceneError> for Failure {
 
 /// Runs the command of `std::env::args`.
 pub fn main() -> ExitCode {
-    let done = match Cli::parse().command {
+    let parsed = match Cli::try_parse() {
+        Ok(parsed) => parsed,
+        Err(words) => return said(&words),
+    };
+    let done = match parsed.command {
         Command::Export(arguments) => export::export(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
@@ -164,6 +183,7 @@ pub fn main() -> ExitCode {
         Command::Profile(arguments) => profile::profile(&arguments),
         Command::Hard(arguments) => hard::hard(&arguments),
         Command::List(arguments) => list::list(&arguments),
+        Command::Scene(arguments) => scene::scene(&arguments),
         Command::Study(arguments) => study::study(&arguments),
         Command::Table(arguments) => table::table(&arguments),
     };
@@ -171,9 +191,25 @@ pub fn main() -> ExitCode {
         Ok(()) => return ExitCode::SUCCESS,
         Err(Failure::Run(message)) => (message, 1),
         Err(Failure::Input(message)) => (message, 2),
+        Err(Failure::Interrupted(message, code)) => {
+            say(&message);
+            return ExitCode::from(code);
+        }
     };
     say(&format!("error: {message}"));
     ExitCode::from(code)
+}
+
+/// Prints what is asked for or wrong on the command line itself.
+fn said(words: &clap::Error) -> ExitCode {
+    use std::io::{ErrorKind, Write};
+    match words.print().and_then(|()| std::io::stdout().flush()) {
+        Err(problem) if !words.use_stderr() && problem.kind() != ErrorKind::BrokenPipe => {
+            say(&format!("error: {}", OutputError::Stdout { problem }));
+            ExitCode::from(1)
+        }
+        _ => ExitCode::from(words.exit_code() as u8),
+    }
 }
 
 /// Prints a message to stderr, if anybody listens.
@@ -185,12 +221,6 @@ fn say(text: &str) {
 /// Starts a simulation; a scene without equilibrium is bad input.
 fn start(scene: &Scene) -> Result<Simulation, Failure> {
     Simulation::new(scene, 0.0).map_err(|error| Failure::Input(format!("{}: {error}", scene.source.file)))
-}
-
-/// Prints to stdout; a closed pipe (`| head`) is not an error.
-fn print(text: &str) {
-    use std::io::Write;
-    let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
 /// Columns of text, the first one left-aligned, the others right-aligned.

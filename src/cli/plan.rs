@@ -29,26 +29,26 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
         let shares: serde_json::Map<String, serde_json::Value> =
             costs.iter().map(|(name, time)| (name.to_string(), (1e9 * time).into())).collect();
-        print(&format!("{}\n", serde_json::json!({"plan": plan, "nanoseconds": shares})));
+        print(&format!("{}\n", serde_json::json!({"plan": plan, "nanoseconds": shares})))?;
         return Ok(());
     }
     print(&format!(
         "{}: {}\n  {} states ({} bodies), {} wheels with up to {} contacts each, {} force elements, {} numbers of search memory\n\n",
         plan.scene, scene.title, plan.states, plan.bodies, plan.contacts, plan.points, plan.force_elements, plan.memory
-    ));
+    ))?;
     let width = plan.effects.iter().map(|effect| effect.name.len()).max().unwrap_or(0);
     for effect in &plan.effects {
         let states = if effect.states > 0 { format!("{} states", effect.states) } else { String::new() };
         let mark = if effect.included { "in " } else { "out" };
-        print(&format!("  {mark}  {:width$}  {states:9}  {}\n", effect.name, effect.why));
+        print(&format!("  {mark}  {:width$}  {states:9}  {}\n", effect.name, effect.why))?;
     }
     for note in &plan.notes {
-        print(&format!("  note: {note}\n"));
+        print(&format!("  note: {note}\n"))?;
     }
     let total = costs.iter().map(|cost| cost.1).sum::<f64>();
-    print(&format!("\nOne evaluation of the right-hand side, measured at the initial state: {:.2} us\n", 1e6 * total));
+    print(&format!("\nOne evaluation of the right-hand side, measured at the initial state: {:.2} us\n", 1e6 * total))?;
     for (name, time) in &costs {
-        print(&format!("  {:4.0} %  {name}\n", 100.0 * time / total));
+        print(&format!("  {:4.0} %  {name}\n", 100.0 * time / total))?;
     }
     Ok(())
 }

@@ -1,11 +1,11 @@
 //! `wheelrail profile WHAT`: any profile that a scene could name, as a table, CSV or diagram.
 
-use super::{Failure, plot, print, say, table};
+use super::output::{Kind, Target};
+use super::{Failure, plot, print, refused, say, table};
 use crate::geometry::profile::{self, Part, Profile, ProfileChoice, ProfilePoint};
 use crate::settings::{Section, SettingsError, Source};
 use clap::{Args, ValueEnum};
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
@@ -56,7 +56,7 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
     let (part, choice) = open(arguments)?;
     let samples = sample(choice.profile.as_ref(), arguments.points);
     if let Some(path) = &arguments.output {
-        write(path, &csv(&samples, part, arguments.bare))?;
+        Target::find(path, Kind::Csv).map_err(refused)?.write(csv(&samples, part, arguments.bare).as_bytes())?;
     }
     if let Some(path) = &arguments.plot {
         plot::section(path, &choice.profile.describe(), part, &samples).map_err(Failure::Run)?;
@@ -64,7 +64,7 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
     }
     choice.notes.iter().for_each(|note| say(&format!("note: {note}")));
     if arguments.output.as_deref() != Some(Path::new("-")) {
-        print(&summary(part, choice.profile.as_ref()));
+        print(&summary(part, choice.profile.as_ref()))?;
     }
     Ok(())
 }
@@ -159,15 +159,6 @@ fn csv(samples: &[(f64, ProfilePoint)], part: Part, bare: bool) -> String {
         };
     }
     text
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    if path == Path::new("-") {
-        print(text);
-        return Ok(());
-    }
-    let done = std::fs::File::create(path).and_then(|mut file| file.write_all(text.as_bytes()));
-    done.map_err(|error| Failure::Input(super::unwritable(path, &error)))
 }
 
 /// A number with a fixed count of decimals; what rounds to zero has no sign.

@@ -1,22 +1,33 @@
 //! `wheelrail run SCENE`: a native simulation with CSV, SVG and a summary.
 
+use super::interrupt::Interrupt;
+use super::output::{Kind, Target};
 use super::progress::Progress;
-use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, plot, print, table};
-use crate::sim::recording::{self, Recording};
+use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, plot, print, refused, table};
+use crate::settings::did_you_mean;
+use crate::sim::outputs::Output;
+use crate::sim::recording::{self, CsvRows, Recording, Times};
 use crate::sim::vehicle_outputs::scene_outputs;
 use crate::study::digits::rounded;
 use clap::Args;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::time::Instant;
 
 #[derive(Args)]
+#[command(after_long_help = "\
+Ctrl-C (or SIGTERM) ends the run in order: the rows so far are written, pictures and summary are made of them, the exit code is 130 \
+(143); a second one ends the program at once. Rows are written to FILE.csv.XXXXXX.part beside FILE.csv, which keeps what it has until \
+the end; after a kill what was computed is in that file.")]
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// Write all outputs as CSV ("-" for stdout)
+    /// Write outputs as CSV ("-" for stdout); a file must end in .csv
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
+    /// Write only outputs of these names: * stands for any letters, ? for one, e.g. "*.verticalForce,wheelset.y" [default: all]
+    #[arg(long, value_name = "PATTERN[,PATTERN]", value_delimiter = ',')]
+    columns: Vec<String>,
     /// Draw lateral displacement, yaw and wheel loads over distance as SVG into a folder
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
@@ -32,24 +43,59 @@ pub(super) struct Arguments {
 /// Most lift-offs and landings that are printed.
 const EVENTS_SHOWN: usize = 20;
 
+/// Outputs of the shown wheelset that the summary and the picture need: name, label, unit, factor (no label: the picture alone).
+const SHOWN: [(&str, &str, &str, f64); 10] = [
+    ("y", "lateral displacement", "mm", 1e3),
+    ("yaw", "yaw", "mrad", 1e3),
+    ("roll", "roll", "mrad", 1e3),
+    ("left.verticalForce", "Q left", "kN", 1e-3),
+    ("right.verticalForce", "Q right", "kN", 1e-3),
+    ("left.lateralForce", "Y left", "kN", 1e-3),
+    ("right.lateralForce", "Y right", "kN", 1e-3),
+    ("left.derailmentQuotient", "Y/Q left", "-", 1.0),
+    ("right.derailmentQuotient", "Y/Q right", "-", 1.0),
+    ("distance", "", "m", 1.0),
+];
+
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
     let (stop, step) = arguments.times.read(&scene)?;
     let wheelset = arguments.wheelset.choose(&scene)?;
-    let to_stdout = arguments.output.as_deref() == Some(Path::new("-"));
+    // Whatever can't be written is better known before the run.
+    let target = arguments.output.as_deref().map(|path| Target::find(path, Kind::Csv)).transpose().map_err(refused)?;
+    let to_stdout = target.as_ref().is_some_and(Target::is_stdout);
     if to_stdout && arguments.json {
         return Err(Failure::Input("-o - and --json both write to stdout; choose one".into()));
     }
     let mut simulation = super::start(&scene)?;
-    // Whatever can't be written is better known before the run.
-    let mut csv = arguments.output.as_deref().map(open_csv).transpose()?;
     if let Some(folder) = &arguments.plot {
         plot::prepare(folder, &scene.interface.outputs).map_err(Failure::Input)?;
     }
-    let outputs = scene_outputs(&scene, simulation.model());
+    let mut outputs = scene_outputs(&scene, simulation.model());
+    check_columns(&arguments.columns, &outputs)?;
+    // What nobody reads is not computed.
+    let read = target.is_some() || arguments.json;
+    let wanted = |name: &str| read && (arguments.columns.is_empty() || arguments.columns.iter().any(|pattern| matches(pattern, name)));
+    let shown = |name: &str| name.strip_prefix(wheelset).is_some_and(|rest| SHOWN.iter().any(|one| rest.strip_prefix('.') == Some(one.0)));
+    outputs.retain(|output| wanted(&output.name) || shown(&output.name));
+    let chosen: Vec<usize> =
+        [0].into_iter().chain((0..outputs.len()).filter(|index| wanted(&outputs[*index].name)).map(|index| index + 1)).collect();
+    let interrupt = Interrupt::watch();
+    let mut csv = match &target {
+        Some(target) => {
+            let rows = CsvRows::begin(target.begin()?, &Recording::new(&outputs), chosen.clone());
+            Some(rows.map_err(|error| Failure::Run(error.to_string()))?)
+        }
+        None => None,
+    };
     let progress = Progress::new(stop);
     let clock = Instant::now();
-    let done = recording::record(&mut simulation, &outputs, stop, step, |time| progress.at(time));
+    let mut broken = None;
+    let done = recording::record_while(&mut simulation, &outputs, Times { stop, step }, |row| {
+        progress.at(row[0]);
+        broken = csv.as_mut().and_then(|csv| csv.write(row).err());
+        if broken.is_some() || interrupt.code().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
     let elapsed = clock.elapsed().as_secs_f64();
     progress.finish();
     // What was computed before a failure is written too.
@@ -57,12 +103,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Ok(recording) => (recording, None),
         Err(interrupted) => (interrupted.recording, Some(interrupted.error.to_string())),
     };
-    if let (Some(csv), Some(path)) = (&mut csv, &arguments.output) {
-        match recording.write_csv(csv) {
-            Err(error) if !closed_pipe(&error) => failure = failure.or(Some(format!("{}: can't be written: {error}", path.display()))),
-            _ => {}
-        }
+    let simulated = simulation.time();
+    let whole = failure.is_some() || simulated >= stop;
+    let written = match (csv, broken) {
+        (Some(csv), Some(error)) => csv.writer.fail(error),
+        (Some(csv), None) => csv.writer.finish(),
+        (None, _) => Ok(()),
+    };
+    if let Err(error) = written {
+        failure = failure.or(Some(error.to_string()));
     }
+    let ended = interrupt.code().filter(|_| !whole && failure.is_none()).map(|code| {
+        let kept = match &arguments.output {
+            Some(path) if !to_stdout => format!("{} rows until then are in {}", recording.rows.len(), path.display()),
+            _ => format!("{} rows until then", recording.rows.len()),
+        };
+        (format!("interrupted at t = {} s of {} s: {kept}", rounded(simulated), rounded(stop)), code)
+    });
     if let Some(folder) = &arguments.plot {
         match plot::overview(folder, &scene.name, &scene.title, wheelset, &recording) {
             Ok(file) => super::say(&format!("wrote {}", file.display())),
@@ -85,19 +142,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         super::say(&format!("note: {note}"));
     }
     let statistics = simulation.statistics();
-    let simulated = simulation.time();
     if arguments.json {
+        let error = failure.as_ref().or(ended.as_ref().map(|ended| &ended.0));
         let extremes: serde_json::Map<String, serde_json::Value> = extremes(&recording)
             .into_iter()
+            .filter(|extreme| extreme.name == "time" || wanted(&extreme.name))
             .map(|extreme| (extreme.name, serde_json::json!({"min": extreme.min, "max": extreme.max, "end": extreme.end})))
             .collect();
         let value = serde_json::json!({
             "scene": scene.name, "simulated": simulated, "seconds": elapsed, "statistics": statistics,
-            "extremes": extremes, "events": events, "doubtful_steps": doubts, "notes": notes, "error": failure,
+            "extremes": extremes, "events": events, "doubtful_steps": doubts, "notes": notes, "error": error,
         });
-        print(&format!("{value}\n"));
+        print(&format!("{value}\n"))?;
     } else if !to_stdout {
-        print(&summary(&scene.title, wheelset, &recording));
+        print(&summary(&scene.title, wheelset, &recording))?;
         print(&format!(
             "\n  {} s simulated in {elapsed:.3} s ({} times real time with outputs every {} ms):\n  {} steps, {} rejected, {} evaluations of the right-hand side\n",
             rounded(simulated),
@@ -106,12 +164,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             statistics.steps,
             statistics.rejected,
             statistics.evaluations
-        ));
+        ))?;
         if scene.solver.integrator.linearises() {
             print(&format!(
                 "  {} Jacobians, {} factorisations, {} Newton iterations of the integrator\n",
                 statistics.linearisations, statistics.factorisations, statistics.iterations
-            ));
+            ))?;
         }
         if simulation.model().formulation.constrains() {
             let work = simulation.state().work;
@@ -120,26 +178,56 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
                 statistics.projections,
                 work.force_iterations as f64 / statistics.evaluations.max(1) as f64,
                 statistics.events
-            ));
+            ))?;
         }
     }
-    match failure {
-        Some(error) => Err(Failure::Run(error)),
+    match (failure, ended) {
+        (Some(error), _) => Err(Failure::Run(error)),
+        (None, Some((words, code))) => Err(Failure::Interrupted(words, code)),
+        (None, None) => Ok(()),
+    }
+}
+
+/// Does a name fit a pattern, in which * stands for any letters and ? for one? Brackets are those of names.
+fn matches(pattern: &str, name: &str) -> bool {
+    let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
+    let (mut p, mut n) = (0, 0);
+    // Where the last * stands, and what it stood for so far ends.
+    let mut star: Option<(usize, usize)> = None;
+    while n < name.len() {
+        match pattern.get(p) {
+            Some('*') => {
+                star = Some((p, n));
+                p += 1;
+            }
+            Some(c) if *c == '?' || *c == name[n] => {
+                p += 1;
+                n += 1;
+            }
+            _ => match star {
+                Some((at, end)) => {
+                    star = Some((at, end + 1));
+                    (p, n) = (at + 1, end + 1);
+                }
+                None => return false,
+            },
+        }
+    }
+    pattern[p..].iter().all(|c| *c == '*')
+}
+
+/// Refuses a pattern that fits no output.
+fn check_columns(patterns: &[String], outputs: &[Output]) -> Result<(), Failure> {
+    let names: Vec<&str> = outputs.iter().map(|output| output.name.as_str()).collect();
+    match patterns.iter().find(|pattern| !names.iter().any(|name| matches(pattern, name))) {
         None => Ok(()),
+        Some(pattern) => {
+            let hint = did_you_mean(pattern, &names);
+            let some = names.iter().take(3).copied().collect::<Vec<_>>().join(", ");
+            let all = names.len();
+            Err(Failure::Input(format!("--columns {pattern}{hint}: no output of that name; there are {all}, such as {some}")))
+        }
     }
-}
-
-pub(super) fn open_csv(path: &Path) -> Result<Box<dyn Write>, Failure> {
-    if path == Path::new("-") {
-        return Ok(Box::new(std::io::stdout().lock()));
-    }
-    let file = std::fs::File::create(path).map_err(|error| Failure::Input(super::unwritable(path, &error)))?;
-    Ok(Box::new(std::io::BufWriter::new(file)))
-}
-
-/// A reader that has seen enough (`| head`) is no error.
-pub(super) fn closed_pipe(error: &csv::Error) -> bool {
-    matches!(error.kind(), csv::ErrorKind::Io(error) if error.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
 struct Extreme {
@@ -169,20 +257,10 @@ fn times(factor: f64) -> String {
 
 /// Extremes of the outputs that people look at first.
 fn summary(title: &str, wheelset: &str, recording: &Recording) -> String {
-    const SHOWN: [(&str, &str, &str, f64); 9] = [
-        ("y", "lateral displacement", "mm", 1e3),
-        ("yaw", "yaw", "mrad", 1e3),
-        ("roll", "roll", "mrad", 1e3),
-        ("left.verticalForce", "Q left", "kN", 1e-3),
-        ("right.verticalForce", "Q right", "kN", 1e-3),
-        ("left.lateralForce", "Y left", "kN", 1e-3),
-        ("right.lateralForce", "Y right", "kN", 1e-3),
-        ("left.derailmentQuotient", "Y/Q left", "-", 1.0),
-        ("right.derailmentQuotient", "Y/Q right", "-", 1.0),
-    ];
     let found = extremes(recording);
     let rows: Vec<Vec<String>> = SHOWN
         .iter()
+        .filter(|one| !one.1.is_empty())
         .filter_map(|(name, label, unit, factor)| {
             let full = format!("{wheelset}.{name}");
             let extreme = found.iter().find(|extreme| extreme.name == full)?;

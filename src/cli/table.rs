@@ -1,6 +1,7 @@
 //! `wheelrail table -o FILE`: the creep-force table of the creep law `usetab`, computed with the exact theory.
 
-use super::{Failure, print};
+use super::output::{Kind, Target};
+use super::{Failure, print, refused};
 use crate::contact::creep::usetab::generate::generate;
 use crate::contact::creep::usetab::table::{Layout, Table};
 use clap::Args;
@@ -41,8 +42,7 @@ pub(super) fn table(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Input(format!("--nu {nu}: expected a number from 0 to 0.5")));
     }
     // Before minutes of work: can the file be written at all?
-    let failed = |error: std::io::Error| super::unwritable(output, &error);
-    drop(std::fs::OpenOptions::new().write(true).create(true).truncate(false).open(output).map_err(|error| Failure::Input(failed(error)))?);
+    let target = Target::find(output, Kind::Binary).map_err(refused)?;
     let style = ProgressStyle::with_template("{wide_bar} {percent} % {eta}").unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::new(0).with_style(style);
     let bytes = generate(Layout { steps: *steps, shapes: *shapes, cells: *grid, nu: *nu }, &|ready, all| {
@@ -52,7 +52,7 @@ pub(super) fn table(arguments: &Arguments) -> Result<(), Failure> {
     bar.finish_and_clear();
     // What was written must be readable.
     Table::read(&bytes).map_err(|error| Failure::Run(error.to_string()))?;
-    std::fs::write(output, &bytes).map_err(|error| Failure::Run(failed(error)))?;
-    print(&format!("{}: {} bytes\n", output.display(), bytes.len()));
+    target.write(&bytes)?;
+    print(&format!("{}: {} bytes\n", output.display(), bytes.len()))?;
     Ok(())
 }

@@ -203,24 +203,6 @@ pub fn archive(files: &BTreeMap<String, Vec<u8>>) -> Result<Vec<u8>, PackageErro
     Ok(zip.finish()?.into_inner())
 }
 
-/// Writes a file so that it is either whole or not there: beside its place first, then renamed.
-///
-/// # Errors
-/// [`PackageError::Unwritable`].
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), PackageError> {
-    let unwritable = |problem: String| PackageError::Unwritable { path: path.into(), problem };
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::Builder::new().prefix(".wheelrail").tempfile_in(folder).map_err(|error| unwritable(error.to_string()))?;
-    file.write_all(bytes).map_err(|error| unwritable(error.to_string()))?;
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        let _ = file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644));
-    }
-    file.persist(path).map_err(|error| unwritable(error.to_string()))?;
-    Ok(())
-}
-
 /// One row of the check's table: time and the values of the chosen outputs.
 pub type CheckRow = (f64, Vec<f64>);
 

@@ -3,6 +3,7 @@
 use super::variables::{Kind, Role, Variable, WHEELSET};
 use super::vehicle_parameters;
 use crate::scene::spec::{INITIAL, SMALLEST, SMALLEST_MODULUS, Scene};
+use crate::scene::vehicle::FASTEST;
 use crate::sim::unit::Unit;
 use crate::solve::SettingKind;
 
@@ -76,8 +77,8 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
         "vehicle",
         "speed",
         TravelSpeed,
-        None,
-        None,
+        Some(-FASTEST),
+        Some(FASTEST),
         "imposed travelling speed of the centre, forward positive; not 0",
         vehicle.speed
     );

@@ -3,6 +3,7 @@
 use super::assemble;
 use super::embedded;
 use super::equilibrium::{self, EquilibriumError};
+use super::identifier::identifier;
 use super::overrides;
 use super::spec::{INITIAL, Scene};
 use super::start::{self, Start};
@@ -25,6 +26,8 @@ pub enum SceneError {
     Override { argument: String, problem: String },
     #[error("{0}")]
     Settings(#[from] SettingsError),
+    #[error("{}", lines(all))]
+    Several { all: Vec<SettingsError> },
     #[error("{file}: {error}")]
     Assembly { file: String, error: AssemblyError },
     #[error(
@@ -33,6 +36,36 @@ pub enum SceneError {
     Bend { file: String, side: &'static str, bend: f64, distance: f64, radius: f64 },
     #[error("{file}: {error}")]
     Equilibrium { file: String, error: EquilibriumError },
+}
+
+impl SceneError {
+    /// Nothing is called `name`.
+    pub fn unknown(name: &str) -> SceneError {
+        let known: Vec<&str> = embedded::SCENES.iter().map(|scene| scene.name).collect();
+        SceneError::NotFound { name: name.into(), suggestion: did_you_mean(name, &known), known: known.join(", ") }
+    }
+}
+
+/// All faults of a scene, one in a line.
+fn lines(all: &[SettingsError]) -> String {
+    const SHOWN: usize = 30;
+    let mut text = format!("{} faults in the scene:", all.len());
+    for error in all.iter().take(SHOWN) {
+        text += &format!("\n  {error}");
+    }
+    match all.len().checked_sub(SHOWN) {
+        Some(more) if more > 0 => format!("{text}\n  ... and {more} more"),
+        _ => text,
+    }
+}
+
+impl From<Vec<SettingsError>> for SceneError {
+    fn from(mut all: Vec<SettingsError>) -> Self {
+        match all.len() {
+            1 => SceneError::Settings(all.remove(0)),
+            _ => SceneError::Several { all },
+        }
+    }
 }
 
 /// Opens the embedded scene `name`, or the file of that path.
@@ -46,8 +79,7 @@ pub fn open(name: &str, overrides: &[String]) -> Result<Scene, SceneError> {
     }
     let path = Path::new(name);
     if !path.is_file() {
-        let known: Vec<&str> = embedded::SCENES.iter().map(|scene| scene.name).collect();
-        return Err(SceneError::NotFound { name: name.into(), suggestion: did_you_mean(name, &known), known: known.join(", ") });
+        return Err(SceneError::unknown(name));
     }
     open_file(path, &identifier(path), overrides)
 }
@@ -63,16 +95,6 @@ pub fn open_file(path: &Path, name: &str, overrides: &[String]) -> Result<Scene,
     read(name, source, overrides)
 }
 
-/// A file name as an identifier that C and XML accept.
-fn identifier(path: &Path) -> String {
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let mut name: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
-        name.insert_str(0, "scene_");
-    }
-    name
-}
-
 /// Reads a scene from text.
 ///
 /// # Errors
@@ -86,8 +108,9 @@ pub fn read(name: &str, mut source: Source, overrides: &[String]) -> Result<Scen
         made.extend(done.made);
     }
     let document = Document::parse(source.text.clone()).map_err(|error| syntax(&source, &error))?;
-    let root = Section::root(document.as_table(), &source);
-    let mut scene = Scene::read(name, root, source.clone()).map_err(|error| overrides::explain(error, &made))?;
+    let root = Section::collecting(document.as_table(), &source);
+    let explained = |all: Vec<SettingsError>| all.into_iter().map(|error| overrides::explain(error, &made)).collect::<Vec<_>>();
+    let mut scene = Scene::read(name, root, source.clone()).map_err(explained)?;
     // What a formulation refuses is known before anything is run.
     let model = assemble::model(&scene).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
     refuse_bridged_bends(&scene, &model)?;
@@ -118,11 +141,12 @@ fn syntax(source: &Source, error: &toml_edit::TomlError) -> SceneError {
     SceneError::Syntax { file: source.file.clone(), line, problem: error.message().trim().to_string() }
 }
 
-/// Turns initial values that the scene gives into what the FMU shows: offsets to the equilibrium, or absolute values
-/// where `from_equilibrium = false`, absent ones taken from the equilibrium of this moment.
+/// Turns initial values that the scene gives into what the FMU shows, which means the same by them: added to the equilibrium (absent ones: nothing),
+/// or absolute where `from_equilibrium = false`, absent ones then taken from the equilibrium of this moment.
 fn resolve_initial(scene: &mut Scene) -> Result<(), SceneError> {
     let initial = &mut scene.vehicle.initial;
-    if initial.from_equilibrium && initial.given.iter().all(Option::is_none) {
+    if initial.from_equilibrium {
+        initial.values = initial.given.map(|given| given.unwrap_or(0.0));
         return Ok(());
     }
     // The equilibrium is that of the track there.
@@ -135,8 +159,7 @@ fn resolve_initial(scene: &mut Scene) -> Result<(), SceneError> {
         _ => &["z", "pitch_rate", "roll"],
     };
     let initial = &scene.vehicle.initial;
-    let needed =
-        initial.from_equilibrium || INITIAL.iter().zip(initial.given).any(|(key, given)| given.is_none() && not_zero.contains(&key.0));
+    let needed = INITIAL.iter().zip(initial.given).any(|(key, given)| given.is_none() && not_zero.contains(&key.0));
     let found = if needed {
         equilibrium::steady_rolling(scene)
             .map_err(|error| SceneError::Equilibrium { file: scene.source.file.clone(), error })?
@@ -146,8 +169,7 @@ fn resolve_initial(scene: &mut Scene) -> Result<(), SceneError> {
     };
     let initial = &mut scene.vehicle.initial;
     for ((value, given), found) in initial.values.iter_mut().zip(initial.given).zip(found) {
-        let absolute = given.unwrap_or(found);
-        *value = if initial.from_equilibrium { absolute - found } else { absolute };
+        *value = given.unwrap_or(found);
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ mod cautions;
 pub mod embedded;
 pub mod equilibrium;
 mod fade;
+mod identifier;
 pub mod load;
 mod overrides;
 pub mod plan;

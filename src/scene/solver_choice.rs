@@ -1,11 +1,11 @@
 //! What `solver.integrator = "auto"` stands for, and what a plan says about a scene's integrator.
 
-use super::spec::{ContactSpec, Scene};
+use super::spec::Scene;
 use super::vehicle::VehicleSpec;
 use crate::contact::search::algebraic;
 use crate::mbs::projection;
 use crate::settings::{Section, SettingsError};
-use crate::solve::AUTO;
+use crate::solve::{AUTO, DEFAULT_TOLERANCE, SettingKind};
 use crate::units::Dimension;
 
 /// What the choice depends on.
@@ -69,13 +69,18 @@ pub fn choose(facts: &Facts) -> (&'static str, &'static str) {
 const CONSTRAINED: &[&str] = &["ACCF", "ECCF"];
 
 /// The facts of a scene that is being read.
-pub(super) fn facts(solver: &Section, contact: &ContactSpec) -> Result<Facts, SettingsError> {
-    Ok(Facts { transient: contact.transient.is_some(), tolerance: solver.optional("tolerance", Dimension::Length)? })
+pub(super) fn facts(solver: &Section, transient: bool) -> Result<Facts, SettingsError> {
+    let given = solver.optional("tolerance", Dimension::Length)?;
+    // A scene that gives neither a tolerance nor a step leaves both to the program.
+    let tolerance = if solver.has("tolerance") || solver.has("step") { given } else { Some(DEFAULT_TOLERANCE) };
+    Ok(Facts { transient, tolerance })
 }
 
 /// Lines for the plan: the choice where the scene leaves it open, and the worst case where the method has one.
 pub(super) fn notes(scene: &Scene) -> Vec<String> {
     let solver = &scene.solver;
+    let assumed = (solver.assumed && solver.integrator.setting().kind == SettingKind::Tolerance)
+        .then(|| format!("solver.tolerance is {DEFAULT_TOLERANCE:e} m, the default: displacements come out to some micrometres"));
     let chosen = solver.why.map(|why| format!("solver.integrator = \"{}\" is {}: {why}", AUTO.name, solver.name));
     let bounded = solver.integrator.worst_case().map(|worst| {
         let search = algebraic::LIMITS.iterations;
@@ -88,7 +93,7 @@ pub(super) fn notes(scene: &Scene) -> Vec<String> {
             solver.name
         )
     });
-    chosen.into_iter().chain(bounded).collect()
+    assumed.into_iter().chain(chosen).chain(bounded).collect()
 }
 
 fn joined(vehicle: &VehicleSpec) -> bool {

@@ -93,6 +93,8 @@ pub struct SolverSpec {
     pub load_tolerance: f64,
     /// Why "auto" is this method.
     pub why: Option<&'static str>,
+    /// Is the tolerance the default one?
+    pub assumed: bool,
 }
 
 /// Groups of inputs, outputs and parameters that an FMU may show.
@@ -144,51 +146,41 @@ impl Scene {
     /// Reads all tables.
     ///
     /// # Errors
-    /// The first [`SettingsError`].
-    pub fn read(name: &str, root: Section, source: Source) -> Result<Scene, SettingsError> {
-        let name = &root.text_or("name", name)?;
-        if !name.starts_with(|c: char| c.is_ascii_alphabetic()) || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-            return Err(root.error("name", format!("found \"{name}\", expected letters, digits and _, a letter first")));
+    /// All that is wrong with them.
+    pub fn read(name: &str, root: Section, source: Source) -> Result<Scene, Vec<SettingsError>> {
+        let read = Scene::read_tables(name, &root, source);
+        // A scene with a fault may hold stand-ins.
+        match (root.faults(), read) {
+            (faults, Ok(scene)) if faults.is_empty() => Ok(scene),
+            (faults, Err(error)) if faults.is_empty() => Err(vec![error]),
+            (faults, _) => Err(faults),
         }
-        let title = root.text_or("title", name)?;
-        if title.chars().any(char::is_control) {
-            return Err(root.error("title", "a control character can't stand in a title"));
-        }
-        let vehicle = super::vehicle::read(root.section("vehicle")?)?;
-        let track = read_track(root.section("track")?)?;
-        let contact = read_contact(root.section("contact")?)?;
-        let solver = root.section("solver")?;
-        let (automatic, why) = solver_choice::choose(&solver_choice::facts(&solver, &contact)?);
-        let (solver_name, integrator) = solve::parse(&solver, automatic)?;
-        let why = solver.word("integrator", &[solve::AUTO.name]).is_ok().then_some(why);
-        let load_tolerance = read_load_tolerance(&solver)?;
-        solver.finish()?;
-        let interface = match root.optional_section("interface")? {
-            Some(section) => read_interface(section, &vehicle)?,
-            None => {
-                InterfaceSpec { inputs: default_inputs(), outputs: default_outputs(&[]), parameters: PARAMETER_GROUPS.to_vec(), only: None }
-            }
+    }
+
+    fn read_tables(name: &str, root: &Section, source: Source) -> Result<Scene, SettingsError> {
+        let head = root.keep(read_head(name, root))?;
+        let vehicle = root.keep(root.section("vehicle").and_then(super::vehicle::read))?;
+        let track = root.keep(root.section("track").and_then(read_track))?;
+        let contact = root.keep(root.section("contact").and_then(read_contact))?;
+        let transient = contact.as_ref().is_some_and(|contact| contact.transient.is_some());
+        let solver = root.keep(root.section_or_empty("solver").and_then(|section| read_solver(section, transient)))?;
+        let interface = match (root.keep(root.optional_section("interface"))?.flatten(), &vehicle) {
+            (Some(section), Some(vehicle)) => root.keep(read_interface(section, vehicle))?,
+            _ => Some(InterfaceSpec {
+                inputs: default_inputs(),
+                outputs: default_outputs(&[]),
+                parameters: PARAMETER_GROUPS.to_vec(),
+                only: None,
+            }),
         };
-        let run = root.section("run")?;
-        let spec = RunSpec { stop: run.not_negative("stop", Dimension::Time)?, step: run.positive("step", Dimension::Time)? };
-        if spec.stop / spec.step > MOST_STEPS {
-            return Err(run.error("step", format!("found {:?} s, which makes more than {MOST_STEPS:?} steps until run.stop", spec.step)));
-        }
-        run.finish()?;
-        root.finish()?;
-        let mut scene = Scene {
-            name: name.into(),
-            source,
-            title,
-            vehicle,
-            track,
-            contact,
-            solver: SolverSpec { name: solver_name, integrator, load_tolerance, why },
-            interface,
-            run: spec,
-            prepared: PreparedSearches::default(),
-            points: MOST_POINTS,
+        let run = root.keep(root.section("run").and_then(read_run))?;
+        root.clone().finish()?;
+        let (Some((name, title)), Some(vehicle), Some(track), Some(contact)) = (head, vehicle, track, contact) else {
+            return Err(root.stop());
         };
+        let (Some(solver), Some(interface), Some(run)) = (solver, interface, run) else { return Err(root.stop()) };
+        let prepared = PreparedSearches::default();
+        let mut scene = Scene { name, source, title, vehicle, track, contact, solver, interface, run, prepared, points: MOST_POINTS };
         scene.points = scene.contact.points.unwrap_or_else(|| assemble::points_needed(&scene));
         Ok(scene)
     }
@@ -202,6 +194,42 @@ impl Scene {
         let own = choices.into_iter().filter(move |(choice, other)| other.is_none_or(|other| key(other) != key(choice)));
         self.vehicle.files().into_iter().chain(own.filter_map(|(choice, _)| choice.file.as_ref())).chain(&self.track.files)
     }
+}
+
+/// Name and title.
+fn read_head(name: &str, root: &Section) -> Result<(String, String), SettingsError> {
+    let name = root.text_or("name", name)?;
+    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+        return Err(root.error("name", format!("found \"{name}\", expected letters, digits and _, a letter first")));
+    }
+    let title = root.text_or("title", &name)?;
+    if title.chars().any(char::is_control) {
+        return Err(root.error("title", "a control character can't stand in a title"));
+    }
+    Ok((name, title))
+}
+
+fn read_solver(solver: Section, transient: bool) -> Result<SolverSpec, SettingsError> {
+    let facts = solver_choice::facts(&solver, transient)?;
+    let (automatic, why) = solver_choice::choose(&facts);
+    let read = solve::parse(&solver, automatic)?;
+    let load_tolerance = read_load_tolerance(&solver)?;
+    let assumed = !solver.has("tolerance") && facts.tolerance.is_some();
+    solver.finish()?;
+    let why = read.automatic.then_some(why);
+    Ok(SolverSpec { name: read.name, integrator: read.integrator, load_tolerance, why, assumed })
+}
+
+fn read_run(run: Section) -> Result<RunSpec, SettingsError> {
+    let spec = RunSpec { stop: run.not_negative("stop", Dimension::Time)?, step: run.positive("step", Dimension::Time)? };
+    if spec.stop / spec.step > MOST_STEPS {
+        return Err(run.error("step", format!("found {:?} s, which makes more than {MOST_STEPS:?} steps until run.stop", spec.step)));
+    }
+    if spec.stop > 0.0 && spec.step > spec.stop {
+        return Err(run.error("step", format!("found {:?} s, expected at most run.stop = {:?} s", spec.step, spec.stop)));
+    }
+    run.finish()?;
+    Ok(spec)
 }
 
 /// One table for both sides, or one for each.
@@ -222,27 +250,41 @@ pub(super) fn read_profiles(
     Ok([own(left)?.unwrap_or(shared.clone()), own(right)?.unwrap_or(shared)])
 }
 
+/// Half the distance of standard gauge's rails, m, for what stands behind a distance that can't be read.
+const HALF_STANDARD: f64 = 0.75;
+
 fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
-    let inclination = read_inclination(&section)?;
+    let given = section.keep(read_inclination(&section))?;
+    let inclination = given.unwrap_or(0.0);
     let grade = section.number_or("grade", Dimension::Angle, 0.0)?;
-    let rails = read_profiles(&section, ["rail", "left_rail", "right_rail"], Part::Rail)?;
-    let half_rail_distance = read_half_distance(&section, &rails, inclination)?;
-    let alignment = node::parse(&section, 2.0 * half_rail_distance)?;
-    if alignment.is_some() && section.has("grade") {
+    let rails = section.keep(read_profiles(&section, ["rail", "left_rail", "right_rail"], Part::Rail))?;
+    let half_rail_distance = match &rails {
+        Some(rails) => section.keep(read_half_distance(&section, rails, inclination))?,
+        // Nothing can be measured, but the keys are known.
+        None => {
+            let _ = ["rail_distance", "gauge", "gauge_depth"].map(|key| section.has(key));
+            None
+        }
+    };
+    let base = 2.0 * half_rail_distance.unwrap_or(HALF_STANDARD);
+    let alignment = section.keep(node::parse(&section, base))?;
+    if alignment.as_ref().is_some_and(Option::is_some) && section.has("grade") {
         return Err(section.error("grade", "stands beside [[track.node]]; expected the nodes' own grade"));
     }
+    let alignment = alignment.flatten();
     let line = alignment.as_ref().and_then(|alignment| CentreLine::new(alignment, nalgebra::Vector3::zeros(), 0.0)).map(Arc::new);
     let (mut deviations, mut files) = (Vec::new(), Vec::new());
     for deviation in section.sections("deviation")? {
-        deviations.extend(track::parse_deviation(deviation)?);
+        deviations.extend(section.keep(track::parse_deviation(deviation))?.into_iter().flatten());
     }
     for irregularity in section.sections("irregularity")? {
-        let irregularity = track::irregularity::parse(irregularity)?;
+        let Some(irregularity) = section.keep(track::irregularity::parse(irregularity))? else { continue };
         deviations.extend(irregularity.deviations);
         files.extend(irregularity.file);
     }
     let start_fade = if section.has("start_fade") { Some(section.positive("start_fade", Dimension::Length)?) } else { None };
-    section.finish()?;
+    section.clone().finish()?;
+    let (Some(rails), Some(half_rail_distance), Some(inclination)) = (rails, half_rail_distance, given) else { return Err(section.stop()) };
     Ok(TrackSpec { half_rail_distance, inclination, grade, alignment, line, rails, deviations, start_fade, files })
 }
 
@@ -276,39 +318,50 @@ fn read_inclination(section: &Section) -> Result<f64, SettingsError> {
 }
 
 fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
-    let (formulation_name, formulation) = formulation::parse(&section)?;
-    let material = section.section("material")?;
-    let poisson_ratio = material.not_negative("poisson_ratio", Dimension::None)?;
-    if poisson_ratio > 0.5 {
-        return Err(material.error("poisson_ratio", format!("found {poisson_ratio}, expected 0 to 0.5")));
-    }
-    let constants = Material { youngs_modulus: material.at_least("youngs_modulus", Dimension::Pressure, SMALLEST_MODULUS)?, poisson_ratio };
-    material.finish()?;
-    let normal_section = section.section("normal")?;
-    let normal = normal::parse(&normal_section)?;
-    let normal_name = normal_section.text("law")?;
-    normal_section.finish()?;
-    let creep_section = section.section("creep")?;
-    let creep = creep::parse(&creep_section)?;
-    let creep_name = creep_section.text("law")?;
-    creep_section.finish()?;
-    let (damping, damping_law) = normal::damping::parse(&section)?;
-    let spec = ContactSpec {
+    let formulation = section.keep(formulation::parse(&section))?;
+    let material = section.keep(section.section("material").and_then(read_material))?;
+    let normal = section.keep(section.section("normal").and_then(|section| read_law(section, normal::parse)))?;
+    let creep = section.keep(section.section("creep").and_then(|section| read_law(section, creep::parse)))?;
+    let damping = section.keep(normal::damping::parse(&section))?;
+    let friction = section.not_negative("friction", Dimension::None)?;
+    let points = section.keep(read_points(&section))?;
+    let transient = section.keep(TransientSettings::parse(&section))?;
+    section.clone().finish()?;
+    let (Some((formulation_name, formulation)), Some(material), Some((normal_name, normal)), Some((creep_name, creep))) =
+        (formulation, material, normal, creep)
+    else {
+        return Err(section.stop());
+    };
+    let (Some((damping, damping_law)), Some(points), Some(transient)) = (damping, points, transient) else { return Err(section.stop()) };
+    Ok(ContactSpec {
         formulation_name,
         formulation,
-        friction: section.not_negative("friction", Dimension::None)?,
-        points: read_points(&section)?,
+        friction,
+        points,
         damping,
         damping_law,
-        material: constants,
+        material,
         normal_name,
         normal,
         creep_name,
         creep,
-        transient: TransientSettings::parse(&section)?,
-    };
+        transient,
+    })
+}
+
+fn read_material(section: Section) -> Result<Material, SettingsError> {
+    let poisson_ratio = section.within("poisson_ratio", Dimension::None, (0.0, 0.5))?;
+    let youngs_modulus = section.at_least("youngs_modulus", Dimension::Pressure, SMALLEST_MODULUS)?;
     section.finish()?;
-    Ok(spec)
+    Ok(Material { youngs_modulus, poisson_ratio })
+}
+
+/// A law of contact and its name.
+fn read_law<B>(section: Section, parse: fn(&Section) -> Result<B, SettingsError>) -> Result<(String, B), SettingsError> {
+    let law = parse(&section)?;
+    let name = section.text("law")?;
+    section.finish()?;
+    Ok((name, law))
 }
 
 /// `contact.points`; `None` when absent.

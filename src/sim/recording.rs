@@ -2,8 +2,8 @@
 
 use super::outputs::Output;
 use super::{Simulation, SimulationError};
-use std::fmt::Write as _;
 use std::io::Write;
+use std::ops::ControlFlow;
 
 /// Outputs over time.
 #[derive(Clone, Debug, Default)]
@@ -45,20 +45,51 @@ impl Recording {
     /// # Errors
     /// When the writer fails.
     pub fn write_csv(&self, writer: impl Write) -> csv::Result<()> {
-        let mut csv = csv::Writer::from_writer(writer);
-        csv.write_record(self.columns.iter().map(|(name, unit)| format!("{name} [{unit}]")))?;
-        // Text is most of what outputs cost: one buffer serves all numbers.
-        let mut text = String::new();
+        let all: Vec<usize> = (0..self.columns.len()).collect();
+        let mut csv = CsvRows::begin(writer, self, all)?;
         for row in &self.rows {
-            for value in row {
-                text.clear();
-                write!(text, "{value:?}").map_err(std::io::Error::other)?;
-                csv.write_field(&text)?;
-            }
-            csv.write_record(None::<&[u8]>)?;
+            csv.write(row)?;
         }
-        csv.flush()?;
+        csv.writer.flush()?;
         Ok(())
+    }
+}
+
+/// Chosen columns of a recording as rows of CSV, one after the other.
+pub struct CsvRows<W> {
+    pub writer: W,
+    columns: Vec<usize>,
+    /// One row: text is most of what outputs cost.
+    line: Vec<u8>,
+}
+
+impl<W: Write> CsvRows<W> {
+    /// Writes the header: names with units.
+    ///
+    /// # Errors
+    /// When the writer fails.
+    pub fn begin(mut writer: W, recording: &Recording, columns: Vec<usize>) -> csv::Result<Self> {
+        let mut head = csv::Writer::from_writer(Vec::new());
+        head.write_record(columns.iter().map(|column| &recording.columns[*column]).map(|(name, unit)| format!("{name} [{unit}]")))?;
+        let line = head.into_inner().map_err(|error| std::io::Error::other(error.to_string()))?;
+        writer.write_all(&line)?;
+        Ok(CsvRows { writer, columns, line })
+    }
+
+    /// Writes a row of the recording. Each number is the shortest one that reads back as the same bits, and none needs quotes.
+    ///
+    /// # Errors
+    /// When the writer fails.
+    pub fn write(&mut self, row: &[f64]) -> std::io::Result<()> {
+        let mut number = zmij::Buffer::new();
+        self.line.clear();
+        for column in &self.columns {
+            self.line.extend_from_slice(number.format(row[*column]).as_bytes());
+            self.line.push(b',');
+        }
+        self.line.pop();
+        self.line.push(b'\n');
+        self.writer.write_all(&self.line)
     }
 }
 
@@ -88,14 +119,44 @@ pub fn record(
     step: f64,
     mut progress: impl FnMut(f64),
 ) -> Result<Recording, Interrupted> {
+    let times = Times { stop, step };
+    record_while(simulation, outputs, times, |row| {
+        progress(row[0]);
+        ControlFlow::Continue(())
+    })
+}
+
+/// When a run ends, and at which distance it is recorded, s.
+#[derive(Clone, Copy, Debug)]
+pub struct Times {
+    pub stop: f64,
+    pub step: f64,
+}
+
+/// The same, shown row by row to `watch`, which may end the run early.
+///
+/// # Errors
+/// [`Interrupted`] with everything recorded before the failure.
+pub fn record_while(
+    simulation: &mut Simulation,
+    outputs: &[Output],
+    Times { stop, step }: Times,
+    mut watch: impl FnMut(&[f64]) -> ControlFlow<()>,
+) -> Result<Recording, Interrupted> {
     let mut recording = Recording::new(outputs);
     let start = simulation.time();
     let mut run = || -> Result<(), SimulationError> {
         recording.sample(simulation, outputs)?;
+        let mut go_on = |recording: &Recording| recording.rows.last().is_none_or(|row| watch(row).is_continue());
+        if !go_on(&recording) {
+            return Ok(());
+        }
         for time in communication_points(start, stop, step) {
             simulation.advance(time)?;
             recording.sample(simulation, outputs)?;
-            progress(time);
+            if !go_on(&recording) {
+                return Ok(());
+            }
         }
         Ok(())
     };

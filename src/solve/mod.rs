@@ -371,20 +371,31 @@ pub const AUTO: Entry<Parse> = Entry {
     parse: |section| Err(section.error("integrator", "\"auto\" stands in a scene only; expected a method's name")),
 };
 
-/// Reads `[solver]`; returns the method's name and the method. `automatic`: the method that "auto" stands for.
+/// Reads `[solver]`. `automatic`: the method that "auto" stands for, as does a scene that names none.
 ///
 /// # Errors
 /// [`SettingsError`] with file and line.
-pub fn parse(section: &Section, automatic: &str) -> Result<(&'static str, Arc<dyn Integrator>), SettingsError> {
-    let named = choose(REGISTRY, section, "integrator")?;
+pub fn parse(section: &Section, automatic: &str) -> Result<Chosen, SettingsError> {
+    let named = if section.has("integrator") { choose(REGISTRY, section, "integrator")? } else { &AUTO };
     let chosen = REGISTRY.iter().find(|entry| entry.name == automatic).filter(|_| named.name == AUTO.name);
     let entry = chosen.unwrap_or(named);
     // Each method takes those that it needs; the others may stay for the next choice.
     section.optional("tolerance", Dimension::Length)?;
     section.optional("step", Dimension::Time)?;
     section.optional("rho_infinity", Dimension::None)?;
-    Ok((entry.name, (entry.parse)(section)?))
+    Ok(Chosen { name: entry.name, integrator: (entry.parse)(section)?, automatic: named.name == AUTO.name })
 }
+
+/// The method of a scene.
+pub struct Chosen {
+    pub name: &'static str,
+    pub integrator: Arc<dyn Integrator>,
+    /// Did the scene leave the choice to the program?
+    pub automatic: bool,
+}
+
+/// Tolerance [m] of a scene that gives neither a tolerance nor a step: that of this program's vehicles.
+pub const DEFAULT_TOLERANCE: f64 = 1e-5;
 
 /// Reads the number that governs a method and checks its range.
 fn parse_setting(
@@ -393,7 +404,10 @@ fn parse_setting(
     dimension: Dimension,
     (smallest, largest): (f64, f64),
 ) -> Result<f64, SettingsError> {
-    let value = section.number(key, dimension)?;
+    let value = match key == "tolerance" && !section.has(key) && !section.has("step") {
+        true => DEFAULT_TOLERANCE,
+        false => section.number(key, dimension)?,
+    };
     if (smallest..=largest).contains(&value) {
         return Ok(value);
     }

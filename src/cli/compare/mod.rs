@@ -78,9 +78,9 @@ pub(super) fn compare(arguments: &Arguments) -> Result<(), Failure> {
         Err(error) => (&[][..], Some(error)),
     };
     if arguments.json {
-        print(&format!("{}\n", report::json(&comparison, files)));
+        print(&format!("{}\n", report::json(&comparison, files)))?;
     } else {
-        print(&report::text(&comparison));
+        print(&report::text(&comparison))?;
         for file in files {
             say(&format!("wrote {}", file.display()));
         }

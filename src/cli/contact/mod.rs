@@ -3,7 +3,8 @@
 mod pictures;
 mod report;
 
-use super::{Failure, SceneArguments, print, say};
+use super::output::{Kind, Target};
+use super::{Failure, SceneArguments, print, refused, say};
 use crate::scene::spec::Scene;
 use crate::study::conicity::{Conicity, NoConicity, RadiusDifference};
 use crate::study::contact_geometry::{Attitude, WheelsetOnTrack};
@@ -125,7 +126,7 @@ pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.plot {
         std::fs::create_dir_all(folder).map_err(|error| Failure::Input(format!("{}: can't be made: {error}", folder.display())))?;
     }
-    let mut csv = arguments.output.as_deref().map(super::run::open_csv).transpose()?;
+    let target = arguments.output.as_deref().map(|path| Target::find(path, Kind::Csv)).transpose().map_err(refused)?;
     let wheelset = WheelsetOnTrack::new(&scene, Attitude { yaw, level: arguments.no_roll, near }, station);
     let sweep = Sweep::new(&wheelset, range, step).map_err(|error| Failure::Run(format!("{}: {error}", scene.source.file)))?;
     for error in sweep.ended.iter().flatten() {
@@ -144,26 +145,23 @@ pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
         table: (1..=millimetres.min(20)).map(|mm| at(1e-3 * mm as f64)).collect(),
         curve: (2..=CURVE).map(|k| at(range * k as f64 / CURVE as f64)).collect(),
     };
-    if let (Some(csv), Some(path)) = (&mut csv, &arguments.output) {
-        match report::csv(&study, csv) {
-            Err(error) if !super::run::closed_pipe(&error) => {
-                return Err(Failure::Run(format!("{}: can't be written: {error}", path.display())));
-            }
-            _ => {}
-        }
+    if let Some(target) = &target {
+        let mut text = Vec::new();
+        report::csv(&study, &mut text).map_err(|error| Failure::Run(error.to_string()))?;
+        target.write(&text)?;
     }
     let files = match &arguments.plot {
         Some(folder) => pictures::draw(folder, &study).map_err(Failure::Run)?,
         None => Vec::new(),
     };
     if arguments.json {
-        print(&format!("{}\n", report::json(&study, &files)));
+        print(&format!("{}\n", report::json(&study, &files)))?;
     } else {
         for file in &files {
             say(&format!("wrote {}", file.display()));
         }
         if !to_stdout {
-            print(&report::text(&study));
+            print(&report::text(&study))?;
         }
     }
     Ok(())

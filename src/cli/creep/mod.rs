@@ -4,12 +4,13 @@ mod cases;
 mod study;
 mod timing;
 
-use super::{Failure, print, say};
+use super::output::{Kind, Target};
+use super::{Failure, print, refused, say};
 use crate::contact::creep::{Build, inline};
 use crate::settings::SettingsError;
 use cases::Case;
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -60,7 +61,7 @@ pub(super) fn creep(arguments: &Arguments) -> Result<(), Failure> {
         for file in study::write(folder, &found)? {
             say(&format!("wrote {}", file.display()));
         }
-        print(&study::text(&found));
+        print(&study::text(&found))?;
         return Ok(());
     }
     let Some(path) = &arguments.cases else { return Err(Failure::Input("expected a table of contacts, or --study".into())) };
@@ -68,16 +69,18 @@ pub(super) fn creep(arguments: &Arguments) -> Result<(), Failure> {
     let text = std::fs::read_to_string(path).map_err(|error| Failure::Input(format!("{file}: can't be read: {error}")))?;
     let cases = cases::read(&text, &file).map_err(Failure::Input)?;
     if arguments.json {
-        print(&format!("{}\n", cases::json(&results(&cases, &laws))));
+        print(&format!("{}\n", cases::json(&results(&cases, &laws))))?;
         return Ok(());
     }
+    // What can't be written is better known before the work.
+    let target = arguments.output.as_deref().map(|path| Target::find(path, Kind::Csv)).transpose().map_err(refused)?;
     let table = cases::table(&results(&cases, &laws));
-    match arguments.output.as_deref() {
-        Some(path) if path != Path::new("-") => {
-            std::fs::write(path, table).map_err(|error| Failure::Input(super::unwritable(path, &error)))?;
+    match (target, &arguments.output) {
+        (Some(target), Some(path)) if !target.is_stdout() => {
+            target.write(table.as_bytes())?;
             say(&format!("wrote {}", path.display()));
         }
-        _ => print(&table),
+        _ => print(&table)?,
     }
     Ok(())
 }

@@ -7,6 +7,7 @@
 
 use super::Named;
 use crate::cli::Failure;
+use crate::cli::output::write_whole;
 use crate::cli::plot::scatter::{self, Point};
 use crate::contact::creep::kalker::LinearTheory;
 use crate::contact::creep::{CreepLaw, RollingContact};
@@ -143,14 +144,13 @@ fn csv(study: &Study) -> String {
 
 /// Writes creep_laws.csv, .md and .svg into a folder.
 pub(super) fn write(folder: &Path, study: &Study) -> Result<Vec<PathBuf>, Failure> {
-    let failed = |path: &Path, error: std::io::Error| Failure::Input(format!("{}: can't be written: {error}", path.display()));
     if folder.is_file() {
         return Err(Failure::Input(format!("-o {}: is a file; --study writes a folder", folder.display())));
     }
-    std::fs::create_dir_all(folder).map_err(|error| failed(folder, error))?;
+    std::fs::create_dir_all(folder).map_err(|error| Failure::Input(format!("{}: can't be made: {error}", folder.display())))?;
     let files = ["creep_laws.csv", "creep_laws.md", "creep_laws.svg"].map(|name| folder.join(name));
-    std::fs::write(&files[0], csv(study)).map_err(|error| failed(&files[0], error))?;
-    std::fs::write(&files[1], text(study)).map_err(|error| failed(&files[1], error))?;
+    write_whole(&files[0], csv(study).as_bytes())?;
+    write_whole(&files[1], text(study).as_bytes())?;
     let points: Vec<Point> = study
         .lines
         .iter()

@@ -3,7 +3,8 @@
 mod scenes;
 mod words;
 
-use super::{Failure, print, say, unwritable};
+use super::output::{Kind, Target};
+use super::{Failure, print, refused, say};
 use crate::formulation;
 use crate::settings::did_you_mean;
 use crate::solve;
@@ -62,7 +63,7 @@ pub(super) struct Arguments {
 
 pub(super) fn hard(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(seed) = arguments.random_scene {
-        print(&hard::random::RandomScene::draw(seed).text);
+        print(&hard::random::RandomScene::draw(seed).text)?;
         return Ok(());
     }
     if let Some(count) = arguments.random {
@@ -70,24 +71,21 @@ pub(super) fn hard(arguments: &Arguments) -> Result<(), Failure> {
     }
     let cases = chosen(arguments)?;
     if arguments.list {
-        print(&words::list(&cases));
+        print(&words::list(&cases))?;
         return Ok(());
     }
-    let page = arguments.markdown.as_ref().map(|path| {
-        let made = std::fs::OpenOptions::new().write(true).create(true).truncate(false).open(path);
-        made.map_err(|error| Failure::Input(unwritable(path, &error))).map(|_| path)
-    });
-    let page = page.transpose()?;
+    let page =
+        arguments.markdown.as_ref().map(|path| Target::find(path, Kind::Text).map(|target| (path, target))).transpose().map_err(refused)?;
     let begin = std::time::Instant::now();
     let rows = run(&cases, arguments)?;
     let seconds = begin.elapsed().as_secs_f64();
     if arguments.json {
-        print(&format!("{}\n", serde_json::json!({"rows": rows, "seconds": seconds})));
+        print(&format!("{}\n", serde_json::json!({"rows": rows, "seconds": seconds})))?;
     } else {
-        print(&words::text(&cases, &rows, arguments.all, seconds));
+        print(&words::text(&cases, &rows, arguments.all, seconds))?;
     }
-    if let Some(path) = page {
-        std::fs::write(path, words::page(&cases, &rows)).map_err(|error| Failure::Run(unwritable(path, &error)))?;
+    if let Some((path, target)) = page {
+        target.write(words::page(&cases, &rows).as_bytes())?;
         say(&format!("wrote {}", path.display()));
     }
     match rows.iter().filter(|row| row.outcome.is_broken()).count() {

@@ -29,9 +29,9 @@ pub(super) fn scenes(count: u64, arguments: &Arguments) -> Result<(), Failure> {
     bar.finish_and_clear();
     let failures: Vec<&Verdict> = all.iter().filter(|verdict| verdict.class.is_failure()).collect();
     if arguments.json {
-        print(&format!("{}\n", serde_json::json!({"scenes": all, "seconds": begin.elapsed().as_secs_f64()})));
+        print(&format!("{}\n", serde_json::json!({"scenes": all, "seconds": begin.elapsed().as_secs_f64()})))?;
     } else {
-        print(&text(&all, arguments, begin.elapsed().as_secs_f64()));
+        print(&text(&all, arguments, begin.elapsed().as_secs_f64()))?;
     }
     match failures.len() {
         0 => Ok(()),

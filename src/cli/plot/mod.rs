@@ -12,6 +12,7 @@ mod section;
 pub(super) use overview::{overview, prepare};
 pub(super) use section::section;
 
+use crate::cli::output::write_whole;
 use plotters::chart::MeshStyle;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{Ranged, ValueFormatter};
@@ -64,7 +65,7 @@ fn write_sheet(file: &Path, size: (u32, u32), draw: impl Fn(&Area) -> Result<(),
     }
     let drawn = format!("width=\"{}\" height=\"{}\"", FINE * size.0, FINE * size.1);
     let svg = svg.replacen(&drawn, &format!("width=\"{}\" height=\"{}\"", size.0, size.1), 1);
-    std::fs::write(file, svg).map_err(|error| crate::cli::unwritable(file, &error))
+    write_whole(file, svg.as_bytes()).map_err(|error| error.to_string())
 }
 
 /// A range with some air around the values.

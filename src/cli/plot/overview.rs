@@ -1,6 +1,7 @@
 //! One sheet per run: lateral displacement, yaw and wheel loads over distance.
 
 use super::{Area, BLUE, DrawingError, GREY, ORANGE, distance_range, limits, short};
+use crate::cli::output::write_whole;
 use crate::sim::recording::Recording;
 use plotters::prelude::*;
 use std::path::{Path, PathBuf};
@@ -52,9 +53,10 @@ pub(in crate::cli) fn overview(folder: &Path, name: &str, title: &str, wheelset:
     let shown = |panel: &&Panel| panel.curves.iter().any(|curve| recording.column(&format!("{wheelset}.{}", curve.column)).is_some());
     let panels: Vec<&Panel> = panels.iter().filter(shown).collect();
     let height = 40 + 260 * panels.len() as u32;
-    let draw = || -> Result<(), String> {
+    let mut svg = String::new();
+    let draw = |svg: &mut String| -> Result<(), String> {
         let words = |error: DrawingAreaErrorKind<_>| format!("{}: can't be drawn: {error}", file.display());
-        let root = SVGBackend::new(&file, (900, height)).into_drawing_area();
+        let root = SVGBackend::with_string(svg, (900, height)).into_drawing_area();
         root.fill(&WHITE).map_err(words)?;
         let sheet = root.margin(8, 0, 0, 0).titled(title, ("sans-serif", 20)).map_err(words)?;
         for (area, panel) in sheet.split_evenly((panels.len(), 1)).iter().zip(&panels) {
@@ -62,7 +64,8 @@ pub(in crate::cli) fn overview(folder: &Path, name: &str, title: &str, wheelset:
         }
         root.present().map_err(words)
     };
-    draw()?;
+    draw(&mut svg)?;
+    write_whole(&file, svg.as_bytes()).map_err(|error| error.to_string())?;
     Ok(file)
 }
 

@@ -1,6 +1,7 @@
 //! Labelled points over two logarithmic axes.
 
 use super::{BLUE, DrawingError, GREY, extent};
+use crate::cli::output::write_whole;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::path::Path;
@@ -80,7 +81,7 @@ pub(in crate::cli) fn draw(file: &Path, title: &str, subtitle: &str, axes: [&str
         root.present()
     };
     sheet(&mut svg).map_err(|error| format!("{}: can't be drawn: {error}", file.display()))?;
-    std::fs::write(file, svg).map_err(|error| crate::cli::unwritable(file, &error))
+    write_whole(file, svg.as_bytes()).map_err(|error| error.to_string())
 }
 
 /// A rectangle on the sheet, in pixels.

@@ -1,6 +1,7 @@
 //! Section of a profile and its curvature, one above the other.
 
 use super::{Area, BLUE, DrawingError, GREY, limits, short};
+use crate::cli::output::write_whole;
 use crate::cli::profile::{curvature, names};
 use crate::geometry::profile::{Part, ProfilePoint};
 use plotters::prelude::*;
@@ -9,9 +10,10 @@ use std::path::Path;
 /// Draws points of a profile into the file `path`.
 pub(in crate::cli) fn section(path: &Path, title: &str, part: Part, samples: &[(f64, ProfilePoint)]) -> Result<(), String> {
     let (coordinate, value) = names(part);
-    let draw = || -> Result<(), String> {
+    let mut svg = String::new();
+    let draw = |svg: &mut String| -> Result<(), String> {
         let words = |error: DrawingAreaErrorKind<_>| format!("{}: can't be drawn: {error}", path.display());
-        let root = SVGBackend::new(path, (900, 700)).into_drawing_area();
+        let root = SVGBackend::with_string(svg, (900, 700)).into_drawing_area();
         root.fill(&WHITE).map_err(words)?;
         let sheet = root.margin(8, 0, 0, 0).titled(title, ("sans-serif", 20)).map_err(words)?;
         let (above, below) = sheet.split_vertically(330);
@@ -20,7 +22,8 @@ pub(in crate::cli) fn section(path: &Path, title: &str, part: Part, samples: &[(
         panel(&below, &label, "curvature [1/m]", samples.iter().map(|(x, p)| (1e3 * x, curvature(p))).collect()).map_err(words)?;
         root.present().map_err(words)
     };
-    draw()
+    draw(&mut svg)?;
+    write_whole(path, svg.as_bytes()).map_err(|error| error.to_string())
 }
 
 fn panel<'a>(area: &Area<'a>, x_label: &str, y_label: &str, points: Vec<(f64, f64)>) -> Result<(), DrawingError<'a>> {

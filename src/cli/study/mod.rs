@@ -4,8 +4,8 @@ mod csv;
 mod pictures;
 mod words;
 
-use super::run::open_csv;
-use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, print, say, seconds};
+use super::output::{Kind, Target};
+use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, print, refused, say, seconds};
 use crate::contact::creep;
 use crate::formulation;
 use crate::scene::spec::Scene;
@@ -123,7 +123,7 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
     }
     let left_out = left_out(arguments, &request)?;
     // Whatever can't be written is better known before the runs.
-    let csv = arguments.output.as_deref().map(open_csv).transpose()?;
+    let target = arguments.output.as_deref().map(|path| Target::find(path, Kind::Csv)).transpose().map_err(refused)?;
     if let Some(folder) = &arguments.plot {
         std::fs::create_dir_all(folder).map_err(|error| Failure::Input(format!("{}: can't be made: {error}", folder.display())))?;
     }
@@ -135,8 +135,10 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
         other => other,
     })?;
     study.notes.splice(0..0, left_out);
-    if let (Some(csv), Some(path)) = (csv, &arguments.output) {
-        csv::write(csv, &study).map_err(|error| Failure::Run(format!("{}: can't be written: {error}", path.display())))?;
+    if let Some(target) = &target {
+        let mut text = Vec::new();
+        csv::write(&mut text, &study).map_err(|error| Failure::Run(error.to_string()))?;
+        target.write(&text)?;
     }
     let files = match &arguments.plot {
         Some(folder) => pictures::draw(folder, &study).map_err(Failure::Run)?,
@@ -144,9 +146,9 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
     };
     if arguments.json {
         let json = serde_json::json!({"study": study, "best": words::json(&study), "pictures": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>()});
-        print(&format!("{json}\n"));
+        print(&format!("{json}\n"))?;
     } else if !to_stdout {
-        print(&words::text(&study));
+        print(&words::text(&study))?;
     }
     for file in files {
         say(&format!("wrote {}", file.display()));
@@ -167,7 +169,7 @@ fn where_time_goes(arguments: &Arguments, scene: &Scene) -> Result<(), Failure> 
         return Err(Failure::Input(format!("--stop {stop}: expected a time of at least one output step, {step} s")));
     }
     let found = shares::shares(scene, Span { stop, step }, arguments.repeats).map_err(Failure::Run)?;
-    print(&if arguments.json { format!("{}\n", serde_json::json!(found)) } else { found.to_string() });
+    print(&if arguments.json { format!("{}\n", serde_json::json!(found)) } else { found.to_string() })?;
     Ok(())
 }
 

@@ -20,17 +20,23 @@ pub(super) fn free<'a>(
     template: &'static str,
     library: &[(&'static str, Section<'a>)],
 ) -> Result<VehicleSpec, SettingsError> {
-    let Travel { speed, speed_imposed, gravity } = Travel::read(&section)?;
-    let distance = match section.optional_section("initial")? {
-        Some(initial) => {
-            let distance = initial.number_or("distance", Dimension::Length, 0.0)?;
-            initial.finish()?;
-            distance
-        }
-        None => 0.0,
-    };
+    let travel = section.keep(Travel::read(&section))?;
+    let initial = section.section_or_empty("initial")?;
+    let distance = initial.number_or("distance", Dimension::Length, 0.0)?;
+    initial.finish()?;
     let flat = expand(&section, library)?;
-    let mut wheelsets = flat.entries[WHEELSET].iter().map(|entry| wheelset(entry, &flat)).collect::<Result<Vec<_>, _>>()?;
+    let mut wheelsets = kept(&section, &flat.entries[WHEELSET], |entry| wheelset(entry, &flat))?;
+    let bodies = kept(&section, &flat.entries[BODY], |entry| body(entry, &flat))?;
+    let drive = section.word_or("drive", &["all", "leading"], "all")?;
+    let lost = wheelsets.len() < flat.entries[WHEELSET].len() || bodies.len() < flat.entries[BODY].len();
+    let travel = match travel {
+        // Without all bodies, names of bodies say nothing.
+        _ if lost => None,
+        travel => travel,
+    };
+    let Some(Travel { speed, speed_imposed, gravity }) = travel else {
+        return Err(section.stop());
+    };
     // The entries are sorted by name, and this sort keeps their order where places are equal.
     wheelsets.sort_by(|a, b| b.x.total_cmp(&a.x));
     let Some(leading) = wheelsets.first() else {
@@ -41,36 +47,50 @@ pub(super) fn free<'a>(
         let problem = "the imposed speed acts on no wheelset; expected driven = true on at least one, or travel = \"free\"";
         return Err(section.error("travel", problem));
     }
-    if section.word_or("drive", &["all", "leading"], "all")? == "leading" {
+    if drive == "leading" {
         // Two imposed speeds keep their wheelsets' distance along the track, which is no rigid vehicle's in a curve.
         wheelsets.iter_mut().filter(|wheelset| wheelset.driven).skip(1).for_each(|wheelset| wheelset.driven = false);
     }
-    let bodies = flat.entries[BODY].iter().map(|entry| body(entry, &flat)).collect::<Result<Vec<_>, _>>()?;
     let mut vehicle = FreeVehicle { wheelsets, bodies, joints: Vec::new(), forces: Vec::new(), sensors: Vec::new(), distance };
     let known = Bodies {
         names: vehicle.wheelsets.iter().map(|w| &w.spec.name).chain(vehicle.bodies.iter().map(|b| &b.body.name)).cloned().collect(),
         positions: (0..vehicle.body_count()).map(|body| vehicle.design_position(body)).collect(),
     };
     let resolver = |entry: &Entry| Resolver::new(&flat.scopes, &known, entry);
-    for entry in &flat.entries[JOINT] {
-        vehicle.joints.push(joints::read(&entry.name, &entry.section, &resolver(entry))?);
+    vehicle.joints = kept(&section, &flat.entries[JOINT], |entry| {
+        let joint = joints::read(&entry.name, &entry.section, &resolver(entry))?;
         entry.section.clone().finish()?;
-    }
-    for entry in &flat.entries[FORCE] {
-        vehicle.forces.push(force(entry, &resolver(entry))?);
+        Ok(joint)
+    })?;
+    vehicle.forces = kept(&section, &flat.entries[FORCE], |entry| {
+        let force = force(entry, &resolver(entry))?;
         entry.section.clone().finish()?;
-    }
-    for entry in &flat.entries[SENSOR] {
+        Ok(force)
+    })?;
+    vehicle.sensors = kept(&section, &flat.entries[SENSOR], |entry| {
         let resolver = resolver(entry);
         let body = resolver.body(&entry.section, "body")?;
         let point = resolver.point(&entry.section, "at")? - resolver.position(body);
         let measured = entry.section.flag_or("measured", false)?;
-        vehicle.sensors.push(Sensor { name: entry.name.clone(), body, point, measured });
         entry.section.clone().finish()?;
-    }
+        Ok(Sensor { name: entry.name.clone(), body, point, measured })
+    })?;
     section.finish()?;
     let initial = Initial::default();
     Ok(VehicleSpec { template, speed, speed_imposed, gravity, wheelset: shown, suspension: None, initial, free: Some(vehicle) })
+}
+
+/// What the entries are read to; those that can't be read are told and left out.
+fn kept<'a, T>(
+    vehicle: &Section,
+    entries: &[Entry<'a>],
+    read: impl Fn(&Entry<'a>) -> Result<T, SettingsError>,
+) -> Result<Vec<T>, SettingsError> {
+    let mut all = Vec::with_capacity(entries.len());
+    for entry in entries {
+        all.extend(vehicle.keep(read(entry))?);
+    }
+    Ok(all)
 }
 
 fn body(entry: &Entry, flat: &Flat) -> Result<PlacedBody, SettingsError> {
@@ -90,8 +110,8 @@ fn body(entry: &Entry, flat: &Flat) -> Result<PlacedBody, SettingsError> {
 fn wheelset(entry: &Entry, flat: &Flat) -> Result<PlacedWheelset, SettingsError> {
     let Entry { name, scope, section, .. } = entry;
     let profiles = match flat.wheel_profiles(*scope) {
-        Some(profiles) if !section.has_table("profile") => profiles.clone(),
-        _ => read_profiles(section, ["profile", "left_profile", "right_profile"], Part::Wheel)?,
+        Some(profiles) if !section.has_table("profile") => Some(profiles.clone()),
+        _ => section.keep(read_profiles(section, ["profile", "left_profile", "right_profile"], Part::Wheel))?,
     };
     let load = section.number_or("vertical_load", Dimension::Force, 0.0)?;
     let wheelset = PlacedWheelset {

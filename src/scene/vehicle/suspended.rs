@@ -61,7 +61,7 @@ pub struct Initial {
     pub from_equilibrium: bool,
     /// In the order of [`INITIAL`].
     pub values: [f64; 10],
-    /// What the scene file gives, absolute; kept until [`super::load`] has resolved it into `values`.
+    /// What the scene file gives, until [`super::load`] has resolved it into `values`.
     pub given: [Option<f64>; 10],
 }
 
@@ -73,28 +73,37 @@ impl Default for Initial {
 
 /// Reads `[vehicle]` of this template.
 pub(super) fn read(section: Section, template: &'static str) -> Result<VehicleSpec, SettingsError> {
-    let Travel { speed, speed_imposed, gravity } = Travel::read(&section)?;
-    let wheelset = read_wheelset(section.section("wheelset")?)?;
-    let suspension = section.optional_section("suspension")?.map(read_suspension).transpose()?;
-    let initial = match section.optional_section("initial")? {
-        Some(section) => read_initial(section)?,
-        None => Initial::default(),
+    let travel = section.keep(Travel::read(&section))?;
+    let wheelset = section.keep(section.section("wheelset").and_then(read_wheelset))?;
+    let suspension = section.keep(section.optional_section("suspension").and_then(|found| found.map(read_suspension).transpose()))?;
+    let initial = section.keep(section.section_or_empty("initial").and_then(read_initial))?;
+    section.clone().finish()?;
+    let (Some(travel), Some(wheelset), Some(suspension), Some(initial)) = (travel, wheelset, suspension, initial) else {
+        return Err(section.stop());
     };
-    section.finish()?;
+    let Travel { speed, speed_imposed, gravity } = travel;
     Ok(VehicleSpec { template, speed, speed_imposed, gravity, wheelset, suspension, initial, free: None })
 }
 
 fn read_wheelset(section: Section) -> Result<WheelsetSpec, SettingsError> {
-    let profiles = read_profiles(&section, ["profile", "left_profile", "right_profile"], Part::Wheel)?;
+    let profiles = section.keep(read_profiles(&section, ["profile", "left_profile", "right_profile"], Part::Wheel))?;
     let load = section.number("vertical_load", Dimension::Force)?;
-    let spec = WheelsetSpec::read(&section, "wheelset".into(), load, profiles)?;
-    section.finish()?;
-    Ok(spec)
+    let spec = section.keep(WheelsetSpec::read(&section, "wheelset".into(), load, profiles))?;
+    section.clone().finish()?;
+    spec.ok_or_else(|| section.stop())
 }
 
 impl WheelsetSpec {
-    /// Reads the keys that every wheelset has.
-    pub(super) fn read(section: &Section, name: String, vertical_load: f64, profiles: [ProfileChoice; 2]) -> Result<Self, SettingsError> {
+    /// Reads the keys that every wheelset has; `None`: its profiles could not be read.
+    pub(super) fn read(
+        section: &Section,
+        name: String,
+        vertical_load: f64,
+        profiles: Option<[ProfileChoice; 2]>,
+    ) -> Result<Self, SettingsError> {
+        let mass = section.at_least("mass", Dimension::Mass, SMALLEST)?;
+        let axial_inertia = section.at_least("inertia_yy", Dimension::Inertia, SMALLEST)?;
+        let half_tread_circle_distance = 0.5 * section.positive("tread_circle_distance", Dimension::Length)?;
         let transverse_inertia = section.at_least("inertia_xx", Dimension::Inertia, SMALLEST)?;
         let zz = section.at_least("inertia_zz", Dimension::Inertia, SMALLEST)?;
         if zz != transverse_inertia {
@@ -103,15 +112,8 @@ impl WheelsetSpec {
                 format!("found {zz}, expected inertia_xx = {transverse_inertia}: a wheelset is a body of revolution"),
             ));
         }
-        Ok(WheelsetSpec {
-            name,
-            mass: section.at_least("mass", Dimension::Mass, SMALLEST)?,
-            transverse_inertia,
-            axial_inertia: section.at_least("inertia_yy", Dimension::Inertia, SMALLEST)?,
-            vertical_load,
-            half_tread_circle_distance: 0.5 * section.positive("tread_circle_distance", Dimension::Length)?,
-            profiles,
-        })
+        let Some(profiles) = profiles else { return Err(section.stop()) };
+        Ok(WheelsetSpec { name, mass, transverse_inertia, axial_inertia, vertical_load, half_tread_circle_distance, profiles })
     }
 }
 
@@ -141,11 +143,20 @@ impl SuspensionSpec {
     }
 }
 
+/// Most that a height is added to that of the equilibrium, m: a wheel's radius is meant to be absolute.
+const FARTHEST: f64 = 0.2;
+
 fn read_initial(section: Section) -> Result<Initial, SettingsError> {
     let from_equilibrium = section.flag_or("from_equilibrium", true)?;
     let mut given = [None; 10];
     for (value, (key, dimension)) in given.iter_mut().zip(INITIAL) {
         *value = section.optional(key, dimension)?;
+    }
+    if from_equilibrium && let Some(z) = given[2].filter(|z| z.abs() > FARTHEST) {
+        let problem = format!(
+            "found {z:?} m, which is added to the height in equilibrium; expected {FARTHEST} m or less, or from_equilibrium = false, which makes all of [vehicle.initial] absolute"
+        );
+        return Err(section.error("z", problem));
     }
     section.finish()?;
     Ok(Initial { from_equilibrium, values: [0.0; 10], given })

@@ -37,7 +37,7 @@ pub(super) fn read(section: Section, name: &'static str) -> Result<VehicleSpec, 
         parsed.push((template.name, source, document));
     }
     let library: Vec<(&'static str, Section)> =
-        parsed.iter().map(|(name, source, document)| (*name, Section::root(document.as_table(), source))).collect();
+        parsed.iter().map(|(name, source, document)| (*name, Section::beside(document.as_table(), source, &section))).collect();
     let base = library.iter().find(|template| template.0 == name).map(|template| template.1.clone());
     let section = match base {
         Some(base) => section.over(base),

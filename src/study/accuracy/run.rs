@@ -62,7 +62,7 @@ pub(super) fn method(name: &str) -> Result<Arc<dyn solve::Integrator>, String> {
     let source = Source { file: "[solver]".into(), text: text.clone(), overridden: vec![], folder: None };
     let document = toml_edit::Document::parse(text).map_err(|error| error.to_string())?;
     let parsed = solve::parse(&Section::root(document.as_table(), &source), METHODS[0]).map_err(|error| error.to_string())?;
-    Ok(parsed.1)
+    Ok(parsed.integrator)
 }
 
 /// Does a method have fixed steps, and which numbers does it take?

@@ -66,18 +66,27 @@ pub struct Choice {
 /// Every damping law that a scene can name.
 pub static REGISTRY: &[Entry<Parse>] = &[proportional::ENTRY, hunt_crossley::ENTRY, lankarani_nikravesh::ENTRY, linear::ENTRY, none::ENTRY];
 
-/// Reads `damping` of `[contact]`: a number, which is C of the law `proportional`, or a table `[contact.damping]` with `law`.
+/// Reads `damping` of `[contact]`: a number, which is C of the law `proportional`, or a table `[contact.damping]` with `law`
+/// (`hunt_crossley` where it has a `restitution` and no law). Absent: `hunt_crossley` with a restitution of 0.8 at 0.1 m/s.
 /// Returns C too, 0 for laws without it.
 ///
 /// # Errors
 /// [`SettingsError`] with file and line.
 pub fn parse(contact: &Section) -> Result<(f64, Choice), SettingsError> {
+    if !contact.has("damping") {
+        let build: Build = Arc::new(|_| Box::new(hunt_crossley::assumed()));
+        return Ok((0.0, Choice { name: hunt_crossley::ENTRY.name, build }));
+    }
     if !contact.has_table("damping") {
         let (coefficient, build) = proportional::read(contact, "damping")?;
         return Ok((coefficient, Choice { name: proportional::ENTRY.name, build }));
     }
     let section = contact.section("damping")?;
-    let entry = choose(REGISTRY, &section, "law")?;
+    // A restitution alone says enough.
+    let entry = match section.has("law") || !section.has("restitution") {
+        true => choose(REGISTRY, &section, "law")?,
+        false => &hunt_crossley::ENTRY,
+    };
     let (coefficient, build) = (entry.parse)(&section)?;
     section.finish()?;
     Ok((coefficient, Choice { name: entry.name, build }))

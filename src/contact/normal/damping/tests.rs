@@ -121,6 +121,27 @@ fn analytic_slopes_match_differences() {
     }
 }
 
+/// Where the scene gives no length the damper takes no more than the elastic force of the reference contact in parting at the reference speed, and
+/// all of it at one depth.
+#[test]
+fn analytic_linear_damping_without_a_length_lets_go_at_the_reference_speed() {
+    for coefficient in [1e3, 1e5, 2e6] {
+        let full_at = linear::derived(coefficient);
+        let law = Linear { coefficient, full_at };
+        let left = |share: f64| {
+            let (penetration, rate) = (share * full_at, -linear::REFERENCE_SPEED);
+            let elastic = linear::REFERENCE_STIFFNESS * penetration.powf(1.5);
+            (elastic + law.force(&Approach { elastic, penetration, rate })) / elastic
+        };
+        let least = (1..400).map(|i| left(0.005 * f64::from(i))).fold(f64::INFINITY, f64::min);
+        println!("C = {coefficient:e} N s/m: full at {:.2} um, least share left {least:.2e}", 1e6 * full_at);
+        assert!(left(0.5).abs() < 1e-12 && least > -1e-12, "{least}");
+    }
+    let (_, law) = read("damping = { law = \"linear\", coefficient = 1e5 }").unwrap();
+    assert!((law.build)(0.0).describe().contains("fading in below"), "{}", (law.build)(0.0).describe());
+    assert!(read("damping = { law = \"linear\", coefficient = 0 }").is_ok());
+}
+
 #[test]
 fn analytic_linear_damping_is_smooth_at_its_end() {
     let law = Linear { coefficient: 1e5, full_at: 1e-5 };
@@ -149,7 +170,12 @@ fn prop_scenes_give_a_number_or_a_table() {
             .contains("damping.restitution: found 1.5")
     );
     assert!(wrong("damping = { law = \"none\", coefficient = 1 }").contains("unknown key"));
-    assert!(wrong("friction = 1").contains("damping: is missing"));
+    // What nobody knows: a stated restitution, at a stated speed.
+    let (_, law) = read("damping = { restitution = 0.7 }").unwrap();
+    assert!(law.name == "hunt_crossley" && (law.build)(0.0).describe().contains("restitution 0.7 at 0.1 m/s"));
+    let (coefficient, law) = read("friction = 1").unwrap();
+    assert!(coefficient == 0.0 && (law.build)(0.0).describe().contains("restitution 0.8 at 0.1 m/s"));
+    assert!(wrong("damping = { impact_speed = 0.2 }").contains("damping.law: is missing"));
 }
 
 /// Largest and least `(N / N_elastic)^(1/3) - 1` while N is above half of its maximum: by how much the semi-axes of an ellipse for the whole N differ from those

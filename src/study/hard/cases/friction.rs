@@ -77,7 +77,7 @@ pub(super) const CASES: &[Case] = &[
         hard: "a wheelset that does not turn is set on its rails at 20 m/s: full slip, then the end of slip",
         claim: "turning at 0.1 s by 2 mu N r t / I to 3 %; rolling at 1 s to 0.2 %",
         scene: "suspended_wheelset",
-        changes: &["track.deviation=[]", "vehicle.speed=20", "vehicle.initial.pitch_rate=0"],
+        changes: &["track.deviation=[]", "vehicle.speed=20", "vehicle.initial.from_equilibrium=false", "vehicle.initial.pitch_rate=0"],
         methods: METHODS,
         must: &[Must::Formula(is_spun_up)],
         ..CASE
@@ -87,7 +87,7 @@ pub(super) const CASES: &[Case] = &[
         hard: "the same turning at ten times the speed of rolling",
         claim: "turning less at 0.1 s by 2 mu N r t / I to 3 %",
         scene: "suspended_wheelset",
-        changes: &["track.deviation=[]", "vehicle.speed=20", "vehicle.initial.pitch_rate=437.6"],
+        changes: &["track.deviation=[]", "vehicle.speed=20", "vehicle.initial.from_equilibrium=false", "vehicle.initial.pitch_rate=437.6"],
         methods: METHODS,
         must: &[Must::Formula(is_slowed_down)],
         ..CASE
