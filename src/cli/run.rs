@@ -3,6 +3,7 @@
 use super::progress::Progress;
 use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, plot, print, table};
 use crate::sim::recording::{self, Recording};
+use crate::sim::statics;
 use crate::sim::vehicle_outputs::scene_outputs;
 use crate::study::digits::rounded;
 use clap::Args;
@@ -47,6 +48,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         plot::prepare(folder, &scene.interface.outputs).map_err(Failure::Input)?;
     }
     let outputs = scene_outputs(&scene, simulation.model());
+    let mut notes = statics::statics(&scene, &mut simulation).map(|found| found.notes()).unwrap_or_default();
     let progress = Progress::new(stop);
     let clock = Instant::now();
     let done = recording::record(&mut simulation, &outputs, stop, step, |time| progress.at(time));
@@ -69,6 +71,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             Err(error) => failure = failure.or(Some(error)),
         }
     }
+    notes.extend(recording.notes.iter().cloned());
+    for note in &notes {
+        super::say(&format!("note: {note}"));
+    }
     let events: Vec<String> = simulation.take_events().iter().map(ToString::to_string).collect();
     for event in events.iter().take(EVENTS_SHOWN) {
         super::say(event);
@@ -89,7 +95,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             .collect();
         let value = serde_json::json!({
             "scene": scene.name, "simulated": simulated, "seconds": elapsed, "statistics": statistics,
-            "extremes": extremes, "events": events, "doubtful_steps": doubts, "error": failure,
+            "extremes": extremes, "events": events, "doubtful_steps": doubts, "notes": notes, "error": failure,
         });
         print(&format!("{value}\n"));
     } else if !to_stdout {

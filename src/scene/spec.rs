@@ -219,7 +219,7 @@ pub(super) fn read_profiles(
 
 fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
     let inclination = read_inclination(&section)?;
-    let grade = section.number_or("grade", Dimension::Angle, 0.0)?;
+    let grade = node::grade(&section)?;
     let rails = read_profiles(&section, ["rail", "left_rail", "right_rail"], Part::Rail)?;
     let half_rail_distance = read_half_distance(&section, &rails, inclination)?;
     let alignment = node::parse(&section, 2.0 * half_rail_distance)?;
