@@ -57,7 +57,8 @@ fn analytic_a_heavy_unequally_loaded_car_stands_level() {
     let change = ["vehicle.body[car].position=[0.95, 0, 1.8]", "vehicle.body[car].mass=45000"];
     let found = stands(&[&change[..], &STATIC[..]].concat());
     for (truck, share) in [(1, 0.55), (2, 0.45)] {
-        let carried = -force(&found, &format!("truck[{truck}].secondary.left z")) - force(&found, &format!("truck[{truck}].secondary.right z"));
+        let carried =
+            -force(&found, &format!("truck[{truck}].secondary.left z")) - force(&found, &format!("truck[{truck}].secondary.right z"));
         println!("truck[{truck}]: {carried:.2} N ({:.2} N)", 45000.0 * G * share);
         assert!((carried / (45000.0 * G * share) - 1.0).abs() < 1e-4, "{carried}");
     }
@@ -106,7 +107,8 @@ fn prop_plan_and_run_tell_of_a_car_that_starts_low() {
     }
     let [json, _] = wheelrail(&["plan", "vehicle_manchester_1", "--static", "--json"]);
     let value: serde_json::Value = serde_json::from_str(&json).unwrap();
-    let loads: f64 = value["static"]["wheels"].as_array().unwrap().iter().map(|w| w["left"].as_f64().unwrap() + w["right"].as_f64().unwrap()).sum();
+    let loads: f64 =
+        value["static"]["wheels"].as_array().unwrap().iter().map(|w| w["left"].as_f64().unwrap() + w["right"].as_f64().unwrap()).sum();
     assert!((loads / ((32000.0 + 2.0 * 2615.0 + 4.0 * 1813.0) * G) - 1.0).abs() < 1e-5, "{loads}");
 }
 

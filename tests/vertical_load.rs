@@ -74,7 +74,11 @@ fn analytic_a_driven_wheelset_pulls_its_load_uphill() {
         let weight = MASS * G + LOAD;
         let along = at["drivingForce"] + both(&at, "longitudinalForce");
         let square = both(&at, "verticalForce");
-        println!("{formulation} {key}: along {along:.3} N ({:.3}), square {square:.3} N ({:.3})", weight * slope.sin(), weight * slope.cos());
+        println!(
+            "{formulation} {key}: along {along:.3} N ({:.3}), square {square:.3} N ({:.3})",
+            weight * slope.sin(),
+            weight * slope.cos()
+        );
         assert!((along / (weight * slope.sin()) - 1.0).abs() < 1e-4 && (square / (weight * slope.cos()) - 1.0).abs() < 1e-5);
     }
 }
@@ -89,7 +93,8 @@ fn analytic_nothing_is_left_at_the_balance_speed() {
     let speed = (G * radius * cant.tan()).sqrt();
     for formulation in FORMULATIONS {
         let node = "track.node=[{ distance = 0, curvature = \"3 deg\", superelevation = \"-3 in\" }]";
-        let scene = on_nodes(node, &[&format!("contact.formulation={formulation}"), &format!("vehicle.speed={speed}"), "solver.tolerance=1e-9"]);
+        let scene =
+            on_nodes(node, &[&format!("contact.formulation={formulation}"), &format!("vehicle.speed={speed}"), "solver.tolerance=1e-9"]);
         let [_, at] = after(&scene, [1.0, 2.0]);
         let springs: f64 = ["left", "right"].iter().map(|side| at[&format!("suspension.{side}.lateralForce")]).sum();
         let net = both(&at, "lateralForce") + springs;
@@ -97,7 +102,10 @@ fn analytic_nothing_is_left_at_the_balance_speed() {
         // A left-hand curve: the left rail is low, the axle stands inside of the centre line by y cos + z sin.
         let inside = (at["y"] * cant.cos() + at["z"] * cant.sin()) / radius;
         let expected = (MASS + LOAD / G) * centripetal * inside;
-        println!("{formulation}: net lateral force {net:.3} N ({expected:.3} N); without the load's centrifugal force {:.1} N", -LOAD / G * centripetal);
+        println!(
+            "{formulation}: net lateral force {net:.3} N ({expected:.3} N); without the load's centrifugal force {:.1} N",
+            -LOAD / G * centripetal
+        );
         assert!((net - expected).abs() < 2.0 && net.abs() < 10.0, "{formulation}: {net} {expected}");
         assert!((both(&at, "verticalForce") / ((MASS * G + LOAD) / cant.cos()) - 1.0).abs() < 1e-4);
     }
@@ -107,7 +115,10 @@ fn analytic_nothing_is_left_at_the_balance_speed() {
 #[test]
 fn analytic_crests_unload_and_dips_load() {
     for (sign, formulation) in [(1.0, "ECF-A"), (-1.0, "ECF-A"), (-1.0, "ECCF")] {
-        let nodes = format!("track.node=[{{ distance = 0 }}, {{ distance = 50, grade = 0 }}, {{ distance = 150, grade = \"{} rad\" }}]", -0.05 * sign);
+        let nodes = format!(
+            "track.node=[{{ distance = 0 }}, {{ distance = 50, grade = 0 }}, {{ distance = 150, grade = \"{} rad\" }}]",
+            -0.05 * sign
+        );
         let scene = on_nodes(
             &nodes,
             &["vehicle.initial.distance=10", "vehicle.speed=20", &format!("contact.formulation={formulation}"), "solver.tolerance=1e-8"],

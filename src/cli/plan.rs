@@ -93,7 +93,8 @@ fn report(scene: &Scene, found: &Statics) -> String {
         .map(|row| {
             let [force, way] = if row.turns { ["kN m", "mrad"] } else { ["kN", "mm"] };
             let limit = |limit: Option<f64>, sign: &str| limit.map_or(format!("{sign}free"), |limit| shown(1e3 * limit, 1));
-            let free = row.free_travel.map_or(String::new(), |[shorter, longer]| format!("{} .. {}", limit(shorter, "-"), limit(longer, "+")));
+            let free =
+                row.free_travel.map_or(String::new(), |[shorter, longer]| format!("{} .. {}", limit(shorter, "-"), limit(longer, "+")));
             let used = row.travel_used.map_or(String::new(), |used| format!("{:.0} %", 100.0 * used));
             vec![row.name.clone(), shown(1e-3 * row.force, 3), force.into(), shown(1e3 * row.displacement, 2), way.into(), free, used]
         })

@@ -69,10 +69,8 @@ pub fn statics(scene: &Scene, simulation: &mut Simulation) -> Result<Statics, Si
         None => scene.vehicle.wheelset.profiles[0].profile.at(0.0).value,
     };
     let bodies = model.system.bodies.iter().enumerate().map(|(index, body)| {
-        let q = on_track(&s, index).map_or_else(
-            || std::array::from_fn::<f64, COORDINATES, _>(|i| s.y[COORDINATES * index + i]),
-            |(motion, _)| motion.coordinates,
-        );
+        let q = on_track(&s, index)
+            .map_or_else(|| std::array::from_fn::<f64, COORDINATES, _>(|i| s.y[COORDINATES * index + i]), |(motion, _)| motion.coordinates);
         let drawn_height = drawn(index);
         // A wheelset's pitch is its rotation.
         let pitch = if index < model.wheelsets.len() { 0.0 } else { q[5] };

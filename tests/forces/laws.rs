@@ -239,7 +239,11 @@ fn analytic_tables_are_mirrored_and_hold_where_they_are_told_to() {
         }
     }
     let spring = along_x("kind = \"spring_damper\"\nforce_over_length = [[0, 0], [0.01, 5e3]]\nodd = true\nbeyond = \"hold\"");
-    assert!([(-0.005, -2500.0), (-0.03, -5e3), (0.03, 5e3)].iter().all(|(x, force)| (tension(spring.as_ref(), *x, 0.0, &[]) - force).abs() < 1e-9));
+    assert!(
+        [(-0.005, -2500.0), (-0.03, -5e3), (0.03, 5e3)]
+            .iter()
+            .all(|(x, force)| (tension(spring.as_ref(), *x, 0.0, &[]) - force).abs() < 1e-9)
+    );
     // Integral of the force: a triangle, then a constant.
     let bodies = motions(&[0.03, 0.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6]);
     assert!((spring.potential_energy(&bodies, &[]) - (25.0 + 0.02 * 5e3)).abs() < 1e-9);

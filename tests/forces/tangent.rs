@@ -121,7 +121,8 @@ fn analytic_changes_of_every_element_match_differences() {
         let stage = stage(mirror);
         walk(&stage, |element, case| {
             let bodies = kinds.map(|kind| pair()[kind].clone()).to_vec();
-            let system = System { bodies, forces: vec![element.clone_box()], drives: vec![], supported: vec![], joints: vec![], redundant: vec![] };
+            let system =
+                System { bodies, forces: vec![element.clone_box()], drives: vec![], supported: vec![], joints: vec![], redundant: vec![] };
             let q = case.coordinates(&stage);
             let still = changes(&system, &[q.clone(), vec![0.0; q.len()], case.state.clone()].concat());
             let error = worst(&system, &still, 0..q.len());
@@ -161,7 +162,14 @@ fn analytic_changes_of_a_guided_spring_match_differences() {
     let y = [3.0, 0.01, 0.46, 0.04, -0.02, 30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     for axis in [TrackAxis::Longitudinal, TrackAxis::Lateral] {
         let forces: Vec<Box<dyn ForceElement>> = vec![Box::new(spring(axis))];
-        let system = System { bodies: vec![wheelset(1500.0, 800.0, 120.0)], forces, drives: vec![], supported: vec![], joints: vec![], redundant: vec![] };
+        let system = System {
+            bodies: vec![wheelset(1500.0, 800.0, 120.0)],
+            forces,
+            drives: vec![],
+            supported: vec![],
+            joints: vec![],
+            redundant: vec![],
+        };
         let error = worst(&system, &changes(&system, &y), 0..12);
         assert!(error < 1e-6, "{axis:?}: {error:.1e}");
     }

@@ -75,7 +75,9 @@ fn curvature(section: &Section) -> Result<f64, SettingsError> {
 fn superelevation(section: &Section, base: f64) -> Result<f64, SettingsError> {
     const KEYS: [&str; 2] = ["superelevation", "cant"];
     let key = match KEYS.map(|key| section.has(key)) {
-        [true, true] => return Err(section.error("cant", "is another name of superelevation, which stands beside it; expected one of them")),
+        [true, true] => {
+            return Err(section.error("cant", "is another name of superelevation, which stands beside it; expected one of them"));
+        }
         [_, true] => KEYS[1],
         _ => KEYS[0],
     };
@@ -177,7 +179,10 @@ mod tests {
         for key in ["superelevation", "cant"] {
             for (number, both) in [("0.08", ["\"80 mm\"", "\"0.08 rad\""]), ("\"-0.053\"", ["\"-53 mm\"", "\"-0.053 rad\""])] {
                 let found = message(&format!("[[node]]\ndistance = 0\n{key} = {number}\n"));
-                assert!(found.starts_with(&format!("a.toml:3: node[1].{key}: found")) && both.iter().all(|way| found.contains(way)), "{found}");
+                assert!(
+                    found.starts_with(&format!("a.toml:3: node[1].{key}: found")) && both.iter().all(|way| found.contains(way)),
+                    "{found}"
+                );
             }
             assert!(read(&format!("[[node]]\ndistance = 0\n{key} = 0\n[[node]]\ndistance = 1\n{key} = 0.0\n")).is_ok());
         }

@@ -231,7 +231,8 @@ impl Outside {
             return Ok(points);
         }
         if points.first() != Some(&[0.0, 0.0]) {
-            return Err(section.error(key, "with odd = true the table is given from [0, 0] on, for x > 0 alone; the other side is its mirror image"));
+            return Err(section
+                .error(key, "with odd = true the table is given from [0, 0] on, for x > 0 alone; the other side is its mirror image"));
         }
         let mirrored = points[1..].iter().rev().map(|[x, force]| [-x, -force]);
         Ok(mirrored.chain(points.iter().copied()).collect())

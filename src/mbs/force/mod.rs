@@ -168,7 +168,8 @@ fn static_preload(section: &Section) -> Result<bool, SettingsError> {
         Ok(text) if text == "static" => Ok(true),
         // Any other word is an error, unless it is a number with a unit.
         Ok(text) if crate::units::Dimension::Force.parse(&text).is_none() => {
-            Err(section.error("preload", format!("found \"{text}\", expected a force in N (\"12 kN\") or \"static\": what balance asks for")))
+            Err(section
+                .error("preload", format!("found \"{text}\", expected a force in N (\"12 kN\") or \"static\": what balance asks for")))
         }
         _ => Ok(false),
     }

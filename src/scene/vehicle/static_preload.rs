@@ -68,13 +68,15 @@ pub(super) fn balance(free: &FreeVehicle, system: &mut System, gravity: f64) -> 
     // Twice: the second round takes off what rounding of the stiff joints leaves.
     let (mut forces, mut rest) = (DVector::zeros(asked.len()), load.clone());
     for _ in 0..3 {
-        let weighed = eigen.eigenvectors.tr_mul(&rest).zip_map(&eigen.eigenvalues, |part, value| if value > least { part / value } else { 0.0 });
+        let weighed =
+            eigen.eigenvectors.tr_mul(&rest).zip_map(&eigen.eigenvalues, |part, value| if value > least { part / value } else { 0.0 });
         let x = &eigen.eigenvectors * weighed;
         let own = DVector::from_iterator(asked.len(), a.tr_mul(&x).iter().zip(&asked).map(|(part, (_, _, k))| -k * part));
         rest += &a * &own - &rows * rows.tr_mul(&x) * (STIFFER * stiffest);
         forces += own;
     }
-    let (worst, left) = rest.iter().enumerate().fold((0, 0.0), |most: (usize, f64), (i, rest)| if rest.abs() > most.1.abs() { (i, *rest) } else { most });
+    let (worst, left) =
+        rest.iter().enumerate().fold((0, 0.0), |most: (usize, f64), (i, rest)| if rest.abs() > most.1.abs() { (i, *rest) } else { most });
     if !(left.abs() <= BALANCED * free.weight(gravity).max(load.amax())) {
         let body = free.bodies[worst / COORDINATES].body.name.clone();
         let direction = ["along the track", "to the side", "vertically", "in yaw", "in roll", "in pitch"][worst % COORDINATES];

@@ -147,7 +147,8 @@ pub(super) fn not_degrees(section: &Section, key: &'static str, angle: f64) -> R
     if angle.abs() <= LARGEST {
         return Ok(());
     }
-    Err(section.error(key, format!("found {angle:?} rad, expected at most {LARGEST} rad either way; degrees are written \"{angle:?} deg\"")))
+    Err(section
+        .error(key, format!("found {angle:?} rad, expected at most {LARGEST} rad either way; degrees are written \"{angle:?} deg\"")))
 }
 
 fn read_initial(section: Section) -> Result<Initial, SettingsError> {
