@@ -86,8 +86,8 @@ def brakes_and_holds(report, fmu, instance, driver):
     speed = values[f"{W}.vx"]
     stands = int(np.argmax(speed < 1e-3))
     report.check(0 < stands, "it comes to a standstill", f"after {(stands + 1) * STEP:.3f} s, {values[f'{W}.distance'][stands]:.4f} m")
-    # The twist that the brake gives back when the wheel stands is all that can throw it back.
-    back = Brake.most / math.sqrt(Brake.stiffness * INERTIA)
+    # The twist that the brake gives back when the wheel stands, and the pull downhill until the brake is twisted the other way, throw it back.
+    back = (Brake.most + DOWNHILL * RADIUS) / math.sqrt(Brake.stiffness * INERTIA)
     report.below(-np.min(speed), back, "speed of the jerk back", "m/s")
     # With the full torque and both downhill forces.
     full = slice(round(Brake.filling / STEP) + 20, stands - 50)
