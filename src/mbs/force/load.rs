@@ -32,8 +32,8 @@ pub struct VerticalLoad {
     pub body: usize,
     /// F0, N, downward positive.
     pub force: f64,
-    /// Of the straight track, rad, climbing positive; where it has a centre line the world is level: 0.
-    pub grade: f64,
+    /// Its parts against X and against Z, N: plumb on a straight track that climbs; where the track has a centre line the world is level.
+    weight: [f64; 2],
     /// M, kg.
     pub mass: f64,
 }
@@ -42,7 +42,7 @@ impl VerticalLoad {
     /// A load [N] under the gravity g [m/s2] on a track that climbs with `grade` [rad].
     pub fn new(body: usize, force: f64, gravity: f64, grade: f64) -> Self {
         let mass = if force > 0.0 && gravity >= LEAST_GRAVITY { force / gravity } else { 0.0 };
-        VerticalLoad { body, force, grade, mass }
+        VerticalLoad { body, force, weight: [force * grade.sin(), force * grade.cos()], mass }
     }
 
     /// Centrifugal force, N, in the world.
@@ -59,8 +59,9 @@ impl ForceElement for VerticalLoad {
 
     #[inline]
     fn apply(&self, _: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
-        wrenches[self.body].force.x -= self.force * self.grade.sin();
-        wrenches[self.body].force.z -= self.force * self.grade.cos();
+        let [back, down] = self.weight;
+        wrenches[self.body].force.x -= back;
+        wrenches[self.body].force.z -= down;
     }
 
     fn apply_on_track(&self, bodies: &[BodyMotion], stations: &[Station], state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
@@ -100,7 +101,8 @@ impl ForceElement for VerticalLoad {
     /// Of the weight; what the curve's guidance of M does is power from outside.
     fn potential_energy(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
         let position = &bodies[self.body].position;
-        self.force * (position.x * self.grade.sin() + position.z * self.grade.cos())
+        let [back, down] = self.weight;
+        position.x * back + position.z * down
     }
 
     fn dissipated_power(&self, _: &[BodyMotion], _: &[f64]) -> f64 {
