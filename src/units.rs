@@ -40,7 +40,7 @@ const CHORD_DEGREE: &str = "deg";
 impl Dimension {
     fn units(self) -> Units {
         match self {
-            Dimension::None => &[("", 1.0), ("%", 0.01)],
+            Dimension::None => &[("", 1.0), ("%", 0.01), ("‰", 1e-3), ("per mille", 1e-3)],
             Dimension::Length => &[("m", 1.0), ("mm", 1e-3), ("um", 1e-6), ("cm", 1e-2), ("km", 1e3), ("in", INCH), ("ft", FOOT)],
             Dimension::Angle => &[("rad", 1.0), ("mrad", 1e-3), ("deg", DEGREE)],
             Dimension::Time => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6)],
@@ -215,6 +215,8 @@ mod tests {
             (Dimension::Angle, "180 deg", std::f64::consts::PI),
             (Dimension::Stiffness, "0.25 MN/m", 2.5e5),
             (Dimension::None, "0.4", 0.4),
+            (Dimension::None, "30 ‰", 0.03),
+            (Dimension::None, "30 per mille", 0.03),
         ];
         for (dimension, text, value) in cases {
             let read = dimension.parse(text).unwrap();

@@ -254,7 +254,7 @@ fn prop_plan_says_what_is_there_and_why() {
         ("longitudinal force input", &["vehicle.travel=free"], true, "vehicle.travel = \"free\""),
         ("longitudinal force input", &["vehicle.travel=free", "interface.inputs=[]"], false, "lacks \"centre_forces\""),
         ("grade", &[], false, "no track.grade"),
-        ("grade", &["track.grade=0.02"], true, "0.02 rad"),
+        ("grade", &["track.grade=0.02"], true, "track.grade = 2.00 %"),
         ("contact damping", &["contact.formulation=ECCF"], true, "contacts beside the first"),
         ("contact damping", &["contact.formulation=ECCF", "contact.points=1"], false, "wheel that has lifted"),
         ("transient tangential", &["contact.transient={ below = \"2 m/s\" }"], true, "below = 2 m/s"),

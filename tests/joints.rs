@@ -33,7 +33,7 @@ impl Mechanism {
             Box::new(Gravity { body, mass: data.mass, acceleration: G, grade: 0.0 }) as Box<dyn ForceElement>
         };
         let forces = bodies.iter().enumerate().map(weight).collect();
-        Self::of(System { bodies, forces, drives: Vec::new(), joints, redundant: Vec::new() })
+        Self::of(System { bodies, forces, drives: Vec::new(), supported: Vec::new(), joints, redundant: Vec::new() })
     }
 
     fn of(system: System) -> Self {
@@ -452,7 +452,7 @@ fn analytic_driving_force_carries_what_joints_hand_on() {
     let coupling = rigid("coupling", between(0, 1), &Place::at(Vector3::new(-1.0, 0.0, 0.0)), &Place::at(Vector3::new(1.0, 0.0, 0.0)));
     let drives = vec![DrivingConstraint { body: 0, speed: 20.0 }];
     let forces: Vec<Box<dyn ForceElement>> = vec![Box::new(Push(1, -700.0)), Box::new(Push(0, 50.0))];
-    let mut train = Mechanism::of(System { bodies, forces, drives, joints: vec![coupling], redundant: vec![] });
+    let mut train = Mechanism::of(System { bodies, forces, drives, supported: vec![], joints: vec![coupling], redundant: vec![] });
     let mut y = at_rest(&[[0.0; 6], [-2.0, 0.0, 0.0, 0.0, 0.0, 0.0]]);
     (y[12], y[18]) = (20.0, 15.0);
     let projected = train.project(0.0, &mut y);

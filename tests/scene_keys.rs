@@ -322,4 +322,29 @@ fn equiv_initial_values_mean_the_same_in_a_file_and_in_the_fmu() {
     assert!((from_file[1] - 1e-3).abs() < 1e-12 && (from_file[2] - 0.457).abs() < 1e-12, "{from_file:?}");
     // A radius is no offset.
     assert!(error("suspended_wheelset", &["vehicle.initial.z=0.467"]).contains("or from_equilibrium = false"));
+
+/// Numbers without a unit that a reader of another habit means otherwise: degrees, per mille, millimetres.
+#[test]
+fn prop_numbers_that_may_mean_something_else_are_refused_with_both_spellings() {
+    let node = |own: &str| format!("track.node=[{{distance=0, radius=600, {own}}}]");
+    for (change, words) in [
+        (node("superelevation=0.08"), ["\"80 mm\"", "\"0.08 rad\" (4.58 deg)"]),
+        (node("cant=-0.08"), ["\"-80 mm\"", "\"-0.08 rad\""]),
+        (node("superelevation=80"), ["\"80000 mm\"", "\"80.0 rad\""]),
+        ("track.grade=3".into(), ["a slope (0.01, \"1 %\")", "\"0.5 deg\""]),
+        ("vehicle.initial.yaw=1".into(), ["found 1.0 rad", "\"1.0 deg\""]),
+        ("vehicle.initial.roll=-2".into(), ["found -2.0 rad", "\"-2.0 deg\""]),
+    ] {
+        let said = error("suspended_wheelset", &[change.as_str()]);
+        assert!(words.iter().all(|word| said.contains(word)), "{change}: {said}");
+    }
+    let superelevation = |own: &str| open("suspended_wheelset", &[&node(own)]).unwrap().track.alignment.unwrap().nodes[0].superelevation;
+    assert_eq!(superelevation("cant=\"-80 mm\""), superelevation("superelevation=\"-0.08 m\""));
+    assert_eq!(superelevation("cant=\"3 deg\""), 3f64.to_radians());
+    // The whole track's grade and a node's are read alike.
+    for own in ["0.03", "\"3 %\"", "\"30 ‰\"", "\"1.5 deg\""] {
+        let whole = open("suspended_wheelset", &[&format!("track.grade={own}")]).unwrap().track.grade;
+        let node = open("suspended_wheelset", &[&format!("track.node=[{{distance=0, grade={own}}}]")]).unwrap().track.alignment.unwrap();
+        assert_eq!(whole, node.nodes[0].grade, "{own}");
+    }
 }

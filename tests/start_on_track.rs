@@ -88,7 +88,7 @@ fn equiv_loads_after_the_start_are_those_of_a_vehicle_that_came_along() {
 /// and stay so.
 #[test]
 fn hard_no_start_on_displaced_rails_leaves_a_wheel_in_the_air() {
-    let curve = "track.node=[{distance=0.0,radius=-5000.0,superelevation=0.05}]".to_string();
+    let curve = "track.node=[{distance=0.0,radius=-5000.0,superelevation=\"0.05 m\"}]".to_string();
     for (name, speed, spectrum) in [
         ("bogie", 0.5, "fra5"),
         ("bogie", 80.0, "ore_b176_high"),

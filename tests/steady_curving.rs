@@ -23,7 +23,7 @@ fn scene(name: &str, changes: &[&str]) -> Scene {
 
 /// A track that is one curve: radius [m], height of the left rail over the right one [m], grade.
 fn curve(radius: f64, height: f64, grade: f64) -> String {
-    format!("track.node=[{{distance=0.0, radius={radius:?}, superelevation={height:?}, grade={grade:?}}}]")
+    format!("track.node=[{{distance=0.0, radius={radius:?}, superelevation=\"{height:?} m\", grade={grade:?}}}]")
 }
 
 fn values(scene: &Scene, simulation: &mut Simulation) -> HashMap<String, f64> {
@@ -165,7 +165,7 @@ fn equiv_start_in_a_curve_is_the_end_of_a_run_into_it() {
             let nodes = format!("track.node=[{nodes}]");
             scene("bogie", &["vehicle.drive=leading", "solver.tolerance=1e-8", "track.smoothing=5", "vehicle.initial.distance=150", &nodes])
         };
-        let curved = format!("radius={radius:?}, superelevation={height:?}}}");
+        let curved = format!("radius={radius:?}, superelevation=\"{height:?} m\"}}");
         let within = read(&format!("{{distance=0.0, {curved}"));
         let into = read(&format!("{{distance=170.0}}, {{distance=230.0, {curved}"));
         let mut started = start(&within);

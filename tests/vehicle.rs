@@ -326,7 +326,7 @@ fn prop_energy_balance_of_vehicles() {
 /// A start on a transition is refused; before it, one imposed speed leaves the traction rods alone where two strain them.
 #[test]
 fn hard_starts_on_transitions_are_refused_and_two_imposed_speeds_said() {
-    let nodes = "track.node=[{distance=0.0},{distance=60.0,radius=150.0,superelevation=-0.1}]";
+    let nodes = "track.node=[{distance=0.0},{distance=60.0,radius=150.0,superelevation=\"-0.1 m\"}]";
     let within = load::open("vehicle_manchester_1", &[nodes.into(), "vehicle.initial.distance=30".into()]).unwrap();
     let refused = Simulation::new(&within, 0.0).unwrap_err().to_string();
     assert!(refused.contains("starts on a transition") && refused.contains("start before it or behind it"), "{refused}");
@@ -372,7 +372,7 @@ fn prop_a_restored_vehicle_goes_on_bit_for_bit() {
 fn prop_a_restored_explicit_run_sees_the_same_ahead() {
     const WAVES: &str = "track.irregularity=[{kind=\"spectrum\", spectrum=\"ore_b176_low\", seed=1, from=-15, to=400, fade=5}]";
     const CURVE: &[&str] =
-        &[WAVES, "track.node=[{distance=0.0},{distance=30.0,radius=400.0,superelevation=-0.1}]", "vehicle.initial.distance=-20"];
+        &[WAVES, "track.node=[{distance=0.0},{distance=30.0,radius=400.0,superelevation=\"-0.1 m\"}]", "vehicle.initial.distance=-20"];
     for (track, formulation, integrator) in [
         (&[WAVES][..], "ECF-A", "dormand_prince"),
         (CURVE, "ECF-A", "dormand_prince"),

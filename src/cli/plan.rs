@@ -1,13 +1,16 @@
 //! `wheelrail plan SCENE`: effects in and out, sizes, and where the time of one evaluation goes.
 
-use super::{Failure, SceneArguments, print};
+use super::{Failure, SceneArguments, print, table};
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::in_rolling_direction;
 use crate::contact::search::algebraic::{Pair, SurfaceParameters};
 use crate::formulation::{ContactReport, Evaluation, contact_index};
 use crate::geometry::Side;
 use crate::scene::plan;
+use crate::scene::spec::Scene;
 use crate::sim::Simulation;
+use crate::sim::statics::{self, ElementForce, Statics};
+use crate::sim::tables::LeftTables;
 use clap::Args;
 use std::hint::black_box;
 use std::time::Instant;
@@ -16,7 +19,10 @@ use std::time::Instant;
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// Print the plan as JSON
+    /// Print how the vehicle stands at its start: heights of bodies, wheel loads, forces of elements and travel used
+    #[arg(long = "static")]
+    statics: bool,
+    /// Print the plan (or what --static shows) as JSON
     #[arg(long)]
     json: bool,
 }
@@ -24,7 +30,22 @@ pub(super) struct Arguments {
 pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
     let mut simulation = super::start(&scene)?;
-    let plan = plan::plan(&scene, simulation.model());
+    let found = statics::statics(&scene, &mut simulation).map_err(|error| Failure::Run(error.to_string()))?;
+    let mut notes = found.notes();
+    if arguments.statics {
+        print(&match arguments.json {
+            true => format!("{}\n", serde_json::json!({"static": found, "notes": notes})),
+            false => report(&scene, &found),
+        });
+        return Ok(());
+    }
+    let mut left = LeftTables::new(simulation.model());
+    if let Ok(snapshot) = simulation.snapshot() {
+        left.look(snapshot);
+    }
+    notes.extend(left.notes());
+    let mut plan = plan::plan(&scene, simulation.model());
+    plan.notes.extend(notes);
     let costs = costs(&mut simulation, scene.contact.formulation_name);
     if arguments.json {
         let shares: serde_json::Map<String, serde_json::Value> =
@@ -51,6 +72,61 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
         print(&format!("  {:4.0} %  {name}\n", 100.0 * time / total))?;
     }
     Ok(())
+}
+
+/// The static report as tables.
+fn report(scene: &Scene, found: &Statics) -> String {
+    let head = |cells: &[&str]| cells.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let bodies = found.bodies.iter().map(|body| {
+        let metres = [body.drawn_height, body.height].map(|height| format!("{height:.4}"));
+        let others = [body.settles, body.roll, body.pitch].map(|value| shown(1e3 * value, 2));
+        std::iter::once(body.name.clone()).chain(metres).chain(others).collect::<Vec<_>>()
+    });
+    let wheels = found.wheels.iter().map(|wheels| {
+        let loads = [wheels.left, wheels.right, wheels.left + wheels.right].map(|load| shown(1e-3 * load, 3));
+        std::iter::once(wheels.wheelset.clone()).chain(loads).collect::<Vec<_>>()
+    });
+    let total: f64 = found.wheels.iter().map(|wheels| wheels.left + wheels.right).sum();
+    // What neither carries nor gives way says nothing.
+    let works = |row: &&ElementForce| row.force.abs() > 0.5 || row.displacement.abs() > 5e-6 || row.free_travel.is_some();
+    let rows: Vec<Vec<String>> = (found.elements.iter().filter(works))
+        .map(|row| {
+            let [force, way] = if row.turns { ["kN m", "mrad"] } else { ["kN", "mm"] };
+            let limit = |limit: Option<f64>, sign: &str| limit.map_or(format!("{sign}free"), |limit| shown(1e3 * limit, 1));
+            let free =
+                row.free_travel.map_or(String::new(), |[shorter, longer]| format!("{} .. {}", limit(shorter, "-"), limit(longer, "+")));
+            let used = row.travel_used.map_or(String::new(), |used| format!("{:.0} %", 100.0 * used));
+            vec![row.name.clone(), shown(1e-3 * row.force, 3), force.into(), shown(1e3 * row.displacement, 2), way.into(), free, used]
+        })
+        .collect();
+    let hidden = found.elements.len() - rows.len();
+    let mut text = format!(
+        "{}: {}\n\nHow it stands at the start{}, along the track's vertical.\n\nCentres of mass: height over the nominal contact height\n\n",
+        scene.name,
+        scene.title,
+        if scene.vehicle.speed == 0.0 { "" } else { " (running steadily)" }
+    );
+    text += &table(&head(&["body", "drawn [m]", "now [m]", "settles [mm]", "roll [mrad]", "pitch [mrad]"]), &bodies.collect::<Vec<_>>());
+    text += "\nWheel loads Q\n\n";
+    text += &table(&head(&["wheelset", "left [kN]", "right [kN]", "both [kN]"]), &wheels.collect::<Vec<_>>());
+    text += &format!("  all wheels: {:.3} kN\n", 1e-3 * total);
+    if !rows.is_empty() {
+        text += "\nForce elements: tension and elongation positive; displacements count from the drawn configuration\n\n";
+        text += &table(&head(&["element", "force", "", "displacement", "", "free travel [mm]", "used"]), &rows);
+    }
+    if hidden > 0 {
+        text += &format!("  {hidden} forces without load and displacement are left out (--json has them)\n");
+    }
+    for note in found.notes() {
+        text += &format!("\n  note: {note}\n");
+    }
+    text
+}
+
+/// A number without the sign of a rounded zero.
+fn shown(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') { text.trim_start_matches('-').into() } else { text }
 }
 
 /// Seconds per call, the best of several rounds; of a slow call (the creep law `exact`) as few as can be.

@@ -7,6 +7,7 @@ use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, plot, prin
 use crate::settings::did_you_mean;
 use crate::sim::outputs::Output;
 use crate::sim::recording::{self, CsvRows, Recording, Times};
+use crate::sim::statics;
 use crate::sim::vehicle_outputs::scene_outputs;
 use crate::study::digits::rounded;
 use clap::Args;
@@ -80,6 +81,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     outputs.retain(|output| wanted(&output.name) || shown(&output.name));
     let chosen: Vec<usize> =
         [0].into_iter().chain((0..outputs.len()).filter(|index| wanted(&outputs[*index].name)).map(|index| index + 1)).collect();
+    let mut notes = statics::statics(&scene, &mut simulation).map(|found| found.notes()).unwrap_or_default();
     let interrupt = Interrupt::watch();
     let mut csv = match &target {
         Some(target) => {
@@ -126,6 +128,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             Err(error) => failure = failure.or(Some(error)),
         }
     }
+    notes.extend(recording.notes.iter().cloned());
+    notes.extend(simulation.notes());
+    for note in &notes {
+        super::say(&format!("note: {note}"));
+    }
     let events: Vec<String> = simulation.take_events().iter().map(ToString::to_string).collect();
     for event in events.iter().take(EVENTS_SHOWN) {
         super::say(event);
@@ -136,10 +143,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let doubts = simulation.doubts();
     if doubts.steps > 0 {
         super::say(&format!("warning: {doubts}"));
-    }
-    let notes = simulation.notes();
-    for note in &notes {
-        super::say(&format!("note: {note}"));
     }
     let statistics = simulation.statistics();
     if arguments.json {

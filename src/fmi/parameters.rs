@@ -238,7 +238,7 @@ fn wheelset_rows(w: &str) -> Vec<Row> {
             Newton,
             None,
             None,
-            "constant vertical force on the centre, down positive; adds no mass",
+            "weight of what rests on the wheelset, down positive: plumb, with its centrifugal force and its inertia along the track",
             vehicle.wheelset.vertical_load
         ),
     ]

@@ -78,7 +78,7 @@ pub(super) fn rows(scene: &Scene, free: &FreeVehicle) -> Vec<Row> {
             "verticalLoad",
             Unit::Newton,
             None,
-            "constant vertical force on the centre, down positive; adds no mass",
+            "weight of what rests on the wheelset, down positive: plumb, with its centrifugal force and its inertia along the track",
             of_wheelset!(spec.vertical_load),
         ),
         (451, "initial.y", Unit::Metre, None, "added to y of the steady state at the start", of_wheelset!(offset[0])),

@@ -151,6 +151,10 @@ pub enum AssemblyError {
         "interface.inputs: \"rail_motion\" needs elastic contact (contact.formulation = \"ECF-A\" or \"ECF-N\"): a constraint between wheel and rail would need the rail's acceleration, which is no input"
     )]
     RailMotion,
+    #[error(
+        "preload = \"static\": no preloads hold {body} {direction} in its drawn position ({rest:.3} {unit} are left): an element with preload = \"static\" and a stiffness that way, or a joint, must carry it, and its centre of mass must stand between them"
+    )]
+    StaticPreload { body: String, direction: &'static str, rest: f64, unit: &'static str },
 }
 
 /// ECF-A, whose forces are smooth: where the search for a balance with another formulation may begin.

@@ -76,6 +76,11 @@ impl System {
         for (body, (data, motion)) in self.bodies.iter().zip(&workspace.motions).enumerate() {
             constraints.kkt.set_mobility(body, &data.mobility(motion));
         }
+        for supported in &self.supported {
+            let mut mobility = *constraints.kkt.mobility(supported.body);
+            supported.slow_down(self.bodies[supported.body].mass, workspace.stations.get(supported.body), &mut mobility);
+            constraints.kkt.set_mobility(supported.body, &mobility);
+        }
         for drive in &self.drives {
             let mut mobility = *constraints.kkt.mobility(drive.body);
             drive.immobilise(&mut mobility, &workspace.stations);
@@ -100,6 +105,11 @@ impl System {
         let loads = workspace.motions.iter().zip(&workspace.wrenches);
         for ((free, data), (motion, wrench)) in free.zip(&self.bodies).zip(loads) {
             free.copy_from_slice(&data.accelerations(motion, wrench));
+        }
+        for supported in &self.supported {
+            let (body, own) = (supported.body, self.bodies[supported.body].mass);
+            let linear = &mut workspace.constraints.free[COORDINATES * body..][..3];
+            supported.hold_back(own, workspace.stations.get(body), &workspace.motions[body], linear);
         }
         for drive in &self.drives {
             if let Some(station) = workspace.stations.get(drive.body) {

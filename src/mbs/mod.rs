@@ -10,5 +10,6 @@ pub mod kkt;
 pub mod on_track;
 pub mod projection;
 pub mod redundancy;
+pub mod supported;
 pub mod system;
 pub mod tangent;

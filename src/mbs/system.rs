@@ -11,6 +11,7 @@ use super::body::{Body, BodyMotion, COORDINATES, Wrench};
 use super::constraints::Constraints;
 use super::force::ForceElement;
 use super::joint::Joint;
+use super::supported::SupportedMass;
 use crate::geometry::track::station::Station;
 
 /// A body whose centre travels with imposed constant speed.
@@ -27,6 +28,8 @@ pub struct System {
     pub bodies: Vec<Body>,
     pub forces: Vec<Box<dyn ForceElement>>,
     pub drives: Vec<DrivingConstraint>,
+    /// On bodies whose speed is not imposed.
+    pub supported: Vec<SupportedMass>,
     pub joints: Vec<Joint>,
     /// Rows of joints that repeat what others demand ([`System::find_redundant`]); they are left out.
     pub redundant: Vec<usize>,
@@ -163,6 +166,11 @@ impl System {
             dy[velocities].copy_from_slice(&accelerations);
         }
         workspace.copy_force_rates(COORDINATES * self.bodies.len(), dy);
+        for supported in &self.supported {
+            let body = supported.body;
+            let linear = &mut dy[self.velocities(body).start..][..3];
+            supported.hold_back(self.bodies[body].mass, workspace.stations.get(body), &workspace.motions[body], linear);
+        }
         for (drive, force) in self.drives.iter().zip(&mut workspace.drive_forces) {
             if let Some(station) = workspace.stations.get(drive.body) {
                 let linear = &mut dy[self.velocities(drive.body).start..][..3];
@@ -176,9 +184,10 @@ impl System {
         }
     }
 
-    /// Kinetic energy of all bodies, J.
+    /// Kinetic energy of all bodies, and of what they support, J.
     pub fn kinetic_energy(&self, motions: &[BodyMotion]) -> f64 {
-        self.bodies.iter().zip(motions).map(|(body, motion)| body.kinetic_energy(motion)).sum()
+        let supported = self.supported.iter().map(|load| 0.5 * load.mass * motions[load.body].speed.powi(2)).sum::<f64>();
+        self.bodies.iter().zip(motions).map(|(body, motion)| body.kinetic_energy(motion)).sum::<f64>() + supported
     }
 
     /// Stored energy of all force elements, J; their states are those in `y`.

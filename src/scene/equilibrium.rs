@@ -99,7 +99,7 @@ pub fn steady_rolling(scene: &Scene) -> Result<SteadyRolling, EquilibriumError> 
         return Ok(SteadyRolling { y, z, roll, yaw, pitch_rate: found[PITCH_RATE], riding });
     }
     let spec = &scene.vehicle.wheelset;
-    let load = spec.mass * scene.vehicle.gravity * scene.track.grade.cos() + spec.vertical_load;
+    let load = (spec.mass * scene.vehicle.gravity + spec.vertical_load) * scene.track.grade.cos();
     if load <= 0.0 {
         return Err(EquilibriumError::NoLoad { load });
     }

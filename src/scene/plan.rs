@@ -53,7 +53,11 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     effect("driving constraint", vehicle.speed_imposed, why, 0);
     effect("gravity", vehicle.gravity != 0.0, format!("vehicle.gravity = {} m/s2", vehicle.gravity), 0);
     let grade = scene.track.grade;
-    let why = if grade == 0.0 { "no track.grade".into() } else { format!("track.grade = {grade} rad: gravity pulls along the track too") };
+    let why = if grade == 0.0 {
+        "no track.grade".into()
+    } else {
+        format!("track.grade = {:.2} %: gravity pulls along the track too", 1e2 * grade.tan())
+    };
     effect("grade", grade != 0.0, why, 0);
     if let Some(mean) = &model.means {
         let why =

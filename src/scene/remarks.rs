@@ -2,6 +2,7 @@
 
 use super::spec::Scene;
 use crate::geometry::track::centre_line::{Alignment, Node};
+use crate::mbs::force::{Beyond, Table};
 
 /// Time constants below this [s] bound an explicit integrator's step before wheels on rails do (about 1 ms).
 const SHORT: f64 = 3e-4;
@@ -11,7 +12,7 @@ const STABLE: f64 = 3.3;
 /// All of them.
 pub(super) fn remarks(scene: &Scene) -> Vec<String> {
     let alignment = scene.track.alignment.as_ref().and_then(crowded_corners);
-    alignment.into_iter().chain(short_times(scene)).collect()
+    alignment.into_iter().chain(short_times(scene)).chain(tables(scene)).collect()
 }
 
 /// Corners of the node table that are nearer to each other than they are rounded.
@@ -56,4 +57,30 @@ fn short_times(scene: &Scene) -> impl Iterator<Item = String> {
             1e3 * time
         ))
     })
+}
+
+/// How tables of forces go on beyond their points; alike tables together. A stop's is free on the other side and has a sense beyond its end.
+fn tables(scene: &Scene) -> Vec<String> {
+    let elements = scene.vehicle.free.iter().flat_map(|free| &free.forces);
+    let mut kinds: Vec<(Table, &str, usize)> = Vec::new();
+    for (name, table) in elements.flat_map(|element| element.0.tables().into_iter().map(|table| (element.0.name(), table))) {
+        if table.from.is_infinite() {
+            continue;
+        }
+        match kinds.iter_mut().find(|kind| kind.0 == table) {
+            Some(kind) => kind.2 += 1,
+            None => kinds.push((table, name, 1)),
+        }
+    }
+    let words = |(table, name, count): (Table, &str, usize)| {
+        let Table { key, unit, from, to, beyond, one_sided } = table;
+        let more = if count > 1 { format!(" (and {} more elements)", count - 1) } else { String::new() };
+        let goes_on = match beyond {
+            Beyond::Hold => "the force at the end holds (beyond = \"hold\")",
+            Beyond::Slope => "the slope at the end goes on (beyond = \"hold\" keeps the force)",
+        };
+        let other = if one_sided { "; it has points on one side of zero alone: odd = true mirrors it" } else { "" };
+        format!("{name}{more}: {key} is known from {from} to {to} {unit}; beyond, {goes_on}{other}")
+    };
+    kinds.into_iter().map(words).collect()
 }

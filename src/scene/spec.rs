@@ -256,7 +256,7 @@ const HALF_STANDARD: f64 = 0.75;
 fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
     let given = section.keep(read_inclination(&section))?;
     let inclination = given.unwrap_or(0.0);
-    let grade = section.number_or("grade", Dimension::Angle, 0.0)?;
+    let grade = node::grade(&section)?;
     let rails = section.keep(read_profiles(&section, ["rail", "left_rail", "right_rail"], Part::Rail))?;
     let half_rail_distance = match &rails {
         Some(rails) => section.keep(read_half_distance(&section, rails, inclination))?,

@@ -8,6 +8,8 @@ pub mod feedthrough;
 pub mod input;
 pub mod outputs;
 pub mod recording;
+pub mod statics;
+pub mod tables;
 pub mod unit;
 pub mod vehicle_outputs;
 

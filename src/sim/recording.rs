@@ -1,6 +1,7 @@
 //! Runs a scene natively and keeps its outputs at equal intervals.
 
 use super::outputs::Output;
+use super::tables::LeftTables;
 use super::{Simulation, SimulationError};
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -12,13 +13,15 @@ pub struct Recording {
     pub columns: Vec<(String, &'static str)>,
     /// One row per output time, time first.
     pub rows: Vec<Vec<f64>>,
+    /// What a reader of the numbers should know: tables of forces that were left.
+    pub notes: Vec<String>,
 }
 
 impl Recording {
     pub fn new(outputs: &[Output]) -> Self {
         let mut columns = vec![("time".to_string(), "s")];
         columns.extend(outputs.iter().map(|output| (output.name.clone(), output.unit.name())));
-        Recording { columns, rows: Vec::new() }
+        Recording { columns, rows: Vec::new(), notes: Vec::new() }
     }
 
     /// Adds a row at the simulation's present time.
@@ -145,8 +148,10 @@ pub fn record_while(
 ) -> Result<Recording, Interrupted> {
     let mut recording = Recording::new(outputs);
     let start = simulation.time();
+    let mut left = LeftTables::new(simulation.model());
     let mut run = || -> Result<(), SimulationError> {
         recording.sample(simulation, outputs)?;
+        left.look(simulation)?;
         let mut go_on = |recording: &Recording| recording.rows.last().is_none_or(|row| watch(row).is_continue());
         if !go_on(&recording) {
             return Ok(());
@@ -154,13 +159,16 @@ pub fn record_while(
         for time in communication_points(start, stop, step) {
             simulation.advance(time)?;
             recording.sample(simulation, outputs)?;
+            left.look(simulation)?;
             if !go_on(&recording) {
                 return Ok(());
             }
         }
         Ok(())
     };
-    match run() {
+    let ended = run();
+    recording.notes = left.notes();
+    match ended {
         Ok(()) => Ok(recording),
         Err(error) => Err(Interrupted { recording, error: Box::new(error) }),
     }

@@ -70,7 +70,7 @@ fn analytic_coulomb_decay_of_an_oscillation() {
 fn hard_a_body_at_rest_does_not_creep() {
     let stage = alone(Vector3::zeros());
     let forces: Vec<Box<dyn ForceElement>> = vec![
-        Box::new(VerticalLoad { body: 0, force: 900.0 }),
+        Box::new(VerticalLoad::new(0, 900.0, 9.81, 0.0)),
         element(&stage, "kind = \"dry_friction\"\naxis = \"z\"\nlimit = 1e3\nstiffness = 1e6"),
         element(&stage, "kind = \"spring_damper\"\naxis = \"z\"\ndamping = 2e4"),
     ];
@@ -85,7 +85,7 @@ fn hard_a_body_at_rest_does_not_creep() {
     assert!((late[2] + 1e-3 * 0.9f64.atanh()).abs() < 1e-6);
     // Above the limit it slides at c v = F - F_c.
     let mut heavy = Mechanism::new(vec![brick(100.0, 1.0, 1.0, 1.0)], body.system.forces);
-    heavy.system.forces[0] = Box::new(VerticalLoad { body: 0, force: 1200.0 });
+    heavy.system.forces[0] = Box::new(VerticalLoad::new(0, 1200.0, 9.81, 0.0));
     let end = heavy.run(&start, 2.0, 1e-10);
     assert!((end[8] + 200.0 / 2e4).abs() < 1e-8, "{}", end[8]);
 }

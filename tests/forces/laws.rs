@@ -203,6 +203,15 @@ fn prop_wrong_settings_are_refused_with_their_place() {
         ("kind = \"bushing\"\nstiffness = [1, -2, 3]", "stiffness: must not be negative"),
         ("kind = \"bump_stop\"\naxis = \"x\"\nstiffness = 1\nrounding = 0.1", "rounding: must not be larger than the free travel"),
         ("kind = \"maxwell_damper\"\naxis = \"x\"\nstiffness = 1\ndamping = 0", "damping: found 0.0, expected a number greater than 0"),
+        ("kind = \"spring_damper\"\naxis = \"x\"\nforce_over_speed = [[-1, -2], [1, 2]]\nodd = true", "force_over_speed: with odd = true"),
+        ("kind = \"spring_damper\"\naxis = \"x\"\nstiffness = 1\nodd = true", "odd: serves nothing without a table"),
+        ("kind = \"spring_damper\"\naxis = \"x\"\nforce_over_speed = [[0, 0], [1, 2]]\nbeyond = \"hld\"", "beyond: found \"hld\""),
+        ("kind = \"bump_stop\"\naxis = \"x\"\nforce_over_displacement = [[0, 0], [1, 2]]\nodd = true", "odd: serves nothing here"),
+        (
+            "kind = \"maxwell_damper\"\naxis = \"x\"\nstiffness = 1\nforce_over_speed = [[0, 0], [1, 2]]\nbeyond = \"hold\"",
+            "beyond: \"hold\" leaves the speed open",
+        ),
+        ("kind = \"spring_damper\"\naxis = \"x\"\nforce_over_speed = [[0, 0], [1, 2]]\npreload = \"static\"", "preload: \"static\" needs"),
         ("kind = \"dry_friction\"\nlimit = 1\nstiffness = 1", "axis: give the axis of slip"),
         ("kind = \"dry_friction\"\naxis = \"x\"\nlimit = 1\nfriction = 1\nstiffness = 1", "limit: is \"friction\" times"),
     ] {
@@ -210,6 +219,46 @@ fn prop_wrong_settings_are_refused_with_their_place() {
     }
     let same = stage.read("name = \"e\"\nkind = \"bushing\"\nfrom = \"body\"\nto = \"body\"\nstiffness = [1, 1, 1]").unwrap_err();
     assert!(same.to_string().contains("to: is on the same body as \"from\""), "{same}");
+}
+
+/// `odd` and `beyond` of tables of force over speed and over length.
+#[test]
+fn analytic_tables_are_mirrored_and_hold_where_they_are_told_to() {
+    let half = "kind = \"spring_damper\"\nforce_over_speed = [[0, 0], [0.1, 1000], [0.5, 2000]]\n";
+    let at = |own: &str, speed: f64| tension(along_x(&format!("{half}{own}")).as_ref(), 0.0, speed, &[]);
+    // Without a word the first and last slope go on.
+    for (own, cases) in [
+        ("", [(-0.2, -2000.0), (0.05, 500.0), (1.0, 3250.0)]),
+        ("odd = true", [(-0.3, -1500.0), (-1.0, -3250.0), (1.0, 3250.0)]),
+        ("odd = true\nbeyond = \"hold\"", [(-0.3, -1500.0), (-7.0, -2000.0), (7.0, 2000.0)]),
+        ("beyond = \"hold\"", [(-0.3, 0.0), (0.3, 1500.0), (7.0, 2000.0)]),
+        ("beyond = \"slope\"", [(-0.2, -2000.0), (0.05, 500.0), (1.0, 3250.0)]),
+    ] {
+        for (speed, expected) in cases {
+            assert!((at(own, speed) - expected).abs() < 1e-9, "{own} at {speed}: {}", at(own, speed));
+        }
+    }
+    let spring = along_x("kind = \"spring_damper\"\nforce_over_length = [[0, 0], [0.01, 5e3]]\nodd = true\nbeyond = \"hold\"");
+    assert!(
+        [(-0.005, -2500.0), (-0.03, -5e3), (0.03, 5e3)]
+            .iter()
+            .all(|(x, force)| (tension(spring.as_ref(), *x, 0.0, &[]) - force).abs() < 1e-9)
+    );
+    // Integral of the force: a triangle, then a constant.
+    let bodies = motions(&[0.03, 0.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6]);
+    assert!((spring.potential_energy(&bodies, &[]) - (25.0 + 0.02 * 5e3)).abs() < 1e-9);
+    let stop = along_x("kind = \"bump_stop\"\nforce_over_displacement = [[0, 0], [0.01, 5e3]]\nclearance = 0.02\nbeyond = \"hold\"");
+    for (x, force) in [(0.025, 2500.0), (0.5, 5e3), (-0.5, -5e3), (0.01, 0.0)] {
+        assert!((tension(stop.as_ref(), x, 0.0, &[]) - force).abs() < 1e-9, "{x}: {}", tension(stop.as_ref(), x, 0.0, &[]));
+    }
+    assert_eq!(stop.free_travel(), Some([-0.02, 0.02]));
+    // In series with a spring the mirrored table is the whole one.
+    let [mirrored, whole] = ["[[0, 0], [0.1, 5e3], [1, 9e3]]\nodd = true", "[[-1, -9e3], [-0.1, -5e3], [0, 0], [0.1, 5e3], [1, 9e3]]"]
+        .map(|table| along_x(&format!("kind = \"maxwell_damper\"\nstiffness = 1e6\nforce_over_speed = {table}")));
+    for x in [-0.02, -0.004, 0.004, 0.02] {
+        let bodies = motions(&[x, 0.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6]);
+        assert_eq!(apply(mirrored.as_ref(), &bodies, &[0.0]).1, apply(whole.as_ref(), &bodies, &[0.0]).1);
+    }
 }
 
 #[test]

@@ -50,8 +50,14 @@ fn analytic_mass_on_maxwell_dampers_moves_as_its_equations_say() {
         &Place::along(Vector3::zeros(), &Vector3::x()),
         &Place::along(Vector3::zeros(), &Vector3::x()),
     );
-    let guided =
-        System { bodies: vec![brick(mass, 1.0, 1.0, 1.0)], forces: maxwell(), drives: vec![], joints: vec![rail], redundant: vec![] };
+    let guided = System {
+        bodies: vec![brick(mass, 1.0, 1.0, 1.0)],
+        forces: maxwell(),
+        drives: vec![],
+        supported: vec![],
+        joints: vec![rail],
+        redundant: vec![],
+    };
     let (free, guided) = (body.run(&start, 0.1, 1e-11), Mechanism::of(guided).run(&start, 0.1, 1e-11));
     assert!((0..14).all(|i| (free[i] - guided[i]).abs() < 1e-10));
 }

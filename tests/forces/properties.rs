@@ -126,7 +126,7 @@ fn prop_each_element_pays_its_energy_bill() {
     };
     let elements: Vec<Box<dyn ForceElement>> = vec![
         Box::new(Gravity { body: 0, mass: 12.0, acceleration: 9.81, grade: 0.03 }),
-        Box::new(VerticalLoad { body: 0, force: 500.0 }),
+        Box::new(VerticalLoad::new(0, 500.0, 9.81, 0.0)),
         Box::new(spring(TrackAxis::Longitudinal, 1.0)),
         Box::new(spring(TrackAxis::Lateral, -1.0)),
     ];

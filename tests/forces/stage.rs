@@ -84,7 +84,7 @@ pub struct Mechanism {
 
 impl Mechanism {
     pub fn new(bodies: Vec<Body>, forces: Vec<Box<dyn ForceElement>>) -> Self {
-        Self::of(System { bodies, forces, drives: Vec::new(), joints: Vec::new(), redundant: Vec::new() })
+        Self::of(System { bodies, forces, drives: Vec::new(), supported: Vec::new(), joints: Vec::new(), redundant: Vec::new() })
     }
 
     pub fn of(system: System) -> Self {

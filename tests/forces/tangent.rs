@@ -121,7 +121,8 @@ fn analytic_changes_of_every_element_match_differences() {
         let stage = stage(mirror);
         walk(&stage, |element, case| {
             let bodies = kinds.map(|kind| pair()[kind].clone()).to_vec();
-            let system = System { bodies, forces: vec![element.clone_box()], drives: vec![], joints: vec![], redundant: vec![] };
+            let system =
+                System { bodies, forces: vec![element.clone_box()], drives: vec![], supported: vec![], joints: vec![], redundant: vec![] };
             let q = case.coordinates(&stage);
             let still = changes(&system, &[q.clone(), vec![0.0; q.len()], case.state.clone()].concat());
             let error = worst(&system, &still, 0..q.len());
@@ -161,7 +162,14 @@ fn analytic_changes_of_a_guided_spring_match_differences() {
     let y = [3.0, 0.01, 0.46, 0.04, -0.02, 30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     for axis in [TrackAxis::Longitudinal, TrackAxis::Lateral] {
         let forces: Vec<Box<dyn ForceElement>> = vec![Box::new(spring(axis))];
-        let system = System { bodies: vec![wheelset(1500.0, 800.0, 120.0)], forces, drives: vec![], joints: vec![], redundant: vec![] };
+        let system = System {
+            bodies: vec![wheelset(1500.0, 800.0, 120.0)],
+            forces,
+            drives: vec![],
+            supported: vec![],
+            joints: vec![],
+            redundant: vec![],
+        };
         let error = worst(&system, &changes(&system, &y), 0..12);
         assert!(error < 1e-6, "{axis:?}: {error:.1e}");
     }
@@ -171,7 +179,7 @@ fn analytic_changes_of_a_guided_spring_match_differences() {
 #[test]
 fn analytic_spin_is_in_the_changes() {
     let bodies = vec![wheelset(1500.0, 800.0, 120.0)];
-    let system = System { bodies, forces: vec![], drives: vec![], joints: vec![], redundant: vec![] };
+    let system = System { bodies, forces: vec![], drives: vec![], supported: vec![], joints: vec![], redundant: vec![] };
     let mut workspace = system.workspace(&[]);
     let y = [0.0, 0.0, 0.46, 0.03, -0.05, 7.0, 20.0, 0.1, 0.0, 0.4, -0.3, 43.0];
     // A force and moment that follow displacement, rotation, velocity and angular velocity in the world.
@@ -313,6 +321,7 @@ fn mechanism(links: usize, closed: bool) -> (System, Vec<f64>) {
             to: Attachment::on(k, Vector3::new(-0.05, 0.0, 0.1)),
             design_vector: Vector3::zeros(),
             preload: Vector3::new(10.0, 20.0, -5.0),
+            balanced: false,
             stiffness: Vector3::from_fn(|_, _| 1e3 * (1.5 + random.next())),
             damping: Vector3::from_fn(|_, _| 10.0 * (1.5 + random.next())),
             rotational_stiffness: Vector3::from_fn(|_, _| 10.0 * (1.5 + random.next())),
@@ -335,7 +344,7 @@ fn mechanism(links: usize, closed: bool) -> (System, Vec<f64>) {
         (x, z) = (x + 0.1 * angle.cos(), z - 0.1 * angle.sin());
     }
     y.resize(2 * y.len(), 0.0);
-    (System { bodies, forces, drives: vec![], joints, redundant }, y)
+    (System { bodies, forces, drives: vec![], supported: vec![], joints, redundant }, y)
 }
 
 /// The solution against one of the whole dense matrix: constraints project J's rows of accelerations.

@@ -70,24 +70,45 @@ fn curvature(section: &Section) -> Result<f64, SettingsError> {
     Err(section.error(key, format!("found a radius of {:.3} m, expected at least {TIGHTEST} m", 1.0 / curvature)))
 }
 
-/// Angle of the cant, rad, from a height or an angle.
+/// Angle of the cant, rad, from a height or an angle, under either of its names. A number other than zero must say which of both it is: 0.08
+/// is 80 mm (3.06 deg on a base of 1.5 m) or 0.08 rad (4.58 deg).
 fn superelevation(section: &Section, base: f64) -> Result<f64, SettingsError> {
-    const KEY: &str = "superelevation";
+    const KEYS: [&str; 2] = ["superelevation", "cant"];
+    let key = match KEYS.map(|key| section.has(key)) {
+        [true, true] => {
+            return Err(section.error("cant", "is another name of superelevation, which stands beside it; expected one of them"));
+        }
+        [_, true] => KEYS[1],
+        _ => KEYS[0],
+    };
+    let given = section.text(key);
     let is_angle = |text: &str| Dimension::Length.parse(text).is_none() && Dimension::Angle.parse(text).is_some();
-    let angle = if section.text(KEY).is_ok_and(|text| is_angle(&text)) {
-        section.number(KEY, Dimension::Angle)?
+    let angle = if given.as_ref().is_ok_and(|text| is_angle(text)) {
+        section.number(key, Dimension::Angle)?
     } else {
-        (section.number_or(KEY, Dimension::Length, 0.0)? / base).asin()
+        let height = section.number_or(key, Dimension::Length, 0.0)?;
+        let bare = given.map_or(true, |text| text.trim().parse::<f64>().is_ok());
+        if bare && height != 0.0 {
+            let (millimetres, degrees) = ((1e9 * height).round() / 1e6, height.to_degrees());
+            let problem = format!(
+                "found {height:?} without a unit, which may be a height or an angle; expected one of \"{millimetres} mm\" (of one rail over the other) and \"{height:?} rad\" ({degrees:.2} deg)"
+            );
+            return Err(section.error(key, problem));
+        }
+        (height / base).asin()
     };
     if angle.abs() <= STEEPEST {
         return Ok(angle);
     }
     let expected = format!("at most {:.3} m or {STEEPEST} rad either way", base * STEEPEST.sin());
-    Err(section.error(KEY, format!("one rail would stand too high over the other; expected {expected}, a height or an angle (\"2 deg\")")))
+    Err(section.error(key, format!("one rail would stand too high over the other; expected {expected}, a height or an angle (\"2 deg\")")))
 }
 
-/// Angle of the grade, rad, from a slope or an angle.
-fn grade(section: &Section) -> Result<f64, SettingsError> {
+/// Angle of the `grade` of a section, rad, from a slope or an angle.
+///
+/// # Errors
+/// [`SettingsError`] with file and line.
+pub fn grade(section: &Section) -> Result<f64, SettingsError> {
     const KEY: &str = "grade";
     let is_angle = |text: &str| Dimension::None.parse(text).is_none() && Dimension::Angle.parse(text).is_some();
     let angle = match section.text(KEY) {
@@ -118,7 +139,7 @@ mod tests {
             "smoothing = \"30 ft\"\nsuperelevation_about = \"low_rail\"\n",
             "[[node]]\ndistance = 0\n",
             "[[node]]\ndistance = \"100 ft\"\ncurvature = \"3 deg\"\nsuperelevation = \"-3 in\"\ngrade = \"1 %\"\n",
-            "[[node]]\ndistance = \"1 km\"\nradius = \"-500 m\"\nsuperelevation = \"2 deg\"\ngrade = \"0.5 deg\"\n",
+            "[[node]]\ndistance = \"1 km\"\nradius = \"-500 m\"\ncant = \"2 deg\"\ngrade = \"0.5 deg\"\n",
             "[[node]]\ndistance = 2000.0\nradius = inf\ngrade = 0.01\n",
             "[[node]]\ndistance = 3000.0\ncurvature = \"0.001 1/m\"\n",
         ));
@@ -154,6 +175,18 @@ mod tests {
         assert!(message("[[node]]\ndistance = 0\nradius = 5\n").starts_with("a.toml:3: node[1].radius: found a radius of 5.000 m"));
         assert!(message("[[node]]\ndistance = 0\nradius = 0\n").starts_with("a.toml:3: node[1].radius"));
         assert!(message("[[node]]\ndistance = 0\ngrade = \"50 %\"\n").starts_with("a.toml:3: node[1].grade"));
+        // 0.08 alone has two meanings, and both are shown; zero has one.
+        for key in ["superelevation", "cant"] {
+            for (number, both) in [("0.08", ["\"80 mm\"", "\"0.08 rad\""]), ("\"-0.053\"", ["\"-53 mm\"", "\"-0.053 rad\""])] {
+                let found = message(&format!("[[node]]\ndistance = 0\n{key} = {number}\n"));
+                assert!(
+                    found.starts_with(&format!("a.toml:3: node[1].{key}: found")) && both.iter().all(|way| found.contains(way)),
+                    "{found}"
+                );
+            }
+            assert!(read(&format!("[[node]]\ndistance = 0\n{key} = 0\n[[node]]\ndistance = 1\n{key} = 0.0\n")).is_ok());
+        }
+        assert!(message("[[node]]\ndistance = 0\ncant = \"1 deg\"\nsuperelevation = \"1 deg\"\n").contains("cant: is another name"));
         assert!(message("[[node]]\ndistance = 0\nsuperelevation = \"2 m\"\n").starts_with("a.toml:3: node[1].superelevation"));
         assert!(
             message("[[node]]\ndistance = 0\ncurvature = \"3 ft\"\n").contains("expected a number in 1/m; a string may carry 1/km, deg")

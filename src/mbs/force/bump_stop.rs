@@ -3,6 +3,7 @@
 //! The law is that of [`super::stop`], the same on both sides. A table may hold the clearance itself (as that of the
 //! Manchester vehicle's lateral stop does: no force up to 25 mm), or count from where the stop touches.
 
+use super::curve::Outside;
 use super::line::{LineElement, Span};
 use super::stop::{Stop, options, side};
 use super::{ForceElement, Parse, Places};
@@ -14,7 +15,8 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     let sides = section.word_or("sides", &["both", "extension", "compression"], "both")?;
     let (rounding, damping) = options(section)?;
     let clearance = if section.has("clearance") { section.not_negative("clearance", Dimension::Length)? } else { 0.0 };
-    let curve = side(section, "force_over_displacement", "stiffness", clearance, rounding)?;
+    let outside = Outside::stop(section, &["force_over_displacement"])?;
+    let curve = side(section, ("force_over_displacement", "stiffness"), clearance, rounding, &outside)?;
     let on = |other: &str| (sides != other).then(|| curve.clone());
     let law = Stop { extension: on("compression"), compression: on("extension"), damping };
     Ok(Box::new(LineElement { name: places.name(section)?, span, law }))

@@ -11,7 +11,7 @@
 //!
 //! The power of all four is `-f . d' - m . w`, and `dV/dt = (f0 + k d) . d' + K t . t'` is just its conservative part,
 //! so nothing is lost or gained at large angles. f0 is the preload, the force in the design configuration; its sign
-//! is that of a tension along the positive axis.
+//! is that of a tension along the positive axis. `preload = "static"`: the preload that balance asks for in the design configuration.
 
 use super::attachment::Attachment;
 use super::line::ends;
@@ -34,6 +34,8 @@ pub struct Bushing {
     pub design_vector: Vector3<f64>,
     /// f0, N.
     pub preload: Vector3<f64>,
+    /// Is the preload to be found from balance?
+    pub balanced: bool,
     /// k, N/m, and c, N s/m.
     pub stiffness: Vector3<f64>,
     pub damping: Vector3<f64>,
@@ -150,6 +152,14 @@ impl ForceElement for Bushing {
         None
     }
 
+    fn static_stiffness(&self) -> Vec<f64> {
+        if self.balanced { self.stiffness.iter().copied().collect() } else { Vec::new() }
+    }
+
+    fn set_preload(&mut self, index: usize, force: f64) {
+        self.preload[index] = force;
+    }
+
     fn quantities(&self) -> &'static [Quantity] {
         &QUANTITIES
     }
@@ -191,7 +201,8 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
         }
         Ok(values.into())
     };
-    let mut preload = Vector3::from(section.triple_or("preload", Dimension::Force, [0.0; 3])?);
+    let balanced = super::static_preload(section)?;
+    let mut preload = if balanced { Vector3::zeros() } else { section.triple_or("preload", Dimension::Force, [0.0; 3])?.into() };
     preload.y *= places.mirror();
     let bushing = Bushing {
         name: places.name(section)?,
@@ -199,6 +210,7 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
         to,
         design_vector: places.design_vector(&from, &to),
         preload,
+        balanced,
         stiffness: constants("stiffness", Dimension::Stiffness)?,
         damping: constants("damping", Dimension::Damping)?,
         rotational_stiffness: constants("rotational_stiffness", Dimension::RotationalStiffness)?,
@@ -206,6 +218,9 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     };
     if bushing.stiffness == Vector3::zeros() && bushing.damping == Vector3::zeros() && !bushing.turns() {
         return Err(section.error("stiffness", "a bushing needs a stiffness or damping: three numbers, for x, y and z"));
+    }
+    if balanced && bushing.stiffness == Vector3::zeros() {
+        return Err(section.error("preload", "\"static\" needs a stiffness that carries"));
     }
     Ok(Box::new(bushing))
 }

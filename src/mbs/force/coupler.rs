@@ -5,6 +5,7 @@
 //! [`super::stop`]. The loss of a friction draft gear, whose force at return is a fixed part of that at loading, is
 //! only met on average by that law's damping, which grows with speed.
 
+use super::curve::Outside;
 use super::line::{LineElement, Span};
 use super::stop::{Stop, options, side};
 use super::{ForceElement, Parse, Places};
@@ -15,9 +16,10 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     let span = Span::parse(section, places)?;
     let (rounding, damping) = options(section)?;
     let free = if section.has("slack") { 0.5 * section.not_negative("slack", Dimension::Length)? } else { 0.0 };
+    let outside = Outside::stop(section, &["draw_force_over_displacement", "buffer_force_over_displacement"])?;
     let law = Stop {
-        extension: Some(side(section, "draw_force_over_displacement", "draw_stiffness", free, rounding)?),
-        compression: Some(side(section, "buffer_force_over_displacement", "buffer_stiffness", free, rounding)?),
+        extension: Some(side(section, ("draw_force_over_displacement", "draw_stiffness"), free, rounding, &outside)?),
+        compression: Some(side(section, ("buffer_force_over_displacement", "buffer_stiffness"), free, rounding, &outside)?),
         damping,
     };
     Ok(Box::new(LineElement { name: places.name(section)?, span, law }))

@@ -7,7 +7,8 @@
 //! ramp(u) = 0 below -r,  (u + r)^2 / 4 r within,  u above r
 //! ```
 //!
-//! The first and last slope go on outside. A rounded corner is the mean of the sharp one over x - r .. x + r, so F
+//! Outside of the points the first and last slope go on, or (`beyond = "hold"`) the first and last force hold. A table that is given `odd = true`
+//! has its points at x >= 0 alone and F(-x) = -F(x). A rounded corner is the mean of the sharp one over x - r .. x + r, so F
 //! stays monotone if the table is; it is shifted by a constant so that F(0) is the table's. Without rounding F has
 //! corners (and an integrator with error control steps shorter there).
 
@@ -23,6 +24,8 @@ pub struct Curve {
     ramps_at_zero: f64,
     corners: Vec<Corner>,
     rounding: f64,
+    /// What it was read from; `None` where nothing was.
+    pub table: Option<Table>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +59,7 @@ fn ramp_integral(u: f64, r: f64) -> f64 {
 impl Curve {
     /// `F = slope x`.
     pub fn linear(slope: f64) -> Self {
-        Curve { force_at_zero: 0.0, slope, ramps_at_zero: 0.0, corners: Vec::new(), rounding: 0.0 }
+        Curve { force_at_zero: 0.0, slope, ramps_at_zero: 0.0, corners: Vec::new(), rounding: 0.0, table: None }
     }
 
     /// Through points [x, F] with x increasing; `None` unless there are two or more of them.
@@ -73,7 +76,12 @@ impl Curve {
         let sharp_at_zero: f64 = corners.iter().map(|corner| corner.change * ramp(-corner.at, 0.0)).sum();
         let ramps_at_zero = corners.iter().map(|corner| corner.change * ramp(-corner.at, rounding)).sum();
         let force_at_zero = points[0][1] - slopes[0] * points[0][0] + sharp_at_zero;
-        Some(Curve { force_at_zero, slope: slopes[0], ramps_at_zero, corners, rounding })
+        Some(Curve { force_at_zero, slope: slopes[0], ramps_at_zero, corners, rounding, table: None })
+    }
+
+    /// The same, read from a table.
+    pub(super) fn of(self, table: Option<Table>) -> Self {
+        Curve { table, ..self }
     }
 
     /// The first place where the slope changes.
@@ -165,19 +173,107 @@ pub(super) fn points(section: &Section, key: &'static str, x: Dimension, shape: 
     }
 }
 
+/// What a table says beyond its points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beyond {
+    /// The last force.
+    Hold,
+    /// The last slope.
+    Slope,
+}
+
+/// Range of a table of forces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Table {
+    pub key: &'static str,
+    /// m or m/s.
+    pub unit: &'static str,
+    /// First and last x.
+    pub from: f64,
+    pub to: f64,
+    pub beyond: Beyond,
+    /// Its points are on one side of zero alone, and nothing says how it goes on on the other one.
+    pub one_sided: bool,
+}
+
+/// How a section's tables go on: `odd` and `beyond`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Outside {
+    odd: bool,
+    pub beyond: Beyond,
+}
+
+impl Outside {
+    /// Reads `odd` and `beyond`, which serve all tables of the section.
+    pub fn parse(section: &Section, tables: &[&'static str]) -> Result<Outside, SettingsError> {
+        let lonely = ["odd", "beyond"].into_iter().find(|key| section.has(key) && !tables.iter().any(|table| section.has(table)));
+        if let Some(key) = lonely {
+            return Err(section.error(key, format!("serves nothing without a table ({})", tables.join(", "))));
+        }
+        let beyond = match section.word_or("beyond", &["hold", "slope"], "slope")? {
+            "hold" => Beyond::Hold,
+            _ => Beyond::Slope,
+        };
+        Ok(Outside { odd: section.flag_or("odd", false)?, beyond })
+    }
+
+    /// Reads `beyond` of a stop, which has its sides by itself: `odd` is not one of its keys.
+    pub fn stop(section: &Section, tables: &[&'static str]) -> Result<Outside, SettingsError> {
+        if section.has("odd") {
+            return Err(section.error("odd", "serves nothing here: a stop's table holds on every side that it stops"));
+        }
+        Outside::parse(section, tables)
+    }
+
+    /// The points with their mirror image, where the section says so.
+    fn complete(&self, section: &Section, key: &'static str, points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, SettingsError> {
+        if !self.odd {
+            return Ok(points);
+        }
+        if points.first() != Some(&[0.0, 0.0]) {
+            return Err(section
+                .error(key, "with odd = true the table is given from [0, 0] on, for x > 0 alone; the other side is its mirror image"));
+        }
+        let mirrored = points[1..].iter().rev().map(|[x, force]| [-x, -force]);
+        Ok(mirrored.chain(points.iter().copied()).collect())
+    }
+
+    /// Points that make the ends hold: one more on each side, at the same force.
+    pub fn ends(&self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let (Beyond::Hold, Some(first), Some(last)) = (self.beyond, points.first(), points.last()) else { return points.to_vec() };
+        let (before, after) = ([first[0] - 1.0, first[1]], [last[0] + 1.0, last[1]]);
+        std::iter::once(before).chain(points.iter().copied()).chain([after]).collect()
+    }
+}
+
+/// Reads a whole table with its sides: the points [`points`] returns, mirrored where they are to be, and their range.
+pub(super) fn sided(
+    section: &Section,
+    key: &'static str,
+    x: Dimension,
+    shape: Shape,
+    outside: &Outside,
+) -> Result<(Vec<[f64; 2]>, Table), SettingsError> {
+    let points = outside.complete(section, key, points(section, key, x, shape)?)?;
+    let (from, to) = (points[0][0], points[points.len() - 1][0]);
+    let unit = if x == Dimension::Speed { "m/s" } else { "m" };
+    Ok((points, Table { key, unit, from, to, beyond: outside.beyond, one_sided: from >= 0.0 || to <= 0.0 }))
+}
+
 /// Reads the table at `table`, or the slope at `slope`; `None` when neither is given.
 pub(super) fn parse(
     section: &Section,
     (table, x): (&'static str, Dimension),
     (slope, unit): (&'static str, Dimension),
-    shape: Shape,
+    (shape, outside): (Shape, &Outside),
     rounding: f64,
 ) -> Result<Option<Curve>, SettingsError> {
     match (section.has(table), section.has(slope)) {
         (true, true) => Err(section.error(table, format!("says again what \"{slope}\" says; give one of them"))),
         (true, false) => {
-            let points = points(section, table, x, shape)?;
-            Curve::new(&points, rounding).map(Some).ok_or_else(|| section.error(table, "expected two or more points"))
+            let (points, range) = sided(section, table, x, shape, outside)?;
+            let curve = Curve::new(&outside.ends(&points), rounding).ok_or_else(|| section.error(table, "expected two or more points"))?;
+            Ok(Some(curve.of(Some(range))))
         }
         (false, true) => Ok(Some(Curve::linear(section.not_negative(slope, unit)?))),
         (false, false) => Ok(None),

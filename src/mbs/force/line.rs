@@ -15,6 +15,7 @@
 //! Displacement x = L - L0 where L0 is the length in the design configuration, tension positive.
 
 use super::attachment::{Attachment, Places, axis};
+use super::curve::Table;
 use super::{ForceElement, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
@@ -157,6 +158,28 @@ pub trait LineLaw: Clone + Send + Sync + std::fmt::Debug + 'static {
 
     /// W, not negative.
     fn dissipated_power(&self, x: f64, rate: f64, state: &[f64]) -> f64;
+
+    /// Its tables.
+    fn tables(&self) -> Vec<Table> {
+        Vec::new()
+    }
+
+    /// Where it is in one of them.
+    fn table_argument(&self, _table: usize, _x: f64, _rate: f64, _state: &[f64]) -> f64 {
+        0.0
+    }
+
+    /// Displacements between which a stop is free, m.
+    fn free_travel(&self) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// See [`ForceElement::static_stiffness`].
+    fn static_stiffness(&self) -> Option<f64> {
+        None
+    }
+
+    fn set_preload(&mut self, _force: f64) {}
 }
 
 /// A force element of one scalar law.
@@ -241,6 +264,27 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
 
     fn scalar_force(&self, bodies: &[BodyMotion], state: &[f64]) -> Option<f64> {
         Some(self.tension(bodies, state))
+    }
+
+    fn tables(&self) -> Vec<Table> {
+        self.law.tables()
+    }
+
+    fn table_argument(&self, table: usize, bodies: &[BodyMotion], state: &[f64]) -> f64 {
+        let stretch = self.span.stretch(bodies);
+        self.law.table_argument(table, stretch.displacement, stretch.rate, state)
+    }
+
+    fn free_travel(&self) -> Option<[f64; 2]> {
+        self.law.free_travel()
+    }
+
+    fn static_stiffness(&self) -> Vec<f64> {
+        self.law.static_stiffness().into_iter().collect()
+    }
+
+    fn set_preload(&mut self, _: usize, force: f64) {
+        self.law.set_preload(force);
     }
 
     fn quantities(&self) -> &'static [Quantity] {

@@ -9,7 +9,7 @@
 //! Under x = X exp(i w t) the linear law gives `T = k c i w / (k + c i w) X`: a damper c below k/c [rad/s], a spring k
 //! above. An explicit integrator's step is bound by c/k (4 to 7 ms for the vertical dampers of a passenger coach).
 
-use super::curve::{Curve, Shape, points};
+use super::curve::{Beyond, Curve, Outside, Shape, Table, sided};
 use super::line::{LineElement, LineLaw, Slopes, Span};
 use super::{ForceElement, Parse, Places};
 use crate::settings::{Entry, Section, SettingsError};
@@ -58,6 +58,14 @@ impl LineLaw for MaxwellDamper {
         0.5 * self.stiffness * (x - state[0]) * (x - state[0])
     }
 
+    fn tables(&self) -> Vec<Table> {
+        self.speed.table.into_iter().collect()
+    }
+
+    fn table_argument(&self, _: usize, x: f64, _: f64, state: &[f64]) -> f64 {
+        self.speed.force(self.tension(x, 0.0, state))
+    }
+
     fn dissipated_power(&self, x: f64, _: f64, state: &[f64]) -> f64 {
         let tension = self.tension(x, 0.0, state);
         tension * self.speed.force(tension)
@@ -66,13 +74,19 @@ impl LineLaw for MaxwellDamper {
 
 fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
     let span = Span::parse(section, places)?;
+    let outside = Outside::parse(section, &["force_over_speed"])?;
     let speed = if section.has("force_over_speed") {
         if section.has("damping") {
             return Err(section.error("force_over_speed", "says again what \"damping\" says; give one of them"));
         }
-        let points = points(section, "force_over_speed", Dimension::Speed, Shape::Invertible)?;
+        if outside.beyond == Beyond::Hold {
+            let problem = "\"hold\" leaves the speed open at the last force (the damper's speed follows from its force); expected \"slope\", with a last stretch that rises little";
+            return Err(section.error("beyond", problem));
+        }
+        let (points, table) = sided(section, "force_over_speed", Dimension::Speed, Shape::Invertible, &outside)?;
         let inverse: Vec<[f64; 2]> = points.iter().map(|[speed, force]| [*force, *speed]).collect();
-        Curve::new(&inverse, 0.0).ok_or_else(|| section.error("force_over_speed", "expected two or more points"))?
+        let curve = Curve::new(&inverse, 0.0).ok_or_else(|| section.error("force_over_speed", "expected two or more points"))?;
+        curve.of(Some(table))
     } else {
         Curve::linear(1.0 / section.positive("damping", Dimension::Damping)?)
     };

@@ -26,7 +26,7 @@ mod stop;
 pub use anti_roll_bar::AntiRollBar;
 pub use attachment::{Attachment, Places};
 pub use bushing::Bushing;
-pub use curve::Curve;
+pub use curve::{Beyond, Curve, Table};
 pub use dry_friction::DryFriction;
 pub use gravity::Gravity;
 pub use guided_spring::{GuidedSpring, TrackAxis};
@@ -87,6 +87,29 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
         0.0
     }
 
+    /// The tables of force over length or speed that it follows.
+    fn tables(&self) -> Vec<Table> {
+        Vec::new()
+    }
+
+    /// Where it is in the table at an index of [`ForceElement::tables`], m or m/s.
+    fn table_argument(&self, _table: usize, _bodies: &[BodyMotion], _state: &[f64]) -> f64 {
+        0.0
+    }
+
+    /// Elongations between which a stop is free, m.
+    fn free_travel(&self) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// Stiffness along each preload that balance is to find (`preload = "static"`), N/m; empty where the preload is given.
+    fn static_stiffness(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Sets the preload at an index of [`ForceElement::static_stiffness`], N.
+    fn set_preload(&mut self, _index: usize, _force: f64) {}
+
     /// [`ForceElement::apply`] on a curved track, with the stations by body; for elements that follow the track frame.
     fn apply_on_track(&self, bodies: &[BodyMotion], _stations: &[Station], state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
         self.apply(bodies, state, rates, wrenches);
@@ -139,6 +162,19 @@ pub enum QuantityKind {
     Angle,
 }
 
+/// Is `preload = "static"` given?
+fn static_preload(section: &Section) -> Result<bool, SettingsError> {
+    match section.text("preload") {
+        Ok(text) if text == "static" => Ok(true),
+        // Any other word is an error, unless it is a number with a unit.
+        Ok(text) if crate::units::Dimension::Force.parse(&text).is_none() => {
+            Err(section
+                .error("preload", format!("found \"{text}\", expected a force in N (\"12 kN\") or \"static\": what balance asks for")))
+        }
+        _ => Ok(false),
+    }
+}
+
 /// Reads an element from its section of a scene (`from`, `to` and its own keys).
 pub type Parse = fn(&Section, &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError>;
 
@@ -156,7 +192,7 @@ pub static REGISTRY: &[Entry<Parse>] = &[
 /// The kinds of force element that templates place by themselves, for `wheelrail list`.
 pub static KINDS: &[(&str, &str)] = &[
     ("gravity", "weight of a body"),
-    ("vertical_load", "constant vertical force on a body's centre"),
+    ("vertical_load", "weight of what rests on a wheelset, with its centrifugal force and its inertia along the track"),
     ("guided_spring", "linear spring and damper along one track axis, to a frame that travels on the centre line"),
 ];
 

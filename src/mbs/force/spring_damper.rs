@@ -2,9 +2,9 @@
 //!
 //! F_k and F_c are linear (k x, c x') or piecewise linear. x counts from the design configuration, or from the
 //! natural length where that is given (then without preload): `T = F_k(L - natural length)`. A traction rod is such an
-//! element, between places on two bodies.
+//! element, between places on two bodies. `preload = "static"`: the preload that balance asks for in the design configuration.
 
-use super::curve::{Curve, Shape, parse as parse_curve};
+use super::curve::{Curve, Outside, Shape, Table, parse as parse_curve};
 use super::line::{LineElement, LineLaw, Slopes, Span};
 use super::{ForceElement, Parse, Places};
 use crate::settings::{Entry, Section, SettingsError};
@@ -15,6 +15,8 @@ use crate::units::Dimension;
 pub struct SpringDamper {
     /// N at zero displacement, tension positive.
     pub preload: f64,
+    /// Is the preload to be found from balance?
+    pub balanced: bool,
     /// Displacement from the natural length in the design configuration, m; zero where a preload is stated.
     pub offset: f64,
     /// N over m.
@@ -40,6 +42,22 @@ impl LineLaw for SpringDamper {
     fn dissipated_power(&self, _: f64, rate: f64, _: &[f64]) -> f64 {
         self.damper.force(rate) * rate
     }
+
+    fn tables(&self) -> Vec<Table> {
+        [&self.spring, &self.damper].into_iter().filter_map(|curve| curve.table).collect()
+    }
+
+    fn table_argument(&self, table: usize, x: f64, rate: f64, _: &[f64]) -> f64 {
+        if table == 0 && self.spring.table.is_some() { x + self.offset } else { rate }
+    }
+
+    fn static_stiffness(&self) -> Option<f64> {
+        self.balanced.then(|| self.spring.slope(self.offset))
+    }
+
+    fn set_preload(&mut self, force: f64) {
+        self.preload = force;
+    }
 }
 
 fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
@@ -49,23 +67,29 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     if rounding < 0.0 || speed_rounding < 0.0 {
         return Err(section.error("rounding", "must not be negative"));
     }
-    let spring = parse_curve(section, ("force_over_length", Dimension::Length), ("stiffness", Dimension::Stiffness), Shape::Any, rounding)?;
-    let damper =
-        parse_curve(section, ("force_over_speed", Dimension::Speed), ("damping", Dimension::Damping), Shape::Passive, speed_rounding)?;
+    let outside = Outside::parse(section, &["force_over_length", "force_over_speed"])?;
+    let (lengths, speeds) = (("force_over_length", Dimension::Length), ("force_over_speed", Dimension::Speed));
+    let spring = parse_curve(section, lengths, ("stiffness", Dimension::Stiffness), (Shape::Any, &outside), rounding)?;
+    let damper = parse_curve(section, speeds, ("damping", Dimension::Damping), (Shape::Passive, &outside), speed_rounding)?;
     if spring.is_none() && damper.is_none() {
         return Err(section.error("stiffness", "an element needs a stiffness or damping (or a table of force over length or speed)"));
     }
-    let preload = section.optional("preload", Dimension::Force)?;
+    let balanced = super::static_preload(section)?;
+    let preload = if balanced { Some(0.0) } else { section.optional("preload", Dimension::Force)? };
     let natural = section.optional("natural_length", Dimension::Length)?;
     if preload.is_some() && natural.is_some() {
         return Err(section.error("natural_length", "says again what \"preload\" says; give one of them"));
     }
     let law = SpringDamper {
         preload: preload.unwrap_or(0.0),
+        balanced,
         offset: natural.map_or(0.0, |natural| span.design_length - natural),
         spring: spring.unwrap_or_else(|| Curve::linear(0.0)),
         damper: damper.unwrap_or_else(|| Curve::linear(0.0)),
     };
+    if balanced && !(law.spring.slope(0.0) > 0.0) {
+        return Err(section.error("preload", "\"static\" needs a spring that carries: a stiffness, or a table that rises at zero"));
+    }
     Ok(Box::new(LineElement { name: places.name(section)?, span, law }))
 }
 

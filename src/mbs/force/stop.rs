@@ -9,7 +9,7 @@
 //! with a piecewise linear f that vanishes within the clearance. The damping (b, s/m) rises with the force, so that T
 //! is continuous where the stop touches, and the stop never pulls. Dissipated: `(|T| - f) u'`, never negative.
 
-use super::curve::{Curve, Shape, points};
+use super::curve::{Curve, Outside, Shape, Table, sided};
 use super::line::{LineLaw, Slopes};
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
@@ -54,6 +54,20 @@ impl LineLaw for Stop {
         curve.as_ref().map_or(0.0, |curve| curve.energy(x.abs()))
     }
 
+    fn tables(&self) -> Vec<Table> {
+        [&self.extension, &self.compression].into_iter().filter_map(|curve| curve.as_ref()?.table).collect()
+    }
+
+    fn table_argument(&self, table: usize, x: f64, _: f64, _: &[f64]) -> f64 {
+        let first = self.extension.as_ref().is_some_and(|curve| curve.table.is_some());
+        if table == 0 && first { x } else { -x }
+    }
+
+    fn free_travel(&self) -> Option<[f64; 2]> {
+        let free = |curve: &Option<Curve>| curve.as_ref().and_then(Curve::first_corner).unwrap_or(f64::INFINITY);
+        Some([-free(&self.compression), free(&self.extension)])
+    }
+
     fn dissipated_power(&self, x: f64, rate: f64, _: &[f64]) -> f64 {
         let (force, _, rate) = self.side(x, rate);
         force * ((1.0 + self.damping * rate).max(0.0) - 1.0) * rate
@@ -63,14 +77,20 @@ impl LineLaw for Stop {
 /// Reads one side: a table of force over displacement beyond the clearance, or a stiffness.
 pub(super) fn side(
     section: &Section,
-    table: &'static str,
-    stiffness: &'static str,
+    (table, stiffness): (&'static str, &'static str),
     clearance: f64,
     rounding: f64,
+    outside: &Outside,
 ) -> Result<Curve, SettingsError> {
+    let mut range = None;
     let beyond = match (section.has(table), section.has(stiffness)) {
         (true, true) => return Err(section.error(table, format!("says again what \"{stiffness}\" says; give one of them"))),
-        (true, false) => points(section, table, Dimension::Length, Shape::Stop)?,
+        (true, false) => {
+            let (points, read) = sided(section, table, Dimension::Length, Shape::Stop, outside)?;
+            // On the other side it is free.
+            range = Some(Table { from: f64::NEG_INFINITY, to: read.to + clearance, one_sided: false, ..read });
+            outside.ends(&points).split_off(usize::from(outside.beyond == super::curve::Beyond::Hold))
+        }
         (false, _) => vec![[0.0, 0.0], [1.0, section.positive(stiffness, Dimension::Stiffness)?]],
     };
     // Free from some place on the other side of the middle.
@@ -81,7 +101,7 @@ pub(super) fn side(
         let problem = "must not be larger than the free travel, so that the stop is free in the middle";
         return Err(section.error("rounding", problem));
     }
-    Ok(curve)
+    Ok(curve.of(range))
 }
 
 /// Reads `rounding` and `damping`.

@@ -98,6 +98,10 @@ impl Tangent {
         for (mobility, (body, motion)) in self.mobility.iter_mut().zip(system.bodies.iter().zip(motions)) {
             *mobility = body.mobility(motion);
         }
+        for supported in &system.supported {
+            let body = supported.body;
+            supported.slow_down(system.bodies[body].mass, workspace.stations.get(body), &mut self.mobility[body]);
+        }
         for drive in &system.drives {
             drive.immobilise(&mut self.mobility[drive.body], &workspace.stations);
         }

@@ -1,13 +1,14 @@
 //! Bodies, forces and joints of a vehicle, whatever template it comes from.
 
 use super::suspended::{SuspensionSpec, WheelsetSpec};
-use super::{FreeVehicle, VehicleSpec};
+use super::{FreeVehicle, VehicleSpec, static_preload};
 use crate::formulation::{AssemblyError, Wheelset};
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
 use crate::mbs::body::Body;
 use crate::mbs::force::{ForceElement, Gravity, GuidedSpring, TrackAxis, VerticalLoad};
 use crate::mbs::inertia::Inertia;
+use crate::mbs::supported::SupportedMass;
 use crate::mbs::system::{DrivingConstraint, System};
 
 /// Multibody system and wheelsets of a vehicle on a track that climbs with `grade` [rad].
@@ -45,14 +46,21 @@ pub fn all_wheels(vehicle: &VehicleSpec) -> Vec<[Wheel; 2]> {
     }
 }
 
+/// The inertia along the track of what a load stands for; where the speed is imposed it makes no force.
+fn supported(load: &VerticalLoad, speed_imposed: bool) -> Option<SupportedMass> {
+    (load.mass != 0.0 && !speed_imposed).then_some(SupportedMass { body: load.body, mass: load.mass })
+}
+
 fn suspended_parts(vehicle: &VehicleSpec, grade: f64) -> (System, Vec<Wheelset>) {
     let spec = &vehicle.wheelset;
     let mut forces: Vec<Box<dyn ForceElement>> = Vec::new();
     if vehicle.gravity != 0.0 {
         forces.push(Box::new(Gravity { body: 0, mass: spec.mass, acceleration: vehicle.gravity, grade }));
     }
-    if spec.vertical_load != 0.0 {
-        forces.push(Box::new(VerticalLoad { body: 0, force: spec.vertical_load }));
+    let load = VerticalLoad::new(0, spec.vertical_load, vehicle.gravity, grade);
+    let supported = supported(&load, vehicle.speed_imposed).into_iter().collect();
+    if load.force != 0.0 {
+        forces.push(Box::new(load));
     }
     if let Some(suspension) = &vehicle.suspension {
         forces.extend(springs(suspension).map(|spring| Box::new(spring) as Box<dyn ForceElement>));
@@ -62,10 +70,11 @@ fn suspended_parts(vehicle: &VehicleSpec, grade: f64) -> (System, Vec<Wheelset>)
         bodies: vec![body(spec)],
         forces,
         drives: imposed_speed.map(|speed| DrivingConstraint { body: 0, speed }).into_iter().collect(),
+        supported,
         joints: Vec::new(),
         redundant: Vec::new(),
     };
-    let load = 0.5 * (spec.mass * vehicle.gravity * grade.cos() + spec.vertical_load);
+    let load = 0.5 * (spec.mass * vehicle.gravity + spec.vertical_load) * grade.cos();
     (system, vec![wheelset(spec, 0, imposed_speed, load)])
 }
 
@@ -98,9 +107,12 @@ fn free_parts(vehicle: &VehicleSpec, free: &FreeVehicle, grade: f64) -> Result<(
         let weight = |(number, body): (usize, &Body)| Gravity { body: number, mass: body.mass, acceleration: vehicle.gravity, grade };
         forces.extend(bodies.iter().enumerate().map(|body| Box::new(weight(body)) as Box<dyn ForceElement>));
     }
-    for (number, wheelset) in free.wheelsets.iter().enumerate().filter(|(_, wheelset)| wheelset.spec.vertical_load != 0.0) {
-        forces.push(Box::new(VerticalLoad { body: number, force: wheelset.spec.vertical_load }));
-    }
+    let loaded = free.wheelsets.iter().enumerate().filter(|(_, wheelset)| wheelset.spec.vertical_load != 0.0);
+    let loads = loaded.map(|(number, wheelset)| VerticalLoad::new(number, wheelset.spec.vertical_load, vehicle.gravity, grade));
+    let loads: Vec<VerticalLoad> = loads.collect();
+    let imposed = |load: &VerticalLoad| vehicle.speed_imposed && free.wheelsets[load.body].driven;
+    let supported = loads.iter().filter_map(|load| supported(load, imposed(load))).collect();
+    forces.extend(loads.into_iter().map(|load| Box::new(load) as Box<dyn ForceElement>));
     forces.extend(free.forces.iter().map(|element| element.0.clone_box()));
     let driven = |wheelset: &super::PlacedWheelset| (vehicle.speed_imposed && wheelset.driven).then_some(vehicle.speed);
     let drives = free.wheelsets.iter().enumerate().filter_map(|(body, wheelset)| driven(wheelset).map(|speed| (body, speed)));
@@ -108,6 +120,7 @@ fn free_parts(vehicle: &VehicleSpec, free: &FreeVehicle, grade: f64) -> Result<(
         bodies,
         forces,
         drives: drives.map(|(body, speed)| DrivingConstraint { body, speed }).collect(),
+        supported,
         joints: free.joints.clone(),
         redundant: Vec::new(),
     };
@@ -115,6 +128,7 @@ fn free_parts(vehicle: &VehicleSpec, free: &FreeVehicle, grade: f64) -> Result<(
         let found = system.find_redundant(0.0, &design_state(free, &system, vehicle.speed)).map_err(AssemblyError::Joints)?;
         system.redundant = found.into_iter().map(|row| row.row).collect();
     }
+    static_preload::balance(free, &mut system, vehicle.gravity)?;
     let load = free.weight(vehicle.gravity) * grade.cos() / (2.0 * free.wheelsets.len() as f64);
     let wheelsets = free.wheelsets.iter().enumerate().map(|(body, placed)| wheelset(&placed.spec, body, driven(placed), load)).collect();
     Ok((system, wheelsets))

@@ -22,6 +22,7 @@ mod expand;
 mod joints;
 mod places;
 mod read;
+mod static_preload;
 pub mod steady_state;
 pub mod suspended;
 pub mod templates;

@@ -2,7 +2,7 @@
 
 use super::expand::{BODY, Entry, FORCE, Flat, JOINT, SENSOR, WHEELSET, expand};
 use super::places::{Bodies, ElementPlaces, Resolver};
-use super::suspended::{Initial, WheelsetSpec};
+use super::suspended::{Initial, WheelsetSpec, not_degrees};
 use super::{Element, FreeVehicle, PlacedBody, PlacedWheelset, Sensor, Travel, VehicleSpec, joints};
 use crate::geometry::Side;
 use crate::geometry::profile::Part;
@@ -114,11 +114,13 @@ fn wheelset(entry: &Entry, flat: &Flat) -> Result<PlacedWheelset, SettingsError>
         _ => section.keep(read_profiles(section, ["profile", "left_profile", "right_profile"], Part::Wheel))?,
     };
     let load = section.number_or("vertical_load", Dimension::Force, 0.0)?;
+    let yaw = section.number_or("initial_yaw", Dimension::Angle, 0.0)?;
+    not_degrees(section, "initial_yaw", yaw)?;
     let wheelset = PlacedWheelset {
         spec: WheelsetSpec::read(section, name.clone(), load, profiles)?,
         x: flat.scopes[*scope].offset.x + section.number("x", Dimension::Length)?,
         driven: section.flag_or("driven", false)?,
-        offset: [section.number_or("initial_y", Dimension::Length, 0.0)?, section.number_or("initial_yaw", Dimension::Angle, 0.0)?],
+        offset: [section.number_or("initial_y", Dimension::Length, 0.0)?, yaw],
     };
     section.clone().finish()?;
     Ok(wheelset)

@@ -146,11 +146,24 @@ impl SuspensionSpec {
 /// Most that a height is added to that of the equilibrium, m: a wheel's radius is meant to be absolute.
 const FARTHEST: f64 = 0.2;
 
+/// An angle of a wheelset on its track [rad]; a plain number that is too large for one was probably meant in degrees.
+pub(super) fn not_degrees(section: &Section, key: &'static str, angle: f64) -> Result<(), SettingsError> {
+    const LARGEST: f64 = 0.5;
+    if angle.abs() <= LARGEST {
+        return Ok(());
+    }
+    Err(section
+        .error(key, format!("found {angle:?} rad, expected at most {LARGEST} rad either way; degrees are written \"{angle:?} deg\"")))
+}
+
 fn read_initial(section: Section) -> Result<Initial, SettingsError> {
     let from_equilibrium = section.flag_or("from_equilibrium", true)?;
     let mut given = [None; 10];
     for (value, (key, dimension)) in given.iter_mut().zip(INITIAL) {
         *value = section.optional(key, dimension)?;
+        if dimension == Dimension::Angle {
+            not_degrees(&section, key, value.unwrap_or(0.0))?;
+        }
     }
     if from_equilibrium && let Some(z) = given[2].filter(|z| z.abs() > FARTHEST) {
         let problem = format!(

@@ -12,6 +12,9 @@
 //!
 //! *At every instant*: no contact pulls, creep forces stay within friction, rigid contacts are closed.
 //!
+//! *Vertical loads* are weight; their inertia along the track is stored energy and momentum. What holds a load in a curve does work and gives
+//! momentum that nothing tells: there all elements count as outside.
+//!
 //! Integrals are Simpson's over pairs of samples.
 
 use super::case::Audited;
@@ -22,6 +25,7 @@ use crate::formulation::{
 };
 use crate::geometry::Side;
 use crate::mbs::body::Wrench;
+use crate::mbs::force::VerticalLoad;
 use crate::scene::spec::Scene;
 use crate::sim::Snapshot;
 use nalgebra::Vector3;
@@ -60,8 +64,10 @@ pub struct Audit {
     /// N.
     weight: f64,
     mass: Vec<f64>,
-    /// The suspension's frame is driven along a curved track, and does work that nothing tells: its elements count as outside.
+    /// What is driven along a curved track does work that nothing tells (the suspension's frame, what a load stands for): its elements count
+    /// as outside.
     driven_frame: bool,
+    loads: Vec<VerticalLoad>,
     bounded_creep: bool,
     first: Option<Instant>,
     last: [Instant; 2],
@@ -88,15 +94,19 @@ impl Audit {
     pub fn new(scene: &Scene, model: &Model, allowed: Audited) -> Audit {
         let mass: Vec<f64> = model.system.bodies.iter().map(|body| body.mass).collect();
         let square = if scene.track.line.is_none() { scene.track.grade.cos() } else { 1.0 };
-        let loads: f64 = match &scene.vehicle.free {
-            Some(free) => free.wheelsets.iter().map(|placed| placed.spec.vertical_load).sum(),
-            None => scene.vehicle.wheelset.vertical_load,
+        let loads: Vec<f64> = match &scene.vehicle.free {
+            Some(free) => free.wheelsets.iter().map(|placed| placed.spec.vertical_load).collect(),
+            None => vec![scene.vehicle.wheelset.vertical_load],
         };
+        let load = |(body, force): (usize, &f64)| VerticalLoad::new(body, *force, scene.vehicle.gravity, scene.track.grade);
+        let own_weight = mass.iter().sum::<f64>() * scene.vehicle.gravity;
+        let loaded = loads.iter().any(|load| *load != 0.0);
         let zero = (0.0, 0.0);
         Audit {
             allowed,
-            weight: mass.iter().sum::<f64>() * scene.vehicle.gravity * square + loads,
-            driven_frame: scene.track.line.is_some() && scene.vehicle.free.is_none(),
+            weight: (own_weight + loads.iter().sum::<f64>()) * square,
+            driven_frame: scene.track.line.is_some() && (scene.vehicle.free.is_none() || loaded),
+            loads: loads.iter().enumerate().map(load).collect(),
             bounded_creep: scene.contact.creep_name != "kalker_linear",
             first: None,
             last: [Instant::default(); 2],
@@ -232,6 +242,10 @@ impl Audit {
         }
         now.speed = model.wheelsets.first().map_or(0.0, |wheelset| system.motions[wheelset.body].velocity.norm());
         now.momentum = self.mass.iter().zip(&system.motions).map(|(mass, motion)| mass * motion.velocity.z).sum();
+        for (load, station) in self.loads.iter().zip(&system.stations) {
+            now.momentum += load.mass * station.speed * station.frame.along().z;
+            now.lift -= load.centrifugal(station).z;
+        }
         now.lift += (0..model.contacts()).flat_map(|contact| workspace.reports(contact)).map(|report| report.force.z).sum::<f64>();
         now
     }

@@ -31,7 +31,7 @@
 //!
 //! *Slow:* a vehicle that starts slower than 1 m/s is balanced at 1 m/s and its velocities are scaled, because creepages do not depend
 //! on the speed. What would be the centripetal accelerations of 1 m/s is scaled too, unless joints or contacts are constraints: those balance
-//! it (1.7 mm/s2 at a radius of 600 m, a cant deficiency of 0.3 mm).
+//! it (1.7 mm/s2 at a radius of 600 m, a cant deficiency of 0.3 mm). The centrifugal force of a vertical load stays that of 1 m/s, too (17 N of 10 t).
 //!
 //! A direction in which nothing pushes a body back has a vanishing singular value: neutral ones (a cylinder across its rail) stay
 //! where they are, and if no balance exists the body that moves most in such a direction is named.

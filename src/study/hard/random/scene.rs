@@ -130,7 +130,7 @@ fn track(dice: &mut Dice, text: &mut String, vehicle: &str, speed: f64, stop: f6
     if curved {
         let radius = dice.sign() * dice.log(150.0, 3e3);
         let cant = -radius.signum() * dice.flat(0.0, 0.1);
-        let node = format!("radius = {radius}\nsuperelevation = {cant}\n");
+        let node = format!("radius = {radius}\nsuperelevation = \"{cant} m\"\n");
         if dice.chance(0.3) {
             let _ = write!(text, "\n[[track.node]]\ndistance = 0\n{node}");
         } else {

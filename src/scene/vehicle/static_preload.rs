@@ -1,0 +1,118 @@
+//! Preloads from balance: `preload = "static"` of a force element.
+//!
+//! The vehicle stands at rest on straight level track in its design configuration. On the bodies that are no wheelsets act weights,
+//! given preloads and other forces, together the generalised force b (six numbers per body), the preloads f [N] that are to be found, with
+//! the columns A, and the joints, with multipliers l and rows G:
+//!
+//! ```text
+//! A f + G^T l + b = 0,   sum of f_i^2 / k_i  least
+//! ```
+//!
+//! k_i is the element's stiffness. These are the forces with which the vehicle would stand if it were set down on springs without preload
+//! and found its place but for its displacements (least complementary energy), so that springs side by side share a load as their
+//! stiffnesses do. With D = diag(k) the solution is `f = -D A^T x`, `(A D A^T + c G^T G) x = b`; joints count as springs of c, far stiffer than all
+//! others. Wheelsets have no equations: the rails hold them. A body that the found forces leave out of balance is an error.
+
+use super::FreeVehicle;
+use super::assemble::design_state;
+use crate::formulation::AssemblyError;
+use crate::mbs::body::{COORDINATES, Wrench};
+use crate::mbs::system::{System, SystemWorkspace};
+use nalgebra::{DMatrix, DVector};
+
+/// Joints are stiffer than the stiffest spring by this.
+const STIFFER: f64 = 1e4;
+/// Rest of a force or moment, as a share of the whole weight (times 1 m), that is none.
+const BALANCED: f64 = 1e-9;
+/// Eigenvalues below this share of the largest are zero: nothing holds a body that way.
+const FREE: f64 = 1e-13;
+
+/// Sets the preloads of all elements of the system that ask for it.
+///
+/// # Errors
+/// [`AssemblyError::StaticPreload`].
+pub(super) fn balance(free: &FreeVehicle, system: &mut System, gravity: f64) -> Result<(), AssemblyError> {
+    let asked: Vec<(usize, usize, f64)> = (system.forces.iter().enumerate())
+        .flat_map(|(element, force)| force.static_stiffness().into_iter().enumerate().map(move |(index, k)| (element, index, k)))
+        .filter(|(_, _, k)| *k > 0.0)
+        .collect();
+    if asked.is_empty() {
+        return Ok(());
+    }
+    let mut y = design_state(free, system, 0.0);
+    let mut workspace = system.workspace(&[]);
+    system.settle_forces(&mut y, &mut workspace);
+    system.apply_forces(&y, &mut workspace);
+    let load = generalised(free, &workspace, &workspace.wrenches);
+    let mut a = DMatrix::zeros(load.len(), asked.len());
+    for (column, (element, index, _)) in asked.iter().enumerate() {
+        let states = &y[system.states_of_force(*element)];
+        let wrenches = |preload: f64| {
+            let mut element = system.forces[*element].clone_box();
+            element.set_preload(*index, preload);
+            let (mut wrenches, mut rates) = (vec![Wrench::default(); system.bodies.len()], vec![0.0; states.len()]);
+            element.apply(&workspace.motions, states, &mut rates, &mut wrenches);
+            generalised(free, &workspace, &wrenches)
+        };
+        a.set_column(column, &(wrenches(1.0) - wrenches(0.0)));
+    }
+    let stiffest = asked.iter().map(|(_, _, k)| *k).fold(0.0, f64::max);
+    let mut columns = a.clone();
+    for (mut column, (_, _, k)) in columns.column_iter_mut().zip(&asked) {
+        column *= k.sqrt();
+    }
+    let rows = joint_rows(free, system, &workspace);
+    let matrix = &columns * columns.transpose() + &rows * rows.transpose() * (STIFFER * stiffest);
+    let eigen = matrix.symmetric_eigen();
+    let least = FREE * eigen.eigenvalues.amax();
+    // Twice: the second round takes off what rounding of the stiff joints leaves.
+    let (mut forces, mut rest) = (DVector::zeros(asked.len()), load.clone());
+    for _ in 0..3 {
+        let weighed =
+            eigen.eigenvectors.tr_mul(&rest).zip_map(&eigen.eigenvalues, |part, value| if value > least { part / value } else { 0.0 });
+        let x = &eigen.eigenvectors * weighed;
+        let own = DVector::from_iterator(asked.len(), a.tr_mul(&x).iter().zip(&asked).map(|(part, (_, _, k))| -k * part));
+        rest += &a * &own - &rows * rows.tr_mul(&x) * (STIFFER * stiffest);
+        forces += own;
+    }
+    let (worst, left) =
+        rest.iter().enumerate().fold((0, 0.0), |most: (usize, f64), (i, rest)| if rest.abs() > most.1.abs() { (i, *rest) } else { most });
+    if !(left.abs() <= BALANCED * free.weight(gravity).max(load.amax())) {
+        let body = free.bodies[worst / COORDINATES].body.name.clone();
+        let direction = ["along the track", "to the side", "vertically", "in yaw", "in roll", "in pitch"][worst % COORDINATES];
+        let unit = if worst % COORDINATES < 3 { "N" } else { "N m" };
+        return Err(AssemblyError::StaticPreload { body, direction, rest: left, unit });
+    }
+    for ((element, index, _), force) in asked.iter().zip(forces.iter()) {
+        system.forces[*element].set_preload(*index, *force);
+    }
+    Ok(())
+}
+
+/// Generalised forces on all bodies that are no wheelsets.
+fn generalised(free: &FreeVehicle, workspace: &SystemWorkspace, wrenches: &[Wrench]) -> DVector<f64> {
+    let bodies = workspace.motions.iter().zip(wrenches).skip(free.wheelsets.len());
+    DVector::from_iterator(
+        COORDINATES * free.bodies.len(),
+        bodies.flat_map(|(motion, wrench)| motion.generalised_force(wrench).iter().copied().collect::<Vec<_>>()),
+    )
+}
+
+/// Rows of all joints on the same coordinates, as columns.
+fn joint_rows(free: &FreeVehicle, system: &System, workspace: &SystemWorkspace) -> DMatrix<f64> {
+    let count = system.joints.iter().map(|joint| joint.rows()).sum();
+    let mut rows = DMatrix::zeros(COORDINATES * free.bodies.len(), count);
+    let mut column = 0;
+    for joint in &system.joints {
+        for values in joint.evaluate(0.0, &workspace.motions) {
+            let ends = [(Some(joint.bodies.first), &values.first), (joint.bodies.second, &values.second)];
+            for (body, coefficients) in ends {
+                if let Some(own) = body.and_then(|body| body.checked_sub(free.wheelsets.len())) {
+                    rows.view_mut((COORDINATES * own, column), (COORDINATES, 1)).copy_from(coefficients);
+                }
+            }
+            column += 1;
+        }
+    }
+    rows
+}

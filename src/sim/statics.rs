@@ -1,0 +1,140 @@
+//! How a vehicle stands at its start: heights of bodies against where the scene draws them, wheel loads, forces of elements and travel used.
+
+use super::outputs::on_track;
+use super::{Simulation, SimulationError, Snapshot};
+use crate::formulation::contact_index;
+use crate::geometry::Side;
+use crate::mbs::body::COORDINATES;
+use crate::mbs::force::{ForceElement, Quantity, QuantityKind};
+use crate::scene::spec::Scene;
+use serde::Serialize;
+
+/// A body that stands further from where it is drawn than this is worth a note, m.
+pub const SETTLED: f64 = 0.05;
+
+/// One body's place; lengths in m, angles in rad.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BodyPlace {
+    pub name: String,
+    /// Height of the centre of mass over the nominal contact height: in the scene's design configuration, and at the start.
+    pub drawn_height: f64,
+    pub height: f64,
+    /// By how much lower it stands than it is drawn.
+    pub settles: f64,
+    pub roll: f64,
+    pub pitch: f64,
+}
+
+/// Loads of one wheelset's wheels, N, square to the track.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WheelLoads {
+    pub wheelset: String,
+    pub left: f64,
+    pub right: f64,
+}
+
+/// One force of an element with the displacement that belongs to it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ElementForce {
+    /// With the axis, where it has several.
+    pub name: String,
+    /// N, or N m where `turns`.
+    pub force: f64,
+    /// From the design configuration, m, or rad where `turns`.
+    pub displacement: f64,
+    pub turns: bool,
+    /// Where a stop is free, m; `None` on a side that does not stop, and of elements that are no stops.
+    pub free_travel: Option<[Option<f64>; 2]>,
+    /// Share of the free travel on the side of the displacement that is used: above 1 the stop presses.
+    pub travel_used: Option<f64>,
+}
+
+/// All of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Statics {
+    pub bodies: Vec<BodyPlace>,
+    pub wheels: Vec<WheelLoads>,
+    pub elements: Vec<ElementForce>,
+}
+
+/// How the scene's vehicle stands at the simulation's present time.
+///
+/// # Errors
+/// When the model cannot be evaluated here.
+pub fn statics(scene: &Scene, simulation: &mut Simulation) -> Result<Statics, SimulationError> {
+    let s = simulation.snapshot()?.clone();
+    let model = simulation.model();
+    let drawn = |body: usize| match &scene.vehicle.free {
+        Some(free) => free.design_position(body).z,
+        None => scene.vehicle.wheelset.profiles[0].profile.at(0.0).value,
+    };
+    let bodies = model.system.bodies.iter().enumerate().map(|(index, body)| {
+        let q = on_track(&s, index)
+            .map_or_else(|| std::array::from_fn::<f64, COORDINATES, _>(|i| s.y[COORDINATES * index + i]), |(motion, _)| motion.coordinates);
+        let drawn_height = drawn(index);
+        // A wheelset's pitch is its rotation.
+        let pitch = if index < model.wheelsets.len() { 0.0 } else { q[5] };
+        BodyPlace { name: body.name.clone(), drawn_height, height: q[2], settles: drawn_height - q[2], roll: q[4], pitch }
+    });
+    let wheels = model.wheelsets.iter().enumerate().map(|(index, wheelset)| {
+        let [left, right] = Side::BOTH.map(|side| s.workspace.wheel_force(contact_index(index, side), wheelset.body).z);
+        WheelLoads { wheelset: wheelset.name.clone(), left, right }
+    });
+    let elements = model.system.forces.iter().enumerate().flat_map(|(index, element)| {
+        let states = &s.y[model.system.states_of_force(index)];
+        element_forces(element.as_ref(), &s, states)
+    });
+    Ok(Statics { bodies: bodies.collect(), wheels: wheels.collect(), elements: elements.collect() })
+}
+
+fn element_forces(element: &dyn ForceElement, s: &Snapshot, states: &[f64]) -> Vec<ElementForce> {
+    let of = |kind: QuantityKind| {
+        let all: Vec<(usize, &Quantity)> = element.quantities().iter().enumerate().filter(|(_, quantity)| quantity.kind == kind).collect();
+        all
+    };
+    let value = |index: usize| element.quantity(index, &s.workspace.system.motions, states);
+    let free = element.free_travel();
+    let pair = |turns: bool| {
+        let (loads, ways, prefix) = match turns {
+            false => (of(QuantityKind::Force), of(QuantityKind::Displacement), "force"),
+            true => (of(QuantityKind::Moment), of(QuantityKind::Angle), "moment"),
+        };
+        let one = move |((load, quantity), (way, _)): ((usize, &Quantity), (usize, &Quantity))| {
+            let axis = quantity.name.trim_start_matches(prefix).to_lowercase();
+            let kind = if turns { "about " } else { "" };
+            let name = if axis.is_empty() { element.name().to_string() } else { format!("{} {kind}{axis}", element.name()) };
+            let displacement = value(way);
+            let limit = free.map(|[shorter, longer]| if displacement < 0.0 { shorter } else { longer }).filter(|limit| limit.is_finite());
+            ElementForce {
+                name,
+                force: value(load),
+                displacement,
+                turns,
+                free_travel: free.map(|limits| limits.map(|limit| limit.is_finite().then_some(limit))),
+                travel_used: limit.filter(|limit| *limit != 0.0).map(|limit| displacement / limit),
+            }
+        };
+        loads.into_iter().zip(ways).map(one).collect::<Vec<_>>()
+    };
+    [pair(false), pair(true)].concat()
+}
+
+impl Statics {
+    /// What a reader should know: bodies that stand far from where they are drawn.
+    pub fn notes(&self) -> Vec<String> {
+        let mut far: Vec<&BodyPlace> = self.bodies.iter().filter(|body| !(body.settles.abs() <= SETTLED)).collect();
+        far.sort_by(|a, b| b.settles.abs().total_cmp(&a.settles.abs()));
+        let Some(worst) = far.first() else { return Vec::new() };
+        let side = if worst.settles > 0.0 { "below" } else { "above" };
+        let more = match far.len() - 1 {
+            0 => String::new(),
+            1 => " (and another body by more than 50 mm)".to_string(),
+            count => format!(" (and {count} more bodies by more than 50 mm)"),
+        };
+        let (height, drawn, by) = (worst.height, worst.drawn_height, 1e3 * worst.settles.abs());
+        vec![format!(
+            "{} starts {by:.0} mm {side} where it is drawn, at {height:.3} m instead of {drawn:.3} m{more}: the preloads do not carry the weight there; preload = \"static\" takes them from balance, and wheelrail plan --static shows heights and forces",
+            worst.name
+        )]
+    }
+}
