@@ -322,6 +322,7 @@ fn equiv_initial_values_mean_the_same_in_a_file_and_in_the_fmu() {
     assert!((from_file[1] - 1e-3).abs() < 1e-12 && (from_file[2] - 0.457).abs() < 1e-12, "{from_file:?}");
     // A radius is no offset.
     assert!(error("suspended_wheelset", &["vehicle.initial.z=0.467"]).contains("or from_equilibrium = false"));
+}
 
 /// Numbers without a unit that a reader of another habit means otherwise: degrees, per mille, millimetres.
 #[test]

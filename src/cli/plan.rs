@@ -36,7 +36,7 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
         print(&match arguments.json {
             true => format!("{}\n", serde_json::json!({"static": found, "notes": notes})),
             false => report(&scene, &found),
-        });
+        })?;
         return Ok(());
     }
     let mut left = LeftTables::new(simulation.model());

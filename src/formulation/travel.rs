@@ -68,7 +68,7 @@ impl Model {
 
     /// Fills the workspace with the bodies' motion, their stations and the force elements' wrenches.
     #[inline(always)] // on the wheelset's path, with several callers
-    pub(super) fn apply_forces(&self, y: &[f64], memory: &mut [f64], system: &mut SystemWorkspace) {
+    pub fn apply_forces(&self, y: &[f64], memory: &mut [f64], system: &mut SystemWorkspace) {
         if self.track.line().is_none() {
             return self.system.apply_forces(y, system);
         }

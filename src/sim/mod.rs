@@ -355,12 +355,28 @@ impl Simulation {
         Ok(&self.snapshot)
     }
 
-    /// The evaluation alone, whatever form it asks for.
-    fn look(&mut self) -> Result<&Snapshot, SimulationError> {
+    /// The state at the present time with the motions of all bodies, for outputs that need no more (`Output::of_motion`): contacts,
+    /// accelerations and events in what is returned are of an earlier time. Where contact is a constraint the whole evaluation is made: it may
+    /// have to change its form, which moves bodies.
+    ///
+    /// # Errors
+    /// [`SimulationError`] when the state can't be found.
+    pub fn motion_snapshot(&mut self) -> Result<&Snapshot, SimulationError> {
         if self.snapshot_valid {
             return Ok(&self.snapshot);
         }
-        let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
+        if self.model.formulation.constrains() {
+            return self.snapshot();
+        }
+        self.find_state()?;
+        let Snapshot { y, workspace, memory, .. } = &mut self.snapshot;
+        self.model.apply_forces(y, memory, &mut workspace.system);
+        Ok(&self.snapshot)
+    }
+
+    /// Solution, memory and inputs at the present time.
+    fn find_state(&mut self) -> Result<(), SimulationError> {
+        let Snapshot { time, y, workspace, memory, inputs, .. } = &mut self.snapshot;
         *time = self.state.time;
         let SimulationState { integration, carried, .. } = &self.state;
         integration.interpolate_beside(*time, y, |ahead, y| self.model.add_carried(carried, ahead, y));
@@ -368,6 +384,16 @@ impl Simulation {
         input::evaluate(&self.state.inputs, *time, inputs);
         // The continuous output leaves constraints by its error.
         self.model.project(workspace, *time, y, memory)?;
+        Ok(())
+    }
+
+    /// The evaluation alone, whatever form it asks for.
+    fn look(&mut self) -> Result<&Snapshot, SimulationError> {
+        if self.snapshot_valid {
+            return Ok(&self.snapshot);
+        }
+        self.find_state()?;
+        let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
         self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
         self.snapshot_valid = true;
         Ok(&self.snapshot)

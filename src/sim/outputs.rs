@@ -27,6 +27,8 @@ pub struct Output {
     pub feedthrough: &'static [usize],
     /// The wheelset whose inputs these are; `None`: of every wheelset.
     pub wheelset: Option<usize>,
+    /// Are positions, velocities and forces of elements all that it needs? Then it is read without an evaluation of contacts.
+    pub of_motion: bool,
     read: Read,
 }
 
@@ -39,7 +41,7 @@ impl Output {
         (feedthrough, wheelset): (&'static [usize], Option<usize>),
         read: Read,
     ) -> Self {
-        Output { reference, name, group, unit, description: description.into(), feedthrough, wheelset, read }
+        Output { reference, name, group, unit, description: description.into(), feedthrough, wheelset, of_motion: false, read }
     }
 
     /// The value in a snapshot, SI.
@@ -91,10 +93,30 @@ impl Collector<'_> {
                 description: text.into(),
                 feedthrough,
                 wheelset: self.wheelset,
+                of_motion: false,
                 read: Box::new(read),
             });
         }
     }
+
+    /// The same; it needs positions, velocities and forces of elements alone.
+    fn add_of_motion(
+        &mut self,
+        (id, name): (u32, &str),
+        group: &'static str,
+        unit: Unit,
+        text: &str,
+        read: impl Fn(&Snapshot) -> f64 + Send + Sync + 'static,
+    ) {
+        let before = self.outputs.len();
+        self.add(id, name, group, unit, STATE, text, read);
+        self.outputs[before..].iter_mut().for_each(|output| output.of_motion = true);
+    }
+}
+
+/// Do these outputs need contacts or accelerations?
+pub fn need_contacts<'a>(outputs: impl IntoIterator<Item = &'a Output>) -> bool {
+    outputs.into_iter().any(|output| !output.of_motion)
 }
 
 /// All outputs of a model, restricted to `groups`.
@@ -127,7 +149,7 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
             let Some(number) = force.output_number() else { continue };
             let text = "force of the suspension element on the wheelset along its track axis (X forward, Y left positive)";
             let name = format!("{}Force", force.name());
-            collector.add(300 + number, &name, "suspension", Unit::Newton, STATE, text, element_force(model, element));
+            collector.add_of_motion((300 + number, &name), "suspension", Unit::Newton, text, element_force(model, element));
         }
     }
     outputs
@@ -169,17 +191,17 @@ fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
         }
     };
     let g = "motion";
-    c.add(10, "distance", g, Unit::Distance, STATE, "distance of the centre along the track", y(q));
-    c.add(11, "y", g, Unit::Metre, STATE, "lateral displacement of the centre, left positive", y(q + 1));
-    c.add(12, "z", g, Unit::Distance, STATE, "height of the centre over the nominal contact height", y(q + 2));
-    c.add(13, "roll", g, Unit::Radian, STATE, "roll angle, left side up positive", y(q + 4));
-    c.add(14, "yaw", g, Unit::Radian, STATE, "yaw angle, nose left positive", y(q + 3));
-    c.add(15, "vx", g, Unit::TravelSpeed, STATE, "speed of the centre along the track", y(v));
-    c.add(16, "vy", g, Unit::MetrePerSecond, STATE, "lateral speed of the centre, left positive", y(v + 1));
-    c.add(17, "vz", g, Unit::MetrePerSecond, STATE, "vertical speed of the centre, up positive", y(v + 2));
-    c.add(18, "rollRate", g, Unit::RadianPerSecond, STATE, "time derivative of the roll angle", y(v + 4));
-    c.add(19, "yawRate", g, Unit::RadianPerSecond, STATE, "time derivative of the yaw angle", y(v + 3));
-    c.add(20, "pitchRate", g, Unit::RadianPerSecond, STATE, "time derivative of the pitch angle, rolling forward positive", y(v + 5));
+    c.add_of_motion((10, "distance"), g, Unit::Distance, "distance of the centre along the track", y(q));
+    c.add_of_motion((11, "y"), g, Unit::Metre, "lateral displacement of the centre, left positive", y(q + 1));
+    c.add_of_motion((12, "z"), g, Unit::Distance, "height of the centre over the nominal contact height", y(q + 2));
+    c.add_of_motion((13, "roll"), g, Unit::Radian, "roll angle, left side up positive", y(q + 4));
+    c.add_of_motion((14, "yaw"), g, Unit::Radian, "yaw angle, nose left positive", y(q + 3));
+    c.add_of_motion((15, "vx"), g, Unit::TravelSpeed, "speed of the centre along the track", y(v));
+    c.add_of_motion((16, "vy"), g, Unit::MetrePerSecond, "lateral speed of the centre, left positive", y(v + 1));
+    c.add_of_motion((17, "vz"), g, Unit::MetrePerSecond, "vertical speed of the centre, up positive", y(v + 2));
+    c.add_of_motion((18, "rollRate"), g, Unit::RadianPerSecond, "time derivative of the roll angle", y(v + 4));
+    c.add_of_motion((19, "yawRate"), g, Unit::RadianPerSecond, "time derivative of the yaw angle", y(v + 3));
+    c.add_of_motion((20, "pitchRate"), g, Unit::RadianPerSecond, "time derivative of the pitch angle, rolling forward positive", y(v + 5));
     c.add(21, "ax", g, Unit::MetrePerSecond2, along, "acceleration of the centre along the track (zero under an imposed speed)", dy(v));
     c.add(22, "ay", g, Unit::MetrePerSecond2, ACROSS, "lateral acceleration of the centre, left positive", dy(v + 1));
     c.add(23, "az", g, Unit::MetrePerSecond2, UPWARD, "vertical acceleration of the centre, up positive", dy(v + 2));
@@ -211,7 +233,7 @@ fn means(c: &mut Collector, model: &Model, wheelset: usize) {
         for (id, suffix, text, averaged) in kinds {
             let (states, memory) = (states.clone(), memory.clone());
             let read = move |s: &Snapshot| mean.mean(quantity, averaged, s.time, &s.y[states.clone()], &s.memory()[memory.clone()]);
-            c.add(id, &format!("{name}{suffix}"), SLIDING_MEANS, unit, STATE, &text, read);
+            c.add_of_motion((id, &format!("{name}{suffix}")), SLIDING_MEANS, unit, &text, read);
         }
     }
 }

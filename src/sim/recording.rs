@@ -1,6 +1,6 @@
 //! Runs a scene natively and keeps its outputs at equal intervals.
 
-use super::outputs::Output;
+use super::outputs::{Output, need_contacts};
 use super::tables::LeftTables;
 use super::{Simulation, SimulationError};
 use std::io::Write;
@@ -29,7 +29,7 @@ impl Recording {
     /// # Errors
     /// When the model cannot be evaluated here.
     pub fn sample(&mut self, simulation: &mut Simulation, outputs: &[Output]) -> Result<(), SimulationError> {
-        let snapshot = simulation.snapshot()?;
+        let snapshot = if need_contacts(outputs) { simulation.snapshot()? } else { simulation.motion_snapshot()? };
         let mut row = Vec::with_capacity(outputs.len() + 1);
         row.push(snapshot.time);
         row.extend(outputs.iter().map(|output| output.value(snapshot)));
@@ -129,6 +129,13 @@ pub fn record(
     })
 }
 
+fn look(left: &mut LeftTables, simulation: &mut Simulation) -> Result<(), SimulationError> {
+    if !left.is_empty() {
+        left.look(simulation.snapshot()?);
+    }
+    Ok(())
+}
+
 /// When a run ends, and at which distance it is recorded, s.
 #[derive(Clone, Copy, Debug)]
 pub struct Times {
@@ -151,7 +158,7 @@ pub fn record_while(
     let mut left = LeftTables::new(simulation.model());
     let mut run = || -> Result<(), SimulationError> {
         recording.sample(simulation, outputs)?;
-        left.look(simulation)?;
+        look(&mut left, simulation)?;
         let mut go_on = |recording: &Recording| recording.rows.last().is_none_or(|row| watch(row).is_continue());
         if !go_on(&recording) {
             return Ok(());
@@ -159,7 +166,7 @@ pub fn record_while(
         for time in communication_points(start, stop, step) {
             simulation.advance(time)?;
             recording.sample(simulation, outputs)?;
-            left.look(simulation)?;
+            look(&mut left, simulation)?;
             if !go_on(&recording) {
                 return Ok(());
             }

@@ -1,6 +1,6 @@
 //! Which tables of forces a run has left: what holds beyond their points is an assumption, and a reader should know.
 
-use super::{Simulation, SimulationError};
+use super::Snapshot;
 use crate::formulation::Model;
 use crate::mbs::force::{Beyond, ForceElement, Table};
 use std::ops::Range;
@@ -36,15 +36,13 @@ impl LeftTables {
         LeftTables { watched: watched.collect() }
     }
 
-    /// Looks where the elements are in their tables now; without tables nothing is evaluated.
-    ///
-    /// # Errors
-    /// [`SimulationError`] when the model cannot be evaluated here.
-    pub fn look(&mut self, simulation: &mut Simulation) -> Result<(), SimulationError> {
-        if self.watched.is_empty() {
-            return Ok(());
-        }
-        let snapshot = simulation.snapshot()?;
+    /// Is there nothing to look at? Then nothing need be evaluated for it.
+    pub fn is_empty(&self) -> bool {
+        self.watched.is_empty()
+    }
+
+    /// Looks where the elements are in their tables now.
+    pub fn look(&mut self, snapshot: &Snapshot) {
         for watched in &mut self.watched {
             let at = watched.element.table_argument(watched.index, &snapshot.workspace.system.motions, &snapshot.y[watched.states.clone()]);
             let Table { from, to, .. } = watched.table;
@@ -53,7 +51,6 @@ impl LeftTables {
                 watched.worst = Some((beyond, at, snapshot.time));
             }
         }
-        Ok(())
     }
 
     /// One line for each table that was left.

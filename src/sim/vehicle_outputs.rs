@@ -61,6 +61,13 @@ struct Label {
 }
 
 impl Collector<'_> {
+    /// The same; it needs positions, velocities and forces of elements alone.
+    fn add_of_motion(&mut self, label: Label, text: &str, read: impl Fn(&Snapshot) -> f64 + Send + Sync + 'static) {
+        let before = self.outputs.len();
+        self.add(label, text, read);
+        self.outputs[before..].iter_mut().for_each(|output| output.of_motion = true);
+    }
+
     fn add(&mut self, label: Label, text: &str, read: impl Fn(&Snapshot) -> f64 + Send + Sync + 'static) {
         if self.groups.contains(&label.group) {
             let Label { reference, name, group, unit, feedthrough } = label;
@@ -105,7 +112,9 @@ impl Collector<'_> {
                 let reference = BODY + STRIDE * index as u32 + id;
                 let label = Label { reference, name: format!("{}.{name}", placed.body.name), group: "bodies", unit, feedthrough: STATE };
                 let body = free.wheelsets.len() + index;
-                self.add(label, text, move |s| on_track(s, body).map_or(s.y[q + coordinate], |(motion, _)| motion.coordinates[coordinate]));
+                self.add_of_motion(label, text, move |s| {
+                    on_track(s, body).map_or(s.y[q + coordinate], |(motion, _)| motion.coordinates[coordinate])
+                });
             }
         }
     }
@@ -126,7 +135,7 @@ impl Collector<'_> {
             (2, "z", Unit::Distance, 2, "height of the point over the nominal contact height"),
         ] {
             let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, feedthrough: STATE };
-            self.add(label, text, move |s| place_of(s, body, &point)[axis]);
+            self.add_of_motion(label, text, move |s| place_of(s, body, &point)[axis]);
         }
         let measured = [
             (
@@ -179,7 +188,9 @@ impl Collector<'_> {
                 // The element's constants are copied, so that outputs do not borrow the model.
                 let (element, states) = (self.model.system.forces[first + index].clone_box(), states.clone());
                 let label = Label { reference, name, group: "forces", unit, feedthrough: STATE };
-                self.add(label, quantity.description, move |s| element.quantity(number, &s.workspace.system.motions, &s.y[states.clone()]));
+                self.add_of_motion(label, quantity.description, move |s| {
+                    element.quantity(number, &s.workspace.system.motions, &s.y[states.clone()])
+                });
             }
         }
     }
@@ -217,4 +228,37 @@ fn acceleration(s: &Snapshot, body: usize, point: &Vector3<f64>, gravity: &Vecto
     let rate = motion.frame_rotation;
     let whole = Vector3::new(second[0], second[1], second[2]) + turning.cross(&arm) + rate.cross(&rate.cross(&arm));
     motion.frame.axes.tr_mul(&(whole - gravity))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load;
+    use crate::sim::Simulation;
+
+    /// What needs positions and velocities alone is the same to the bit without an evaluation of contacts.
+    #[test]
+    fn equiv_outputs_of_motion_need_no_contacts() {
+        for (name, stop) in [("wheelset_s1002", 0.6), ("bogie", 0.3), ("vehicle_curve", 2.0), ("wheelset_standstill", 0.2)] {
+            let changes =
+                ["interface.outputs=[\"motion\",\"wheels\",\"bodies\",\"sensors\",\"forces\",\"suspension\",\"sliding_means\"]"
+                    .to_string()];
+            let scene = load::open(name, &changes).unwrap_or_else(|error| panic!("{error}"));
+            let mut simulation = Simulation::new(&scene, 0.0).unwrap();
+            let outputs = scene_outputs(&scene, simulation.model());
+            let of_motion: Vec<&Output> = outputs.iter().filter(|output| output.of_motion).collect();
+            assert!(of_motion.len() > 10 && of_motion.len() < outputs.len(), "{name}");
+            for i in 1..=5 {
+                simulation.advance(stop * f64::from(i) / 5.0).unwrap();
+                let work = simulation.last_snapshot().workspace.work;
+                let short: Vec<f64> = of_motion.iter().map(|output| output.value(simulation.motion_snapshot().unwrap())).collect();
+                assert_eq!(simulation.last_snapshot().workspace.work, work, "{name}: contacts were searched");
+                let whole: Vec<f64> = of_motion.iter().map(|output| output.value(simulation.snapshot().unwrap())).collect();
+                assert!(simulation.last_snapshot().workspace.work != work);
+                for ((short, whole), output) in short.iter().zip(&whole).zip(&of_motion) {
+                    assert_eq!(short.to_bits(), whole.to_bits(), "{name}: {}", output.name);
+                }
+            }
+        }
+    }
 }

@@ -3,6 +3,7 @@
 use super::{CallError, Instance, Phase};
 use crate::fmi::description::{INPUT_DERIVATIVE_ORDER, OUTPUT_DERIVATIVE_ORDER};
 use crate::fmi::variables::{Kind, Role, Variable};
+use crate::sim::outputs::need_contacts;
 
 impl Instance {
     fn lookup(&self, reference: u32, kind: Kind) -> Result<&Variable, CallError> {
@@ -17,12 +18,17 @@ impl Instance {
     /// # Errors
     /// [`CallError`]; `values` is then unchanged.
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), CallError> {
-        let mut needs_simulation = false;
+        let (mut needs_simulation, mut needs_contacts) = (false, false);
         for reference in references {
-            needs_simulation |= matches!(self.lookup(*reference, Kind::Real)?.role, Role::Output(_));
+            if let Role::Output(output) = self.lookup(*reference, Kind::Real)?.role {
+                needs_simulation = true;
+                needs_contacts |= need_contacts([&self.table.outputs[output]]);
+            }
         }
         if needs_simulation {
-            self.started()?.snapshot().map_err(CallError::Evaluation)?;
+            let simulation = self.started()?;
+            let looked = if needs_contacts { simulation.snapshot() } else { simulation.motion_snapshot() };
+            looked.map_err(CallError::Evaluation)?;
         }
         let mut found = Vec::with_capacity(references.len());
         for reference in references {
