@@ -286,7 +286,7 @@ loaded patch and steady creepages; `[contact.transient]` works with each.
 | `shen_hedrick_elkins` | tread contact with small spin: 0.014 without spin; the cheapest | large spin is overestimated: 0.3 on average for pure spin, 0.9 at worst; not for flanges | Shen, Hedrick, Elkins 1983 |
 | `polach` | traction and braking, dry and wet rails, falling friction | 0.03 without spin, 0.05 pure spin, up to 0.9 where large spin and creepage mix; no spin moment; corners at phi a = -2 xi_y | Polach 1999, 2005 |
 | `fastsim` | flange and tread, the usual choice in vehicle dynamics; falling friction | parabolic bound: 0.02 to 0.03, 0.2 at worst | Kalker 1982 |
-| `fastrip` | as `fastsim`; nearer to the exact theory: 0.005 without spin, 0.02 pure spin | large spin with creepage: FASTRIPWORST at worst | Sichani, Enblom, Berg 2016 |
+| `fastrip` | as `fastsim`; nearer to the exact theory: 0.005 without spin, 0.02 pure spin | large spin with creepage: 0.1 at worst | Sichani, Enblom, Berg 2016 |
 | `usetab` | everything with constant friction: near to `exact` at the price of a formula | made for nu = 0.28, another nu adds 0.002 (0.25 to 0.3) to 0.013 (0, 0.5) on average; shape of the curves held beyond a/b = 0.1 to 10 | after Kalker 1996 |
 | `exact` | the reference; checks, single contacts | 10 ms to seconds per call; half-spaces, elliptic patch, one friction coefficient; grid 0.0005, below 0.006 | Kalker 1990 |
 

@@ -219,7 +219,7 @@ fn prop_columns_are_chosen_by_pattern_and_hold_the_same_numbers() {
 #[test]
 fn prop_rows_lose_no_bit() {
     use wheelrail::sim::recording::{CsvRows, Recording};
-    let recording = Recording { columns: vec![("time".into(), "s"), ("x".into(), "m")], rows: vec![] };
+    let recording = Recording { columns: vec![("time".into(), "s"), ("x".into(), "m")], rows: vec![], notes: vec![] };
     let mut rows = CsvRows::begin(Vec::new(), &recording, vec![0, 1]).unwrap();
     let mut bits = 0x9e37_79b9_7f4a_7c15u64;
     let mut values = vec![0.0, -0.0, 1.0, 1e-5, 0.1, 1e16, 1e21, f64::MIN_POSITIVE, 5e-324, f64::MAX, f64::INFINITY, f64::NEG_INFINITY];

@@ -13,8 +13,8 @@
 //! ```
 //!
 //! Why one: where all slips the traction points against the rigid slip, which three flexibilities turn (`L1 : L2 : L3` is 1 : 1.29 : 0.79 at
-//! a/b = 0.3). Against the exact theory, 60 contacts with all three creepages, a/b 0.16 to 6 (tests/data/creep_forces_mixed.csv): force off by 0.020 mu N
-//! on average, 0.080 at worst; with three flexibilities everywhere 0.031 and 0.161, as published (see below) 0.022 and 0.096.
+//! a/b = 0.3). Against the exact theory, 60 contacts with all three creepages, a/b 0.16 to 6 (tests/data/creep_forces_mixed.csv): force off by 0.022 mu N
+//! on average, 0.083 at worst; with three flexibilities everywhere 0.031 and 0.161, as published (see below) 0.022 and 0.096.
 //!
 //! Source: M. S. Sichani, R. Enblom, M. Berg, Vehicle System Dynamics 54 (2016), 807-827, in the form that the open program
 //! CONTACT uses (factors of 1 - nu in the direction included, which matter for spin in stick only); L: J. J. Kalker, Vehicle System Dynamics 11
