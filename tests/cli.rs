@@ -246,7 +246,8 @@ fn prop_plan_says_what_is_there_and_why() {
     let left_cone = "vehicle.wheelset.left_profile={ kind = \"cone\", radius = 0.46, slope = 0.025 }";
     let left_arc = "track.left_rail={ kind = \"arc\", radius = 0.3 }";
     let cases: &[(&str, &[&str], bool, &str)] = &[
-        ("several contacts", &[], true, "contact.points = 2: searched for"),
+        ("several contacts", &[], true, "as many as these profiles can need, 2: searched for"),
+        ("several contacts", &["contact.points=3"], true, "contact.points = 3: searched for"),
         ("several contacts", &["contact.points=1"], false, "contact.points = 1"),
         ("several contacts", &[cone, arc], false, "strictly convex"),
         ("several contacts", &[left_cone, left_arc], true, "searched for on the right; on the left only one place"),
@@ -306,6 +307,48 @@ fn regress_docs_list_every_name() {
         stdout
     );
     let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/names.md");
+    if std::env::var_os("WHEELRAIL_BLESS").is_some() {
+        std::fs::write(&file, &page).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(&file).unwrap_or_default(), page, "run WHEELRAIL_BLESS=1 cargo test docs_list");
+}
+
+/// docs/outputs.md has every output with its sign: those of one wheelset, its left wheel and first contact, one body, one sensor, each kind of element.
+#[test]
+fn regress_docs_list_every_output() {
+    use wheelrail::scene::load;
+    use wheelrail::sim::Simulation;
+    use wheelrail::sim::vehicle_outputs::{BODY, FORCE, SENSOR, scene_outputs};
+    let groups = "interface.outputs=[\"motion\",\"wheels\",\"contacts\",\"suspension\",\"sliding_means\",\"rail_forces\",\"axles\",\"bodies\",\"sensors\",\"forces\"]";
+    let mut lines: Vec<String> = Vec::new();
+    for name in ["wheelset_s1002", "vehicle_bumps", "vehicle_manchester_1", "train"] {
+        let scene =
+            load::open(name, &[groups.into(), "interface.inputs=[\"rail_motion\"]".into()]).unwrap_or_else(|error| panic!("{error}"));
+        let simulation = Simulation::new(&scene, 0.0).unwrap();
+        let wheelset = &simulation.model().wheelsets[0].name;
+        for output in scene_outputs(&scene, simulation.model()) {
+            let last = output.name.rsplit('.').next().unwrap_or_default();
+            let shown = match output.reference {
+                r if r >= SENSOR => format!("S.{last}"),
+                r if r >= FORCE => format!("F.{last}"),
+                r if r >= BODY => format!("B.{last}"),
+                r if r / 1000 == 1 && !(140..300).contains(&(r % 1000)) => output.name.replacen(wheelset.as_str(), "W", 1),
+                _ => continue,
+            };
+            let text = output.description.replace('|', "\\|");
+            let line = format!("| `{shown}` | {} | {} | {text} |\n", output.unit.name(), output.group);
+            if !lines.contains(&line) {
+                lines.push(line);
+            }
+        }
+    }
+    let page = format!(
+        "# Outputs\n\nEvery output of the FMU and column of `wheelrail run -o`, made from the program's table. W is a wheelset, B a body, S a sensor, F a force element of the scene; \
+         the right wheel has the same outputs as the left one, and every contact those of `contact[1]`. X is forward, Y to the left, Z up.\n\n\
+         | output | unit | group | meaning and sign |\n|---|---|---|---|\n{}",
+        lines.concat()
+    );
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/outputs.md");
     if std::env::var_os("WHEELRAIL_BLESS").is_some() {
         std::fs::write(&file, &page).unwrap();
     }

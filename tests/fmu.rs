@@ -82,7 +82,7 @@ fn export(scene: &str, file: &Path) -> String {
 
 fn export_changed(scene: &str, changes: &[&str], file: &Path) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_wheelrail"));
-    command.args(["export", scene]).args(changes.iter().flat_map(|change| ["--set", change]));
+    command.args(["export", scene, "--check", "full"]).args(changes.iter().flat_map(|change| ["--set", change]));
     run(command.arg("-o").arg(file))
 }
 

@@ -37,8 +37,11 @@ const FOLLOWED: f64 = 0.5;
 /// What the eigenvalues' iteration may cost.
 const ITERATIONS: usize = 400;
 
-/// A small swing has grown by e to this power before anybody is told.
-const TOLD: f64 = 6.0;
+/// A small swing has grown by e to this power before anybody is told; it is taken to fade at this rate, 1/s, while nothing grows.
+const TOLD: f64 = 4.0;
+const FADES: f64 = 20.0;
+/// Longest time between two looks that counts for it, s.
+const UNSEEN: f64 = 0.05;
 
 /// An unstable motion of a wheelset on its contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -101,12 +104,14 @@ impl Model {
         let found = if self.slides(workspace, wheelset) { self.grows(workspace, wheelset) } else { None };
         let growing = &mut flutter.wheelsets[wheelset];
         let Some((growth, rate)) = found else {
-            *growing = Growing { time: t, ..Growing::default() };
+            let exponent = (growing.exponent - FADES * (t - growing.time).clamp(0.0, UNSEEN)).max(0.0);
+            *growing = Growing { rate: 0.0, time: t, exponent, ..*growing };
             return;
         };
-        if growing.rate == 0.0 {
+        if growing.exponent == 0.0 {
             growing.since = t;
-        } else {
+        }
+        if growing.rate > 0.0 {
             growing.exponent += growth * (t - growing.time).max(0.0);
         }
         (growing.rate, growing.time) = (growth.hypot(rate), t);

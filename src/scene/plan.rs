@@ -285,7 +285,7 @@ fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
     let [left, right] = Side::BOTH.map(|side| model.searches_contacts(contact_index(0, side)));
     let points = match scene.contact.points {
         Some(stated) => format!("contact.points = {stated}"),
-        None => format!("up to {points} at once by these profiles"),
+        None => format!("contact.points, by default as many as these profiles can need, {points}"),
     };
     match (left, right) {
         (true, true) => (true, format!("{points}: searched for")),

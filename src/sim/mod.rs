@@ -104,6 +104,8 @@ pub struct Simulation {
     snapshot: Snapshot,
     /// Does the snapshot belong to the present state?
     snapshot_valid: bool,
+    /// Do its state and motions?
+    motion_valid: bool,
     /// Over the run so far, for its notes alone.
     loads: WheelLoads,
 }
@@ -185,6 +187,7 @@ impl Simulation {
             workspace,
             snapshot,
             snapshot_valid: false,
+            motion_valid: false,
             loads: model.wheel_loads(),
             model,
         };
@@ -197,7 +200,7 @@ impl Simulation {
         simulation.state.integration.memory.clone_from(&simulation.snapshot.memory);
         simulation.model.settle_deflections(&simulation.snapshot.workspace, &mut simulation.state.integration.y);
         // What is shown belongs to the state: a cold start differs in the last digits.
-        simulation.snapshot_valid = false;
+        (simulation.snapshot_valid, simulation.motion_valid) = (false, false);
         simulation.look()?;
         if simulation.model.margin(&simulation.snapshot.memory).is_some_and(|margin| margin < 0.0) {
             simulation.switch_at_start(start)?;
@@ -209,7 +212,7 @@ impl Simulation {
     fn switch_at_start(&mut self, start: f64) -> Result<(), SimulationError> {
         let IntegrationState { y, memory, .. } = &mut self.state.integration;
         self.model.switch(&mut self.workspace, start, y, memory)?;
-        self.snapshot_valid = false;
+        (self.snapshot_valid, self.motion_valid) = (false, false);
         self.snapshot()?;
         Ok(())
     }
@@ -239,7 +242,7 @@ impl Simulation {
             self.state.clone_from(state);
             self.workspace.events.clear();
             self.workspace.findings_marked = false;
-            self.snapshot_valid = false;
+            (self.snapshot_valid, self.motion_valid) = (false, false);
         }
         fits
     }
@@ -282,7 +285,7 @@ impl Simulation {
         integration.restart_at(*time, |ahead, y| self.model.add_carried(carried, ahead, y));
         self.workspace.findings_marked = false;
         self.state.inputs[index] = signal;
-        self.snapshot_valid = false;
+        (self.snapshot_valid, self.motion_valid) = (false, false);
     }
 
     /// Value and derivatives of an input now.
@@ -295,7 +298,7 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`]; time then stands where the last successful step ended.
     pub fn advance(&mut self, target: f64) -> Result<(), SimulationError> {
-        self.snapshot_valid = false;
+        (self.snapshot_valid, self.motion_valid) = (false, false);
         self.workspace.work = Work::default();
         let SimulationState { inputs, carried, swings, flutter, integration, .. } = &mut self.state;
         let notes = (carried, swings, flutter);
@@ -346,7 +349,7 @@ impl Simulation {
             }
             if self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy).is_err() {
                 // The new form has no solution, which ends the next step: what can be read is the old one.
-                self.snapshot_valid = false;
+                (self.snapshot_valid, self.motion_valid) = (false, false);
                 self.look()?;
                 break;
             }
@@ -368,9 +371,12 @@ impl Simulation {
         if self.model.formulation.constrains() {
             return self.snapshot();
         }
-        self.find_state()?;
-        let Snapshot { y, workspace, memory, .. } = &mut self.snapshot;
-        self.model.apply_forces(y, memory, &mut workspace.system);
+        if !self.motion_valid {
+            self.find_state()?;
+            let Snapshot { y, workspace, memory, .. } = &mut self.snapshot;
+            self.model.apply_forces(y, memory, &mut workspace.system);
+            self.motion_valid = true;
+        }
         Ok(&self.snapshot)
     }
 
@@ -406,7 +412,7 @@ impl Simulation {
     /// [`SimulationError`] when the model cannot be evaluated there.
     pub fn displaced_snapshot(&mut self, offset: f64) -> Result<&Snapshot, SimulationError> {
         self.snapshot()?;
-        self.snapshot_valid = false;
+        (self.snapshot_valid, self.motion_valid) = (false, false);
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
         for (value, slope) in y.iter_mut().zip(dy.iter()) {
             *value += offset * slope;

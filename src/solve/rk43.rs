@@ -23,6 +23,10 @@ fn parse(section: &Section) -> Result<Arc<dyn Integrator>, SettingsError> {
     Ok(Arc::new(RungeKutta43 { tolerance: parse_setting(section, "tolerance", Dimension::Length, TOLERANCES)? }))
 }
 
+/// The difference is taken so many times: near the limit of stability, where this method steps, creep forces that rattle pass its plain
+/// difference with several percent of a wheel load (bogie on FRA 4: 13 % in Y, 5 % in Q where 5 % is held otherwise).
+const SEEN_PART: f64 = 4.0;
+
 /// The adaptive pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RungeKutta43 {
@@ -62,7 +66,7 @@ impl Pair for RungeKutta43 {
         rk4::stages(dynamics, state, scratch, state.t + h, h)?;
         let Scratch { stages: [_, _, _, last, end, error, ..], .. } = scratch;
         for (error, (last, end)) in error.iter_mut().zip(last.iter().zip(end.iter())) {
-            *error = h / 6.0 * (last - end);
+            *error = SEEN_PART * h / 6.0 * (last - end);
         }
         Ok(LocalError::of(dynamics, error))
     }
