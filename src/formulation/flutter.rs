@@ -37,9 +37,10 @@ const FOLLOWED: f64 = 0.5;
 /// What the eigenvalues' iteration may cost.
 const ITERATIONS: usize = 400;
 
-/// A small swing has grown by e to this power before anybody is told; it is taken to fade at this rate, 1/s, while nothing grows.
-const TOLD: f64 = 4.0;
-const FADES: f64 = 20.0;
+/// A small swing has grown by e to this power before it counts (beyond some swing, contacts come and go and nothing is linear); it is taken to fade at
+/// this rate, 1/s, while nothing grows.
+const TOLD: f64 = 1.0;
+const FADES: f64 = 5.0;
 /// Longest time between two looks that counts for it, s.
 const UNSEEN: f64 = 0.05;
 

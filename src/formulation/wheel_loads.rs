@@ -18,6 +18,14 @@ struct Range {
 #[derive(Clone, Debug, Default)]
 pub struct WheelLoads(Vec<Range>);
 
+impl WheelLoads {
+    /// Has the load of a wheelset's wheel swung by half its static value or more?
+    pub fn swings(&self, wheelset: usize) -> bool {
+        let wheels = Side::BOTH.into_iter().filter_map(|side| self.0.get(contact_index(wheelset, side)));
+        wheels.into_iter().any(|range| range.least.0 < 0.5 && range.most.0 > 1.5)
+    }
+}
+
 impl Model {
     /// Before a run.
     pub fn wheel_loads(&self) -> WheelLoads {

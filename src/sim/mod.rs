@@ -259,14 +259,15 @@ impl Simulation {
     /// What a user should know about the run so far: wheels that unload, loads no real track would meet, wheelsets that flutter.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.model.load_notes(&self.loads);
-        if let Some(Fluttering { since, wheelset, frequency, growth }) = self.state.flutter.first {
-            let fixed = match self.integrator.setting().kind {
-                SettingKind::Step => "; steps of a fixed length may hide it, and loads are then those of an unstable balance",
-                SettingKind::Tolerance => "",
-            };
+        let fixed = self.integrator.setting().kind == SettingKind::Step;
+        // Where steps follow it, it is worth a word once loads show it.
+        if let Some(Fluttering { since, wheelset, frequency, growth }) =
+            self.state.flutter.first.filter(|found| fixed || self.loads.swings(found.wheelset))
+        {
+            let hidden = if fixed { "; steps of a fixed length may hide it, and loads are then those of an unstable balance" } else { "" };
             notes.push(format!(
                 "{} flutters on its contacts from {since:.3} s on, at {frequency:.0} Hz (a small swing grows by {growth:.0} 1/s): friction at its bound \
-                 couples its bouncing and rolling on rigid rails. That is the model's own motion, not an error of steps{fixed}; less friction or more \
+                 couples its bouncing and rolling on rigid rails. That is the model's own motion, not an error of steps{hidden}; less friction or more \
                  contact.damping calms it",
                 self.model.wheelsets[wheelset].name
             ));
