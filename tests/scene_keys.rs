@@ -269,7 +269,7 @@ fn prop_defaults_for_what_nobody_knows() {
 fn equiv_initial_values_mean_the_same_in_a_file_and_in_the_fmu() {
     use wheelrail::fmi::instance::Instance;
     use wheelrail::fmi::package;
-    let curve = ["track.deviation=[]", "track.node=[{distance=0.0,radius=800.0,superelevation=0.05}]"];
+    let curve = ["track.deviation=[]", "track.node=[{distance=0.0,radius=800.0,superelevation=\"50 mm\"}]"];
     let native = |changes: &[&str]| {
         let scene = open("suspended_wheelset", &[&curve[..], changes].concat()).unwrap();
         common::start(&scene).state().integration.y.clone()
