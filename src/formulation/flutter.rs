@@ -24,7 +24,7 @@ use nalgebra::linalg::Schur;
 use nalgebra::{Matrix3, SMatrix};
 use serde::{Deserialize, Serialize};
 
-/// Linearisations between two looks, and wheelsets take turns: a look is 1 % of a coach's step.
+/// Linearisations between two looks, and wheelsets take turns: about 1 % of a coach's steps (estimated).
 const EVERY: u32 = 4;
 /// Below this share of friction nothing flutters.
 const LEAST_USE: f64 = 0.7;
