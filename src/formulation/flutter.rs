@@ -16,8 +16,8 @@
 //! is asked for eigenvalues with a real part above zero; while it has one, steps follow it: `h <= 1/2 / |lambda|`. (Suspensions are a
 //! hundred times softer, and gyroscopic moments 2 % of the frequency at 60 m/s: both are left out.)
 
-use super::rigid::wheels;
-use super::{Model, Workspace};
+use super::{Model, Workspace, contact_index};
+use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::inertia::Inertia;
 use nalgebra::linalg::Schur;
@@ -123,11 +123,9 @@ impl Model {
 
     /// Is an elastic contact of the wheelset near its friction bound?
     fn slides(&self, workspace: &Workspace, wheelset: usize) -> bool {
-        wheels(self).filter(|(contact, ..)| contact / 2 == wheelset).any(|(contact, ..)| {
-            workspace.reports(contact).any(|report| {
-                let bound = self.laws.friction * report.normal_force;
-                !report.constrained && bound > 0.0 && report.creep_force.longitudinal.hypot(report.creep_force.lateral) > LEAST_USE * bound
-            })
+        Side::BOTH.into_iter().flat_map(|side| workspace.reports(contact_index(wheelset, side))).any(|report| {
+            let bound = self.laws.friction * report.normal_force;
+            !report.constrained && bound > 0.0 && report.creep_force.longitudinal.hypot(report.creep_force.lateral) > LEAST_USE * bound
         })
     }
 

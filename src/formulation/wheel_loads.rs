@@ -1,6 +1,7 @@
 //! Wheel loads over a run, for what its user should know: wheels that unload, and loads that no rigid track would meet.
 
-use super::{Model, Workspace, contact_index};
+use super::rigid::wheels;
+use super::{Model, Wheelset, Workspace, contact_index};
 use crate::geometry::Side;
 
 /// Shares of the static load below and above which a wheel is named.
@@ -21,8 +22,8 @@ pub struct WheelLoads(Vec<Range>);
 impl WheelLoads {
     /// Has the load of a wheelset's wheel swung by half its static value or more?
     pub fn swings(&self, wheelset: usize) -> bool {
-        let wheels = Side::BOTH.into_iter().filter_map(|side| self.0.get(contact_index(wheelset, side)));
-        wheels.into_iter().any(|range| range.least.0 < 0.5 && range.most.0 > 1.5)
+        let mut ranges = Side::BOTH.into_iter().filter_map(|side| self.0.get(contact_index(wheelset, side)));
+        ranges.any(|range| range.least.0 < 0.5 && range.most.0 > 1.5)
     }
 }
 
@@ -34,8 +35,7 @@ impl Model {
 
     /// Notes the loads that the workspace's evaluation found at `t` [s].
     pub fn note_wheel_loads(&self, workspace: &Workspace, t: f64, loads: &mut WheelLoads) {
-        for (contact, range) in loads.0.iter_mut().enumerate() {
-            let wheelset = &self.wheelsets[contact / 2];
+        for ((contact, wheelset, _), range) in wheels(self).zip(&mut loads.0) {
             let share = workspace.wheel_force(contact, wheelset.body).z / wheelset.static_wheel_load;
             if share < range.least.0 {
                 range.least = (share, t);
@@ -48,33 +48,28 @@ impl Model {
 
     /// What a user should know about loads, the extreme wheel of each kind.
     pub fn load_notes(&self, loads: &WheelLoads) -> Vec<String> {
-        let named = |contact: usize| {
-            let side = Side::BOTH.into_iter().find(|side| contact_index(contact / 2, *side) == contact).unwrap_or(Side::Left);
-            format!("{}, {} wheel", self.wheelsets[contact / 2].name, side.name())
-        };
         let others = |count: usize| match count {
             0 | 1 => String::new(),
             2 => ", and another wheel".into(),
             more => format!(", and {} more wheels", more - 1),
         };
         let mut notes = Vec::new();
-        let all = || loads.0.iter().enumerate();
-        let light = all().filter(|(_, range)| range.least.0 < LEAST);
-        if let Some((contact, range)) = light.clone().min_by(|a, b| a.1.least.0.total_cmp(&b.1.least.0)) {
+        let named = |(_, wheelset, side): (usize, &Wheelset, Side)| format!("{}, {} wheel", wheelset.name, side.name());
+        let all: Vec<(String, &Range)> = wheels(self).map(named).zip(&loads.0).collect();
+        let light = all.iter().filter(|(_, range)| range.least.0 < LEAST);
+        if let Some((wheel, range)) = light.clone().min_by(|a, b| a.1.least.0.total_cmp(&b.1.least.0)) {
             let load = if range.least.0 > 0.0 { format!("{:.1} % of the static load", 100.0 * range.least.0) } else { "nothing".into() };
             notes.push(format!(
-                "{} carries {load} at {:.4} s (below {:.0} %: its guidance is not safe{})",
-                named(contact),
+                "{wheel} carries {load} at {:.4} s (below {:.0} %: its guidance is not safe{})",
                 range.least.1,
                 100.0 * LEAST,
                 others(light.count())
             ));
         }
-        let heavy = all().filter(|(_, range)| range.most.0 > MOST);
-        if let Some((contact, range)) = heavy.clone().max_by(|a, b| a.1.most.0.total_cmp(&b.1.most.0)) {
+        let heavy = all.iter().filter(|(_, range)| range.most.0 > MOST);
+        if let Some((wheel, range)) = heavy.clone().max_by(|a, b| a.1.most.0.total_cmp(&b.1.most.0)) {
             notes.push(format!(
-                "{} carries {:.1} times its static load at {:.4} s: rails are rigid here and a real track would yield; the force is an upper bound{}",
-                named(contact),
+                "{wheel} carries {:.1} times its static load at {:.4} s: rails are rigid here and a real track would yield; the force is an upper bound{}",
                 range.most.0,
                 range.most.1,
                 others(heavy.count())

@@ -82,7 +82,7 @@ const SLOW: f64 = 5.0;
 
 /// Creepage is slip over speed: a wheelset's creep forces settle at the rate c11 G a b / (m V), 5000 1/s at 5 m/s and 25 000 at 1 m/s.
 fn slow_and_explicit(scene: &Scene) -> Option<String> {
-    let explicit = ["dormand_prince", "rk43", "rk4", "zhai"].contains(&scene.solver.name);
+    let explicit = !scene.solver.integrator.linearises();
     let (speed, transient) = (scene.vehicle.speed, scene.contact.transient.is_some());
     (explicit && speed.abs() < SLOW && !transient).then(|| {
         format!(

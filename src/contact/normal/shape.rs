@@ -106,6 +106,12 @@ const SETTLED: f64 = 1e-14;
 const STEPS: usize = 60;
 const LEAST_TURN: f64 = 1e-3;
 
+/// From 0 to 1 without a slope at either end, for a share between them.
+#[inline(always)]
+fn blend(share: f64) -> f64 {
+    share * share * (3.0 - 2.0 * share)
+}
+
 // Both profiles side by side, so that the compiler makes vector instructions of it.
 impl<'a, R: Read> Gap<'a, R> {
     #[inline(always)]
@@ -171,7 +177,7 @@ impl<'a, R: Read> Gap<'a, R> {
         let (mut gap, mut opening) = (-(wheel.0 + rail.0), -(wheel.1 + rail.1));
         if turned < NEAR {
             let share = (turned - NEARER) / (NEAR - NEARER);
-            let exact = share * share * (3.0 - 2.0 * share);
+            let exact = blend(share);
             (gap, opening) = (near + exact * (gap - near), opening_near + exact * (opening - opening_near));
         }
         for (_, climb) in [wheel, rail] {
@@ -367,7 +373,7 @@ fn last_interval<R: Read>(
             if share <= 0.0 {
                 return sum + rest * whole.sum;
             }
-            let halved = share * share * (3.0 - 2.0 * share);
+            let halved = blend(share);
             sum += rest * (1.0 - halved) * whole.sum;
             rest *= halved;
         }
