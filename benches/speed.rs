@@ -141,7 +141,7 @@ fn cost_of_right_hand_side(formulation: &str) -> f64 {
     let snapshot = simulation.snapshot().unwrap_or_else(|error| panic!("{error}")).clone();
     let model = simulation.model();
     let mut workspace = model.workspace();
-    let (mut memory, mut dy) = (snapshot.memory().to_vec(), snapshot.dy.clone());
+    let (mut memory, mut dy) = (snapshot.memory().clone(), snapshot.dy.clone());
     // As far off as it is from stage to stage of a step: warm starts must not be exact.
     let mut y = snapshot.y.clone();
     let mut best = f64::INFINITY;
@@ -297,7 +297,7 @@ fn benchmarks(criterion: &mut Criterion) {
         });
     });
     let mut workspace = model.workspace();
-    let (mut memory, mut dy) = (snapshot.memory().to_vec(), snapshot.dy.clone());
+    let (mut memory, mut dy) = (snapshot.memory().clone(), snapshot.dy.clone());
     criterion.bench_function("right-hand side", |bencher| {
         bencher.iter(|| {
             let at = Evaluation { t: 0.6, inputs: snapshot.inputs(), y: black_box(&snapshot.y), memory: &mut memory };

@@ -50,7 +50,7 @@ fn right_hand_side(simulation: &mut Simulation) -> f64 {
     let snapshot = simulation.snapshot().unwrap_or_else(|error| panic!("{error}")).clone();
     let model = simulation.model();
     let mut workspace = model.workspace();
-    let (mut memory, mut dy, mut y) = (snapshot.memory().to_vec(), snapshot.dy.clone(), snapshot.y.clone());
+    let (mut memory, mut dy, mut y) = (snapshot.memory().clone(), snapshot.dy.clone(), snapshot.y.clone());
     let mut best = f64::INFINITY;
     for _ in 0..10 {
         let clock = Instant::now();

@@ -6,10 +6,11 @@ use common::{column, read, run, scene, start, straight, table};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use std::f64::consts::PI;
 use wheelrail::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
+use wheelrail::formulation::memory::ModelMemory;
 use wheelrail::formulation::{Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
 use wheelrail::geometry::Side;
 use wheelrail::math::rotation::AxleFrame;
-use wheelrail::solve::{DormandPrince, Dynamics, Integrator, Scratch, Undefined};
+use wheelrail::solve::{DormandPrince, Dynamics, Implicit, Integrator, Scratch, Undefined};
 
 #[test]
 fn analytic_static_wheel_load_is_half_of_weight_and_load() {
@@ -110,18 +111,19 @@ fn analytic_klingel_wavelength_with_the_roll_term() {
 struct EnergyAudit {
     model: Model,
     workspace: Workspace,
+    memory: ModelMemory,
 }
 
 impl EnergyAudit {
-    fn evaluate(&mut self, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
-        self.model.derivative(&mut self.workspace, Evaluation { t: 0.0, inputs: &NEUTRAL_INPUTS, y, memory }, dy)
+    fn evaluate(&mut self, y: &[f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
+        self.model.derivative(&mut self.workspace, Evaluation { t: 0.0, inputs: &NEUTRAL_INPUTS, y, memory: &mut self.memory }, dy)
     }
 
     /// Kinetic, gravity, load, spring and contact energy minus the integral, J.
-    fn energy(&mut self, y: &[f64], memory: &mut [f64]) -> f64 {
+    fn energy(&mut self, y: &[f64]) -> f64 {
         let n = y.len() - 1;
         let mut dy = vec![0.0; n];
-        self.evaluate(&y[..n], memory, &mut dy).unwrap();
+        self.evaluate(&y[..n], &mut dy).unwrap();
         let system = &self.model.system;
         let motions = &self.workspace.system.motions;
         let contact: f64 = self.workspace.contacts.iter().map(|c| 0.4 * c.stiffness * c.penetration.powf(2.5)).sum();
@@ -130,17 +132,17 @@ impl EnergyAudit {
 }
 
 impl Dynamics for EnergyAudit {
-    fn derivative(&mut self, _: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, _: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         let n = y.len() - 1;
         let (dy, extra) = dy.split_at_mut(n);
-        self.evaluate(&y[..n], memory, dy).map_err(|_| Undefined)?;
+        self.evaluate(&y[..n], dy).map_err(|_| Undefined)?;
         // Rate of K_h along the motion, by a central difference.
         let h = 1e-5;
         let mut power = 0.0;
         let deep: Vec<f64> = self.workspace.contacts.iter().map(|c| 0.4 * c.penetration.powf(2.5)).collect();
         for sign in [1.0, -1.0] {
             let moved: Vec<f64> = y[..n].iter().zip(dy.iter()).map(|(y, dy)| y + sign * h * dy).collect();
-            self.evaluate(&moved, memory, &mut vec![0.0; n]).map_err(|_| Undefined)?;
+            self.evaluate(&moved, &mut vec![0.0; n]).map_err(|_| Undefined)?;
             for (deep, contact) in deep.iter().zip(&self.workspace.contacts) {
                 power += deep * sign * contact.stiffness / (2.0 * h);
             }
@@ -151,10 +153,12 @@ impl Dynamics for EnergyAudit {
     fn error_weight(&self, i: usize) -> f64 {
         if i < 6 { 1.0 } else { 0.0 }
     }
-    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+    fn next_break(&self, _: f64, _: &[f64]) -> f64 {
         f64::INFINITY
     }
 }
+
+impl Implicit for EnergyAudit {}
 
 #[test]
 fn analytic_energy_without_creep_and_damping_is_constant() {
@@ -175,19 +179,17 @@ fn analytic_energy_without_creep_and_damping_is_constant() {
         let mut y = simulation.snapshot().unwrap().y.clone();
         let rest = start(&straight(&changes[..4])).snapshot().unwrap().y.clone();
         y.push(0.0);
-        let mut audit = EnergyAudit { workspace: model.workspace(), model };
-        let memory = vec![0.0; 8];
-        let at_rest = audit.energy(&[&rest[..], &[0.0]].concat(), &mut memory.clone());
-        let before = audit.energy(&y, &mut memory.clone());
+        let mut audit = EnergyAudit { workspace: model.workspace(), memory: model.blank_memory(), model };
+        let at_rest = audit.energy(&[&rest[..], &[0.0]].concat());
+        let before = audit.energy(&y);
         let disturbance = before - at_rest;
         let integrator = DormandPrince { tolerance };
-        let mut state = integrator.start(0.0, &y, &memory);
-        let mut scratch = Scratch::new(y.len(), memory.len());
+        let mut state = integrator.start(0.0, &y);
+        let mut scratch = Scratch::new(y.len(), 0);
         let mut largest = 0f64;
         for i in 1..=20 {
             integrator.advance(&mut audit, &mut state, &mut scratch, f64::from(i) / 40.0).unwrap();
-            let (y, mut memory) = (state.y.clone(), state.memory.clone());
-            largest = largest.max((audit.energy(&y, &mut memory) - before).abs());
+            largest = largest.max((audit.energy(&state.y) - before).abs());
         }
         println!("tolerance {tolerance:.0e}: disturbance {disturbance:.4} J, largest drift {:.1e} of it", largest / disturbance);
         assert!(disturbance > 0.1);

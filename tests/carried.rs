@@ -33,7 +33,7 @@ struct Beside {
 /// The model's evaluation beside the carried motion, f(y + c) - c', `ahead` [s] of a state.
 fn beside(model: &Model, workspace: &mut Workspace, carried: &Workspace, simulation: &Simulation, ahead: f64) -> Vec<f64> {
     let integration = &simulation.state().integration;
-    let (n, inputs, mut memory) = (integration.y.len(), model.neutral_inputs(), integration.memory.clone());
+    let (n, inputs, mut memory) = (integration.y.len(), model.neutral_inputs(), simulation.state().memories.accepted.clone());
     let (mut shift, mut rate, mut dy) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     model.carry(carried, ahead, &mut shift, &mut rate);
     let y: Vec<f64> = integration.y.iter().zip(&shift).map(|(y, c)| y + c).collect();
@@ -49,7 +49,7 @@ fn measure(name: &str, changes: &[&str], until: f64) -> Beside {
     let (model, integration) = (simulation.model(), &simulation.state().integration);
     let (mut workspace, inputs) = (model.workspace(), model.neutral_inputs());
     model.prepare_tangent(&mut workspace);
-    let (mut memory, n) = (integration.memory.clone(), integration.y.len());
+    let (mut memory, n) = (simulation.state().memories.accepted.clone(), integration.y.len());
     let mut dy = vec![0.0; n];
     let at = Evaluation { t: 0.0, inputs: &inputs, y: &integration.y, memory: &mut memory };
     model.derivative(&mut workspace, at, &mut dy).unwrap_or_else(|error| panic!("{error}"));
@@ -66,7 +66,7 @@ fn measure(name: &str, changes: &[&str], until: f64) -> Beside {
         for body in 0..model.system.bodies.len() {
             y[6 * body] += ahead * integration.y[count + 6 * body];
         }
-        let (mut memory, mut dy) = (integration.memory.clone(), vec![0.0; n]);
+        let (mut memory, mut dy) = (simulation.state().memories.accepted.clone(), vec![0.0; n]);
         let at = Evaluation { t: 0.0, inputs: &inputs, y: &y, memory: &mut memory };
         model.derivative(&mut other, at, &mut dy).unwrap_or_else(|error| panic!("{error}"));
         dy

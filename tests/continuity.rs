@@ -28,7 +28,7 @@ const JUMP: f64 = 1e-6;
 struct Stand {
     simulation: Simulation,
     start: Vec<f64>,
-    memory: Vec<f64>,
+    memory: wheelrail::formulation::memory::ModelMemory,
     inputs: Vec<f64>,
     side: Side,
 }
@@ -41,7 +41,7 @@ impl Stand {
         let scene = load::open_file(&path, "apta_flange", &changes).unwrap_or_else(|error| panic!("{error}"));
         let mut simulation = common::start(&scene);
         let snapshot = simulation.snapshot().unwrap();
-        let (memory, inputs, start) = (snapshot.memory().to_vec(), snapshot.inputs().to_vec(), snapshot.y.clone());
+        let (memory, inputs, start) = (snapshot.memory().clone(), snapshot.inputs().to_vec(), snapshot.y.clone());
         Stand { simulation, start, memory, inputs, side }
     }
 

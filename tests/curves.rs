@@ -319,7 +319,7 @@ fn analytic_energy_on_a_canted_climbing_spiral() {
     let held = 20000.0 / 9.81;
     let mut energy = |simulation: &mut wheelrail::sim::Simulation| {
         let snapshot = simulation.snapshot().unwrap();
-        let (mut memory, mut dy) = (snapshot.memory().to_vec(), vec![0.0; snapshot.y.len()]);
+        let (mut memory, mut dy) = (snapshot.memory().clone(), vec![0.0; snapshot.y.len()]);
         let at = Evaluation { t: 0.0, inputs: &NEUTRAL_INPUTS, y: &snapshot.y, memory: &mut memory };
         model.derivative(&mut workspace, at, &mut dy).unwrap();
         let contact: f64 = workspace.contacts.iter().map(|c| 0.4 * c.stiffness * c.penetration.max(0.0).powf(2.5)).sum();

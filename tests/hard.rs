@@ -251,23 +251,22 @@ fn hard_constraints_hold_over_the_whole_run_at_any_tolerance() {
 fn hard_accf_gives_up_a_badly_conditioned_partition() {
     // Dependent: z, yaw and all surface parameters. Yaw hardly moves the gaps, so roll is badly placed among the independent ones.
     let bad = [2, 3, 6, 7, 8, 9, 10, 11, 12, 13].iter().fold(0u32, |mask, variable| mask | 1 << variable);
-    const PARTITION: usize = 11; // after what `rigid` keeps
+    let chosen = |simulation: &Simulation| u32::from(simulation.state().memories.accepted.partitions[0].unwrap().partition);
     let scene = scene(&["contact.formulation=ACCF", "solver.tolerance=1e-11"]);
     let (mut disturbed, mut undisturbed) = (start(&scene), start(&scene));
     for simulation in [&mut disturbed, &mut undisturbed] {
         simulation.advance(0.62).unwrap();
     }
     let mut state = disturbed.state().clone();
-    let chosen = state.integration.memory[PARTITION];
-    assert!((chosen as u32).count_ones() == 10 && chosen != f64::from(bad), "the memory holds another partition: {chosen}");
-    state.integration.memory[PARTITION] = f64::from(bad);
+    assert!(chosen(&disturbed).count_ones() == 10 && chosen(&disturbed) != bad);
+    state.memories.accepted.partitions[0].as_mut().unwrap().partition = bad.try_into().unwrap();
     assert!(disturbed.restore(&state));
     let before = disturbed.state().work.partitions;
     for simulation in [&mut disturbed, &mut undisturbed] {
         simulation.advance(0.7).unwrap();
     }
     assert_eq!(disturbed.state().work.partitions, before + 1, "one new choice, which then holds");
-    assert_ne!(disturbed.state().integration.memory[PARTITION], f64::from(bad));
+    assert_ne!(chosen(&disturbed), bad);
     let y = [&mut disturbed, &mut undisturbed].map(|simulation| simulation.snapshot().unwrap().y[1]);
     assert!((y[0] - y[1]).abs() < 1e-8, "{y:?}");
 }

@@ -5,6 +5,7 @@
 
 use std::hint::black_box;
 use std::process::Command;
+use wheelrail::formulation::memory::ModelMemory;
 use wheelrail::formulation::{Evaluation, Model, Workspace};
 use wheelrail::scene::load;
 use wheelrail::sim::{Simulation, Snapshot};
@@ -23,12 +24,12 @@ fn counted_right_hand_sides(
     model: &Model,
     workspace: &mut Workspace,
     snapshot: &Snapshot,
-    memory: &mut [f64],
+    memory: &mut ModelMemory,
     y: &mut [f64],
     dy: &mut [f64],
 ) {
     for _ in 0..STEPS {
-        memory.copy_from_slice(snapshot.memory());
+        memory.clone_from(snapshot.memory());
         for share in STAGES {
             for (y, (before, rate)) in y.iter_mut().zip(snapshot.y.iter().zip(&snapshot.dy)) {
                 *y = before + share * STEP * rate;
@@ -51,7 +52,7 @@ fn worker() {
     simulation.advance(time).unwrap();
     let snapshot = simulation.snapshot().unwrap().clone();
     let model = simulation.model();
-    let (mut workspace, mut memory) = (model.workspace(), snapshot.memory().to_vec());
+    let (mut workspace, mut memory) = (model.workspace(), snapshot.memory().clone());
     let (mut y, mut dy) = (snapshot.y.clone(), snapshot.dy.clone());
     let mut best = f64::INFINITY;
     for _ in 0..std::env::var("WHEELRAIL_ROUNDS").map_or(1, |rounds| rounds.parse().unwrap()) {

@@ -131,18 +131,19 @@ fn integrate(problem: &Problem, tolerance: f64) -> Run {
     let Values { q, v, memory } = problem.values("initial");
     let mut motion = Motion::new(&problem.wheelset, problem.gaps(), end);
     let method = DormandPrince { tolerance };
-    let mut scratch = Scratch::new(12, MEMORY);
+    let mut scratch = Scratch::new(12, 0);
     let start: Vec<f64> = q.iter().chain(&v).copied().collect();
-    let mut state = method.start(0.0, &start, &memory);
+    (motion.memory, motion.accepted) = (memory, memory);
+    let mut state = method.start(0.0, &start);
     let clock = Instant::now();
     method.advance(&mut motion, &mut state, &mut scratch, end).unwrap();
     let seconds = clock.elapsed().as_secs_f64();
     assert!(state.t == end, "the last step ends at the end");
-    let violation = motion.violation(&state.y, &mut state.memory).unwrap();
+    let violation = motion.violation(&state.y, &mut motion.accepted.clone()).unwrap();
     let y = std::array::from_fn(|i| match i {
         0..5 => state.y[i],
         5..11 => state.y[i + 1],
-        _ => state.memory[i - 11],
+        _ => motion.accepted[i - 11],
     });
     let Motion { drift, creep_evaluations, .. } = motion;
     Run { y, statistics: state.statistics, creep_evaluations, seconds, drift, violation }

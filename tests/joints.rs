@@ -16,7 +16,7 @@ use wheelrail::mbs::projection::{Projection, ProjectionError};
 use wheelrail::mbs::redundancy::AssemblyError;
 use wheelrail::mbs::system::{DrivingConstraint, System, SystemWorkspace};
 use wheelrail::mbs::tangent::{Ends, PairTangent};
-use wheelrail::solve::{DormandPrince, Dynamics, IntegrationState, Integrator, RungeKutta4, Scratch, Undefined};
+use wheelrail::solve::{DormandPrince, Dynamics, Implicit, IntegrationState, Integrator, RungeKutta4, Scratch, Undefined};
 
 const G: f64 = 9.81;
 
@@ -65,7 +65,7 @@ impl Mechanism {
         let mut drift: f64 = 0.0;
         for part in 0..parts {
             let at = |part: u32| end * f64::from(part) / f64::from(parts);
-            let mut state = integrator.start(at(part), &y, &[]);
+            let mut state = integrator.start(at(part), &y);
             integrator.advance(self, &mut state, &mut scratch, at(part + 1)).unwrap();
             state.interpolate_beside(at(part + 1), &mut y, |_, _| ());
             drift = drift.max(self.project(at(part + 1), &mut y).drift);
@@ -75,17 +75,19 @@ impl Mechanism {
 }
 
 impl Dynamics for Mechanism {
-    fn derivative(&mut self, t: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         self.system.apply_forces(y, &mut self.workspace);
         self.system.constrained_derivative(t, y, &mut self.workspace, dy).map_err(|_| Undefined)
     }
     fn error_weight(&self, i: usize) -> f64 {
         if i < self.system.dimension() / 2 { 1.0 } else { 0.0 }
     }
-    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+    fn next_break(&self, _: f64, _: &[f64]) -> f64 {
         f64::INFINITY
     }
 }
+
+impl Implicit for Mechanism {}
 
 fn brick(mass: f64, x: f64, y: f64, z: f64) -> Body {
     Body { name: "brick".into(), mass, inertia: Inertia::General { principal: Vector3::new(x, y, z) } }
@@ -142,7 +144,7 @@ fn analytic_period_of_a_pendulum_with_large_amplitude() {
     assert!(y[5].abs() < 1e-9 && (y[11] - speed).abs() < 1e-9);
     // The pin's force at the bottom: weight and centripetal force.
     let mut dy = vec![0.0; 12];
-    pendulum.derivative(0.0, &y, &mut [], &mut dy).unwrap();
+    pendulum.derivative(0.0, &y, &mut dy).unwrap();
     let lifted = pendulum.workspace.constraints.kkt.constraint_force(0, 2, &pendulum.workspace.constraints.multipliers);
     let expected = mass * (G + speed * speed * length);
     assert!((lifted / expected - 1.0).abs() < 1e-9, "{lifted} {expected}");
@@ -220,7 +222,7 @@ fn analytic_slider_crank() {
     assert!((y[12] - slider).abs() < 1e-12 && (y[30] - velocity).abs() < 1e-12);
     // The motor's power is the rate of the energy.
     let mut dy = vec![0.0; 36];
-    mechanism.derivative(end, &y, &mut [], &mut dy).unwrap();
+    mechanism.derivative(end, &y, &mut dy).unwrap();
     let motor = mechanism.system.joints.iter().map(Joint::rows).sum::<usize>() - 1;
     let power = -mechanism.workspace.constraints.multipliers[motor] * speed;
     let h = 1e-5;
@@ -460,7 +462,7 @@ fn analytic_driving_force_carries_what_joints_hand_on() {
     assert_eq!((y[12], projected.velocity_change), (20.0, 5.0));
     assert_eq!(y[18], 20.0);
     let mut dy = vec![0.0; 24];
-    train.derivative(0.0, &y, &mut [], &mut dy).unwrap();
+    train.derivative(0.0, &y, &mut dy).unwrap();
     assert!((train.workspace.drive_forces[0] - 650.0).abs() < 1e-9 && dy[12] == 0.0 && dy[18].abs() < 1e-12);
     // A second drive of the same coordinate has nothing left to move.
     train.system.joints.push(driven("again", to_ground(0), 0, Level::Speed, Prescribed::uniform(0.0, 20.0)));
@@ -520,7 +522,7 @@ fn prop_cost_of_a_chain_is_linear_and_nothing_allocates() {
         let assembly = start.elapsed().as_secs_f64();
         let integrator = RungeKutta4 { step: 0.01 };
         let mut scratch = Scratch::new(y.len(), 0);
-        let mut state = integrator.start(0.0, &y, &[]);
+        let mut state = integrator.start(0.0, &y);
         integrator.advance(&mut chain, &mut state, &mut scratch, 0.1).unwrap();
         y.copy_from_slice(&state.y);
         let mut dy = vec![0.0; y.len()];
@@ -530,7 +532,7 @@ fn prop_cost_of_a_chain_is_linear_and_nothing_allocates() {
         let projecting = start.elapsed().as_secs_f64();
         let start = Instant::now();
         for _ in 0..10 {
-            chain.derivative(0.1, &y, &mut [], &mut dy).unwrap();
+            chain.derivative(0.1, &y, &mut dy).unwrap();
         }
         let derivative = start.elapsed().as_secs_f64() / 10.0;
         assert_eq!(counting::count(), before, "the stepping path allocates");
@@ -558,7 +560,7 @@ fn prop_projected_chain_swings_without_drift() {
     let (mut chain, y) = chain(8);
     let before = chain.energy(&y);
     let integrator = DormandPrince { tolerance: 1e-10 };
-    let mut state: IntegrationState = integrator.start(0.0, &y, &[]);
+    let mut state: IntegrationState = integrator.start(0.0, &y);
     let mut scratch = Scratch::new(y.len(), 0);
     integrator.advance(&mut chain, &mut state, &mut scratch, 0.8).unwrap();
     let free_drift = chain.project(state.t, &mut state.y.clone()).drift;

@@ -10,7 +10,7 @@ fn forces(spacing: &str) -> Vec<[f64; 2]> {
     let scene = load::open("wheelset_s1002", &changes).unwrap();
     let mut simulation = Simulation::new(&scene, 0.0).unwrap();
     let snapshot = simulation.snapshot().unwrap();
-    let (memory, inputs, start) = (snapshot.memory().to_vec(), snapshot.inputs().to_vec(), snapshot.y.clone());
+    let (memory, inputs, start) = (snapshot.memory().clone(), snapshot.inputs().to_vec(), snapshot.y.clone());
     let model = simulation.model();
     let mut workspace = model.workspace();
     let mut at = |shift: f64| {

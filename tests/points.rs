@@ -4,7 +4,8 @@ mod common;
 
 use common::{read, start, table};
 use wheelrail::formulation::events::ContactChange;
-use wheelrail::formulation::{Evaluation, LATERAL_FORCE, Model, VERTICAL_FORCE};
+use wheelrail::formulation::memory::ModelMemory;
+use wheelrail::formulation::{Evaluation, LATERAL_FORCE, VERTICAL_FORCE};
 use wheelrail::scene::load;
 use wheelrail::scene::spec::Scene;
 use wheelrail::sim::{Simulation, input_index};
@@ -24,15 +25,9 @@ fn random(mut seed: u64) -> impl FnMut() -> f64 {
 }
 
 /// The memory without what lets an evaluation pass over a search.
-fn forgetful(model: &Model, memory: &[f64]) -> Vec<f64> {
-    let mut memory = memory.to_vec();
-    for contact in 0..model.contacts() {
-        let range = model.contact_memory(contact);
-        let own = model.formulation.memory_per_contact();
-        if range.len() > own {
-            memory[range.start + own] = 0.0;
-        }
-    }
+fn forgetful(memory: &ModelMemory) -> ModelMemory {
+    let mut memory = memory.clone();
+    memory.wheels.iter_mut().for_each(|wheel| wheel.forget());
     memory
 }
 
@@ -43,7 +38,7 @@ fn with_and_without_memory(simulation: &mut Simulation) -> [Vec<f64>; 2] {
     let sums = |workspace: &wheelrail::formulation::Workspace| -> Vec<f64> {
         (0..model.contacts()).map(|contact| workspace.reports(contact).map(|c| c.normal_force).sum()).collect()
     };
-    [snapshot.memory().to_vec(), forgetful(model, snapshot.memory())].map(|mut memory| {
+    [snapshot.memory().clone(), forgetful(snapshot.memory())].map(|mut memory| {
         let mut workspace = model.workspace();
         let mut dy = vec![0.0; snapshot.y.len()];
         let at = Evaluation { t: snapshot.time, inputs: snapshot.inputs(), y: &snapshot.y, memory: &mut memory };
@@ -103,7 +98,7 @@ fn prop_normal_forces_are_those_of_the_pose_whatever_was_before() {
         let inputs = model.neutral_inputs();
         let (mut worst, mut worst_pose, mut evaluated, mut several, mut beyond) = (0f64, [0.0; 4], 0, 0, 0);
         for _ in 0..300 {
-            let mut memory = vec![0.0; model.memory()];
+            let mut memory = model.blank_memory();
             let mut y = start.clone();
             (y[1], y[3]) = (9e-3 * random(), 0.02 * random());
             y[2] += 1e-3 * random();
@@ -122,7 +117,7 @@ fn prop_normal_forces_are_those_of_the_pose_whatever_was_before() {
                 };
                 let with = sums(&workspace);
                 let pressed = workspace.contacts.iter().chain(&workspace.further_contacts).filter(|c| c.normal_force > 0.0).count();
-                let mut cold = vec![0.0; model.memory()];
+                let mut cold = model.blank_memory();
                 let at = Evaluation { t: 0.0, inputs: &inputs, y: &y, memory: &mut cold };
                 if model.derivative(&mut workspace, at, &mut dy).is_err() {
                     break;
@@ -157,10 +152,9 @@ fn prop_places_of_one_patch_are_followed_and_give_the_forces_of_a_search() {
         let start = simulation.state().integration.y.clone();
         let mut random = random(77);
         let (mut workspace, mut dy, inputs) = (model.workspace(), vec![0.0; start.len()], model.neutral_inputs());
-        let mut memory = vec![0.0; model.memory()];
+        let mut memory = model.blank_memory();
         let (mut worst, mut worst_pose, mut followed, mut pressed, mut jump) = (0f64, [0.0; 4], 0, 0, 0f64);
         let (mut offset, mut before) = ([0.0; 5], Vec::new());
-        let own = model.formulation.memory_per_contact();
         for _ in 0..steps {
             // A walk that stays near: lateral and vertical position, yaw and roll.
             for (i, size, most) in [(1, 4e-6, 2e-3), (2, 4e-7, 2e-5), (3, 4e-6, 2e-3), (4, 4e-7, 3e-5)] {
@@ -169,7 +163,7 @@ fn prop_places_of_one_patch_are_followed_and_give_the_forces_of_a_search() {
             }
             let mut y = start.clone();
             (1..5).for_each(|i| y[i] += offset[i]);
-            let mut forces = |memory: &mut [f64]| -> Vec<f64> {
+            let mut forces = |memory: &mut ModelMemory| -> Vec<f64> {
                 model.derivative(&mut workspace, Evaluation { t: 0.0, inputs: &inputs, y: &y, memory }, &mut dy).unwrap();
                 let force = |c: &wheelrail::formulation::ContactReport| c.force;
                 let n = model.points - 1;
@@ -179,13 +173,13 @@ fn prop_places_of_one_patch_are_followed_and_give_the_forces_of_a_search() {
                 pressed += workspace.further_contacts.iter().filter(|c| c.normal_force > 0.0).count();
                 (0..2).flat_map(|w| wheel(w).iter().copied().collect::<Vec<f64>>()).collect()
             };
-            let known: Vec<f64> = memory.clone();
+            let known = memory.clone();
             let with = forces(&mut memory);
-            let without = forces(&mut vec![0.0; model.memory()]);
+            let without = forces(&mut model.blank_memory());
             followed += (0..2)
                 .filter(|w| {
-                    memory[model.contact_memory(*w).start + own] > 0.0
-                        && known[model.contact_memory(*w).start + own + 1..][..6] == memory[model.contact_memory(*w).start + own + 1..][..6]
+                    let [before, now] = [&known, &memory].map(|memory| memory.wheels[*w].searched);
+                    now.budget > 0.0 && before.from == now.from
                 })
                 .count();
             let largest = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

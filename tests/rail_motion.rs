@@ -64,7 +64,7 @@ fn inputs(model: &Model, displacement: [f64; 2], velocity: [f64; 2]) -> Vec<f64>
 
 /// Accelerations and contacts of a state.
 fn evaluate(model: &Model, y: &[f64], inputs: &[f64], distance: f64) -> (Vec<f64>, Vec<ContactReport>) {
-    let (mut workspace, mut memory, mut dy) = (model.workspace(), vec![0.0; model.memory()], vec![0.0; y.len()]);
+    let (mut workspace, mut memory, mut dy) = (model.workspace(), model.blank_memory(), vec![0.0; y.len()]);
     model.set_distances(|_| distance, &mut memory);
     model.derivative(&mut workspace, Evaluation { t: 0.0, inputs, y, memory: &mut memory }, &mut dy).unwrap();
     (dy[6..12].to_vec(), workspace.contacts.clone())

@@ -9,6 +9,7 @@ mod common;
 mod counting;
 
 use nalgebra::DMatrix;
+use wheelrail::formulation::memory::ModelMemory;
 use wheelrail::formulation::{Evaluation, Model};
 use wheelrail::scene::load;
 use wheelrail::sim::Simulation;
@@ -20,8 +21,14 @@ struct Linearised {
     wheelset: usize,
 }
 
-fn derivative(model: &Model, workspace: &mut wheelrail::formulation::Workspace, y: &[f64], memory: &[f64], inputs: &[f64]) -> Vec<f64> {
-    let (mut memory, mut dy) = (memory.to_vec(), vec![0.0; y.len()]);
+fn derivative(
+    model: &Model,
+    workspace: &mut wheelrail::formulation::Workspace,
+    y: &[f64],
+    memory: &ModelMemory,
+    inputs: &[f64],
+) -> Vec<f64> {
+    let (mut memory, mut dy) = (memory.clone(), vec![0.0; y.len()]);
     let at = Evaluation { t: 0.0, inputs, y, memory: &mut memory };
     model.derivative(workspace, at, &mut dy).unwrap_or_else(|error| panic!("{error}"));
     dy
@@ -30,7 +37,7 @@ fn derivative(model: &Model, workspace: &mut wheelrail::formulation::Workspace, 
 /// J of a simulation's present state, found and differenced.
 fn linearised(simulation: &Simulation) -> Linearised {
     let model = simulation.model();
-    let (y, memory) = (&simulation.state().integration.y, &simulation.state().integration.memory);
+    let (y, memory) = (&simulation.state().integration.y, &simulation.state().memories.accepted);
     let inputs = model.neutral_inputs();
     let mut workspace = model.workspace();
     model.prepare_tangent(&mut workspace);
@@ -216,7 +223,7 @@ fn prop_linearising_and_solving_do_not_allocate_and_cost_little() {
     let mut simulation = common::start(&scene);
     simulation.advance(1.3).unwrap();
     let model = simulation.model();
-    let (y, memory) = (&simulation.state().integration.y, simulation.state().integration.memory.clone());
+    let (y, memory) = (&simulation.state().integration.y, simulation.state().memories.accepted.clone());
     let (inputs, mut workspace) = (model.neutral_inputs(), model.workspace());
     model.prepare_tangent(&mut workspace);
     let (mut dy, mut x, mut memory) = (vec![0.0; y.len()], vec![1.0; y.len()], memory);

@@ -54,8 +54,8 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(());
     }
     print(&format!(
-        "{}: {}\n  {} states ({} bodies), {} wheels with up to {} contacts each, {} force elements, {} numbers of search memory\n\n",
-        plan.scene, scene.title, plan.states, plan.bodies, plan.contacts, plan.points, plan.force_elements, plan.memory
+        "{}: {}\n  {} states ({} bodies), {} wheels with up to {} contacts each, {} force elements\n\n",
+        plan.scene, scene.title, plan.states, plan.bodies, plan.contacts, plan.points, plan.force_elements
     ))?;
     let width = plan.effects.iter().map(|effect| effect.name.len()).max().unwrap_or(0);
     for effect in &plan.effects {
@@ -182,7 +182,7 @@ fn costs(simulation: &mut Simulation, formulation: &str) -> Vec<(&'static str, f
         }
     }
     let mut workspace = model.workspace();
-    let (mut memory, mut dy) = (snapshot.memory().to_vec(), snapshot.dy.clone());
+    let (mut memory, mut dy) = (snapshot.memory().clone(), snapshot.dy.clone());
     let total = time(|| {
         let at = Evaluation { t: 0.0, inputs: snapshot.inputs(), y: black_box(&snapshot.y), memory: &mut memory };
         let _ = black_box(model.derivative(&mut workspace, at, &mut dy));

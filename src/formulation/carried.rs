@@ -25,7 +25,7 @@
 //! of c': only contacts see it, by their part of J and without what turns in their wrenches. For that common turn, without contacts, the
 //! exact answer (Z omega x (v' - c''), of the order of 0.05 m/s3) is left out. In a steady curve 2e-1 rad/s3 is left of 6e5.
 
-use super::rigid::wheels;
+use super::step::WheelRef;
 use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::station::Station;
@@ -154,7 +154,7 @@ impl Model {
             }
         }
         if !carried.motion.rides.is_empty() {
-            for (contact, wheelset, side) in wheels(self) {
+            for WheelRef { contact, wheelset, side } in self.wheels() {
                 let ride = &mut carried.motion.rides[contact / 2];
                 let pressed = workspace.reports(contact).max_by(|a, b| a.normal_force.total_cmp(&b.normal_force));
                 let normal = pressed.map_or(Vector3::zeros(), |report| workspace.in_track(wheelset.body, report.axes.normal));

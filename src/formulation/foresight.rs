@@ -13,7 +13,7 @@
 //! with e = 20 um: at most that deep (a third of a static penetration) has the wheel come when its step ends, wherever the rail is plain. What
 //! happens from there on is the error control's.
 
-use super::rigid::wheels;
+use super::step::WheelRef;
 use super::tangent::normal_slopes;
 use super::{ContactReport, Model, Wheelset, Workspace};
 use crate::geometry::track::station::Station;
@@ -34,7 +34,7 @@ impl Model {
     /// The longest step that may begin at the state `y` with derivative `dy`, s, whose evaluation the workspace holds.
     pub fn longest_step(&self, workspace: &Workspace, dy: &[f64]) -> f64 {
         let mut longest = self.longest_known(workspace);
-        for (contact, wheelset, _) in wheels(self) {
+        for WheelRef { contact, wheelset, .. } in self.wheels() {
             // A report without iterations belongs to no place.
             let mut places = workspace.reports(contact).filter(|report| report.iterations > 0 || report.penetration != 0.0).peekable();
             if places.peek().is_some() && places.all(|report| report.normal_force <= 0.0 && report.penetration < 0.0 && !report.constrained)
@@ -50,7 +50,7 @@ impl Model {
     /// The part of it that the track alone asks for, s.
     pub fn longest_known(&self, workspace: &Workspace) -> f64 {
         let mut longest = f64::INFINITY;
-        for (_, wheelset, side) in wheels(self) {
+        for WheelRef { wheelset, side, .. } in self.wheels() {
             let motion = &workspace.system.motions[wheelset.body];
             let travel = workspace.system.stations.get(wheelset.body).map_or(motion.speed, |Station { travel, .. }| *travel);
             let reach = self.track.rail(side).waves().reach(motion.distance, travel);
@@ -91,7 +91,7 @@ impl Model {
         const SLOW: f64 = 0.5;
         let velocities = COORDINATES * self.system.bodies.len();
         let mut largest: f64 = 0.0;
-        for (contact, wheelset, _) in wheels(self) {
+        for WheelRef { contact, wheelset, .. } in self.wheels() {
             let motion = &workspace.system.motions[wheelset.body];
             let part = |first: usize| {
                 let e = &error[first + COORDINATES * wheelset.body..first + COORDINATES * (wheelset.body + 1)];

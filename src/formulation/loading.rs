@@ -1,12 +1,13 @@
 //! What all formulations share: loads from outside and the laws of contact at a point that was found.
 
-use super::{ContactFailure, ContactReport, DRIVE_TORQUE, Model, Wheelset};
+use super::step::WheelRef;
+use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset};
 use crate::contact::Patch;
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{ContactAxes, Creepage, in_rolling_direction};
 use crate::contact::normal::damping::damped_force;
 use crate::contact::normal::{ConformalContact, ContactShape, ElasticContact};
-use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
+use crate::contact::search::algebraic::{ContactLocation, Pair};
 use crate::contact::transient::{self, LoadedPatch};
 use crate::geometry::Side;
 use crate::math::newton::NewtonFailure;
@@ -56,7 +57,7 @@ impl WheelAt<'_> {
     /// Wheel and rail where they stand.
     #[inline]
     pub fn pair(&self) -> Pair<'_> {
-        pair(self.model, self.wheelset, self.side, self.motion)
+        WheelRef { contact: self.contact, wheelset: self.wheelset, side: self.side }.pair(self.model, self.motion)
     }
 
     #[inline]
@@ -198,27 +199,10 @@ impl Contact<'_> {
     }
 }
 
-/// Wheel and rail of one side where they stand.
-#[inline]
-pub(super) fn pair<'a>(model: &'a Model, wheelset: &'a Wheelset, side: Side, motion: &'a BodyMotion) -> Pair<'a> {
-    Pair {
-        wheel: wheelset.wheel(side),
-        rail: model.track.rail(side),
-        centre: &motion.position,
-        axes: &motion.frame.axes,
-        distance: motion.distance,
-    }
-}
-
-/// The surface parameters that a contact's memory begins with.
-#[inline]
-pub(super) fn warm_start(memory: &[f64]) -> SurfaceParameters {
-    SurfaceParameters { wheel: memory[0], angle: memory[1], lead: memory[2], rail: memory[3] }
-}
-
-#[inline]
-pub(super) fn keep(p: &SurfaceParameters, memory: &mut [f64]) {
-    memory[..4].copy_from_slice(&[p.wheel, p.angle, p.lead, p.rail]);
+/// Factor of a wheel's friction coefficient.
+pub(super) fn friction(inputs: &[f64], contact: usize, side: Side) -> f64 {
+    let inputs = &inputs[contact / 2 * WHEELSET_INPUTS..];
+    if side == Side::Left { inputs[LEFT_FRICTION] } else { inputs[RIGHT_FRICTION] }
 }
 
 pub(super) fn not_found(model: &Model, motion: &BodyMotion, failure: NewtonFailure) -> ContactFailure {

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! I and S are integrated beside the model's states (without error control: nothing depends on them). What I was a window ago
-//! is kept in the state's memory: at the end of accepted steps, not closer to each other than a sixtieth of the window, S and all I are
+//! is remembered: at the end of accepted steps, not closer to each other than a sixtieth of the window, S and all I are
 //! written into a ring. Between its entries I is interpolated by a cubic through four of them: q is a smooth function of
 //! distance but for impacts, and a step is a few centimetres long. Before a whole window has been travelled the mean is that since
 //! the start.
@@ -14,12 +14,14 @@
 //! is advanced exactly; so it takes no part in error control and is stable for any step. With y its output, `K' = y |v|` takes the place of I, |v| as its mean over the step.
 //! That the input is constant over a step of length h lowers a wave of frequency f by `sin(pi f h) / (pi f h)`: 0.2 % at 20 Hz with 2 ms, 1.6 % with 5 ms.
 //! It begins settled on the first step's mean. Where the wheelset stands still it goes on with the last input.
-//! Memory: the ring, then two ends of steps ([`End`]), because outputs are read within the last step.
+//! Two ends of steps are kept ([`End`]), because outputs are read within the last step.
 
 use super::low_pass::{self, LowPass};
+use super::memory::ModelMemory;
 use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// Entries of the ring: a window and what the interpolation needs beyond it.
@@ -31,13 +33,17 @@ pub const CUT_OFF: f64 = 20.0;
 /// Travel of a step, m, below which the mean of q over it is lost in rounding.
 const LEAST_TRAVEL: f64 = 1e-7;
 
+/// What is averaged for each wheelset, in this order.
+pub const MEANS: [&str; 3] = ["Y/Q of the left wheel", "Y/Q of the right wheel", "sum of Y"];
+
+/// Number of quantities.
+const QUANTITIES: usize = MEANS.len();
+
 /// Integrals of some quantities over the distance that a wheelset travels, and their past.
 #[derive(Clone, Copy, Debug)]
 pub struct SlidingMean {
     /// m.
     pub window: f64,
-    /// Number of quantities.
-    pub quantities: usize,
     filter: LowPass,
 }
 
@@ -48,164 +54,177 @@ pub enum Averaged {
     Filtered,
 }
 
-/// The filters at the end of a step: how far they are (0 nothing noted, 1 no input yet, 2 running), time, S and all I, then of each
-/// quantity its input, the filter's state and K.
-struct End;
+/// S and all I.
+type States = [f64; 1 + QUANTITIES];
 
-impl End {
-    const TIME: usize = 1;
-    const STATES: usize = 2;
-    /// Input, state, K.
-    const PER_QUANTITY: usize = low_pass::STATES + 2;
-    const NOTHING: f64 = 0.0;
-    const WAITING: f64 = 1.0;
-    const RUNNING: f64 = 2.0;
+/// An entry of the ring: S, I and K of all quantities.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Entry {
+    distance: f64,
+    plain: [f64; QUANTITIES],
+    filtered: [f64; QUANTITIES],
 }
 
-impl SlidingMean {
-    pub fn new(window: f64, quantities: usize) -> Self {
-        SlidingMean { window, quantities, filter: LowPass::new(CUT_OFF) }
+/// A quantity's filter at the end of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Filter {
+    input: f64,
+    state: [f64; low_pass::STATES],
+    /// K.
+    integral: f64,
+}
+
+/// The filters at the end of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct End {
+    /// s.
+    time: f64,
+    states: States,
+    /// Have the filters an input yet?
+    running: bool,
+    filters: [Filter; QUANTITIES],
+}
+
+/// What the means of one wheelset remember.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeanMemory {
+    /// As a ring: so many of them, from the oldest on.
+    entries: Vec<Entry>,
+    count: usize,
+    oldest: usize,
+    /// The ends of the last two steps.
+    before: Option<End>,
+    last: Option<End>,
+}
+
+impl Default for MeanMemory {
+    fn default() -> Self {
+        MeanMemory { entries: vec![Entry::default(); ENTRIES], count: 0, oldest: 0, before: None, last: None }
+    }
+}
+
+impl Clone for MeanMemory {
+    fn clone(&self) -> Self {
+        MeanMemory { entries: self.entries.clone(), ..*self }
     }
 
-    /// States: S [m] and the integrals.
-    pub fn states(&self) -> usize {
-        1 + self.quantities
+    fn clone_from(&mut self, other: &Self) {
+        self.entries.clone_from(&other.entries);
+        (self.count, self.oldest, self.before, self.last) = (other.count, other.oldest, other.before, other.last);
+    }
+}
+
+impl MeanMemory {
+    /// Could it be of the same model as `other`?
+    pub fn fits(&self, other: &MeanMemory) -> bool {
+        self.entries.len() == other.entries.len() && self.count.max(other.count) <= self.entries.len()
     }
 
-    /// Numbers of an entry of the ring: S, all I, all K.
-    fn width(&self) -> usize {
-        1 + 2 * self.quantities
+    /// An entry by its age, the oldest first.
+    fn entry(&self, number: usize) -> &Entry {
+        &self.entries[(self.oldest % ENTRIES + number) % ENTRIES]
     }
 
-    fn end_length(&self) -> usize {
-        End::STATES + self.states() + End::PER_QUANTITY * self.quantities
+    fn newest(&self) -> Option<&Entry> {
+        self.count.checked_sub(1).map(|newest| self.entry(newest))
     }
 
-    /// Numbers in the memory: how many entries there are, which is the oldest, the entries; the ends of the last two steps.
-    pub fn memory(&self) -> usize {
-        self.ends() + 2 * self.end_length()
-    }
-
-    fn ends(&self) -> usize {
-        2 + ENTRIES * self.width()
-    }
-
-    /// Place of a quantity's part in an end.
-    fn part(&self, index: usize) -> Range<usize> {
-        let first = End::STATES + self.states() + End::PER_QUANTITY * index;
-        first..first + End::PER_QUANTITY
-    }
-
-    /// K of a quantity at an end.
-    fn filtered_integral(&self, index: usize, end: &[f64]) -> f64 {
-        end[self.part(index).end - 1]
-    }
-
-    /// Notes time and states at the end of an accepted step.
-    pub fn note(&self, t: f64, states: &[f64], memory: &mut [f64]) {
-        let (ring, ends) = memory.split_at_mut(self.ends());
-        let (before, last) = ends.split_at_mut(self.end_length());
-        let travelled = states[0] - last[End::STATES] > LEAST_TRAVEL;
-        let state = match last[0] {
-            End::NOTHING => End::WAITING,
-            // The first input is the mean since the start, however slowly that began.
-            End::WAITING if !travelled => return,
-            _ => End::RUNNING,
-        };
-        if last[0] != End::NOTHING && !(t > last[End::TIME]) {
-            return;
-        }
-        before.copy_from_slice(last);
-        for index in 0..self.quantities {
-            let part = self.advanced(index, t, states, before);
-            last[self.part(index)].copy_from_slice(&part);
-        }
-        (last[0], last[End::TIME]) = (state, t);
-        last[End::STATES..End::STATES + self.states()].copy_from_slice(states);
-
-        let width = self.width();
-        let (count, oldest) = ((ring[0] as usize).min(ENTRIES), ring[1] as usize % ENTRIES);
-        let place = |entry: usize| 2 + (entry % ENTRIES) * width;
-        if count > 0 && states[0] - ring[place(oldest + count - 1)] < self.window / PER_WINDOW {
-            return;
-        }
-        let at = place(oldest + count);
-        ring[at..at + self.states()].copy_from_slice(states);
-        for index in 0..self.quantities {
-            ring[at + self.states() + index] = self.filtered_integral(index, last);
-        }
-        if count < ENTRIES {
-            ring[0] += 1.0;
+    fn push(&mut self, entry: Entry) {
+        let at = (self.oldest % ENTRIES + self.count) % ENTRIES;
+        self.entries[at] = entry;
+        if self.count < ENTRIES {
+            self.count += 1;
         } else {
-            ring[1] = ((oldest + 1) % ENTRIES) as f64;
+            self.oldest = (self.oldest % ENTRIES + 1) % ENTRIES;
         }
     }
 
-    /// A quantity's filter at time `t` with the means' states there: its part of an end, from an earlier end.
-    fn advanced(&self, index: usize, t: f64, states: &[f64], end: &[f64]) -> [f64; End::PER_QUANTITY] {
-        let mut part = [0.0; End::PER_QUANTITY];
-        part.copy_from_slice(&end[self.part(index)]);
-        let (step, travel) = (t - end[End::TIME], states[0] - end[End::STATES]);
-        let moves = travel > LEAST_TRAVEL;
-        if end[0] == End::NOTHING || !(step > 0.0) || end[0] == End::WAITING && !moves {
-            return part;
-        }
-        let [input, state @ .., integral] = &mut part;
-        if moves {
-            *input = (states[1 + index] - end[End::STATES + 1 + index]) / travel;
-        }
-        if end[0] == End::WAITING {
-            self.filter.settle(*input, state);
-        }
-        *integral += self.filter.advance(*input, step, state) * travel / step;
-        part
-    }
-
-    /// Mean of quantity `index` over the window that ends at time `t` at the given states; 0 before anything was travelled.
-    pub fn mean(&self, index: usize, averaged: Averaged, t: f64, states: &[f64], memory: &[f64]) -> f64 {
-        let end = states[0];
-        let (integral, column) = match averaged {
-            Averaged::Unfiltered => (states[1 + index], 1 + index),
-            Averaged::Filtered => (self.now(index, t, states, memory), self.states() + index),
-        };
-        let count = (memory[0] as usize).min(ENTRIES);
-        let begin = (end - self.window).max(if count > 0 { self.entry(0, memory)[0] } else { end });
-        if !(end > begin) {
-            return 0.0;
-        }
-        (integral - self.past(begin, column, memory)) / (end - begin)
-    }
-
-    /// K at time `t`, within the last step or after it.
-    fn now(&self, index: usize, t: f64, states: &[f64], memory: &[f64]) -> f64 {
-        let (before, last) = memory[self.ends()..].split_at(self.end_length());
-        let from = if t < last[End::TIME] && before[0] != End::NOTHING { before } else { last };
-        let [.., integral] = self.advanced(index, t, states, from);
-        integral
-    }
-
-    fn entry<'a>(&self, number: usize, memory: &'a [f64]) -> &'a [f64] {
-        let width = self.width();
-        let at = 2 + ((memory[1] as usize % ENTRIES + number) % ENTRIES) * width;
-        &memory[at..at + width]
+    /// Number of the first entry beyond a travelled distance.
+    fn after(&self, distance: f64) -> usize {
+        (0..self.count).find(|number| self.entry(*number).distance > distance).unwrap_or(self.count)
     }
 
     /// An integral at travelled distance `at`, by the polynomial through the four entries around it.
-    fn past(&self, at: f64, column: usize, memory: &[f64]) -> f64 {
-        let count = (memory[0] as usize).min(ENTRIES);
-        let after = (0..count).find(|number| self.entry(*number, memory)[0] > at).unwrap_or(count);
-        let first = after.saturating_sub(2).min(count.saturating_sub(4));
-        let nodes = first..(first + 4).min(count);
+    fn past(&self, at: f64, integral: impl Fn(&Entry) -> f64) -> f64 {
+        let first = self.after(at).saturating_sub(2).min(self.count.saturating_sub(4));
+        let nodes = first..(first + 4).min(self.count);
         let weight = |i: usize| -> f64 {
-            let own = self.entry(i, memory)[0];
-            nodes.clone().filter(|j| *j != i).map(|j| self.entry(j, memory)[0]).map(|other| (at - other) / (own - other)).product()
+            let own = self.entry(i).distance;
+            nodes.clone().filter(|j| *j != i).map(|j| self.entry(j).distance).map(|other| (at - other) / (own - other)).product()
         };
-        nodes.clone().map(|i| weight(i) * self.entry(i, memory)[column]).sum()
+        nodes.clone().map(|i| weight(i) * integral(self.entry(i))).sum()
     }
 }
 
-/// What is averaged for each wheelset, in this order.
-pub const MEANS: [&str; 3] = ["Y/Q of the left wheel", "Y/Q of the right wheel", "sum of Y"];
+impl SlidingMean {
+    pub fn new(window: f64) -> Self {
+        SlidingMean { window, filter: LowPass::new(CUT_OFF) }
+    }
+
+    /// States: S [m] and the integrals.
+    pub const STATES: usize = 1 + QUANTITIES;
+
+    /// Notes time and states at the end of an accepted step.
+    pub fn note(&self, t: f64, states: &[f64], memory: &mut MeanMemory) {
+        let mut now = End { time: t, ..End::default() };
+        now.states.copy_from_slice(states);
+        if let Some(last) = &memory.last {
+            // The first input is the mean since the start, however slowly that began.
+            if !(t > last.time) || !last.running && !(states[0] - last.states[0] > LEAST_TRAVEL) {
+                return;
+            }
+            now.running = true;
+            for (index, filter) in now.filters.iter_mut().enumerate() {
+                *filter = self.advanced(index, t, states, last);
+            }
+        }
+        memory.before = memory.last.replace(now);
+        if memory.newest().is_some_and(|newest| states[0] - newest.distance < self.window / PER_WINDOW) {
+            return;
+        }
+        let mut entry = Entry { distance: states[0], filtered: now.filters.map(|filter| filter.integral), ..Entry::default() };
+        entry.plain.copy_from_slice(&states[1..]);
+        memory.push(entry);
+    }
+
+    /// A quantity's filter at time `t` with the means' states there, from an earlier end.
+    fn advanced(&self, index: usize, t: f64, states: &[f64], end: &End) -> Filter {
+        let mut filter = end.filters[index];
+        let (step, travel) = (t - end.time, states[0] - end.states[0]);
+        let moves = travel > LEAST_TRAVEL;
+        if !(step > 0.0) || !end.running && !moves {
+            return filter;
+        }
+        if moves {
+            filter.input = (states[1 + index] - end.states[1 + index]) / travel;
+        }
+        if !end.running {
+            self.filter.settle(filter.input, &mut filter.state);
+        }
+        filter.integral += self.filter.advance(filter.input, step, &mut filter.state) * travel / step;
+        filter
+    }
+
+    /// Mean of quantity `index` over the window that ends at time `t` at the given states; 0 before anything was travelled.
+    pub fn mean(&self, index: usize, averaged: Averaged, t: f64, states: &[f64], memory: &MeanMemory) -> f64 {
+        let end = states[0];
+        let begin = (end - self.window).max(if memory.count > 0 { memory.entry(0).distance } else { end });
+        if !(end > begin) {
+            return 0.0;
+        }
+        let change = match averaged {
+            Averaged::Unfiltered => states[1 + index] - memory.past(begin, |entry| entry.plain[index]),
+            Averaged::Filtered => self.filtered(index, t, states, memory) - memory.past(begin, |entry| entry.filtered[index]),
+        };
+        change / (end - begin)
+    }
+
+    /// K at time `t`, within the last step or after it.
+    fn filtered(&self, index: usize, t: f64, states: &[f64], memory: &MeanMemory) -> f64 {
+        let from = memory.last.as_ref().map(|last| memory.before.as_ref().filter(|_| t < last.time).unwrap_or(last));
+        from.map_or(0.0, |from| self.advanced(index, t, states, from).integral)
+    }
+}
 
 /// Wheel unloading below this force [N] makes quotients meaningless; they are zero then.
 const UNLOADED: f64 = 1.0;
@@ -218,21 +237,14 @@ pub fn derailment_quotient(side: Side, force: &Vector3<f64>) -> f64 {
 impl Model {
     /// Has the model sliding means from now on, over `window` [m]?
     pub fn with_sliding_means(mut self, window: Option<f64>) -> Self {
-        self.means = window.map(|window| SlidingMean::new(window, MEANS.len()));
+        self.means = window.map(SlidingMean::new);
         self
     }
 
     /// States of a wheelset's means; they stand at the end of the state vector.
     pub fn mean_states(&self, wheelset: usize) -> Range<usize> {
-        let count = self.means.map_or(0, |mean| mean.states());
+        let count = self.means.map_or(0, |_| SlidingMean::STATES);
         let first = self.means_begin() + wheelset * count;
-        first..first + count
-    }
-
-    /// A wheelset's ring in the memory.
-    pub fn mean_memory(&self, wheelset: usize) -> Range<usize> {
-        let count = self.means.map_or(0, |mean| mean.memory());
-        let first = self.contact_memory(self.contacts()).start + wheelset * count;
         first..first + count
     }
 
@@ -253,10 +265,10 @@ impl Model {
     }
 
     /// Notes the means' states at the end of an accepted step.
-    pub fn note_means(&self, t: f64, y: &[f64], memory: &mut [f64]) {
+    pub fn note_means(&self, t: f64, y: &[f64], memory: &mut ModelMemory) {
         let Some(mean) = &self.means else { return };
-        for wheelset in 0..self.wheelsets.len() {
-            mean.note(t, &y[self.mean_states(wheelset)], &mut memory[self.mean_memory(wheelset)]);
+        for (wheelset, memory) in memory.means.iter_mut().enumerate() {
+            mean.note(t, &y[self.mean_states(wheelset)], memory);
         }
     }
 }
@@ -271,9 +283,9 @@ mod tests {
 
     /// Runs over a track with steps of uneven length; returns the largest difference from the exact mean of cos(k s).
     fn largest_error(step: f64, wave_number: f64) -> f64 {
-        let filter = SlidingMean::new(2.0, 2);
-        let mut memory = vec![0.0; filter.memory()];
-        let integral = |s: f64| [s, (wave_number * s).sin() / wave_number, 3.0 * s];
+        let filter = SlidingMean::new(2.0);
+        let mut memory = MeanMemory::default();
+        let integral = |s: f64| [s, (wave_number * s).sin() / wave_number, 3.0 * s, 0.0];
         let (mut s, mut worst) = (0.0, 0.0f64);
         for k in 0..2000 {
             filter.note(s / SPEED, &integral(s), &mut memory);
@@ -307,9 +319,9 @@ mod tests {
 
     /// Largest filtered and unfiltered mean of a wave of `frequency` Hz, after the transient; outputs are read before the end of the last step.
     fn largest_means(frequency: f64, step: f64) -> [f64; 2] {
-        let filter = SlidingMean::new(2.0, 1);
-        let mut memory = vec![0.0; filter.memory()];
-        let states = |t: f64| [SPEED * t, SPEED * (1.0 - (TAU * frequency * t).cos()) / (TAU * frequency)];
+        let filter = SlidingMean::new(2.0);
+        let mut memory = MeanMemory::default();
+        let states = |t: f64| [SPEED * t, SPEED * (1.0 - (TAU * frequency * t).cos()) / (TAU * frequency), 0.0, 0.0];
         let (mut t, mut largest) = (0.0, [0.0f64; 2]);
         for k in 0..(2.0 / step) as usize {
             filter.note(t, &states(t), &mut memory);
@@ -339,8 +351,8 @@ mod tests {
 
     #[test]
     fn prop_a_halt_keeps_the_mean() {
-        let filter = SlidingMean::new(2.0, 1);
-        let mut memory = vec![0.0; filter.memory()];
+        let filter = SlidingMean::new(2.0);
+        let mut memory = MeanMemory::default();
         // Stands, runs 5 m with q = 4, stands again.
         let travelled = |t: f64| SPEED * (t - 0.1).clamp(0.0, 5.0 / SPEED);
         let mut t = 0.0;

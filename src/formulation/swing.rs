@@ -11,7 +11,7 @@
 //! A is an envelope: the largest distance from a slow mean, which fades with the mean's own time. Where a rail or the centre line changes
 //! with distance, wheels follow that, and the tolerance alone counts.
 
-use super::rigid::wheels;
+use super::step::WheelRef;
 use super::{Model, Workspace};
 use crate::mbs::body::{COORDINATES, YAW};
 use serde::{Deserialize, Serialize};
@@ -76,7 +76,7 @@ impl Model {
             }
         }
         swings.time = Some(t);
-        swings.plain = wheels(self).all(|(_, wheelset, side)| {
+        swings.plain = self.wheels().all(|WheelRef { wheelset, side, .. }| {
             self.track.rail(side).waves().shortest_at(workspace.system.motions[wheelset.body].distance).is_none()
         });
     }

@@ -1,8 +1,10 @@
 //! Bodies along a curved track: where they are, and when their wheels come to a place where a rail is not smooth.
 //!
-//! Each body has one number at the end of the state's memory: its distance at the last evaluation, from which the next projection starts; what is found does not depend on it but
+//! The memory holds each body's distance at the last evaluation, from which the next projection starts; what is found does not depend on it but
 //! for rounding. It is found once per evaluation and kept with the body's motion. On straight track there is nothing of all this.
 
+use super::memory::ModelMemory;
+use super::step::Step;
 use super::{EvaluationError, LATERAL_FORCE, LONGITUDINAL_FORCE, Model, VERTICAL_FORCE, contact_index};
 use crate::contact::search::nodal::arc_rate;
 use crate::geometry::Side;
@@ -26,21 +28,15 @@ impl Model {
     }
 
     /// Tells where along a curved track the bodies are, by body: the projections start from there.
-    pub fn set_distances(&self, distances: impl Fn(usize) -> f64, memory: &mut [f64]) {
-        let first = memory.len() - self.followed();
-        for (body, slot) in memory[first..].iter_mut().enumerate() {
+    pub fn set_distances(&self, distances: impl Fn(usize) -> f64, memory: &mut ModelMemory) {
+        for (body, slot) in memory.distances.iter_mut().enumerate() {
             *slot = distances(body);
         }
     }
 
-    /// Where a body was at the last evaluation on a curved track, m.
-    pub fn last_distance(&self, body: usize, memory: &[f64]) -> f64 {
-        memory[memory.len() - self.followed() + body]
-    }
-
     /// Fills the workspace with the bodies' motion and, on a curved track, their stations.
     #[inline(always)] // on the wheelset's path, with several callers
-    pub fn move_bodies(&self, y: &[f64], memory: &mut [f64], system: &mut SystemWorkspace) {
+    pub fn move_bodies(&self, y: &[f64], memory: &mut ModelMemory, system: &mut SystemWorkspace) {
         self.system.move_bodies(y, system);
         if let Some(line) = self.track.line() {
             self.find_stations(line, memory, system);
@@ -48,17 +44,16 @@ impl Model {
     }
 
     /// Finds the stations of bodies whose motion is known.
-    pub(super) fn update_stations(&self, memory: &mut [f64], system: &mut SystemWorkspace) {
+    pub(super) fn update_stations(&self, memory: &mut ModelMemory, system: &mut SystemWorkspace) {
         if let Some(line) = self.track.line() {
             self.find_stations(line, memory, system);
         }
     }
 
     #[inline(never)]
-    fn find_stations(&self, line: &CentreLine, memory: &mut [f64], system: &mut SystemWorkspace) {
-        let first = memory.len() - self.followed();
+    fn find_stations(&self, line: &CentreLine, memory: &mut ModelMemory, system: &mut SystemWorkspace) {
         let SystemWorkspace { motions, stations, .. } = system;
-        for ((slot, motion), kept) in memory[first..].iter_mut().zip(motions).zip(stations) {
+        for ((slot, motion), kept) in memory.distances.iter_mut().zip(motions).zip(stations) {
             let station = Station::new(line, &motion.position, &motion.velocity, *slot);
             *slot = station.frame.distance;
             (motion.distance, motion.speed) = (station.frame.distance, station.speed);
@@ -68,7 +63,7 @@ impl Model {
 
     /// Fills the workspace with the bodies' motion, their stations and the force elements' wrenches.
     #[inline(always)] // on the wheelset's path, with several callers
-    pub fn apply_forces(&self, y: &[f64], memory: &mut [f64], system: &mut SystemWorkspace) {
+    pub fn apply_forces(&self, y: &[f64], memory: &mut ModelMemory, system: &mut SystemWorkspace) {
         if self.track.line().is_none() {
             return self.system.apply_forces(y, system);
         }
@@ -89,9 +84,9 @@ impl Model {
     }
 
     /// The track frame's axes beside a body of the state `y`; `None` on straight track.
-    pub(super) fn axes_beside(&self, body: usize, y: &[f64], memory: &[f64]) -> Option<Matrix3<f64>> {
+    pub(super) fn axes_beside(&self, body: usize, y: &[f64], memory: &ModelMemory) -> Option<Matrix3<f64>> {
         let line = self.track.line()?;
-        let guess = self.last_distance(body, memory);
+        let guess = memory.distances[body];
         let q = &y[self.system.coordinates(body)];
         Some(line.project(&Vector3::new(q[0], q[1], q[2]), guess).axes)
     }
@@ -104,21 +99,20 @@ impl Model {
         (offset.y, offset.z)
     }
 
-    /// When a wheel's contact next reaches a place where its rail is not smooth, s; infinity for never. `leads` are those of the
-    /// contacts. The contact moves with the centre and, when the wheelset yaws, with its wheel.
-    pub fn next_rough_place(&self, t: f64, y: &[f64], memory: &[f64], lead: impl Fn(usize) -> f64) -> f64 {
+    /// When a wheel's contact next reaches a place where its rail is not smooth, s; infinity for never. The contact moves with the centre and, when the wheelset yaws, with its wheel.
+    pub fn next_rough_place(&self, t: f64, y: &[f64], memory: &ModelMemory) -> f64 {
         let mut next = f64::INFINITY;
         for (index, wheelset) in self.wheelsets.iter().enumerate() {
             let q = &y[self.system.coordinates(wheelset.body)];
             let v = &y[self.system.velocities(wheelset.body)];
             for side in Side::BOTH {
                 let (rail, wheel) = (self.track.rail(side), wheelset.wheel(side));
-                let lead = lead(contact_index(index, side));
+                let lead = memory.wheels[contact_index(index, side)].start().lead;
                 let (place, speed) = match self.track.line() {
                     None => (q[0], v[0] - side.sign() * wheel.half_spacing * q[3].cos() * v[3]),
                     Some(line) if rail.has_breaks() => {
                         let motion = BodyMotion::new(q, v);
-                        let guess = self.last_distance(wheelset.body, memory);
+                        let guess = memory.distances[wheelset.body];
                         let distance = line.project(&motion.position, guess).distance;
                         let tread = motion.position + motion.axle() * (side.sign() * wheel.half_spacing);
                         (distance, arc_rate(&rail.section(distance + lead), &tread, &motion.attachment_velocity(&tread)))
@@ -132,15 +126,17 @@ impl Model {
         }
         next
     }
+}
 
+impl Step<'_> {
     /// Moves positions and velocities onto the constraints ([`super::Formulation::project`]).
     ///
     /// # Errors
-    /// [`EvaluationError`] when there is no such state near `y`.
-    pub fn project(&self, workspace: &mut super::Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, EvaluationError> {
-        if self.track.line().is_some() {
-            self.move_bodies(y, memory, &mut workspace.system);
+    /// [`EvaluationError`] when there is no such state nearby.
+    pub fn project(&mut self) -> Result<bool, EvaluationError> {
+        if self.model.track.line().is_some() {
+            self.move_bodies();
         }
-        self.formulation.project(self, workspace, t, y, memory)
+        self.model.formulation.project(self)
     }
 }

@@ -1,7 +1,7 @@
 //! Wheel loads over a run, for what its user should know: wheels that unload, and loads that no rigid track would meet.
 
-use super::rigid::wheels;
-use super::{Model, Wheelset, Workspace, contact_index};
+use super::step::WheelRef;
+use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
 
 /// Shares of the static load below and above which a wheel is named.
@@ -35,7 +35,7 @@ impl Model {
 
     /// Notes the loads that the workspace's evaluation found at `t` [s].
     pub fn note_wheel_loads(&self, workspace: &Workspace, t: f64, loads: &mut WheelLoads) {
-        for ((contact, wheelset, _), range) in wheels(self).zip(&mut loads.0) {
+        for (WheelRef { contact, wheelset, .. }, range) in self.wheels().zip(&mut loads.0) {
             let share = workspace.wheel_force(contact, wheelset.body).z / wheelset.static_wheel_load;
             if share < range.least.0 {
                 range.least = (share, t);
@@ -54,8 +54,8 @@ impl Model {
             more => format!(", and {} more wheels", more - 1),
         };
         let mut notes = Vec::new();
-        let named = |(_, wheelset, side): (usize, &Wheelset, Side)| format!("{}, {} wheel", wheelset.name, side.name());
-        let all: Vec<(String, &Range)> = wheels(self).map(named).zip(&loads.0).collect();
+        let named = |WheelRef { wheelset, side, .. }: WheelRef| format!("{}, {} wheel", wheelset.name, side.name());
+        let all: Vec<(String, &Range)> = self.wheels().map(named).zip(&loads.0).collect();
         let light = all.iter().filter(|(_, range)| range.least.0 < LEAST);
         if let Some((wheel, range)) = light.clone().min_by(|a, b| a.1.least.0.total_cmp(&b.1.least.0)) {
             let load = if range.least.0 > 0.0 { format!("{:.1} % of the static load", 100.0 * range.least.0) } else { "nothing".into() };

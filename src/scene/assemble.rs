@@ -3,7 +3,7 @@
 use super::spec::{RAIL_MOTION, SLIDING_MEANS, Scene};
 use super::{start, vehicle};
 use crate::contact::transient::TransientContact;
-use crate::formulation::{AssemblyError, ContactLaws, Model, Parts, points};
+use crate::formulation::{AssemblyError, ContactLaws, Model, Parts, wheel_search};
 use crate::geometry::Side;
 use crate::geometry::track::{Rail, Track};
 
@@ -15,7 +15,7 @@ pub fn points_needed(scene: &Scene) -> usize {
     let track = &scene.track;
     let rail = |side: Side| Rail::new(side, track.rails[side.index()].profile.clone(), track.half_rail_distance, track.inclination, &[]);
     let track = Track { left: rail(Side::Left), right: rail(Side::Right) };
-    points::needed(vehicle::assemble::all_wheels(&scene.vehicle).as_flattened(), &track, &scene.prepared)
+    wheel_search::needed(vehicle::assemble::all_wheels(&scene.vehicle).as_flattened(), &track, &scene.prepared)
 }
 
 /// Assembles the model of a scene.

@@ -15,6 +15,7 @@
 use super::spec::Scene;
 use super::start::{self, Start};
 use super::vehicle::steady_state;
+use crate::formulation::memory::ModelMemory;
 use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
 use crate::geometry::track::centre_line::Node;
 use crate::math::newton::{self, NewtonLimits};
@@ -134,12 +135,12 @@ impl Balance {
         let mut at = SteadyRolling { y: 0.0, z: radius, roll: 0.0, yaw: 0.0, pitch_rate, riding: [0.0; 4] };
         for _ in 0..3 {
             // Without memory the first contact is the deepest.
-            self.memory.fill(0.0);
+            self.memory = self.model.blank_memory();
             self.residual(&at).map_err(EquilibriumError::Evaluation)?;
             if !self.alike {
                 let [left, right] = [0, 1].map(|side| self.workspace.contacts[side].penetration);
                 at.roll += (left - right) / (2.0 * self.model.wheelsets[0].left.half_spacing);
-                self.memory.fill(0.0);
+                self.memory = self.model.blank_memory();
                 self.residual(&at).map_err(EquilibriumError::Evaluation)?;
             }
             let deepest = self.workspace.contacts.iter().map(|contact| contact.penetration).fold(f64::MIN, f64::max);
@@ -222,7 +223,7 @@ struct Balance {
     workspace: Workspace,
     y: Vec<f64>,
     dy: Vec<f64>,
-    memory: Vec<f64>,
+    memory: ModelMemory,
 }
 
 impl Balance {
@@ -237,7 +238,7 @@ impl Balance {
         let dimension = model.dimension();
         let mut y = vec![0.0; dimension];
         y[COORDINATES] = speed;
-        Ok(Balance { alike: true, workspace: model.workspace(), dy: vec![0.0; dimension], memory: vec![0.0; model.memory()], model, y })
+        Ok(Balance { alike: true, workspace: model.workspace(), dy: vec![0.0; dimension], memory: model.blank_memory(), model, y })
     }
 
     /// Equilibrium on contacts that are constraints: they fix the height, and the pitch rate must not change.
@@ -247,10 +248,8 @@ impl Balance {
         // Closing the gaps of unlike sides also moves the wheelset sideways a little: back to the centre, and again.
         for _ in 0..if self.alike { 1 } else { CENTRED } {
             (self.y[1], self.y[3]) = (0.0, 0.0);
-            formulation
-                .start(&self.model, &mut self.workspace, 0.0, &mut self.y, &mut self.memory)
-                .and_then(|()| formulation.project(&self.model, &mut self.workspace, 0.0, &mut self.y, &mut self.memory))
-                .map_err(EquilibriumError::Evaluation)?;
+            let mut step = self.model.at(&mut self.workspace, 0.0, &mut self.y, &mut self.memory);
+            formulation.start(&mut step).and_then(|()| formulation.project(&mut step)).map_err(EquilibriumError::Evaluation)?;
         }
         let start = self.y[PITCH_RATE];
         let mut failure = None;

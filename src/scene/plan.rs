@@ -7,6 +7,7 @@ use super::spec::{Scene, VehicleSpec};
 use super::start::{self, Start};
 use super::vehicle::FreeVehicle;
 use crate::formulation::sliding_mean::CUT_OFF;
+use crate::formulation::sliding_mean::SlidingMean;
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::centre_line::{LEAST_ROUNDING, Node, Pivot};
@@ -34,7 +35,6 @@ pub struct Plan {
     pub points: usize,
     pub force_elements: usize,
     pub states: usize,
-    pub memory: usize,
     pub effects: Vec<Effect>,
     /// What was assumed where the scene leaves something open, e.g. in reading profile files.
     pub notes: Vec<String>,
@@ -62,7 +62,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     if let Some(mean) = &model.means {
         let why =
             format!("interface.outputs names \"sliding_means\": over {} m, also behind a low-pass filter of {CUT_OFF} Hz", mean.window);
-        effect("sliding means", true, why, mean.states() * model.wheelsets.len());
+        effect("sliding means", true, why, SlidingMean::STATES * model.wheelsets.len());
     }
     for (name, why) in track_effects(scene) {
         effect(name, true, why, 0);
@@ -147,7 +147,6 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         points: model.points,
         force_elements: model.system.forces.len(),
         states: model.dimension(),
-        memory: model.memory(),
         effects,
         notes: profile_notes(scene)
             .into_iter()

@@ -10,7 +10,7 @@ use crate::contact::{Material, creep, normal};
 use crate::formulation::LOAD_TOLERANCE;
 use crate::formulation::{
     self,
-    points::{MOST_POINTS, PreparedSearches},
+    wheel_search::{MOST_POINTS, PreparedSearches},
 };
 use crate::geometry::file::SceneFile;
 use crate::geometry::profile::{self, Part, ProfileChoice};

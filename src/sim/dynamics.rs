@@ -3,22 +3,55 @@
 use super::input::{self, InputSignal};
 use crate::formulation::carried::CarriedMotion;
 use crate::formulation::flutter::Flutter;
+use crate::formulation::memory::ModelMemory;
 use crate::formulation::swing::Swings;
+use crate::formulation::transitions::Transition;
 use crate::formulation::wheel_loads::WheelLoads;
-use crate::formulation::{Evaluation, EvaluationError, Model, Workspace};
+use crate::formulation::{Cached, Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::{COORDINATES, HEIGHT, ROLL};
-use crate::solve::{Dynamics, StiffPart, Undefined};
+use crate::solve::{Dynamics, Event, Implicit, StiffPart, Undefined};
+use serde::{Deserialize, Serialize};
 
 /// Weight of a wheelset's height and roll in the error control: a loaded wheel's penetration is 0.07 mm, so that an error of
 /// 1e-6 m there would be one of 2 % (1.6 kN) in the wheel load. With the weight, wheel loads are about as exact as lateral motion.
 const PRESSING: f64 = 100.0;
 /// Error of a position that makes a fixed step doubtful, m and rad.
 const DOUBTFUL: f64 = 1e-4;
-/// Place of the lead in a contact's memory.
-const LEAD: usize = 2;
-
 /// A failure before the present time by more than this lies behind, s.
 const PASSED: f64 = 1e-9;
+
+/// What a run remembers of its model beside the solution: as it was accepted last, and as the evaluation at the begin of the next step
+/// found it, for repeating that to the bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Memories {
+    pub accepted: ModelMemory,
+    before: ModelMemory,
+}
+
+impl Memories {
+    pub fn new(memory: ModelMemory) -> Self {
+        Memories { before: memory.clone(), accepted: memory }
+    }
+
+    pub fn fits(&self, other: &Memories) -> bool {
+        self.accepted.fits(&other.accepted) && self.before.fits(&other.before)
+    }
+
+    fn take_over(&mut self, other: &Memories) {
+        self.accepted.clone_from(&other.accepted);
+        self.before.clone_from(&other.before);
+    }
+}
+
+/// What a run looks at beside its solution.
+#[derive(Debug)]
+pub struct Watched<'a> {
+    /// Beside which the last accepted step was made.
+    pub carried: &'a mut CarriedMotion,
+    pub swings: &'a mut Swings,
+    pub flutter: &'a mut Flutter,
+    pub loads: &'a mut WheelLoads,
+}
 
 /// A model under given input signals.
 pub struct ModelDynamics<'a> {
@@ -26,11 +59,10 @@ pub struct ModelDynamics<'a> {
     workspace: &'a mut Workspace,
     signals: &'a [InputSignal],
     values: &'a mut [f64],
-    /// Beside which the last accepted step was made.
-    carried: &'a mut CarriedMotion,
-    swings: &'a mut Swings,
-    flutter: &'a mut Flutter,
-    loads: &'a mut WheelLoads,
+    memories: &'a mut Memories,
+    /// Of the attempt under way.
+    trial: &'a mut Memories,
+    watched: Watched<'a>,
     constant: bool,
     /// Why the last failed evaluation failed.
     pub failure: Option<EvaluationError>,
@@ -40,16 +72,18 @@ impl<'a> ModelDynamics<'a> {
     pub fn new(
         model: &'a Model,
         workspace: &'a mut Workspace,
-        signals: &'a [InputSignal],
-        values: &'a mut [f64],
-        (carried, swings, flutter): (&'a mut CarriedMotion, &'a mut Swings, &'a mut Flutter),
-        loads: &'a mut WheelLoads,
+        (signals, values): (&'a [InputSignal], &'a mut [f64]),
+        (memories, trial): (&'a mut Memories, &'a mut Memories),
+        watched: Watched<'a>,
     ) -> Self {
         let constant = signals.iter().all(|signal| signal.first == 0.0 && signal.second == 0.0);
         input::evaluate(signals, 0.0, values);
         // Inputs are those of the evaluation that found them.
-        workspace.findings_marked &= constant;
-        ModelDynamics { model, workspace, signals, values, carried, swings, flutter, loads, constant, failure: None }
+        if !constant {
+            workspace.cached = Cached::No;
+        }
+        trial.take_over(memories);
+        ModelDynamics { model, workspace, signals, values, memories, trial, watched, constant, failure: None }
     }
 }
 
@@ -63,13 +97,52 @@ fn keep<T>(failure: &mut Option<EvaluationError>, result: Result<T, EvaluationEr
 
 impl Dynamics for ModelDynamics<'_> {
     #[inline]
-    fn derivative(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         if !self.constant {
             input::evaluate(self.signals, t, self.values);
         }
-        self.workspace.findings_marked = false;
-        let at = Evaluation { t, inputs: self.values, y, memory };
+        self.workspace.cached = Cached::No;
+        let at = Evaluation { t, inputs: self.values, y, memory: &mut self.trial.accepted };
         keep(&mut self.failure, self.model.derivative(self.workspace, at, dy))
+    }
+
+    fn derivative_at_end(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        self.trial.before.clone_from(&self.trial.accepted);
+        self.derivative(t, y, dy)?;
+        self.workspace.cached = Cached::OfTrial;
+        Ok(())
+    }
+
+    fn rollback(&mut self) {
+        self.trial.take_over(self.memories);
+        if self.workspace.cached == Cached::OfTrial {
+            self.workspace.cached = Cached::No;
+        }
+    }
+
+    fn accept(&mut self, evaluated: bool) {
+        self.memories.accepted.clone_from(&self.trial.accepted);
+        if evaluated {
+            self.memories.before.clone_from(&self.trial.before);
+            if self.workspace.cached == Cached::OfTrial {
+                self.workspace.cached = Cached::OfState;
+            }
+        }
+    }
+
+    fn is_cached(&self) -> bool {
+        self.workspace.cached == Cached::OfState
+    }
+
+    fn repeat(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        let work = self.workspace.work;
+        self.trial.accepted.clone_from(&self.memories.before);
+        let done = self.derivative(t, y, dy);
+        // What was noted since then stays.
+        self.rollback();
+        self.workspace.work = work;
+        self.workspace.cached = Cached::OfState;
+        done
     }
 
     /// Positions, angles and force elements' states in metres and radians; those that press wheels into rails weigh more.
@@ -94,7 +167,7 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn longest_step(&self, dy: &[f64]) -> f64 {
-        self.model.longest_step(self.workspace, dy).min(self.flutter.longest_step())
+        self.model.longest_step(self.workspace, dy).min(self.watched.flutter.longest_step())
     }
 
     fn longest_known(&self) -> f64 {
@@ -110,36 +183,67 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn swing_error(&self, error: &[f64]) -> f64 {
-        self.model.swing_error(self.swings, error)
+        self.model.swing_error(self.watched.swings, error)
     }
 
     fn note_step(&mut self, t: f64) {
-        self.model.note_swings(self.workspace, t, self.swings);
-        self.model.note_wheel_loads(self.workspace, t, self.loads);
+        self.model.note_swings(self.workspace, t, self.watched.swings);
+        self.model.note_wheel_loads(self.workspace, t, self.watched.loads);
     }
 
-    fn clear_findings(&mut self) {
-        self.workspace.findings_marked = false;
+    fn project(&mut self, t: f64, y: &mut [f64]) -> Result<bool, Undefined> {
+        let cached = std::mem::replace(&mut self.workspace.cached, Cached::No);
+        let memory = &mut self.trial.accepted;
+        let moved = keep(&mut self.failure, self.model.at(self.workspace, t, y, memory).project())?;
+        // Where nothing moves, bodies' motions are found again to the bit, and so are their places along a curved track: the search ends where it begins.
+        if !moved {
+            self.workspace.cached = cached;
+        }
+        self.model.note_means(t, y, memory);
+        Ok(moved)
     }
 
-    fn mark_findings(&mut self) {
-        self.workspace.findings_marked = true;
+    fn event_functions(&self) -> usize {
+        self.model.event_functions()
     }
 
-    fn findings_stand(&self) -> bool {
-        self.workspace.findings_marked
+    fn event_values(&self, values: &mut [f64]) {
+        self.model.event_values(&self.trial.accepted, values);
     }
 
-    fn repeat(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
-        let work = self.workspace.work;
-        let done = self.derivative(t, y, memory, dy);
-        self.workspace.work = work;
-        done
+    fn due(&self, t: f64) -> Option<Event> {
+        self.model.due(t, &self.trial.accepted).map(|transition| Event(transition.number()))
     }
 
-    fn linearise(&mut self, t: f64, y: &[f64], memory: &[f64], part: StiffPart) -> Result<(), Undefined> {
-        self.model.linearise(self.workspace, (y, memory), self.values, part == StiffPart::All);
-        self.model.note_flutter(self.workspace, t, self.flutter);
+    fn on_event(&mut self, Event(number): Event, t: f64, y: &mut [f64]) -> Result<bool, Undefined> {
+        let mut step = self.model.at(self.workspace, t, y, &mut self.trial.accepted);
+        let changed = keep(&mut self.failure, step.carry_out(Transition::of(number)))?;
+        if changed {
+            self.workspace.cached = Cached::No;
+        }
+        Ok(changed)
+    }
+
+    fn release(&mut self, t: f64, y: &mut [f64]) -> Result<bool, Undefined> {
+        // A failure that lies behind was overcome by a shorter step and says nothing.
+        let Some(failure) = self.failure.clone().filter(|failure| failure.time > t - PASSED) else { return Ok(false) };
+        self.workspace.cached = Cached::No;
+        let released = self.model.at(self.workspace, t, y, &mut self.trial.accepted).release(&failure);
+        keep(&mut self.failure, released)
+    }
+
+    /// When a wheel's contact reaches a place where its rail is not smooth.
+    fn next_break(&self, t: f64, y: &[f64]) -> f64 {
+        let memory = &self.trial.accepted;
+        let next = self.model.next_try(memory).min(self.model.formulation.next_break(self.model, t, y));
+        next.min(self.model.next_rough_place(t, y, memory))
+    }
+}
+
+impl Implicit for ModelDynamics<'_> {
+    fn linearise(&mut self, t: f64, y: &[f64], part: StiffPart) -> Result<(), Undefined> {
+        self.model.linearise(self.workspace, (y, &self.trial.accepted), self.values, part == StiffPart::All);
+        self.model.note_flutter(self.workspace, t, self.watched.flutter);
         Ok(())
     }
 
@@ -161,51 +265,14 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn keep_carried(&mut self) {
-        self.carried.take_over(self.model.carried_motion(self.workspace));
+        self.watched.carried.take_over(self.model.carried_motion(self.workspace));
     }
 
     fn add_carried(&self, ahead: f64, y: &mut [f64]) {
-        self.model.add_carried(self.carried, ahead, y);
+        self.model.add_carried(self.watched.carried, ahead, y);
     }
 
     fn carried_change(&mut self, change: &mut [f64]) {
         self.model.carried_change(self.workspace, change);
-    }
-
-    fn project(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
-        let marked = std::mem::take(&mut self.workspace.findings_marked);
-        let moved = keep(&mut self.failure, self.model.project(self.workspace, t, y, memory))?;
-        // Where nothing moves, bodies' motions are found again to the bit, and so are their places along a curved track: the search ends where it begins.
-        self.workspace.findings_marked = marked && !moved;
-        self.model.note_means(t, y, memory);
-        Ok(moved)
-    }
-
-    fn margin(&self, memory: &[f64]) -> Option<f64> {
-        self.model.margin(memory)
-    }
-
-    fn switch_due(&self, t: f64, memory: &[f64]) -> bool {
-        t >= self.model.next_return(memory)
-    }
-
-    fn switch(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
-        let changed = keep(&mut self.failure, self.model.switch(self.workspace, t, y, memory))?;
-        self.workspace.findings_marked &= !changed;
-        Ok(changed)
-    }
-
-    fn release(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
-        // A failure that lies behind was overcome by a shorter step and says nothing.
-        let Some(failure) = self.failure.clone().filter(|failure| failure.time > t - PASSED) else { return Ok(false) };
-        self.workspace.findings_marked = false;
-        keep(&mut self.failure, self.model.release(&failure, self.workspace, t, y, memory))
-    }
-
-    /// When a wheel's contact reaches a place where its rail is not smooth.
-    fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64 {
-        let next = self.model.next_return(memory).min(self.model.formulation.next_break(self.model, t, y));
-        let lead = |contact| memory[self.model.contact_memory(contact)][LEAD];
-        next.min(self.model.next_rough_place(t, y, memory, lead))
     }
 }

@@ -16,10 +16,12 @@ pub mod vehicle_outputs;
 use crate::formulation::carried::CarriedMotion;
 use crate::formulation::events::ContactEvent;
 use crate::formulation::flutter::{Flutter, Fluttering};
+use crate::formulation::memory::ModelMemory;
 use crate::formulation::swing::Swings;
+use crate::formulation::transitions::Transition;
 use crate::formulation::wheel_loads::WheelLoads;
 use crate::formulation::work::Work;
-use crate::formulation::{AssemblyError, ContactFailure, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
+use crate::formulation::{AssemblyError, Cached, ContactFailure, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
 use crate::geometry::track::centre_line::CentreLine;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::on_track::{self, OnTrack};
@@ -29,7 +31,7 @@ use crate::scene::spec::Scene;
 use crate::scene::vehicle::FreeVehicle;
 use crate::scene::vehicle::steady_state::{self, Contacts};
 use crate::solve::{Doubts, IntegrationState, Integrator, Scratch, SettingKind, SolveError, Statistics};
-use dynamics::ModelDynamics;
+use dynamics::{Memories, ModelDynamics, Watched};
 use input::InputSignal;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -40,6 +42,8 @@ pub struct SimulationState {
     /// The simulation's own time (the integrator may be ahead), s.
     pub time: f64,
     pub integration: IntegrationState,
+    /// Of the model, beside the solution.
+    pub memories: Memories,
     /// One signal per input of the model.
     pub inputs: Vec<InputSignal>,
     /// The motion beside which the last step was made; its continuous output is counted from it.
@@ -63,6 +67,7 @@ impl SimulationState {
     /// Could this state have come from the same model and integrator as `other`?
     pub fn fits(&self, other: &SimulationState) -> bool {
         self.integration.fits(&other.integration)
+            && self.memories.fits(&other.memories)
             && self.carried.fits(&other.carried)
             && self.swings.fits(&other.swings)
             && self.flutter.fits(&other.flutter)
@@ -101,6 +106,8 @@ pub struct Simulation {
     state: SimulationState,
     workspace: Workspace,
     scratch: Scratch,
+    /// Of the attempt under way.
+    trial: Memories,
     snapshot: Snapshot,
     /// Does the snapshot belong to the present state?
     snapshot_valid: bool,
@@ -117,7 +124,7 @@ pub struct Snapshot {
     pub y: Vec<f64>,
     pub dy: Vec<f64>,
     pub workspace: Workspace,
-    memory: Vec<f64>,
+    memory: ModelMemory,
     inputs: Vec<f64>,
 }
 
@@ -128,7 +135,7 @@ impl Snapshot {
     }
 
     /// Warm starts as the evaluation left them.
-    pub fn memory(&self) -> &[f64] {
+    pub fn memory(&self) -> &ModelMemory {
         &self.memory
     }
 }
@@ -144,26 +151,25 @@ impl Simulation {
             Some(free) => vehicle_state(scene, free, &mut model)?,
             None => (initial_state(scene, &model)?, Contacts::Any),
         };
-        let mut memory = vec![0.0; model.memory()];
+        let mut memory = model.blank_memory();
         if let Contacts::Kept(kept) = &contacts {
-            // What follows bodies along a curved track is none of the contacts' memory.
-            let own = memory.len() - model.followed();
-            memory[..own].copy_from_slice(&kept[..own]);
+            (memory.wheels, memory.partitions) = (kept.wheels.clone(), kept.partitions.clone());
         }
         model.set_distances(|body| y[model.system.coordinates(body).start], &mut memory);
         if let Some(line) = model.track.line() {
             on_the_line(&model, line, &mut y);
         }
         let mut workspace = model.workspace();
+        let mut step = model.at(&mut workspace, start, &mut y, &mut memory);
         match contacts {
-            Contacts::Any => model.formulation.start(&model, &mut workspace, start, &mut y, &mut memory)?,
-            Contacts::Kept(_) => model.formulation.resettle(&model, &mut workspace, start, &mut y, &mut memory)?,
-            Contacts::Elastic => model.start_elastic(&mut workspace, start, &mut y, &mut memory)?,
+            Contacts::Any => model.formulation.start(&mut step)?,
+            Contacts::Kept(_) => model.formulation.resettle(&mut step)?,
+            Contacts::Elastic => step.start_elastic()?,
         }
-        model.project(&mut workspace, start, &mut y, &mut memory)?;
+        step.project()?;
         model.note_means(start, &y, &mut memory);
         let inputs: Vec<InputSignal> = model.neutral_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
-        let integration = scene.solver.integrator.start(start, &y, &memory);
+        let integration = scene.solver.integrator.start(start, &y);
         let snapshot = Snapshot {
             time: start,
             dy: vec![0.0; y.len()],
@@ -174,10 +180,12 @@ impl Simulation {
         };
         let mut simulation = Simulation {
             integrator: scene.solver.integrator.clone(),
-            scratch: Scratch::new(y.len(), memory.len()),
+            scratch: Scratch::new(y.len(), model.event_functions()),
+            trial: Memories::new(memory.clone()),
             state: SimulationState {
                 time: start,
                 integration,
+                memories: Memories::new(memory),
                 inputs,
                 carried: CarriedMotion::default(),
                 swings: model.swings(),
@@ -197,21 +205,21 @@ impl Simulation {
         }
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
         simulation.look()?;
-        simulation.state.integration.memory.clone_from(&simulation.snapshot.memory);
+        simulation.state.memories.accepted.clone_from(&simulation.snapshot.memory);
         simulation.model.settle_deflections(&simulation.snapshot.workspace, &mut simulation.state.integration.y);
         // What is shown belongs to the state: a cold start differs in the last digits.
         (simulation.snapshot_valid, simulation.motion_valid) = (false, false);
         simulation.look()?;
-        if simulation.model.margin(&simulation.snapshot.memory).is_some_and(|margin| margin < 0.0) {
-            simulation.switch_at_start(start)?;
+        if let Some(transition) = simulation.model.due(start, &simulation.snapshot.memory) {
+            simulation.switch_at_start(transition)?;
         }
         Ok(simulation)
     }
 
     /// A contact that would be pulled on in the initial state changes its mode before the first step.
-    fn switch_at_start(&mut self, start: f64) -> Result<(), SimulationError> {
-        let IntegrationState { y, memory, .. } = &mut self.state.integration;
-        self.model.switch(&mut self.workspace, start, y, memory)?;
+    fn switch_at_start(&mut self, transition: Transition) -> Result<(), SimulationError> {
+        let SimulationState { time, integration, memories, .. } = &mut self.state;
+        self.model.at(&mut self.workspace, *time, &mut integration.y, &mut memories.accepted).carry_out(transition)?;
         (self.snapshot_valid, self.motion_valid) = (false, false);
         self.snapshot()?;
         Ok(())
@@ -241,7 +249,7 @@ impl Simulation {
         if fits {
             self.state.clone_from(state);
             self.workspace.events.clear();
-            self.workspace.findings_marked = false;
+            self.workspace.cached = Cached::No;
             (self.snapshot_valid, self.motion_valid) = (false, false);
         }
         fits
@@ -284,7 +292,7 @@ impl Simulation {
         }
         let SimulationState { time, integration, carried, .. } = &mut self.state;
         integration.restart_at(*time, |ahead, y| self.model.add_carried(carried, ahead, y));
-        self.workspace.findings_marked = false;
+        self.workspace.cached = Cached::No;
         self.state.inputs[index] = signal;
         (self.snapshot_valid, self.motion_valid) = (false, false);
     }
@@ -301,9 +309,10 @@ impl Simulation {
     pub fn advance(&mut self, target: f64) -> Result<(), SimulationError> {
         (self.snapshot_valid, self.motion_valid) = (false, false);
         self.workspace.work = Work::default();
-        let SimulationState { inputs, carried, swings, flutter, integration, .. } = &mut self.state;
-        let notes = (carried, swings, flutter);
-        let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, inputs, &mut self.snapshot.inputs, notes, &mut self.loads);
+        let SimulationState { inputs, carried, swings, flutter, integration, memories, .. } = &mut self.state;
+        let watched = Watched { carried, swings, flutter, loads: &mut self.loads };
+        let inputs = (&inputs[..], &mut self.snapshot.inputs[..]);
+        let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, inputs, (memories, &mut self.trial), watched);
         let advanced = self.integrator.advance(&mut dynamics, integration, &mut self.scratch, target);
         let failure = dynamics.failure.take();
         self.state.work += self.workspace.work;
@@ -343,9 +352,9 @@ impl Simulation {
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
         let stands = self.state.integration.t == *time;
         for _ in 0..if stands { MOST_CHANGES } else { 0 } {
-            let due = self.model.margin(memory).is_some_and(|margin| margin < 0.0);
+            let Some(due) = self.model.due(*time, memory) else { break };
             // Where that ends the run, the next step says so.
-            if !due || self.model.switch(workspace, *time, y, memory).is_err() {
+            if self.model.at(workspace, *time, y, memory).carry_out(due).is_err() {
                 break;
             }
             if self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy).is_err() {
@@ -387,10 +396,10 @@ impl Simulation {
         *time = self.state.time;
         let SimulationState { integration, carried, .. } = &self.state;
         integration.interpolate_beside(*time, y, |ahead, y| self.model.add_carried(carried, ahead, y));
-        memory.copy_from_slice(&self.state.integration.memory);
+        memory.clone_from(&self.state.memories.accepted);
         input::evaluate(&self.state.inputs, *time, inputs);
         // The continuous output leaves constraints by its error.
-        self.model.project(workspace, *time, y, memory)?;
+        self.model.at(workspace, *time, y, memory).project()?;
         Ok(())
     }
 

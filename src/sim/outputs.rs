@@ -213,7 +213,7 @@ fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
 /// Means over the last stretch of travel.
 fn means(c: &mut Collector, model: &Model, wheelset: usize) {
     let Some(mean) = model.means else { return };
-    let (states, memory) = (model.mean_states(wheelset), model.mean_memory(wheelset));
+    let states = model.mean_states(wheelset);
     let lines = [
         (106, 110, "left.derailmentQuotientMean", Unit::One, "derailmentQuotient of the left wheel"),
         (206, 210, "right.derailmentQuotientMean", Unit::One, "derailmentQuotient of the right wheel"),
@@ -231,8 +231,8 @@ fn means(c: &mut Collector, model: &Model, wheelset: usize) {
             (unfiltered, "Unfiltered", format!("{text}, {over}, without the low-pass filter of EN 14363"), Averaged::Unfiltered),
         ];
         for (id, suffix, text, averaged) in kinds {
-            let (states, memory) = (states.clone(), memory.clone());
-            let read = move |s: &Snapshot| mean.mean(quantity, averaged, s.time, &s.y[states.clone()], &s.memory()[memory.clone()]);
+            let states = states.clone();
+            let read = move |s: &Snapshot| mean.mean(quantity, averaged, s.time, &s.y[states.clone()], &s.memory().means[wheelset]);
             c.add_of_motion((id, &format!("{name}{suffix}")), SLIDING_MEANS, unit, &text, read);
         }
     }

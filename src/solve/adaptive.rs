@@ -3,7 +3,7 @@
 //! A proportional-integral controller after Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.4;
 //! the error is the largest local error of the controlled components.
 
-use super::{Dynamics, IntegrationState, Scratch, SolveError, Undefined};
+use super::{Implicit, IntegrationState, Scratch, SolveError, Undefined};
 
 /// Step-size control: safety, limits of change, and the weight of the last error (a PI controller damps the
 /// alternation that stiff components would cause at the limit of stability).
@@ -28,8 +28,8 @@ pub(super) trait Pair {
     const LAST_STAGE: Option<usize>;
 
     /// What a step needs besides f at its begin, once for all attempts at it.
-    fn prepare(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        state.evaluate_with_findings(dynamics, scratch)
+    fn prepare(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState) -> Result<(), SolveError> {
+        state.evaluate_with_cache(dynamics)
     }
 
     /// Does [`Pair::check`] see what no stage has seen?
@@ -38,14 +38,14 @@ pub(super) trait Pair {
     /// Computes all stages; the solution is left in `scratch.trial`. Returns the local error.
     fn attempt(
         &self,
-        dynamics: &mut dyn Dynamics,
+        dynamics: &mut dyn Implicit,
         state: &mut IntegrationState,
         scratch: &mut Scratch,
         h: f64,
     ) -> Result<LocalError, Undefined>;
 
     /// Error of a step by f at its end, which is in `scratch.stages[END]`.
-    fn check(&self, _dynamics: &mut dyn Dynamics, _scratch: &mut Scratch, _h: f64) -> LocalError {
+    fn check(&self, _dynamics: &mut dyn Implicit, _scratch: &mut Scratch, _h: f64) -> LocalError {
         LocalError::default()
     }
 
@@ -60,7 +60,7 @@ pub(super) trait Pair {
 pub(super) fn step<P: Pair>(
     pair: &P,
     tolerance: f64,
-    dynamics: &mut dyn Dynamics,
+    dynamics: &mut dyn Implicit,
     state: &mut IntegrationState,
     scratch: &mut Scratch,
 ) -> Result<(), SolveError> {
@@ -68,11 +68,9 @@ pub(super) fn step<P: Pair>(
     if state.next_step <= 0.0 {
         state.evaluate_begin(dynamics)?;
         state.next_step = first_step(tolerance, dynamics, state, scratch);
-        // What the first step was found with is not what was found at the begin.
-        dynamics.clear_findings();
     }
-    pair.prepare(dynamics, state, scratch)?;
-    let limit = dynamics.next_break(state.t, &state.y, &state.memory);
+    pair.prepare(dynamics, state)?;
+    let limit = dynamics.next_break(state.t, &state.y);
     let mut h = state.next_step.min(dynamics.longest_step(&state.derivative));
     let mut rejected = false;
     loop {
@@ -90,7 +88,7 @@ pub(super) fn step<P: Pair>(
         if !(step > 0.0) {
             return Err(SolveError::NoProgress { time: state.t, step: h });
         }
-        scratch.memory.copy_from_slice(&state.memory);
+        dynamics.rollback();
         scratch.beyond = None;
         let judged = pair.attempt(dynamics, state, scratch, step).and_then(|error| {
             let error = error.over(tolerance);
@@ -133,20 +131,13 @@ pub(super) fn step<P: Pair>(
         state.next_step = if cut { proposed.max(h) } else { proposed };
         state.last_error = error.max(1e-4);
         pair.write_dense(state, scratch, step);
-        state.accept(end, scratch, ending.stage.filter(|_| end < limit));
+        state.accept(dynamics, end, scratch, ending.stage.filter(|_| end < limit));
         if ending.moved {
             state.statistics.projections += 1;
         }
-        if state.derivative_known {
-            dynamics.mark_findings();
-        }
         dynamics.note_step(end);
         scratch.carried.keep(dynamics, state);
-        let found = match ending.margin {
-            Some(margin) if margin < 0.0 => state.cut_at_event(dynamics, scratch, margin, 1.0),
-            Some(_) => state.look_within(dynamics, scratch),
-            None => Ok(()),
-        };
+        let found = if ending.beyond { state.cut_at_event(dynamics, scratch, 1.0) } else { state.look_within(dynamics, scratch) };
         if found.is_err() {
             state.take_back();
             // Too short a step to be tried again: the form itself has no solution further on.
@@ -163,7 +154,8 @@ struct End {
     stage: Option<usize>,
     /// Was it moved onto the constraints?
     moved: bool,
-    margin: Option<f64>,
+    /// Does it lie beyond an event?
+    beyond: bool,
     /// Of the check, in parts of what is allowed.
     error: f64,
 }
@@ -171,7 +163,7 @@ struct End {
 /// Moves the end of an attempt onto the constraints, evaluates f there where that is needed, and checks the step by it.
 fn finish<P: Pair>(
     pair: &P,
-    dynamics: &mut dyn Dynamics,
+    dynamics: &mut dyn Implicit,
     state: &mut IntegrationState,
     scratch: &mut Scratch,
     end: f64,
@@ -179,24 +171,22 @@ fn finish<P: Pair>(
     tolerance: f64,
 ) -> Result<End, Undefined> {
     scratch.stages[WORK].copy_from_slice(&scratch.trial);
-    let moved = dynamics.project(end, &mut scratch.trial, &mut scratch.memory)?;
+    let moved = dynamics.project(end, &mut scratch.trial)?;
     if !moved {
         // What rounding did counts as nothing: f was evaluated without it.
         scratch.trial.copy_from_slice(&scratch.stages[WORK]);
     }
     let mut stage = P::LAST_STAGE.filter(|_| !moved);
-    if stage.is_none() && (P::CHECKED || dynamics.margin(&scratch.memory).is_some()) {
-        let Scratch { stages, trial, memory, memory_before, .. } = scratch;
-        memory_before.copy_from_slice(memory);
+    if stage.is_none() && (P::CHECKED || !scratch.events.is_empty()) {
         state.statistics.evaluations += 1;
-        dynamics.derivative(end, trial, memory, &mut stages[END])?;
+        dynamics.derivative_at_end(end, &scratch.trial, &mut scratch.stages[END])?;
         stage = Some(END);
     }
-    let margin = dynamics.margin(&scratch.memory);
+    dynamics.event_values(&mut scratch.events);
+    let beyond = scratch.events.iter().any(|value| *value < 0.0);
     // At an event f changes its form: what it says there is no error.
-    let error =
-        if P::CHECKED && margin.is_none_or(|margin| margin >= 0.0) { pair.check(dynamics, scratch, h).over(tolerance) } else { 0.0 };
-    Ok(End { stage, moved, margin, error: if error.is_nan() { f64::INFINITY } else { error } })
+    let error = if P::CHECKED && !beyond { pair.check(dynamics, scratch, h).over(tolerance) } else { 0.0 };
+    Ok(End { stage, moved, beyond, error: if error.is_nan() { f64::INFINITY } else { error } })
 }
 
 /// An error of the state as it counts: of controlled components; of forces, and against the motion's own size, in parts of what is allowed.
@@ -209,7 +199,7 @@ pub(super) struct LocalError {
 
 impl LocalError {
     /// Of an error vector; infinite where it is not finite.
-    pub fn of(dynamics: &dyn Dynamics, error: &[f64]) -> LocalError {
+    pub fn of(dynamics: &dyn Implicit, error: &[f64]) -> LocalError {
         let mut largest: f64 = 0.0;
         for (i, error) in error.iter().enumerate() {
             if !error.is_finite() {
@@ -221,7 +211,7 @@ impl LocalError {
     }
 
     /// Of an error vector whose controlled components all count alike.
-    pub fn unweighted(dynamics: &dyn Dynamics, error: &[f64]) -> LocalError {
+    pub fn unweighted(dynamics: &dyn Implicit, error: &[f64]) -> LocalError {
         let weighted = LocalError::of(dynamics, error);
         let plain = error.iter().enumerate().filter(|(i, _)| dynamics.error_weight(*i) > 0.0).map(|(_, error)| error.abs());
         LocalError { state: if weighted.state.is_finite() { plain.fold(0.0, f64::max) } else { weighted.state }, ..weighted }
@@ -243,14 +233,15 @@ const SHORTEST: f64 = 1e-11;
 
 /// A first step on which explicit Euler would just meet the tolerance in the controlled components: cautious, and
 /// growth is quick.
-fn first_step(tolerance: f64, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> f64 {
+fn first_step(tolerance: f64, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> f64 {
     const GUESS: f64 = 1e-6;
     for (i, value) in scratch.trial.iter_mut().enumerate() {
         *value = state.y[i] + GUESS * state.derivative[i];
     }
-    scratch.memory.copy_from_slice(&state.memory);
+    dynamics.rollback();
     state.statistics.evaluations += 1;
-    let evaluated = dynamics.derivative(state.t + GUESS, &scratch.trial, &mut scratch.memory, &mut scratch.stages[1]);
+    let evaluated = dynamics.derivative(state.t + GUESS, &scratch.trial, &mut scratch.stages[1]);
+    dynamics.rollback();
     if evaluated.is_err() {
         return GUESS;
     }

@@ -14,7 +14,7 @@
 //! A W-method keeps its order whatever c is. With the exact J a motion that is linear in tau changes nothing at all: what c is for is its
 //! curvature. Continuous output: that of z, plus c itself, which the system keeps for the step that was accepted last.
 
-use super::{Dynamics, IntegrationState};
+use super::{Implicit, IntegrationState};
 
 /// c over one step.
 #[derive(Clone, Debug)]
@@ -33,8 +33,8 @@ impl Carried {
         Carried { shift: zero(), rate: zero(), change: zero(), carries: false }
     }
 
-    /// At the begin of a step, after [`Dynamics::linearise`] there.
-    pub fn begin(&mut self, dynamics: &mut dyn Dynamics) {
+    /// At the begin of a step, after [`Implicit::linearise`] there.
+    pub fn begin(&mut self, dynamics: &mut dyn Implicit) {
         self.carries = dynamics.carry(0.0, &mut self.shift, &mut self.rate);
         if self.carries {
             dynamics.carried_change(&mut self.change);
@@ -46,19 +46,19 @@ impl Carried {
     }
 
     /// Finds c and c' at `ahead` [s] after the begin.
-    pub fn move_to(&mut self, dynamics: &mut dyn Dynamics, ahead: f64) {
+    pub fn move_to(&mut self, dynamics: &mut dyn Implicit, ahead: f64) {
         if self.carries {
             dynamics.carry(ahead, &mut self.shift, &mut self.rate);
         }
     }
 
     /// Solves (I - a J) x = x + weight dF/dtau in place.
-    pub fn solve(&self, dynamics: &mut dyn Dynamics, x: &mut [f64], weight: f64) {
+    pub fn solve(&self, dynamics: &mut dyn Implicit, x: &mut [f64], weight: f64) {
         if self.carries { dynamics.solve_linear_pushed(x, weight, &self.change) } else { dynamics.solve_linear(x) }
     }
 
     /// Notes in a state that was just accepted whether its last step was made beside such a motion.
-    pub fn keep(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState) {
+    pub fn keep(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState) {
         state.carries = self.carries;
         if self.carries {
             dynamics.keep_carried();

@@ -8,7 +8,7 @@
 //! controller after Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sections II.4-II.6.
 
 use super::adaptive::{self, LocalError, Pair, TOLERANCES};
-use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
+use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -48,7 +48,7 @@ impl Integrator for DormandPrince {
         DENSE_VECTORS
     }
 
-    fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+    fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
         adaptive::step(self, self.tolerance, dynamics, state, scratch)
     }
 }
@@ -83,7 +83,7 @@ impl Pair for DormandPrince {
 
     fn attempt(
         &self,
-        dynamics: &mut dyn Dynamics,
+        dynamics: &mut dyn Implicit,
         state: &mut IntegrationState,
         scratch: &mut Scratch,
         h: f64,
@@ -99,12 +99,14 @@ impl Pair for DormandPrince {
                 }
                 *value = sum;
             }
+            let time = state.t + C[stage] * h;
             if stage == STAGES - 1 {
-                scratch.memory_before.copy_from_slice(&scratch.memory);
+                dynamics.derivative_at_end(time, &scratch.trial, &mut rest[0])?;
+            } else {
+                dynamics.derivative(time, &scratch.trial, &mut rest[0])?;
             }
-            dynamics.derivative(state.t + C[stage] * h, &scratch.trial, &mut scratch.memory, &mut rest[0])?;
             state.statistics.evaluations += 1;
-            Scratch::look_at_stage(&mut scratch.beyond, dynamics, state.t + C[stage] * h, &scratch.memory);
+            Scratch::look_at_stage(&mut scratch.events, &mut scratch.beyond, dynamics, time);
         }
         // The second stage is in no weight.
         for i in 0..state.y.len() {

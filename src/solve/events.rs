@@ -1,17 +1,17 @@
 //! What happens at the end of a step: projection, and events between the ends of the step.
 //!
-//! An event is where [`Dynamics::margin`] falls below zero. It is located on the continuous output of the step; the step is cut
+//! An event is where one of [`Dynamics::event_values`] falls below zero. It is located on the continuous output of the step; the step is cut
 //! there, and the system changes its form when the next step begins. So a solution that is read before the event is that of
 //! the old form, and a restart before it (a jump of an input) undoes it.
 
-use super::{Dynamics, IntegrationState, Scratch, SolveError, Undefined};
+use super::{Implicit, IntegrationState, Scratch, SolveError, Undefined};
 
 /// An event is located to this fraction of the step, and never finer than rounding of time.
 const RESOLUTION: f64 = 1e-12;
 const ITERATIONS: usize = 60;
-/// How often a step is halved to find a margin.
+/// How often a step is halved to find a value above zero.
 const LOOKS: i32 = 12;
-/// Evaluations that finding an event may take.
+/// Evaluations that finding an event may take; each further one that lies before it in the same step takes up to [`LOOKS`] + 1 more.
 pub(super) const MOST_LOOKS: usize = ITERATIONS + LOOKS as usize + 2;
 /// More changes of form at one time are a contradiction of the system's.
 const MOST_CHANGES: usize = 100;
@@ -22,69 +22,74 @@ impl IntegrationState {
     /// Changes the system's form as often as that is due before the next step: events that ended the last step, events that a
     /// jump of an input has brought about, and those that follow from them at the same time. Where the new form has no solution the state stays in the
     /// old one, in which it can be read.
-    pub(super) fn begin(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
-        let mut changed_before = false;
-        for _ in 0..MOST_CHANGES {
-            let mut due = self.switch_due || dynamics.switch_due(self.t, &self.memory);
-            if due || dynamics.margin(&self.memory).is_some() {
+    pub(super) fn begin(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch) -> Result<(), SolveError> {
+        dynamics.rollback();
+        let mut changes = 0;
+        loop {
+            if self.switch_due || !scratch.events.is_empty() || dynamics.due(self.t).is_some() {
                 // What changes is decided from an evaluation at this very state.
-                if let Err(error) = self.evaluate_begin(dynamics) {
-                    if changed_before {
-                        self.put_back(scratch);
-                    }
+                if let Err(error) = self.evaluate_here(dynamics) {
+                    self.put_back(dynamics, scratch, changes);
                     return Err(error);
                 }
-                due |= dynamics.margin(&self.memory).is_some_and(|margin| margin < 0.0);
+                if changes == 0 {
+                    dynamics.accept(true);
+                }
             }
-            if !due {
-                return Ok(());
+            let Some(event) = dynamics.due(self.t) else { break };
+            if changes == 0 {
+                scratch.trial.copy_from_slice(&self.y);
             }
-            if !changed_before {
-                self.keep_in(scratch);
+            match dynamics.on_event(event, self.t, &mut self.y) {
+                Err(Undefined) => {
+                    self.put_back(dynamics, scratch, 1);
+                    return Err(SolveError::Undefined { time: self.t });
+                }
+                // It was only tried: that belongs to the state.
+                Ok(false) if changes == 0 => dynamics.accept(true),
+                Ok(false) => {}
+                Ok(true) if changes == MOST_CHANGES => {
+                    self.put_back(dynamics, scratch, changes);
+                    return Err(SolveError::EndlessEvents { time: self.t });
+                }
+                Ok(true) => {
+                    changes += 1;
+                    self.t_begin = self.t;
+                    self.forget();
+                    self.statistics.events += 1;
+                }
             }
-            let IntegrationState { t, y, memory, .. } = self;
-            let Ok(changed) = dynamics.switch(*t, y, memory) else {
-                self.put_back(scratch);
-                return Err(SolveError::Undefined { time: self.t });
-            };
             self.switch_due = false;
-            if !changed {
-                continue;
-            }
-            changed_before = true;
-            self.t_begin = self.t;
-            self.forget();
-            self.statistics.events += 1;
         }
-        Err(SolveError::EndlessEvents { time: self.t })
+        if changes > 0 {
+            dynamics.accept(self.derivative_known);
+        }
+        self.switch_due = false;
+        Ok(())
     }
 
-    /// Keeps solution and record of the present form, for [`IntegrationState::put_back`].
-    fn keep_in(&self, scratch: &mut Scratch) {
-        scratch.trial.copy_from_slice(&self.y);
-        scratch.memory.copy_from_slice(&self.memory);
-    }
-
-    /// Back to the form that was kept.
-    fn put_back(&mut self, scratch: &Scratch) {
-        self.y.copy_from_slice(&scratch.trial);
-        self.memory.copy_from_slice(&scratch.memory);
-        self.forget();
+    /// Back to the form that was accepted and the solution that is kept in `scratch.trial`, if anything has changed since then.
+    fn put_back(&mut self, dynamics: &mut dyn Implicit, scratch: &Scratch, changes: usize) {
+        if changes > 0 {
+            self.y.copy_from_slice(&scratch.trial);
+            dynamics.rollback();
+            self.forget();
+        }
     }
 
     /// After a step that failed because the system is not defined, or not smooth, further on: asks for another form of it, which has a
     /// solution.
-    pub(super) fn release(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch, error: SolveError) -> Result<bool, SolveError> {
+    pub(super) fn release(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch, error: SolveError) -> Result<bool, SolveError> {
         let (SolveError::Undefined { .. } | SolveError::StepTooSmall { .. }) = error else { return Ok(false) };
-        self.keep_in(scratch);
+        dynamics.rollback();
+        scratch.trial.copy_from_slice(&self.y);
         // The new form may have no solution either until more of it has changed.
         for _ in 0..MOST_CHANGES {
-            let IntegrationState { t, y, memory, .. } = self;
-            match dynamics.release(*t, y, memory) {
+            match dynamics.release(self.t, &mut self.y) {
                 Ok(true) => {}
                 Ok(false) => break,
                 Err(Undefined) => {
-                    self.put_back(scratch);
+                    self.put_back(dynamics, scratch, 1);
                     return Err(SolveError::Undefined { time: self.t });
                 }
             }
@@ -92,17 +97,18 @@ impl IntegrationState {
             self.forget();
             self.next_step = 0.0;
             self.statistics.events += 1;
-            if self.evaluate_begin(dynamics).is_ok() {
+            if self.evaluate_here(dynamics).is_ok() {
+                dynamics.accept(true);
                 return Ok(true);
             }
         }
-        self.put_back(scratch);
+        self.put_back(dynamics, scratch, 1);
         Ok(false)
     }
 
     /// Completes an accepted step: moves its end onto the constraints, and cuts it where the system changes its form. A step that
     /// cannot be completed is taken back.
-    pub(super) fn complete(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
+    pub(super) fn complete(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch) -> Result<(), SolveError> {
         let done = self.try_complete(dynamics, scratch);
         if done.is_err() {
             self.take_back();
@@ -123,110 +129,138 @@ impl IntegrationState {
         self.statistics.rejected += 1;
     }
 
-    fn try_complete(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
+    fn try_complete(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch) -> Result<(), SolveError> {
         self.project(dynamics, scratch)?;
-        if dynamics.margin(&self.memory).is_some() {
-            self.evaluate_begin(dynamics)?;
-            if let Some(margin) = dynamics.margin(&self.memory).filter(|margin| *margin < 0.0) {
-                return self.cut_at_event(dynamics, scratch, margin, 1.0);
-            }
-            return self.look_within(dynamics, scratch);
+        if scratch.events.is_empty() {
+            return Ok(());
         }
-        Ok(())
+        self.evaluate_begin(dynamics)?;
+        dynamics.event_values(&mut scratch.events);
+        let beyond = scratch.events.iter().any(|value| *value < 0.0);
+        if beyond { self.cut_at_event(dynamics, scratch, 1.0) } else { self.look_within(dynamics, scratch) }
     }
 
-    fn project(&mut self, dynamics: &mut dyn Dynamics, scratch: &Scratch) -> Result<(), SolveError> {
-        let IntegrationState { t, y, memory, .. } = self;
-        if dynamics.project(*t, y, memory).map_err(|Undefined| SolveError::Undefined { time: *t })? {
+    fn project(&mut self, dynamics: &mut dyn Implicit, scratch: &Scratch) -> Result<(), SolveError> {
+        if dynamics.project(self.t, &mut self.y).map_err(|Undefined| SolveError::Undefined { time: self.t })? {
             self.derivative_known = false;
             self.statistics.projections += 1;
         } else {
             // What rounding did counts as nothing: f was evaluated without it.
             self.y.copy_from_slice(&scratch.trial);
         }
+        dynamics.accept(self.derivative_known);
         Ok(())
     }
 
     /// Looks within the last step, whose end is on this side of any event, where one of its stages lay beyond one: the continuous output tells
     /// whether the solution itself did.
-    pub(super) fn look_within(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
+    pub(super) fn look_within(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch) -> Result<(), SolveError> {
         let Some(time) = scratch.beyond.take().filter(|time| *time > self.t_begin && *time < self.t) else { return Ok(()) };
         let theta = (time - self.t_begin) / (self.t - self.t_begin);
-        let margin = self.margin_at(dynamics, scratch, theta)?;
-        dynamics.clear_findings();
-        if margin < 0.0 { self.cut_at_event(dynamics, scratch, margin, theta) } else { Ok(()) }
+        self.look(dynamics, scratch, theta)?;
+        if scratch.events.iter().any(|value| *value < 0.0) { self.cut_at_event(dynamics, scratch, theta) } else { Ok(()) }
     }
 
-    /// Finds where the margin passes zero within the last step before the fraction `until` of it, where it is `at_end` (Illinois variant of the
-    /// false position), and ends the step there.
-    pub(super) fn cut_at_event(
-        &mut self,
-        dynamics: &mut dyn Dynamics,
-        scratch: &mut Scratch,
-        at_end: f64,
-        until: f64,
-    ) -> Result<(), SolveError> {
-        let (mut low, mut high) = (0.0, until);
-        let mut above = self.margin_at(dynamics, scratch, low)?;
-        let mut below = at_end;
-        // Right after an event the margin may begin at zero: then it is looked for inside the step.
-        for halvings in 1..=LOOKS {
-            if above > 0.0 {
+    /// Ends the last step where the first event function falls below zero before the fraction `until` of it, at which their values are in
+    /// `scratch.events`.
+    pub(super) fn cut_at_event(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch, until: f64) -> Result<(), SolveError> {
+        let mut high = until;
+        let mut looks = 0;
+        scratch.at_event.copy_from_slice(&scratch.events);
+        // Each time for the functions that are below zero at the event found last: one of them may have been so earlier.
+        for _ in 0..scratch.events.len() {
+            let below = scratch.at_event.iter().enumerate().filter(|(_, value)| **value < 0.0);
+            let Some(event) = below.min_by(|a, b| a.1.total_cmp(b.1)).map(|(event, _)| event) else { break };
+            let Some(found) = self.locate(dynamics, scratch, event, high, &mut looks)? else {
+                // The value is used up when the step begins; the step after it is shorter, lest it end here again and again.
+                high = 0.0;
+                self.next_step *= 0.25;
                 break;
-            }
-            let theta = until * 0.5f64.powi(halvings);
-            let margin = self.margin_at(dynamics, scratch, theta)?;
-            if margin > 0.0 {
-                (low, above) = (theta, margin);
-            } else {
-                (high, below) = (theta, margin);
-            }
-        }
-        if above > 0.0 {
-            let mut kept_low = false;
-            let mut kept_high = false;
-            for _ in 0..ITERATIONS {
-                // A margin that only exists further on (infinite here) is approached by halving.
-                let theta = if above.is_finite() { low + (high - low) * above / (above - below) } else { 0.5 * (low + high) };
-                if high - low <= RESOLUTION || !(theta > low && theta < high) {
-                    break;
-                }
-                let margin = self.margin_at(dynamics, scratch, theta)?;
-                // An end that stays twice in a row weighs half as much.
-                if margin >= 0.0 {
-                    (low, above) = (theta, margin);
-                    below *= if kept_high { 0.5 } else { 1.0 };
-                } else {
-                    (high, below) = (theta, margin);
-                    above *= if kept_low { 0.5 } else { 1.0 };
-                }
-                (kept_low, kept_high) = (margin < 0.0, margin >= 0.0);
-            }
-        } else {
-            // The margin is used up when the step begins; the step after it is shorter, lest it end here again and again.
-            high = 0.0;
-            self.next_step *= 0.25;
+            };
+            high = found;
+            scratch.at_event[event] = f64::INFINITY;
         }
         if high < 1.0 {
             self.cut(dynamics, high);
         }
         self.switch_due = true;
+        dynamics.rollback();
         Ok(())
     }
 
-    /// The margin at a fraction of the last step.
-    fn margin_at(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch, theta: f64) -> Result<f64, SolveError> {
+    /// The fraction of the last step, up to `until`, at which an event function has just fallen below zero (Illinois variant of the false
+    /// position); `None` where it is not above zero before. `scratch.at_event` holds all values at `until`, then those at the fraction found.
+    fn locate(
+        &mut self,
+        dynamics: &mut dyn Implicit,
+        scratch: &mut Scratch,
+        event: usize,
+        until: f64,
+        looks: &mut usize,
+    ) -> Result<Option<f64>, SolveError> {
+        let mut below = scratch.at_event[event];
+        let mut value_at = |theta: f64| -> Result<f64, SolveError> {
+            self.look(dynamics, scratch, theta)?;
+            if scratch.events[event] < 0.0 {
+                scratch.at_event.copy_from_slice(&scratch.events);
+            }
+            Ok(scratch.events[event])
+        };
+        let (mut low, mut high) = (0.0, until);
+        let mut above = value_at(low)?;
+        // Right after an event the value may begin at zero: then it is looked for inside the step.
+        for halvings in 1..=LOOKS {
+            if above > 0.0 {
+                break;
+            }
+            let theta = until * 0.5f64.powi(halvings);
+            let value = value_at(theta)?;
+            if value > 0.0 {
+                (low, above) = (theta, value);
+            } else {
+                (high, below) = (theta, value);
+            }
+        }
+        if !(above > 0.0) {
+            return Ok(None);
+        }
+        let mut kept_low = false;
+        let mut kept_high = false;
+        while *looks < ITERATIONS {
+            // A function that only exists further on (infinite here) is approached by halving.
+            let theta = if above.is_finite() { low + (high - low) * above / (above - below) } else { 0.5 * (low + high) };
+            if high - low <= RESOLUTION || !(theta > low && theta < high) {
+                break;
+            }
+            *looks += 1;
+            let value = value_at(theta)?;
+            // An end that stays twice in a row weighs half as much.
+            if value >= 0.0 {
+                (low, above) = (theta, value);
+                below *= if kept_high { 0.5 } else { 1.0 };
+            } else {
+                (high, below) = (theta, value);
+                above *= if kept_low { 0.5 } else { 1.0 };
+            }
+            (kept_low, kept_high) = (value < 0.0, value >= 0.0);
+        }
+        Ok(Some(high))
+    }
+
+    /// Finds the event functions' values at a fraction of the last step.
+    fn look(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch, theta: f64) -> Result<(), SolveError> {
         let time = self.t_begin + theta * (self.t - self.t_begin);
         self.interpolate(dynamics, time, &mut scratch.trial);
-        scratch.memory.copy_from_slice(&self.memory);
+        dynamics.rollback();
         self.statistics.evaluations += 1;
-        let evaluated = dynamics.derivative(time, &scratch.trial, &mut scratch.memory, &mut scratch.stages[1]);
+        let evaluated = dynamics.derivative(time, &scratch.trial, &mut scratch.stages[1]);
         evaluated.map_err(|Undefined| SolveError::Undefined { time })?;
-        Ok(dynamics.margin(&scratch.memory).unwrap_or(f64::INFINITY))
+        dynamics.event_values(&mut scratch.events);
+        Ok(())
     }
 
     /// Ends the last step at a fraction of its length; the continuous output then spans the shorter step.
-    fn cut(&mut self, dynamics: &dyn Dynamics, theta: f64) {
+    fn cut(&mut self, dynamics: &dyn Implicit, theta: f64) {
         let time = self.t_begin + theta * (self.t - self.t_begin);
         let mut y = std::mem::take(&mut self.derivative);
         self.interpolate(dynamics, time, &mut y);

@@ -10,7 +10,7 @@
 //! that is too long to see what the system has ahead of it.
 
 use super::adaptive::{END, LocalError, WORK};
-use super::{Dynamics, IntegrationState, Scratch, SolveError};
+use super::{Implicit, IntegrationState, Scratch, SolveError};
 use serde::{Deserialize, Serialize};
 
 /// From so many times what the system allows of forces on, and from [`Dynamics::doubtful_error`] of positions, a step is doubtful.
@@ -75,12 +75,12 @@ pub(super) struct FixedStep {
 
 impl FixedStep {
     /// The step that is next on the grid with whole steps of `step` [s]; a part of it after one that failed.
-    pub fn next(step: f64, dynamics: &dyn Dynamics, state: &IntegrationState) -> Result<Self, SolveError> {
+    pub fn next(step: f64, dynamics: &dyn Implicit, state: &IntegrationState) -> Result<Self, SolveError> {
         let known = dynamics.longest_known();
         if step > AHEAD * known {
             return Err(SolveError::StepPassesTrack { time: state.t, step, longest: AHEAD * known });
         }
-        let limit = dynamics.next_break(state.t, &state.y, &state.memory);
+        let limit = dynamics.next_break(state.t, &state.y);
         let next = state.grid_start + (state.grid_count + 1) as f64 * step;
         let cut = next >= limit - SLACK * step;
         let end = if cut { limit } else { next };
@@ -124,7 +124,7 @@ impl FixedStep {
     /// Completes the step that was just accepted (constraints, events) and evaluates f at its end, for [`FixedStep::judge`]; it is then in
     /// `scratch.stages[END]`. False where an event has cut the step, or where it was taken back to be tried in parts: what is left of it says nothing of
     /// its error.
-    pub fn complete(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<bool, SolveError> {
+    pub fn complete(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<bool, SolveError> {
         if let Err(error) = state.complete(dynamics, scratch) {
             return self.failed(state, error).map(|()| false);
         }
@@ -138,7 +138,7 @@ impl FixedStep {
     }
 
     /// Judges the step that was just accepted by its error, which is in `scratch.stages[WORK]`.
-    pub fn judge(&self, dynamics: &dyn Dynamics, state: &mut IntegrationState, scratch: &Scratch) -> Result<(), SolveError> {
+    pub fn judge(&self, dynamics: &dyn Implicit, state: &mut IntegrationState, scratch: &Scratch) -> Result<(), SolveError> {
         let error = LocalError::unweighted(dynamics, &scratch.stages[WORK]);
         let limit = |times: f64| LocalError { state: times * dynamics.doubtful_error(), load: times * DOUBTFUL, swing: f64::INFINITY };
         let doubtful = error.reaches(&limit(1.0));
@@ -158,8 +158,8 @@ impl FixedStep {
     }
 
     /// Ends the step with the solution in `scratch.trial`; the stage `last` is f there.
-    pub fn accept(&self, state: &mut IntegrationState, scratch: &Scratch, last: Option<usize>) {
-        state.accept(self.end, scratch, last.filter(|_| !self.cut));
+    pub fn accept(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &Scratch, last: Option<usize>) {
+        state.accept(dynamics, self.end, scratch, last.filter(|_| !self.cut));
         if self.cut {
             state.grid_start = self.end;
             state.grid_count = 0;

@@ -26,7 +26,7 @@
 
 use super::fixed::{FixedStep, STEPS};
 use super::{
-    Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, dense, parse_setting,
+    Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, dense, parse_setting,
 };
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -86,7 +86,7 @@ impl GeneralisedAlpha {
     /// Solves for d at the end of the step, in `scratch.stages[0]`.
     fn iterate(
         &self,
-        dynamics: &mut dyn Dynamics,
+        dynamics: &mut dyn Implicit,
         state: &mut IntegrationState,
         scratch: &mut Scratch,
         step: &FixedStep,
@@ -94,7 +94,7 @@ impl GeneralisedAlpha {
         let Weights { rates, states, gamma } = self.weights();
         let h = step.h;
         let undefined = |Undefined| SolveError::Undefined { time: state.t };
-        let Scratch { stages: [rate, change, ..], trial, memory, .. } = scratch;
+        let Scratch { stages: [rate, change, ..], trial, .. } = scratch;
         rate.copy_from_slice(&state.record);
         let movement = (0..state.y.len()).map(|i| dynamics.error_weight(i) * (h * state.record[i]).abs()).fold(0.0, f64::max);
         let allowed = RELATIVE * movement + ABSOLUTE;
@@ -104,14 +104,14 @@ impl GeneralisedAlpha {
                 *value = state.y[i] + states * h * (state.record[i] + gamma * (rate[i] - state.record[i]));
             }
             let time = state.t + states * h;
-            memory.copy_from_slice(&state.memory);
+            dynamics.rollback();
             state.statistics.evaluations += 1;
             state.statistics.iterations += 1;
-            dynamics.derivative(time, trial, memory, change).map_err(undefined)?;
+            dynamics.derivative(time, trial, change).map_err(undefined)?;
             if iteration % REFRESH == 0 {
                 state.statistics.linearisations += 1;
                 state.statistics.factorisations += 1;
-                dynamics.linearise(time, trial, memory, StiffPart::All).map_err(undefined)?;
+                dynamics.linearise(time, trial, StiffPart::All).map_err(undefined)?;
                 dynamics.factorise(states * gamma * h / rates).map_err(undefined)?;
                 last = f64::INFINITY;
             }
@@ -166,8 +166,8 @@ impl Integrator for GeneralisedAlpha {
         true
     }
 
-    fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        state.evaluate_with_findings(dynamics, scratch)?;
+    fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+        state.evaluate_with_cache(dynamics)?;
         if !state.record_known {
             state.record.copy_from_slice(&state.derivative);
             state.record_known = true;
@@ -185,7 +185,7 @@ impl Integrator for GeneralisedAlpha {
         step.check(state, scratch)?;
         dense::write_cubic(&mut state.dense, &state.y, &scratch.trial, |i| [h * state.record[i], h * scratch.stages[0][i]]);
         state.record.copy_from_slice(&scratch.stages[0]);
-        step.accept(state, scratch, None);
+        step.accept(dynamics, state, scratch, None);
         if !step.complete(dynamics, state, scratch)? {
             return Ok(());
         }

@@ -1,10 +1,10 @@
 //! Floor 5: integration of ordinary differential equations. Knows nothing of railways.
 //!
-//! A system implements [`Dynamics`]; an [`Integrator`] advances an [`IntegrationState`], which holds all memory of the
-//! past. Steps are the integrator's own: they pass communication points, where the solution is read from the dense
+//! A system implements [`Dynamics`] and, with a Jacobian or without, [`Implicit`]; an [`Integrator`] advances an [`IntegrationState`]. Steps are the integrator's own: they pass communication points, where the solution is read from the dense
 //! output of the last step, so results do not depend on where a master looks. Steps end where the system is not
 //! smooth ([`Dynamics::next_break`]). After each step the solution is brought back onto what the system must keep exactly
-//! ([`Dynamics::project`]), and the step is cut where the system changes its form ([`Dynamics::margin`]).
+//! ([`Dynamics::project`]), and the step is cut where the system changes its form ([`Dynamics::event_values`]). What a system remembers beside the
+//! solution (warm starts, its form) is its own: it keeps what was accepted and what an attempt has made of it.
 
 mod adaptive;
 mod carried;
@@ -39,11 +39,40 @@ use std::sync::Arc;
 
 /// A system `y' = f(t, y)`.
 pub trait Dynamics {
-    /// Writes f(t, y) to `dy`. `memory` is the system's own record (warm starts) and belongs to the state.
+    /// Writes f(t, y) to `dy`.
     ///
     /// # Errors
     /// [`Undefined`] when f is not defined at (t, y); the integrator then tries a shorter step. The system keeps the reason.
-    fn derivative(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined>;
+    fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined>;
+
+    /// The same where the next step may begin: what it starts from and finds is wanted again ([`Dynamics::accept`], [`Dynamics::repeat`]).
+    ///
+    /// # Errors
+    /// As [`Dynamics::derivative`].
+    fn derivative_at_end(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        self.derivative(t, y, dy)
+    }
+
+    /// What the system remembers beside `y` becomes again what it was when it was accepted last.
+    fn rollback(&mut self) {}
+
+    /// What the system remembers beside `y` belongs to the state from now on; with `evaluated` so does the last
+    /// [`Dynamics::derivative_at_end`].
+    fn accept(&mut self, _evaluated: bool) {}
+
+    /// Does the system still hold what that evaluation found? Not after another one, a change of the system, or in another system that took
+    /// over the state.
+    fn is_cached(&self) -> bool {
+        false
+    }
+
+    /// Makes that evaluation again, to the bit, for the sake of what it finds: it does not count as work.
+    ///
+    /// # Errors
+    /// As [`Dynamics::derivative`].
+    fn repeat(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        self.derivative(t, y, dy)
+    }
 
     /// Weight of the local error of component `i` against the tolerance: 1 for positions and angles in metres and radians,
     /// more where a small error has large consequences, 0 where the error is not controlled.
@@ -51,7 +80,7 @@ pub trait Dynamics {
 
     /// The next time after `t` where f is not smooth; infinity when there is none. A prediction is enough: it is
     /// asked for before each step.
-    fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64;
+    fn next_break(&self, t: f64, y: &[f64]) -> f64;
 
     /// The longest step that may begin where f was evaluated last, with the result `dy`, s: what lies ahead must be met by evaluations,
     /// because an error estimate knows nothing of what no evaluation has seen.
@@ -87,32 +116,59 @@ pub trait Dynamics {
         0
     }
 
-    /// Finds J, close to df/dy at (t, y), for [`Dynamics::factorise`]. Follows an evaluation of f at the same (t, y) directly, whose
-    /// findings it may use. J need not be exact: methods that use it keep their order whatever J is, and need it for stability.
+    /// Moves `y` onto the constraints that it must satisfy exactly; called at the end of each accepted step. Returns whether
+    /// `y` was changed.
+    ///
+    /// # Errors
+    /// [`Undefined`] when there is no such point near `y`.
+    fn project(&mut self, _t: f64, _y: &mut [f64]) -> Result<bool, Undefined> {
+        Ok(false)
+    }
+
+    /// Number of event functions: where one falls below zero the system changes its form.
+    fn event_functions(&self) -> usize {
+        0
+    }
+
+    /// Their values in the last evaluation; infinity where an event can't take place at present.
+    fn event_values(&self, _values: &mut [f64]) {}
+
+    /// The event that takes place now, by the last evaluation at `t`: of an event function, or one that was foreseen by
+    /// [`Dynamics::next_break`].
+    fn due(&self, _t: f64) -> Option<Event> {
+        None
+    }
+
+    /// Changes the system's form at an event; may change `y`. Returns whether it did.
+    ///
+    /// # Errors
+    /// [`Undefined`] when it can't go on from here.
+    fn on_event(&mut self, _event: Event, _t: f64, _y: &mut [f64]) -> Result<bool, Undefined> {
+        Ok(false)
+    }
+
+    /// Changes the system's form where the present one has no solution beyond `t`; returns whether there is another form.
+    ///
+    /// # Errors
+    /// [`Undefined`] when it can't go on from here.
+    fn release(&mut self, _t: f64, _y: &mut [f64]) -> Result<bool, Undefined> {
+        Ok(false)
+    }
+}
+
+/// The number by which a system knows one of its events.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Event(pub usize);
+
+/// A system with a Jacobian, and perhaps a motion that its solution nearly follows. What says nothing has J = 0 and no such motion.
+pub trait Implicit: Dynamics {
+    /// Finds J, close to df/dy at (t, y), for [`Implicit::factorise`]. Follows an evaluation of f at the same (t, y) directly, whose
+    /// results it may use. J need not be exact: methods that use it keep their order whatever J is, and need it for stability.
     ///
     /// # Errors
     /// [`Undefined`] when it is not defined there.
-    fn linearise(&mut self, _t: f64, _y: &[f64], _memory: &[f64], _part: StiffPart) -> Result<(), Undefined> {
+    fn linearise(&mut self, _t: f64, _y: &[f64], _part: StiffPart) -> Result<(), Undefined> {
         Ok(())
-    }
-
-    /// Notes that what the last evaluation found belongs to the begin of the next step.
-    fn mark_findings(&mut self) {}
-
-    /// What the last evaluation found belongs to no begin of a step any more.
-    fn clear_findings(&mut self) {}
-
-    /// Is that still there? Not after another evaluation, a change of the system, or in another system that took over the state.
-    fn findings_stand(&self) -> bool {
-        false
-    }
-
-    /// An evaluation that was made before, for the sake of its findings alone: it does not count as work.
-    ///
-    /// # Errors
-    /// As [`Dynamics::derivative`].
-    fn repeat(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
-        self.derivative(t, y, memory, dy)
     }
 
     /// Factorises I - a J, a in s.
@@ -138,7 +194,7 @@ pub trait Dynamics {
         false
     }
 
-    /// Notes that the step for which that motion was asked has been accepted: [`Dynamics::add_carried`] speaks of it from now on.
+    /// Notes that the step for which that motion was asked has been accepted: [`Implicit::add_carried`] speaks of it from now on.
     fn keep_carried(&mut self) {}
 
     /// Adds that motion, as it was kept, to the state: `ahead` [s] after the begin of the last step.
@@ -147,42 +203,6 @@ pub trait Dynamics {
     /// J c' - c'' of that motion c at its begin.
     fn carried_change(&mut self, change: &mut [f64]) {
         change.fill(0.0);
-    }
-
-    /// Moves `y` onto the constraints that it must satisfy exactly; called at the end of each accepted step. Returns whether
-    /// `y` was changed.
-    ///
-    /// # Errors
-    /// [`Undefined`] when there is no such point near `y`.
-    fn project(&mut self, _t: f64, _y: &mut [f64], _memory: &mut [f64]) -> Result<bool, Undefined> {
-        Ok(false)
-    }
-
-    /// How far the system was from changing its form in the last evaluation: an event takes place where this falls below zero.
-    /// `None`: it never changes.
-    fn margin(&self, _memory: &[f64]) -> Option<f64> {
-        None
-    }
-
-    /// Does an event that was foreseen by [`Dynamics::next_break`] take place now?
-    fn switch_due(&self, _t: f64, _memory: &[f64]) -> bool {
-        false
-    }
-
-    /// Changes the system's form at an event; may change `y` and the memory. Returns whether it did.
-    ///
-    /// # Errors
-    /// [`Undefined`] when it can't go on from here.
-    fn switch(&mut self, _t: f64, _y: &mut [f64], _memory: &mut [f64]) -> Result<bool, Undefined> {
-        Ok(false)
-    }
-
-    /// Changes the system's form where the present one has no solution beyond `t`; returns whether there is another form.
-    ///
-    /// # Errors
-    /// [`Undefined`] when it can't go on from here.
-    fn release(&mut self, _t: f64, _y: &mut [f64], _memory: &mut [f64]) -> Result<bool, Undefined> {
-        Ok(false)
     }
 }
 
@@ -281,11 +301,11 @@ pub trait Integrator: Send + Sync + Debug {
     ///
     /// # Errors
     /// [`SolveError`]; the state then stands at the last successful step.
-    fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError>;
+    fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError>;
 
-    /// A state at (t, y) with the system's initial memory; the first step length is found when it is needed.
-    fn start(&self, t: f64, y: &[f64], memory: &[f64]) -> IntegrationState {
-        IntegrationState::new(t, y, memory, self.dense_vectors(), self.record_vectors())
+    /// A state at (t, y); the first step length is found when it is needed.
+    fn start(&self, t: f64, y: &[f64]) -> IntegrationState {
+        IntegrationState::new(t, y, self.dense_vectors(), self.record_vectors())
     }
 
     /// Advances until the state reaches `target` or passes it; [`IntegrationState::interpolate`] then gives the
@@ -295,7 +315,7 @@ pub trait Integrator: Send + Sync + Debug {
     /// [`SolveError`]; the state then stands at the last successful step.
     fn advance(
         &self,
-        dynamics: &mut dyn Dynamics,
+        dynamics: &mut dyn Implicit,
         state: &mut IntegrationState,
         scratch: &mut Scratch,
         target: f64,
@@ -319,31 +339,34 @@ pub struct Scratch {
     stages: [Vec<f64>; 9],
     carried: Carried,
     trial: Vec<f64>,
-    memory: Vec<f64>,
-    /// The memory with which f at the end of the step was evaluated.
-    memory_before: Vec<f64>,
+    /// Values of the event functions.
+    events: Vec<f64>,
+    /// Those at an event that is being located.
+    at_event: Vec<f64>,
     /// Of the stages of the last attempt, the first one in time at which the system would have changed its form.
     beyond: Option<f64>,
 }
 
 impl Scratch {
-    /// Notes whether a stage that was evaluated at time `t`, with its memory, lies beyond an event. One within the step need not show at its end.
-    #[inline]
-    fn look_at_stage(beyond: &mut Option<f64>, dynamics: &dyn Dynamics, t: f64, memory: &[f64]) {
-        if dynamics.margin(memory).is_some_and(|margin| margin < 0.0) {
-            *beyond = Some(beyond.map_or(t, |before| before.min(t)));
-        }
-    }
-
-    pub fn new(dimension: usize, memory: usize) -> Self {
+    /// For so many states and event functions.
+    pub fn new(dimension: usize, events: usize) -> Self {
         let zero = || vec![0.0; dimension];
         Scratch {
             stages: std::array::from_fn(|_| zero()),
             carried: Carried::new(dimension),
             trial: zero(),
-            memory: vec![0.0; memory],
-            memory_before: vec![0.0; memory],
+            events: vec![f64::INFINITY; events],
+            at_event: vec![f64::INFINITY; events],
             beyond: None,
+        }
+    }
+
+    /// Notes whether a stage that was evaluated last, at time `t`, lies beyond an event. One within the step need not show at its end.
+    #[inline]
+    fn look_at_stage(events: &mut [f64], beyond: &mut Option<f64>, dynamics: &dyn Implicit, t: f64) {
+        dynamics.event_values(events);
+        if events.iter().any(|value| *value < 0.0) {
+            *beyond = Some(beyond.map_or(t, |before| before.min(t)));
         }
     }
 }

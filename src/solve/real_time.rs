@@ -28,7 +28,7 @@
 
 use super::fixed::{FixedStep, MOST_PARTS, SLACK, STEPS};
 use super::{
-    Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, events, parse_setting,
+    Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, events, parse_setting,
 };
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -88,11 +88,11 @@ impl Integrator for RealTime {
         SLACK * self.step
     }
 
-    fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        state.evaluate_with_findings(dynamics, scratch)?;
+    fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+        state.evaluate_with_cache(dynamics)?;
         state.linearise(dynamics, StiffPart::All)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
-        scratch.memory.copy_from_slice(&state.memory);
+        dynamics.rollback();
         if stages(dynamics, state, scratch, &step).is_err() {
             return step.undefined(state);
         }
@@ -106,7 +106,7 @@ impl Integrator for RealTime {
             }
         }
         scratch.carried.move_to(dynamics, step.h);
-        step.accept(state, scratch, None);
+        step.accept(dynamics, state, scratch, None);
         scratch.carried.keep(dynamics, state);
         if !step.complete(dynamics, state, scratch)? {
             return Ok(());
@@ -122,8 +122,8 @@ impl Integrator for RealTime {
 }
 
 /// Both stages and the solution at the end.
-fn stages(dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch, step: &FixedStep) -> Result<(), Undefined> {
-    let Scratch { stages: [first, second, ..], carried, trial, memory, .. } = scratch;
+fn stages(dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch, step: &FixedStep) -> Result<(), Undefined> {
+    let Scratch { stages: [first, second, ..], carried, trial, .. } = scratch;
     state.statistics.factorisations += 1;
     dynamics.factorise(GAMMA * step.h)?;
     carried.begin(dynamics);
@@ -138,7 +138,7 @@ fn stages(dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &m
         *value = state.y[i] + carried.shift[i] + first[i];
     }
     state.statistics.evaluations += 1;
-    dynamics.derivative(step.end, trial, memory, second)?;
+    dynamics.derivative(step.end, trial, second)?;
     for (i, value) in second.iter_mut().enumerate() {
         *value = step.h * (*value - carried.rate[i]) - 2.0 * first[i];
     }

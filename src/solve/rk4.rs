@@ -6,7 +6,7 @@
 
 use super::dense;
 use super::fixed::{FixedStep, STEPS};
-use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
+use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -42,10 +42,10 @@ impl Integrator for RungeKutta4 {
         dense::CUBIC
     }
 
-    fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        state.evaluate_with_findings(dynamics, scratch)?;
+    fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+        state.evaluate_with_cache(dynamics)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
-        scratch.memory.copy_from_slice(&state.memory);
+        dynamics.rollback();
         scratch.beyond = None;
         if stages(dynamics, state, scratch, step.end, step.h).is_err() {
             return step.undefined(state);
@@ -58,10 +58,7 @@ impl Integrator for RungeKutta4 {
             let trapezoid = trial[i] - state.y[i] - 0.5 * step.h * (first[i] + end[i]);
             *error = if trapezoid.abs() > embedded.abs() { trapezoid } else { embedded };
         }
-        step.accept(state, scratch, Some(4));
-        if state.derivative_known {
-            dynamics.mark_findings();
-        }
+        step.accept(dynamics, state, scratch, Some(4));
         if !step.complete(dynamics, state, scratch)? {
             return Ok(());
         }
@@ -71,13 +68,13 @@ impl Integrator for RungeKutta4 {
 
 /// The four stages, the solution at `end` = t + h in `scratch.trial`, and f there as fifth stage.
 pub(super) fn stages(
-    dynamics: &mut dyn Dynamics,
+    dynamics: &mut dyn Implicit,
     state: &mut IntegrationState,
     scratch: &mut Scratch,
     end: f64,
     h: f64,
 ) -> Result<(), Undefined> {
-    let Scratch { stages, trial, memory, memory_before, beyond, .. } = scratch;
+    let Scratch { stages, trial, events, beyond, .. } = scratch;
     stages[0].copy_from_slice(&state.derivative);
     let points = [(0.5, 0.5 * h), (0.5, 0.5 * h), (1.0, h)];
     for (stage, (fraction, weight)) in points.into_iter().enumerate() {
@@ -85,16 +82,15 @@ pub(super) fn stages(
             *value = state.y[i] + weight * stages[stage][i];
         }
         state.statistics.evaluations += 1;
-        dynamics.derivative(state.t + fraction * h, trial, memory, &mut stages[stage + 1])?;
-        Scratch::look_at_stage(beyond, dynamics, state.t + fraction * h, memory);
+        dynamics.derivative(state.t + fraction * h, trial, &mut stages[stage + 1])?;
+        Scratch::look_at_stage(events, beyond, dynamics, state.t + fraction * h);
     }
     for (i, value) in trial.iter_mut().enumerate() {
         let k = |j: usize| stages[j][i];
         *value = state.y[i] + h / 6.0 * (k(0) + 2.0 * (k(1) + k(2)) + k(3));
     }
     state.statistics.evaluations += 1;
-    memory_before.copy_from_slice(memory);
-    dynamics.derivative(end, trial, memory, &mut stages[4])
+    dynamics.derivative_at_end(end, trial, &mut stages[4])
 }
 
 /// Cubic Hermite polynomial through both ends of the step.

@@ -6,7 +6,7 @@
 //! on the imaginary axis make it the cheapest choice where the contact's vibration limits the step.
 
 use super::adaptive::{self, LocalError, Pair, TOLERANCES};
-use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
+use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use super::{dense, rk4};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -47,7 +47,7 @@ impl Integrator for RungeKutta43 {
         dense::CUBIC
     }
 
-    fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+    fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
         adaptive::step(self, self.tolerance, dynamics, state, scratch)
     }
 }
@@ -58,7 +58,7 @@ impl Pair for RungeKutta43 {
 
     fn attempt(
         &self,
-        dynamics: &mut dyn Dynamics,
+        dynamics: &mut dyn Implicit,
         state: &mut IntegrationState,
         scratch: &mut Scratch,
         h: f64,

@@ -25,7 +25,7 @@
 //! Source: J. Rang, L. Angermann, BIT 45 (2005) 761-787; all conditions are checked in the tests.
 
 use super::adaptive::{self, END, LocalError, Pair, WORK};
-use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, parse_setting};
+use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -71,7 +71,7 @@ impl Integrator for Rosenbrock {
         true
     }
 
-    fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+    fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
         adaptive::step(self, self.tolerance, dynamics, state, scratch)
     }
 }
@@ -162,21 +162,21 @@ impl Pair for Rosenbrock {
     const LAST_STAGE: Option<usize> = None;
     const CHECKED: bool = true;
 
-    fn prepare(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        state.evaluate_with_findings(dynamics, scratch)?;
+    fn prepare(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState) -> Result<(), SolveError> {
+        state.evaluate_with_cache(dynamics)?;
         state.linearise(dynamics, self.part)
     }
 
     fn attempt(
         &self,
-        dynamics: &mut dyn Dynamics,
+        dynamics: &mut dyn Implicit,
         state: &mut IntegrationState,
         scratch: &mut Scratch,
         h: f64,
     ) -> Result<LocalError, Undefined> {
         state.statistics.factorisations += 1;
         dynamics.factorise(GAMMA * h)?;
-        let Scratch { stages, carried, trial, memory, beyond, .. } = scratch;
+        let Scratch { stages, carried, trial, events, beyond, .. } = scratch;
         carried.begin(dynamics);
         for stage in 0..STAGES {
             let (done, rest) = stages.split_at_mut(stage);
@@ -189,8 +189,8 @@ impl Pair for Rosenbrock {
                     *value = state.y[i] + carried.shift[i] + combined(&A[stage], done, i);
                 }
                 state.statistics.evaluations += 1;
-                dynamics.derivative(state.t + C[stage] * h, trial, memory, u)?;
-                Scratch::look_at_stage(beyond, dynamics, state.t + C[stage] * h, memory);
+                dynamics.derivative(state.t + C[stage] * h, trial, u)?;
+                Scratch::look_at_stage(events, beyond, dynamics, state.t + C[stage] * h);
             }
             let coupling = INVERSE[stage].map(|inverse| -GAMMA * inverse);
             for (i, value) in u.iter_mut().enumerate() {
@@ -210,7 +210,7 @@ impl Pair for Rosenbrock {
     /// How far f at the end is from the rate that the continuous output has there, over the step and through the step's own matrix:
     /// `gamma h (I - gamma h J)^-1 (f - y')`, what one more Newton step would change. In smooth motion it is small of the order h^4; a
     /// contact that began within the step, which no stage felt, shows in it with all its force.
-    fn check(&self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch, h: f64) -> LocalError {
+    fn check(&self, dynamics: &mut dyn Implicit, scratch: &mut Scratch, h: f64) -> LocalError {
         let Scratch { stages, carried, .. } = scratch;
         let (stages, rest) = stages.split_at_mut(END);
         let (end, work) = rest.split_at_mut(1);

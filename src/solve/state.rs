@@ -1,6 +1,6 @@
-//! All memory of an integration: cloning it is saving the simulation.
+//! All that an integration remembers: cloning it saves it.
 
-use super::{Doubts, Dynamics, Scratch, SolveError, StiffPart, Undefined};
+use super::{Doubts, Implicit, Scratch, SolveError, StiffPart, Undefined};
 use serde::{Deserialize, Serialize};
 
 /// Work done so far.
@@ -33,16 +33,12 @@ pub struct IntegrationState {
     pub t: f64,
     /// Solution at `t`.
     pub y: Vec<f64>,
-    /// The system's own record at `t`.
-    pub memory: Vec<f64>,
     /// Begin of the last step; equal to `t` before the first one and after a restart.
     pub(super) t_begin: f64,
     /// Continuous output over the last step: polynomial coefficients in `(time - t_begin) / (t - t_begin)` in powers
     /// of theta, lowest first, one vector after the other.
     pub(super) dense: Vec<f64>,
-    /// The record with which f(t, y) was evaluated, for repeating that to the bit.
-    pub(super) memory_before: Vec<f64>,
-    /// Is a motion to be added to the continuous output ([`Dynamics::add_carried`])?
+    /// Is a motion to be added to the continuous output ([`Implicit::add_carried`])?
     pub(super) carries: bool,
     /// f(t, y), valid when `derivative_known`.
     pub(super) derivative: Vec<f64>,
@@ -65,12 +61,10 @@ pub struct IntegrationState {
 }
 
 impl IntegrationState {
-    pub(super) fn new(t: f64, y: &[f64], memory: &[f64], dense_vectors: usize, record_vectors: usize) -> Self {
+    pub(super) fn new(t: f64, y: &[f64], dense_vectors: usize, record_vectors: usize) -> Self {
         IntegrationState {
             t,
             y: y.to_vec(),
-            memory: memory.to_vec(),
-            memory_before: memory.to_vec(),
             t_begin: t,
             dense: vec![0.0; dense_vectors * y.len()],
             carries: false,
@@ -94,7 +88,7 @@ impl IntegrationState {
     }
 
     /// Writes the solution at `time`, which lies within the last step (or is `t`), to `out`.
-    pub fn interpolate(&self, dynamics: &dyn Dynamics, time: f64, out: &mut [f64]) {
+    pub fn interpolate(&self, dynamics: &dyn Implicit, time: f64, out: &mut [f64]) {
         self.interpolate_beside(time, out, |ahead, y| dynamics.add_carried(ahead, y));
     }
 
@@ -123,12 +117,20 @@ impl IntegrationState {
     }
 
     /// Evaluates f at the begin of a step where it is not known from the step before.
-    pub(super) fn evaluate_begin(&mut self, dynamics: &mut dyn Dynamics) -> Result<(), SolveError> {
+    pub(super) fn evaluate_begin(&mut self, dynamics: &mut dyn Implicit) -> Result<(), SolveError> {
         if !self.derivative_known {
-            let IntegrationState { t, y, memory, memory_before, derivative, .. } = self;
-            memory_before.copy_from_slice(memory);
-            dynamics.derivative(*t, y, memory, derivative).map_err(|_| SolveError::Undefined { time: *t })?;
-            dynamics.mark_findings();
+            dynamics.rollback();
+            self.evaluate_here(dynamics)?;
+            dynamics.accept(true);
+        }
+        Ok(())
+    }
+
+    /// The same, starting from what the system remembers at present; it is not accepted yet.
+    pub(super) fn evaluate_here(&mut self, dynamics: &mut dyn Implicit) -> Result<(), SolveError> {
+        if !self.derivative_known {
+            let done = dynamics.derivative_at_end(self.t, &self.y, &mut self.derivative);
+            done.map_err(|Undefined| SolveError::Undefined { time: self.t })?;
             self.derivative_known = true;
             self.statistics.evaluations += 1;
         }
@@ -136,24 +138,23 @@ impl IntegrationState {
     }
 
     /// Finds J at (t, y), directly after an evaluation of f there.
-    pub(super) fn linearise(&mut self, dynamics: &mut dyn Dynamics, part: StiffPart) -> Result<(), SolveError> {
+    pub(super) fn linearise(&mut self, dynamics: &mut dyn Implicit, part: StiffPart) -> Result<(), SolveError> {
         self.statistics.linearisations += 1;
-        dynamics.linearise(self.t, &self.y, &self.memory, part).map_err(|Undefined| SolveError::Undefined { time: self.t })
+        dynamics.linearise(self.t, &self.y, part).map_err(|Undefined| SolveError::Undefined { time: self.t })
     }
 
-    /// Takes over the trial solution in `scratch` as the solution at `end`; the stage `last` was evaluated there and
-    /// serves as f of the next step.
-    pub(super) fn accept(&mut self, end: f64, scratch: &Scratch, last: Option<usize>) {
+    /// Takes over the trial solution in `scratch`, and what the system remembers with it, as the solution at `end`; the stage `last` was
+    /// evaluated there and serves as f of the next step.
+    pub(super) fn accept(&mut self, dynamics: &mut dyn Implicit, end: f64, scratch: &Scratch, last: Option<usize>) {
         self.t_begin = self.t;
         self.t = end;
         self.y.copy_from_slice(&scratch.trial);
-        self.memory.copy_from_slice(&scratch.memory);
         self.carries = false;
         if let Some(last) = last {
             self.derivative.copy_from_slice(&scratch.stages[last]);
-            self.memory_before.copy_from_slice(&scratch.memory_before);
         }
         self.derivative_known = last.is_some();
+        dynamics.accept(self.derivative_known);
         self.statistics.steps += 1;
     }
 
@@ -163,19 +164,16 @@ impl IntegrationState {
         self.record_known = false;
     }
 
-    /// Evaluates f at the begin of a step so that what the evaluation leaves in the system for [`Dynamics::linearise`] is there. It is
+    /// Evaluates f at the begin of a step so that what the evaluation leaves in the system for [`Implicit::linearise`] is there. It is
     /// not part of the state: where it is gone the evaluation is repeated to the bit (and not counted, so that counters do not tell
     /// whether a state was restored).
-    pub(super) fn evaluate_with_findings(&mut self, dynamics: &mut dyn Dynamics, scratch: &mut Scratch) -> Result<(), SolveError> {
+    pub(super) fn evaluate_with_cache(&mut self, dynamics: &mut dyn Implicit) -> Result<(), SolveError> {
         if !self.derivative_known {
             return self.evaluate_begin(dynamics);
         }
-        if !dynamics.findings_stand() {
-            let IntegrationState { t, y, memory_before, derivative, .. } = self;
-            // What was noted in the memory since then stays; only a state that was put back comes here.
-            scratch.memory.copy_from_slice(memory_before);
-            dynamics.repeat(*t, y, &mut scratch.memory, derivative).map_err(|_| SolveError::Undefined { time: *t })?;
-            dynamics.mark_findings();
+        if !dynamics.is_cached() {
+            let done = dynamics.repeat(self.t, &self.y, &mut self.derivative);
+            done.map_err(|Undefined| SolveError::Undefined { time: self.t })?;
         }
         Ok(())
     }
@@ -207,8 +205,6 @@ impl IntegrationState {
     /// Could this state have come from the same system and method as `other`?
     pub fn fits(&self, other: &IntegrationState) -> bool {
         self.y.len() == other.y.len()
-            && self.memory.len() == other.memory.len()
-            && self.memory_before.len() == other.memory_before.len()
             && self.dense.len() == other.dense.len()
             && self.derivative.len() == other.derivative.len()
             && self.record.len() == other.record.len()

@@ -18,8 +18,8 @@ pub(super) struct Watched {
     pub last: (f64, Vec<f64>),
     pub matrix: DMatrix<f64>,
     pub factors: Option<LU<f64, Dyn, Dyn>>,
-    /// Gives a margin that never falls below zero.
-    pub margin: Option<f64>,
+    /// Of an event function that never falls below zero.
+    pub event_value: Option<f64>,
     /// Where f is not smooth.
     pub breaks: f64,
     /// c, c' and c'' of a carried motion at a time after its begin (t, y), which is noted below.
@@ -34,12 +34,25 @@ impl Watched {
         let matrix = DMatrix::zeros(0, 0);
         let (breaks, nowhere) = (f64::INFINITY, (0.0, vec![]));
         let (last, begin, kept) = (nowhere.clone(), nowhere.clone(), nowhere);
-        Watched { rate, jacobian, coordinates, share: 1.0, last, matrix, factors: None, margin: None, breaks, motion: None, begin, kept }
+        Watched {
+            rate,
+            jacobian,
+            coordinates,
+            share: 1.0,
+            last,
+            matrix,
+            factors: None,
+            event_value: None,
+            breaks,
+            motion: None,
+            begin,
+            kept,
+        }
     }
 }
 
 impl Dynamics for Watched {
-    fn derivative(&mut self, t: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         self.last = (t, y.to_vec());
         (self.rate)(t, y, dy);
         Ok(())
@@ -47,14 +60,23 @@ impl Dynamics for Watched {
     fn error_weight(&self, _: usize) -> f64 {
         1.0
     }
-    fn next_break(&self, t: f64, _: &[f64], _: &[f64]) -> f64 {
+    fn next_break(&self, t: f64, _: &[f64]) -> f64 {
         if t < self.breaks { self.breaks } else { f64::INFINITY }
     }
     fn coordinates(&self) -> usize {
         self.coordinates
     }
+    fn event_functions(&self) -> usize {
+        usize::from(self.event_value.is_some())
+    }
+    fn event_values(&self, values: &mut [f64]) {
+        self.event_value.iter().zip(values).for_each(|(own, value)| *value = *own);
+    }
+}
+
+impl Implicit for Watched {
     /// Contact stands for the last equation alone.
-    fn linearise(&mut self, t: f64, y: &[f64], _: &[f64], part: StiffPart) -> Result<(), Undefined> {
+    fn linearise(&mut self, t: f64, y: &[f64], part: StiffPart) -> Result<(), Undefined> {
         assert_eq!((t, y), (self.last.0, &self.last.1[..]), "an evaluation at the same place must come right before");
         self.matrix = self.share * (self.jacobian)(t, y);
         if part == StiffPart::Contact {
@@ -93,9 +115,6 @@ impl Dynamics for Watched {
         let mut vector = DVector::from_column_slice(x);
         assert!(self.factors.as_ref().is_some_and(|factors| factors.solve_mut(&mut vector)));
         x.copy_from_slice(vector.as_slice());
-    }
-    fn margin(&self, _: &[f64]) -> Option<f64> {
-        self.margin
     }
 }
 
@@ -175,7 +194,7 @@ pub(super) fn errors<const N: usize>(
     h: f64,
     stop: f64,
 ) -> (f64, f64) {
-    let mut state = integrator.start(0.0, &solution(0.0), &[]);
+    let mut state = integrator.start(0.0, &solution(0.0));
     let mut scratch = Scratch::new(N, 0);
     let distance = |t: f64, y: &[f64]| y.iter().zip(solution(t)).map(|(y, exact)| (y - exact).abs()).fold(0.0, f64::max);
     let (mut ends, mut inside) = (0f64, 0f64);
@@ -208,10 +227,10 @@ pub(super) fn orders(mut at: impl FnMut(f64) -> (f64, f64), largest: f64) -> (f6
 }
 
 /// A run that is saved, and put back into another system that was elsewhere, must end in the same bits as one that was not.
-pub(super) fn assert_restores_bits(integrator: &dyn Integrator, margin: Option<f64>) {
-    let fresh = || Watched { margin, breaks: 0.52, ..nonlinear(1.0) };
-    let mut scratch = Scratch::new(3, 0);
-    let (mut through, mut system) = (integrator.start(0.0, &nonlinear_solution(0.0), &[]), fresh());
+pub(super) fn assert_restores_bits(integrator: &dyn Integrator, event_value: Option<f64>) {
+    let fresh = || Watched { event_value, breaks: 0.52, ..nonlinear(1.0) };
+    let mut scratch = Scratch::new(3, usize::from(event_value.is_some()));
+    let (mut through, mut system) = (integrator.start(0.0, &nonlinear_solution(0.0)), fresh());
     let mut saved = Vec::new();
     for i in 1..=20 {
         assert_eq!(integrator.advance(&mut system, &mut through, &mut scratch, 0.05 * f64::from(i)), Ok(()));
@@ -220,7 +239,7 @@ pub(super) fn assert_restores_bits(integrator: &dyn Integrator, margin: Option<f
     for (i, state) in saved.iter().enumerate() {
         let (mut again, mut other) = (state.clone(), fresh());
         let mut elsewhere = [0.0; 3];
-        assert_eq!(other.derivative(7.0, &[1.0, 2.0, 3.0], &mut [], &mut elsewhere), Ok(()));
+        assert_eq!(other.derivative(7.0, &[1.0, 2.0, 3.0], &mut elsewhere), Ok(()));
         scratch.stages.iter_mut().for_each(|stage| stage.fill(f64::NAN));
         for k in i + 2..=20 {
             assert_eq!(integrator.advance(&mut other, &mut again, &mut scratch, 0.05 * k as f64), Ok(()));

@@ -5,7 +5,7 @@ use super::*;
 struct Oscillator;
 
 impl Dynamics for Oscillator {
-    fn derivative(&mut self, t: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = y[1];
         dy[1] = -y[0] + t;
         Ok(())
@@ -13,30 +13,32 @@ impl Dynamics for Oscillator {
     fn error_weight(&self, i: usize) -> f64 {
         if i == 0 { 1.0 } else { 0.0 }
     }
-    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+    fn next_break(&self, _: f64, _: &[f64]) -> f64 {
         f64::INFINITY
     }
 }
+impl Implicit for Oscillator {}
 
 fn oscillator(integrator: &dyn Integrator) -> (IntegrationState, Scratch) {
-    (integrator.start(0.0, &[0.0, 2.0], &[]), Scratch::new(2, 0))
+    (integrator.start(0.0, &[0.0, 2.0]), Scratch::new(2, 0))
 }
 
 /// Polynomial y' = degree t^(degree - 1).
 struct Power(i32);
 
 impl Dynamics for Power {
-    fn derivative(&mut self, t: f64, _: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, t: f64, _: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = f64::from(self.0) * t.powi(self.0 - 1);
         Ok(())
     }
     fn error_weight(&self, _: usize) -> f64 {
         1.0
     }
-    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+    fn next_break(&self, _: f64, _: &[f64]) -> f64 {
         f64::INFINITY
     }
 }
+impl Implicit for Power {}
 
 /// Largest error at the steps' ends and inside the steps (dense output), with a step forced to `h`.
 fn errors(integrator: &dyn Integrator, h: f64) -> (f64, f64) {
@@ -88,7 +90,7 @@ fn order_rk43_converges_with_order_4_and_its_estimate_with_order_4() {
     // constant: classical weights are exact, the others give h^4 (4 (1/3 + 1/3) / 8 + 4/6) = h^4 on t in [0, h] but 1/24 off.
     let estimate = |degree: i32, h: f64| {
         let pair = RungeKutta43 { tolerance: 1e9 };
-        let mut state = pair.start(0.0, &[0.0], &[]);
+        let mut state = pair.start(0.0, &[0.0]);
         let mut scratch = Scratch::new(1, 0);
         state.evaluate_begin(&mut Power(degree)).unwrap();
         adaptive::Pair::attempt(&pair, &mut Power(degree), &mut state, &mut scratch, h).unwrap().state
@@ -102,7 +104,7 @@ fn order_methods_are_exact_on_polynomials_of_their_order() {
         [(&DormandPrince { tolerance: 1e9 }, 5, 4), (&RungeKutta43 { tolerance: 1e9 }, 4, 3), (&RungeKutta4 { step: 0.7 }, 4, 3)];
     for (integrator, exact, dense) in methods {
         for degree in 1..=exact + 1 {
-            let mut state = integrator.start(0.0, &[0.0], &[]);
+            let mut state = integrator.start(0.0, &[0.0]);
             state.next_step = 0.7;
             let mut scratch = Scratch::new(1, 0);
             integrator.step(&mut Power(degree), &mut state, &mut scratch).unwrap();
@@ -138,24 +140,25 @@ fn order_error_falls_with_tolerance_and_work_is_pinned() {
 struct Kink;
 
 impl Dynamics for Kink {
-    fn derivative(&mut self, t: f64, _: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, t: f64, _: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = if t < 1.0 / 3.0 { 1.0 } else { 2.0 };
         Ok(())
     }
     fn error_weight(&self, _: usize) -> f64 {
         1.0
     }
-    fn next_break(&self, t: f64, _: &[f64], _: &[f64]) -> f64 {
+    fn next_break(&self, t: f64, _: &[f64]) -> f64 {
         if t < 1.0 / 3.0 { 1.0 / 3.0 } else { f64::INFINITY }
     }
 }
+impl Implicit for Kink {}
 
 #[test]
 fn analytic_steps_end_where_the_system_is_not_smooth() {
     // The last stage lies on the kink's far side, so the step before it is exact only to the weight of that stage
     // in the solution, which is zero for Dormand-Prince; RK4 uses it with weight 1/6.
     let integrator = DormandPrince { tolerance: 1e-3 };
-    let mut state = integrator.start(0.0, &[0.0], &[]);
+    let mut state = integrator.start(0.0, &[0.0]);
     let mut ends = vec![];
     let mut scratch = Scratch::new(1, 0);
     while state.t < 1.0 {
@@ -164,7 +167,7 @@ fn analytic_steps_end_where_the_system_is_not_smooth() {
     }
     assert!(ends.contains(&(1.0 / 3.0)));
     let rk4 = RungeKutta4 { step: 0.05 };
-    let mut state = rk4.start(0.0, &[0.0], &[]);
+    let mut state = rk4.start(0.0, &[0.0]);
     rk4.advance(&mut Kink, &mut state, &mut scratch, 0.5).unwrap();
     assert!((state.grid_start - 1.0 / 3.0).abs() < 1e-15, "the grid starts anew at the kink");
 }
@@ -207,17 +210,18 @@ fn prop_restart_continues_from_the_dense_output() {
 struct Pole;
 
 impl Dynamics for Pole {
-    fn derivative(&mut self, _: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, _: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = y[0] * y[0];
         Ok(())
     }
     fn error_weight(&self, _: usize) -> f64 {
         1.0
     }
-    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+    fn next_break(&self, _: f64, _: &[f64]) -> f64 {
         f64::INFINITY
     }
 }
+impl Implicit for Pole {}
 
 #[test]
 fn hard_a_pole_ends_in_an_error_and_keeps_the_last_good_state() {
@@ -225,7 +229,7 @@ fn hard_a_pole_ends_in_an_error_and_keeps_the_last_good_state() {
     let methods: [&dyn Integrator; 3] =
         [&DormandPrince { tolerance: 1e-6 }, &RungeKutta43 { tolerance: 1e-6 }, &RungeKutta4 { step: 0.01 }];
     for integrator in methods {
-        let mut state = integrator.start(0.0, &[1.0], &[]);
+        let mut state = integrator.start(0.0, &[1.0]);
         let error = integrator.advance(&mut Pole, &mut state, &mut scratch, 2.0).unwrap_err();
         assert!(state.y[0].is_finite() && state.t < 1.2, "{error} at {}", state.t);
     }
@@ -236,7 +240,7 @@ fn hard_a_time_that_no_longer_moves_is_an_error_and_not_a_loop() {
     for start in [1e12, 1e16] {
         let methods: [&dyn Integrator; 2] = [&DormandPrince { tolerance: 1e-9 }, &RungeKutta4 { step: 1e-5 }];
         for integrator in methods {
-            let mut state = integrator.start(start, &[0.0, 2.0], &[]);
+            let mut state = integrator.start(start, &[0.0, 2.0]);
             let error = integrator.advance(&mut Oscillator, &mut state, &mut Scratch::new(2, 0), start + 4.0).unwrap_err();
             assert!(matches!(error, SolveError::NoProgress { .. }), "{error}");
         }
@@ -248,7 +252,7 @@ fn hard_a_start_of_unix_epoch_size_loses_only_the_digits_of_time() {
     // t = 1.7e9 s is known to 2.4e-7 s only; steps must still fit together.
     let start = 1.7e9;
     let integrator = DormandPrince { tolerance: 1e-9 };
-    let mut state = integrator.start(start, &[1.0], &[]);
+    let mut state = integrator.start(start, &[1.0]);
     let mut scratch = Scratch::new(1, 0);
     integrator.advance(&mut Decay, &mut state, &mut scratch, start + 2.0).unwrap();
     let mut y = [0.0];
@@ -260,24 +264,25 @@ fn hard_a_start_of_unix_epoch_size_loses_only_the_digits_of_time() {
 struct Decay;
 
 impl Dynamics for Decay {
-    fn derivative(&mut self, _: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, _: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         dy[0] = -y[0];
         Ok(())
     }
     fn error_weight(&self, _: usize) -> f64 {
         1.0
     }
-    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+    fn next_break(&self, _: f64, _: &[f64]) -> f64 {
         f64::INFINITY
     }
 }
+impl Implicit for Decay {}
 
-/// A ball that falls from 1 m and bounces: the margin is its height; each event turns its speed.
+/// A ball that falls from 1 m and bounces: its event function is its height; each event turns its speed.
 struct Ball {
     height: f64,
 }
 impl Dynamics for Ball {
-    fn derivative(&mut self, _: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, _: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         (dy[0], dy[1]) = (y[1], -10.0);
         self.height = y[0];
         Ok(())
@@ -285,24 +290,30 @@ impl Dynamics for Ball {
     fn error_weight(&self, _: usize) -> f64 {
         1.0
     }
-    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+    fn next_break(&self, _: f64, _: &[f64]) -> f64 {
         f64::INFINITY
     }
-    fn margin(&self, _: &[f64]) -> Option<f64> {
-        Some(self.height)
+    fn event_functions(&self) -> usize {
+        1
     }
-    fn switch(&mut self, _: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
+    fn event_values(&self, values: &mut [f64]) {
+        values[0] = self.height;
+    }
+    fn due(&self, _: f64) -> Option<Event> {
+        (self.height < 0.0).then_some(Event(0))
+    }
+    fn on_event(&mut self, _: Event, _: f64, y: &mut [f64]) -> Result<bool, Undefined> {
         y[1] *= -0.5;
         y[0] = 0.0;
-        memory[0] += 1.0;
         Ok(true)
     }
 }
+impl Implicit for Ball {}
 
 #[test]
 fn analytic_events_are_located_and_read_in_the_right_form() {
     for integrator in [&DormandPrince { tolerance: 1e-10 } as &dyn Integrator, &RungeKutta4 { step: 0.01 }] {
-        let mut state = integrator.start(0.0, &[1.0, 0.0], &[0.0]);
+        let mut state = integrator.start(0.0, &[1.0, 0.0]);
         let mut scratch = Scratch::new(2, 1);
         let mut ball = Ball { height: 1.0 };
         // It lands at sqrt(0.2) with -sqrt(20), rises to a quarter, and lands again sqrt(0.2) later.
@@ -313,7 +324,7 @@ fn analytic_events_are_located_and_read_in_the_right_form() {
             state.interpolate_beside(time, &mut y, |_, _| ());
             assert!((y[0] - height).abs() < 1e-9 && (y[1] - speed).abs() < 1e-9, "{time}: {y:?}");
         }
-        assert_eq!((state.statistics.events, state.memory[0]), (1, 1.0));
+        assert_eq!(state.statistics.events, 1);
         integrator.advance(&mut ball, &mut state, &mut scratch, 2.1 * landing).unwrap();
         assert_eq!(state.statistics.events, 2);
     }
@@ -322,7 +333,7 @@ fn analytic_events_are_located_and_read_in_the_right_form() {
 #[test]
 fn prop_a_restart_before_an_event_undoes_it() {
     let integrator = DormandPrince { tolerance: 1e-10 };
-    let mut state = integrator.start(0.0, &[1.0, 0.0], &[0.0]);
+    let mut state = integrator.start(0.0, &[1.0, 0.0]);
     let (mut scratch, mut ball) = (Scratch::new(2, 1), Ball { height: 1.0 });
     // The step that holds the landing has begun before 0.44.
     integrator.advance(&mut ball, &mut state, &mut scratch, 0.44).unwrap();
@@ -334,27 +345,28 @@ fn prop_a_restart_before_an_event_undoes_it() {
 /// A point on the unit circle whose speed is slightly wrong outward: projection must bring it back.
 struct Circle;
 impl Dynamics for Circle {
-    fn derivative(&mut self, _: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, _: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         (dy[0], dy[1]) = (-y[1] + 1e-3 * y[0], y[0] + 1e-3 * y[1]);
         Ok(())
     }
     fn error_weight(&self, _: usize) -> f64 {
         1.0
     }
-    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+    fn next_break(&self, _: f64, _: &[f64]) -> f64 {
         f64::INFINITY
     }
-    fn project(&mut self, _: f64, y: &mut [f64], _: &mut [f64]) -> Result<bool, Undefined> {
+    fn project(&mut self, _: f64, y: &mut [f64]) -> Result<bool, Undefined> {
         let radius = y[0].hypot(y[1]);
         y.iter_mut().for_each(|value| *value /= radius);
         Ok(true)
     }
 }
+impl Implicit for Circle {}
 
 #[test]
 fn analytic_projection_holds_the_circle_and_is_counted() {
     let integrator = RungeKutta4 { step: 0.01 };
-    let mut state = integrator.start(0.0, &[1.0, 0.0], &[]);
+    let mut state = integrator.start(0.0, &[1.0, 0.0]);
     integrator.advance(&mut Circle, &mut state, &mut Scratch::new(2, 0), 3.0).unwrap();
     assert!((state.y[0].hypot(state.y[1]) - 1.0).abs() < 1e-15);
     assert!((state.y[0] - 3f64.cos()).abs() < 1e-6);

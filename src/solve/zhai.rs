@@ -19,7 +19,7 @@
 //! Source: W.M. Zhai, Int. J. Numer. Meth. Engng 39 (1996) 4199-4214.
 
 use super::fixed::{FixedStep, STEPS};
-use super::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, dense, parse_setting};
+use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, dense, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -60,8 +60,8 @@ impl Integrator for Zhai {
         1
     }
 
-    fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
-        state.evaluate_with_findings(dynamics, scratch)?;
+    fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+        state.evaluate_with_cache(dynamics)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
         let h = step.h;
         // phi and psi.
@@ -85,7 +85,7 @@ impl Integrator for Zhai {
             }
         });
         step.check(state, scratch)?;
-        scratch.memory.copy_from_slice(&state.memory);
+        dynamics.rollback();
         let Scratch { stages: [begin, before, ..], .. } = scratch;
         begin.copy_from_slice(&state.derivative);
         // Without a step before, the change within this one stands for that of the last.
@@ -93,7 +93,7 @@ impl Integrator for Zhai {
         before.copy_from_slice(if two_steps { &state.record } else { &state.derivative });
         state.record.copy_from_slice(&state.derivative);
         state.record_known = true;
-        step.accept(state, scratch, None);
+        step.accept(dynamics, state, scratch, None);
         if !step.complete(dynamics, state, scratch)? {
             return Ok(());
         }

@@ -242,7 +242,7 @@ fn prop_right_hand_side_does_not_allocate() {
     assert_eq!(y.len(), 24 + 5 + 1, "two Maxwell dampers, one friction in a line and one in a plane");
     let mut dy = vec![0.0; y.len()];
     let before = counting::count();
-    system.derivative(0.0, &y, &mut [], &mut dy).unwrap();
+    system.derivative(0.0, &y, &mut dy).unwrap();
     assert_eq!(counting::count() - before, 0);
     let bodies = motions(&stage.design(), &[0.01; 12]);
     for (element, (kind, _)) in samples(&stage).iter().zip(SAMPLES) {

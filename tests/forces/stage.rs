@@ -6,7 +6,7 @@ use wheelrail::mbs::force::{self, Attachment, ForceElement, Places};
 use wheelrail::mbs::inertia::Inertia;
 use wheelrail::mbs::system::{System, SystemWorkspace};
 use wheelrail::settings::{Section, SettingsError, Source};
-use wheelrail::solve::{DormandPrince, Dynamics, Integrator, Scratch, Undefined};
+use wheelrail::solve::{DormandPrince, Dynamics, Implicit, Integrator, Scratch, Undefined};
 
 /// Places by name: body and position in the design configuration, world axes.
 pub struct Stage {
@@ -103,7 +103,7 @@ impl Mechanism {
         let integrator = DormandPrince { tolerance };
         let mut y = y.to_vec();
         let mut scratch = Scratch::new(y.len(), 0);
-        let mut state = integrator.start(0.0, &y, &[]);
+        let mut state = integrator.start(0.0, &y);
         integrator.advance(self, &mut state, &mut scratch, end).unwrap();
         state.interpolate_beside(end, &mut y, |_, _| ());
         y
@@ -119,13 +119,13 @@ impl Mechanism {
     pub fn accelerations(&mut self, q: &[f64]) -> Vec<f64> {
         let y = self.state(q, &vec![0.0; q.len()]);
         let mut dy = vec![0.0; y.len()];
-        self.derivative(0.0, &y, &mut [], &mut dy).unwrap();
+        self.derivative(0.0, &y, &mut dy).unwrap();
         dy[q.len()..2 * q.len()].to_vec()
     }
 }
 
 impl Dynamics for Mechanism {
-    fn derivative(&mut self, t: f64, y: &[f64], _: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         self.system.apply_forces(y, &mut self.workspace);
         dy[y.len() - 1] = self.system.dissipated_power(y, &self.workspace.motions);
         self.system.constrained_derivative(t, y, &mut self.workspace, dy).map_err(|_| Undefined)
@@ -134,7 +134,9 @@ impl Dynamics for Mechanism {
         let velocities = COORDINATES * self.system.bodies.len();
         if (velocities..2 * velocities).contains(&i) || i == self.system.dimension() { 0.0 } else { 1.0 }
     }
-    fn next_break(&self, _: f64, _: &[f64], _: &[f64]) -> f64 {
+    fn next_break(&self, _: f64, _: &[f64]) -> f64 {
         f64::INFINITY
     }
 }
+
+impl Implicit for Mechanism {}

@@ -9,7 +9,7 @@ use crate::fixed_point::{Limits, NotSettled, Work, settle};
 use crate::model::{Rolling, Touch, Wheelset};
 use nalgebra::{Vector2, Vector6};
 use wheelrail::mbs::kkt::{Kkt, RowBodies};
-use wheelrail::solve::{Dynamics, Undefined};
+use wheelrail::solve::{Dynamics, Implicit, Undefined};
 
 /// Memory: psi and xi of both contacts, both multipliers.
 pub const MULTIPLIERS: usize = 4;
@@ -34,12 +34,25 @@ pub struct Motion<'a> {
     pub drift: [f64; 2],
     /// Evaluations of the creep forces in the loop of the normal forces.
     pub creep_evaluations: u64,
+    /// Of the evaluation made last, and as accepted.
+    pub memory: [f64; MEMORY],
+    pub accepted: [f64; MEMORY],
 }
 
 impl<'a> Motion<'a> {
     pub fn new(wheelset: &'a Wheelset, gaps: [f64; 2], end: f64) -> Self {
         let row = RowBodies { first: 0, second: None };
-        Motion { wheelset, kkt: Kkt::new(1, &[row; 2]), work: Work::new(2), gaps, end, drift: [0.0; 2], creep_evaluations: 0 }
+        Motion {
+            wheelset,
+            kkt: Kkt::new(1, &[row; 2]),
+            work: Work::new(2),
+            gaps,
+            end,
+            drift: [0.0; 2],
+            creep_evaluations: 0,
+            memory: [0.0; MEMORY],
+            accepted: [0.0; MEMORY],
+        }
     }
 
     /// Contacts at q; the system is factorised there.
@@ -102,9 +115,11 @@ fn largest(values: &[f64; 2]) -> f64 {
 }
 
 impl Dynamics for Motion<'_> {
-    fn derivative(&mut self, _t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
+    fn derivative(&mut self, _t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         let (q, v) = (Vector6::from_column_slice(&y[..6]), Vector6::from_column_slice(&y[6..]));
-        let accelerations = self.accelerations(&q, &v, memory)?;
+        let mut memory = self.memory;
+        let accelerations = self.accelerations(&q, &v, &mut memory)?;
+        self.memory = memory;
         dy[..6].copy_from_slice(v.as_slice());
         dy[6..].copy_from_slice(accelerations.as_slice());
         Ok(())
@@ -119,11 +134,13 @@ impl Dynamics for Motion<'_> {
         }
     }
 
-    fn next_break(&self, t: f64, _y: &[f64], _memory: &[f64]) -> f64 {
+    fn next_break(&self, t: f64, _y: &[f64]) -> f64 {
         if t < self.end { self.end } else { f64::INFINITY }
     }
 
-    fn project(&mut self, _t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
+    fn project(&mut self, _t: f64, y: &mut [f64]) -> Result<bool, Undefined> {
+        let mut memory = self.memory;
+        let memory = &mut memory;
         let mut changed = false;
         let mut change = Vector6::zeros();
         let mut touches = self.prepare(&Vector6::from_column_slice(&y[..6]), memory)?;
@@ -146,6 +163,17 @@ impl Dynamics for Motion<'_> {
             y[6..].iter_mut().zip(&change).for_each(|(y, change)| *y += change);
             changed = true;
         }
+        self.memory = *memory;
         Ok(changed)
     }
+
+    fn rollback(&mut self) {
+        self.memory = self.accepted;
+    }
+
+    fn accept(&mut self, _: bool) {
+        self.accepted = self.memory;
+    }
 }
+
+impl Implicit for Motion<'_> {}

@@ -24,7 +24,7 @@ use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 /// Surface parameters of one contact; also the warm start of the next search.
 ///
 /// The rail parameter is kept relative to the wheelset's own distance, so that it stays small while rolling.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SurfaceParameters {
     /// u, m.
     pub wheel: f64,

@@ -10,9 +10,11 @@
 
 mod contact;
 
-use super::loading::pair;
-use super::points::{self, MOST_POINTS};
-use super::rigid::{self, wheels};
+use super::elastic::points;
+use super::failure::wheel_of;
+use super::memory::{ModelMemory, RidgeMemory};
+use super::step::WheelRef;
+use super::wheel_search::MOST_POINTS;
 use super::{ContactReport, EvaluationError, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{CreepForce, Creepage};
@@ -54,10 +56,10 @@ impl Model {
     }
 
     /// Finds J at the state `y`, with its memory, that was evaluated last: of the contacts and, with `forces`, of the force elements.
-    pub fn linearise(&self, workspace: &mut Workspace, (y, memory): (&[f64], &[f64]), inputs: &[f64], forces: bool) {
+    pub fn linearise(&self, workspace: &mut Workspace, (y, memory): (&[f64], &ModelMemory), inputs: &[f64], forces: bool) {
         let Some(mut tangent) = workspace.tangent.take() else { return };
         tangent.clear();
-        for (contact, wheelset, side) in wheels(self) {
+        for WheelRef { contact, wheelset, side } in self.wheels() {
             let moved = self.against_rail(&workspace.system, inputs, wheelset.body, contact);
             let motion = moved.as_ref().map_or(&workspace.system.motions[wheelset.body], |moved| &moved.motion);
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
@@ -91,11 +93,10 @@ impl Model {
     pub fn singular_tangent(&self, workspace: &Workspace, error: SingularTangent) -> EvaluationError {
         let bodies = self.system.bodies.len();
         let own = self.wheelsets.iter().find(|wheelset| wheelset.body == error.node);
-        let (wheelset, side) = match error.node.checked_sub(bodies) {
-            None => (own.unwrap_or(&self.wheelsets[0]), Side::Left),
-            Some(row) => rigid::wheel_of(self, &workspace.system, row),
-        };
-        EvaluationError::new(f64::NAN, wheelset, side, error.into())
+        match error.node.checked_sub(bodies) {
+            None => EvaluationError::new(f64::NAN, own.unwrap_or(&self.wheelsets[0]), Side::Left, error.into()),
+            Some(row) => wheel_of(self, &workspace.system, row).error(f64::NAN, error.into()),
+        }
     }
 
     /// Solves (I - a J) x = x in place.
@@ -123,7 +124,7 @@ impl Model {
             true => NormalSlopes::default(),
             false => normal_slopes(self.laws.damping.as_ref(), report),
         };
-        let touching = Touching::new(report, motion, &pair(self, wheelset, side, motion));
+        let touching = Touching::new(report, motion, &WheelRef { contact: at.contact, wheelset, side }.pair(self, motion));
         let shared = share.map_or([0.0; 6], |share| sum([report.normal_force], [share]));
         let normal = touching.normal_force(slopes, shared);
         let creep = match transient {
@@ -141,16 +142,16 @@ impl Model {
         workspace: &Workspace,
         contact: usize,
         (wheelset, side, motion): (&Wheelset, Side, &BodyMotion),
-        memory: &[f64],
+        memory: &ModelMemory,
     ) -> Shares {
         let mut changes = Shares::default();
-        for (between, ridge) in points::ridges_of(self, contact, memory) {
+        for (_, RidgeMemory { between, parameters, .. }) in memory.wheels[contact].ridges(self.points) {
             let sides = between.map(|slot| workspace.report(contact, slot));
             // One of both carries less than its whole force where the ridge is pressed.
             if !(sides.iter().all(|report| report.normal_force > 0.0) && sides.iter().any(|report| report.share < 1.0)) {
                 continue;
             }
-            let saddle = pair(self, wheelset, side, motion).at(&ridge);
+            let saddle = WheelRef { contact, wheelset, side }.pair(self, motion).at(parameters);
             let depth = saddle.penetration;
             let [own, other] = sides.map(|report| penetration_by_pose(&(report.wheel_point - motion.position), &report.axes.normal));
             let by_pose = penetration_by_pose(&(saddle.wheel_point - motion.position), &saddle.normal);

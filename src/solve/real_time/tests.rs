@@ -21,7 +21,7 @@ fn analytic_stability_function() {
         Z.set(z);
         let mut system = Watched::new(|_, y, dy| dy[0] = Z.get() * y[0], |_, _| nalgebra::DMatrix::from_element(1, 1, Z.get()), 0);
         let method = RealTime { step: 1.0 };
-        let mut state = method.start(0.0, &[1.0], &[]);
+        let mut state = method.start(0.0, &[1.0]);
         method.step(&mut system, &mut state, &mut Scratch::new(1, 0)).unwrap();
         state.y[0]
     };
@@ -41,7 +41,7 @@ fn hard_stiff_systems_at_steps_of_thousands_of_their_time_constants() {
     println!("ROS2 on Kaps' problem: {ends:.1e} and {inside:.1e} inside at h = 0.05");
     assert!(ends < 1e-2 && inside < 1e-2);
     let method = RealTime { step: 0.01 };
-    let (mut state, mut scratch) = (method.start(0.0, &[1e-3, 0.0], &[]), Scratch::new(2, 0));
+    let (mut state, mut scratch) = (method.start(0.0, &[1e-3, 0.0]), Scratch::new(2, 0));
     method.step(&mut stiff_spring(), &mut state, &mut scratch).unwrap();
     assert!(state.y[0].abs() < 1e-6, "{:?}", state.y);
     let mut y = [0.0; 2];
@@ -55,7 +55,7 @@ fn hard_stiff_systems_at_steps_of_thousands_of_their_time_constants() {
 fn regress_work_per_communication_step_is_always_the_same() {
     // Steps of a tenth of the communication step, which an input restarts each time.
     let method = RealTime { step: 1e-4 };
-    let (mut state, mut system, mut scratch) = (method.start(0.0, &nonlinear_solution(0.0), &[]), nonlinear(1.0), Scratch::new(3, 0));
+    let (mut state, mut system, mut scratch) = (method.start(0.0, &nonlinear_solution(0.0)), nonlinear(1.0), Scratch::new(3, 0));
     let mut before = state.statistics;
     for i in 1..=500 {
         let target = 1e-3 * f64::from(i);

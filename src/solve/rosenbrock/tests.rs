@@ -110,9 +110,9 @@ fn order_the_error_estimate_falls_with_order_three() {
     for share in [1.0, 0.0] {
         let estimate = |h: f64| {
             let (method, mut system) = (free(StiffPart::All), nonlinear(share));
-            let mut state = method.start(0.3, &nonlinear_solution(0.3), &[]);
+            let mut state = method.start(0.3, &nonlinear_solution(0.3));
             let mut scratch = Scratch::new(3, 0);
-            method.prepare(&mut system, &mut state, &mut scratch).unwrap();
+            method.prepare(&mut system, &mut state).unwrap();
             method.attempt(&mut system, &mut state, &mut scratch, h).unwrap().state
         };
         let order = (estimate(0.04) / estimate(0.01)).log2() / 2.0;
@@ -124,7 +124,7 @@ fn order_the_error_estimate_falls_with_order_three() {
 fn hard_a_decay_a_million_times_faster_than_the_step_is_gone_after_one_step() {
     let method = free(StiffPart::All);
     let (mut system, mut scratch) = (relaxation(), Scratch::new(1, 0));
-    let mut state = method.start(0.0, &[2.0], &[]);
+    let mut state = method.start(0.0, &[2.0]);
     for _ in 0..10 {
         state.next_step = 0.1;
         method.step(&mut system, &mut state, &mut scratch).unwrap();
@@ -133,7 +133,7 @@ fn hard_a_decay_a_million_times_faster_than_the_step_is_gone_after_one_step() {
         assert!(error < 1e-4, "{} at {}", state.y[0], state.t);
     }
     let mut spring = stiff_spring();
-    let (mut state, mut scratch) = (method.start(0.0, &[1e-3, 0.0], &[]), Scratch::new(2, 0));
+    let (mut state, mut scratch) = (method.start(0.0, &[1e-3, 0.0]), Scratch::new(2, 0));
     state.next_step = 0.01;
     method.step(&mut spring, &mut state, &mut scratch).unwrap();
     assert!(state.y[0].abs() < 1e-6, "a stiff spring comes to rest: {:?}", state.y);
@@ -150,7 +150,7 @@ fn hard_kaps_stiff_problem_keeps_its_accuracy() {
 #[test]
 fn hard_van_der_pol_takes_few_steps_and_keeps_the_jacobian_on_rejection() {
     let method = Rosenbrock { tolerance: 1e-2, part: StiffPart::All };
-    let mut state = method.start(0.0, &[2.0, 0.0], &[]);
+    let mut state = method.start(0.0, &[2.0, 0.0]);
     let mut y = [0.0; 2];
     method.advance(&mut van_der_pol(), &mut state, &mut Scratch::new(2, 0), 2.0).unwrap();
     state.interpolate_beside(2.0, &mut y, |_, _| ());
@@ -179,7 +179,7 @@ fn prop_restored_states_go_on_in_the_same_bits() {
 fn regress_work_on_a_smooth_problem() {
     let work = |tolerance| {
         let method = Rosenbrock { tolerance, part: StiffPart::All };
-        let mut state = method.start(0.0, &nonlinear_solution(0.0), &[]);
+        let mut state = method.start(0.0, &nonlinear_solution(0.0));
         method.advance(&mut nonlinear(1.0), &mut state, &mut Scratch::new(3, 0), 2.0).unwrap();
         let mut y = [0.0; 3];
         state.interpolate_beside(2.0, &mut y, |_, _| ());
@@ -187,7 +187,7 @@ fn regress_work_on_a_smooth_problem() {
         (error, state.statistics)
     };
     let explicit = DormandPrince { tolerance: 1e-6 };
-    let mut state = explicit.start(0.0, &nonlinear_solution(0.0), &[]);
+    let mut state = explicit.start(0.0, &nonlinear_solution(0.0));
     explicit.advance(&mut nonlinear(1.0), &mut state, &mut Scratch::new(3, 0), 2.0).unwrap();
     let (loose, few) = work(1e-4);
     let (tight, many) = work(1e-8);

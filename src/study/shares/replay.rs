@@ -8,6 +8,7 @@
 
 use super::again::{EXTRA, creep_again, normal_again};
 use super::watch::Sample;
+use crate::formulation::memory::ModelMemory;
 use crate::formulation::{Evaluation, Model, Workspace};
 use crate::scene::assemble;
 use crate::scene::spec::Scene;
@@ -42,7 +43,7 @@ const FEW: usize = 4;
 struct Stage {
     model: Model,
     workspace: Workspace,
-    memory: Vec<f64>,
+    memory: ModelMemory,
     dy: Vec<f64>,
     inputs: Vec<f64>,
 }
@@ -54,13 +55,12 @@ impl Stage {
         if scene.solver.integrator.linearises() {
             model.prepare_tangent(&mut workspace);
         }
-        let (memory, dy, inputs) = (vec![0.0; model.memory()], vec![0.0; model.dimension()], model.neutral_inputs());
+        let (memory, dy, inputs) = (model.blank_memory(), vec![0.0; model.dimension()], model.neutral_inputs());
         Ok(Stage { model, workspace, memory, dy, inputs })
     }
 
     /// Makes an evaluation; returns whether it came to an end.
     fn derivative(&mut self, sample: &Sample) -> bool {
-        self.memory.copy_from_slice(&sample.memory);
         let at = Evaluation { t: sample.t, inputs: &self.inputs, y: black_box(&sample.y), memory: &mut self.memory };
         self.model.derivative(&mut self.workspace, at, &mut self.dy).is_ok()
     }

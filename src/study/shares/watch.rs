@@ -4,7 +4,7 @@
 //! system. So nothing on the product's own stepping path knows of a clock. Reading the clock takes some 30 ns, twice per call; both what falls
 //! into the timed section and what falls beside it are measured and taken off.
 
-use crate::solve::{Dynamics, IntegrationState, Integrator, Scratch, Setting, SolveError, StiffPart, Undefined};
+use crate::solve::{Dynamics, Event, Implicit, IntegrationState, Integrator, Scratch, Setting, SolveError, StiffPart, Undefined};
 use std::cell::{Cell, RefCell};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -38,7 +38,6 @@ pub(super) struct Tally {
 pub(super) struct Sample {
     pub t: f64,
     pub y: Vec<f64>,
-    pub memory: Vec<f64>,
 }
 
 /// Keeps evaluations at equal distances (counted in evaluations), however many there will be.
@@ -53,7 +52,7 @@ struct Sampler {
 const SAMPLES: usize = 40;
 
 impl Sampler {
-    fn note(&mut self, t: f64, y: &[f64], memory: &[f64]) {
+    fn note(&mut self, t: f64, y: &[f64]) {
         self.every = self.every.max(1);
         if self.seen.is_multiple_of(self.every) {
             if self.kept.len() == 2 * SAMPLES {
@@ -65,7 +64,7 @@ impl Sampler {
                 });
                 self.every *= 2;
             }
-            self.kept.push(Sample { t, y: y.to_vec(), memory: memory.to_vec() });
+            self.kept.push(Sample { t, y: y.to_vec() });
         }
         self.seen += 1;
     }
@@ -177,17 +176,17 @@ impl Integrator for Watched {
         self.inner.slack()
     }
 
-    fn step(&self, dynamics: &mut dyn Dynamics, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+    fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
         self.meter.with(|meter| self.inner.step(&mut Guarded { inner: dynamics, meter }, state, scratch))
     }
 
-    fn start(&self, t: f64, y: &[f64], memory: &[f64]) -> IntegrationState {
-        self.inner.start(t, y, memory)
+    fn start(&self, t: f64, y: &[f64]) -> IntegrationState {
+        self.inner.start(t, y)
     }
 
     fn advance(
         &self,
-        dynamics: &mut dyn Dynamics,
+        dynamics: &mut dyn Implicit,
         state: &mut IntegrationState,
         scratch: &mut Scratch,
         target: f64,
@@ -198,81 +197,65 @@ impl Integrator for Watched {
 
 /// A system under the watch.
 pub(super) struct Guarded<'a> {
-    inner: &'a mut dyn Dynamics,
+    inner: &'a mut dyn Implicit,
     meter: &'a Meter,
 }
 
 impl Guarded<'_> {
-    fn note(&self, t: f64, y: &[f64], memory: &[f64]) {
+    fn note(&self, t: f64, y: &[f64]) {
         if let Some(sampler) = &self.meter.sampler {
-            sampler.borrow_mut().note(t, y, memory);
+            sampler.borrow_mut().note(t, y);
         }
     }
 }
 
 impl Dynamics for Guarded<'_> {
-    fn derivative(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
-        self.note(t, y, memory);
-        self.meter.timed(Call::Derivative, || self.inner.derivative(t, y, memory, dy))
+    fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        self.note(t, y);
+        self.meter.timed(Call::Derivative, || self.inner.derivative(t, y, dy))
     }
 
-    fn repeat(&mut self, t: f64, y: &[f64], memory: &mut [f64], dy: &mut [f64]) -> Result<(), Undefined> {
-        self.note(t, y, memory);
-        self.meter.timed(Call::Derivative, || self.inner.repeat(t, y, memory, dy))
+    fn repeat(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        self.note(t, y);
+        self.meter.timed(Call::Derivative, || self.inner.repeat(t, y, dy))
     }
 
-    fn linearise(&mut self, t: f64, y: &[f64], memory: &[f64], part: StiffPart) -> Result<(), Undefined> {
-        self.meter.whole.set(self.meter.whole.get() | (part == StiffPart::All));
-        self.meter.timed(Call::Linearise, || self.inner.linearise(t, y, memory, part))
+    fn project(&mut self, t: f64, y: &mut [f64]) -> Result<bool, Undefined> {
+        self.meter.timed(Call::Keep, || self.inner.project(t, y))
     }
 
-    fn factorise(&mut self, a: f64) -> Result<(), Undefined> {
-        self.meter.timed(Call::Factorise, || self.inner.factorise(a))
+    fn next_break(&self, t: f64, y: &[f64]) -> f64 {
+        self.meter.timed(Call::Keep, || self.inner.next_break(t, y))
     }
 
-    fn solve_linear(&mut self, x: &mut [f64]) {
-        self.meter.timed(Call::Solve, || self.inner.solve_linear(x));
+    fn derivative_at_end(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        self.note(t, y);
+        self.meter.timed(Call::Derivative, || self.inner.derivative_at_end(t, y, dy))
+    }
+    fn rollback(&mut self) {
+        self.inner.rollback();
+    }
+    fn accept(&mut self, evaluated: bool) {
+        self.inner.accept(evaluated);
+    }
+    fn is_cached(&self) -> bool {
+        self.inner.is_cached()
+    }
+    fn event_functions(&self) -> usize {
+        self.inner.event_functions()
+    }
+    fn event_values(&self, values: &mut [f64]) {
+        self.inner.event_values(values);
+    }
+    fn due(&self, t: f64) -> Option<Event> {
+        self.inner.due(t)
+    }
+    fn on_event(&mut self, event: Event, t: f64, y: &mut [f64]) -> Result<bool, Undefined> {
+        self.meter.timed(Call::Keep, || self.inner.on_event(event, t, y))
     }
 
-    fn solve_linear_pushed(&mut self, x: &mut [f64], weight: f64, push: &[f64]) {
-        self.meter.timed(Call::Solve, || self.inner.solve_linear_pushed(x, weight, push));
-    }
-
-    // The carried motion counts as the integrator's own.
-    fn carry(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {
-        self.inner.carry(ahead, shift, rate)
-    }
-
-    fn keep_carried(&mut self) {
-        self.inner.keep_carried();
-    }
-
-    fn add_carried(&self, ahead: f64, y: &mut [f64]) {
-        self.inner.add_carried(ahead, y);
-    }
-
-    fn carried_change(&mut self, change: &mut [f64]) {
-        self.inner.carried_change(change);
-    }
-
-    fn project(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
-        self.meter.timed(Call::Keep, || self.inner.project(t, y, memory))
-    }
-
-    fn next_break(&self, t: f64, y: &[f64], memory: &[f64]) -> f64 {
-        self.meter.timed(Call::Keep, || self.inner.next_break(t, y, memory))
-    }
-
-    fn margin(&self, memory: &[f64]) -> Option<f64> {
-        self.meter.timed(Call::Keep, || self.inner.margin(memory))
-    }
-
-    fn switch(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
-        self.meter.timed(Call::Keep, || self.inner.switch(t, y, memory))
-    }
-
-    fn release(&mut self, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<bool, Undefined> {
-        self.meter.timed(Call::Keep, || self.inner.release(t, y, memory))
+    fn release(&mut self, t: f64, y: &mut [f64]) -> Result<bool, Undefined> {
+        self.meter.timed(Call::Keep, || self.inner.release(t, y))
     }
 
     // Too short to be timed, and asked for by the integrator's own work.
@@ -307,20 +290,40 @@ impl Dynamics for Guarded<'_> {
     fn doubtful_error(&self) -> f64 {
         self.inner.doubtful_error()
     }
+}
 
-    fn clear_findings(&mut self) {
-        self.inner.clear_findings();
+impl Implicit for Guarded<'_> {
+    fn linearise(&mut self, t: f64, y: &[f64], part: StiffPart) -> Result<(), Undefined> {
+        self.meter.whole.set(self.meter.whole.get() | (part == StiffPart::All));
+        self.meter.timed(Call::Linearise, || self.inner.linearise(t, y, part))
     }
 
-    fn mark_findings(&mut self) {
-        self.inner.mark_findings();
+    fn factorise(&mut self, a: f64) -> Result<(), Undefined> {
+        self.meter.timed(Call::Factorise, || self.inner.factorise(a))
     }
 
-    fn findings_stand(&self) -> bool {
-        self.inner.findings_stand()
+    fn solve_linear(&mut self, x: &mut [f64]) {
+        self.meter.timed(Call::Solve, || self.inner.solve_linear(x));
     }
 
-    fn switch_due(&self, t: f64, memory: &[f64]) -> bool {
-        self.inner.switch_due(t, memory)
+    fn solve_linear_pushed(&mut self, x: &mut [f64], weight: f64, push: &[f64]) {
+        self.meter.timed(Call::Solve, || self.inner.solve_linear_pushed(x, weight, push));
+    }
+
+    // The carried motion counts as the integrator's own.
+    fn carry(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {
+        self.inner.carry(ahead, shift, rate)
+    }
+
+    fn keep_carried(&mut self) {
+        self.inner.keep_carried();
+    }
+
+    fn add_carried(&self, ahead: f64, y: &mut [f64]) {
+        self.inner.add_carried(ahead, y);
+    }
+
+    fn carried_change(&mut self, change: &mut [f64]) {
+        self.inner.carried_change(change);
     }
 }

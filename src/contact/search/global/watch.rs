@@ -30,7 +30,7 @@ const BITS: u32 = 6;
 pub const POINTS: usize = 3;
 
 /// A place where phi is extreme.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Extreme {
     /// Opposite this knot of the rail.
     Joint(usize),
@@ -39,14 +39,14 @@ pub enum Extreme {
 }
 
 /// Such a place, and the sign of phi there.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Point {
     pub place: Extreme,
     pub above: bool,
 }
 
 /// What is watched, and what was found there.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Watch {
     /// A knot of the wheel, and the stretches from there on: the lowest bit is the first.
     pub first: usize,

@@ -45,6 +45,7 @@ mod slopes;
 
 use super::FreeVehicle;
 use crate::formulation;
+use crate::formulation::memory::ModelMemory;
 use crate::geometry::track::centre_line::Node;
 use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
@@ -69,7 +70,7 @@ pub enum Contacts {
     /// Chosen by the formulation.
     Any,
     /// Those of this memory, with which the balance was found.
-    Kept(Vec<f64>),
+    Kept(ModelMemory),
     /// Elastic, as the balance was found.
     Elastic,
 }

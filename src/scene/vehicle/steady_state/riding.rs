@@ -46,7 +46,7 @@ impl Search<'_> {
             velocities[..3].copy_from_slice((axes * Vector3::new(off[0], off[1], off[2])).as_slice());
             velocities[3..].copy_from_slice(&off[3..COORDINATES]);
         }
-        self.model.project(&mut self.workspace, 0.0, &mut self.y, &mut self.now.memory)?;
+        self.model.at(&mut self.workspace, 0.0, &mut self.y, &mut self.now.memory).project()?;
         for body in 0..bodies {
             let v = &self.y[self.model.system.velocities(body)];
             let along = self.axes(body).tr_mul(&Vector3::new(v[0], v[1], v[2]));

@@ -4,6 +4,7 @@ use super::Standing;
 use super::couplings::Couplings;
 use super::rails::{Ride, Riding};
 use super::slopes::Entry;
+use crate::formulation::memory::ModelMemory;
 use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::Track;
@@ -46,7 +47,7 @@ pub(super) struct Configuration {
     /// S, m/s.
     pub travel: f64,
     /// Which places of the wheels are in contact, and where.
-    pub memory: Vec<f64>,
+    pub memory: ModelMemory,
 }
 
 /// Place of a wheelset's pitch rate among its velocities, of pitch among coordinates.
@@ -125,7 +126,7 @@ impl<'a> Search<'a> {
             rides: vec![Ride::default(); at.len()],
             accelerations: vec![[0.0; COORDINATES]; at.len()],
             riding: false,
-            now: Configuration { at, slowing: 0.0, travel: pattern.speed, memory: vec![0.0; model.memory()] },
+            now: Configuration { at, slowing: 0.0, travel: pattern.speed, memory: model.blank_memory() },
             unknowns: Vec::new(),
             square: Vec::new(),
             couplings: Couplings::new(&model.system),
@@ -166,7 +167,6 @@ impl<'a> Search<'a> {
 
     /// Lays the track: `node` all the way, the rails displaced by a share of what `riding` says. Contacts are where they were.
     pub fn lay(&mut self, node: &Node, riding: Option<(&Riding, f64)>) {
-        let followed = self.model.followed();
         let line = CentreLine::new(&Alignment { nodes: vec![*node], ..Alignment::default() }, Vector3::zeros(), 0.0).map(Arc::new);
         self.model.track = match riding {
             Some((riding, share)) => riding.track(line, share),
@@ -177,9 +177,7 @@ impl<'a> Search<'a> {
         };
         self.curvature = node.curvature;
         self.workspace = self.model.workspace();
-        let memory = &mut self.now.memory;
-        memory.truncate(memory.len() - followed);
-        memory.resize(self.model.memory(), 0.0);
+        self.now.memory.distances.resize(self.model.followed(), 0.0);
     }
 
     pub fn configuration(&self) -> Configuration {
@@ -189,13 +187,12 @@ impl<'a> Search<'a> {
     /// Puts a configuration back, on whatever track lies here now.
     pub fn put(&mut self, configuration: &Configuration) {
         self.now.clone_from(configuration);
-        self.now.memory.resize(self.model.memory(), 0.0);
+        self.now.memory.distances.resize(self.model.followed(), 0.0);
     }
 
     /// The same without what it knows of contacts, which may be those of another formulation.
     pub fn put_bodies(&mut self, configuration: &Configuration) {
-        let memory = vec![0.0; self.model.memory()];
-        self.now = Configuration { memory, ..configuration.clone() };
+        self.now = Configuration { memory: self.model.blank_memory(), ..configuration.clone() };
     }
 
     /// Chooses the contacts that are constraints here anew.
@@ -232,7 +229,7 @@ impl<'a> Search<'a> {
         for _ in 0..3 {
             for level in [true, false] {
                 // Without memory the first contact is the deepest.
-                self.now.memory.fill(0.0);
+                self.now.memory = self.model.blank_memory();
                 self.follow_pattern(true);
                 self.evaluate().map_err(EquilibriumError::Evaluation)?;
                 for wheelset in 0..count {
@@ -287,13 +284,14 @@ impl<'a> Search<'a> {
     fn evaluate(&mut self) -> Result<(), EvaluationError> {
         let Search { model, workspace, y, dy, inputs, now: Configuration { at, memory, .. }, following, .. } = self;
         model.set_distances(|body| at[body].coordinates[0], memory);
+        let mut step = model.at(workspace, 0.0, y, memory);
         if model.formulation.constrains() && *following {
-            model.formulation.resettle(model, workspace, 0.0, y, memory)?;
+            model.formulation.resettle(&mut step)?;
         } else if model.formulation.constrains() || model.formulation.states_per_contact() > 0 {
-            model.formulation.start(model, workspace, 0.0, y, memory)?;
+            model.formulation.start(&mut step)?;
         }
         if self.constrained {
-            model.project(workspace, 0.0, y, memory)?;
+            step.project()?;
         }
         model.system.settle_forces(y, &mut workspace.system);
         model.derivative(workspace, Evaluation { t: 0.0, inputs, y, memory }, dy)
@@ -472,7 +470,7 @@ impl<'a> Search<'a> {
 
     /// Does every contact that is a constraint press?
     pub fn presses(&self) -> bool {
-        self.model.margin(&self.now.memory).is_none_or(|margin| margin >= 0.0)
+        self.model.due(f64::NEG_INFINITY, &self.now.memory).is_none()
     }
 
     /// Mean vertical force of each wheelset's wheels, N.
@@ -482,7 +480,7 @@ impl<'a> Search<'a> {
     }
 
     /// The state vector in the track frame, with all speeds scaled, and the contacts' memory.
-    pub fn found(mut self, scale: f64) -> (Vec<f64>, Vec<f64>) {
+    pub fn found(mut self, scale: f64) -> (Vec<f64>, ModelMemory) {
         let system = &self.model.system;
         for (body, at) in self.now.at.iter().enumerate() {
             self.y[system.coordinates(body)].copy_from_slice(&at.coordinates);

@@ -1,4 +1,4 @@
-//! How a place of contact replies to a small motion of its wheel: where the next iteration begins.
+//! Where a place of contact will be after a small motion of its wheel: where the next iteration begins.
 //!
 //! In the rail's section, with the tangent's direction theta, curvatures kappa of the wheel's trace and of the rail, arc lengths s along
 //! both and the distance d, a place and a ridge keep (to first order)
@@ -20,24 +20,23 @@
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
 use crate::contact::search::global::Standing;
 
-/// Numbers of a reply, and of a pose that it counts from.
-pub(super) const REPLY: usize = 9;
-pub(super) const POSE: usize = 5;
+/// Numbers of a pose that a prediction counts from.
+pub const POSE: usize = 5;
 
 /// Furthest that a place is thought to go, m: at longer ways second order matters more.
 const FURTHEST: f64 = 1e-3;
 
 /// Derivatives of u and of eta by the tread point's place outward and up [-] and by roll [m], then of the lead by k, k' [m] and u [-].
-pub(super) type Reply = [f64; REPLY];
+pub type Prediction = [f64; 9];
 
-/// What of a pose a reply knows.
+/// What of a pose a prediction knows.
 pub(super) fn pose_of(standing: &Standing) -> [f64; POSE] {
     [standing[0], standing[1], standing[2], standing[3], standing[3] - standing[4]]
 }
 
-/// The reply of a contact or ridge that has been located.
+/// The prediction for a contact or ridge that has been located.
 #[inline]
-pub(super) fn reply(pair: &Pair, pose: &Standing, radius: f64, found: &ContactLocation) -> Reply {
+pub(super) fn prediction(pair: &Pair, pose: &Standing, radius: f64, found: &ContactLocation) -> Prediction {
     let (wheel, rail) = (&found.wheel_profile, &found.rail_profile);
     let (wheel_rise, rail_rise) = (1.0 + wheel.d1 * wheel.d1, 1.0 + rail.d1 * rail.d1);
     let (per_wheel, per_rail) = (1.0 / wheel_rise.sqrt(), 1.0 / rail_rise.sqrt());
@@ -62,8 +61,8 @@ pub(super) fn reply(pair: &Pair, pose: &Standing, radius: f64, found: &ContactLo
 
 /// Where a place will be found about, after a motion.
 #[inline]
-pub(super) fn after(start: SurfaceParameters, reply: &[f64], moved: &[f64; POSE]) -> SurfaceParameters {
-    let along = |from: usize| (0..3).map(|i| reply[from + i] * moved[i]).sum::<f64>();
+pub(super) fn after(start: SurfaceParameters, prediction: &Prediction, moved: &[f64; POSE]) -> SurfaceParameters {
+    let along = |from: usize| (0..3).map(|i| prediction[from + i] * moved[i]).sum::<f64>();
     let (du, deta) = (along(0), along(3));
     // Not so where a place melts into a ridge.
     if !(du.abs() < FURTHEST && deta.abs() < FURTHEST) {
@@ -72,7 +71,7 @@ pub(super) fn after(start: SurfaceParameters, reply: &[f64], moved: &[f64; POSE]
     SurfaceParameters {
         wheel: start.wheel + du,
         rail: start.rail + deta,
-        lead: start.lead + reply[6] * moved[3] + reply[7] * moved[4] + reply[8] * du,
+        lead: start.lead + prediction[6] * moved[3] + prediction[7] * moved[4] + prediction[8] * du,
         ..start
     }
 }
@@ -114,11 +113,11 @@ mod tests {
                     (
                         found,
                         pose,
-                        reply(&pair, &pose, search.radius(), &found),
+                        prediction(&pair, &pose, search.radius(), &found),
                         [begin.wheel - q.wheel, begin.rail - q.rail, begin.lead - q.lead],
                     )
                 };
-                let (first, pose, reply, _) = located(0.0, &|_, pair| {
+                let (first, pose, known, _) = located(0.0, &|_, pair| {
                     let mut minima = Minima::default();
                     search.find(pair, 5e-3, &mut minima);
                     minima.deepest().unwrap().parameters
@@ -126,7 +125,7 @@ mod tests {
                 let left = |size: f64| {
                     let forecast = |now: &Standing, _: &Pair| {
                         let (from, to) = (pose_of(&pose), pose_of(now));
-                        after(first.parameters, &reply, &std::array::from_fn(|i| to[i] - from[i]))
+                        after(first.parameters, &known, &std::array::from_fn(|i| to[i] - from[i]))
                     };
                     let (found, _, _, off) = located(size, &forecast);
                     let (p, q) = (first.parameters, found.parameters);

@@ -28,59 +28,32 @@
 //!
 //! A wheel becomes a constraint again only at a place that lasts longer than 3 T at present.
 
-use super::loading::pair;
-use super::points;
-use super::rigid::{LASTING, is_elastic, wheels};
-use super::{Model, Wheelset};
 use crate::contact::search::algebraic::ContactLocation;
 use crate::contact::search::global::bending_ahead;
-use crate::geometry::Side;
+use crate::formulation::Model;
+use crate::formulation::elastic::points;
+use crate::formulation::step::WheelRef;
 use crate::mbs::body::BodyMotion;
 
 /// T, s.
 const TIME: f64 = 1e-3;
 /// That of a place at which a wheel lands, s.
 const AT_LANDING: f64 = 3.0 * TIME;
-/// 1/m become numbers of the size of normal forces, with which they are compared, N m.
-const SCALE: f64 = 1e5;
 
-fn margin(
-    model: &Model,
-    (contact, wheelset, side): (usize, &Wheelset, Side),
-    motion: &BodyMotion,
-    found: &ContactLocation,
-    rates: [f64; 2],
-    time: f64,
-) -> f64 {
-    if !points::searched(model, contact) {
+fn bending(model: &Model, wheel: WheelRef, motion: &BodyMotion, found: &ContactLocation, rates: [f64; 2], time: f64) -> f64 {
+    if !points::searched(model, wheel.contact) {
         return f64::INFINITY;
     }
-    SCALE * bending_ahead(&pair(model, wheelset, side, motion), found, rates, time)
+    bending_ahead(&wheel.pair(model, motion), found, rates, time)
 }
 
-/// How far a constrained place is from being left, in numbers of the size of a normal force; infinity where there is but one place.
-/// `rates`: those of u and eta, m/s.
+/// How far a constrained place is from being left, 1/m; infinity where there is but one place. `rates`: those of u and eta, m/s.
 #[inline]
-pub(super) fn remaining(
-    model: &Model,
-    wheel: (usize, &Wheelset, Side),
-    motion: &BodyMotion,
-    found: &ContactLocation,
-    rates: [f64; 2],
-) -> f64 {
-    margin(model, wheel, motion, found, rates, TIME)
+pub(super) fn remaining(model: &Model, wheel: WheelRef, motion: &BodyMotion, found: &ContactLocation, rates: [f64; 2]) -> f64 {
+    bending(model, wheel, motion, found, rates, TIME)
 }
 
 /// May a wheel land there?
-pub(super) fn bears(model: &Model, wheel: (usize, &Wheelset, Side), motion: &BodyMotion, found: &ContactLocation, rates: [f64; 2]) -> bool {
-    margin(model, wheel, motion, found, rates, 0.0) > 0.0 && margin(model, wheel, motion, found, rates, AT_LANDING) > 0.0
-}
-
-/// The constrained contact whose place ends first, and its margin.
-pub(super) fn least_lasting(model: &Model, memory: &[f64]) -> Option<(usize, f64)> {
-    let lasting = wheels(model).filter_map(|(contact, ..)| {
-        let memory = &memory[model.contact_memory(contact)];
-        (!is_elastic(memory)).then_some((contact, memory[LASTING]))
-    });
-    lasting.reduce(|least, other| if other.1 < least.1 { other } else { least })
+pub(super) fn bears(model: &Model, wheel: WheelRef, motion: &BodyMotion, found: &ContactLocation, rates: [f64; 2]) -> bool {
+    bending(model, wheel, motion, found, rates, 0.0) > 0.0 && bending(model, wheel, motion, found, rates, AT_LANDING) > 0.0
 }

@@ -6,20 +6,18 @@
 //! tensile; `delta' = -v . n` with the velocity v of the wheel's material point, which is exact because the located
 //! points make delta stationary. At lift-off (delta <= 0) all forces vanish and the search goes on, so landing needs
 //! nothing special. Forces act at the wheel's undeformed material point; creepage is taken there too.
-//!
-//! Memory per contact: the four surface parameters of the last evaluation, as warm start.
 
-use super::loading::{WheelAt, external_wrench};
-use super::{
-    Build, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Workspace, contact_index,
+use super::{finish, points};
+use crate::formulation::loading::{WheelAt, external_wrench};
+use crate::formulation::{
+    Build, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, Parse, RIGHT_FRICTION, WHEELSET_INPUTS, Workspace, contact_index,
 };
-use super::{points, rigid};
 use crate::geometry::Side;
 use crate::settings::{Entry, Section, SettingsError};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-pub(super) const ENTRY: Entry<super::Parse> = Entry {
+pub(in crate::formulation) const ENTRY: Entry<Parse> = Entry {
     name: "ECF-A",
     summary: "elastic contact, points located by four algebraic equations per wheel",
     reference: "paper, section 4.1, Eqs. 24-28",
@@ -30,7 +28,7 @@ fn parse(_: &Section) -> Result<Build, SettingsError> {
     Ok(build())
 }
 
-pub(super) fn build() -> Build {
+pub(in crate::formulation) fn build() -> Build {
     Arc::new(|_| Ok(Box::new(EcfA)))
 }
 
@@ -38,16 +36,9 @@ pub(super) fn build() -> Build {
 #[derive(Debug)]
 struct EcfA;
 
-/// Warm start: u, angle, lead, eta.
-const MEMORY: usize = 4;
-
 impl Formulation for EcfA {
     fn describe(&self) -> String {
         "elastic, each point from four equations".into()
-    }
-
-    fn memory_per_contact(&self) -> usize {
-        MEMORY
     }
 
     #[inline]
@@ -66,11 +57,11 @@ impl Formulation for EcfA {
                 let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
                 let wrench = &mut workspace.system.wrenches[wheelset.body];
                 let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
-                points::elastic_wheel(&wheel, &mut memory[model.contact_memory(contact)], wrench, reports)
+                points::elastic_wheel(&wheel, &mut memory.wheels[contact], wrench, reports)
                     .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
                 workspace.work.search_iterations += workspace.contacts[contact].iterations as u64;
             }
         }
-        rigid::finish_elastic(model, workspace, t, y, dy)
+        finish(model, workspace, t, y, dy)
     }
 }

@@ -25,84 +25,43 @@
 //! *Identity.* A contact keeps its number while it exists; a new one takes the lowest free number. Forces do not depend on it.
 //! The search forgets nothing and waits for nothing: no hysteresis.
 
-mod count;
-mod prepared;
+pub mod prediction;
 mod record;
-mod reply;
 mod share;
 mod touch;
 
-use super::loading::{Contact, WheelAt, keep, not_found, warm_start};
-use super::{ContactFailure, ContactReport, Model, Workspace};
+use super::super::loading::{Contact, WheelAt, not_found};
+use super::super::memory::{Allowance, WheelMemory};
+use super::super::wheel_search::{FAR, MOST_POINTS, WheelSearch};
+use super::super::{ContactFailure, ContactReport, Model, Workspace};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
-use crate::contact::search::global::{GlobalSearch, MOST, Minima, Ridge, Standing, is_least};
-use crate::geometry::Side;
-use crate::geometry::profile::Profile;
+use crate::contact::search::global::{MOST, Minima, Ridge, is_least};
 use crate::mbs::body::Wrench;
-pub use count::needed;
-pub use prepared::PreparedSearches;
-pub(super) use record::{Record, record_length};
-use reply::reply;
+use record::Stand;
 use share::{Saddle, Saddles, share_out};
-pub(super) use share::{beside as share_beside, share_slopes};
-use std::sync::Arc;
-pub(super) use touch::{margin, switch};
-
-/// Most contacts of one wheel that a scene can ask for.
-pub const MOST_POINTS: usize = 4;
+pub(in super::super) use share::{beside as share_beside, share_slopes};
+pub(in super::super) use touch::{event_value, switch};
 
 /// Places that are further apart are not followed, m.
 const REACH: f64 = 5e-4;
 /// Contacts that are nearer to each other on the wheel are the same one, m.
 const APART: f64 = 1e-7;
-/// A wheel that is further away from its rail has left it, m.
-const FAR: f64 = 0.15;
-/// A wheel whose contact lies this much higher than the tread has a flange, m.
-const FLANGE: f64 = 10e-3;
-
-/// All contacts of one wheel.
-#[derive(Debug)]
-pub struct WheelSearch {
-    search: GlobalSearch,
-    /// Wheel coordinate of the flange's tip, m; minus infinity without a flange.
-    tip: f64,
-}
-
-impl WheelSearch {
-    /// `None` when there is nothing to search for: only one place can ever touch.
-    pub fn new(wheel: &dyn Profile, rail: &dyn Profile) -> Option<Self> {
-        let search = GlobalSearch::new(wheel, rail);
-        (!search.strictly_convex()).then(|| WheelSearch { search, tip: flange_tip(wheel) })
-    }
-}
-
-/// Where a wheel's radius is greatest, if that is on a flange.
-fn flange_tip(profile: &dyn Profile) -> f64 {
-    const STEPS: usize = 2000;
-    let (first, last) = profile.range();
-    let at = |index: usize| first + (last - first) * index as f64 / STEPS as f64;
-    let radius = |index: usize| profile.at(at(index)).value;
-    let tip = (0..=STEPS).max_by(|a, b| radius(*a).total_cmp(&radius(*b))).unwrap_or(0);
-    let tread = profile.at(0.0f64.clamp(first, last)).value;
-    if radius(tip) > tread + FLANGE && at(tip) < 0.0 { at(tip) } else { f64::NEG_INFINITY }
-}
-
 /// A place where wheel and rail are near each other.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(in super::super) struct Place {
     location: ContactLocation,
     /// Of its Hertzian force that the contact carries, 0 to 1.
     share: f64,
 }
 
 /// By number of the contact.
-pub(super) type Places = [Option<Place>; MOST_POINTS];
+pub(in super::super) type Places = [Option<Place>; MOST_POINTS];
 
 /// Locates a wheel's elastic contacts, loads them and adds their forces to the wheelset's wrench.
 #[inline]
-pub(super) fn elastic_wheel(
+pub(in super::super) fn elastic_wheel(
     wheel: &WheelAt,
-    memory: &mut [f64],
+    memory: &mut WheelMemory,
     wrench: &mut Wrench,
     (first, further): (&mut ContactReport, &mut [ContactReport]),
 ) -> Result<(), ContactFailure> {
@@ -110,10 +69,10 @@ pub(super) fn elastic_wheel(
         let pair = wheel.pair();
         // A warm start that has gone stale (a jump of state) must not fail where a cold start succeeds.
         let found = pair
-            .locate(&warm_start(memory))
+            .locate(memory.start())
             .or_else(|_| pair.locate(&SurfaceParameters::default()))
             .map_err(|failure| not_found(wheel.model, wheel.motion, failure))?;
-        keep(&found.parameters, memory);
+        memory.set_start(found.parameters);
         *first = Contact { wheel, found: &found, slot: 0, share: 1.0 }.elastic(wrench)?;
         return Ok(());
     };
@@ -127,10 +86,10 @@ pub(super) fn elastic_wheel(
 
 /// Loads the elastic contacts of a wheel whose tread contact, at `tread`, is a constraint.
 #[inline]
-pub(super) fn elastic_beside(
+pub(in super::super) fn elastic_beside(
     wheel: &WheelAt,
     tread: &ContactLocation,
-    memory: &mut [f64],
+    memory: &mut WheelMemory,
     wrench: &mut Wrench,
     further: &mut [ContactReport],
 ) -> Result<(), ContactFailure> {
@@ -145,7 +104,7 @@ pub(super) fn elastic_beside(
 
 /// The place of a wheel's deepest contact when nothing is known of it: where a constraint may begin. `None` where there is but
 /// one place.
-pub(super) fn deepest(model: &Model, contact: usize, pair: &Pair) -> Option<SurfaceParameters> {
+pub(in super::super) fn deepest(model: &Model, contact: usize, pair: &Pair) -> Option<SurfaceParameters> {
     let search = &model.searches[contact].as_ref()?.search;
     let mut minima = Minima::default();
     search.find(pair, FAR, &mut minima);
@@ -154,33 +113,19 @@ pub(super) fn deepest(model: &Model, contact: usize, pair: &Pair) -> Option<Surf
 
 /// Can the wheel have other places than one?
 #[inline]
-pub(super) fn searched(model: &Model, contact: usize) -> bool {
+pub(in super::super) fn searched(model: &Model, contact: usize) -> bool {
     model.searches[contact].is_some()
 }
 
 /// Has a constrained contact run beyond the end of its least distance, onto a ridge?
 #[inline]
-pub(super) fn vanished(model: &Model, contact: usize, pair: &Pair, found: &ContactLocation) -> bool {
+pub(in super::super) fn vanished(model: &Model, contact: usize, pair: &Pair, found: &ContactLocation) -> bool {
     model.searches[contact].is_some() && !is_least(pair, found)
-}
-
-/// Ridges between contacts of a wheel that are followed: numbers of the contacts on both sides, and where the ridge is.
-pub(super) fn ridges_of(model: &Model, contact: usize, memory: &[f64]) -> impl Iterator<Item = ([usize; 2], SurfaceParameters)> {
-    let searched = model.searches[contact].is_some();
-    let record = searched.then(|| &memory[model.contact_memory(contact)][model.formulation.memory_per_contact()..]);
-    (0..model.points - 1).filter_map(move |ridge| record::ridge(record?, model.points, ridge))
-}
-
-/// After a change between constraint and elastic force other contacts are followed: the next evaluation must search.
-pub(super) fn forget(model: &Model, contact: usize, memory: &mut [f64]) {
-    if model.searches[contact].is_some() {
-        Record::new(&mut memory[model.formulation.memory_per_contact()..], model.points).forget();
-    }
 }
 
 /// Makes the most pressed contact of a wheel its first, with its tangential states in `y`; the reports are those of the present
 /// state.
-pub(super) fn promote(model: &Model, workspace: &Workspace, contact: usize, y: &mut [f64], memory: &mut [f64]) {
+pub(in super::super) fn promote(model: &Model, workspace: &Workspace, contact: usize, y: &mut [f64], memory: &mut WheelMemory) {
     if model.searches[contact].is_none() {
         return;
     }
@@ -189,10 +134,8 @@ pub(super) fn promote(model: &Model, workspace: &Workspace, contact: usize, y: &
     if let Some((slot, report)) = others.max_by(|a, b| a.1.normal_force.total_cmp(&b.1.normal_force))
         && report.normal_force > first.normal_force
     {
-        let (own, rest) = memory.split_at_mut(model.formulation.memory_per_contact());
-        let mut record = Record::new(rest, model.points);
-        record.promote(slot, own);
-        record.set_pressed(slot, first.normal_force > 0.0);
+        memory.promote(slot);
+        memory.places[slot].pressed = first.normal_force > 0.0;
         for (a, b) in model.deflection(contact, 0).zip(model.deflection(contact, slot)) {
             y.swap(a, b);
         }
@@ -204,7 +147,7 @@ struct Asked<'a> {
     wheel: &'a WheelAt<'a>,
     /// Where the wheel's constraint is, if it has one.
     tread: Option<&'a ContactLocation>,
-    pose: Standing,
+    stand: Stand<'a>,
 }
 
 impl WheelSearch {
@@ -222,87 +165,75 @@ impl WheelSearch {
         &self,
         wheel: &WheelAt,
         tread: Option<&ContactLocation>,
-        memory: &mut [f64],
+        memory: &mut WheelMemory,
         places: &mut Places,
     ) -> Result<(), ContactFailure> {
-        let own = wheel.model.formulation.memory_per_contact();
-        let (memory, rest) = memory.split_at_mut(own);
-        let mut record = Record::new(rest, wheel.model.points);
-        let pose = self.search.standing(&wheel.pair());
-        let asked = Asked { wheel, tread, pose };
-        if record.holds(&self.search, &pose)
-            && self.as_watched(wheel, &pose, memory, &mut record)
-            && self.follow(&asked, memory, &mut record, places).is_some()
+        let pair = wheel.pair();
+        let pose = self.search.standing(&pair);
+        let asked = Asked { wheel, tread, stand: Stand { pair, pose, radius: self.search.radius() } };
+        if memory.needs_no_search(&self.search, &pose)
+            && self.as_watched(&asked.stand, memory)
+            && self.follow(&asked, memory, places).is_some()
         {
             return Ok(());
         }
         *places = Places::default();
-        self.search(&asked, memory, &mut record, places)
-    }
-
-    /// Notes a place that has been located, and its reply to motion, as the contact of that number.
-    #[inline]
-    fn take(&self, asked: &Asked, slot: usize, location: ContactLocation, memory: &mut [f64], record: &mut Record, places: &mut Places) {
-        record.keep(slot, &location.parameters, location.penetration, memory);
-        record.keep_reply(slot, &reply(&asked.wheel.pair(), &asked.pose, self.search.radius(), &location));
-        places[slot] = Some(Place { location, share: 1.0 });
+        self.search(&asked, memory, places)
     }
 
     /// Is what must be watched as it was?
     #[inline]
-    fn as_watched(&self, wheel: &WheelAt, pose: &Standing, memory: &[f64], record: &mut Record) -> bool {
-        let Some(watch) = record.watch(&self.search, pose) else { return true };
-        let holds = self.search.watched(&wheel.pair(), &watch, &warm_start(memory));
+    fn as_watched(&self, stand: &Stand, memory: &mut WheelMemory) -> bool {
+        let Some(watch) = memory.to_watch(&self.search, &stand.pose) else { return true };
+        let holds = self.search.watched(&stand.pair, watch, memory.start());
         if let Some(budget) = holds {
-            record.watched(pose, budget);
+            memory.watched = Allowance { budget, from: stand.pose };
         }
         holds.is_some()
     }
 
     /// The known places, each from where it was; `None` where one of them is not found so.
     #[inline]
-    fn follow(&self, asked: &Asked, memory: &mut [f64], record: &mut Record, places: &mut Places) -> Option<()> {
-        let Asked { wheel, tread, pose } = asked;
-        let constrained = tread.is_some();
-        let (pair, radius, moved) = (wheel.pair(), self.search.radius(), record.moved(pose));
-        for slot in usize::from(constrained)..wheel.model.points {
-            if !record.is_tracked(slot) {
-                continue;
-            }
-            let start = if slot == 0 { warm_start(memory) } else { record.parameters(slot) };
-            let start = record.after(slot, start, &moved);
+    fn follow(&self, asked: &Asked, memory: &mut WheelMemory, places: &mut Places) -> Option<()> {
+        let Asked { wheel, tread, stand } = asked;
+        let (pair, points, moved) = (&stand.pair, wheel.model.points, memory.moved(&stand.pose));
+        for slot in usize::from(tread.is_some())..points {
+            let Some(start) = memory.expected(slot, &moved) else { continue };
             let location = pair.locate(&start).ok()?;
             // Newton knows nothing of least distances: it may run to a ridge or to the place of another contact.
             let u = location.parameters.wheel;
             let taken = |known: f64| (known - u).abs() < APART;
             let known = places[..slot].iter().flatten().map(|place| place.location.parameters.wheel);
-            if !is_least(&pair, &location) || known.chain(tread.map(|tread| tread.parameters.wheel)).any(taken) {
+            if !is_least(pair, &location) || known.chain(tread.map(|tread| tread.parameters.wheel)).any(taken) {
                 return None;
             }
-            self.take(asked, slot, location, memory, record, places);
+            memory.keep_place(stand, slot, &location);
+            places[slot] = Some(Place { location, share: 1.0 });
         }
         let mut saddles = Saddles::default();
-        for (i, saddle) in saddles.iter_mut().enumerate().take(wheel.model.points - 1) {
-            let Some((between, start)) = record.ridge(i) else { continue };
-            let start = record.ridge_after(i, start, &moved);
-            let found = Saddle::locate((&pair, pose, radius), &start, between, places)?;
-            record.keep_ridge(i, &found);
-            *saddle = Some(found);
+        for (i, ridge) in memory.ridges(points) {
+            let start = prediction::after(ridge.parameters, &ridge.prediction, &moved);
+            saddles[i] = Some(Saddle::locate(stand, &start, ridge.between, places)?);
         }
-        record.located(pose);
+        for (i, saddle) in saddles.iter().enumerate() {
+            if let Some(saddle) = saddle {
+                memory.keep_ridge(i, saddle);
+            }
+        }
+        memory.located = prediction::pose_of(&stand.pose);
         share_out(places, &saddles);
         Some(())
     }
 
     /// A search from nothing.
-    fn search(&self, asked: &Asked, memory: &mut [f64], record: &mut Record, places: &mut Places) -> Result<(), ContactFailure> {
-        let Asked { wheel, tread, pose } = asked;
-        let pair = wheel.pair();
+    fn search(&self, asked: &Asked, memory: &mut WheelMemory, places: &mut Places) -> Result<(), ContactFailure> {
+        let Asked { wheel, tread, stand } = asked;
+        let pair = &stand.pair;
         let mut minima = Minima::default();
-        self.search.find(&pair, REACH, &mut minima);
+        self.search.find(pair, REACH, &mut minima);
         if minima.is_empty() {
             // In flight: the nearest place is what is shown.
-            self.search.find(&pair, FAR, &mut minima);
+            self.search.find(pair, FAR, &mut minima);
         }
         if minima.is_empty() {
             return Err(derailed(wheel, "the wheel has left the rail"));
@@ -324,11 +255,12 @@ impl WheelSearch {
                 (chosen[shallowest], left[shallowest]) = (false, true);
             }
         }
-        let numbers = record.assign(&minima, &chosen[..count], tread.is_some(), memory);
+        let numbers = memory.assign(&minima, &chosen[..count], tread.is_some(), wheel.model.points);
         for (i, minimum) in minima.iter().enumerate().filter(|(i, _)| chosen[*i]) {
             let Some(slot) = numbers[i] else { continue };
-            let location = self.search.polish(&pair, minimum).location;
-            self.take(asked, slot, location, memory, record, places);
+            let location = self.search.polish(pair, minimum).location;
+            memory.keep_place(stand, slot, &location);
+            places[slot] = Some(Place { location, share: 1.0 });
         }
         let steady = minima.apart.min(minima.clearance);
         // One that found no number matters when it touches, or when it becomes deeper than one that has a number.
@@ -336,16 +268,16 @@ impl WheelSearch {
             left.iter().take(count).enumerate().filter(|(_, left)| **left).map(|(i, _)| minima[i].distance).fold(f64::INFINITY, f64::min);
         let shallowest = (0..count).filter(|i| chosen[*i]).map(|i| minima[i].distance).fold(f64::MIN, f64::max);
         let steady = steady.min(deepest_left.max(0.5 * (deepest_left - shallowest))).max(0.0);
-        let (saddles, steady) = ridges((&pair, pose, self.search.radius()), &minima, &numbers, places, steady);
+        let (saddles, steady) = ridges(stand, &minima, &numbers, places, steady);
         share_out(places, &saddles);
-        record.renew(pose, steady, (&minima.watch, minima.steady), &saddles);
+        memory.renew(&stand.pose, steady, (&minima.watch, minima.steady), &saddles);
         Ok(())
     }
 }
 
 /// Ridges between contacts that are pressed, or may be while the wheel moves by less than `steady` [m], and how long they can be
 /// followed, m. Where a place without a number lies between two contacts, it is the highest ridge that parts them.
-fn ridges(at: (&Pair, &Standing, f64), minima: &Minima, numbers: &[Option<usize>; MOST], places: &Places, steady: f64) -> (Saddles, f64) {
+fn ridges(stand: &Stand, minima: &Minima, numbers: &[Option<usize>; MOST], places: &Places, steady: f64) -> (Saddles, f64) {
     let (mut saddles, mut lasts, mut count) = (Saddles::default(), steady, 0);
     let mut before: Option<(usize, usize)> = None;
     for (i, slot) in numbers.iter().enumerate().filter_map(|(i, number)| Some((i, (*number)?))) {
@@ -360,12 +292,16 @@ fn ridges(at: (&Pair, &Standing, f64), minima: &Minima, numbers: &[Option<usize>
             lasts = lasts.min(0.5 * (highest.distance - ridge.distance));
         }
         let between = [other, slot];
-        let found = Saddle::locate(at, &highest.parameters, between, places);
+        let found = Saddle::locate(stand, &highest.parameters, between, places);
         if found.is_none() {
             lasts = 0.0;
         }
-        saddles[count] =
-            found.or(Some(Saddle { between, parameters: highest.parameters, penetration: -highest.distance, reply: Default::default() }));
+        saddles[count] = found.or(Some(Saddle {
+            between,
+            parameters: highest.parameters,
+            penetration: -highest.distance,
+            prediction: Default::default(),
+        }));
         count += 1;
     }
     (saddles, lasts)
@@ -374,15 +310,4 @@ fn ridges(at: (&Pair, &Standing, f64), minima: &Minima, numbers: &[Option<usize>
 fn derailed(wheel: &WheelAt, how: &'static str) -> ContactFailure {
     let (y, z) = wheel.model.beside(wheel.motion);
     ContactFailure::Derailed { how, y, z }
-}
-
-/// Searches for all wheels whose profiles can touch at more than one place, where they are wanted. With one contact per wheel it is the deepest place.
-pub(super) fn searches(
-    wheelsets: &[super::Wheelset],
-    track: &crate::geometry::track::Track,
-    wanted: bool,
-    prepared: &PreparedSearches,
-) -> Vec<Option<Arc<WheelSearch>>> {
-    let both = wheelsets.iter().flat_map(|wheelset| Side::BOTH.map(|side| (&wheelset.wheel(side).profile, &track.rail(side).profile)));
-    both.map(|(wheel, rail)| if wanted { prepared.of(wheel, rail) } else { None }).collect()
 }

@@ -8,6 +8,7 @@
 use crate::contact::search::point_contact::{CONSTRAINTS, PARAMETERS};
 use crate::mbs::body::COORDINATES;
 use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
 
 pub const ROWS: usize = 2 * CONSTRAINTS;
 pub const VARIABLES: usize = COORDINATES + 2 * PARAMETERS;
@@ -18,8 +19,9 @@ pub type Square = SMatrix<f64, ROWS, ROWS>;
 pub type Variables = SVector<f64, VARIABLES>;
 pub type Rows = SVector<f64, ROWS>;
 
-/// The dependent variables, in increasing order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The dependent variables, in increasing order; saved as a mask with a bit for each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "u32", try_from = "u32")]
 pub struct Partition {
     dependent: [usize; ROWS],
 }
@@ -44,22 +46,6 @@ impl Partition {
         Some(Partition { dependent })
     }
 
-    /// The choice as a number that the state's memory can hold: bit i says that variable i is dependent.
-    pub fn mask(&self) -> f64 {
-        f64::from(self.dependent.iter().fold(0u32, |mask, variable| mask | 1 << variable))
-    }
-
-    /// The choice that a number stands for; `None` when it is none.
-    pub fn from_mask(mask: f64) -> Option<Partition> {
-        let bits = mask as u32;
-        let mut variables = (0..VARIABLES).filter(|variable| bits >> variable & 1 == 1);
-        let mut dependent = [0; ROWS];
-        for slot in &mut dependent {
-            *slot = variables.next()?;
-        }
-        variables.next().is_none().then_some(Partition { dependent })
-    }
-
     pub fn is_dependent(&self, variable: usize) -> bool {
         self.dependent.contains(&variable)
     }
@@ -74,6 +60,31 @@ impl Partition {
         for (variable, change) in self.dependent.iter().zip(change.iter()) {
             variables[*variable] += change;
         }
+    }
+}
+
+impl From<Partition> for u32 {
+    fn from(partition: Partition) -> u32 {
+        partition.dependent.iter().fold(0, |mask, variable| mask | 1 << variable)
+    }
+}
+
+/// A mask that marks another number of variables than there are constraints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0:#b} is no choice of {ROWS} of {VARIABLES} variables")]
+pub struct NoPartition(u32);
+
+impl TryFrom<u32> for Partition {
+    type Error = NoPartition;
+
+    fn try_from(mask: u32) -> Result<Self, NoPartition> {
+        let mut dependent = [0; ROWS];
+        let mut variables = (0..VARIABLES).filter(|variable| mask >> variable & 1 == 1);
+        for slot in &mut dependent {
+            *slot = variables.next().ok_or(NoPartition(mask))?;
+        }
+        let all = variables.next().is_none() && mask >> VARIABLES == 0;
+        all.then_some(Partition { dependent }).ok_or(NoPartition(mask))
     }
 }
 
@@ -107,8 +118,10 @@ mod tests {
         assert!([3, 4, 5].iter().all(|tiny| !partition.is_dependent(*tiny)));
         assert!(!(partition.is_dependent(1) && partition.is_dependent(7)));
         assert!(conditioning(&partition.block(&jacobian)) > 1e-2);
-        assert_eq!(Partition::from_mask(partition.mask()), Some(partition));
-        assert_eq!(Partition::from_mask(0.0), None);
+        assert_eq!(Partition::try_from(u32::from(partition)), Ok(partition));
+        for wrong in [0, u32::MAX, u32::from(partition) | 1 << VARIABLES] {
+            assert_eq!(Partition::try_from(wrong), Err(NoPartition(wrong)));
+        }
 
         let row = jacobian.row(2) + jacobian.row(3);
         jacobian.set_row(4, &row);

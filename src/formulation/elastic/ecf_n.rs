@@ -12,17 +12,18 @@
 //! and N with it from one stiffness to the other (10 mm aside, 2 % of 68 kN). Only while a second batch (the flange) touches too the
 //! deepest of a batch has it all.
 //!
-//! State per contact: s of the section, m. Memory per contact: the surface parameters of the first contact, for whoever asks where
-//! the wheel stands; nothing is taken from them.
+//! State per contact: s of the section, m. Of what is remembered the place of the first contact is written, for whoever asks where
+//! the wheel stands; nothing is taken from it.
 
-use super::loading::{Contact, WheelAt, external_wrench, keep};
-use super::{
-    AssemblyError, Build, ContactFailure, ContactReport, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, Parts,
-    RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace, contact_index,
-};
-use super::{points, rigid};
+use super::{finish, points};
 use crate::contact::search::algebraic::ContactLocation;
 use crate::contact::search::nodal::{NodalSearch, arc_rate};
+use crate::formulation::loading::{Contact, WheelAt, external_wrench};
+use crate::formulation::step::Step;
+use crate::formulation::{
+    AssemblyError, Build, ContactFailure, ContactReport, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, Parse, Parts,
+    RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace, contact_index,
+};
 use crate::geometry::Side;
 use crate::geometry::track::Rail;
 use crate::mbs::body::BodyMotion;
@@ -31,7 +32,7 @@ use crate::units::Dimension;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-pub(super) const ENTRY: Entry<super::Parse> = Entry {
+pub(in crate::formulation) const ENTRY: Entry<Parse> = Entry {
     name: "ECF-N",
     summary: "elastic contact, points found among nodes of the profiles (`contact.node_spacing`), up to two per wheel",
     reference: "paper, section 4.2, Eq. 29",
@@ -42,7 +43,7 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 const SPACING: f64 = 1e-4;
 
 /// Reads `contact.node_spacing`.
-pub(super) fn parse_spacing(section: &Section) -> Result<f64, SettingsError> {
+pub(in crate::formulation) fn parse_spacing(section: &Section) -> Result<f64, SettingsError> {
     let spacing = section.number_or("node_spacing", Dimension::Length, SPACING)?;
     if (1e-6..=5e-3).contains(&spacing) {
         return Ok(spacing);
@@ -67,9 +68,6 @@ struct EcfN {
     searches: Vec<NodalSearch>,
 }
 
-/// Surface parameters.
-const MEMORY: usize = 4;
-
 impl Formulation for EcfN {
     fn describe(&self) -> String {
         format!("elastic, up to two points per wheel among nodes every {} mm (contact.node_spacing)", 1e3 * self.spacing)
@@ -79,23 +77,16 @@ impl Formulation for EcfN {
         1
     }
 
-    fn memory_per_contact(&self) -> usize {
-        MEMORY
-    }
-
     fn points_per_wheel(&self) -> usize {
         2
     }
 
-    fn start(&self, model: &Model, workspace: &mut Workspace, _: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-        model.move_bodies(y, memory, &mut workspace.system);
-        for (index, wheelset) in model.wheelsets.iter().enumerate() {
-            let motion = &workspace.system.motions[wheelset.body];
-            for side in Side::BOTH {
-                let contact = contact_index(index, side);
-                let point = self.searches[contact].centre_point(&motion.position, &motion.frame.axes);
-                y[model.contact_states(contact)].fill(foot(model.track.rail(side), &point, motion.distance));
-            }
+    fn start(&self, step: &mut Step) -> Result<(), EvaluationError> {
+        step.move_bodies();
+        for wheel in step.model.wheels() {
+            let motion = &step.workspace.system.motions[wheel.wheelset.body];
+            let point = self.searches[wheel.contact].centre_point(&motion.position, &motion.frame.axes);
+            step.y[step.model.contact_states(wheel.contact)].fill(foot(step.model.track.rail(wheel.side), &point, motion.distance));
         }
         Ok(())
     }
@@ -123,7 +114,7 @@ impl Formulation for EcfN {
                 let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
                 let [first, second] = &found.contacts;
                 let first = first.as_ref().ok_or_else(|| fail(ContactFailure::OffRail { y: model.beside(motion).0 }))?;
-                keep(&first.parameters, &mut memory[model.contact_memory(contact)]);
+                memory.wheels[contact].set_start(first.parameters);
                 let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
                 // Humps of one batch share a patch, as ECF-A's places do.
                 let share = |own: usize| match (found.saddle, [first, second.as_ref().unwrap_or(first)]) {
@@ -142,7 +133,7 @@ impl Formulation for EcfN {
                 workspace.further_contacts[contact] = second.map_err(fail)?;
             }
         }
-        rigid::finish_elastic(model, workspace, t, y, dy)
+        finish(model, workspace, t, y, dy)
     }
 }
 

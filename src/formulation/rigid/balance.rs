@@ -20,11 +20,12 @@
 //! patch is then off by a third of the jump at most. An iteration that does not gain for other reasons ends with the multipliers when
 //! they rest to 1e-4 of the force: creep forces alone act on them, so that they hardly move.
 
-use super::loading::{Contact, WheelAt};
-use super::rigid::{ConstraintRow, friction, wheels};
-use super::{ContactFailure, EvaluationError, Model, Workspace, contact_index};
+use super::scratch::{Balance, ConstraintRow, Pressing};
 use crate::contact::Patch;
 use crate::contact::normal::{ConformalContact, ElasticContact};
+use crate::formulation::loading::{Contact, WheelAt, friction};
+use crate::formulation::step::WheelRef;
+use crate::formulation::{ContactFailure, ContactReport, EvaluationError, Model, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::Wrench;
 use crate::mbs::system::SystemWorkspace;
@@ -56,52 +57,6 @@ const MOST_JUMPS: usize = 3;
 /// Largest change of N in one iteration, as a factor.
 const LARGEST_CHANGE: f64 = 10.0;
 
-/// A constrained contact in the loop.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Pressing {
-    /// Penetration at which the law is read, m; 0 where nothing presses.
-    pub approach: f64,
-    /// N there, N; what the constraint asks for where it would pull.
-    pub force: f64,
-    /// Wrench of the creep forces on the wheelset, its derivative by N, and d ln delta / d ln N.
-    creep: Wrench,
-    slope: Wrench,
-    exponent: f64,
-    /// Penetration, N and wrench one iteration ago.
-    last: Option<(f64, f64, Wrench)>,
-    /// How often the law has jumped between two iterations, and what is kept of it after that.
-    jumps: usize,
-    kept: Option<ElasticContact>,
-}
-
-/// Scratch of the loop.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Balance {
-    pub contacts: Vec<Pressing>,
-    /// Per wheelset dG/dN, row by row.
-    coupling: Vec<[f64; 4]>,
-    /// Wrenches without the creep forces of constrained contacts.
-    base: Vec<Wrench>,
-    image: Vec<f64>,
-    /// The image one iteration ago.
-    last_image: Vec<f64>,
-    answer: Vec<f64>,
-}
-
-impl Balance {
-    pub fn new(model: &Model) -> Self {
-        let count = model.contacts();
-        Balance {
-            contacts: vec![Pressing::default(); count],
-            coupling: vec![[0.0; 4]; model.wheelsets.len()],
-            base: vec![Wrench::default(); model.system.bodies.len()],
-            image: vec![0.0; count],
-            last_image: vec![0.0; count],
-            answer: vec![0.0; count],
-        }
-    }
-}
-
 /// A contact of the same stiffness under another force.
 fn grown(kept: &ElasticContact, force: f64) -> ElasticContact {
     let growth = (force / kept.force).cbrt();
@@ -113,13 +68,8 @@ fn scaled(wrench: &Wrench, factor: f64) -> Wrench {
 }
 
 impl Pressing {
-    /// From the state's memory.
-    pub fn start(force: f64, approach: f64) -> Self {
-        Pressing { approach: if force > 0.0 { approach } else { 0.0 }, force, ..Pressing::default() }
-    }
-
     /// Reads the law at the present penetration.
-    fn evaluate(&mut self, load: &Contact, report: &mut super::ContactReport, first: bool) -> Result<(), ConformalContact> {
+    fn evaluate(&mut self, load: &Contact, report: &mut ContactReport, first: bool) -> Result<(), ConformalContact> {
         if first && self.force > 0.0 && !(self.approach > 0.0) {
             self.approach = load.approach_under(self.force)?;
         }
@@ -194,7 +144,7 @@ fn respond(
     mut add: impl FnMut(usize, Side) -> Wrench,
 ) {
     system.wrenches.copy_from_slice(base);
-    for (contact, wheelset, side) in wheels(model) {
+    for WheelRef { contact, wheelset, side } in model.wheels() {
         if rows[contact].is_some() {
             system.wrenches[wheelset.body] += add(contact, side);
         }
@@ -220,7 +170,7 @@ pub(super) fn settle(
     let Workspace { system, contacts: reports, work, .. } = workspace;
     let (mut best, mut stale, mut worst, mut damping) = (f64::INFINITY, 0, 0, 1.0);
     for iteration in 1..=ITERATIONS {
-        for (contact, wheelset, side) in wheels(model) {
+        for WheelRef { contact, wheelset, side } in model.wheels() {
             let Some(found) = &rows[contact] else { continue };
             let (motion, friction) = (&system.motions[wheelset.body], friction(inputs, contact, side));
             let wheel = WheelAt { model, wheelset, side, contact, motion, climb: Vector3::zeros(), friction, y };
@@ -231,7 +181,7 @@ pub(super) fn settle(
         respond(model, system, (rows, base), image, |contact, _| contacts[contact].creep);
         work.force_iterations += 1;
         let (mut largest, mut residual, mut moved) = (0.0f64, 0.0f64, 0.0f64);
-        for (contact, ..) in wheels(model).filter(|wheel| rows[wheel.0].is_some()) {
+        for WheelRef { contact, .. } in model.wheels().filter(|wheel| rows[wheel.contact].is_some()) {
             let pressing = &mut contacts[contact];
             if pressing.approach <= 0.0 && image[contact] <= 0.0 {
                 pressing.force = image[contact];
@@ -257,7 +207,7 @@ pub(super) fn settle(
             || iteration == ITERATIONS && rest <= LAST * largest;
         last_image.copy_from_slice(image);
         if residual <= (RELATIVE * largest).max(FLOOR) || gained {
-            for (contact, ..) in wheels(model).filter(|wheel| rows[wheel.0].is_some()) {
+            for WheelRef { contact, .. } in model.wheels().filter(|wheel| rows[wheel.contact].is_some()) {
                 let report = &mut reports[contact];
                 report.force += report.axes.normal * (image[contact] - report.normal_force);
                 (report.normal_force, contacts[contact].force) = (image[contact], image[contact]);
@@ -265,9 +215,8 @@ pub(super) fn settle(
             return Ok(());
         }
         if !residual.is_finite() || iteration == ITERATIONS {
-            let Some((_, wheelset, side)) = wheels(model).find(|wheel| wheel.0 == worst) else { break };
             let cause = ContactFailure::NotSettled { iterations: iteration, residual };
-            return Err(EvaluationError::new(t, wheelset, side, cause));
+            return Err(model.wheel(worst).error(t, cause));
         }
         if iteration <= 2 || stale > 0 {
             // One size of change for all, that of the largest force: what is subtracted keeps its digits, and what reaches a wheelset

@@ -26,30 +26,33 @@
 //! where the curvature of a profile does. A contact may stand at such a joint for long (S1002 on 60E1: 0.3 mm beside one at the
 //! place to which it jumps), so that on a pair of profiles with joints coordinates are independent all the time.
 //!
-//! States per contact: u, angle, s, eta (s along the track) and their rates. Memory per contact: that of `rigid`, and in the left
-//! contact's the partition and the conditioning that it had when it was chosen.
+//! States per contact: u, angle, s, eta (s along the track) and their rates.
 
-mod partition;
+pub(in crate::formulation) mod partition;
 mod variables;
 
-use super::lift::{self, OnLift};
-use super::loading::{keep, pair};
-use super::rigid::{self, ConstraintRow, is_elastic, wheels};
-use super::{Build, ContactFailure, Evaluation, EvaluationError, Formulation, Model, Parts, Wheelset, Workspace, contact_index, eccf};
+use super::projection;
+use super::row::locate;
+use super::scratch::ConstraintRow;
+use super::{evaluation, modes};
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::contact::search::point_contact::{CONSTRAINTS, PARAMETERS, ParameterJacobian, PointContact, Residual};
+use crate::formulation::memory::ChosenPartition;
+use crate::formulation::step::{Step, WheelRef};
+use crate::formulation::{
+    Build, ContactFailure, Evaluation, EvaluationError, Formulation, Model, OnLift, Parse, Parts, Wheelset, Workspace, contact_index,
+};
 use crate::geometry::Side;
 use crate::math::newton::{self, NewtonLimits};
 use crate::mbs::body::COORDINATES;
 use crate::mbs::kkt::Coefficients;
 use crate::settings::{Entry, Section, SettingsError};
 use nalgebra::{Matrix4, Vector4};
-pub(super) use partition::Partition;
-use partition::{Jacobian, Rows, conditioning};
+use partition::{Jacobian, Partition, Rows, conditioning};
 use std::sync::Arc;
-use variables::{constraints, gather, scatter};
+use variables::{OfWheelset, constraints, gather, scatter};
 
-pub(super) const ENTRY: Entry<super::Parse> = Entry {
+pub(in crate::formulation) const ENTRY: Entry<Parse> = Entry {
     name: "ACCF",
     summary: "contact as five constraints, surface parameters as further coordinates, independent ones picked by pivoting",
     reference: "paper, section 3.2, Eqs. 9-14",
@@ -57,7 +60,7 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 };
 
 fn parse(section: &Section) -> Result<Build, SettingsError> {
-    let on_lift = lift::parse(section)?;
+    let on_lift = modes::parse(section)?;
     Ok(Arc::new(move |parts: &Parts| {
         let joints = parts.wheelsets.iter().map(|wheelset| {
             Side::BOTH.into_iter().any(|side| {
@@ -78,11 +81,6 @@ struct Accf {
 
 /// Surface parameters and their rates.
 const STATES: usize = 2 * PARAMETERS;
-/// Places in the left contact's memory.
-const PARTITION: usize = rigid::MEMORY;
-const CONDITIONING: usize = rigid::MEMORY + 1;
-const MEMORY: usize = rigid::MEMORY + 2;
-
 /// A partition is given up when its conditioning has fallen to this part of what it was.
 const WORSE: f64 = 0.5;
 
@@ -99,17 +97,13 @@ impl Formulation for Accf {
         STATES
     }
 
-    fn memory_per_contact(&self) -> usize {
-        MEMORY
-    }
-
     fn on_lift(&self) -> Option<OnLift> {
         Some(self.on_lift)
     }
 
-    fn start(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-        lift::start(model, workspace, y, memory);
-        self.reset(model, workspace, t, y, memory)
+    fn start(&self, step: &mut Step) -> Result<(), EvaluationError> {
+        modes::start(step);
+        self.resettle(step)
     }
 
     fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
@@ -117,32 +111,26 @@ impl Formulation for Accf {
         // The dependent part of y only starts the iteration: the equations hold at the point that the constraints give.
         let mut consistent = std::mem::take(&mut workspace.rigid.consistent);
         consistent.copy_from_slice(y);
-        let done = evaluate(model, workspace, t, inputs, &mut consistent, memory, dy);
+        let done = evaluate(&mut model.at(workspace, t, &mut consistent, memory), inputs, dy);
         workspace.rigid.consistent = consistent;
         done
     }
 
     /// Writes the dependent variables into `y`. An evaluation before and after it gives the same: it says `false`, unless variables that were
     /// dependent become independent, which then go on from what the constraints give.
-    fn project(
-        &self,
-        model: &Model,
-        workspace: &mut Workspace,
-        t: f64,
-        y: &mut [f64],
-        memory: &mut [f64],
-    ) -> Result<bool, EvaluationError> {
+    fn project(&self, step: &mut Step) -> Result<bool, EvaluationError> {
         let mut chosen = false;
-        for (index, wheelset) in model.wheelsets.iter().enumerate() {
-            let jacobian = close(model, workspace, index, wheelset, t, y, memory)?;
-            idle(model, workspace, index, wheelset, y, memory);
-            let crossing = self.joints[index] || crosses_break(model, index, y);
-            let memory = &mut memory[model.contact_memory(contact_index(index, Side::Left))];
-            let kept = Partition::from_mask(memory[PARTITION]).map_or(0.0, |partition| conditioning(&partition.block(&jacobian)));
-            // A partition for a crossing has infinity as mark.
-            if crossing != memory[CONDITIONING].is_infinite() || (!crossing && kept < WORSE * memory[CONDITIONING]) {
-                choose(&jacobian, crossing, wheelset, t, memory)?;
-                workspace.work.partitions += 1;
+        for index in 0..step.model.wheelsets.len() {
+            let jacobian = close(step, index)?;
+            idle(step, index);
+            let crossing = self.joints[index] || crosses_break(step.model, index, step.y);
+            let worse = |known: &ChosenPartition| match known.conditioning {
+                None => !crossing,
+                Some(then) => crossing || conditioning(&known.partition.block(&jacobian)) < WORSE * then,
+            };
+            if step.memory.partitions[index].as_ref().is_none_or(worse) {
+                choose(step, index, &jacobian, crossing)?;
+                step.workspace.work.partitions += 1;
                 chosen = true;
             }
         }
@@ -151,7 +139,7 @@ impl Formulation for Accf {
 
     /// The local error of independent variables is controlled; while a wheel is elastic that of all coordinates.
     fn error_weight(&self, model: &Model, workspace: &Workspace, i: usize, plain: f64) -> f64 {
-        let plain = lift::error_weight(model, workspace, i, plain);
+        let plain = modes::error_weight(model, workspace, i, plain);
         let count = model.contact_states_begin;
         let dependent = |wheelset: usize, variable: usize| {
             workspace.rigid.partitions[wheelset].is_some_and(|p: Partition| p.is_dependent(variable))
@@ -177,7 +165,7 @@ impl Formulation for Accf {
 
     /// Steps end where the independent variables have to change.
     fn next_break(&self, model: &Model, t: f64, y: &[f64]) -> f64 {
-        let times = wheels(model).filter_map(|(contact, _, side)| {
+        let times = model.wheels().filter_map(|WheelRef { contact, side, .. }| {
             let own = &y[model.contact_states(contact)];
             let (s, speed) = (own[DISTANCE], own[PARAMETERS + DISTANCE]);
             let ahead = model.track.rail(side).distance_to_break(s, speed)? - CROSSING * speed.abs();
@@ -186,37 +174,31 @@ impl Formulation for Accf {
         times.fold(f64::INFINITY, f64::min)
     }
 
-    fn resettle(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-        self.reset(model, workspace, t, y, memory)
-    }
-}
-
-impl Accf {
     /// Brings the coordinates onto the constraints without regard to a partition (mass-weighted, as in ECCF), takes the surface
     /// parameters from the located contacts and chooses a partition.
-    fn reset(&self, model: &Model, workspace: &mut Workspace, t: f64, y: &mut [f64], memory: &mut [f64]) -> Result<(), EvaluationError> {
-        eccf::project(model, workspace, t, y, memory)?;
-        model.move_bodies(y, memory, &mut workspace.system);
-        for (contact, wheelset, side) in wheels(model) {
-            let memory = &mut memory[model.contact_memory(contact)];
-            if is_elastic(memory) {
+    fn resettle(&self, step: &mut Step) -> Result<(), EvaluationError> {
+        projection::project(step)?;
+        step.move_bodies();
+        let (model, t) = (step.model, step.t);
+        for wheel in model.wheels() {
+            let memory = &mut step.memory.wheels[wheel.contact];
+            if memory.mode.is_elastic() {
                 continue;
             }
-            let motion = &workspace.system.motions[wheelset.body];
-            let found = eccf::locate(model, (contact, wheelset, side), motion, memory)
-                .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
+            let motion = &step.workspace.system.motions[wheel.wheelset.body];
+            let found = locate(model, wheel, motion, memory).map_err(|cause| wheel.error(t, cause))?;
             let p = found.location.parameters;
-            let states = &mut y[model.contact_states(contact)];
+            let states = &mut step.y[model.contact_states(wheel.contact)];
             states[..PARAMETERS].copy_from_slice(&[p.wheel, p.angle, p.lead + motion.distance, p.rail]);
             states[PARAMETERS..].copy_from_slice(found.parameter_rates.as_slice());
         }
-        for (index, wheelset) in model.wheelsets.iter().enumerate() {
-            idle(model, workspace, index, wheelset, y, memory);
-            let axes = model.axes_beside(wheelset.body, y, memory);
-            let (variables, _) = gather(model, (index, wheelset), &axes, y);
-            let (_, jacobian) = constraints(model, (index, wheelset), &axes, memory, &variables);
-            let crossing = self.joints[index] || crosses_break(model, index, y);
-            choose(&jacobian, crossing, wheelset, t, &mut memory[model.contact_memory(contact_index(index, Side::Left))])?;
+        for index in 0..model.wheelsets.len() {
+            idle(step, index);
+            let own = OfWheelset::new(model, index, step.y, step.memory);
+            let (variables, _) = gather(&own, step.y);
+            let (_, jacobian) = constraints(&own, &variables);
+            let crossing = self.joints[index] || crosses_break(model, index, step.y);
+            choose(step, index, &jacobian, crossing)?;
         }
         Ok(())
     }
@@ -224,18 +206,18 @@ impl Accf {
 
 /// The states of a wheel that is elastic at present take no part in anything but the way to the next break of its rail: they travel
 /// with the wheelset.
-fn idle(model: &Model, workspace: &mut Workspace, index: usize, wheelset: &Wheelset, y: &mut [f64], memory: &mut [f64]) {
+fn idle(step: &mut Step, index: usize) {
     for side in Side::BOTH {
-        if !is_elastic(&memory[model.contact_memory(contact_index(index, side))]) {
+        let contact = contact_index(index, side);
+        if !step.memory.wheels[contact].mode.is_elastic() {
             continue;
         }
-        model.move_bodies(y, memory, &mut workspace.system);
-        let motion = &workspace.system.motions[wheelset.body];
-        let (travelled, speed) = (motion.distance, motion.speed);
-        let states = &mut y[model.contact_states(contact_index(index, side))];
-        states[DISTANCE] = travelled;
+        step.move_bodies();
+        let motion = &step.workspace.system.motions[step.model.wheelsets[index].body];
+        let states = &mut step.y[step.model.contact_states(contact)];
+        states[DISTANCE] = motion.distance;
         states[PARAMETERS..].fill(0.0);
-        states[PARAMETERS + DISTANCE] = speed;
+        states[PARAMETERS + DISTANCE] = motion.speed;
     }
 }
 
@@ -260,8 +242,9 @@ const DISTANCE: usize = 2;
 const PREFERRED: f64 = 10.0;
 const ALWAYS: f64 = 1e4;
 
-/// Chooses a partition and keeps it in the left contact's memory. One for a crossing ends with it.
-fn choose(jacobian: &Jacobian, crossing: bool, wheelset: &Wheelset, t: f64, memory: &mut [f64]) -> Result<(), EvaluationError> {
+/// Chooses a wheelset's partition. One for a crossing ends with it.
+fn choose(step: &mut Step, index: usize, jacobian: &Jacobian, crossing: bool) -> Result<(), EvaluationError> {
+    let wheelset = &step.model.wheelsets[index];
     let mut free = *jacobian;
     if wheelset.imposed_speed.is_some() {
         // x is given: constraints must not change it. (Where an elastic contact's row holds x itself, that entry stays.)
@@ -271,31 +254,23 @@ fn choose(jacobian: &Jacobian, crossing: bool, wheelset: &Wheelset, t: f64, memo
         free[(CONSTRAINTS + NORMAL, 0)] = if holds { held } else { 0.0 };
     }
     let partition = Partition::choose(&free, if crossing { ALWAYS } else { PREFERRED });
-    let partition = partition.ok_or_else(|| EvaluationError::new(t, wheelset, least_certain(jacobian), ContactFailure::Dependent))?;
-    memory[PARTITION] = partition.mask();
-    memory[CONDITIONING] = if crossing { f64::INFINITY } else { conditioning(&partition.block(jacobian)) };
+    let partition = partition.ok_or_else(|| EvaluationError::new(step.t, wheelset, least_certain(jacobian), ContactFailure::Dependent))?;
+    let conditioning = (!crossing).then(|| conditioning(&partition.block(jacobian)));
+    step.memory.partitions[index] = Some(ChosenPartition { partition, conditioning });
     Ok(())
 }
 
 /// The row of Eq. 10 along the normal.
 const NORMAL: usize = 2;
 
-/// Makes a wheelset's dependent variables and rates in `y` satisfy the constraints; returns the Jacobian there.
-fn close(
-    model: &Model,
-    workspace: &mut Workspace,
-    index: usize,
-    wheelset: &Wheelset,
-    t: f64,
-    y: &mut [f64],
-    memory: &mut [f64],
-) -> Result<Jacobian, EvaluationError> {
-    let own = &*memory;
-    let left = &own[model.contact_memory(contact_index(index, Side::Left))];
-    let fail = |cause| EvaluationError::new(t, wheelset, Side::Left, cause);
-    let partition = Partition::from_mask(left[PARTITION]).ok_or_else(|| fail(ContactFailure::Dependent))?;
-    let axes = model.axes_beside(wheelset.body, y, own);
-    let (mut values, mut rates) = gather(model, (index, wheelset), &axes, y);
+/// Makes a wheelset's dependent variables and rates satisfy the constraints; returns the Jacobian there.
+fn close(step: &mut Step, index: usize) -> Result<Jacobian, EvaluationError> {
+    let (model, t) = (step.model, step.t);
+    let wheelset = &model.wheelsets[index];
+    let own = OfWheelset::new(model, index, step.y, step.memory);
+    let dependent = || EvaluationError::new(t, wheelset, Side::Left, ContactFailure::Dependent);
+    let partition = step.memory.partitions[index].ok_or_else(dependent)?.partition;
+    let (mut values, mut rates) = gather(&own, step.y);
     let base = values;
     let at = |change: &Rows| {
         let mut values = base;
@@ -303,64 +278,54 @@ fn close(
         values
     };
     let mut change = Rows::zeros();
-    let evaluate = |change: &Rows| constraints(model, (index, wheelset), &axes, own, &at(change));
-    let q = &y[model.system.coordinates(wheelset.body)];
+    let evaluate = |change: &Rows| constraints(&own, &at(change));
+    let q = &step.y[model.system.coordinates(wheelset.body)];
     // Distances along the rail are among the variables: they are known to the rounding of the way travelled, on straight track too.
     let rounding = model.rounding(q).max(8.0 * f64::EPSILON * q[0].abs());
     let limits = NewtonLimits { next_step: POSITION.next_step.max(rounding), rounding: POSITION.rounding.max(rounding), ..POSITION };
-    let elastic = Side::BOTH.map(|side| is_elastic(&memory[model.contact_memory(contact_index(index, side))]));
-    let uncertain =
-        |jacobian: &Jacobian| if elastic[0] == elastic[1] { least_certain(jacobian) } else { Side::BOTH[usize::from(elastic[0])] };
+    let uncertain = |jacobian: &Jacobian| {
+        if own.elastic[0] == own.elastic[1] { least_certain(jacobian) } else { Side::BOTH[usize::from(own.elastic[0])] }
+    };
     let solved = newton::solve(&mut change, limits, evaluate, |_, jacobian| partition.block(jacobian));
     let (jacobian, iterations) = match solved {
         Ok(solved) => solved,
         Err(failure) => {
             let (rest, jacobian) = evaluate(&change);
             let (iterations, y_wheelset) = (failure.iterations, base[1]);
-            let certain = lost(model, workspace, wheelset, t, y, memory, 0.0).or_else(|| {
+            let certain = lost(step, wheelset, 0.0).or_else(|| {
                 let cause = ContactFailure::NotFound { iterations, residual: failure.residual, y: y_wheelset };
                 unplaced(&rest).map(|side| EvaluationError::new(t, wheelset, side, cause))
             });
-            let certain = certain.or_else(|| AHEAD.iter().find_map(|ahead| lost(model, workspace, wheelset, t, y, memory, *ahead)));
+            let certain = certain.or_else(|| AHEAD.iter().find_map(|ahead| lost(step, wheelset, *ahead)));
             return Err(certain.unwrap_or_else(|| {
                 let cause = ContactFailure::NotClosed { iterations, gap: failure.residual, y: y_wheelset };
                 EvaluationError::new(t, wheelset, uncertain(&jacobian), cause)
             }));
         }
     };
-    workspace.work.constraint_iterations += iterations as u64;
+    step.workspace.work.constraint_iterations += iterations as u64;
     values = at(&change);
     let mut excess: Rows = jacobian * rates;
-    for (side, row) in [(Side::Left, NORMAL), (Side::Right, CONSTRAINTS + NORMAL)] {
-        if is_elastic(&own[model.contact_memory(contact_index(index, side))]) {
-            excess.fixed_rows_mut::<CONSTRAINTS>(row - NORMAL).fill(0.0);
-        }
+    for side in Side::BOTH.into_iter().filter(|side| own.elastic[side.index()]) {
+        excess.fixed_rows_mut::<CONSTRAINTS>(CONSTRAINTS * side.index()).fill(0.0);
     }
     if !partition.block(&jacobian).lu().solve_mut(&mut excess) {
         return Err(EvaluationError::new(t, wheelset, uncertain(&jacobian), ContactFailure::Dependent));
     }
     partition.add(&mut rates, &-excess);
-    scatter(model, (index, wheelset), &axes, values, rates, y);
-    workspace.rigid.partitions[index] = Some(partition);
+    scatter(&own, values, rates, step.y);
+    step.workspace.rigid.partitions[index] = Some(partition);
     Ok(jacobian)
 }
 
 /// Which wheel has lost its place, or will have `ahead` [s]: contacts of a wheelset are closed together here, but ECCF's projection locates each
 /// on its own.
-fn lost(
-    model: &Model,
-    workspace: &mut Workspace,
-    wheelset: &Wheelset,
-    t: f64,
-    y: &[f64],
-    memory: &[f64],
-    ahead: f64,
-) -> Option<EvaluationError> {
-    let mut moved = y.to_vec();
-    for (coordinate, rate) in model.system.coordinates(wheelset.body).zip(model.system.velocities(wheelset.body)) {
-        moved[coordinate] += ahead * y[rate];
+fn lost(step: &mut Step, wheelset: &Wheelset, ahead: f64) -> Option<EvaluationError> {
+    let (mut moved, mut memory) = (step.y.to_vec(), step.memory.clone());
+    for (coordinate, rate) in step.model.system.coordinates(wheelset.body).zip(step.model.system.velocities(wheelset.body)) {
+        moved[coordinate] += ahead * step.y[rate];
     }
-    let failure = eccf::project(model, workspace, t, &mut moved, &mut memory.to_vec()).err()?;
+    let failure = projection::project(&mut step.model.at(step.workspace, step.t, &mut moved, &mut memory)).err()?;
     (failure.wheelset == wheelset.name && matches!(failure.cause, ContactFailure::NotFound { .. })).then_some(failure)
 }
 
@@ -385,46 +350,40 @@ fn least_certain(jacobian: &Jacobian) -> Side {
 }
 
 /// The equations of motion at a state that is made consistent first.
-fn evaluate(
-    model: &Model,
-    workspace: &mut Workspace,
-    t: f64,
-    inputs: &[f64],
-    y: &mut [f64],
-    memory: &mut [f64],
-    dy: &mut [f64],
-) -> Result<(), EvaluationError> {
-    for (index, wheelset) in model.wheelsets.iter().enumerate() {
-        close(model, workspace, index, wheelset, t, y, memory)?;
+fn evaluate(step: &mut Step, inputs: &[f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
+    for index in 0..step.model.wheelsets.len() {
+        close(step, index)?;
     }
+    step.move_bodies();
+    let Step { model, workspace, t, y, memory } = step;
+    let y: &[f64] = y;
     let mut points = std::mem::take(&mut workspace.rigid.points);
     points.clear();
-    model.move_bodies(y, memory, &mut workspace.system);
-    for (contact, wheelset, side) in wheels(model) {
-        if is_elastic(&memory[model.contact_memory(contact)]) {
+    for wheel in model.wheels() {
+        if memory.wheels[wheel.contact].mode.is_elastic() {
             points.push(None);
             continue;
         }
-        let own = &y[model.contact_states(contact)];
-        let motion = &workspace.system.motions[wheelset.body];
-        let pair = pair(model, wheelset, side, motion);
+        let own = &y[model.contact_states(wheel.contact)];
+        let motion = &workspace.system.motions[wheel.wheelset.body];
+        let pair = wheel.pair(model, motion);
         let found = pair.point_contact(&Vector4::from_column_slice(&own[..PARAMETERS]));
         let bias = pair.bias(&found, &Vector4::from_column_slice(&own[PARAMETERS..]), &motion.carrier());
         points.push(Some((found, bias)));
     }
-    let done = rigid::derivative(model, workspace, Evaluation { t, inputs, y, memory }, dy, |contact, wheelset, side, motion, memory| {
-        let own = &y[model.contact_states(contact)];
-        let (found, bias) = points[contact].as_ref().ok_or(ContactFailure::Dependent)?;
-        keep(&SurfaceParameters { wheel: own[0], angle: own[1], lead: own[2] - motion.distance, rail: own[3] }, memory);
+    let done = evaluation::derivative(model, workspace, Evaluation { t: *t, inputs, y, memory }, dy, |wheel, motion, memory| {
+        let own = &y[model.contact_states(wheel.contact)];
+        let (found, bias) = points[wheel.contact].as_ref().ok_or(ContactFailure::Dependent)?;
+        memory.set_start(SurfaceParameters { wheel: own[0], angle: own[1], lead: own[2] - motion.distance, rail: own[3] });
         let weights = free_multiplier(found).ok_or(ContactFailure::Dependent)?;
         let mut row = Coefficients::zeros();
         for (i, weight) in weights.iter().enumerate() {
             row += motion.coefficients(&found.by_velocity[i], &found.by_rotation[i]) * *weight;
         }
         let rates = [own[PARAMETERS], own[PARAMETERS + 3]];
-        Ok(ConstraintRow { location: pair(model, wheelset, side, motion).location(found), row, bias: weights.dot(bias), rates })
+        Ok(ConstraintRow { location: wheel.pair(model, motion).location(found), row, bias: weights.dot(bias), rates })
     });
-    let done = done.and_then(|()| parameter_derivatives(model, workspace, t, y, &points, dy));
+    let done = done.and_then(|()| parameter_derivatives(model, workspace, *t, y, &points, dy));
     workspace.rigid.points = points;
     done
 }
@@ -439,19 +398,18 @@ fn parameter_derivatives(
     points: &[Option<(PointContact, Residual)>],
     dy: &mut [f64],
 ) -> Result<(), EvaluationError> {
-    for ((contact, wheelset, side), point) in wheels(model).zip(points) {
-        let range = model.contact_states(contact);
+    for (wheel, point) in model.wheels().zip(points) {
+        let range = model.contact_states(wheel.contact);
         dy[range.start..range.start + PARAMETERS].copy_from_slice(&y[range.start + PARAMETERS..range.end]);
         dy[range.start + PARAMETERS..range.end].fill(0.0);
         let Some((found, bias)) = point else { continue };
-        let motion = &workspace.system.motions[wheelset.body];
-        let accelerations = Coefficients::from_column_slice(&dy[model.system.velocities(wheelset.body)]);
+        let motion = &workspace.system.motions[wheel.wheelset.body];
+        let accelerations = Coefficients::from_column_slice(&dy[model.system.velocities(wheel.wheelset.body)]);
         let mut rest = *bias;
         for i in 0..CONSTRAINTS {
             rest[i] += motion.coefficients(&found.by_velocity[i], &found.by_rotation[i]).dot(&accelerations);
         }
-        let accelerations =
-            parameter_accelerations(found, &rest).ok_or_else(|| EvaluationError::new(t, wheelset, side, ContactFailure::Dependent))?;
+        let accelerations = parameter_accelerations(found, &rest).ok_or_else(|| wheel.error(t, ContactFailure::Dependent))?;
         dy[range.start + PARAMETERS..range.end].copy_from_slice(accelerations.as_slice());
     }
     Ok(())

@@ -14,10 +14,12 @@
 //! load gives 12 to 18 N m, by its shape.) A place covers the share s of its
 //! ellipse's area, so that where both melt together areas, and with them c11 G a b, add up to those of one patch.
 
-use super::reply::{Reply, reply};
-use super::{MOST_POINTS, Places};
-use crate::contact::search::algebraic::{Pair, SurfaceParameters};
-use crate::contact::search::global::{Standing, is_least};
+use super::Places;
+use super::prediction::{Prediction, prediction};
+use super::record::Stand;
+use crate::contact::search::algebraic::SurfaceParameters;
+use crate::contact::search::global::is_least;
+use crate::formulation::wheel_search::MOST_POINTS;
 
 /// The ridge between two contacts.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +29,7 @@ pub(super) struct Saddle {
     pub parameters: SurfaceParameters,
     /// m, negative where the surfaces are apart.
     pub penetration: f64,
-    pub reply: Reply,
+    pub prediction: Prediction,
 }
 
 /// Ridges of one wheel, in no order.
@@ -36,20 +38,15 @@ pub(super) type Saddles = [Option<Saddle>; MOST_POINTS - 1];
 impl Saddle {
     /// The ridge from a place near it; `None` where it is not found between its contacts.
     #[inline]
-    pub(super) fn locate(
-        (pair, pose, radius): (&Pair, &Standing, f64),
-        start: &SurfaceParameters,
-        between: [usize; 2],
-        places: &Places,
-    ) -> Option<Saddle> {
+    pub(super) fn locate(stand: &Stand, start: &SurfaceParameters, between: [usize; 2], places: &Places) -> Option<Saddle> {
         let [below, above] = between.map(|slot| places[slot].as_ref().map(|place| place.location.parameters.wheel));
-        let found = pair.locate(start).ok()?;
+        let found = stand.pair.locate(start).ok()?;
         let u = found.parameters.wheel;
-        (u > below? && u < above? && !is_least(pair, &found)).then_some(Saddle {
+        (u > below? && u < above? && !is_least(&stand.pair, &found)).then_some(Saddle {
             between,
             parameters: found.parameters,
             penetration: found.penetration,
-            reply: reply(pair, pose, radius, &found),
+            prediction: prediction(&stand.pair, &stand.pose, stand.radius, &found),
         })
     }
 }
@@ -73,7 +70,7 @@ pub(super) fn share_out(places: &mut Places, saddles: &Saddles) {
 
 /// Share of a place of penetration `own` beside a `neighbour` over a pressed `ridge`, m.
 #[inline]
-pub(in super::super) fn beside(own: f64, ridge: f64, neighbour: f64) -> f64 {
+pub(in crate::formulation) fn beside(own: f64, ridge: f64, neighbour: f64) -> f64 {
     let (p, other) = ((own - ridge).max(0.0), (neighbour - ridge).max(0.0));
     let sum = p + other;
     // Rounding may put a ridge below the contact.
@@ -84,7 +81,7 @@ pub(in super::super) fn beside(own: f64, ridge: f64, neighbour: f64) -> f64 {
 const LEAST_HEIGHT: f64 = 0.02;
 
 /// Derivatives of a place's share by its own penetration, by that of the ridge and by the neighbour's, 1/m; and the share.
-pub(in super::super) fn share_slopes(own: f64, ridge: f64, neighbour: f64) -> ([f64; 3], f64) {
+pub(in crate::formulation) fn share_slopes(own: f64, ridge: f64, neighbour: f64) -> ([f64; 3], f64) {
     if !(ridge > 0.0 && own > 0.0) {
         return ([0.0; 3], 1.0);
     }

@@ -1,0 +1,16 @@
+//! Contact as an elastic force: ECF-A and ECF-N, and the places of contact that one wheel may have.
+
+pub(super) mod ecf_a;
+pub(super) mod ecf_n;
+pub mod points;
+
+use super::failure::singular_row;
+use super::{EvaluationError, Model, Workspace};
+
+/// The last step of an elastic evaluation: accelerations under the wrenches and the joints.
+#[inline]
+fn finish(model: &Model, workspace: &mut Workspace, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
+    model.deflection_rates(workspace, y, dy);
+    let done = model.system.constrained_derivative(t, y, &mut workspace.system, dy);
+    done.map_err(|error| singular_row(model, &workspace.system, t, error.row))
+}

@@ -1,0 +1,173 @@
+//! The scratch of a model's evaluations, and what they find.
+
+use super::Model;
+use super::carried::Carried;
+use super::events::ContactEvent;
+use super::memory::ModelMemory;
+use super::rigid::scratch::RigidScratch;
+use super::work::Work;
+use crate::contact::Patch;
+use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
+use crate::contact::search::algebraic::SurfaceParameters;
+use crate::contact::transient;
+use crate::geometry::profile::ProfilePoint;
+use crate::mbs::body::Wrench;
+use crate::mbs::system::SystemWorkspace;
+use crate::mbs::tangent::Tangent;
+use nalgebra::Vector3;
+
+/// One contact as it was found and loaded at one instant.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ContactReport {
+    pub parameters: SurfaceParameters,
+    /// delta, m, negative when the surfaces are apart; its rate, m/s.
+    pub penetration: f64,
+    pub penetration_rate: f64,
+    /// The wheel's material point, m, and the profiles of wheel and rail there.
+    pub wheel_point: Vector3<f64>,
+    pub profiles: [ProfilePoint; 2],
+    /// Of its Hertzian force that it carries: less than 1 where it shares its patch with another contact (see `points`).
+    pub share: f64,
+    /// K_h, N/m^1.5; zero without contact.
+    pub stiffness: f64,
+    /// How the undivided elastic force grows with delta, N/m.
+    pub elastic_slope: f64,
+    /// N, N.
+    pub normal_force: f64,
+    pub patch: Patch,
+    pub axes: ContactAxes,
+    pub creepage: Creepage,
+    pub creep_force: CreepForce,
+    /// Velocity of the wheel's material point along e1 and e2 [m/s] and angular velocity about n [rad/s].
+    pub slip: Slip,
+    /// Rates of the tangential states, where there are any.
+    pub deflection_rates: [f64; transient::STATES],
+    /// Force on the wheelset in the world (on straight track the track frame), N.
+    pub force: Vector3<f64>,
+    pub iterations: usize,
+    /// Is the contact a constraint (its normal force a multiplier), not elastic?
+    pub constrained: bool,
+}
+
+impl ContactReport {
+    /// Adds `force` [N] of this contact and its spin moment to the wrench of a wheelset whose centre is at `centre`.
+    #[inline]
+    pub(super) fn add_to(&self, wrench: &mut Wrench, force: Vector3<f64>, centre: &Vector3<f64>) {
+        wrench.add_at(force, &self.wheel_point, centre);
+        wrench.moment += self.axes.normal * self.creep_force.spin_moment;
+    }
+}
+
+/// Scratch of an evaluation; holds what it found until the next one.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    pub system: SystemWorkspace,
+    /// First contacts of all wheels in the order wheelset 1 left, right, wheelset 2 left, ...
+    pub contacts: Vec<ContactReport>,
+    /// The other contacts of all wheels in the same order, as many for each as the model allows; empty where it is one.
+    pub further_contacts: Vec<ContactReport>,
+    /// What constraint formulations work in.
+    pub(crate) rigid: RigidScratch,
+    /// Counted up by each evaluation.
+    pub work: Work,
+    /// Lift-offs and landings since they were last taken away.
+    pub events: Vec<ContactEvent>,
+    /// Does what the last evaluation found belong to the begin of the integrator's next step?
+    pub cached: Cached,
+    /// The linearised model, for integrators that need it ([`Model::prepare_tangent`]).
+    pub(super) tangent: Option<Tangent>,
+    /// How the track carries the bodies along from that state.
+    pub(super) carried: Carried,
+}
+
+/// Whose is the evaluation that a workspace holds?
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cached {
+    /// Nobody's that may need it.
+    #[default]
+    No,
+    /// That at the end of a step which may yet be accepted.
+    OfTrial,
+    /// That at the begin of the next step.
+    OfState,
+}
+
+/// Time, inputs and state of an evaluation; the memory is both read and written.
+#[derive(Debug)]
+pub struct Evaluation<'a> {
+    pub t: f64,
+    pub inputs: &'a [f64],
+    pub y: &'a [f64],
+    pub memory: &'a mut ModelMemory,
+}
+
+impl Workspace {
+    /// Reports of a wheel's contacts beyond the first.
+    #[inline]
+    fn further(&self, contact: usize) -> &[ContactReport] {
+        let count = self.further_contacts.len() / self.contacts.len();
+        &self.further_contacts[contact * count..(contact + 1) * count]
+    }
+
+    /// Reports of all contacts of the wheel whose first contact has the index `contact`.
+    #[inline]
+    pub fn reports(&self, contact: usize) -> impl Iterator<Item = &ContactReport> {
+        std::iter::once(&self.contacts[contact]).chain(self.further(contact))
+    }
+
+    /// Sum of the forces on a wheel of `body` in the track frame beside it, N.
+    pub fn wheel_force(&self, contact: usize, body: usize) -> Vector3<f64> {
+        let force: Vector3<f64> = self.reports(contact).map(|report| report.force).sum();
+        self.in_track(body, force)
+    }
+
+    /// A vector of the world in the track frame beside a body.
+    pub fn in_track(&self, body: usize, vector: Vector3<f64>) -> Vector3<f64> {
+        self.system.stations.get(body).map_or(vector, |station| station.components(&vector))
+    }
+
+    /// Report of a wheel's contact `slot` (from 0).
+    #[inline]
+    pub fn report(&self, contact: usize, slot: usize) -> &ContactReport {
+        match slot {
+            0 => &self.contacts[contact],
+            _ => &self.further(contact)[slot - 1],
+        }
+    }
+}
+
+impl Model {
+    pub fn workspace(&self) -> Workspace {
+        let constrained = self.constrained_bodies();
+        let further = (self.points - 1) * self.contacts();
+        let mut system = self.system.workspace(&constrained);
+        self.add_stations(&mut system);
+        Workspace {
+            system,
+            contacts: vec![ContactReport::default(); self.contacts()],
+            further_contacts: vec![ContactReport::default(); further],
+            rigid: if self.formulation.constrains() {
+                RigidScratch::new(self.wheelsets.len(), self.system.bodies.len(), self.dimension())
+            } else {
+                RigidScratch::default()
+            },
+            work: Work::default(),
+            events: Vec::new(),
+            cached: Cached::No,
+            tangent: None,
+            carried: Carried::default(),
+        }
+    }
+
+    /// The reports of one wheel's contacts: the first and the others.
+    #[inline]
+    pub(super) fn reports<'a>(
+        &self,
+        contact: usize,
+        first: &'a mut [ContactReport],
+        further: &'a mut [ContactReport],
+    ) -> (&'a mut ContactReport, &'a mut [ContactReport]) {
+        let count = self.points - 1;
+        (&mut first[contact], &mut further[contact * count..(contact + 1) * count])
+    }
+}
