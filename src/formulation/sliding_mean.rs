@@ -357,7 +357,7 @@ mod tests {
         let travelled = |t: f64| SPEED * (t - 0.1).clamp(0.0, 5.0 / SPEED);
         let mut t = 0.0;
         while t < 0.5 {
-            let states = [travelled(t), 4.0 * travelled(t)];
+            let states = [travelled(t), 4.0 * travelled(t), 0.0, 0.0];
             filter.note(t, &states, &mut memory);
             let mean = filter.mean(0, Averaged::Filtered, t, &states, &memory);
             assert!(if travelled(t) > 1e-6 { (mean - 4.0).abs() < 1e-9 } else { mean == 0.0 }, "{t}: {mean}");
