@@ -8,6 +8,7 @@ mod hard;
 mod interrupt;
 mod list;
 mod output;
+mod overview;
 mod plan;
 mod plot;
 mod profile;
@@ -19,11 +20,12 @@ mod table;
 
 use crate::scene::load::{self, SceneError};
 use crate::scene::spec::{MOST_STEPS, Scene};
-use crate::settings::did_you_mean;
+use crate::settings::{Entry, did_you_mean};
 use crate::sim::Simulation;
 use crate::units::Dimension;
 use clap::{Args, Parser, Subcommand};
-use output::{OutputError, print};
+use output::{Kind, OutputError, Target, print};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Vehicles on real wheel/rail contact: from a scene file to an FMI 2.0 co-simulation FMU.
@@ -161,6 +163,25 @@ fn refused(error: OutputError) -> Failure {
     Failure::Input(error.to_string())
 }
 
+/// Where a table goes, if anywhere; known before the work.
+fn csv_target(path: &Option<PathBuf>, json: bool) -> Result<Option<Target>, Failure> {
+    let target = path.as_deref().map(|path| Target::find(path, Kind::Csv)).transpose().map_err(refused)?;
+    match json && target.as_ref().is_some_and(Target::is_stdout) {
+        true => Err(Failure::Input("-o - and --json both write to stdout; choose one".into())),
+        false => Ok(target),
+    }
+}
+
+/// Makes a folder for results if there is none.
+fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| Failure::Input(format!("{}: can't be made: {error}", folder.display())))
+}
+
+/// Names of files, for JSON.
+fn file_names(files: &[PathBuf]) -> Vec<String> {
+    files.iter().map(|file| file.display().to_string()).collect()
+}
+
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         Failure::Input(error.to_string())
@@ -221,6 +242,19 @@ fn say(text: &str) {
 /// Starts a simulation; a scene without equilibrium is bad input.
 fn start(scene: &Scene) -> Result<Simulation, Failure> {
     Simulation::new(scene, 0.0).map_err(|error| Failure::Input(format!("{}: {error}", scene.source.file)))
+}
+
+fn names<P>(registry: &'static [Entry<P>]) -> Vec<&'static str> {
+    registry.iter().map(|entry| entry.name).collect()
+}
+
+/// Those that are named out of the known ones, in the order of these; all where none is named.
+fn chosen(flag: &str, names: &[String], known: Vec<&'static str>) -> Result<Vec<&'static str>, Failure> {
+    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
+        let hint = did_you_mean(name, &known);
+        return Err(Failure::Input(format!("{flag} {name}{hint}: expected some of {}", known.join(", "))));
+    }
+    Ok(known.into_iter().filter(|known| names.is_empty() || names.iter().any(|name| name == known)).collect())
 }
 
 /// Columns of text, the first one left-aligned, the others right-aligned.

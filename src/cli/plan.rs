@@ -1,19 +1,14 @@
 //! `wheelrail plan SCENE`: effects in and out, sizes, and where the time of one evaluation goes.
 
 use super::{Failure, SceneArguments, print, table};
-use crate::contact::creep::RollingContact;
-use crate::contact::creepage::in_rolling_direction;
-use crate::contact::search::algebraic::{Pair, SurfaceParameters};
-use crate::formulation::{ContactReport, Evaluation, contact_index};
-use crate::geometry::Side;
+use crate::mbs::body::COORDINATES;
 use crate::scene::plan;
 use crate::scene::spec::Scene;
-use crate::sim::Simulation;
 use crate::sim::statics::{self, ElementForce, Statics};
 use crate::sim::tables::LeftTables;
+use crate::study::shares::Part;
+use crate::study::shares::anatomy::{Anatomy, Sample};
 use clap::Args;
-use std::hint::black_box;
-use std::time::Instant;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -46,7 +41,12 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
     notes.extend(left.notes());
     let mut plan = plan::plan(&scene, simulation.model());
     plan.notes.extend(notes);
-    let costs = costs(&mut simulation, scene.contact.formulation_name);
+    let coordinates = COORDINATES * simulation.model().system.bodies.len();
+    let sample = simulation.snapshot().ok().map(|snapshot| Sample::behind(snapshot, coordinates, 0.0));
+    let anatomy = Anatomy::of(simulation.model(), sample.as_slice(), false);
+    let search = if simulation.model().formulation.constrains() { Part::ContactAndEquations } else { Part::ContactSearch };
+    let parts = anatomy.right_hand_side().into_iter().filter(|(part, time)| *time > 0.0 || *part == search);
+    let costs: Vec<(&str, f64)> = parts.map(|(part, time)| (part.words(), time)).collect();
     if arguments.json {
         let shares: serde_json::Map<String, serde_json::Value> =
             costs.iter().map(|(name, time)| (name.to_string(), (1e9 * time).into())).collect();
@@ -66,8 +66,8 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
     for note in &plan.notes {
         print(&format!("  note: {note}\n"))?;
     }
-    let total = costs.iter().map(|cost| cost.1).sum::<f64>();
-    print(&format!("\nOne evaluation of the right-hand side, measured at the initial state: {:.2} us\n", 1e6 * total))?;
+    print(&format!("\nOne evaluation of the right-hand side, measured at the initial state: {:.2} us\n", 1e6 * anatomy.whole))?;
+    let total: f64 = costs.iter().map(|cost| cost.1).sum();
     for (name, time) in &costs {
         print(&format!("  {:4.0} %  {name}\n", 100.0 * time / total))?;
     }
@@ -127,79 +127,4 @@ fn report(scene: &Scene, found: &Statics) -> String {
 fn shown(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') { text.trim_start_matches('-').into() } else { text }
-}
-
-/// Seconds per call, the best of several rounds; of a slow call (the creep law `exact`) as few as can be.
-fn time(mut call: impl FnMut()) -> f64 {
-    const CALLS: f64 = 2000.0;
-    const ROUNDS: usize = 5;
-    /// s.
-    const LONG: f64 = 0.1;
-    let round = |call: &mut dyn FnMut(), calls: u32| {
-        let clock = Instant::now();
-        for _ in 0..calls {
-            call();
-        }
-        clock.elapsed().as_secs_f64() / f64::from(calls)
-    };
-    let first = round(&mut call, 1);
-    let calls = (LONG / first.max(1e-9)).clamp(1.0, CALLS) as u32;
-    let rounds = if calls == 1 { 1 } else { ROUNDS };
-    (0..rounds).map(|_| round(&mut call, calls)).fold(first, f64::min)
-}
-
-/// Where the time of one evaluation goes.
-fn costs(simulation: &mut Simulation, formulation: &str) -> Vec<(&'static str, f64)> {
-    let Ok(snapshot) = simulation.snapshot().cloned() else { return Vec::new() };
-    let model = simulation.model();
-    let mut search = 0.0;
-    let mut normal = 0.0;
-    let mut creep = 0.0;
-    for (index, wheelset) in model.wheelsets.iter().enumerate() {
-        let motion = &snapshot.workspace.system.motions[wheelset.body];
-        for side in Side::BOTH {
-            let report = &snapshot.workspace.contacts[contact_index(index, side)];
-            let (wheel, rail) = (wheelset.wheel(side), model.track.rail(side));
-            let (centre, axes) = (&motion.position, &motion.frame.axes);
-            let pair = Pair { wheel, rail, centre, axes, distance: centre.x };
-            let find = |start: &SurfaceParameters| pair.locate(start);
-            // A start as far off as it is from stage to stage of a step.
-            let start = SurfaceParameters { rail: report.parameters.rail + 1e-6, ..report.parameters };
-            search += time(|| {
-                let _ = black_box(find(black_box(&start)));
-            });
-            let Ok(found) = find(&start) else { continue };
-            let shape = found.shape(wheel, rail);
-            normal += time(|| {
-                let _ = black_box(model.laws.normal.contact(black_box(&shape), found.penetration.max(1e-9)));
-            });
-            creep += time(|| {
-                let ContactReport { patch, normal_force, .. } = *report;
-                let friction = model.laws.friction;
-                let law = |creepage| model.laws.creep.force(&RollingContact { patch, normal_force, friction, creepage, speed: 1.0 });
-                black_box(in_rolling_direction(1.0, black_box(report.creepage), law));
-            });
-        }
-    }
-    let mut workspace = model.workspace();
-    let (mut memory, mut dy) = (snapshot.memory().clone(), snapshot.dy.clone());
-    let total = time(|| {
-        let at = Evaluation { t: 0.0, inputs: snapshot.inputs(), y: black_box(&snapshot.y), memory: &mut memory };
-        let _ = black_box(model.derivative(&mut workspace, at, &mut dy));
-    });
-    // Other formulations than these find contacts in other ways, and constraints call the laws several times.
-    let rest = (total - search - normal - creep).max(0.0);
-    match formulation {
-        "ECF-A" => {
-            let searches = (0..model.contacts()).any(|contact| model.searches_contacts(contact));
-            let others =
-                if searches { "multibody system, further contacts and the search for them" } else { "multibody system and the rest" };
-            vec![("contact search", search), ("normal force and patch", normal), ("creep forces", creep), (others, rest)]
-        }
-        "ECCF" => vec![("contact search", search), ("kinematics, loop of normal and creep forces, multibody system", total - search)],
-        _ => vec![
-            ("normal force, patch and creep forces once", normal + creep),
-            ("contact search, constraints and the rest", total - normal - creep),
-        ],
-    }
 }

@@ -1,7 +1,8 @@
 //! `wheelrail profile WHAT`: any profile that a scene could name, as a table, CSV or diagram.
 
 use super::output::{Kind, Target};
-use super::{Failure, plot, print, refused, say, table};
+use super::plot::{BLUE, Ink, Panel, Series, Sheet};
+use super::{Failure, print, refused, say, table};
 use crate::geometry::profile::{self, Part, Profile, ProfileChoice, ProfilePoint};
 use crate::settings::{Section, SettingsError, Source};
 use clap::{Args, ValueEnum};
@@ -59,7 +60,7 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
         Target::find(path, Kind::Csv).map_err(refused)?.write(csv(&samples, part, arguments.bare).as_bytes())?;
     }
     if let Some(path) = &arguments.plot {
-        plot::section(path, &choice.profile.describe(), part, &samples).map_err(Failure::Run)?;
+        draw(path, &choice.profile.describe(), part, &samples).map_err(Failure::Run)?;
         say(&format!("wrote {}", path.display()));
     }
     choice.notes.iter().for_each(|note| say(&format!("note: {note}")));
@@ -136,12 +137,12 @@ fn sample(profile: &dyn Profile, count: usize) -> Vec<(f64, ProfilePoint)> {
 }
 
 /// Curvature of the section, 1/m; negative where the surface is convex.
-pub(super) fn curvature(point: &ProfilePoint) -> f64 {
+fn curvature(point: &ProfilePoint) -> f64 {
     point.d2 / (1.0 + point.d1 * point.d1).powf(1.5)
 }
 
 /// Names of coordinate and value.
-pub(super) fn names(part: Part) -> (&'static str, &'static str) {
+fn names(part: Part) -> (&'static str, &'static str) {
     match part {
         Part::Wheel => ("u", "radius"),
         Part::Rail => ("eta", "height"),
@@ -159,6 +160,19 @@ fn csv(samples: &[(f64, ProfilePoint)], part: Part, bare: bool) -> String {
         };
     }
     text
+}
+
+/// Section and curvature, one above the other.
+fn draw(path: &Path, title: &str, part: Part, samples: &[(f64, ProfilePoint)]) -> Result<(), String> {
+    let (coordinate, value) = names(part);
+    let along = format!("{coordinate} [mm], outward");
+    let panel = |title: &str, axis: &str, of: &dyn Fn(&ProfilePoint) -> f64| {
+        let points = samples.iter().map(|(x, point)| (1e3 * x, of(point))).collect();
+        Panel::new(title, [&along, axis], vec![Series::line("", Ink::line(BLUE), points)])
+    };
+    let section = panel("Section", &format!("{value} [mm]"), &|point| 1e3 * point.value);
+    let panels = vec![section, panel("Curvature", "curvature [1/m]", &curvature)];
+    Sheet { title: title.into(), subtitles: vec![], columns: 1, panels }.draw(path)
 }
 
 /// A number with a fixed count of decimals; what rounds to zero has no sign.

@@ -1,9 +1,9 @@
 //! `wheelrail run SCENE`: a native simulation with CSV, SVG and a summary.
 
 use super::interrupt::Interrupt;
-use super::output::{Kind, Target};
+use super::output::Target;
 use super::progress::Progress;
-use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, plot, print, refused, table};
+use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, csv_target, overview, print, table};
 use crate::settings::did_you_mean;
 use crate::sim::outputs::Output;
 use crate::sim::recording::{self, CsvRows, Recording, Times};
@@ -63,14 +63,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (stop, step) = arguments.times.read(&scene)?;
     let wheelset = arguments.wheelset.choose(&scene)?;
     // Whatever can't be written is better known before the run.
-    let target = arguments.output.as_deref().map(|path| Target::find(path, Kind::Csv)).transpose().map_err(refused)?;
+    let target = csv_target(&arguments.output, arguments.json)?;
     let to_stdout = target.as_ref().is_some_and(Target::is_stdout);
-    if to_stdout && arguments.json {
-        return Err(Failure::Input("-o - and --json both write to stdout; choose one".into()));
-    }
     let mut simulation = super::start(&scene)?;
     if let Some(folder) = &arguments.plot {
-        plot::prepare(folder, &scene.interface.outputs).map_err(Failure::Input)?;
+        overview::prepare(folder, &scene.interface.outputs)?;
     }
     let mut outputs = scene_outputs(&scene, simulation.model());
     check_columns(&arguments.columns, &outputs)?;
@@ -123,7 +120,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         (format!("interrupted at t = {} s of {} s: {kept}", rounded(simulated), rounded(stop)), code)
     });
     if let Some(folder) = &arguments.plot {
-        match plot::overview(folder, &scene.name, &scene.title, wheelset, &recording) {
+        match overview::draw(folder, &scene.name, &scene.title, wheelset, &recording) {
             Ok(file) => super::say(&format!("wrote {}", file.display())),
             Err(error) => failure = failure.or(Some(error)),
         }

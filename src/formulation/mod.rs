@@ -28,6 +28,7 @@ pub mod sliding_mean;
 pub mod step;
 pub mod swing;
 mod tangent;
+pub mod timers;
 pub mod transitions;
 mod travel;
 pub mod wheel_loads;

@@ -5,6 +5,7 @@ use super::carried::Carried;
 use super::events::ContactEvent;
 use super::memory::ModelMemory;
 use super::rigid::scratch::RigidScratch;
+use super::timers::Timers;
 use super::work::Work;
 use crate::contact::Patch;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
@@ -70,6 +71,7 @@ pub struct Workspace {
     pub(crate) rigid: RigidScratch,
     /// Counted up by each evaluation.
     pub work: Work,
+    pub timers: Timers,
     /// Lift-offs and landings since they were last taken away.
     pub events: Vec<ContactEvent>,
     /// Does what the last evaluation found belong to the begin of the integrator's next step?
@@ -152,6 +154,7 @@ impl Model {
                 RigidScratch::default()
             },
             work: Work::default(),
+            timers: Timers::default(),
             events: Vec::new(),
             cached: Cached::No,
             tangent: None,

@@ -5,6 +5,7 @@ use crate::formulation::carried::CarriedMotion;
 use crate::formulation::flutter::Flutter;
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::swing::Swings;
+use crate::formulation::timers::Call;
 use crate::formulation::transitions::Transition;
 use crate::formulation::wheel_loads::WheelLoads;
 use crate::formulation::{Cached, Evaluation, EvaluationError, Model, Workspace};
@@ -98,12 +99,15 @@ fn keep<T>(failure: &mut Option<EvaluationError>, result: Result<T, EvaluationEr
 impl Dynamics for ModelDynamics<'_> {
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        let clock = self.workspace.timers.start();
         if !self.constant {
             input::evaluate(self.signals, t, self.values);
         }
         self.workspace.cached = Cached::No;
         let at = Evaluation { t, inputs: self.values, y, memory: &mut self.trial.accepted };
-        keep(&mut self.failure, self.model.derivative(self.workspace, at, dy))
+        let done = self.model.derivative(self.workspace, at, dy);
+        self.workspace.timers.stop(Call::Derivative, clock);
+        keep(&mut self.failure, done)
     }
 
     fn derivative_at_end(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
@@ -194,7 +198,10 @@ impl Dynamics for ModelDynamics<'_> {
     fn project(&mut self, t: f64, y: &mut [f64]) -> Result<bool, Undefined> {
         let cached = std::mem::replace(&mut self.workspace.cached, Cached::No);
         let memory = &mut self.trial.accepted;
-        let moved = keep(&mut self.failure, self.model.at(self.workspace, t, y, memory).project())?;
+        let clock = self.workspace.timers.start();
+        let moved = self.model.at(self.workspace, t, y, memory).project();
+        self.workspace.timers.stop(Call::Keep, clock);
+        let moved = keep(&mut self.failure, moved)?;
         // Where nothing moves, bodies' motions are found again to the bit, and so are their places along a curved track: the search ends where it begins.
         if !moved {
             self.workspace.cached = cached;
@@ -216,8 +223,10 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn on_event(&mut self, Event(number): Event, t: f64, y: &mut [f64]) -> Result<bool, Undefined> {
-        let mut step = self.model.at(self.workspace, t, y, &mut self.trial.accepted);
-        let changed = keep(&mut self.failure, step.carry_out(Transition::of(number)))?;
+        let clock = self.workspace.timers.start();
+        let changed = self.model.at(self.workspace, t, y, &mut self.trial.accepted).carry_out(Transition::of(number));
+        self.workspace.timers.stop(Call::Keep, clock);
+        let changed = keep(&mut self.failure, changed)?;
         if changed {
             self.workspace.cached = Cached::No;
         }
@@ -242,21 +251,31 @@ impl Dynamics for ModelDynamics<'_> {
 
 impl Implicit for ModelDynamics<'_> {
     fn linearise(&mut self, t: f64, y: &[f64], part: StiffPart) -> Result<(), Undefined> {
+        let clock = self.workspace.timers.start();
+        self.workspace.timers.forces |= part == StiffPart::All;
         self.model.linearise(self.workspace, (y, &self.trial.accepted), self.values, part == StiffPart::All);
         self.model.note_flutter(self.workspace, t, self.watched.flutter);
+        self.workspace.timers.stop(Call::Linearise, clock);
         Ok(())
     }
 
     fn factorise(&mut self, a: f64) -> Result<(), Undefined> {
-        keep(&mut self.failure, self.model.factorise(self.workspace, a).map_err(|error| self.model.singular_tangent(self.workspace, error)))
+        let clock = self.workspace.timers.start();
+        let done = self.model.factorise(self.workspace, a).map_err(|error| self.model.singular_tangent(self.workspace, error));
+        self.workspace.timers.stop(Call::Factorise, clock);
+        keep(&mut self.failure, done)
     }
 
     fn solve_linear(&mut self, x: &mut [f64]) {
+        let clock = self.workspace.timers.start();
         self.model.solve_linear(self.workspace, x);
+        self.workspace.timers.stop(Call::Solve, clock);
     }
 
     fn solve_linear_pushed(&mut self, x: &mut [f64], weight: f64, push: &[f64]) {
+        let clock = self.workspace.timers.start();
         self.model.solve_linear_pushed(self.workspace, x, weight, push);
+        self.workspace.timers.stop(Call::Solve, clock);
     }
 
     fn carry(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {

@@ -18,6 +18,7 @@ use crate::formulation::events::ContactEvent;
 use crate::formulation::flutter::{Flutter, Fluttering};
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::swing::Swings;
+use crate::formulation::timers::Timers;
 use crate::formulation::transitions::Transition;
 use crate::formulation::wheel_loads::WheelLoads;
 use crate::formulation::work::Work;
@@ -253,6 +254,11 @@ impl Simulation {
             (self.snapshot_valid, self.motion_valid) = (false, false);
         }
         fits
+    }
+
+    /// Clocks of what the integrator asks of the model; off until [`Timers::running`] takes their place.
+    pub fn timers(&mut self) -> &mut Timers {
+        &mut self.workspace.timers
     }
 
     pub fn statistics(&self) -> Statistics {

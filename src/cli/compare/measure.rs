@@ -3,13 +3,12 @@
 
 use super::quantity::{GROUPS, Samples};
 use crate::cli::progress::Progress;
-use crate::formulation::work::Work;
 use crate::scene::spec::Scene;
+use crate::sim::Simulation;
 use crate::sim::outputs::outputs;
 use crate::sim::recording::{self, Interrupted};
-use crate::sim::{Simulation, SimulationError};
-use crate::solve::{SettingKind, Statistics};
-use crate::study::accuracy::cpu_time;
+use crate::solve::SettingKind;
+use crate::study::accuracy::{Measured, cpu_time};
 
 /// Timed runs of each formulation; the median counts.
 pub(super) const ROUNDS: usize = 3;
@@ -21,43 +20,64 @@ pub(super) struct Times {
     pub step: f64,
 }
 
-/// What a formulation cost.
-pub(super) struct Cost {
-    /// CPU time of each timed run, s, ascending.
-    pub seconds: Vec<f64>,
-    pub statistics: Statistics,
-    pub work: Work,
-}
-
-impl Cost {
-    /// CPU time of the run, s.
-    pub(super) fn median(&self) -> f64 {
-        self.seconds.get(self.seconds.len() / 2).copied().unwrap_or(f64::NAN)
-    }
-}
-
 /// One formulation and what became of it.
 pub(super) struct Run {
     pub name: &'static str,
     pub summary: &'static str,
-    /// Are contacts constraints (rigid), not springs (elastic)? `None` when the formulation could not be started.
+    /// `None` when the formulation could not be started.
+    pub scene: Option<Scene>,
+    /// Are contacts constraints (rigid), not springs (elastic)?
     pub rigid: Option<bool>,
     /// Until the failure where there was one.
     pub samples: Samples,
     /// The same with a finer integration.
     pub refined: Option<Samples>,
-    pub cost: Option<Cost>,
+    pub cost: Option<Measured>,
     pub failure: Option<String>,
 }
 
 impl Run {
-    /// A formulation that could not be started.
-    pub(super) fn failed(name: &'static str, summary: &'static str, failure: String) -> Run {
-        Run { name, summary, rigid: None, samples: Samples::default(), refined: None, cost: None, failure: Some(failure) }
+    /// Records a scene under its formulation and once more with a finer integration; `scene` may be why there is none.
+    pub(super) fn new(
+        (name, summary): (&'static str, &'static str),
+        scene: Result<Scene, String>,
+        times: Times,
+        progress: &Progress,
+    ) -> Run {
+        let samples = Samples::default();
+        let mut run = Run { name, summary, scene: None, rigid: None, samples, refined: None, cost: None, failure: None };
+        let started = scene.and_then(|scene| Ok((Simulation::new(&scene, 0.0).map_err(|error| error.to_string())?, scene)));
+        match started {
+            Err(failure) => run.failure = Some(failure),
+            Ok((mut simulation, scene)) => {
+                run.rigid = Some(simulation.model().formulation.constrains());
+                (run.samples, run.failure) = sample(&mut simulation, times, progress);
+                if run.finished() {
+                    let finer = finer(&scene).and_then(|finer| Simulation::new(&finer.0, 0.0).ok());
+                    run.refined =
+                        finer.map(|mut finer| sample(&mut finer, times, progress)).filter(|done| done.1.is_none()).map(|done| done.0);
+                }
+                run.scene = Some(scene);
+            }
+        }
+        run
     }
 
     pub(super) fn finished(&self) -> bool {
         self.failure.is_none()
+    }
+
+    /// A run without outputs, for its cost.
+    fn time(&mut self, stop: f64) -> Result<(), String> {
+        let Some(scene) = self.scene.as_ref().filter(|_| self.failure.is_none()) else { return Ok(()) };
+        let mut simulation = Simulation::new(scene, 0.0).map_err(|error| error.to_string())?;
+        let (advanced, seconds) = cpu_time(|| simulation.advance(stop));
+        advanced.map_err(|error| error.to_string())?;
+        let (statistics, work) = (simulation.statistics(), simulation.state().work);
+        let cost = self.cost.get_or_insert(Measured { cpu: vec![], statistics, work });
+        cost.cpu.push(seconds / stop);
+        cost.cpu.sort_by(f64::total_cmp);
+        Ok(())
     }
 }
 
@@ -71,22 +91,6 @@ fn sample(simulation: &mut Simulation, times: Times, progress: &Progress) -> (Sa
         Err(Interrupted { recording, error }) => (recording, Some(error.to_string())),
     };
     (Samples::new(recording, simulation.model()), failure)
-}
-
-/// Records the scene under its formulation and once more with a finer integration.
-pub(super) fn record(name: &'static str, summary: &'static str, scene: &Scene, times: Times, progress: &Progress) -> Run {
-    let mut simulation = match Simulation::new(scene, 0.0) {
-        Ok(simulation) => simulation,
-        Err(error) => return Run::failed(name, summary, error.to_string()),
-    };
-    let rigid = Some(simulation.model().formulation.constrains());
-    let (samples, failure) = sample(&mut simulation, times, progress);
-    let refined = || -> Option<Samples> {
-        let (samples, failure) = sample(&mut Simulation::new(&finer(scene)?.0, 0.0).ok()?, times, progress);
-        failure.is_none().then_some(samples)
-    };
-    let refined = if failure.is_none() { refined() } else { None };
-    Run { name, summary, rigid, samples, refined, cost: None, failure }
 }
 
 /// The scene with a finer integration, and how that is written in a scene; `None` when it can't be finer.
@@ -104,30 +108,14 @@ pub(super) fn finer(scene: &Scene) -> Option<(Scene, String)> {
     })
 }
 
-/// Times runs without outputs. The formulations take turns, so that a machine that slows down slows all of them.
-pub(super) fn time(runs: &mut [(Run, Option<Scene>)], stop: f64, progress: &Progress) {
+/// Times runs. The formulations take turns, so that a machine that slows down slows all of them.
+pub(super) fn time(runs: &mut [Run], stop: f64, progress: &Progress) {
     for _ in 0..ROUNDS {
-        for (run, scene) in runs.iter_mut() {
-            if let (true, Some(scene)) = (run.finished(), scene) {
-                match timed(scene, stop) {
-                    Ok(cost) => match &mut run.cost {
-                        Some(known) => known.seconds.extend(cost.seconds),
-                        None => run.cost = Some(cost),
-                    },
-                    Err(error) => run.failure = Some(error.to_string()),
-                }
+        for run in runs.iter_mut() {
+            if let Err(failure) = run.time(stop) {
+                run.failure = Some(failure);
             }
             progress.add(stop);
         }
     }
-    for cost in runs.iter_mut().filter_map(|(run, _)| run.cost.as_mut()) {
-        cost.seconds.sort_by(f64::total_cmp);
-    }
-}
-
-fn timed(scene: &Scene, stop: f64) -> Result<Cost, SimulationError> {
-    let mut simulation = Simulation::new(scene, 0.0)?;
-    let (advanced, seconds) = cpu_time(|| simulation.advance(stop));
-    advanced?;
-    Ok(Cost { seconds: vec![seconds], statistics: simulation.statistics(), work: simulation.state().work })
 }

@@ -4,13 +4,12 @@ mod measure;
 mod quantity;
 mod report;
 
-use super::plot::pair::{self, Curve, PairDiagram};
+use super::plot::{BLUE, DARK, Ink, ORANGE, Panel, Series, Sheet};
 use super::progress::Progress;
-use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, print, say};
+use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, chosen, make_folder, names, print, say};
 use crate::formulation;
 use crate::scene::load;
-use crate::scene::spec::Scene;
-use crate::settings::did_you_mean;
+use crate::study::digits::{prefix, sized};
 use clap::Args;
 use measure::{ROUNDS, Run, Times};
 use quantity::{QUANTITIES, Quantity};
@@ -62,8 +61,9 @@ pub(super) fn compare(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Input("--stop 0: there is nothing to compare; expected a time greater than 0 s".into()));
     }
     let folder = arguments.output.as_deref().unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(|error| Failure::Input(format!("{}: can't be made: {error}", folder.display())))?;
-    let runs = run_all(&arguments.scene, &chosen(&arguments.formulations)?, Times { stop, step });
+    make_folder(folder)?;
+    let runs =
+        run_all(&arguments.scene, &chosen("--formulations", &arguments.formulations, names(formulation::REGISTRY))?, Times { stop, step });
     let comparison = Comparison {
         scene: &scene,
         wheelset,
@@ -94,34 +94,20 @@ pub(super) fn compare(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The formulations of these names in the registry's order; all where none is named.
-fn chosen(names: &[String]) -> Result<Vec<&'static str>, Failure> {
-    let known: Vec<&'static str> = formulation::REGISTRY.iter().map(|entry| entry.name).collect();
-    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
-        let hint = did_you_mean(name, &known);
-        return Err(Failure::Input(format!("--formulations {name}{hint}: expected some of {}", known.join(", "))));
-    }
-    Ok(known.into_iter().filter(|known| names.is_empty() || names.iter().any(|name| name == known)).collect())
-}
-
 /// Runs the scene with each of the formulations.
 fn run_all(scene: &SceneArguments, formulations: &[&str], times: Times) -> Vec<Run> {
     let progress = Progress::new(times.stop * ((2 + ROUNDS) * formulations.len()) as f64);
-    let mut runs: Vec<(Run, Option<Scene>)> = formulation::REGISTRY
-        .iter()
-        .filter(|entry| formulations.contains(&entry.name))
-        .map(|entry| {
-            let overrides: Vec<String> =
-                scene.overrides.iter().cloned().chain([format!("contact.formulation=\"{}\"", entry.name)]).collect();
-            match load::open(&scene.scene, &overrides) {
-                Ok(scene) => (measure::record(entry.name, entry.summary, &scene, times, &progress), Some(scene)),
-                Err(error) => (Run::failed(entry.name, entry.summary, error.to_string()), None),
-            }
-        })
-        .collect();
+    let entries = formulation::REGISTRY.iter().filter(|entry| formulations.contains(&entry.name));
+    let run = |entry: &crate::settings::Entry<_>| {
+        let mut overrides = scene.overrides.clone();
+        overrides.push(format!("contact.formulation=\"{}\"", entry.name));
+        let scene = load::open(&scene.scene, &overrides).map_err(|error| error.to_string());
+        Run::new((entry.name, entry.summary), scene, times, &progress)
+    };
+    let mut runs: Vec<Run> = entries.map(run).collect();
     measure::time(&mut runs, times.stop, &progress);
     progress.finish();
-    runs.into_iter().map(|(run, _)| run).collect()
+    runs
 }
 
 /// The pairs of which both formulations can be compared.
@@ -132,17 +118,13 @@ fn pairs(runs: &[Run]) -> Vec<[&Run; 2]> {
 
 /// Draws every pair; returns the files.
 fn pictures(folder: &Path, comparison: &Comparison) -> Result<Vec<PathBuf>, String> {
-    let mut files = Vec::new();
-    for runs in pairs(comparison.runs) {
-        for quantity in &QUANTITIES {
-            files.extend(picture(folder, comparison, runs, quantity)?);
-        }
-    }
-    Ok(files)
+    let all = pairs(comparison.runs).into_iter().flat_map(|runs| QUANTITIES.iter().map(move |quantity| (runs, quantity)));
+    all.filter_map(|(runs, quantity)| picture(folder, comparison, runs, quantity).transpose()).collect()
 }
 
+/// Two runs over distance, a broad pale line and a thin dashed one on it, and below it their difference with a unit of its own, which says
+/// how small it is. Nothing where there is nothing to see.
 fn picture(folder: &Path, comparison: &Comparison, runs: [&Run; 2], quantity: &Quantity) -> Result<Option<PathBuf>, String> {
-    let Some((axis, factor)) = quantity.axis else { return Ok(None) };
     let Comparison { scene, wheelset, .. } = comparison;
     let [first, second] = runs.map(|run| run.samples.trace(wheelset, quantity));
     if first.is_idle() && second.is_idle() {
@@ -153,15 +135,24 @@ fn picture(folder: &Path, comparison: &Comparison, runs: [&Run; 2], quantity: &Q
     let plain = wheelset.replace(['[', ']'], "").replace('.', "_");
     let place = if scene.vehicle.axles().len() > 1 { format!("_{plain}") } else { String::new() };
     let file = folder.join(format!("{}{place}_{}_{}_{}.svg", scene.name, quantity.key, names[0], names[1]));
-    let diagram = PairDiagram {
-        title: format!("{}: {} and {}", quantity.title, names[0], names[1]),
-        subtitle: &scene.title,
-        axis,
-        factor,
-        unit: quantity.unit,
-        difference: first.minus(&second),
-        curves: [Curve { label: names[0], points: first.points() }, Curve { label: names[1], points: second.points() }],
-    };
-    pair::draw(&file, &diagram)?;
+    let difference = first.minus(&second);
+    let (place, largest) = difference.iter().copied().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or_default();
+    let (letter, size) = prefix(largest.abs());
+    let [letter, most] = [letter.into(), sized(largest.abs(), quantity.unit, 3)].map(|words: String| words.replace('u', "\u{b5}"));
+    let aside = if largest == 0.0 { "no difference".into() } else { format!("at most {most}, at {place:.1} m") };
+    let scaled = |points: Vec<(f64, f64)>, factor: f64| points.into_iter().map(|(x, value)| (x, factor * value)).collect::<Vec<_>>();
+    let (axis, factor) = quantity.axis;
+    let both = vec![
+        Series::line(names[0], Ink::broad(BLUE), scaled(first.points(), factor)),
+        Series::line(names[1], Ink::dashed(ORANGE), scaled(second.points(), factor)),
+    ];
+    let apart = vec![Series::line("", Ink { width: 1.25, ..Ink::line(DARK) }, scaled(difference, 1.0 / size))];
+    let unit = format!("difference [{letter}{}]", quantity.unit);
+    let panels = vec![
+        Panel::new("", ["distance [m]", axis], both),
+        Panel { aside, height: 260.0, ..Panel::new(&format!("{} minus {}", names[0], names[1]), ["distance [m]", &unit], apart) },
+    ];
+    let title = format!("{}: {} and {}", quantity.title, names[0], names[1]);
+    Sheet { title, subtitles: vec![scene.title.clone()], columns: 1, panels }.draw(&file)?;
     Ok(Some(file))
 }

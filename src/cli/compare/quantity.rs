@@ -7,71 +7,40 @@ use crate::formulation::Model;
 use crate::sim::recording::Recording;
 use crate::study::accuracy::is_smooth;
 
-/// An output that is compared.
+/// An output of the wheelset that is compared.
 pub(super) struct Quantity {
     /// In file names and JSON.
     pub key: &'static str,
-    /// Output of the wheelset.
     pub output: &'static str,
     pub title: &'static str,
-    /// Column of the table, in `fine` units.
-    pub column: &'static str,
-    /// SI unit, and how many fine units it has: differences are small.
     pub unit: &'static str,
-    pub fine: f64,
-    /// Axis of its picture and how many of the axis' units an SI unit has; `None`: no picture.
-    pub axis: Option<(&'static str, f64)>,
+    /// Column of the table, and how many of its units an SI unit has: differences are small.
+    pub column: (&'static str, f64),
+    /// Axis of its picture, likewise.
+    pub axis: (&'static str, f64),
+}
+
+const fn quantity([key, output, title, unit]: [&'static str; 4], column: (&'static str, f64), axis: (&'static str, f64)) -> Quantity {
+    Quantity { key, output, title, unit, column, axis }
 }
 
 /// Lateral displacement, yaw and normal forces as in the paper's Figs. 7-10, 12-14 and 18-24, and the height. An output that the
 /// model does not have (a second contact) is left out.
 pub(super) const QUANTITIES: [Quantity; 6] = [
-    Quantity {
-        key: "lateral_displacement",
-        output: "y",
-        title: "Lateral displacement",
-        column: "y [um]",
-        unit: "m",
-        fine: 1e6,
-        axis: Some(("y [mm], left positive", 1e3)),
-    },
-    Quantity {
-        key: "yaw",
-        output: "yaw",
-        title: "Yaw",
-        column: "yaw [urad]",
-        unit: "rad",
-        fine: 1e6,
-        axis: Some(("yaw [mrad], nose left positive", 1e3)),
-    },
-    Quantity { key: "height", output: "z", title: "Height", column: "z [um]", unit: "m", fine: 1e6, axis: Some(("z [mm]", 1e3)) },
-    Quantity {
-        key: "normal_force_right",
-        output: "right.normalForce",
-        title: "Normal force of the right wheel",
-        column: "N right [N]",
-        unit: "N",
-        fine: 1.0,
-        axis: Some(("N right [kN]", 1e-3)),
-    },
-    Quantity {
-        key: "normal_force_left",
-        output: "left.normalForce",
-        title: "Normal force of the left wheel",
-        column: "N left [N]",
-        unit: "N",
-        fine: 1.0,
-        axis: Some(("N left [kN]", 1e-3)),
-    },
-    Quantity {
-        key: "second_contact_right",
-        output: "right.contact[2].normalForce",
-        title: "Normal force of the right wheel's second contact",
-        column: "N2 right [N]",
-        unit: "N",
-        fine: 1.0,
-        axis: Some(("N of contact 2, right [kN]", 1e-3)),
-    },
+    quantity(["lateral_displacement", "y", "Lateral displacement", "m"], ("y [um]", 1e6), ("y [mm], left positive", 1e3)),
+    quantity(["yaw", "yaw", "Yaw", "rad"], ("yaw [urad]", 1e6), ("yaw [mrad], nose left positive", 1e3)),
+    quantity(["height", "z", "Height", "m"], ("z [um]", 1e6), ("z [mm]", 1e3)),
+    quantity(
+        ["normal_force_right", "right.normalForce", "Normal force of the right wheel", "N"],
+        ("N right [N]", 1.0),
+        ("N right [kN]", 1e-3),
+    ),
+    quantity(["normal_force_left", "left.normalForce", "Normal force of the left wheel", "N"], ("N left [N]", 1.0), ("N left [kN]", 1e-3)),
+    quantity(
+        ["second_contact_right", "right.contact[2].normalForce", "Normal force of the right wheel's second contact", "N"],
+        ("N2 right [N]", 1.0),
+        ("N of contact 2, right [kN]", 1e-3),
+    ),
 ];
 
 /// The output groups that these quantities stand in.

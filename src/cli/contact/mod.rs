@@ -3,15 +3,14 @@
 mod pictures;
 mod report;
 
-use super::output::{Kind, Target};
-use super::{Failure, SceneArguments, print, refused, say};
+use super::{Failure, SceneArguments, csv_target, make_folder, print, say};
 use crate::scene::spec::Scene;
 use crate::study::conicity::{Conicity, NoConicity, RadiusDifference};
 use crate::study::contact_geometry::{Attitude, WheelsetOnTrack};
 use crate::study::sweep::Sweep;
 use crate::units::Dimension;
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(Args)]
 #[command(after_long_help = "\
@@ -119,14 +118,10 @@ pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Input(format!("--yaw {}: expected an angle of at most {MOST_YAW} rad", arguments.yaw)));
     }
     let station = arguments.at.as_deref().map(|at| number("at", at, Dimension::Length)).transpose()?;
-    let to_stdout = arguments.output.as_deref() == Some(Path::new("-"));
-    if to_stdout && arguments.json {
-        return Err(Failure::Input("-o - and --json both write to stdout; choose one".into()));
-    }
+    let target = csv_target(&arguments.output, arguments.json)?;
     if let Some(folder) = &arguments.plot {
-        std::fs::create_dir_all(folder).map_err(|error| Failure::Input(format!("{}: can't be made: {error}", folder.display())))?;
+        make_folder(folder)?;
     }
-    let target = arguments.output.as_deref().map(|path| Target::find(path, Kind::Csv)).transpose().map_err(refused)?;
     let wheelset = WheelsetOnTrack::new(&scene, Attitude { yaw, level: arguments.no_roll, near }, station);
     let sweep = Sweep::new(&wheelset, range, step).map_err(|error| Failure::Run(format!("{}: {error}", scene.source.file)))?;
     for error in sweep.ended.iter().flatten() {
@@ -160,7 +155,7 @@ pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
         for file in &files {
             say(&format!("wrote {}", file.display()));
         }
-        if !to_stdout {
+        if !target.is_some_and(|target| target.is_stdout()) {
             print(&report::text(&study))?;
         }
     }

@@ -1,161 +1,177 @@
 //! The contact geometry as diagrams.
 
 use super::{Conicities, Study};
-use crate::cli::plot::contact_points::{self, Section, Touching};
-use crate::cli::plot::curves::{self, Curve, Panel};
-use crate::cli::plot::{BLUE, ORANGE};
+use crate::cli::plot::{Axis, BLUE, DARK, Ink, Mark, ORANGE, Panel, Series, Sheet, inside, width};
 use crate::geometry::Side;
 use crate::geometry::surface::rail_point;
 use crate::study::conicity::{Conicity, NoConicity};
 use crate::study::contact_geometry::{Stand, Touch};
 use crate::study::sweep::Sample;
 use nalgebra::Vector3;
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 const SHIFT: &str = "lateral shift y [mm], left positive";
 
 /// Draws every picture; returns the files.
 pub(super) fn draw(folder: &Path, study: &Study) -> Result<Vec<PathBuf>, String> {
-    let file = |what: &str| folder.join(format!("{}_{what}.svg", study.scene.name));
-    let [geometry, conicity, points] = ["contact_geometry", "conicity", "contact_points"].map(file);
     let attitude = study.wheelset.attitude;
     let held = if attitude.level { "axle held level" } else { "both wheels touch" };
     let subtitle = format!("{}; {held}, yaw {} mrad", study.scene.title, 1e3 * attitude.yaw);
-    curves::draw(&geometry, "Contact geometry", &subtitle, 2, &geometry_panels(study))?;
-    curves::draw(&conicity, "Equivalent conicity", &subtitle, 2, &conicity_panels(study))?;
-    contact_points::draw(&points, "Contact points", &subtitle, &Side::BOTH.map(|side| section(study, side)))?;
-    Ok(vec![geometry, conicity, points])
+    let sheets = [
+        ("contact_geometry", "Contact geometry", geometry(study)),
+        ("conicity", "Equivalent conicity", conicity(study)),
+        ("contact_points", "Contact points", Side::BOTH.map(|side| section(study, side)).into()),
+    ];
+    let sheet = |(key, title, panels): (&str, &str, Vec<Panel>)| {
+        let file = folder.join(format!("{}_{key}.svg", study.scene.name));
+        let mut subtitles = vec![subtitle.clone()];
+        if key == "contact_points" {
+            subtitles.push("numbers: lateral shift in mm, left positive; the wheel is lifted so that the lines are seen".into());
+        }
+        Sheet { title: title.into(), subtitles, columns: 2, panels }.draw(&file)?;
+        Ok(file)
+    };
+    sheets.into_iter().map(sheet).collect()
 }
 
-/// Branches of something of a stand, over the lateral shift in mm.
-fn branches(study: &Study, value: impl Fn(&Stand) -> f64) -> Vec<Vec<(f64, f64)>> {
+/// Something of a stand over the lateral shift in mm; branches are joined where it does not jump.
+fn curve(study: &Study, label: &str, ink: Ink, value: impl Fn(&Stand) -> f64) -> Series {
     let point = |sample: &Sample| (1e3 * sample.stand.y, value(&sample.stand));
-    study.sweep.branches().into_iter().map(|branch| branch.iter().map(point).collect()).collect()
-}
-
-/// The same with branches joined where this quantity does not jump.
-fn curve<'a>(study: &Study, label: &'a str, side: Option<Side>, value: impl Fn(&Stand) -> f64) -> Curve<'a> {
-    let mut joined: Vec<Vec<(f64, f64)>> = Vec::new();
-    let all = branches(study, value);
+    let all: Vec<Vec<(f64, f64)>> = study.sweep.branches().into_iter().map(|branch| branch.iter().map(point).collect()).collect();
     let (low, high) = all.iter().flatten().fold((f64::MAX, f64::MIN), |(low, high), point| (low.min(point.1), high.max(point.1)));
+    let mut branches: Vec<Vec<(f64, f64)>> = Vec::new();
     for branch in all {
-        match joined.last_mut() {
+        match branches.last_mut() {
             Some(last) if last.last().zip(branch.first()).is_some_and(|(a, b)| (a.1 - b.1).abs() < 1e-4 * (high - low)) => {
                 last.extend(branch)
             }
-            _ => joined.push(branch),
+            _ => branches.push(branch),
         }
     }
-    Curve { label, color: if side == Some(Side::Right) { ORANGE } else { BLUE }, dashed: false, branches: joined }
+    Series { label: label.into(), ink, branches, marks: vec![] }
 }
 
-fn both<'a>(study: &Study, value: impl Fn(&Touch) -> f64) -> Vec<Curve<'a>> {
-    let of = |side: Side| curve(study, side.name(), Some(side), |stand: &Stand| value(&stand.contacts[side.index()]));
-    Side::BOTH.map(of).into()
+fn difference(study: &Study) -> Panel {
+    let mut panel = Panel::new(
+        "Rolling-radius difference",
+        [SHIFT, "left minus right [mm]"],
+        vec![curve(study, "", Ink::line(DARK), |stand| 1e3 * stand.radius_difference())],
+    );
+    panel.y.zero = true;
+    panel
 }
 
-fn difference<'a>(study: &Study) -> Panel<'a> {
-    let curves = vec![curve(study, "", None, |stand| 1e3 * stand.radius_difference())];
-    Panel { title: "Rolling-radius difference", x: SHIFT, y: "left minus right [mm]", curves, marks: vec![], from_zero: true }
-}
-
-fn geometry_panels<'a>(study: &Study) -> Vec<Panel<'a>> {
-    let panel = |title, y, curves| Panel { title, x: SHIFT, y, curves, marks: vec![], from_zero: false };
+fn geometry(study: &Study) -> Vec<Panel> {
+    let panel = |title, axis, series| Panel::new(title, [SHIFT, axis], series);
+    let both = |value: &dyn Fn(&Touch) -> f64| {
+        let inks = [("left wheel", Side::Left, BLUE), ("right wheel", Side::Right, ORANGE)];
+        inks.map(|(label, side, color)| curve(study, label, Ink::line(color), |stand| value(&stand.contacts[side.index()]))).into()
+    };
+    let one = |value: &dyn Fn(&Stand) -> f64| vec![curve(study, "", Ink::line(DARK), value)];
     let mut panels = vec![
         difference(study),
-        panel("Contact angle", "angle [deg]", both(study, |touch| touch.angle.to_degrees())),
-        panel("Contact on the wheel", "u from the tread circle, outward [mm]", both(study, |touch| 1e3 * touch.wheel)),
-        panel("Contact on the rail", "eta from the crown, outward [mm]", both(study, |touch| 1e3 * touch.rail)),
+        panel("Contact angle", "angle [deg]", both(&|touch| touch.angle.to_degrees())),
+        panel("Contact on the wheel", "u, outward [mm]", both(&|touch| 1e3 * touch.wheel)),
+        panel("Contact on the rail", "eta, outward [mm]", both(&|touch| 1e3 * touch.rail)),
     ];
     if !study.wheelset.attitude.level {
         let centred = study.sweep.nearest(0.0).height[0];
-        panels.push(panel("Roll", "roll [mrad], left side up", vec![curve(study, "", None, |stand| 1e3 * stand.roll)]));
-        panels.push(panel("Height of the centre", "rise [mm]", vec![curve(study, "", None, |stand| 1e3 * (stand.height[0] - centred))]));
+        panels.push(panel("Roll", "roll [mrad], left side up", one(&|stand| 1e3 * stand.roll)));
+        panels.push(panel("Height of the centre", "rise [mm]", one(&|stand| 1e3 * (stand.height[0] - centred))));
     }
     panels
 }
 
 /// The rolling-radius difference within 4/3 of the chosen amplitude, and the cone that is equivalent at that amplitude.
-fn near_difference<'a>(study: &Study) -> Panel<'a> {
+fn near_difference(study: &Study) -> Panel {
     let range = 1e3 * study.chosen.amplitude * 4.0 / 3.0;
     let mut panel = difference(study);
-    for curve in &mut panel.curves {
-        for branch in &mut curve.branches {
-            branch.retain(|point| point.0.abs() <= range);
-        }
-        curve.branches.retain(|branch| !branch.is_empty());
-        curve.label = "profiles";
+    for series in &mut panel.series {
+        series.branches.iter_mut().for_each(|branch| branch.retain(|point| point.0.abs() <= range));
+        series.branches.retain(|branch| !branch.is_empty());
+        series.label = "profiles".into();
     }
     if let Ok(found) = study.chosen.en15302 {
         let end = 1e3 * study.chosen.amplitude;
-        let cone = [-end, end].map(|y| (1e3 * found.centre + y, 2.0 * found.value * y)).to_vec();
-        panel.curves.push(Curve { label: "equivalent cone", color: ORANGE, dashed: true, branches: vec![cone] });
+        let cone = [-end, end].map(|y| (1e3 * found.centre + y, 2.0 * found.value * y));
+        panel.series.push(Series::line("equivalent cone", Ink { color: DARK, ..Ink::dashed(ORANGE) }, cone.into()));
     }
     panel
 }
 
-fn conicity_panels<'a>(study: &Study) -> Vec<Panel<'a>> {
-    let line = |label, color, dashed, value: fn(&Conicities) -> Result<Conicity, NoConicity>| {
+fn conicity(study: &Study) -> Vec<Panel> {
+    let line = |label: &str, ink, value: fn(&Conicities) -> Result<Conicity, NoConicity>| {
         // A gap where there is no conicity, as between branches.
-        let mut branches: Vec<Vec<(f64, f64)>> = vec![vec![]];
-        for at in &study.curve {
-            match (value(at), branches.last_mut()) {
-                (Ok(found), Some(last)) => last.push((1e3 * at.amplitude, found.value)),
-                (Err(_), Some(last)) if !last.is_empty() => branches.push(vec![]),
-                _ => {}
-            }
-        }
-        branches.retain(|branch| branch.len() > 1);
-        Curve { label, color, dashed, branches }
+        let known = |at: &Conicities| value(at).ok().map(|found| (1e3 * at.amplitude, found.value));
+        let parts = study.curve.chunk_by(|a, b| known(a).is_some() == known(b).is_some());
+        let branches = parts.map(|part| part.iter().filter_map(known).collect::<Vec<_>>()).filter(|branch| branch.len() > 1);
+        Series { label: label.into(), ink, branches: branches.collect(), marks: vec![] }
     };
-    let curves = vec![line("EN 15302", BLUE, false, |at| at.en15302), line("harmonic", ORANGE, true, |at| at.harmonic)];
-    let chosen = &study.chosen;
-    let marks = chosen.en15302.map_or_else(
-        |_| vec![],
-        |found| vec![((1e3 * chosen.amplitude, found.value), format!("{:.3} at {} mm", found.value, 1e3 * chosen.amplitude))],
-    );
-    let conicity = Panel { title: "Equivalent conicity", x: "amplitude [mm]", y: "conicity [-]", curves, marks, from_zero: true };
-    vec![near_difference(study), conicity]
+    let mut series = vec![line("EN 15302", Ink::line(BLUE), |at| at.en15302), line("harmonic", Ink::dashed(ORANGE), |at| at.harmonic)];
+    if let Ok(found) = study.chosen.en15302 {
+        let (x, y) = (1e3 * study.chosen.amplitude, found.value);
+        let mark = Mark { x, y, label: format!("{y:.3} at {x} mm"), ..Mark::default() };
+        series.push(Series::marks("", Ink { radius: 4.0, ..Ink::line(DARK) }, vec![mark]));
+    }
+    let mut panel = Panel { leaders: false, ..Panel::new("Equivalent conicity", ["amplitude [mm]", "conicity [-]"], series) };
+    panel.y.zero = true;
+    vec![near_difference(study), panel]
 }
 
 /// How far the wheel is lifted in the picture of contact points, mm.
 const LIFT: f64 = 22.0;
+/// Pixels per mm there, on both axes.
+const SCALE: f64 = 4.4;
 
-/// One side in section: x to the right (so minus Y), z up, mm.
-fn section(study: &Study, side: Side) -> Section {
+/// One side in section, seen along the track: left is left, z up, mm. Lines join the points that touch at each shift.
+fn section(study: &Study, side: Side) -> Panel {
     let wheelset = study.wheelset;
-    let centred = study.sweep.nearest(0.0);
     let (wheel, rail) = (&wheelset.wheels[side.index()], wheelset.track.rail(side));
     // In the picture the centred wheelset stands without roll and yaw.
-    let height = centred.height[side.index()];
-    let flat = |point: Vector3<f64>, lift: f64| (-1e3 * point.y, 1e3 * point.z + lift);
-    let wheel_point = |u: f64| {
-        let radius = wheel.profile.at(u).value;
-        flat(Vector3::new(0.0, side.sign() * (wheel.half_spacing + u), height - radius), LIFT)
-    };
+    let height = study.sweep.nearest(0.0).height[side.index()];
+    let flat = |point: Vector3<f64>, lift: f64| (1e3 * point.y, 1e3 * point.z + lift);
+    let wheel_at = |u: f64| flat(Vector3::new(0.0, side.sign() * (wheel.half_spacing + u), height - wheel.profile.at(u).value), LIFT);
     let rail_at = |eta: f64| flat(rail_point(rail, wheelset.station, eta).0.position, 0.0);
-    let along = |(first, last): (f64, f64), place: &dyn Fn(f64) -> (f64, f64)| -> Vec<(f64, f64)> {
+    let along = |(first, last): (f64, f64), place: &dyn Fn(f64) -> (f64, f64)| {
         // Closer together near the ends, where profiles are steep.
-        (0..=800).map(|k| place(first + (last - first) * 0.5 * (1.0 - (std::f64::consts::PI * f64::from(k) / 800.0).cos()))).collect()
+        let points = (0..=800).map(|k| place(first + (last - first) * 0.5 * (1.0 - (PI * f64::from(k) / 800.0).cos())));
+        Series::line("", Ink::line(DARK), points.collect())
     };
     let every = (study.step.max(1e-3) / study.step).round().max(1.0) * study.step;
-    let whole = |sample: &&Sample| {
-        let place = sample.stand.y / every;
-        sample.asked && (place - place.round()).abs() < 1e-6
+    let whole = |sample: &&Sample| sample.asked && (sample.stand.y / every - (sample.stand.y / every).round()).abs() < 1e-6;
+    let shifted = |label: &str, color, of: &dyn Fn(f64) -> bool| {
+        let ink = Ink { radius: 2.0, width: 1.25, alpha: 0.8, ..Ink::line(color) };
+        let mut samples: Vec<&Sample> = study.sweep.samples.iter().filter(whole).filter(|sample| of(sample.stand.y)).collect();
+        // Where numbers have no room, those of small shifts come first.
+        samples.sort_by(|a, b| a.stand.y.abs().total_cmp(&b.stand.y.abs()));
+        let touching = samples.iter().map(|sample| (sample.stand.y, &sample.stand.contacts[side.index()]));
+        let places: Vec<_> = touching.map(|(y, touch)| (y, wheel_at(touch.wheel), rail_at(touch.rail))).collect();
+        let label_of = |y: f64| format!("{}", (1e6 * y).round() / 1e3);
+        let mark = |(x, y): (f64, f64), label: String| Mark { x, y, label, ..Mark::default() };
+        let marks = places.iter().flat_map(|(y, wheel, rail)| [mark(*wheel, label_of(*y)), mark(*rail, String::new())]);
+        Series { label: label.into(), ink, marks: marks.collect(), branches: places.iter().map(|(_, a, b)| vec![*a, *b]).collect() }
     };
-    let pair = |sample: &Sample| {
-        let touch = &sample.stand.contacts[side.index()];
-        Touching { shift: 1e3 * sample.stand.y, wheel: wheel_point(touch.wheel), rail: rail_at(touch.rail) }
-    };
+    const NEAR: f64 = 1e-9;
+    let series = vec![
+        shifted("to the left", BLUE, &|y| y > NEAR),
+        shifted("centred", DARK, &|y| y.abs() <= NEAR),
+        shifted("to the right", ORANGE, &|y| y < -NEAR),
+        along(wheel.profile.range(), &wheel_at),
+        along(rail.profile.range(), &rail_at),
+    ];
+    let tall = 400.0;
+    let (across, up) = inside((width(2), tall));
+    let (across, up) = (across / SCALE, up / SCALE);
     let centre = rail_at(0.0);
-    let (width, tall) = contact_points::size();
     // The flange hangs toward the track's centre: more room there.
-    let inward = -side.sign() * -1.0 * 8.0;
-    Section {
-        title: if side == Side::Left { "Left wheel and rail" } else { "Right wheel and rail" },
-        wheel: along(wheel.profile.range(), &wheel_point),
-        rail: along(rail.profile.range(), &rail_at),
-        pairs: study.sweep.samples.iter().filter(whole).map(pair).collect(),
-        corner: (centre.0 - 0.5 * width + inward, centre.1 - 0.5 * tall + 12.0),
+    let (left, below) = (centre.0 + 0.5 * across - side.sign() * 8.0, centre.1 - 0.5 * up + 12.0);
+    let axis = |label: &str, range| Axis { label: label.into(), range: Some(range), ..Axis::default() };
+    Panel {
+        x: axis("across the track, left positive [mm]", (left, left - across)),
+        y: axis("height [mm]", (below, below + up)),
+        leaders: false,
+        height: tall,
+        ..Panel::new(if side == Side::Left { "Left wheel and rail" } else { "Right wheel and rail" }, ["", ""], series)
     }
 }

@@ -1,7 +1,7 @@
 //! The contact geometry as CSV, in words and as JSON.
 
 use super::{Conicities, Study};
-use crate::cli::table;
+use crate::cli::{file_names, table};
 use crate::geometry::Side;
 use crate::study::conicity::{Conicity, NoConicity, wavelength};
 use crate::study::contact_geometry::{Stand, Touch};
@@ -228,6 +228,6 @@ pub(super) fn json(study: &Study, files: &[PathBuf]) -> Value {
         "conicity": conicity(&study.chosen), "conicities": study.table.iter().map(conicity).collect::<Vec<_>>(),
         "jumps": jumps, "shifts": study.sweep.shown().map(|sample| stand(&sample.stand)).collect::<Vec<_>>(),
         "ended_early": study.sweep.ended.iter().flatten().map(ToString::to_string).collect::<Vec<_>>(),
-        "pictures": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        "pictures": file_names(files),
     })
 }

@@ -2,14 +2,14 @@
 
 mod cases;
 mod study;
-mod timing;
 
-use super::output::{Kind, Target};
-use super::{Failure, print, refused, say};
+use super::{Failure, csv_target, print, say};
 use crate::contact::creep::{Build, inline};
 use crate::settings::SettingsError;
+use crate::study::shares::anatomy::per_call;
 use cases::Case;
 use clap::Args;
+use std::hint::black_box;
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -73,7 +73,7 @@ pub(super) fn creep(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(());
     }
     // What can't be written is better known before the work.
-    let target = arguments.output.as_deref().map(|path| Target::find(path, Kind::Csv)).transpose().map_err(refused)?;
+    let target = csv_target(&arguments.output, false)?;
     let table = cases::table(&results(&cases, &laws));
     match (target, &arguments.output) {
         (Some(target), Some(path)) if !target.is_stdout() => {
@@ -92,7 +92,7 @@ fn results<'a>(cases: &'a [Case], laws: &'a [Named]) -> Vec<cases::Row<'a>> {
         for Named { name, build } in laws {
             let law = build(case.material);
             let force = law.force(&case.contact);
-            rows.push(cases::Row { case, law: name, force, time: timing::per_call(law.as_ref(), &case.contact) });
+            rows.push(cases::Row { case, law: name, force, time: per_call(|| law.force(black_box(&case.contact))) });
         }
     }
     rows

@@ -6,9 +6,9 @@
 //! and are the same on every machine.
 
 use super::Named;
-use crate::cli::Failure;
 use crate::cli::output::write_whole;
-use crate::cli::plot::scatter::{self, Point};
+use crate::cli::plot::{Ink, Mark, Panel, Series, Sheet};
+use crate::cli::{Failure, make_folder};
 use crate::contact::creep::kalker::LinearTheory;
 use crate::contact::creep::{CreepLaw, RollingContact};
 use crate::contact::creepage::{CreepForce, Creepage};
@@ -147,18 +147,17 @@ pub(super) fn write(folder: &Path, study: &Study) -> Result<Vec<PathBuf>, Failur
     if folder.is_file() {
         return Err(Failure::Input(format!("-o {}: is a file; --study writes a folder", folder.display())));
     }
-    std::fs::create_dir_all(folder).map_err(|error| Failure::Input(format!("{}: can't be made: {error}", folder.display())))?;
+    make_folder(folder)?;
     let files = ["creep_laws.csv", "creep_laws.md", "creep_laws.svg"].map(|name| folder.join(name));
     write_whole(&files[0], csv(study).as_bytes())?;
     write_whole(&files[1], text(study).as_bytes())?;
-    let points: Vec<Point> = study
-        .lines
-        .iter()
-        .filter(|line| line.mean > 0.0 && line.time > 0.0)
-        .map(|line| Point { label: &line.law, x: 1e6 * line.time, y: line.mean })
-        .collect();
-    let subtitle = format!("{} random contacts against {}", study.count, study.reference);
-    scatter::draw(&files[2], "Creep laws: cost and distance", &subtitle, ["time per call [us]", "mean |dF| / (mu N)"], &points)
+    let measured = study.lines.iter().filter(|line| line.mean > 0.0 && line.time > 0.0);
+    let marks = measured.map(|line| Mark { x: 1e6 * line.time, y: line.mean, label: line.law.clone(), ..Mark::default() });
+    let series = vec![Series::marks("", Ink { width: 0.0, ..Ink::marks(0) }, marks.collect())];
+    let panel = Panel { height: 480.0, ..Panel::new("", ["time per call [us]", "mean |dF| / (mu N)"], series).log() };
+    let subtitles = vec![format!("{} random contacts against {}", study.count, study.reference)];
+    Sheet { title: "Creep laws: cost and distance".into(), subtitles, columns: 1, panels: vec![panel] }
+        .draw(&files[2])
         .map_err(Failure::Run)?;
     Ok(files.into())
 }

@@ -3,53 +3,84 @@
 use crate::study::accuracy::{Apart, COUPLING, Errors, FACTOR, HOLDS, Measured, Outcome, Quantity, Setting, Standing, Study};
 use std::io::Write;
 
-/// The columns.
-pub(super) const HEADER: [&str; 44] = [
-    "formulation",
-    "integrator",
-    "tolerance",
-    "step",
-    "error_y [m]",
-    "error_N [N]",
-    "cpu_per_simulated_second",
-    "realtime_factor",
-    "rhs",
-    "newton",
-    "rejected",
-    "outcome",
-    "error_y_rms [m]",
-    "error_N_rms [N]",
-    "error_N_95 [N]",
-    "error_Q [N]",
-    "error_Q_rms [N]",
-    "error_Q_95 [N]",
-    "error_YQ",
-    "error_YQ_rms",
-    "error_YQ_95",
-    "error_acceleration [m/s2]",
-    "error_acceleration_rms [m/s2]",
-    "error_acceleration_95 [m/s2]",
-    "error_wavelength [m]",
-    "y_told",
-    "Q_told",
-    "N_told",
-    "YQ_told",
-    "acceleration_told",
-    "wavelength_told",
-    "steps",
-    "linearisations",
-    "factorisations",
-    "search_iterations",
-    "force_iterations",
-    "constraint_iterations",
-    "cpu_smallest",
-    "cpu_largest",
-    "repeats",
-    "creep_law",
-    "node_spacing [m]",
-    "smoothing [m]",
-    "communication_step [s]",
+/// What stands in a row.
+struct Row<'a> {
+    formulation: &'a str,
+    setting: &'a Setting,
+    outcome: String,
+    done: Option<(&'a Measured, &'a Errors)>,
+    /// Of each quantity: shown, below, useless, absent.
+    told: [&'a str; 6],
+    /// Creep law, node spacing, smoothing, communication step.
+    own: [String; 4],
+}
+
+/// A column: name and cell.
+enum Cell {
+    Words(fn(&Row) -> String),
+    /// Of a run that came to its end.
+    Number(fn(&Measured, &Errors) -> f64),
+    Count(fn(&Measured) -> u64),
+}
+
+use Cell::{Count, Number, Words};
+
+const COLUMNS: [(&str, Cell); 44] = [
+    ("formulation", Words(|row| row.formulation.into())),
+    ("integrator", Words(|row| row.setting.integrator.into())),
+    ("tolerance", Words(|row| some(row.setting.tolerance()))),
+    ("step", Words(|row| some(row.setting.step()))),
+    ("error_y [m]", Number(|_, errors| errors.y.largest)),
+    ("error_N [N]", Number(|_, errors| errors.normal.largest)),
+    ("cpu_per_simulated_second", Number(|measured, _| measured.median())),
+    ("realtime_factor", Number(|measured, _| 1.0 / measured.median())),
+    ("rhs", Count(|measured| measured.statistics.evaluations)),
+    ("newton", Count(|measured| measured.statistics.iterations)),
+    ("rejected", Count(|measured| measured.statistics.rejected)),
+    ("outcome", Words(|row| row.outcome.clone())),
+    ("error_y_rms [m]", Number(|_, errors| errors.y.rms)),
+    ("error_N_rms [N]", Number(|_, errors| errors.normal.rms)),
+    ("error_N_95 [N]", Number(|_, errors| errors.normal.most)),
+    ("error_Q [N]", Number(|_, errors| errors.vertical.largest)),
+    ("error_Q_rms [N]", Number(|_, errors| errors.vertical.rms)),
+    ("error_Q_95 [N]", Number(|_, errors| errors.vertical.most)),
+    ("error_YQ", Number(|_, errors| errors.quotient.largest)),
+    ("error_YQ_rms", Number(|_, errors| errors.quotient.rms)),
+    ("error_YQ_95", Number(|_, errors| errors.quotient.most)),
+    ("error_acceleration [m/s2]", Number(|_, errors| errors.acceleration.largest)),
+    ("error_acceleration_rms [m/s2]", Number(|_, errors| errors.acceleration.rms)),
+    ("error_acceleration_95 [m/s2]", Number(|_, errors| errors.acceleration.most)),
+    ("error_wavelength [m]", Words(|row| some(row.done.and_then(|done| done.1.wavelength)))),
+    ("y_told", Words(|row| row.told[0].into())),
+    ("Q_told", Words(|row| row.told[1].into())),
+    ("N_told", Words(|row| row.told[2].into())),
+    ("YQ_told", Words(|row| row.told[3].into())),
+    ("acceleration_told", Words(|row| row.told[4].into())),
+    ("wavelength_told", Words(|row| row.told[5].into())),
+    ("steps", Count(|measured| measured.statistics.steps)),
+    ("linearisations", Count(|measured| measured.statistics.linearisations)),
+    ("factorisations", Count(|measured| measured.statistics.factorisations)),
+    ("search_iterations", Count(|measured| measured.work.search_iterations)),
+    ("force_iterations", Count(|measured| measured.work.force_iterations)),
+    ("constraint_iterations", Count(|measured| measured.work.constraint_iterations)),
+    ("cpu_smallest", Number(|measured, _| measured.spread().0)),
+    ("cpu_largest", Number(|measured, _| measured.spread().1)),
+    ("repeats", Count(|measured| measured.cpu.len() as u64)),
+    ("creep_law", Words(|row| row.own[0].clone())),
+    ("node_spacing [m]", Words(|row| row.own[1].clone())),
+    ("smoothing [m]", Words(|row| row.own[2].clone())),
+    ("communication_step [s]", Words(|row| row.own[3].clone())),
 ];
+
+impl Row<'_> {
+    fn cell(&self, (_, cell): &(&str, Cell)) -> String {
+        match cell {
+            Words(words) => words(self),
+            Number(number) => self.done.map(|(measured, errors)| format!("{:?}", number(measured, errors))).unwrap_or_default(),
+            Count(count) => self.done.map(|(measured, _)| count(measured).to_string()).unwrap_or_default(),
+        }
+    }
+}
 
 /// The processor's name, where the system tells it.
 pub(super) fn machine() -> String {
@@ -61,36 +92,66 @@ pub(super) fn machine() -> String {
 
 /// Writes everything.
 pub(super) fn write(mut writer: impl Write, study: &Study) -> std::io::Result<()> {
-    let note = |writer: &mut dyn Write, key: &str, text: &str| writeln!(writer, "# {key}: {}", text.replace(['\n', '\r'], " "));
-    note(&mut writer, "program", &format!("wheelrail {}", env!("CARGO_PKG_VERSION")))?;
-    note(&mut writer, "machine", &machine())?;
-    note(&mut writer, "scene", &format!("{} ({})", study.scene, study.title))?;
-    note(
-        &mut writer,
-        "span",
-        &format!("{} s, outputs every {} s, worst of {}", study.stop, study.step, study.wheelset.as_deref().unwrap_or("all wheelsets")),
-    )?;
-    note(&mut writer, "errors", "largest over the run, at output times that no step knows of; _95: 95 % of the samples are nearer; told: shown (FACTOR times the reference's uncertainty or more), below, useless (larger than the motion), absent".replace("FACTOR", &FACTOR.to_string()).as_str())?;
-    note(&mut writer, "cost", "CPU seconds of one thread per simulated second, median of the repeated runs without outputs")?;
-    for model in &study.models {
-        let text = match &model.reference {
-            Ok(reference) => format!(
-                "{}: {} with {} and {} at tolerance {:e} m; uncertainty: y {:.1e} m, Q {:.1e} N, N {:.1e} N, YQ {:.1e}, acceleration {:.1e} m/s2{}",
-                model.name,
-                reference.formulation,
-                reference.methods[0],
-                reference.methods[1],
-                reference.tolerance,
-                reference.uncertainty.y.largest,
-                reference.uncertainty.vertical.largest,
-                reference.uncertainty.normal.largest,
-                reference.uncertainty.quotient.largest,
-                reference.uncertainty.acceleration.largest,
-                wavelength(reference.uncertainty.wavelength)
-            ),
-            Err(reason) => format!("{}: none: {reason}", model.name),
+    for (key, text) in notes(study) {
+        writeln!(writer, "# {key}: {}", text.replace(['\n', '\r'], " "))?;
+    }
+    let mut csv = csv::Writer::from_writer(writer);
+    csv.write_record(COLUMNS.iter().map(|column| column.0))?;
+    for point in &study.points {
+        let variant = &study.variants[point.variant];
+        let outcome = match &point.outcome {
+            Outcome::Done { .. } => "ok".to_string(),
+            Outcome::Failed(reason) => format!("failed: {reason}"),
+            Outcome::Skipped(reason) => format!("not run: {reason}"),
         };
-        note(&mut writer, "reference", &text)?;
+        let done = Study::done(point);
+        let told = Quantity::ALL.map(|quantity| done.map_or("", |_| told(study.standing(point, quantity))));
+        let own =
+            [variant.creep_law.map(String::from).unwrap_or_default(), some(variant.node_spacing), some(variant.smoothing), String::new()];
+        let row = Row { formulation: variant.formulation, setting: &point.setting, outcome, done, told, own };
+        csv.write_record(COLUMNS.iter().map(|column| row.cell(column)))?;
+    }
+    for coupled in &study.coupled {
+        let told = [if coupled.errors.y.largest < coupled.floor { "below" } else { "shown" }, "", "", "", "", ""];
+        let own = [String::new(), String::new(), String::new(), format!("{:?}", coupled.step)];
+        let (outcome, done) = (format!("ok, input {}", HOLDS[coupled.hold]), Some((&coupled.measured, &coupled.errors)));
+        let row = Row { formulation: coupled.formulation, setting: &coupled.setting, outcome, done, told, own };
+        csv.write_record(COLUMNS.iter().map(|column| row.cell(column)))?;
+    }
+    csv.flush()
+}
+
+/// What the study is, in the order of its `#` lines.
+fn notes(study: &Study) -> Vec<(&'static str, String)> {
+    let whose = study.wheelset.as_deref().unwrap_or("all wheelsets");
+    let mut all = vec![
+        ("program", format!("wheelrail {}", env!("CARGO_PKG_VERSION"))),
+        ("machine", machine()),
+        ("scene", format!("{} ({})", study.scene, study.title)),
+        ("span", format!("{} s, outputs every {} s, worst of {whose}", study.stop, study.step)),
+        (
+            "errors",
+            format!(
+                "largest over the run, at output times that no step knows of; _95: 95 % of the samples are nearer; told: shown ({FACTOR} times the \
+                 reference's uncertainty or more), below, useless (larger than the motion), absent"
+            ),
+        ),
+        ("cost", "CPU seconds of one thread per simulated second, median of the repeated runs without outputs".into()),
+    ];
+    for model in &study.models {
+        let words = match &model.reference {
+            Ok(reference) => {
+                let sure = |quantity: Quantity| {
+                    let value = reference.uncertainty.of(quantity)?;
+                    Some(format!("{} {value:.1e} {}", quantity.key(), quantity.unit()).trim_end().to_string())
+                };
+                let uncertainty: Vec<String> = Quantity::ALL.into_iter().filter_map(sure).collect();
+                let (formulation, [first, second], tolerance) = (reference.formulation, reference.methods, reference.tolerance);
+                format!("{formulation} with {first} and {second} at tolerance {tolerance:e} m; uncertainty: {}", uncertainty.join(", "))
+            }
+            Err(reason) => format!("none: {reason}"),
+        };
+        all.push(("reference", format!("{}: {words}", model.name)));
     }
     for difference in &study.differences {
         let [first, second] = [difference.first, difference.second].map(|model| study.models[model].name.as_str());
@@ -99,43 +160,13 @@ pub(super) fn write(mut writer: impl Write, study: &Study) -> std::io::Result<()
             Apart::Untold => Some(format!("{} not to be told from the references", quantity.key())),
         };
         let parts: Vec<String> = Quantity::ALL.into_iter().filter_map(part).collect();
-        let text = format!("{first} against {second}: {}: no numerical error", parts.join(", "));
-        note(&mut writer, "models", &text)?;
+        all.push(("models", format!("{first} against {second}: {}: no numerical error", parts.join(", "))));
     }
-    for text in &study.notes {
-        note(&mut writer, "note", text)?;
-    }
+    all.extend(study.notes.iter().map(|note| ("note", note.clone())));
     if !study.coupled.is_empty() {
-        note(&mut writer, "rows with a communication step", COUPLING)?;
+        all.push(("rows with a communication step", COUPLING.into()));
     }
-    let mut csv = csv::Writer::from_writer(writer);
-    csv.write_record(HEADER)?;
-    for point in &study.points {
-        let variant = &study.variants[point.variant];
-        let (outcome, done) = match &point.outcome {
-            Outcome::Done { measured, errors } => ("ok".to_string(), Some((measured, errors))),
-            Outcome::Failed(reason) => (format!("failed: {reason}"), None),
-            Outcome::Skipped(reason) => (format!("not run: {reason}"), None),
-        };
-        let told = Quantity::ALL.map(|quantity| done.map_or("", |_| told(study.standing(point, quantity))));
-        let own =
-            [variant.creep_law.map(String::from).unwrap_or_default(), some(variant.node_spacing), some(variant.smoothing), String::new()];
-        csv.write_record(row(variant.formulation, &point.setting, &outcome, done, told, own))?;
-    }
-    for coupled in &study.coupled {
-        let told = if coupled.errors.y.largest < coupled.floor { "below" } else { "shown" };
-        let own = [String::new(), String::new(), String::new(), format!("{:?}", coupled.step)];
-        let outcome = format!("ok, input {}", HOLDS[coupled.hold]);
-        csv.write_record(row(
-            coupled.formulation,
-            &coupled.setting,
-            &outcome,
-            Some((&coupled.measured, &coupled.errors)),
-            [told, "", "", "", "", ""],
-            own,
-        ))?;
-    }
-    csv.flush()
+    all
 }
 
 fn told(standing: Standing) -> &'static str {
@@ -147,63 +178,6 @@ fn told(standing: Standing) -> &'static str {
     }
 }
 
-/// Behind other quantities.
-fn wavelength(value: Option<f64>) -> String {
-    value.map(|value| format!(", wavelength {value:.1e} m")).unwrap_or_default()
-}
-
 fn some(value: Option<f64>) -> String {
     value.map(|value| format!("{value:?}")).unwrap_or_default()
-}
-
-fn row(
-    formulation: &str,
-    setting: &Setting,
-    outcome: &str,
-    done: Option<(&Measured, &Errors)>,
-    told: [&str; 6],
-    own: [String; 4],
-) -> Vec<String> {
-    let number = |value: &dyn Fn(&Measured, &Errors) -> f64| {
-        done.map(|(measured, errors)| format!("{:?}", value(measured, errors))).unwrap_or_default()
-    };
-    let count = |value: &dyn Fn(&Measured) -> u64| done.map(|(measured, _)| value(measured).to_string()).unwrap_or_default();
-    let mut row = vec![formulation.to_string(), setting.integrator.to_string(), some(setting.tolerance()), some(setting.step())];
-    row.extend([
-        number(&|_, errors| errors.y.largest),
-        number(&|_, errors| errors.normal.largest),
-        number(&|measured, _| measured.median()),
-        number(&|measured, _| 1.0 / measured.median()),
-        count(&|measured| measured.statistics.evaluations),
-        count(&|measured| measured.statistics.iterations),
-        count(&|measured| measured.statistics.rejected),
-        outcome.to_string(),
-        number(&|_, errors| errors.y.rms),
-        number(&|_, errors| errors.normal.rms),
-        number(&|_, errors| errors.normal.most),
-        number(&|_, errors| errors.vertical.largest),
-        number(&|_, errors| errors.vertical.rms),
-        number(&|_, errors| errors.vertical.most),
-        number(&|_, errors| errors.quotient.largest),
-        number(&|_, errors| errors.quotient.rms),
-        number(&|_, errors| errors.quotient.most),
-        number(&|_, errors| errors.acceleration.largest),
-        number(&|_, errors| errors.acceleration.rms),
-        number(&|_, errors| errors.acceleration.most),
-        some(done.and_then(|(_, errors)| errors.wavelength)),
-    ]);
-    row.extend(told.map(String::from));
-    row.extend([
-        count(&|measured| measured.statistics.steps),
-        count(&|measured| measured.statistics.linearisations),
-        count(&|measured| measured.statistics.factorisations),
-        count(&|measured| measured.work.search_iterations),
-        count(&|measured| measured.work.force_iterations),
-        count(&|measured| measured.work.constraint_iterations),
-        number(&|measured, _| measured.spread().0),
-        number(&|measured, _| measured.spread().1),
-        count(&|measured| measured.cpu.len() as u64),
-    ]);
-    row.extend(own);
-    row
 }

@@ -4,19 +4,19 @@ mod csv;
 mod pictures;
 mod words;
 
-use super::output::{Kind, Target};
-use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, print, refused, say, seconds};
+use super::{
+    Failure, SceneArguments, TimeArguments, WheelsetArgument, chosen, csv_target, file_names, make_folder, names, print, say, seconds,
+};
 use crate::contact::creep;
 use crate::formulation;
 use crate::scene::spec::Scene;
-use crate::settings::{Entry, did_you_mean};
 use crate::solve;
 use crate::study::accuracy::{self, Request, Study, StudyError};
 use crate::study::shares::{self, Span};
 use crate::units::Dimension;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What is run where nothing is named.
 const TOLERANCES: &str = "1e-4,3e-5,1e-5,1e-6,1e-7,1e-8,1e-10";
@@ -105,10 +105,6 @@ pub(super) struct Arguments {
 
 pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
-    let to_stdout = arguments.output.as_deref() == Some(Path::new("-"));
-    if to_stdout && arguments.json {
-        return Err(Failure::Input("-o - and --json both write to stdout; choose one".into()));
-    }
     if arguments.wheelset.wheelset.is_some() {
         arguments.wheelset.choose(&scene)?;
     }
@@ -123,9 +119,9 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
     }
     let left_out = left_out(arguments, &request)?;
     // Whatever can't be written is better known before the runs.
-    let target = arguments.output.as_deref().map(|path| Target::find(path, Kind::Csv)).transpose().map_err(refused)?;
+    let target = csv_target(&arguments.output, arguments.json)?;
     if let Some(folder) = &arguments.plot {
-        std::fs::create_dir_all(folder).map_err(|error| Failure::Input(format!("{}: can't be made: {error}", folder.display())))?;
+        make_folder(folder)?;
     }
     let mut study = run(&request).map_err(|failure| match failure {
         Failure::Run(reason) => {
@@ -145,9 +141,9 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
         None => Vec::new(),
     };
     if arguments.json {
-        let json = serde_json::json!({"study": study, "best": words::json(&study), "pictures": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>()});
+        let json = serde_json::json!({"study": study, "best": words::json(&study), "pictures": file_names(&files)});
         print(&format!("{json}\n"))?;
-    } else if !to_stdout {
+    } else if !target.is_some_and(|target| target.is_stdout()) {
         print(&words::text(&study))?;
     }
     for file in files {
@@ -235,19 +231,6 @@ fn request(arguments: &Arguments, scene_step: f64) -> Result<Request<'_>, Failur
 
 fn or_standard(given: &[String], standard: &str) -> Vec<String> {
     if given.is_empty() { standard.split(',').map(String::from).collect() } else { given.to_vec() }
-}
-
-fn names<P>(registry: &'static [Entry<P>]) -> Vec<&'static str> {
-    registry.iter().map(|entry| entry.name).collect()
-}
-
-/// Those that are named out of the known ones, in the order of these; all where none is named.
-fn chosen(flag: &str, names: &[String], known: Vec<&'static str>) -> Result<Vec<&'static str>, Failure> {
-    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
-        let hint = did_you_mean(name, &known);
-        return Err(Failure::Input(format!("{flag} {name}{hint}: expected some of {}", known.join(", "))));
-    }
-    Ok(known.into_iter().filter(|known| names.is_empty() || names.iter().any(|name| name == known)).collect())
 }
 
 /// Numbers greater than 0 with or without a unit, in the order of size, largest first, none twice.

@@ -1,11 +1,10 @@
 //! The study's pictures.
 
-use super::words::{size, useless};
-use crate::cli::plot::loglog::{self, Mark, Panel, Series, Sheet};
-use crate::cli::plot::scatter;
+use super::words::model_words;
+use crate::cli::plot::{Ink, Mark, Panel, Series, Sheet};
 use crate::solve;
-use crate::study::accuracy::{Apart, COUPLING, HOLDS, Measured, Model, Outcome, Quantity, Setting, Standing, Study, front};
-use crate::study::digits::rounded;
+use crate::study::accuracy::{Apart, COUPLING, HOLDS, Measured, Model, Quantity, Standing, Study, front};
+use crate::study::digits::{rounded, sized};
 use std::path::{Path, PathBuf};
 
 /// A horizontal axis.
@@ -13,7 +12,7 @@ struct Along {
     key: &'static str,
     title: &'static str,
     axis: &'static str,
-    /// Median, smallest and largest of a point.
+    /// Of a point: median, smallest and largest.
     value: fn(&Measured, f64) -> [f64; 3],
 }
 
@@ -32,27 +31,25 @@ const ALONG: [Along; 2] = [
     },
 ];
 
+/// Below the title of a picture with marks that are only bounds.
+const BOUNDS: &str = "hollow with an arrow: better than this, which is all that the reference can tell";
+
 /// Draws all of them; returns the files.
 pub(super) fn draw(folder: &Path, study: &Study) -> Result<Vec<PathBuf>, String> {
-    let mut files = Vec::new();
-    for quantity in Quantity::ALL {
-        for along in &ALONG {
-            files.extend(errors(folder, study, quantity, along)?);
-        }
-    }
-    files.extend(best(folder, study)?);
-    files.extend(communication(folder, study)?);
-    Ok(files)
+    let errors = Quantity::ALL.iter().flat_map(|quantity| ALONG.iter().map(|along| errors(study, *quantity, along)));
+    let sheets = errors.chain([best(study), communication(study)]).flatten();
+    let draw = |(key, sheet): (String, Sheet)| {
+        let file = folder.join(format!("{}_{key}.svg", study.scene));
+        sheet.draw(&file).map(|()| file)
+    };
+    sheets.map(draw).collect()
 }
 
 /// Caption of an error's axis.
 fn axis(quantity: Quantity) -> String {
     let unit = if quantity.unit().is_empty() { String::new() } else { format!(" [{}]", quantity.unit()) };
-    let how = match quantity {
-        Quantity::Wavelength => "error of the mean",
-        _ => "largest error",
-    };
-    format!("{}: {how}{unit}", capital(quantity.words()))
+    let how = if quantity == Quantity::Wavelength { "error of the mean" } else { "largest error" };
+    format!("{how}{unit}")
 }
 
 fn capital(words: &str) -> String {
@@ -60,158 +57,111 @@ fn capital(words: &str) -> String {
     letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
-/// An integrator's colour and mark: its place in the registry.
-fn style(integrator: &str) -> usize {
-    solve::REGISTRY.iter().position(|entry| entry.name == integrator).unwrap_or(0)
+fn bounded<'a>(panels: impl IntoIterator<Item = &'a Panel>) -> bool {
+    panels.into_iter().flat_map(|panel| &panel.series).flat_map(|series| &series.marks).any(|mark| mark.bound)
 }
 
-/// What all pictures say below their title.
-fn subtitles(study: &Study, stop: f64, bounds: bool) -> Vec<String> {
-    let mut lines = vec![format!("{}, {} s", study.title, rounded(stop))];
-    if bounds {
-        lines.push("hollow with an arrow: better than this, which is all that the reference can tell".into());
-    }
-    lines
-}
-
-/// One panel per variant, one series per integrator; nothing where no point can be shown.
-fn errors(folder: &Path, study: &Study, quantity: Quantity, along: &Along) -> Result<Option<PathBuf>, String> {
-    let mut panels = Vec::new();
-    let (mut bounded, mut runs) = (Vec::new(), 0);
+/// One panel per variant, one series per integrator in the registry's order; nothing where no point can be shown.
+fn errors(study: &Study, quantity: Quantity, along: &Along) -> Option<(String, Sheet)> {
+    let (mut panels, mut better, mut runs) = (Vec::new(), Vec::new(), 0);
     for (index, variant) in study.variants.iter().enumerate() {
         let Some(model) = study.model_of(index) else { continue };
-        let mut series: Vec<Series> = Vec::new();
-        for point in study.points.iter().filter(|point| point.variant == index) {
-            let Outcome::Done { measured, .. } = &point.outcome else { continue };
-            let (y, bound) = match study.standing(point, quantity) {
-                Standing::Shown(error) => (error, false),
-                Standing::Below(floor) => (floor, true),
-                Standing::Useless | Standing::Absent => continue,
+        let mut of_method = |name: &str| -> Vec<Mark> {
+            let own = study.points.iter().filter(|point| point.variant == index && point.setting.integrator == name);
+            let shown = own.filter_map(|point| Some((point, study.standing(point, quantity).bound()?)));
+            let mark = |(point, (y, bound))| {
+                let (measured, _) = Study::done(point)?;
+                let [x, low, high] = (along.value)(measured, study.stop);
+                runs = runs.max(measured.cpu.len());
+                Some(Mark { x, y, bar: Some((low, high)), bound, ..Mark::default() })
             };
-            let [x, low, high] = (along.value)(measured, study.stop);
-            let mark = Mark { x, y, low, high, bound };
-            runs = measured.cpu.len().max(runs);
-            let name = point.setting.integrator;
-            match series.iter_mut().find(|series| series.label == name) {
-                Some(series) => series.marks.push(mark),
-                None => series.push(Series { label: name.into(), style: style(name), marks: vec![mark] }),
-            }
-        }
+            shown.filter_map(mark).collect()
+        };
+        let methods = solve::REGISTRY.iter().enumerate().map(|(style, entry)| (style, entry.name, of_method(entry.name)));
+        let series: Vec<Series> = methods
+            .filter(|(.., marks)| !marks.is_empty())
+            .map(|(style, name, marks)| Series::marks(name, Ink::marks(style), marks))
+            .collect();
         if series.is_empty() {
             continue;
         }
         // Where all points are better than the reference can tell there is nothing to see.
-        if !series.iter().any(|series| series.marks.iter().any(|mark| !mark.bound)) {
+        if series.iter().all(|series| series.marks.iter().all(|mark| mark.bound)) {
             let floor = model.reference.as_ref().map_or(f64::INFINITY, |reference| reference.floor(quantity));
-            bounded.push(format!("{} (all below {})", variant.label(), size(floor, quantity)));
+            better.push(format!("{} (below {})", variant.label(), sized(floor, quantity.unit(), 2)));
             continue;
         }
         let (levels, aside) = levels(study, model, quantity);
-        let kind = if model.rigid { "rigid" } else { "elastic" };
-        panels.push(Panel { title: format!("{} ({kind})", variant.label()), series, levels, aside });
+        let title = format!("{} ({})", variant.label(), model.kind());
+        panels.push(Panel { levels, aside, height: 430.0, ..Panel::new(&title, [along.axis, &axis(quantity)], series).log() });
     }
-    if panels.is_empty() {
-        return Ok(None);
-    }
-    let marks = || panels.iter().flat_map(|panel| panel.series.iter().flat_map(|series| series.marks.iter()));
-    let file = folder.join(format!("{}_{}_{}.svg", study.scene, along.key, quantity.key()));
+    let mut subtitles = vec![format!("{}, {} s", study.title, rounded(study.stop))];
+    let mut note = |said: bool, words: String| subtitles.extend(said.then_some(words));
+    note(bounded(&panels), BOUNDS.into());
+    note(!better.is_empty(), format!("all better than the reference can tell: {}", better.join(", ")));
+    note(along.key == "time" && runs > 1, format!("bars: spread of up to {runs} runs"));
+    let useless = study.count(quantity, |standing| standing == Standing::Useless);
+    note(useless > 0, format!("not drawn: errors larger than the motion itself ({useless})"));
     let title = format!("{}: {}", capital(quantity.words()), along.title);
-    let mut subtitles = subtitles(study, study.stop, marks().any(|mark| mark.bound));
-    if !bounded.is_empty() {
-        subtitles.push(format!("without a panel, better than the reference can tell: {}", bounded.join(", ")));
-    }
-    if along.key == "time" && runs > 1 {
-        subtitles.push(format!("bars: spread of up to {runs} runs"));
-    }
-    match useless(study, quantity) {
-        0 => {}
-        1 => subtitles.push("not drawn: 1 point with an error larger than the motion itself".into()),
-        count => subtitles.push(format!("not drawn: {count} points with errors larger than the motion itself")),
-    }
-    loglog::draw(&file, &Sheet { title: &title, subtitles: &subtitles, axes: [along.axis, &axis(quantity)], panels: &panels })?;
-    Ok(Some(file))
+    (!panels.is_empty()).then(|| (format!("{}_{}", along.key, quantity.key()), Sheet { title, subtitles, columns: 2, panels }))
 }
 
 /// Distances of a model from others, and their words.
 fn levels(study: &Study, model: &Model, quantity: Quantity) -> (Vec<f64>, String) {
-    let (mut levels, mut words) = (Vec::new(), Vec::new());
-    for difference in &study.differences {
-        let [first, second] = [difference.first, difference.second].map(|index| &study.models[index]);
-        let other = if first.name == model.name { second } else { first };
-        let concerned = first.name == model.name || second.name == model.name;
-        // A distance that the references can't tell is no line.
-        if let (true, Some(Apart::Told(level))) = (concerned, study.apart(difference, quantity))
-            && level > 0.0
-        {
-            levels.push(level);
-            words.push(format!("{} {}", other.name, size(level, quantity)));
+    let told = study.differences.iter().filter_map(|difference| {
+        let pair = [difference.first, difference.second].map(|index| study.models[index].name.as_str());
+        let other = pair.iter().find(|name| **name != model.name).filter(|_| pair.contains(&model.name.as_str()))?;
+        match study.apart(difference, quantity)? {
+            Apart::Told(level) if level > 0.0 => Some((level, format!("{other} {}", sized(level, quantity.unit(), 2)))),
+            // A distance that the references can't tell is no line.
+            _ => None,
         }
-    }
-    let words = if words.is_empty() { String::new() } else { format!("dashed, difference of models: {}", words.join(", ")) };
+    });
+    let (levels, words): (Vec<f64>, Vec<String>) = told.unzip();
+    let words = if words.is_empty() { String::new() } else { format!("dashed: away from {}", words.join(", ")) };
     (levels, words)
 }
 
 /// The points of each model that no other one beats, by name.
-fn best(folder: &Path, study: &Study) -> Result<Option<PathBuf>, String> {
-    let quantity = [Quantity::Displacement, Quantity::WheelLoad]
-        .into_iter()
-        .find(|quantity| study.points.iter().any(|point| matches!(study.standing(point, *quantity), Standing::Shown(_))));
-    let Some(quantity) = quantity else { return Ok(None) };
-    let mut labels = Vec::new();
-    for model in &study.models {
+fn best(study: &Study) -> Option<(String, Sheet)> {
+    let shown = |quantity: &Quantity| study.count(*quantity, |standing| matches!(standing, Standing::Shown(_))) > 0;
+    let quantity = [Quantity::Displacement, Quantity::WheelLoad].into_iter().find(shown)?;
+    let series = study.models.iter().enumerate().map(|(style, model)| {
         let among: Vec<usize> = (0..study.points.len()).filter(|point| model.variants.contains(&study.points[*point].variant)).collect();
-        for point in front(study, &among, quantity) {
+        let mark = |point: usize| {
             let point = &study.points[point];
-            let Outcome::Done { measured, .. } = &point.outcome else { continue };
-            let (error, better) = match study.standing(point, quantity) {
-                Standing::Shown(error) => (error, ""),
-                // The cheapest of those that the reference can't tell apart.
-                Standing::Below(floor) if floor > 0.0 => (floor, " (or better)"),
-                _ => continue,
-            };
-            let Setting { integrator, .. } = point.setting;
-            let label = format!("{} {integrator} {}{better}", study.variants[point.variant].label(), point.setting.number());
-            labels.push((label, 1e3 * measured.median(), error));
-        }
-    }
-    if labels.is_empty() {
-        return Ok(None);
-    }
-    let points: Vec<scatter::Point> = labels.iter().map(|(label, x, y)| scatter::Point { label, x: *x, y: *y }).collect();
-    let file = folder.join(format!("{}_best.svg", study.scene));
-    let subtitle = format!("{}, {} s; ECCF and ACCF are rigid, ECF elastic: errors within each model", study.title, rounded(study.stop));
-    scatter::draw(
-        &file,
-        "What to choose: in its model nothing is more exact and faster",
-        &subtitle,
-        [ALONG[0].axis, &axis(quantity)],
-        &points,
-    )?;
-    Ok(Some(file))
+            // The cheapest of those that the reference can't tell apart.
+            let (y, bound) = study.standing(point, quantity).bound().filter(|(error, _)| *error > 0.0)?;
+            let label = format!("{} {} {}", study.variants[point.variant].label(), point.setting.integrator, point.setting.number());
+            Some(Mark { x: 1e3 * Study::done(point)?.0.median(), y, bar: None, bound, label })
+        };
+        let marks = front(study, &among, quantity).into_iter().filter_map(mark).collect();
+        Series::marks(&model_words(study, model), Ink::marks(style), marks)
+    });
+    let series: Vec<Series> = series.filter(|series| !series.marks.is_empty()).collect();
+    let panel = Panel { height: 620.0, ..Panel::new(capital(quantity.words()).as_str(), [ALONG[0].axis, &axis(quantity)], series).log() };
+    let mut subtitles = vec![format!("{}, {} s; errors within each model", study.title, rounded(study.stop))];
+    subtitles.extend(bounded([&panel]).then(|| BOUNDS.into()));
+    let title = "What to choose: in its model nothing is more exact and faster".into();
+    (!panel.series.is_empty()).then(|| ("best".into(), Sheet { title, subtitles, columns: 1, panels: vec![panel] }))
 }
 
 /// Error against communication step.
-fn communication(folder: &Path, study: &Study) -> Result<Option<PathBuf>, String> {
-    let Some(one) = study.coupled.first() else { return Ok(None) };
+fn communication(study: &Study) -> Option<(String, Sheet)> {
+    let one = study.coupled.first()?;
     let series = HOLDS.iter().enumerate().map(|(hold, words)| {
         let own = study.coupled.iter().filter(|coupled| coupled.hold == hold);
-        let mark = |step: f64, error: f64, floor: f64| {
-            let x = 1e3 * step;
-            Mark { x, y: error.max(floor), low: x, high: x, bound: error < floor }
-        };
-        let marks = own.map(|coupled| mark(coupled.step, coupled.errors.y.largest, coupled.floor)).filter(|mark| mark.y > 0.0).collect();
-        Series { label: format!("input: {words}"), style: hold, marks }
+        let marks = own.map(|coupled| {
+            let (error, floor) = (coupled.errors.y.largest, coupled.floor);
+            Mark { x: 1e3 * coupled.step, y: error.max(floor), bound: error < floor, ..Mark::default() }
+        });
+        Series::marks(&format!("input: {words}"), Ink::marks(hold), marks.filter(|mark| mark.y > 0.0).collect())
     });
     let title = format!("{}, {}", one.formulation, one.setting.words());
-    let panels = [Panel { title, series: series.collect(), levels: Vec::new(), aside: String::new() }];
-    let bounds = panels[0].series.iter().any(|series| series.marks.iter().any(|mark| mark.bound));
-    let mut subtitles = subtitles(study, one.stop, bounds);
-    subtitles.insert(1, COUPLING.into());
-    let file = folder.join(format!("{}_communication.svg", study.scene));
-    let axes = ["communication step [ms]", &axis(Quantity::Displacement)];
-    loglog::draw(
-        &file,
-        &Sheet { title: "Lateral displacement: error against communication step", subtitles: &subtitles, axes, panels: &panels },
-    )?;
-    Ok(Some(file))
+    let panel = Panel::new(&title, ["communication step [ms]", &axis(Quantity::Displacement)], series.collect()).log();
+    let panel = Panel { height: 480.0, ..panel };
+    let mut subtitles = vec![format!("{}, {} s", study.title, rounded(one.stop)), COUPLING.into()];
+    subtitles.extend(bounded([&panel]).then(|| BOUNDS.into()));
+    let title = "Lateral displacement: error against communication step".into();
+    Some(("communication".into(), Sheet { title, subtitles, columns: 1, panels: vec![panel] }))
 }

@@ -1,9 +1,9 @@
-//! The study in words: the references, what to choose for an accuracy, how far models differ, what was not run.
+//! The study in words: the references, what to choose for an accuracy, how far models differ, what gave no number.
 
 use super::csv::machine;
 use crate::cli::table;
 use crate::study::accuracy::{Apart, Best, COUPLING, FACTOR, HOLDS, Model, Outcome, Point, Quantity, Standing, Study, best};
-use crate::study::digits::rounded;
+use crate::study::digits::{rounded, sized};
 use serde_json::{Value, json};
 
 /// Accuracies that are asked for, SI.
@@ -16,55 +16,21 @@ const LEVELS: [(Quantity, &[f64]); 6] = [
     (Quantity::Wavelength, &[1.0, 0.1, 0.01]),
 ];
 
-/// "0.1 mm", "10 um", "250 N".
-pub(super) fn size(value: f64, quantity: Quantity) -> String {
-    const PREFIXES: [(&str, f64); 7] = [("k", 1e3), ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9), ("p", 1e-12), ("f", 1e-15)];
-    let digits = |value: f64| -> String {
-        let text = format!("{value:.1e}").parse::<f64>().unwrap_or(value);
-        if text >= 10.0 { format!("{text:.0}") } else { format!("{text}") }
-    };
-    match quantity.unit() {
-        "" if value < 1e-3 => format!("{value:.0e}"),
-        "" => digits(value),
-        unit if value < 1e-15 => format!("0 {unit}"),
-        unit => {
-            // 0.1 mm is what people say, not 100 um; and no kilometres.
-            let most = if unit == "m" { 1.0 } else { 1e3 };
-            let round = value * (1.0 + 1e-9);
-            let prefix =
-                PREFIXES.iter().find(|(_, size)| *size <= most && (round >= *size || *size == 1e-3 && unit == "m" && round >= 1e-4));
-            let (prefix, size) = prefix.copied().unwrap_or(("f", 1e-15));
-            format!("{} {prefix}{unit}", digits(value / size))
-        }
-    }
-}
-
-/// "0.0041 s per simulated second, 240 times real time".
-fn cost(seconds: f64) -> String {
-    let decimals = (1 - seconds.log10().floor() as i32).clamp(0, 9) as usize;
-    let factor = 1.0 / seconds;
-    let factor = if factor < 9.95 { format!("{factor:.1}") } else { format!("{factor:.0}") };
-    format!("{seconds:.decimals$} s per simulated second, {factor} times real time")
+fn size(value: f64, quantity: Quantity) -> String {
+    sized(value, quantity.unit(), 2)
 }
 
 /// "rigid contact (ACCF, ECCF)".
-fn model_words(study: &Study, model: &Model) -> String {
+pub(super) fn model_words(study: &Study, model: &Model) -> String {
     let names: Vec<&str> = model.variants.iter().map(|variant| study.variants[*variant].formulation).collect();
-    let changes = model.variants.first().map(|variant| study.variants[*variant].changes()).unwrap_or_default();
-    let changes = if changes.is_empty() { changes } else { format!(", {changes}") };
-    let kind = if model.rigid { "rigid" } else { "elastic" };
-    format!("{kind} contact ({}){changes}", names.join(", "))
+    let changes = model.variants.first().map(|variant| study.variants[*variant].changes()).filter(|changes| !changes.is_empty());
+    format!("{} contact ({}){}", model.kind(), names.join(", "), changes.map(|changes| format!(", {changes}")).unwrap_or_default())
 }
 
-/// Accuracies out of `levels` that are smaller than the model's motion itself.
+/// Accuracies that are smaller than the model's motion itself.
 fn sensible(model: &Model, quantity: Quantity, levels: &[f64]) -> Vec<f64> {
     let motion = model.reference.as_ref().ok().and_then(|reference| reference.motion.of(quantity)).unwrap_or(f64::INFINITY);
     levels.iter().copied().filter(|level| *level < motion).collect()
-}
-
-/// Points with an error that is larger than the motion itself.
-pub(super) fn useless(study: &Study, quantity: Quantity) -> usize {
-    study.points.iter().filter(|point| study.standing(point, quantity) == Standing::Useless).count()
 }
 
 /// The whole text.
@@ -85,8 +51,7 @@ pub(super) fn text(study: &Study) -> String {
 
 fn references(study: &Study) -> String {
     let head = ["model", "tolerance", "y [m]", "Q [N]", "N [N]", "Y/Q", "a [m/s2]", "wavelength [m]", "waves of [m]"].map(String::from);
-    let mut rows = Vec::new();
-    let mut missing = String::new();
+    let (mut rows, mut missing, mut methods) = (Vec::new(), String::new(), String::new());
     for model in &study.models {
         match &model.reference {
             Ok(reference) => {
@@ -95,90 +60,80 @@ fn references(study: &Study) -> String {
                 row.extend(Quantity::ALL.map(cell));
                 row.push(reference.wavelength.map_or("-".into(), |length| format!("{length:.3}")));
                 rows.push(row);
+                methods = reference.methods.join(" and ");
             }
             Err(reason) => missing += &format!("  {}: no reference: {reason}\n", model_words(study, model)),
         }
     }
-    let methods = study.models.iter().find_map(|model| model.reference.as_ref().ok()).map(|reference| reference.methods.join(" and "));
-    format!(
-        "\nReferences: distance of two methods, {}; errors below {FACTOR} times that are not told\n\n{}{missing}",
-        methods.unwrap_or_default(),
-        table(&head, &rows)
-    )
+    let table = table(&head, &rows);
+    format!("\nReferences: distance of two methods, {methods}; errors below {FACTOR} times that are not told\n\n{table}{missing}")
 }
 
+/// A table of the cheapest points for a quantity.
 fn choices(study: &Study, quantity: Quantity, levels: &[f64]) -> String {
-    let mut text = String::new();
-    let any = study.points.iter().any(|point| study.standing(point, quantity) != Standing::Absent);
-    if !any {
-        let why = match quantity {
-            Quantity::Wavelength => "no wheelset swings through two waves of more than 10 um, or all waves agree",
-            Quantity::Displacement => "does not move by more than the references can tell",
-            _ => "changes by no more than the references can tell",
-        };
-        return format!("\n  {}: {why}\n", quantity.words());
+    let head = [quantity.words(), "to", "use", "with", "error", "ms per simulated second", "times real time"].map(String::from);
+    if study.count(quantity, |standing| standing != Standing::Absent) == 0 {
+        return format!("\n  {}: absent, or moves by less than the references can tell\n", quantity.words());
     }
-    for (index, model) in study.models.iter().enumerate() {
-        let levels = &sensible(model, quantity, levels);
-        if let (true, Ok(reference)) = (levels.is_empty(), &model.reference) {
-            let motion = size(reference.motion.of(quantity).unwrap_or(0.0), quantity);
-            text += &format!("\n  {}, {}: changes by {motion}, less than any accuracy here\n", quantity.words(), model_words(study, model));
-        }
-        let found = best(study, index, quantity, levels);
-        if found.is_empty() {
-            continue;
-        }
-        text += &format!("\n  {}, {}\n", quantity.words(), model_words(study, model));
-        for one in &found {
-            text += &format!("    {}\n", choice(study, quantity, one));
-        }
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for (index, model) in study.models.iter().enumerate().filter(|(_, model)| model.reference.is_ok()) {
+        let levels = sensible(model, quantity, levels);
+        let found = best(study, index, quantity, &levels);
+        let mut own: Vec<Vec<String>> = found.iter().filter_map(|one| choice(study, quantity, one)).collect();
         let reached = found.last().and_then(|one| one.levels.last()).copied().unwrap_or(f64::INFINITY);
-        if let Some(next) = levels.iter().find(|level| **level < reached) {
-            text += &format!("    {}: not reached, or not to be told from the reference\n", size(*next, quantity));
+        // Where the reference tells nothing of a model, there is nothing to be reached.
+        let told =
+            study.points.iter().any(|point| model.variants.contains(&point.variant) && study.standing(point, quantity) != Standing::Absent);
+        if let Some(next) = levels.iter().find(|level| told && **level < reached) {
+            own.push([String::new(), size(*next, quantity), "not reached".into()].into_iter().chain((3..7).map(|_| "-".into())).collect());
         }
+        if let Some(first) = own.first_mut() {
+            first[0] = model_words(study, model);
+        }
+        rows.extend(own);
     }
-    text
+    if rows.is_empty() {
+        return format!("\n  {}: changes by less than any accuracy here\n", quantity.words());
+    }
+    format!("\n{}", table(&head, &rows))
 }
 
-fn choice(study: &Study, quantity: Quantity, one: &Best) -> String {
+fn choice(study: &Study, quantity: Quantity, one: &Best) -> Option<Vec<String>> {
     let point = &study.points[one.point];
-    let Outcome::Done { measured, .. } = &point.outcome else { return String::new() };
+    let seconds = Study::done(point)?.0.median();
     let levels: Vec<String> = one.levels.iter().map(|level| size(*level, quantity)).collect();
-    let levels = match levels.split_last() {
-        Some((last, [])) => last.clone(),
-        Some((last, others)) => format!("{} or {last}", others.join(", ")),
-        None => String::new(),
-    };
-    let bound = if matches!(study.standing(point, quantity), Standing::Below(_)) { "below " } else { "" };
-    format!(
-        "for {levels} use {} with {}: {} (error {bound}{})",
+    let bound = if matches!(study.standing(point, quantity), Standing::Below(_)) { "< " } else { "" };
+    let factor = 1.0 / seconds;
+    Some(vec![
+        String::new(),
+        levels.join(", "),
         study.variants[point.variant].label(),
         point.setting.words(),
-        cost(measured.median()),
-        size(one.error, quantity)
-    )
+        format!("{bound}{}", size(one.error, quantity)),
+        sized(1e3 * seconds, "", 2),
+        if factor < 9.95 { format!("{factor:.1}") } else { format!("{factor:.0}") },
+    ])
 }
 
 fn differences(study: &Study) -> String {
-    if study.differences.is_empty() {
-        return String::new();
-    }
-    let mut text = String::from("\nDifferences of models: they stay however fine the integration is, and are no numerical error\n\n");
+    let mut text = String::new();
     for difference in &study.differences {
         let [first, second] = [difference.first, difference.second].map(|model| model_words(study, &study.models[model]));
-        let parts: Vec<String> = Quantity::ALL
-            .into_iter()
-            .filter_map(|quantity| {
-                let words = match study.apart(difference, quantity)? {
-                    Apart::Told(value) => size(value, quantity),
-                    Apart::Untold => "not to be told from the references".into(),
-                };
-                Some(format!("{} {words}", quantity.words()))
+        let part = |quantity: Quantity| {
+            let apart = study.apart(difference, quantity)?;
+            Some(match apart {
+                Apart::Told(value) => format!("{} {}", quantity.words(), size(value, quantity)),
+                Apart::Untold => format!("{} below the references' uncertainty", quantity.words()),
             })
-            .collect();
+        };
+        let parts: Vec<String> = Quantity::ALL.into_iter().filter_map(part).collect();
         text += &format!("  {first} against {second}: {}\n", parts.join(", "));
     }
-    text
+    if text.is_empty() {
+        text
+    } else {
+        format!("\nDifferences of models: no numerical error, they stay however fine the integration is\n\n{text}")
+    }
 }
 
 fn coupling(study: &Study) -> String {
@@ -186,12 +141,9 @@ fn coupling(study: &Study) -> String {
     let mut steps: Vec<f64> = study.coupled.iter().map(|coupled| coupled.step).collect();
     steps.sort_by(f64::total_cmp);
     steps.dedup();
-    let head: Vec<String> = ["largest error of y at a communication step of".to_string()]
-        .into_iter()
-        .chain(steps.iter().map(|step| format!("{} ms", rounded(1e3 * step))))
-        .collect();
-    let mut rows = Vec::new();
-    for (hold, words) in HOLDS.iter().enumerate() {
+    let head = steps.iter().map(|step| format!("{} ms", rounded(1e3 * step)));
+    let head: Vec<String> = ["largest error of y at a communication step of".to_string()].into_iter().chain(head).collect();
+    let row = |(hold, words): (usize, &&str)| {
         let cell = |step: &f64| {
             let found = study.coupled.iter().find(|coupled| coupled.hold == hold && coupled.step == *step);
             found.map_or("-".into(), |coupled| {
@@ -199,94 +151,65 @@ fn coupling(study: &Study) -> String {
                 format!("{below}{}", size(coupled.errors.y.largest.max(coupled.floor), Quantity::Displacement))
             })
         };
-        rows.push([format!("input {words}")].into_iter().chain(steps.iter().map(cell)).collect());
-    }
+        [format!("input {words}")].into_iter().chain(steps.iter().map(cell)).collect()
+    };
+    let rows: Vec<Vec<String>> = HOLDS.iter().enumerate().map(row).collect();
     format!("\nCommunication step: {COUPLING} ({}, {})\n\n{}", one.formulation, one.setting.words(), table(&head, &rows))
 }
 
 /// Points that gave nothing, with their reasons.
 fn counts(study: &Study) -> String {
     let mut text = String::new();
-    let points = |count: usize| if count == 1 { "1 point".to_string() } else { format!("{count} points") };
     for quantity in Quantity::ALL {
-        let standings: Vec<Standing> = study.points.iter().map(|point| study.standing(point, quantity)).collect();
-        let below = standings.iter().filter(|standing| matches!(standing, Standing::Below(_))).count();
-        let words = quantity.words();
-        if below > 0 {
-            text += &format!("  {words}: {} more exact than the references can tell: only the bound is drawn\n", points(below));
-        }
-        if useless(study, quantity) > 0 {
-            text += &format!("  {words}: {} with an error larger than the motion itself: not drawn\n", points(useless(study, quantity)));
-        }
-        // Where no point has it the choices have said why.
-        let done = study.points.iter().zip(&standings).filter(|(point, _)| matches!(point.outcome, Outcome::Done { .. }));
-        let absent = done.filter(|(_, standing)| **standing == Standing::Absent).count();
-        if absent > 0 && standings.iter().any(|standing| *standing != Standing::Absent) {
-            text += &format!("  {words}: {} where it is absent or moves by less than the reference can tell: not drawn\n", points(absent));
+        let done = study.points.iter().filter(|point| Study::done(point).is_some()).count();
+        let absent = study.count(quantity, |standing| standing == Standing::Absent) + done - study.points.len();
+        let counts = [
+            (study.count(quantity, |standing| matches!(standing, Standing::Below(_))), "better than the reference can tell"),
+            (study.count(quantity, |standing| standing == Standing::Useless), "with errors larger than the motion"),
+            // Where no point has it the choices have said so.
+            (if absent < done { absent } else { 0 }, "without it"),
+        ];
+        let parts: Vec<String> = counts.iter().filter(|one| one.0 > 0).map(|(count, words)| format!("{count} {words}")).collect();
+        if !parts.is_empty() {
+            text += &format!("  {}: {}\n", quantity.words(), parts.join(", "));
         }
     }
     for (index, variant) in study.variants.iter().enumerate() {
         let own: Vec<&Point> = study.points.iter().filter(|point| point.variant == index).collect();
-        let mut names: Vec<&str> = own.iter().map(|point| point.setting.integrator).collect();
-        names.dedup();
-        for name in names {
-            text += &failures(&format!("{}, {name}", variant.label()), &own, name);
+        for points in own.chunk_by(|a, b| a.setting.integrator == b.setting.integrator) {
+            text += &failures(&variant.label(), points);
         }
-        let skipped: Vec<(&Point, &String)> = own.iter().filter_map(|point| Some((*point, skipped(point)?))).collect();
-        if let Some((_, reason)) = skipped.first() {
-            text += &format!("  {}: {} of {} points not run, the first because {reason}\n", variant.label(), skipped.len(), own.len());
+        let skipped = || own.iter().filter_map(|point| if let Outcome::Skipped(reason) = &point.outcome { Some(reason) } else { None });
+        if let Some(first) = skipped().next() {
+            text += &format!("  {}: {} of {} points not run, the first because {first}\n", variant.label(), skipped().count(), own.len());
         }
     }
     if text.is_empty() { text } else { format!("\nPoints without a number\n{text}") }
 }
 
-fn skipped(point: &Point) -> Option<&String> {
-    if let Outcome::Skipped(reason) = &point.outcome { Some(reason) } else { None }
-}
-
 /// One line for the settings of an integrator that failed, with the first reason.
-fn failures(label: &str, points: &[&Point], integrator: &str) -> String {
+fn failures(label: &str, points: &[&Point]) -> String {
     const LONGEST: usize = 110;
-    let mut settings = Vec::new();
-    let mut first: Option<&str> = None;
-    for point in points.iter().filter(|point| point.setting.integrator == integrator) {
-        if let Outcome::Failed(reason) = &point.outcome {
-            settings.push(format!("{} {}", if point.setting.fixed { "step" } else { "tolerance" }, point.setting.number()));
-            first = first.or(Some(reason));
-        }
-    }
-    let Some(reason) = first else { return String::new() };
+    let failed = || {
+        points.iter().filter_map(|point| if let Outcome::Failed(reason) = &point.outcome { Some((point.setting, reason)) } else { None })
+    };
+    let Some((setting, reason)) = failed().next() else { return String::new() };
+    let (what, numbers): (_, Vec<String>) =
+        (if setting.fixed { "step" } else { "tolerance" }, failed().map(|one| one.0.number()).collect());
     let short: String = reason.chars().take(LONGEST).collect();
     let dots = if short.len() < reason.len() { " ..." } else { "" };
-    format!("  {label}, {}: failed: {short}{dots}\n", settings.join(", "))
+    format!("  {label}, {}, {what} {}: failed: {short}{dots}\n", setting.integrator, numbers.join(", "))
 }
 
 /// The choices for machines.
 pub(super) fn json(study: &Study) -> Value {
-    let mut all = Vec::new();
-    for (quantity, levels) in LEVELS {
-        for (index, model) in study.models.iter().enumerate() {
-            for one in best(study, index, quantity, &sensible(model, quantity, levels)) {
-                all.push(json!({"quantity": quantity, "model": model.name, "levels": one.levels, "point": one.point, "error": one.error}));
-            }
-        }
-    }
-    all.into()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn prop_sizes_are_written_as_people_say_them() {
-        let length = |value| size(value, Quantity::Displacement);
-        assert_eq!([1e-3, 1e-4, 1e-5, 1e-6, 1e-7].map(length), ["1 mm", "0.1 mm", "10 um", "1 um", "100 nm"]);
-        assert_eq!([2.34, 4.57e-13, 0.0].map(length), ["2.3 m", "460 fm", "0 m"]);
-        let force = |value| size(value, Quantity::NormalForce);
-        assert_eq!([1e3, 250.0, 1.0, 3.21e-4].map(force), ["1 kN", "250 N", "1 N", "320 uN"]);
-        assert_eq!([0.01, 1e-3, 1e-4].map(|value| size(value, Quantity::DerailmentQuotient)), ["0.01", "0.001", "1e-4"]);
-        assert_eq!(cost(0.00412), "0.0041 s per simulated second, 243 times real time");
-        assert_eq!(cost(1.62), "1.6 s per simulated second, 0.6 times real time");
-    }
+    let choices = |(quantity, levels): (Quantity, &'static [f64])| {
+        study.models.iter().enumerate().flat_map(move |(index, model)| {
+            let found = best(study, index, quantity, &sensible(model, quantity, levels));
+            found.into_iter().map(
+                move |one| json!({"quantity": quantity, "model": model.name, "levels": one.levels, "point": one.point, "error": one.error}),
+            )
+        })
+    };
+    LEVELS.into_iter().flat_map(choices).collect()
 }

@@ -1,8 +1,7 @@
 //! What to choose: the cheapest point for an accuracy, and the points that no other one beats.
 
 use super::errors::Quantity;
-use super::reference::Standing;
-use super::study::{Outcome, Study};
+use super::study::Study;
 use serde::Serialize;
 
 /// The cheapest point for one or several accuracies.
@@ -18,11 +17,8 @@ pub struct Best {
 
 /// A point's error, or what it is certainly better than, and its cost per simulated second.
 fn known(study: &Study, point: usize, quantity: Quantity) -> Option<(f64, f64)> {
-    let Outcome::Done { measured, .. } = &study.points[point].outcome else { return None };
-    match study.standing(&study.points[point], quantity) {
-        Standing::Shown(error) | Standing::Below(error) => Some((error, measured.median())),
-        Standing::Useless | Standing::Absent => None,
-    }
+    let (measured, _) = Study::done(&study.points[point])?;
+    study.standing(&study.points[point], quantity).bound().map(|(error, _)| (error, measured.median()))
 }
 
 /// The cheapest point of a model at each accuracy that it reaches; accuracies with the same point stand together.

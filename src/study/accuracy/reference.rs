@@ -123,6 +123,17 @@ pub enum Standing {
     Absent,
 }
 
+impl Standing {
+    /// The error, or what it is better than, which is said by `true`.
+    pub fn bound(self) -> Option<(f64, bool)> {
+        match self {
+            Standing::Shown(error) => Some((error, false)),
+            Standing::Below(floor) => Some((floor, true)),
+            Standing::Useless | Standing::Absent => None,
+        }
+    }
+}
+
 impl Reference {
     /// What can be said of a point's error.
     pub fn standing(&self, errors: &Errors, quantity: Quantity) -> Standing {

@@ -300,7 +300,24 @@ fn models(variants: &[Variant], prepared: &[Prepared]) -> Vec<Model> {
     models
 }
 
+impl Model {
+    /// "rigid" or "elastic".
+    pub fn kind(&self) -> &'static str {
+        if self.rigid { "rigid" } else { "elastic" }
+    }
+}
+
 impl Study {
+    /// Cost and errors of a point that was run to its end.
+    pub fn done(point: &Point) -> Option<(&Measured, &Errors)> {
+        if let Outcome::Done { measured, errors } = &point.outcome { Some((measured, errors)) } else { None }
+    }
+
+    /// Points of some standing.
+    pub fn count(&self, quantity: Quantity, of: impl Fn(Standing) -> bool) -> usize {
+        self.points.iter().filter(|point| of(self.standing(point, quantity))).count()
+    }
+
     /// The model of a variant.
     pub fn model_of(&self, variant: usize) -> Option<&Model> {
         self.models.iter().find(|model| model.variants.contains(&variant))

@@ -1,28 +1,23 @@
 //! Where the time of a whole run goes: contact search, laws of contact, multibody system, Jacobians, linear systems, integrator, outputs.
 //!
 //! The run is the scene's, with its integrator and all its outputs at equal intervals, and written as CSV (into memory). What the
-//! integrator asks of the model is timed around each call (see [`watch`]); what is left of the time between two outputs is the
-//! integrator's own: sums of stages, carried motion, error norm, step control, continuous output. What a right-hand side and a Jacobian consist of is
-//! measured on evaluations out of that run, made again in parts (see [`replay`]).
-//!
-//! Each call's time is cleared of the clock's own. The run is repeated; each part counts with its shortest time, and all parts
-//! together are the whole.
+//! integrator asks of the model is timed by the workspace's [`Timers`], cleared of the clocks' own time; what is left of the time between
+//! two outputs is the integrator's own. What a right-hand side and a Jacobian consist of is measured on evaluations out of that run, made again
+//! in parts (see [`anatomy`]), which is also what `wheelrail plan` shows of the initial state. The shortest of several runs counts.
 
-mod again;
-mod replay;
-mod watch;
-mod words;
+pub mod anatomy;
 
+use crate::formulation::timers::{CALLS, Call, Timers};
 use crate::scene::spec::Scene;
 use crate::sim::recording::{Recording, communication_points};
 use crate::sim::vehicle_outputs::scene_outputs;
 use crate::sim::{Simulation, SimulationState};
-use crate::solve::Statistics;
-use replay::{Replay, replay};
+use crate::solve::{SettingKind, Statistics};
+use crate::study::digits::rounded;
+use anatomy::{Anatomy, Sample};
 use serde::Serialize;
-use std::sync::Arc;
+use std::fmt::{Display, Formatter};
 use std::time::Instant;
-use watch::{CALLS, Shared, Tally, Watched, own_time};
 
 /// A part of the work of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -46,57 +41,35 @@ pub enum Part {
     WritingOutputs,
 }
 
-/// What parts belong to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Group {
-    RightHandSides,
-    Jacobians,
-    LinearSystems,
-    Constraints,
-    Integrator,
-    Outputs,
-}
-
-impl Group {
-    pub const ALL: [Group; 6] =
-        [Group::RightHandSides, Group::Jacobians, Group::LinearSystems, Group::Constraints, Group::Integrator, Group::Outputs];
-}
+/// Groups of parts in their order, in words; of a group that is one part its words say it all.
+const GROUPS: [(&str, &[(Part, &str)]); 6] = [
+    (
+        "right-hand sides",
+        &[
+            (Part::ContactSearch, "contact search: places, surfaces there, slip"),
+            (Part::NormalLaw, "normal law with patch and damping"),
+            (Part::CreepLaw, "creep law"),
+            (Part::Track, "track: where bodies are along the curve"),
+            (Part::Forces, "multibody: motion of bodies, force elements"),
+            (Part::EquationsOfMotion, "multibody: equations of motion with joints"),
+            (Part::ContactAndEquations, "contact search, constraints, equations of motion"),
+        ],
+    ),
+    ("Jacobians", &[(Part::JacobianContacts, "contacts, and putting it together"), (Part::JacobianForces, "force elements")]),
+    ("linear systems", &[(Part::Factorisation, "factorisations"), (Part::LinearSystems, "solving with them")]),
+    ("projection onto constraints, events", &[(Part::Constraints, "")]),
+    ("integrator: stages, carried motion, error norm, step control, continuous output", &[(Part::Integrator, "")]),
+    (
+        OUTPUTS,
+        &[(Part::ReadingOutputs, "an evaluation at each output time, and reading them"), (Part::WritingOutputs, "writing them as CSV")],
+    ),
+];
+const OUTPUTS: &str = "outputs";
 
 impl Part {
-    pub const ALL: [Part; 15] = [
-        Part::ContactSearch,
-        Part::NormalLaw,
-        Part::CreepLaw,
-        Part::Track,
-        Part::Forces,
-        Part::EquationsOfMotion,
-        Part::ContactAndEquations,
-        Part::JacobianContacts,
-        Part::JacobianForces,
-        Part::Factorisation,
-        Part::LinearSystems,
-        Part::Constraints,
-        Part::Integrator,
-        Part::ReadingOutputs,
-        Part::WritingOutputs,
-    ];
-
-    pub fn group(self) -> Group {
-        match self {
-            Part::ContactSearch
-            | Part::NormalLaw
-            | Part::CreepLaw
-            | Part::Track
-            | Part::Forces
-            | Part::EquationsOfMotion
-            | Part::ContactAndEquations => Group::RightHandSides,
-            Part::JacobianContacts | Part::JacobianForces => Group::Jacobians,
-            Part::Factorisation | Part::LinearSystems => Group::LinearSystems,
-            Part::Constraints => Group::Constraints,
-            Part::Integrator => Group::Integrator,
-            Part::ReadingOutputs | Part::WritingOutputs => Group::Outputs,
-        }
+    /// What it is.
+    pub fn words(self) -> &'static str {
+        GROUPS.iter().flat_map(|group| group.1).find(|one| one.0 == self).map_or("", |one| one.1)
     }
 }
 
@@ -134,13 +107,6 @@ pub struct Shares {
     pub doubt: Option<String>,
 }
 
-impl Shares {
-    /// Of a group.
-    pub fn of(&self, group: Group) -> f64 {
-        self.shares.iter().filter(|share| share.part.group() == group).map(|share| share.share).sum()
-    }
-}
-
 /// Span of the run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
@@ -152,16 +118,16 @@ pub struct Span {
 
 /// No further repetition when all have taken longer, s.
 const LONG: f64 = 20.0;
+/// At most so many evaluations are made again.
+const SAMPLES: usize = 60;
 
 /// Seconds of one run.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Times {
     calls: [f64; CALLS],
     own: f64,
     reading: f64,
     writing: f64,
-    /// What was measured as less than nothing, which the parts above do not show.
-    clipped: f64,
 }
 
 impl Times {
@@ -169,14 +135,16 @@ impl Times {
         self.calls.iter().sum::<f64>() + self.own + self.reading + self.writing
     }
 
-    fn least(self, other: Times) -> Times {
-        Times {
-            calls: std::array::from_fn(|call| self.calls[call].min(other.calls[call])),
-            own: self.own.min(other.own),
-            reading: self.reading.min(other.reading),
-            writing: self.writing.min(other.writing),
-            clipped: self.clipped.max(other.clipped),
+    /// Takes the clocks' own time, of which `inside` falls into each call's, off the calls and off what is left for the integrator of the time
+    /// of `advancing`.
+    fn cleared(mut self, timers: &Timers, advancing: f64, [inside, all]: [f64; 2]) -> Times {
+        self.own = advancing;
+        for (seconds, tally) in self.calls.iter_mut().zip(timers.tallies()) {
+            let (count, time) = (tally.count as f64, tally.time.as_secs_f64());
+            *seconds = (time - inside * count).max(0.0);
+            self.own -= time + (all - inside) * count;
         }
+        Times { own: self.own.max(0.0), ..self }
     }
 }
 
@@ -195,147 +163,162 @@ impl Runner {
         Ok(Runner { simulation, start, outputs, span })
     }
 
-    /// Time of advancing, of reading outputs and of writing them, s.
-    fn run(&mut self) -> Result<[f64; 3], String> {
+    /// Runs with these clocks, which are left in the simulation; returns the time of advancing, and those of outputs. `look` is shown the
+    /// simulation at each output time.
+    fn run(&mut self, timers: Timers, mut look: impl FnMut(&mut Simulation)) -> Result<(f64, Times), String> {
         if !self.simulation.restore(&self.start) {
             return Err("the initial state does not fit its own simulation".into());
         }
+        *self.simulation.timers() = timers;
         let mut recording = Recording::new(&self.outputs);
-        let (mut advancing, mut reading) = (0.0, 0.0);
+        let (mut advancing, mut times) = (0.0, Times::default());
         let mut clock = Instant::now();
-        let mut lap = || {
-            let now = Instant::now();
-            let seconds = (now - clock).as_secs_f64();
-            clock = now;
-            seconds
-        };
+        let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
         let words = |error: crate::sim::SimulationError| error.to_string();
         recording.sample(&mut self.simulation, &self.outputs).map_err(words)?;
-        reading += lap();
+        times.reading += lap();
         for time in communication_points(0.0, self.span.stop, self.span.step) {
             self.simulation.advance(time).map_err(words)?;
             advancing += lap();
             recording.sample(&mut self.simulation, &self.outputs).map_err(words)?;
-            reading += lap();
+            times.reading += lap();
+            look(&mut self.simulation);
+            lap();
         }
         let mut text = Vec::new();
         recording.write_csv(&mut text).map_err(|error| error.to_string())?;
         std::hint::black_box(&text);
-        let writing = lap();
+        times.writing = lap();
         self.simulation.take_events();
-        Ok([advancing, reading, writing])
+        Ok((advancing, times))
     }
 }
 
-/// Runs `scene` several times with and without the watch; see the module.
+/// Runs `scene` several times with and without clocks; see the module.
 ///
 /// # Errors
 /// In words, when the scene can't be started or the run does not come to its end.
 pub fn shares(scene: &Scene, span: Span, repeats: usize) -> Result<Shares, String> {
-    let meter = Shared::default();
-    let mut guarded = scene.clone();
-    guarded.solver.integrator = Arc::new(Watched { inner: scene.solver.integrator.clone(), meter: meter.clone() });
-    let (mut plain, mut watched) = (Runner::new(scene, span)?, Runner::new(&guarded, span)?);
-    meter.sample();
-    watched.run()?;
-    let samples = meter.take_samples();
-    meter.take();
-    let clock_time = own_time();
-    let begin = Instant::now();
+    let mut runner = Runner::new(scene, span)?;
+    runner.run(Timers::default(), |_| ())?;
+    let statistics = runner.simulation.statistics();
+    let step = span.stop / statistics.steps.max(1) as f64;
+    let every = ((span.stop / span.step) as usize).div_ceil(SAMPLES).max(1);
+    let (mut samples, mut seen) = (Vec::new(), 0);
+    runner.run(Timers::default(), |simulation| {
+        seen += 1;
+        let coordinates = crate::mbs::body::COORDINATES * simulation.model().system.bodies.len();
+        if let (true, Ok(snapshot)) = (seen % every == 0, simulation.snapshot()) {
+            samples.push(Sample::behind(snapshot, coordinates, step));
+        }
+    })?;
+    let (begin, clocks) = (Instant::now(), Timers::own_time());
     let (mut best, mut seconds): (Option<Times>, f64) = (None, f64::INFINITY);
     for round in 0..repeats.max(1) {
         if round > 0 && begin.elapsed().as_secs_f64() > LONG {
             break;
         }
-        let run = watched.run()?;
-        let times = cleared(&meter.take(), run, clock_time);
-        best = Some(best.map_or(times, |best| best.least(times)));
-        seconds = seconds.min(plain.run()?.iter().sum());
+        let (advancing, plain) = runner.run(Timers::default(), |_| ())?;
+        seconds = seconds.min(advancing + plain.sum());
+        let (advancing, times) = runner.run(Timers::running(), |_| ())?;
+        let times = times.cleared(runner.simulation.timers(), advancing, clocks);
+        best = Some(best.filter(|best| best.sum() < times.sum()).unwrap_or(times));
     }
-    let Some(times) = best else { return Err("there was no run".into()) };
-    let parts = replay(scene, &samples, meter.covers_forces())?;
+    let times = best.unwrap_or_default();
+    let mut anatomy = Anatomy::of(runner.simulation.model(), &samples, scene.solver.integrator.linearises());
+    if !runner.simulation.timers().forces {
+        anatomy.jacobian = anatomy.jacobian_contacts;
+    }
     let setting = scene.solver.integrator.setting();
+    let doubt = anatomy.doubt().map(|reason| format!("not to be trusted: {reason}; repeat it on a quiet machine"));
     Ok(Shares {
         scene: scene.name.clone(),
         formulation: scene.contact.formulation_name,
         integrator: scene.solver.name,
         setting: setting.value,
-        fixed: setting.kind == crate::solve::SettingKind::Step,
+        fixed: setting.kind == SettingKind::Step,
         stop: span.stop,
         step: span.step,
-        outputs: plain.outputs.len(),
+        outputs: runner.outputs.len(),
         seconds,
         watched: times.sum(),
-        statistics: plain.simulation.statistics(),
-        shares: divide(&times, &parts),
-        doubt: doubt(&times, &parts),
+        statistics,
+        shares: divide(&times, &anatomy),
+        doubt,
     })
 }
 
-/// Takes the clock's own time, of which `inside` falls into each call's, off a run's times.
-fn cleared(tallies: &[Tally; CALLS], [advancing, reading, writing]: [f64; 3], [inside, all]: [f64; 2]) -> Times {
-    let raw = tallies.map(|tally| tally.time.as_secs_f64());
-    let counts = tallies.map(|tally| tally.count as f64);
-    let own = advancing - raw.iter().sum::<f64>() - (all - inside) * counts.iter().sum::<f64>();
-    let calls: [f64; CALLS] = std::array::from_fn(|call| raw[call] - inside * counts[call]);
-    let clipped = calls.iter().chain([&own]).map(|seconds| (-seconds).max(0.0)).sum();
-    Times { calls: calls.map(|seconds| seconds.max(0.0)), own: own.max(0.0), reading, writing, clipped }
+/// All parts, with the times of right-hand sides and Jacobians divided as their anatomy says.
+fn divide(times: &Times, anatomy: &Anatomy) -> Vec<Share> {
+    let call = |call: Call| times.calls[call as usize];
+    let parts = anatomy.right_hand_side();
+    let all: f64 = parts.iter().map(|part| part.1).sum();
+    let scale = if all > 0.0 { call(Call::Derivative) / all } else { 0.0 };
+    let [jacobians, forces] = [call(Call::Linearise), anatomy.of_forces()];
+    let others = [
+        (Part::JacobianContacts, jacobians * (1.0 - forces)),
+        (Part::JacobianForces, jacobians * forces),
+        (Part::Factorisation, call(Call::Factorise)),
+        (Part::LinearSystems, call(Call::Solve)),
+        (Part::Constraints, call(Call::Keep)),
+        (Part::Integrator, times.own),
+        (Part::ReadingOutputs, times.reading),
+        (Part::WritingOutputs, times.writing),
+    ];
+    let seconds = parts.into_iter().map(|(part, seconds)| (part, scale * seconds)).chain(others);
+    seconds.map(|(part, seconds)| Share { part, share: seconds / times.sum() }).collect()
 }
 
-/// Parts of a right-hand side that were measured by themselves, s.
-fn apart(replay: &Replay) -> f64 {
-    replay.normal + replay.creep + replay.track + replay.forces + replay.equations
+impl Shares {
+    /// Of several parts.
+    fn of(&self, parts: &[(Part, &str)]) -> f64 {
+        let own = |share: &&Share| parts.iter().any(|part| part.0 == share.part);
+        self.shares.iter().filter(own).map(|share| share.share).sum()
+    }
 }
 
-/// What speaks against the parts: each was measured by itself, so that on a busy machine they may be more than the whole.
-fn doubt(times: &Times, replay: &Replay) -> Option<String> {
-    /// Of the whole: less than nothing by so little is the clock's noise.
-    const NOISE: f64 = 0.01;
-    let percent = |part: f64, whole: f64| format!("{:.0} %", 100.0 * part / whole);
-    let mut reasons = Vec::new();
-    if apart(replay) > replay.whole {
-        let sum = percent(apart(replay), replay.whole);
-        reasons.push(format!("the parts of a right-hand side were measured as {sum} of it, and nothing is left for the search"));
+impl Display for Shares {
+    fn fmt(&self, out: &mut Formatter) -> std::fmt::Result {
+        let setting =
+            if self.fixed { format!("step {} ms", rounded(1e3 * self.setting)) } else { format!("tolerance {:.0e}", self.setting) };
+        let factor = self.stop / self.seconds;
+        let factor = if factor < 9.95 { format!("{factor:.2}") } else { format!("{factor:.0}") };
+        let [plain, watched] = [self.seconds, self.watched].map(|seconds| 1e3 * seconds / self.stop);
+        let (outputs, step, work) = (self.outputs, rounded(1e3 * self.step), self.statistics);
+        writeln!(
+            out,
+            "Where the time of a run goes: {}, {}, {}, {setting}\n\
+             {} s with {outputs} outputs every {step} ms: {plain:.2} ms per simulated second, {factor} times real time ({watched:.2} ms under clocks)\n\
+             {} steps, {} rejected, {} evaluations of the right-hand side, {} Jacobians, {} factorisations\n  of all  without outputs",
+            self.scene,
+            self.formulation,
+            self.integrator,
+            self.stop,
+            work.steps,
+            work.rejected,
+            work.evaluations,
+            work.linearisations,
+            work.factorisations
+        )?;
+        let integration = 1.0 - self.of(GROUPS[GROUPS.len() - 1].1);
+        for (group, parts) in GROUPS {
+            let mut line = |share: f64, words: &str| match group {
+                OUTPUTS => writeln!(out, "  {:5.1} %                 {words}", 100.0 * share),
+                _ => writeln!(out, "  {:5.1} %       {:5.1} %    {words}", 100.0 * share, 100.0 * share / integration),
+            };
+            if self.of(parts) > 0.0 {
+                line(self.of(parts), group)?;
+            }
+            for (part, words) in parts.iter().filter(|part| !part.1.is_empty()) {
+                let share = self.of(&[(*part, words)]);
+                // Too small to be measured is not the same as absent.
+                if share > 0.0 || matches!(part, Part::NormalLaw | Part::CreepLaw | Part::Forces) {
+                    line(share, &format!("    {words}"))?;
+                }
+            }
+        }
+        self.doubt.as_ref().map_or(Ok(()), |doubt| writeln!(out, "  {doubt}"))
     }
-    if replay.jacobian_forces > replay.jacobian {
-        let sum = percent(replay.jacobian_forces, replay.jacobian);
-        reasons.push(format!("the force elements of a Jacobian were measured as {sum} of it"));
-    }
-    if times.clipped > NOISE * times.sum() {
-        reasons.push(format!("{} of the run were measured as less than nothing", percent(times.clipped, times.sum())));
-    }
-    (!reasons.is_empty()).then(|| format!("not to be trusted: {}; repeat it on a quiet machine", reasons.join(", ")))
-}
-
-/// All parts, with the times of the calls divided as the replay says.
-fn divide(times: &Times, replay: &Replay) -> Vec<Share> {
-    let whole = times.sum();
-    let [derivatives, jacobians, factorisations, solutions, keeping] = times.calls;
-    let Replay { normal, creep, track, forces, equations, .. } = *replay;
-    let rest = (replay.whole - apart(replay)).max(0.0);
-    // With the measuring errors of the parts the sum may be more than the whole, which `doubt` says.
-    let all = apart(replay) + rest;
-    let of_derivatives = |part: f64| if all > 0.0 { derivatives * part / all } else { 0.0 };
-    let of_forces = if replay.jacobian > 0.0 { (replay.jacobian_forces / replay.jacobian).min(1.0) } else { 0.0 };
-    let (search, together) = if replay.equations > 0.0 { (rest, 0.0) } else { (0.0, rest) };
-    let seconds = |part: Part| match part {
-        Part::ContactSearch => of_derivatives(search),
-        Part::NormalLaw => of_derivatives(normal),
-        Part::CreepLaw => of_derivatives(creep),
-        Part::Track => of_derivatives(track),
-        Part::Forces => of_derivatives(forces),
-        Part::EquationsOfMotion => of_derivatives(equations),
-        Part::ContactAndEquations => of_derivatives(together),
-        Part::JacobianContacts => jacobians * (1.0 - of_forces),
-        Part::JacobianForces => jacobians * of_forces,
-        Part::Factorisation => factorisations,
-        Part::LinearSystems => solutions,
-        Part::Constraints => keeping,
-        Part::Integrator => times.own,
-        Part::ReadingOutputs => times.reading,
-        Part::WritingOutputs => times.writing,
-    };
-    Part::ALL.map(|part| Share { part, share: seconds(part) / whole }).to_vec()
 }
 
 #[cfg(test)]

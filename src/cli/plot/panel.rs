@@ -1,0 +1,119 @@
+//! One panel: grid, axes, levels, series, labels.
+
+use super::labels;
+use super::pen::{Drawn, END, GREY, MIDDLE, Pen, Place, START, TOP, letters};
+use super::scale::Scale;
+use super::{Axis, DARK, Ink, Panel, Series};
+
+/// Pixels: title, labels at the left and below, and what is free at the right.
+const STRIP: f64 = 34.0;
+const LEFT: f64 = 92.0;
+const BOTTOM: f64 = 58.0;
+const RIGHT: f64 = 24.0;
+
+/// Width and height of the diagram in a panel of a size, pixels.
+pub(in crate::cli) fn inside(size: Place) -> Place {
+    (size.0 - LEFT - RIGHT, size.1 - STRIP - BOTTOM)
+}
+
+/// Where a diagram stands on the sheet, and its scales.
+pub(super) struct Frame {
+    pub corner: Place,
+    pub size: Place,
+    x: Scale,
+    y: Scale,
+}
+
+impl Frame {
+    /// Of a panel with a corner and a size.
+    pub(super) fn new(corner: Place, size: Place, (x, y): (Scale, Scale)) -> Frame {
+        Frame { corner: (corner.0 + LEFT, corner.1 + STRIP), size: inside(size), x, y }
+    }
+
+    fn at(&self, (x, y): (f64, f64)) -> Place {
+        (self.corner.0 + self.size.0 * self.x.part(x), self.corner.1 + self.size.1 * (1.0 - self.y.part(y)))
+    }
+
+    /// Does the frame show a point? (Its own ends by rounding, too.)
+    fn shows(&self, (x, y): (f64, f64)) -> bool {
+        const ENDS: std::ops::RangeInclusive<f64> = -1e-9..=1.0 + 1e-9;
+        ENDS.contains(&self.x.part(x)) && ENDS.contains(&self.y.part(y))
+    }
+
+    fn end(&self) -> Place {
+        (self.corner.0 + self.size.0, self.corner.1 + self.size.1)
+    }
+}
+
+pub(super) fn draw(pen: &Pen, panel: &Panel, frame: &Frame) -> Drawn {
+    let line = frame.corner.1 - 0.5 * STRIP;
+    pen.text(&panel.title, (frame.corner.0, line), 18.0, START, DARK)?;
+    pen.text(&panel.aside, (frame.end().0, line), 14.0, END, GREY)?;
+    axes(pen, [&panel.x, &panel.y], frame)?;
+    for level in &panel.levels {
+        let y = frame.at((frame.x.low, *level)).1;
+        pen.line(&[(frame.corner.0, y), (frame.end().0, y)], Ink { width: 1.0, ..Ink::dashed(DARK) })?;
+    }
+    panel.series.iter().try_for_each(|series| draw_series(pen, series, frame))?;
+    let marks = || panel.series.iter().flat_map(|series| series.marks.iter().map(move |mark| (series.ink, mark)));
+    let named: Vec<(Place, &str)> = marks().map(|(_, mark)| (frame.at((mark.x, mark.y)), mark.label.as_str())).collect();
+    for ((ink, mark), label) in marks().zip(labels::place(&named, frame, panel.leaders)) {
+        let Some(label) = label else { continue };
+        if let Some(leader) = label.leader() {
+            pen.line(&leader, Ink { width: 1.0, alpha: 0.7, ..Ink::line(GREY) })?;
+        }
+        pen.text(&mark.label, label.at, labels::SIZE, label.anchor, if panel.leaders { DARK } else { ink.color })?;
+    }
+    Ok(())
+}
+
+/// Grid, ticks, numbers, captions.
+fn axes(pen: &Pen, [x, y]: [&Axis; 2], frame: &Frame) -> Drawn {
+    const NUMBER: f64 = 16.0;
+    const TICK: f64 = 5.0;
+    let grid = Ink { width: 1.0, alpha: 0.25, ..Ink::line(GREY) };
+    let axis = Ink { width: 1.0, ..Ink::line(GREY) };
+    let ((left, top), (right, bottom)) = (frame.corner, frame.end());
+    let mut free = f64::NEG_INFINITY;
+    let mut ticks = frame.x.ticks((frame.size.0 / 55.0) as usize);
+    ticks.sort_by(|a, b| frame.x.part(a.0).total_cmp(&frame.x.part(b.0)));
+    for (tick, words) in ticks {
+        let place = frame.at((tick, frame.y.low)).0;
+        pen.line(&[(place, top), (place, bottom)], grid)?;
+        pen.line(&[(place, bottom), (place, bottom + TICK)], axis)?;
+        // Long numbers do not touch each other.
+        let half = 0.5 * letters(NUMBER, words.len()) + 4.0;
+        if place - half > free {
+            pen.text(&words, (place, bottom + TICK + 3.0), NUMBER, TOP, DARK)?;
+            free = place + half;
+        }
+    }
+    for (tick, words) in frame.y.ticks((frame.size.1 / 30.0) as usize) {
+        let place = frame.at((frame.x.low, tick)).1;
+        pen.line(&[(left, place), (right, place)], grid)?;
+        pen.line(&[(left - TICK, place), (left, place)], axis)?;
+        pen.text(&words, (left - TICK - 4.0, place), NUMBER, END, DARK)?;
+    }
+    pen.line(&[(left, top), (left, bottom), (right, bottom)], axis)?;
+    pen.text(&x.label, (0.5 * (left + right), bottom + BOTTOM - 18.0), NUMBER, MIDDLE, DARK)?;
+    pen.text_upward(&y.label, (left - LEFT + 6.0, 0.5 * (top + bottom)), NUMBER, DARK)
+}
+
+fn draw_series(pen: &Pen, series: &Series, frame: &Frame) -> Drawn {
+    let ink = series.ink;
+    for branch in &series.branches {
+        let places: Vec<Place> = branch.iter().filter(|point| frame.shows(**point)).map(|point| frame.at(*point)).collect();
+        pen.line(&places, ink)?;
+    }
+    // Where branches meet, a curve jumps.
+    if series.marks.is_empty() {
+        for end in series.branches.windows(2).flat_map(|pair| [pair[0].last(), pair[1].first()]).flatten() {
+            pen.mark(frame.at(*end), Ink { radius: 3.0, ..ink }, false)?;
+        }
+    }
+    for mark in series.marks.iter().filter(|mark| frame.shows((mark.x, mark.y))) {
+        let across = |x: f64| frame.at((x, mark.y)).0;
+        pen.measured(mark, frame.at((mark.x, mark.y)), mark.bar.map(|(low, high)| (across(low), across(high))), ink)?;
+    }
+    Ok(())
+}
