@@ -1,5 +1,5 @@
-//! Time of what one elastic contact costs before its creep force: the search for all contacts, one known contact, and the
-//! normal law with the curvature at the point and over the patch. S1002 on 60E1, and a cone on an arc.
+//! Time of what one elastic contact costs before its creep force: the search for all contacts, that over nodes, one known contact, and
+//! the normal law with the curvature at the point and over the patch. S1002 on 60E1, and a cone on an arc.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Matrix3, Vector3};
@@ -8,6 +8,7 @@ use std::time::Duration;
 use wheelrail::contact::normal::NormalLaw;
 use wheelrail::contact::search::algebraic::{ContactLocation, Pair};
 use wheelrail::contact::search::global::{GlobalSearch, Minima};
+use wheelrail::contact::search::nodal::NodalSearch;
 use wheelrail::geometry::Side;
 use wheelrail::geometry::surface::Wheel;
 use wheelrail::geometry::track::Rail;
@@ -111,6 +112,27 @@ fn searches(criterion: &mut Criterion) {
     }
 }
 
+fn nodal_searches(criterion: &mut Criterion) {
+    for (scene, name) in [("wheelset_s1002", "S1002/60E1"), ("suspended_wheelset", "cone/arc")] {
+        let stand = Stand::new(scene, "point");
+        let poses = stand.poses(0.5e-3);
+        let section = stand.rail.section(0.0);
+        for spacing in [4e-4, 1e-4] {
+            let search = NodalSearch::new(&stand.wheel, &stand.rail, spacing).unwrap_or_else(|error| panic!("{error}"));
+            for (lift, state) in [(0.0, "pressed in"), (1e-3, "apart")] {
+                let mut at = 0;
+                criterion.bench_function(&format!("{name}: nodes every {:.1} mm, {state}", 1e3 * spacing), |bencher| {
+                    bencher.iter(|| {
+                        at = (at + 1) % POSES;
+                        let centre = poses[at] + Vector3::new(0.0, 0.0, lift);
+                        search.search(black_box(&centre), &stand.axes, 0.0, 0.0, &section)
+                    });
+                });
+            }
+        }
+    }
+}
+
 fn normal_laws(criterion: &mut Criterion) {
     for curvature in ["point", "patch"] {
         let stand = Stand::new("wheelset_s1002", curvature);
@@ -137,6 +159,6 @@ fn normal_laws(criterion: &mut Criterion) {
 criterion_group! {
     name = search;
     config = Criterion::default().sample_size(30).warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_millis(800));
-    targets = searches, normal_laws
+    targets = searches, nodal_searches, normal_laws
 }
 criterion_main!(search);

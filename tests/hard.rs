@@ -343,7 +343,11 @@ fn hard_a_load_that_points_up_ends_instead_of_hanging() {
             (Ok(mut simulation), _) => {
                 simulation.set_input(VERTICAL_FORCE, -1e5, 0.0, 0.0);
                 simulation.advance(0.5).unwrap();
-                assert!(simulation.snapshot().unwrap().y[2].is_finite());
+                // Without gravity the rails carry what is left of both loads, once it has come down and stopped bouncing.
+                let outputs = table(&simulation, &scene);
+                let found = read(&mut simulation, &outputs);
+                let carried = found["left.verticalForce"] + found["right.verticalForce"];
+                assert!((carried / 9e4 - 1.0).abs() < 1e-3, "{carried} N");
             }
             (outcome, on_lift) => panic!("{on_lift}: {:?}", outcome.err()),
         }

@@ -4,7 +4,6 @@ use crate::counting;
 use crate::properties::{stage, walk};
 use crate::stage::brick;
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
-use std::time::Instant;
 use wheelrail::mbs::body::{Body, COORDINATES};
 use wheelrail::mbs::force::{Attachment, Bushing, ForceElement, GuidedSpring, TrackAxis};
 use wheelrail::mbs::inertia::Inertia;
@@ -456,49 +455,4 @@ fn regress_cost_is_linear_along_a_train() {
         assert_eq!(cost.0, 7 * count + 12 * count + 2 * (count - 1));
         assert!(cost.1 <= costs[0].1 * count + 3 * (count - 1));
     }
-}
-
-/// Prints the cost of one linearisation and factorisation and of one solution.
-#[test]
-fn regress_time_of_the_manchester_coach_is_printed() {
-    let (simulation, y) = manchester();
-    let system = &simulation.model().system;
-    let mut workspace = system.workspace(&[]);
-    system.apply_forces(&y, &mut workspace);
-    let mut tangent = Tangent::new(system, &[], 0);
-    let mut x = vec![1.0; y.len()];
-    let mut best = [f64::INFINITY; 5];
-    let calls = 20;
-    for _ in 0..100 {
-        let mut at = |part: usize, work: &mut dyn FnMut()| {
-            let clock = Instant::now();
-            for _ in 0..calls {
-                work();
-            }
-            best[part] = best[part].min(clock.elapsed().as_secs_f64() / f64::from(calls) * 1e6);
-        };
-        at(0, &mut || {
-            tangent.clear();
-            tangent.add_forces(system, &workspace, &y);
-        });
-        at(1, &mut || {
-            tangent.clear();
-            tangent.add_forces(system, &workspace, &y);
-            tangent.finish(system, &workspace);
-        });
-        at(2, &mut || tangent.factorise(1e-3, &workspace).unwrap());
-        at(3, &mut || tangent.solve(&mut x));
-        at(4, &mut || system.apply_forces(&y, &mut workspace));
-    }
-    println!(
-        "{} elements, cost {:?}: add_forces {:.1} us, finish {:.1}, factorise {:.1}, solve {:.1}; apply_forces {:.1}",
-        system.forces.len(),
-        tangent.cost(),
-        best[0],
-        best[1] - best[0],
-        best[2],
-        best[3],
-        best[4]
-    );
-    assert!(x.iter().all(|value| value.is_finite()));
 }

@@ -189,20 +189,3 @@ impl Profile for S1002 {
         "S1002".into()
     }
 }
-
-#[derive(Debug)]
-pub struct Splined(pub crate::math::spline::CubicSpline, pub std::sync::atomic::AtomicUsize);
-
-impl Profile for Splined {
-    fn at(&self, x: f64) -> ProfilePoint {
-        self.1.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        let [value, d1, d2, d3] = self.0.at(x);
-        ProfilePoint { value, d1, d2, d3 }
-    }
-    fn range(&self) -> (f64, f64) {
-        self.0.range()
-    }
-    fn describe(&self) -> String {
-        "spline".into()
-    }
-}

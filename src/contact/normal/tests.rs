@@ -1,7 +1,7 @@
 use super::curvature::{Across, Conformal, LARGEST_RATIO, Rule};
 use super::hertz::Hertz;
 use super::hertz_table::{EllipseTable, ellipse_functions_exact};
-use super::test_surfaces::{S1002, Shape, Splined, Stand, rail_60e1, touching};
+use super::test_surfaces::{S1002, Shape, Stand, rail_60e1, touching};
 use super::*;
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::geometry::profile::Profile;
@@ -353,48 +353,4 @@ fn validate_published_hertz_coefficients_in_full() {
         rows += 1;
     }
     assert_eq!(rows, 27);
-}
-
-/// Prints what the rules cost; run with --ignored --nocapture in release.
-#[test]
-#[ignore = "prints times"]
-fn regress_print_cost_of_the_rules() {
-    let stand = Stand::s1002_on_60e1();
-    for (y, start) in [(-3.0e-3, 0.0), (2e-3, -0.011)] {
-        let start = SurfaceParameters { rail: start, wheel: start, ..Default::default() };
-        let found = stand.pressed(y, 7e-5, &start).unwrap();
-        // Splines, as scenes have them.
-        let spline = |profile: &dyn Profile, from: f64| {
-            let points: Vec<(f64, f64)> = (0..140).map(|i| from + 5e-4 * f64::from(i)).map(|x| (x, profile.at(x).value)).collect();
-            crate::math::spline::CubicSpline::natural(&points).unwrap()
-        };
-        let wheel = Splined(spline(&S1002, -0.035), Default::default());
-        let rail = Splined(spline(&rail_60e1(), -0.035), Default::default());
-        let p = found.parameters;
-        let shape = ContactShape::new(
-            found.half_curvatures().0,
-            found.half_curvatures().1,
-            ProfileSection { profile: &wheel, at: p.wheel, point: wheel.at(p.wheel) },
-            ProfileSection { profile: &rail, at: p.rail, point: rail.at(p.rail) },
-        );
-        for across in [Across::Point, Across::Patch] {
-            let law: Box<dyn NormalLaw> = Box::new(law(across, Conformal::Bounded));
-            let seen = || wheel.1.load(std::sync::atomic::Ordering::Relaxed);
-            let before = seen();
-            let force = law.contact(&shape, 7e-5).unwrap().force;
-            println!("{} readings of each profile", seen() - before);
-            let calls = 100_000;
-            let clock = std::time::Instant::now();
-            for _ in 0..calls {
-                let _ = std::hint::black_box(law.contact(std::hint::black_box(&shape), 7e-5));
-            }
-            let contact = clock.elapsed().as_secs_f64() / f64::from(calls);
-            let clock = std::time::Instant::now();
-            for _ in 0..calls {
-                let _ = std::hint::black_box(law.contact_under(std::hint::black_box(&shape), 1.1 * force));
-            }
-            let under = clock.elapsed().as_secs_f64() / f64::from(calls);
-            println!("{across:?}: contact {:.0} ns, contact_under {:.0} ns", 1e9 * contact, 1e9 * under);
-        }
-    }
 }

@@ -1302,39 +1302,4 @@ mod tests {
             assert!((pairs as f64) < 1.15 * inside + 40.0 && pairs as f64 >= inside - 2.0);
         }
     }
-
-    #[test]
-    #[ignore = "prints the time of a search; meant for a release build"]
-    fn regress_time_of_a_search() {
-        for (name, w, r) in [("cone on arc", cone(0.025), arc(0.3)), ("flanged on head", flanged(), head())] {
-            for spacing in [4e-4, 2e-4, 1e-4, 5e-5] {
-                let stand = Stand::new(wheel(Side::Left, w.clone()), rail(Side::Left, r.clone(), 0.025f64.atan(), 0.0, 0.0), spacing);
-                for penetration in [1e-4, -1e-4, -1e-2] {
-                    let axes = AxleFrame::new(0.003, 0.001).axes;
-                    let mut centre = stand.settle(Vector3::new(0.0, 0.001, RADIUS), &axes, penetration);
-                    let section = stand.rail.section(0.0);
-                    let runs = 50_000;
-                    let mut sum = 0.0;
-                    let mut work = (0, 0);
-                    let begin = std::time::Instant::now();
-                    for k in 0..runs {
-                        centre.y = 0.001 + 1e-9 * f64::from(k % 1000);
-                        let found = stand.search.search(&centre, &axes, 0.0, 0.0, &section);
-                        sum += found.contacts[0].map_or(0.0, |c| c.penetration);
-                        work = (found.evaluated, found.looked_up);
-                    }
-                    let time = begin.elapsed().as_secs_f64() / f64::from(runs);
-                    let begin = std::time::Instant::now();
-                    for k in 0..runs {
-                        centre.y = 0.001 + 1e-9 * f64::from(k % 1000);
-                        sum += stand.exact(&centre, &axes, &SurfaceParameters::default()).penetration;
-                    }
-                    let algebraic = 1e6 * begin.elapsed().as_secs_f64() / f64::from(runs);
-                    println!("algebraic, cold: {algebraic:.2} us");
-                    println!("{name} {spacing:.0e} delta {penetration:.0e}: {:.2} us, {work:?} ({sum:.3})", 1e6 * time);
-                    assert!(sum.is_finite());
-                }
-            }
-        }
-    }
 }
