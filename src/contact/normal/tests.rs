@@ -1,7 +1,7 @@
 use super::curvature::{Across, Conformal, LARGEST_RATIO, Rule};
 use super::hertz::Hertz;
 use super::hertz_table::{EllipseTable, ellipse_functions_exact};
-use super::test_surfaces::{S1002, Shape, Stand, rail_60e1, touching};
+use super::test_surfaces::{Shape, Stand, touching};
 use super::*;
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::geometry::profile::Profile;
