@@ -3,7 +3,8 @@
 use super::output::{Kind, Target};
 use super::{Failure, print, refused};
 use crate::contact::creep::usetab::generate::generate;
-use crate::contact::creep::usetab::table::{Layout, Table};
+use crate::contact::creep::usetab::layout::Layout;
+use crate::contact::creep::usetab::table::Table;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;

@@ -4,7 +4,6 @@
 
 use super::Side;
 use super::profile::{Profile, ProfilePoint};
-use super::track::Rail;
 use nalgebra::{Matrix3, Vector3};
 
 /// A point of a surface r(p, q) and its derivatives, all in the world.
@@ -28,42 +27,6 @@ pub struct ThirdDerivatives {
     pub t112: Vector3<f64>,
     pub t122: Vector3<f64>,
     pub t222: Vector3<f64>,
-}
-
-/// Third derivatives of the rail surface at distance `s` and coordinate `eta` where its profile is `profile`.
-pub fn rail_third_derivatives(rail: &Rail, s: f64, eta: f64, profile: &ProfilePoint) -> ThirdDerivatives {
-    if let Some(line) = rail.line() {
-        return rail.curved_third_derivatives(line, s, eta, profile);
-    }
-    let zero = Vector3::zeros();
-    ThirdDerivatives { t111: rail.section(s).d3, t112: zero, t122: zero, t222: rail.up * profile.d3 }
-}
-
-/// Rail surface over (s, eta): distance along the track [m] and coordinate across the section [m].
-///
-/// `r = origin(s) + eta * outward(s) + f(eta) * up(s)` (Eqs. 5 and 6). Returns the profile value too, whose
-/// derivatives give the curvature.
-#[inline]
-pub fn rail_point(rail: &Rail, s: f64, eta: f64) -> (SurfacePoint, ProfilePoint) {
-    let f = rail.profile.at(eta);
-    (rail_point_of(rail, s, eta, &f), f)
-}
-
-/// The same where the rail's profile is known to be `f`.
-#[inline]
-pub fn rail_point_of(rail: &Rail, s: f64, eta: f64, f: &ProfilePoint) -> SurfacePoint {
-    if let Some(line) = rail.line() {
-        return rail.curved_point(line, s, eta, f);
-    }
-    let section = rail.section(s);
-    SurfacePoint {
-        position: section.origin + rail.outward * eta + rail.up * f.value,
-        t1: section.d1,
-        t2: rail.outward + rail.up * f.d1,
-        t11: section.d2,
-        t12: Vector3::zeros(),
-        t22: rail.up * f.d2,
-    }
 }
 
 /// The wheel of one side of a wheelset.
@@ -114,6 +77,7 @@ impl Wheel {
 mod tests {
     use super::*;
     use crate::geometry::track::centre_line::{Alignment, CentreLine, Node, Pivot};
+    use crate::geometry::track::rail_surface::{rail_point, rail_third_derivatives};
     use crate::geometry::track::{Deviation, Direction, Rail};
     use crate::math::rotation::AxleFrame;
     use std::sync::Arc;

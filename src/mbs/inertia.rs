@@ -13,7 +13,7 @@
 //! Euler's equations in them, `T o' = M - o x T o`; the components of its angular acceleration in the axle frame,
 //! less the turning of that frame, `(p, w, r) x (p, q, r)`, are `(p', q', r')`.
 
-use super::body::{BodyMotion, turn_about_y};
+use super::motion::{BodyMotion, turn_about_y};
 use nalgebra::{Matrix3, Vector3};
 
 /// Moments of inertia about axes through the centre of mass, kg m2.

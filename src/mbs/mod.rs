@@ -7,6 +7,7 @@ pub mod force;
 pub mod inertia;
 pub mod joint;
 pub mod kkt;
+pub mod motion;
 pub mod on_track;
 pub mod projection;
 pub mod redundancy;

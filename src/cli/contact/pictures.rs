@@ -3,7 +3,7 @@
 use super::{Conicities, Study};
 use crate::cli::plot::{Axis, BLUE, DARK, Ink, Mark, ORANGE, Panel, Series, Sheet, inside, width};
 use crate::geometry::Side;
-use crate::geometry::surface::rail_point;
+use crate::geometry::track::rail_surface::rail_point;
 use crate::study::conicity::{Conicity, NoConicity};
 use crate::study::contact_geometry::{Stand, Touch};
 use crate::study::sweep::Sample;

@@ -13,11 +13,11 @@
 //! with n not normalised (same roots, polynomial derivatives); the penetration (Eq. 27) uses the unit normal:
 //! `delta = -r . n`, positive when the surfaces overlap. Two of them are solved beforehand wherever that goes ([`super::section`]).
 
-use super::section;
 use crate::contact::normal::{ContactShape, ProfileSection};
 use crate::geometry::profile::ProfilePoint;
-use crate::geometry::surface::{SurfacePoint, Wheel, rail_point};
+use crate::geometry::surface::{SurfacePoint, Wheel};
 use crate::geometry::track::Rail;
+use crate::geometry::track::rail_surface::rail_point;
 use crate::math::newton::{self, NewtonFailure, NewtonLimits};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
@@ -172,50 +172,16 @@ impl Pair<'_> {
         Ok((found.location(&x, iterations), found))
     }
 
-    /// Finds the contact and what the surfaces are like there, from a warm start.
-    ///
-    /// # Errors
-    /// [`NewtonFailure`] when the iteration finds no solution.
-    #[inline]
-    pub(super) fn solve(&self, start: &SurfaceParameters) -> Result<(ContactLocation, Candidate), NewtonFailure> {
-        let Some(location) = section::locate(self, start) else { return self.solve_four(start) };
-        let p = &location.parameters;
-        let (_, found) = self.residual(&Vector4::new(p.wheel, p.angle, p.lead, p.rail));
-        Ok((location, found))
-    }
-
     /// What is at parameters that are known to solve the equations.
     pub fn at(&self, parameters: &SurfaceParameters) -> ContactLocation {
         let x = Vector4::new(parameters.wheel, parameters.angle, parameters.lead, parameters.rail);
         self.residual(&x).1.location(&x, 0)
     }
-
-    /// Finds the contact from a warm start.
-    ///
-    /// # Errors
-    /// [`NewtonFailure`] when the iteration finds no solution.
-    #[inline]
-    pub fn locate(&self, start: &SurfaceParameters) -> Result<ContactLocation, NewtonFailure> {
-        section::locate(self, start).map_or_else(|| self.solve_four(start).map(|(location, _)| location), Ok)
-    }
-}
-
-/// The contact found from the pieces that tests have at hand.
-#[cfg(test)]
-pub(super) fn locate(
-    wheel: &Wheel,
-    rail: &Rail,
-    centre: &Vector3<f64>,
-    axes: &Matrix3<f64>,
-    distance: f64,
-    start: &SurfaceParameters,
-) -> Result<ContactLocation, NewtonFailure> {
-    Pair { wheel, rail, centre, axes, distance }.locate(start)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_surfaces::{Parabola, pair};
+    use super::super::test_surfaces::{Parabola, locate, pair};
     use super::*;
     use crate::geometry::Side;
     use crate::geometry::track::Rail;

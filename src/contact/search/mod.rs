@@ -4,6 +4,7 @@ pub mod algebraic;
 pub mod global;
 mod humps;
 pub mod kinematics;
+mod locate;
 pub mod nodal;
 pub mod nodes;
 pub mod point_contact;

@@ -11,7 +11,7 @@
 //! at fixed parameters with `force_i . v + moment_i . W`.
 
 use super::algebraic::{Candidate, Pair};
-use crate::geometry::surface::rail_third_derivatives;
+use crate::geometry::track::rail_surface::rail_third_derivatives;
 use crate::math::rotation::CarrierMotion;
 use nalgebra::{SMatrix, SVector, Vector3, Vector4};
 

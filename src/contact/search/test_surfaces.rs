@@ -1,9 +1,12 @@
 //! Surfaces for tests of the searches: parabolas as profiles on rails that swing sideways and up.
 
+use super::algebraic::{ContactLocation, Pair, SurfaceParameters};
 use crate::geometry::Side;
 use crate::geometry::profile::{Profile, ProfilePoint};
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Deviation, DeviationShape, Direction, Rail};
+use crate::math::newton::NewtonFailure;
+use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
 #[derive(Debug)]
@@ -54,4 +57,16 @@ pub fn pair(side: Side, slope: f64, wavy: bool) -> (Wheel, Rail) {
     let deviations = if wavy { vec![deviation(Direction::Lateral), deviation(Direction::Vertical)] } else { vec![] };
     let head = Arc::new(Parabola { value: 0.0, slope: 0.0, curvature: -1.0 / 0.3 });
     (wheel, Rail::new(side, head, 0.716, slope.atan(), &deviations))
+}
+
+/// The contact found from the pieces that tests have at hand.
+pub fn locate(
+    wheel: &Wheel,
+    rail: &Rail,
+    centre: &Vector3<f64>,
+    axes: &Matrix3<f64>,
+    distance: f64,
+    start: &SurfaceParameters,
+) -> Result<ContactLocation, NewtonFailure> {
+    Pair { wheel, rail, centre, axes, distance }.locate(start)
 }

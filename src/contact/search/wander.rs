@@ -19,7 +19,7 @@
 use super::algebraic::{Pair, SurfaceParameters};
 use crate::contact::creepage::ContactAxes;
 use crate::geometry::profile::ProfilePoint;
-use crate::geometry::surface::rail_point_of;
+use crate::geometry::track::rail_surface::rail_point_of;
 use nalgebra::{Matrix2, Vector3};
 
 /// Derivatives with respect to translation [m] and rotation vector [rad] of the wheelset, or to its velocity and angular velocity.

@@ -6,7 +6,7 @@
 //! near the piece, so that high powers do not cancel. Beyond the range the profile goes on as a straight line
 //! (value and slope continuous). SI units.
 
-use super::table::{self, Table};
+use super::table::{self, Table, shifted};
 use super::{Bend, Profile, ProfilePoint};
 
 /// Most coefficients of a polynomial.
@@ -121,16 +121,6 @@ impl Curve {
 pub(super) fn hermite(length: f64, from: (f64, f64), to: (f64, f64)) -> [f64; 4] {
     let rise = (to.0 - from.0) / length;
     [from.0, from.1, (3.0 * rise - 2.0 * from.1 - to.1) / length, (from.1 + to.1 - 2.0 * rise) / (length * length)]
-}
-
-/// Coefficients of p(t + step): a polynomial in powers of a variable that begins `step` later.
-pub(super) fn shifted<const N: usize>(mut c: [f64; N], step: f64) -> [f64; N] {
-    for first in 0..N {
-        for i in (first..N - 1).rev() {
-            c[i] += step * c[i + 1];
-        }
-    }
-    c
 }
 
 /// A curve between two coordinates [m].

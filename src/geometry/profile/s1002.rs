@@ -9,7 +9,8 @@
 
 use super::drawing::{MM, broken, rows};
 use super::outline::{Changes, Outline};
-use super::piecewise::{Curve, Piecewise, TERMS, shifted};
+use super::piecewise::{Curve, Piecewise, TERMS};
+use super::table::shifted;
 use super::{Part, ProfileChoice};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;

@@ -12,7 +12,6 @@
 //! a piece ends, are left out: there the curve itself is read. Neighbouring cells have one curvature where they meet.
 
 use super::ProfilePoint;
-use super::piecewise::shifted;
 
 /// Width of a cell, m, at most.
 const WIDTH: f64 = 5e-5;
@@ -165,6 +164,16 @@ impl<'a> Along<'a> {
         let (one, other) = (one.at(place[0] - (nearest[0] - WHOLE)), other.at(place[1] - (nearest[1] - WHOLE)));
         ([one[0], other[0]], [one[1], other[1]])
     }
+}
+
+/// Coefficients of p(t + step): a polynomial in powers of a variable that begins `step` later.
+pub(super) fn shifted<const N: usize>(mut c: [f64; N], step: f64) -> [f64; N] {
+    for first in 0..N {
+        for i in (first..N - 1).rev() {
+            c[i] += step * c[i + 1];
+        }
+    }
+    c
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ pub mod frame;
 pub mod gauge;
 pub mod irregularity;
 pub mod node;
+pub mod rail_surface;
 mod ramp;
 pub mod station;
 #[cfg(test)]

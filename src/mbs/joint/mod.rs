@@ -7,6 +7,7 @@
 mod attachment;
 mod cylindrical;
 mod drive;
+mod prescribed;
 mod primitive;
 mod prismatic;
 mod revolute;
@@ -17,7 +18,8 @@ mod tests;
 mod universal;
 
 pub use cylindrical::cylindrical;
-pub use drive::{Prescribed, driven};
+pub use drive::driven;
+pub use prescribed::Prescribed;
 pub use primitive::Level;
 pub use prismatic::prismatic;
 pub use revolute::revolute;

@@ -29,7 +29,7 @@ pub type Mobility = nalgebra::Matrix6<f64>;
 pub type Coefficients = nalgebra::Vector6<f64>;
 
 /// Coordinates of a body.
-const SIX: usize = crate::mbs::body::COORDINATES;
+const SIX: usize = 6;
 
 /// Up to this number of rows an island is stored dense: below it the sparse code's bookkeeping costs more than its zeros save.
 const DENSE_ROWS: usize = 24;

@@ -11,7 +11,7 @@
 //! ```
 
 use super::pair::PairSum;
-use super::sum::{Gradient, StateTangent};
+use super::state::{Gradient, StateTangent, dot};
 use crate::mbs::body::BodyMotion;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
@@ -143,11 +143,6 @@ impl PairFrames {
             }
         }
     }
-}
-
-#[inline]
-pub(super) fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
-    (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
 }
 
 /// The same where the first one displaces nothing.

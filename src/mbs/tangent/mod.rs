@@ -37,11 +37,12 @@ mod expand;
 pub mod pair;
 mod pattern;
 mod solve;
+mod state;
 mod sum;
 mod world;
 
 pub use pair::PairTangent;
-pub use sum::{Ends, StateTangent};
+pub use state::{Ends, StateTangent};
 
 use super::body::COORDINATES;
 use super::kkt::RowBodies;

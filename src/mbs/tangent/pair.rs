@@ -14,7 +14,7 @@
 //! displacements when bodies turn: angular velocity times damping beside the stiffness (0.05 1/s x 3e4 N s/m beside 1e5 N/m), and the
 //! damper's own force times angle.
 
-use super::sum::{Ends, StateTangent};
+use super::state::{Ends, StateTangent};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// Sums over the elements of one pair of bodies.

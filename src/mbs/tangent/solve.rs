@@ -1,7 +1,7 @@
 //! I - a J in velocities alone: forming its blocks, and the way of a right-hand side through it.
 
 use super::pair::add_outer;
-use super::sum::Gradient;
+use super::state::Gradient;
 use super::world::weigh;
 use super::{SingularTangent, Tangent};
 use crate::mbs::body::COORDINATES;

@@ -8,7 +8,8 @@
 //! ```
 
 use super::expand::PairFrames;
-use super::sum::{StateTangent, TangentSum};
+use super::state::StateTangent;
+use super::sum::TangentSum;
 use super::{Tangent, WrenchTangent};
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::inertia::Inertia;

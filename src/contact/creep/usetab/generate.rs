@@ -1,7 +1,8 @@
 //! Makes the table: many solutions of the exact theory.
 
 use super::coordinates::{Triple, scales, size, unbounded};
-use super::table::{Layout, Slopes, pack};
+use super::layout::{Layout, Slopes};
+use super::table::pack;
 use crate::contact::creep::exact::influence::Convolver;
 use crate::contact::creep::exact::patch::{SteadyPatch, extrapolated};
 use crate::contact::creep::exact::tangential::{Limits, MOST_STEPS, Workspace};

@@ -24,6 +24,7 @@
 
 pub(crate) mod coordinates;
 pub mod generate;
+pub mod layout;
 mod spline;
 pub mod table;
 #[cfg(test)]

@@ -8,7 +8,7 @@
 //! Reference: Unser, Splines: a perfect fit for signal and image processing, IEEE Signal Processing Magazine 16 (1999).
 
 use super::coordinates::{RATIOS, Triple, size, spin_weight};
-use super::table::{Layout, Slopes};
+use super::layout::{Layout, Slopes};
 
 /// Coefficients of K and of the slopes.
 #[derive(Clone, Debug)]

@@ -25,6 +25,7 @@
 use super::GlobalSearch;
 use super::curve::Bounds;
 use super::foot::Foot;
+use super::motion::{MOST_STEADY, SWAY, less, more};
 use super::view::View;
 use super::watch::{Certificates, Extreme, WATCHED};
 use crate::contact::search::algebraic::Pair;
@@ -61,8 +62,6 @@ const DEPTH: usize = 6;
 const SHALLOW: f64 = 2e-10;
 /// Stretches over which Newton is trusted to find a root that is known to be the only one.
 const NARROW: usize = 6;
-/// Motion for which certificates are asked at most, m. Feet then move by less than the slack of the rail's bounds.
-pub(super) const MOST_STEADY: f64 = 1e-3;
 /// Error of distances from knots, m, with a wide margin.
 const ROUGH: f64 = 1e-5;
 /// Directions from knots are trusted from here on, rad.
@@ -70,9 +69,8 @@ const TRUSTED: f64 = 2e-3;
 /// A motion by some length turns the wheel by no more than that length over this arm, m.
 pub(super) const ARM: f64 = 0.5;
 /// Motions, m, for which a part of a stretch is tried to be certified by the sign of phi' (none: it tells at least how many roots there
-/// are now), and the share of it by which feet move at most.
+/// are now).
 const LOCAL: [f64; 5] = [MOST_STEADY, 3e-4, 1e-4, 2e-5, 0.0];
-pub(super) const SWAY: f64 = 1.25;
 /// Certificates that are better than this, m, are not worth more halvings.
 const USEFUL: f64 = 4e-5;
 
@@ -438,17 +436,6 @@ impl<'a> Scan<'a> {
             self.found(*a, *b, (stretch, stretch + 1), a.phi < 0.0);
         }
     }
-}
-
-/// The lesser and the greater of two numbers, neither NaN: quicker than `f64::min` and `f64::max`.
-#[inline]
-pub(super) fn less(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline]
-pub(super) fn more(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 #[inline]

@@ -5,8 +5,8 @@
 //! straight. The foot is found by walking from a guess, so it is the near one where a hollow rail offers several; at concave
 //! kinks, where two always compete, the nearer wins.
 
-use super::branch::{MOST_STEADY, SWAY, less, more};
 use super::curve::{Bounds, Curve};
+use super::motion::{MOST_STEADY, SWAY, less, more};
 use crate::geometry::profile::Profile;
 use nalgebra::Vector2;
 

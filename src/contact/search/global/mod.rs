@@ -15,6 +15,8 @@ mod branch;
 mod curve;
 mod foot;
 mod joint;
+mod look;
+mod motion;
 mod polish;
 mod refine;
 mod standing;

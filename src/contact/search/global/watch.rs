@@ -12,10 +12,7 @@
 //! many stationary distances as before, and phi at both ends has the sign that it had, so that none has come in or has gone out, no
 //! contact has been born or has gone.
 
-use super::GlobalSearch;
-use super::branch::{MOST_STEADY, Scan, State, less};
-use super::view::View;
-use crate::contact::search::algebraic::{Pair, SurfaceParameters};
+use super::motion::{MOST_STEADY, less};
 
 /// What holds for less than this motion, m, is watched.
 pub(super) const WATCHED: f64 = 2.0 / 3.0 * MOST_STEADY;
@@ -25,7 +22,7 @@ const MOST_STRETCHES: u32 = 24;
 const MOST_RUNS: usize = 8;
 const LONGEST: usize = 48;
 /// Bits of a run in the signature, the two signs among them.
-const BITS: u32 = 6;
+pub(super) const BITS: u32 = 6;
 /// Most points that are watched.
 pub const POINTS: usize = 3;
 
@@ -63,7 +60,7 @@ impl Watch {
     }
 
     /// First and last knot of each run.
-    fn runs(&self) -> impl Iterator<Item = (usize, usize)> {
+    pub(super) fn runs(&self) -> impl Iterator<Item = (usize, usize)> {
         let (mut at, mut rest) = (self.first, self.stretches);
         std::iter::from_fn(move || {
             let gap = rest.trailing_zeros();
@@ -141,43 +138,5 @@ impl Certificates {
     pub fn split(&self) -> (Watch, f64) {
         let many = self.watch.stretches.count_ones() > MOST_STRETCHES || self.watch.runs().count() > MOST_RUNS;
         if self.wide || many { (Watch::default(), self.steady) } else { (self.watch, self.apart) }
-    }
-}
-
-impl GlobalSearch {
-    /// Looks at what is watched: for how much motion [m] it stays as it is; `None` when something has been born or has gone. Any
-    /// contact tells where on the rail that is.
-    pub fn watched(&self, pair: &Pair, watch: &Watch, contact: &SurfaceParameters) -> Option<f64> {
-        let (signature, steady) = self.look(pair, watch, contact)?;
-        (signature == watch.signature).then_some(steady)
-    }
-
-    /// The signature, and for how much motion [m] all stays as it is; `None` when phi has another sign at a point.
-    pub(super) fn look(&self, pair: &Pair, watch: &Watch, contact: &SurfaceParameters) -> Option<(u64, f64)> {
-        let mut scan = Scan::seen(self, pair, View::new(pair, None), f64::INFINITY);
-        let offset = contact.rail - contact.wheel;
-        let mut steady = MOST_STEADY;
-        for point in watch.points.iter().flatten() {
-            let (phi, turning) = scan.extreme(&point.place, offset)?;
-            if (phi >= 0.0) != point.above {
-                return None;
-            }
-            steady = less(phi.abs() / turning, steady);
-        }
-        let mut signature = 0;
-        let last = self.wheel.stretches.len();
-        for run in watch.runs() {
-            // A record of another wheel.
-            if run.1 > last {
-                return None;
-            }
-            let before = scan.count;
-            let (a, b) = scan.part(run, offset);
-            let count = (scan.count - before).min(15) as u64;
-            signature = signature << BITS | count << 2 | u64::from(a.phi < 0.0) << 1 | u64::from(b.phi < 0.0);
-            let holds = |end: &State| end.phi.abs() / scan.turning_at(end);
-            steady = less(less(holds(&a), holds(&b)), steady);
-        }
-        Some((signature, less(scan.certificates.steady, steady)))
     }
 }

@@ -1,8 +1,8 @@
-use super::super::algebraic::locate;
+use super::super::test_surfaces::locate;
 use super::*;
 use crate::geometry::Side;
 use crate::geometry::profile::{Profile, ProfilePoint};
-use crate::geometry::surface::rail_point;
+use crate::geometry::track::rail_surface::rail_point;
 use crate::geometry::track::{Deviation, DeviationShape, Direction};
 use crate::math::rotation::AxleFrame;
 use crate::math::spline::CubicSpline;

@@ -12,11 +12,11 @@
 //! about even (an index table with a cell for each point, up to 65536).
 
 use super::super::deviation::STEEPEST;
+use super::resolved::resolved;
 use super::window::{Window, Windowed};
 use super::{Irregularity, Quantity, deviations};
 use crate::geometry::file::OpenFile;
 use crate::geometry::track::DeviationShape;
-use crate::geometry::track::waves::resolved;
 use crate::math::smoothing::smooth;
 use crate::math::spline::CubicSpline;
 use crate::settings::{Entry, Section, SettingsError, did_you_mean};
