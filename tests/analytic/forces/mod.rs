@@ -1,0 +1,8 @@
+//! Force elements: properties that all of them share, and each against its formula.
+
+mod friction;
+mod laws;
+mod motion;
+mod properties;
+mod stage;
+mod tangent;

@@ -1,0 +1,16 @@
+//! Against a formula, or against differences of what is differentiated.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/counting.rs"]
+mod counting;
+
+mod carried;
+mod contact_geometry;
+mod forces;
+mod joints;
+mod rail_motion;
+mod sliding_means;
+mod tangent;
+mod vertical_load;
+mod wheelset;

@@ -1,0 +1,253 @@
+//! The linearised model against central differences of the model itself.
+//!
+//! J is read from what an integrator gets: the columns of (I - a J)^-1. Two measures: per row of a wheelset's accelerations the
+//! relative error of J, and the spectral radius of `a (I - a J)^-1 (J - J')` with J' from differences, which says by what share J
+//! misses in a step of about 2 a; below 1 a linearly implicit step can be stable.
+
+use crate::common;
+use crate::counting;
+use nalgebra::DMatrix;
+use wheelrail::formulation::memory::ModelMemory;
+use wheelrail::formulation::{Evaluation, Model};
+use wheelrail::scene::load;
+use wheelrail::sim::Simulation;
+
+struct Linearised {
+    exact: DMatrix<f64>,
+    found: DMatrix<f64>,
+    bodies: usize,
+    wheelset: usize,
+}
+
+fn derivative(
+    model: &Model,
+    workspace: &mut wheelrail::formulation::Workspace,
+    y: &[f64],
+    memory: &ModelMemory,
+    inputs: &[f64],
+) -> Vec<f64> {
+    let (mut memory, mut dy) = (memory.clone(), vec![0.0; y.len()]);
+    let at = Evaluation { t: 0.0, inputs, y, memory: &mut memory };
+    model.derivative(workspace, at, &mut dy).unwrap_or_else(|error| panic!("{error}"));
+    dy
+}
+
+/// J of a simulation's present state, found and differenced.
+fn linearised(simulation: &Simulation) -> Linearised {
+    let model = simulation.model();
+    let (y, memory) = (&simulation.state().integration.y, &simulation.state().memories.accepted);
+    let inputs = model.neutral_inputs();
+    let mut workspace = model.workspace();
+    model.prepare_tangent(&mut workspace);
+    derivative(model, &mut workspace, y, memory, &inputs);
+    model.linearise(&mut workspace, (y, memory), &inputs, true);
+    let (n, a) = (y.len(), 1e-3);
+    model.factorise(&mut workspace, a).unwrap_or_else(|error| panic!("{error}"));
+    let mut inverse = DMatrix::zeros(n, n);
+    for j in 0..n {
+        let mut x = vec![0.0; n];
+        x[j] = 1.0;
+        model.solve_linear(&mut workspace, &mut x);
+        inverse.set_column(j, &nalgebra::DVector::from_vec(x));
+    }
+    let found = (DMatrix::identity(n, n) - inverse.try_inverse().unwrap()) / a;
+    let count = 6 * model.system.bodies.len();
+    let mut exact = DMatrix::zeros(n, n);
+    for j in 0..n {
+        let h = if j < count {
+            1e-6
+        } else if j < 2 * count {
+            1e-4
+        } else {
+            1e-8
+        };
+        let mut at = |sign: f64| {
+            let mut y = y.clone();
+            y[j] += sign * h;
+            derivative(model, &mut workspace, &y, memory, &inputs)
+        };
+        let (ahead, behind) = (at(1.0), at(-1.0));
+        for i in 0..n {
+            exact[(i, j)] = (ahead[i] - behind[i]) / (2.0 * h);
+        }
+    }
+    Linearised { exact, found, bodies: model.system.bodies.len(), wheelset: model.wheelsets[0].body }
+}
+
+impl Linearised {
+    /// By row of the first wheelset's accelerations: relative error by coordinates and by velocities.
+    fn rows(&self) -> [[f64; 2]; 6] {
+        let count = 6 * self.bodies;
+        std::array::from_fn(|row| {
+            let row = count + 6 * self.wheelset + row;
+            [0, count].map(|start| {
+                let range = |m: &DMatrix<f64>| m.view((row, start), (1, count)).into_owned();
+                let (exact, found) = (range(&self.exact), range(&self.found));
+                let scale = exact.norm();
+                if scale < 1.0 { 0.0 } else { (exact - found).norm() / scale }
+            })
+        })
+    }
+
+    /// Spectral radius for the step factor a.
+    fn radius(&self, a: f64) -> f64 {
+        let n = self.exact.nrows();
+        let matrix = DMatrix::identity(n, n) - &self.found * a;
+        let missed = (&self.exact - &self.found) * a;
+        let error = matrix.lu().solve(&missed).unwrap();
+        error.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max)
+    }
+}
+
+/// Runs a scene up to `until` [s] and compares; returns the worst row (positions, velocities) and the radii for 1 ms and 5 ms.
+fn compare(name: &str, changes: &[&str], until: f64) -> (f64, f64, [f64; 2]) {
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+    let scene = load::open(name, &changes).unwrap_or_else(|error| panic!("{error}"));
+    let mut simulation = common::start(&scene);
+    simulation.advance(until).unwrap_or_else(|error| panic!("{error}"));
+    let linearised = linearised(&simulation);
+    let rows = linearised.rows();
+    let worst = |k: usize| rows.iter().map(|row| row[k]).fold(0.0, f64::max);
+    let radii = [1e-3, 5e-3].map(|a| linearised.radius(a));
+    println!("{name} {changes:?}: rows by position {:.3?}, by velocity {:.3?}, radii {radii:.3?}", rows.map(|r| r[0]), rows.map(|r| r[1]));
+    if std::env::var_os("SHOW_J").is_some() {
+        let count = 6 * linearised.bodies;
+        for start in [0, count] {
+            for (label, m) in [("exact", &linearised.exact), ("found", &linearised.found)] {
+                let b = linearised.wheelset;
+                println!("{label} {start}:{:12.3e}", m.view((count + 6 * b, start + 6 * b), (6, 6)));
+            }
+        }
+    }
+    (worst(0), worst(1), radii)
+}
+
+/// Scene, changes, time [s].
+type Case<'a> = (&'a str, &'a [&'a str], f64);
+
+/// Compares all cases; rows and radii must stay below these limits.
+fn check(cases: &[Case], rows: f64, radii: [f64; 2]) {
+    let mut wrong = Vec::new();
+    for (name, changes, until) in cases {
+        let (position, velocity, found) = compare(name, changes, *until);
+        if !(position < rows && velocity < rows && found[0] < radii[0] && found[1] < radii[1]) {
+            wrong.push(format!("{name} {changes:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn analytic_cones_with_every_creep_law() {
+    for law in ["kalker_linear", "shen_hedrick_elkins", "polach", "fastsim", "fastrip", "usetab"] {
+        let law = format!("contact.creep.law={law}");
+        // 21 m: in the gauge reduction.
+        let changes = [law.as_str(), "vehicle.initial.distance=18", "vehicle.initial.y=0.003", "vehicle.initial.yaw=0.002"];
+        check(&[("suspended_wheelset", &changes, 0.08)], 0.02, [0.01, 0.01]);
+    }
+}
+
+#[test]
+fn analytic_damping_laws() {
+    let laws: [&[&str]; 3] = [
+        &["contact.damping=0"],
+        &["contact.damping={ law = \"hunt_crossley\", restitution = 0.8, impact_speed = 0.1 }"],
+        &["contact.damping={ law = \"linear\", coefficient = 1e5, full_at = 1e-4 }"],
+    ];
+    check(&laws.map(|law| ("suspended_wheelset", law, 0.6)), 0.02, [0.01, 0.01]);
+}
+
+#[test]
+fn analytic_real_profiles_at_several_offsets() {
+    let offsets = ["0", "0.0005", "0.002", "0.004", "0.006"].map(|y| format!("vehicle.initial.y={y}"));
+    let changes = offsets.each_ref().map(|y| [y.as_str(), "vehicle.initial.yaw=0.001"]);
+    check(&changes.each_ref().map(|changes| ("wheelset_s1002", &changes[..], 0.02)), ROWS, [0.02, 0.05]);
+}
+
+/// Single entries may be far off where they are small beside those that count; no limit.
+const ROWS: f64 = f64::INFINITY;
+
+#[test]
+fn analytic_flange_contact() {
+    check(
+        &[
+            ("wheelset_s1002", &["vehicle.initial.y=0.0075", "vehicle.initial.vy=0.05"], 0.01),
+            ("wheelset_s1002", &["vehicle.initial.y=0.007", "vehicle.initial.vy=0.2"], 0.005),
+            ("wheelset_s1002", &["vehicle.initial.y=-0.007", "vehicle.initial.vy=-0.3"], 0.003),
+        ],
+        ROWS,
+        [0.02, 0.02],
+    );
+}
+
+#[test]
+fn analytic_transient_contact_in_motion_and_at_rest() {
+    let speeds: [&[&str]; 4] = [&["vehicle.speed=0"], &["vehicle.speed=0.5"], &["vehicle.speed=1.5"], &[]];
+    check(&speeds.map(|speed| ("wheelset_standstill", speed, 0.1)), ROWS, [0.02, 0.03]);
+}
+
+#[test]
+fn analytic_vehicles() {
+    check(
+        &[
+            ("vehicle_manchester_1", &[], 1.3),
+            ("vehicle_manchester_1", &["contact.creep.law=fastsim"], 1.3),
+            ("vehicle_manchester_1", &["contact.creep.law=polach"], 1.3),
+            ("vehicle_curve", &[], 3.0),
+            ("vehicle_curve", &[], 4.5),
+            ("vehicle_manchester_1", &["contact.formulation=ECCF"], 0.2),
+        ],
+        ROWS,
+        [0.5, 0.9],
+    );
+}
+
+#[test]
+fn analytic_constraints_and_nodes() {
+    check(
+        &[
+            ("suspended_wheelset", &["contact.formulation=ECCF"], 0.6),
+            ("suspended_wheelset", &["contact.formulation=ECCF", "contact.creep.law=fastsim"], 0.6),
+            ("suspended_wheelset", &["contact.formulation=ECF-N", "contact.node_spacing=1e-4"], 0.6),
+        ],
+        ROWS,
+        [0.02, 0.02],
+    );
+}
+
+#[test]
+fn prop_linearising_and_solving_do_not_allocate_and_cost_little() {
+    let scene = load::open("vehicle_manchester_1", &[]).unwrap();
+    let mut simulation = common::start(&scene);
+    simulation.advance(1.3).unwrap();
+    let model = simulation.model();
+    let (y, memory) = (&simulation.state().integration.y, simulation.state().memories.accepted.clone());
+    let (inputs, mut workspace) = (model.neutral_inputs(), model.workspace());
+    model.prepare_tangent(&mut workspace);
+    let (mut dy, mut x, mut memory) = (vec![0.0; y.len()], vec![1.0; y.len()], memory);
+    let rounds = 2000;
+    let mut spent = [0.0; 5];
+    let before = counting::count();
+    for _ in 0..rounds {
+        let start = std::time::Instant::now();
+        model.derivative(&mut workspace, Evaluation { t: 0.0, inputs: &inputs, y, memory: &mut memory }, &mut dy).unwrap();
+        let evaluated = start.elapsed();
+        model.linearise(&mut workspace, (y, &memory), &inputs, false);
+        let contacts = start.elapsed();
+        model.linearise(&mut workspace, (y, &memory), &inputs, true);
+        let all = start.elapsed();
+        model.factorise(&mut workspace, 1e-3).unwrap();
+        let factorised = start.elapsed();
+        x.fill(1.0);
+        model.solve_linear(&mut workspace, &mut x);
+        let solved = start.elapsed();
+        for (sum, part) in spent.iter_mut().zip([evaluated, contacts - evaluated, all - contacts, factorised - all, solved - factorised]) {
+            *sum += part.as_secs_f64() / f64::from(rounds);
+        }
+    }
+    assert_eq!(counting::count() - before, 0);
+    let [f, contacts, all, factorise, solve] = spent.map(|s| 1e6 * s);
+    println!(
+        "coach: f {f:.1} us, J of contacts {contacts:.1} us, J of contacts and forces {all:.1} us, factorise {factorise:.1} us, solve {solve:.1} us"
+    );
+}

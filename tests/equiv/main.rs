@@ -1,0 +1,8 @@
+//! Two ways of ours to the same result.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod curves;
+mod formulations;
+mod rigid_places;

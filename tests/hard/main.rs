@@ -1,0 +1,16 @@
+//! Hard cases, each with the number that must hold.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod cases;
+mod continuity;
+mod flange;
+mod flutter;
+mod nodes;
+mod points;
+mod robustness;
+mod standstill;
+mod start_on_track;
+mod vehicles;
+mod wheelset;

@@ -1,0 +1,14 @@
+//! What must hold whatever the scene.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod cli;
+mod cli_output;
+mod creep_laws;
+mod irregularities;
+mod scene_keys;
+mod static_preload;
+mod steady_curving;
+mod study;
+mod vehicle;

@@ -1,0 +1,350 @@
+//! Keys of scenes that stand for more than one thing, and what is said where numbers are allowed but perhaps not meant.
+
+use crate::common;
+use nalgebra::Vector3;
+use std::collections::HashMap;
+use std::sync::Arc;
+use wheelrail::geometry::track::centre_line::{Alignment, CentreLine, Node};
+use wheelrail::scene::spec::Scene;
+use wheelrail::scene::{assemble, load, plan};
+use wheelrail::sim::Simulation;
+use wheelrail::sim::vehicle_outputs::scene_outputs;
+
+fn open(name: &str, changes: &[&str]) -> Result<Scene, String> {
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+    load::open(name, &changes).map_err(|error| error.to_string())
+}
+
+fn error(name: &str, changes: &[&str]) -> String {
+    let error = open(name, changes).err().unwrap_or_default();
+    println!("{error}");
+    error
+}
+
+fn notes(scene: &Scene) -> Vec<String> {
+    let notes = plan::plan(scene, &assemble::model(scene).unwrap()).notes;
+    println!("{notes:#?}");
+    notes
+}
+
+#[test]
+fn analytic_a_train_of_any_number_of_coaches() {
+    for coaches in [1, 3, 5] {
+        let count = format!("vehicle.place[coach].count={coaches}");
+        let only = "interface.only=[\"coach[1].car\"]";
+        let free = open("train", &[&count, only]).unwrap().vehicle.free.unwrap();
+        let names: Vec<&str> = free.forces.iter().map(|force| force.0.name()).filter(|name| name.starts_with("coupler")).collect();
+        let expected: Vec<String> = (1..coaches).map(|n| format!("coupler[{n}]")).collect();
+        assert_eq!((free.wheelsets.len(), names), (4 * coaches, expected.iter().map(String::as_str).collect()));
+        for body in free.bodies.iter().filter(|body| body.body.name.ends_with(".car")) {
+            let number: f64 = body.body.name.trim_start_matches("coach[").split(']').next().unwrap().parse().unwrap();
+            assert_eq!(body.position, Vector3::new(-26.0 * (number - 1.0), 0.0, 1.8), "{}", body.body.name);
+        }
+    }
+    // The couplers join the ends that meet: 1 m apart between points 12.5 m from the middle of each car.
+    let (lone, pair) =
+        (open("train", &["vehicle.place[coach].count=1", "interface.only=[\"coach[1]\"]"]).unwrap(), open("train", &[]).unwrap());
+    let simulation = common::start(&pair);
+    let model = simulation.model();
+    let y = &simulation.state().integration.y;
+    let mut workspace = model.workspace();
+    model.system.apply_forces(y, &mut workspace.system);
+    for element in model.system.forces.iter().filter(|element| element.name().starts_with("coupler")) {
+        let (force, stretch) = (element.quantity(0, &workspace.system.motions, &[]), element.quantity(1, &workspace.system.motions, &[]));
+        println!("{}: {force:.3e} N, elongation {stretch:.3e} m", element.name());
+        assert!(force.abs() < 1e3 && stretch.abs() < 5e-3, "at rest within their slack");
+    }
+    let share = pair.vehicle.free.unwrap().weight(9.81) / lone.vehicle.free.unwrap().weight(9.81);
+    assert!((share - 3.0).abs() < 1e-12, "{share}");
+}
+
+#[test]
+fn hard_wrong_copies_are_refused() {
+    let cases = [
+        ("vehicle.place[coach].count=2.5", "vehicle.place[1].count: found 2.5, expected a whole number"),
+        ("vehicle.place[coach].count=0", "expected a whole number from 1"),
+        ("vehicle.place[coach].spacing=26", "vehicle.place[1].spacing"),
+        ("vehicle.place[coach].name=\"coach[1]\"", "expected no number: count makes the numbers"),
+    ];
+    for (change, words) in cases {
+        assert!(error("train", &[change]).contains(words), "{change}");
+    }
+    let bogie = [
+        "vehicle.module.m.template=bogie",
+        "vehicle.place[m].module=m",
+        "vehicle.place[m].position=[5, 0, 0]",
+        "vehicle.place[m].spacing=[1, 0, 0]",
+    ];
+    assert!(error("bogie", &bogie).contains("serves nothing without count"));
+}
+
+#[test]
+fn hard_a_slip_of_the_pen_in_a_name_is_met_by_the_names_there_are() {
+    let cases = [
+        ("vehicle_manchester_1", "vehicle.body[cra].mass=30000", ["\"cra\" is a new entry that --set made", "vehicle.body had car"]),
+        (
+            "vehicle_manchester_1",
+            "vehicle.module.truck.force[secondery].stiffness=[0, 1e5, 1e5]",
+            ["did you mean \"secondary\"?", "traction_rod"],
+        ),
+        ("train", "vehicle.module.coach.body[cra].mass=30000", ["\"cra\" is a new entry", "had car"]),
+        ("train", "vehicle.place[coahc].count=4", ["did you mean \"coach\"?", "vehicle.place had coach"]),
+    ];
+    for (scene, change, words) in cases {
+        let error = error(scene, &[change]);
+        assert!(words.iter().all(|words| error.contains(words)), "{change}: {error}");
+    }
+    // A new entry that is complete is one; so is a change of a template's entry.
+    let sensor = ["vehicle.sensor[floor].body=car", "vehicle.sensor[floor].at=[0, 0, 1.8]"];
+    assert!(open("bogie", &sensor).is_ok());
+    assert!(!error("bogie", &["vehicle.body[car].mass=-3"]).contains("new entry"));
+}
+
+#[test]
+fn hard_roundings_that_melt_corners_are_told() {
+    let found = |smoothing: &str| notes(&open("vehicle_curve", &[&format!("track.smoothing={smoothing}")]).unwrap());
+    let told = found("200 m");
+    assert!(told.iter().any(|note| note.contains("track.smoothing = 200 m is longer than the stretch between the corners at")), "{told:?}");
+    assert!(found("1 m").iter().all(|note| !note.contains("smoothing")));
+}
+
+#[test]
+fn hard_dampers_faster_than_wheels_are_told() {
+    let damper = [
+        "vehicle.force[quick].kind=maxwell_damper",
+        "vehicle.force[quick].from.body=car",
+        "vehicle.force[quick].from.at=[0, 0, 1]",
+        "vehicle.force[quick].to=frame",
+        "vehicle.force[quick].at=[0, 0, 0.6]",
+        "vehicle.force[quick].stiffness=1e8",
+        "vehicle.force[quick].damping=1e4",
+    ];
+    let told = notes(&open("bogie", &damper).unwrap());
+    let expected = "quick: time constant c/k = 0.100 ms; explicit integrators can't step further than 0.330 ms";
+    assert!(told.iter().any(|note| note.starts_with(expected) && note.contains("1592 Hz")), "{told:?}");
+    assert!(
+        notes(&open("bogie", &[]).unwrap()).iter().all(|note| !note.contains("time constant")),
+        "the coach's own dampers are slow enough"
+    );
+}
+
+/// What an accelerometer on the floor of a car in a steady curve shows across: V^2 / R cos f - g sin f, f = cant + roll of the car.
+#[test]
+fn analytic_measured_acceleration_in_a_steady_curve() {
+    let (speed, radius, height, g) = (25.0, 600.0, 0.1, 9.81);
+    let sensor = ["vehicle.sensor[floor].body=car", "vehicle.sensor[floor].at=[0, 0, 1.8]", "vehicle.sensor[floor].measured=true"];
+    let changes = [&sensor[..], &["vehicle.speed=25", "vehicle.drive=leading", "interface.outputs=[\"bodies\", \"sensors\"]"]].concat();
+    let mut scene = open("vehicle_manchester_1", &changes).unwrap();
+    let base = 2.0 * scene.track.half_rail_distance;
+    let cant = (height / base).asin();
+    let node = |distance: f64, share: f64| Node { distance, curvature: share / radius, superelevation: -share * cant, grade: 0.0 };
+    let alignment = Alignment { nodes: vec![node(20.0, 0.0), node(70.0, 1.0)], smoothing: 10.0, ..Alignment::default() };
+    scene.track.deviations.clear();
+    scene.track.line = CentreLine::new(&alignment, Vector3::zeros(), 0.0).map(Arc::new);
+    scene.track.alignment = Some(alignment);
+    let mut simulation = common::start(&scene);
+    let read = |simulation: &mut Simulation| -> HashMap<String, f64> {
+        let outputs = scene_outputs(&scene, simulation.model());
+        let snapshot = simulation.snapshot().unwrap();
+        outputs.iter().map(|output| (output.name.clone(), output.value(snapshot))).collect()
+    };
+    let at_rest = read(&mut simulation);
+    let shown = ["floor.measuredAx", "floor.measuredAy", "floor.measuredAz"].map(|name| at_rest[name]);
+    println!("straight and level: {shown:?}, kinematic az {:.1e}", at_rest["floor.az"]);
+    assert!((shown[2] - g * at_rest["car.pitch"].cos() * at_rest["car.roll"].cos()).abs() < 1e-6 && shown[1].abs() < 1e-6);
+    simulation.advance(6.0).unwrap();
+    let in_curve = read(&mut simulation);
+    let lean = in_curve["car.roll"] - cant;
+    let expected = speed * speed / radius * lean.cos() + g * lean.sin();
+    let (shown, plain) = (in_curve["floor.measuredAy"], in_curve["floor.ay"]);
+    println!("in the curve: {shown:.4} m/s2, formula {expected:.4}; kinematic {plain:.4}; roll {:.2e}", in_curve["car.roll"]);
+    // What gravity adds is exact but for yaw and pitch; the car still swings a little.
+    assert!((shown - plain - g * lean.sin()).abs() < 1e-4, "{}", shown - plain - g * lean.sin());
+    assert!((shown - expected).abs() < 0.05, "{shown} {expected}");
+}
+
+/// A scene with several faults: all are told, each once, by line, what is missing last; a slip of the pen stands for the key that it hides.
+#[test]
+fn prop_all_faults_of_a_scene_are_told_at_once() {
+    let embedded = wheelrail::scene::embedded::find("suspended_wheelset").unwrap().text;
+    let found = |changes: &[(&str, &str)]| {
+        let text = changes.iter().fold(embedded.to_string(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replacen(from, to, 1)
+        });
+        let source = wheelrail::settings::Source { file: "a.toml".into(), text, overridden: vec![], folder: None };
+        let message = load::read("a", source, &[]).err().map(|error| error.to_string()).unwrap_or_default();
+        println!("{message}\n");
+        message
+    };
+    let places = |message: &str| -> Vec<String> {
+        let lines = message.lines().filter_map(|line| line.trim_start().strip_prefix("a.toml:"));
+        lines.map(|line| line.split(": ").nth(1).unwrap_or_default().to_string()).collect()
+    };
+    let many = found(&[
+        ("\nspeed = ", "\nspeed = \"forty\" # "),
+        ("\nmass = ", "\n# mass = "),
+        ("\nlateral_damping = ", "\nlateral_dampig = "),
+        ("\nformulation = \"ECF-A\"", "\nformulation = \"ecf-a\""),
+        ("\nfriction = ", "\nfrction = "),
+        ("\nstop = ", "\nstop = -"),
+    ]);
+    assert!(many.starts_with("6 faults in the scene:\n"), "{many}");
+    let expected = [
+        "vehicle.speed",
+        "vehicle.suspension.lateral_dampig",
+        "contact.formulation",
+        "contact.frction",
+        "run.stop",
+        "vehicle.wheelset.mass",
+    ];
+    assert_eq!(places(&many), expected);
+    for words in ["frction: unknown key (did you mean \"friction\"?)", "found \"ecf-a\" (did you mean \"ECF-A\"?)", "mass: is missing"] {
+        assert!(many.contains(words), "{words}: {many}");
+    }
+    assert!(!many.contains("friction: is missing"), "{many}");
+    // One fault is told as before.
+    assert!(found(&[("\nfriction = ", "\nfrction = ")]).starts_with("a.toml:"));
+    // What follows from a fault is not told: settings of a law that is not known, numbers that belong together, a table's own keys.
+    assert_eq!(places(&found(&[("law = \"shen_hedrick_elkins\"", "law = \"fastsimm\"\nstrips = 10")])), ["contact.creep.law"]);
+    assert_eq!(places(&found(&[("\ninertia_xx = ", "\ninertia_xx = \"x\" # ")])), ["vehicle.wheelset.inertia_xx"]);
+    let renamed = found(&[("[contact]", "[contct]")]);
+    assert!(renamed.contains("contact: is missing (there is \"contct\")") || renamed.contains("did you mean \"contact\"?"), "{renamed}");
+    // A word that decides how the rest is read.
+    let kind = error("bogie", &["vehicle.force[new].knd=spring_damper"]);
+    assert!(kind.contains("kind: is missing (there is \"knd\")"), "{kind}");
+}
+
+#[test]
+fn prop_faults_in_several_parts_of_a_vehicle() {
+    let message = error(
+        "bogie",
+        &["vehicle.body[car].mass=-3", "vehicle.body[car].inertia_xx=\"1 kg.m2\"", "vehicle.speed=1e6", "solver.tolerance=1"],
+    );
+    for words in [
+        "4 faults in the scene:",
+        "mass: found -3.0, expected 1e-6 or more",
+        "(did you mean \"1 kg m2\"?)",
+        "vehicle.speed: found 1000000.0 m/s, expected at most 500.0 m/s either way: contact is computed as at rest",
+        "solver.tolerance: found 1.0",
+    ] {
+        assert!(message.contains(words), "{words}: {message}");
+    }
+    let spectrum = ["track.irregularity=[{kind=\"spectrum\",spectrum=\"FRA4\",seed=1}]"];
+    assert!(error("suspended_wheelset", &spectrum).contains("(did you mean \"fra4\"?)"));
+    assert!(error("suspended_wheelset", &["run.step=10"]).contains("run.step: found 10.0 s, expected at most run.stop = 5.0 s"));
+}
+
+/// What nobody knows may be left out, and the plan says what is taken instead.
+#[test]
+fn prop_defaults_for_what_nobody_knows() {
+    let text = wheelrail::scene::embedded::find("suspended_wheelset").unwrap().text;
+    let kept: String = text
+        .lines()
+        .take_while(|line| *line != "[solver]")
+        .chain(text.lines().skip_while(|line| *line != "[run]"))
+        .filter(|line| !["gravity", "damping"].iter().any(|key| line.starts_with(key)))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let read = |text: &str, changes: &[&str]| {
+        let source = wheelrail::settings::Source { file: "a.toml".into(), text: text.into(), overridden: vec![], folder: None };
+        load::read("a", source, &changes.iter().map(|change| (*change).to_string()).collect::<Vec<_>>())
+            .unwrap_or_else(|error| panic!("{error}"))
+    };
+    let scene = read(&kept, &[]);
+    assert_eq!((scene.vehicle.gravity, scene.solver.name, scene.solver.integrator.setting().value), (9.81, "rosenbrock", 1e-5));
+    let plan = plan::plan(&scene, &assemble::model(&scene).unwrap());
+    let damping = plan.effects.iter().find(|effect| effect.name == "contact damping").unwrap();
+    assert!(damping.why.contains("restitution 0.8 at 0.1 m/s"), "{}", damping.why);
+    assert!(plan.notes.iter().any(|note| note.starts_with("solver.tolerance is 1e-5 m, the default")), "{:?}", plan.notes);
+    // A step alone still asks for equal steps.
+    assert_eq!(read(&kept, &["solver.step=1 ms"]).solver.name, "real_time");
+    let mut simulation = common::start(&scene);
+    simulation.advance(0.1).unwrap();
+}
+
+/// A file's initial values and flag mean what the FMU's mean: on a curve, where the balance is not at zero.
+#[test]
+fn equiv_initial_values_mean_the_same_in_a_file_and_in_the_fmu() {
+    use wheelrail::fmi::instance::Instance;
+    use wheelrail::fmi::package;
+    let curve = ["track.deviation=[]", "track.node=[{distance=0.0,radius=800.0,superelevation=\"50 mm\"}]"];
+    let native = |changes: &[&str]| {
+        let scene = open("suspended_wheelset", &[&curve[..], changes].concat()).unwrap();
+        common::start(&scene).state().integration.y.clone()
+    };
+    let names = ["distance", "y", "z", "roll", "yaw", "vy", "vz", "rollRate", "yawRate", "pitchRate"];
+    // Initial values as outputs of the FMU of a scene with `changes`, with parameters set; and what its parameters read.
+    let fmu = |changes: &[&str], flag: Option<bool>, values: &[(&str, f64)]| -> (Vec<f64>, f64) {
+        let packed = package::pack_scene(&open("suspended_wheelset", &[&curve[..], changes].concat()).unwrap()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        for (name, content) in &packed.resources {
+            let file = folder.path().join(name);
+            std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+            std::fs::write(file, content).unwrap();
+        }
+        let reference =
+            |name: &str| packed.table.variables.iter().find(|variable| variable.name == format!("wheelset.{name}")).unwrap().reference;
+        let mut instance = Instance::new(folder.path(), &packed.description.guid).unwrap();
+        instance.setup_experiment(None, 0.0, None).unwrap();
+        if let Some(flag) = flag {
+            instance.set_boolean(&[reference("initial.fromEquilibrium")], &[flag]).unwrap();
+        }
+        for (name, value) in values {
+            instance.set_real(&[reference(&format!("initial.{name}"))], &[*value]).unwrap();
+        }
+        instance.enter_initialization().unwrap();
+        instance.exit_initialization().unwrap();
+        let mut found = vec![0.0; names.len()];
+        instance.get_real(&names.map(reference), &mut found).unwrap();
+        let mut y = [0.0];
+        instance.get_real(&[reference("initial.y")], &mut y).unwrap();
+        (found, y[0])
+    };
+    let balance = fmu(&[], None, &[]).0;
+    assert!(balance[1].abs() > 1e-5, "the curve moves the wheelset: {balance:?}");
+    // Added to the balance, by default and where it is said.
+    let given = ["vehicle.initial.y=1 mm", "vehicle.initial.yaw=0.5 mrad", "vehicle.initial.vz=0.01"];
+    let set = [("y", 1e-3), ("yaw", 5e-4), ("vz", 0.01)];
+    let from_file = fmu(&given, None, &[]);
+    assert_eq!((from_file.0.clone(), from_file.1), fmu(&[], None, &set));
+    assert_eq!(native(&given), native(&[&given[..], &["vehicle.initial.from_equilibrium=true"]].concat()));
+    assert!((from_file.0[1] - balance[1] - 1e-3).abs() < 1e-12, "{from_file:?}");
+    // Absolute.
+    let absolute =
+        ["vehicle.initial.from_equilibrium=false", "vehicle.initial.y=1 mm", "vehicle.initial.z=457 mm", "vehicle.initial.pitch_rate=87.5"];
+    let from_file = fmu(&absolute, None, &[]).0;
+    let all: Vec<(&str, f64)> = names.iter().copied().zip(from_file.iter().copied()).collect();
+    let set = fmu(&[], Some(false), &all).0;
+    // Coordinates go through the curve's frame and back.
+    assert!(from_file.iter().zip(&set).all(|(a, b)| (a - b).abs() <= 1e-13 * a.abs().max(1.0)), "{from_file:?} {set:?}");
+    assert!((from_file[1] - 1e-3).abs() < 1e-12 && (from_file[2] - 0.457).abs() < 1e-12, "{from_file:?}");
+    // A radius is no offset.
+    assert!(error("suspended_wheelset", &["vehicle.initial.z=0.467"]).contains("or from_equilibrium = false"));
+}
+
+/// Numbers without a unit that a reader of another habit means otherwise: degrees, per mille, millimetres.
+#[test]
+fn prop_numbers_that_may_mean_something_else_are_refused_with_both_spellings() {
+    let node = |own: &str| format!("track.node=[{{distance=0, radius=600, {own}}}]");
+    for (change, words) in [
+        (node("superelevation=0.08"), ["\"80 mm\"", "\"0.08 rad\" (4.58 deg)"]),
+        (node("cant=-0.08"), ["\"-80 mm\"", "\"-0.08 rad\""]),
+        (node("superelevation=80"), ["\"80000 mm\"", "\"80.0 rad\""]),
+        ("track.grade=3".into(), ["a slope (0.01, \"1 %\")", "\"0.5 deg\""]),
+        ("vehicle.initial.yaw=1".into(), ["found 1.0 rad", "\"1.0 deg\""]),
+        ("vehicle.initial.roll=-2".into(), ["found -2.0 rad", "\"-2.0 deg\""]),
+    ] {
+        let said = error("suspended_wheelset", &[change.as_str()]);
+        assert!(words.iter().all(|word| said.contains(word)), "{change}: {said}");
+    }
+    let superelevation = |own: &str| open("suspended_wheelset", &[&node(own)]).unwrap().track.alignment.unwrap().nodes[0].superelevation;
+    assert_eq!(superelevation("cant=\"-80 mm\""), superelevation("superelevation=\"-0.08 m\""));
+    assert_eq!(superelevation("cant=\"3 deg\""), 3f64.to_radians());
+    // The whole track's grade and a node's are read alike.
+    for own in ["0.03", "\"3 %\"", "\"30 ‰\"", "\"1.5 deg\""] {
+        let whole = open("suspended_wheelset", &[&format!("track.grade={own}")]).unwrap().track.grade;
+        let node = open("suspended_wheelset", &[&format!("track.node=[{{distance=0, grade={own}}}]")]).unwrap().track.alignment.unwrap();
+        assert_eq!(whole, node.nodes[0].grade, "{own}");
+    }
+}
