@@ -37,7 +37,10 @@ fn idle<'a>(files: &'a [Source], near: impl Fn(&Source, &Source) -> bool + 'a) -
     let of_file = move |index: usize| {
         let around = files.iter().zip(&functions).filter(|(file, _)| near(&files[index], file)).flat_map(|(_, functions)| functions);
         let claiming = claiming(&around.collect::<Vec<_>>());
-        let idle = functions[index].iter().filter(|test| test.is_test && !test.should_panic && !claims(test.body, &claiming));
+        // What runs in a process of its own for another test is none.
+        let idle = functions[index]
+            .iter()
+            .filter(|test| test.is_test && test.name != "worker" && !test.should_panic && !claims(test.body, &claiming));
         idle.map(|test| format!("{}: {} ({} lines)", files[index].path.display(), test.name, lines(test.text))).collect::<Vec<_>>()
     };
     (0..files.len()).flat_map(of_file)
