@@ -40,13 +40,13 @@ picture() { # quantity, pair, caption; pairs of which a formulation is missing h
     picture normal_force_right ECF-A_ECCF "Normal force of the right wheel"
     picture normal_force_left ECF-A_ECCF "Normal force of the left wheel"
 } >docs/formulations_compared.md
-WHEELRAIL_BLESS=1 cargo test --release --test cli docs_list >/dev/null
+WHEELRAIL_BLESS=1 cargo test --release --test prop docs_list >/dev/null
 {
     echo "# Accuracy and cost"
     echo
     echo "Printed by \`cargo bench\` ($(date +%Y-%m-%d), $(nproc) cores, $(uname -sm), $(rustc --version | cut -d' ' -f1,2)); made by docs/generate.sh."
     echo "One core is used. Errors are against a run with tolerance 1e-13,"
-    echo "which agrees with an independent program to 1e-14 m in that displacement (tests/validate.rs). Aims: a contact below 1 us; 500"
+    echo "which agrees with an independent program to 1e-14 m in that displacement (tests/validate/published.rs). Aims: a contact below 1 us; 500"
     echo "times real time at 1e-6 m and 2000 at 1e-4 m on one core; the FMU within 10 % of native. The lines that begin with \"aim\" judge by the fastest"
     echo "setting that is exact enough, and tell what straight lines between neighbouring settings give at exactly that error. Costs are those of the"
     echo "fastest of several runs without outputs. The virtual machine used changes its speed by half from minute to minute: compare lines of one run, not runs."
@@ -98,42 +98,42 @@ WHEELRAIL_BLESS=1 cargo test --release --test cli docs_list >/dev/null
     echo "1e-8 in the paper's scene, and its error fell only with the square root of the tolerance."
     echo
     echo '```text'
-    cargo test --release --test robustness -- --nocapture 2>/dev/null | sed -n '/^setting/,/^all:/p'
+    cargo test --release --test hard robustness:: -- --nocapture 2>/dev/null | sed -n '/^setting/,/^all:/p'
     echo '```'
     echo
-    echo "## Hard cases over vehicles (tests/hard_vehicles.rs)"
+    echo "## Hard cases over vehicles (tests/hard/vehicles.rs)"
     echo
     echo "The same 21 cases in all four formulations, S1002 on 60E1, constraint formulations with contact.on_lift = \"elastic\". Curves follow behind a spiral;"
     echo "FRA is the class of the track's spectrum. Least normal force of any contact, largest wheel load over the static one, largest gap of a"
     echo "constraint, largest change of mechanical energy over the energy of motion at the start, changes between constraint and elastic contact."
     echo
     echo '```text'
-    cargo test --release --test hard_vehicles -- --nocapture --test-threads 1 2>/dev/null | grep -oE '((ACCF|ECCF|ECF-A|ECF-N)  .*|^(vehicle|coach|bogie|wheelset), .*|^    t = .*)'
+    cargo test --release --test hard vehicles:: -- --nocapture --test-threads 1 2>/dev/null | grep -oE '((ACCF|ECCF|ECF-A|ECF-N)  .*|^(vehicle|coach|bogie|wheelset), .*|^    t = .*)'
     echo '```'
     echo
     echo "## The IVP Test Set's problem \"Wheelset\" (index 2)"
     echo
     echo "A conical wheelset on circular rails, solved with this program's constraint equations, projection and integrator through a"
-    echo "test-only model (tests/ivp_wheelset.rs). Matching digits at t = 10 s; DASSL is the published reference run at 1e-9."
+    echo "test-only model (tests/validate/ivp_wheelset/). Matching digits at t = 10 s; DASSL is the published reference run at 1e-9."
     echo
     echo '```text'
-    cargo test --release --test ivp_wheelset -- --nocapture --test-threads 1 2>/dev/null | sed -n '/^tolerance/,/^x = /p'
+    cargo test --release --test validate ivp_wheelset:: -- --nocapture --test-threads 1 2>/dev/null | sed -n '/^tolerance/,/^x = /p'
     echo '```'
     echo
     echo "## Elastic contact tends to the constraint, nodes to equations"
     echo
     echo '```text'
-    cargo test --release --test equiv -- --nocapture --test-threads 1 2>/dev/null | grep -oE '(E x |ECF-N, nodes|ACCF against|contact.formulation=ECF).*'
+    cargo test --release --test equiv formulations:: -- --nocapture --test-threads 1 2>/dev/null | grep -oE '(E x |ECF-N, nodes|ACCF against|contact.formulation=ECF).*'
     echo '```'
     echo
-    echo "## Several contacts per wheel (tests/flange.rs)"
+    echo "## Several contacts per wheel (tests/hard/flange.rs)"
     echo
     echo "APTA140 wheels on 60E1 rails at 20 m/s. A lateral force of 25 kN in steady flange contact: constrained tread with elastic flange (ECCF, ACCF) against"
     echo "all elastic (ECF-A), which sinks by 0.07 mm. A flange contact that begins and ends; a wheel that climbs; energy in flange impacts without"
     echo "friction and damping."
     echo
     echo '```text'
-    cargo test --release --test flange -- --nocapture --test-threads 1 2>/dev/null | grep -oE '(flange: N|flange force up to|derailed at|[0-9]+ flange contacts|[AE]CCF (left\.(contact|lateral|derail)|right|derailment|y differs)).*' | grep -v relative
+    cargo test --release --test hard flange:: -- --nocapture --test-threads 1 2>/dev/null | grep -oE '(flange: N|flange force up to|derailed at|[0-9]+ flange contacts|[AE]CCF (left\.(contact|lateral|derail)|right|derailment|y differs)).*' | grep -v relative
     echo '```'
     echo
     echo "Accuracy and cost of creep laws: [creep_laws.md](creep_laws.md). Contact geometry: [contact_geometry.md](contact_geometry.md)."
@@ -180,7 +180,7 @@ y'' = -dr(y) / (e r0) over the distance. *EN 15302*: lambda = 2 pi^2 e r0 / L^2 
 the first integral, and e and r0 drop out of lambda. *Harmonic linearisation*: the first harmonic of dr over a sine. The amplitude is half
 of the motion from peak to peak; with unlike sides the motion swings about the shift c that makes it periodic ("about y").
 
-## Checks (tests/contact_geometry.rs)
+## Checks (tests/analytic/contact_geometry.rs)
 
 - S1002 on 60E1, 1:40, gauge 1435 mm, 3 mm, no roll: EN 15302 0.174, harmonic 0.176; with the older UIC60 0.180 and 0.182. The two rails
   differ by 0.04 mm on the gauge corner: that is what 0.006 of conicity hang on.

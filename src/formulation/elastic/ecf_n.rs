@@ -7,7 +7,7 @@
 //!
 //! The contact lies between nodes, where the overlap is deepest, so that places, radii and forces are continuous but for what the parabola
 //! through three nodes leaves (see `contact::search::nodal`): on S1002 and 60E1 up to 120 kN N jumps by 2e-4 of itself with nodes every 0.1 mm
-//! (0.4 mm: 0.5 %), on cones not to be seen (tests/nodes.rs, tests/equiv.rs). Where two places of one batch are nearly as deep
+//! (0.4 mm: 0.5 %), on cones not to be seen (tests/hard/nodes.rs, tests/equiv/formulations.rs). Where two places of one batch are nearly as deep
 //! they share the force as ECF-A's do (`points::share`): the paper has one contact for each batch, which would jump from one to the other,
 //! and N with it from one stiffness to the other (10 mm aside, 2 % of 68 kN). Only while a second batch (the flange) touches too the
 //! deepest of a batch has it all.
