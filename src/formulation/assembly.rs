@@ -1,8 +1,15 @@
-//! A model from its parts.
+//! A model from its parts, and what its evaluations need.
 
-use super::Formulation;
-use super::model::{ContactLaws, LOAD_TOLERANCE, Model, Wheelset};
+use super::frame_motion::MovingFrame;
+use super::memory::{Mode, ModelMemory, WheelMemory};
+use super::model::{ContactLaws, LOAD_TOLERANCE, Model};
+use super::rigid_scratch::RigidScratch;
+use super::sliding_mean::MeanMemory;
+use super::timers::Timers;
 use super::wheel_search::{self, PreparedSearches};
+use super::wheelset::Wheelset;
+use super::work::Work;
+use super::{Cached, ContactReport, Formulation, Workspace};
 use crate::contact::search::nodes::NodeError;
 use crate::geometry::track::Track;
 use crate::mbs::system::System;
@@ -66,5 +73,40 @@ impl Model {
             means: None,
             rail_motion: false,
         })
+    }
+
+    /// What is remembered of a state before anything has been evaluated.
+    pub fn blank_memory(&self) -> ModelMemory {
+        let mode = if self.formulation.constrains() { Mode::rigid(0.0, 0.0) } else { Mode::ELASTIC };
+        ModelMemory {
+            wheels: vec![WheelMemory::new(mode); self.contacts()],
+            partitions: vec![None; if self.formulation.constrains() { self.wheelsets.len() } else { 0 }],
+            means: self.means.iter().flat_map(|_| &self.wheelsets).map(|_| MeanMemory::default()).collect(),
+            distances: vec![0.0; self.followed()],
+        }
+    }
+
+    /// What its evaluations work in.
+    pub fn workspace(&self) -> Workspace {
+        let constrained = self.constrained_bodies();
+        let further = (self.points - 1) * self.contacts();
+        let mut system = self.system.workspace(&constrained);
+        self.add_stations(&mut system);
+        Workspace {
+            system,
+            contacts: vec![ContactReport::default(); self.contacts()],
+            further_contacts: vec![ContactReport::default(); further],
+            rigid: if self.formulation.constrains() {
+                RigidScratch::new(self.wheelsets.len(), self.system.bodies.len(), self.dimension())
+            } else {
+                RigidScratch::default()
+            },
+            work: Work::default(),
+            timers: Timers::default(),
+            events: Vec::new(),
+            cached: Cached::No,
+            tangent: None,
+            frame: MovingFrame::default(),
+        }
     }
 }

@@ -1,10 +1,8 @@
 //! What can go wrong in an evaluation, with the place where it did.
 
-use super::step::WheelRef;
-use super::{Model, Wheelset};
+use super::wheelset::Wheelset;
 use crate::contact::normal::ConformalContact;
 use crate::geometry::Side;
-use crate::mbs::system::SystemWorkspace;
 use crate::mbs::tangent::SingularTangent;
 
 /// Why the equations could not be evaluated.
@@ -93,17 +91,4 @@ fn not_closed(gap: f64) -> &'static str {
     } else {
         "no position near this one satisfies the constraints"
     }
-}
-
-/// The wheel that belongs to a row of the constraints; the first one for rows of joints.
-pub(super) fn wheel_of<'a>(model: &'a Model, system: &SystemWorkspace, row: usize) -> WheelRef<'a> {
-    let contact = row.checked_sub(system.constraints.joint_rows).filter(|contact| *contact < model.contacts());
-    model.wheel(contact.unwrap_or(0))
-}
-
-/// The constraints do not determine the force of this row.
-pub(super) fn singular_row(model: &Model, system: &SystemWorkspace, t: f64, row: usize) -> EvaluationError {
-    let wheel = wheel_of(model, system, row);
-    let y = model.beside(&system.motions[wheel.wheelset.body]).0;
-    wheel.error(t, ContactFailure::Singular { row, y })
 }

@@ -4,8 +4,8 @@
 //! It belongs to the state: what an evaluation does depends on it (by rounding, but for the contacts' mode), so it is saved and restored
 //! with it. Copying it onto another of the same model allocates nothing.
 
-use super::elastic::points::prediction::{POSE, Prediction};
-use super::rigid::accf::partition::Partition;
+use super::partition::Partition;
+use super::prediction::{POSE, Prediction};
 use super::sliding_mean::MeanMemory;
 use super::wheel_search::MOST_POINTS;
 use crate::contact::search::algebraic::SurfaceParameters;

@@ -11,19 +11,25 @@
 //! wheel: none in ECF-A and ECCF, the surface parameters and their rates in ACCF, the arc length in ECF-N.
 
 mod assembly;
-pub mod carried;
+mod deflections;
 pub mod elastic;
 pub mod events;
 mod failure;
 pub mod flutter;
 mod foresight;
+pub mod frame_motion;
 mod loading;
 mod low_pass;
+mod means;
 pub mod memory;
 mod model;
+mod moving_frame;
+pub mod partition;
+mod prediction;
 mod projection;
 mod rail_motion;
 mod rigid;
+mod rigid_scratch;
 pub mod sliding_mean;
 pub mod step;
 pub mod swing;
@@ -33,18 +39,21 @@ pub mod transitions;
 mod travel;
 pub mod wheel_loads;
 pub mod wheel_search;
+pub mod wheelset;
 pub mod work;
 mod workspace;
 
 pub use assembly::{AssemblyError, Build, Parts};
 pub use failure::{ContactFailure, EvaluationError};
-pub use model::{
-    ContactLaws, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LOAD_TOLERANCE, LONGITUDINAL_FORCE, Model, NEUTRAL_INPUTS, RIGHT_FRICTION,
-    VERTICAL_FORCE, WHEELSET_INPUTS, Wheelset, contact_index,
-};
+pub use means::derailment_quotient;
+pub use model::{ContactLaws, LOAD_TOLERANCE, Model};
 pub use rail_motion::{
     RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_SLOPE, RAIL_LATERAL_VELOCITY, RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, RAIL_VERTICAL_VELOCITY,
     rail_input,
+};
+pub use wheelset::{
+    DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, NEUTRAL_INPUTS, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS,
+    Wheelset, contact_index,
 };
 pub use workspace::{Cached, ContactReport, Evaluation, Workspace};
 

@@ -1,6 +1,5 @@
 //! Positions and velocities are moved onto the constraints: of joints, and of contacts where they are constraints.
 
-use super::failure::{singular_row, wheel_of};
 use super::step::Step;
 use super::{ContactFailure, EvaluationError, Wheelset};
 use crate::mbs::projection::ProjectionError;
@@ -46,10 +45,10 @@ pub(super) fn project(
         Err(ProjectionFailure::System(error)) => error,
     };
     let (gap, row) = system.constraints.largest(&system.constraints.residual);
-    let wheel = wheel_of(model, system, row);
+    let wheel = model.wheel_of_row(system, row);
     let place = model.beside(&system.motions[wheel.wheelset.body]).0;
     Err(match failure {
         ProjectionError::NotConverged { iterations, .. } => wheel.error(*t, ContactFailure::NotClosed { iterations, gap, y: place }),
-        ProjectionError::Singular { .. } => singular_row(model, system, *t, row),
+        ProjectionError::Singular { .. } => model.singular_row(system, *t, row),
     })
 }

@@ -24,7 +24,7 @@
 //!
 //! Rigid contact (ACCF, ECCF) is refused: its constraints would need the rail's acceleration too.
 
-use super::{AssemblyError, Model, WHEELSET_INPUTS, contact_index};
+use super::{AssemblyError, Model, NEUTRAL_INPUTS, WHEELSET_INPUTS, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::system::SystemWorkspace;
@@ -58,6 +58,12 @@ pub(super) struct AgainstRail {
 }
 
 impl Model {
+    /// Values of all inputs that leave the model alone.
+    pub fn neutral_inputs(&self) -> Vec<f64> {
+        let own = NEUTRAL_INPUTS.iter().copied().cycle().take(WHEELSET_INPUTS * self.wheelsets.len());
+        own.chain(std::iter::repeat_n(0.0, if self.rail_motion { RAIL_INPUTS * self.contacts() } else { 0 })).collect()
+    }
+
     /// The same model on rails that move, where that is `asked` for.
     ///
     /// # Errors

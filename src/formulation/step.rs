@@ -2,10 +2,11 @@
 
 use super::events::{ContactChange, ContactEvent};
 use super::memory::ModelMemory;
-use super::{ContactFailure, EvaluationError, Model, Wheelset, Workspace, contact_index};
+use super::{ContactFailure, ContactReport, EvaluationError, Model, Wheelset, Workspace, contact_index};
 use crate::contact::search::algebraic::Pair;
 use crate::geometry::Side;
 use crate::mbs::body::BodyMotion;
+use crate::mbs::system::SystemWorkspace;
 
 /// What starts, projections and changes of a contact's mode work on.
 #[derive(Debug)]
@@ -76,6 +77,33 @@ impl Model {
     /// This model at a state.
     pub fn at<'a>(&'a self, workspace: &'a mut Workspace, t: f64, y: &'a mut [f64], memory: &'a mut ModelMemory) -> Step<'a> {
         Step { model: self, workspace, t, y, memory }
+    }
+}
+
+impl Model {
+    /// The reports of one wheel's contacts: the first and the others.
+    #[inline]
+    pub(super) fn reports<'a>(
+        &self,
+        contact: usize,
+        first: &'a mut [ContactReport],
+        further: &'a mut [ContactReport],
+    ) -> (&'a mut ContactReport, &'a mut [ContactReport]) {
+        let count = self.points - 1;
+        (&mut first[contact], &mut further[contact * count..(contact + 1) * count])
+    }
+
+    /// The wheel that belongs to a row of the constraints; the first one for rows of joints.
+    pub(super) fn wheel_of_row(&self, system: &SystemWorkspace, row: usize) -> WheelRef<'_> {
+        let contact = row.checked_sub(system.constraints.joint_rows).filter(|contact| *contact < self.contacts());
+        self.wheel(contact.unwrap_or(0))
+    }
+
+    /// The constraints do not determine the force of this row.
+    pub(super) fn singular_row(&self, system: &SystemWorkspace, t: f64, row: usize) -> EvaluationError {
+        let wheel = self.wheel_of_row(system, row);
+        let y = self.beside(&system.motions[wheel.wheelset.body]).0;
+        wheel.error(t, ContactFailure::Singular { row, y })
     }
 }
 

@@ -1,10 +1,9 @@
 //! The scratch of a model's evaluations, and what they find.
 
-use super::Model;
-use super::carried::Carried;
 use super::events::ContactEvent;
+use super::frame_motion::MovingFrame;
 use super::memory::ModelMemory;
-use super::rigid::scratch::RigidScratch;
+use super::rigid_scratch::RigidScratch;
 use super::timers::Timers;
 use super::work::Work;
 use crate::contact::Patch;
@@ -76,10 +75,10 @@ pub struct Workspace {
     pub events: Vec<ContactEvent>,
     /// Does what the last evaluation found belong to the begin of the integrator's next step?
     pub cached: Cached,
-    /// The linearised model, for integrators that need it ([`Model::prepare_tangent`]).
+    /// The linearised model, for integrators that need it .
     pub(super) tangent: Option<Tangent>,
     /// How the track carries the bodies along from that state.
-    pub(super) carried: Carried,
+    pub(super) frame: MovingFrame,
 }
 
 /// Whose is the evaluation that a workspace holds?
@@ -135,42 +134,5 @@ impl Workspace {
             0 => &self.contacts[contact],
             _ => &self.further(contact)[slot - 1],
         }
-    }
-}
-
-impl Model {
-    pub fn workspace(&self) -> Workspace {
-        let constrained = self.constrained_bodies();
-        let further = (self.points - 1) * self.contacts();
-        let mut system = self.system.workspace(&constrained);
-        self.add_stations(&mut system);
-        Workspace {
-            system,
-            contacts: vec![ContactReport::default(); self.contacts()],
-            further_contacts: vec![ContactReport::default(); further],
-            rigid: if self.formulation.constrains() {
-                RigidScratch::new(self.wheelsets.len(), self.system.bodies.len(), self.dimension())
-            } else {
-                RigidScratch::default()
-            },
-            work: Work::default(),
-            timers: Timers::default(),
-            events: Vec::new(),
-            cached: Cached::No,
-            tangent: None,
-            carried: Carried::default(),
-        }
-    }
-
-    /// The reports of one wheel's contacts: the first and the others.
-    #[inline]
-    pub(super) fn reports<'a>(
-        &self,
-        contact: usize,
-        first: &'a mut [ContactReport],
-        further: &'a mut [ContactReport],
-    ) -> (&'a mut ContactReport, &'a mut [ContactReport]) {
-        let count = self.points - 1;
-        (&mut first[contact], &mut further[contact * count..(contact + 1) * count])
     }
 }

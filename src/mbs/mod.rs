@@ -1,6 +1,7 @@
 //! Floor 3: bodies, forces between them, and their equations of motion.
 
 pub mod body;
+mod constrained;
 pub mod constraints;
 mod driving;
 pub mod force;
@@ -9,6 +10,7 @@ pub mod joint;
 pub mod kkt;
 pub mod motion;
 pub mod on_track;
+pub mod pair_tangent;
 pub mod projection;
 pub mod redundancy;
 pub mod supported;

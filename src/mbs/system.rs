@@ -11,6 +11,7 @@ use super::body::{Body, BodyMotion, COORDINATES, Wrench};
 use super::constraints::Constraints;
 use super::force::ForceElement;
 use super::joint::Joint;
+use super::kkt::RowBodies;
 use super::supported::SupportedMass;
 use crate::geometry::track::station::Station;
 
@@ -52,6 +53,11 @@ pub struct SystemWorkspace {
 }
 
 impl System {
+    /// Bodies of the joints' rows.
+    fn joint_rows(&self) -> Vec<RowBodies> {
+        self.joints.iter().flat_map(|joint| std::iter::repeat_n(joint.bodies, joint.rows())).collect()
+    }
+
     /// Length of the state vector.
     pub fn dimension(&self) -> usize {
         self.force_states().end
@@ -93,7 +99,7 @@ impl System {
             force_rates: vec![0.0; count],
             force_states_end: if count == 0 { Vec::new() } else { ends.collect() },
             drive_forces: vec![0.0; self.drives.len()],
-            constraints: Constraints::new(self, contact_bodies),
+            constraints: Constraints::new(self.bodies.len(), self.joint_rows(), &self.redundant, contact_bodies),
             stations: Vec::new(),
         }
     }

@@ -1,8 +1,8 @@
 //! The model with its inputs as a system that an integrator can advance.
 
 use super::input::{self, InputSignal};
-use crate::formulation::carried::CarriedMotion;
 use crate::formulation::flutter::Flutter;
+use crate::formulation::frame_motion::FrameMotion;
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::swing::Swings;
 use crate::formulation::timers::Call;
@@ -48,7 +48,7 @@ impl Memories {
 #[derive(Debug)]
 pub struct Watched<'a> {
     /// Beside which the last accepted step was made.
-    pub carried: &'a mut CarriedMotion,
+    pub frame: &'a mut FrameMotion,
     pub swings: &'a mut Swings,
     pub flutter: &'a mut Flutter,
     pub loads: &'a mut WheelLoads,
@@ -278,20 +278,20 @@ impl Implicit for ModelDynamics<'_> {
         self.workspace.timers.stop(Call::Solve, clock);
     }
 
-    fn carry(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {
-        self.model.carry(self.workspace, ahead, shift, rate);
+    fn frame_at(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {
+        self.model.frame_at(self.workspace, ahead, shift, rate);
         true
     }
 
-    fn keep_carried(&mut self) {
-        self.watched.carried.take_over(self.model.carried_motion(self.workspace));
+    fn keep_frame(&mut self) {
+        self.watched.frame.take_over(self.model.frame_motion(self.workspace));
     }
 
-    fn add_carried(&self, ahead: f64, y: &mut [f64]) {
-        self.model.add_carried(self.watched.carried, ahead, y);
+    fn add_frame_motion(&self, ahead: f64, y: &mut [f64]) {
+        self.model.add_frame_motion(self.watched.frame, ahead, y);
     }
 
-    fn carried_change(&mut self, change: &mut [f64]) {
-        self.model.carried_change(self.workspace, change);
+    fn frame_change(&mut self, change: &mut [f64]) {
+        self.model.frame_change(self.workspace, change);
     }
 }

@@ -13,9 +13,9 @@ pub mod tables;
 pub mod unit;
 pub mod vehicle_outputs;
 
-use crate::formulation::carried::CarriedMotion;
 use crate::formulation::events::ContactEvent;
 use crate::formulation::flutter::{Flutter, Fluttering};
+use crate::formulation::frame_motion::FrameMotion;
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::swing::Swings;
 use crate::formulation::timers::Timers;
@@ -48,7 +48,7 @@ pub struct SimulationState {
     /// One signal per input of the model.
     pub inputs: Vec<InputSignal>,
     /// The motion beside which the last step was made; its continuous output is counted from it.
-    pub carried: CarriedMotion,
+    pub frame: FrameMotion,
     /// How far wheelsets swing.
     pub swings: Swings,
     /// Wheelsets that flutter on their contacts.
@@ -69,7 +69,7 @@ impl SimulationState {
     pub fn fits(&self, other: &SimulationState) -> bool {
         self.integration.fits(&other.integration)
             && self.memories.fits(&other.memories)
-            && self.carried.fits(&other.carried)
+            && self.frame.fits(&other.frame)
             && self.swings.fits(&other.swings)
             && self.flutter.fits(&other.flutter)
             && self.inputs.len() == other.inputs.len()
@@ -188,7 +188,7 @@ impl Simulation {
                 integration,
                 memories: Memories::new(memory),
                 inputs,
-                carried: CarriedMotion::default(),
+                frame: FrameMotion::default(),
                 swings: model.swings(),
                 flutter: model.flutter(),
                 work: Work::default(),
@@ -202,7 +202,7 @@ impl Simulation {
         };
         if simulation.integrator.linearises() {
             simulation.model.prepare_tangent(&mut simulation.workspace);
-            simulation.state.carried = simulation.model.carried_motion(&simulation.workspace).clone();
+            simulation.state.frame = simulation.model.frame_motion(&simulation.workspace).clone();
         }
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
         simulation.look()?;
@@ -296,8 +296,8 @@ impl Simulation {
         if self.state.inputs[index].at(self.state.time) == signal.at(self.state.time) {
             return;
         }
-        let SimulationState { time, integration, carried, .. } = &mut self.state;
-        integration.restart_at(*time, |ahead, y| self.model.add_carried(carried, ahead, y));
+        let SimulationState { time, integration, frame, .. } = &mut self.state;
+        integration.restart_at(*time, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
         self.workspace.cached = Cached::No;
         self.state.inputs[index] = signal;
         (self.snapshot_valid, self.motion_valid) = (false, false);
@@ -315,8 +315,8 @@ impl Simulation {
     pub fn advance(&mut self, target: f64) -> Result<(), SimulationError> {
         (self.snapshot_valid, self.motion_valid) = (false, false);
         self.workspace.work = Work::default();
-        let SimulationState { inputs, carried, swings, flutter, integration, memories, .. } = &mut self.state;
-        let watched = Watched { carried, swings, flutter, loads: &mut self.loads };
+        let SimulationState { inputs, frame, swings, flutter, integration, memories, .. } = &mut self.state;
+        let watched = Watched { frame, swings, flutter, loads: &mut self.loads };
         let inputs = (&inputs[..], &mut self.snapshot.inputs[..]);
         let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, inputs, (memories, &mut self.trial), watched);
         let advanced = self.integrator.advance(&mut dynamics, integration, &mut self.scratch, target);
@@ -334,9 +334,9 @@ impl Simulation {
 
     /// The state vector at the present time.
     pub fn solution(&self) -> Vec<f64> {
-        let SimulationState { time, integration, carried, .. } = &self.state;
+        let SimulationState { time, integration, frame, .. } = &self.state;
         let mut y = integration.y.clone();
-        integration.interpolate_beside(*time, &mut y, |ahead, y| self.model.add_carried(carried, ahead, y));
+        integration.interpolate_beside(*time, &mut y, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
         y
     }
 
@@ -400,8 +400,8 @@ impl Simulation {
     fn find_state(&mut self) -> Result<(), SimulationError> {
         let Snapshot { time, y, workspace, memory, inputs, .. } = &mut self.snapshot;
         *time = self.state.time;
-        let SimulationState { integration, carried, .. } = &self.state;
-        integration.interpolate_beside(*time, y, |ahead, y| self.model.add_carried(carried, ahead, y));
+        let SimulationState { integration, frame, .. } = &self.state;
+        integration.interpolate_beside(*time, y, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
         memory.clone_from(&self.state.memories.accepted);
         input::evaluate(&self.state.inputs, *time, inputs);
         // The continuous output leaves constraints by its error.

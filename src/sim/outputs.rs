@@ -3,7 +3,8 @@
 use super::Snapshot;
 use super::feedthrough::{ACROSS, ALL, ALONG, Depends, FRICTIONS, STATE, TURNING, UPWARD, of_wheel};
 use super::unit::Unit;
-use crate::formulation::sliding_mean::{Averaged, CUT_OFF, derailment_quotient};
+use crate::formulation::derailment_quotient;
+use crate::formulation::sliding_mean::{Averaged, CUT_OFF};
 use crate::formulation::{ContactReport, Model, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::station::Station;

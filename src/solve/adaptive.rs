@@ -3,6 +3,7 @@
 //! A proportional-integral controller after Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.4;
 //! the error is the largest local error of the controlled components.
 
+use super::local_error::{END, LocalError, WORK};
 use super::{Implicit, IntegrationState, Scratch, SolveError, Undefined};
 
 /// Step-size control: safety, limits of change, and the weight of the last error (a PI controller damps the
@@ -15,10 +16,6 @@ const BETA: f64 = 0.08;
 /// Tolerances that a scene or a master may set: below, rounding decides; above, errors are no longer small against what a
 /// vehicle does on its rails, and time is not saved, because stability limits the step.
 pub(super) const TOLERANCES: (f64, f64) = (1e-15, 1e-5);
-
-/// The stage that holds f at the end of a step, and one for work on it.
-pub(super) const END: usize = 7;
-pub(super) const WORK: usize = 8;
 
 /// A pair of one-step methods of neighbouring orders.
 pub(super) trait Pair {
@@ -136,7 +133,7 @@ pub(super) fn step<P: Pair>(
             state.statistics.projections += 1;
         }
         dynamics.note_step(end);
-        scratch.carried.keep(dynamics, state);
+        scratch.frame.keep(dynamics, state);
         let found = if ending.beyond { state.cut_at_event(dynamics, scratch, 1.0) } else { state.look_within(dynamics, scratch) };
         if found.is_err() {
             state.take_back();
@@ -187,45 +184,6 @@ fn finish<P: Pair>(
     // At an event f changes its form: what it says there is no error.
     let error = if P::CHECKED && !beyond { pair.check(dynamics, scratch, h).over(tolerance) } else { 0.0 };
     Ok(End { stage, moved, beyond, error: if error.is_nan() { f64::INFINITY } else { error } })
-}
-
-/// An error of the state as it counts: of controlled components; of forces, and against the motion's own size, in parts of what is allowed.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LocalError {
-    pub state: f64,
-    pub load: f64,
-    pub swing: f64,
-}
-
-impl LocalError {
-    /// Of an error vector; infinite where it is not finite.
-    pub fn of(dynamics: &dyn Implicit, error: &[f64]) -> LocalError {
-        let mut largest: f64 = 0.0;
-        for (i, error) in error.iter().enumerate() {
-            if !error.is_finite() {
-                return LocalError { state: f64::INFINITY, load: f64::INFINITY, swing: f64::INFINITY };
-            }
-            largest = largest.max(dynamics.error_weight(i) * error.abs());
-        }
-        LocalError { state: largest, load: dynamics.load_error(error), swing: dynamics.swing_error(error) }
-    }
-
-    /// Of an error vector whose controlled components all count alike.
-    pub fn unweighted(dynamics: &dyn Implicit, error: &[f64]) -> LocalError {
-        let weighted = LocalError::of(dynamics, error);
-        let plain = error.iter().enumerate().filter(|(i, _)| dynamics.error_weight(*i) > 0.0).map(|(_, error)| error.abs());
-        LocalError { state: if weighted.state.is_finite() { plain.fold(0.0, f64::max) } else { weighted.state }, ..weighted }
-    }
-
-    /// Is either as large as the other's?
-    pub fn reaches(&self, other: &LocalError) -> bool {
-        self.state >= other.state || self.load >= other.load
-    }
-
-    /// In parts of what is allowed.
-    fn over(&self, tolerance: f64) -> f64 {
-        (self.state / tolerance).max(self.load).max(self.swing)
-    }
 }
 
 /// A step shorter than this [s] that fails is hopeless: the fastest motion (contact, 200 Hz) takes milliseconds.

@@ -5,13 +5,12 @@
 //!
 //! A fixed step has no error control, but it has an error. Each method estimates its own from f at the end of the step, which is the begin of the
 //! next one, and [`FixedStep::judge`] compares it with what adaptive methods would allow: from [`DOUBTFUL`] times that on a step counts as
-//! doubtful ([`Doubts`], which whoever runs the simulation reports), from [`WRONG`] times on, or
+//! doubtful ([`super::Doubts`], which whoever runs the simulation reports), from [`WRONG`] times on, or
 //! after [`LASTING`] doubtful steps on end, the run ends there and says so. So does a step
 //! that is too long to see what the system has ahead of it.
 
-use super::adaptive::{END, LocalError, WORK};
+use super::local_error::{END, LocalError, WORK};
 use super::{Implicit, IntegrationState, Scratch, SolveError};
-use serde::{Deserialize, Serialize};
 
 /// From so many times what the system allows of forces on, and from [`Dynamics::doubtful_error`] of positions, a step is doubtful.
 const DOUBTFUL: f64 = 10.0;
@@ -22,20 +21,6 @@ const LASTING: u64 = 30;
 /// A step may be so many times as long as an adaptive one would be before what lies ahead.
 const AHEAD: f64 = 2.0;
 
-/// Steps whose estimated error is no longer small.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Doubts {
-    /// How many.
-    pub steps: u64,
-    /// The largest error of forces, in parts of what the system allows, and of positions, m and rad.
-    pub load: f64,
-    pub position: f64,
-    /// End of the first of them, s.
-    pub first: f64,
-    /// How many of the last steps on end.
-    run: u64,
-}
-
 /// Least part of a step that is tried where it fails, and the parts at most: ten halvings, and what was left each time.
 const SHORTEST_PART: f64 = 1e-3;
 pub(super) const MOST_PARTS: usize = 20;
@@ -45,16 +30,6 @@ pub(super) const STEPS: (f64, f64) = (1e-8, 1.0);
 
 /// A step nearer to its end than this fraction of itself has reached it.
 pub(super) const SLACK: f64 = 1e-9;
-
-impl std::fmt::Display for Doubts {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Doubts { steps, load, position, first, .. } = *self;
-        write!(
-            f,
-            "{steps} steps, the first to t = {first:.6} s, were doubtful: contact forces off by up to {load:.0} times what a step with error control may be, positions by {position:.1e} m or rad a step; reduce solver.step or choose an integrator with a tolerance"
-        )
-    }
-}
 
 /// The next step on the grid.
 #[derive(Clone, Copy, Debug)]

@@ -7,13 +7,15 @@
 //! solution (warm starts, its form) is its own: it keeps what was accepted and what an attempt has made of it.
 
 mod adaptive;
-mod carried;
 mod dense;
 mod dormand_prince;
+mod doubts;
 mod events;
 mod fixed;
 mod generalised_alpha;
 mod imex;
+mod local_error;
+mod moving_frame;
 mod real_time;
 mod rk4;
 mod rk43;
@@ -22,7 +24,7 @@ mod state;
 mod zhai;
 
 pub use dormand_prince::DormandPrince;
-pub use fixed::Doubts;
+pub use doubts::Doubts;
 pub use generalised_alpha::GeneralisedAlpha;
 pub use real_time::RealTime;
 pub use rk4::RungeKutta4;
@@ -33,7 +35,7 @@ pub use zhai::Zhai;
 
 use crate::settings::{Entry, Section, SettingsError, choose};
 use crate::units::Dimension;
-use carried::Carried;
+use moving_frame::MovingFrame;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -190,18 +192,18 @@ pub trait Implicit: Dynamics {
 
     /// A known motion that the solution nearly follows from the state that was linearised last: writes what it has added to the state
     /// `ahead` [s] later (`shift`, zero for 0) and its rate there. False where there is no such motion.
-    fn carry(&mut self, _ahead: f64, _shift: &mut [f64], _rate: &mut [f64]) -> bool {
+    fn frame_at(&mut self, _ahead: f64, _shift: &mut [f64], _rate: &mut [f64]) -> bool {
         false
     }
 
-    /// Notes that the step for which that motion was asked has been accepted: [`Implicit::add_carried`] speaks of it from now on.
-    fn keep_carried(&mut self) {}
+    /// Notes that the step for which that motion was asked has been accepted: [`Implicit::add_frame_motion`] speaks of it from now on.
+    fn keep_frame(&mut self) {}
 
     /// Adds that motion, as it was kept, to the state: `ahead` [s] after the begin of the last step.
-    fn add_carried(&self, _ahead: f64, _y: &mut [f64]) {}
+    fn add_frame_motion(&self, _ahead: f64, _y: &mut [f64]) {}
 
     /// J c' - c'' of that motion c at its begin.
-    fn carried_change(&mut self, change: &mut [f64]) {
+    fn frame_change(&mut self, change: &mut [f64]) {
         change.fill(0.0);
     }
 }
@@ -337,7 +339,7 @@ pub trait Integrator: Send + Sync + Debug {
 #[derive(Clone, Debug)]
 pub struct Scratch {
     stages: [Vec<f64>; 9],
-    carried: Carried,
+    frame: MovingFrame,
     trial: Vec<f64>,
     /// Values of the event functions.
     events: Vec<f64>,
@@ -353,7 +355,7 @@ impl Scratch {
         let zero = || vec![0.0; dimension];
         Scratch {
             stages: std::array::from_fn(|_| zero()),
-            carried: Carried::new(dimension),
+            frame: MovingFrame::new(dimension),
             trial: zero(),
             events: vec![f64::INFINITY; events],
             at_event: vec![f64::INFINITY; events],

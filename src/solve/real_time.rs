@@ -13,7 +13,7 @@
 //! Continuous output: with the stages in standard form, K1 = k1 and K2 = k2 + 2 k1, y + theta K1 + theta^2 / 2 (K2 - K1): of order 2
 //! like the method, and free of f, whose stiff part would swing it far between the ends.
 //!
-//! Both for what is left beside a carried motion, where the system knows one ([`super::carried`]; dF/dtau counts gamma h^2 in the first
+//! Both for what is left beside a moving frame, where the system knows one ([`super::moving_frame`]; dF/dtau counts gamma h^2 in the first
 //! stage, -gamma h^2 in the second).
 //!
 //! Error of a step, estimated: `gamma h (I - gamma h J)^-1 (f - y')` with f at its end and y' the rate of the continuous output there, of order 3
@@ -105,16 +105,16 @@ impl Integrator for RealTime {
                 state.dense[power * n + i] = coefficient;
             }
         }
-        scratch.carried.move_to(dynamics, step.h);
+        scratch.frame.move_to(dynamics, step.h);
         step.accept(dynamics, state, scratch, None);
-        scratch.carried.keep(dynamics, state);
+        scratch.frame.keep(dynamics, state);
         if !step.complete(dynamics, state, scratch)? {
             return Ok(());
         }
-        let Scratch { stages: [first, second, .., end, error], carried, .. } = scratch;
+        let Scratch { stages: [first, second, .., end, error], frame, .. } = scratch;
         // u' h of the continuous output at the end is K2.
         for (i, value) in error.iter_mut().enumerate() {
-            *value = GAMMA * (step.h * (end[i] - carried.rate[i]) - second[i] - 2.0 * first[i]);
+            *value = GAMMA * (step.h * (end[i] - frame.rate[i]) - second[i] - 2.0 * first[i]);
         }
         dynamics.solve_linear(error);
         step.judge(dynamics, state, scratch)
@@ -123,28 +123,28 @@ impl Integrator for RealTime {
 
 /// Both stages and the solution at the end.
 fn stages(dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch, step: &FixedStep) -> Result<(), Undefined> {
-    let Scratch { stages: [first, second, ..], carried, trial, .. } = scratch;
+    let Scratch { stages: [first, second, ..], frame, trial, .. } = scratch;
     state.statistics.factorisations += 1;
     dynamics.factorise(GAMMA * step.h)?;
-    carried.begin(dynamics);
+    frame.begin(dynamics);
     // The gammas of the second stage sum up to minus the first one's.
     let change = GAMMA * step.h * step.h;
     for (i, value) in first.iter_mut().enumerate() {
-        *value = step.h * (state.derivative[i] - carried.rate[i]);
+        *value = step.h * (state.derivative[i] - frame.rate[i]);
     }
-    carried.solve(dynamics, first, change);
-    carried.move_to(dynamics, step.h);
+    frame.solve(dynamics, first, change);
+    frame.move_to(dynamics, step.h);
     for (i, value) in trial.iter_mut().enumerate() {
-        *value = state.y[i] + carried.shift[i] + first[i];
+        *value = state.y[i] + frame.shift[i] + first[i];
     }
     state.statistics.evaluations += 1;
     dynamics.derivative(step.end, trial, second)?;
     for (i, value) in second.iter_mut().enumerate() {
-        *value = step.h * (*value - carried.rate[i]) - 2.0 * first[i];
+        *value = step.h * (*value - frame.rate[i]) - 2.0 * first[i];
     }
-    carried.solve(dynamics, second, -change);
+    frame.solve(dynamics, second, -change);
     for (i, value) in trial.iter_mut().enumerate() {
-        *value = state.y[i] + carried.shift[i] + 1.5 * first[i] + 0.5 * second[i];
+        *value = state.y[i] + frame.shift[i] + 1.5 * first[i] + 0.5 * second[i];
     }
     Ok(())
 }

@@ -5,7 +5,8 @@
 //! estimate is the difference to the classical weights, h (k4 - k5) / 6. Four evaluations per step and a stability limit of 2.83
 //! on the imaginary axis make it the cheapest choice where the contact's vibration limits the step.
 
-use super::adaptive::{self, LocalError, Pair, TOLERANCES};
+use super::adaptive::{self, Pair, TOLERANCES};
+use super::local_error::LocalError;
 use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use super::{dense, rk4};
 use crate::settings::{Entry, Section, SettingsError};

@@ -11,20 +11,21 @@
 //! of alpha + gamma). The embedded weights are of order 2 with J arbitrary, and |R(infinity)| = 0.48: the difference of the two, the
 //! estimate of the local error, needs no further filter in stiff components.
 //!
-//! Carried out in u = Gamma k, which needs no product with J: (I - gamma h J) u_i = gamma h f(.., y + sum a_ij u_j) + sum c_ij u_j.
+//! MovingFrame out in u = Gamma k, which needs no product with J: (I - gamma h J) u_i = gamma h f(.., y + sum a_ij u_j) + sum c_ij u_j.
 //!
 //! Continuous output: y + sum b_i(theta) k_i with cubic b_i, which are the only ones that fulfil at each theta the conditions of order 2 for any
 //! J and those of order 3 for J = df/dy. Its error is of order 3, like that of the steps' ends (locally 4 with the exact J). It is made of
 //! the k alone: f itself at the ends of the step, as a Hermite polynomial would take it, is off by lambda times a stiff component's error, which
 //! spoils it by h lambda / 8 times that error in the middle of the step (Kaps' problem, h lambda = 1e7: by 500 where the ends are off by 3e-4).
 //!
-//! Where the system knows a motion that the solution nearly follows, steps are made beside it ([`super::carried`]).
+//! Where the system knows a motion that the solution nearly follows, steps are made beside it ([`super::moving_frame`]).
 //!
 //! The Jacobian belongs to the begin of the step: a rejected step keeps it and only factorises anew.
 //!
 //! Source: J. Rang, L. Angermann, BIT 45 (2005) 761-787; all conditions are checked in the tests.
 
-use super::adaptive::{self, END, LocalError, Pair, WORK};
+use super::adaptive::{self, Pair};
+use super::local_error::{END, LocalError, WORK};
 use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -176,17 +177,17 @@ impl Pair for Rosenbrock {
     ) -> Result<LocalError, Undefined> {
         state.statistics.factorisations += 1;
         dynamics.factorise(GAMMA * h)?;
-        let Scratch { stages, carried, trial, events, beyond, .. } = scratch;
-        carried.begin(dynamics);
+        let Scratch { stages, frame, trial, events, beyond, .. } = scratch;
+        frame.begin(dynamics);
         for stage in 0..STAGES {
             let (done, rest) = stages.split_at_mut(stage);
             let u = &mut rest[0];
             if stage == 0 {
                 u.copy_from_slice(&state.derivative);
             } else {
-                carried.move_to(dynamics, C[stage] * h);
+                frame.move_to(dynamics, C[stage] * h);
                 for (i, value) in trial.iter_mut().enumerate() {
-                    *value = state.y[i] + carried.shift[i] + combined(&A[stage], done, i);
+                    *value = state.y[i] + frame.shift[i] + combined(&A[stage], done, i);
                 }
                 state.statistics.evaluations += 1;
                 dynamics.derivative(state.t + C[stage] * h, trial, u)?;
@@ -194,14 +195,14 @@ impl Pair for Rosenbrock {
             }
             let coupling = INVERSE[stage].map(|inverse| -GAMMA * inverse);
             for (i, value) in u.iter_mut().enumerate() {
-                *value = GAMMA * h * (*value - carried.rate[i]) + combined(&coupling, done, i);
+                *value = GAMMA * h * (*value - frame.rate[i]) + combined(&coupling, done, i);
             }
-            carried.solve(dynamics, u, GAMMA * h * h * sum(GAMMAS[stage]));
+            frame.solve(dynamics, u, GAMMA * h * h * sum(GAMMAS[stage]));
         }
         let (stages, rest) = stages.split_at_mut(STAGES);
         let error = &mut rest[WORK - STAGES];
         for (i, value) in trial.iter_mut().enumerate() {
-            *value = state.y[i] + carried.shift[i] + combined(&M, stages, i);
+            *value = state.y[i] + frame.shift[i] + combined(&M, stages, i);
             error[i] = if value.is_finite() { combined(&E, stages, i) } else { f64::INFINITY };
         }
         Ok(LocalError::of(dynamics, error))
@@ -211,11 +212,11 @@ impl Pair for Rosenbrock {
     /// `gamma h (I - gamma h J)^-1 (f - y')`, what one more Newton step would change. In smooth motion it is small of the order h^4; a
     /// contact that began within the step, which no stage felt, shows in it with all its force.
     fn check(&self, dynamics: &mut dyn Implicit, scratch: &mut Scratch, h: f64) -> LocalError {
-        let Scratch { stages, carried, .. } = scratch;
+        let Scratch { stages, frame, .. } = scratch;
         let (stages, rest) = stages.split_at_mut(END);
         let (end, work) = rest.split_at_mut(1);
         for (i, value) in work[0].iter_mut().enumerate() {
-            *value = GAMMA * (h * (end[0][i] - carried.rate[i]) - combined(&AT_END, &stages[..STAGES], i));
+            *value = GAMMA * (h * (end[0][i] - frame.rate[i]) - combined(&AT_END, &stages[..STAGES], i));
         }
         dynamics.solve_linear(&mut work[0]);
         LocalError::of(dynamics, &work[0])

@@ -38,8 +38,8 @@ pub struct IntegrationState {
     /// Continuous output over the last step: polynomial coefficients in `(time - t_begin) / (t - t_begin)` in powers
     /// of theta, lowest first, one vector after the other.
     pub(super) dense: Vec<f64>,
-    /// Is a motion to be added to the continuous output ([`Implicit::add_carried`])?
-    pub(super) carries: bool,
+    /// Is a motion to be added to the continuous output ([`Implicit::add_frame_motion`])?
+    pub(super) in_frame: bool,
     /// f(t, y), valid when `derivative_known`.
     pub(super) derivative: Vec<f64>,
     pub(super) derivative_known: bool,
@@ -67,7 +67,7 @@ impl IntegrationState {
             y: y.to_vec(),
             t_begin: t,
             dense: vec![0.0; dense_vectors * y.len()],
-            carries: false,
+            in_frame: false,
             derivative: vec![0.0; y.len()],
             derivative_known: false,
             switch_due: false,
@@ -89,18 +89,18 @@ impl IntegrationState {
 
     /// Writes the solution at `time`, which lies within the last step (or is `t`), to `out`.
     pub fn interpolate(&self, dynamics: &dyn Implicit, time: f64, out: &mut [f64]) {
-        self.interpolate_beside(time, out, |ahead, y| dynamics.add_carried(ahead, y));
+        self.interpolate_beside(time, out, |ahead, y| dynamics.add_frame_motion(ahead, y));
     }
 
-    /// The same; `carried` adds the carried motion so many seconds after the begin of the step.
-    pub fn interpolate_beside(&self, time: f64, out: &mut [f64], carried: impl FnOnce(f64, &mut [f64])) {
+    /// The same; `frame` adds the moving frame so many seconds after the begin of the step.
+    pub fn interpolate_beside(&self, time: f64, out: &mut [f64], frame: impl FnOnce(f64, &mut [f64])) {
         if time >= self.t || self.t_begin >= self.t {
             out.copy_from_slice(&self.y);
             return;
         }
         self.polynomial(time, out);
-        if self.carries {
-            carried(time - self.t_begin, out);
+        if self.in_frame {
+            frame(time - self.t_begin, out);
         }
     }
 
@@ -149,7 +149,7 @@ impl IntegrationState {
         self.t_begin = self.t;
         self.t = end;
         self.y.copy_from_slice(&scratch.trial);
-        self.carries = false;
+        self.in_frame = false;
         if let Some(last) = last {
             self.derivative.copy_from_slice(&scratch.stages[last]);
         }
@@ -178,17 +178,17 @@ impl IntegrationState {
         Ok(())
     }
 
-    /// Takes the solution back to `time` within the last step and starts anew there, because the system changes; `carried` as in
+    /// Takes the solution back to `time` within the last step and starts anew there, because the system changes; `frame` as in
     /// [`IntegrationState::interpolate_beside`].
     /// Step-size control is kept: a jump of an input rarely changes the scale of the solution.
-    pub fn restart_at(&mut self, time: f64, carried: impl FnOnce(f64, &mut [f64])) {
+    pub fn restart_at(&mut self, time: f64, frame: impl FnOnce(f64, &mut [f64])) {
         let fresh = time == self.t && self.t_begin == self.t && !self.derivative_known;
         if fresh {
             return;
         }
         if time < self.t {
             let mut y = std::mem::take(&mut self.derivative);
-            self.interpolate_beside(time, &mut y, carried);
+            self.interpolate_beside(time, &mut y, frame);
             std::mem::swap(&mut self.y, &mut y);
             self.derivative = y;
         }

@@ -22,7 +22,7 @@ pub(super) struct Watched {
     pub event_value: Option<f64>,
     /// Where f is not smooth.
     pub breaks: f64,
-    /// c, c' and c'' of a carried motion at a time after its begin (t, y), which is noted below.
+    /// c, c' and c'' of a moving frame at a time after its begin (t, y), which is noted below.
     pub motion: Option<Motion>,
     pub begin: (f64, Vec<f64>),
     /// Of the step that was accepted last.
@@ -86,22 +86,22 @@ impl Implicit for Watched {
         self.begin = self.last.clone();
         Ok(())
     }
-    fn carry(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {
+    fn frame_at(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {
         let Some(motion) = self.motion else { return false };
         let [c, c1, _] = motion(self.begin.0, &self.begin.1, ahead);
         shift.copy_from_slice(&c);
         rate.copy_from_slice(&c1);
         true
     }
-    fn keep_carried(&mut self) {
+    fn keep_frame(&mut self) {
         self.kept.clone_from(&self.begin);
     }
-    fn add_carried(&self, ahead: f64, y: &mut [f64]) {
+    fn add_frame_motion(&self, ahead: f64, y: &mut [f64]) {
         let Some(motion) = self.motion else { return };
         let [c, ..] = motion(self.kept.0, &self.kept.1, ahead);
         y.iter_mut().zip(c).for_each(|(y, c)| *y += c);
     }
-    fn carried_change(&mut self, change: &mut [f64]) {
+    fn frame_change(&mut self, change: &mut [f64]) {
         let Some(motion) = self.motion else { return };
         let [_, c1, c2] = motion(self.begin.0, &self.begin.1, 0.0);
         change.copy_from_slice((&self.matrix * DVector::from(c1) - DVector::from(c2)).as_slice());

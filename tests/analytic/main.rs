@@ -5,10 +5,10 @@ mod common;
 #[path = "../common/counting.rs"]
 mod counting;
 
-mod carried;
 mod contact_geometry;
 mod forces;
 mod joints;
+mod moving_frame;
 mod rail_motion;
 mod sliding_means;
 mod tangent;

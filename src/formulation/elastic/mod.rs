@@ -4,7 +4,6 @@ pub(super) mod ecf_a;
 pub(super) mod ecf_n;
 pub mod points;
 
-use super::failure::singular_row;
 use super::{EvaluationError, Model, Workspace};
 
 /// The last step of an elastic evaluation: accelerations under the wrenches and the joints.
@@ -12,5 +11,5 @@ use super::{EvaluationError, Model, Workspace};
 fn finish(model: &Model, workspace: &mut Workspace, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
     model.deflection_rates(workspace, y, dy);
     let done = model.system.constrained_derivative(t, y, &mut workspace.system, dy);
-    done.map_err(|error| singular_row(model, &workspace.system, t, error.row))
+    done.map_err(|error| model.singular_row(&workspace.system, t, error.row))
 }

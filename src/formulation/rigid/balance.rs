@@ -20,10 +20,10 @@
 //! patch is then off by a third of the jump at most. An iteration that does not gain for other reasons ends with the multipliers when
 //! they rest to 1e-4 of the force: creep forces alone act on them, so that they hardly move.
 
-use super::scratch::{Balance, ConstraintRow, Pressing};
 use crate::contact::Patch;
 use crate::contact::normal::{ConformalContact, ElasticContact};
 use crate::formulation::loading::{Contact, WheelAt, friction};
+use crate::formulation::rigid_scratch::{Balance, ConstraintRow, Pressing};
 use crate::formulation::step::WheelRef;
 use crate::formulation::{ContactFailure, ContactReport, EvaluationError, Model, Workspace, contact_index};
 use crate::geometry::Side;

@@ -10,7 +10,7 @@ use super::evaluation;
 use super::modes;
 use super::projection;
 use super::row::locate;
-use super::scratch::ConstraintRow;
+use crate::formulation::rigid_scratch::ConstraintRow;
 use crate::formulation::step::Step;
 use crate::formulation::{Build, Evaluation, EvaluationError, Formulation, Model, OnLift, Parse, Parts, Workspace};
 use crate::settings::{Entry, Section, SettingsError};

@@ -6,11 +6,10 @@
 
 use super::balance;
 use super::lasting;
-use super::scratch::{ConstraintRow, Pressing};
 use crate::formulation::elastic::points;
-use crate::formulation::failure::singular_row;
 use crate::formulation::loading::{Contact, WheelAt, external_wrench, friction};
 use crate::formulation::memory::{Mode, WheelMemory};
+use crate::formulation::rigid_scratch::{ConstraintRow, Pressing};
 use crate::formulation::step::WheelRef;
 use crate::formulation::{ContactFailure, ContactReport, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
 use crate::mbs::body::BodyMotion;
@@ -80,7 +79,7 @@ pub(super) fn derivative(
             rigid.rows[contact] = Some(found);
         }
         let factorised = workspace.system.constraints.kkt.factorise();
-        factorised.map_err(|error| singular_row(model, &workspace.system, t, error.row))?;
+        factorised.map_err(|error| model.singular_row(&workspace.system, t, error.row))?;
         balance::settle(model, workspace, &rigid.rows, &mut rigid.balance, (t, y, inputs))?;
         for (wheel, found) in memory.wheels.iter_mut().zip(&rigid.balance.contacts) {
             if let Mode::Rigid { normal_force, approach, .. } = &mut wheel.mode {

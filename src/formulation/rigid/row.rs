@@ -1,10 +1,10 @@
 //! A located contact and its constraint row.
 
-use super::scratch::ConstraintRow;
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::contact::search::kinematics::MovingContact;
 use crate::formulation::loading::not_found;
 use crate::formulation::memory::WheelMemory;
+use crate::formulation::rigid_scratch::ConstraintRow;
 use crate::formulation::step::WheelRef;
 use crate::formulation::{ContactFailure, Model};
 use crate::mbs::body::BodyMotion;

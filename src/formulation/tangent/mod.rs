@@ -11,7 +11,6 @@
 mod contact;
 
 use super::elastic::points;
-use super::failure::wheel_of;
 use super::memory::{ModelMemory, RidgeMemory};
 use super::step::WheelRef;
 use super::wheel_search::MOST_POINTS;
@@ -27,7 +26,7 @@ pub(super) use contact::normal_slopes;
 use contact::{ByMotion, NormalSlopes, Touching, penetration_by_pose};
 use nalgebra::Vector3;
 
-/// A contact that carries less than this share of its force counts as one that carries so much.
+/// A contact that in_frame less than this share of its force counts as one that in_frame so much.
 const LEAST_SHARE: f64 = 1e-2;
 
 /// By number of the contact.
@@ -52,7 +51,7 @@ impl Model {
     pub fn prepare_tangent(&self, workspace: &mut Workspace) {
         let states = self.contacts() * self.points * self.deflection_states();
         workspace.tangent = Some(Tangent::new(&self.system, &self.constrained_bodies(), states));
-        workspace.carried = self.carried();
+        workspace.frame = self.moving_frame();
     }
 
     /// Finds J at the state `y`, with its memory, that was evaluated last: of the contacts and, with `forces`, of the force elements.
@@ -77,7 +76,7 @@ impl Model {
             tangent.add_forces(&self.system, &workspace.system, y);
         }
         tangent.finish(&self.system, &workspace.system);
-        self.note_carried(workspace, &tangent);
+        self.note_frame(workspace, &tangent);
         workspace.tangent = Some(tangent);
     }
 
@@ -95,7 +94,7 @@ impl Model {
         let own = self.wheelsets.iter().find(|wheelset| wheelset.body == error.node);
         match error.node.checked_sub(bodies) {
             None => EvaluationError::new(f64::NAN, own.unwrap_or(&self.wheelsets[0]), Side::Left, error.into()),
-            Some(row) => wheel_of(self, &workspace.system, row).error(f64::NAN, error.into()),
+            Some(row) => self.wheel_of_row(&workspace.system, row).error(f64::NAN, error.into()),
         }
     }
 
@@ -147,7 +146,7 @@ impl Model {
         let mut changes = Shares::default();
         for (_, RidgeMemory { between, parameters, .. }) in memory.wheels[contact].ridges(self.points) {
             let sides = between.map(|slot| workspace.report(contact, slot));
-            // One of both carries less than its whole force where the ridge is pressed.
+            // One of both in_frame less than its whole force where the ridge is pressed.
             if !(sides.iter().all(|report| report.normal_force > 0.0) && sides.iter().any(|report| report.share < 1.0)) {
                 continue;
             }

@@ -19,7 +19,7 @@ use super::orientation::{Couple, rotation_vector, transposed_rate_map};
 use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::{Ends, PairTangent};
+use crate::mbs::pair_tangent::{Ends, PairTangent};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use nalgebra::{Matrix3, Vector3};

@@ -26,7 +26,7 @@ use super::line::ends;
 use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::{Ends, PairTangent};
+use crate::mbs::pair_tangent::{Ends, PairTangent};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use nalgebra::{Matrix2, Vector2, Vector3, Vector6};

@@ -3,7 +3,7 @@
 use super::ForceElement;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::{Ends, PairTangent};
+use crate::mbs::pair_tangent::{Ends, PairTangent};
 
 /// Weight of one body.
 #[derive(Debug, Clone)]

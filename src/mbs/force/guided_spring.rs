@@ -17,7 +17,7 @@
 use super::ForceElement;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::{Ends, PairTangent};
+use crate::mbs::pair_tangent::{Ends, PairTangent};
 use nalgebra::Vector3;
 
 /// Track axis along which an element acts.

@@ -19,7 +19,7 @@ use super::curve::Table;
 use super::{ForceElement, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::{Ends, PairTangent};
+use crate::mbs::pair_tangent::{Ends, PairTangent};
 use crate::settings::{Section, SettingsError};
 use nalgebra::Vector3;
 

@@ -20,7 +20,7 @@
 use super::ForceElement;
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
-use crate::mbs::tangent::{Ends, PairTangent};
+use crate::mbs::pair_tangent::{Ends, PairTangent};
 use nalgebra::{Vector3, Vector6};
 
 /// g below which a load is no weight, m/s2.

@@ -37,7 +37,7 @@ pub use spring_damper::SpringDamper;
 pub use stop::Stop;
 
 use super::body::{BodyMotion, Wrench};
-use super::tangent::{Ends, PairTangent};
+use super::pair_tangent::{Ends, PairTangent};
 use crate::geometry::track::station::Station;
 use crate::settings::{Entry, Section, SettingsError, choose};
 

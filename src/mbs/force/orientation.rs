@@ -12,7 +12,7 @@
 //! exactly conservative at every angle below 180 degrees, for any stiffness. To first order t is (roll, pitch, yaw) of
 //! B in A, and m = -K t; the second-order part of m is |t|/2 times K t, for instance 0.05 of it at 0.1 rad.
 
-use crate::mbs::tangent::PairTangent;
+use crate::mbs::pair_tangent::PairTangent;
 use nalgebra::{Matrix3, Vector3};
 
 /// The rotation vector t of R [rad], in the axes that R starts from.

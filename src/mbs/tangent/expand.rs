@@ -10,9 +10,9 @@
 //! d(e_i . M) = (e_j x e_i) . M for angles j outside of i
 //! ```
 
-use super::pair::PairSum;
-use super::state::{Gradient, StateTangent, dot};
 use crate::mbs::body::BodyMotion;
+use crate::mbs::pair_tangent::pair::PairSum;
+use crate::mbs::pair_tangent::{Gradient, StateTangent, dot};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// A pair's frames at one instant.

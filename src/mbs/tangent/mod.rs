@@ -34,15 +34,12 @@
 
 mod elimination;
 mod expand;
-pub mod pair;
 mod pattern;
 mod solve;
-mod state;
 mod sum;
 mod world;
 
-pub use pair::PairTangent;
-pub use state::{Ends, StateTangent};
+pub use super::pair_tangent::{Ends, PairTangent, StateTangent, pair};
 
 use super::body::COORDINATES;
 use super::kkt::RowBodies;

@@ -1,10 +1,10 @@
 //! I - a J in velocities alone: forming its blocks, and the way of a right-hand side through it.
 
-use super::pair::add_outer;
-use super::state::Gradient;
 use super::world::weigh;
 use super::{SingularTangent, Tangent};
 use crate::mbs::body::COORDINATES;
+use crate::mbs::pair_tangent::Gradient;
+use crate::mbs::pair_tangent::pair::add_outer;
 use crate::mbs::system::SystemWorkspace;
 use nalgebra::{Matrix2, Matrix6, Vector2, Vector6};
 

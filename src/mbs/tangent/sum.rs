@@ -1,8 +1,8 @@
 //! The sums over pairs of bodies and their blocks.
 
-use super::pair::PairSum;
 use super::pattern::Neighbours;
-use super::state::StateTangent;
+use crate::mbs::pair_tangent::StateTangent;
+use crate::mbs::pair_tangent::pair::PairSum;
 use nalgebra::Matrix6;
 
 /// Sums over all force elements.

@@ -8,11 +8,11 @@
 //! ```
 
 use super::expand::PairFrames;
-use super::state::StateTangent;
 use super::sum::TangentSum;
 use super::{Tangent, WrenchTangent};
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::inertia::Inertia;
+use crate::mbs::pair_tangent::StateTangent;
 use crate::mbs::system::{System, SystemWorkspace};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 

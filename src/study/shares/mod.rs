@@ -58,7 +58,7 @@ const GROUPS: [(&str, &[(Part, &str)]); 6] = [
     ("Jacobians", &[(Part::JacobianContacts, "contacts, and putting it together"), (Part::JacobianForces, "force elements")]),
     ("linear systems", &[(Part::Factorisation, "factorisations"), (Part::LinearSystems, "solving with them")]),
     ("projection onto constraints, events", &[(Part::Constraints, "")]),
-    ("integrator: stages, carried motion, error norm, step control, continuous output", &[(Part::Integrator, "")]),
+    ("integrator: stages, moving frame, error norm, step control, continuous output", &[(Part::Integrator, "")]),
     (
         OUTPUTS,
         &[(Part::ReadingOutputs, "an evaluation at each output time, and reading them"), (Part::WritingOutputs, "writing them as CSV")],

@@ -25,21 +25,22 @@
 //! *Identity.* A contact keeps its number while it exists; a new one takes the lowest free number. Forces do not depend on it.
 //! The search forgets nothing and waits for nothing: no hysteresis.
 
-pub mod prediction;
 mod record;
 mod share;
+mod stand;
 mod touch;
 
 use super::super::loading::{Contact, WheelAt, not_found};
 use super::super::memory::{Allowance, WheelMemory};
+use super::super::prediction::{after, pose_of};
 use super::super::wheel_search::{FAR, MOST_POINTS, WheelSearch};
 use super::super::{ContactFailure, ContactReport, Model, Workspace};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
 use crate::contact::search::global::{MOST, Minima, Ridge, is_least};
 use crate::mbs::body::Wrench;
-use record::Stand;
 use share::{Saddle, Saddles, share_out};
 pub(in super::super) use share::{beside as share_beside, share_slopes};
+use stand::Stand;
 pub(in super::super) use touch::{event_value, switch};
 
 /// Places that are further apart are not followed, m.
@@ -212,7 +213,7 @@ impl WheelSearch {
         }
         let mut saddles = Saddles::default();
         for (i, ridge) in memory.ridges(points) {
-            let start = prediction::after(ridge.parameters, &ridge.prediction, &moved);
+            let start = after(ridge.parameters, &ridge.prediction, &moved);
             saddles[i] = Some(Saddle::locate(stand, &start, ridge.between, places)?);
         }
         for (i, saddle) in saddles.iter().enumerate() {
@@ -220,7 +221,7 @@ impl WheelSearch {
                 memory.keep_ridge(i, saddle);
             }
         }
-        memory.located = prediction::pose_of(&stand.pose);
+        memory.located = pose_of(&stand.pose);
         share_out(places, &saddles);
         Some(())
     }

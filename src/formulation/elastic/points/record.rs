@@ -1,20 +1,12 @@
 //! What a wheel with several contacts remembers, read and written: where they were, and how long no search is needed.
 
-use super::prediction::{POSE, after, pose_of, prediction};
 use super::share::{Saddle, Saddles};
-use crate::contact::search::algebraic::Pair;
+use super::stand::Stand;
 use crate::contact::search::algebraic::{ContactLocation, SurfaceParameters};
 use crate::contact::search::global::{GlobalSearch, MOST, Minimum, Standing, Watch};
 use crate::formulation::memory::{Allowance, PlaceMemory, RidgeMemory, WheelMemory};
+use crate::formulation::prediction::{POSE, after, pose_of, prediction};
 use crate::formulation::wheel_search::MOST_POINTS;
-
-/// A wheel that stands somewhere.
-pub(super) struct Stand<'a> {
-    pub pair: Pair<'a>,
-    pub pose: Standing,
-    /// Of the wheel's tread, m.
-    pub radius: f64,
-}
 
 impl Allowance {
     /// Has the wheel moved by less than the budget from the pose that belongs to it?

@@ -15,10 +15,10 @@
 //! ellipse's area, so that where both melt together areas, and with them c11 G a b, add up to those of one patch.
 
 use super::Places;
-use super::prediction::{Prediction, prediction};
-use super::record::Stand;
+use super::stand::Stand;
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::contact::search::global::is_least;
+use crate::formulation::prediction::{Prediction, prediction};
 use crate::formulation::wheel_search::MOST_POINTS;
 
 /// The ridge between two contacts.

@@ -28,16 +28,16 @@
 //!
 //! States per contact: u, angle, s, eta (s along the track) and their rates.
 
-pub(in crate::formulation) mod partition;
 mod variables;
 
 use super::projection;
 use super::row::locate;
-use super::scratch::ConstraintRow;
 use super::{evaluation, modes};
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::contact::search::point_contact::{CONSTRAINTS, PARAMETERS, ParameterJacobian, PointContact, Residual};
 use crate::formulation::memory::ChosenPartition;
+use crate::formulation::partition::{Jacobian, Partition, Rows, conditioning};
+use crate::formulation::rigid_scratch::ConstraintRow;
 use crate::formulation::step::{Step, WheelRef};
 use crate::formulation::{
     Build, ContactFailure, Evaluation, EvaluationError, Formulation, Model, OnLift, Parse, Parts, Wheelset, Workspace, contact_index,
@@ -48,7 +48,6 @@ use crate::mbs::body::COORDINATES;
 use crate::mbs::kkt::Coefficients;
 use crate::settings::{Entry, Section, SettingsError};
 use nalgebra::{Matrix4, Vector4};
-use partition::{Jacobian, Partition, Rows, conditioning};
 use std::sync::Arc;
 use variables::{OfWheelset, constraints, gather, scatter};
 

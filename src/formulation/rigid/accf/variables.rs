@@ -1,9 +1,9 @@
 //! A wheelset's variables between state and constraints: coordinates first, then the surface parameters of both wheels.
 
 use super::NORMAL;
-use super::partition::{Jacobian, Rows, Variables};
 use crate::contact::search::point_contact::{CONSTRAINTS, PARAMETERS};
 use crate::formulation::memory::ModelMemory;
+use crate::formulation::partition::{Jacobian, Rows, Variables};
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::{BodyMotion, COORDINATES};

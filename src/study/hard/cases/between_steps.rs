@@ -15,7 +15,7 @@ const METHODS: &[Method] = &[
     Method::new("generalised_alpha", "step=1 ms"),
     Method::new("real_time", "step=1 ms"),
 ];
-/// The generalised-alpha method is of order 2 and has no motion that is carried along: with 1 ms it takes ay off by 0.014 m/s2 here, with 0.5 ms by 0.0033.
+/// The generalised-alpha method is of order 2 and has no moving frame: with 1 ms it takes ay off by 0.014 m/s2 here, with 0.5 ms by 0.0033.
 const STEADY: &[Method] = &[
     Method::new("rosenbrock", "tolerance=1e-4"),
     Method::new("rosenbrock", "tolerance=3e-5"),

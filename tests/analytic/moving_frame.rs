@@ -22,22 +22,22 @@ fn column(recording: &Recording, name: &str) -> Vec<f64> {
 struct Beside {
     /// Greatest rate of change of a wheelset's vertical acceleration, m/s3, where all bodies move along the track alone, straight on ..
     still: f64,
-    /// .. and where they move as they are carried.
+    /// .. and where they move as they are frame.
     left: f64,
     /// By how much J c' - c'' errs in that.
     missed: f64,
 }
 
-/// The model's evaluation beside the carried motion, f(y + c) - c', `ahead` [s] of a state.
-fn beside(model: &Model, workspace: &mut Workspace, carried: &Workspace, simulation: &Simulation, ahead: f64) -> Vec<f64> {
+/// The model's evaluation beside the moving frame, f(y + c) - c', `ahead` [s] of a state.
+fn beside(model: &Model, workspace: &mut Workspace, frame: &Workspace, simulation: &Simulation, ahead: f64) -> Vec<f64> {
     let integration = &simulation.state().integration;
     let (n, inputs, mut memory) = (integration.y.len(), model.neutral_inputs(), simulation.state().memories.accepted.clone());
     let (mut shift, mut rate, mut dy) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    model.carry(carried, ahead, &mut shift, &mut rate);
+    model.frame_at(frame, ahead, &mut shift, &mut rate);
     let y: Vec<f64> = integration.y.iter().zip(&shift).map(|(y, c)| y + c).collect();
     let at = Evaluation { t: 0.0, inputs: &inputs, y: &y, memory: &mut memory };
     model.derivative(workspace, at, &mut dy).unwrap_or_else(|error| panic!("{error}"));
-    dy.iter().zip(&rate).map(|(rate, carried)| rate - carried).collect()
+    dy.iter().zip(&rate).map(|(rate, frame)| rate - frame).collect()
 }
 
 fn measure(name: &str, changes: &[&str], until: f64) -> Beside {
@@ -53,7 +53,7 @@ fn measure(name: &str, changes: &[&str], until: f64) -> Beside {
     model.derivative(&mut workspace, at, &mut dy).unwrap_or_else(|error| panic!("{error}"));
     model.linearise(&mut workspace, (&integration.y, &memory), &inputs, true);
     let mut change = vec![0.0; n];
-    model.carried_change(&workspace, &mut change);
+    model.frame_change(&workspace, &mut change);
     let mut other = model.workspace();
     const H: f64 = 1e-5;
     let (before, behind) = [-H, H].map(|ahead| beside(model, &mut other, &workspace, &simulation, ahead)).into();
@@ -93,13 +93,13 @@ fn measure(name: &str, changes: &[&str], until: f64) -> Beside {
         }
     }
     println!(
-        "{name} {changes:?} at {until} s: {:.1e} m/s3 for a body travelling on, {:.1e} beside the carried motion, of which J c' - c'' misses {:.1e}",
+        "{name} {changes:?} at {until} s: {:.1e} m/s3 for a body travelling on, {:.1e} beside the moving frame, of which J c' - c'' misses {:.1e}",
         found.still, found.left, found.missed
     );
     found
 }
 
-/// A wheel that travels on straight while its rail rises or bends away is pressed by its contact's stiffness; one that is carried is not.
+/// A wheel that travels on straight while its rail rises or bends away is pressed by its contact's stiffness; one that is frame is not.
 #[test]
 fn analytic_carried_wheels_stay_on_their_rails() {
     let vertical = IRREGULAR[1].replace("fade=5", "fade=5, quantities=[\"longitudinal_level\", \"cross_level\"]");
@@ -122,7 +122,7 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / a.len() as f64).sqrt()
 }
 
-/// In a steady curve nothing changes; without the carried motion the outputs between the ends of steps waved by some 100 N.
+/// In a steady curve nothing changes; without the moving frame the outputs between the ends of steps waved by some 100 N.
 #[test]
 fn regress_wheel_loads_in_a_steady_curve_do_not_wave() {
     let exact = run(&open("vehicle_curve", &["solver.integrator=rosenbrock", "solver.tolerance=1e-7"]), 5.0, 1.25e-3);

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Lever arms and forces that turn need no more of each element than F and r F^T. What is added up is expanded to coordinates once per
-//! pair ([`super::expand`]). Exact for forces by displacements and by velocities. Left out is how velocities change by
+//! pair (`tangent::expand`). Exact for forces by displacements and by velocities. Left out is how velocities change by
 //! displacements when bodies turn: angular velocity times damping beside the stiffness (0.05 1/s x 3e4 N s/m beside 1e5 N/m), and the
 //! damper's own force times angle.
 
@@ -20,25 +20,25 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 /// Sums over the elements of one pair of bodies.
 #[derive(Clone, Debug)]
 pub struct PairSum {
-    pub(super) ends: Ends,
+    pub(in crate::mbs) ends: Ends,
     /// Has anything been added?
-    pub(super) used: bool,
+    pub(in crate::mbs) used: bool,
     /// Change of the wrench on `from` at c with the relative twist at c, and with its rate.
-    pub(super) stiffness: Matrix6<f64>,
-    pub(super) damping: Matrix6<f64>,
+    pub(in crate::mbs) stiffness: Matrix6<f64>,
+    pub(in crate::mbs) damping: Matrix6<f64>,
     /// Sum of F, N, of r F^T, N m, and of the couples on `from`, N m.
-    pub(super) force: Vector3<f64>,
-    pub(super) arm_force: Matrix3<f64>,
-    pub(super) couple: Vector3<f64>,
+    pub(in crate::mbs) force: Vector3<f64>,
+    pub(in crate::mbs) arm_force: Matrix3<f64>,
+    pub(in crate::mbs) couple: Vector3<f64>,
 }
 
 impl PairSum {
-    pub(super) fn new(ends: Ends) -> PairSum {
+    pub(in crate::mbs) fn new(ends: Ends) -> PairSum {
         let (zero, six) = (Vector3::zeros(), Matrix6::zeros());
         PairSum { ends, used: false, stiffness: six, damping: six, force: zero, arm_force: Matrix3::zeros(), couple: zero }
     }
 
-    pub(super) fn clear(&mut self) {
+    pub(in crate::mbs) fn clear(&mut self) {
         if self.used {
             *self = PairSum::new(self.ends);
         }
@@ -47,12 +47,12 @@ impl PairSum {
 
 /// Where an element hands in its changes.
 pub struct PairTangent<'a> {
-    pub(super) sum: &'a mut PairSum,
+    pub(in crate::mbs) sum: &'a mut PairSum,
     /// Index of the pair.
-    pub(super) pair: usize,
+    pub(in crate::mbs) pair: usize,
     /// c, m.
-    pub(super) reference: Vector3<f64>,
-    pub(super) states: &'a mut Vec<StateTangent>,
+    pub(in crate::mbs) reference: Vector3<f64>,
+    pub(in crate::mbs) states: &'a mut Vec<StateTangent>,
 }
 
 impl PairTangent<'_> {
@@ -163,7 +163,7 @@ fn add_at(matrix: &mut Matrix6<f64>, arm: &Vector3<f64>, part: &Matrix3<f64>) {
 
 /// Adds `factor left right^T`; column by column, which the compiler turns into vector instructions.
 #[inline]
-pub(super) fn add_outer(block: &mut Matrix6<f64>, left: &Vector6<f64>, right: &Vector6<f64>, factor: f64) {
+pub(in crate::mbs) fn add_outer(block: &mut Matrix6<f64>, left: &Vector6<f64>, right: &Vector6<f64>, factor: f64) {
     let left: &[f64; 6] = &left.data.0[0];
     for (column, right) in block.data.0.iter_mut().zip(&right.data.0[0]) {
         let scaled = factor * right;

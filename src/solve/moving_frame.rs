@@ -1,4 +1,4 @@
-//! A known motion that carries the solution along, so that steps are made for what is left beside it.
+//! A known motion that in_frame the solution along, so that steps are made for what is left beside it.
 //!
 //! A wheel follows its rail, a vehicle its curve, held by forces that are stiff. A linearly implicit step knows f and J at its begin; that the
 //! rail bends on the way (by `(V h)^2 w'' / 2` until its end) comes to it as an error of stiff components, which is felt as force. So with a
@@ -18,26 +18,26 @@ use super::{Implicit, IntegrationState};
 
 /// c over one step.
 #[derive(Clone, Debug)]
-pub(super) struct Carried {
+pub(super) struct MovingFrame {
     /// c and c' at the place asked for last.
     pub shift: Vec<f64>,
     pub rate: Vec<f64>,
     /// dF/dtau at the step's begin.
     change: Vec<f64>,
-    carries: bool,
+    in_frame: bool,
 }
 
-impl Carried {
+impl MovingFrame {
     pub fn new(dimension: usize) -> Self {
         let zero = || vec![0.0; dimension];
-        Carried { shift: zero(), rate: zero(), change: zero(), carries: false }
+        MovingFrame { shift: zero(), rate: zero(), change: zero(), in_frame: false }
     }
 
     /// At the begin of a step, after [`Implicit::linearise`] there.
     pub fn begin(&mut self, dynamics: &mut dyn Implicit) {
-        self.carries = dynamics.carry(0.0, &mut self.shift, &mut self.rate);
-        if self.carries {
-            dynamics.carried_change(&mut self.change);
+        self.in_frame = dynamics.frame_at(0.0, &mut self.shift, &mut self.rate);
+        if self.in_frame {
+            dynamics.frame_change(&mut self.change);
         } else {
             for vector in [&mut self.shift, &mut self.rate] {
                 vector.fill(0.0);
@@ -47,21 +47,21 @@ impl Carried {
 
     /// Finds c and c' at `ahead` [s] after the begin.
     pub fn move_to(&mut self, dynamics: &mut dyn Implicit, ahead: f64) {
-        if self.carries {
-            dynamics.carry(ahead, &mut self.shift, &mut self.rate);
+        if self.in_frame {
+            dynamics.frame_at(ahead, &mut self.shift, &mut self.rate);
         }
     }
 
     /// Solves (I - a J) x = x + weight dF/dtau in place.
     pub fn solve(&self, dynamics: &mut dyn Implicit, x: &mut [f64], weight: f64) {
-        if self.carries { dynamics.solve_linear_pushed(x, weight, &self.change) } else { dynamics.solve_linear(x) }
+        if self.in_frame { dynamics.solve_linear_pushed(x, weight, &self.change) } else { dynamics.solve_linear(x) }
     }
 
     /// Notes in a state that was just accepted whether its last step was made beside such a motion.
     pub fn keep(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState) {
-        state.carries = self.carries;
-        if self.carries {
-            dynamics.keep_carried();
+        state.in_frame = self.in_frame;
+        if self.in_frame {
+            dynamics.keep_frame();
         }
     }
 }
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn analytic_a_stiff_motion_that_is_carried_is_exact() {
         // What is left is zero.
-        let carried = Watched {
+        let frame = Watched {
             motion: Some(|_, y, ahead| {
                 let [(from, _), (to, cos)] = [y[0], y[0] + ahead].map(|x| (2.0 * x).sin_cos());
                 [vec![ahead, to - from], vec![1.0, 2.0 * cos], vec![0.0, -4.0 * to]]
@@ -87,16 +87,16 @@ mod tests {
             ..rail()
         };
         for (method, _) in methods(0.1) {
-            let (ends, inside) = errors(method.as_ref(), carried.clone(), rail_solution, 0.1, 1.0);
+            let (ends, inside) = errors(method.as_ref(), frame.clone(), rail_solution, 0.1, 1.0);
             let (own, _) = errors(method.as_ref(), rail(), rail_solution, 0.1, 1.0);
-            println!("{method:?}: {ends:.1e}, inside {inside:.1e}; without the carried motion {own:.1e}");
+            println!("{method:?}: {ends:.1e}, inside {inside:.1e}; without the moving frame {own:.1e}");
             assert!(ends < 1e-13 && inside < 1e-13 && own > 1e-5);
         }
     }
 
     #[test]
     fn order_is_kept_whatever_motion_is_carried() {
-        let carried = |share| Watched {
+        let frame = |share| Watched {
             motion: Some(|t, y, ahead| {
                 let (sin, cos) = (1.5 * ahead).sin_cos();
                 let [a, b, c] = [0.5 + y[0], 0.3 * t, -0.4];
@@ -108,7 +108,7 @@ mod tests {
         for share in [1.0, 0.4] {
             for kind in 0..2 {
                 let expected = methods(0.1)[kind].1;
-                let at = |h: f64| errors(methods(h)[kind].0.as_ref(), carried(share), nonlinear_solution, h, 1.0);
+                let at = |h: f64| errors(methods(h)[kind].0.as_ref(), frame(share), nonlinear_solution, h, 1.0);
                 let (ends, _) = orders(at, 0.02);
                 println!("order {expected} with {share} of J: {ends:.2}");
                 assert!((ends - expected).abs() < 0.25);
@@ -118,9 +118,9 @@ mod tests {
 
     #[test]
     fn equiv_a_linear_motion_changes_nothing() {
-        let carried = Watched { motion: Some(|_, _, ahead| [vec![0.3 * ahead; 3], vec![0.3; 3], vec![0.0; 3]]), ..nonlinear(1.0) };
+        let frame = Watched { motion: Some(|_, _, ahead| [vec![0.3 * ahead; 3], vec![0.3; 3], vec![0.0; 3]]), ..nonlinear(1.0) };
         // What t itself does to f is left out of J both times.
-        let (with, _) = errors(methods(0.1)[0].0.as_ref(), carried, nonlinear_solution, 0.1, 0.1);
+        let (with, _) = errors(methods(0.1)[0].0.as_ref(), frame, nonlinear_solution, 0.1, 0.1);
         let (without, _) = errors(methods(0.1)[0].0.as_ref(), nonlinear(1.0), nonlinear_solution, 0.1, 0.1);
         assert!((with - without).abs() < 1e-15 + 1e-9 * without, "{with:e} {without:e}");
     }

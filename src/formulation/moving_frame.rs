@@ -1,4 +1,5 @@
-//! How the track carries a vehicle along: the motion that implicit integrators take for granted within a step (`src/solve/carried.rs`).
+//! A frame that moves with the vehicle along its track: the motion that implicit integrators take for granted within a step
+//! (`solve::moving_frame`).
 //!
 //! From the step's begin all bodies travel on at the mean of their rates s' along the track. In a curve, whose heading psi turns by psi' for
 //! each metre, velocity v (along the track, at the body's place) and yaw turn about the vertical by `alpha = omega tau + omega' tau^2 / 2`,
@@ -17,7 +18,7 @@
 //! H = z + (n_y / n_z) y,   height: (H_left + H_right) / 2,   roll: (H_left - H_right) / 2b,   each at s + s' tau minus at s
 //! ```
 //!
-//! A tilt n_y / n_z beyond [`STEEPEST`] (flange) counts as none. What c leaves out is not lost: the method itself finds it, as all
+//! A tilt n_y / n_z beyond [`STEEPEST_TREAD`] (flange) counts as none. What c leaves out is not lost: the method itself finds it, as all
 //! of it would be without.
 //!
 //! *J c' - c''.* J leaves out that forces turn with their bodies, so that J c' of a vehicle that turns as a whole is not what it should be
@@ -25,100 +26,25 @@
 //! of c': only contacts see it, by their part of J and without what turns in their wrenches. For that common turn, without contacts, the
 //! exact answer (Z omega x (v' - c''), of the order of 0.05 m/s3) is left out. In a steady curve 2e-1 rad/s3 is left of 6e5.
 
+use super::frame_motion::{FrameMotion, MovingFrame, Ride, Travel, up_cross};
 use super::step::WheelRef;
 use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::station::Station;
-use crate::mbs::body::{COORDINATES, ROLL, Wrench, YAW};
+use crate::mbs::body::{COORDINATES, Wrench, YAW};
 use crate::mbs::system::SystemWorkspace;
 use crate::mbs::tangent::Tangent;
 use nalgebra::{Vector3, Vector6};
-use serde::{Deserialize, Serialize};
 
 /// Greatest n_y / n_z of a contact on a tread.
-const STEEPEST: f64 = 0.3;
-
-/// c from one state on; part of a simulation's state, because the solution within its last step is read beside it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct CarriedMotion {
-    bodies: Vec<Travel>,
-    /// By wheelset; none where no rail has a deviation.
-    rides: Vec<Ride>,
-}
-
-impl CarriedMotion {
-    /// Could this have come from the same model as `other`?
-    pub fn fits(&self, other: &CarriedMotion) -> bool {
-        self.bodies.len() == other.bodies.len() && self.rides.len() == other.rides.len()
-    }
-
-    /// Becomes that of the same model's `other`, in the memory that it has: this is on the stepping path.
-    pub fn take_over(&mut self, other: &CarriedMotion) {
-        self.bodies.clone_from(&other.bodies);
-        self.rides.clone_from(&other.rides);
-    }
-}
-
-/// The motion from one state on, and scratch.
-#[derive(Clone, Debug, Default)]
-pub struct Carried {
-    pub motion: CarriedMotion,
-    /// c' in part, and J c' - c'', as long as the state.
-    rate: Vec<f64>,
-    change: Vec<f64>,
-}
-
-/// A body along the track.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Travel {
-    /// Velocity along the track, m/s, its rate of turn about the vertical, rad/s, and how fast that changes, rad/s2.
-    velocity: [f64; 3],
-    turn: f64,
-    winding: f64,
-}
-
-/// A wheelset on its rails.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Ride {
-    /// Distance along the track, m, and its rate, m/s.
-    distance: f64,
-    speed: f64,
-    /// The track's Z in the world.
-    up: [f64; 3],
-    /// n_y / n_z, left and right.
-    tilt: [f64; 2],
-    /// H and roll at the begin, with derivatives along the track.
-    begin: [[f64; 4]; 2],
-}
-
-impl Travel {
-    fn velocity(&self) -> Vector3<f64> {
-        self.velocity.into()
-    }
-
-    /// What position, velocity and acceleration are after `ahead` [s], the first counted from the begin.
-    fn after(&self, ahead: f64) -> [Vector3<f64>; 3] {
-        let (v, Travel { turn, winding, .. }) = (self.velocity(), *self);
-        if turn == 0.0 && winding == 0.0 {
-            return [v * ahead, v, Vector3::zeros()];
-        }
-        let (sin, cos) = (turn * ahead + 0.5 * winding * ahead * ahead).sin_cos();
-        let (level, climb) = (Vector3::new(v.x, v.y, 0.0), Vector3::new(0.0, 0.0, v.z));
-        let now = level * cos + up_cross(&v) * sin;
-        // Chord and sagitta of the circle; with its turn zero it is the tangent.
-        let (half, _) = (0.5 * turn * ahead).sin_cos();
-        let [along, aside] = if turn == 0.0 { [ahead, 0.0] } else { [(turn * ahead).sin() / turn, 2.0 * half * half / turn] };
-        let way = level * along + up_cross(&v) * (aside + winding * ahead * ahead * ahead / 6.0);
-        [way + climb * ahead, now + climb, up_cross(&now) * (turn + winding * ahead)]
-    }
-}
+const STEEPEST_TREAD: f64 = 0.3;
 
 impl Model {
-    /// Makes room for what [`Model::note_carried`] notes.
-    pub(super) fn carried(&self) -> Carried {
+    /// Makes room for what [`Model::note_frame`] notes.
+    pub(super) fn moving_frame(&self) -> MovingFrame {
         let moved = Side::BOTH.iter().any(|side| self.track.rail(*side).deviates());
-        Carried {
-            motion: CarriedMotion {
+        MovingFrame {
+            motion: FrameMotion {
                 bodies: vec![Travel::default(); self.system.bodies.len()],
                 rides: if moved { vec![Ride::default(); self.wheelsets.len()] } else { Vec::new() },
             },
@@ -139,13 +65,13 @@ impl Model {
     }
 
     /// Notes how the bodies travel on from the state that was evaluated last and linearised as `tangent`.
-    pub(super) fn note_carried(&self, workspace: &mut Workspace, tangent: &Tangent) {
-        let mut carried = std::mem::take(&mut workspace.carried);
+    pub(super) fn note_frame(&self, workspace: &mut Workspace, tangent: &Tangent) {
+        let mut frame = std::mem::take(&mut workspace.frame);
         let SystemWorkspace { motions, stations, .. } = &workspace.system;
         let advance = |body: usize| stations.get(body).map_or(motions[body].speed, |station| station.travel);
         // One for all: how bodies move against each other along the track is not the track's doing.
         let advance = (0..motions.len()).map(advance).sum::<f64>() / motions.len().max(1) as f64;
-        for (body, travel) in carried.motion.bodies.iter_mut().enumerate() {
+        for (body, travel) in frame.motion.bodies.iter_mut().enumerate() {
             *travel = Travel { velocity: [advance, 0.0, 0.0], ..Travel::default() };
             if let Some(Station { frame, .. }) = stations.get(body) {
                 travel.velocity = (frame.along() * (advance * frame.stretch(&(motions[body].position - frame.origin)))).into();
@@ -153,15 +79,15 @@ impl Model {
                 travel.winding = (frame.axes * frame.turn1).z * advance * advance;
             }
         }
-        if !carried.motion.rides.is_empty() {
+        if !frame.motion.rides.is_empty() {
             for WheelRef { contact, wheelset, side } in self.wheels() {
-                let ride = &mut carried.motion.rides[contact / 2];
+                let ride = &mut frame.motion.rides[contact / 2];
                 let pressed = workspace.reports(contact).max_by(|a, b| a.normal_force.total_cmp(&b.normal_force));
                 let normal = pressed.map_or(Vector3::zeros(), |report| workspace.in_track(wheelset.body, report.axes.normal));
                 let tilt = normal.y / normal.z;
-                ride.tilt[usize::from(side == Side::Right)] = if tilt.abs() < STEEPEST { tilt } else { 0.0 };
+                ride.tilt[usize::from(side == Side::Right)] = if tilt.abs() < STEEPEST_TREAD { tilt } else { 0.0 };
             }
-            for (ride, wheelset) in carried.motion.rides.iter_mut().zip(&self.wheelsets) {
+            for (ride, wheelset) in frame.motion.rides.iter_mut().zip(&self.wheelsets) {
                 let motion = &workspace.system.motions[wheelset.body];
                 let station = workspace.system.stations.get(wheelset.body);
                 (ride.distance, ride.speed) = (motion.distance, advance);
@@ -169,34 +95,34 @@ impl Model {
                 ride.begin = self.ride(ride.tilt, ride.distance);
             }
         }
-        self.find_change(&mut carried, workspace, tangent);
-        workspace.carried = carried;
+        self.find_change(&mut frame, workspace, tangent);
+        workspace.frame = frame;
     }
 
     /// c and c' after `ahead` [s]: what is added to the state that was linearised last, and its rate.
-    pub fn carry(&self, workspace: &Workspace, ahead: f64, shift: &mut [f64], rate: &mut [f64]) {
+    pub fn frame_at(&self, workspace: &Workspace, ahead: f64, shift: &mut [f64], rate: &mut [f64]) {
         shift.fill(0.0);
         rate.fill(0.0);
-        self.visit_carried(&workspace.carried.motion, ahead, |i, by, at| {
+        self.visit_frame(&workspace.frame.motion, ahead, |i, by, at| {
             shift[i] += by;
             rate[i] += at;
         });
     }
 
     /// Adds c after `ahead` [s] to the state in `y`.
-    pub fn add_carried(&self, motion: &CarriedMotion, ahead: f64, y: &mut [f64]) {
-        self.visit_carried(motion, ahead, |i, by, _| y[i] += by);
+    pub fn add_frame_motion(&self, motion: &FrameMotion, ahead: f64, y: &mut [f64]) {
+        self.visit_frame(motion, ahead, |i, by, _| y[i] += by);
     }
 
     /// The motion from the state on that was linearised last.
-    pub fn carried_motion<'a>(&self, workspace: &'a Workspace) -> &'a CarriedMotion {
-        &workspace.carried.motion
+    pub fn frame_motion<'a>(&self, workspace: &'a Workspace) -> &'a FrameMotion {
+        &workspace.frame.motion
     }
 
     /// Hands over parts of c and c' after `ahead` [s], by place in the state.
     #[inline(always)] // twice, on the stepping path
-    fn visit_carried(&self, motion: &CarriedMotion, ahead: f64, mut add: impl FnMut(usize, f64, f64)) {
-        let CarriedMotion { bodies, rides } = motion;
+    fn visit_frame(&self, motion: &FrameMotion, ahead: f64, mut add: impl FnMut(usize, f64, f64)) {
+        let FrameMotion { bodies, rides } = motion;
         let velocities = COORDINATES * bodies.len();
         for (body, travel) in bodies.iter().enumerate() {
             let first = COORDINATES * body;
@@ -222,13 +148,13 @@ impl Model {
     }
 
     /// J c' - c'' at the state that was linearised last.
-    pub fn carried_change(&self, workspace: &Workspace, change: &mut [f64]) {
-        change.copy_from_slice(&workspace.carried.change);
+    pub fn frame_change(&self, workspace: &Workspace, change: &mut [f64]) {
+        change.copy_from_slice(&workspace.frame.change);
     }
 
     /// Finds J c' - c''.
-    fn find_change(&self, carried: &mut Carried, workspace: &Workspace, tangent: &Tangent) {
-        let Carried { motion: CarriedMotion { bodies, rides }, rate, change } = carried;
+    fn find_change(&self, frame: &mut MovingFrame, workspace: &Workspace, tangent: &Tangent) {
+        let MovingFrame { motion: FrameMotion { bodies, rides }, rate, change } = frame;
         let whole = Turn::new(bodies, &workspace.system);
         let velocities = COORDINATES * bodies.len();
         rate.fill(0.0);
@@ -285,11 +211,6 @@ impl Model {
     }
 }
 
-/// Z x v.
-fn up_cross(v: &Vector3<f64>) -> Vector3<f64> {
-    Vector3::new(-v.y, v.x, 0.0)
-}
-
 fn joined(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(a.x, a.y, a.z, b.x, b.y, b.z)
 }
@@ -316,20 +237,5 @@ impl Turn {
 
     fn velocity(&self, at: &Vector3<f64>) -> Vector3<f64> {
         self.travel + up_cross(&(at - self.centre)) * self.turn
-    }
-}
-
-impl Ride {
-    /// Coordinates of the wheelset that take part, by what share, in H (0) or roll (1).
-    fn rows(&self) -> [(usize, f64, usize); 4] {
-        [(0, self.up[0], 0), (1, self.up[1], 0), (2, self.up[2], 0), (ROLL, 1.0, 1)]
-    }
-
-    /// Adds the rates of a wheelset's coordinates from `first` on and of its velocities where the ride is `now`.
-    fn add_rates(&self, first: usize, velocities: usize, now: &[[f64; 4]; 2], rate: &mut [f64]) {
-        for (i, share, k) in self.rows() {
-            rate[first + i] += share * self.speed * now[k][1];
-            rate[velocities + first + i] += share * self.speed * self.speed * now[k][2];
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! What constraint formulations work in.
 
-use super::accf::partition::Partition;
+use super::partition::Partition;
 use crate::contact::normal::ElasticContact;
 use crate::contact::search::algebraic::ContactLocation;
 use crate::contact::search::point_contact::{PointContact, Residual};
@@ -9,7 +9,7 @@ use crate::mbs::kkt::Coefficients;
 
 /// A contact's constraint at one instant.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::formulation) struct ConstraintRow {
+pub struct ConstraintRow {
     pub location: ContactLocation,
     /// H on the wheelset's coordinates.
     pub row: Coefficients,
@@ -22,18 +22,18 @@ pub(in crate::formulation) struct ConstraintRow {
 /// Scratch of the constraint formulations; rows and multipliers are in the system's workspace.
 #[derive(Clone, Debug, Default)]
 pub struct RigidScratch {
-    pub(super) rows: Vec<Option<ConstraintRow>>,
-    pub(super) balance: Balance,
+    pub rows: Vec<Option<ConstraintRow>>,
+    pub balance: Balance,
     /// A state that the constraints have been made to hold in (ACCF).
-    pub(super) consistent: Vec<f64>,
+    pub consistent: Vec<f64>,
     /// Each constrained contact's five constraints there with their second derivatives (ACCF).
-    pub(super) points: Vec<Option<(PointContact, Residual)>>,
+    pub points: Vec<Option<(PointContact, Residual)>>,
     /// The partition of each wheelset in the last evaluation (ACCF).
-    pub(super) partitions: Vec<Option<Partition>>,
+    pub partitions: Vec<Option<Partition>>,
 }
 
 impl RigidScratch {
-    pub(in crate::formulation) fn new(wheelsets: usize, bodies: usize, dimension: usize) -> Self {
+    pub fn new(wheelsets: usize, bodies: usize, dimension: usize) -> Self {
         RigidScratch {
             rows: vec![None; 2 * wheelsets],
             balance: Balance::new(wheelsets, bodies),
@@ -46,7 +46,7 @@ impl RigidScratch {
 
 /// A constrained contact in the loop.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::formulation) struct Pressing {
+pub struct Pressing {
     /// Penetration at which the law is read, m; 0 where nothing presses.
     pub approach: f64,
     /// N there, N; what the constraint asks for where it would pull.
@@ -64,7 +64,7 @@ pub(in crate::formulation) struct Pressing {
 
 /// Scratch of the loop.
 #[derive(Clone, Debug, Default)]
-pub(in crate::formulation) struct Balance {
+pub struct Balance {
     pub contacts: Vec<Pressing>,
     /// Per wheelset dG/dN, row by row.
     pub coupling: Vec<[f64; 4]>,

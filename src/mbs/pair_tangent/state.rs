@@ -14,35 +14,35 @@ pub struct StateTangent {
     /// Index in the state vector, and number.
     pub first: usize,
     pub count: usize,
-    pub(super) ends: Ends,
+    pub(in crate::mbs) ends: Ends,
     /// d s_i' / d s_j, 1/s.
     pub rate_by_state: Matrix2<f64>,
     /// Per state: change of its rate with positions and velocities, and of forces with it. In [`super::pair::PairTangent`]'s terms until
-    /// [`super::Tangent::finish`] turns them into coordinates and accelerations.
+    /// `Tangent::finish` turns them into coordinates and accelerations.
     pub rate_by_position: [Gradient; 2],
     pub rate_by_velocity: [Gradient; 2],
     pub load_by_state: [Gradient; 2],
     /// Pair of bodies that they belong to; `None`: they are in terms of each body's own displacement and wrench.
-    pub(super) pair: Option<usize>,
+    pub(in crate::mbs) pair: Option<usize>,
 }
 
 impl StateTangent {
     /// `count` states (at most two) that nothing acts on yet.
     #[inline]
-    pub(super) fn new(first: usize, count: usize, ends: Ends, pair: Option<usize>) -> StateTangent {
+    pub(in crate::mbs) fn new(first: usize, count: usize, ends: Ends, pair: Option<usize>) -> StateTangent {
         let none = [[Vector6::zeros(); 2]; 2];
         let rate_by_state = Matrix2::zeros();
         StateTangent { first, count, ends, rate_by_state, rate_by_position: none, rate_by_velocity: none, load_by_state: none, pair }
     }
 
     #[inline]
-    pub(super) fn index(&self, i: usize) -> usize {
+    pub(in crate::mbs) fn index(&self, i: usize) -> usize {
         self.first + i
     }
 
     /// (1 - a ds'/ds)^-1, a single state's partner left alone; `None` where there is no inverse.
     #[inline]
-    pub(super) fn inverse(&self, a: f64) -> Option<Matrix2<f64>> {
+    pub(in crate::mbs) fn inverse(&self, a: f64) -> Option<Matrix2<f64>> {
         if self.count == 1 {
             let own = 1.0 - a * self.rate_by_state[(0, 0)];
             return (own != 0.0).then(|| Matrix2::new(1.0 / own, 0.0, 0.0, 1.0));
@@ -52,7 +52,7 @@ impl StateTangent {
 
     /// What coordinate changes `x` (6 per body) change by a gradient.
     #[inline(always)]
-    pub(super) fn along(&self, gradient: &Gradient, x: &[f64]) -> f64 {
+    pub(in crate::mbs) fn along(&self, gradient: &Gradient, x: &[f64]) -> f64 {
         let mut sum = 0.0;
         for (end, gradient) in self.ends.iter().zip(gradient) {
             if let Some(x) = end.and_then(|body| x[6 * body..].first_chunk::<6>()) {
@@ -64,6 +64,6 @@ impl StateTangent {
 }
 
 #[inline]
-pub(super) fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+pub(in crate::mbs) fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
     (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
 }

@@ -1,0 +1,12 @@
+//! A wheel that stands somewhere on its rail.
+
+use crate::contact::search::algebraic::Pair;
+use crate::contact::search::global::Standing;
+
+/// The pair as it stands, and what predictions count from.
+pub(super) struct Stand<'a> {
+    pub pair: Pair<'a>,
+    pub pose: Standing,
+    /// Of the wheel's tread, m.
+    pub radius: f64,
+}

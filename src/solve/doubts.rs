@@ -1,0 +1,27 @@
+//! What methods with a fixed step doubt of their own steps.
+
+use serde::{Deserialize, Serialize};
+
+/// Steps whose estimated error is no longer small.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Doubts {
+    /// How many.
+    pub steps: u64,
+    /// The largest error of forces, in parts of what the system allows, and of positions, m and rad.
+    pub load: f64,
+    pub position: f64,
+    /// End of the first of them, s.
+    pub first: f64,
+    /// How many of the last steps on end.
+    pub(super) run: u64,
+}
+
+impl std::fmt::Display for Doubts {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Doubts { steps, load, position, first, .. } = *self;
+        write!(
+            f,
+            "{steps} steps, the first to t = {first:.6} s, were doubtful: contact forces off by up to {load:.0} times what a step with error control may be, positions by {position:.1e} m or rad a step; reduce solver.step or choose an integrator with a tolerance"
+        )
+    }
+}
