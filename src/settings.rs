@@ -2,10 +2,12 @@
 //! what is allowed; and the shape of a registry entry, from which the scene reader, `wheelrail list` and the
 //! docs all take the names that a scene may use.
 
+mod constant;
 mod faults;
 mod nearest;
 
 use crate::units::Dimension;
+pub use constant::{Constant, Number};
 use faults::Faults;
 pub use nearest::did_you_mean;
 use nearest::{nearest, slip};

@@ -1,5 +1,9 @@
 //! Units: what a scene file may write ("3 deg", "10 mm", "90 km/h", "-3 in") becomes SI here, once.
 
+mod unit;
+
+pub use unit::Unit;
+
 /// A physical dimension that a scene value can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {

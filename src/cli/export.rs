@@ -3,8 +3,8 @@
 use super::output::{Kind, Target};
 use super::{Failure, SceneArguments, print, refused, table};
 use crate::fmi::package::{self, PackageError, PackedScene};
-use crate::sim::unit::Unit;
 use crate::study::digits::rounded;
+use crate::units::Unit;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -94,7 +94,7 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
     let bytes = package::archive(&files)?;
     super::start(&packed.scene)?;
 
-    let name = &packed.scene.vehicle.wheelset.name;
+    let name = &packed.scene.vehicle.leading().name;
     let shown: Vec<_> = COLUMNS
         .iter()
         .filter_map(|column| {

@@ -4,8 +4,9 @@ use super::{Failure, print};
 use crate::contact::{creep, normal};
 use crate::formulation;
 use crate::geometry::{profile, track};
-use crate::mbs::force;
-use crate::scene::spec::{INPUT_GROUPS, OUTPUT_GROUPS, PARAMETER_GROUPS, TEMPLATES};
+use crate::mbs::{force, joint};
+use crate::scene::spec::{INPUT_GROUPS, OUTPUT_GROUPS, PARAMETER_GROUPS};
+use crate::scene::vehicle::templates;
 use crate::scene::{embedded, load};
 use crate::settings::{Entry, did_you_mean};
 use crate::solve;
@@ -13,7 +14,7 @@ use clap::Args;
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// Only this kind: scenes, templates, profiles, deviations, irregularities, spectra, formulations, normal-laws, damping-laws, creep-laws, integrators, forces, groups
+    /// Only this kind: scenes, templates, profiles, deviations, irregularities, spectra, formulations, normal-laws, damping-laws, creep-laws, integrators, forces, joints, groups
     kind: Option<String>,
     /// Print the list as JSON
     #[arg(long)]
@@ -27,10 +28,6 @@ fn rows<P>(registry: &[Entry<P>]) -> Vec<Row> {
     registry.iter().map(|entry| (entry.name.into(), entry.summary.into(), entry.reference.into())).collect()
 }
 
-fn plain<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> Vec<Row> {
-    pairs.into_iter().map(|(name, summary)| (name.into(), summary.into(), String::new())).collect()
-}
-
 fn kinds() -> Vec<(&'static str, &'static str, Vec<Row>)> {
     let scenes = embedded::SCENES.iter().map(|scene| {
         let title = load::open(scene.name, &[]).map(|scene| scene.title).unwrap_or_default();
@@ -38,11 +35,9 @@ fn kinds() -> Vec<(&'static str, &'static str, Vec<Row>)> {
     });
     let groups = [("inputs", INPUT_GROUPS), ("outputs", OUTPUT_GROUPS), ("parameters", PARAMETER_GROUPS)];
     let groups = groups.map(|(key, names)| (format!("interface.{key}"), names.join(", "), String::new()));
-    let mut forces = rows(force::REGISTRY);
-    forces.extend(plain(force::KINDS.iter().copied()));
     vec![
         ("scenes", "SCENE of every command", scenes.collect()),
-        ("templates", "vehicle.template", plain(TEMPLATES.iter().copied())),
+        ("templates", "vehicle.template", rows(templates::REGISTRY)),
         ("profiles", "kind of [vehicle.wheelset.profile] and [track.rail]", rows(profile::REGISTRY)),
         ("deviations", "shape of [[track.deviation]]", rows(track::REGISTRY)),
         ("irregularities", "kind of [[track.irregularity]]", rows(track::irregularity::REGISTRY)),
@@ -52,7 +47,8 @@ fn kinds() -> Vec<(&'static str, &'static str, Vec<Row>)> {
         ("damping-laws", "contact.damping.law", rows(normal::damping::REGISTRY)),
         ("creep-laws", "contact.creep.law", rows(creep::REGISTRY)),
         ("integrators", "solver.integrator", rows(solve::REGISTRY)),
-        ("forces", "kind of [[vehicle.force]]; the last ones are placed by templates", forces),
+        ("forces", "kind of [[vehicle.force]]", rows(force::REGISTRY)),
+        ("joints", "kind of [[vehicle.joint]]", rows(joint::REGISTRY)),
         ("groups", "interface", groups.to_vec()),
     ]
 }

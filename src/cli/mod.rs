@@ -92,7 +92,7 @@ impl WheelsetArgument {
     /// Its name.
     fn choose<'a>(&self, scene: &'a Scene) -> Result<&'a str, Failure> {
         let names: Vec<&str> = scene.vehicle.axles().into_iter().map(|axle| axle.0).collect();
-        let Some(wanted) = &self.wheelset else { return Ok(&scene.vehicle.wheelset.name) };
+        let Some(wanted) = &self.wheelset else { return Ok(&scene.vehicle.leading().name) };
         let unknown = || {
             let hint = did_you_mean(wanted, &names);
             Failure::Input(format!("--wheelset {wanted}{hint}: expected one of {}", names.join(", ")))

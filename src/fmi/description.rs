@@ -37,10 +37,13 @@ pub struct Description {
 pub fn describe(scene: &Scene, table: &VariableTable) -> Description {
     let without = document(scene, table, "");
     let mut hash = Sha256::new();
-    let template = templates::text(scene.vehicle.template).unwrap_or_default();
-    let own = [env!("CARGO_PKG_VERSION").as_bytes(), without.as_bytes(), scene.source.text.as_bytes()];
-    // A scene without such a template keeps the hash that it would have had without any.
-    for part in own.into_iter().chain((!template.is_empty()).then_some(template.as_bytes())) {
+    let own = [
+        env!("CARGO_PKG_VERSION").as_bytes(),
+        without.as_bytes(),
+        scene.source.text.as_bytes(),
+        templates::text(scene.vehicle.template).as_bytes(),
+    ];
+    for part in own {
         hash.update((part.len() as u64).to_le_bytes());
         hash.update(part);
     }

@@ -13,4 +13,3 @@ pub mod parameters;
 pub mod serialized;
 pub mod uri;
 pub mod variables;
-mod vehicle_parameters;

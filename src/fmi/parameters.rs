@@ -1,315 +1,349 @@
 //! The table of parameters: fields of the scene that a master may set before initialization ends.
+//!
+//! Each kind of part has one table of [`Constant`]s: number, name, unit, bounds, description, and where its value is read and written in the
+//! scene. Force elements bring theirs along. References: of the scene 1 to 99, of wheelset k (from 1) 1000 k + number, of a wheelset's own springs
+//! 1000 k + 410, of body b 1000000 + 100 b + number, of force element f 2000000 + 100 f + 50, of sensor s 3000000 + 100 s + number (from 0).
 
 use super::variables::{Kind, Role, Variable, WHEELSET};
-use super::vehicle_parameters;
-use crate::scene::spec::{INITIAL, SMALLEST, SMALLEST_MODULUS, Scene};
-use crate::scene::vehicle::FASTEST;
-use crate::sim::unit::Unit;
+use crate::mbs::inertia::Inertia;
+use crate::scene::spec::{SMALLEST, SMALLEST_MODULUS, Scene};
+use crate::scene::vehicle::{FASTEST, PlacedBody, PlacedWheelset, Sensor};
+use crate::settings::{Constant, Number};
+use crate::sim::vehicle_outputs::{BODY, FORCE, SENSOR, STRIDE};
 use crate::solve::SettingKind;
+use crate::units::Unit;
 
 /// A real parameter as a field of the scene.
 #[derive(Clone, Copy)]
-pub struct RealParameter {
-    pub get: fn(&Scene, usize) -> f64,
-    pub set: fn(&mut Scene, usize, f64),
-    /// For fields in arrays.
-    index: usize,
+pub enum RealParameter {
+    OfScene(&'static Constant<Scene>),
+    /// By place in the vehicle.
+    OfWheelset(usize, &'static Constant<PlacedWheelset>),
+    OfBody(usize, &'static Constant<PlacedBody>),
+    OfSensor(usize, &'static Constant<Sensor>),
+    /// And by its number among the element's.
+    OfForce(usize, u32),
 }
 
 impl RealParameter {
     pub fn value(&self, scene: &Scene) -> f64 {
-        (self.get)(scene, self.index)
+        let vehicle = &scene.vehicle;
+        let found = match *self {
+            RealParameter::OfScene(line) => (line.get)(scene),
+            RealParameter::OfWheelset(place, line) => (line.get)(&vehicle.wheelsets[place]),
+            RealParameter::OfBody(place, line) => (line.get)(&vehicle.bodies[place]),
+            RealParameter::OfSensor(place, line) => (line.get)(&vehicle.sensors[place]),
+            RealParameter::OfForce(place, number) => {
+                let all = vehicle.forces[place].0.constants();
+                all.iter().find(|constant| constant.number == number).map(|constant| constant.value)
+            }
+        };
+        found.unwrap_or(0.0)
     }
+
     pub fn assign(&self, scene: &mut Scene, value: f64) {
-        (self.set)(scene, self.index, value);
+        let vehicle = &mut scene.vehicle;
+        match *self {
+            RealParameter::OfScene(line) => (line.set)(scene, value),
+            RealParameter::OfWheelset(place, line) => (line.set)(&mut vehicle.wheelsets[place], value),
+            RealParameter::OfBody(place, line) => (line.set)(&mut vehicle.bodies[place], value),
+            RealParameter::OfSensor(place, line) => (line.set)(&mut vehicle.sensors[place], value),
+            RealParameter::OfForce(place, number) => vehicle.forces[place].0.set_constant(number, value),
+        }
     }
 }
 
-/// One row of the parameter table.
-pub(super) struct Row {
-    pub id: u32,
-    pub group: &'static str,
-    pub name: String,
-    pub unit: Unit,
-    pub min: Option<f64>,
-    pub max: Option<f64>,
-    pub text: &'static str,
-    /// Handed to `get` and `set`.
-    pub index: usize,
-    pub get: fn(&Scene, usize) -> f64,
-    pub set: fn(&mut Scene, usize, f64),
-}
-
-macro_rules! row {
-    ($id:expr, $group:literal, $name:expr, $unit:ident, $min:expr, $max:expr, $text:literal, $($field:ident).+) => {
-        Row { id: $id, group: $group, name: $name.into(), unit: Unit::$unit, min: $min, max: $max, text: $text, index: 0,
-              get: |scene, _| scene.$($field).+, set: |scene, _, value| scene.$($field).+ = value }
+/// A line of a table: its number, name, unit and smallest value, description, and the field that it is.
+macro_rules! line {
+    ($number:literal, $name:literal, $unit:ident, $least:expr, $text:expr, $($field:tt)+) => {
+        Constant {
+            number: $number,
+            name: $name,
+            unit: Unit::$unit,
+            least: $least,
+            description: $text,
+            get: |of| Some(of.$($field)+),
+            set: |of, value| of.$($field)+ = value,
+        }
     };
 }
 
-/// A field of the suspension; absent suspensions have no such parameter.
-macro_rules! suspension_row {
-    ($id:expr, $name:expr, $unit:ident, $text:literal, $field:ident) => {
-        Row {
-            id: $id,
-            group: "suspension",
+const VEHICLE: [Constant<Scene>; 2] = [
+    Constant {
+        get: |scene| scene.vehicle.speed_imposed.then_some(scene.vehicle.speed),
+        ..line!(1, "speed", TravelSpeed, Some(-FASTEST), "imposed travelling speed of the centre, forward positive; not 0", vehicle.speed)
+    },
+    line!(2, "gravity", MetrePerSecond2, Some(0.0), "gravitational acceleration", vehicle.gravity),
+];
+
+/// Where the speed is only that of the start it may be 0.
+const FREE_SPEED: Constant<Scene> =
+    line!(1, "speed", TravelSpeed, Some(-FASTEST), "travelling speed of the centre at the start, forward positive", vehicle.speed);
+
+const CONTACT: [Constant<Scene>; 4] = [
+    line!(3, "contact.friction", One, Some(0.0), "friction coefficient mu", contact.friction),
+    Constant {
+        get: |scene| (scene.contact.damping_law.name == "proportional").then_some(scene.contact.damping),
+        ..line!(4, "contact.damping", NewtonSecondPerMetre2, Some(0.0), "C in N = K_h delta^1.5 + C delta d(delta)/dt", contact.damping)
+    },
+    line!(5, "contact.youngsModulus", Pascal, Some(SMALLEST_MODULUS), "Young's modulus of wheel and rail", contact.material.youngs_modulus),
+    line!(6, "contact.poissonRatio", One, Some(0.0), "Poisson's ratio of wheel and rail", contact.material.poisson_ratio),
+];
+
+/// Of the distance of a vehicle of several bodies.
+const ORIGIN: Constant<Scene> = line!(
+    10,
+    "initial.distance",
+    Distance,
+    None,
+    "distance along the track of the vehicle's design origin at the start",
+    vehicle.initial.values[0]
+);
+
+macro_rules! initial {
+    ($number:literal, $name:literal, $unit:ident, $place:literal) => {
+        line!(
+            $number,
+            $name,
+            $unit,
+            None,
+            "initial value: added to the steady rolling equilibrium when initial.fromEquilibrium is true, else absolute (z and pitchRate must be given then)",
+            vehicle.initial.values[$place]
+        )
+    };
+}
+
+/// Of a lone wheelset, with that one's base.
+const INITIAL: [Constant<Scene>; 10] = [
+    initial!(450, "initial.distance", Distance, 0),
+    initial!(451, "initial.y", Metre, 1),
+    initial!(452, "initial.z", Metre, 2),
+    initial!(453, "initial.roll", Radian, 3),
+    initial!(454, "initial.yaw", Radian, 4),
+    initial!(455, "initial.vy", MetrePerSecond, 5),
+    initial!(456, "initial.vz", MetrePerSecond, 6),
+    initial!(457, "initial.rollRate", RadianPerSecond, 7),
+    initial!(458, "initial.yawRate", RadianPerSecond, 8),
+    initial!(459, "initial.pitchRate", RadianPerSecond, 9),
+];
+
+/// Of a wheelset among other bodies.
+const OFFSETS: [Constant<PlacedWheelset>; 2] = [
+    line!(451, "initial.y", Metre, None, "added to y of the steady state at the start", offset[0]),
+    line!(454, "initial.yaw", Radian, None, "added to the yaw of the steady state at the start", offset[1]),
+];
+
+const WHEELSETS: [Constant<PlacedWheelset>; 4] = [
+    line!(400, "mass", Kilogram, Some(SMALLEST), "mass of the wheelset", spec.mass),
+    line!(
+        401,
+        "transverseInertia",
+        KilogramMetre2,
+        Some(SMALLEST),
+        "moment of inertia about any axis across the axle (Ixx = Izz)",
+        spec.transverse_inertia
+    ),
+    line!(402, "axialInertia", KilogramMetre2, Some(SMALLEST), "moment of inertia about the axle (Iyy)", spec.axial_inertia),
+    line!(
+        403,
+        "verticalLoad",
+        Newton,
+        None,
+        "weight of what rests on the wheelset, down positive: plumb, with its centrifugal force and its inertia along the track",
+        spec.vertical_load
+    ),
+];
+
+macro_rules! inertia {
+    ($number:literal, $name:literal, $axis:ident, $text:literal) => {
+        Constant {
+            number: $number,
             name: $name,
-            unit: Unit::$unit,
-            min: Some(0.0),
-            max: None,
-            text: $text,
-            index: 0,
-            get: |scene, _| scene.vehicle.suspension.as_ref().map_or(0.0, |s| s.$field),
-            set: |scene, _, value| {
-                if let Some(suspension) = scene.vehicle.suspension.as_mut() {
-                    suspension.$field = value;
+            unit: Unit::KilogramMetre2,
+            least: Some(SMALLEST),
+            description: $text,
+            get: |placed: &PlacedBody| match &placed.body.inertia {
+                Inertia::General { principal } => Some(principal.$axis),
+                Inertia::Revolution { .. } => None,
+            },
+            set: |placed, value| {
+                if let Inertia::General { principal } = &mut placed.body.inertia {
+                    principal.$axis = value;
                 }
             },
         }
     };
 }
 
-/// All parameters of a scene.
-pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
-    let w = &scene.vehicle.wheelset.name;
-    let mut speed = row!(
-        1,
-        "vehicle",
-        "speed",
-        TravelSpeed,
-        Some(-FASTEST),
-        Some(FASTEST),
-        "imposed travelling speed of the centre, forward positive; not 0",
-        vehicle.speed
-    );
-    // Where it is only that of the start it may be 0.
-    if !scene.vehicle.speed_imposed {
-        speed.text = "travelling speed of the centre at the start, forward positive";
-    }
-    let mut rows = vec![
-        speed,
-        row!(2, "vehicle", "gravity", MetrePerSecond2, Some(0.0), None, "gravitational acceleration", vehicle.gravity),
-        row!(3, "contact", "contact.friction", One, Some(0.0), None, "friction coefficient mu", contact.friction),
-        row!(
-            4,
-            "contact",
-            "contact.damping",
-            NewtonSecondPerMetre2,
-            Some(0.0),
-            None,
-            "C in N = K_h delta^1.5 + C delta d(delta)/dt",
-            contact.damping
-        ),
-        row!(
-            5,
-            "contact",
-            "contact.youngsModulus",
-            Pascal,
-            Some(SMALLEST_MODULUS),
-            None,
-            "Young's modulus of wheel and rail",
-            contact.material.youngs_modulus
-        ),
-        row!(
-            6,
-            "contact",
-            "contact.poissonRatio",
-            One,
-            Some(0.0),
-            Some(0.5),
-            "Poisson's ratio of wheel and rail",
-            contact.material.poisson_ratio
-        ),
-    ];
-    match &scene.vehicle.free {
-        None => rows.extend(wheelset_rows(w)),
-        Some(free) => rows.extend(vehicle_parameters::rows(scene, free)),
-    }
-    if scene.contact.damping_law.name != "proportional" {
-        rows.retain(|row| row.name != "contact.damping");
-    }
-    if let Some(suspension) = &scene.vehicle.suspension {
-        let name = |field: &str| format!("{w}.suspension.{field}");
-        if suspension.longitudinal {
-            rows.push(suspension_row!(
-                WHEELSET + 410,
-                name("longitudinalStiffness"),
-                NewtonPerMetre,
-                "stiffness of each longitudinal element",
-                longitudinal_stiffness
-            ));
-            rows.push(suspension_row!(
-                WHEELSET + 411,
-                name("longitudinalDamping"),
-                NewtonSecondPerMetre,
-                "damping of each longitudinal element",
-                longitudinal_damping
-            ));
+const BODIES: [Constant<PlacedBody>; 4] = [
+    line!(50, "mass", Kilogram, Some(SMALLEST), "mass of the body", body.mass),
+    inertia!(51, "inertiaXx", x, "moment of inertia about the body's x axis"),
+    inertia!(52, "inertiaYy", y, "moment of inertia about the body's y axis"),
+    inertia!(53, "inertiaZz", z, "moment of inertia about the body's z axis"),
+];
+
+const SENSORS: [Constant<Sensor>; 3] = [
+    line!(50, "pointX", Distance, None, "place of the sensor along its body's x axis, from the centre of mass", point.x),
+    line!(51, "pointY", Distance, None, "place of the sensor along its body's y axis, from the centre of mass", point.y),
+    line!(52, "pointZ", Distance, None, "place of the sensor along its body's z axis, from the centre of mass", point.z),
+];
+
+const TOLERANCE: Constant<Scene> = Constant {
+    number: 7,
+    name: "solver.tolerance",
+    unit: Unit::Metre,
+    least: None,
+    description: "bound of the local error of positions (m) and angles (rad) per step; the tolerance of fmi2SetupExperiment overrides it (this variable then still reads as it was set)",
+    get: |scene| Some(scene.solver.integrator.setting().value),
+    set: |scene, value| scene.solver.integrator = scene.solver.integrator.with_setting(value),
+};
+
+const STEP: Constant<Scene> =
+    Constant { number: 8, name: "solver.step", unit: Unit::Second, description: "fixed step of the integrator", ..TOLERANCE };
+
+/// Numbers of force elements' constants behind those of what they report, and of wheelsets' own springs.
+const ELEMENT: u32 = 50;
+const SUSPENSION: u32 = 410;
+
+/// Collects the variables of a scene.
+struct Collector<'s> {
+    scene: &'s Scene,
+    variables: Vec<Variable>,
+}
+
+impl Collector<'_> {
+    /// Adds a line where its group and part are shown; `part`: its name and the base of its references.
+    fn add(&mut self, group: &'static str, part: Option<(&str, u32)>, number: &Number, role: RealParameter) {
+        let (name, base) = match part {
+            Some((part, base)) => (format!("{part}.{}", number.name), base),
+            None => (number.name.to_string(), 0),
+        };
+        let shown = self.scene.interface.parameters.contains(&group);
+        if !shown || part.is_some_and(|part| !self.scene.interface.shows(part.0)) {
+            return;
         }
-        if suspension.lateral {
-            rows.push(suspension_row!(
-                WHEELSET + 412,
-                name("lateralStiffness"),
-                NewtonPerMetre,
-                "stiffness of each lateral element",
-                lateral_stiffness
-            ));
-            rows.push(suspension_row!(
-                WHEELSET + 413,
-                name("lateralDamping"),
-                NewtonSecondPerMetre,
-                "damping of each lateral element",
-                lateral_damping
-            ));
-        }
-    }
-    rows.push(solver_row(scene));
-    if scene.vehicle.free.is_none() {
-        rows.extend(initial_rows(w));
-    }
-    let mut variables: Vec<Variable> = rows
-        .into_iter()
-        .filter(|row| scene.interface.parameters.contains(&row.group))
-        .map(|row| {
-            let parameter = RealParameter { get: row.get, set: row.set, index: row.index };
-            Variable {
-                reference: row.id,
-                name: row.name,
-                description: row.text.into(),
-                kind: Kind::Real,
-                causality: "parameter",
-                variability: "fixed",
-                initial: Some("exact"),
-                unit: row.unit,
-                start: Some(parameter.value(scene)),
-                min: row.min,
-                max: row.max,
-                role: Role::RealParameter(parameter),
-            }
-        })
-        .collect();
-    if scene.vehicle.free.is_none() && scene.interface.parameters.contains(&"initial") {
-        variables.push(Variable {
-            reference: WHEELSET + 460,
-            name: format!("{w}.initial.fromEquilibrium"),
-            description: "true: the steady rolling equilibrium for the parameters then set (no inputs acting) is found on leaving initialization mode and initial.* are added to it; false: initial.* are absolute, so at least z (about the wheel's radius) and pitchRate (speed over radius) must be set".into(),
-            kind: Kind::Boolean,
+        self.variables.push(Variable {
+            reference: base + number.number,
+            name,
+            description: number.description.into(),
+            kind: Kind::Real,
             causality: "parameter",
             variability: "fixed",
             initial: Some("exact"),
-            unit: Unit::One,
-            start: Some(f64::from(u8::from(scene.vehicle.initial.from_equilibrium))),
-            min: None,
+            unit: number.unit,
+            start: Some(number.value),
+            min: number.least,
             max: None,
-            role: Role::FromEquilibrium,
+            role: Role::RealParameter(role),
         });
     }
-    variables
-}
 
-/// The wheelset of the template `suspended_wheelset`.
-fn wheelset_rows(w: &str) -> Vec<Row> {
-    vec![
-        row!(WHEELSET + 400, "vehicle", format!("{w}.mass"), Kilogram, Some(SMALLEST), None, "mass of the wheelset", vehicle.wheelset.mass),
-        row!(
-            WHEELSET + 401,
-            "vehicle",
-            format!("{w}.transverseInertia"),
-            KilogramMetre2,
-            Some(SMALLEST),
-            None,
-            "moment of inertia about any axis across the axle (Ixx = Izz)",
-            vehicle.wheelset.transverse_inertia
-        ),
-        row!(
-            WHEELSET + 402,
-            "vehicle",
-            format!("{w}.axialInertia"),
-            KilogramMetre2,
-            Some(SMALLEST),
-            None,
-            "moment of inertia about the axle (Iyy)",
-            vehicle.wheelset.axial_inertia
-        ),
-        row!(
-            WHEELSET + 403,
-            "vehicle",
-            format!("{w}.verticalLoad"),
-            Newton,
-            None,
-            None,
-            "weight of what rests on the wheelset, down positive: plumb, with its centrifugal force and its inertia along the track",
-            vehicle.wheelset.vertical_load
-        ),
-    ]
-}
+    /// Adds what a part has of a table.
+    fn table<T>(
+        &mut self,
+        group: &'static str,
+        part: Option<(&str, u32)>,
+        (table, of): (&'static [Constant<T>], &T),
+        role: impl Fn(&'static Constant<T>) -> RealParameter,
+    ) {
+        for line in table {
+            for number in Constant::read(std::slice::from_ref(line), of) {
+                self.add(group, part, &number, role(line));
+            }
+        }
+    }
 
-/// The integrator's own number.
-fn solver_row(scene: &Scene) -> Row {
-    let setting = scene.solver.integrator.setting();
-    let (id, name, unit, text) = match setting.kind {
-        SettingKind::Tolerance => (
-            7,
-            "solver.tolerance",
-            Unit::Metre,
-            "bound of the local error of positions (m) and angles (rad) per step; the tolerance of fmi2SetupExperiment overrides it (this variable then still reads as it was set)",
-        ),
-        SettingKind::Step => (8, "solver.step", Unit::Second, "fixed step of the integrator"),
-    };
-    Row {
-        id,
-        group: "solver",
-        name: name.into(),
-        unit,
-        min: Some(setting.range.0),
-        max: Some(setting.range.1),
-        text,
-        index: 0,
-        get: |scene, _| scene.solver.integrator.setting().value,
-        set: |scene, _, value| scene.solver.integrator = scene.solver.integrator.with_setting(value),
+    fn of_scene(&mut self, group: &'static str, part: Option<(&str, u32)>, table: &'static [Constant<Scene>]) {
+        self.table(group, part, (table, self.scene), RealParameter::OfScene);
+    }
+
+    /// Largest value of the variable added last.
+    fn bounded(&mut self, name: &str, greatest: f64) {
+        if let Some(variable) = self.variables.iter_mut().find(|variable| variable.name == name) {
+            variable.max = Some(greatest);
+        }
+    }
+
+    fn forces(&mut self, own: bool) {
+        let vehicle = &self.scene.vehicle;
+        for (place, element) in vehicle.forces.iter().enumerate() {
+            let name = element.0.name();
+            let wheelset = vehicle.suspended_by(name);
+            if wheelset.is_some() != own {
+                continue;
+            }
+            let base = wheelset.map_or(FORCE + STRIDE * place as u32 + ELEMENT, |k| WHEELSET * (k as u32 + 1) + SUSPENSION);
+            for number in element.0.constants() {
+                self.add("suspension", Some((name, base)), &number, RealParameter::OfForce(place, number.number));
+            }
+        }
     }
 }
 
-/// `roll_rate` as `rollRate`.
-fn camel_case(name: &str) -> String {
-    let mut words = name.split('_');
-    let first = words.next().unwrap_or_default().to_string();
-    words.fold(first, |mut text, word| {
-        let mut letters = word.chars();
-        text.extend(letters.next().map(|letter| letter.to_ascii_uppercase()));
-        text.push_str(letters.as_str());
-        text
-    })
+/// All parameters of a scene.
+pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
+    let vehicle = &scene.vehicle;
+    let lone = vehicle.is_lone();
+    let mut all = Collector { scene, variables: Vec::new() };
+    if !vehicle.speed_imposed {
+        all.of_scene("vehicle", None, const { &[FREE_SPEED] });
+    }
+    all.of_scene("vehicle", None, &VEHICLE);
+    all.bounded("speed", FASTEST);
+    all.of_scene("contact", None, &CONTACT);
+    all.bounded("contact.poissonRatio", 0.5);
+    let base = |place: usize| WHEELSET * (place as u32 + 1);
+    for (place, wheelset) in vehicle.wheelsets.iter().enumerate() {
+        let part = Some((wheelset.spec.name.as_str(), base(place)));
+        let role = |line| RealParameter::OfWheelset(place, line);
+        all.table("vehicle", part, (&WHEELSETS, wheelset), role);
+        if !lone {
+            all.table("initial", part, (&OFFSETS, wheelset), role);
+        }
+    }
+    let place_of = |first: u32, place: usize| first + STRIDE * place as u32;
+    for (place, body) in vehicle.bodies.iter().enumerate() {
+        let part = Some((body.body.name.as_str(), place_of(BODY, place)));
+        all.table("vehicle", part, (&BODIES, body), |line| RealParameter::OfBody(place, line));
+    }
+    for (place, sensor) in vehicle.sensors.iter().enumerate() {
+        let part = Some((sensor.name.as_str(), place_of(SENSOR, place)));
+        all.table("vehicle", part, (&SENSORS, sensor), |line| RealParameter::OfSensor(place, line));
+    }
+    if !lone {
+        all.of_scene("initial", None, const { &[ORIGIN] });
+    }
+    all.forces(true);
+    all.forces(false);
+    let setting = scene.solver.integrator.setting();
+    let line: &'static [Constant<Scene>] = if setting.kind == SettingKind::Tolerance { const { &[TOLERANCE] } } else { const { &[STEP] } };
+    all.of_scene("solver", None, line);
+    for variable in all.variables.iter_mut().filter(|variable| variable.name == line[0].name) {
+        (variable.min, variable.max) = (Some(setting.range.0), Some(setting.range.1));
+    }
+    if lone {
+        let name = vehicle.leading().name.as_str();
+        all.of_scene("initial", Some((name, WHEELSET)), &INITIAL);
+        if scene.interface.parameters.contains(&"initial") {
+            all.variables.push(from_equilibrium(scene, name));
+        }
+    }
+    all.variables
 }
 
-fn initial_rows(w: &str) -> Vec<Row> {
-    let units = [
-        Unit::Distance,
-        Unit::Metre,
-        Unit::Metre,
-        Unit::Radian,
-        Unit::Radian,
-        Unit::MetrePerSecond,
-        Unit::MetrePerSecond,
-        Unit::RadianPerSecond,
-        Unit::RadianPerSecond,
-        Unit::RadianPerSecond,
-    ];
-    INITIAL
-        .iter()
-        .zip(units)
-        .enumerate()
-        .map(|(index, ((name, _), unit))| Row {
-            id: WHEELSET + 450 + index as u32,
-            group: "initial",
-            name: format!("{w}.initial.{}", camel_case(name)),
-            unit,
-            min: None,
-            max: None,
-            text: "initial value: added to the steady rolling equilibrium when initial.fromEquilibrium is true, else absolute (z and pitchRate must be given then)",
-            index,
-            get: |scene, index| scene.vehicle.initial.values[index],
-            set: |scene, index, value| scene.vehicle.initial.values[index] = value,
-        })
-        .collect()
+fn from_equilibrium(scene: &Scene, wheelset: &str) -> Variable {
+    Variable {
+        reference: WHEELSET + 460,
+        name: format!("{wheelset}.initial.fromEquilibrium"),
+        description: "true: the steady rolling equilibrium for the parameters then set (no inputs acting) is found on leaving initialization mode and initial.* are added to it; false: initial.* are absolute, so at least z (about the wheel's radius) and pitchRate (speed over radius) must be set".into(),
+        kind: Kind::Boolean,
+        causality: "parameter",
+        variability: "fixed",
+        initial: Some("exact"),
+        unit: Unit::One,
+        start: Some(f64::from(u8::from(scene.vehicle.initial.from_equilibrium))),
+        min: None,
+        max: None,
+        role: Role::FromEquilibrium,
+    }
 }

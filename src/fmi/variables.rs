@@ -10,10 +10,9 @@ use crate::scene::assemble;
 use crate::scene::spec::{RAIL_MOTION, Scene};
 use crate::sim::feedthrough::whose;
 use crate::sim::outputs::Output;
-use crate::sim::unit::Unit;
-pub(super) use crate::sim::vehicle_outputs::BODY;
 use crate::sim::vehicle_outputs::scene_outputs;
 use crate::sim::{SimulationState, input_index};
+use crate::units::Unit;
 use std::collections::HashMap;
 
 /// What a variable stands for.

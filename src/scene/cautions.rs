@@ -62,7 +62,7 @@ fn scattered_points(scene: &Scene) -> Vec<String> {
         changes.sort_by(f64::total_cmp);
         changes[changes.len() / 2]
     };
-    let sides = [(Part::Wheel, &scene.vehicle.wheelset.profiles), (Part::Rail, &scene.track.rails)];
+    let sides = [(Part::Wheel, &scene.vehicle.leading().profiles), (Part::Rail, &scene.track.rails)];
     let mut found = Vec::new();
     for (part, choices) in sides {
         let worst = choices.iter().map(|choice| scatter(choice.profile.as_ref())).fold(0.0, f64::max);

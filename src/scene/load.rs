@@ -2,11 +2,12 @@
 
 use super::assemble;
 use super::embedded;
-use super::equilibrium::{self, EquilibriumError};
+use super::equilibrium::EquilibriumError;
 use super::identifier::identifier;
 use super::overrides;
 use super::spec::{INITIAL, Scene};
 use super::start::{self, Start};
+use super::vehicle::steady_state::{alike, steady_state};
 use crate::formulation::{AssemblyError, Model};
 use crate::geometry::Side;
 use crate::settings::{Section, SettingsError, Source, did_you_mean};
@@ -155,15 +156,13 @@ fn resolve_initial(scene: &mut Scene) -> Result<(), SceneError> {
     let not_zero: &[&str] = match start::start(scene) {
         _ if start::displaced(scene).is_some() => &["y", "z", "roll", "yaw", "vy", "vz", "roll_rate", "yaw_rate", "pitch_rate"],
         Start::Curve(_) => &["y", "z", "roll", "yaw", "pitch_rate"],
-        _ if equilibrium::alike(scene) => &["z", "pitch_rate"],
+        _ if alike(scene) => &["z", "pitch_rate"],
         _ => &["z", "pitch_rate", "roll"],
     };
     let initial = &scene.vehicle.initial;
     let needed = INITIAL.iter().zip(initial.given).any(|(key, given)| given.is_none() && not_zero.contains(&key.0));
     let found = if needed {
-        equilibrium::steady_rolling(scene)
-            .map_err(|error| SceneError::Equilibrium { file: scene.source.file.clone(), error })?
-            .initial_values()
+        steady_state(scene).map_err(|error| SceneError::Equilibrium { file: scene.source.file.clone(), error })?.initial_values()
     } else {
         [0.0; INITIAL.len()]
     };

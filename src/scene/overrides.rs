@@ -68,7 +68,7 @@ fn known_names(document: &DocumentMut, path: &[&str], list: &str) -> Vec<String>
         }
     }
     for (name, path) in templates {
-        let Some(template) = templates::text(name).and_then(|text| text.parse::<DocumentMut>().ok()) else { continue };
+        let Ok(template) = templates::text(name).parse::<DocumentMut>() else { continue };
         names.extend(names_at(template.as_table(), path, list));
     }
     names.sort();

@@ -5,7 +5,6 @@ use super::remarks::remarks;
 use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
 use super::start::{self, Start};
-use super::vehicle::FreeVehicle;
 use crate::formulation::sliding_mean::CUT_OFF;
 use crate::formulation::sliding_mean::SlidingMean;
 use crate::formulation::{Model, contact_index};
@@ -73,19 +72,8 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     if let Some(why) = displaced_start(scene) {
         effect("start on displaced rails", true, why, 0);
     }
-    match &vehicle.free {
-        None => {
-            let load = vehicle.wheelset.vertical_load;
-            effect("vertical load", load != 0.0, format!("vehicle.wheelset.vertical_load = {load} N"), 0);
-            for (name, included, why) in suspension(vehicle) {
-                effect(name, included, why, 0);
-            }
-        }
-        Some(free) => {
-            for (name, included, why, states) in parts(free, model) {
-                effect(name, included, why, states);
-            }
-        }
+    for (name, included, why, states) in parts(vehicle, model) {
+        effect(name, included, why, states);
     }
     for (name, side) in [("left rail deviations", Side::Left), ("right rail deviations", Side::Right)] {
         let shapes: Vec<String> = start::deviations(scene)
@@ -101,7 +89,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     effect("contact", true, formulation, model.contacts() * model.formulation.states_per_contact());
     let (several, why) = several_contacts(scene, model);
     effect("several contacts per wheel", several, why, 0);
-    for (name, profiles) in [("wheel profile", &vehicle.wheelset.profiles), ("rail profile", &scene.track.rails)] {
+    for (name, profiles) in [("wheel profile", &vehicle.leading().profiles), ("rail profile", &scene.track.rails)] {
         let [left, right] = [0, 1].map(|side| profiles[side].profile.describe());
         let why = if left == right { left } else { format!("left: {left}; right: {right}") };
         effect(name, true, why, 0);
@@ -205,7 +193,7 @@ fn curved_start(scene: &Scene) -> Option<(bool, String)> {
         }
         Start::Transition { distance } => {
             let begin = format!("the track changes at {distance:.1} m, under the vehicle:");
-            let then = if scene.vehicle.free.is_some() { "it cannot start there" } else { "it starts as on straight level track" };
+            let then = if scene.vehicle.is_lone() { "it starts as on straight level track" } else { "it cannot start there" };
             Some((false, format!("{begin} {then}")))
         }
     }
@@ -222,51 +210,40 @@ fn displaced_start(scene: &Scene) -> Option<String> {
 
 /// Which of several wheelsets the imposed speed acts on.
 fn driven(scene: &Scene) -> String {
-    match scene.vehicle.free {
-        Some(_) => {
-            let names: Vec<&str> = scene.vehicle.axles().into_iter().filter(|axle| axle.1).map(|axle| axle.0).collect();
-            let curved = track_effects(scene).iter().any(|effect| effect.0 == "curves");
-            let strain =
-                if curved && names.len() > 1 { "; in a curve they strain the vehicle, vehicle.drive = \"leading\" does not" } else { "" };
-            format!(" of {}{strain}", names.join(", "))
-        }
-        None => String::new(),
+    if scene.vehicle.wheelsets.len() == 1 {
+        return String::new();
     }
+    let names: Vec<&str> = scene.vehicle.axles().into_iter().filter(|axle| axle.1).map(|axle| axle.0).collect();
+    let curved = track_effects(scene).iter().any(|effect| effect.0 == "curves");
+    let strain = if curved && names.len() > 1 { "; in a curve they strain the vehicle, vehicle.drive = \"leading\" does not" } else { "" };
+    format!(" of {}{strain}", names.join(", "))
 }
 
-/// Elements of the template `suspended_wheelset`.
-fn suspension(vehicle: &VehicleSpec) -> [(&'static str, bool, String); 2] {
-    let line = |name, constants: Option<(f64, f64)>| match constants {
-        Some((k, c)) => (name, k != 0.0 || c != 0.0, format!("2 elements, {k} N/m and {c} N s/m each")),
-        None => (name, false, "no [vehicle.suspension]".into()),
-    };
-    let spec = vehicle.suspension.as_ref();
-    [
-        line("longitudinal suspension", spec.map(|s| (s.longitudinal_stiffness, s.longitudinal_damping))),
-        line("lateral suspension", spec.map(|s| (s.lateral_stiffness, s.lateral_damping))),
-    ]
-}
-
-/// Effects of a free vehicle's parts, with their states.
-fn parts(free: &FreeVehicle, model: &Model) -> Vec<(&'static str, bool, String, usize)> {
-    let load: f64 = free.wheelsets.iter().map(|w| w.spec.vertical_load).sum();
+/// Effects of the vehicle's parts, with their states.
+fn parts(vehicle: &VehicleSpec, model: &Model) -> Vec<(&'static str, bool, String, usize)> {
+    let load: f64 = vehicle.wheelsets.iter().map(|w| w.spec.vertical_load).sum();
     let rows: usize = model.system.joints.iter().map(Joint::rows).sum();
     let redundant = model.system.redundant.len();
-    let joints = match free.joints.len() {
+    let joints = match vehicle.joints.len() {
         0 => "no [[vehicle.joint]]".into(),
         count => format!("{count} joints with {} scalar constraints, {redundant} of {rows} left out as redundant", rows - redundant),
     };
-    let forces = match free.forces.len() {
+    let forces = match vehicle.forces.len() {
         0 => "no [[vehicle.force]]".into(),
-        count => format!("{count} elements between {} wheelsets and {} other bodies", free.wheelsets.len(), free.bodies.len()),
+        1 => {
+            let element = &vehicle.forces[0].0;
+            let constants = element.constants().into_iter().map(|c| format!(", {} {} {}", c.name, c.value, c.unit.name()));
+            format!("one element, {}{}", element.name(), constants.collect::<String>())
+        }
+        count => format!("{count} elements between {} wheelsets and {} other bodies", vehicle.wheelsets.len(), vehicle.bodies.len()),
     };
     let loads = if load == 0.0 { "no vertical_load on a wheelset".into() } else { format!("{load} N on wheelsets") };
-    let sensors = if free.sensors.is_empty() { "no [[vehicle.sensor]]".into() } else { format!("{} points", free.sensors.len()) };
+    let sensors = if vehicle.sensors.is_empty() { "no [[vehicle.sensor]]".into() } else { format!("{} points", vehicle.sensors.len()) };
     vec![
         ("vertical load", load != 0.0, loads, 0),
         ("joints", rows > 0, joints, 0),
-        ("force elements", !free.forces.is_empty(), forces, model.system.force_states().len()),
-        ("sensors", !free.sensors.is_empty(), sensors, 0),
+        ("force elements", !vehicle.forces.is_empty(), forces, model.system.force_states().len()),
+        ("sensors", !vehicle.sensors.is_empty(), sensors, 0),
     ]
 }
 
@@ -296,7 +273,7 @@ fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
 
 /// What was assumed when profiles were read, each once.
 fn profile_notes(scene: &Scene) -> Vec<String> {
-    let parts = [("wheel", &scene.vehicle.wheelset.profiles), ("rail", &scene.track.rails)];
+    let parts = [("wheel", &scene.vehicle.leading().profiles), ("rail", &scene.track.rails)];
     let all = parts.into_iter().flat_map(|(part, sides)| {
         Side::BOTH.into_iter().flat_map(move |side| {
             let same = side == Side::Right && sides[0].notes == sides[1].notes;

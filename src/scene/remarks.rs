@@ -46,7 +46,7 @@ fn crowded_corners(alignment: &Alignment) -> Option<String> {
 
 /// Force elements whose own states are faster than anything else.
 fn short_times(scene: &Scene) -> impl Iterator<Item = String> {
-    let elements = scene.vehicle.free.iter().flat_map(|free| &free.forces);
+    let elements = scene.vehicle.forces.iter();
     let short = |element: &super::vehicle::Element| element.0.time_constant().filter(|time| *time < SHORT);
     elements.filter_map(move |element| {
         let time = short(element)?;
@@ -61,7 +61,7 @@ fn short_times(scene: &Scene) -> impl Iterator<Item = String> {
 
 /// How tables of forces go on beyond their points; alike tables together. A stop's is free on the other side and has a sense beyond its end.
 fn tables(scene: &Scene) -> Vec<String> {
-    let elements = scene.vehicle.free.iter().flat_map(|free| &free.forces);
+    let elements = scene.vehicle.forces.iter();
     let mut kinds: Vec<(Table, &str, usize)> = Vec::new();
     for (name, table) in elements.flat_map(|element| element.0.tables().into_iter().map(|table| (element.0.name(), table))) {
         if table.from.is_infinite() {

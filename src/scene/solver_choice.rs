@@ -1,7 +1,6 @@
 //! What `solver.integrator = "auto"` stands for, and what a plan says about a scene's integrator.
 
 use super::spec::Scene;
-use super::vehicle::VehicleSpec;
 use crate::contact::search::algebraic;
 use crate::mbs::projection;
 use crate::settings::{Section, SettingsError};
@@ -84,7 +83,7 @@ pub(super) fn notes(scene: &Scene) -> Vec<String> {
     let chosen = solver.why.map(|why| format!("solver.integrator = \"{}\" is {}: {why}", AUTO.name, solver.name));
     let bounded = solver.integrator.worst_case().map(|worst| {
         let search = algebraic::LIMITS.iterations;
-        let constraints = match CONSTRAINED.contains(&scene.contact.formulation_name) || joined(&scene.vehicle) {
+        let constraints = match CONSTRAINED.contains(&scene.contact.formulation_name) || !scene.vehicle.joints.is_empty() {
             true => format!("; ends of steps are moved onto constraints in at most {} iterations", projection::MOST_ITERATIONS),
             false => String::new(),
         };
@@ -94,10 +93,6 @@ pub(super) fn notes(scene: &Scene) -> Vec<String> {
         )
     });
     assumed.into_iter().chain(chosen).chain(bounded).collect()
-}
-
-fn joined(vehicle: &VehicleSpec) -> bool {
-    vehicle.free.as_ref().is_some_and(|free| !free.joints.is_empty())
 }
 
 #[cfg(test)]

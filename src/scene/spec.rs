@@ -2,8 +2,8 @@
 //!
 //! FMU parameters are fields of this data; a model is assembled from it anew when they are set.
 
-pub use super::vehicle::suspended::{INITIAL, Initial, SuspensionSpec, WheelsetSpec};
-pub use super::vehicle::{TEMPLATES, VehicleSpec};
+pub use super::vehicle::VehicleSpec;
+pub use super::vehicle::wheelset::{INITIAL, Initial, WheelsetSpec};
 use super::{assemble, solver_choice};
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};

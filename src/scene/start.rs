@@ -46,16 +46,13 @@ pub fn start(scene: &Scene) -> Start {
 
 /// Distance of the design frame's origin, m.
 pub fn origin(scene: &Scene) -> f64 {
-    scene.vehicle.free.as_ref().map_or(scene.vehicle.initial.values[0], |free| free.distance)
+    scene.vehicle.initial.values[0]
 }
 
 /// Distances of all bodies' centres, wheelsets first, m.
 fn centres(scene: &Scene) -> Vec<f64> {
     let origin = origin(scene);
-    match &scene.vehicle.free {
-        Some(free) => (0..free.body_count()).map(|body| origin + free.design_position(body).x).collect(),
-        None => vec![origin],
-    }
+    (0..scene.vehicle.body_count()).map(|body| origin + scene.vehicle.design_position(body).x).collect()
 }
 
 /// What displaces the rails, faded in where the scene asks for it.
@@ -83,7 +80,7 @@ pub struct Displaced {
 
 /// Are rails displaced, or do they rise or swing, under any wheel?
 pub fn displaced(scene: &Scene) -> Option<Displaced> {
-    let wheelsets = scene.vehicle.free.as_ref().map_or(1, |free| free.wheelsets.len());
+    let wheelsets = scene.vehicle.wheelsets.len();
     let deviations = deviations(scene);
     let mut found = Displaced { most: 0.0, steepest: 0.0 };
     for distance in &centres(scene)[..wheelsets] {

@@ -10,7 +10,6 @@ pub mod outputs;
 pub mod recording;
 pub mod statics;
 pub mod tables;
-pub mod unit;
 pub mod vehicle_outputs;
 
 use crate::formulation::events::ContactEvent;
@@ -27,9 +26,8 @@ use crate::geometry::track::centre_line::CentreLine;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::on_track::{self, OnTrack};
 use crate::scene::assemble;
-use crate::scene::equilibrium::{self, EquilibriumError};
-use crate::scene::spec::Scene;
-use crate::scene::vehicle::FreeVehicle;
+use crate::scene::equilibrium::EquilibriumError;
+use crate::scene::spec::{Initial, Scene};
 use crate::scene::vehicle::steady_state::{self, Contacts};
 use crate::solve::{Doubts, IntegrationState, Integrator, Scratch, SettingKind, SolveError, Statistics};
 use dynamics::{Memories, ModelDynamics, Watched};
@@ -148,10 +146,7 @@ impl Simulation {
     /// [`SimulationError`] when there is no equilibrium or the initial state cannot be evaluated.
     pub fn new(scene: &Scene, start: f64) -> Result<Self, SimulationError> {
         let mut model = assemble::model(scene)?;
-        let (mut y, contacts) = match &scene.vehicle.free {
-            Some(free) => vehicle_state(scene, free, &mut model)?,
-            None => (initial_state(scene, &model)?, Contacts::Any),
-        };
+        let (mut y, contacts) = initial_state(scene, &mut model)?;
         let mut memory = model.blank_memory();
         if let Contacts::Kept(kept) = &contacts {
             (memory.wheels, memory.partitions) = (kept.wheels.clone(), kept.partitions.clone());
@@ -440,21 +435,38 @@ impl Simulation {
     }
 }
 
-/// The state vector that the scene's initial values ask for.
-fn initial_state(scene: &Scene, model: &Model) -> Result<Vec<f64>, SimulationError> {
-    let initial = &scene.vehicle.initial;
-    let mut values = initial.values;
-    if initial.from_equilibrium {
-        let found = equilibrium::steady_rolling(scene)?.initial_values();
-        for (value, found) in values.iter_mut().zip(found) {
-            *value += found;
+/// The steady state with the scene's initial values, or these alone, in the track frame; also gives the wheels of several wheelsets their
+/// static loads. With it, how contacts begin.
+fn initial_state(scene: &Scene, model: &mut Model) -> Result<(Vec<f64>, Contacts), SimulationError> {
+    let Initial { from_equilibrium, values, .. } = &scene.vehicle.initial;
+    let [distance, given @ ..] = *values;
+    let mut contacts = Contacts::Any;
+    let mut state = vec![0.0; model.system.dimension()];
+    if *from_equilibrium {
+        let found = steady_state::steady_state(scene)?;
+        // A lone wheelset carries what it weighs, which is known already.
+        if let loads @ [_, _, ..] = &found.wheel_loads[..] {
+            model.wheelsets.iter_mut().zip(loads).for_each(|(wheelset, load)| wheelset.static_wheel_load = *load);
         }
+        (state, contacts) = (found.y, found.contacts);
     }
-    let [distance, y, z, roll, yaw, vy, vz, roll_rate, yaw_rate, pitch_rate] = values;
-    let mut state = vec![0.0; model.dimension()];
-    state[..COORDINATES].copy_from_slice(&[distance, y, z, yaw, roll, 0.0]);
-    state[COORDINATES..2 * COORDINATES].copy_from_slice(&[scene.vehicle.speed, vy, vz, yaw_rate, roll_rate, pitch_rate]);
-    Ok(state)
+    state.resize(model.dimension(), 0.0);
+    for body in 0..scene.vehicle.body_count() {
+        state[model.system.coordinates(body).start] += distance;
+    }
+    for (wheelset, placed) in model.wheelsets.iter().zip(&scene.vehicle.wheelsets) {
+        let q = model.system.coordinates(wheelset.body).start;
+        state[q + 1] += placed.offset[0];
+        state[q + 3] += placed.offset[1];
+    }
+    if scene.vehicle.is_lone() {
+        let [y, z, roll, yaw, vy, vz, roll_rate, yaw_rate, pitch_rate] = given;
+        let added = [0.0, y, z, yaw, roll, 0.0, 0.0, vy, vz, yaw_rate, roll_rate, pitch_rate];
+        state.iter_mut().zip(added).for_each(|(value, added)| *value += added);
+        state[COORDINATES] = scene.vehicle.speed;
+    }
+    let displaced = scene.vehicle.wheelsets.iter().any(|placed| placed.offset != [0.0; 2]) || given != [0.0; 9];
+    Ok((state, if displaced { Contacts::Any } else { contacts }))
 }
 
 /// From values in the track frame to the world.
@@ -468,27 +480,6 @@ fn on_the_line(model: &Model, line: &CentreLine, y: &mut [f64]) {
         y[q].copy_from_slice(&coordinates);
         y[v].copy_from_slice(&velocities);
     }
-}
-
-/// The steady state of a free vehicle, in the track frame, with the scene's offsets; also gives the wheels their static loads.
-/// With it, how its contacts begin.
-fn vehicle_state(scene: &Scene, free: &FreeVehicle, model: &mut Model) -> Result<(Vec<f64>, Contacts), SimulationError> {
-    let found = steady_state::steady_state(scene, free)?;
-    for (wheelset, load) in model.wheelsets.iter_mut().zip(&found.wheel_loads) {
-        wheelset.static_wheel_load = *load;
-    }
-    let mut y = found.y;
-    y.resize(model.dimension(), 0.0);
-    for body in 0..free.body_count() {
-        y[COORDINATES * body] += free.distance;
-    }
-    for (wheelset, placed) in model.wheelsets.iter().zip(&free.wheelsets) {
-        let q = model.system.coordinates(wheelset.body).start;
-        y[q + 1] += placed.offset[0];
-        y[q + 3] += placed.offset[1];
-    }
-    let displaced = free.wheelsets.iter().any(|placed| placed.offset != [0.0; 2]);
-    Ok((y, if displaced { Contacts::Any } else { found.contacts }))
 }
 
 /// Index of an input in the model's input vector.

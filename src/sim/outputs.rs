@@ -2,7 +2,6 @@
 
 use super::Snapshot;
 use super::feedthrough::{ACROSS, ALL, ALONG, Depends, FRICTIONS, STATE, TURNING, UPWARD, of_wheel};
-use super::unit::Unit;
 use crate::formulation::derailment_quotient;
 use crate::formulation::sliding_mean::{Averaged, CUT_OFF};
 use crate::formulation::{ContactReport, Model, contact_index};
@@ -11,6 +10,7 @@ use crate::geometry::track::station::Station;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::on_track::{OnTrack, accelerations, relative};
 use crate::scene::spec::{RAIL_FORCES, SLIDING_MEANS};
+use crate::units::Unit;
 
 pub(super) type Read = Box<dyn Fn(&Snapshot) -> f64 + Send + Sync>;
 
@@ -146,28 +146,8 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
             wheel(&mut collector, contact_index(index, side), points, side, wheelset.body);
         }
         means(&mut collector, model, index);
-        for (element, force) in model.system.forces.iter().enumerate() {
-            let Some(number) = force.output_number() else { continue };
-            let text = "force of the suspension element on the wheelset along its track axis (X forward, Y left positive)";
-            let name = format!("{}Force", force.name());
-            collector.add_of_motion((300 + number, &name), "suspension", Unit::Newton, text, element_force(model, element));
-        }
     }
     outputs
-}
-
-/// Reads one element's force: the element's constants are copied, so that outputs do not borrow the model.
-fn element_force(model: &Model, element: usize) -> impl Fn(&Snapshot) -> f64 + Send + Sync + 'static {
-    let force = model.system.forces[element].clone_box();
-    let states = model.system.states_of_force(element);
-    move |s| {
-        let (system, state) = (&s.workspace.system, &s.y[states.clone()]);
-        let found = match system.stations.is_empty() {
-            true => force.scalar_force(&system.motions, state),
-            false => force.scalar_force_on_track(&system.motions, &system.stations, state),
-        };
-        found.unwrap_or(0.0)
-    }
 }
 
 /// The body's motion relative to a curved track and the track frame beside it; `None` on straight track.

@@ -64,14 +64,10 @@ pub struct Statics {
 pub fn statics(scene: &Scene, simulation: &mut Simulation) -> Result<Statics, SimulationError> {
     let s = simulation.snapshot()?.clone();
     let model = simulation.model();
-    let drawn = |body: usize| match &scene.vehicle.free {
-        Some(free) => free.design_position(body).z,
-        None => scene.vehicle.wheelset.profiles[0].profile.at(0.0).value,
-    };
     let bodies = model.system.bodies.iter().enumerate().map(|(index, body)| {
         let q = on_track(&s, index)
             .map_or_else(|| std::array::from_fn::<f64, COORDINATES, _>(|i| s.y[COORDINATES * index + i]), |(motion, _)| motion.coordinates);
-        let drawn_height = drawn(index);
+        let drawn_height = scene.vehicle.design_position(index).z;
         // A wheelset's pitch is its rotation.
         let pitch = if index < model.wheelsets.len() { 0.0 } else { q[5] };
         BodyPlace { name: body.name.clone(), drawn_height, height: q[2], settles: drawn_height - q[2], roll: q[4], pitch }
@@ -92,7 +88,7 @@ fn element_forces(element: &dyn ForceElement, s: &Snapshot, states: &[f64]) -> V
         let all: Vec<(usize, &Quantity)> = element.quantities().iter().enumerate().filter(|(_, quantity)| quantity.kind == kind).collect();
         all
     };
-    let value = |index: usize| element.quantity(index, &s.workspace.system.motions, states);
+    let value = |index: usize| element.quantity(index, &s.workspace.system.motions, &s.workspace.system.stations, states);
     let free = element.free_travel();
     let pair = |turns: bool| {
         let (loads, ways, prefix) = match turns {

@@ -1,25 +1,28 @@
-//! Outputs of a free vehicle beyond those of its wheelsets: axles (sums over both wheels), bodies, sensors, force elements.
+//! Outputs of a vehicle beyond those of its wheelsets' motion and wheels: axles (sums over both wheels), bodies, sensors, force elements.
 //!
 //! Numbers: axle 1000 k + 31 (k from 1, the leading wheelset first), body b 1000000 + 100 b, force f 2000000 + 100 f, sensor s
-//! 3000000 + 100 s (from 0, in the order of names): they belong to the vehicle, whatever of it is shown.
+//! 3000000 + 100 s (from 0, in the order of names): they belong to the vehicle, whatever of it is shown. A wheelset's own springs
+//! (`[vehicle.suspension]`) have its numbers, 1000 k + 300.
 
 use super::Snapshot;
 use super::feedthrough::{ALL, FRICTION_INPUTS};
 use super::outputs::{Output, on_track, outputs};
-use super::unit::Unit;
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::force::QuantityKind;
 use crate::scene::spec::Scene;
-use crate::scene::vehicle::{FreeVehicle, Sensor};
+use crate::scene::vehicle::{Sensor, VehicleSpec};
+use crate::units::Unit;
 use nalgebra::Vector3;
 
 /// First number of bodies, forces and sensors, and the distance from one to the next.
 pub const BODY: u32 = 1_000_000;
 pub const FORCE: u32 = 2_000_000;
 pub const SENSOR: u32 = 3_000_000;
-const STRIDE: u32 = 100;
+pub const STRIDE: u32 = 100;
+/// First number of the forces of a wheelset's own springs among its outputs.
+const SUSPENSION_FORCES: u32 = 300;
 /// Number of the sum of lateral forces among a wheelset's outputs.
 const TRACK_SHIFTING_FORCE: u32 = 31;
 
@@ -27,16 +30,16 @@ const TRACK_SHIFTING_FORCE: u32 = 31;
 pub fn scene_outputs(scene: &Scene, model: &Model) -> Vec<Output> {
     let groups = &scene.interface.outputs;
     let mut all = outputs(model, groups);
-    if let Some(free) = &scene.vehicle.free {
-        let mut vehicle = Collector { groups, model, outputs: Vec::new() };
-        vehicle.axles();
-        vehicle.bodies(free);
-        for (index, sensor) in free.sensors.iter().enumerate() {
-            vehicle.sensor(index, sensor, gravity(scene));
-        }
-        vehicle.forces(free);
-        all.extend(vehicle.outputs);
+    let vehicle = &scene.vehicle;
+    let mut parts = Collector { groups, model, outputs: Vec::new() };
+    parts.forces(vehicle, true);
+    parts.axles();
+    parts.bodies(vehicle);
+    for (index, sensor) in vehicle.sensors.iter().enumerate() {
+        parts.sensor(index, sensor, gravity(scene));
     }
+    parts.forces(vehicle, false);
+    all.extend(parts.outputs);
     all.retain(|output| scene.interface.shows(&output.name));
     all
 }
@@ -97,7 +100,7 @@ impl Collector<'_> {
         }
     }
 
-    fn bodies(&mut self, free: &FreeVehicle) {
+    fn bodies(&mut self, vehicle: &VehicleSpec) {
         let lines: [(u32, &str, Unit, usize, &str); 6] = [
             (0, "distance", Unit::Distance, 0, "distance of the centre of mass along the track"),
             (1, "y", Unit::Metre, 1, "lateral displacement of the centre of mass, left positive"),
@@ -106,12 +109,12 @@ impl Collector<'_> {
             (4, "pitch", Unit::Radian, 5, "pitch angle, nose down positive"),
             (5, "yaw", Unit::Radian, 3, "yaw angle, nose left positive"),
         ];
-        for (index, placed) in free.bodies.iter().enumerate() {
-            let q = COORDINATES * (free.wheelsets.len() + index);
+        for (index, placed) in vehicle.bodies.iter().enumerate() {
+            let q = COORDINATES * (vehicle.wheelsets.len() + index);
             for (id, name, unit, coordinate, text) in lines {
                 let reference = BODY + STRIDE * index as u32 + id;
                 let label = Label { reference, name: format!("{}.{name}", placed.body.name), group: "bodies", unit, feedthrough: STATE };
-                let body = free.wheelsets.len() + index;
+                let body = vehicle.wheelsets.len() + index;
                 self.add_of_motion(label, text, move |s| {
                     on_track(s, body).map_or(s.y[q + coordinate], |(motion, _)| motion.coordinates[coordinate])
                 });
@@ -172,24 +175,33 @@ impl Collector<'_> {
         }
     }
 
-    fn forces(&mut self, free: &FreeVehicle) {
-        let first = self.model.system.forces.len() - free.forces.len();
-        for index in 0..free.forces.len() {
+    /// What force elements report: wheelsets' own springs, or all others.
+    fn forces(&mut self, vehicle: &VehicleSpec, own: bool) {
+        let first = self.model.system.forces.len() - vehicle.forces.len();
+        for (index, element) in vehicle.forces.iter().enumerate() {
+            let wheelset = vehicle.suspended_by(element.0.name());
+            if wheelset.is_some() != own {
+                continue;
+            }
+            let (base, group) = match wheelset {
+                Some(wheelset) => ((wheelset as u32 + 1) * 1000 + SUSPENSION_FORCES, "suspension"),
+                None => (FORCE + STRIDE * index as u32, "forces"),
+            };
             let states = self.model.system.states_of_force(first + index);
-            for (number, quantity) in free.forces[index].0.quantities().iter().enumerate() {
+            for (place, quantity) in element.0.quantities().iter().enumerate() {
                 let unit = match quantity.kind {
                     QuantityKind::Force => Unit::Newton,
                     QuantityKind::Moment => Unit::NewtonMetre,
                     QuantityKind::Displacement => Unit::Metre,
                     QuantityKind::Angle => Unit::Radian,
                 };
-                let reference = FORCE + STRIDE * index as u32 + number as u32;
-                let name = format!("{}.{}", free.forces[index].0.name(), quantity.name);
+                let (reference, name) = (base + quantity.number, format!("{}.{}", element.0.name(), quantity.name));
                 // The element's constants are copied, so that outputs do not borrow the model.
                 let (element, states) = (self.model.system.forces[first + index].clone_box(), states.clone());
-                let label = Label { reference, name, group: "forces", unit, feedthrough: STATE };
+                let label = Label { reference, name, group, unit, feedthrough: STATE };
                 self.add_of_motion(label, quantity.description, move |s| {
-                    element.quantity(number, &s.workspace.system.motions, &s.y[states.clone()])
+                    let system = &s.workspace.system;
+                    element.quantity(place, &system.motions, &system.stations, &s.y[states.clone()])
                 });
             }
         }

@@ -128,7 +128,7 @@ const LONGEST: (f64, f64) = (0.05, 0.02);
 impl WheelsetOnTrack {
     /// The wheelset of a scene on its track: without deviations, or on the sections at the distance `station` [m].
     pub fn new(scene: &Scene, attitude: Attitude, station: Option<f64>) -> Self {
-        let (spec, track) = (&scene.vehicle.wheelset, &scene.track);
+        let (spec, track) = (scene.vehicle.leading(), &scene.track);
         let wheel = |side: Side| {
             let profile = spec.profiles[side.index()].profile.clone();
             Wheel { side, profile, half_spacing: spec.half_tread_circle_distance }

@@ -431,9 +431,6 @@ impl ForceElement for Push {
         [Some(self.0), None]
     }
     fn tangent(&self, _: &[BodyMotion], _: &[Station], _: &[f64], _: usize, _: &mut PairTangent) {}
-    fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
-        None
-    }
     fn clone_box(&self) -> Box<dyn ForceElement> {
         Box::new(self.clone())
     }

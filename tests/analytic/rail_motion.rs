@@ -77,7 +77,7 @@ const VELOCITY: [f64; 2] = [0.04, -0.3];
 fn analytic_rails_and_wheelset_that_move_together_feel_the_same_forces() {
     for formulation in ["ECF-A", "ECF-N"] {
         let mut scene = moving(&[&format!("contact.formulation={formulation}")]);
-        scene.vehicle.suspension = None;
+        scene.vehicle.forces.clear();
         let model = assemble::model(&scene).unwrap();
         let mut y = start(&scene).snapshot().unwrap().y.clone();
         (y[1], y[3], y[7], y[8]) = (2e-3, 1e-3, 0.02, -0.01);
@@ -105,7 +105,7 @@ fn analytic_rails_and_wheelset_that_move_together_feel_the_same_forces() {
 #[test]
 fn analytic_rails_that_move_together_with_the_wheelset_on_a_canted_spiral() {
     let mut scene = moving(&[]);
-    scene.vehicle.suspension = None;
+    scene.vehicle.forces.clear();
     let node = |distance, curvature, superelevation| Node { distance, curvature, superelevation, grade: 0.0 };
     let alignment = Alignment { nodes: vec![node(0.0, 0.0, 0.0), node(40.0, 5e-3, 0.1)], ..Alignment::default() };
     scene.track.line = CentreLine::new(&alignment, Vector3::zeros(), 0.0).map(Arc::new);

@@ -75,7 +75,7 @@ fn analytic_klingel_wavelength_with_the_roll_term() {
     // axle over the rail, so the centre's path is longer than Klingel's by the second root.
     let amplitude = 0.2e-3;
     let mut wheelset = straight(&["vehicle.speed=2", &format!("vehicle.initial.y={amplitude}"), "solver.tolerance=1e-9"]);
-    wheelset.vehicle.suspension = None;
+    wheelset.vehicle.forces.clear();
     let (r0, s) = (0.457, 0.716);
     let y = 1e-4;
     let model = wheelrail::scene::assemble::model(&wheelset).unwrap();

@@ -307,7 +307,7 @@ fn analytic_energy_on_a_canted_climbing_spiral() {
         "contact.normal.stiffness=1e11",
         "solver.tolerance=1e-13",
     ]);
-    scene.vehicle.suspension = None;
+    scene.vehicle.forces.clear();
     let mut alignment = scene.track.alignment.clone().unwrap();
     (alignment.nodes[0].grade, alignment.nodes[1].grade) = (0.0, 0.02);
     lay(&mut scene, alignment, Vector3::zeros(), 0.0);

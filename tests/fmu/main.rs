@@ -335,7 +335,7 @@ fn fmu_every_embedded_scene_runs_as_natively_and_under_fmpy() {
         let name = embedded.name;
         let (scene, fmu) = scene_fmu(folder.path(), name, name, &["run.stop=0.2"]);
         native_run_is_the_same(&scene, &fmu, 0.8);
-        if scene.vehicle.free.is_some() {
+        if !scene.vehicle.is_lone() {
             let script = Path::new(ROOT).join("tests/fmu/check_description.py");
             assert!(run(Command::new(python()).arg("-B").arg(script).arg(&fmu.file)).contains(" 0 failed"));
         }
@@ -451,7 +451,7 @@ fn fmu_c_host_run_with_parameters_is_the_native_run_to_the_last_bit() {
     run(Command::new(c_host()).args(host_arguments("csv", &extra)));
 
     let mut scene = common::scene(&[]);
-    scene.vehicle.wheelset.mass = 1700.0;
+    scene.vehicle.wheelsets[0].spec.mass = 1700.0;
     scene.vehicle.initial.values[1] = 0.001;
     let mut native = common::start(&scene);
     native.set_input(DRIVE_TORQUE, 500.0, 0.0, 0.0);

@@ -31,10 +31,10 @@ fn loads(simulation: &mut Simulation) -> Vec<f64> {
 /// What each wheel of a free vehicle carries on these rails: its static load and what the rails' curvature demands of the wheelset's mass and
 /// roll inertia, N.
 fn demanded(scene: &Scene, simulation: &Simulation) -> Vec<f64> {
-    let (model, free) = (simulation.model(), scene.vehicle.free.as_ref().unwrap());
+    let (model, free) = (simulation.model(), &scene.vehicle);
     let (square, base) = (scene.vehicle.speed.powi(2), 2.0 * scene.track.half_rail_distance);
     let both = model.wheelsets.iter().zip(&free.wheelsets).flat_map(|(wheelset, placed)| {
-        let [left, right] = Side::BOTH.map(|side| model.track.rail(side).deviation(free.distance + placed.x)[1][2]);
+        let [left, right] = Side::BOTH.map(|side| model.track.rail(side).deviation(free.initial.values[0] + placed.x)[1][2]);
         let up = 0.5 * placed.spec.mass * square * 0.5 * (left + right);
         let over = placed.spec.transverse_inertia * square * (left - right) / (base * base);
         [up + over, up - over].map(|inertial| wheelset.static_wheel_load + inertial)

@@ -313,6 +313,25 @@ fn regress_docs_list_every_name() {
     assert_eq!(std::fs::read_to_string(&file).unwrap_or_default(), page, "run WHEELRAIL_BLESS=1 cargo test docs_list");
 }
 
+/// Registries have one shape: names that a scene can write, each once, and a line that says what it is.
+#[test]
+fn prop_every_registry_lists_names_with_a_summary() {
+    let (stdout, _, _) = text(&wheelrail(&["list", "--json"]));
+    let kinds: serde_json::Map<String, serde_json::Value> = serde_json::from_str(&stdout).unwrap();
+    for wanted in ["templates", "joints", "forces", "profiles", "formulations", "creep-laws", "integrators"] {
+        assert!(kinds.contains_key(wanted), "{wanted} is not listed");
+    }
+    for (kind, rows) in &kinds {
+        let rows = rows.as_array().unwrap();
+        let word = |row: &serde_json::Value, key: &str| row[key].as_str().unwrap().to_string();
+        let mut names: Vec<String> = rows.iter().map(|row| word(row, "name")).collect();
+        let summaries: Vec<String> = rows.iter().map(|row| word(row, "summary")).collect();
+        names.sort();
+        assert!(!names.is_empty() && names.windows(2).all(|pair| pair[0] != pair[1]), "{kind}: {names:?}");
+        assert!(summaries.iter().all(|summary| !summary.is_empty() && !summary.contains('\n')), "{kind}: {summaries:?}");
+    }
+}
+
 /// docs/outputs.md has every output with its sign: those of one wheelset, its left wheel and first contact, one body, one sensor, each kind of element.
 #[test]
 fn regress_docs_list_every_output() {

@@ -32,7 +32,7 @@ fn analytic_a_train_of_any_number_of_coaches() {
     for coaches in [1, 3, 5] {
         let count = format!("vehicle.place[coach].count={coaches}");
         let only = "interface.only=[\"coach[1].car\"]";
-        let free = open("train", &[&count, only]).unwrap().vehicle.free.unwrap();
+        let free = open("train", &[&count, only]).unwrap().vehicle;
         let names: Vec<&str> = free.forces.iter().map(|force| force.0.name()).filter(|name| name.starts_with("coupler")).collect();
         let expected: Vec<String> = (1..coaches).map(|n| format!("coupler[{n}]")).collect();
         assert_eq!((free.wheelsets.len(), names), (4 * coaches, expected.iter().map(String::as_str).collect()));
@@ -50,11 +50,12 @@ fn analytic_a_train_of_any_number_of_coaches() {
     let mut workspace = model.workspace();
     model.system.apply_forces(y, &mut workspace.system);
     for element in model.system.forces.iter().filter(|element| element.name().starts_with("coupler")) {
-        let (force, stretch) = (element.quantity(0, &workspace.system.motions, &[]), element.quantity(1, &workspace.system.motions, &[]));
+        let (force, stretch) =
+            (element.quantity(0, &workspace.system.motions, &[], &[]), element.quantity(1, &workspace.system.motions, &[], &[]));
         println!("{}: {force:.3e} N, elongation {stretch:.3e} m", element.name());
         assert!(force.abs() < 1e3 && stretch.abs() < 5e-3, "at rest within their slack");
     }
-    let share = pair.vehicle.free.unwrap().weight(9.81) / lone.vehicle.free.unwrap().weight(9.81);
+    let share = pair.vehicle.weight() / lone.vehicle.weight();
     assert!((share - 3.0).abs() < 1e-12, "{share}");
 }
 
@@ -346,5 +347,128 @@ fn prop_numbers_that_may_mean_something_else_are_refused_with_both_spellings() {
         let whole = open("suspended_wheelset", &[&format!("track.grade={own}")]).unwrap().track.grade;
         let node = open("suspended_wheelset", &[&format!("track.node=[{{distance=0, grade={own}}}]")]).unwrap().track.alignment.unwrap();
         assert_eq!(whole, node.nodes[0].grade, "{own}");
+    }
+}
+
+/// One walk over the table of parameters: names and references are nobody else's, each reads what the scene says, and setting it changes that and
+/// nothing else. Every part of every vehicle has some.
+#[test]
+fn prop_every_parameter_reads_and_writes_a_number_of_its_own() {
+    use wheelrail::fmi::variables::{Role, VariableTable};
+    for embedded in wheelrail::scene::embedded::SCENES {
+        let scene = open(embedded.name, &["interface={}"]).unwrap();
+        let variables = VariableTable::new(&scene).unwrap().variables;
+        let mut names: Vec<&str> = variables.iter().map(|variable| variable.name.as_str()).collect();
+        let mut references: Vec<u32> = variables.iter().map(|variable| variable.reference).collect();
+        (names.sort_unstable(), references.sort_unstable());
+        assert!(names.windows(2).all(|pair| pair[0] != pair[1]), "{}", embedded.name);
+        assert!(references.windows(2).all(|pair| pair[0] != pair[1]), "{}", embedded.name);
+        let parameters = variables.iter().filter_map(|variable| match variable.role {
+            Role::RealParameter(parameter) => Some((variable, parameter)),
+            _ => None,
+        });
+        let parameters: Vec<_> = parameters.collect();
+        let values = |scene: &Scene| -> Vec<f64> { parameters.iter().map(|(_, parameter)| parameter.value(scene)).collect() };
+        let start = values(&scene);
+        for (place, (variable, parameter)) in parameters.iter().enumerate() {
+            assert_eq!(variable.start, Some(start[place]), "{}", variable.name);
+            assert!(variable.min.is_none_or(|min| start[place] >= min) && variable.max.is_none_or(|max| start[place] <= max));
+            let least = variable.min.unwrap_or(f64::MIN);
+            let value = (0.9 * start[place]).max(least) + if start[place] == 0.0 { 1e-3 } else { 0.0 };
+            let mut changed = scene.clone();
+            parameter.assign(&mut changed, value);
+            let found = values(&changed);
+            for (other, found) in found.iter().enumerate() {
+                let wanted = if other == place { value } else { start[other] };
+                assert_eq!(*found, wanted, "{}: {} changes {}", embedded.name, variable.name, parameters[other].0.name);
+            }
+        }
+        for part in scene.vehicle.part_names() {
+            let own = |name: &str| name.strip_prefix(part).is_some_and(|rest| rest.starts_with('.'));
+            // What is a table of the scene alone has none.
+            let any = parameters.iter().any(|(variable, _)| own(&variable.name));
+            assert!(any, "{}: {part} has no parameter", embedded.name);
+        }
+    }
+}
+
+/// A part's number is the same, to the last bit of a run, as parameter of the FMU and as key of the scene.
+#[test]
+fn equiv_parameters_of_elements_are_those_of_the_scene_file() {
+    use wheelrail::fmi::instance::Instance;
+    use wheelrail::fmi::package;
+    let run = |changes: &[&str], values: &[(&str, f64)]| -> Vec<u64> {
+        let bump = "track.deviation=[{rail=\"both\",direction=\"vertical\",shape=\"cosine\",amplitude=\"5 mm\",from=11.5,to=13.5}]";
+        let common = ["interface={}", "run.stop=0.1", "solver.tolerance=1e-5", bump];
+        let packed = package::pack_scene(&open("vehicle_manchester_1", &[&common[..], changes].concat()).unwrap()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        for (name, content) in &packed.resources {
+            let file = folder.path().join(name);
+            std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+            std::fs::write(file, content).unwrap();
+        }
+        let reference = |name: &str| {
+            let found = packed.table.variables.iter().find(|variable| variable.name == name);
+            found.unwrap_or_else(|| panic!("no {name}")).reference
+        };
+        let mut instance = Instance::new(folder.path(), &packed.description.guid).unwrap();
+        instance.setup_experiment(None, 0.0, None).unwrap();
+        for (name, value) in values {
+            instance.set_real(&[reference(name)], &[*value]).unwrap();
+            let mut found = [0.0];
+            instance.get_real(&[reference(name)], &mut found).unwrap();
+            assert_eq!(found[0], *value, "{name}");
+        }
+        instance.enter_initialization().unwrap();
+        instance.exit_initialization().unwrap();
+        instance.do_step(0.0, 0.1).unwrap();
+        let names = ["car.z", "truck[1].secondary.left.forceZ", "truck[2].traction_rod.force", "truck[1].wheelset[1].left.verticalForce"];
+        let mut found = names.map(|_| 0.0);
+        instance.get_real(&names.map(reference), &mut found).unwrap();
+        found.map(f64::to_bits).to_vec()
+    };
+    let plain = run(&[], &[]);
+    let cases: [(&[&str], &[(&str, f64)]); 5] = [
+        (
+            &["vehicle.module.truck.force[secondary].stiffness=[170e3, 160e3, 400e3]"],
+            &[
+                ("truck[1].secondary.left.stiffnessX", 170e3),
+                ("truck[1].secondary.right.stiffnessX", 170e3),
+                ("truck[2].secondary.left.stiffnessX", 170e3),
+                ("truck[2].secondary.right.stiffnessX", 170e3),
+                ("truck[1].secondary.left.stiffnessZ", 400e3),
+                ("truck[1].secondary.right.stiffnessZ", 400e3),
+                ("truck[2].secondary.left.stiffnessZ", 400e3),
+                ("truck[2].secondary.right.stiffnessZ", 400e3),
+            ],
+        ),
+        (
+            &["vehicle.module.truck.force[traction_rod].stiffness=4e6", "vehicle.module.truck.force[traction_rod].damping=2e4"],
+            &[
+                ("truck[1].traction_rod.stiffness", 4e6),
+                ("truck[2].traction_rod.stiffness", 4e6),
+                ("truck[1].traction_rod.damping", 2e4),
+                ("truck[2].traction_rod.damping", 2e4),
+            ],
+        ),
+        (
+            &["vehicle.module.truck.force[secondary_vertical_damper].damping=3e4"],
+            &[
+                ("truck[1].secondary_vertical_damper.left.damping", 3e4),
+                ("truck[1].secondary_vertical_damper.right.damping", 3e4),
+                ("truck[2].secondary_vertical_damper.left.damping", 3e4),
+                ("truck[2].secondary_vertical_damper.right.damping", 3e4),
+            ],
+        ),
+        (&["vehicle.body[car].mass=33e3", "vehicle.body[car].inertia_yy=2e6"], &[("car.mass", 33e3), ("car.inertiaYy", 2e6)]),
+        (
+            &["vehicle.module.truck.force[anti_roll_bar].stiffness=9e5", "vehicle.initial.distance=2"],
+            &[("truck[1].anti_roll_bar.stiffness", 9e5), ("truck[2].anti_roll_bar.stiffness", 9e5), ("initial.distance", 2.0)],
+        ),
+    ];
+    for (changes, values) in cases {
+        let found = run(&[], values);
+        assert_eq!(found, run(changes, &[]), "{changes:?}");
+        assert_ne!(found, plain, "{changes:?} changes nothing");
     }
 }

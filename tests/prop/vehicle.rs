@@ -158,7 +158,7 @@ fn hard_a_body_without_support_is_named() {
 #[test]
 fn prop_the_order_of_entries_does_not_matter() {
     // The vehicle's tables of the template written into the scene, forward and backward.
-    let template = wheelrail::scene::vehicle::templates::text("vehicle_manchester_1").unwrap();
+    let template = wheelrail::scene::vehicle::templates::text("vehicle_manchester_1");
     let scene = wheelrail::scene::embedded::find("vehicle_manchester_1").unwrap().text;
     let tables: Vec<String> =
         template.split("\n\n").filter(|part| part.contains("[[")).map(|part| part.replace("[[", "[[vehicle.")).collect();

@@ -25,7 +25,7 @@ const NEAR: [Column; 3] =
 /// Every lateral shift that was asked for, and both sides of each jump.
 pub(super) fn csv(study: &Study, writer: impl Write) -> csv::Result<()> {
     let mut csv = csv::Writer::from_writer(writer);
-    let name = &study.scene.vehicle.wheelset.name;
+    let name = &study.scene.vehicle.leading().name;
     let level = study.wheelset.attitude.level;
     let mut head = vec![format!("{name}.y [m]"), format!("{name}.rollingRadiusDifference [m]")];
     if level {

@@ -8,12 +8,12 @@
 use super::attachment::Attachment;
 use super::line::ends;
 use super::orientation::{Couple, rotation_vector, transposed_rate_map};
-use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
+use super::{ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Entry, Section, SettingsError};
-use crate::units::Dimension;
+use crate::settings::{Constant, Entry, Number, Section, SettingsError};
+use crate::units::{Dimension, Unit};
 use nalgebra::Vector3;
 
 /// A torsion bar between two bodies.
@@ -30,11 +30,33 @@ pub struct AntiRollBar {
 
 const QUANTITIES: [Quantity; 2] = [
     Quantity {
+        number: 0,
         name: "moment",
         kind: QuantityKind::Moment,
         description: "moment of the anti-roll bar on its first body, about that body's x axis",
     },
-    Quantity { name: "angle", kind: QuantityKind::Angle, description: "roll of the second body in the first" },
+    Quantity { number: 1, name: "angle", kind: QuantityKind::Angle, description: "roll of the second body in the first" },
+];
+
+const CONSTANTS: [Constant<AntiRollBar>; 2] = [
+    Constant {
+        number: 0,
+        name: "stiffness",
+        unit: Unit::NewtonMetrePerRadian,
+        least: POSITIVE,
+        description: "stiffness of the anti-roll bar",
+        get: |bar| Some(bar.stiffness),
+        set: |bar, value| bar.stiffness = value,
+    },
+    Constant {
+        number: 1,
+        name: "damping",
+        unit: Unit::NewtonMetreSecondPerRadian,
+        least: Some(0.0),
+        description: "damping of the anti-roll bar",
+        get: |bar| Some(bar.damping),
+        set: |bar, value| bar.damping = value,
+    },
 ];
 
 impl AntiRollBar {
@@ -85,20 +107,24 @@ impl ForceElement for AntiRollBar {
         couple.tangent(sum);
     }
 
-    fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
-        None
-    }
-
     fn quantities(&self) -> &'static [Quantity] {
         &QUANTITIES
     }
 
-    fn quantity(&self, index: usize, bodies: &[BodyMotion], _: &[f64]) -> f64 {
+    fn quantity(&self, index: usize, bodies: &[BodyMotion], _: &[Station], _: &[f64]) -> f64 {
         match index {
             0 => self.couple(bodies).x,
             1 => self.turn(bodies).0.x,
             _ => 0.0,
         }
+    }
+
+    fn constants(&self) -> Vec<Number> {
+        Constant::read(&CONSTANTS, self)
+    }
+
+    fn set_constant(&mut self, number: u32, value: f64) {
+        Constant::write(&CONSTANTS, self, number, value);
     }
 
     fn clone_box(&self) -> Box<dyn ForceElement> {

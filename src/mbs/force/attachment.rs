@@ -29,6 +29,14 @@ pub trait Places {
     /// The key is absent or names no place.
     fn attachment(&self, section: &Section, key: &'static str) -> Result<Attachment, SettingsError>;
 
+    /// Reads the body at `key`.
+    ///
+    /// # Errors
+    /// The key is absent or names no body.
+    fn body(&self, section: &Section, key: &'static str) -> Result<usize, SettingsError> {
+        self.attachment(section, key)?.body.ok_or_else(|| section.error(key, "is no body"))
+    }
+
     /// From one place to another in the design configuration, world axes, m.
     fn design_vector(&self, from: &Attachment, to: &Attachment) -> Vector3<f64>;
 

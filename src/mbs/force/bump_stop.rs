@@ -16,8 +16,8 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     let (rounding, damping) = options(section)?;
     let clearance = if section.has("clearance") { section.not_negative("clearance", Dimension::Length)? } else { 0.0 };
     let outside = Outside::stop(section, &["force_over_displacement"])?;
-    let curve = side(section, ("force_over_displacement", "stiffness"), clearance, rounding, &outside)?;
-    let on = |other: &str| (sides != other).then(|| curve.clone());
+    let side = side(section, ("force_over_displacement", "stiffness"), clearance, rounding, &outside)?;
+    let on = |other: &str| (sides != other).then(|| side.clone());
     let law = Stop { extension: on("compression"), compression: on("extension"), damping };
     Ok(Box::new(LineElement { name: places.name(section)?, span, law }))
 }

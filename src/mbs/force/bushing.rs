@@ -20,8 +20,8 @@ use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Entry, Section, SettingsError};
-use crate::units::Dimension;
+use crate::settings::{Constant, Entry, Number, Section, SettingsError};
+use crate::units::{Dimension, Unit};
 use nalgebra::{Matrix3, Vector3};
 
 /// Six springs and dampers between two places; all vectors in the attachment axes of `from`.
@@ -86,8 +86,8 @@ impl Bushing {
     }
 }
 
-const fn quantity(name: &'static str, kind: QuantityKind, description: &'static str) -> Quantity {
-    Quantity { name, kind, description }
+const fn quantity(number: u32, name: &'static str, kind: QuantityKind, description: &'static str) -> Quantity {
+    Quantity { number, name, kind, description }
 }
 
 const FORCE: &str = "force of the bushing along an axis of its first body, tension positive";
@@ -95,18 +95,62 @@ const MOMENT: &str = "moment of the bushing on its first body about one of that 
 const DISPLACEMENT: &str = "displacement of the second body's place along an axis of the first body, from the design configuration";
 const ANGLE: &str = "rotation of the second body about an axis of the first (component of the rotation vector)";
 const QUANTITIES: [Quantity; 12] = [
-    quantity("forceX", QuantityKind::Force, FORCE),
-    quantity("forceY", QuantityKind::Force, FORCE),
-    quantity("forceZ", QuantityKind::Force, FORCE),
-    quantity("momentX", QuantityKind::Moment, MOMENT),
-    quantity("momentY", QuantityKind::Moment, MOMENT),
-    quantity("momentZ", QuantityKind::Moment, MOMENT),
-    quantity("displacementX", QuantityKind::Displacement, DISPLACEMENT),
-    quantity("displacementY", QuantityKind::Displacement, DISPLACEMENT),
-    quantity("displacementZ", QuantityKind::Displacement, DISPLACEMENT),
-    quantity("angleX", QuantityKind::Angle, ANGLE),
-    quantity("angleY", QuantityKind::Angle, ANGLE),
-    quantity("angleZ", QuantityKind::Angle, ANGLE),
+    quantity(0, "forceX", QuantityKind::Force, FORCE),
+    quantity(1, "forceY", QuantityKind::Force, FORCE),
+    quantity(2, "forceZ", QuantityKind::Force, FORCE),
+    quantity(3, "momentX", QuantityKind::Moment, MOMENT),
+    quantity(4, "momentY", QuantityKind::Moment, MOMENT),
+    quantity(5, "momentZ", QuantityKind::Moment, MOMENT),
+    quantity(6, "displacementX", QuantityKind::Displacement, DISPLACEMENT),
+    quantity(7, "displacementY", QuantityKind::Displacement, DISPLACEMENT),
+    quantity(8, "displacementZ", QuantityKind::Displacement, DISPLACEMENT),
+    quantity(9, "angleX", QuantityKind::Angle, ANGLE),
+    quantity(10, "angleY", QuantityKind::Angle, ANGLE),
+    quantity(11, "angleZ", QuantityKind::Angle, ANGLE),
+];
+
+/// One component of a vector of constants: those that are zero are not called for.
+macro_rules! component {
+    ($number:literal, $name:literal, $field:ident, $axis:literal, $unit:ident, $text:literal) => {
+        Constant {
+            number: $number,
+            name: $name,
+            unit: Unit::$unit,
+            least: Some(0.0),
+            description: $text,
+            get: |bushing: &Bushing| (bushing.$field[$axis] != 0.0).then_some(bushing.$field[$axis]),
+            set: |bushing, value| bushing.$field[$axis] = value,
+        }
+    };
+}
+
+/// A component of a preload that is given.
+macro_rules! preload {
+    ($number:literal, $name:literal, $axis:literal) => {
+        Constant {
+            least: None,
+            get: |bushing: &Bushing| (!bushing.balanced && bushing.preload[$axis] != 0.0).then_some(bushing.preload[$axis]),
+            ..component!($number, $name, preload, $axis, Newton, "force in the design configuration along an axis of the first body")
+        }
+    };
+}
+
+const CONSTANTS: [Constant<Bushing>; 15] = [
+    component!(0, "stiffnessX", stiffness, 0, NewtonPerMetre, "stiffness along the first body's x axis"),
+    component!(1, "stiffnessY", stiffness, 1, NewtonPerMetre, "stiffness along the first body's y axis"),
+    component!(2, "stiffnessZ", stiffness, 2, NewtonPerMetre, "stiffness along the first body's z axis"),
+    component!(3, "dampingX", damping, 0, NewtonSecondPerMetre, "damping along the first body's x axis"),
+    component!(4, "dampingY", damping, 1, NewtonSecondPerMetre, "damping along the first body's y axis"),
+    component!(5, "dampingZ", damping, 2, NewtonSecondPerMetre, "damping along the first body's z axis"),
+    component!(6, "rotationalStiffnessX", rotational_stiffness, 0, NewtonMetrePerRadian, "stiffness about the first body's x axis"),
+    component!(7, "rotationalStiffnessY", rotational_stiffness, 1, NewtonMetrePerRadian, "stiffness about the first body's y axis"),
+    component!(8, "rotationalStiffnessZ", rotational_stiffness, 2, NewtonMetrePerRadian, "stiffness about the first body's z axis"),
+    component!(9, "rotationalDampingX", rotational_damping, 0, NewtonMetreSecondPerRadian, "damping about the first body's x axis"),
+    component!(10, "rotationalDampingY", rotational_damping, 1, NewtonMetreSecondPerRadian, "damping about the first body's y axis"),
+    component!(11, "rotationalDampingZ", rotational_damping, 2, NewtonMetreSecondPerRadian, "damping about the first body's z axis"),
+    preload!(12, "preloadX", 0),
+    preload!(13, "preloadY", 1),
+    preload!(14, "preloadZ", 2),
 ];
 
 impl ForceElement for Bushing {
@@ -148,10 +192,6 @@ impl ForceElement for Bushing {
         }
     }
 
-    fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
-        None
-    }
-
     fn static_stiffness(&self) -> Vec<f64> {
         if self.balanced { self.stiffness.iter().copied().collect() } else { Vec::new() }
     }
@@ -164,7 +204,7 @@ impl ForceElement for Bushing {
         &QUANTITIES
     }
 
-    fn quantity(&self, index: usize, bodies: &[BodyMotion], _: &[f64]) -> f64 {
+    fn quantity(&self, index: usize, bodies: &[BodyMotion], _: &[Station], _: &[f64]) -> f64 {
         let at = self.deflection(bodies, &self.to.point(bodies));
         let vector = match index / 3 {
             0 => self.force(&at),
@@ -174,6 +214,14 @@ impl ForceElement for Bushing {
             _ => Vector3::zeros(),
         };
         vector[index % 3]
+    }
+
+    fn constants(&self) -> Vec<Number> {
+        Constant::read(&CONSTANTS, self)
+    }
+
+    fn set_constant(&mut self, number: u32, value: f64) {
+        Constant::write(&CONSTANTS, self, number, value);
     }
 
     fn clone_box(&self) -> Box<dyn ForceElement> {

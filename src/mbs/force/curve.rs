@@ -62,6 +62,11 @@ impl Curve {
         Curve { force_at_zero: 0.0, slope, ramps_at_zero: 0.0, corners: Vec::new(), rounding: 0.0, table: None }
     }
 
+    /// The slope where it is the same everywhere and no table says it.
+    pub fn linear_slope(&self) -> Option<f64> {
+        (self.corners.is_empty() && self.table.is_none()).then_some(self.slope)
+    }
+
     /// Through points [x, F] with x increasing; `None` unless there are two or more of them.
     pub fn new(points: &[[f64; 2]], rounding: f64) -> Option<Self> {
         let slopes: Vec<f64> = points.windows(2).map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])).collect();

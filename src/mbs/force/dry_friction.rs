@@ -23,12 +23,12 @@
 
 use super::attachment::{Attachment, axis};
 use super::line::ends;
-use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
+use super::{ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Entry, Section, SettingsError};
-use crate::units::Dimension;
+use crate::settings::{Constant, Entry, Number, Section, SettingsError};
+use crate::units::{Dimension, Unit};
 use nalgebra::{Matrix2, Vector2, Vector3, Vector6};
 
 /// A surface pair with dry friction; all axes in the attachment axes of `from`.
@@ -142,16 +142,85 @@ impl DryFriction {
 
 const QUANTITIES: [Quantity; 3] = [
     Quantity {
+        number: 0,
         name: "frictionForce1",
         kind: QuantityKind::Force,
         description: "friction force along the first slip axis, tension positive",
     },
     Quantity {
+        number: 1,
         name: "frictionForce2",
         kind: QuantityKind::Force,
         description: "friction force along the second slip axis, tension positive",
     },
-    Quantity { name: "normalForce", kind: QuantityKind::Force, description: "normal force of the friction surfaces, pressing positive" },
+    Quantity {
+        number: 2,
+        name: "normalForce",
+        kind: QuantityKind::Force,
+        description: "normal force of the friction surfaces, pressing positive",
+    },
+];
+
+/// A `limit` is kept as a normal force with mu = 1.
+fn limited(element: &DryFriction) -> bool {
+    element.friction == 1.0 && element.normal_stiffness == 0.0
+}
+
+const CONSTANTS: [Constant<DryFriction>; 6] = [
+    Constant {
+        number: 0,
+        name: "friction",
+        unit: Unit::One,
+        least: POSITIVE,
+        description: "friction coefficient of the surfaces",
+        get: |element| (!limited(element)).then_some(element.friction),
+        set: |element, value| element.friction = value,
+    },
+    Constant {
+        number: 1,
+        name: "limit",
+        unit: Unit::Newton,
+        least: POSITIVE,
+        description: "largest friction force",
+        get: |element| limited(element).then_some(element.normal_force),
+        set: |element, value| element.normal_force = value,
+    },
+    Constant {
+        number: 2,
+        name: "designNormalForce",
+        unit: Unit::Newton,
+        least: Some(0.0),
+        description: "normal force in the design configuration",
+        get: |element| (!limited(element)).then_some(element.normal_force),
+        set: |element, value| element.normal_force = value,
+    },
+    Constant {
+        number: 3,
+        name: "normalStiffness",
+        unit: Unit::NewtonPerMetre,
+        least: POSITIVE,
+        description: "stiffness of the normal spring",
+        get: |element| (element.normal_stiffness > 0.0).then_some(element.normal_stiffness),
+        set: |element, value| element.normal_stiffness = value,
+    },
+    Constant {
+        number: 4,
+        name: "stiffness",
+        unit: Unit::NewtonPerMetre,
+        least: POSITIVE,
+        description: "stiffness before slip",
+        get: |element| Some(element.stiffness),
+        set: |element, value| element.stiffness = value,
+    },
+    Constant {
+        number: 5,
+        name: "relaxation",
+        unit: Unit::Second,
+        least: POSITIVE,
+        description: "time within which friction lets go where the normal force falls",
+        get: |element| Some(element.relaxation),
+        set: |element, value| element.relaxation = value,
+    },
 ];
 
 impl ForceElement for DryFriction {
@@ -220,20 +289,24 @@ impl ForceElement for DryFriction {
         }
     }
 
-    fn scalar_force(&self, _: &[BodyMotion], state: &[f64]) -> Option<f64> {
-        (state.len() == 1).then(|| self.stiffness * state[0])
-    }
-
     fn quantities(&self) -> &'static [Quantity] {
         &QUANTITIES
     }
 
-    fn quantity(&self, index: usize, bodies: &[BodyMotion], state: &[f64]) -> f64 {
+    fn quantity(&self, index: usize, bodies: &[BodyMotion], _: &[Station], state: &[f64]) -> f64 {
         match index {
             0 | 1 => self.stiffness * self.deflection(state)[index],
             2 => self.pair(bodies).normal_force,
             _ => 0.0,
         }
+    }
+
+    fn constants(&self) -> Vec<Number> {
+        Constant::read(&CONSTANTS, self)
+    }
+
+    fn set_constant(&mut self, number: u32, value: f64) {
+        Constant::write(&CONSTANTS, self, number, value);
     }
 
     fn clone_box(&self) -> Box<dyn ForceElement> {

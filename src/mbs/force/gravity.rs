@@ -36,10 +36,6 @@ impl ForceElement for Gravity {
     /// Constant.
     fn tangent(&self, _: &[BodyMotion], _: &[Station], _: &[f64], _: usize, _: &mut PairTangent) {}
 
-    fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
-        None
-    }
-
     fn clone_box(&self) -> Box<dyn ForceElement> {
         Box::new(self.clone())
     }

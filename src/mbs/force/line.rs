@@ -20,7 +20,7 @@ use super::{ForceElement, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Section, SettingsError};
+use crate::settings::{Constant, Number, Section, SettingsError};
 use nalgebra::Vector3;
 
 /// The line that an element acts along.
@@ -180,6 +180,9 @@ pub trait LineLaw: Clone + Send + Sync + std::fmt::Debug + 'static {
     }
 
     fn set_preload(&mut self, _force: f64) {}
+
+    /// Its numbers that may be set before a run.
+    const CONSTANTS: &'static [Constant<Self>];
 }
 
 /// A force element of one scalar law.
@@ -191,8 +194,9 @@ pub struct LineElement<L> {
 }
 
 const QUANTITIES: [Quantity; 2] = [
-    Quantity { name: "force", kind: QuantityKind::Force, description: "force of the element, tension positive" },
+    Quantity { number: 0, name: "force", kind: QuantityKind::Force, description: "force of the element, tension positive" },
     Quantity {
+        number: 1,
         name: "displacement",
         kind: QuantityKind::Displacement,
         description: "elongation of the element from the design configuration",
@@ -262,10 +266,6 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         }
     }
 
-    fn scalar_force(&self, bodies: &[BodyMotion], state: &[f64]) -> Option<f64> {
-        Some(self.tension(bodies, state))
-    }
-
     fn tables(&self) -> Vec<Table> {
         self.law.tables()
     }
@@ -291,12 +291,20 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         &QUANTITIES
     }
 
-    fn quantity(&self, index: usize, bodies: &[BodyMotion], state: &[f64]) -> f64 {
+    fn quantity(&self, index: usize, bodies: &[BodyMotion], _: &[Station], state: &[f64]) -> f64 {
         match index {
             0 => self.tension(bodies, state),
             1 => self.span.stretch(bodies).displacement,
             _ => 0.0,
         }
+    }
+
+    fn constants(&self) -> Vec<Number> {
+        Constant::read(L::CONSTANTS, &self.law)
+    }
+
+    fn set_constant(&mut self, number: u32, value: f64) {
+        Constant::write(L::CONSTANTS, &mut self.law, number, value);
     }
 
     fn clone_box(&self) -> Box<dyn ForceElement> {

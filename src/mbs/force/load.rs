@@ -90,10 +90,6 @@ impl ForceElement for VerticalLoad {
         sum.add_spring(&load(&bending), &measured, self.mass * station.travel * station.travel);
     }
 
-    fn scalar_force(&self, _: &[BodyMotion], _: &[f64]) -> Option<f64> {
-        None
-    }
-
     fn clone_box(&self) -> Box<dyn ForceElement> {
         Box::new(self.clone())
     }

@@ -11,20 +11,43 @@
 
 use super::curve::{Beyond, Curve, Outside, Shape, Table, sided};
 use super::line::{LineElement, LineLaw, Slopes, Span};
-use super::{ForceElement, Parse, Places};
-use crate::settings::{Entry, Section, SettingsError};
-use crate::units::Dimension;
+use super::{ForceElement, POSITIVE, Parse, Places};
+use crate::settings::{Constant, Entry, Section, SettingsError};
+use crate::units::{Dimension, Unit};
 
 /// The law of a spring and a damper in series.
 #[derive(Clone, Debug)]
 pub struct MaxwellDamper {
     /// k, N/m.
     pub stiffness: f64,
+    /// c, N s/m; `None` where a table stands in its place.
+    pub damping: Option<f64>,
     /// v(T): m/s over N.
     pub speed: Curve,
 }
 
 impl LineLaw for MaxwellDamper {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        Constant {
+            number: 0,
+            name: "stiffness",
+            unit: Unit::NewtonPerMetre,
+            least: POSITIVE,
+            description: "stiffness of the series spring",
+            get: |law| Some(law.stiffness),
+            set: |law, value| law.stiffness = value,
+        },
+        Constant {
+            number: 1,
+            name: "damping",
+            unit: Unit::NewtonSecondPerMetre,
+            least: POSITIVE,
+            description: "damping of the damper",
+            get: |law| law.damping,
+            set: |law, value| (law.damping, law.speed) = (Some(value), Curve::linear(1.0 / value)),
+        },
+    ];
+
     fn states(&self) -> usize {
         1
     }
@@ -75,6 +98,7 @@ impl LineLaw for MaxwellDamper {
 fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
     let span = Span::parse(section, places)?;
     let outside = Outside::parse(section, &["force_over_speed"])?;
+    let mut damping = None;
     let speed = if section.has("force_over_speed") {
         if section.has("damping") {
             return Err(section.error("force_over_speed", "says again what \"damping\" says; give one of them"));
@@ -88,9 +112,9 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
         let curve = Curve::new(&inverse, 0.0).ok_or_else(|| section.error("force_over_speed", "expected two or more points"))?;
         curve.of(Some(table))
     } else {
-        Curve::linear(1.0 / section.positive("damping", Dimension::Damping)?)
+        Curve::linear(1.0 / *damping.insert(section.positive("damping", Dimension::Damping)?))
     };
-    let law = MaxwellDamper { stiffness: section.positive("stiffness", Dimension::Stiffness)?, speed };
+    let law = MaxwellDamper { stiffness: section.positive("stiffness", Dimension::Stiffness)?, damping, speed };
     Ok(Box::new(LineElement { name: places.name(section)?, span, law }))
 }
 

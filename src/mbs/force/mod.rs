@@ -29,7 +29,7 @@ pub use bushing::Bushing;
 pub use curve::{Beyond, Curve, Table};
 pub use dry_friction::DryFriction;
 pub use gravity::Gravity;
-pub use guided_spring::{GuidedSpring, TrackAxis};
+pub use guided_spring::{ENTRY as GUIDED_SPRING, Guide, GuidedSpring};
 pub use line::{Direction, LineElement, LineLaw, Slopes, Span, Stretch};
 pub use load::VerticalLoad;
 pub use maxwell_damper::MaxwellDamper;
@@ -39,7 +39,7 @@ pub use stop::Stop;
 use super::body::{BodyMotion, Wrench};
 use super::pair_tangent::{Ends, PairTangent};
 use crate::geometry::track::station::Station;
-use crate::settings::{Entry, Section, SettingsError, choose};
+use crate::settings::{Entry, Number, Section, SettingsError, choose};
 
 /// A force that depends on position and velocity of bodies, and on states of its own where it has any.
 pub trait ForceElement: Send + Sync + std::fmt::Debug {
@@ -69,23 +69,23 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     /// `first_state` of the state vector. No stations: straight track.
     fn tangent(&self, bodies: &[BodyMotion], stations: &[Station], state: &[f64], first_state: usize, sum: &mut PairTangent);
 
-    /// The element's scalar force [N], for elements that act along one line; `None` otherwise.
-    fn scalar_force(&self, bodies: &[BodyMotion], state: &[f64]) -> Option<f64>;
-
-    /// The fixed number (0 to 99) of the element's scalar force among the outputs of its body; `None`: it has none.
-    fn output_number(&self) -> Option<u32> {
-        None
-    }
-
     /// What the element can report.
     fn quantities(&self) -> &'static [Quantity] {
         &[]
     }
 
-    /// The value of the quantity at `index` of [`ForceElement::quantities`], SI; zero beyond them.
-    fn quantity(&self, _index: usize, _bodies: &[BodyMotion], _state: &[f64]) -> f64 {
+    /// The value of the quantity at `index` of [`ForceElement::quantities`], SI; zero beyond them. No stations: straight track.
+    fn quantity(&self, _index: usize, _bodies: &[BodyMotion], _stations: &[Station], _state: &[f64]) -> f64 {
         0.0
     }
+
+    /// Its numbers that may be set before a run.
+    fn constants(&self) -> Vec<Number> {
+        Vec::new()
+    }
+
+    /// Sets the one of that [`Number::number`].
+    fn set_constant(&mut self, _number: u32, _value: f64) {}
 
     /// The tables of force over length or speed that it follows.
     fn tables(&self) -> Vec<Table> {
@@ -115,11 +115,6 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
         self.apply(bodies, state, rates, wrenches);
     }
 
-    /// [`ForceElement::scalar_force`] on a curved track.
-    fn scalar_force_on_track(&self, bodies: &[BodyMotion], _stations: &[Station], state: &[f64]) -> Option<f64> {
-        self.scalar_force(bodies, state)
-    }
-
     /// [`ForceElement::potential_energy`] on a curved track.
     fn potential_energy_on_track(&self, bodies: &[BodyMotion], _stations: &[Station], state: &[f64]) -> f64 {
         self.potential_energy(bodies, state)
@@ -143,6 +138,8 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
 /// One scalar that an element reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantity {
+    /// Fixed among those of the element (0 to 49).
+    pub number: u32,
     /// Structured name, appended to the element's.
     pub name: &'static str,
     pub kind: QuantityKind,
@@ -175,6 +172,9 @@ fn static_preload(section: &Section) -> Result<bool, SettingsError> {
     }
 }
 
+/// Smallest value of a constant that must be greater than zero.
+const POSITIVE: Option<f64> = Some(1e-9);
+
 /// Reads an element from its section of a scene (`from`, `to` and its own keys).
 pub type Parse = fn(&Section, &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError>;
 
@@ -187,13 +187,7 @@ pub static REGISTRY: &[Entry<Parse>] = &[
     anti_roll_bar::ENTRY,
     dry_friction::ENTRY,
     coupler::ENTRY,
-];
-
-/// The kinds of force element that templates place by themselves, for `wheelrail list`.
-pub static KINDS: &[(&str, &str)] = &[
-    ("gravity", "weight of a body"),
-    ("vertical_load", "weight of what rests on a wheelset, with its centrifugal force and its inertia along the track"),
-    ("guided_spring", "linear spring and damper along one track axis, to a frame that travels on the centre line"),
+    GUIDED_SPRING,
 ];
 
 /// Reads the element that `kind` names; the caller finishes the section.

@@ -7,8 +7,8 @@
 use super::curve::{Curve, Outside, Shape, Table, parse as parse_curve};
 use super::line::{LineElement, LineLaw, Slopes, Span};
 use super::{ForceElement, Parse, Places};
-use crate::settings::{Entry, Section, SettingsError};
-use crate::units::Dimension;
+use crate::settings::{Constant, Entry, Section, SettingsError};
+use crate::units::{Dimension, Unit};
 
 /// The law of a spring and a damper in parallel.
 #[derive(Clone, Debug)]
@@ -17,7 +17,9 @@ pub struct SpringDamper {
     pub preload: f64,
     /// Is the preload to be found from balance?
     pub balanced: bool,
-    /// Displacement from the natural length in the design configuration, m; zero where a preload is stated.
+    /// Length in the design configuration and natural length, m; `None` where a preload is stated.
+    pub lengths: Option<[f64; 2]>,
+    /// Their difference: the displacement from the natural length in the design configuration, m.
     pub offset: f64,
     /// N over m.
     pub spring: Curve,
@@ -26,6 +28,50 @@ pub struct SpringDamper {
 }
 
 impl LineLaw for SpringDamper {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        Constant {
+            number: 0,
+            name: "stiffness",
+            unit: Unit::NewtonPerMetre,
+            least: Some(0.0),
+            description: "stiffness of the spring",
+            get: |law| law.spring.linear_slope(),
+            set: |law, value| law.spring = Curve::linear(value),
+        },
+        Constant {
+            number: 1,
+            name: "damping",
+            unit: Unit::NewtonSecondPerMetre,
+            least: Some(0.0),
+            description: "damping of the damper",
+            get: |law| law.damper.linear_slope(),
+            set: |law, value| law.damper = Curve::linear(value),
+        },
+        Constant {
+            number: 2,
+            name: "preload",
+            unit: Unit::Newton,
+            least: None,
+            description: "force in the design configuration, tension positive",
+            get: |law| (!law.balanced && law.lengths.is_none()).then_some(law.preload),
+            set: |law, value| law.preload = value,
+        },
+        Constant {
+            number: 3,
+            name: "naturalLength",
+            unit: Unit::Metre,
+            least: None,
+            description: "length without force",
+            get: |law| law.lengths.map(|lengths| lengths[1]),
+            set: |law, value| {
+                if let Some([design, natural]) = &mut law.lengths {
+                    *natural = value;
+                    law.offset = *design - value;
+                }
+            },
+        },
+    ];
+
     #[inline]
     fn tension(&self, x: f64, rate: f64, _: &[f64]) -> f64 {
         self.preload + self.spring.force(x + self.offset) + self.damper.force(rate)
@@ -83,6 +129,7 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     let law = SpringDamper {
         preload: preload.unwrap_or(0.0),
         balanced,
+        lengths: natural.map(|natural| [span.design_length, natural]),
         offset: natural.map_or(0.0, |natural| span.design_length - natural),
         spring: spring.unwrap_or_else(|| Curve::linear(0.0)),
         damper: damper.unwrap_or_else(|| Curve::linear(0.0)),

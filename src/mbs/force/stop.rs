@@ -9,19 +9,82 @@
 //! with a piecewise linear f that vanishes within the clearance. The damping (b, s/m) rises with the force, so that T
 //! is continuous where the stop touches, and the stop never pulls. Dissipated: `(|T| - f) u'`, never negative.
 
+use super::POSITIVE;
 use super::curve::{Curve, Outside, Shape, Table, sided};
 use super::line::{LineLaw, Slopes};
-use crate::settings::{Section, SettingsError};
-use crate::units::Dimension;
+use crate::settings::{Constant, Section, SettingsError};
+use crate::units::{Dimension, Unit};
 
 /// Stops in one or both directions.
 #[derive(Clone, Debug)]
 pub struct Stop {
-    /// f for elongation and for shortening, N over m.
-    pub extension: Option<Curve>,
-    pub compression: Option<Curve>,
+    /// For elongation and for shortening.
+    pub extension: Option<Buffer>,
+    pub compression: Option<Buffer>,
     /// b, s/m.
     pub damping: f64,
+}
+
+/// What one side does behind its clearance.
+#[derive(Clone, Debug)]
+pub struct Buffer {
+    /// N/m; `None` where a table stands in its place.
+    stiffness: Option<f64>,
+    /// Points [m, N] behind the clearance.
+    beyond: Vec<[f64; 2]>,
+    /// m.
+    clearance: f64,
+    /// Half-width of rounded corners, m; no more of it counts than leaves the middle free.
+    rounding: f64,
+    /// f, N over m.
+    curve: Curve,
+}
+
+impl Buffer {
+    /// `None` unless there are two or more points.
+    fn lay(stiffness: Option<f64>, beyond: Vec<[f64; 2]>, clearance: f64, rounding: f64, table: Option<Table>) -> Option<Buffer> {
+        // Free from some place on the other side of the middle.
+        let free = std::iter::once([-1.0, 0.0]);
+        let all: Vec<[f64; 2]> = free.chain(beyond.iter().map(|[u, force]| [u + clearance, *force])).collect();
+        let sharp = Curve::new(&all, 0.0)?;
+        let curve = Curve::new(&all, rounding.min(sharp.first_corner().unwrap_or(rounding)))?.of(table);
+        Some(Buffer { stiffness, beyond, clearance, rounding, curve })
+    }
+
+    fn change(&mut self, stiffness: Option<f64>, clearance: f64) {
+        let beyond = stiffness.map_or_else(|| self.beyond.clone(), slope);
+        let further = clearance - self.clearance;
+        let table = self.curve.table.map(|table| Table { to: table.to + further, ..table });
+        if let Some(changed) = Buffer::lay(stiffness, beyond, clearance, self.rounding, table) {
+            *self = changed;
+        }
+    }
+}
+
+/// Points of a constant stiffness, N/m.
+fn slope(stiffness: f64) -> Vec<[f64; 2]> {
+    vec![[0.0, 0.0], [1.0, stiffness]]
+}
+
+impl Stop {
+    fn buffers(&mut self) -> impl Iterator<Item = &mut Buffer> {
+        self.extension.iter_mut().chain(&mut self.compression)
+    }
+}
+
+/// A number of one side.
+macro_rules! side_stiffness {
+    ($number:literal, $name:literal, $side:ident, $text:literal) => {
+        Constant {
+            number: $number,
+            name: $name,
+            unit: Unit::NewtonPerMetre,
+            least: POSITIVE,
+            description: $text,
+            get: |law: &Stop| law.$side.as_ref()?.stiffness,
+            set: |law, value| law.$side.iter_mut().for_each(|side| side.change(Some(value), side.clearance)),
+        }
+    };
 }
 
 impl Stop {
@@ -29,11 +92,34 @@ impl Stop {
     #[inline]
     fn side(&self, x: f64, rate: f64) -> (f64, f64, f64) {
         let (curve, sign) = if x > 0.0 { (&self.extension, 1.0) } else { (&self.compression, -1.0) };
-        (curve.as_ref().map_or(0.0, |curve| curve.force(sign * x)), sign, sign * rate)
+        (curve.as_ref().map_or(0.0, |side| side.curve.force(sign * x)), sign, sign * rate)
     }
 }
 
 impl LineLaw for Stop {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        side_stiffness!(0, "extensionStiffness", extension, "stiffness of the stop in tension, beyond the free travel"),
+        side_stiffness!(1, "compressionStiffness", compression, "stiffness of the stop in compression, beyond the free travel"),
+        Constant {
+            number: 2,
+            name: "clearance",
+            unit: Unit::Metre,
+            least: Some(0.0),
+            description: "free travel of each side before the stop's stiffness or table",
+            get: |law| law.extension.as_ref().or(law.compression.as_ref()).map(|side| side.clearance),
+            set: |law, value| law.buffers().for_each(|side| side.change(side.stiffness, value)),
+        },
+        Constant {
+            number: 3,
+            name: "damping",
+            unit: Unit::SecondPerMetre,
+            least: Some(0.0),
+            description: "growth of the stop's force with the speed of pressing",
+            get: |law| Some(law.damping),
+            set: |law, value| law.damping = value,
+        },
+    ];
+
     #[inline]
     fn tension(&self, x: f64, rate: f64, _: &[f64]) -> f64 {
         let (force, sign, rate) = self.side(x, rate);
@@ -44,27 +130,27 @@ impl LineLaw for Stop {
         let (force, sign, rate) = self.side(x, rate);
         let damped = (1.0 + self.damping * rate).max(0.0);
         let curve = if x > 0.0 { &self.extension } else { &self.compression };
-        let slope = curve.as_ref().map_or(0.0, |curve| curve.slope(sign * x));
+        let slope = curve.as_ref().map_or(0.0, |side| side.curve.slope(sign * x));
         let by_rate = if damped > 0.0 { force * self.damping } else { 0.0 };
         Slopes { by_displacement: slope * damped, by_rate, ..Slopes::default() }
     }
 
     fn potential_energy(&self, x: f64, _: &[f64]) -> f64 {
         let curve = if x > 0.0 { &self.extension } else { &self.compression };
-        curve.as_ref().map_or(0.0, |curve| curve.energy(x.abs()))
+        curve.as_ref().map_or(0.0, |side| side.curve.energy(x.abs()))
     }
 
     fn tables(&self) -> Vec<Table> {
-        [&self.extension, &self.compression].into_iter().filter_map(|curve| curve.as_ref()?.table).collect()
+        [&self.extension, &self.compression].into_iter().filter_map(|side| side.as_ref()?.curve.table).collect()
     }
 
     fn table_argument(&self, table: usize, x: f64, _: f64, _: &[f64]) -> f64 {
-        let first = self.extension.as_ref().is_some_and(|curve| curve.table.is_some());
+        let first = self.extension.as_ref().is_some_and(|side| side.curve.table.is_some());
         if table == 0 && first { x } else { -x }
     }
 
     fn free_travel(&self) -> Option<[f64; 2]> {
-        let free = |curve: &Option<Curve>| curve.as_ref().and_then(Curve::first_corner).unwrap_or(f64::INFINITY);
+        let free = |side: &Option<Buffer>| side.as_ref().and_then(|side| side.curve.first_corner()).unwrap_or(f64::INFINITY);
         Some([-free(&self.compression), free(&self.extension)])
     }
 
@@ -81,8 +167,8 @@ pub(super) fn side(
     clearance: f64,
     rounding: f64,
     outside: &Outside,
-) -> Result<Curve, SettingsError> {
-    let mut range = None;
+) -> Result<Buffer, SettingsError> {
+    let (mut range, mut own) = (None, None);
     let beyond = match (section.has(table), section.has(stiffness)) {
         (true, true) => return Err(section.error(table, format!("says again what \"{stiffness}\" says; give one of them"))),
         (true, false) => {
@@ -91,17 +177,14 @@ pub(super) fn side(
             range = Some(Table { from: f64::NEG_INFINITY, to: read.to + clearance, one_sided: false, ..read });
             outside.ends(&points).split_off(usize::from(outside.beyond == super::curve::Beyond::Hold))
         }
-        (false, _) => vec![[0.0, 0.0], [1.0, section.positive(stiffness, Dimension::Stiffness)?]],
+        (false, _) => slope(*own.insert(section.positive(stiffness, Dimension::Stiffness)?)),
     };
-    // Free from some place on the other side of the middle.
-    let free = std::iter::once([-1.0, 0.0]);
-    let all: Vec<[f64; 2]> = free.chain(beyond.iter().map(|[u, force]| [u + clearance, *force])).collect();
-    let curve = Curve::new(&all, rounding).ok_or_else(|| section.error(table, "expected two or more points"))?;
-    if curve.first_corner().is_some_and(|at| at < rounding) {
+    let side = Buffer::lay(own, beyond, clearance, rounding, range).ok_or_else(|| section.error(table, "expected two or more points"))?;
+    if side.curve.first_corner().is_some_and(|at| at < rounding) {
         let problem = "must not be larger than the free travel, so that the stop is free in the middle";
         return Err(section.error("rounding", problem));
     }
-    Ok(curve.of(range))
+    Ok(side)
 }
 
 /// Reads `rounding` and `damping`.

@@ -29,20 +29,37 @@ pub use universal::universal;
 
 use super::body::BodyMotion;
 use super::kkt::{Coefficients, RowBodies};
+use crate::settings::Entry;
 use attachment::Attachment;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use primitive::{Direction, Primitive, Sides};
 
-/// The kinds of joint, for `wheelrail list`.
-pub static KINDS: &[(&str, &str)] = &[
-    ("revolute", "rotation about one axis"),
-    ("spherical", "rotation about a point"),
-    ("universal", "rotation about two crossed axes, one on each body (Hooke's joint)"),
-    ("cylindrical", "rotation about one axis and displacement along it"),
-    ("prismatic", "displacement along one axis"),
-    ("rigid", "no relative motion"),
-    ("driven", "a coordinate of a body, or its difference from another body's, follows a law of time"),
+/// Makes a joint of a kind between two places.
+pub type Build = fn(&str, RowBodies, &Place, &Place) -> Joint;
+
+/// What a kind of joint needs besides bodies and a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axes {
+    None,
+    /// Of both places.
+    One,
+    /// One of each place, at a right angle.
+    Crossed,
+}
+
+/// The kinds of joint that a scene can name.
+pub static REGISTRY: &[Entry<(Axes, Build)>] = &[
+    entry("revolute", "rotation about one axis", (Axes::One, revolute)),
+    entry("spherical", "rotation about a point", (Axes::None, spherical)),
+    entry("universal", "rotation about two crossed axes, one on each body (Hooke's joint)", (Axes::Crossed, universal)),
+    entry("cylindrical", "rotation about one axis and displacement along it", (Axes::One, cylindrical)),
+    entry("prismatic", "displacement along one axis", (Axes::One, prismatic)),
+    entry("rigid", "no relative motion", (Axes::None, rigid)),
 ];
+
+const fn entry(name: &'static str, summary: &'static str, parse: (Axes, Build)) -> Entry<(Axes, Build)> {
+    Entry { name, summary, reference: "", parse }
+}
 
 /// Point and axes of a joint on one of its bodies, in the axes of the body's attachments; track frame on the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -18,26 +18,17 @@ const LAW: fn(f64) -> [f64; 3] = |t| [(3.0 * t).sin(), 3.0 * (3.0 * t).cos(), -9
 fn joints() -> Vec<(Joint, usize)> {
     let a = Place::along(Vector3::new(0.3, -0.2, 0.5), &Vector3::new(0.2, 1.0, -0.4));
     let b = Place::along(Vector3::new(-0.1, 0.4, 0.2), &Vector3::new(-0.7, 0.3, 0.6)).turned(0.3);
-    type Make = fn(&str, RowBodies, &Place, &Place) -> Joint;
-    let kinds: [(&str, Make, usize); 6] = [
-        ("revolute", revolute, 1),
-        ("spherical", spherical, 3),
-        ("universal", universal, 2),
-        ("cylindrical", cylindrical, 2),
-        ("prismatic", prismatic, 1),
-        ("rigid", rigid, 0),
-    ];
+    let free = [("revolute", 1), ("spherical", 3), ("universal", 2), ("cylindrical", 2), ("prismatic", 1), ("rigid", 0)];
+    assert_eq!(free.map(|kind| kind.0)[..], REGISTRY.iter().map(|entry| entry.name).collect::<Vec<_>>());
     let pairs = [RowBodies { first: 0, second: Some(1) }, RowBodies { first: 1, second: Some(0) }, RowBodies { first: 0, second: None }];
     let mut joints = Vec::new();
     for bodies in pairs {
-        joints.extend(kinds.map(|(name, make, free)| (make(name, bodies, &a, &b), free)));
+        joints.extend(REGISTRY.iter().zip(free).map(|(entry, (name, free))| (entry.parse.1(name, bodies, &a, &b), free)));
         for coordinate in 0..6 {
             joints.push((driven("drive", bodies, coordinate, Level::Position, Prescribed::new(LAW)), 5));
             joints.push((driven("drive", bodies, coordinate, Level::Speed, Prescribed::new(LAW)), 5));
         }
     }
-    let listed: Vec<&str> = KINDS.iter().map(|kind| kind.0).collect();
-    assert_eq!(listed, kinds.iter().map(|kind| kind.0).chain(["driven"]).collect::<Vec<_>>());
     joints
 }
 

@@ -162,7 +162,8 @@ impl Tangent {
             if !is_zero(&pair.stiffness) {
                 frames.add_blocks(&pair.stiffness, &slots, by_position);
             }
-            if pair.force != Vector3::zeros() || pair.couple != Vector3::zeros() {
+            // Forces of both sides may cancel, their lever arms do not.
+            if pair.arm_force != Matrix3::zeros() || pair.force != Vector3::zeros() || pair.couple != Vector3::zeros() {
                 frames.add_geometry(pair, &slots, by_position);
             }
             if !is_zero(&pair.damping) {

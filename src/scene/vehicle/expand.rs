@@ -1,5 +1,6 @@
 //! From modules that place each other to one flat list of entries with full names.
 
+use super::SUSPENSION;
 use crate::geometry::Side;
 use crate::geometry::profile::{Part, ProfileChoice};
 use crate::scene::spec::read_profiles;
@@ -113,7 +114,17 @@ impl<'a> Expansion<'_, 'a> {
         let wheel_profiles = if table.has_table(keys[0]) { Some(read_profiles(table, keys, Part::Wheel)?) } else { None };
         let number = self.flat.scopes.len();
         self.flat.scopes.push(Scope { prefix: prefix.clone(), offset, parent, wheel_profiles });
-        for (kind, key) in KINDS.into_iter().enumerate() {
+        let single = table.has_table(KINDS[WHEELSET]);
+        if single {
+            // One wheelset as a table of its own, with its springs.
+            let section = table.section(KINDS[WHEELSET])?;
+            let name = format!("{prefix}{}", if section.has("name") { read_name(&section)? } else { KINDS[WHEELSET].into() });
+            self.add(WHEELSET, &name, (number, None), &section)?;
+            if let Some(springs) = table.optional_section("suspension")? {
+                self.add(FORCE, &format!("{name}{SUSPENSION}"), (number, None), &springs)?;
+            }
+        }
+        for (kind, key) in KINDS.into_iter().enumerate().filter(|(kind, _)| !(single && *kind == WHEELSET)) {
             for section in table.sections(key)? {
                 let name = read_name(&section)?;
                 self.add(kind, &format!("{prefix}{name}"), (number, None), &section)?;

@@ -2,18 +2,15 @@
 //! the first) and `second_axis` (universal joint), as vectors in the design frame.
 
 use super::places::Resolver;
-use crate::mbs::joint::{self, Joint, Place};
+use crate::mbs::joint::{Axes, Joint, Place, REGISTRY};
 use crate::mbs::kkt::RowBodies;
-use crate::settings::{Section, SettingsError};
+use crate::settings::{Section, SettingsError, choose};
 use crate::units::Dimension;
 use nalgebra::Vector3;
 
-/// Kinds that an entry can name.
-const KINDS: [&str; 6] = ["revolute", "spherical", "universal", "cylindrical", "prismatic", "rigid"];
-
 /// Reads one joint.
 pub(super) fn read(name: &str, section: &Section, resolver: &Resolver) -> Result<Joint, SettingsError> {
-    let kind = section.word("kind", &KINDS)?;
+    let (axes, build) = choose(REGISTRY, section, "kind")?.parse;
     let (first, second) = (resolver.body(section, "first")?, resolver.body(section, "second")?);
     if first == second {
         return Err(section.error("second", "is the first body; expected another one"));
@@ -30,23 +27,20 @@ pub(super) fn read(name: &str, section: &Section, resolver: &Resolver) -> Result
         let local = point - resolver.position(body);
         axis.map_or(Place::at(local), |axis| Place::along(local, axis))
     };
-    let bodies = RowBodies { first, second: Some(second) };
-    let both = |build: fn(&str, RowBodies, &Place, &Place) -> Joint, axis: Option<Vector3<f64>>| {
-        build(name, bodies, &place(first, axis.as_ref()), &place(second, axis.as_ref()))
-    };
-    let built = match kind {
-        "spherical" => both(joint::spherical, None),
-        "rigid" => both(joint::rigid, None),
-        "revolute" => both(joint::revolute, Some(axis("axis")?)),
-        "cylindrical" => both(joint::cylindrical, Some(axis("axis")?)),
-        "prismatic" => both(joint::prismatic, Some(axis("axis")?)),
-        _ => {
+    let (one, two) = match axes {
+        Axes::None => (None, None),
+        Axes::One => {
+            let both = axis("axis")?;
+            (Some(both), Some(both))
+        }
+        Axes::Crossed => {
             let (one, two) = (axis("axis")?, axis("second_axis")?);
             if one.normalize().dot(&two.normalize()).abs() > 1e-6 {
                 return Err(section.error("second_axis", "is not across axis; expected a vector at a right angle to it"));
             }
-            joint::universal(name, bodies, &place(first, Some(&one)), &place(second, Some(&two)))
+            (Some(one), Some(two))
         }
     };
-    Ok(built)
+    let bodies = RowBodies { first, second: Some(second) };
+    Ok(build(name, bodies, &place(first, one.as_ref()), &place(second, two.as_ref())))
 }

@@ -1,10 +1,10 @@
 //! `[vehicle]`: what moves on the track.
 //!
-//! The template `suspended_wheelset` ([`suspended`]) has keys of its own. Every other vehicle is a *free model*: bodies,
-//! wheelsets, joints, forces and sensors by name. Groups of them that occur several times stand in `[vehicle.module.NAME]` and are
-//! put into place by `[[vehicle.place]]`; modules may place modules (a train places vehicles, a vehicle trucks). A template is
-//! such a table that the program carries ([`templates`]); what the scene says about an entry of the same name replaces single
-//! keys of it. A module may lie over a template too (`template = "..."` in it): that is a vehicle of a train.
+//! Every vehicle consists of bodies, wheelsets, joints, forces and sensors by name. Groups of them that occur several times stand in
+//! `[vehicle.module.NAME]` and are put into place by `[[vehicle.place]]`; modules may place modules (a train places vehicles, a vehicle
+//! trucks). A template is such a table that the program carries ([`templates`]); what the scene says about an entry of the same name replaces
+//! single keys of it. A module may lie over a template too (`template = "..."` in it): that is a vehicle of a train. A vehicle of one
+//! wheelset may write `[vehicle.wheelset]` and, for its springs to a frame that travels with it, `[vehicle.suspension]`.
 //!
 //! *Design frame:* x forward, y left, z up, origin at rail height at the vehicle's middle (any point will do); every position in
 //! the scene is one in it, in the design configuration, in which all bodies' axes are parallel to it. A module has its own
@@ -24,20 +24,20 @@ mod places;
 mod read;
 mod static_preload;
 pub mod steady_state;
-pub mod suspended;
 pub mod templates;
 #[cfg(test)]
 mod tests;
+pub mod wheelset;
 
 use crate::geometry::file::SceneFile;
 use crate::geometry::profile::ProfileChoice;
 use crate::mbs::body::Body;
 use crate::mbs::force::ForceElement;
 use crate::mbs::joint::Joint;
-use crate::settings::{Section, SettingsError};
+use crate::settings::{Section, SettingsError, choose};
 use crate::units::Dimension;
 use nalgebra::Vector3;
-use suspended::{Initial, SuspensionSpec, WheelsetSpec};
+use wheelset::{Initial, WheelsetSpec};
 
 /// `[vehicle]`.
 #[derive(Clone, Debug)]
@@ -49,25 +49,13 @@ pub struct VehicleSpec {
     pub speed_imposed: bool,
     /// g, m/s2.
     pub gravity: f64,
-    /// Of a free model: a copy of the leading one, which summaries, diagrams and contact geometry show.
-    pub wheelset: WheelsetSpec,
-    pub suspension: Option<SuspensionSpec>,
     pub initial: Initial,
-    /// `None`: one suspended wheelset.
-    pub free: Option<FreeVehicle>,
-}
-
-/// A vehicle of named parts, sorted.
-#[derive(Clone, Debug)]
-pub struct FreeVehicle {
-    /// Leading first; they are the first bodies of the model.
+    /// Leading first; they are the first bodies of the model. Never empty.
     pub wheelsets: Vec<PlacedWheelset>,
     pub bodies: Vec<PlacedBody>,
     pub joints: Vec<Joint>,
     pub forces: Vec<Element>,
     pub sensors: Vec<Sensor>,
-    /// Distance along the track of the design frame's origin at the start, m.
-    pub distance: f64,
 }
 
 /// A wheelset in its vehicle.
@@ -111,16 +99,42 @@ pub struct Sensor {
     pub measured: bool,
 }
 
-impl FreeVehicle {
-    /// Number of a body of the model: the wheelsets come first.
+impl PlacedWheelset {
+    /// Centre in the design configuration, m: as high as the wheel's radius at the tread circle.
+    pub fn design_position(&self) -> Vector3<f64> {
+        Vector3::new(self.x, 0.0, self.spec.profiles[0].profile.at(0.0).value)
+    }
+}
+
+/// Ending of the name of a wheelset's own springs.
+pub(crate) const SUSPENSION: &str = ".suspension";
+
+impl VehicleSpec {
+    /// The leading wheelset, which summaries, diagrams and contact geometry show.
+    pub fn leading(&self) -> &WheelsetSpec {
+        &self.wheelsets[0].spec
+    }
+
+    /// Is it one wheelset and nothing else?
+    pub fn is_lone(&self) -> bool {
+        self.body_count() == 1
+    }
+
+    /// The wheelset whose own springs an element is (`[vehicle.suspension]`).
+    pub fn suspended_by(&self, element: &str) -> Option<usize> {
+        let own = element.strip_suffix(SUSPENSION)?;
+        self.wheelsets.iter().position(|wheelset| wheelset.spec.name == own)
+    }
+
+    /// Number of bodies of the model: the wheelsets come first.
     pub fn body_count(&self) -> usize {
         self.wheelsets.len() + self.bodies.len()
     }
 
     /// Weight of the whole vehicle and its constant loads, N.
-    pub fn weight(&self, gravity: f64) -> f64 {
-        let wheelsets: f64 = self.wheelsets.iter().map(|w| w.spec.mass * gravity + w.spec.vertical_load).sum();
-        wheelsets + self.bodies.iter().map(|body| body.body.mass * gravity).sum::<f64>()
+    pub fn weight(&self) -> f64 {
+        let wheelsets: f64 = self.wheelsets.iter().map(|w| w.spec.mass * self.gravity + w.spec.vertical_load).sum();
+        wheelsets + self.bodies.iter().map(|body| body.body.mass * self.gravity).sum::<f64>()
     }
 
     /// Centre of a body in the design configuration, design frame, m.
@@ -130,39 +144,23 @@ impl FreeVehicle {
             None => self.wheelsets[body].design_position(),
         }
     }
-}
 
-impl PlacedWheelset {
-    /// Centre in the design configuration, m: as high as the wheel's radius at the tread circle.
-    pub fn design_position(&self) -> Vector3<f64> {
-        Vector3::new(self.x, 0.0, self.spec.profiles[0].profile.at(0.0).value)
-    }
-}
-
-impl VehicleSpec {
     /// All profiles of wheels, left and right, wheelset by wheelset.
     pub fn wheel_profiles(&self) -> Vec<&[ProfileChoice; 2]> {
-        match &self.free {
-            Some(free) => free.wheelsets.iter().map(|wheelset| &wheelset.spec.profiles).collect(),
-            None => vec![&self.wheelset.profiles],
-        }
+        self.wheelsets.iter().map(|wheelset| &wheelset.spec.profiles).collect()
     }
 
     /// Name of each wheelset, and whether its speed is imposed.
     pub fn axles(&self) -> Vec<(&str, bool)> {
-        match &self.free {
-            Some(free) => free.wheelsets.iter().map(|w| (w.spec.name.as_str(), self.speed_imposed && w.driven)).collect(),
-            None => vec![(&self.wheelset.name, self.speed_imposed)],
-        }
+        self.wheelsets.iter().map(|w| (w.spec.name.as_str(), self.speed_imposed && w.driven)).collect()
     }
 
     /// Names of all parts that have variables.
     pub fn part_names(&self) -> Vec<&str> {
-        let Some(free) = &self.free else { return vec![&self.wheelset.name] };
-        let wheelsets = free.wheelsets.iter().map(|w| w.spec.name.as_str());
-        let bodies = free.bodies.iter().map(|b| b.body.name.as_str());
-        let forces = free.forces.iter().map(|force| force.0.name());
-        wheelsets.chain(bodies).chain(free.sensors.iter().map(|sensor| sensor.name.as_str())).chain(forces).collect()
+        let wheelsets = self.wheelsets.iter().map(|w| w.spec.name.as_str());
+        let bodies = self.bodies.iter().map(|b| b.body.name.as_str());
+        let forces = self.forces.iter().map(|force| force.0.name());
+        wheelsets.chain(bodies).chain(self.sensors.iter().map(|sensor| sensor.name.as_str())).chain(forces).collect()
     }
 
     /// Files that profiles of wheels refer to, each once.
@@ -207,24 +205,11 @@ impl Travel {
     }
 }
 
-/// Templates that `vehicle.template` can name.
-pub static TEMPLATES: &[(&str, &str)] = &[
-    ("suspended_wheelset", "one wheelset on springs to a frame that travels with it (paper, section 3.4)"),
-    ("free", "any vehicle: [[vehicle.body]], [[vehicle.wheelset]], [[vehicle.joint]], [[vehicle.force]], modules"),
-    ("bogie", "one truck of the Manchester Benchmarks' coach under half of its body"),
-    ("vehicle_manchester_1", "the passenger coach of the Manchester Benchmarks (Iwnicki 1999)"),
-    ("vehicle_equalised", "two trucks with equaliser bars, frame and bolster each, and a car body (paper, section 5): 13 bodies"),
-];
-
 /// Reads `[vehicle]`.
 ///
 /// # Errors
 /// [`SettingsError`] with file (the scene's or the template's) and line.
 pub(super) fn read(section: Section) -> Result<VehicleSpec, SettingsError> {
-    let names: Vec<&'static str> = TEMPLATES.iter().map(|template| template.0).collect();
-    let template = section.word("template", &names)?;
-    match template {
-        "suspended_wheelset" => suspended::read(section, template),
-        _ => templates::read(section, template),
-    }
+    let template = choose(templates::REGISTRY, &section, "template")?;
+    templates::read(section, template.name)
 }

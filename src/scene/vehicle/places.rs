@@ -1,5 +1,6 @@
 //! Names of bodies and design positions, as an entry of a module means them.
 
+use super::SUSPENSION;
 use super::expand::{Entry, Scope};
 use crate::geometry::Side;
 use crate::mbs::force::{Attachment, Places};
@@ -121,6 +122,14 @@ impl Places for ElementPlaces<'_> {
         };
         let centre = body.map_or_else(Vector3::zeros, |body| resolver.position(body));
         Ok(Attachment { body, local: point - centre })
+    }
+
+    fn body(&self, section: &Section, key: &'static str) -> Result<usize, SettingsError> {
+        let own = self.name.strip_suffix(SUSPENSION).filter(|_| !section.has(key));
+        match own.and_then(|own| self.resolver.bodies.names.iter().position(|name| name == own)) {
+            Some(wheelset) => Ok(wheelset),
+            None => self.resolver.body(section, key),
+        }
     }
 
     fn design_vector(&self, from: &Attachment, to: &Attachment) -> Vector3<f64> {

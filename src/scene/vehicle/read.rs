@@ -1,32 +1,31 @@
-//! Reads a free model.
+//! Reads a vehicle.
 
 use super::expand::{BODY, Entry, FORCE, Flat, JOINT, SENSOR, WHEELSET, expand};
 use super::places::{Bodies, ElementPlaces, Resolver};
-use super::suspended::{Initial, WheelsetSpec, not_degrees};
-use super::{Element, FreeVehicle, PlacedBody, PlacedWheelset, Sensor, Travel, VehicleSpec, joints};
+use super::wheelset::{WheelsetSpec, not_degrees, read_initial};
+use super::{Element, PlacedBody, PlacedWheelset, SUSPENSION, Sensor, Travel, VehicleSpec, joints};
 use crate::geometry::Side;
 use crate::geometry::profile::Part;
 use crate::mbs::body::Body;
-use crate::mbs::force::REGISTRY;
+use crate::mbs::force::{GUIDED_SPRING, REGISTRY};
 use crate::mbs::inertia::Inertia;
 use crate::scene::spec::{SMALLEST, read_profiles};
 use crate::settings::{Section, SettingsError, choose};
 use crate::units::Dimension;
 use nalgebra::Vector3;
 
-/// Reads `[vehicle]` of a free model, or of a template that is one.
-pub(super) fn free<'a>(
+/// Reads `[vehicle]`, laid over its template.
+pub(super) fn vehicle<'a>(
     section: Section<'a>,
     template: &'static str,
     library: &[(&'static str, Section<'a>)],
 ) -> Result<VehicleSpec, SettingsError> {
     let travel = section.keep(Travel::read(&section))?;
-    let initial = section.section_or_empty("initial")?;
-    let distance = initial.number_or("distance", Dimension::Length, 0.0)?;
-    initial.finish()?;
     let flat = expand(&section, library)?;
     let mut wheelsets = kept(&section, &flat.entries[WHEELSET], |entry| wheelset(entry, &flat))?;
     let bodies = kept(&section, &flat.entries[BODY], |entry| body(entry, &flat))?;
+    let lone = flat.entries[WHEELSET].len() == 1 && flat.entries[BODY].is_empty();
+    let initial = section.keep(section.section_or_empty("initial").and_then(|initial| read_initial(initial, lone)))?;
     let drive = section.word_or("drive", &["all", "leading"], "all")?;
     let lost = wheelsets.len() < flat.entries[WHEELSET].len() || bodies.len() < flat.entries[BODY].len();
     let travel = match travel {
@@ -34,15 +33,14 @@ pub(super) fn free<'a>(
         _ if lost => None,
         travel => travel,
     };
-    let Some(Travel { speed, speed_imposed, gravity }) = travel else {
+    let (Some(Travel { speed, speed_imposed, gravity }), Some(initial)) = (travel, initial) else {
         return Err(section.stop());
     };
     // The entries are sorted by name, and this sort keeps their order where places are equal.
     wheelsets.sort_by(|a, b| b.x.total_cmp(&a.x));
-    let Some(leading) = wheelsets.first() else {
+    if wheelsets.is_empty() {
         return Err(section.error("wheelset", "is missing; expected at least one [[vehicle.wheelset]], here or in a module that is placed"));
-    };
-    let shown = leading.spec.clone();
+    }
     if speed_imposed && !wheelsets.iter().any(|wheelset| wheelset.driven) {
         let problem = "the imposed speed acts on no wheelset; expected driven = true on at least one, or travel = \"free\"";
         return Err(section.error("travel", problem));
@@ -51,7 +49,8 @@ pub(super) fn free<'a>(
         // Two imposed speeds keep their wheelsets' distance along the track, which is no rigid vehicle's in a curve.
         wheelsets.iter_mut().filter(|wheelset| wheelset.driven).skip(1).for_each(|wheelset| wheelset.driven = false);
     }
-    let mut vehicle = FreeVehicle { wheelsets, bodies, joints: Vec::new(), forces: Vec::new(), sensors: Vec::new(), distance };
+    let (joints, forces, sensors) = (Vec::new(), Vec::new(), Vec::new());
+    let mut vehicle = VehicleSpec { template, speed, speed_imposed, gravity, initial, wheelsets, bodies, joints, forces, sensors };
     let known = Bodies {
         names: vehicle.wheelsets.iter().map(|w| &w.spec.name).chain(vehicle.bodies.iter().map(|b| &b.body.name)).cloned().collect(),
         positions: (0..vehicle.body_count()).map(|body| vehicle.design_position(body)).collect(),
@@ -76,8 +75,7 @@ pub(super) fn free<'a>(
         Ok(Sensor { name: entry.name.clone(), body, point, measured })
     })?;
     section.finish()?;
-    let initial = Initial::default();
-    Ok(VehicleSpec { template, speed, speed_imposed, gravity, wheelset: shown, suspension: None, initial, free: Some(vehicle) })
+    Ok(vehicle)
 }
 
 /// What the entries are read to; those that can't be read are told and left out.
@@ -128,6 +126,9 @@ fn wheelset(entry: &Entry, flat: &Flat) -> Result<PlacedWheelset, SettingsError>
 
 fn force(entry: &Entry, resolver: &Resolver) -> Result<Element, SettingsError> {
     let places = ElementPlaces { resolver, name: &entry.name };
-    let kind = choose(REGISTRY, &entry.section, "kind")?;
+    let kind = match entry.name.ends_with(SUSPENSION) {
+        true => &GUIDED_SPRING,
+        false => choose(REGISTRY, &entry.section, "kind")?,
+    };
     Ok(Element((kind.parse)(&entry.section, &places)?))
 }

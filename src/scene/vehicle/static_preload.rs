@@ -13,7 +13,7 @@
 //! stiffnesses do. With D = diag(k) the solution is `f = -D A^T x`, `(A D A^T + c G^T G) x = b`; joints count as springs of c, far stiffer than all
 //! others. Wheelsets have no equations: the rails hold them. A body that the found forces leave out of balance is an error.
 
-use super::FreeVehicle;
+use super::VehicleSpec;
 use super::assemble::design_state;
 use crate::formulation::AssemblyError;
 use crate::mbs::body::{COORDINATES, Wrench};
@@ -31,7 +31,7 @@ const FREE: f64 = 1e-13;
 ///
 /// # Errors
 /// [`AssemblyError::StaticPreload`].
-pub(super) fn balance(free: &FreeVehicle, system: &mut System, gravity: f64) -> Result<(), AssemblyError> {
+pub(super) fn balance(vehicle: &VehicleSpec, system: &mut System) -> Result<(), AssemblyError> {
     let asked: Vec<(usize, usize, f64)> = (system.forces.iter().enumerate())
         .flat_map(|(element, force)| force.static_stiffness().into_iter().enumerate().map(move |(index, k)| (element, index, k)))
         .filter(|(_, _, k)| *k > 0.0)
@@ -39,11 +39,11 @@ pub(super) fn balance(free: &FreeVehicle, system: &mut System, gravity: f64) -> 
     if asked.is_empty() {
         return Ok(());
     }
-    let mut y = design_state(free, system, 0.0);
+    let mut y = design_state(vehicle, system, 0.0);
     let mut workspace = system.workspace(&[]);
     system.settle_forces(&mut y, &mut workspace);
     system.apply_forces(&y, &mut workspace);
-    let load = generalised(free, &workspace, &workspace.wrenches);
+    let load = generalised(vehicle, &workspace, &workspace.wrenches);
     let mut a = DMatrix::zeros(load.len(), asked.len());
     for (column, (element, index, _)) in asked.iter().enumerate() {
         let states = &y[system.states_of_force(*element)];
@@ -52,7 +52,7 @@ pub(super) fn balance(free: &FreeVehicle, system: &mut System, gravity: f64) -> 
             element.set_preload(*index, preload);
             let (mut wrenches, mut rates) = (vec![Wrench::default(); system.bodies.len()], vec![0.0; states.len()]);
             element.apply(&workspace.motions, states, &mut rates, &mut wrenches);
-            generalised(free, &workspace, &wrenches)
+            generalised(vehicle, &workspace, &wrenches)
         };
         a.set_column(column, &(wrenches(1.0) - wrenches(0.0)));
     }
@@ -61,7 +61,7 @@ pub(super) fn balance(free: &FreeVehicle, system: &mut System, gravity: f64) -> 
     for (mut column, (_, _, k)) in columns.column_iter_mut().zip(&asked) {
         column *= k.sqrt();
     }
-    let rows = joint_rows(free, system, &workspace);
+    let rows = joint_rows(vehicle, system, &workspace);
     let matrix = &columns * columns.transpose() + &rows * rows.transpose() * (STIFFER * stiffest);
     let eigen = matrix.symmetric_eigen();
     let least = FREE * eigen.eigenvalues.amax();
@@ -77,8 +77,8 @@ pub(super) fn balance(free: &FreeVehicle, system: &mut System, gravity: f64) -> 
     }
     let (worst, left) =
         rest.iter().enumerate().fold((0, 0.0), |most: (usize, f64), (i, rest)| if rest.abs() > most.1.abs() { (i, *rest) } else { most });
-    if !(left.abs() <= BALANCED * free.weight(gravity).max(load.amax())) {
-        let body = free.bodies[worst / COORDINATES].body.name.clone();
+    if !(left.abs() <= BALANCED * vehicle.weight().max(load.amax())) {
+        let body = vehicle.bodies[worst / COORDINATES].body.name.clone();
         let direction = ["along the track", "to the side", "vertically", "in yaw", "in roll", "in pitch"][worst % COORDINATES];
         let unit = if worst % COORDINATES < 3 { "N" } else { "N m" };
         return Err(AssemblyError::StaticPreload { body, direction, rest: left, unit });
@@ -90,24 +90,24 @@ pub(super) fn balance(free: &FreeVehicle, system: &mut System, gravity: f64) -> 
 }
 
 /// Generalised forces on all bodies that are no wheelsets.
-fn generalised(free: &FreeVehicle, workspace: &SystemWorkspace, wrenches: &[Wrench]) -> DVector<f64> {
-    let bodies = workspace.motions.iter().zip(wrenches).skip(free.wheelsets.len());
+fn generalised(vehicle: &VehicleSpec, workspace: &SystemWorkspace, wrenches: &[Wrench]) -> DVector<f64> {
+    let bodies = workspace.motions.iter().zip(wrenches).skip(vehicle.wheelsets.len());
     DVector::from_iterator(
-        COORDINATES * free.bodies.len(),
+        COORDINATES * vehicle.bodies.len(),
         bodies.flat_map(|(motion, wrench)| motion.generalised_force(wrench).iter().copied().collect::<Vec<_>>()),
     )
 }
 
 /// Rows of all joints on the same coordinates, as columns.
-fn joint_rows(free: &FreeVehicle, system: &System, workspace: &SystemWorkspace) -> DMatrix<f64> {
+fn joint_rows(vehicle: &VehicleSpec, system: &System, workspace: &SystemWorkspace) -> DMatrix<f64> {
     let count = system.joints.iter().map(|joint| joint.rows()).sum();
-    let mut rows = DMatrix::zeros(COORDINATES * free.bodies.len(), count);
+    let mut rows = DMatrix::zeros(COORDINATES * vehicle.bodies.len(), count);
     let mut column = 0;
     for joint in &system.joints {
         for values in joint.evaluate(0.0, &workspace.motions) {
             let ends = [(Some(joint.bodies.first), &values.first), (joint.bodies.second, &values.second)];
             for (body, coefficients) in ends {
-                if let Some(own) = body.and_then(|body| body.checked_sub(free.wheelsets.len())) {
+                if let Some(own) = body.and_then(|body| body.checked_sub(vehicle.wheelsets.len())) {
                     rows.view_mut((COORDINATES * own, column), (COORDINATES, 1)).copy_from(coefficients);
                 }
             }

@@ -1,33 +1,57 @@
-//! Vehicles that the program carries: tables of free models, which a scene may change entry by entry.
+//! Vehicles that the program carries: tables that a scene may change entry by entry.
 
 use super::{VehicleSpec, read as parts};
-use crate::settings::{Section, SettingsError, Source};
+use crate::settings::{Entry, Section, SettingsError, Source};
 use toml_edit::Document;
 
-/// A template's name and its text: what would stand in `[vehicle]` with `template = "free"`.
-pub struct Template {
-    pub name: &'static str,
-    pub text: &'static str,
-}
+/// A template's text: what would stand in `[vehicle]` without it.
+pub type Text = &'static str;
 
-/// Every template of a free model.
-pub static VEHICLES: &[Template] = &[
-    Template { name: "bogie", text: include_str!("../../../fmu/vehicles/bogie.toml") },
-    Template { name: "vehicle_manchester_1", text: include_str!("../../../fmu/vehicles/vehicle_manchester_1.toml") },
-    Template { name: "vehicle_equalised", text: include_str!("../../../fmu/vehicles/vehicle_equalised.toml") },
+/// Templates that `vehicle.template` can name.
+pub static REGISTRY: &[Entry<Text>] = &[
+    Entry {
+        name: "suspended_wheelset",
+        summary: "one wheelset on springs to a frame that travels with it (paper, section 3.4)",
+        reference: "",
+        parse: include_str!("../../../fmu/vehicles/suspended_wheelset.toml"),
+    },
+    Entry {
+        name: "free",
+        summary: "any vehicle: [[vehicle.body]], [[vehicle.wheelset]], [[vehicle.joint]], [[vehicle.force]], modules",
+        reference: "",
+        parse: "",
+    },
+    Entry {
+        name: "bogie",
+        summary: "one truck of the Manchester Benchmarks' coach under half of its body",
+        reference: "",
+        parse: include_str!("../../../fmu/vehicles/bogie.toml"),
+    },
+    Entry {
+        name: "vehicle_manchester_1",
+        summary: "the passenger coach of the Manchester Benchmarks (Iwnicki 1999)",
+        reference: "",
+        parse: include_str!("../../../fmu/vehicles/vehicle_manchester_1.toml"),
+    },
+    Entry {
+        name: "vehicle_equalised",
+        summary: "two trucks with equaliser bars, frame and bolster each, and a car body (paper, section 5): 13 bodies",
+        reference: "",
+        parse: include_str!("../../../fmu/vehicles/vehicle_equalised.toml"),
+    },
 ];
 
-/// The text behind a template; `None` for those without one.
-pub fn text(name: &str) -> Option<&'static str> {
-    VEHICLES.iter().find(|template| template.name == name).map(|template| template.text)
+/// The text behind a template; empty for a name that has none.
+pub fn text(name: &str) -> Text {
+    REGISTRY.iter().find(|template| template.name == name).map_or("", |template| template.parse)
 }
 
-/// Reads a free model, or what a scene's `[vehicle]` makes of the template of that name. Modules, too, may lie over a template.
+/// Reads what a scene's `[vehicle]` makes of the template of that name. Modules, too, may lie over a template.
 pub(super) fn read(section: Section, name: &'static str) -> Result<VehicleSpec, SettingsError> {
     let mut parsed = Vec::new();
-    for template in VEHICLES {
+    for template in REGISTRY {
         let source =
-            Source { file: format!("template {}.toml", template.name), text: template.text.into(), overridden: vec![], folder: None };
+            Source { file: format!("template {}.toml", template.name), text: template.parse.into(), overridden: vec![], folder: None };
         let document = Document::parse(source.text.clone()).map_err(|error| SettingsError {
             file: source.file.clone(),
             line: 0,
@@ -38,10 +62,9 @@ pub(super) fn read(section: Section, name: &'static str) -> Result<VehicleSpec, 
     }
     let library: Vec<(&'static str, Section)> =
         parsed.iter().map(|(name, source, document)| (*name, Section::beside(document.as_table(), source, &section))).collect();
-    let base = library.iter().find(|template| template.0 == name).map(|template| template.1.clone());
-    let section = match base {
-        Some(base) => section.over(base),
+    let section = match library.iter().find(|template| template.0 == name) {
+        Some((_, base)) => section.over(base.clone()),
         None => section,
     };
-    parts::free(section, name, &library)
+    parts::vehicle(section, name, &library)
 }

@@ -32,7 +32,7 @@ fn analytic_modules_within_modules_are_placed_and_mirrored() {
          [[vehicle.module.truck.force]]\nname = \"spring\"\nmirrored = true\nkind = \"bushing\"\nfrom = \"shell\"\nto = \"box\"\nat = [1, 2, 3]\nstiffness = [1, 1, 1]\n\
          [[vehicle.module.truck.joint]]\nname = \"hinge\"\nmirrored = true\nkind = \"revolute\"\nfirst = \"wheelset\"\nsecond = \"box\"\nat = [1, 2, 3]\naxis = [0, 1, 0]\n"
     );
-    let free = read(&text).unwrap().vehicle.free.unwrap();
+    let free = read(&text).unwrap().vehicle;
     let bodies: Vec<(&str, Vector3<f64>)> = free.bodies.iter().map(|b| (b.body.name.as_str(), b.position)).collect();
     assert_eq!(
         bodies,
@@ -62,7 +62,7 @@ fn prop_a_scene_changes_single_keys_of_a_template() {
     let changed = format!(
         "{head}[[vehicle.body]]\nname = \"car\"\nmass = 40000.0\n[[vehicle.module.truck.wheelset]]\nname = \"wheelset[2]\"\nmass = 1900.0\n"
     );
-    let (plain, changed) = (read(head).unwrap().vehicle.free.unwrap(), read(&changed).unwrap().vehicle.free.unwrap());
+    let (plain, changed) = (read(head).unwrap().vehicle, read(&changed).unwrap().vehicle);
     assert_eq!(changed.bodies[0].body, Body { mass: 40000.0, ..plain.bodies[0].body.clone() });
     let masses: Vec<f64> = changed.wheelsets.iter().map(|w| w.spec.mass).collect();
     assert_eq!(masses, [1813.0, 1900.0, 1813.0, 1900.0], "in each truck");

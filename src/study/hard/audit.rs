@@ -94,18 +94,16 @@ impl Audit {
     pub fn new(scene: &Scene, model: &Model, allowed: Audited) -> Audit {
         let mass: Vec<f64> = model.system.bodies.iter().map(|body| body.mass).collect();
         let square = if scene.track.line.is_none() { scene.track.grade.cos() } else { 1.0 };
-        let loads: Vec<f64> = match &scene.vehicle.free {
-            Some(free) => free.wheelsets.iter().map(|placed| placed.spec.vertical_load).collect(),
-            None => vec![scene.vehicle.wheelset.vertical_load],
-        };
+        let loads: Vec<f64> = scene.vehicle.wheelsets.iter().map(|placed| placed.spec.vertical_load).collect();
         let load = |(body, force): (usize, &f64)| VerticalLoad::new(body, *force, scene.vehicle.gravity, scene.track.grade);
         let own_weight = mass.iter().sum::<f64>() * scene.vehicle.gravity;
         let loaded = loads.iter().any(|load| *load != 0.0);
+        let guided = scene.vehicle.forces.iter().any(|element| element.0.bodies().contains(&None));
         let zero = (0.0, 0.0);
         Audit {
             allowed,
             weight: (own_weight + loads.iter().sum::<f64>()) * square,
-            driven_frame: scene.track.line.is_some() && (scene.vehicle.free.is_none() || loaded),
+            driven_frame: scene.track.line.is_some() && (guided || loaded),
             loads: loads.iter().enumerate().map(load).collect(),
             bounded_creep: scene.contact.creep_name != "kalker_linear",
             first: None,

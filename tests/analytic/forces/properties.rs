@@ -8,8 +8,11 @@ use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::time::Instant;
 use wheelrail::mbs::body::{BodyMotion, Wrench};
-use wheelrail::mbs::force::{ForceElement, Gravity, GuidedSpring, REGISTRY, TrackAxis, VerticalLoad};
+use wheelrail::mbs::force::{ForceElement, Gravity, Guide, GuidedSpring, REGISTRY, VerticalLoad};
 use wheelrail::solve::Dynamics;
+
+/// Holds one body to a frame that travels on the track with it: neither momentum nor energy are the two bodies' alone.
+const GUIDED: &str = "guided_spring";
 
 /// Settings of each kind; places "a" and "b" follow.
 const SAMPLES: &[(&str, &str)] = &[
@@ -29,6 +32,7 @@ const SAMPLES: &[(&str, &str)] = &[
     ("anti_roll_bar", "stiffness = 940e3\ndamping = 1e3"),
     ("dry_friction", "axis = \"x\"\nlimit = 5e3\nstiffness = 1e6"),
     ("dry_friction", "normal = \"-y\"\nfriction = 0.3\nnormal_force = 8e3\nnormal_stiffness = 4e5\nstiffness = 5e5\nexponent = 3"),
+    (GUIDED, "distance = 1.8\nlongitudinal_stiffness = 2e5\nlongitudinal_damping = 4e3\nlateral_stiffness = 1e5\nlateral_damping = 0"),
     ("coupler", "slack = 0.04\ndraw_stiffness = 3e6\nbuffer_force_over_displacement = [[0, 0], [0.01, 1e4], [0.05, 2e5]]\ndamping = 0.3"),
 ];
 
@@ -42,7 +46,10 @@ fn samples(stage: &Stage) -> Vec<Box<dyn ForceElement>> {
     for entry in REGISTRY {
         assert!(SAMPLES.iter().any(|sample| sample.0 == entry.name), "no sample of {}: add one", entry.name);
     }
-    let settings = |(kind, own): &(&str, &str)| format!("name = \"e\"\nkind = \"{kind}\"\nfrom = \"a\"\nto = \"b\"\n{own}\n");
+    let settings = |(kind, own): &(&str, &str)| {
+        let places = if *kind == GUIDED { "body = \"b\"" } else { "from = \"a\"\nto = \"b\"" };
+        format!("name = \"e\"\nkind = \"{kind}\"\n{places}\n{own}\n")
+    };
     SAMPLES.iter().map(|sample| stage.element(&settings(sample))).collect()
 }
 
@@ -83,6 +90,15 @@ fn size(wrenches: &[Wrench]) -> f64 {
     wrenches.iter().map(|wrench| wrench.force.norm() + wrench.moment.norm()).fold(1.0, f64::max)
 }
 
+/// The same, of elements between two bodies.
+fn walk_between(stage: &Stage, mut check: impl FnMut(&dyn ForceElement, &Case)) {
+    walk(stage, |element, case| {
+        if !element.bodies().contains(&None) {
+            check(element, case);
+        }
+    });
+}
+
 /// Power of the wrenches = -d(potential)/dt - dissipated power.
 fn check_energy_bill(element: &dyn ForceElement, q: &[f64], v: &[f64], state: &[f64], motion: impl Fn(&[f64]) -> Vec<BodyMotion>) {
     let bodies = motion(q);
@@ -104,31 +120,24 @@ fn check_energy_bill(element: &dyn ForceElement, q: &[f64], v: &[f64], state: &[
 #[test]
 fn prop_each_element_pays_its_energy_bill() {
     let stage = stage(1.0);
-    walk(&stage, |element, case| {
+    walk_between(&stage, |element, case| {
         check_energy_bill(element, &case.coordinates(&stage), &case.v, &case.state, |q| motions(q, &case.v));
     });
     // On a spinning axle the bearing lets through what belongs to the axle's frame only.
-    walk(&stage, |element, case| {
+    walk_between(&stage, |element, case| {
         let mut v = case.v.clone();
         v[11] = 80.0;
         let motion = |q: &[f64]| vec![BodyMotion::general(&q[..6], &v[..6]), BodyMotion::new(&q[6..], &v[6..])];
         check_energy_bill(element, &case.coordinates(&stage), &v, &case.state, motion);
     });
-    // Elements that templates place.
-    let spring = |axis, side: f64| GuidedSpring {
-        name: "s".into(),
-        output_number: 0,
-        body: 0,
-        axis,
-        attachment: Vector3::new(0.0, side * 0.45, 0.0),
-        stiffness: 1.3e5,
-        damping: 2.0e4,
-    };
+    // Elements that no scene names alone.
+    let guide = Some(Guide { stiffness: 1.3e5, damping: 2.0e4 });
+    let spring = |longitudinal, lateral| GuidedSpring { name: "s".into(), body: 0, distance: 0.9, longitudinal, lateral };
     let elements: Vec<Box<dyn ForceElement>> = vec![
         Box::new(Gravity { body: 0, mass: 12.0, acceleration: 9.81, grade: 0.03 }),
         Box::new(VerticalLoad::new(0, 500.0, 9.81, 0.0)),
-        Box::new(spring(TrackAxis::Longitudinal, 1.0)),
-        Box::new(spring(TrackAxis::Lateral, -1.0)),
+        Box::new(spring(guide, None)),
+        Box::new(spring(None, guide)),
     ];
     let v = [0.0, 0.2, -0.1, 0.3, 0.4, 80.0];
     for element in &elements {
@@ -140,7 +149,7 @@ fn prop_each_element_pays_its_energy_bill() {
 fn prop_momentum_and_angular_momentum_balance() {
     let stage = stage(1.0);
     let mut worst: f64 = 0.0;
-    walk(&stage, |element, case| {
+    walk_between(&stage, |element, case| {
         let bodies = motions(&case.coordinates(&stage), &case.v);
         let (wrenches, _) = apply(element, &bodies, &case.state);
         let force = wrenches[0].force + wrenches[1].force;
@@ -156,7 +165,7 @@ fn prop_rigid_motion_of_all_bodies_changes_no_force() {
     let stage = stage(1.0);
     let turn: Matrix3<f64> = *Rotation3::from_euler_angles(0.7, -0.4, 2.1).matrix();
     let (shift, velocity, rotation) = (Vector3::new(900.0, -40.0, 3.0), Vector3::new(20.0, 5.0, 1.0), Vector3::new(0.1, -0.3, 0.4));
-    walk(&stage, |element, case| {
+    walk_between(&stage, |element, case| {
         let bodies = motions(&case.coordinates(&stage), &case.v);
         let moved: Vec<BodyMotion> = bodies
             .iter()
@@ -203,6 +212,35 @@ fn prop_mirrored_copies_give_mirrored_forces() {
     });
 }
 
+/// What an element says that it may be set to is what it reads, and setting it changes forces as other settings in the scene do.
+#[test]
+fn prop_constants_read_as_they_are_set() {
+    let stage = stage(1.0);
+    for (element, (kind, settings)) in samples(&stage).into_iter().zip(SAMPLES) {
+        let constants = element.constants();
+        assert!(!constants.is_empty(), "{kind} with {settings} has none");
+        for constant in &constants {
+            let label = format!("{kind}.{}", constant.name);
+            assert!(constant.number < 50 && !constant.description.is_empty(), "{label}");
+            assert!(constant.least.is_none_or(|least| constant.value >= least), "{label} = {}", constant.value);
+            let twice = constants.iter().filter(|other| other.number == constant.number || other.name == constant.name).count();
+            let reported = element.quantities().iter().any(|quantity| quantity.name == constant.name);
+            assert!(twice == 1 && !reported, "{label} names something else");
+            let mut changed = element.clone_box();
+            let value = 1.25 * constant.value + 1e-3;
+            changed.set_constant(constant.number, value);
+            let found = changed.constants();
+            assert_eq!(found.len(), constants.len(), "{label}");
+            for (found, before) in found.iter().zip(&constants) {
+                let wanted = if before.number == constant.number { value } else { before.value };
+                assert_eq!(found.value, wanted, "{label}: {}", before.name);
+            }
+            changed.set_constant(constant.number, constant.value);
+            assert_eq!(format!("{changed:?}"), format!("{element:?}"), "{label} set back");
+        }
+    }
+}
+
 /// In the design configuration, settled, nothing is displaced and the force is the preload.
 #[test]
 fn prop_design_configuration_is_at_rest() {
@@ -217,19 +255,16 @@ fn prop_design_configuration_is_at_rest() {
         let names: Vec<&str> = element.quantities().iter().map(|quantity| quantity.name).collect();
         assert!(!names.is_empty(), "{element:?} reports nothing");
         for (index, name) in names.iter().enumerate() {
-            let value = element.quantity(index, &bodies, &state);
+            let value = element.quantity(index, &bodies, &[], &state);
             let moved = name.starts_with("displacement") || name.starts_with("angle");
             assert!(!moved || value.abs() < 1e-15, "{element:?}: {name} = {value}");
-        }
-        if let Some(force) = element.scalar_force(&bodies, &state) {
-            assert_eq!(force, element.quantity(0, &bodies, &state));
         }
     }
     let preload = |settings: &str| stage.element(&format!("name = \"e\"\nfrom = \"a\"\nto = \"b\"\n{settings}"));
     let spring = preload("kind = \"spring_damper\"\nstiffness = 2e5\npreload = -5e3");
-    assert!((spring.scalar_force(&bodies, &[]).unwrap() + 5e3).abs() < 1e-9);
+    assert!((spring.quantity(0, &bodies, &[], &[]) + 5e3).abs() < 1e-9);
     let bushing = preload("kind = \"bushing\"\nstiffness = [1e6, 1e6, 1e6]\npreload = [0, 100, -2e4]");
-    let forces: Vec<f64> = (0..3).map(|i| bushing.quantity(i, &bodies, &[])).collect();
+    let forces: Vec<f64> = (0..3).map(|i| bushing.quantity(i, &bodies, &[], &[])).collect();
     assert!((Vector3::from_column_slice(&forces) - Vector3::new(0.0, 100.0, -2e4)).norm() < 1e-9);
 }
 

@@ -5,7 +5,7 @@ use super::stage::brick;
 use crate::counting;
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 use wheelrail::mbs::body::{Body, COORDINATES};
-use wheelrail::mbs::force::{Attachment, Bushing, ForceElement, GuidedSpring, TrackAxis};
+use wheelrail::mbs::force::{Attachment, Bushing, ForceElement, Guide, GuidedSpring};
 use wheelrail::mbs::inertia::Inertia;
 use wheelrail::mbs::joint::{Joint, Place, revolute};
 use wheelrail::mbs::kkt::RowBodies;
@@ -149,18 +149,11 @@ fn analytic_changes_of_every_element_match_differences() {
 
 #[test]
 fn analytic_changes_of_a_guided_spring_match_differences() {
-    let spring = |axis| GuidedSpring {
-        name: "e".into(),
-        output_number: 0,
-        body: 0,
-        axis,
-        attachment: Vector3::new(0.0, 1.0, 0.0),
-        stiffness: 2e5,
-        damping: 4e3,
-    };
+    let guide = Some(Guide { stiffness: 2e5, damping: 4e3 });
+    let spring = |longitudinal, lateral| GuidedSpring { name: "e".into(), body: 0, distance: 2.0, longitudinal, lateral };
     let y = [3.0, 0.01, 0.46, 0.04, -0.02, 30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    for axis in [TrackAxis::Longitudinal, TrackAxis::Lateral] {
-        let forces: Vec<Box<dyn ForceElement>> = vec![Box::new(spring(axis))];
+    for (longitudinal, lateral) in [(guide, None), (None, guide)] {
+        let forces: Vec<Box<dyn ForceElement>> = vec![Box::new(spring(longitudinal, lateral))];
         let system = System {
             bodies: vec![wheelset(1500.0, 800.0, 120.0)],
             forces,
@@ -170,7 +163,7 @@ fn analytic_changes_of_a_guided_spring_match_differences() {
             redundant: vec![],
         };
         let error = worst(&system, &changes(&system, &y), 0..12);
-        assert!(error < 1e-6, "{axis:?}: {error:.1e}");
+        assert!(error < 1e-6, "{longitudinal:?}, {lateral:?}: {error:.1e}");
     }
 }
 

@@ -33,6 +33,11 @@
 //! on the speed. What would be the centripetal accelerations of 1 m/s is scaled too, unless joints or contacts are constraints: those balance
 //! it (1.7 mm/s2 at a radius of 600 m, a cant deficiency of 0.3 mm). The centrifugal force of a vertical load stays that of 1 m/s, too (17 N of 10 t).
 //!
+//! *A lone wheelset* on straight, undisturbed track stands centred (y = yaw = 0, and roll = 0 where both sides are alike) and keeps its speed: height
+//! and pitch rate, and where the sides differ the roll angle, are such that vertical force, axle moment and roll moment vanish. Where the
+//! sides differ lateral force and yaw moment then remain: it starts off its running line. On a transition, where there is no steady state, it
+//! starts as on straight track.
+//!
 //! A direction in which nothing pushes a body back has a vanishing singular value: neutral ones (a cylinder across its rail) stay
 //! where they are, and if no balance exists the body that moves most in such a direction is named.
 
@@ -43,7 +48,7 @@ mod riding;
 mod search;
 mod slopes;
 
-use super::FreeVehicle;
+use super::VehicleSpec;
 use crate::formulation;
 use crate::formulation::memory::ModelMemory;
 use crate::geometry::track::centre_line::Node;
@@ -53,6 +58,7 @@ use crate::scene::start::{self, Start};
 use nalgebra::Vector3;
 use rails::Riding;
 use search::{Pattern, Search};
+use std::sync::Arc;
 
 /// A state of steady running.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,6 +88,16 @@ struct Standing {
     positions: Vec<Vector3<f64>>,
     /// Weight and constant loads, N.
     weight: f64,
+    /// Coordinates of the first body that stay what they are, and whose accelerations may be anything.
+    held: &'static [usize],
+}
+
+impl SteadyState {
+    /// Of a lone wheelset, in the order of [`super::wheelset::INITIAL`].
+    pub fn initial_values(&self) -> [f64; 10] {
+        let [_, y, z, yaw, roll, _, _, vy, vz, yaw_rate, roll_rate, pitch_rate, ..] = self.y[..] else { return [0.0; 10] };
+        [0.0, y, z, roll, yaw, vy, vz, roll_rate, yaw_rate, pitch_rate]
+    }
 }
 
 /// Speed at which a vehicle that starts at rest is balanced, m/s.
@@ -103,37 +119,35 @@ const CORRECTIONS: usize = 2;
 const FIRST: f64 = 0.25;
 const SHORTEST: f64 = 8e-3;
 
-/// Finds the steady state of a scene's free vehicle on the track at its start.
+/// Have both sides of the leading wheelset and of the track the same profiles? Then the steady wheelset does not roll.
+pub fn alike(scene: &Scene) -> bool {
+    [&scene.vehicle.leading().profiles, &scene.track.rails].iter().all(|[left, right]| Arc::ptr_eq(&left.profile, &right.profile))
+}
+
+/// Finds the steady state of a scene's vehicle on the track at its start.
 ///
 /// # Errors
 /// [`EquilibriumError`], with the name of a body that has no support if that is the reason.
-pub fn steady_state(scene: &Scene, free: &FreeVehicle) -> Result<SteadyState, EquilibriumError> {
-    let node = match start::start(scene) {
-        Start::Straight => Node::default(),
-        Start::Curve(node) => node,
+pub fn steady_state(scene: &Scene) -> Result<SteadyState, EquilibriumError> {
+    let vehicle: &VehicleSpec = &scene.vehicle;
+    let (straight, node) = match start::start(scene) {
+        Start::Straight => (true, Node::default()),
+        Start::Curve(node) => (false, node),
+        Start::Transition { .. } if vehicle.is_lone() => (true, Node::default()),
         Start::Transition { distance } => return Err(EquilibriumError::OnTransition { distance }),
     };
+    let held: &[usize] = match vehicle.is_lone() && straight && start::displaced(scene).is_none() {
+        true if alike(scene) => &[0, 1, 3, 4],
+        true => &[0, 1, 3],
+        false => &[],
+    };
     let standing = Standing {
-        wheelsets: free.wheelsets.len(),
-        positions: (0..free.body_count()).map(|body| free.design_position(body)).collect(),
-        weight: free.weight(scene.vehicle.gravity),
+        wheelsets: vehicle.wheelsets.len(),
+        positions: (0..vehicle.body_count()).map(|body| vehicle.design_position(body)).collect(),
+        weight: vehicle.weight(),
+        held,
     };
     running(scene, &standing, &node)
-}
-
-/// Coordinates (distance, y, z, yaw, roll, pitch) and velocities of a lone suspended wheelset in a curve, in the track frame, m and
-/// rad, m/s and rad/s.
-///
-/// # Errors
-/// [`EquilibriumError`].
-pub(in super::super) fn lone_wheelset(scene: &Scene, node: &Node) -> Result<Vec<f64>, EquilibriumError> {
-    let spec = &scene.vehicle.wheelset;
-    let standing = Standing {
-        wheelsets: 1,
-        positions: vec![Vector3::new(0.0, 0.0, spec.profiles[0].profile.at(0.0).value)],
-        weight: spec.mass * scene.vehicle.gravity + spec.vertical_load,
-    };
-    running(scene, &standing, node).map(|found| found.y)
 }
 
 fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyState, EquilibriumError> {

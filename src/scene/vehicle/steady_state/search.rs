@@ -57,6 +57,8 @@ pub(super) const PITCH: usize = COORDINATES - 1;
 pub(super) const UNIT: f64 = 9.81;
 /// Evaluations of one wheel after which a search is given up: 1 to 2 s.
 const MOST_EFFORT: u64 = 200_000;
+/// Rounds in which a wheelset on unlike sides is brought back to the centre; each leaves a few per cent of the shift.
+const CENTRED: usize = 12;
 /// Moves onto constraints count in parts of this, m or rad.
 const MOVE: f64 = 1e-4;
 
@@ -137,13 +139,22 @@ impl<'a> Search<'a> {
         search.unknowns = search.unknowns();
         let mut count = 0..;
         let coordinates = 0..COORDINATES * search.now.at.len();
-        search.square =
-            coordinates.map(|i| if i % COORDINATES == 0 && search.driven(i / COORDINATES) { None } else { count.next() }).collect();
+        search.square = coordinates.map(|i| if search.fixed(i / COORDINATES, i % COORDINATES) { None } else { count.next() }).collect();
         Ok(search)
     }
 
-    fn driven(&self, body: usize) -> bool {
-        self.model.system.drives.iter().any(|drive| drive.body == body)
+    fn held(&self, body: usize, axis: usize) -> bool {
+        body == 0 && self.standing.held.contains(&axis)
+    }
+
+    /// Does it go where rigid rails lead it? A body that is held aside of its balance is pushed along them.
+    fn led(&self, body: usize, axis: usize) -> bool {
+        body == 0 && axis != PITCH && !self.standing.held.is_empty() && self.model.formulation.constrains()
+    }
+
+    /// Is a coordinate no unknown, and its acceleration whatever it is?
+    fn fixed(&self, body: usize, axis: usize) -> bool {
+        self.held(body, axis) || axis == 0 && self.model.system.drives.iter().any(|drive| drive.body == body)
     }
 
     fn unknowns(&self) -> Vec<Unknown> {
@@ -153,7 +164,7 @@ impl<'a> Search<'a> {
         for body in 0..self.now.at.len() {
             for axis in 0..COORDINATES {
                 unknowns.push(match axis {
-                    0 if self.driven(body) => continue,
+                    _ if self.fixed(body, axis) => continue,
                     0 if body == 0 && self.model.system.drives.is_empty() => Unknown::Slowing,
                     PITCH if body < wheelsets => Unknown::Spin { body, unit: self.now.at[body].velocities[PITCH].abs() },
                     // Height and roll press wheels into rails: 1e-9 m are some newtons.
@@ -219,13 +230,13 @@ impl<'a> Search<'a> {
     pub fn stand(&mut self, load: f64) -> Result<(), EquilibriumError> {
         const TOUCH: f64 = 1e-5;
         if self.model.formulation.constrains() {
-            return Ok(());
+            return self.close_unlike_gaps();
         }
         let wheel_load = load / self.model.contacts() as f64;
         let both = |search: &Self, wheelset, of: fn(&crate::formulation::ContactReport) -> f64| {
             Side::BOTH.map(|side| of(&search.workspace.contacts[contact_index(wheelset, side)]))
         };
-        let count = self.model.wheelsets.len();
+        let (count, held) = (self.model.wheelsets.len(), self.standing.held);
         for _ in 0..3 {
             for level in [true, false] {
                 // Without memory the first contact is the deepest.
@@ -235,9 +246,9 @@ impl<'a> Search<'a> {
                 for wheelset in 0..count {
                     let [left, right] = both(self, wheelset, |report| report.penetration);
                     let place = &mut self.now.at[wheelset].coordinates;
-                    if level {
+                    if level && !(wheelset == 0 && held.contains(&4)) {
                         place[4] += (left - right) / (2.0 * self.model.wheelsets[wheelset].left.half_spacing);
-                    } else {
+                    } else if !level {
                         place[2] += left.max(right) - TOUCH;
                     }
                 }
@@ -249,6 +260,19 @@ impl<'a> Search<'a> {
             let stiffness = both(self, wheelset, |report| report.stiffness);
             self.now.at[wheelset].coordinates[2] += TOUCH - (wheel_load / stiffness[0].max(stiffness[1])).powf(2.0 / 3.0);
         }
+        Ok(())
+    }
+
+    /// Closing the gaps of unlike sides also moves a wheelset that is held sideways a little: back to the centre, and again, until rigid contacts
+    /// are where they stay.
+    fn close_unlike_gaps(&mut self) -> Result<(), EquilibriumError> {
+        if self.standing.held.is_empty() || self.held(0, 4) {
+            return Ok(());
+        }
+        for _ in 0..CENTRED {
+            self.rest(true, true).map_err(EquilibriumError::Evaluation)?;
+        }
+        self.following = true;
         Ok(())
     }
 
@@ -334,17 +358,18 @@ impl<'a> Search<'a> {
         for body in 0..self.now.at.len() {
             let row = COORDINATES * body;
             let mut off = self.off_the_pattern(body);
-            if self.driven(body) {
-                off[0] = 0.0;
-            }
+            (0..COORDINATES).filter(|axis| self.fixed(body, *axis) || self.led(body, *axis)).for_each(|axis| off[axis] = 0.0);
             rest[row..row + COORDINATES].copy_from_slice(&off);
         }
         let constrained = if self.constrained { self.now.at.len() } else { 0 };
         for body in 0..constrained {
             let row = COORDINATES * body;
             let found = self.in_the_track_frame(body);
-            let asked = &mut self.now.at[body].coordinates;
             for (i, found) in found.into_iter().enumerate() {
+                if self.held(body, i) {
+                    continue;
+                }
+                let asked = &mut self.now.at[body].coordinates;
                 rest[count + row + i] = if keep { 0.0 } else { (found - asked[i]) / MOVE };
                 if keep {
                     asked[i] = found;

@@ -1,13 +1,11 @@
-//! Template `suspended_wheelset`: one wheelset on springs to a frame that travels with it.
+//! What a scene says about one wheelset, and how a lone one starts.
 
-use super::{Travel, VehicleSpec};
-use crate::geometry::profile::{Part, ProfileChoice};
-use crate::scene::spec::{SMALLEST, read_profiles};
+use crate::geometry::profile::ProfileChoice;
+use crate::scene::spec::SMALLEST;
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
-use nalgebra::{Vector3, vector};
 
-/// `[vehicle.wheelset]`.
+/// `[vehicle.wheelset]`, or one of `[[vehicle.wheelset]]`.
 #[derive(Clone, Debug)]
 pub struct WheelsetSpec {
     pub name: String,
@@ -25,21 +23,6 @@ pub struct WheelsetSpec {
     pub profiles: [ProfileChoice; 2],
 }
 
-/// `[vehicle.suspension]`: two elements in each direction.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SuspensionSpec {
-    /// Between the attachment points, m.
-    pub distance: f64,
-    /// N/m and N s/m of each element.
-    pub longitudinal_stiffness: f64,
-    pub longitudinal_damping: f64,
-    pub lateral_stiffness: f64,
-    pub lateral_damping: f64,
-    /// Does the scene call for elements in that direction? (parameters do not change it)
-    pub longitudinal: bool,
-    pub lateral: bool,
-}
-
 /// Initial coordinates and velocities that a scene or a master may choose, in this order.
 pub const INITIAL: [(&str, Dimension); 10] = [
     ("distance", Dimension::Length),
@@ -54,14 +37,14 @@ pub const INITIAL: [(&str, Dimension); 10] = [
     ("pitch_rate", Dimension::AngularSpeed),
 ];
 
-/// `[vehicle.initial]`.
+/// `[vehicle.initial]`: the distance of the vehicle's design origin, and what a lone wheelset has besides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Initial {
-    /// Are `values` added to the steady rolling equilibrium? Otherwise they are absolute.
+    /// Are `values` added to the steady state? Otherwise they are absolute.
     pub from_equilibrium: bool,
-    /// In the order of [`INITIAL`].
+    /// In the order of [`INITIAL`]; of a vehicle of several bodies the distance alone counts.
     pub values: [f64; 10],
-    /// What the scene file gives, until [`super::load`] has resolved it into `values`.
+    /// What the scene file gives, until [`crate::scene::load`] has resolved it into `values`.
     pub given: [Option<f64>; 10],
 }
 
@@ -69,28 +52,6 @@ impl Default for Initial {
     fn default() -> Self {
         Initial { from_equilibrium: true, values: [0.0; 10], given: [None; 10] }
     }
-}
-
-/// Reads `[vehicle]` of this template.
-pub(super) fn read(section: Section, template: &'static str) -> Result<VehicleSpec, SettingsError> {
-    let travel = section.keep(Travel::read(&section))?;
-    let wheelset = section.keep(section.section("wheelset").and_then(read_wheelset))?;
-    let suspension = section.keep(section.optional_section("suspension").and_then(|found| found.map(read_suspension).transpose()))?;
-    let initial = section.keep(section.section_or_empty("initial").and_then(read_initial))?;
-    section.clone().finish()?;
-    let (Some(travel), Some(wheelset), Some(suspension), Some(initial)) = (travel, wheelset, suspension, initial) else {
-        return Err(section.stop());
-    };
-    let Travel { speed, speed_imposed, gravity } = travel;
-    Ok(VehicleSpec { template, speed, speed_imposed, gravity, wheelset, suspension, initial, free: None })
-}
-
-fn read_wheelset(section: Section) -> Result<WheelsetSpec, SettingsError> {
-    let profiles = section.keep(read_profiles(&section, ["profile", "left_profile", "right_profile"], Part::Wheel))?;
-    let load = section.number("vertical_load", Dimension::Force)?;
-    let spec = section.keep(WheelsetSpec::read(&section, "wheelset".into(), load, profiles))?;
-    section.clone().finish()?;
-    spec.ok_or_else(|| section.stop())
 }
 
 impl WheelsetSpec {
@@ -117,32 +78,6 @@ impl WheelsetSpec {
     }
 }
 
-/// Most distance between the suspension's springs, m: further apart, no step would be short enough for their yaw stiffness.
-const WIDEST: f64 = 10.0;
-
-fn read_suspension(section: Section) -> Result<SuspensionSpec, SettingsError> {
-    let mut spec = SuspensionSpec {
-        distance: section.within("distance", Dimension::Length, (0.0, WIDEST))?,
-        longitudinal_stiffness: section.not_negative("longitudinal_stiffness", Dimension::Stiffness)?,
-        longitudinal_damping: section.not_negative("longitudinal_damping", Dimension::Damping)?,
-        lateral_stiffness: section.not_negative("lateral_stiffness", Dimension::Stiffness)?,
-        lateral_damping: section.not_negative("lateral_damping", Dimension::Damping)?,
-        longitudinal: false,
-        lateral: false,
-    };
-    spec.longitudinal = spec.longitudinal_stiffness != 0.0 || spec.longitudinal_damping != 0.0;
-    spec.lateral = spec.lateral_stiffness != 0.0 || spec.lateral_damping != 0.0;
-    section.finish()?;
-    Ok(spec)
-}
-
-impl SuspensionSpec {
-    /// Attachment points on the axle, left and right, in axle axes [m].
-    pub fn attachments(&self) -> [Vector3<f64>; 2] {
-        [vector![0.0, 0.5 * self.distance, 0.0], vector![0.0, -0.5 * self.distance, 0.0]]
-    }
-}
-
 /// Most that a height is added to that of the equilibrium, m: a wheel's radius is meant to be absolute.
 const FARTHEST: f64 = 0.2;
 
@@ -156,7 +91,14 @@ pub(super) fn not_degrees(section: &Section, key: &'static str, angle: f64) -> R
         .error(key, format!("found {angle:?} rad, expected at most {LARGEST} rad either way; degrees are written \"{angle:?} deg\"")))
 }
 
-fn read_initial(section: Section) -> Result<Initial, SettingsError> {
+/// Reads `[vehicle.initial]` of a lone wheelset, or of a vehicle of several bodies.
+pub(super) fn read_initial(section: Section, lone: bool) -> Result<Initial, SettingsError> {
+    let mut initial = Initial::default();
+    if !lone {
+        initial.given[0] = section.optional(INITIAL[0].0, INITIAL[0].1)?;
+        section.finish()?;
+        return Ok(initial);
+    }
     let from_equilibrium = section.flag_or("from_equilibrium", true)?;
     let mut given = [None; 10];
     for (value, (key, dimension)) in given.iter_mut().zip(INITIAL) {
@@ -172,5 +114,5 @@ fn read_initial(section: Section) -> Result<Initial, SettingsError> {
         return Err(section.error("z", problem));
     }
     section.finish()?;
-    Ok(Initial { from_equilibrium, values: [0.0; 10], given })
+    Ok(Initial { from_equilibrium, given, ..initial })
 }

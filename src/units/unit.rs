@@ -24,6 +24,9 @@ pub enum Unit {
     NewtonPerMetre,
     NewtonSecondPerMetre,
     NewtonSecondPerMetre2,
+    NewtonMetrePerRadian,
+    NewtonMetreSecondPerRadian,
+    SecondPerMetre,
     Pascal,
 }
 
@@ -49,6 +52,9 @@ impl Unit {
             Unit::NewtonPerMetre => "Stiffness",
             Unit::NewtonSecondPerMetre => "Damping",
             Unit::NewtonSecondPerMetre2 => "PenetrationDamping",
+            Unit::NewtonMetrePerRadian => "RotationalStiffness",
+            Unit::NewtonMetreSecondPerRadian => "RotationalDamping",
+            Unit::SecondPerMetre => "StopDamping",
             Unit::Pascal => "Pressure",
         }
     }
@@ -72,6 +78,9 @@ impl Unit {
             Unit::NewtonPerMetre => "N/m",
             Unit::NewtonSecondPerMetre => "N.s/m",
             Unit::NewtonSecondPerMetre2 => "N.s/m2",
+            Unit::NewtonMetrePerRadian => "N.m/rad",
+            Unit::NewtonMetreSecondPerRadian => "N.m.s/rad",
+            Unit::SecondPerMetre => "s/m",
             Unit::Pascal => "Pa",
         }
     }
