@@ -6,7 +6,6 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use std::time::Instant;
 use wheelrail::mbs::body::{BodyMotion, Wrench};
 use wheelrail::mbs::force::{ForceElement, Gravity, Guide, GuidedSpring, REGISTRY, VerticalLoad};
 use wheelrail::solve::Dynamics;
@@ -279,17 +278,4 @@ fn prop_right_hand_side_does_not_allocate() {
     let before = counting::count();
     system.derivative(0.0, &y, &mut dy).unwrap();
     assert_eq!(counting::count() - before, 0);
-    let bodies = motions(&stage.design(), &[0.01; 12]);
-    for (element, (kind, _)) in samples(&stage).iter().zip(SAMPLES) {
-        let (mut wrenches, mut rates, state) = (vec![Wrench::default(); 2], vec![0.0; element.states()], vec![1e-3; element.states()]);
-        let mut least = f64::INFINITY;
-        for _ in 0..20 {
-            let begin = Instant::now();
-            for _ in 0..1000 {
-                element.apply(std::hint::black_box(&bodies), &state, &mut rates, &mut wrenches);
-            }
-            least = least.min(begin.elapsed().as_secs_f64() / 1000.0);
-        }
-        println!("{kind:14} {:5.1} ns", least * 1e9);
-    }
 }

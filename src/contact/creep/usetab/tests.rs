@@ -172,26 +172,6 @@ fn hard_foreign_and_damaged_files_are_refused() {
     assert!(EMBEDDED.len() < 2_000_000);
 }
 
-#[test]
-fn prop_speed_of_a_call() {
-    let mut random = Random(3);
-    let patch = |r: f64| Patch { a: 5e-3 * r.sqrt(), b: 5e-3 / r.sqrt() };
-    let contacts: Vec<RollingContact> = (0..1000)
-        .map(|_| {
-            let creepage = Creepage { longitudinal: 0.01 * random.next(), lateral: 0.01 * random.next(), spin: random.next() };
-            RollingContact { patch: patch(0.3 + 3.0 * random.next()), normal_force: 1e5, friction: 0.3, creepage, speed: 1.0 }
-        })
-        .collect();
-    let start = std::time::Instant::now();
-    let mut sum = 0.0;
-    for _ in 0..20 {
-        sum += contacts.iter().map(|contact| LAW.force(contact).longitudinal).sum::<f64>();
-    }
-    let nanoseconds = start.elapsed().as_secs_f64() * 1e9 / 20e3;
-    println!("{nanoseconds:.0} ns a call ({} build), {sum:.3e}", if cfg!(debug_assertions) { "debug" } else { "release" });
-    assert!(sum.is_finite() && nanoseconds < 1e5);
-}
-
 proptest! {
     #[test]
     fn prop_bounded_finite_and_mirror_symmetric(
