@@ -81,7 +81,7 @@ const START: &str = "the start is refused: ";
 /// Where contacts are constraints, fixed steps meet their changes of place too late to be a check: another adaptive method is.
 fn checked([first, second]: &[Method; 2], formulation: &str) -> [Method; 2] {
     let rigid = matches!(formulation, "ECCF" | "ACCF") && second.is_fixed() && first.integrator == "dormand_prince";
-    [*first, if rigid { Method::new("rk43", "tolerance=1e-9") } else { *second }]
+    [*first, if rigid { Method::new("rk43", "tolerance=1e-8") } else { *second }]
 }
 
 /// Runs a case with one of its formulations and some of its methods.
