@@ -47,6 +47,7 @@ mod rails;
 mod riding;
 mod search;
 mod slopes;
+mod standing;
 
 use super::VehicleSpec;
 use crate::formulation;

@@ -57,8 +57,6 @@ pub(super) const PITCH: usize = COORDINATES - 1;
 pub(super) const UNIT: f64 = 9.81;
 /// Evaluations of one wheel after which a search is given up: 1 to 2 s.
 const MOST_EFFORT: u64 = 200_000;
-/// Rounds in which a wheelset on unlike sides is brought back to the centre; each leaves a few per cent of the shift.
-const CENTRED: usize = 12;
 /// Moves onto constraints count in parts of this, m or rad.
 const MOVE: f64 = 1e-4;
 
@@ -143,7 +141,7 @@ impl<'a> Search<'a> {
         Ok(search)
     }
 
-    fn held(&self, body: usize, axis: usize) -> bool {
+    pub fn held(&self, body: usize, axis: usize) -> bool {
         body == 0 && self.standing.held.contains(&axis)
     }
 
@@ -226,58 +224,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Lowers each wheelset until its wheels carry their shares of the load [N] with the stiffness of the first touch.
-    pub fn stand(&mut self, load: f64) -> Result<(), EquilibriumError> {
-        const TOUCH: f64 = 1e-5;
-        if self.model.formulation.constrains() {
-            return self.close_unlike_gaps();
-        }
-        let wheel_load = load / self.model.contacts() as f64;
-        let both = |search: &Self, wheelset, of: fn(&crate::formulation::ContactReport) -> f64| {
-            Side::BOTH.map(|side| of(&search.workspace.contacts[contact_index(wheelset, side)]))
-        };
-        let (count, held) = (self.model.wheelsets.len(), self.standing.held);
-        for _ in 0..3 {
-            for level in [true, false] {
-                // Without memory the first contact is the deepest.
-                self.now.memory = self.model.blank_memory();
-                self.follow_pattern(true);
-                self.evaluate().map_err(EquilibriumError::Evaluation)?;
-                for wheelset in 0..count {
-                    let [left, right] = both(self, wheelset, |report| report.penetration);
-                    let place = &mut self.now.at[wheelset].coordinates;
-                    if level && !(wheelset == 0 && held.contains(&4)) {
-                        place[4] += (left - right) / (2.0 * self.model.wheelsets[wheelset].left.half_spacing);
-                    } else if !level {
-                        place[2] += left.max(right) - TOUCH;
-                    }
-                }
-            }
-        }
-        self.follow_pattern(true);
-        self.evaluate().map_err(EquilibriumError::Evaluation)?;
-        for wheelset in 0..count {
-            let stiffness = both(self, wheelset, |report| report.stiffness);
-            self.now.at[wheelset].coordinates[2] += TOUCH - (wheel_load / stiffness[0].max(stiffness[1])).powf(2.0 / 3.0);
-        }
-        Ok(())
-    }
-
-    /// Closing the gaps of unlike sides also moves a wheelset that is held sideways a little: back to the centre, and again, until rigid contacts
-    /// are where they stay.
-    fn close_unlike_gaps(&mut self) -> Result<(), EquilibriumError> {
-        if self.standing.held.is_empty() || self.held(0, 4) {
-            return Ok(());
-        }
-        for _ in 0..CENTRED {
-            self.rest(true, true).map_err(EquilibriumError::Evaluation)?;
-        }
-        self.following = true;
-        Ok(())
-    }
-
     /// Gives all bodies the velocities of the pattern; with `renew` its travel is that of the leading wheelset where it now is.
-    fn follow_pattern(&mut self, renew: bool) {
+    pub fn follow_pattern(&mut self, renew: bool) {
         let Configuration { at, travel, .. } = &mut self.now;
         let system = &mut self.model.system;
         let line = self.model.track.line();
@@ -305,7 +253,7 @@ impl<'a> Search<'a> {
     }
 
     /// Accelerations at `y`, which is moved onto the constraints first.
-    fn evaluate(&mut self) -> Result<(), EvaluationError> {
+    pub fn evaluate(&mut self) -> Result<(), EvaluationError> {
         let Search { model, workspace, y, dy, inputs, now: Configuration { at, memory, .. }, following, .. } = self;
         model.set_distances(|body| at[body].coordinates[0], memory);
         let mut step = model.at(workspace, 0.0, y, memory);
@@ -348,7 +296,7 @@ impl<'a> Search<'a> {
     }
 
     /// What is to vanish here. With `keep` the configuration is put onto the constraints.
-    fn rest(&mut self, renew: bool, keep: bool) -> Result<Vec<f64>, EvaluationError> {
+    pub fn rest(&mut self, renew: bool, keep: bool) -> Result<Vec<f64>, EvaluationError> {
         self.follow_pattern(renew);
         // Bringing what is left onto the constraints costs as much again.
         self.effort += self.model.contacts() as u64 * if self.constrained && self.riding { 2 } else { 1 };
