@@ -72,10 +72,10 @@ WHEELRAIL_BLESS=1 cargo test --release --test prop docs_list >/dev/null
     echo "## Where the time goes"
     echo
     echo "Whole runs, divided by \`cargo bench\` (\`wheelrail study SCENE --where\` does it for any scene): the suspended wheelset with an explicit and"
-    echo "an implicit method, the Manchester coach on irregular straight track (ORE B176 low), the vehicle in the curve. A watch around the integrator"
-    echo "times each of its calls of the model, and takes off what the clock itself takes; the product has no clocks on its stepping path. The"
-    echo "integrator's own share is what is left. What right-hand sides and Jacobians consist of is measured on 40 to 80 evaluations out of the run, made again in"
-    echo "parts from the run's own states and warm starts; laws of contact by calling them four times more. The shortest of several times counts for each part."
+    echo "an implicit method, the Manchester coach on irregular straight track (ORE B176 low), the vehicle in the curve. Clocks of the workspace, which are"
+    echo "off in any other run, time each call that the integrator makes of the model; what they take themselves is taken off, and the"
+    echo "integrator's own share is what is left. What right-hand sides and Jacobians consist of is measured on up to 60 evaluations behind output times of the run, made"
+    echo "again in parts, laws of contact as often as the evaluation calls them; \`wheelrail plan\` shows the same of the initial state. The shortest of several times counts."
     echo "(Link-time optimisation of the whole program was tried: 0.5 % fewer instructions on the coach's irregular track, the same time, a build four times as long.)"
     echo
     echo '```text'

@@ -40,7 +40,7 @@ fn prop_study_writes_csv_pictures_and_words() {
     for words in [
         "rigid contact (ECCF)",
         "elastic contact (ECF-A)",
-        "for 1 mm",
+        "1 mm, 0.1 mm",
         "s per simulated second",
         "times real time",
         "Differences of models",

@@ -117,20 +117,12 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
     {
         return Err(Failure::Input(format!("--stop {stop}: expected a time of at least one output step, {} s", request.step)));
     }
-    let left_out = left_out(arguments, &request)?;
     // Whatever can't be written is better known before the runs.
     let target = csv_target(&arguments.output, arguments.json)?;
     if let Some(folder) = &arguments.plot {
         make_folder(folder)?;
     }
-    let mut study = run(&request).map_err(|failure| match failure {
-        Failure::Run(reason) => {
-            let notes: String = left_out.iter().map(|note| format!("\n  note: {note}")).collect();
-            Failure::Run(reason + &notes)
-        }
-        other => other,
-    })?;
-    study.notes.splice(0..0, left_out);
+    let study = run(&request)?;
     if let Some(target) = &target {
         let mut text = Vec::new();
         csv::write(&mut text, &study).map_err(|error| Failure::Run(error.to_string()))?;
@@ -150,13 +142,6 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
         say(&format!("wrote {}", file.display()));
     }
     Ok(())
-}
-
-/// What the methods do not take of lists that the user gave; of the standard ones each is known to take a part.
-fn left_out(arguments: &Arguments, request: &Request) -> Result<Vec<String>, Failure> {
-    let all = accuracy::left_out(&request.integrators, &request.tolerances, &request.steps).map_err(Failure::Input)?;
-    let given = |fixed: bool| if fixed { !arguments.steps.is_empty() } else { !arguments.tolerances.is_empty() };
-    Ok(all.into_iter().filter(|one| given(one.fixed)).map(|one| one.words).collect())
 }
 
 fn where_time_goes(arguments: &Arguments, scene: &Scene) -> Result<(), Failure> {
@@ -213,6 +198,7 @@ fn request(arguments: &Arguments, scene_step: f64) -> Result<Request<'_>, Failur
         integrators: chosen("--integrators", &arguments.integrators, methods.collect())?,
         tolerances: numbers("--tolerances", &or_standard(&arguments.tolerances, TOLERANCES), Dimension::Length)?,
         steps: numbers("--steps", &or_standard(&arguments.steps, STEPS), Dimension::Time)?,
+        own_lists: [!arguments.tolerances.is_empty(), !arguments.steps.is_empty()],
         creep_laws: laws,
         node_spacings: numbers("--node-spacing", &arguments.node_spacing, Dimension::Length)?,
         smoothings: numbers("--smoothing", &arguments.smoothing, Dimension::Length)?,

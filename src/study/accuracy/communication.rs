@@ -6,11 +6,11 @@
 //! F' H, F'' H^2 / 2, F''' H^3 / 6: orders 1, 2 and 3. A run without changing inputs does not depend on the communication step at all.
 //! Reference: parabolas of steps of an eighth and a sixteenth of the shortest one, with two methods: of order 3, so 512 times as exact.
 
-use super::clock::{Budget, cpu_time, in_seconds};
+use super::clock::{Budget, in_seconds};
 use super::errors::{Errors, Quantity};
 use super::observation::{Observation, needed};
 use super::reference::{METHODS, PER_DECADE};
-use super::run::{Measured, Setting, Span, with_setting};
+use super::run::{Measured, Setting, Span, repeated, with_setting};
 use super::schedule::PILOT_TOLERANCE;
 use super::study::Request;
 use crate::formulation::LATERAL_FORCE;
@@ -135,37 +135,14 @@ pub(super) fn sweep(scene: &Scene, request: &Request, span: Span, budget: &Budge
         for step in steps.iter().copied().filter(|step| *step <= 0.5 * span.stop) {
             let drive = Drive { hold, step, span, deadline };
             let (observation, simulation) = drive.observe(scene, request.wheelset)?;
-            let measured = timed(&drive, scene, request.repeats)?;
             let errors = Errors::between(&observation, &first);
-            let measured = Measured { statistics: simulation.statistics(), work: simulation.state().work, cpu: measured };
-            all.push(Coupled {
-                hold,
-                step,
-                stop: span.stop,
-                formulation: scene.contact.formulation_name,
-                setting,
-                errors,
-                measured,
-                floor,
-            });
+            let mut fresh = Simulation::new(scene, 0.0).map_err(|error| error.to_string())?;
+            let start = fresh.state().clone();
+            let cpu = repeated(&mut fresh, &start, span, request.repeats, |simulation| drive.run(simulation, None))?;
+            let measured = Measured { statistics: simulation.statistics(), work: simulation.state().work, cpu };
+            let (stop, formulation) = (span.stop, scene.contact.formulation_name);
+            all.push(Coupled { hold, step, stop, formulation, setting, errors, measured, floor });
         }
     }
     Ok(all)
-}
-
-/// CPU time per simulated second of runs without outputs, ascending.
-fn timed(drive: &Drive, scene: &Scene, repeats: usize) -> Result<Vec<f64>, String> {
-    let mut simulation = Simulation::new(scene, 0.0).map_err(|error| error.to_string())?;
-    let start = simulation.state().clone();
-    let mut seconds = Vec::new();
-    while seconds.len() < repeats {
-        if !simulation.restore(&start) {
-            return Err("the initial state does not fit its own simulation".into());
-        }
-        let (done, cpu) = cpu_time(|| drive.run(&mut simulation, None));
-        done?;
-        seconds.push(cpu / drive.span.stop);
-    }
-    seconds.sort_by(f64::total_cmp);
-    Ok(seconds)
 }

@@ -1,7 +1,7 @@
 //! Distance between two observed runs in the terms that people use.
 
 use super::super::beside::beside;
-use super::observation::{Observation, Trace, crossings, mean_wavelength};
+use super::observation::{Observation, crossings, mean_wavelength};
 use serde::Serialize;
 
 /// Distance between two curves at equal times, SI.
@@ -102,12 +102,13 @@ impl Errors {
         };
         let mut all = Errors::default();
         for (a, b) in a.wheelsets.iter().zip(&b.wheelsets) {
-            all.y = all.y.worse(apart(&a.y, &b.y, 0));
-            for i in 0..2 {
-                all.vertical = all.vertical.worse(apart(&a.vertical[i], &b.vertical[i], reach));
-                all.normal = all.normal.worse(apart(&a.normal[i], &b.normal[i], reach));
-                all.quotient = all.quotient.worse(apart(&a.quotient[i], &b.quotient[i], reach));
-                all.acceleration = all.acceleration.worse(apart(&a.acceleration[i], &b.acceleration[i], reach));
+            let pairs = all.distances().into_iter().zip(a.values.iter().zip(&b.values)).enumerate();
+            for (quantity, (distance, (a, b))) in pairs {
+                // Displacements do not jump.
+                let reach = if quantity == 0 { 0 } else { reach };
+                for (a, b) in a.iter().zip(b) {
+                    *distance = distance.worse(apart(a, b, reach));
+                }
             }
             let waves = [crossings(a), crossings(b)];
             let common = waves[0].len().min(waves[1].len());
@@ -118,18 +119,18 @@ impl Errors {
         all
     }
 
+    /// In the order of a trace's values.
+    fn distances(&mut self) -> [&mut Distance; 5] {
+        [&mut self.y, &mut self.vertical, &mut self.normal, &mut self.quotient, &mut self.acceleration]
+    }
+
     /// How far the run moves away from its first sample: what an error is large or small against.
     pub fn motion(run: &Observation) -> Errors {
-        let still = |values: &[f64]| vec![values.first().copied().unwrap_or_default(); values.len()];
-        let stand = |trace: &Trace| Trace {
-            y: still(&trace.y),
-            vertical: [0, 1].map(|i| still(&trace.vertical[i])),
-            normal: [0, 1].map(|i| still(&trace.normal[i])),
-            quotient: [0, 1].map(|i| still(&trace.quotient[i])),
-            acceleration: [0, 1].map(|i| still(&trace.acceleration[i])),
-            ..trace.clone()
-        };
-        let start = Observation { smooth: run.smooth.clone(), jumps: false, wheelsets: run.wheelsets.iter().map(stand).collect() };
+        let mut start = Observation { jumps: false, ..run.clone() };
+        for values in start.wheelsets.iter_mut().flat_map(|trace| trace.values.iter_mut().flatten()) {
+            let first = values.first().copied().unwrap_or_default();
+            values.fill(first);
+        }
         let moving = Observation { jumps: false, ..run.clone() };
         Errors { wavelength: run.wavelength(), ..Errors::between(&moving, &start) }
     }

@@ -20,6 +20,7 @@ mod communication;
 mod difference;
 mod division;
 mod errors;
+mod making;
 mod observation;
 mod reference;
 mod run;
@@ -32,10 +33,11 @@ pub use clock::cpu_time;
 pub use communication::{COUPLING, Coupled, HOLDS};
 pub use difference::{Apart, ModelDifference};
 pub use errors::{Distance, Errors, Quantity};
+pub use making::study;
 pub use observation::{Observation, is_smooth};
 pub use reference::{Reference, Standing};
-pub use run::{LeftOut, Measured, Setting, left_out};
-pub use study::{Model, Outcome, Point, Request, Study, StudyError, study};
+pub use run::{Measured, Setting};
+pub use study::{Model, Outcome, Point, Request, Study, StudyError};
 pub use variant::Variant;
 
 /// A point is drawn where its error is at least this many times the reference's uncertainty.

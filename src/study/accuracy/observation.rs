@@ -24,18 +24,27 @@ pub fn is_smooth(recording: &Recording, model: &formulation::Model) -> Vec<bool>
     smooth
 }
 
+/// Outputs of a wheelset that are compared, in the order of the errors: y; of the left and the right wheel; of its centre.
+const OBSERVED: [&[&str]; 5] = [
+    &["y"],
+    &["left.verticalForce", "right.verticalForce"],
+    &["left.normalForce", "right.normalForce"],
+    &["left.derailmentQuotient", "right.derailmentQuotient"],
+    &["ay", "az"],
+];
+
 /// One wheelset over time, SI.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Trace {
-    pub name: String,
     pub distance: Vec<f64>,
-    pub y: Vec<f64>,
-    /// Left and right wheel.
-    pub vertical: [Vec<f64>; 2],
-    pub normal: [Vec<f64>; 2],
-    pub quotient: [Vec<f64>; 2],
-    /// Lateral and vertical, of the centre.
-    pub acceleration: [Vec<f64>; 2],
+    /// Of each of the observed outputs.
+    pub values: [Vec<Vec<f64>>; OBSERVED.len()],
+}
+
+impl Trace {
+    pub(super) fn y(&self) -> &[f64] {
+        self.values[0].first().map_or(&[], Vec::as_slice)
+    }
 }
 
 /// A run on its output times.
@@ -49,13 +58,12 @@ pub struct Observation {
 
 /// The outputs that an observation needs, no others: `wheelset` alone, or those of all.
 pub(super) fn needed(model: &formulation::Model, wheelset: Option<&str>) -> Vec<Output> {
-    const NAMES: [&str; 7] = ["distance", "y", "ay", "az", "verticalForce", "normalForce", "derailmentQuotient"];
-    const PLACE: &str = "contact[1].railDistance";
+    const PLACES: [&str; 2] = ["left.contact[1].railDistance", "right.contact[1].railDistance"];
     let wanted = |name: &str| {
         model.wheelsets.iter().any(|known| {
-            let Some(rest) = name.strip_prefix(known.name.as_str()).and_then(|rest| rest.strip_prefix('.')) else { return false };
-            let local = Side::BOTH.iter().find_map(|side| rest.strip_prefix(side.name())?.strip_prefix('.')).unwrap_or(rest);
-            local == PLACE || NAMES.contains(&local) && wheelset.is_none_or(|wheelset| wheelset == known.name)
+            let Some(own) = name.strip_prefix(known.name.as_str()).and_then(|rest| rest.strip_prefix('.')) else { return false };
+            let observed = own == "distance" || OBSERVED.iter().any(|names| names.contains(&own));
+            PLACES.contains(&own) || observed && wheelset.is_none_or(|wheelset| wheelset == known.name)
         })
     };
     outputs(model, &["motion", "wheels", "contacts"]).into_iter().filter(|output| wanted(&output.name)).collect()
@@ -64,18 +72,11 @@ pub(super) fn needed(model: &formulation::Model, wheelset: Option<&str>) -> Vec<
 impl Observation {
     /// From a recording of [`needed`] outputs.
     pub(super) fn new(recording: &Recording, model: &formulation::Model) -> Observation {
-        let column = |name: &str| recording.column(name).unwrap_or_default();
-        let wheels = |name: &str, output: &str| Side::BOTH.map(|side| column(&format!("{name}.{}.{output}", side.name())));
-        let trace = |name: &String| Trace {
-            name: name.clone(),
-            distance: column(&format!("{name}.distance")),
-            y: column(&format!("{name}.y")),
-            vertical: wheels(name, "verticalForce"),
-            normal: wheels(name, "normalForce"),
-            quotient: wheels(name, "derailmentQuotient"),
-            acceleration: ["ay", "az"].map(|output| column(&format!("{name}.{output}"))),
+        let trace = |wheelset: &formulation::Wheelset| {
+            let column = |output: &str| recording.column(&format!("{}.{output}", wheelset.name)).unwrap_or_default();
+            Trace { distance: column("distance"), values: OBSERVED.map(|names| names.iter().map(|name| column(name)).collect()) }
         };
-        let wheelsets = model.wheelsets.iter().map(|wheelset| trace(&wheelset.name)).filter(|trace| !trace.y.is_empty());
+        let wheelsets = model.wheelsets.iter().map(trace).filter(|trace| !trace.y().is_empty());
         Observation { smooth: is_smooth(recording, model), jumps: model.formulation.constrains(), wheelsets: wheelsets.collect() }
     }
 
@@ -102,7 +103,7 @@ pub(super) fn crossings(trace: &Trace) -> Vec<f64> {
     let mut found = Vec::new();
     // Where y was last below zero on its way up from a swing to the right.
     let (mut armed, mut passed) = (false, None);
-    for (x, y) in trace.distance.windows(2).zip(trace.y.windows(2)) {
+    for (x, y) in trace.distance.windows(2).zip(trace.y().windows(2)) {
         armed |= y[0] < -SWING;
         if y[0] < 0.0 && y[1] >= 0.0 {
             passed = Some(x[0] - y[0] * (x[1] - x[0]) / (y[1] - y[0]));

@@ -3,10 +3,11 @@
 use super::clock::{cpu_time, in_seconds};
 use super::observation::{Observation, needed};
 use super::reference::METHODS;
+use super::study::Request;
 use crate::formulation::work::Work;
 use crate::scene::spec::Scene;
-use crate::sim::Simulation;
 use crate::sim::recording::{Recording, communication_points};
+use crate::sim::{Simulation, SimulationState};
 use crate::solve::{self, SettingKind, Statistics};
 use crate::study::digits::rounded;
 use serde::Serialize;
@@ -65,59 +66,37 @@ pub(super) fn method(name: &str) -> Result<Arc<dyn solve::Integrator>, String> {
     Ok(parsed.integrator)
 }
 
-/// Does a method have fixed steps, and which numbers does it take?
-fn takes(name: &str) -> Result<(bool, (f64, f64)), String> {
-    let setting = method(name)?.setting();
-    Ok((setting.kind == SettingKind::Step, setting.range))
-}
-
-/// Settings of an integrator out of the lists that fit it.
-pub(super) fn settings(name: &'static str, tolerances: &[f64], steps: &[f64]) -> Result<Vec<Setting>, String> {
-    let (fixed, (least, most)) = takes(name)?;
-    let values = if fixed { steps } else { tolerances };
-    let fits = values.iter().filter(|value| (least..=most).contains(*value));
-    Ok(fits.map(|value| Setting { integrator: name, fixed, value: *value }).collect())
-}
-
-/// Numbers of a list that a method does not take.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LeftOut {
-    /// Are they steps? Otherwise they are tolerances.
-    pub fixed: bool,
-    /// "dormand_prince: tolerance 1e-4 left out, it takes 1e-15 to 1e-5".
-    pub words: String,
-}
-
-/// What is left out of the lists of tolerances [m] and steps [s], by method.
+/// Settings of all integrators out of the lists that fit each; and notes of what they do not take of the user's lists.
 ///
 /// # Errors
 /// In words, where nothing is left for any method.
-pub fn left_out(integrators: &[&'static str], tolerances: &[f64], steps: &[f64]) -> Result<Vec<LeftOut>, String> {
-    let mut all = Vec::new();
-    let (mut left, mut wanted) = (0, [false; 2]);
-    for name in integrators {
-        let (fixed, (least, most)) = takes(name)?;
+pub(super) fn settings(request: &Request) -> Result<(Vec<Setting>, Vec<String>), String> {
+    let (mut settings, mut notes, mut wanted) = (Vec::new(), Vec::new(), [false; 2]);
+    for name in &request.integrators {
+        let taken = method(name)?.setting();
+        let (fixed, (least, most)) = (taken.kind == SettingKind::Step, taken.range);
         wanted[usize::from(fixed)] = true;
-        let values = if fixed { steps } else { tolerances };
-        let outside: Vec<String> =
-            values.iter().filter(|value| !(least..=most).contains(*value)).map(|value| number(fixed, *value)).collect();
-        left += values.len() - outside.len();
+        let values = if fixed { &request.steps } else { &request.tolerances };
+        let (fit, outside): (Vec<f64>, Vec<f64>) = values.iter().partition(|value| (least..=most).contains(*value));
+        settings.extend(fit.into_iter().map(|value| Setting { integrator: name, fixed, value }));
         if !outside.is_empty() {
             let what = format!("{}{}", if fixed { "step" } else { "tolerance" }, if outside.len() > 1 { "s" } else { "" });
+            let outside: Vec<String> = outside.into_iter().map(|value| number(fixed, value)).collect();
             let [least, most] = [least, most].map(|value| number(fixed, value));
-            all.push(LeftOut { fixed, words: format!("{name}: {what} {} left out, it takes {least} to {most}", outside.join(", ")) });
+            notes.push((fixed, format!("{name}: {what} {} left out, it takes {least} to {most}", outside.join(", "))));
         }
     }
-    if left == 0 {
-        let words: Vec<String> = all.into_iter().map(|one| one.words).collect();
+    if settings.is_empty() {
+        let words: Vec<String> = notes.into_iter().map(|note| note.1).collect();
         return Err(format!("no tolerance and no step is left for any method: {}", words.join("; ")));
     }
     for (fixed, what) in [(false, "tolerances"), (true, "steps")] {
         if !wanted[usize::from(fixed)] {
-            all.push(LeftOut { fixed, words: format!("{what} left out: none of the methods takes one") });
+            notes.push((fixed, format!("{what} left out: none of the methods takes one")));
         }
     }
-    Ok(all)
+    notes.retain(|note| request.own_lists[usize::from(note.0)]);
+    Ok((settings, notes.into_iter().map(|note| note.1).collect()))
 }
 
 /// The scene with another integrator.
@@ -216,16 +195,32 @@ pub(super) fn measure(
         return Err(failure);
     }
     let (statistics, work) = (simulation.statistics(), simulation.state().work);
-    let mut cpu: Vec<f64> = if observed.cpu > LONG { vec![observed.cpu] } else { Vec::new() };
-    while cpu.len() < repeats && (cpu.is_empty() || (cpu.len() + 1) as f64 * observed.cpu < patience) {
-        if !simulation.restore(&start) {
-            return Err("the initial state does not fit its own simulation".into());
-        }
-        let (advanced, seconds) = cpu_time(|| simulation.advance(span.stop));
-        advanced.map_err(|error| error.to_string())?;
-        cpu.push(seconds);
-    }
-    cpu.iter_mut().for_each(|seconds| *seconds /= span.stop);
+    let mut cpu: Vec<f64> = if observed.cpu > LONG { vec![observed.cpu / span.stop] } else { Vec::new() };
+    // One at least; more as long as they end before the patience does.
+    let total = ((patience / observed.cpu).ceil() as usize).saturating_sub(1).clamp(1, repeats.max(1));
+    let again = |simulation: &mut Simulation| simulation.advance(span.stop).map_err(|error| error.to_string());
+    cpu.extend(repeated(&mut simulation, &start, span, total.saturating_sub(cpu.len()), again)?);
     cpu.sort_by(f64::total_cmp);
     Ok((observed.observation, Measured { cpu, statistics, work }))
+}
+
+/// CPU time per simulated second of so many runs from a start, ascending.
+pub(super) fn repeated(
+    simulation: &mut Simulation,
+    start: &SimulationState,
+    span: Span,
+    count: usize,
+    mut run: impl FnMut(&mut Simulation) -> Result<(), String>,
+) -> Result<Vec<f64>, String> {
+    let mut seconds = Vec::new();
+    while seconds.len() < count {
+        if !simulation.restore(start) {
+            return Err("the initial state does not fit its own simulation".into());
+        }
+        let (done, cpu) = cpu_time(|| run(simulation));
+        done?;
+        seconds.push(cpu / span.stop);
+    }
+    seconds.sort_by(f64::total_cmp);
+    Ok(seconds)
 }

@@ -9,9 +9,8 @@ use std::f64::consts::PI;
 fn wave(amplitude: f64, length: f64, normal: f64) -> Observation {
     let distance: Vec<f64> = (0..1000).map(|i| 0.1 * f64::from(i)).collect();
     let y = distance.iter().map(|x| amplitude * (2.0 * PI * x / length).sin()).collect();
-    let wheel = || vec![normal; 1000];
-    let both = || [wheel(), wheel()];
-    let trace = Trace { name: "w".into(), distance, y, vertical: both(), normal: both(), quotient: both(), acceleration: both() };
+    let both = || vec![vec![normal; 1000]; 2];
+    let trace = Trace { distance, values: [vec![y], both(), both(), both(), both()] };
     Observation { smooth: vec![true; 1000], jumps: false, wheelsets: vec![trace] }
 }
 
@@ -34,18 +33,18 @@ fn analytic_errors_of_waves_of_different_length() {
 #[test]
 fn analytic_single_jumps_and_samples_on_breaks_do_not_count() {
     let (a, mut b) = (wave(1e-3, 20.0, 5e4), wave(1e-3, 20.0, 5e4));
-    b.wheelsets[0].normal[1][500] = 6e4;
+    b.wheelsets[0].values[2][1][500] = 6e4;
     let errors = Errors::between(&a, &b);
     assert_eq!((errors.normal.largest, errors.normal.most), (1e4, 0.0));
     let mut later = b.clone();
-    later.wheelsets[0].normal[1].swap(500, 501);
+    later.wheelsets[0].values[2][1].swap(500, 501);
     assert_eq!(Errors::between(&b, &later).normal.largest, 1e4);
     later.jumps = true;
     assert_eq!(Errors::between(&b, &later).normal.largest, 0.0);
     assert_eq!(Errors::between(&a, &later).normal.largest, 1e4, "a jump that only one has is an error");
     b.smooth[500] = false;
     assert_eq!(Errors::between(&a, &b).normal.largest, 0.0);
-    b.wheelsets[0].y[3] = f64::NAN;
+    b.wheelsets[0].values[0][0][3] = f64::NAN;
     assert_eq!(Errors::between(&a, &b).y.largest, f64::INFINITY, "what is no number is no small error");
 }
 
@@ -78,6 +77,7 @@ fn request(overrides: &[String]) -> Request<'_> {
         integrators: vec!["dormand_prince", "rk4"],
         tolerances: vec![1e-5],
         steps: vec![5e-3, 2e-3, 1e-3],
+        own_lists: [true; 2],
         creep_laws: vec![],
         node_spacings: vec![],
         smoothings: vec![],
@@ -149,15 +149,18 @@ fn analytic_the_median_of_an_even_number_of_runs_lies_between_the_middle_two() {
 /// Each method takes what is in its range; what it does not take is named, and nothing at all is an error.
 #[test]
 fn prop_tolerances_and_steps_that_no_method_takes_are_named() {
-    let words = |integrators: &[&'static str], tolerances: &[f64], steps: &[f64]| -> Vec<String> {
-        left_out(integrators, tolerances, steps).unwrap().into_iter().map(|one| one.words).collect()
-    };
-    let explicit = words(&["dormand_prince", "rosenbrock", "rk4"], &[1e-4, 3e-5, 1e-6], &[1e-3]);
-    assert_eq!(explicit, ["dormand_prince: tolerances 1e-4, 3e-5 left out, it takes 1e-15 to 1e-5"]);
-    assert_eq!(words(&["rk4"], &[1e-6], &[1e-3]), ["tolerances left out: none of the methods takes one"]);
-    let none = left_out(&["dormand_prince"], &[1e-4], &[1e-3]).unwrap_err();
-    assert!(none.ends_with("dormand_prince: tolerance 1e-4 left out, it takes 1e-15 to 1e-5"), "{none}");
     let overrides = Vec::new();
+    let of = |integrators: &[&'static str], tolerances: &[f64], own_lists: [bool; 2]| {
+        let (integrators, tolerances, steps) = (integrators.to_vec(), tolerances.to_vec(), vec![1e-3]);
+        run::settings(&Request { integrators, tolerances, steps, own_lists, ..request(&overrides) })
+    };
+    let explicit = of(&["dormand_prince", "rosenbrock", "rk4"], &[1e-4, 3e-5, 1e-6], [true; 2]).unwrap();
+    assert_eq!(explicit.1, ["dormand_prince: tolerances 1e-4, 3e-5 left out, it takes 1e-15 to 1e-5"]);
+    assert_eq!(explicit.0.iter().map(Setting::number).collect::<Vec<_>>(), ["1e-6", "1e-4", "3e-5", "1e-6", "1 ms"]);
+    assert_eq!(of(&["rk4"], &[1e-6], [true; 2]).unwrap().1, ["tolerances left out: none of the methods takes one"]);
+    assert!(of(&["dormand_prince", "rk4"], &[1e-4, 1e-6], [false; 2]).unwrap().1.is_empty(), "of the standard lists nothing is said");
+    let none = of(&["dormand_prince"], &[1e-4], [true; 2]).unwrap_err();
+    assert!(none.ends_with("dormand_prince: tolerance 1e-4 left out, it takes 1e-15 to 1e-5"), "{none}");
     let empty = Request { integrators: vec!["dormand_prince"], tolerances: vec![1e-4], ..request(&overrides) };
     assert!(matches!(study(&empty, &mut |_, _| {}), Err(StudyError::Setting(words)) if words.contains("1e-5")));
 }
