@@ -1,6 +1,6 @@
 //! Words beside marks, each at the first place that is clear of all marks and of the words before it.
 
-use super::panel::Frame;
+use super::frame::Frame;
 use super::pen::{END, MIDDLE, Place, START, letters};
 use plotters::style::text_anchor::{HPos, Pos};
 

@@ -3,14 +3,15 @@
 //! Axes of a sheet that have the same label share their range, so that panels can be compared by eye. Marks and colours tell
 //! series apart by themselves; the colours are those of Okabe and Ito (Color Universal Design, 2008), the yellow one darkened.
 
+mod frame;
 mod labels;
 mod panel;
 mod pen;
 mod scale;
 
 use crate::cli::output::write_whole;
-use panel::Frame;
-pub(super) use panel::inside;
+use frame::Frame;
+pub(super) use frame::inside;
 use pen::{START, TOP, letters};
 use plotters::style::RGBColor;
 use scale::Scale;

@@ -1,49 +1,9 @@
 //! One panel: grid, axes, levels, series, labels.
 
+use super::frame::{BOTTOM, Frame, LEFT, STRIP};
 use super::labels;
 use super::pen::{Drawn, END, GREY, MIDDLE, Pen, Place, START, TOP, letters};
-use super::scale::Scale;
 use super::{Axis, DARK, Ink, Panel, Series};
-
-/// Pixels: title, labels at the left and below, and what is free at the right.
-const STRIP: f64 = 34.0;
-const LEFT: f64 = 92.0;
-const BOTTOM: f64 = 58.0;
-const RIGHT: f64 = 24.0;
-
-/// Width and height of the diagram in a panel of a size, pixels.
-pub(in crate::cli) fn inside(size: Place) -> Place {
-    (size.0 - LEFT - RIGHT, size.1 - STRIP - BOTTOM)
-}
-
-/// Where a diagram stands on the sheet, and its scales.
-pub(super) struct Frame {
-    pub corner: Place,
-    pub size: Place,
-    x: Scale,
-    y: Scale,
-}
-
-impl Frame {
-    /// Of a panel with a corner and a size.
-    pub(super) fn new(corner: Place, size: Place, (x, y): (Scale, Scale)) -> Frame {
-        Frame { corner: (corner.0 + LEFT, corner.1 + STRIP), size: inside(size), x, y }
-    }
-
-    fn at(&self, (x, y): (f64, f64)) -> Place {
-        (self.corner.0 + self.size.0 * self.x.part(x), self.corner.1 + self.size.1 * (1.0 - self.y.part(y)))
-    }
-
-    /// Does the frame show a point? (Its own ends by rounding, too.)
-    fn shows(&self, (x, y): (f64, f64)) -> bool {
-        const ENDS: std::ops::RangeInclusive<f64> = -1e-9..=1.0 + 1e-9;
-        ENDS.contains(&self.x.part(x)) && ENDS.contains(&self.y.part(y))
-    }
-
-    fn end(&self) -> Place {
-        (self.corner.0 + self.size.0, self.corner.1 + self.size.1)
-    }
-}
 
 pub(super) fn draw(pen: &Pen, panel: &Panel, frame: &Frame) -> Drawn {
     let line = frame.corner.1 - 0.5 * STRIP;

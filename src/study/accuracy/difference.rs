@@ -1,26 +1,7 @@
 //! How far models are apart: no numerical error of either.
 
 use super::errors::{Errors, Quantity};
-use super::study::{Model, Study};
-use serde::Serialize;
-
-/// How far the references of two models are apart: no error of either.
-#[derive(Clone, Debug, Serialize)]
-pub struct ModelDifference {
-    /// Indices in [`Study::models`].
-    pub first: usize,
-    pub second: usize,
-    pub errors: Errors,
-}
-
-/// A distance of two models in the light of their references.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Apart {
-    /// SI.
-    Told(f64),
-    /// Smaller than what both references together are uncertain by.
-    Untold,
-}
+use super::study::{Apart, Model, ModelDifference, Study};
 
 /// Every other model against the first elastic one, or against the first of all.
 pub(super) fn differences(models: &[Model]) -> Vec<ModelDifference> {

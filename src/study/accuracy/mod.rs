@@ -23,6 +23,7 @@ mod errors;
 mod making;
 mod observation;
 mod reference;
+mod request;
 mod run;
 mod schedule;
 mod study;
@@ -31,13 +32,13 @@ mod variant;
 pub use best::{Best, best, front};
 pub use clock::cpu_time;
 pub use communication::{COUPLING, Coupled, HOLDS};
-pub use difference::{Apart, ModelDifference};
 pub use errors::{Distance, Errors, Quantity};
 pub use making::study;
 pub use observation::{Observation, is_smooth};
 pub use reference::{Reference, Standing};
+pub use request::Request;
 pub use run::{Measured, Setting};
-pub use study::{Model, Outcome, Point, Request, Study, StudyError};
+pub use study::{Apart, Model, ModelDifference, Outcome, Point, Study, StudyError};
 pub use variant::Variant;
 
 /// A point is drawn where its error is at least this many times the reference's uncertainty.

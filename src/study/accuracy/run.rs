@@ -2,8 +2,7 @@
 
 use super::clock::{cpu_time, in_seconds};
 use super::observation::{Observation, needed};
-use super::reference::METHODS;
-use super::study::Request;
+use super::request::Request;
 use crate::formulation::work::Work;
 use crate::scene::spec::Scene;
 use crate::sim::recording::{Recording, communication_points};
@@ -62,7 +61,7 @@ pub(super) fn method(name: &str) -> Result<Arc<dyn solve::Integrator>, String> {
     let text = format!("integrator = \"{name}\"\ntolerance = 1e-7\nstep = 1e-3\n");
     let source = Source { file: "[solver]".into(), text: text.clone(), overridden: vec![], folder: None };
     let document = toml_edit::Document::parse(text).map_err(|error| error.to_string())?;
-    let parsed = solve::parse(&Section::root(document.as_table(), &source), METHODS[0]).map_err(|error| error.to_string())?;
+    let parsed = solve::parse(&Section::root(document.as_table(), &source), name).map_err(|error| error.to_string())?;
     Ok(parsed.integrator)
 }
 

@@ -1,47 +1,12 @@
-//! What is asked of a study, and what it finds.
+//! What a study finds.
 
 use super::communication::Coupled;
-use super::difference::ModelDifference;
 use super::errors::{Errors, Quantity};
 use super::reference::{Reference, Standing};
 use super::run::{Measured, Setting};
 use super::variant::Variant;
 use crate::scene::load::SceneError;
 use serde::Serialize;
-
-/// What is asked for. Empty lists stand for what the scene says.
-#[derive(Clone, Debug)]
-pub struct Request<'a> {
-    /// Name or file, and `key=value`.
-    pub scene: &'a str,
-    pub overrides: &'a [String],
-    pub formulations: Vec<&'static str>,
-    pub integrators: Vec<&'static str>,
-    /// m.
-    pub tolerances: Vec<f64>,
-    /// s.
-    pub steps: Vec<f64>,
-    /// Are tolerances and steps the user's? What no method takes of them is then noted.
-    pub own_lists: [bool; 2],
-    pub creep_laws: Vec<&'static str>,
-    /// m.
-    pub node_spacings: Vec<f64>,
-    /// m.
-    pub smoothings: Vec<f64>,
-    /// s; none: no coupling.
-    pub communication_steps: Vec<f64>,
-    /// s; `None`: that of the scene, shortened where the budget asks for it.
-    pub stop: Option<f64>,
-    /// Distance of the output times, s.
-    pub step: f64,
-    /// The only wheelset that counts; `None`: the worst of all.
-    pub wheelset: Option<&'a str>,
-    pub repeats: usize,
-    /// s.
-    pub budget: f64,
-    /// Tolerance of the reference, m; `None`: as tight as the budget allows.
-    pub reference: Option<f64>,
-}
 
 /// What became of a point.
 #[derive(Clone, Debug, Serialize)]
@@ -75,6 +40,24 @@ pub struct Model {
     /// Indices in [`Study::variants`].
     pub variants: Vec<usize>,
     pub reference: Result<Reference, String>,
+}
+
+/// How far the references of two models are apart: no error of either.
+#[derive(Clone, Debug, Serialize)]
+pub struct ModelDifference {
+    /// Indices in [`Study::models`].
+    pub first: usize,
+    pub second: usize,
+    pub errors: Errors,
+}
+
+/// A distance of two models in the light of their references.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Apart {
+    /// SI.
+    Told(f64),
+    /// Smaller than what both references together are uncertain by.
+    Untold,
 }
 
 /// What was found.
