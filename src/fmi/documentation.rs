@@ -1,6 +1,6 @@
 //! documentation/index.html of an FMU, from the same table as modelDescription.xml.
 
-use super::package::PackedScene;
+use super::packed_scene::PackedScene;
 use super::variables::{Kind, Variable};
 
 /// Text as HTML.

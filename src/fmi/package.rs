@@ -1,6 +1,8 @@
 //! The .fmu archive: description, library, resources and documentation, the same bytes every time.
 
-use super::description::{self, Description};
+use super::build_mark::{BUILD_MARK, MARK_PREFIX};
+use super::description;
+pub use super::packed_scene::PackedScene;
 use super::variables::VariableTable;
 use super::{documentation, ffi::host};
 use crate::scene::load::{self, SceneError};
@@ -12,10 +14,6 @@ use std::path::{Path, PathBuf};
 use toml_edit::DocumentMut;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
-
-/// Stands in every library of this build; `export` looks for it in the library's bytes.
-pub const BUILD_MARK: &str = concat!("wheelrail-build-id:", env!("WHEELRAIL_BUILD_ID"), ":");
-const MARK_PREFIX: &[u8] = b"wheelrail-build-id:";
 
 /// Why no FMU was written.
 #[derive(Debug, thiserror::Error)]
@@ -83,15 +81,6 @@ fn check_build(bytes: &[u8]) -> Result<(), String> {
     } else {
         Err("this is not an FMU library of wheelrail".into())
     }
-}
-
-/// A scene as it stands in an FMU: its text names itself and its files lie in folders, one for each kind.
-pub struct PackedScene {
-    pub scene: Scene,
-    pub table: VariableTable,
-    pub description: Description,
-    /// Path below resources/ and content.
-    pub resources: BTreeMap<String, Vec<u8>>,
 }
 
 /// Prepares a scene for an FMU. What an FMU reads back is what is described.

@@ -4,7 +4,8 @@
 //! scene. Force elements bring theirs along. References: of the scene 1 to 99, of wheelset k (from 1) 1000 k + number, of a wheelset's own springs
 //! 1000 k + 410, of body b 1000000 + 100 b + number, of force element f 2000000 + 100 f + 50, of sensor s 3000000 + 100 s + number (from 0).
 
-use super::variables::{Kind, Role, Variable, WHEELSET};
+use super::real_parameter::RealParameter;
+use super::variable::{Kind, Role, Variable, WHEELSET};
 use crate::mbs::inertia::Inertia;
 use crate::scene::spec::{SMALLEST, SMALLEST_MODULUS, Scene};
 use crate::scene::vehicle::{FASTEST, PlacedBody, PlacedWheelset, Sensor};
@@ -12,46 +13,6 @@ use crate::settings::{Constant, Number};
 use crate::sim::vehicle_outputs::{BODY, FORCE, SENSOR, STRIDE};
 use crate::solve::SettingKind;
 use crate::units::Unit;
-
-/// A real parameter as a field of the scene.
-#[derive(Clone, Copy)]
-pub enum RealParameter {
-    OfScene(&'static Constant<Scene>),
-    /// By place in the vehicle.
-    OfWheelset(usize, &'static Constant<PlacedWheelset>),
-    OfBody(usize, &'static Constant<PlacedBody>),
-    OfSensor(usize, &'static Constant<Sensor>),
-    /// And by its number among the element's.
-    OfForce(usize, u32),
-}
-
-impl RealParameter {
-    pub fn value(&self, scene: &Scene) -> f64 {
-        let vehicle = &scene.vehicle;
-        let found = match *self {
-            RealParameter::OfScene(line) => (line.get)(scene),
-            RealParameter::OfWheelset(place, line) => (line.get)(&vehicle.wheelsets[place]),
-            RealParameter::OfBody(place, line) => (line.get)(&vehicle.bodies[place]),
-            RealParameter::OfSensor(place, line) => (line.get)(&vehicle.sensors[place]),
-            RealParameter::OfForce(place, number) => {
-                let all = vehicle.forces[place].0.constants();
-                all.iter().find(|constant| constant.number == number).map(|constant| constant.value)
-            }
-        };
-        found.unwrap_or(0.0)
-    }
-
-    pub fn assign(&self, scene: &mut Scene, value: f64) {
-        let vehicle = &mut scene.vehicle;
-        match *self {
-            RealParameter::OfScene(line) => (line.set)(scene, value),
-            RealParameter::OfWheelset(place, line) => (line.set)(&mut vehicle.wheelsets[place], value),
-            RealParameter::OfBody(place, line) => (line.set)(&mut vehicle.bodies[place], value),
-            RealParameter::OfSensor(place, line) => (line.set)(&mut vehicle.sensors[place], value),
-            RealParameter::OfForce(place, number) => vehicle.forces[place].0.set_constant(number, value),
-        }
-    }
-}
 
 /// A line of a table: its number, name, unit and smallest value, description, and the field that it is.
 macro_rules! line {

@@ -3,7 +3,8 @@
 //! Layout (little endian): magic (8), format version (4), GUID (38), payload length (8), SHA-256 of all before and of
 //! the payload (32), payload. A blob that fails any check is refused; memory is never copied raw.
 
-use super::instance::SavedState;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 
 const MAGIC: &[u8; 8] = b"WHEELRL\x01";
@@ -39,7 +40,7 @@ fn checksum(head: &[u8], payload: &[u8]) -> [u8; 32] {
 ///
 /// # Errors
 /// [`BlobError::Payload`] when the state cannot be encoded.
-pub fn write(guid: &str, state: &SavedState) -> Result<Vec<u8>, BlobError> {
+pub fn write<T: Serialize>(guid: &str, state: &T) -> Result<Vec<u8>, BlobError> {
     let payload = postcard::to_stdvec(state).map_err(|error| BlobError::Payload(error.to_string()))?;
     let mut bytes = Vec::with_capacity(HEADER + payload.len());
     bytes.extend_from_slice(MAGIC);
@@ -58,7 +59,7 @@ pub fn write(guid: &str, state: &SavedState) -> Result<Vec<u8>, BlobError> {
 ///
 /// # Errors
 /// [`BlobError`].
-pub fn read(guid: &str, bytes: &[u8]) -> Result<SavedState, BlobError> {
+pub fn read<T: DeserializeOwned>(guid: &str, bytes: &[u8]) -> Result<T, BlobError> {
     if bytes.len() < HEADER {
         return Err(BlobError::Length { found: bytes.len(), expected: HEADER });
     }

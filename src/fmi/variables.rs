@@ -1,6 +1,8 @@
 //! The table of FMU variables: inputs, outputs, parameters and what they mean.
 
-use super::parameters::{self, RealParameter};
+use super::parameters;
+use super::variable::WHEELSET;
+pub use super::variable::{Kind, Role, Variable};
 use crate::formulation::{
     AssemblyError, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, NEUTRAL_INPUTS, RAIL_INPUTS, RIGHT_FRICTION,
     VERTICAL_FORCE, rail_input,
@@ -15,49 +17,6 @@ use crate::sim::{SimulationState, input_index};
 use crate::units::Unit;
 use std::collections::HashMap;
 
-/// What a variable stands for.
-pub enum Role {
-    /// Index in the model's input vector.
-    Input(usize),
-    /// Index in the table of outputs.
-    Output(usize),
-    /// A field of the scene.
-    RealParameter(RealParameter),
-    /// `initial.fromEquilibrium`.
-    FromEquilibrium,
-    /// A work counter.
-    Counter(fn(&SimulationState) -> u64),
-    /// The scene's title.
-    Title,
-}
-
-/// FMI's basic types.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    Real,
-    Integer,
-    Boolean,
-    String,
-}
-
-/// One scalar variable.
-pub struct Variable {
-    pub reference: u32,
-    pub name: String,
-    pub description: String,
-    pub kind: Kind,
-    pub causality: &'static str,
-    pub variability: &'static str,
-    /// FMI's attribute `initial`; `None` where it may not be given.
-    pub initial: Option<&'static str>,
-    /// Of Real variables.
-    pub unit: Unit,
-    pub start: Option<f64>,
-    pub min: Option<f64>,
-    pub max: Option<f64>,
-    pub role: Role,
-}
-
 /// All variables of a scene.
 pub struct VariableTable {
     pub variables: Vec<Variable>,
@@ -69,8 +28,6 @@ pub struct VariableTable {
     index: HashMap<u32, usize>,
 }
 
-/// References of parameters that belong to no wheelset stay below this; wheelset k (from 1) has k * 1000 to k * 1000 + 999.
-pub(super) const WHEELSET: u32 = 1000;
 /// Local numbers of the rails' motion: left from here, right 10 behind.
 const RAIL: u32 = 501;
 

@@ -1,6 +1,6 @@
 //! `--set key=value`: changes of a scene's text before it is read.
 
-use super::load::SceneError;
+use super::error::SceneError;
 use super::vehicle::templates;
 use crate::settings::{SettingsError, did_you_mean};
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};

@@ -2,23 +2,18 @@
 //!
 //! FMU parameters are fields of this data; a model is assembled from it anew when they are set.
 
+pub use super::limits::{MOST_STEPS, SMALLEST, SMALLEST_MODULUS};
 pub use super::vehicle::VehicleSpec;
 pub use super::vehicle::wheelset::{INITIAL, Initial, WheelsetSpec};
-use super::{assemble, solver_choice};
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
-use crate::formulation::LOAD_TOLERANCE;
-use crate::formulation::{
-    self,
-    wheel_search::{MOST_POINTS, PreparedSearches},
-};
+use crate::formulation::{self, wheel_search::PreparedSearches};
 use crate::geometry::file::SceneFile;
-use crate::geometry::profile::{self, Part, ProfileChoice};
+use crate::geometry::profile::ProfileChoice;
+use crate::geometry::track::Deviation;
 use crate::geometry::track::centre_line::{Alignment, CentreLine};
-use crate::geometry::track::{self, Deviation, gauge, node};
-use crate::settings::{Section, SettingsError, Source, did_you_mean};
-use crate::solve::{self, Integrator};
-use crate::units::Dimension;
+use crate::settings::Source;
+use crate::solve::Integrator;
 use std::sync::Arc;
 
 /// A scene file, read and checked.
@@ -126,13 +121,6 @@ impl InterfaceSpec {
     }
 }
 
-/// Smallest mass [kg] and inertia [kg m2] that a scene or a master may set.
-pub const SMALLEST: f64 = 1e-6;
-/// Smallest Young's modulus, Pa.
-pub const SMALLEST_MODULUS: f64 = 1e6;
-/// Largest number of output steps in a run.
-pub const MOST_STEPS: f64 = 1e8;
-
 /// `[run]`: the FMU's default experiment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunSpec {
@@ -143,48 +131,6 @@ pub struct RunSpec {
 }
 
 impl Scene {
-    /// Reads all tables.
-    ///
-    /// # Errors
-    /// All that is wrong with them.
-    pub fn read(name: &str, root: Section, source: Source) -> Result<Scene, Vec<SettingsError>> {
-        let read = Scene::read_tables(name, &root, source);
-        // A scene with a fault may hold stand-ins.
-        match (root.faults(), read) {
-            (faults, Ok(scene)) if faults.is_empty() => Ok(scene),
-            (faults, Err(error)) if faults.is_empty() => Err(vec![error]),
-            (faults, _) => Err(faults),
-        }
-    }
-
-    fn read_tables(name: &str, root: &Section, source: Source) -> Result<Scene, SettingsError> {
-        let head = root.keep(read_head(name, root))?;
-        let vehicle = root.keep(root.section("vehicle").and_then(super::vehicle::read))?;
-        let track = root.keep(root.section("track").and_then(read_track))?;
-        let contact = root.keep(root.section("contact").and_then(read_contact))?;
-        let transient = contact.as_ref().is_some_and(|contact| contact.transient.is_some());
-        let solver = root.keep(root.section_or_empty("solver").and_then(|section| read_solver(section, transient)))?;
-        let interface = match (root.keep(root.optional_section("interface"))?.flatten(), &vehicle) {
-            (Some(section), Some(vehicle)) => root.keep(read_interface(section, vehicle))?,
-            _ => Some(InterfaceSpec {
-                inputs: default_inputs(),
-                outputs: default_outputs(&[]),
-                parameters: PARAMETER_GROUPS.to_vec(),
-                only: None,
-            }),
-        };
-        let run = root.keep(root.section("run").and_then(read_run))?;
-        root.clone().finish()?;
-        let (Some((name, title)), Some(vehicle), Some(track), Some(contact)) = (head, vehicle, track, contact) else {
-            return Err(root.stop());
-        };
-        let (Some(solver), Some(interface), Some(run)) = (solver, interface, run) else { return Err(root.stop()) };
-        let prepared = PreparedSearches::default();
-        let mut scene = Scene { name, source, title, vehicle, track, contact, solver, interface, run, prepared, points: MOST_POINTS };
-        scene.points = scene.contact.points.unwrap_or_else(|| assemble::points_needed(&scene));
-        Ok(scene)
-    }
-
     /// Files that the scene refers to.
     pub fn files(&self) -> impl Iterator<Item = &SceneFile> {
         let [left_rail, right_rail] = &self.track.rails;
@@ -194,226 +140,4 @@ impl Scene {
         let own = choices.into_iter().filter(move |(choice, other)| other.is_none_or(|other| key(other) != key(choice)));
         self.vehicle.files().into_iter().chain(own.filter_map(|(choice, _)| choice.file.as_ref())).chain(&self.track.files)
     }
-}
-
-/// Name and title.
-fn read_head(name: &str, root: &Section) -> Result<(String, String), SettingsError> {
-    let name = root.text_or("name", name)?;
-    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-        return Err(root.error("name", format!("found \"{name}\", expected letters, digits and _, a letter first")));
-    }
-    let title = root.text_or("title", &name)?;
-    if title.chars().any(char::is_control) {
-        return Err(root.error("title", "a control character can't stand in a title"));
-    }
-    Ok((name, title))
-}
-
-fn read_solver(solver: Section, transient: bool) -> Result<SolverSpec, SettingsError> {
-    let facts = solver_choice::facts(&solver, transient)?;
-    let (automatic, why) = solver_choice::choose(&facts);
-    let read = solve::parse(&solver, automatic)?;
-    let load_tolerance = read_load_tolerance(&solver)?;
-    let assumed = !solver.has("tolerance") && facts.tolerance.is_some();
-    solver.finish()?;
-    let why = read.automatic.then_some(why);
-    Ok(SolverSpec { name: read.name, integrator: read.integrator, load_tolerance, why, assumed })
-}
-
-fn read_run(run: Section) -> Result<RunSpec, SettingsError> {
-    let spec = RunSpec { stop: run.not_negative("stop", Dimension::Time)?, step: run.positive("step", Dimension::Time)? };
-    if spec.stop / spec.step > MOST_STEPS {
-        return Err(run.error("step", format!("found {:?} s, which makes more than {MOST_STEPS:?} steps until run.stop", spec.step)));
-    }
-    if spec.stop > 0.0 && spec.step > spec.stop {
-        return Err(run.error("step", format!("found {:?} s, expected at most run.stop = {:?} s", spec.step, spec.stop)));
-    }
-    run.finish()?;
-    Ok(spec)
-}
-
-/// One table for both sides, or one for each.
-pub(super) fn read_profiles(
-    section: &Section,
-    [both, left, right]: [&'static str; 3],
-    part: Part,
-) -> Result<[ProfileChoice; 2], SettingsError> {
-    let (own_left, own_right) = (section.optional_section(left)?, section.optional_section(right)?);
-    if let (Some(left), Some(right)) = (own_left, own_right) {
-        if section.has(both) {
-            return Err(section.error(both, "each side has its own table: this one serves nothing"));
-        }
-        return Ok([profile::parse(left, part)?, profile::parse(right, part)?]);
-    }
-    let shared = profile::parse(section.section(both)?, part)?;
-    let own = |key| section.optional_section(key)?.map(|own| profile::parse(own, part)).transpose();
-    Ok([own(left)?.unwrap_or(shared.clone()), own(right)?.unwrap_or(shared)])
-}
-
-/// Half the distance of standard gauge's rails, m, for what stands behind a distance that can't be read.
-const HALF_STANDARD: f64 = 0.75;
-
-fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
-    let given = section.keep(read_inclination(&section))?;
-    let inclination = given.unwrap_or(0.0);
-    let grade = node::grade(&section)?;
-    let rails = section.keep(read_profiles(&section, ["rail", "left_rail", "right_rail"], Part::Rail))?;
-    let half_rail_distance = match &rails {
-        Some(rails) => section.keep(read_half_distance(&section, rails, inclination))?,
-        // Nothing can be measured, but the keys are known.
-        None => {
-            let _ = ["rail_distance", "gauge", "gauge_depth"].map(|key| section.has(key));
-            None
-        }
-    };
-    let base = 2.0 * half_rail_distance.unwrap_or(HALF_STANDARD);
-    let alignment = section.keep(node::parse(&section, base))?;
-    if alignment.as_ref().is_some_and(Option::is_some) && section.has("grade") {
-        return Err(section.error("grade", "stands beside [[track.node]]; expected the nodes' own grade"));
-    }
-    let alignment = alignment.flatten();
-    let line = alignment.as_ref().and_then(|alignment| CentreLine::new(alignment, nalgebra::Vector3::zeros(), 0.0)).map(Arc::new);
-    let (mut deviations, mut files) = (Vec::new(), Vec::new());
-    for deviation in section.sections("deviation")? {
-        deviations.extend(section.keep(track::parse_deviation(deviation))?.into_iter().flatten());
-    }
-    for irregularity in section.sections("irregularity")? {
-        let Some(irregularity) = section.keep(track::irregularity::parse(irregularity))? else { continue };
-        deviations.extend(irregularity.deviations);
-        files.extend(irregularity.file);
-    }
-    let start_fade = if section.has("start_fade") { Some(section.positive("start_fade", Dimension::Length)?) } else { None };
-    section.clone().finish()?;
-    let (Some(rails), Some(half_rail_distance), Some(inclination)) = (rails, half_rail_distance, given) else { return Err(section.stop()) };
-    Ok(TrackSpec { half_rail_distance, inclination, grade, alignment, line, rails, deviations, start_fade, files })
-}
-
-/// Half of `rail_distance`, or what `gauge` makes of it.
-fn read_half_distance(section: &Section, rails: &[ProfileChoice; 2], inclination: f64) -> Result<f64, SettingsError> {
-    if !section.has("gauge") {
-        return Ok(0.5 * section.positive("rail_distance", Dimension::Length)?);
-    }
-    if section.has("rail_distance") {
-        return Err(section.error("gauge", "stands beside rail_distance; expected one of them"));
-    }
-    const DEPTH: f64 = 14e-3;
-    let depth = section.number_or("gauge_depth", Dimension::Length, DEPTH)?;
-    let reach = |choice: &ProfileChoice| gauge::reach(choice.profile.as_ref(), inclination, depth);
-    Ok(0.5 * (section.positive("gauge", Dimension::Length)? + reach(&rails[0]) + reach(&rails[1])))
-}
-
-/// `"1:40"` is atan(1/40); otherwise an angle.
-fn read_inclination(section: &Section) -> Result<f64, SettingsError> {
-    const STEEPEST: f64 = 0.5;
-    let text = section.text("inclination").unwrap_or_default();
-    let angle = match text.split_once(':').map(|(one, run)| (one.trim().parse::<f64>(), run.trim().parse::<f64>())) {
-        Some((Ok(one), Ok(run))) => (one / run).atan(),
-        _ => section.number("inclination", Dimension::Angle)?,
-    };
-    if angle.abs() < STEEPEST {
-        return Ok(angle);
-    }
-    let expected = "an angle below 0.5 rad, as a number in rad or a string such as \"1:40\" or \"1.4 deg\"";
-    Err(section.error("inclination", format!("found {angle:?} rad, expected {expected}")))
-}
-
-fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
-    let formulation = section.keep(formulation::parse(&section))?;
-    let material = section.keep(section.section("material").and_then(read_material))?;
-    let normal = section.keep(section.section("normal").and_then(|section| read_law(section, normal::parse)))?;
-    let creep = section.keep(section.section("creep").and_then(|section| read_law(section, creep::parse)))?;
-    let damping = section.keep(normal::damping::parse(&section))?;
-    let friction = section.not_negative("friction", Dimension::None)?;
-    let points = section.keep(read_points(&section))?;
-    let transient = section.keep(TransientSettings::parse(&section))?;
-    section.clone().finish()?;
-    let (Some((formulation_name, formulation)), Some(material), Some((normal_name, normal)), Some((creep_name, creep))) =
-        (formulation, material, normal, creep)
-    else {
-        return Err(section.stop());
-    };
-    let (Some((damping, damping_law)), Some(points), Some(transient)) = (damping, points, transient) else { return Err(section.stop()) };
-    Ok(ContactSpec {
-        formulation_name,
-        formulation,
-        friction,
-        points,
-        damping,
-        damping_law,
-        material,
-        normal_name,
-        normal,
-        creep_name,
-        creep,
-        transient,
-    })
-}
-
-fn read_material(section: Section) -> Result<Material, SettingsError> {
-    let poisson_ratio = section.within("poisson_ratio", Dimension::None, (0.0, 0.5))?;
-    let youngs_modulus = section.at_least("youngs_modulus", Dimension::Pressure, SMALLEST_MODULUS)?;
-    section.finish()?;
-    Ok(Material { youngs_modulus, poisson_ratio })
-}
-
-/// A law of contact and its name.
-fn read_law<B>(section: Section, parse: fn(&Section) -> Result<B, SettingsError>) -> Result<(String, B), SettingsError> {
-    let law = parse(&section)?;
-    let name = section.text("law")?;
-    section.finish()?;
-    Ok((name, law))
-}
-
-/// `contact.points`; `None` when absent.
-fn read_points(section: &Section) -> Result<Option<usize>, SettingsError> {
-    let Some(points) = section.optional("points", Dimension::None)? else { return Ok(None) };
-    if points.fract() == 0.0 && (1.0..=MOST_POINTS as f64).contains(&points) {
-        return Ok(Some(points as usize));
-    }
-    Err(section.error("points", format!("found {points:?}, expected a whole number from 1 to {MOST_POINTS}")))
-}
-
-/// All groups that cost nothing.
-fn default_inputs() -> Vec<&'static str> {
-    INPUT_GROUPS.iter().copied().filter(|group| *group != RAIL_MOTION).collect()
-}
-
-/// The same of outputs; forces on the rails belong to rails that move.
-fn default_outputs(inputs: &[&str]) -> Vec<&'static str> {
-    let moving = inputs.contains(&RAIL_MOTION);
-    OUTPUT_GROUPS.iter().copied().filter(|group| *group != SLIDING_MEANS && (moving || *group != RAIL_FORCES)).collect()
-}
-
-fn read_interface(section: Section, vehicle: &VehicleSpec) -> Result<InterfaceSpec, SettingsError> {
-    let only = section.optional_texts("only")?;
-    let parts = vehicle.part_names();
-    for name in only.iter().flatten() {
-        let within = |part: &&str| part.strip_prefix(name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-        if !parts.iter().any(within) {
-            let problem = format!("found \"{name}\"{}, expected parts of the vehicle: {}", did_you_mean(name, &parts), parts.join(", "));
-            return Err(section.error("only", problem));
-        }
-    }
-    let inputs = if section.has("inputs") { section.words_or_all("inputs", INPUT_GROUPS)? } else { default_inputs() };
-    let spec = InterfaceSpec {
-        outputs: if section.has("outputs") { section.words_or_all("outputs", OUTPUT_GROUPS)? } else { default_outputs(&inputs) },
-        inputs,
-        parameters: section.words_or_all("parameters", PARAMETER_GROUPS)?,
-        only,
-    };
-    section.finish()?;
-    Ok(spec)
-}
-
-/// `solver.load_tolerance`.
-fn read_load_tolerance(solver: &Section) -> Result<f64, SettingsError> {
-    const RANGE: std::ops::RangeInclusive<f64> = 1e-9..=0.5;
-    let value = solver.number_or("load_tolerance", Dimension::None, LOAD_TOLERANCE)?;
-    if RANGE.contains(&value) {
-        return Ok(value);
-    }
-    Err(solver.error(
-        "load_tolerance",
-        format!("found {value:?}, expected {:?} to {:?} (parts of the static wheel load)", RANGE.start(), RANGE.end()),
-    ))
 }

@@ -28,7 +28,7 @@ use crate::mbs::on_track::{self, OnTrack};
 use crate::scene::assemble;
 use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::{Initial, Scene};
-use crate::scene::vehicle::steady_state::{self, Contacts};
+use crate::scene::steady_state::{self, Contacts};
 use crate::solve::{Doubts, IntegrationState, Integrator, Scratch, SettingKind, SolveError, Statistics};
 use dynamics::{Memories, ModelDynamics, Watched};
 use input::InputSignal;

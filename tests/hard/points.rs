@@ -267,7 +267,7 @@ fn hard_equilibrium_on_wheels_of_unlike_size_is_that_of_the_constraints() {
     let z = |formulation: &str| {
         let scene =
             scene(&[&format!("contact.formulation={formulation}"), "vehicle.wheelset.left_profile={ kind = \"s1002\", radius = 0.461 }"]);
-        let found = wheelrail::scene::vehicle::steady_state::steady_state(&scene).unwrap_or_else(|error| panic!("{formulation}: {error}"));
+        let found = wheelrail::scene::steady_state::steady_state(&scene).unwrap_or_else(|error| panic!("{formulation}: {error}"));
         let [_, _, z, roll, ..] = found.initial_values();
         [z, roll]
     };

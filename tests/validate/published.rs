@@ -2,7 +2,7 @@
 
 use crate::common::{data, read, read_csv, scene, start, table};
 use serde_json::Value;
-use wheelrail::scene::vehicle::steady_state::steady_state;
+use wheelrail::scene::steady_state::steady_state;
 
 /// Column of the reference file and output of ours.
 const COLUMNS: &[(&str, &str)] = &[

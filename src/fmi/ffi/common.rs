@@ -2,7 +2,7 @@
 
 use super::component::Component as Instance;
 use super::types::*;
-use std::ffi::{CStr, CString};
+use std::ffi::CStr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Runs a call on an instance: null and poisoned instances answer fmi2Error, a panic poisons the instance.
@@ -49,11 +49,6 @@ pub unsafe fn text(pointer: FmiString) -> Option<String> {
         return None;
     }
     unsafe { CStr::from_ptr(pointer) }.to_str().ok().map(str::to_owned)
-}
-
-/// Text for the host; inner nulls cannot be shown.
-pub fn c_string(text: &str) -> CString {
-    CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
 /// `n` values behind a pointer; an empty slice for n = 0, `None` for null.

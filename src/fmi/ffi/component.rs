@@ -1,7 +1,7 @@
 //! What stands behind an fmi2Component: a safe instance, its logger and what C may still look at.
 
 use super::super::instance;
-use super::common::c_string;
+use super::text::c_string;
 use super::types::*;
 use std::ffi::CString;
 

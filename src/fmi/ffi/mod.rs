@@ -8,6 +8,7 @@ mod component;
 pub mod host;
 mod model_exchange;
 pub mod states;
+mod text;
 pub mod types;
 pub mod values;
 
@@ -20,11 +21,11 @@ use types::*;
 
 /// Found in the library's bytes by `wheelrail export`, which refuses a library of another build.
 #[unsafe(no_mangle)]
-pub static WHEELRAIL_BUILD_MARK: [u8; super::package::BUILD_MARK.len()] = mark();
+pub static WHEELRAIL_BUILD_MARK: [u8; super::build_mark::BUILD_MARK.len()] = mark();
 
-const fn mark() -> [u8; super::package::BUILD_MARK.len()] {
-    let source = super::package::BUILD_MARK.as_bytes();
-    let mut bytes = [0; super::package::BUILD_MARK.len()];
+const fn mark() -> [u8; super::build_mark::BUILD_MARK.len()] {
+    let source = super::build_mark::BUILD_MARK.as_bytes();
+    let mut bytes = [0; super::build_mark::BUILD_MARK.len()];
     let mut i = 0;
     while i < source.len() {
         bytes[i] = source[i];

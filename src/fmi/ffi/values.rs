@@ -2,8 +2,9 @@
 
 use super::super::instance::CallError;
 use super::super::variables::Kind;
-use super::common::{c_string, guard, refuse, report, slice, slice_mut};
+use super::common::{guard, refuse, report, slice, slice_mut};
 use super::component::Component as Instance;
+use super::text::c_string;
 use super::types::*;
 
 const NULL: &str = "a pointer to value references or values is NULL";

@@ -1,5 +1,6 @@
 //! Bodies, forces and joints of a vehicle.
 
+use super::design::design_state;
 use super::wheelset::WheelsetSpec;
 use super::{VehicleSpec, static_preload};
 use crate::formulation::{AssemblyError, Wheelset};
@@ -75,14 +76,4 @@ pub fn parts(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<Wheelset>
     let load = vehicle.weight() * grade.cos() / (2.0 * vehicle.wheelsets.len() as f64);
     let wheelsets = vehicle.wheelsets.iter().enumerate().map(|(body, placed)| wheelset(&placed.spec, body, driven(placed), load)).collect();
     Ok((system, wheelsets))
-}
-
-/// State of the system in the design configuration, travelling with `speed` [m/s].
-pub(super) fn design_state(vehicle: &VehicleSpec, system: &System, speed: f64) -> Vec<f64> {
-    let mut y = vec![0.0; system.dimension()];
-    for body in 0..vehicle.body_count() {
-        y[system.coordinates(body)][..3].copy_from_slice(vehicle.design_position(body).as_slice());
-        y[system.velocities(body).start] = speed;
-    }
-    y
 }

@@ -3,7 +3,7 @@
 use super::SUSPENSION;
 use crate::geometry::Side;
 use crate::geometry::profile::{Part, ProfileChoice};
-use crate::scene::spec::read_profiles;
+use crate::scene::profiles::read_profiles;
 use crate::settings::{Section, SettingsError, did_you_mean};
 use crate::units::Dimension;
 use nalgebra::Vector3;

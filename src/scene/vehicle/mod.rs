@@ -18,12 +18,12 @@
 //! other bodies, joints, forces and sensors by name, numbers in names by value; bodies come after wheelsets.
 
 pub mod assemble;
+mod design;
 mod expand;
 mod joints;
 mod places;
 mod read;
 mod static_preload;
-pub mod steady_state;
 pub mod templates;
 #[cfg(test)]
 mod tests;

@@ -14,7 +14,7 @@
 //! others. Wheelsets have no equations: the rails hold them. A body that the found forces leave out of balance is an error.
 
 use super::VehicleSpec;
-use super::assemble::design_state;
+use super::design::design_state;
 use crate::formulation::AssemblyError;
 use crate::mbs::body::{COORDINATES, Wrench};
 use crate::mbs::system::{System, SystemWorkspace};

@@ -1,7 +1,7 @@
 //! What a scene says about one wheelset, and how a lone one starts.
 
 use crate::geometry::profile::ProfileChoice;
-use crate::scene::spec::SMALLEST;
+use crate::scene::limits::SMALLEST;
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
 

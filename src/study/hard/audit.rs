@@ -17,8 +17,8 @@
 //!
 //! Integrals are Simpson's over pairs of samples.
 
-use super::case::Audited;
 use super::finding::{Finding, Unit};
+use super::given::Audited;
 use crate::formulation::events::{ContactChange, ContactEvent};
 use crate::formulation::{
     DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, Model, VERTICAL_FORCE, WHEELSET_INPUTS, contact_index,

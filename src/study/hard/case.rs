@@ -1,6 +1,7 @@
 //! What a hard case is.
 
 use super::finding::Finding;
+pub use super::given::{Audited, InputChange};
 use super::run::Ran;
 use super::trace::Quantity;
 
@@ -36,16 +37,6 @@ impl Method {
     pub fn is_fixed(&self) -> bool {
         self.setting.starts_with("step")
     }
-}
-
-/// An input of the leading wheelset that takes a value at a time.
-#[derive(Clone, Copy, Debug)]
-pub struct InputChange {
-    /// s.
-    pub time: f64,
-    /// See `formulation`: DRIVE_TORQUE ...
-    pub input: usize,
-    pub value: f64,
 }
 
 /// The largest distance from the reference: SI, forces as a share of the static wheel load.
@@ -106,19 +97,6 @@ impl Case {
     pub fn methods_with(&self, text: &str) -> Vec<Method> {
         self.methods.iter().copied().filter(|method| method.words().contains(text)).collect()
     }
-}
-
-/// What the audit allows.
-#[derive(Clone, Copy, Debug)]
-pub struct Audited {
-    /// Energy that no one accounts for, over what was exchanged.
-    pub energy: f64,
-    /// Share of the weight whose creep is exchanged over the way travelled: the energy of travel and spin is told to that only.
-    pub way: f64,
-    /// Mean vertical force that no one accounts for, over the weight.
-    pub weight: f64,
-    /// May a wheel leave its rail for good? Else a derailment breaks the case.
-    pub derailment: bool,
 }
 
 /// What holds for a run that nothing is wrong with.

@@ -10,6 +10,7 @@ mod audit;
 mod case;
 mod cases;
 mod finding;
+mod given;
 mod judge;
 mod open;
 pub mod random;

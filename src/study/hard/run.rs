@@ -1,7 +1,7 @@
 //! One run of a scene on a dense grid, with its books.
 
 use super::audit::Audit;
-use super::case::{Audited, InputChange};
+use super::given::{Audited, InputChange};
 use super::trace::Trace;
 use crate::scene::spec::Scene;
 use crate::sim::{Simulation, SimulationError, SimulationState};

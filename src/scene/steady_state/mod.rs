@@ -49,7 +49,7 @@ mod search;
 mod slopes;
 mod standing;
 
-use super::VehicleSpec;
+use super::vehicle::VehicleSpec;
 use crate::formulation;
 use crate::formulation::memory::ModelMemory;
 use crate::geometry::track::centre_line::Node;

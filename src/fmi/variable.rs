@@ -1,0 +1,50 @@
+//! One variable of an FMU.
+
+use super::real_parameter::RealParameter;
+use crate::sim::SimulationState;
+use crate::units::Unit;
+
+/// References of parameters that belong to no wheelset stay below this; wheelset k (from 1) has k * 1000 to k * 1000 + 999.
+pub(super) const WHEELSET: u32 = 1000;
+/// What a variable stands for.
+pub enum Role {
+    /// Index in the model's input vector.
+    Input(usize),
+    /// Index in the table of outputs.
+    Output(usize),
+    /// A field of the scene.
+    RealParameter(RealParameter),
+    /// `initial.fromEquilibrium`.
+    FromEquilibrium,
+    /// A work counter.
+    Counter(fn(&SimulationState) -> u64),
+    /// The scene's title.
+    Title,
+}
+
+/// FMI's basic types.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Real,
+    Integer,
+    Boolean,
+    String,
+}
+
+/// One scalar variable.
+pub struct Variable {
+    pub reference: u32,
+    pub name: String,
+    pub description: String,
+    pub kind: Kind,
+    pub causality: &'static str,
+    pub variability: &'static str,
+    /// FMI's attribute `initial`; `None` where it may not be given.
+    pub initial: Option<&'static str>,
+    /// Of Real variables.
+    pub unit: Unit,
+    pub start: Option<f64>,
+    pub min: Option<f64>,
+    pub max: Option<f64>,
+    pub role: Role,
+}
