@@ -360,7 +360,8 @@ fn prop_every_parameter_reads_and_writes_a_number_of_its_own() {
         let variables = VariableTable::new(&scene).unwrap().variables;
         let mut names: Vec<&str> = variables.iter().map(|variable| variable.name.as_str()).collect();
         let mut references: Vec<u32> = variables.iter().map(|variable| variable.reference).collect();
-        (names.sort_unstable(), references.sort_unstable());
+        names.sort_unstable();
+        references.sort_unstable();
         assert!(names.windows(2).all(|pair| pair[0] != pair[1]), "{}", embedded.name);
         assert!(references.windows(2).all(|pair| pair[0] != pair[1]), "{}", embedded.name);
         let parameters = variables.iter().filter_map(|variable| match variable.role {
@@ -428,7 +429,8 @@ fn equiv_parameters_of_elements_are_those_of_the_scene_file() {
         found.map(f64::to_bits).to_vec()
     };
     let plain = run(&[], &[]);
-    let cases: [(&[&str], &[(&str, f64)]); 5] = [
+    type Changed = (&'static [&'static str], &'static [(&'static str, f64)]);
+    let cases: [Changed; 5] = [
         (
             &["vehicle.module.truck.force[secondary].stiffness=[170e3, 160e3, 400e3]"],
             &[
