@@ -19,7 +19,8 @@ use wheelrail::formulation::Evaluation;
 use wheelrail::geometry::Side;
 use wheelrail::scene::load;
 use wheelrail::sim::Simulation;
-use wheelrail::study::shares::{Span, shares};
+use wheelrail::sim::recording::Times;
+use wheelrail::study::shares::shares;
 
 const SCENE: &str = "suspended_wheelset";
 
@@ -126,7 +127,7 @@ fn where_table() {
     for (name, changes, stop) in WHERE {
         let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
         let scene = load::open(name, &changes).unwrap_or_else(|error| panic!("{error}"));
-        let span = Span { stop, step: scene.run.step };
+        let span = Times { stop, step: scene.run.step };
         println!("{}", shares(&scene, span, 7).unwrap_or_else(|error| panic!("{error}")));
     }
 }

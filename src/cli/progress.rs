@@ -6,6 +6,12 @@ use std::cell::Cell;
 /// Smallest number of simulated seconds that gets a progress bar.
 const LONG: f64 = 30.0;
 
+/// A bar of some length with a word behind it.
+pub(super) fn bar(length: u64, word: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(&format!("{{wide_bar}} {{percent}} % {word}"));
+    ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
 /// Progress through simulated time.
 pub(super) struct Progress {
     bar: ProgressBar,
@@ -20,9 +26,7 @@ impl Progress {
         if total < LONG {
             return Progress { bar: ProgressBar::hidden(), done };
         }
-        let bar = ProgressBar::new((1e3 * total) as u64);
-        let style = ProgressStyle::with_template("{wide_bar} {percent} % {eta}").unwrap_or_else(|_| ProgressStyle::default_bar());
-        Progress { bar: bar.with_style(style), done }
+        Progress { bar: bar((1e3 * total) as u64, "{eta}"), done }
     }
 
     /// The present run has reached `time` [s].

@@ -4,11 +4,14 @@ use super::interrupt::Interrupt;
 use super::output::Target;
 use super::progress::Progress;
 use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, csv_target, overview, print, table};
+use crate::scene::spec::Scene;
 use crate::settings::did_you_mean;
+use crate::sim::Simulation;
 use crate::sim::outputs::Output;
 use crate::sim::recording::{self, CsvRows, Recording, Times};
 use crate::sim::statics;
 use crate::sim::vehicle_outputs::scene_outputs;
+use crate::solve::Doubts;
 use crate::study::digits::rounded;
 use clap::Args;
 use std::ops::ControlFlow;
@@ -61,6 +64,7 @@ const SHOWN: [(&str, &str, &str, f64); 10] = [
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
     let (stop, step) = arguments.times.read(&scene)?;
+    let times = Times { stop, step };
     let wheelset = arguments.wheelset.choose(&scene)?;
     // Whatever can't be written is better known before the run.
     let target = csv_target(&arguments.output, arguments.json)?;
@@ -80,44 +84,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         [0].into_iter().chain((0..outputs.len()).filter(|index| wanted(&outputs[*index].name)).map(|index| index + 1)).collect();
     let mut notes = statics::statics(&scene, &mut simulation).map(|found| found.notes()).unwrap_or_default();
     let interrupt = Interrupt::watch();
-    let mut csv = match &target {
-        Some(target) => {
-            let rows = CsvRows::begin(target.begin()?, &Recording::new(&outputs), chosen.clone());
-            Some(rows.map_err(|error| Failure::Run(error.to_string()))?)
-        }
-        None => None,
-    };
-    let progress = Progress::new(stop);
     let clock = Instant::now();
-    let mut broken = None;
-    let done = recording::record_while(&mut simulation, &outputs, Times { stop, step }, |row| {
-        progress.at(row[0]);
-        broken = csv.as_mut().and_then(|csv| csv.write(row).err());
-        if broken.is_some() || interrupt.code().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    });
+    let (recording, mut failure) = integrate(&mut simulation, &outputs, times, &interrupt, target.as_ref(), &chosen)?;
     let elapsed = clock.elapsed().as_secs_f64();
-    progress.finish();
-    // What was computed before a failure is written too.
-    let (recording, mut failure) = match done {
-        Ok(recording) => (recording, None),
-        Err(interrupted) => (interrupted.recording, Some(interrupted.error.to_string())),
-    };
     let simulated = simulation.time();
-    let whole = failure.is_some() || simulated >= stop;
-    let written = match (csv, broken) {
-        (Some(csv), Some(error)) => csv.writer.fail(error),
-        (Some(csv), None) => csv.writer.finish(),
-        (None, _) => Ok(()),
-    };
-    if let Err(error) = written {
-        failure = failure.or(Some(error.to_string()));
-    }
-    let ended = interrupt.code().filter(|_| !whole && failure.is_none()).map(|code| {
+    let ended = interrupt.code().filter(|_| failure.is_none() && simulated < times.stop).map(|code| {
         let kept = match &arguments.output {
             Some(path) if !to_stdout => format!("{} rows until then are in {}", recording.rows.len(), path.display()),
             _ => format!("{} rows until then", recording.rows.len()),
         };
-        (format!("interrupted at t = {} s of {} s: {kept}", rounded(simulated), rounded(stop)), code)
+        (format!("interrupted at t = {} s of {} s: {kept}", rounded(simulated), rounded(times.stop)), code)
     });
     if let Some(folder) = &arguments.plot {
         match overview::draw(folder, &scene.name, &scene.title, wheelset, &recording) {
@@ -127,21 +103,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     notes.extend(recording.notes.iter().cloned());
     notes.extend(simulation.notes());
-    for note in &notes {
-        super::say(&format!("note: {note}"));
-    }
     let events: Vec<String> = simulation.take_events().iter().map(ToString::to_string).collect();
-    for event in events.iter().take(EVENTS_SHOWN) {
-        super::say(event);
-    }
-    if events.len() > EVENTS_SHOWN {
-        super::say(&format!("... and {} more events (--json lists all)", events.len() - EVENTS_SHOWN));
-    }
-    let doubts = simulation.doubts();
-    if doubts.steps > 0 {
-        super::say(&format!("warning: {doubts}"));
-    }
-    let statistics = simulation.statistics();
+    messages(&notes, &events, simulation.doubts());
     if arguments.json {
         let error = failure.as_ref().or(ended.as_ref().map(|ended| &ended.0));
         let extremes: serde_json::Map<String, serde_json::Value> = extremes(&recording)
@@ -150,42 +113,102 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             .map(|extreme| (extreme.name, serde_json::json!({"min": extreme.min, "max": extreme.max, "end": extreme.end})))
             .collect();
         let value = serde_json::json!({
-            "scene": scene.name, "simulated": simulated, "seconds": elapsed, "statistics": statistics,
-            "extremes": extremes, "events": events, "doubtful_steps": doubts, "notes": notes, "error": error,
+            "scene": scene.name, "simulated": simulated, "seconds": elapsed, "statistics": simulation.statistics(),
+            "extremes": extremes, "events": events, "doubtful_steps": simulation.doubts(), "notes": notes, "error": error,
         });
         print(&format!("{value}\n"))?;
     } else if !to_stdout {
         print(&summary(&scene.title, wheelset, &recording))?;
-        print(&format!(
-            "\n  {} s simulated in {elapsed:.3} s ({} times real time with outputs every {} ms):\n  {} steps, {} rejected, {} evaluations of the right-hand side\n",
-            rounded(simulated),
-            times(simulated / elapsed.max(1e-9)),
-            rounded(1e3 * step),
-            statistics.steps,
-            statistics.rejected,
-            statistics.evaluations
-        ))?;
-        if scene.solver.integrator.linearises() {
-            print(&format!(
-                "  {} Jacobians, {} factorisations, {} Newton iterations of the integrator\n",
-                statistics.linearisations, statistics.factorisations, statistics.iterations
-            ))?;
-        }
-        if simulation.model().formulation.constrains() {
-            let work = simulation.state().work;
-            print(&format!(
-                "  {} ends of steps projected, {:.1} evaluations of the creep law per right-hand side, {} lift-offs and landings\n",
-                statistics.projections,
-                work.force_iterations as f64 / statistics.evaluations.max(1) as f64,
-                statistics.events
-            ))?;
-        }
+        print(&work(&scene, &simulation, elapsed, times.step))?;
     }
     match (failure, ended) {
         (Some(error), _) => Err(Failure::Run(error)),
         (None, Some((words, code))) => Err(Failure::Interrupted(words, code)),
         (None, None) => Ok(()),
     }
+}
+
+/// Runs to the stop time, a failure or a signal; writes the chosen columns of each row to a target. Returns what was recorded until then,
+/// and what failed.
+fn integrate(
+    simulation: &mut Simulation,
+    outputs: &[Output],
+    times: Times,
+    interrupt: &Interrupt,
+    target: Option<&Target>,
+    chosen: &[usize],
+) -> Result<(Recording, Option<String>), Failure> {
+    let mut csv = match target {
+        Some(target) => {
+            let rows = CsvRows::begin(target.begin()?, &Recording::new(outputs), chosen.to_vec());
+            Some(rows.map_err(|error| Failure::Run(error.to_string()))?)
+        }
+        None => None,
+    };
+    let progress = Progress::new(times.stop);
+    let mut broken = None;
+    let done = recording::record_while(simulation, outputs, times, |row| {
+        progress.at(row[0]);
+        broken = csv.as_mut().and_then(|csv| csv.write(row).err());
+        if broken.is_some() || interrupt.code().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    progress.finish();
+    // What was computed before a failure is written too.
+    let (recording, failure) = match done {
+        Ok(recording) => (recording, None),
+        Err(interrupted) => (interrupted.recording, Some(interrupted.error.to_string())),
+    };
+    let written = match (csv, broken) {
+        (Some(csv), Some(error)) => csv.writer.fail(error),
+        (Some(csv), None) => csv.writer.finish(),
+        (None, _) => Ok(()),
+    };
+    Ok((recording, failure.or(written.err().map(|error| error.to_string()))))
+}
+
+/// Tells of a run what its results do not show.
+fn messages(notes: &[String], events: &[String], doubts: Doubts) {
+    for note in notes {
+        super::say(&format!("note: {note}"));
+    }
+    for event in events.iter().take(EVENTS_SHOWN) {
+        super::say(event);
+    }
+    if events.len() > EVENTS_SHOWN {
+        super::say(&format!("... and {} more events (--json lists all)", events.len() - EVENTS_SHOWN));
+    }
+    if doubts.steps > 0 {
+        super::say(&format!("warning: {doubts}"));
+    }
+}
+
+/// What a run took.
+fn work(scene: &Scene, simulation: &Simulation, elapsed: f64, step: f64) -> String {
+    let (statistics, simulated) = (simulation.statistics(), simulation.time());
+    let mut text = format!(
+        "\n  {} s simulated in {elapsed:.3} s ({} times real time with outputs every {} ms):\n  {} steps, {} rejected, {} evaluations of the right-hand side\n",
+        rounded(simulated),
+        times(simulated / elapsed.max(1e-9)),
+        rounded(1e3 * step),
+        statistics.steps,
+        statistics.rejected,
+        statistics.evaluations
+    );
+    if scene.solver.integrator.linearises() {
+        text += &format!(
+            "  {} Jacobians, {} factorisations, {} Newton iterations of the integrator\n",
+            statistics.linearisations, statistics.factorisations, statistics.iterations
+        );
+    }
+    if simulation.model().formulation.constrains() {
+        text += &format!(
+            "  {} ends of steps projected, {:.1} evaluations of the creep law per right-hand side, {} lift-offs and landings\n",
+            statistics.projections,
+            simulation.state().work.force_iterations as f64 / statistics.evaluations.max(1) as f64,
+            statistics.events
+        );
+    }
+    text
 }
 
 /// Does a name fit a pattern, in which * stands for any letters and ? for one? Brackets are those of names.

@@ -1,12 +1,12 @@
 //! `wheelrail table -o FILE`: the creep-force table of the creep law `usetab`, computed with the exact theory.
 
 use super::output::{Kind, Target};
+use super::progress::bar;
 use super::{Failure, print, refused};
 use crate::contact::creep::usetab::generate::generate;
 use crate::contact::creep::usetab::layout::Layout;
 use crate::contact::creep::usetab::table::Table;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -44,8 +44,7 @@ pub(super) fn table(arguments: &Arguments) -> Result<(), Failure> {
     }
     // Before minutes of work: can the file be written at all?
     let target = Target::find(output, Kind::Binary).map_err(refused)?;
-    let style = ProgressStyle::with_template("{wide_bar} {percent} % {eta}").unwrap_or_else(|_| ProgressStyle::default_bar());
-    let bar = ProgressBar::new(0).with_style(style);
+    let bar = bar(0, "{eta}");
     let bytes = generate(Layout { steps: *steps, shapes: *shapes, cells: *grid, nu: *nu }, &|ready, all| {
         bar.set_length(all as u64);
         bar.set_position(ready as u64);

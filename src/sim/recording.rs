@@ -137,7 +137,7 @@ fn look(left: &mut LeftTables, simulation: &mut Simulation) -> Result<(), Simula
 }
 
 /// When a run ends, and at which distance it is recorded, s.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Times {
     pub stop: f64,
     pub step: f64,

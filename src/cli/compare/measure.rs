@@ -6,19 +6,12 @@ use crate::cli::progress::Progress;
 use crate::scene::spec::Scene;
 use crate::sim::Simulation;
 use crate::sim::outputs::outputs;
-use crate::sim::recording::{self, Interrupted};
+use crate::sim::recording::{self, Interrupted, Times};
 use crate::solve::SettingKind;
 use crate::study::accuracy::{Measured, cpu_time};
 
 /// Timed runs of each formulation; the median counts.
 pub(super) const ROUNDS: usize = 3;
-
-/// Stop time and interval of the samples, s.
-#[derive(Clone, Copy)]
-pub(super) struct Times {
-    pub stop: f64,
-    pub step: f64,
-}
 
 /// One formulation and what became of it.
 pub(super) struct Run {
@@ -38,12 +31,7 @@ pub(super) struct Run {
 
 impl Run {
     /// Records a scene under its formulation and once more with a finer integration; `scene` may be why there is none.
-    pub(super) fn new(
-        (name, summary): (&'static str, &'static str),
-        scene: Result<Scene, String>,
-        times: Times,
-        progress: &Progress,
-    ) -> Run {
+    pub(super) fn new(name: &'static str, summary: &'static str, scene: Result<Scene, String>, times: Times, progress: &Progress) -> Run {
         let samples = Samples::default();
         let mut run = Run { name, summary, scene: None, rigid: None, samples, refined: None, cost: None, failure: None };
         let started = scene.and_then(|scene| Ok((Simulation::new(&scene, 0.0).map_err(|error| error.to_string())?, scene)));

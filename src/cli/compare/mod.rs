@@ -9,9 +9,10 @@ use super::progress::Progress;
 use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, chosen, make_folder, names, print, say};
 use crate::formulation;
 use crate::scene::load;
+use crate::sim::recording::Times;
 use crate::study::digits::{prefix, sized};
 use clap::Args;
-use measure::{ROUNDS, Run, Times};
+use measure::{ROUNDS, Run};
 use quantity::{QUANTITIES, Quantity};
 use report::Comparison;
 use std::path::{Path, PathBuf};
@@ -102,7 +103,7 @@ fn run_all(scene: &SceneArguments, formulations: &[&str], times: Times) -> Vec<R
         let mut overrides = scene.overrides.clone();
         overrides.push(format!("contact.formulation=\"{}\"", entry.name));
         let scene = load::open(&scene.scene, &overrides).map_err(|error| error.to_string());
-        Run::new((entry.name, entry.summary), scene, times, &progress)
+        Run::new(entry.name, entry.summary, scene, times, &progress)
     };
     let mut runs: Vec<Run> = entries.map(run).collect();
     measure::time(&mut runs, times.stop, &progress);

@@ -1,11 +1,12 @@
 //! The comparison in words and as JSON.
 
-use super::measure::{ROUNDS, Run, Times};
+use super::measure::{ROUNDS, Run};
 use super::pairs;
 use super::quantity::{Apart, QUANTITIES, Samples, Trace};
 use crate::cli::plot::wrapped;
 use crate::cli::{file_names, table};
 use crate::scene::spec::Scene;
+use crate::sim::recording::Times;
 use crate::study::accuracy::Measured;
 use crate::study::digits::rounded;
 use serde_json::{Map, Value, json};
@@ -26,20 +27,28 @@ pub(super) struct Comparison<'a> {
 /// Why two formulations differ.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// Both rigid: the same equations in other variables.
+    /// Both rigid.
     Numerical,
-    /// Both elastic: the same force law, contact points found in another way.
+    /// Both elastic.
     Search,
     /// Rigid against elastic.
     Models,
 }
 
 impl Kind {
-    fn word(self) -> &'static str {
+    /// In a word, and what that means.
+    fn words(self) -> [&'static str; 2] {
         match self {
-            Kind::Numerical => "numerical",
-            Kind::Search => "contact search",
-            Kind::Models => "models",
+            Kind::Numerical => ["numerical", "the same equations in other variables; what is left is numerical error."],
+            Kind::Search => {
+                ["contact search", "the same elastic law, places found in other ways; falls with the square of contact.node_spacing."]
+            }
+            Kind::Models => [
+                "models",
+                "a rigid wheel can't enter the rail, an elastic one sinks in: two descriptions of the same wheelset, whose difference stays \
+                 when the integration gets finer. In z it is the penetration, in N the ringing of the contact springs behind a jump of the \
+                 rail's curvature.",
+            ],
         }
     }
 
@@ -160,7 +169,7 @@ fn differences(comparison: &Comparison) -> String {
     let compared = comparison.compared();
     for [first, second] in &compared {
         let apart = comparison.apart(&first.samples, &second.samples);
-        let label = format!("{} against {} ({})", first.name, second.name, Kind::of(first, second).word());
+        let label = format!("{} against {} ({})", first.name, second.name, Kind::of(first, second).words()[0]);
         largest.push(cells(label.clone(), &|quantity| apart[quantity].map(|apart| apart.largest)));
         means.push(cells(label, &|quantity| apart[quantity].map(|apart| apart.rms)));
     }
@@ -186,18 +195,9 @@ fn differences(comparison: &Comparison) -> String {
 
 /// What the differences mean, as far as they occur.
 fn explanations(compared: &[[&Run; 2]]) -> String {
-    let words = [
-        (Kind::Numerical, "the same equations in other variables; what is left is numerical error."),
-        (Kind::Search, "the same elastic law, places of contact found in other ways; falls with the square of contact.node_spacing."),
-        (
-            Kind::Models,
-            "a rigid wheel can't enter the rail, an elastic one sinks in: two descriptions of the same wheelset, whose difference stays when the \
-             integration gets finer. In z it is the penetration, in N the ringing of the contact springs behind a jump of the rail's curvature.",
-        ),
-    ];
-    let occurs = |kind: Kind| compared.iter().any(|[first, second]| Kind::of(first, second) == kind);
-    let told = words.into_iter().filter(|(kind, _)| occurs(*kind));
-    told.map(|(kind, words)| format!("\n{}\n", wrapped(&format!("{}: {words}", kind.word()), 110).join("\n"))).collect()
+    let occurs = |kind: &Kind| compared.iter().any(|[first, second]| Kind::of(first, second) == *kind);
+    let told = [Kind::Numerical, Kind::Search, Kind::Models].into_iter().filter(occurs);
+    told.map(|kind| format!("\n{}\n", wrapped(&kind.words().join(": "), 110).join("\n"))).collect()
 }
 
 /// Everything in SI units.
@@ -226,7 +226,7 @@ pub(super) fn json(comparison: &Comparison, pictures: &[PathBuf]) -> Value {
         })
     };
     let difference = |[first, second]: [&Run; 2]| {
-        let (kind, quantities) = (Kind::of(first, second).word(), apart(&first.samples, &second.samples));
+        let (kind, quantities) = (Kind::of(first, second).words()[0], apart(&first.samples, &second.samples));
         json!({"first": first.name, "second": second.name, "kind": kind, "quantities": quantities})
     };
     json!({

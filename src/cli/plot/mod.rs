@@ -12,7 +12,7 @@ mod scale;
 use crate::cli::output::write_whole;
 use frame::Frame;
 pub(super) use frame::inside;
-use pen::{START, TOP, letters};
+use pen::{START, TOP, fitting, letters};
 use plotters::style::RGBColor;
 use scale::Scale;
 use std::path::Path;
@@ -187,7 +187,7 @@ impl Sheet {
         let size = (wide * columns as f64, head + rows.iter().sum::<f64>());
         let svg = pen::svg(size, |pen| {
             let middle = 0.5 * size.0;
-            pen.text(&self.title, (middle, 10.0), 24.0, TOP, DARK)?;
+            pen.text(&self.title, (middle, 10.0), fitting(&self.title, 24.0, size.0), TOP, DARK)?;
             for (line, words) in subtitles.iter().enumerate() {
                 pen.text(words, (middle, TITLE + LINE * line as f64), 16.0, TOP, pen::GREY)?;
             }

@@ -2,13 +2,15 @@
 
 use super::frame::{BOTTOM, Frame, LEFT, STRIP};
 use super::labels;
-use super::pen::{Drawn, END, GREY, MIDDLE, Pen, Place, START, TOP, letters};
+use super::pen::{Drawn, END, GREY, MIDDLE, Pen, Place, START, TOP, fitting, letters};
 use super::{Axis, DARK, Ink, Panel, Series};
 
 pub(super) fn draw(pen: &Pen, panel: &Panel, frame: &Frame) -> Drawn {
     let line = frame.corner.1 - 0.5 * STRIP;
-    pen.text(&panel.title, (frame.corner.0, line), 18.0, START, DARK)?;
-    pen.text(&panel.aside, (frame.end().0, line), 14.0, END, GREY)?;
+    let size = fitting(&panel.title, 18.0, frame.size.0);
+    pen.text(&panel.title, (frame.corner.0, line), size, START, DARK)?;
+    let beside = frame.size.0 - letters(size, panel.title.chars().count() + 2);
+    pen.text(&panel.aside, (frame.end().0, line), fitting(&panel.aside, 14.0, beside), END, GREY)?;
     axes(pen, [&panel.x, &panel.y], frame)?;
     for level in &panel.levels {
         let y = frame.at((frame.x.low, *level)).1;

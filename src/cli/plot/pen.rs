@@ -35,6 +35,11 @@ pub(super) fn letters(size: f64, count: usize) -> f64 {
     0.56 * size * count as f64
 }
 
+/// A height of letters, `size` at most, in which words fit a width.
+pub(super) fn fitting(words: &str, size: f64, width: f64) -> f64 {
+    size.min(width / letters(1.0, words.chars().count().max(1)))
+}
+
 pub(super) struct Pen<'a>(DrawingArea<SVGBackend<'a>, Shift>);
 
 /// Draws a white sheet of a size in pixels.

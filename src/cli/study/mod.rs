@@ -4,18 +4,19 @@ mod csv;
 mod pictures;
 mod words;
 
+use super::progress::bar;
 use super::{
     Failure, SceneArguments, TimeArguments, WheelsetArgument, chosen, csv_target, file_names, make_folder, names, print, say, seconds,
 };
 use crate::contact::creep;
 use crate::formulation;
 use crate::scene::spec::Scene;
+use crate::sim::recording::Times;
 use crate::solve;
 use crate::study::accuracy::{self, Request, Study, StudyError};
-use crate::study::shares::{self, Span};
+use crate::study::shares;
 use crate::units::Dimension;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 
 /// What is run where nothing is named.
@@ -149,15 +150,14 @@ fn where_time_goes(arguments: &Arguments, scene: &Scene) -> Result<(), Failure> 
     if !(stop >= step) {
         return Err(Failure::Input(format!("--stop {stop}: expected a time of at least one output step, {step} s")));
     }
-    let found = shares::shares(scene, Span { stop, step }, arguments.repeats).map_err(Failure::Run)?;
+    let found = shares::shares(scene, Times { stop, step }, arguments.repeats).map_err(Failure::Run)?;
     print(&if arguments.json { format!("{}\n", serde_json::json!(found)) } else { found.to_string() })?;
     Ok(())
 }
 
 /// Runs it under a progress bar, which shows where stderr is a terminal.
 fn run(request: &Request) -> Result<Study, Failure> {
-    let style = ProgressStyle::with_template("{wide_bar} {percent} % {msg:40!}").unwrap_or_else(|_| ProgressStyle::default_bar());
-    let bar = ProgressBar::new(1000).with_style(style);
+    let bar = bar(1000, "{msg:40!}");
     let done = accuracy::study(request, &mut |share, what| {
         bar.set_position((1e3 * share.clamp(0.0, 1.0)) as u64);
         bar.set_message(what.to_string());

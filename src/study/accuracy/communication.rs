@@ -11,11 +11,11 @@ use super::errors::{Errors, Quantity};
 use super::observation::{Observation, needed};
 use super::reference::{METHODS, PER_DECADE};
 use super::request::Request;
-use super::run::{Measured, Setting, Span, repeated, with_setting};
+use super::run::{Measured, Setting, repeated, with_setting};
 use super::schedule::PILOT_TOLERANCE;
 use crate::formulation::LATERAL_FORCE;
 use crate::scene::spec::Scene;
-use crate::sim::recording::Recording;
+use crate::sim::recording::{Recording, Times};
 use crate::sim::{Simulation, input_index};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -58,7 +58,7 @@ type Sample<'a> = &'a mut dyn FnMut(&mut Simulation) -> Result<(), String>;
 struct Drive {
     hold: usize,
     step: f64,
-    span: Span,
+    span: Times,
     deadline: Option<Instant>,
 }
 
@@ -109,14 +109,14 @@ impl Drive {
 }
 
 /// What the reference takes, s: both methods on a core of their own, where a run at the pilots' tolerance takes `pilot` per simulated second.
-pub(super) fn duration(pilot: f64, span: Span) -> f64 {
+pub(super) fn duration(pilot: f64, span: Times) -> f64 {
     pilot * span.stop.min(LONGEST) * PER_DECADE.powf((PILOT_TOLERANCE / REFERENCE_TOLERANCE).log10())
 }
 
 /// Every way of holding with every communication step.
-pub(super) fn sweep(scene: &Scene, request: &Request, span: Span, budget: &Budget) -> Result<Vec<Coupled>, String> {
+pub(super) fn sweep(scene: &Scene, request: &Request, span: Times, budget: &Budget) -> Result<Vec<Coupled>, String> {
     let steps = &request.communication_steps;
-    let span = Span { stop: span.stop.min(LONGEST), ..span };
+    let span = Times { stop: span.stop.min(LONGEST), ..span };
     let deadline = in_seconds(budget.left_of(1.0).max(0.0));
     let shortest = steps.iter().copied().fold(f64::INFINITY, f64::min);
     let reference = |method: &'static str, part: f64| {

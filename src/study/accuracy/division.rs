@@ -1,10 +1,11 @@
 //! How the budget is divided: the span of all runs, and the models' references in turn.
 
 use super::clock::Budget;
-use super::run::{Setting, Span};
+use super::run::Setting;
 use super::schedule::{Item, Schedule, patience};
 use super::study::Model;
 use super::variant::Variant;
+use crate::sim::recording::Times;
 
 /// Until these shares of the budget pilots, references and points may take.
 pub(super) const PILOTS: f64 = 0.1;
@@ -20,7 +21,7 @@ const FIRST_MODEL: f64 = 0.5;
 const REFERENCE_RUNS: f64 = 10.0;
 
 /// A span of which half of the cheapest variant's runs fit into the budget.
-pub(super) fn shortened(full: Span, schedule: &Schedule, settings: &[Setting], budget: &Budget, notes: &mut Vec<String>) -> Span {
+pub(super) fn shortened(full: Times, schedule: &Schedule, settings: &[Setting], budget: &Budget, notes: &mut Vec<String>) -> Times {
     let patience = patience(budget, settings.len() * schedule.pilots.len());
     let whole = |variant: usize| {
         let pilot = schedule.pilots[variant]?;
@@ -44,7 +45,7 @@ pub(super) fn shortened(full: Span, schedule: &Schedule, settings: &[Setting], b
         full.stop, budget.seconds
     );
     notes.push(words);
-    Span { stop, ..full }
+    Times { stop, ..full }
 }
 
 /// The order in which models get their references, and the share of the budget until which each may take: the scene's own

@@ -7,13 +7,14 @@ use super::division::{PILOTS, POINTS, POINTS_ALONE, shortened, turns};
 use super::errors::Errors;
 use super::reference::{self, ENDS, METHODS};
 use super::request::Request;
-use super::run::{self, Setting, Span};
+use super::run::{self, Setting};
 use super::schedule::{Item, PILOT_TOLERANCE, Pilot, Schedule, patience};
 use super::study::{Model, Outcome, Point, Study, StudyError};
 use super::variant::{Variant, variants};
 use crate::scene::load;
 use crate::scene::spec::Scene;
 use crate::sim::Simulation;
+use crate::sim::recording::Times;
 
 /// A variant that can be started.
 struct Prepared {
@@ -33,7 +34,7 @@ struct Making<'a> {
     settings: Vec<Setting>,
     prepared: Vec<Prepared>,
     schedule: Schedule,
-    span: Span,
+    span: Times,
     study: Study,
 }
 
@@ -64,7 +65,7 @@ impl<'a> Making<'a> {
         if prepared.is_empty() {
             return Err(StudyError::Refused(format!("no formulation can start the scene: {}", notes.join("; "))));
         }
-        let full = Span { stop: request.stop.unwrap_or(own.run.stop), step: request.step };
+        let full = Times { stop: request.stop.unwrap_or(own.run.stop), step: request.step };
         let (start, mut pilots, mut cpu) = (budget.spent(), Vec::new(), 0.0);
         for (variant, one) in variants.iter().zip(&prepared) {
             progress(budget.spent() / budget.seconds, &format!("pilot run of {}", variant.label()));
@@ -213,7 +214,7 @@ fn prepare(request: &Request, notes: &mut Vec<String>) -> Result<(Vec<Variant>, 
 }
 
 /// A first run that shows what a variant costs; `None` when it did not move.
-fn pilot(prepared: &Prepared, span: Span, limit: f64) -> Option<Pilot> {
+fn pilot(prepared: &Prepared, span: Times, limit: f64) -> Option<Pilot> {
     let setting = Setting { integrator: METHODS[0], fixed: false, value: PILOT_TOLERANCE };
     let mut simulation = Simulation::new(&run::with_setting(&prepared.scene, &setting).ok()?, 0.0).ok()?;
     let observed = run::observe(&mut simulation, None, span, limit, false);

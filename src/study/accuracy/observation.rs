@@ -80,15 +80,6 @@ impl Observation {
         Observation { smooth: is_smooth(recording, model), jumps: model.formulation.constrains(), wheelsets: wheelsets.collect() }
     }
 
-    /// Number of samples.
-    pub fn len(&self) -> usize {
-        self.smooth.len()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.smooth.is_empty()
-    }
-
     /// The longest mean hunting wavelength of a wheelset, m; `None` where none swings twice.
     pub fn wavelength(&self) -> Option<f64> {
         self.wheelsets.iter().filter_map(|trace| mean_wavelength(&crossings(trace), usize::MAX)).reduce(f64::max)

@@ -7,10 +7,11 @@
 use super::clock::Budget;
 use super::errors::{Errors, Quantity};
 use super::observation::Observation;
-use super::run::{Observed, Setting, Span, observe, with_setting};
+use super::run::{Observed, Setting, observe, with_setting};
 use super::schedule::PILOT_TOLERANCE;
 use crate::scene::spec::Scene;
 use crate::sim::Simulation;
+use crate::sim::recording::Times;
 use serde::Serialize;
 
 /// The two methods.
@@ -46,7 +47,7 @@ pub(super) const ENDS: &str = " (--set contact.on_lift=elastic lets a wheel that
 fn pair(
     (scene, hint): (&Scene, &str),
     wheelset: Option<&str>,
-    span: Span,
+    span: Times,
     tolerance: f64,
     limit: f64,
 ) -> Result<([Observed; 2], f64), String> {
@@ -69,7 +70,7 @@ fn pair(
 pub(super) fn reference(
     (formulation, scene, hint): (&'static str, &Scene, &str),
     wheelset: Option<&str>,
-    span: Span,
+    span: Times,
     (budget, [first, share], pilot): (&Budget, [f64; 2], f64),
     fixed: Option<f64>,
 ) -> Result<Reference, String> {

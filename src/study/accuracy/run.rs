@@ -5,7 +5,7 @@ use super::observation::{Observation, needed};
 use super::request::Request;
 use crate::formulation::work::Work;
 use crate::scene::spec::Scene;
-use crate::sim::recording::{Recording, communication_points};
+use crate::sim::recording::{Recording, Times, communication_points};
 use crate::sim::{Simulation, SimulationState};
 use crate::solve::{self, SettingKind, Statistics};
 use crate::study::digits::rounded;
@@ -45,13 +45,6 @@ impl Setting {
 /// A step [s] (`fixed`) or a tolerance [m] in words.
 fn number(fixed: bool, value: f64) -> String {
     if fixed { format!("{} ms", rounded(1e3 * value)) } else { format!("{:e}", rounded(value)) }
-}
-
-/// Span of a run and the distance of its output times, s.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(super) struct Span {
-    pub stop: f64,
-    pub step: f64,
 }
 
 /// An integrator of the registry with any setting; the kind of number that governs it and its range.
@@ -124,7 +117,7 @@ pub(super) struct Observed {
 }
 
 /// Runs and observes; gives up after `limit` seconds, `early` where it can be foreseen. `wheelset`: see [`needed`].
-pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span: Span, limit: f64, early: bool) -> Observed {
+pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span: Times, limit: f64, early: bool) -> Observed {
     let start = Instant::now();
     let outputs = needed(simulation.model(), wheelset);
     let deadline = in_seconds(limit);
@@ -183,7 +176,7 @@ const LONG: f64 = 0.5;
 pub(super) fn measure(
     scene: &Scene,
     wheelset: Option<&str>,
-    span: Span,
+    span: Times,
     repeats: usize,
     [limit, patience]: [f64; 2],
 ) -> Result<(Observation, Measured), String> {
@@ -207,7 +200,7 @@ pub(super) fn measure(
 pub(super) fn repeated(
     simulation: &mut Simulation,
     start: &SimulationState,
-    span: Span,
+    span: Times,
     count: usize,
     mut run: impl FnMut(&mut Simulation) -> Result<(), String>,
 ) -> Result<Vec<f64>, String> {

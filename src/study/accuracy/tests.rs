@@ -202,7 +202,7 @@ fn hard_a_run_that_will_not_end_in_time_is_given_up_early() {
     let scene = crate::scene::load::open("suspended_wheelset", &["solver.tolerance=1e-12".to_string()]).unwrap();
     let run = |limit: f64, early: bool| {
         let mut simulation = crate::sim::Simulation::new(&scene, 0.0).unwrap();
-        run::observe(&mut simulation, None, run::Span { stop: 500.0, step: 5e-3 }, limit, early)
+        run::observe(&mut simulation, None, crate::sim::recording::Times { stop: 500.0, step: 5e-3 }, limit, early)
     };
     let given_up = run(0.2, true);
     let why = given_up.failure.unwrap();
@@ -232,7 +232,7 @@ fn hard_a_study_without_a_reference_says_what_to_do() {
 /// What coupled references take: a decade of tolerance costs 1.8 times, and no more than 2 s are simulated.
 #[test]
 fn analytic_coupled_references_are_foreseen() {
-    let seconds = |stop: f64| communication::duration(0.1, run::Span { stop, step: 5e-3 });
+    let seconds = |stop: f64| communication::duration(0.1, crate::sim::recording::Times { stop, step: 5e-3 });
     assert!((seconds(1.0) - 0.1 * 1.8f64.powi(6)).abs() < 1e-9 && (seconds(5.0) - 2.0 * seconds(1.0)).abs() < 1e-9);
 }
 

@@ -9,7 +9,7 @@ pub mod anatomy;
 
 use crate::formulation::timers::{CALLS, Call, Timers};
 use crate::scene::spec::Scene;
-use crate::sim::recording::{Recording, communication_points};
+use crate::sim::recording::{Recording, Times, communication_points};
 use crate::sim::vehicle_outputs::scene_outputs;
 use crate::sim::{Simulation, SimulationState};
 use crate::solve::{SettingKind, Statistics};
@@ -107,44 +107,35 @@ pub struct Shares {
     pub doubt: Option<String>,
 }
 
-/// Span of the run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
-    /// s.
-    pub stop: f64,
-    /// Distance of the output times, s.
-    pub step: f64,
-}
-
 /// No further repetition when all have taken longer, s.
 const LONG: f64 = 20.0;
 /// At most so many evaluations are made again.
 const SAMPLES: usize = 60;
 
-/// Seconds of one run.
+/// Seconds of the parts of one run.
 #[derive(Clone, Copy, Debug, Default)]
-struct Times {
+struct Seconds {
     calls: [f64; CALLS],
     own: f64,
     reading: f64,
     writing: f64,
 }
 
-impl Times {
+impl Seconds {
     fn sum(&self) -> f64 {
         self.calls.iter().sum::<f64>() + self.own + self.reading + self.writing
     }
 
     /// Takes the clocks' own time, of which `inside` falls into each call's, off the calls and off what is left for the integrator of the time
     /// of `advancing`.
-    fn cleared(mut self, timers: &Timers, advancing: f64, [inside, all]: [f64; 2]) -> Times {
+    fn cleared(mut self, timers: &Timers, advancing: f64, [inside, all]: [f64; 2]) -> Seconds {
         self.own = advancing;
         for (seconds, tally) in self.calls.iter_mut().zip(timers.tallies()) {
             let (count, time) = (tally.count as f64, tally.time.as_secs_f64());
             *seconds = (time - inside * count).max(0.0);
             self.own -= time + (all - inside) * count;
         }
-        Times { own: self.own.max(0.0), ..self }
+        Seconds { own: self.own.max(0.0), ..self }
     }
 }
 
@@ -153,11 +144,11 @@ struct Runner {
     simulation: Simulation,
     start: SimulationState,
     outputs: Vec<crate::sim::outputs::Output>,
-    span: Span,
+    span: Times,
 }
 
 impl Runner {
-    fn new(scene: &Scene, span: Span) -> Result<Runner, String> {
+    fn new(scene: &Scene, span: Times) -> Result<Runner, String> {
         let simulation = Simulation::new(scene, 0.0).map_err(|error| error.to_string())?;
         let (start, outputs) = (simulation.state().clone(), scene_outputs(scene, simulation.model()));
         Ok(Runner { simulation, start, outputs, span })
@@ -165,13 +156,13 @@ impl Runner {
 
     /// Runs with these clocks, which are left in the simulation; returns the time of advancing, and those of outputs. `look` is shown the
     /// simulation at each output time.
-    fn run(&mut self, timers: Timers, mut look: impl FnMut(&mut Simulation)) -> Result<(f64, Times), String> {
+    fn run(&mut self, timers: Timers, mut look: impl FnMut(&mut Simulation)) -> Result<(f64, Seconds), String> {
         if !self.simulation.restore(&self.start) {
             return Err("the initial state does not fit its own simulation".into());
         }
         *self.simulation.timers() = timers;
         let mut recording = Recording::new(&self.outputs);
-        let (mut advancing, mut times) = (0.0, Times::default());
+        let (mut advancing, mut times) = (0.0, Seconds::default());
         let mut clock = Instant::now();
         let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
         let words = |error: crate::sim::SimulationError| error.to_string();
@@ -198,7 +189,7 @@ impl Runner {
 ///
 /// # Errors
 /// In words, when the scene can't be started or the run does not come to its end.
-pub fn shares(scene: &Scene, span: Span, repeats: usize) -> Result<Shares, String> {
+pub fn shares(scene: &Scene, span: Times, repeats: usize) -> Result<Shares, String> {
     let mut runner = Runner::new(scene, span)?;
     runner.run(Timers::default(), |_| ())?;
     let statistics = runner.simulation.statistics();
@@ -213,7 +204,7 @@ pub fn shares(scene: &Scene, span: Span, repeats: usize) -> Result<Shares, Strin
         }
     })?;
     let (begin, clocks) = (Instant::now(), Timers::own_time());
-    let (mut best, mut seconds): (Option<Times>, f64) = (None, f64::INFINITY);
+    let (mut best, mut seconds): (Option<Seconds>, f64) = (None, f64::INFINITY);
     for round in 0..repeats.max(1) {
         if round > 0 && begin.elapsed().as_secs_f64() > LONG {
             break;
@@ -249,7 +240,7 @@ pub fn shares(scene: &Scene, span: Span, repeats: usize) -> Result<Shares, Strin
 }
 
 /// All parts, with the times of right-hand sides and Jacobians divided as their anatomy says.
-fn divide(times: &Times, anatomy: &Anatomy) -> Vec<Share> {
+fn divide(times: &Seconds, anatomy: &Anatomy) -> Vec<Share> {
     let call = |call: Call| times.calls[call as usize];
     let parts = anatomy.right_hand_side();
     let all: f64 = parts.iter().map(|part| part.1).sum();

@@ -9,7 +9,7 @@ fn open(name: &str, changes: &[&str]) -> Scene {
 }
 
 fn found(scene: &str, changes: &[&str], stop: f64) -> Shares {
-    let found = shares(&open(scene, changes), Span { stop, step: 0.01 }, 2).unwrap();
+    let found = shares(&open(scene, changes), Times { stop, step: 0.01 }, 2).unwrap();
     println!("{found}");
     found
 }
@@ -91,7 +91,7 @@ fn analytic_the_clock_is_taken_off_and_times_are_divided() {
     let [raw, solving] = [0, 3].map(|call| tallies[call].time.as_secs_f64());
     assert!(raw >= 6e-3 && solving >= 4e-3, "a clock shows at least what was slept");
     // 1 ms of each call lies in its time, 2 ms beside it.
-    let outputs = Times { reading: 0.5, writing: 0.25, ..Times::default() };
+    let outputs = Seconds { reading: 0.5, writing: 0.25, ..Seconds::default() };
     let times = outputs.cleared(&timers, raw + solving + 0.03, [1e-3, 3e-3]);
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
     near(times.calls[0], raw - 3e-3);
@@ -99,7 +99,7 @@ fn analytic_the_clock_is_taken_off_and_times_are_divided() {
     near(times.own, 0.03 - 5.0 * 2e-3);
     let anatomy =
         Anatomy { whole: 9.0, normal: 1.0, creep: 1.0, track: 0.5, forces: 1.5, equations: 2.0, jacobian: 4.0, jacobian_contacts: 3.0 };
-    let times = Times { calls: [90.0, 58.0, 18.0, 8.0, 0.0], own: 48.0, reading: 40.0, writing: 10.0 };
+    let times = Seconds { calls: [90.0, 58.0, 18.0, 8.0, 0.0], own: 48.0, reading: 40.0, writing: 10.0 };
     let shares: Vec<f64> = divide(&times, &anatomy).iter().map(|share| share.share * 272.0).collect();
     let expected = [30.0, 10.0, 10.0, 5.0, 15.0, 20.0, 0.0, 43.5, 14.5, 18.0, 8.0, 0.0, 48.0, 40.0, 10.0];
     assert!(shares.iter().zip(expected).all(|(found, wanted)| (found - wanted).abs() < 1e-9), "{shares:?}");
@@ -122,6 +122,6 @@ fn prop_clocks_know_their_own_time() {
 #[test]
 fn hard_runs_that_end_early_say_why() {
     let off = open("suspended_wheelset", &["solver.integrator=rk4", "solver.step=0.01"]);
-    let reason = shares(&off, Span { stop: 1.0, step: 0.01 }, 1).unwrap_err();
+    let reason = shares(&off, Times { stop: 1.0, step: 0.01 }, 1).unwrap_err();
     assert!(reason.contains("t = "), "{reason}");
 }
