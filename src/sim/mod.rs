@@ -146,7 +146,27 @@ impl Simulation {
     /// [`SimulationError`] when there is no equilibrium or the initial state cannot be evaluated.
     pub fn new(scene: &Scene, start: f64) -> Result<Self, SimulationError> {
         let mut model = assemble::model(scene)?;
-        let (mut y, contacts) = initial_state(scene, &mut model)?;
+        let (y, contacts) = initial_state(scene, &mut model)?;
+        Self::begin(model, &scene.solver.integrator, (y, contacts), start)
+    }
+
+    /// A simulation of a model that was put together in code, from its solution `y` at `start` [s]: six coordinates per body (x, y, z, yaw, roll,
+    /// pitch) in the track frame, then their rates, then the other states (`Model::dimension` in all; zeros will do). Contacts are found.
+    ///
+    /// # Errors
+    /// [`SimulationError`] when the initial state cannot be evaluated.
+    pub fn from_model(model: Model, integrator: &Arc<dyn Integrator>, mut y: Vec<f64>, start: f64) -> Result<Self, SimulationError> {
+        y.resize(model.dimension(), 0.0);
+        Self::begin(model, integrator, (y, Contacts::Any), start)
+    }
+
+    /// From a solution in the track frame, and how contacts begin.
+    fn begin(
+        model: Model,
+        integrator: &Arc<dyn Integrator>,
+        (mut y, contacts): (Vec<f64>, Contacts),
+        start: f64,
+    ) -> Result<Self, SimulationError> {
         let mut memory = model.blank_memory();
         if let Contacts::Kept(kept) = &contacts {
             (memory.wheels, memory.partitions) = (kept.wheels.clone(), kept.partitions.clone());
@@ -165,7 +185,7 @@ impl Simulation {
         step.project()?;
         model.note_means(start, &y, &mut memory);
         let inputs: Vec<InputSignal> = model.neutral_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
-        let integration = scene.solver.integrator.start(start, &y);
+        let integration = integrator.start(start, &y);
         let snapshot = Snapshot {
             time: start,
             dy: vec![0.0; y.len()],
@@ -175,7 +195,7 @@ impl Simulation {
             y: y.clone(),
         };
         let mut simulation = Simulation {
-            integrator: scene.solver.integrator.clone(),
+            integrator: integrator.clone(),
             scratch: Scratch::new(y.len(), model.event_functions()),
             trial: Memories::new(memory.clone()),
             state: SimulationState {

@@ -7,6 +7,7 @@
 use super::kalker::LinearTheory;
 use super::slopes::CreepSlopes;
 use super::{Build, CreepLaw, RollingContact};
+use crate::contact::Material;
 use crate::contact::creepage::CreepForce;
 use crate::settings::{Entry, Section, SettingsError};
 use std::sync::Arc;
@@ -22,6 +23,12 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 #[derive(Debug, Clone)]
 pub struct KalkerLinear(LinearTheory);
 
+impl KalkerLinear {
+    pub fn new(material: Material) -> Self {
+        KalkerLinear(LinearTheory::new(material))
+    }
+}
+
 impl CreepLaw for KalkerLinear {
     #[inline]
     fn force(&self, contact: &RollingContact) -> CreepForce {
@@ -35,5 +42,5 @@ impl CreepLaw for KalkerLinear {
 }
 
 fn parse(_: &Section) -> Result<Build, SettingsError> {
-    Ok(Arc::new(|material| Box::new(KalkerLinear(LinearTheory::new(material)))))
+    Ok(Arc::new(|material| Box::new(KalkerLinear::new(material))))
 }

@@ -18,6 +18,9 @@ pub mod usetab;
 
 use super::creepage::{CreepForce, Creepage};
 use super::{Material, Patch};
+pub use kalker_linear::KalkerLinear;
+pub use shen_hedrick_elkins::ShenHedrickElkins;
+
 use crate::settings::{Entry, Section, SettingsError, choose};
 use slopes::CreepSlopes;
 use std::sync::Arc;

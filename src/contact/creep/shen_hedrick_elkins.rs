@@ -8,6 +8,7 @@
 use super::kalker::LinearTheory;
 use super::slopes::CreepSlopes;
 use super::{Build, CreepLaw, RollingContact};
+use crate::contact::Material;
 use crate::contact::creepage::CreepForce;
 use crate::settings::{Entry, Section, SettingsError};
 use nalgebra::{RowVector3, Vector3};
@@ -24,6 +25,12 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 #[derive(Debug, Clone)]
 pub struct ShenHedrickElkins {
     linear: LinearTheory,
+}
+
+impl ShenHedrickElkins {
+    pub fn new(material: Material) -> Self {
+        ShenHedrickElkins { linear: LinearTheory::new(material) }
+    }
 }
 
 /// `F / F_lin` as a function of `r = F_lin / bound`.
@@ -75,7 +82,7 @@ impl CreepLaw for ShenHedrickElkins {
 }
 
 fn parse(_: &Section) -> Result<Build, SettingsError> {
-    Ok(Arc::new(|material| Box::new(ShenHedrickElkins { linear: LinearTheory::new(material) })))
+    Ok(Arc::new(|material| Box::new(ShenHedrickElkins::new(material))))
 }
 
 #[cfg(test)]

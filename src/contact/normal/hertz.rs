@@ -1,6 +1,6 @@
 //! Hertz's theory of elliptic contact.
 
-use super::curvature::{self, AcrossUnder, Rule};
+use super::curvature::{self, Across, AcrossUnder, Conformal, Rule};
 use super::hertz_table::{EllipseFunctions, EllipseTable, SharedTable};
 use super::{Build, ConformalContact, ContactShape, ElasticContact, NormalLaw};
 use crate::contact::{Material, Patch};
@@ -32,6 +32,16 @@ pub struct Hertz {
 }
 
 impl Hertz {
+    /// With the curvatures at the contact point; where surfaces are conformal there the law says so.
+    pub fn at_the_point(material: Material) -> Self {
+        Self::with(material, Rule { across: Across::Point, conformal: Conformal::Error })
+    }
+
+    /// With the curvature across taken over the patch, bounded where surfaces are conformal: the default of scenes.
+    pub fn over_the_patch(material: Material) -> Self {
+        Self::with(material, Rule { across: Across::Patch, conformal: Conformal::Bounded })
+    }
+
     pub(super) fn with(material: Material, rule: Rule) -> Self {
         let modulus = 2.0 * material.youngs_modulus / (3.0 * (1.0 - material.poisson_ratio * material.poisson_ratio));
         Hertz { modulus, table: EllipseTable::shared(), rule }

@@ -16,6 +16,7 @@ use super::{Material, Patch};
 use crate::settings::{Entry, Section, SettingsError, choose};
 use std::sync::Arc;
 
+pub use hertz::Hertz;
 pub use shape::{ContactShape, Section as ProfileSection};
 
 /// Elastic part of a normal contact.

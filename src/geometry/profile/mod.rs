@@ -23,6 +23,8 @@ mod tests;
 
 use super::file::SceneFile;
 use crate::settings::{Entry, Section, SettingsError, choose};
+pub use arc::Arch;
+pub use cone::Cone;
 pub use piecewise::{Along, Piecewise};
 use std::sync::Arc;
 

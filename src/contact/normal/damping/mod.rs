@@ -9,6 +9,8 @@ mod linear;
 mod none;
 mod proportional;
 
+pub use proportional::Proportional;
+
 use crate::settings::{Entry, Section, SettingsError, choose};
 use std::sync::Arc;
 

@@ -14,7 +14,7 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 
 /// C, N s/m2.
 #[derive(Clone, Copy, Debug)]
-struct Proportional(f64);
+pub struct Proportional(pub f64);
 
 impl DampingLaw for Proportional {
     #[inline]

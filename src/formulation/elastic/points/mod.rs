@@ -185,7 +185,7 @@ impl WheelSearch {
     /// Is what must be watched as it was?
     #[inline]
     fn as_watched(&self, stand: &Stand, memory: &mut WheelMemory) -> bool {
-        let Some(watch) = memory.to_watch(&self.search, &stand.pose) else { return true };
+        let Some(watch) = memory.due_watch(&self.search, &stand.pose) else { return true };
         let holds = self.search.watched(&stand.pair, watch, memory.start());
         if let Some(budget) = holds {
             memory.watched = Allowance { budget, from: stand.pose };

@@ -60,7 +60,7 @@ impl WheelMemory {
 
     /// What must be looked at because the wheel has moved by more than that allows; `None` where there is nothing.
     #[inline]
-    pub(super) fn to_watch(&self, search: &GlobalSearch, now: &Standing) -> Option<&Watch> {
+    pub(super) fn due_watch(&self, search: &GlobalSearch, now: &Standing) -> Option<&Watch> {
         (!self.watch.is_empty() && !self.watched.holds(search, now)).then_some(&self.watch)
     }
 
