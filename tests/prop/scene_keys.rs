@@ -4,6 +4,9 @@ use crate::common;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::sync::Arc;
+use wheelrail::fmi::instance::Instance;
+use wheelrail::fmi::package;
+use wheelrail::fmi::variables::{Role, VariableTable};
 use wheelrail::geometry::track::centre_line::{Alignment, CentreLine, Node};
 use wheelrail::scene::spec::Scene;
 use wheelrail::scene::{assemble, load, plan};
@@ -13,6 +16,17 @@ use wheelrail::sim::vehicle_outputs::scene_outputs;
 fn open(name: &str, changes: &[&str]) -> Result<Scene, String> {
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
     load::open(name, &changes).map_err(|error| error.to_string())
+}
+
+/// The resources of an FMU in a folder of their own.
+fn unpacked(packed: &package::PackedScene) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, content) in &packed.resources {
+        let file = folder.path().join(name);
+        std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+        std::fs::write(file, content).unwrap();
+    }
+    folder
 }
 
 fn error(name: &str, changes: &[&str]) -> String {
@@ -267,8 +281,6 @@ fn prop_defaults_for_what_nobody_knows() {
 /// A file's initial values and flag mean what the FMU's mean: on a curve, where the balance is not at zero.
 #[test]
 fn equiv_initial_values_mean_the_same_in_a_file_and_in_the_fmu() {
-    use wheelrail::fmi::instance::Instance;
-    use wheelrail::fmi::package;
     let curve = ["track.deviation=[]", "track.node=[{distance=0.0,radius=800.0,superelevation=\"50 mm\"}]"];
     let native = |changes: &[&str]| {
         let scene = open("suspended_wheelset", &[&curve[..], changes].concat()).unwrap();
@@ -278,12 +290,7 @@ fn equiv_initial_values_mean_the_same_in_a_file_and_in_the_fmu() {
     // Initial values as outputs of the FMU of a scene with `changes`, with parameters set; and what its parameters read.
     let fmu = |changes: &[&str], flag: Option<bool>, values: &[(&str, f64)]| -> (Vec<f64>, f64) {
         let packed = package::pack_scene(&open("suspended_wheelset", &[&curve[..], changes].concat()).unwrap()).unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        for (name, content) in &packed.resources {
-            let file = folder.path().join(name);
-            std::fs::create_dir_all(file.parent().unwrap()).unwrap();
-            std::fs::write(file, content).unwrap();
-        }
+        let folder = unpacked(&packed);
         let reference =
             |name: &str| packed.table.variables.iter().find(|variable| variable.name == format!("wheelset.{name}")).unwrap().reference;
         let mut instance = Instance::new(folder.path(), &packed.description.guid).unwrap();
@@ -354,7 +361,6 @@ fn prop_numbers_that_may_mean_something_else_are_refused_with_both_spellings() {
 /// nothing else. Every part of every vehicle has some.
 #[test]
 fn prop_every_parameter_reads_and_writes_a_number_of_its_own() {
-    use wheelrail::fmi::variables::{Role, VariableTable};
     for embedded in wheelrail::scene::embedded::SCENES {
         let scene = open(embedded.name, &["interface={}"]).unwrap();
         let variables = VariableTable::new(&scene).unwrap().variables;
@@ -396,18 +402,11 @@ fn prop_every_parameter_reads_and_writes_a_number_of_its_own() {
 /// A part's number is the same, to the last bit of a run, as parameter of the FMU and as key of the scene.
 #[test]
 fn equiv_parameters_of_elements_are_those_of_the_scene_file() {
-    use wheelrail::fmi::instance::Instance;
-    use wheelrail::fmi::package;
     let run = |changes: &[&str], values: &[(&str, f64)]| -> Vec<u64> {
         let bump = "track.deviation=[{rail=\"both\",direction=\"vertical\",shape=\"cosine\",amplitude=\"5 mm\",from=11.5,to=13.5}]";
         let common = ["interface={}", "run.stop=0.1", "solver.tolerance=1e-5", bump];
         let packed = package::pack_scene(&open("vehicle_manchester_1", &[&common[..], changes].concat()).unwrap()).unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        for (name, content) in &packed.resources {
-            let file = folder.path().join(name);
-            std::fs::create_dir_all(file.parent().unwrap()).unwrap();
-            std::fs::write(file, content).unwrap();
-        }
+        let folder = unpacked(&packed);
         let reference = |name: &str| {
             let found = packed.table.variables.iter().find(|variable| variable.name == name);
             found.unwrap_or_else(|| panic!("no {name}")).reference
@@ -473,4 +472,41 @@ fn equiv_parameters_of_elements_are_those_of_the_scene_file() {
         assert_eq!(found, run(changes, &[]), "{changes:?}");
         assert_ne!(found, plain, "{changes:?} changes nothing");
     }
+}
+
+/// The template of the suspended wheelset is a table like any other: the same vehicle in a scene's own words runs the same, bit for bit, and other
+/// parts may stand beside it.
+#[test]
+fn equiv_suspended_wheelset_in_own_words() {
+    use wheelrail::settings::Source;
+    let text = wheelrail::scene::embedded::find("suspended_wheelset").unwrap().text;
+    let read = |text: String, changes: &[&str]| {
+        let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+        let source = Source { file: "s.toml".into(), text, overridden: vec![], folder: None };
+        load::read("s", source, &changes).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let run = |scene: &Scene| {
+        let mut simulation = common::start(scene);
+        simulation.advance(0.8).unwrap();
+        simulation.solution()
+    };
+    let own = text
+        .replace("template = \"suspended_wheelset\"", "template = \"free\"")
+        .replace("[vehicle.wheelset]", "[[vehicle.wheelset]]\nname = \"axle\"\nx = 0.0\ndriven = true")
+        .replace("[vehicle.suspension]", "[[vehicle.force]]\nname = \"springs\"\nkind = \"guided_spring\"\nbody = \"axle\"");
+    let own = own.replace("[vehicle.wheelset.profile]", "[vehicle.wheel_profile]");
+    // Tables of an array end where another one begins.
+    let (head, profile) = own.split_at(own.find("[vehicle.wheel_profile]").unwrap());
+    let (profile, rest) = profile.split_at(profile.find("[[vehicle.force]]").unwrap());
+    let at = head.find("[[vehicle.wheelset]]").unwrap();
+    let own = format!("{}{profile}\n{}\n{rest}", &head[..at], &head[at..]);
+    let (shipped, own) = (read(text.to_string(), &[]), read(own, &[]));
+    assert_eq!((own.vehicle.leading().name.as_str(), own.vehicle.forces[0].0.name()), ("axle", "springs"));
+    assert_eq!(run(&shipped), run(&own));
+    let sensor = "vehicle.sensor=[{name=\"box\",body=\"wheelset\",at=[0,1,0.457]}]";
+    let (scene, mut simulation) = (read(text.to_string(), &[sensor]), common::start(&read(text.to_string(), &[sensor])));
+    let outputs = scene_outputs(&scene, simulation.model());
+    let snapshot = simulation.snapshot().unwrap();
+    let value = |name: &str| outputs.iter().find(|output| output.name == name).unwrap().value(snapshot);
+    assert_eq!(value("box.y") - value("wheelset.y"), 1.0);
 }
