@@ -39,95 +39,24 @@ pub struct Plan {
     pub notes: Vec<String>,
 }
 
+/// Effects in the order in which they are listed.
+#[derive(Default)]
+struct Effects(Vec<Effect>);
+
+impl Effects {
+    fn add(&mut self, name: &'static str, included: bool, why: String, states: usize) {
+        self.0.push(Effect { name, included, why, states });
+    }
+}
+
 /// Lists the effects of a scene and its model.
 pub fn plan(scene: &Scene, model: &Model) -> Plan {
-    let mut effects = Vec::new();
-    let mut effect = |name, included, why: String, states| effects.push(Effect { name, included, why, states });
-    let vehicle = &scene.vehicle;
-    effect("rigid bodies", true, format!("vehicle.template = \"{}\"", vehicle.template), model.system.force_states().start);
-    let why = match vehicle.speed_imposed {
-        true => format!("vehicle.speed = {} m/s: removes the acceleration along the track{}", vehicle.speed, driven(scene)),
-        false => format!("vehicle.travel = \"free\": starts with {} m/s", vehicle.speed),
-    };
-    effect("driving constraint", vehicle.speed_imposed, why, 0);
-    effect("gravity", vehicle.gravity != 0.0, format!("vehicle.gravity = {} m/s2", vehicle.gravity), 0);
-    let grade = scene.track.grade;
-    let why = if grade == 0.0 {
-        "no track.grade".into()
-    } else {
-        format!("track.grade = {:.2} %: gravity pulls along the track too", 1e2 * grade.tan())
-    };
-    effect("grade", grade != 0.0, why, 0);
-    if let Some(mean) = &model.means {
-        let why =
-            format!("interface.outputs names \"sliding_means\": over {} m, also behind a low-pass filter of {CUT_OFF} Hz", mean.window);
-        effect("sliding means", true, why, SlidingMean::STATES * model.wheelsets.len());
-    }
-    for (name, why) in track_effects(scene) {
-        effect(name, true, why, 0);
-    }
-    if let Some((included, why)) = curved_start(scene) {
-        effect("steady curving start", included, why, 0);
-    }
-    if let Some(why) = displaced_start(scene) {
-        effect("start on displaced rails", true, why, 0);
-    }
-    for (name, included, why, states) in parts(vehicle, model) {
-        effect(name, included, why, states);
-    }
-    for (name, side) in [("left rail deviations", Side::Left), ("right rail deviations", Side::Right)] {
-        let shapes: Vec<String> = start::deviations(scene)
-            .iter()
-            .filter(|d| d.side == side)
-            .map(|d| format!("{:?}: {}", d.direction, d.shape.describe()).to_lowercase())
-            .collect();
-        let why = if shapes.is_empty() { format!("no [[track.deviation]] with rail = \"{}\"", side.name()) } else { shapes.join("; ") };
-        effect(name, !shapes.is_empty(), why, 0);
-    }
-    let contact = &scene.contact;
-    let formulation = format!("contact.formulation = \"{}\": {}", contact.formulation_name, model.formulation.describe());
-    effect("contact", true, formulation, model.contacts() * model.formulation.states_per_contact());
-    let (several, why) = several_contacts(scene, model);
-    effect("several contacts per wheel", several, why, 0);
-    for (name, profiles) in [("wheel profile", &vehicle.leading().profiles), ("rail profile", &scene.track.rails)] {
-        let [left, right] = [0, 1].map(|side| profiles[side].profile.describe());
-        let why = if left == right { left } else { format!("left: {left}; right: {right}") };
-        effect(name, true, why, 0);
-    }
-    effect("normal force", true, format!("contact.normal.law = \"{}\"{}", contact.normal_name, model.laws.normal.describe()), 0);
-    let elastic = !model.formulation.constrains();
-    let why = match (elastic, several) {
-        (true, _) => "",
-        (false, true) => " (of contacts beside the first and of a wheel that has lifted: rigid contact has no penetration)",
-        (false, false) => " (only for a wheel that has lifted: rigid contact has no penetration)",
-    };
-    let damped = (elastic || several) && contact.damping_law.name != "none";
-    effect("contact damping", damped, format!("contact.damping {}{why}", model.laws.damping.describe()), 0);
-    let transient = contact.transient.map(|t| format!("contact.transient.below = {} m/s", t.below));
-    let why = transient.clone().unwrap_or("no [contact.transient]: steady creepage only".into());
-    let states = model.contacts() * model.points * model.deflection_states();
-    effect("transient tangential contact", transient.is_some(), why, states);
-    effect("creep forces", true, format!("contact.creep.law = \"{}\", friction {}", contact.creep_name, contact.friction), 0);
-    for (name, group) in
-        [("drive torque input", "drive_torque"), ("centre force inputs", "centre_forces"), ("friction factor inputs", "friction")]
-    {
-        let shown = scene.interface.inputs.contains(&group);
-        let why =
-            if shown { format!("interface.inputs has \"{group}\"") } else { format!("interface.inputs lacks \"{group}\": no variable") };
-        effect(name, shown, why, 0);
-    }
-    if model.rail_motion {
-        let why = "interface.inputs names \"rail_motion\": displacement, velocity and slope of the rail under each wheel, from outside";
-        effect("rail motion", true, why.into(), 0);
-    }
-    let (shown, free) = (scene.interface.inputs.contains(&"centre_forces"), vehicle.axles().iter().any(|axle| !axle.1));
-    let why = match (shown, free) {
-        (true, true) if vehicle.speed_imposed => "interface.inputs has \"centre_forces\"; on wheelsets whose speed is not imposed",
-        (true, true) => "interface.inputs has \"centre_forces\", vehicle.travel = \"free\"",
-        (true, false) => "the imposed speed leaves no room for a force along the track (vehicle.travel = \"free\" does)",
-        (false, _) => "interface.inputs lacks \"centre_forces\": no variable",
-    };
-    effect("longitudinal force input", shown && free, why.into(), 0);
+    let mut all = Effects::default();
+    vehicle_effects(scene, model, &mut all);
+    deviation_effects(scene, &mut all);
+    contact_effects(scene, model, &mut all);
+    input_effects(scene, model, &mut all);
+    let effects = all.0;
     Plan {
         scene: scene.name.clone(),
         bodies: model.system.bodies.len(),
@@ -143,6 +72,109 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
             .chain(solver_choice::notes(scene))
             .collect(),
     }
+}
+
+/// Bodies, what drives and holds them, and how they start.
+fn vehicle_effects(scene: &Scene, model: &Model, all: &mut Effects) {
+    let vehicle = &scene.vehicle;
+    all.add("rigid bodies", true, format!("vehicle.template = \"{}\"", vehicle.template), model.system.force_states().start);
+    let why = match vehicle.speed_imposed {
+        true => format!("vehicle.speed = {} m/s: removes the acceleration along the track{}", vehicle.speed, driven(scene)),
+        false => format!("vehicle.travel = \"free\": starts with {} m/s", vehicle.speed),
+    };
+    all.add("driving constraint", vehicle.speed_imposed, why, 0);
+    all.add("gravity", vehicle.gravity != 0.0, format!("vehicle.gravity = {} m/s2", vehicle.gravity), 0);
+    let grade = scene.track.grade;
+    let why = if grade == 0.0 {
+        "no track.grade".into()
+    } else {
+        format!("track.grade = {:.2} %: gravity pulls along the track too", 1e2 * grade.tan())
+    };
+    all.add("grade", grade != 0.0, why, 0);
+    if let Some(mean) = &model.means {
+        let why =
+            format!("interface.outputs names \"sliding_means\": over {} m, also behind a low-pass filter of {CUT_OFF} Hz", mean.window);
+        all.add("sliding means", true, why, SlidingMean::STATES * model.wheelsets.len());
+    }
+    for (name, why) in track_effects(scene) {
+        all.add(name, true, why, 0);
+    }
+    if let Some((included, why)) = curved_start(scene) {
+        all.add("steady curving start", included, why, 0);
+    }
+    if let Some(why) = displaced_start(scene) {
+        all.add("start on displaced rails", true, why, 0);
+    }
+    for (name, included, why, states) in parts(vehicle, model) {
+        all.add(name, included, why, states);
+    }
+}
+
+/// What displaces the rails.
+fn deviation_effects(scene: &Scene, all: &mut Effects) {
+    for (name, side) in [("left rail deviations", Side::Left), ("right rail deviations", Side::Right)] {
+        let shapes: Vec<String> = start::deviations(scene)
+            .iter()
+            .filter(|d| d.side == side)
+            .map(|d| format!("{:?}: {}", d.direction, d.shape.describe()).to_lowercase())
+            .collect();
+        let why = if shapes.is_empty() { format!("no [[track.deviation]] with rail = \"{}\"", side.name()) } else { shapes.join("; ") };
+        all.add(name, !shapes.is_empty(), why, 0);
+    }
+}
+
+/// Contact of wheel and rail.
+fn contact_effects(scene: &Scene, model: &Model, all: &mut Effects) {
+    let vehicle = &scene.vehicle;
+    let contact = &scene.contact;
+    let formulation = format!("contact.formulation = \"{}\": {}", contact.formulation_name, model.formulation.describe());
+    all.add("contact", true, formulation, model.contacts() * model.formulation.states_per_contact());
+    let (several, why) = several_contacts(scene, model);
+    all.add("several contacts per wheel", several, why, 0);
+    for (name, profiles) in [("wheel profile", &vehicle.leading().profiles), ("rail profile", &scene.track.rails)] {
+        let [left, right] = [0, 1].map(|side| profiles[side].profile.describe());
+        let why = if left == right { left } else { format!("left: {left}; right: {right}") };
+        all.add(name, true, why, 0);
+    }
+    all.add("normal force", true, format!("contact.normal.law = \"{}\"{}", contact.normal_name, model.laws.normal.describe()), 0);
+    let elastic = !model.formulation.constrains();
+    let why = match (elastic, several) {
+        (true, _) => "",
+        (false, true) => " (of contacts beside the first and of a wheel that has lifted: rigid contact has no penetration)",
+        (false, false) => " (only for a wheel that has lifted: rigid contact has no penetration)",
+    };
+    let damped = (elastic || several) && contact.damping_law.name != "none";
+    all.add("contact damping", damped, format!("contact.damping {}{why}", model.laws.damping.describe()), 0);
+    let transient = contact.transient.map(|t| format!("contact.transient.below = {} m/s", t.below));
+    let why = transient.clone().unwrap_or("no [contact.transient]: steady creepage only".into());
+    let states = model.contacts() * model.points * model.deflection_states();
+    all.add("transient tangential contact", transient.is_some(), why, states);
+    all.add("creep forces", true, format!("contact.creep.law = \"{}\", friction {}", contact.creep_name, contact.friction), 0);
+}
+
+/// What a master may put in.
+fn input_effects(scene: &Scene, model: &Model, all: &mut Effects) {
+    let vehicle = &scene.vehicle;
+    for (name, group) in
+        [("drive torque input", "drive_torque"), ("centre force inputs", "centre_forces"), ("friction factor inputs", "friction")]
+    {
+        let shown = scene.interface.inputs.contains(&group);
+        let why =
+            if shown { format!("interface.inputs has \"{group}\"") } else { format!("interface.inputs lacks \"{group}\": no variable") };
+        all.add(name, shown, why, 0);
+    }
+    if model.rail_motion {
+        let why = "interface.inputs names \"rail_motion\": displacement, velocity and slope of the rail under each wheel, from outside";
+        all.add("rail motion", true, why.into(), 0);
+    }
+    let (shown, free) = (scene.interface.inputs.contains(&"centre_forces"), vehicle.axles().iter().any(|axle| !axle.1));
+    let why = match (shown, free) {
+        (true, true) if vehicle.speed_imposed => "interface.inputs has \"centre_forces\"; on wheelsets whose speed is not imposed",
+        (true, true) => "interface.inputs has \"centre_forces\", vehicle.travel = \"free\"",
+        (true, false) => "the imposed speed leaves no room for a force along the track (vehicle.travel = \"free\" does)",
+        (false, _) => "interface.inputs lacks \"centre_forces\": no variable",
+    };
+    all.add("longitudinal force input", shown && free, why.into(), 0);
 }
 
 /// What the nodes of the track call for; a scene without nodes has nothing to say.

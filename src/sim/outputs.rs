@@ -292,7 +292,6 @@ fn friction_work(k: &ContactReport) -> f64 {
 fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize, side: Side, body: usize) {
     let on = of_wheel(side);
     let (friction, place) = (on.friction, on.place);
-    let outward = side.sign();
     let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| read(s.workspace.report(contact, index));
     let (prefix, base) = (std::mem::replace(&mut c.prefix, name.into()), c.base);
     c.base += 20 * (index as u32 + 1);
@@ -363,6 +362,15 @@ fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize,
     );
     c.add(8, "semiAxisA", g, Unit::Metre, on.pressing, "semi-axis of the contact patch along e1 (rolling direction)", of(|k| k.patch.a));
     c.add(9, "semiAxisB", g, Unit::Metre, on.pressing, "semi-axis of the contact patch along e2", of(|k| k.patch.b));
+    place_of_contact(c, of_wheel(side).place, (contact, index), side.sign(), body);
+    c.prefix = prefix;
+    c.base = base;
+}
+
+/// Where a contact is on wheel and rail.
+fn place_of_contact(c: &mut Collector, place: Depends, (contact, index): (usize, usize), outward: f64, body: usize) {
+    let g = "contacts";
+    let of = |read: fn(&ContactReport) -> f64| move |s: &Snapshot| read(s.workspace.report(contact, index));
     c.add(
         10,
         "wheelCoordinate",
@@ -400,6 +408,4 @@ fn point_of_contact(c: &mut Collector, name: &str, contact: usize, index: usize,
             if s.workspace.system.stations.is_empty() { s.y[body * COORDINATES] } else { s.workspace.system.motions[body].distance };
         distance + s.workspace.report(contact, index).parameters.lead
     });
-    c.prefix = prefix;
-    c.base = base;
 }

@@ -71,15 +71,7 @@ pub(super) fn step<P: Pair>(
     let mut h = state.next_step.min(dynamics.longest_step(&state.derivative));
     let mut rejected = false;
     loop {
-        // A rest of a step that would be tiny is split evenly instead.
-        let to_limit = limit - state.t;
-        let end = if h >= to_limit * (1.0 - 1e-12) {
-            limit
-        } else if h > 0.5 * to_limit {
-            state.t + 0.5 * to_limit
-        } else {
-            state.t + h
-        };
+        let end = end_of_step(state.t, h, limit);
         // What rounding of time leaves of the step.
         let step = end - state.t;
         if !(step > 0.0) {
@@ -129,19 +121,34 @@ pub(super) fn step<P: Pair>(
         state.last_error = error.max(1e-4);
         pair.write_dense(state, scratch, step);
         state.accept(dynamics, end, scratch, ending.stage.filter(|_| end < limit));
-        if ending.moved {
-            state.statistics.projections += 1;
-        }
-        dynamics.note_step(end);
-        scratch.frame.keep(dynamics, state);
-        let found = if ending.beyond { state.cut_at_event(dynamics, scratch, 1.0) } else { state.look_within(dynamics, scratch) };
-        if found.is_err() {
-            state.take_back();
-            // Too short a step to be tried again: the form itself has no solution further on.
-            return if state.next_step < super::events::SHORTEST_RETRY { found } else { Ok(()) };
-        }
-        return Ok(());
+        return look_back(dynamics, state, scratch, &ending);
     }
+}
+
+/// Where a step of length `h` from `t` on ends before a limit: a rest that would be tiny is split evenly instead.
+fn end_of_step(t: f64, h: f64, limit: f64) -> f64 {
+    let to_limit = limit - t;
+    if h >= to_limit * (1.0 - 1e-12) {
+        limit
+    } else if h > 0.5 * to_limit {
+        t + 0.5 * to_limit
+    } else {
+        t + h
+    }
+}
+
+/// Looks at a step that has just been accepted: does an event end it?
+fn look_back(dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch, ending: &End) -> Result<(), SolveError> {
+    state.statistics.projections += u64::from(ending.moved);
+    dynamics.note_step(state.t);
+    scratch.frame.keep(dynamics, state);
+    let found = if ending.beyond { state.cut_at_event(dynamics, scratch, 1.0) } else { state.look_within(dynamics, scratch) };
+    if found.is_err() {
+        state.take_back();
+        // Too short a step to be tried again: the form itself has no solution further on.
+        return if state.next_step < super::events::SHORTEST_RETRY { found } else { Ok(()) };
+    }
+    Ok(())
 }
 
 /// What the end of an attempt showed.

@@ -35,14 +35,6 @@ const MOST_IN_FILE: usize = 420;
 /// Most lines of code of a function.
 const MOST_IN_FUNCTION: usize = 80;
 
-/// Functions that are longer today: file, name, and the lines that they may have at most.
-const LONG_FUNCTIONS: &[(&str, &str, usize)] = &[
-    ("formulation/rigid/balance.rs", "settle", 105),
-    ("scene/plan.rs", "plan", 116),
-    ("sim/outputs.rs", "point_of_contact", 114),
-    ("solve/adaptive.rs", "step", 92),
-];
-
 fn floor(module: &str) -> u32 {
     FLOORS.iter().find(|floor| floor.0 == module).unwrap_or_else(|| panic!("module {module} has no floor; add it to tests/architecture")).1
 }
@@ -92,17 +84,7 @@ fn prop_functions_stay_short() {
             .collect::<Vec<_>>()
     };
     let long: Vec<(String, String, usize)> = sources.iter().flat_map(of).collect();
-    let known = |file: &str, name: &str| LONG_FUNCTIONS.iter().find(|known| (known.0, known.1) == (file, name)).map(|known| known.2);
-    for (file, name, length) in &long {
-        let most = known(file, name).unwrap_or(MOST_IN_FUNCTION);
-        assert!(*length <= most, "{file}: {name} has {length} lines of code, more than {most}");
-    }
-    for (file, name, _) in LONG_FUNCTIONS {
-        assert!(
-            long.iter().any(|long| (long.0.as_str(), long.1.as_str()) == (*file, *name)),
-            "{file}: {name} is short now, take it out of the list"
-        );
-    }
+    assert!(long.is_empty(), "more than {MOST_IN_FUNCTION} lines of code: {long:?}");
     assert!(sources.iter().map(|source| functions(&source.production).len()).sum::<usize>() > 1000, "the test no longer sees functions");
 }
 

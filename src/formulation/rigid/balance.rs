@@ -156,6 +156,55 @@ fn respond(
     }
 }
 
+/// Finds dG/dN of each wheelset: how the multipliers answer to a change of its normal forces by `scale` [N].
+fn couple(
+    model: &Model,
+    system: &mut SystemWorkspace,
+    at: (&[Option<ConstraintRow>], &[Wrench]),
+    (contacts, coupling): (&[Pressing], &mut [[f64; 4]]),
+    (image, answer): (&[f64], &mut [f64]),
+    scale: f64,
+) {
+    // One size of change for all, that of the largest force: what is subtracted keeps its digits, and what reaches a wheelset
+    // from others through joints stays as small as it is.
+    for (column, side) in Side::BOTH.into_iter().enumerate() {
+        respond(model, system, at, answer, |contact, of| {
+            let Pressing { creep, slope, .. } = &contacts[contact];
+            let mut wrench = *creep;
+            if of == side {
+                wrench += scaled(slope, scale);
+            }
+            wrench
+        });
+        for (index, coupling) in coupling.iter_mut().enumerate() {
+            for (row, of) in Side::BOTH.into_iter().enumerate() {
+                let contact = contact_index(index, of);
+                let change = answer[contact] - image[contact];
+                coupling[2 * row + column] = change / scale;
+            }
+        }
+    }
+}
+
+/// The change of a wheelset's two normal forces that removes what is left between them and the multipliers, N.
+fn newton_step([ll, lr, rl, rr]: &[f64; 4], rest: [f64; 2]) -> [f64; 2] {
+    let determinant = (1.0 - ll) * (1.0 - rr) - lr * rl;
+    if determinant.abs() > LEAST_DETERMINANT {
+        [((1.0 - rr) * rest[0] + lr * rest[1]) / determinant, ((1.0 - ll) * rest[1] + rl * rest[0]) / determinant]
+    } else {
+        rest
+    }
+}
+
+/// How much of a step is made after so many iterations without gain.
+fn damping_after(stale: usize) -> f64 {
+    match stale {
+        0..=2 => 1.0,
+        3..=8 => 0.5,
+        _ => 0.2,
+    }
+}
+
 /// Finds the normal forces with which creep forces and multipliers agree, from those in `balance.contacts`; leaves wrenches with
 /// creep forces, accelerations and multipliers in the workspace.
 pub(super) fn settle(
@@ -207,7 +256,7 @@ pub(super) fn settle(
             || iteration == ITERATIONS && rest <= LAST * largest;
         last_image.copy_from_slice(image);
         if residual <= (RELATIVE * largest).max(FLOOR) || gained {
-            for WheelRef { contact, .. } in model.wheels().filter(|wheel| rows[wheel.contact].is_some()) {
+            for contact in (0..contacts.len()).filter(|contact| rows[*contact].is_some()) {
                 let report = &mut reports[contact];
                 report.force += report.axes.normal * (image[contact] - report.normal_force);
                 (report.normal_force, contacts[contact].force) = (image[contact], image[contact]);
@@ -219,41 +268,13 @@ pub(super) fn settle(
             return Err(model.wheel(worst).error(t, cause));
         }
         if iteration <= 2 || stale > 0 {
-            // One size of change for all, that of the largest force: what is subtracted keeps its digits, and what reaches a wheelset
-            // from others through joints stays as small as it is.
-            let scale = largest.max(1.0);
-            for (column, side) in Side::BOTH.into_iter().enumerate() {
-                respond(model, system, (rows, base), answer, |contact, of| {
-                    let Pressing { creep, slope, .. } = &contacts[contact];
-                    let mut wrench = *creep;
-                    if of == side {
-                        wrench += scaled(slope, scale);
-                    }
-                    wrench
-                });
-                for (index, coupling) in coupling.iter_mut().enumerate() {
-                    for (row, of) in Side::BOTH.into_iter().enumerate() {
-                        let contact = contact_index(index, of);
-                        let change = answer[contact] - image[contact];
-                        coupling[2 * row + column] = change / scale;
-                    }
-                }
-            }
+            couple(model, system, (rows, base), (contacts, coupling), (image, answer), largest.max(1.0));
         }
-        damping = match stale {
-            0..=2 => 1.0,
-            3..=8 => 0.5,
-            _ => 0.2,
-        };
-        for (index, [ll, lr, rl, rr]) in coupling.iter().enumerate() {
+        damping = damping_after(stale);
+        for (index, coupling) in coupling.iter().enumerate() {
             let pair = Side::BOTH.map(|side| contact_index(index, side));
             let rest = pair.map(|contact| if rows[contact].is_some() { image[contact] - contacts[contact].force } else { 0.0 });
-            let determinant = (1.0 - ll) * (1.0 - rr) - lr * rl;
-            let step = if determinant.abs() > LEAST_DETERMINANT {
-                [((1.0 - rr) * rest[0] + lr * rest[1]) / determinant, ((1.0 - ll) * rest[1] + rl * rest[0]) / determinant]
-            } else {
-                rest
-            };
+            let step = newton_step(coupling, rest);
             for (k, side) in Side::BOTH.into_iter().enumerate() {
                 let Some(found) = &rows[pair[k]] else { continue };
                 let wheelset = &model.wheelsets[index];
