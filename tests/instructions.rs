@@ -40,13 +40,21 @@ fn counted_right_hand_sides(
     }
 }
 
+/// Jacobians at one state, whose evaluation the workspace holds.
+#[inline(never)]
+fn counted_jacobians(model: &Model, workspace: &mut Workspace, snapshot: &Snapshot, memory: &ModelMemory) {
+    for _ in 0..STEPS * STAGES.len() {
+        model.linearise(workspace, (black_box(&snapshot.y), memory), snapshot.inputs(), true);
+    }
+}
+
 /// What valgrind runs; not a test of its own.
 #[test]
 #[ignore = "run by the others"]
 fn worker() {
     let case = std::env::var(CASE).unwrap();
     let mut words = case.split(' ');
-    let (scene, time) = (words.next().unwrap(), words.next().unwrap().parse().unwrap());
+    let (counted, scene, time) = (words.next().unwrap(), words.next().unwrap(), words.next().unwrap().parse().unwrap());
     let changes: Vec<String> = words.filter(|word| !word.is_empty()).map(String::from).collect();
     let mut simulation = Simulation::new(&load::open(scene, &changes).unwrap(), 0.0).unwrap();
     simulation.advance(time).unwrap();
@@ -54,6 +62,12 @@ fn worker() {
     let model = simulation.model();
     let (mut workspace, mut memory) = (model.workspace(), snapshot.memory().clone());
     let (mut y, mut dy) = (snapshot.y.clone(), snapshot.dy.clone());
+    if counted == "jacobian" {
+        model.prepare_tangent(&mut workspace);
+        let at = Evaluation { t: 0.0, inputs: snapshot.inputs(), y: &y, memory: &mut memory };
+        model.derivative(&mut workspace, at, &mut dy).unwrap();
+        return counted_jacobians(model, &mut workspace, &snapshot, &memory);
+    }
     let mut best = f64::INFINITY;
     for _ in 0..std::env::var("WHEELRAIL_ROUNDS").map_or(1, |rounds| rounds.parse().unwrap()) {
         let clock = std::time::Instant::now();
@@ -63,10 +77,10 @@ fn worker() {
     println!("{:.2} us", 1e6 * best / (STEPS * STAGES.len()) as f64);
 }
 
-/// Instructions of one right-hand side.
+/// Instructions of one right-hand side or Jacobian.
 fn count(case: &str) -> f64 {
     let found = Command::new("valgrind")
-        .args(["--tool=callgrind", "--collect-atstart=no", "--toggle-collect=*counted_right_hand_sides*", "--callgrind-out-file=/dev/null"])
+        .args(["--tool=callgrind", "--collect-atstart=no", "--toggle-collect=*counted_*", "--callgrind-out-file=/dev/null"])
         .arg(std::env::current_exe().unwrap())
         .args(["--ignored", "--exact", "worker"])
         .env(CASE, case)
@@ -79,7 +93,7 @@ fn count(case: &str) -> f64 {
 }
 
 #[test]
-fn regress_instructions_of_one_right_hand_side() {
+fn regress_instructions_of_one_right_hand_side_and_jacobian() {
     if cfg!(debug_assertions) {
         return println!("left out: counts are those of a release build");
     }
@@ -99,12 +113,12 @@ fn regress_instructions_of_one_right_hand_side() {
     let allowed = if same { 0.02 } else { 0.15 };
     let mut wrong = Vec::new();
     for line in file.lines().filter(|line| !line.starts_with('#')).skip(1) {
-        let [scene, time, changes, kept] = line.split(',').collect::<Vec<_>>().try_into().unwrap();
-        let found = count(&format!("{scene} {time} {changes}"));
+        let [counted, scene, time, changes, kept] = line.split(',').collect::<Vec<_>>().try_into().unwrap();
+        let found = count(&format!("{counted} {scene} {time} {changes}"));
         let change = found / kept.parse::<f64>().unwrap() - 1.0;
-        println!("{scene} {changes}: {found:.0} instructions, kept {kept}, {:+.2} %", 100.0 * change);
+        println!("{counted} {scene} {changes}: {found:.0} instructions, kept {kept}, {:+.2} %", 100.0 * change);
         if change.abs() > allowed {
-            wrong.push(format!("{scene} {changes}: {found:.0} instead of {kept}"));
+            wrong.push(format!("{counted} {scene} {changes}: {found:.0} instead of {kept}"));
         }
     }
     assert!(wrong.is_empty(), "{}; if that is meant, write it into tests/data/instructions.csv", wrong.join("; "));

@@ -2,7 +2,7 @@
 //!
 //! The wheelset is displaced by d and turned by w, its velocity changes by dv and its angular velocity by dW (world axes, about the
 //! centre). With rho from the centre to the wheel's point, v_P = v + W x rho its velocity, and d rho and the rotation theta of the
-//! contact's axes from [`crate::contact::search::wander`] (the contact wanders over wheel and rail while the wheelset moves):
+//! contact's axes from [`crate::contact::search::migration`] (the contact migrates over wheel and rail while the wheelset moves):
 //!
 //! ```text
 //! d delta = -n . (d + w x rho)                         the place makes delta stationary
@@ -26,7 +26,7 @@
 //! patch also changes with its share (see [`super`]).
 //!
 //! Left out:
-//! - how K_h and the patch's shape change where the contact wanders to other curvatures. On S1002 and 60E1 it leaves 2 to 9 % of the
+//! - how K_h and the patch's shape change where the contact migrates to other curvatures. On S1002 and 60E1 it leaves 2 to 9 % of the
 //!   smaller rows (y, yaw, pitch by position) and 3 % of the height's. Found by differences of the law along both profiles
 //!   it made the linearised contacts three times as dear, and a coach took as many steps as without
 //! - that damping changes N without the patch: 1 % of the lateral row by velocity
@@ -36,7 +36,7 @@ use crate::contact::creep::slopes::CreepSlopes;
 use crate::contact::creepage::ContactAxes;
 use crate::contact::normal::damping::{Approach, DampingLaw};
 use crate::contact::search::algebraic::Pair;
-use crate::contact::search::wander::{Row, Touch, Wander, add, material, row, sum};
+use crate::contact::search::migration::{Migration, Row, Touch, add, material, row, sum};
 use crate::formulation::ContactReport;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::tangent::WrenchTangent;
@@ -60,7 +60,7 @@ pub(in crate::formulation) struct NormalSlopes {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Touching<'a> {
     axes: &'a ContactAxes,
-    wander: Wander,
+    migration: Migration,
     /// w . n.
     turn: Row,
     /// Of the slip along e1 and e2, about n, and of v_P . n.
@@ -89,20 +89,20 @@ impl<'a> Touching<'a> {
     pub fn new(report: &'a ContactReport, motion: &BodyMotion, pair: &Pair) -> Self {
         let (axes, arm) = (&report.axes, report.wheel_point - motion.position);
         let ContactReport { parameters, penetration, profiles, .. } = report;
-        let wander = pair.wander(&Touch { parameters, axes, arm, penetration: *penetration, profiles });
+        let migration = pair.migration(&Touch { parameters, axes, arm, penetration: *penetration, profiles });
         let spin = [motion.rotation.dot(&axes.e1), motion.rotation.dot(&axes.e2), report.slip.spin];
         let off = (motion.velocity + motion.rotation.cross(&arm)).dot(&axes.normal);
         let velocity = [report.slip.longitudinal, report.slip.lateral, off];
-        let Wander { arm, turn, .. } = &wander;
+        let Migration { arm, turn, .. } = &migration;
         // W x d rho - theta x v_P
         let seen = |i: usize, j: usize| sum([spin[i], -spin[j], -velocity[j], velocity[i]], [&arm[j], &arm[i], &turn[i], &turn[j]]);
         let slip = [seen(1, 2), seen(2, 0), sum([spin[0], -spin[1]], [&turn[1], &turn[0]])];
-        Touching { axes, turn: row(&Vector3::zeros(), &axes.normal), slip, parting: seen(0, 1), wander }
+        Touching { axes, turn: row(&Vector3::zeros(), &axes.normal), slip, parting: seen(0, 1), migration }
     }
 
     /// Change of the normal force, with that by the contact's share.
     pub fn normal_force(&self, slopes: NormalSlopes, shared: Row) -> ByMotion<1> {
-        let normal = &self.wander.material[2];
+        let normal = &self.migration.material[2];
         let mut position = shared;
         add(&mut position, -slopes.by_penetration, normal);
         add(&mut position, -slopes.by_rate, &self.parting);
@@ -112,7 +112,7 @@ impl<'a> Touching<'a> {
     /// Change of the creep force with slip and normal force.
     #[inline]
     pub fn creep(&self, by_slip: &Matrix3<f64>, by_normal: &Vector3<f64>, normal: &ByMotion<1>) -> ByMotion<3> {
-        let ([one, two, _], [along, across, spin]) = (&self.wander.material, &self.slip);
+        let ([one, two, _], [along, across, spin]) = (&self.migration.material, &self.slip);
         let mut force = ByMotion { position: [[0.0; 6]; 3], velocity: [[0.0; 6]; 3] };
         for i in 0..3 {
             let factors = [by_slip[(i, 0)], by_slip[(i, 1)], by_slip[(i, 2)], by_normal[i]];
@@ -153,7 +153,7 @@ impl<'a> Touching<'a> {
     pub fn add_wrench(&self, report: &ContactReport, normal: &ByMotion<1>, creep: &ByMotion<3>, wrench: &mut WrenchTangent) {
         let moment = report.creep_force.spin_moment;
         let force = [report.creep_force.longitudinal, report.creep_force.lateral, report.normal_force];
-        let Wander { arm, turn, .. } = &self.wander;
+        let Migration { arm, turn, .. } = &self.migration;
         // theta x F, and d rho x F + M_z theta x n
         let across = |rows: &[Row; 3], i: usize, j: usize| sum([force[j], -force[i]], [&rows[i], &rows[j]]);
         let mut forces = [across(turn, 1, 2), across(turn, 2, 0), across(turn, 0, 1)];
@@ -164,7 +164,7 @@ impl<'a> Touching<'a> {
         add(&mut moments[0], moment, &turn[1]);
         add(&mut moments[1], -moment, &turn[0]);
         add(&mut moments[2], 1.0, &creep.position[2]);
-        let [one, two, off] = &self.wander.material;
+        let [one, two, off] = &self.migration.material;
         let ContactAxes { e1, e2, .. } = self.axes;
         for (j, column) in wrench.by_position.data.0.iter_mut().enumerate() {
             add(column, forces[0][j], one);
@@ -185,13 +185,13 @@ impl<'a> Touching<'a> {
 
     /// The wrench of a change of the creep force alone: longitudinal, lateral, moment.
     pub fn wrench_of(&self, creep: [f64; 3]) -> Vector6<f64> {
-        let [one, two, _] = &self.wander.material;
+        let [one, two, _] = &self.migration.material;
         sum(creep, [one, two, &self.turn]).into()
     }
 
     /// Rates of the deflections by displacement and velocity.
     pub fn deflection_rates(&self, by_slip: &Matrix2<f64>) -> ByMotion<2> {
-        let [one, two, _] = &self.wander.material;
+        let [one, two, _] = &self.migration.material;
         let part = |i: usize, rows: [&Row; 2]| sum([by_slip[(i, 0)], by_slip[(i, 1)]], rows);
         ByMotion { position: [0, 1].map(|i| part(i, [&self.slip[0], &self.slip[1]])), velocity: [0, 1].map(|i| part(i, [one, two])) }
     }

@@ -17,7 +17,7 @@ use super::wheel_search::MOST_POINTS;
 use super::{ContactReport, EvaluationError, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{CreepForce, Creepage};
-use crate::contact::search::wander::{Row, add, sum};
+use crate::contact::search::migration::{Row, add, sum};
 use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
 use crate::geometry::Side;
 use crate::mbs::body::BodyMotion;
@@ -144,7 +144,7 @@ impl Model {
         memory: &ModelMemory,
     ) -> Shares {
         let mut changes = Shares::default();
-        for (_, RidgeMemory { between, parameters, .. }) in memory.wheels[contact].ridges(self.points) {
+        for RidgeMemory { between, parameters, .. } in (0..self.points - 1).filter_map(|i| memory.wheels[contact].ridge(i, self.points)) {
             let sides = between.map(|slot| workspace.report(contact, slot));
             // One of both in_frame less than its whole force where the ridge is pressed.
             if !(sides.iter().all(|report| report.normal_force > 0.0) && sides.iter().any(|report| report.share < 1.0)) {

@@ -17,7 +17,7 @@
 //! anew (they are checked against numerical integration below).
 
 use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+use rustfft::{Fft, FftPlannerScalar};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -88,7 +88,8 @@ pub(crate) struct Buffers {
 
 impl Convolver {
     pub(crate) fn new(n: usize) -> Self {
-        let mut planner = FftPlanner::new();
+        // Scalar: the same bits whatever the processor can do.
+        let mut planner = FftPlannerScalar::new();
         Convolver { n, forward: planner.plan_fft_forward(2 * n), inverse: planner.plan_fft_inverse(2 * n) }
     }
 

@@ -212,14 +212,12 @@ impl WheelSearch {
             places[slot] = Some(Place { location, share: 1.0 });
         }
         let mut saddles = Saddles::default();
-        for (i, ridge) in memory.ridges(points) {
-            let start = after(ridge.parameters, &ridge.prediction, &moved);
-            saddles[i] = Some(Saddle::locate(stand, &start, ridge.between, places)?);
-        }
-        for (i, saddle) in saddles.iter().enumerate() {
-            if let Some(saddle) = saddle {
-                memory.keep_ridge(i, saddle);
-            }
+        for (i, saddle) in saddles.iter_mut().enumerate().take(points - 1) {
+            let Some(ridge) = memory.ridge(i, points) else { continue };
+            let (between, start) = (ridge.between, after(ridge.parameters, &ridge.prediction, &moved));
+            let found = Saddle::locate(stand, &start, between, places)?;
+            memory.keep_ridge(i, &found);
+            *saddle = Some(found);
         }
         memory.located = pose_of(&stand.pose);
         share_out(places, &saddles);

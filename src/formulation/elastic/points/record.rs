@@ -31,11 +31,10 @@ impl WheelMemory {
         followed.then(|| after(*parameters, prediction, moved))
     }
 
-    /// The ridges between the first `points` contacts that are followed, by number.
+    /// A ridge between the first `points` contacts, if it is followed.
     #[inline]
-    pub(in crate::formulation) fn ridges(&self, points: usize) -> impl Iterator<Item = (usize, &RidgeMemory)> {
-        let known = self.ridges.iter().enumerate().take(points - 1).filter_map(|(i, ridge)| Some((i, ridge.as_ref()?)));
-        known.filter(move |(_, ridge)| ridge.between.iter().all(|slot| *slot < points))
+    pub(in crate::formulation) fn ridge(&self, number: usize, points: usize) -> Option<&RidgeMemory> {
+        self.ridges[number].as_ref().filter(|ridge| ridge.between.iter().all(|slot| *slot < points))
     }
 
     /// Keeps where a contact was found.

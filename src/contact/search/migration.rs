@@ -40,7 +40,7 @@ pub struct Touch<'a> {
 
 /// The derivatives, in the contact's axes.
 #[derive(Clone, Copy, Debug)]
-pub struct Wander {
+pub struct Migration {
     /// Of p.
     pub material: [Row; 3],
     /// Of rho.
@@ -96,7 +96,7 @@ fn wheel_curvature(axes: &ContactAxes, axle: &Vector3<f64>, profile: &ProfilePoi
 impl Pair<'_> {
     /// Derivatives at a contact. Where the surfaces fit so closely that it has no definite place it is taken to stay where it is on both.
     #[inline]
-    pub fn wander(&self, touch: &Touch) -> Wander {
+    pub fn migration(&self, touch: &Touch) -> Migration {
         let Touch { parameters, axes, arm, penetration, profiles: [wheel, rail] } = touch;
         let ContactAxes { e1, e2, normal } = axes;
         let lever = [arm.cross(e1), arm.cross(e2), arm.cross(normal)];
@@ -118,7 +118,7 @@ impl Pair<'_> {
         let determinant = parting.m11 * parting.m22 - parting.m12 * parting.m21;
         if !(determinant.abs() > 0.0) {
             let zero = Vector3::zeros();
-            return Wander { material, arm: lever.map(|lever| row(&zero, &lever)), turn: [[0.0; 6]; 3] };
+            return Migration { material, arm: lever.map(|lever| row(&zero, &lever)), turn: [[0.0; 6]; 3] };
         }
         let inverse = Matrix2::new(parting.m22, -parting.m12, -parting.m21, parting.m11) * (1.0 / determinant);
         let by_material = inverse * wheel;
@@ -136,7 +136,7 @@ impl Pair<'_> {
             arm[1][j] -= e2[j];
             arm[2][3 + j] = lever[2][j];
         }
-        Wander { material, arm, turn }
+        Migration { material, arm, turn }
     }
 }
 
@@ -151,7 +151,7 @@ mod tests {
     use std::sync::Arc;
 
     #[test]
-    fn analytic_wandering_matches_differences_of_located_contacts() {
+    fn analytic_migration_matches_differences_of_located_contacts() {
         // A straight and wavy track, and one that bends, twists and climbs besides.
         let node = |distance, curvature, superelevation, grade| Node { distance, curvature, superelevation, grade };
         let nodes = vec![node(-3.0, 0.002, -0.01, 0.0), node(0.0, -0.001, 0.02, 0.05), node(4.0, 0.005, -0.02, -0.04)];
@@ -177,9 +177,9 @@ mod tests {
                 let axes = ContactAxes::new(found.normal, found.forward);
                 let (arm, profiles) = (found.wheel_point - centre, [found.wheel_profile, found.rail_profile]);
                 let (parameters, penetration) = (&found.parameters, found.penetration);
-                (pair.wander(&Touch { parameters, axes: &axes, arm, penetration, profiles: &profiles }), axes, arm, penetration)
+                (pair.migration(&Touch { parameters, axes: &axes, arm, penetration, profiles: &profiles }), axes, arm, penetration)
             };
-            let (wander, axes, ..) = located([0.0; 6]);
+            let (migration, axes, ..) = located([0.0; 6]);
             let basis = Matrix3::from_columns(&[axes.e1, axes.e2, axes.normal]);
             for j in 0..6 {
                 let h = 1e-6;
@@ -194,12 +194,12 @@ mod tests {
                     assert!((difference - exact).norm() < 2e-6 * (1.0 + exact.norm()), "{side:?} {what} {j}: {difference} {exact}");
                 };
                 let column = |rows: &[Row; 3]| basis * Vector3::from(rows.map(|row| row[j]));
-                let turn = column(&wander.turn);
-                near("rho", ahead.2, behind.2, column(&wander.arm));
+                let turn = column(&migration.turn);
+                near("rho", ahead.2, behind.2, column(&migration.arm));
                 near("n", ahead.1.normal, behind.1.normal, turn.cross(&axes.normal));
                 near("e1", ahead.1.e1, behind.1.e1, turn.cross(&axes.e1));
                 let slope = (ahead.3 - behind.3) / (2.0 * h);
-                let exact = -wander.material[2][j];
+                let exact = -migration.material[2][j];
                 assert!((slope - exact).abs() < 1e-7, "{side:?} penetration {j}: {slope} {exact}");
             }
         }
