@@ -9,7 +9,7 @@ use super::prediction::{POSE, Prediction};
 use super::sliding_mean::MeanMemory;
 use super::wheel_search::MOST_POINTS;
 use crate::contact::search::algebraic::SurfaceParameters;
-use crate::contact::search::global::{Standing, Watch};
+use crate::contact::search::global::{Watch, WheelPose};
 use serde::{Deserialize, Serialize};
 
 /// All of it.
@@ -131,7 +131,7 @@ pub struct RidgeMemory {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Allowance {
     pub budget: f64,
-    pub from: Standing,
+    pub from: WheelPose,
 }
 
 /// ACCF's choice for one wheelset.

@@ -18,7 +18,7 @@
 //! what is of second order remains to the iteration: any start gives the same place.
 
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
-use crate::contact::search::global::Standing;
+use crate::contact::search::global::WheelPose;
 
 /// Numbers of a pose that a prediction counts from.
 pub const POSE: usize = 5;
@@ -30,13 +30,13 @@ const FURTHEST: f64 = 1e-3;
 pub type Prediction = [f64; 9];
 
 /// What of a pose a prediction knows.
-pub(super) fn pose_of(standing: &Standing) -> [f64; POSE] {
+pub(super) fn pose_of(standing: &WheelPose) -> [f64; POSE] {
     [standing[0], standing[1], standing[2], standing[3], standing[3] - standing[4]]
 }
 
 /// The prediction for a contact or ridge that has been located.
 #[inline]
-pub(super) fn prediction(pair: &Pair, pose: &Standing, radius: f64, found: &ContactLocation) -> Prediction {
+pub(super) fn prediction(pair: &Pair, pose: &WheelPose, radius: f64, found: &ContactLocation) -> Prediction {
     let (wheel, rail) = (&found.wheel_profile, &found.rail_profile);
     let (wheel_rise, rail_rise) = (1.0 + wheel.d1 * wheel.d1, 1.0 + rail.d1 * rail.d1);
     let (per_wheel, per_rail) = (1.0 / wheel_rise.sqrt(), 1.0 / rail_rise.sqrt());
@@ -102,7 +102,7 @@ mod tests {
             let search = GlobalSearch::new(wheel.profile.as_ref(), rail.profile.as_ref());
             // Lateral, vertical, yaw, roll.
             for motion in [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 10.0, 0.0], [0.0, 0.0, 0.0, 1.0]] {
-                let located = |size: f64, start: &dyn Fn(&Standing, &Pair) -> SurfaceParameters| {
+                let located = |size: f64, start: &dyn Fn(&WheelPose, &Pair) -> SurfaceParameters| {
                     let frame = AxleFrame::new(2e-3 + size * motion[2], 1e-3 + size * motion[3]);
                     let centre = Vector3::new(0.0, side.sign() * 2e-3 + size * motion[0], 0.46 + size * motion[1]);
                     let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &frame.axes, distance: 0.0 };
@@ -123,7 +123,7 @@ mod tests {
                     minima.deepest().unwrap().parameters
                 });
                 let left = |size: f64| {
-                    let forecast = |now: &Standing, _: &Pair| {
+                    let forecast = |now: &WheelPose, _: &Pair| {
                         let (from, to) = (pose_of(&pose), pose_of(now));
                         after(first.parameters, &known, &std::array::from_fn(|i| to[i] - from[i]))
                     };

@@ -4,7 +4,7 @@
 //! steepest place is the middle: w' = 35/16.
 
 /// Largest w'.
-pub const STEEPEST: f64 = 35.0 / 16.0;
+pub const LARGEST_RATE: f64 = 35.0 / 16.0;
 
 /// Value and first three derivatives at `t`; constant before 0 and after 1.
 #[inline]
@@ -40,7 +40,7 @@ mod tests {
         assert_eq!(smooth_step(-0.1), [0.0; 4]);
         assert_eq!(smooth_step(1.0), [1.0, 0.0, 0.0, 0.0]);
         let [middle, steepest, ..] = smooth_step(0.5);
-        assert!((middle - 0.5).abs() < 1e-15 && (steepest - STEEPEST).abs() < 1e-15);
+        assert!((middle - 0.5).abs() < 1e-15 && (steepest - LARGEST_RATE).abs() < 1e-15);
         for end in [1e-6, 1.0 - 1e-6] {
             let [_, d1, d2, d3] = smooth_step(end);
             assert!(d1 < 1e-15 && d2.abs() < 1e-9 && d3.abs() < 1e-3, "{end}");

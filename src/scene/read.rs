@@ -153,13 +153,13 @@ fn read_half_distance(section: &Section, rails: &[ProfileChoice; 2], inclination
 
 /// `"1:40"` is atan(1/40); otherwise an angle.
 fn read_inclination(section: &Section) -> Result<f64, SettingsError> {
-    const STEEPEST: f64 = 0.5;
+    const MOST_INCLINED: f64 = 0.5;
     let text = section.text("inclination").unwrap_or_default();
     let angle = match text.split_once(':').map(|(one, run)| (one.trim().parse::<f64>(), run.trim().parse::<f64>())) {
         Some((Ok(one), Ok(run))) => (one / run).atan(),
         _ => section.number("inclination", Dimension::Angle)?,
     };
-    if angle.abs() < STEEPEST {
+    if angle.abs() < MOST_INCLINED {
         return Ok(angle);
     }
     let expected = "an angle below 0.5 rad, as a number in rad or a string such as \"1:40\" or \"1.4 deg\"";

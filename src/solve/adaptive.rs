@@ -18,7 +18,7 @@ const BETA: f64 = 0.08;
 pub(super) const TOLERANCES: (f64, f64) = (1e-15, 1e-5);
 
 /// A pair of one-step methods of neighbouring orders.
-pub(super) trait Pair {
+pub(super) trait StepPair {
     /// The local error estimate falls like h^ORDER.
     const ORDER: i32;
     /// Index of the stage that is f at the end of the step and so the first one of the next step; `None` where there is no such.
@@ -29,7 +29,7 @@ pub(super) trait Pair {
         state.evaluate_with_cache(dynamics)
     }
 
-    /// Does [`Pair::check`] see what no stage has seen?
+    /// Does [`StepPair::check`] see what no stage has seen?
     const CHECKED: bool = false;
 
     /// Computes all stages; the solution is left in `scratch.trial`. Returns the local error.
@@ -53,8 +53,8 @@ pub(super) trait Pair {
 /// One accepted step, its end on the constraints and looked at for events.
 ///
 /// An attempt is judged three times: by the pair's own estimate; by whether its end can be moved onto the constraints and evaluated;
-/// and, where no stage stands at the end ([`Pair::CHECKED`]), by what f there says of the step. Each of them may ask for a shorter one.
-pub(super) fn step<P: Pair>(
+/// and, where no stage stands at the end ([`StepPair::CHECKED`]), by what f there says of the step. Each of them may ask for a shorter one.
+pub(super) fn step<P: StepPair>(
     pair: &P,
     tolerance: f64,
     dynamics: &mut dyn Implicit,
@@ -165,7 +165,7 @@ struct End {
 }
 
 /// Moves the end of an attempt onto the constraints, evaluates f there where that is needed, and checks the step by it.
-fn finish<P: Pair>(
+fn finish<P: StepPair>(
     pair: &P,
     dynamics: &mut dyn Implicit,
     state: &mut IntegrationState,

@@ -7,7 +7,7 @@
 //! Source: J.R. Dormand, P.J. Prince, J. Comp. Appl. Math. 6 (1980) 19-26; continuous output and step-size
 //! controller after Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sections II.4-II.6.
 
-use super::adaptive::{self, Pair, TOLERANCES};
+use super::adaptive::{self, StepPair, TOLERANCES};
 use super::local_error::LocalError;
 use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
@@ -78,7 +78,7 @@ const D: [f64; STAGES] = [
     69997945.0 / 29380423.0,
 ];
 
-impl Pair for DormandPrince {
+impl StepPair for DormandPrince {
     const ORDER: i32 = 5;
     const LAST_STAGE: Option<usize> = Some(6);
 

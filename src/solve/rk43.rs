@@ -5,7 +5,7 @@
 //! estimate is the difference to the classical weights, h (k4 - k5) / 6. Four evaluations per step and a stability limit of 2.83
 //! on the imaginary axis make it the cheapest choice where the contact's vibration limits the step.
 
-use super::adaptive::{self, Pair, TOLERANCES};
+use super::adaptive::{self, StepPair, TOLERANCES};
 use super::local_error::LocalError;
 use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use super::{dense, rk4};
@@ -53,7 +53,7 @@ impl Integrator for RungeKutta43 {
     }
 }
 
-impl Pair for RungeKutta43 {
+impl StepPair for RungeKutta43 {
     const ORDER: i32 = 4;
     const LAST_STAGE: Option<usize> = Some(4);
 

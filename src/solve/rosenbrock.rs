@@ -24,7 +24,7 @@
 //!
 //! Source: J. Rang, L. Angermann, BIT 45 (2005) 761-787; all conditions are checked in the tests.
 
-use super::adaptive::{self, Pair};
+use super::adaptive::{self, StepPair};
 use super::local_error::{END, LocalError, WORK};
 use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
@@ -158,7 +158,7 @@ const fn sum(row: Row) -> f64 {
     row[0] + row[1] + row[2] + row[3]
 }
 
-impl Pair for Rosenbrock {
+impl StepPair for Rosenbrock {
     const ORDER: i32 = 3;
     const LAST_STAGE: Option<usize> = None;
     const CHECKED: bool = true;

@@ -93,7 +93,7 @@ fn order_rk43_converges_with_order_4_and_its_estimate_with_order_4() {
         let mut state = pair.start(0.0, &[0.0]);
         let mut scratch = Scratch::new(1, 0);
         state.evaluate_begin(&mut Power(degree)).unwrap();
-        adaptive::Pair::attempt(&pair, &mut Power(degree), &mut state, &mut scratch, h).unwrap().state
+        adaptive::StepPair::attempt(&pair, &mut Power(degree), &mut state, &mut scratch, h).unwrap().state
     };
     assert!(estimate(3, 0.7) < 1e-15);
 }

@@ -3,7 +3,7 @@
 use super::words::model_words;
 use crate::cli::plot::{Ink, Mark, Panel, Series, Sheet};
 use crate::solve;
-use crate::study::accuracy::{Apart, COUPLING, HOLDS, Measured, Model, Quantity, Standing, Study, front};
+use crate::study::accuracy::{Apart, COUPLING, HOLDS, Measured, Quantity, Standing, StudiedModel, Study, front};
 use crate::study::digits::{rounded, sized};
 use std::path::{Path, PathBuf};
 
@@ -107,7 +107,7 @@ fn errors(study: &Study, quantity: Quantity, along: &Along) -> Option<(String, S
 }
 
 /// Distances of a model from others, and their words.
-fn levels(study: &Study, model: &Model, quantity: Quantity) -> (Vec<f64>, String) {
+fn levels(study: &Study, model: &StudiedModel, quantity: Quantity) -> (Vec<f64>, String) {
     let told = study.differences.iter().filter_map(|difference| {
         let pair = [difference.first, difference.second].map(|index| study.models[index].name.as_str());
         let other = pair.iter().find(|name| **name != model.name).filter(|_| pair.contains(&model.name.as_str()))?;

@@ -2,7 +2,7 @@
 
 use super::csv::machine;
 use crate::cli::table;
-use crate::study::accuracy::{Apart, Best, COUPLING, FACTOR, HOLDS, Model, Outcome, Point, Quantity, Standing, Study, best};
+use crate::study::accuracy::{Apart, Best, COUPLING, FACTOR, HOLDS, Outcome, Point, Quantity, Standing, StudiedModel, Study, best};
 use crate::study::digits::{rounded, sized};
 use serde_json::{Value, json};
 
@@ -21,14 +21,14 @@ fn size(value: f64, quantity: Quantity) -> String {
 }
 
 /// "rigid contact (ACCF, ECCF)".
-pub(super) fn model_words(study: &Study, model: &Model) -> String {
+pub(super) fn model_words(study: &Study, model: &StudiedModel) -> String {
     let names: Vec<&str> = model.variants.iter().map(|variant| study.variants[*variant].formulation).collect();
     let changes = model.variants.first().map(|variant| study.variants[*variant].changes()).filter(|changes| !changes.is_empty());
     format!("{} contact ({}){}", model.kind(), names.join(", "), changes.map(|changes| format!(", {changes}")).unwrap_or_default())
 }
 
 /// Accuracies that are smaller than the model's motion itself.
-fn sensible(model: &Model, quantity: Quantity, levels: &[f64]) -> Vec<f64> {
+fn sensible(model: &StudiedModel, quantity: Quantity, levels: &[f64]) -> Vec<f64> {
     let motion = model.reference.as_ref().ok().and_then(|reference| reference.motion.of(quantity)).unwrap_or(f64::INFINITY);
     levels.iter().copied().filter(|level| *level < motion).collect()
 }

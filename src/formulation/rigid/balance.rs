@@ -44,7 +44,7 @@ const ITERATIONS: usize = 40;
 /// Widest jump of a law, as a part of the largest force.
 const WIDEST_JUMP: f64 = 0.02;
 /// A larger change of the creep force with the normal force than this can't be that of a smooth law: friction is below 1.
-const STEEPEST: f64 = 2.0;
+const STEEPEST_SECANT: f64 = 2.0;
 /// Least determinant for which the coupling of two wheels is solved for.
 const LEAST_DETERMINANT: f64 = 1e-3;
 /// Two points that are nearer to each other (relative to N) say nothing of the slope.
@@ -98,7 +98,7 @@ impl Pressing {
         } else if let Some((_, before, wrench)) = moved {
             let part = 1.0 / (force - before);
             let slope = Wrench { force: (creep.force - wrench.force) * part, moment: (creep.moment - wrench.moment) * part };
-            if slope.force.norm() < STEEPEST {
+            if slope.force.norm() < STEEPEST_SECANT {
                 self.slope = slope;
             }
             self.exponent = exponent.unwrap_or(2.0 / 3.0);

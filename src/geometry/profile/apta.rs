@@ -10,7 +10,7 @@
 use super::drawing::{MM, broken, rows};
 use super::outline::{Changes, Outline};
 use super::piecewise::{Curve, Piecewise};
-use super::s1002::{SMALL_ANGLE, STEEPEST, wheel_radius};
+use super::s1002::{SMALL_ANGLE, STEEPEST_FLANK, wheel_radius};
 use super::{Part, ProfileChoice};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -60,7 +60,7 @@ fn profile(section: &Section, design: &str, radius: f64, taping_line: f64) -> Re
         };
         outline.push(from.0, to.0, curve, false);
     }
-    outline.cut_steep(STEEPEST);
+    outline.cut_steep(STEEPEST_FLANK);
     let closing = outline.close(SMALL_ANGLE);
     let rounding = outline.round(SMALL_ANGLE, FILLET);
     let datum = back.ok_or_else(|| broken(section))? + taping_line;

@@ -20,7 +20,7 @@ pub struct Arch {
 
 /// Share of the radius up to which the arc is used; beyond, a parabola goes on with equal value, slope and
 /// curvature, so that an iteration that strays stays finite.
-const STEEPEST: f64 = 0.8;
+const ROUND_SHARE: f64 = 0.8;
 /// Half of the widest head, m.
 const WIDEST: f64 = 0.25;
 /// Radii that a head may have, m. The largest is flat to 0.03 mm over the widest head.
@@ -28,8 +28,8 @@ const RADII: (f64, f64) = (1e-3, 1e3);
 
 impl Profile for Arch {
     fn at(&self, eta: f64) -> ProfilePoint {
-        let edge = (STEEPEST * self.radius).copysign(eta);
-        let at = if eta.abs() <= STEEPEST * self.radius { eta } else { edge };
+        let edge = (ROUND_SHARE * self.radius).copysign(eta);
+        let at = if eta.abs() <= ROUND_SHARE * self.radius { eta } else { edge };
         let drop = (self.radius * self.radius - at * at).sqrt();
         let d1 = -at / drop;
         let d2 = -(self.radius * self.radius) / (drop * drop * drop);
@@ -43,7 +43,7 @@ impl Profile for Arch {
     }
 
     fn range(&self) -> (f64, f64) {
-        let end = (STEEPEST * self.radius).min(WIDEST);
+        let end = (ROUND_SHARE * self.radius).min(WIDEST);
         (-end, end)
     }
 

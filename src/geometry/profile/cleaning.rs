@@ -2,7 +2,7 @@
 //!
 //! Points are taken along the profile, as instruments write them; from the point nearest the origin outward, each
 //! must lie further out than all before it. Points that run backward are left out; those after the last one that
-//! does not form an overhang (flange back, rail flank) and are cut, as are ends steeper than [`STEEPEST`] over
+//! does not form an overhang (flange back, rail flank) and are cut, as are ends steeper than [`STEEPEST_END`] over
 //! 0.5 mm. An outlier is a point that stands off the cubic through its four neighbours by more than 0.05 mm, more
 //! than 0.6 times the spacing there, and more than eight times the median of all such distances; or, along a
 //! profile, a spike out and back. (A corner of the profile stands off by 2/3 of spacing times angle: one of 45
@@ -17,7 +17,7 @@ pub(super) struct Sample {
 }
 
 /// Slope of the end of a profile beyond which it is cut. A rail's flank, 20, is kept.
-pub(super) const STEEPEST: f64 = 25.0;
+pub(super) const STEEPEST_END: f64 = 25.0;
 /// Length over which the slope of an end is taken, m.
 const SLOPE_LENGTH: f64 = 0.5e-3;
 /// Points nearer to each other than this are one, m.
@@ -101,7 +101,7 @@ fn nearest(samples: &[Sample], x: f64) -> Option<usize> {
     (0..samples.len()).min_by(|&a, &b| (samples[a].x - x).abs().total_cmp(&(samples[b].x - x).abs()))
 }
 
-/// Cuts both ends where they are steeper than [`STEEPEST`].
+/// Cuts both ends where they are steeper than [`STEEPEST_END`].
 pub(super) fn cut_steep(samples: &mut Vec<Sample>, notes: &mut Vec<String>) {
     let Some(start) = nearest(samples, 0.0) else { return };
     // The last point that is kept, going from `start` in steps of `step`.
@@ -112,7 +112,7 @@ pub(super) fn cut_steep(samples: &mut Vec<Sample>, notes: &mut Vec<String>) {
                 behind += step;
             }
             let (a, b) = (&samples[behind as usize], &samples[at as usize]);
-            if (b.z - a.z).abs() > STEEPEST * (b.x - a.x).abs() {
+            if (b.z - a.z).abs() > STEEPEST_END * (b.x - a.x).abs() {
                 return behind as usize;
             }
             at += step;
@@ -122,7 +122,7 @@ pub(super) fn cut_steep(samples: &mut Vec<Sample>, notes: &mut Vec<String>) {
     let (first, last) = (last_kept(-1), last_kept(1));
     for (count, end) in [(first, first), (samples.len() - 1 - last, last)] {
         if count > 0 {
-            notes.push(format!("{count} points steeper than {STEEPEST} beyond {:.2} mm cut off", 1e3 * samples[end].x));
+            notes.push(format!("{count} points steeper than {STEEPEST_END} beyond {:.2} mm cut off", 1e3 * samples[end].x));
         }
     }
     samples.truncate(last + 1);

@@ -25,7 +25,7 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
 };
 
 /// Slope at which a wheel profile is cut.
-pub(super) const STEEPEST: f64 = 10.0;
+pub(super) const STEEPEST_FLANK: f64 = 10.0;
 /// Angles below this belong to the rounding of a drawing's numbers, rad.
 pub(super) const SMALL_ANGLE: f64 = 2e-3;
 
@@ -64,7 +64,7 @@ fn profile(section: &Section, radius: f64) -> Result<(Piecewise, Changes), Setti
         let curve = curve(&zone).ok_or_else(|| broken(section))?;
         outline.push(zone.from * MM, zone.to * MM, curve, zone.zone == "C");
     }
-    outline.cut_steep(STEEPEST);
+    outline.cut_steep(STEEPEST_FLANK);
     let changes = outline.close(SMALL_ANGLE);
     let profile = Piecewise::new(outline.moved(0.0, radius), format!("S1002, radius {radius} m"));
     Ok((profile.ok_or_else(|| broken(section))?, changes))

@@ -11,7 +11,7 @@ use crate::units::Dimension;
 /// Smallest radius of a curve, m: rails must not come near the curve's centre.
 const TIGHTEST: f64 = 10.0;
 /// Greatest angles of cant and grade, rad.
-const STEEPEST: f64 = 0.3;
+const STEEPEST_TRACK: f64 = 0.3;
 /// Most that a line may turn in all, rad: 4000 circles. The line is cut into pieces of a quarter of a radian.
 const MOST_TURN: f64 = 2.5e4;
 
@@ -97,10 +97,10 @@ fn superelevation(section: &Section, base: f64) -> Result<f64, SettingsError> {
         }
         (height / base).asin()
     };
-    if angle.abs() <= STEEPEST {
+    if angle.abs() <= STEEPEST_TRACK {
         return Ok(angle);
     }
-    let expected = format!("at most {:.3} m or {STEEPEST} rad either way", base * STEEPEST.sin());
+    let expected = format!("at most {:.3} m or {STEEPEST_TRACK} rad either way", base * STEEPEST_TRACK.sin());
     Err(section.error(key, format!("one rail would stand too high over the other; expected {expected}, a height or an angle (\"2 deg\")")))
 }
 
@@ -115,11 +115,13 @@ pub fn grade(section: &Section) -> Result<f64, SettingsError> {
         Ok(text) if is_angle(&text) => section.number(KEY, Dimension::Angle)?,
         _ => section.number_or(KEY, Dimension::None, 0.0)?.atan(),
     };
-    if angle.abs() <= STEEPEST {
+    if angle.abs() <= STEEPEST_TRACK {
         return Ok(angle);
     }
-    Err(section
-        .error(KEY, format!("found {angle:?} rad, expected at most {STEEPEST} rad, a slope (0.01, \"1 %\") or an angle (\"0.5 deg\")")))
+    Err(section.error(
+        KEY,
+        format!("found {angle:?} rad, expected at most {STEEPEST_TRACK} rad, a slope (0.01, \"1 %\") or an angle (\"0.5 deg\")"),
+    ))
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! How far models are apart: no numerical error of either.
 
 use super::errors::{Errors, Quantity};
-use super::study::{Apart, Model, ModelDifference, Study};
+use super::study::{Apart, ModelDifference, StudiedModel, Study};
 
 /// Every other model against the first elastic one, or against the first of all.
-pub(super) fn differences(models: &[Model]) -> Vec<ModelDifference> {
-    let known = |model: &Model| model.reference.as_ref().ok().map(|reference| reference.observation.clone());
+pub(super) fn differences(models: &[StudiedModel]) -> Vec<ModelDifference> {
+    let known = |model: &StudiedModel| model.reference.as_ref().ok().map(|reference| reference.observation.clone());
     let first = models.iter().position(|model| !model.rigid && model.reference.is_ok());
     let Some(base) = first.or_else(|| models.iter().position(|model| model.reference.is_ok())) else { return Vec::new() };
     let Some(standard) = known(&models[base]) else { return Vec::new() };

@@ -3,7 +3,7 @@
 use super::clock::Budget;
 use super::run::Setting;
 use super::schedule::{Item, Schedule, patience};
-use super::study::Model;
+use super::study::StudiedModel;
 use super::variant::Variant;
 use crate::sim::recording::Times;
 
@@ -50,7 +50,7 @@ pub(super) fn shortened(full: Times, schedule: &Schedule, settings: &[Setting], 
 
 /// The order in which models get their references, and the share of the budget until which each may take: the scene's own
 /// formulation first, then what is cheap. Each may take half of what is left for references; a first, loose one may take more.
-pub(super) fn turns(models: &[Model], variants: &[Variant], schedule: &Schedule, own: &str) -> Vec<(usize, [f64; 2])> {
+pub(super) fn turns(models: &[StudiedModel], variants: &[Variant], schedule: &Schedule, own: &str) -> Vec<(usize, [f64; 2])> {
     let expense = |index: &usize| {
         let of = &models[*index].variants;
         let cost = of.iter().filter_map(|variant| schedule.pilots[*variant]).map(|pilot| pilot.per_second);

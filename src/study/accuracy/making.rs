@@ -9,7 +9,7 @@ use super::reference::{self, ENDS, METHODS};
 use super::request::Request;
 use super::run::{self, Setting};
 use super::schedule::{Item, PILOT_TOLERANCE, Pilot, Schedule, patience};
-use super::study::{Model, Outcome, Point, Study, StudyError};
+use super::study::{Outcome, Point, StudiedModel, Study, StudyError};
 use super::variant::{Variant, variants};
 use crate::scene::load;
 use crate::scene::spec::Scene;
@@ -223,14 +223,14 @@ fn pilot(prepared: &Prepared, span: Times, limit: f64) -> Option<Pilot> {
 }
 
 /// Variants by model, in the order in which the models first occur.
-fn models(variants: &[Variant], prepared: &[Prepared]) -> Vec<Model> {
-    let mut models: Vec<Model> = Vec::new();
+fn models(variants: &[Variant], prepared: &[Prepared]) -> Vec<StudiedModel> {
+    let mut models: Vec<StudiedModel> = Vec::new();
     for (index, (variant, one)) in variants.iter().zip(prepared).enumerate() {
         let name = variant.model(one.rigid);
         let reference = Err("a pilot run came to nothing in its share of the budget".into());
         match models.iter_mut().find(|model| model.name == name) {
             Some(model) => model.variants.push(index),
-            None => models.push(Model { name, rigid: one.rigid, variants: vec![index], reference }),
+            None => models.push(StudiedModel { name, rigid: one.rigid, variants: vec![index], reference }),
         }
     }
     models

@@ -38,7 +38,7 @@ pub use observation::{Observation, is_smooth};
 pub use reference::{Reference, Standing};
 pub use request::Request;
 pub use run::{Measured, Setting};
-pub use study::{Apart, Model, ModelDifference, Outcome, Point, Study, StudyError};
+pub use study::{Apart, ModelDifference, Outcome, Point, StudiedModel, Study, StudyError};
 pub use variant::Variant;
 
 /// A point is drawn where its error is at least this many times the reference's uncertainty.

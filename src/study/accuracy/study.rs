@@ -34,7 +34,7 @@ pub struct Point {
 
 /// A description of contact that has one exact solution.
 #[derive(Clone, Debug, Serialize)]
-pub struct Model {
+pub struct StudiedModel {
     pub name: String,
     pub rigid: bool,
     /// Indices in [`Study::variants`].
@@ -71,7 +71,7 @@ pub struct Study {
     pub wheelset: Option<String>,
     pub budget: f64,
     pub variants: Vec<Variant>,
-    pub models: Vec<Model>,
+    pub models: Vec<StudiedModel>,
     pub points: Vec<Point>,
     pub differences: Vec<ModelDifference>,
     pub coupled: Vec<Coupled>,
@@ -90,7 +90,7 @@ pub enum StudyError {
     Refused(String),
 }
 
-impl Model {
+impl StudiedModel {
     /// "rigid" or "elastic".
     pub fn kind(&self) -> &'static str {
         if self.rigid { "rigid" } else { "elastic" }
@@ -109,7 +109,7 @@ impl Study {
     }
 
     /// The model of a variant.
-    pub fn model_of(&self, variant: usize) -> Option<&Model> {
+    pub fn model_of(&self, variant: usize) -> Option<&StudiedModel> {
         self.models.iter().find(|model| model.variants.contains(&variant))
     }
 
@@ -127,7 +127,7 @@ impl Study {
         if Quantity::ALL.iter().any(|quantity| self.count(*quantity, |standing| matches!(standing, Standing::Shown(_))) > 0) {
             return Ok(());
         }
-        let reference = |model: &Model| match &model.reference {
+        let reference = |model: &StudiedModel| match &model.reference {
             Ok(Reference { methods: [first, second], tolerance, uncertainty, .. }) => {
                 let (y, load) = (uncertainty.y.largest, uncertainty.vertical.largest);
                 format!("{}: {first} and {second} at tolerance {tolerance:.0e} agree to {y:.1e} m, {load:.1e} N", model.name)

@@ -14,7 +14,7 @@ use nalgebra::Vector2;
 pub(super) const SLACK: f64 = SWAY * MOST_STEADY;
 
 /// Greatest slope at which a rail is looked at; no wheel's flank gets there.
-const STEEPEST: f64 = 25.0;
+const STEEPEST_RAIL_SEEN: f64 = 25.0;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Foot {
@@ -59,7 +59,7 @@ pub(super) struct RailCurve {
 
 impl RailCurve {
     pub fn new(profile: &dyn Profile) -> Self {
-        let curve = Curve::new(profile, 1.0, STEEPEST);
+        let curve = Curve::new(profile, 1.0, STEEPEST_RAIL_SEEN);
         let mut lengths = vec![0.0];
         let mut length = 0.0;
         for stretch in &curve.stretches {

@@ -27,7 +27,7 @@ mod watch;
 
 pub use polish::{Polished, bending_ahead, is_least};
 pub use refine::Kink;
-pub use standing::Standing;
+pub use standing::WheelPose;
 
 use super::algebraic::{Pair, SurfaceParameters};
 use crate::geometry::profile::Profile;
@@ -42,7 +42,7 @@ pub use watch::{Extreme, POINTS, Point, Watch};
 pub const MOST: usize = 8;
 
 /// Greatest slope at which a wheel is looked at.
-const STEEPEST: f64 = 12.0;
+const STEEPEST_WHEEL_SEEN: f64 = 12.0;
 
 /// A greatest distance between two minima.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -157,7 +157,7 @@ pub struct GlobalSearch {
 impl GlobalSearch {
     pub fn new(wheel: &dyn Profile, rail: &dyn Profile) -> Self {
         let radius = wheel.at(0.0).value;
-        let wheel = Curve::new(wheel, -1.0, STEEPEST);
+        let wheel = Curve::new(wheel, -1.0, STEEPEST_WHEEL_SEEN);
         let leaves = wheel.stretches.len().next_power_of_two();
         let mut tree = vec![Bounds::NONE; 2 * leaves];
         tree[leaves..leaves + wheel.stretches.len()].copy_from_slice(&wheel.stretches);

@@ -18,7 +18,7 @@ use super::branch::ARM;
 use crate::contact::search::algebraic::Pair;
 
 /// Greatest slope R' of a flank that touches.
-const STEEPEST: f64 = 4.0;
+const STEEPEST_TOUCHING: f64 = 4.0;
 /// Furthest from the tread's point to one that touches, m.
 const REACH: f64 = 0.09;
 /// Certificates and this measure are of first order, for instance in how the gap changes a foot's curvature.
@@ -28,12 +28,12 @@ const LEAD: f64 = 0.05;
 
 /// Place of the tread's point in the section, outward and up [m], roll of the axle and k [rad], direction of the rail in the
 /// section's axes [-].
-pub type Standing = [f64; 6];
+pub type WheelPose = [f64; 6];
 
 impl GlobalSearch {
     /// How the wheel stands.
     #[inline]
-    pub fn standing(&self, pair: &Pair) -> Standing {
+    pub fn standing(&self, pair: &Pair) -> WheelPose {
         let section = pair.rail.section(pair.distance);
         let (outward, up, t) = (section.outward, section.up, section.d1);
         let axle = pair.axes.column(1) * pair.wheel.side.sign();
@@ -55,12 +55,16 @@ impl GlobalSearch {
 
     /// The motion between two poses that a certificate allows or not, m.
     #[inline]
-    pub fn motion(&self, from: &Standing, to: &Standing) -> f64 {
+    pub fn motion(&self, from: &WheelPose, to: &WheelPose) -> f64 {
         let change = |i: usize| (to[i] - from[i]).abs();
         let yawing = change(3) * from[3].abs().max(to[3].abs());
         let direction = change(4) + change(5);
-        let shift = change(0) + change(1) + REACH * change(2) + self.radius * (2.0 + STEEPEST) * STEEPEST * yawing + LEAD * direction;
-        let turn = change(2) + STEEPEST * yawing;
+        let shift = change(0)
+            + change(1)
+            + REACH * change(2)
+            + self.radius * (2.0 + STEEPEST_TOUCHING) * STEEPEST_TOUCHING * yawing
+            + LEAD * direction;
+        let turn = change(2) + STEEPEST_TOUCHING * yawing;
         SAFETY * shift.max(ARM * turn)
     }
 }

@@ -624,7 +624,7 @@ fn prop_many_looks_one_after_another_miss_nothing() {
                 let pair = scene.pair(&pose);
                 let now = scene.search.standing(&pair);
                 poses += 1;
-                let holds = left.is_some_and(|(apart, from, steady, since): (f64, Standing, f64, Standing)| {
+                let holds = left.is_some_and(|(apart, from, steady, since): (f64, WheelPose, f64, WheelPose)| {
                     if scene.search.motion(&from, &now) >= apart {
                         return false;
                     }

@@ -79,7 +79,7 @@ use crate::geometry::track::{Rail, RailSection};
 use nalgebra::{Matrix3, Vector3};
 use plane::Section;
 use std::sync::Arc;
-use walk::{Batch, Pair, Walk};
+use walk::{Batch, NodePair, Walk};
 
 /// Rounding of G, m, with a wide margin: a node passed over is at least this far from touching.
 const MARGIN: f64 = 1e-12;
@@ -130,7 +130,7 @@ struct Node {
 
 /// What [`NodalContacts`] is made of.
 struct Pairs {
-    found: [Option<Pair>; 2],
+    found: [Option<NodePair>; 2],
     saddle: Option<f64>,
     evaluated: usize,
     looked_up: usize,
@@ -283,7 +283,7 @@ impl NodalSearch {
                     continue;
                 }
                 walk.evaluated += 1;
-                walk.apart(Pair { wheel: index, rail, penetration: -gap / plane.norm2(self.rail.point(rail).d1).sqrt() });
+                walk.apart(NodePair { wheel: index, rail, penetration: -gap / plane.norm2(self.rail.point(rail).d1).sqrt() });
             }
             let mut passed = 0;
             if index >= ask {
@@ -316,7 +316,7 @@ impl NodalSearch {
             index += 1;
         }
         walk.evaluated += index - begin;
-        let pair = |(penetration, (wheel, rail))| Pair { wheel, rail, penetration };
+        let pair = |(penetration, (wheel, rail))| NodePair { wheel, rail, penetration };
         if let Some(deepest) = humps.deepest() {
             let beside = humps.beside().and_then(|hump| {
                 let saddle = hump.saddle + LEAST_HUMP * deepest.0;
@@ -391,7 +391,7 @@ impl NodalSearch {
 
     /// Where the surfaces' overlap is deepest near a pair: u and eta, m, and the penetration there, m. The vertex of the parabola through the
     /// depths of the wheel node and its neighbours.
-    fn between(&self, pair: &Pair, plane: &Section) -> [f64; 3] {
+    fn between(&self, pair: &NodePair, plane: &Section) -> [f64; 3] {
         let [u, eta] = [self.wheel.coordinate(pair.wheel), self.rail.coordinate(pair.rail)];
         let at = |index: usize| self.depth(plane, index);
         let next = Some(pair.wheel + 1).filter(|next| *next < self.wheel.count());
@@ -411,7 +411,7 @@ impl NodalSearch {
     /// Everything that the laws of contact need from a pair.
     fn location(
         &self,
-        pair: &Pair,
+        pair: &NodePair,
         plane: &Section,
         centre: &Vector3<f64>,
         axes: &Matrix3<f64>,

@@ -5,14 +5,14 @@ use crate::contact::search::nodes::Bounds;
 
 /// A wheel node and its partner.
 #[derive(Clone, Copy)]
-pub struct Pair {
+pub struct NodePair {
     pub wheel: usize,
     pub rail: usize,
     /// delta, m.
     pub penetration: f64,
 }
 
-impl Pair {
+impl NodePair {
     pub fn touches(&self) -> bool {
         self.penetration > 0.0
     }
@@ -21,9 +21,9 @@ impl Pair {
 /// Consecutive nodes that touch.
 #[derive(Clone, Copy)]
 pub struct Batch {
-    pub deepest: Pair,
+    pub deepest: NodePair,
     /// A second hump with the penetration at the saddle, m.
-    pub beside: Option<(Pair, f64)>,
+    pub beside: Option<(NodePair, f64)>,
 }
 
 /// What has been seen on the way along the wheel's profile.
@@ -32,8 +32,8 @@ pub struct Walk {
     /// The deepest batch and the next.
     pub deepest: Option<Batch>,
     second: Option<Batch>,
-    /// Pair with the greatest penetration, touching or not.
-    pub closest: Option<Pair>,
+    /// NodePair with the greatest penetration, touching or not.
+    pub closest: Option<NodePair>,
     /// Only pairs that cannot come closer than `closest` may be passed over.
     pub closest_wanted: bool,
     pub evaluated: usize,
@@ -42,7 +42,7 @@ pub struct Walk {
 
 impl Walk {
     #[inline]
-    pub fn apart(&mut self, pair: Pair) {
+    pub fn apart(&mut self, pair: NodePair) {
         if self.closest.is_none_or(|closest| pair.penetration > closest.penetration) {
             self.closest = Some(pair);
         }
@@ -60,7 +60,7 @@ impl Walk {
     }
 
     /// The contacts, and the penetration at the saddle between them where they are humps of one batch.
-    pub fn found(&self) -> ([Option<Pair>; 2], Option<f64>) {
+    pub fn found(&self) -> ([Option<NodePair>; 2], Option<f64>) {
         let deepest = |batch: Option<Batch>| batch.map(|batch| batch.deepest);
         match (self.second, self.deepest.and_then(|batch| batch.beside)) {
             (None, Some((beside, saddle))) => ([deepest(self.deepest), Some(beside)], Some(saddle)),

@@ -3,7 +3,7 @@
 use super::share::{Saddle, Saddles};
 use super::stand::Stand;
 use crate::contact::search::algebraic::{ContactLocation, SurfaceParameters};
-use crate::contact::search::global::{GlobalSearch, MOST, Minimum, Standing, Watch};
+use crate::contact::search::global::{GlobalSearch, MOST, Minimum, Watch, WheelPose};
 use crate::formulation::memory::{Allowance, PlaceMemory, RidgeMemory, WheelMemory};
 use crate::formulation::prediction::{POSE, after, pose_of, prediction};
 use crate::formulation::wheel_search::MOST_POINTS;
@@ -11,7 +11,7 @@ use crate::formulation::wheel_search::MOST_POINTS;
 impl Allowance {
     /// Has the wheel moved by less than the budget from the pose that belongs to it?
     #[inline]
-    fn holds(&self, search: &GlobalSearch, now: &Standing) -> bool {
+    fn holds(&self, search: &GlobalSearch, now: &WheelPose) -> bool {
         self.budget > 0.0 && search.motion(&self.from, now) < self.budget
     }
 }
@@ -19,7 +19,7 @@ impl Allowance {
 impl WheelMemory {
     /// The motion since all places were located.
     #[inline]
-    pub(super) fn moved(&self, now: &Standing) -> [f64; POSE] {
+    pub(super) fn moved(&self, now: &WheelPose) -> [f64; POSE] {
         let now = pose_of(now);
         std::array::from_fn(|i| now[i] - self.located[i])
     }
@@ -53,18 +53,18 @@ impl WheelMemory {
 
     /// Has the wheel moved less than the budget against its rail since the last search?
     #[inline]
-    pub(super) fn needs_no_search(&self, search: &GlobalSearch, now: &Standing) -> bool {
+    pub(super) fn needs_no_search(&self, search: &GlobalSearch, now: &WheelPose) -> bool {
         self.searched.holds(search, now)
     }
 
     /// What must be looked at because the wheel has moved by more than that allows; `None` where there is nothing.
     #[inline]
-    pub(super) fn due_watch(&self, search: &GlobalSearch, now: &Standing) -> Option<&Watch> {
+    pub(super) fn due_watch(&self, search: &GlobalSearch, now: &WheelPose) -> Option<&Watch> {
         (!self.watch.is_empty() && !self.watched.holds(search, now)).then_some(&self.watch)
     }
 
     /// A search has been made here, which holds for a motion by `budget` [m] but for what is watched, and there by `watched` [m].
-    pub(super) fn renew(&mut self, now: &Standing, budget: f64, (watch, watched): (&Watch, f64), saddles: &Saddles) {
+    pub(super) fn renew(&mut self, now: &WheelPose, budget: f64, (watch, watched): (&Watch, f64), saddles: &Saddles) {
         self.searched = Allowance { budget, from: *now };
         self.watched = Allowance { budget: watched, from: *now };
         self.watch = *watch;

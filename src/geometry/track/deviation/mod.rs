@@ -46,7 +46,7 @@ pub struct Deviation {
 }
 
 /// Slope of a rail, -, beyond which one point of contact per wheel makes no sense.
-pub(super) const STEEPEST: f64 = 0.5;
+pub(super) const STEEPEST_RAIL: f64 = 0.5;
 
 /// Reads one `[[track.deviation]]`: a shape on one rail, or the same shape on both.
 ///
@@ -81,8 +81,8 @@ fn read_extent(section: &Section, steepness: f64) -> Result<[f64; 3], SettingsEr
         return Err(section.error("to", format!("found {to}, expected more than from = {from}")));
     }
     let steepest = steepness * amplitude.abs() / (to - from);
-    if steepest > STEEPEST {
-        return Err(section.error("to", format!("the rail would run {steepest:.2} m aside per metre; expected at most {STEEPEST}")));
+    if steepest > STEEPEST_RAIL {
+        return Err(section.error("to", format!("the rail would run {steepest:.2} m aside per metre; expected at most {STEEPEST_RAIL}")));
     }
     Ok([amplitude, from, to])
 }

@@ -4,7 +4,7 @@
 //! continuous everywhere, so there are no breaks. The steepest slope is 35/16 amplitude / (to - from), in the middle.
 
 use super::{DeviationShape, Stretch, one_wave, read_extent};
-use crate::math::smooth_step::{STEEPEST, smooth_step};
+use crate::math::smooth_step::{LARGEST_RATE, smooth_step};
 use crate::settings::{Entry, Section, SettingsError};
 use std::sync::Arc;
 
@@ -48,7 +48,7 @@ impl DeviationShape for Ramp {
 }
 
 fn parse(section: &Section) -> Result<Arc<dyn DeviationShape>, SettingsError> {
-    let [amplitude, from, to] = read_extent(section, STEEPEST)?;
+    let [amplitude, from, to] = read_extent(section, LARGEST_RATE)?;
     Ok(Arc::new(Ramp { amplitude, from, to }))
 }
 

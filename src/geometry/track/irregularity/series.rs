@@ -11,7 +11,7 @@
 //! spline may move the values of each column; without it they are interpolated. Lookup takes constant time where positions are
 //! about even (an index table with a cell for each point, up to 65536).
 
-use super::super::deviation::STEEPEST;
+use super::super::deviation::STEEPEST_RAIL;
 use super::resolved::resolved;
 use super::window::{Window, Windowed};
 use super::{Irregularity, Quantity, deviations};
@@ -201,8 +201,8 @@ fn check_row(columns: &[Option<Vec<f64>>; 9], row: usize) -> Result<(), (usize, 
         }
         if let Some((row, previous)) = before {
             let slope = (value - values(column)[row]) / (position - previous);
-            if slope.abs() > STEEPEST {
-                return Err((column, format!("rises by {slope:.2} m per metre; expected at most {STEEPEST}: an outlier?")));
+            if slope.abs() > STEEPEST_RAIL {
+                return Err((column, format!("rises by {slope:.2} m per metre; expected at most {STEEPEST_RAIL}: an outlier?")));
             }
         }
     }
