@@ -7,6 +7,7 @@ mod faults;
 mod nearest;
 
 use crate::units::Dimension;
+pub(crate) use constant::constant;
 pub use constant::{Constant, Number};
 use faults::Faults;
 pub use nearest::did_you_mean;

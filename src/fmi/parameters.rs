@@ -9,50 +9,49 @@ use super::variable::{Kind, Role, Variable, WHEELSET};
 use crate::mbs::inertia::Inertia;
 use crate::scene::spec::{SMALLEST, SMALLEST_MODULUS, Scene};
 use crate::scene::vehicle::{FASTEST, PlacedBody, PlacedWheelset, Sensor};
-use crate::settings::{Constant, Number};
+use crate::settings::{Constant, Number, constant};
 use crate::sim::vehicle_outputs::{BODY, FORCE, SENSOR, STRIDE};
 use crate::solve::SettingKind;
 use crate::units::Unit;
 
-/// A line of a table: its number, name, unit and smallest value, description, and the field that it is.
-macro_rules! line {
-    ($number:literal, $name:literal, $unit:ident, $least:expr, $text:expr, $($field:tt)+) => {
-        Constant {
-            number: $number,
-            name: $name,
-            unit: Unit::$unit,
-            least: $least,
-            description: $text,
-            get: |of| Some(of.$($field)+),
-            set: |of, value| of.$($field)+ = value,
-        }
-    };
-}
-
 const VEHICLE: [Constant<Scene>; 2] = [
     Constant {
         get: |scene| scene.vehicle.speed_imposed.then_some(scene.vehicle.speed),
-        ..line!(1, "speed", TravelSpeed, Some(-FASTEST), "imposed travelling speed of the centre, forward positive; not 0", vehicle.speed)
+        ..constant!(
+            1,
+            "speed",
+            TravelSpeed,
+            Some(-FASTEST),
+            "imposed travelling speed of the centre, forward positive; not 0",
+            vehicle.speed
+        )
     },
-    line!(2, "gravity", MetrePerSecond2, Some(0.0), "gravitational acceleration", vehicle.gravity),
+    constant!(2, "gravity", MetrePerSecond2, Some(0.0), "gravitational acceleration", vehicle.gravity),
 ];
 
 /// Where the speed is only that of the start it may be 0.
 const FREE_SPEED: Constant<Scene> =
-    line!(1, "speed", TravelSpeed, Some(-FASTEST), "travelling speed of the centre at the start, forward positive", vehicle.speed);
+    constant!(1, "speed", TravelSpeed, Some(-FASTEST), "travelling speed of the centre at the start, forward positive", vehicle.speed);
 
 const CONTACT: [Constant<Scene>; 4] = [
-    line!(3, "contact.friction", One, Some(0.0), "friction coefficient mu", contact.friction),
+    constant!(3, "contact.friction", One, Some(0.0), "friction coefficient mu", contact.friction),
     Constant {
         get: |scene| (scene.contact.damping_law.name == "proportional").then_some(scene.contact.damping),
-        ..line!(4, "contact.damping", NewtonSecondPerMetre2, Some(0.0), "C in N = K_h delta^1.5 + C delta d(delta)/dt", contact.damping)
+        ..constant!(4, "contact.damping", NewtonSecondPerMetre2, Some(0.0), "C in N = K_h delta^1.5 + C delta d(delta)/dt", contact.damping)
     },
-    line!(5, "contact.youngsModulus", Pascal, Some(SMALLEST_MODULUS), "Young's modulus of wheel and rail", contact.material.youngs_modulus),
-    line!(6, "contact.poissonRatio", One, Some(0.0), "Poisson's ratio of wheel and rail", contact.material.poisson_ratio),
+    constant!(
+        5,
+        "contact.youngsModulus",
+        Pascal,
+        Some(SMALLEST_MODULUS),
+        "Young's modulus of wheel and rail",
+        contact.material.youngs_modulus
+    ),
+    constant!(6, "contact.poissonRatio", One, Some(0.0), "Poisson's ratio of wheel and rail", contact.material.poisson_ratio),
 ];
 
 /// Of the distance of a vehicle of several bodies.
-const ORIGIN: Constant<Scene> = line!(
+const ORIGIN: Constant<Scene> = constant!(
     10,
     "initial.distance",
     Distance,
@@ -63,7 +62,7 @@ const ORIGIN: Constant<Scene> = line!(
 
 macro_rules! initial {
     ($number:literal, $name:literal, $unit:ident, $place:literal) => {
-        line!(
+        constant!(
             $number,
             $name,
             $unit,
@@ -90,13 +89,13 @@ const INITIAL: [Constant<Scene>; 10] = [
 
 /// Of a wheelset among other bodies.
 const OFFSETS: [Constant<PlacedWheelset>; 2] = [
-    line!(451, "initial.y", Metre, None, "added to y of the steady state at the start", offset[0]),
-    line!(454, "initial.yaw", Radian, None, "added to the yaw of the steady state at the start", offset[1]),
+    constant!(451, "initial.y", Metre, None, "added to y of the steady state at the start", offset[0]),
+    constant!(454, "initial.yaw", Radian, None, "added to the yaw of the steady state at the start", offset[1]),
 ];
 
 const WHEELSETS: [Constant<PlacedWheelset>; 4] = [
-    line!(400, "mass", Kilogram, Some(SMALLEST), "mass of the wheelset", spec.mass),
-    line!(
+    constant!(400, "mass", Kilogram, Some(SMALLEST), "mass of the wheelset", spec.mass),
+    constant!(
         401,
         "transverseInertia",
         KilogramMetre2,
@@ -104,8 +103,8 @@ const WHEELSETS: [Constant<PlacedWheelset>; 4] = [
         "moment of inertia about any axis across the axle (Ixx = Izz)",
         spec.transverse_inertia
     ),
-    line!(402, "axialInertia", KilogramMetre2, Some(SMALLEST), "moment of inertia about the axle (Iyy)", spec.axial_inertia),
-    line!(
+    constant!(402, "axialInertia", KilogramMetre2, Some(SMALLEST), "moment of inertia about the axle (Iyy)", spec.axial_inertia),
+    constant!(
         403,
         "verticalLoad",
         Newton,
@@ -137,16 +136,16 @@ macro_rules! inertia {
 }
 
 const BODIES: [Constant<PlacedBody>; 4] = [
-    line!(50, "mass", Kilogram, Some(SMALLEST), "mass of the body", body.mass),
+    constant!(50, "mass", Kilogram, Some(SMALLEST), "mass of the body", body.mass),
     inertia!(51, "inertiaXx", x, "moment of inertia about the body's x axis"),
     inertia!(52, "inertiaYy", y, "moment of inertia about the body's y axis"),
     inertia!(53, "inertiaZz", z, "moment of inertia about the body's z axis"),
 ];
 
 const SENSORS: [Constant<Sensor>; 3] = [
-    line!(50, "pointX", Distance, None, "place of the sensor along its body's x axis, from the centre of mass", point.x),
-    line!(51, "pointY", Distance, None, "place of the sensor along its body's y axis, from the centre of mass", point.y),
-    line!(52, "pointZ", Distance, None, "place of the sensor along its body's z axis, from the centre of mass", point.z),
+    constant!(50, "pointX", Distance, None, "place of the sensor along its body's x axis, from the centre of mass", point.x),
+    constant!(51, "pointY", Distance, None, "place of the sensor along its body's y axis, from the centre of mass", point.y),
+    constant!(52, "pointZ", Distance, None, "place of the sensor along its body's z axis, from the centre of mass", point.z),
 ];
 
 const TOLERANCE: Constant<Scene> = Constant {
@@ -215,7 +214,7 @@ impl Collector<'_> {
     }
 
     fn of_scene(&mut self, group: &'static str, part: Option<(&str, u32)>, table: &'static [Constant<Scene>]) {
-        self.table(group, part, (table, self.scene), RealParameter::OfScene);
+        self.table(group, part, (table, self.scene), RealParameter::Scene);
     }
 
     /// Largest value of the variable added last.
@@ -235,7 +234,7 @@ impl Collector<'_> {
             }
             let base = wheelset.map_or(FORCE + STRIDE * place as u32 + ELEMENT, |k| WHEELSET * (k as u32 + 1) + SUSPENSION);
             for number in element.0.constants() {
-                self.add("suspension", Some((name, base)), &number, RealParameter::OfForce(place, number.number));
+                self.add("suspension", Some((name, base)), &number, RealParameter::Force(place, number.number));
             }
         }
     }
@@ -256,7 +255,7 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
     let base = |place: usize| WHEELSET * (place as u32 + 1);
     for (place, wheelset) in vehicle.wheelsets.iter().enumerate() {
         let part = Some((wheelset.spec.name.as_str(), base(place)));
-        let role = |line| RealParameter::OfWheelset(place, line);
+        let role = |line| RealParameter::Wheelset(place, line);
         all.table("vehicle", part, (&WHEELSETS, wheelset), role);
         if !lone {
             all.table("initial", part, (&OFFSETS, wheelset), role);
@@ -265,11 +264,11 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
     let place_of = |first: u32, place: usize| first + STRIDE * place as u32;
     for (place, body) in vehicle.bodies.iter().enumerate() {
         let part = Some((body.body.name.as_str(), place_of(BODY, place)));
-        all.table("vehicle", part, (&BODIES, body), |line| RealParameter::OfBody(place, line));
+        all.table("vehicle", part, (&BODIES, body), |line| RealParameter::Body(place, line));
     }
     for (place, sensor) in vehicle.sensors.iter().enumerate() {
         let part = Some((sensor.name.as_str(), place_of(SENSOR, place)));
-        all.table("vehicle", part, (&SENSORS, sensor), |line| RealParameter::OfSensor(place, line));
+        all.table("vehicle", part, (&SENSORS, sensor), |line| RealParameter::Sensor(place, line));
     }
     if !lone {
         all.of_scene("initial", None, const { &[ORIGIN] });

@@ -7,24 +7,24 @@ use crate::settings::Constant;
 /// A real parameter as a field of the scene.
 #[derive(Clone, Copy)]
 pub enum RealParameter {
-    OfScene(&'static Constant<Scene>),
+    Scene(&'static Constant<Scene>),
     /// By place in the vehicle.
-    OfWheelset(usize, &'static Constant<PlacedWheelset>),
-    OfBody(usize, &'static Constant<PlacedBody>),
-    OfSensor(usize, &'static Constant<Sensor>),
+    Wheelset(usize, &'static Constant<PlacedWheelset>),
+    Body(usize, &'static Constant<PlacedBody>),
+    Sensor(usize, &'static Constant<Sensor>),
     /// And by its number among the element's.
-    OfForce(usize, u32),
+    Force(usize, u32),
 }
 
 impl RealParameter {
     pub fn value(&self, scene: &Scene) -> f64 {
         let vehicle = &scene.vehicle;
         let found = match *self {
-            RealParameter::OfScene(line) => (line.get)(scene),
-            RealParameter::OfWheelset(place, line) => (line.get)(&vehicle.wheelsets[place]),
-            RealParameter::OfBody(place, line) => (line.get)(&vehicle.bodies[place]),
-            RealParameter::OfSensor(place, line) => (line.get)(&vehicle.sensors[place]),
-            RealParameter::OfForce(place, number) => {
+            RealParameter::Scene(line) => (line.get)(scene),
+            RealParameter::Wheelset(place, line) => (line.get)(&vehicle.wheelsets[place]),
+            RealParameter::Body(place, line) => (line.get)(&vehicle.bodies[place]),
+            RealParameter::Sensor(place, line) => (line.get)(&vehicle.sensors[place]),
+            RealParameter::Force(place, number) => {
                 let all = vehicle.forces[place].0.constants();
                 all.iter().find(|constant| constant.number == number).map(|constant| constant.value)
             }
@@ -35,11 +35,11 @@ impl RealParameter {
     pub fn assign(&self, scene: &mut Scene, value: f64) {
         let vehicle = &mut scene.vehicle;
         match *self {
-            RealParameter::OfScene(line) => (line.set)(scene, value),
-            RealParameter::OfWheelset(place, line) => (line.set)(&mut vehicle.wheelsets[place], value),
-            RealParameter::OfBody(place, line) => (line.set)(&mut vehicle.bodies[place], value),
-            RealParameter::OfSensor(place, line) => (line.set)(&mut vehicle.sensors[place], value),
-            RealParameter::OfForce(place, number) => vehicle.forces[place].0.set_constant(number, value),
+            RealParameter::Scene(line) => (line.set)(scene, value),
+            RealParameter::Wheelset(place, line) => (line.set)(&mut vehicle.wheelsets[place], value),
+            RealParameter::Body(place, line) => (line.set)(&mut vehicle.bodies[place], value),
+            RealParameter::Sensor(place, line) => (line.set)(&mut vehicle.sensors[place], value),
+            RealParameter::Force(place, number) => vehicle.forces[place].0.set_constant(number, value),
         }
     }
 }

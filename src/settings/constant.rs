@@ -45,3 +45,22 @@ impl<T> Constant<T> {
         }
     }
 }
+
+/// A line of a table: number, name, unit, smallest value, description, and the field that it is, or where it is read and how it is written.
+macro_rules! constant {
+    ($number:literal, $name:literal, $unit:ident, $least:expr, $text:expr, get: $get:expr, set: $set:expr) => {
+        $crate::settings::Constant {
+            number: $number,
+            name: $name,
+            unit: $crate::units::Unit::$unit,
+            least: $least,
+            description: $text,
+            get: $get,
+            set: $set,
+        }
+    };
+    ($number:literal, $name:literal, $unit:ident, $least:expr, $text:expr, $($field:tt)+) => {
+        constant!($number, $name, $unit, $least, $text, get: |of| Some(of.$($field)+), set: |of, value| of.$($field)+ = value)
+    };
+}
+pub(crate) use constant;

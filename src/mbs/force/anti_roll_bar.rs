@@ -12,8 +12,8 @@ use super::{ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Constant, Entry, Number, Section, SettingsError};
-use crate::units::{Dimension, Unit};
+use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::units::Dimension;
 use nalgebra::Vector3;
 
 /// A torsion bar between two bodies.
@@ -39,24 +39,8 @@ const QUANTITIES: [Quantity; 2] = [
 ];
 
 const CONSTANTS: [Constant<AntiRollBar>; 2] = [
-    Constant {
-        number: 0,
-        name: "stiffness",
-        unit: Unit::NewtonMetrePerRadian,
-        least: POSITIVE,
-        description: "stiffness of the anti-roll bar",
-        get: |bar| Some(bar.stiffness),
-        set: |bar, value| bar.stiffness = value,
-    },
-    Constant {
-        number: 1,
-        name: "damping",
-        unit: Unit::NewtonMetreSecondPerRadian,
-        least: Some(0.0),
-        description: "damping of the anti-roll bar",
-        get: |bar| Some(bar.damping),
-        set: |bar, value| bar.damping = value,
-    },
+    constant!(0, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the anti-roll bar", stiffness),
+    constant!(1, "damping", NewtonMetreSecondPerRadian, Some(0.0), "damping of the anti-roll bar", damping),
 ];
 
 impl AntiRollBar {

@@ -27,8 +27,8 @@ use super::{ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Constant, Entry, Number, Section, SettingsError};
-use crate::units::{Dimension, Unit};
+use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::units::Dimension;
 use nalgebra::{Matrix2, Vector2, Vector3, Vector6};
 
 /// A surface pair with dry friction; all axes in the attachment axes of `from`.
@@ -167,60 +167,12 @@ fn limited(element: &DryFriction) -> bool {
 }
 
 const CONSTANTS: [Constant<DryFriction>; 6] = [
-    Constant {
-        number: 0,
-        name: "friction",
-        unit: Unit::One,
-        least: POSITIVE,
-        description: "friction coefficient of the surfaces",
-        get: |element| (!limited(element)).then_some(element.friction),
-        set: |element, value| element.friction = value,
-    },
-    Constant {
-        number: 1,
-        name: "limit",
-        unit: Unit::Newton,
-        least: POSITIVE,
-        description: "largest friction force",
-        get: |element| limited(element).then_some(element.normal_force),
-        set: |element, value| element.normal_force = value,
-    },
-    Constant {
-        number: 2,
-        name: "designNormalForce",
-        unit: Unit::Newton,
-        least: Some(0.0),
-        description: "normal force in the design configuration",
-        get: |element| (!limited(element)).then_some(element.normal_force),
-        set: |element, value| element.normal_force = value,
-    },
-    Constant {
-        number: 3,
-        name: "normalStiffness",
-        unit: Unit::NewtonPerMetre,
-        least: POSITIVE,
-        description: "stiffness of the normal spring",
-        get: |element| (element.normal_stiffness > 0.0).then_some(element.normal_stiffness),
-        set: |element, value| element.normal_stiffness = value,
-    },
-    Constant {
-        number: 4,
-        name: "stiffness",
-        unit: Unit::NewtonPerMetre,
-        least: POSITIVE,
-        description: "stiffness before slip",
-        get: |element| Some(element.stiffness),
-        set: |element, value| element.stiffness = value,
-    },
-    Constant {
-        number: 5,
-        name: "relaxation",
-        unit: Unit::Second,
-        least: POSITIVE,
-        description: "time within which friction lets go where the normal force falls",
-        get: |element| Some(element.relaxation),
-        set: |element, value| element.relaxation = value,
-    },
+    constant!(0, "friction", One, POSITIVE, "friction coefficient of the surfaces", get: |element| (!limited(element)).then_some(element.friction), set: |element, value| element.friction = value),
+    constant!(1, "limit", Newton, POSITIVE, "largest friction force", get: |element| limited(element).then_some(element.normal_force), set: |element, value| element.normal_force = value),
+    constant!(2, "designNormalForce", Newton, Some(0.0), "normal force in the design configuration", get: |element| (!limited(element)).then_some(element.normal_force), set: |element, value| element.normal_force = value),
+    constant!(3, "normalStiffness", NewtonPerMetre, POSITIVE, "stiffness of the normal spring", get: |element| (element.normal_stiffness > 0.0).then_some(element.normal_stiffness), set: |element, value| element.normal_stiffness = value),
+    constant!(4, "stiffness", NewtonPerMetre, POSITIVE, "stiffness before slip", stiffness),
+    constant!(5, "relaxation", Second, POSITIVE, "time within which friction lets go where the normal force falls", relaxation),
 ];
 
 impl ForceElement for DryFriction {

@@ -12,8 +12,8 @@
 use super::curve::{Beyond, Curve, Outside, Shape, Table, sided};
 use super::line::{LineElement, LineLaw, Slopes, Span};
 use super::{ForceElement, POSITIVE, Parse, Places};
-use crate::settings::{Constant, Entry, Section, SettingsError};
-use crate::units::{Dimension, Unit};
+use crate::settings::{Constant, Entry, Section, SettingsError, constant};
+use crate::units::Dimension;
 
 /// The law of a spring and a damper in series.
 #[derive(Clone, Debug)]
@@ -28,24 +28,8 @@ pub struct MaxwellDamper {
 
 impl LineLaw for MaxwellDamper {
     const CONSTANTS: &'static [Constant<Self>] = &[
-        Constant {
-            number: 0,
-            name: "stiffness",
-            unit: Unit::NewtonPerMetre,
-            least: POSITIVE,
-            description: "stiffness of the series spring",
-            get: |law| Some(law.stiffness),
-            set: |law, value| law.stiffness = value,
-        },
-        Constant {
-            number: 1,
-            name: "damping",
-            unit: Unit::NewtonSecondPerMetre,
-            least: POSITIVE,
-            description: "damping of the damper",
-            get: |law| law.damping,
-            set: |law, value| (law.damping, law.speed) = (Some(value), Curve::linear(1.0 / value)),
-        },
+        constant!(0, "stiffness", NewtonPerMetre, POSITIVE, "stiffness of the series spring", stiffness),
+        constant!(1, "damping", NewtonSecondPerMetre, POSITIVE, "damping of the damper", get: |law| law.damping, set: |law, value| (law.damping, law.speed) = (Some(value), Curve::linear(1.0 / value))),
     ];
 
     fn states(&self) -> usize {

@@ -7,7 +7,7 @@
 use super::curve::{Curve, Outside, Shape, Table, parse as parse_curve};
 use super::line::{LineElement, LineLaw, Slopes, Span};
 use super::{ForceElement, Parse, Places};
-use crate::settings::{Constant, Entry, Section, SettingsError};
+use crate::settings::{Constant, Entry, Section, SettingsError, constant};
 use crate::units::{Dimension, Unit};
 
 /// The law of a spring and a damper in parallel.
@@ -29,33 +29,9 @@ pub struct SpringDamper {
 
 impl LineLaw for SpringDamper {
     const CONSTANTS: &'static [Constant<Self>] = &[
-        Constant {
-            number: 0,
-            name: "stiffness",
-            unit: Unit::NewtonPerMetre,
-            least: Some(0.0),
-            description: "stiffness of the spring",
-            get: |law| law.spring.linear_slope(),
-            set: |law, value| law.spring = Curve::linear(value),
-        },
-        Constant {
-            number: 1,
-            name: "damping",
-            unit: Unit::NewtonSecondPerMetre,
-            least: Some(0.0),
-            description: "damping of the damper",
-            get: |law| law.damper.linear_slope(),
-            set: |law, value| law.damper = Curve::linear(value),
-        },
-        Constant {
-            number: 2,
-            name: "preload",
-            unit: Unit::Newton,
-            least: None,
-            description: "force in the design configuration, tension positive",
-            get: |law| (!law.balanced && law.lengths.is_none()).then_some(law.preload),
-            set: |law, value| law.preload = value,
-        },
+        constant!(0, "stiffness", NewtonPerMetre, Some(0.0), "stiffness of the spring", get: |law| law.spring.linear_slope(), set: |law, value| law.spring = Curve::linear(value)),
+        constant!(1, "damping", NewtonSecondPerMetre, Some(0.0), "damping of the damper", get: |law| law.damper.linear_slope(), set: |law, value| law.damper = Curve::linear(value)),
+        constant!(2, "preload", Newton, None, "force in the design configuration, tension positive", get: |law| (!law.balanced && law.lengths.is_none()).then_some(law.preload), set: |law, value| law.preload = value),
         Constant {
             number: 3,
             name: "naturalLength",

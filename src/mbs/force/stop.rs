@@ -12,7 +12,7 @@
 use super::POSITIVE;
 use super::curve::{Curve, Outside, Shape, Table, sided};
 use super::line::{LineLaw, Slopes};
-use crate::settings::{Constant, Section, SettingsError};
+use crate::settings::{Constant, Section, SettingsError, constant};
 use crate::units::{Dimension, Unit};
 
 /// Stops in one or both directions.
@@ -100,24 +100,8 @@ impl LineLaw for Stop {
     const CONSTANTS: &'static [Constant<Self>] = &[
         side_stiffness!(0, "extensionStiffness", extension, "stiffness of the stop in tension, beyond the free travel"),
         side_stiffness!(1, "compressionStiffness", compression, "stiffness of the stop in compression, beyond the free travel"),
-        Constant {
-            number: 2,
-            name: "clearance",
-            unit: Unit::Metre,
-            least: Some(0.0),
-            description: "free travel of each side before the stop's stiffness or table",
-            get: |law| law.extension.as_ref().or(law.compression.as_ref()).map(|side| side.clearance),
-            set: |law, value| law.buffers().for_each(|side| side.change(side.stiffness, value)),
-        },
-        Constant {
-            number: 3,
-            name: "damping",
-            unit: Unit::SecondPerMetre,
-            least: Some(0.0),
-            description: "growth of the stop's force with the speed of pressing",
-            get: |law| Some(law.damping),
-            set: |law, value| law.damping = value,
-        },
+        constant!(2, "clearance", Metre, Some(0.0), "free travel of each side before the stop's stiffness or table", get: |law| law.extension.as_ref().or(law.compression.as_ref()).map(|side| side.clearance), set: |law, value| law.buffers().for_each(|side| side.change(side.stiffness, value))),
+        constant!(3, "damping", SecondPerMetre, Some(0.0), "growth of the stop's force with the speed of pressing", damping),
     ];
 
     #[inline]
