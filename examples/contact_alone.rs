@@ -8,7 +8,7 @@ use wheelrail::{CreepLaw, Material};
 fn main() {
     let steel = Material { youngs_modulus: 2.1e11, poisson_ratio: 0.28 };
     let law = ShenHedrickElkins::new(steel);
-    println!("creepage    force of {} on the wheel", "Shen, Hedrick and Elkins");
+    println!("creepage    force of Shen, Hedrick and Elkins on the wheel");
     for i in 0..=8 {
         let longitudinal = 5e-4 * f64::from(i);
         let contact = RollingContact {
