@@ -64,11 +64,8 @@ impl Model {
     /// Fills the workspace with the bodies' motion, their stations and the force elements' wrenches.
     #[inline(always)] // on the wheelset's path, with several callers
     pub fn apply_forces(&self, y: &[f64], memory: &mut ModelMemory, system: &mut SystemWorkspace) {
-        if self.track.line().is_none() {
-            return self.system.apply_forces(y, system);
-        }
         self.move_bodies(y, memory, system);
-        self.system.apply_forces_on_track(y, system);
+        self.system.load_bodies(y, system);
     }
 
     /// Forces of the inputs, which are along the track's axes, in the world, N.

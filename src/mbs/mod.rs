@@ -9,6 +9,7 @@ pub mod inertia;
 pub mod joint;
 pub mod kkt;
 pub mod motion;
+pub mod moving;
 pub mod on_track;
 pub mod pair_tangent;
 pub mod projection;

@@ -12,6 +12,7 @@ use super::constraints::Constraints;
 use super::force::ForceElement;
 use super::joint::Joint;
 use super::kkt::RowBodies;
+use super::moving::Moving;
 use super::supported::SupportedMass;
 use crate::geometry::track::station::Station;
 
@@ -80,7 +81,7 @@ impl System {
     pub fn settle_forces(&self, y: &mut [f64], workspace: &mut SystemWorkspace) {
         self.move_bodies(y, workspace);
         for (element, force) in self.forces.iter().enumerate() {
-            force.settle(&workspace.motions, &mut y[self.states_of_force(element)]);
+            force.settle(workspace.moving(), &mut y[self.states_of_force(element)]);
         }
     }
 
@@ -123,41 +124,35 @@ impl System {
         }
     }
 
-    /// Fills the workspace with the bodies' motion and the force elements' wrenches.
+    /// Fills the workspace with the bodies' motion and the force elements' wrenches on straight level track.
     #[inline(always)] // on the wheelset's path, with several callers
     pub fn apply_forces(&self, y: &[f64], workspace: &mut SystemWorkspace) {
         self.move_bodies(y, workspace);
+        self.load_bodies(y, workspace);
+    }
+
+    /// Fills the workspace with the force elements' wrenches and rates where motions and stations are known.
+    #[inline(always)] // on the wheelset's path, with several callers
+    pub fn load_bodies(&self, y: &[f64], workspace: &mut SystemWorkspace) {
         workspace.wrenches.fill(Wrench::default());
         if !workspace.force_states_end.is_empty() {
-            return self.apply_with_states(y, workspace);
+            return self.load_with_states(y, workspace);
         }
+        let SystemWorkspace { motions, stations, wrenches, .. } = workspace;
         for force in &self.forces {
-            force.apply(&workspace.motions, &[], &mut [], &mut workspace.wrenches);
+            force.apply(Moving { motions, stations }, &[], &mut [], wrenches);
         }
     }
 
     /// The force elements' wrenches and the rates of their states. Out of line: most systems have no such states.
     #[inline(never)]
-    fn apply_with_states(&self, y: &[f64], workspace: &mut SystemWorkspace) {
-        let SystemWorkspace { motions, wrenches, force_rates, force_states_end, .. } = workspace;
+    fn load_with_states(&self, y: &[f64], workspace: &mut SystemWorkspace) {
+        let SystemWorkspace { motions, stations, wrenches, force_rates, force_states_end, .. } = workspace;
         let states = &y[2 * COORDINATES * self.bodies.len()..];
         let mut start = 0;
         for (force, end) in self.forces.iter().zip(force_states_end) {
-            force.apply(motions, &states[start..*end], &mut force_rates[start..*end], wrenches);
+            force.apply(Moving { motions, stations }, &states[start..*end], &mut force_rates[start..*end], wrenches);
             start = *end;
-        }
-    }
-
-    /// Fills the workspace with the force elements' wrenches and rates where motions and stations are known.
-    pub fn apply_forces_on_track(&self, y: &[f64], workspace: &mut SystemWorkspace) {
-        let SystemWorkspace { motions, wrenches, force_rates, force_states_end, stations, .. } = workspace;
-        wrenches.fill(Wrench::default());
-        let states = &y[2 * COORDINATES * self.bodies.len()..];
-        let mut start = 0;
-        for (element, force) in self.forces.iter().enumerate() {
-            let end = force_states_end.get(element).copied().unwrap_or(0);
-            force.apply_on_track(motions, stations, &states[start..end], &mut force_rates[start..end], wrenches);
-            start = end;
         }
     }
 
@@ -197,30 +192,30 @@ impl System {
     }
 
     /// Stored energy of all force elements, J; their states are those in `y`.
-    pub fn potential_energy(&self, y: &[f64], motions: &[BodyMotion]) -> f64 {
+    pub fn potential_energy(&self, y: &[f64], bodies: Moving) -> f64 {
         let forces = self.forces.iter().enumerate();
-        forces.map(|(element, force)| force.potential_energy(motions, &y[self.states_of_force(element)])).sum()
+        forces.map(|(element, force)| force.potential_energy(bodies, &y[self.states_of_force(element)])).sum()
     }
 
     /// Power that all force elements turn into heat, W; their states are those in `y`.
-    pub fn dissipated_power(&self, y: &[f64], motions: &[BodyMotion]) -> f64 {
+    pub fn dissipated_power(&self, y: &[f64], bodies: Moving) -> f64 {
         let forces = self.forces.iter().enumerate();
-        forces.map(|(element, force)| force.dissipated_power(motions, &y[self.states_of_force(element)])).sum()
+        forces.map(|(element, force)| force.dissipated_power(bodies, &y[self.states_of_force(element)])).sum()
     }
 
     /// Kinetic and stored energy of the motion in the workspace, J; the force elements' states are those in `y`.
     pub fn mechanical_energy(&self, y: &[f64], workspace: &SystemWorkspace) -> f64 {
-        let SystemWorkspace { motions, stations, .. } = workspace;
-        let forces = self.forces.iter().enumerate();
-        let stored = match stations.is_empty() {
-            true => self.potential_energy(y, motions),
-            false => forces.map(|(i, force)| force.potential_energy_on_track(motions, stations, &y[self.states_of_force(i)])).sum(),
-        };
-        self.kinetic_energy(motions) + stored
+        self.kinetic_energy(&workspace.motions) + self.potential_energy(y, workspace.moving())
     }
 }
 
 impl SystemWorkspace {
+    /// The bodies as they move.
+    #[inline]
+    pub fn moving(&self) -> Moving<'_> {
+        Moving { motions: &self.motions, stations: &self.stations }
+    }
+
     /// Copies the rates of the force elements' states behind those of the bodies, of which there are twice `coordinates`.
     #[inline]
     pub(super) fn copy_force_rates(&self, coordinates: usize, dy: &mut [f64]) {

@@ -4,12 +4,12 @@ use crate::counting;
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::PI;
 use std::time::Instant;
-use wheelrail::geometry::track::station::Station;
 use wheelrail::mbs::body::{Body, BodyMotion, Wrench};
 use wheelrail::mbs::force::{ForceElement, Gravity};
 use wheelrail::mbs::inertia::Inertia;
 use wheelrail::mbs::joint::{Joint, Level, Place, Prescribed, cylindrical, driven, prismatic, revolute, rigid, spherical, universal};
 use wheelrail::mbs::kkt::RowBodies;
+use wheelrail::mbs::moving::Moving;
 use wheelrail::mbs::projection::{Projection, ProjectionError};
 use wheelrail::mbs::redundancy::AssemblyError;
 use wheelrail::mbs::system::{DrivingConstraint, System, SystemWorkspace};
@@ -52,7 +52,7 @@ impl Mechanism {
 
     fn energy(&mut self, y: &[f64]) -> f64 {
         self.system.move_bodies(y, &mut self.workspace);
-        self.system.kinetic_energy(&self.workspace.motions) + self.system.potential_energy(y, &self.workspace.motions)
+        self.system.kinetic_energy(&self.workspace.motions) + self.system.potential_energy(y, self.workspace.moving())
     }
 
     /// Integrates from y at 0 to `end`, with a projection at the end of each of `parts` equal parts.
@@ -424,20 +424,20 @@ impl ForceElement for Push {
     fn name(&self) -> &str {
         "push"
     }
-    fn apply(&self, _: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
+    fn apply(&self, _: Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         wrenches[self.0].force.x += self.1;
     }
     fn bodies(&self) -> Ends {
         [Some(self.0), None]
     }
-    fn tangent(&self, _: &[BodyMotion], _: &[Station], _: &[f64], _: usize, _: &mut PairTangent) {}
+    fn tangent(&self, _: Moving, _: &[f64], _: usize, _: &mut PairTangent) {}
     fn clone_box(&self) -> Box<dyn ForceElement> {
         Box::new(self.clone())
     }
-    fn potential_energy(&self, _: &[BodyMotion], _: &[f64]) -> f64 {
+    fn potential_energy(&self, _: Moving, _: &[f64]) -> f64 {
         0.0
     }
-    fn dissipated_power(&self, _: &[BodyMotion], _: &[f64]) -> f64 {
+    fn dissipated_power(&self, _: Moving, _: &[f64]) -> f64 {
         0.0
     }
 }

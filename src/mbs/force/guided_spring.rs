@@ -17,6 +17,7 @@
 use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
 use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
 use crate::settings::{Constant, Entry, Number, Section, SettingsError};
 use crate::units::{Dimension, Unit};
@@ -110,9 +111,9 @@ impl GuidedSpring {
         }
     }
 
-    fn sum(&self, bodies: &[BodyMotion], station: Option<&Station>, of: impl Fn(&Spring) -> f64) -> f64 {
+    fn sum(&self, bodies: Moving, of: impl Fn(&Spring) -> f64) -> f64 {
         let mut sum = 0.0;
-        self.each(&bodies[self.body], station, |spring| sum += of(spring));
+        self.each(&bodies[self.body], bodies.station(self.body), |spring| sum += of(spring));
         sum
     }
 }
@@ -165,9 +166,11 @@ impl ForceElement for GuidedSpring {
     }
 
     #[inline]
-    fn apply(&self, bodies: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
+    fn apply(&self, bodies: Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let body = &bodies[self.body];
-        self.each(body, None, |spring| wrenches[self.body].add_at(spring.axis * spring.force(), &spring.point, &body.position));
+        self.each(body, bodies.station(self.body), |spring| {
+            wrenches[self.body].add_at(spring.axis * spring.force(), &spring.point, &body.position)
+        });
     }
 
     /// From the frame on the track to the body.
@@ -177,8 +180,8 @@ impl ForceElement for GuidedSpring {
 
     /// The frame's turning along a curved track is left out (curvature times displacement beside one, 1e-4), and the moment about the
     /// axle of a place off the axle's line.
-    fn tangent(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64], _: usize, sum: &mut PairTangent) {
-        self.each(&bodies[self.body], stations.get(self.body), |spring| {
+    fn tangent(&self, bodies: Moving, _: &[f64], _: usize, sum: &mut PairTangent) {
+        self.each(&bodies[self.body], bodies.station(self.body), |spring| {
             let load = sum.line(&spring.point, &spring.axis);
             let mut measured = load;
             if spring.along {
@@ -194,10 +197,10 @@ impl ForceElement for GuidedSpring {
         &QUANTITIES[if self.longitudinal.is_some() { 0 } else { 2 }..if self.lateral.is_some() { 4 } else { 2 }]
     }
 
-    fn quantity(&self, index: usize, bodies: &[BodyMotion], stations: &[Station], _: &[f64]) -> f64 {
+    fn quantity(&self, index: usize, bodies: Moving, _: &[f64]) -> f64 {
         let Some(quantity) = self.quantities().get(index) else { return 0.0 };
         let (along, side) = (quantity.number < 2, quantity.number as usize % 2);
-        let spring = |guide| self.spring(guide, along, &self.attachments()[side], &bodies[self.body], stations.get(self.body));
+        let spring = |guide| self.spring(guide, along, &self.attachments()[side], &bodies[self.body], bodies.station(self.body));
         self.guide(along).map_or(0.0, |guide| spring(guide).force())
     }
 
@@ -209,30 +212,16 @@ impl ForceElement for GuidedSpring {
         Constant::write(&CONSTANTS, self, number, value);
     }
 
-    fn apply_on_track(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
-        let body = &bodies[self.body];
-        let station = Some(&stations[self.body]);
-        self.each(body, station, |spring| wrenches[self.body].add_at(spring.axis * spring.force(), &spring.point, &body.position));
-    }
-
-    fn potential_energy_on_track(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64]) -> f64 {
-        self.sum(bodies, Some(&stations[self.body]), stored)
-    }
-
-    fn dissipated_power_on_track(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64]) -> f64 {
-        self.sum(bodies, Some(&stations[self.body]), dissipated)
-    }
-
     fn clone_box(&self) -> Box<dyn ForceElement> {
         Box::new(self.clone())
     }
 
-    fn potential_energy(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
-        self.sum(bodies, None, stored)
+    fn potential_energy(&self, bodies: Moving, _: &[f64]) -> f64 {
+        self.sum(bodies, stored)
     }
 
-    fn dissipated_power(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
-        self.sum(bodies, None, dissipated)
+    fn dissipated_power(&self, bodies: Moving, _: &[f64]) -> f64 {
+        self.sum(bodies, dissipated)
     }
 }
 

@@ -19,7 +19,8 @@
 
 use super::ForceElement;
 use crate::geometry::track::station::Station;
-use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::body::Wrench;
+use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
 use nalgebra::{Vector3, Vector6};
 
@@ -58,15 +59,11 @@ impl ForceElement for VerticalLoad {
     }
 
     #[inline]
-    fn apply(&self, _: &[BodyMotion], _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
+    fn apply(&self, bodies: Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let [back, down] = self.weight;
         wrenches[self.body].force.x -= back;
         wrenches[self.body].force.z -= down;
-    }
-
-    fn apply_on_track(&self, bodies: &[BodyMotion], stations: &[Station], state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
-        self.apply(bodies, state, rates, wrenches);
-        if let Some(station) = stations.get(self.body) {
+        if let Some(station) = bodies.station(self.body) {
             wrenches[self.body].force += self.centrifugal(station);
         }
     }
@@ -77,8 +74,8 @@ impl ForceElement for VerticalLoad {
 
     /// Of the centrifugal force, with the speed and with the place along the track; the share curvature x offset of the travel s' (1e-5)
     /// counts as constant.
-    fn tangent(&self, bodies: &[BodyMotion], stations: &[Station], _: &[f64], _: usize, sum: &mut PairTangent) {
-        let Some(station) = stations.get(self.body).filter(|_| self.mass != 0.0) else { return };
+    fn tangent(&self, bodies: Moving, _: &[f64], _: usize, sum: &mut PairTangent) {
+        let Some(station) = bodies.station(self.body).filter(|_| self.mass != 0.0) else { return };
         let (frame, turn) = (&station.frame, &station.frame.turn);
         let centre = &bodies[self.body].position;
         let along = frame.along();
@@ -95,13 +92,13 @@ impl ForceElement for VerticalLoad {
     }
 
     /// Of the weight; what the curve's guidance of M does is power from outside.
-    fn potential_energy(&self, bodies: &[BodyMotion], _: &[f64]) -> f64 {
+    fn potential_energy(&self, bodies: Moving, _: &[f64]) -> f64 {
         let position = &bodies[self.body].position;
         let [back, down] = self.weight;
         position.x * back + position.z * down
     }
 
-    fn dissipated_power(&self, _: &[BodyMotion], _: &[f64]) -> f64 {
+    fn dissipated_power(&self, _: Moving, _: &[f64]) -> f64 {
         0.0
     }
 }

@@ -36,9 +36,9 @@ pub use maxwell_damper::MaxwellDamper;
 pub use spring_damper::SpringDamper;
 pub use stop::Stop;
 
-use super::body::{BodyMotion, Wrench};
+use super::body::Wrench;
+use super::moving::Moving;
 use super::pair_tangent::{Ends, PairTangent};
-use crate::geometry::track::station::Station;
 use crate::settings::{Entry, Number, Section, SettingsError, choose};
 
 /// A force that depends on position and velocity of bodies, and on states of its own where it has any.
@@ -57,25 +57,25 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     }
 
     /// Puts the states where they come to rest with the bodies at rest where they are.
-    fn settle(&self, _bodies: &[BodyMotion], _state: &mut [f64]) {}
+    fn settle(&self, _bodies: Moving, _state: &mut [f64]) {}
 
     /// Adds the element's wrenches to those of the bodies, in the track frame, and writes the rates of its states.
-    fn apply(&self, bodies: &[BodyMotion], state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]);
+    fn apply(&self, bodies: Moving, state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]);
 
     /// The bodies that the element acts between and loads; it follows the motion of no others. `None`: the world or the track.
     fn bodies(&self) -> Ends;
 
     /// Adds how wrenches and rates change with the motion of the element's bodies and with its own states, the first of which stands at
-    /// `first_state` of the state vector. No stations: straight track.
-    fn tangent(&self, bodies: &[BodyMotion], stations: &[Station], state: &[f64], first_state: usize, sum: &mut PairTangent);
+    /// `first_state` of the state vector.
+    fn tangent(&self, bodies: Moving, state: &[f64], first_state: usize, sum: &mut PairTangent);
 
     /// What the element can report.
     fn quantities(&self) -> &'static [Quantity] {
         &[]
     }
 
-    /// The value of the quantity at `index` of [`ForceElement::quantities`], SI; zero beyond them. No stations: straight track.
-    fn quantity(&self, _index: usize, _bodies: &[BodyMotion], _stations: &[Station], _state: &[f64]) -> f64 {
+    /// The value of the quantity at `index` of [`ForceElement::quantities`], SI; zero beyond them.
+    fn quantity(&self, _index: usize, _bodies: Moving, _state: &[f64]) -> f64 {
         0.0
     }
 
@@ -93,7 +93,7 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     }
 
     /// Where it is in the table at an index of [`ForceElement::tables`], m or m/s.
-    fn table_argument(&self, _table: usize, _bodies: &[BodyMotion], _state: &[f64]) -> f64 {
+    fn table_argument(&self, _table: usize, _bodies: Moving, _state: &[f64]) -> f64 {
         0.0
     }
 
@@ -110,29 +110,14 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     /// Sets the preload at an index of [`ForceElement::static_stiffness`], N.
     fn set_preload(&mut self, _index: usize, _force: f64) {}
 
-    /// [`ForceElement::apply`] on a curved track, with the stations by body; for elements that follow the track frame.
-    fn apply_on_track(&self, bodies: &[BodyMotion], _stations: &[Station], state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
-        self.apply(bodies, state, rates, wrenches);
-    }
-
-    /// [`ForceElement::potential_energy`] on a curved track.
-    fn potential_energy_on_track(&self, bodies: &[BodyMotion], _stations: &[Station], state: &[f64]) -> f64 {
-        self.potential_energy(bodies, state)
-    }
-
-    /// [`ForceElement::dissipated_power`] on a curved track.
-    fn dissipated_power_on_track(&self, bodies: &[BodyMotion], _stations: &[Station], state: &[f64]) -> f64 {
-        self.dissipated_power(bodies, state)
-    }
-
     /// A copy behind a pointer.
     fn clone_box(&self) -> Box<dyn ForceElement>;
 
     /// Stored energy, J, up to a constant.
-    fn potential_energy(&self, bodies: &[BodyMotion], state: &[f64]) -> f64;
+    fn potential_energy(&self, bodies: Moving, state: &[f64]) -> f64;
 
     /// Power that turns into heat, W, never negative.
-    fn dissipated_power(&self, bodies: &[BodyMotion], state: &[f64]) -> f64;
+    fn dissipated_power(&self, bodies: Moving, state: &[f64]) -> f64;
 }
 
 /// One scalar that an element reports.
