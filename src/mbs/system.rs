@@ -81,7 +81,7 @@ impl System {
     pub fn settle_forces(&self, y: &mut [f64], workspace: &mut SystemWorkspace) {
         self.move_bodies(y, workspace);
         for (element, force) in self.forces.iter().enumerate() {
-            force.settle(workspace.moving(), &mut y[self.states_of_force(element)]);
+            force.settle(&workspace.moving(), &mut y[self.states_of_force(element)]);
         }
     }
 
@@ -139,8 +139,9 @@ impl System {
             return self.load_with_states(y, workspace);
         }
         let SystemWorkspace { motions, stations, wrenches, .. } = workspace;
+        let bodies = Moving { motions, stations };
         for force in &self.forces {
-            force.apply(Moving { motions, stations }, &[], &mut [], wrenches);
+            force.apply(&bodies, &[], &mut [], wrenches);
         }
     }
 
@@ -149,9 +150,9 @@ impl System {
     fn load_with_states(&self, y: &[f64], workspace: &mut SystemWorkspace) {
         let SystemWorkspace { motions, stations, wrenches, force_rates, force_states_end, .. } = workspace;
         let states = &y[2 * COORDINATES * self.bodies.len()..];
-        let mut start = 0;
+        let (bodies, mut start) = (Moving { motions, stations }, 0);
         for (force, end) in self.forces.iter().zip(force_states_end) {
-            force.apply(Moving { motions, stations }, &states[start..*end], &mut force_rates[start..*end], wrenches);
+            force.apply(&bodies, &states[start..*end], &mut force_rates[start..*end], wrenches);
             start = *end;
         }
     }
@@ -192,20 +193,20 @@ impl System {
     }
 
     /// Stored energy of all force elements, J; their states are those in `y`.
-    pub fn potential_energy(&self, y: &[f64], bodies: Moving) -> f64 {
+    pub fn potential_energy(&self, y: &[f64], bodies: &Moving) -> f64 {
         let forces = self.forces.iter().enumerate();
         forces.map(|(element, force)| force.potential_energy(bodies, &y[self.states_of_force(element)])).sum()
     }
 
     /// Power that all force elements turn into heat, W; their states are those in `y`.
-    pub fn dissipated_power(&self, y: &[f64], bodies: Moving) -> f64 {
+    pub fn dissipated_power(&self, y: &[f64], bodies: &Moving) -> f64 {
         let forces = self.forces.iter().enumerate();
         forces.map(|(element, force)| force.dissipated_power(bodies, &y[self.states_of_force(element)])).sum()
     }
 
     /// Kinetic and stored energy of the motion in the workspace, J; the force elements' states are those in `y`.
     pub fn mechanical_energy(&self, y: &[f64], workspace: &SystemWorkspace) -> f64 {
-        self.kinetic_energy(&workspace.motions) + self.potential_energy(y, workspace.moving())
+        self.kinetic_energy(&workspace.motions) + self.potential_energy(y, &workspace.moving())
     }
 }
 

@@ -88,7 +88,7 @@ fn element_forces(element: &dyn ForceElement, s: &Snapshot, states: &[f64]) -> V
         let all: Vec<(usize, &Quantity)> = element.quantities().iter().enumerate().filter(|(_, quantity)| quantity.kind == kind).collect();
         all
     };
-    let value = |index: usize| element.quantity(index, s.workspace.system.moving(), states);
+    let value = |index: usize| element.quantity(index, &s.workspace.system.moving(), states);
     let free = element.free_travel();
     let pair = |turns: bool| {
         let (loads, ways, prefix) = match turns {

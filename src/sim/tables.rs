@@ -44,7 +44,8 @@ impl LeftTables {
     /// Looks where the elements are in their tables now.
     pub fn look(&mut self, snapshot: &Snapshot) {
         for watched in &mut self.watched {
-            let at = watched.element.table_argument(watched.index, snapshot.workspace.system.moving(), &snapshot.y[watched.states.clone()]);
+            let at =
+                watched.element.table_argument(watched.index, &snapshot.workspace.system.moving(), &snapshot.y[watched.states.clone()]);
             let Table { from, to, .. } = watched.table;
             let beyond = (from - at).max(at - to);
             if beyond > BESIDE * at.abs() && watched.worst.is_none_or(|(worst, ..)| beyond > worst) {

@@ -201,7 +201,7 @@ impl Collector<'_> {
                 let label = Label { reference, name, group, unit, feedthrough: STATE };
                 self.add_of_motion(label, quantity.description, move |s| {
                     let system = &s.workspace.system;
-                    element.quantity(place, system.moving(), &s.y[states.clone()])
+                    element.quantity(place, &system.moving(), &s.y[states.clone()])
                 });
             }
         }

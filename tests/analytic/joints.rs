@@ -52,7 +52,7 @@ impl Mechanism {
 
     fn energy(&mut self, y: &[f64]) -> f64 {
         self.system.move_bodies(y, &mut self.workspace);
-        self.system.kinetic_energy(&self.workspace.motions) + self.system.potential_energy(y, self.workspace.moving())
+        self.system.kinetic_energy(&self.workspace.motions) + self.system.potential_energy(y, &self.workspace.moving())
     }
 
     /// Integrates from y at 0 to `end`, with a projection at the end of each of `parts` equal parts.
@@ -424,20 +424,20 @@ impl ForceElement for Push {
     fn name(&self) -> &str {
         "push"
     }
-    fn apply(&self, _: Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
+    fn apply(&self, _: &Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         wrenches[self.0].force.x += self.1;
     }
     fn bodies(&self) -> Ends {
         [Some(self.0), None]
     }
-    fn tangent(&self, _: Moving, _: &[f64], _: usize, _: &mut PairTangent) {}
+    fn tangent(&self, _: &Moving, _: &[f64], _: usize, _: &mut PairTangent) {}
     fn clone_box(&self) -> Box<dyn ForceElement> {
         Box::new(self.clone())
     }
-    fn potential_energy(&self, _: Moving, _: &[f64]) -> f64 {
+    fn potential_energy(&self, _: &Moving, _: &[f64]) -> f64 {
         0.0
     }
-    fn dissipated_power(&self, _: Moving, _: &[f64]) -> f64 {
+    fn dissipated_power(&self, _: &Moving, _: &[f64]) -> f64 {
         0.0
     }
 }

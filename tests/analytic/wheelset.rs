@@ -125,7 +125,7 @@ impl EnergyAudit {
         let system = &self.model.system;
         let motions = &self.workspace.system.motions;
         let contact: f64 = self.workspace.contacts.iter().map(|c| 0.4 * c.stiffness * c.penetration.powf(2.5)).sum();
-        system.kinetic_energy(motions) + system.potential_energy(&y[..n], motions[..].into()) + contact - y[n]
+        system.kinetic_energy(motions) + system.potential_energy(&y[..n], &motions[..].into()) + contact - y[n]
     }
 }
 

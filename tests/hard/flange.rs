@@ -165,7 +165,7 @@ fn hard_energy_is_conserved_in_flange_impacts_without_friction_and_damping() {
         let snapshot = simulation.last_snapshot();
         let (y, motions) = (snapshot.y.to_vec(), snapshot.workspace.system.motions.clone());
         let system = &simulation.model().system;
-        system.kinetic_energy(&motions) + system.potential_energy(&y, (&motions[..]).into()) + model_energy
+        system.kinetic_energy(&motions) + system.potential_energy(&y, &(&motions[..]).into()) + model_energy
     };
     let begin = energy(&mut simulation);
     let (mut worst, mut pressed, mut disturbance) = (0f64, false, 0f64);

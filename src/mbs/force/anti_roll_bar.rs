@@ -46,7 +46,7 @@ const CONSTANTS: [Constant<AntiRollBar>; 2] = [
 impl AntiRollBar {
     /// t [rad] and w_x [rad/s].
     #[inline]
-    fn turn(&self, bodies: Moving) -> (Vector3<f64>, f64) {
+    fn turn(&self, bodies: &Moving) -> (Vector3<f64>, f64) {
         let axes = self.from.axes(bodies);
         let relative = self.to.rotation(bodies) - self.from.rotation(bodies);
         (rotation_vector(&axes.tr_mul(&self.to.axes(bodies))), axes.column(0).dot(&relative))
@@ -54,7 +54,7 @@ impl AntiRollBar {
 
     /// m, in the axes of `from`, N m.
     #[inline]
-    fn couple(&self, bodies: Moving) -> Vector3<f64> {
+    fn couple(&self, bodies: &Moving) -> Vector3<f64> {
         let (turn, rate) = self.turn(bodies);
         let mut couple = transposed_rate_map(&turn, &Vector3::new(self.stiffness * turn.x, 0.0, 0.0));
         couple.x += self.damping * rate;
@@ -68,7 +68,7 @@ impl ForceElement for AntiRollBar {
     }
 
     #[inline]
-    fn apply(&self, bodies: Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
+    fn apply(&self, bodies: &Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let couple = self.from.axes(bodies) * self.couple(bodies);
         for (end, couple) in [(&self.from, couple), (&self.to, -couple)] {
             end.load(bodies, wrenches, &Vector3::zeros(), &Vector3::zeros(), &couple);
@@ -79,7 +79,7 @@ impl ForceElement for AntiRollBar {
         [self.from.body, self.to.body]
     }
 
-    fn tangent(&self, bodies: Moving, _: &[f64], _: usize, sum: &mut PairTangent) {
+    fn tangent(&self, bodies: &Moving, _: &[f64], _: usize, sum: &mut PairTangent) {
         let along_x = |value: f64| Vector3::new(value, 0.0, 0.0);
         let couple = Couple {
             axes: self.from.axes(bodies),
@@ -95,7 +95,7 @@ impl ForceElement for AntiRollBar {
         &QUANTITIES
     }
 
-    fn quantity(&self, index: usize, bodies: Moving, _: &[f64]) -> f64 {
+    fn quantity(&self, index: usize, bodies: &Moving, _: &[f64]) -> f64 {
         match index {
             0 => self.couple(bodies).x,
             1 => self.turn(bodies).0.x,
@@ -115,11 +115,11 @@ impl ForceElement for AntiRollBar {
         Box::new(self.clone())
     }
 
-    fn potential_energy(&self, bodies: Moving, _: &[f64]) -> f64 {
+    fn potential_energy(&self, bodies: &Moving, _: &[f64]) -> f64 {
         0.5 * self.stiffness * self.turn(bodies).0.x.powi(2)
     }
 
-    fn dissipated_power(&self, bodies: Moving, _: &[f64]) -> f64 {
+    fn dissipated_power(&self, bodies: &Moving, _: &[f64]) -> f64 {
         self.damping * self.turn(bodies).1.powi(2)
     }
 }

@@ -69,31 +69,31 @@ impl Attachment {
 
     /// World position, m.
     #[inline]
-    pub fn point(&self, bodies: Moving) -> Vector3<f64> {
+    pub fn point(&self, bodies: &Moving) -> Vector3<f64> {
         self.body.map_or(self.local, |body| bodies[body].attachment_point(&self.local))
     }
 
     /// Velocity at `point` [m, world] of the frame that the attachment sits in, m/s.
     #[inline]
-    pub fn velocity(&self, bodies: Moving, point: &Vector3<f64>) -> Vector3<f64> {
+    pub fn velocity(&self, bodies: &Moving, point: &Vector3<f64>) -> Vector3<f64> {
         self.body.map_or_else(Vector3::zeros, |body| bodies[body].attachment_velocity(point))
     }
 
     /// Axes of the frame that the attachment sits in.
     #[inline]
-    pub fn axes(&self, bodies: Moving) -> Matrix3<f64> {
+    pub fn axes(&self, bodies: &Moving) -> Matrix3<f64> {
         self.body.map_or_else(Matrix3::identity, |body| bodies[body].frame.axes)
     }
 
     /// Angular velocity of these axes, rad/s.
     #[inline]
-    pub fn rotation(&self, bodies: Moving) -> Vector3<f64> {
+    pub fn rotation(&self, bodies: &Moving) -> Vector3<f64> {
         self.body.map_or_else(Vector3::zeros, |body| bodies[body].frame_rotation)
     }
 
     /// Loads the body with a force [N] at `point` [m] and a couple [N m], all in world axes.
     #[inline]
-    pub fn load(&self, bodies: Moving, wrenches: &mut [Wrench], force: &Vector3<f64>, point: &Vector3<f64>, couple: &Vector3<f64>) {
+    pub fn load(&self, bodies: &Moving, wrenches: &mut [Wrench], force: &Vector3<f64>, point: &Vector3<f64>, couple: &Vector3<f64>) {
         let Some(body) = self.body else { return };
         let motion = &bodies[body];
         let mut moment = (point - motion.position).cross(force) + couple;

@@ -55,7 +55,7 @@ struct Deflection {
 
 impl Bushing {
     #[inline]
-    fn deflection(&self, bodies: Moving, point: &Vector3<f64>) -> Deflection {
+    fn deflection(&self, bodies: &Moving, point: &Vector3<f64>) -> Deflection {
         let axes = self.from.axes(bodies);
         let relative = self.to.velocity(bodies, point) - self.from.velocity(bodies, point);
         let mut deflection = Deflection {
@@ -159,7 +159,7 @@ impl ForceElement for Bushing {
     }
 
     #[inline]
-    fn apply(&self, bodies: Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
+    fn apply(&self, bodies: &Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let point = self.to.point(bodies);
         let at = self.deflection(bodies, &point);
         let axes = self.from.axes(bodies);
@@ -173,7 +173,7 @@ impl ForceElement for Bushing {
         [self.from.body, self.to.body]
     }
 
-    fn tangent(&self, bodies: Moving, _: &[f64], _: usize, sum: &mut PairTangent) {
+    fn tangent(&self, bodies: &Moving, _: &[f64], _: usize, sum: &mut PairTangent) {
         let point = self.to.point(bodies);
         let at = self.deflection(bodies, &point);
         let axes = self.from.axes(bodies);
@@ -204,7 +204,7 @@ impl ForceElement for Bushing {
         &QUANTITIES
     }
 
-    fn quantity(&self, index: usize, bodies: Moving, _: &[f64]) -> f64 {
+    fn quantity(&self, index: usize, bodies: &Moving, _: &[f64]) -> f64 {
         let at = self.deflection(bodies, &self.to.point(bodies));
         let vector = match index / 3 {
             0 => self.force(&at),
@@ -228,13 +228,13 @@ impl ForceElement for Bushing {
         Box::new(self.clone())
     }
 
-    fn potential_energy(&self, bodies: Moving, _: &[f64]) -> f64 {
+    fn potential_energy(&self, bodies: &Moving, _: &[f64]) -> f64 {
         let at = self.deflection(bodies, &self.to.point(bodies));
         let spring = |k: &Vector3<f64>, x: &Vector3<f64>| 0.5 * k.component_mul(x).dot(x);
         self.preload.dot(&at.displacement) + spring(&self.stiffness, &at.displacement) + spring(&self.rotational_stiffness, &at.turn)
     }
 
-    fn dissipated_power(&self, bodies: Moving, _: &[f64]) -> f64 {
+    fn dissipated_power(&self, bodies: &Moving, _: &[f64]) -> f64 {
         let at = self.deflection(bodies, &self.to.point(bodies));
         self.damping.component_mul(&at.rate).dot(&at.rate) + self.rotational_damping.component_mul(&at.turn_rate).dot(&at.turn_rate)
     }

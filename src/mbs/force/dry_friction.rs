@@ -66,7 +66,7 @@ struct Surfaces {
 
 impl DryFriction {
     #[inline]
-    fn pair(&self, bodies: Moving) -> Surfaces {
+    fn pair(&self, bodies: &Moving) -> Surfaces {
         let point = self.to.point(bodies);
         let axes = self.from.axes(bodies);
         let rate = axes.tr_mul(&(self.to.velocity(bodies, &point) - self.from.velocity(bodies, &point)));
@@ -185,12 +185,12 @@ impl ForceElement for DryFriction {
     }
 
     /// Without friction force: what a state at rest carries depends on how it came to rest.
-    fn settle(&self, _: Moving, state: &mut [f64]) {
+    fn settle(&self, _: &Moving, state: &mut [f64]) {
         state.fill(0.0);
     }
 
     #[inline]
-    fn apply(&self, bodies: Moving, state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
+    fn apply(&self, bodies: &Moving, state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
         let pair = self.pair(bodies);
         let z = self.deflection(state);
         let rate = pair.speed - self.slip(&pair, &z);
@@ -211,7 +211,7 @@ impl ForceElement for DryFriction {
         [self.from.body, self.to.body]
     }
 
-    fn tangent(&self, bodies: Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
+    fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
         let (now, z) = (self.pair(bodies), self.deflection(state));
         let slopes = self.slip_slopes(&now, &z);
         let axes = self.from.axes(bodies);
@@ -245,7 +245,7 @@ impl ForceElement for DryFriction {
         &QUANTITIES
     }
 
-    fn quantity(&self, index: usize, bodies: Moving, state: &[f64]) -> f64 {
+    fn quantity(&self, index: usize, bodies: &Moving, state: &[f64]) -> f64 {
         match index {
             0 | 1 => self.stiffness * self.deflection(state)[index],
             2 => self.pair(bodies).normal_force,
@@ -265,12 +265,12 @@ impl ForceElement for DryFriction {
         Box::new(self.clone())
     }
 
-    fn potential_energy(&self, bodies: Moving, state: &[f64]) -> f64 {
+    fn potential_energy(&self, bodies: &Moving, state: &[f64]) -> f64 {
         let normal = if self.normal_stiffness > 0.0 { self.pair(bodies).normal_force.powi(2) / self.normal_stiffness } else { 0.0 };
         0.5 * (self.stiffness * self.deflection(state).norm_squared() + normal)
     }
 
-    fn dissipated_power(&self, bodies: Moving, state: &[f64]) -> f64 {
+    fn dissipated_power(&self, bodies: &Moving, state: &[f64]) -> f64 {
         let z = self.deflection(state);
         self.stiffness * z.dot(&self.slip(&self.pair(bodies), &z))
     }

@@ -23,7 +23,7 @@ impl ForceElement for Gravity {
     }
 
     #[inline]
-    fn apply(&self, _: Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
+    fn apply(&self, _: &Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let weight = self.mass * self.acceleration;
         wrenches[self.body].force.x -= weight * self.grade.sin();
         wrenches[self.body].force.z -= weight * self.grade.cos();
@@ -34,18 +34,18 @@ impl ForceElement for Gravity {
     }
 
     /// Constant.
-    fn tangent(&self, _: Moving, _: &[f64], _: usize, _: &mut PairTangent) {}
+    fn tangent(&self, _: &Moving, _: &[f64], _: usize, _: &mut PairTangent) {}
 
     fn clone_box(&self) -> Box<dyn ForceElement> {
         Box::new(self.clone())
     }
 
-    fn potential_energy(&self, bodies: Moving, _: &[f64]) -> f64 {
+    fn potential_energy(&self, bodies: &Moving, _: &[f64]) -> f64 {
         let position = &bodies[self.body].position;
         self.mass * self.acceleration * (position.x * self.grade.sin() + position.z * self.grade.cos())
     }
 
-    fn dissipated_power(&self, _: Moving, _: &[f64]) -> f64 {
+    fn dissipated_power(&self, _: &Moving, _: &[f64]) -> f64 {
         0.0
     }
 }

@@ -111,7 +111,7 @@ impl GuidedSpring {
         }
     }
 
-    fn sum(&self, bodies: Moving, of: impl Fn(&Spring) -> f64) -> f64 {
+    fn sum(&self, bodies: &Moving, of: impl Fn(&Spring) -> f64) -> f64 {
         let mut sum = 0.0;
         self.each(&bodies[self.body], bodies.station(self.body), |spring| sum += of(spring));
         sum
@@ -166,7 +166,7 @@ impl ForceElement for GuidedSpring {
     }
 
     #[inline]
-    fn apply(&self, bodies: Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
+    fn apply(&self, bodies: &Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let body = &bodies[self.body];
         self.each(body, bodies.station(self.body), |spring| {
             wrenches[self.body].add_at(spring.axis * spring.force(), &spring.point, &body.position)
@@ -180,7 +180,7 @@ impl ForceElement for GuidedSpring {
 
     /// The frame's turning along a curved track is left out (curvature times displacement beside one, 1e-4), and the moment about the
     /// axle of a place off the axle's line.
-    fn tangent(&self, bodies: Moving, _: &[f64], _: usize, sum: &mut PairTangent) {
+    fn tangent(&self, bodies: &Moving, _: &[f64], _: usize, sum: &mut PairTangent) {
         self.each(&bodies[self.body], bodies.station(self.body), |spring| {
             let load = sum.line(&spring.point, &spring.axis);
             let mut measured = load;
@@ -197,7 +197,7 @@ impl ForceElement for GuidedSpring {
         &QUANTITIES[if self.longitudinal.is_some() { 0 } else { 2 }..if self.lateral.is_some() { 4 } else { 2 }]
     }
 
-    fn quantity(&self, index: usize, bodies: Moving, _: &[f64]) -> f64 {
+    fn quantity(&self, index: usize, bodies: &Moving, _: &[f64]) -> f64 {
         let Some(quantity) = self.quantities().get(index) else { return 0.0 };
         let (along, side) = (quantity.number < 2, quantity.number as usize % 2);
         let spring = |guide| self.spring(guide, along, &self.attachments()[side], &bodies[self.body], bodies.station(self.body));
@@ -216,11 +216,11 @@ impl ForceElement for GuidedSpring {
         Box::new(self.clone())
     }
 
-    fn potential_energy(&self, bodies: Moving, _: &[f64]) -> f64 {
+    fn potential_energy(&self, bodies: &Moving, _: &[f64]) -> f64 {
         self.sum(bodies, stored)
     }
 
-    fn dissipated_power(&self, bodies: Moving, _: &[f64]) -> f64 {
+    fn dissipated_power(&self, bodies: &Moving, _: &[f64]) -> f64 {
         self.sum(bodies, dissipated)
     }
 }

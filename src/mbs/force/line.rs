@@ -81,7 +81,7 @@ impl Span {
 
     /// Displacement, rate and direction now. Places that meet on a line have no direction: e = 0 and no force.
     #[inline]
-    pub fn stretch(&self, bodies: Moving) -> Stretch {
+    pub fn stretch(&self, bodies: &Moving) -> Stretch {
         let point = self.to.point(bodies);
         let across = point - self.from.point(bodies);
         let (unit, length) = match &self.direction {
@@ -100,7 +100,7 @@ impl Span {
 
     /// Pulls both ends together with a tension, N.
     #[inline]
-    pub fn pull(&self, bodies: Moving, stretch: &Stretch, tension: f64, wrenches: &mut [Wrench]) {
+    pub fn pull(&self, bodies: &Moving, stretch: &Stretch, tension: f64, wrenches: &mut [Wrench]) {
         let force = stretch.unit * tension;
         self.from.load(bodies, wrenches, &force, &stretch.point, &Vector3::zeros());
         self.to.load(bodies, wrenches, &-force, &stretch.point, &Vector3::zeros());
@@ -204,7 +204,7 @@ const QUANTITIES: [Quantity; 2] = [
 ];
 
 impl<L: LineLaw> LineElement<L> {
-    fn tension(&self, bodies: Moving, state: &[f64]) -> f64 {
+    fn tension(&self, bodies: &Moving, state: &[f64]) -> f64 {
         let stretch = self.span.stretch(bodies);
         self.law.tension(stretch.displacement, stretch.rate, state)
     }
@@ -223,12 +223,12 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         self.law.time_constant()
     }
 
-    fn settle(&self, bodies: Moving, state: &mut [f64]) {
+    fn settle(&self, bodies: &Moving, state: &mut [f64]) {
         self.law.settle(self.span.stretch(bodies).displacement, state);
     }
 
     #[inline]
-    fn apply(&self, bodies: Moving, state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
+    fn apply(&self, bodies: &Moving, state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
         let stretch = self.span.stretch(bodies);
         self.law.rates(stretch.displacement, stretch.rate, state, rates);
         let tension = self.law.tension(stretch.displacement, stretch.rate, state);
@@ -239,7 +239,7 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         [self.span.from.body, self.span.to.body]
     }
 
-    fn tangent(&self, bodies: Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
+    fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
         let Stretch { displacement, rate, unit, point } = self.span.stretch(bodies);
         let tension = self.law.tension(displacement, rate, state);
         let slopes = self.law.slopes(displacement, rate, state);
@@ -270,7 +270,7 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         self.law.tables()
     }
 
-    fn table_argument(&self, table: usize, bodies: Moving, state: &[f64]) -> f64 {
+    fn table_argument(&self, table: usize, bodies: &Moving, state: &[f64]) -> f64 {
         let stretch = self.span.stretch(bodies);
         self.law.table_argument(table, stretch.displacement, stretch.rate, state)
     }
@@ -291,7 +291,7 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         &QUANTITIES
     }
 
-    fn quantity(&self, index: usize, bodies: Moving, state: &[f64]) -> f64 {
+    fn quantity(&self, index: usize, bodies: &Moving, state: &[f64]) -> f64 {
         match index {
             0 => self.tension(bodies, state),
             1 => self.span.stretch(bodies).displacement,
@@ -311,11 +311,11 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         Box::new(self.clone())
     }
 
-    fn potential_energy(&self, bodies: Moving, state: &[f64]) -> f64 {
+    fn potential_energy(&self, bodies: &Moving, state: &[f64]) -> f64 {
         self.law.potential_energy(self.span.stretch(bodies).displacement, state)
     }
 
-    fn dissipated_power(&self, bodies: Moving, state: &[f64]) -> f64 {
+    fn dissipated_power(&self, bodies: &Moving, state: &[f64]) -> f64 {
         let stretch = self.span.stretch(bodies);
         self.law.dissipated_power(stretch.displacement, stretch.rate, state)
     }

@@ -59,7 +59,7 @@ impl ForceElement for VerticalLoad {
     }
 
     #[inline]
-    fn apply(&self, bodies: Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
+    fn apply(&self, bodies: &Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let [back, down] = self.weight;
         wrenches[self.body].force.x -= back;
         wrenches[self.body].force.z -= down;
@@ -74,7 +74,7 @@ impl ForceElement for VerticalLoad {
 
     /// Of the centrifugal force, with the speed and with the place along the track; the share curvature x offset of the travel s' (1e-5)
     /// counts as constant.
-    fn tangent(&self, bodies: Moving, _: &[f64], _: usize, sum: &mut PairTangent) {
+    fn tangent(&self, bodies: &Moving, _: &[f64], _: usize, sum: &mut PairTangent) {
         let Some(station) = bodies.station(self.body).filter(|_| self.mass != 0.0) else { return };
         let (frame, turn) = (&station.frame, &station.frame.turn);
         let centre = &bodies[self.body].position;
@@ -92,13 +92,13 @@ impl ForceElement for VerticalLoad {
     }
 
     /// Of the weight; what the curve's guidance of M does is power from outside.
-    fn potential_energy(&self, bodies: Moving, _: &[f64]) -> f64 {
+    fn potential_energy(&self, bodies: &Moving, _: &[f64]) -> f64 {
         let position = &bodies[self.body].position;
         let [back, down] = self.weight;
         position.x * back + position.z * down
     }
 
-    fn dissipated_power(&self, _: Moving, _: &[f64]) -> f64 {
+    fn dissipated_power(&self, _: &Moving, _: &[f64]) -> f64 {
         0.0
     }
 }

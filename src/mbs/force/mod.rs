@@ -57,17 +57,17 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     }
 
     /// Puts the states where they come to rest with the bodies at rest where they are.
-    fn settle(&self, _bodies: Moving, _state: &mut [f64]) {}
+    fn settle(&self, _bodies: &Moving, _state: &mut [f64]) {}
 
     /// Adds the element's wrenches to those of the bodies, in the track frame, and writes the rates of its states.
-    fn apply(&self, bodies: Moving, state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]);
+    fn apply(&self, bodies: &Moving, state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]);
 
     /// The bodies that the element acts between and loads; it follows the motion of no others. `None`: the world or the track.
     fn bodies(&self) -> Ends;
 
     /// Adds how wrenches and rates change with the motion of the element's bodies and with its own states, the first of which stands at
     /// `first_state` of the state vector.
-    fn tangent(&self, bodies: Moving, state: &[f64], first_state: usize, sum: &mut PairTangent);
+    fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent);
 
     /// What the element can report.
     fn quantities(&self) -> &'static [Quantity] {
@@ -75,7 +75,7 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     }
 
     /// The value of the quantity at `index` of [`ForceElement::quantities`], SI; zero beyond them.
-    fn quantity(&self, _index: usize, _bodies: Moving, _state: &[f64]) -> f64 {
+    fn quantity(&self, _index: usize, _bodies: &Moving, _state: &[f64]) -> f64 {
         0.0
     }
 
@@ -93,7 +93,7 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     }
 
     /// Where it is in the table at an index of [`ForceElement::tables`], m or m/s.
-    fn table_argument(&self, _table: usize, _bodies: Moving, _state: &[f64]) -> f64 {
+    fn table_argument(&self, _table: usize, _bodies: &Moving, _state: &[f64]) -> f64 {
         0.0
     }
 
@@ -114,10 +114,10 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     fn clone_box(&self) -> Box<dyn ForceElement>;
 
     /// Stored energy, J, up to a constant.
-    fn potential_energy(&self, bodies: Moving, state: &[f64]) -> f64;
+    fn potential_energy(&self, bodies: &Moving, state: &[f64]) -> f64;
 
     /// Power that turns into heat, W, never negative.
-    fn dissipated_power(&self, bodies: Moving, state: &[f64]) -> f64;
+    fn dissipated_power(&self, bodies: &Moving, state: &[f64]) -> f64;
 }
 
 /// One scalar that an element reports.

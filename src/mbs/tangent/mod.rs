@@ -237,7 +237,7 @@ impl Tangent {
             let sum = &mut pairs[*pair];
             let reference = expand::reference(sum, &workspace.motions);
             let mut tangent = PairTangent { sum, pair: *pair, reference, states };
-            force.tangent(workspace.moving(), &y[start..end], start, &mut tangent);
+            force.tangent(&workspace.moving(), &y[start..end], start, &mut tangent);
             start = end;
         }
     }

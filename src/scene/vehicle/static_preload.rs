@@ -51,7 +51,7 @@ pub(super) fn balance(vehicle: &VehicleSpec, system: &mut System) -> Result<(), 
             let mut element = system.forces[*element].clone_box();
             element.set_preload(*index, preload);
             let (mut wrenches, mut rates) = (vec![Wrench::default(); system.bodies.len()], vec![0.0; states.len()]);
-            element.apply(workspace.moving(), states, &mut rates, &mut wrenches);
+            element.apply(&workspace.moving(), states, &mut rates, &mut wrenches);
             generalised(vehicle, &workspace, &wrenches)
         };
         a.set_column(column, &(wrenches(1.0) - wrenches(0.0)));

@@ -7,7 +7,7 @@ use wheelrail::mbs::force::{Curve, ForceElement, Gravity};
 /// Tension of an element between the world and a body that is displaced along X.
 fn tension(element: &dyn ForceElement, x: f64, speed: f64, state: &[f64]) -> f64 {
     let bodies = motions(&[x, 0.0, 0.0, 0.0, 0.0, 0.0], &[speed, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    let force = element.quantity(0, (&bodies[..]).into(), state);
+    let force = element.quantity(0, &(&bodies[..]).into(), state);
     // Tension pulls the body back along X.
     assert!((apply(element, &bodies, state).0[0].force.x + force).abs() <= 1e-12 * force.abs());
     force
@@ -89,7 +89,7 @@ fn validate_bump_stop_follows_the_manchester_table() {
         assert!((tension(stop.as_ref(), x, 0.3, &[]) - force).abs() < 1e-7, "{x}");
         assert!((tension(stop.as_ref(), -x, 0.3, &[]) + force).abs() < 1e-7, "{x}");
     }
-    let energy = |x: f64| stop.potential_energy((&motions(&[x, 0.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6])[..]).into(), &[]);
+    let energy = |x: f64| stop.potential_energy(&(&motions(&[x, 0.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6])[..]).into(), &[]);
     // Trapezia of 5 mm.
     let stored = 0.005 * (600.0 / 2.0 + (600.0 + 1760.0) / 2.0 + (1760.0 + 3730.0) / 2.0);
     assert!((energy(0.04) - stored).abs() < 1e-9 && (energy(-0.04) - stored).abs() < 1e-9 && energy(0.02) == 0.0);
@@ -133,8 +133,8 @@ fn analytic_anti_roll_bar_resists_roll_alone() {
     assert!((wrenches[0].moment - Vector3::x() * moment).norm() < 1e-8 && (wrenches[1].moment + Vector3::x() * moment).norm() < 1e-8);
     assert!(wrenches.iter().all(|wrench| wrench.force.norm() == 0.0));
     assert!(
-        (bar.quantity(0, (&motions(&q, &v)[..]).into(), &[]) - moment).abs() < 1e-8
-            && (bar.quantity(1, (&motions(&q, &v)[..]).into(), &[]) - roll).abs() < 1e-12
+        (bar.quantity(0, &(&motions(&q, &v)[..]).into(), &[]) - moment).abs() < 1e-8
+            && (bar.quantity(1, &(&motions(&q, &v)[..]).into(), &[]) - roll).abs() < 1e-12
     );
     // Displacement, yaw and pitch alone call up nothing.
     for coordinate in [6, 7, 8, 9, 11] {
@@ -247,7 +247,7 @@ fn analytic_tables_are_mirrored_and_hold_where_they_are_told_to() {
     );
     // Integral of the force: a triangle, then a constant.
     let bodies = motions(&[0.03, 0.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6]);
-    assert!((spring.potential_energy((&bodies[..]).into(), &[]) - (25.0 + 0.02 * 5e3)).abs() < 1e-9);
+    assert!((spring.potential_energy(&(&bodies[..]).into(), &[]) - (25.0 + 0.02 * 5e3)).abs() < 1e-9);
     let stop = along_x("kind = \"bump_stop\"\nforce_over_displacement = [[0, 0], [0.01, 5e3]]\nclearance = 0.02\nbeyond = \"hold\"");
     for (x, force) in [(0.025, 2500.0), (0.5, 5e3), (-0.5, -5e3), (0.01, 0.0)] {
         assert!((tension(stop.as_ref(), x, 0.0, &[]) - force).abs() < 1e-9, "{x}: {}", tension(stop.as_ref(), x, 0.0, &[]));

@@ -107,10 +107,10 @@ fn check_energy_bill(element: &dyn ForceElement, q: &[f64], v: &[f64], state: &[
     let stored = |h: f64| {
         let q: Vec<f64> = q.iter().zip(v).map(|(q, v)| q + h * v).collect();
         let state: Vec<f64> = state.iter().zip(&rates).map(|(z, rate)| z + h * rate).collect();
-        element.potential_energy((&motion(&q)[..]).into(), &state)
+        element.potential_energy(&(&motion(&q)[..]).into(), &state)
     };
     let storing = (stored(h) - stored(-h)) / (2.0 * h);
-    let heat = element.dissipated_power((&bodies[..]).into(), state);
+    let heat = element.dissipated_power(&(&bodies[..]).into(), state);
     assert!(heat >= 0.0, "{element:?}: {heat}");
     let scale = 1.0 + power.abs() + storing.abs() + heat;
     assert!((power + storing + heat).abs() < 1e-6 * scale, "{element:?} at {q:?}: {power} {storing} {heat}");
@@ -247,23 +247,23 @@ fn prop_design_configuration_is_at_rest() {
     let bodies = motions(&stage.design(), &[0.0; 12]);
     for element in samples(&stage) {
         let mut state = vec![0.3; element.states()];
-        element.settle((&bodies[..]).into(), &mut state);
+        element.settle(&(&bodies[..]).into(), &mut state);
         let (_, rates) = apply(element.as_ref(), &bodies, &state);
         assert!(rates.iter().all(|rate| rate.abs() < 1e-12), "{element:?}: {rates:?}");
-        assert!(element.dissipated_power((&bodies[..]).into(), &state).abs() < 1e-12);
+        assert!(element.dissipated_power(&(&bodies[..]).into(), &state).abs() < 1e-12);
         let names: Vec<&str> = element.quantities().iter().map(|quantity| quantity.name).collect();
         assert!(!names.is_empty(), "{element:?} reports nothing");
         for (index, name) in names.iter().enumerate() {
-            let value = element.quantity(index, (&bodies[..]).into(), &state);
+            let value = element.quantity(index, &(&bodies[..]).into(), &state);
             let moved = name.starts_with("displacement") || name.starts_with("angle");
             assert!(!moved || value.abs() < 1e-15, "{element:?}: {name} = {value}");
         }
     }
     let preload = |settings: &str| stage.element(&format!("name = \"e\"\nfrom = \"a\"\nto = \"b\"\n{settings}"));
     let spring = preload("kind = \"spring_damper\"\nstiffness = 2e5\npreload = -5e3");
-    assert!((spring.quantity(0, (&bodies[..]).into(), &[]) + 5e3).abs() < 1e-9);
+    assert!((spring.quantity(0, &(&bodies[..]).into(), &[]) + 5e3).abs() < 1e-9);
     let bushing = preload("kind = \"bushing\"\nstiffness = [1e6, 1e6, 1e6]\npreload = [0, 100, -2e4]");
-    let forces: Vec<f64> = (0..3).map(|i| bushing.quantity(i, (&bodies[..]).into(), &[])).collect();
+    let forces: Vec<f64> = (0..3).map(|i| bushing.quantity(i, &(&bodies[..]).into(), &[])).collect();
     assert!((Vector3::from_column_slice(&forces) - Vector3::new(0.0, 100.0, -2e4)).norm() < 1e-9);
 }
 

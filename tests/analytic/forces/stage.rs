@@ -72,7 +72,7 @@ pub fn motions(q: &[f64], v: &[f64]) -> Vec<BodyMotion> {
 /// Wrenches and rates of an element.
 pub fn apply(element: &dyn ForceElement, bodies: &[BodyMotion], state: &[f64]) -> (Vec<Wrench>, Vec<f64>) {
     let (mut wrenches, mut rates) = (vec![Wrench::default(); bodies.len()], vec![0.0; element.states()]);
-    element.apply(bodies.into(), state, &mut rates, &mut wrenches);
+    element.apply(&bodies.into(), state, &mut rates, &mut wrenches);
     (wrenches, rates)
 }
 
@@ -113,7 +113,7 @@ impl Mechanism {
     pub fn energy(&mut self, y: &[f64]) -> f64 {
         self.system.move_bodies(y, &mut self.workspace);
         let motions = &self.workspace.motions;
-        self.system.kinetic_energy(motions) + self.system.potential_energy(y, self.workspace.moving()) + y[self.system.dimension()]
+        self.system.kinetic_energy(motions) + self.system.potential_energy(y, &self.workspace.moving()) + y[self.system.dimension()]
     }
 
     pub fn accelerations(&mut self, q: &[f64]) -> Vec<f64> {
@@ -127,7 +127,7 @@ impl Mechanism {
 impl Dynamics for Mechanism {
     fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         self.system.apply_forces(y, &mut self.workspace);
-        dy[y.len() - 1] = self.system.dissipated_power(y, self.workspace.moving());
+        dy[y.len() - 1] = self.system.dissipated_power(y, &self.workspace.moving());
         self.system.constrained_derivative(t, y, &mut self.workspace, dy).map_err(|_| Undefined)
     }
     fn error_weight(&self, i: usize) -> f64 {
