@@ -64,7 +64,7 @@ fn analytic_a_train_of_any_number_of_coaches() {
     let mut workspace = model.workspace();
     model.system.apply_forces(y, &mut workspace.system);
     for element in model.system.forces.iter().filter(|element| element.name().starts_with("coupler")) {
-        let (force, stretch) = (element.quantity(0, workspace.system.moving(), &[]), element.quantity(1, workspace.system.moving(), &[]));
+        let (force, stretch) = (element.quantity(0, &workspace.system.moving(), &[]), element.quantity(1, &workspace.system.moving(), &[]));
         println!("{}: {force:.3e} N, elongation {stretch:.3e} m", element.name());
         assert!(force.abs() < 1e3 && stretch.abs() < 5e-3, "at rest within their slack");
     }
