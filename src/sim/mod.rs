@@ -56,11 +56,12 @@ pub struct SimulationState {
 }
 
 impl SimulationState {
-    /// Are time, solution and inputs numbers? (Memory may hold times that never come.)
-    pub fn is_finite(&self) -> bool {
+    /// Are time, solution and inputs numbers, and has the integrator come to the simulation's time? (Memory may hold times that never come.)
+    pub fn is_sound(&self) -> bool {
         let signals = self.inputs.iter().flat_map(|signal| signal.at(self.time));
         let own = [self.time, self.integration.t];
-        own.into_iter().chain(signals).chain(self.integration.y.iter().copied()).all(f64::is_finite)
+        let finite = own.into_iter().chain(signals).chain(self.integration.y.iter().copied()).all(f64::is_finite);
+        finite && self.time - self.integration.t <= LAG
     }
 
     /// Could this state have come from the same model and integrator as `other`?
@@ -93,6 +94,9 @@ impl SimulationError {
         matches!(self, SimulationError::Evaluation(EvaluationError { cause: ContactFailure::Derailed { .. }, .. }))
     }
 }
+
+/// The integrator is ahead of the simulation, or behind by what an integrator may leave of a step, s.
+const LAG: f64 = 1e-6;
 
 /// Contacts that may change their form one after the other at one instant.
 const MOST_CHANGES: usize = 16;

@@ -270,6 +270,18 @@ fn hard_accf_gives_up_a_badly_conditioned_partition() {
 }
 
 #[test]
+fn hard_a_motion_that_has_died_away_is_rest() {
+    // Numbers whose products underflow: rates of 1e-300 m/s made ACCF's constraints look dependent.
+    for velocity in ["1e-310", "1e-300", "1e-160"] {
+        let scene = straight(&["contact.formulation=ACCF", &format!("vehicle.initial.vy={velocity}")]);
+        let mut simulation = start(&scene);
+        simulation.advance(0.05).unwrap_or_else(|error| panic!("{velocity}: {error}"));
+        assert!(simulation.statistics().rejected < 10, "{velocity}: {:?}", simulation.statistics());
+        assert!(simulation.snapshot().unwrap().y[1].abs() < 1e-15);
+    }
+}
+
+#[test]
 fn hard_both_wheels_lift_and_land_again() {
     // Lifted by 150 kN for 0.1 s, then left to fall: both wheels land and settle at the same time.
     for formulation in ["ECCF", "ACCF"] {

@@ -59,7 +59,7 @@ impl Instance {
         }
         let Experiment { start, stop, tolerance } = saved.experiment;
         let numbers = saved.inputs.iter().flatten().chain([&start]).chain(&stop).chain(&tolerance);
-        if !numbers.copied().all(f64::is_finite) || !saved.simulation.as_ref().is_none_or(SimulationState::is_finite) {
+        if !numbers.copied().all(f64::is_finite) || !saved.simulation.as_ref().is_none_or(SimulationState::is_sound) {
             return Err(CallError::ForeignState);
         }
         for (variable, value) in parameters.iter().zip(&saved.parameters) {
