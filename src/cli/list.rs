@@ -3,9 +3,10 @@
 use super::{Failure, print};
 use crate::contact::{creep, normal};
 use crate::formulation;
+use crate::formulation::inputs::GROUPS;
 use crate::geometry::{profile, track};
 use crate::mbs::{force, joint};
-use crate::scene::spec::{INPUT_GROUPS, OUTPUT_GROUPS, PARAMETER_GROUPS};
+use crate::scene::spec::{OUTPUT_GROUPS, PARAMETER_GROUPS};
 use crate::scene::vehicle::templates;
 use crate::scene::{embedded, load};
 use crate::settings::{Entry, did_you_mean};
@@ -33,7 +34,8 @@ fn kinds() -> Vec<(&'static str, &'static str, Vec<Row>)> {
         let title = load::open(scene.name, &[]).map(|scene| scene.title).unwrap_or_default();
         (scene.name.to_string(), title, String::new())
     });
-    let groups = [("inputs", INPUT_GROUPS), ("outputs", OUTPUT_GROUPS), ("parameters", PARAMETER_GROUPS)];
+    let inputs = GROUPS.map(|group| group.name);
+    let groups = [("inputs", &inputs[..]), ("outputs", OUTPUT_GROUPS), ("parameters", PARAMETER_GROUPS)];
     let groups = groups.map(|(key, names)| (format!("interface.{key}"), names.join(", "), String::new()));
     vec![
         ("scenes", "SCENE of every command", scenes.collect()),

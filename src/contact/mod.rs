@@ -2,7 +2,9 @@
 
 pub mod creep;
 pub mod creepage;
+mod half_space;
 pub mod normal;
+pub mod patch;
 pub mod search;
 pub mod transient;
 

@@ -3,17 +3,15 @@
 use super::parameters;
 use super::variable::WHEELSET;
 pub use super::variable::{Kind, Role, Variable};
-use crate::formulation::{
-    AssemblyError, DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, NEUTRAL_INPUTS, RAIL_INPUTS, RIGHT_FRICTION,
-    VERTICAL_FORCE, rail_input,
-};
+use crate::formulation::AssemblyError;
+use crate::formulation::inputs::{InputRow, RAIL_ROWS, WHEELSET_ROWS, input_index, rail_input};
 use crate::geometry::Side;
 use crate::scene::assemble;
-use crate::scene::spec::{RAIL_MOTION, Scene};
+use crate::scene::spec::Scene;
+use crate::sim::SimulationState;
 use crate::sim::feedthrough::whose;
 use crate::sim::outputs::Output;
 use crate::sim::vehicle_outputs::scene_outputs;
-use crate::sim::{SimulationState, input_index};
 use crate::units::Unit;
 use std::collections::HashMap;
 
@@ -27,9 +25,6 @@ pub struct VariableTable {
     /// Index of each reference.
     index: HashMap<u32, usize>,
 }
-
-/// Local numbers of the rails' motion: left from here, right 10 behind.
-const RAIL: u32 = 501;
 
 impl VariableTable {
     /// Builds the table of a scene.
@@ -76,106 +71,39 @@ impl VariableTable {
     }
 }
 
+/// The inputs of the wheelsets, each followed by those of the rails under it, in the groups that a scene shows.
 fn inputs(scene: &Scene) -> Vec<Variable> {
-    let axles = scene.vehicle.axles().into_iter().enumerate();
-    let of_axle = |(index, axle): (usize, (&str, bool))| {
-        let mut variables = axle_inputs(scene, index, axle);
-        variables.extend(rail_inputs(scene, index, axle.0));
-        variables
-    };
-    axles.filter(|(_, axle)| scene.interface.shows(axle.0)).flat_map(of_axle).collect()
-}
-
-/// Motion of the rails under a wheelset; none where the scene does not ask for it.
-fn rail_inputs(scene: &Scene, index: usize, wheelset: &str) -> Vec<Variable> {
-    if !scene.interface.inputs.contains(&RAIL_MOTION) {
-        return Vec::new();
+    let axles = scene.vehicle.axles();
+    let asked = |row: &InputRow, driven: bool| scene.interface.inputs.contains(&row.group.name) && !(row.along && driven);
+    let mut variables = Vec::new();
+    for (index, (wheelset, driven)) in axles.iter().copied().enumerate().filter(|(_, axle)| scene.interface.shows(axle.0)) {
+        let begin = WHEELSET * (index as u32 + 1);
+        for (number, row) in WHEELSET_ROWS.iter().enumerate().filter(|(_, row)| asked(row, driven)) {
+            variables.push(input(row, begin + row.id, format!("{wheelset}.{}", row.name), input_index(index, number)));
+        }
+        for side in Side::BOTH {
+            for (number, row) in RAIL_ROWS.iter().enumerate().filter(|(_, row)| asked(row, driven)) {
+                let (reference, name) = (begin + row.id + 10 * side.index() as u32, format!("{wheelset}.{}.{}", side.name(), row.name));
+                variables.push(input(row, reference, name, rail_input(axles.len(), index, side, number)));
+            }
+        }
     }
-    let rows: [(&str, Unit, &str); RAIL_INPUTS] = [
-        ("railLateralDisplacement", Unit::Metre, "displacement of the rail under the wheel across the track, left positive"),
-        ("railVerticalDisplacement", Unit::Metre, "displacement of the rail under the wheel, up positive"),
-        ("railLateralVelocity", Unit::MetrePerSecond, "velocity of the rail's material under the wheel across the track, left positive"),
-        ("railVerticalVelocity", Unit::MetrePerSecond, "velocity of the rail's material under the wheel, up positive"),
-        ("railLateralSlope", Unit::One, "change of railLateralDisplacement per distance along the track; 0 for a track that travels along"),
-        (
-            "railVerticalSlope",
-            Unit::One,
-            "change of railVerticalDisplacement per distance along the track; 0 for a track that travels along",
-        ),
-    ];
-    let wheelsets = scene.vehicle.axles().len();
-    let of_side = |side: Side| {
-        rows.into_iter().enumerate().map(move |(number, (name, unit, text))| {
-            let id = RAIL + 10 * side.index() as u32 + number as u32;
-            let name = format!("{}.{name}", side.name());
-            input((index, wheelset), (id, &name, text), (unit, None), 0.0, rail_input(wheelsets, index, side, number))
-        })
-    };
-    Side::BOTH.into_iter().flat_map(of_side).collect()
+    variables
 }
 
-fn axle_inputs(scene: &Scene, index: usize, (wheelset, driven): (&str, bool)) -> Vec<Variable> {
-    let rows = [
-        (1, "drive_torque", "driveTorque", Unit::NewtonMetre, None, DRIVE_TORQUE, "torque about the axle, positive drives forward"),
-        (2, "centre_forces", "lateralForceInput", Unit::Newton, None, LATERAL_FORCE, "external lateral force on the centre, left positive"),
-        (
-            3,
-            "centre_forces",
-            "verticalForceInput",
-            Unit::Newton,
-            None,
-            VERTICAL_FORCE,
-            "external vertical force on the centre, up positive",
-        ),
-        (4, "friction", "left.frictionFactor", Unit::One, Some(0.0), LEFT_FRICTION, "factor on the friction coefficient at the left wheel"),
-        (
-            5,
-            "friction",
-            "right.frictionFactor",
-            Unit::One,
-            Some(0.0),
-            RIGHT_FRICTION,
-            "factor on the friction coefficient at the right wheel",
-        ),
-        (
-            6,
-            "centre_forces",
-            "longitudinalForceInput",
-            Unit::Newton,
-            None,
-            LONGITUDINAL_FORCE,
-            "external longitudinal force on the centre, forward positive",
-        ),
-    ];
-    // Along the track an imposed speed leaves no room for a force.
-    let moves = |input| input != LONGITUDINAL_FORCE || !driven;
-    let shown = rows.into_iter().filter(|row| scene.interface.inputs.contains(&row.1) && moves(row.5));
-    shown
-        .map(|(id, _, name, unit, min, number, text)| {
-            input((index, wheelset), (id, name, text), (unit, min), NEUTRAL_INPUTS[number], input_index(index, number))
-        })
-        .collect()
-}
-
-/// The input `place` of the model, at a wheelset: index and name of that; number, name and words; unit and least value; neutral value.
-fn input(
-    (index, wheelset): (usize, &str),
-    (id, name, text): (u32, &str, &str),
-    (unit, min): (Unit, Option<f64>),
-    neutral: f64,
-    place: usize,
-) -> Variable {
+/// The input at `place` in the input vector.
+fn input(row: &InputRow, reference: u32, name: String, place: usize) -> Variable {
     Variable {
-        reference: WHEELSET * (index as u32 + 1) + id,
-        name: format!("{wheelset}.{name}"),
-        description: text.into(),
+        reference,
+        name,
+        description: row.text.into(),
         kind: Kind::Real,
         causality: "input",
         variability: "continuous",
         initial: None,
-        unit,
-        start: Some(neutral),
-        min,
+        unit: row.unit,
+        start: Some(row.neutral),
+        min: row.least,
         max: None,
         role: Role::Input(place),
     }

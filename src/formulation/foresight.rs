@@ -28,7 +28,7 @@ const PART: f64 = 0.2;
 /// ... where a wheel's bouncing on its contact fades so fast, s. Errors of a bouncing that lasts longer add up in it, most of all in its phase:
 /// less is allowed in that proportion, down to what adds up over the longest time.
 const FADING: f64 = 0.06;
-const LONGEST_FADING: f64 = 0.8;
+const LONGEST_FADING: f64 = 2.0;
 
 impl Model {
     /// The longest step that may begin at the state `y` with derivative `dy`, s, whose evaluation the workspace holds.

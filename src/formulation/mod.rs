@@ -18,6 +18,7 @@ mod failure;
 pub mod flutter;
 mod foresight;
 pub mod frame_motion;
+pub mod inputs;
 mod loading;
 mod low_pass;
 mod means;
@@ -45,16 +46,13 @@ mod workspace;
 
 pub use assembly::{AssemblyError, Build, Parts};
 pub use failure::{ContactFailure, EvaluationError};
+pub use inputs::{
+    DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_SLOPE, RAIL_LATERAL_VELOCITY,
+    RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, RAIL_VERTICAL_VELOCITY, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS, input_index, rail_input,
+};
 pub use means::derailment_quotient;
 pub use model::{ContactLaws, LOAD_TOLERANCE, Model};
-pub use rail_motion::{
-    RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_SLOPE, RAIL_LATERAL_VELOCITY, RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, RAIL_VERTICAL_VELOCITY,
-    rail_input,
-};
-pub use wheelset::{
-    DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, NEUTRAL_INPUTS, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS,
-    Wheelset, contact_index,
-};
+pub use wheelset::{Wheelset, contact_index};
 pub use workspace::{Cached, ContactReport, Evaluation, Workspace};
 
 use crate::settings::{Entry, Section, SettingsError, choose};

@@ -58,6 +58,32 @@ impl Model {
         2 * self.wheelsets.len()
     }
 
+    /// With another share of the static wheel load that a step's error of contact forces may reach, -.
+    pub fn with_load_tolerance(mut self, tolerance: f64) -> Self {
+        self.load_tolerance = tolerance;
+        self
+    }
+
+    /// With the static wheel loads [N] of a balance, one per wheelset. A lone wheelset carries what it weighs, which is known.
+    pub fn with_static_wheel_loads(mut self, loads: &[f64]) -> Self {
+        if let [_, _, ..] = loads {
+            self.wheelsets.iter_mut().zip(loads).for_each(|(wheelset, load)| wheelset.static_wheel_load = *load);
+        }
+        self
+    }
+
+    /// In steady rolling on ideal track: nothing displaces the rails, and the transient model of contact says what the creep law says.
+    pub fn ideal(mut self) -> Self {
+        self.track = self.track.ideal();
+        self.laws.transient = None;
+        self
+    }
+
+    /// Lays another track under the wheels, as the search for a steady state does. Workspaces of before do not fit any more.
+    pub fn lay(&mut self, track: Track) {
+        self.track = track;
+    }
+
     /// Are the places of a wheel's contacts searched for? Otherwise only one can touch (or the formulation knows them itself).
     pub fn searches_contacts(&self, contact: usize) -> bool {
         self.searches[contact].is_some()

@@ -24,29 +24,11 @@
 //!
 //! Rigid contact (ACCF, ECCF) is refused: its constraints would need the rail's acceleration too.
 
-use super::{AssemblyError, Model, NEUTRAL_INPUTS, WHEELSET_INPUTS, contact_index};
-use crate::geometry::Side;
+use super::inputs::{RAIL_INPUTS, first_of_rail, neutral};
+use super::{AssemblyError, Model};
 use crate::mbs::body::BodyMotion;
 use crate::mbs::system::SystemWorkspace;
 use nalgebra::Vector3;
-
-/// Inputs of the rail under one wheel, in the order in which they stand behind those of all wheelsets: u [m], w [m/s], u_s [-].
-pub const RAIL_INPUTS: usize = 6;
-pub const RAIL_LATERAL: usize = 0;
-pub const RAIL_VERTICAL: usize = 1;
-pub const RAIL_LATERAL_VELOCITY: usize = 2;
-pub const RAIL_VERTICAL_VELOCITY: usize = 3;
-pub const RAIL_LATERAL_SLOPE: usize = 4;
-pub const RAIL_VERTICAL_SLOPE: usize = 5;
-
-/// Place in the input vector of a model with `wheelsets` wheelsets.
-pub fn rail_input(wheelsets: usize, wheelset: usize, side: Side, input: usize) -> usize {
-    first(wheelsets, contact_index(wheelset, side)) + input
-}
-
-fn first(wheelsets: usize, contact: usize) -> usize {
-    WHEELSET_INPUTS * wheelsets + RAIL_INPUTS * contact
-}
 
 /// A wheelset as the rail under one of its wheels sees it.
 #[derive(Clone, Copy, Debug)]
@@ -60,8 +42,7 @@ pub(super) struct AgainstRail {
 impl Model {
     /// Values of all inputs that leave the model alone.
     pub fn neutral_inputs(&self) -> Vec<f64> {
-        let own = NEUTRAL_INPUTS.iter().copied().cycle().take(WHEELSET_INPUTS * self.wheelsets.len());
-        own.chain(std::iter::repeat_n(0.0, if self.rail_motion { RAIL_INPUTS * self.contacts() } else { 0 })).collect()
+        neutral(self.wheelsets.len(), self.rail_motion)
     }
 
     /// The same model on rails that move, where that is `asked` for.
@@ -79,7 +60,7 @@ impl Model {
     /// A wheelset against the rail under the wheel of this contact; `None` where rails do not move.
     #[inline]
     pub(super) fn against_rail(&self, system: &SystemWorkspace, inputs: &[f64], body: usize, contact: usize) -> Option<AgainstRail> {
-        let start = first(self.wheelsets.len(), contact);
+        let start = first_of_rail(self.wheelsets.len(), contact);
         let &[y, z, vy, vz, slope_y, slope_z] = inputs.get(start..start + RAIL_INPUTS)? else { return None };
         let mut motion = system.motions[body];
         let (displacement, velocity) = (Vector3::new(0.0, y, z), Vector3::new(0.0, vy, vz));

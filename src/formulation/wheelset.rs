@@ -1,19 +1,8 @@
-//! A wheelset, and what a master may apply to it.
+//! A wheelset.
 
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
 use crate::mbs::body::BodyMotion;
-
-/// Inputs of one wheelset, in the order in which they stand in the input vector.
-pub const WHEELSET_INPUTS: usize = 6;
-pub const DRIVE_TORQUE: usize = 0;
-pub const LATERAL_FORCE: usize = 1;
-pub const VERTICAL_FORCE: usize = 2;
-pub const LEFT_FRICTION: usize = 3;
-pub const RIGHT_FRICTION: usize = 4;
-pub const LONGITUDINAL_FORCE: usize = 5;
-/// Values of a wheelset's inputs that leave it alone.
-pub const NEUTRAL_INPUTS: [f64; WHEELSET_INPUTS] = [0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
 
 /// A body with two wheels on the track.
 #[derive(Debug)]

@@ -1,8 +1,9 @@
 //! From scene data to a model: only what the scene calls for becomes an object.
 
-use super::spec::{RAIL_MOTION, SLIDING_MEANS, Scene};
+use super::spec::{SLIDING_MEANS, Scene};
 use super::{start, vehicle};
 use crate::contact::transient::TransientContact;
+use crate::formulation::inputs::RAIL_MOTION;
 use crate::formulation::{AssemblyError, ContactLaws, Model, Parts, wheel_search};
 use crate::geometry::Side;
 use crate::geometry::track::{Rail, Track};
@@ -49,7 +50,9 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
         prepared: scene.prepared.clone(),
     };
     let window = scene.interface.outputs.contains(&SLIDING_MEANS).then_some(MEAN_WINDOW);
-    let mut model = Model::new(parts, &contact.formulation)?.with_sliding_means(window);
-    model.load_tolerance = scene.solver.load_tolerance;
-    model.with_rail_motion(scene.interface.inputs.contains(&RAIL_MOTION))
+    let model = Model::new(parts, &contact.formulation)?;
+    model
+        .with_sliding_means(window)
+        .with_load_tolerance(scene.solver.load_tolerance)
+        .with_rail_motion(scene.interface.inputs.contains(&RAIL_MOTION.name))
 }

@@ -5,6 +5,7 @@ use super::remarks::remarks;
 use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
 use super::start::{self, Start};
+use crate::formulation::inputs::{CENTRE_FORCES, GROUPS, InputGroup, RAIL_MOTION};
 use crate::formulation::sliding_mean::CUT_OFF;
 use crate::formulation::sliding_mean::SlidingMean;
 use crate::formulation::{Model, contact_index};
@@ -69,7 +70,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
             .into_iter()
             .chain(remarks(scene))
             .chain(cautions(scene, model))
-            .chain(solver_choice::notes(scene))
+            .chain(solver_choice::notes(scene, model))
             .collect(),
     }
 }
@@ -149,25 +150,29 @@ fn contact_effects(scene: &Scene, model: &Model, all: &mut Effects) {
     let why = transient.clone().unwrap_or("no [contact.transient]: steady creepage only".into());
     let states = model.contacts() * model.points * model.deflection_states();
     all.add("transient tangential contact", transient.is_some(), why, states);
-    all.add("creep forces", true, format!("contact.creep.law = \"{}\", friction {}", contact.creep_name, contact.friction), 0);
+    all.add(
+        "creep forces",
+        true,
+        format!("contact.creep.law = \"{}\"{}, friction {}", contact.creep_name, model.laws.creep.describe(), contact.friction),
+        0,
+    );
 }
 
 /// What a master may put in.
 fn input_effects(scene: &Scene, model: &Model, all: &mut Effects) {
     let vehicle = &scene.vehicle;
-    for (name, group) in
-        [("drive torque input", "drive_torque"), ("centre force inputs", "centre_forces"), ("friction factor inputs", "friction")]
-    {
-        let shown = scene.interface.inputs.contains(&group);
+    let asked = |group: &InputGroup| scene.interface.inputs.contains(&group.name);
+    for group in GROUPS.into_iter().filter(|group| !group.on_request) {
+        let (shown, name) = (asked(group), group.name);
         let why =
-            if shown { format!("interface.inputs has \"{group}\"") } else { format!("interface.inputs lacks \"{group}\": no variable") };
-        all.add(name, shown, why, 0);
+            if shown { format!("interface.inputs has \"{name}\"") } else { format!("interface.inputs lacks \"{name}\": no variable") };
+        all.add(group.effect, shown, why, 0);
     }
     if model.rail_motion {
         let why = "interface.inputs names \"rail_motion\": displacement, velocity and slope of the rail under each wheel, from outside";
-        all.add("rail motion", true, why.into(), 0);
+        all.add(RAIL_MOTION.effect, true, why.into(), 0);
     }
-    let (shown, free) = (scene.interface.inputs.contains(&"centre_forces"), vehicle.axles().iter().any(|axle| !axle.1));
+    let (shown, free) = (asked(&CENTRE_FORCES), vehicle.axles().iter().any(|axle| !axle.1));
     let why = match (shown, free) {
         (true, true) if vehicle.speed_imposed => "interface.inputs has \"centre_forces\"; on wheelsets whose speed is not imposed",
         (true, true) => "interface.inputs has \"centre_forces\", vehicle.travel = \"free\"",

@@ -6,9 +6,9 @@ use super::spec::*;
 use super::{assemble, solver_choice};
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
-use crate::formulation::LOAD_TOLERANCE;
 use crate::formulation::{
-    self,
+    self, LOAD_TOLERANCE,
+    inputs::{GROUPS, RAIL_MOTION},
     wheel_search::{MOST_POINTS, PreparedSearches},
 };
 use crate::geometry::profile::{Part, ProfileChoice};
@@ -224,12 +224,12 @@ fn read_points(section: &Section) -> Result<Option<usize>, SettingsError> {
 
 /// All groups that cost nothing.
 fn default_inputs() -> Vec<&'static str> {
-    INPUT_GROUPS.iter().copied().filter(|group| *group != RAIL_MOTION).collect()
+    GROUPS.iter().filter(|group| !group.on_request).map(|group| group.name).collect()
 }
 
 /// The same of outputs; forces on the rails belong to rails that move.
 fn default_outputs(inputs: &[&str]) -> Vec<&'static str> {
-    let moving = inputs.contains(&RAIL_MOTION);
+    let moving = inputs.contains(&RAIL_MOTION.name);
     OUTPUT_GROUPS.iter().copied().filter(|group| *group != SLIDING_MEANS && (moving || *group != RAIL_FORCES)).collect()
 }
 
@@ -243,7 +243,7 @@ fn read_interface(section: Section, vehicle: &VehicleSpec) -> Result<InterfaceSp
             return Err(section.error("only", problem));
         }
     }
-    let inputs = if section.has("inputs") { section.words_or_all("inputs", INPUT_GROUPS)? } else { default_inputs() };
+    let inputs = if section.has("inputs") { section.words_or_all("inputs", &GROUPS.map(|group| group.name))? } else { default_inputs() };
     let spec = InterfaceSpec {
         outputs: if section.has("outputs") { section.words_or_all("outputs", OUTPUT_GROUPS)? } else { default_outputs(&inputs) },
         inputs,

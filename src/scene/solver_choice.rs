@@ -2,6 +2,7 @@
 
 use super::spec::Scene;
 use crate::contact::search::algebraic;
+use crate::formulation::Model;
 use crate::mbs::projection;
 use crate::settings::{Section, SettingsError};
 use crate::solve::{AUTO, DEFAULT_TOLERANCE, SettingKind};
@@ -64,9 +65,6 @@ pub fn choose(facts: &Facts) -> (&'static str, &'static str) {
     (rule.integrator, rule.why)
 }
 
-/// Formulations in which contact is a constraint.
-const CONSTRAINED: &[&str] = &["ACCF", "ECCF"];
-
 /// The facts of a scene that is being read.
 pub(super) fn facts(solver: &Section, transient: bool) -> Result<Facts, SettingsError> {
     let given = solver.optional("tolerance", Dimension::Length)?;
@@ -76,14 +74,14 @@ pub(super) fn facts(solver: &Section, transient: bool) -> Result<Facts, Settings
 }
 
 /// Lines for the plan: the choice where the scene leaves it open, and the worst case where the method has one.
-pub(super) fn notes(scene: &Scene) -> Vec<String> {
+pub(super) fn notes(scene: &Scene, model: &Model) -> Vec<String> {
     let solver = &scene.solver;
     let assumed = (solver.assumed && solver.integrator.setting().kind == SettingKind::Tolerance)
         .then(|| format!("solver.tolerance is {DEFAULT_TOLERANCE:e} m, the default: displacements come out to some micrometres"));
     let chosen = solver.why.map(|why| format!("solver.integrator = \"{}\" is {}: {why}", AUTO.name, solver.name));
     let bounded = solver.integrator.worst_case().map(|worst| {
         let search = algebraic::LIMITS.iterations;
-        let constraints = match CONSTRAINED.contains(&scene.contact.formulation_name) || !scene.vehicle.joints.is_empty() {
+        let constraints = match model.formulation.constrains() || !model.system.joints.is_empty() {
             true => format!("; ends of steps are moved onto constraints in at most {} iterations", projection::MOST_ITERATIONS),
             false => String::new(),
         };
@@ -98,6 +96,7 @@ pub(super) fn notes(scene: &Scene) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::assemble;
 
     #[test]
     fn prop_each_rule_is_reached_and_names_a_method() {
@@ -119,6 +118,7 @@ mod tests {
             let changes: Vec<String> = changes.iter().map(|change| change.to_string()).collect();
             crate::scene::load::open("suspended_wheelset", &changes).unwrap()
         };
+        let notes = |scene: &Scene| notes(scene, &assemble::model(scene).unwrap());
         let plain = open(&[]);
         assert!(plain.solver.why.is_none() && notes(&plain).is_empty());
         let scene = open(&["solver.integrator=auto", "solver.tolerance=1e-9"]);

@@ -92,14 +92,12 @@ pub struct SolverSpec {
     pub assumed: bool,
 }
 
-/// Groups of inputs, outputs and parameters that an FMU may show.
-pub const INPUT_GROUPS: &[&str] = &["drive_torque", "centre_forces", "friction", RAIL_MOTION];
+/// Groups of outputs and parameters that an FMU may show; those of inputs are in `formulation::inputs`.
 pub const OUTPUT_GROUPS: &[&str] =
     &["motion", "wheels", "contacts", "suspension", "axles", "bodies", "sensors", "forces", SLIDING_MEANS, RAIL_FORCES];
 /// The group that costs states: shown only where a scene names it.
 pub const SLIDING_MEANS: &str = "sliding_means";
-/// Motion of the rails from outside: only where a scene names it; with it, the forces on the rails are shown.
-pub const RAIL_MOTION: &str = "rail_motion";
+/// Shown where rails move from outside.
 pub const RAIL_FORCES: &str = "rail_forces";
 pub const PARAMETER_GROUPS: &[&str] = &["vehicle", "suspension", "contact", "solver", "initial"];
 

@@ -21,14 +21,14 @@ use crate::formulation::timers::Timers;
 use crate::formulation::transitions::Transition;
 use crate::formulation::wheel_loads::WheelLoads;
 use crate::formulation::work::Work;
-use crate::formulation::{AssemblyError, Cached, ContactFailure, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
+use crate::formulation::{AssemblyError, Cached, ContactFailure, Evaluation, EvaluationError, Model, Workspace};
 use crate::geometry::track::centre_line::CentreLine;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::on_track::{self, OnTrack};
 use crate::scene::assemble;
 use crate::scene::equilibrium::EquilibriumError;
-use crate::scene::spec::{Initial, Scene};
-use crate::scene::steady_state::{self, Contacts};
+use crate::scene::spec::Scene;
+use crate::scene::steady_state::{self, Contacts, SteadyState};
 use crate::solve::{Doubts, IntegrationState, Integrator, Scratch, SettingKind, SolveError, Statistics};
 use dynamics::{Memories, ModelDynamics, Watched};
 use input::InputSignal;
@@ -149,9 +149,11 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`] when there is no equilibrium or the initial state cannot be evaluated.
     pub fn new(scene: &Scene, start: f64) -> Result<Self, SimulationError> {
-        let mut model = assemble::model(scene)?;
-        let (y, contacts) = initial_state(scene, &mut model)?;
-        Self::begin(model, &scene.solver.integrator, (y, contacts), start)
+        let model = assemble::model(scene)?;
+        let steady = scene.vehicle.initial.from_equilibrium.then(|| steady_state::steady_state(scene)).transpose()?;
+        let model = model.with_static_wheel_loads(steady.as_ref().map_or(&[], |steady| &steady.wheel_loads));
+        let state = initial_state(scene, &model, steady);
+        Self::begin(model, &scene.solver.integrator, state, start)
     }
 
     /// A simulation of a model that was put together in code, from its solution `y` at `start` [s]: six coordinates per body (x, y, z, yaw, roll,
@@ -287,6 +289,11 @@ impl Simulation {
     /// Steps of a fixed length whose estimated error was no longer small.
     pub fn doubts(&self) -> Doubts {
         self.state.integration.doubts
+    }
+
+    /// When a wheel that had left its rail first struck it, s.
+    pub fn first_strike(&self) -> Option<f64> {
+        self.loads.first_strike()
     }
 
     /// What a user should know about the run so far: wheels that unload, loads no real track would meet, wheelsets that flutter.
@@ -459,21 +466,10 @@ impl Simulation {
     }
 }
 
-/// The steady state with the scene's initial values, or these alone, in the track frame; also gives the wheels of several wheelsets their
-/// static loads. With it, how contacts begin.
-fn initial_state(scene: &Scene, model: &mut Model) -> Result<(Vec<f64>, Contacts), SimulationError> {
-    let Initial { from_equilibrium, values, .. } = &scene.vehicle.initial;
-    let [distance, given @ ..] = *values;
-    let mut contacts = Contacts::Any;
-    let mut state = vec![0.0; model.system.dimension()];
-    if *from_equilibrium {
-        let found = steady_state::steady_state(scene)?;
-        // A lone wheelset carries what it weighs, which is known already.
-        if let loads @ [_, _, ..] = &found.wheel_loads[..] {
-            model.wheelsets.iter_mut().zip(loads).for_each(|(wheelset, load)| wheelset.static_wheel_load = *load);
-        }
-        (state, contacts) = (found.y, found.contacts);
-    }
+/// The `steady` state with the scene's initial values, or these alone, in the track frame; with it, how contacts begin.
+fn initial_state(scene: &Scene, model: &Model, steady: Option<SteadyState>) -> (Vec<f64>, Contacts) {
+    let [distance, given @ ..] = scene.vehicle.initial.values;
+    let (mut state, contacts) = steady.map_or((Vec::new(), Contacts::Any), |steady| (steady.y, steady.contacts));
     state.resize(model.dimension(), 0.0);
     for body in 0..scene.vehicle.body_count() {
         state[model.system.coordinates(body).start] += distance;
@@ -490,7 +486,7 @@ fn initial_state(scene: &Scene, model: &mut Model) -> Result<(Vec<f64>, Contacts
         state[COORDINATES] = scene.vehicle.speed;
     }
     let displaced = scene.vehicle.wheelsets.iter().any(|placed| placed.offset != [0.0; 2]) || given != [0.0; 9];
-    Ok((state, if displaced { Contacts::Any } else { contacts }))
+    (state, if displaced { Contacts::Any } else { contacts })
 }
 
 /// From values in the track frame to the world.
@@ -504,9 +500,4 @@ fn on_the_line(model: &Model, line: &CentreLine, y: &mut [f64]) {
         y[q].copy_from_slice(&coordinates);
         y[v].copy_from_slice(&velocities);
     }
-}
-
-/// Index of an input in the model's input vector.
-pub fn input_index(wheelset: usize, input: usize) -> usize {
-    wheelset * WHEELSET_INPUTS + input
 }

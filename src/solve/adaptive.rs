@@ -78,7 +78,7 @@ pub(super) fn step<P: StepPair>(
             return Err(SolveError::NoProgress { time: state.t, step: h });
         }
         dynamics.rollback();
-        scratch.beyond = None;
+        scratch.looks.begin(dynamics, state.t);
         let judged = pair.attempt(dynamics, state, scratch, step).and_then(|error| {
             let error = error.over(tolerance);
             // NaN must count as a rejection.
@@ -121,8 +121,29 @@ pub(super) fn step<P: StepPair>(
         state.last_error = error.max(1e-4);
         pair.write_dense(state, scratch, step);
         state.accept(dynamics, end, scratch, ending.stage.filter(|_| end < limit));
-        return look_back(dynamics, state, scratch, &ending);
+        look_back(dynamics, state, scratch, &ending)?;
+        return goes_on(state);
     }
+}
+
+/// Steps after which it is looked whether time goes on, and the least mean step, s: below the first a run would take days; below the second where
+/// every other step is rejected, as it is where the solution runs along a jump of its forces and steps become as short as the tolerance.
+const MILE: u64 = 2000;
+const LEAST: f64 = 2e-9;
+const LEAST_WITH_REJECTIONS: f64 = 1e-7;
+
+/// Ends an integration that crawls.
+fn goes_on(state: &mut IntegrationState) -> Result<(), SolveError> {
+    let (steps, rejected, since) = state.milestone;
+    let made = state.statistics.steps - steps;
+    if made < MILE {
+        return Ok(());
+    }
+    let (rejected, span) = (state.statistics.rejected - rejected, state.t - since);
+    state.milestone = (state.statistics.steps, state.statistics.rejected, state.t);
+    let mean = span / made as f64;
+    let chatters = 2 * rejected > made && mean < LEAST_WITH_REJECTIONS;
+    if mean < LEAST || chatters { Err(SolveError::Crawls { time: state.t, steps: made, rejected, span }) } else { Ok(()) }
 }
 
 /// Where a step of length `h` from `t` on ends before a limit: a rest that would be tiny is split evenly instead.
@@ -181,13 +202,12 @@ fn finish<P: StepPair>(
         scratch.trial.copy_from_slice(&scratch.stages[WORK]);
     }
     let mut stage = P::LAST_STAGE.filter(|_| !moved);
-    if stage.is_none() && (P::CHECKED || !scratch.events.is_empty()) {
+    if stage.is_none() && (P::CHECKED || !scratch.looks.is_empty()) {
         state.statistics.evaluations += 1;
         dynamics.derivative_at_end(end, &scratch.trial, &mut scratch.stages[END])?;
         stage = Some(END);
     }
-    dynamics.event_values(&mut scratch.events);
-    let beyond = scratch.events.iter().any(|value| *value < 0.0);
+    let beyond = scratch.looks.end(dynamics, end);
     // At an event f changes its form: what it says there is no error.
     let error = if P::CHECKED && !beyond { pair.check(dynamics, scratch, h).over(tolerance) } else { 0.0 };
     Ok(End { stage, moved, beyond, error: if error.is_nan() { f64::INFINITY } else { error } })

@@ -107,7 +107,7 @@ impl StepPair for DormandPrince {
                 dynamics.derivative(time, &scratch.trial, &mut rest[0])?;
             }
             state.statistics.evaluations += 1;
-            Scratch::look_at_stage(&mut scratch.events, &mut scratch.beyond, dynamics, time);
+            scratch.looks.stage(dynamics, time);
         }
         // The second stage is in no weight.
         for i in 0..state.y.len() {

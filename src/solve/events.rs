@@ -26,7 +26,7 @@ impl IntegrationState {
         dynamics.rollback();
         let mut changes = 0;
         loop {
-            if self.switch_due || !scratch.events.is_empty() || dynamics.due(self.t).is_some() {
+            if self.switch_due || !scratch.looks.values.is_empty() || dynamics.due(self.t).is_some() {
                 // What changes is decided from an evaluation at this very state.
                 if let Err(error) = self.evaluate_here(dynamics) {
                     self.put_back(dynamics, scratch, changes);
@@ -131,13 +131,11 @@ impl IntegrationState {
 
     fn try_complete(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch) -> Result<(), SolveError> {
         self.project(dynamics, scratch)?;
-        if scratch.events.is_empty() {
+        if scratch.looks.is_empty() {
             return Ok(());
         }
         self.evaluate_begin(dynamics)?;
-        dynamics.event_values(&mut scratch.events);
-        let beyond = scratch.events.iter().any(|value| *value < 0.0);
-        if beyond { self.cut_at_event(dynamics, scratch, 1.0) } else { self.look_within(dynamics, scratch) }
+        if scratch.looks.end(dynamics, self.t) { self.cut_at_event(dynamics, scratch, 1.0) } else { self.look_within(dynamics, scratch) }
     }
 
     fn project(&mut self, dynamics: &mut dyn Implicit, scratch: &Scratch) -> Result<(), SolveError> {
@@ -152,23 +150,23 @@ impl IntegrationState {
         Ok(())
     }
 
-    /// Looks within the last step, whose end is on this side of any event, where one of its stages lay beyond one: the continuous output tells
-    /// whether the solution itself did.
+    /// Looks within the last step, whose end is on this side of any event, where one of its stages lay beyond one or an event function may have dipped
+    /// below zero: the continuous output tells whether the solution itself did.
     pub(super) fn look_within(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch) -> Result<(), SolveError> {
-        let Some(time) = scratch.beyond.take().filter(|time| *time > self.t_begin && *time < self.t) else { return Ok(()) };
+        let Some(time) = scratch.looks.doubt().filter(|time| *time > self.t_begin && *time < self.t) else { return Ok(()) };
         let theta = (time - self.t_begin) / (self.t - self.t_begin);
         self.look(dynamics, scratch, theta)?;
-        if scratch.events.iter().any(|value| *value < 0.0) { self.cut_at_event(dynamics, scratch, theta) } else { Ok(()) }
+        if scratch.looks.values.iter().any(|value| *value < 0.0) { self.cut_at_event(dynamics, scratch, theta) } else { Ok(()) }
     }
 
     /// Ends the last step where the first event function falls below zero before the fraction `until` of it, at which their values are in
-    /// `scratch.events`.
+    /// `scratch.looks`.
     pub(super) fn cut_at_event(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch, until: f64) -> Result<(), SolveError> {
         let mut high = until;
         let mut looks = 0;
-        scratch.at_event.copy_from_slice(&scratch.events);
+        scratch.at_event.copy_from_slice(&scratch.looks.values);
         // Each time for the functions that are below zero at the event found last: one of them may have been so earlier.
-        for _ in 0..scratch.events.len() {
+        for _ in 0..scratch.looks.values.len() {
             let below = scratch.at_event.iter().enumerate().filter(|(_, value)| **value < 0.0);
             let Some(event) = below.min_by(|a, b| a.1.total_cmp(b.1)).map(|(event, _)| event) else { break };
             let Some(found) = self.locate(dynamics, scratch, event, high, &mut looks)? else {
@@ -201,10 +199,10 @@ impl IntegrationState {
         let mut below = scratch.at_event[event];
         let mut value_at = |theta: f64| -> Result<f64, SolveError> {
             self.look(dynamics, scratch, theta)?;
-            if scratch.events[event] < 0.0 {
-                scratch.at_event.copy_from_slice(&scratch.events);
+            if scratch.looks.values[event] < 0.0 {
+                scratch.at_event.copy_from_slice(&scratch.looks.values);
             }
-            Ok(scratch.events[event])
+            Ok(scratch.looks.values[event])
         };
         let (mut low, mut high) = (0.0, until);
         let mut above = value_at(low)?;
@@ -255,7 +253,7 @@ impl IntegrationState {
         self.statistics.evaluations += 1;
         let evaluated = dynamics.derivative(time, &scratch.trial, &mut scratch.stages[1]);
         evaluated.map_err(|Undefined| SolveError::Undefined { time })?;
-        dynamics.event_values(&mut scratch.events);
+        scratch.looks.at(dynamics);
         Ok(())
     }
 

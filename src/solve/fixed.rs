@@ -108,6 +108,7 @@ impl FixedStep {
             return Ok(false);
         }
         state.evaluate_begin(dynamics)?;
+        dynamics.note_step(state.t);
         scratch.stages[END].copy_from_slice(&state.derivative);
         Ok(true)
     }

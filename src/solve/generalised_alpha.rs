@@ -173,6 +173,7 @@ impl Integrator for GeneralisedAlpha {
             state.record_known = true;
         }
         let step = FixedStep::next(self.step, dynamics, state)?;
+        scratch.looks.begin(dynamics, state.t);
         if let Err(error) = self.iterate(dynamics, state, scratch, &step) {
             state.statistics.rejected += 1;
             return step.failed(state, error);

@@ -15,6 +15,7 @@ mod fixed;
 mod generalised_alpha;
 mod imex;
 mod local_error;
+mod looks;
 mod moving_frame;
 mod real_time;
 mod rk4;
@@ -35,6 +36,7 @@ pub use zhai::Zhai;
 
 use crate::settings::{Entry, Section, SettingsError, choose};
 use crate::units::Dimension;
+use looks::Looks;
 use moving_frame::MovingFrame;
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -105,7 +107,7 @@ pub trait Dynamics {
         0.0
     }
 
-    /// Notes that a step with step-size control has been accepted; f was evaluated last at its end.
+    /// Notes that a step has been accepted; f was evaluated last at its end.
     fn note_step(&mut self, _t: f64) {}
 
     /// Error of a controlled component from which a fixed step is doubtful, in that component's own unit.
@@ -230,6 +232,11 @@ pub enum SolveError {
         "t = {time:.9} s: a step of {step:.1e} s still misses the tolerance {tolerance:.1e}; loosen solver.tolerance or look for a jump in the scene"
     )]
     StepTooSmall { time: f64, step: f64, tolerance: f64 },
+    #[error(
+        "t = {time:.9} s: the integration has all but stopped: {steps} steps and {rejected} rejected ones for {span:.1e} s. Forces jump to and fro here \
+         (a contact that begins and ends, friction that turns round): loosen solver.tolerance, give the contacts damping, or take a fixed step (real_time)"
+    )]
+    Crawls { time: f64, steps: u64, rejected: u64, span: f64 },
     #[error("t = {time:.9e} s: a step of {step:.1e} s no longer moves time; start closer to 0 or use a longer step")]
     NoProgress { time: f64, step: f64 },
     #[error("t = {time:.9} s: the system changes its form again and again without moving on")]
@@ -341,12 +348,9 @@ pub struct Scratch {
     stages: [Vec<f64>; 9],
     frame: MovingFrame,
     trial: Vec<f64>,
-    /// Values of the event functions.
-    events: Vec<f64>,
+    looks: Looks,
     /// Those at an event that is being located.
     at_event: Vec<f64>,
-    /// Of the stages of the last attempt, the first one in time at which the system would have changed its form.
-    beyond: Option<f64>,
 }
 
 impl Scratch {
@@ -357,18 +361,8 @@ impl Scratch {
             stages: std::array::from_fn(|_| zero()),
             frame: MovingFrame::new(dimension),
             trial: zero(),
-            events: vec![f64::INFINITY; events],
+            looks: Looks::new(events),
             at_event: vec![f64::INFINITY; events],
-            beyond: None,
-        }
-    }
-
-    /// Notes whether a stage that was evaluated last, at time `t`, lies beyond an event. One within the step need not show at its end.
-    #[inline]
-    fn look_at_stage(events: &mut [f64], beyond: &mut Option<f64>, dynamics: &dyn Implicit, t: f64) {
-        dynamics.event_values(events);
-        if events.iter().any(|value| *value < 0.0) {
-            *beyond = Some(beyond.map_or(t, |before| before.min(t)));
         }
     }
 }

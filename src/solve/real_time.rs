@@ -92,6 +92,7 @@ impl Integrator for RealTime {
         state.evaluate_with_cache(dynamics)?;
         state.linearise(dynamics, StiffPart::All)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
+        scratch.looks.begin(dynamics, state.t);
         dynamics.rollback();
         if stages(dynamics, state, scratch, &step).is_err() {
             return step.undefined(state);

@@ -46,7 +46,7 @@ impl Integrator for RungeKutta4 {
         state.evaluate_with_cache(dynamics)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
         dynamics.rollback();
-        scratch.beyond = None;
+        scratch.looks.begin(dynamics, state.t);
         if stages(dynamics, state, scratch, step.end, step.h).is_err() {
             return step.undefined(state);
         }
@@ -74,7 +74,7 @@ pub(super) fn stages(
     end: f64,
     h: f64,
 ) -> Result<(), Undefined> {
-    let Scratch { stages, trial, events, beyond, .. } = scratch;
+    let Scratch { stages, trial, looks, .. } = scratch;
     stages[0].copy_from_slice(&state.derivative);
     let points = [(0.5, 0.5 * h), (0.5, 0.5 * h), (1.0, h)];
     for (stage, (fraction, weight)) in points.into_iter().enumerate() {
@@ -83,7 +83,7 @@ pub(super) fn stages(
         }
         state.statistics.evaluations += 1;
         dynamics.derivative(state.t + fraction * h, trial, &mut stages[stage + 1])?;
-        Scratch::look_at_stage(events, beyond, dynamics, state.t + fraction * h);
+        looks.stage(dynamics, state.t + fraction * h);
     }
     for (i, value) in trial.iter_mut().enumerate() {
         let k = |j: usize| stages[j][i];

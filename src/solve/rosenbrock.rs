@@ -177,7 +177,7 @@ impl StepPair for Rosenbrock {
     ) -> Result<LocalError, Undefined> {
         state.statistics.factorisations += 1;
         dynamics.factorise(GAMMA * h)?;
-        let Scratch { stages, frame, trial, events, beyond, .. } = scratch;
+        let Scratch { stages, frame, trial, looks, .. } = scratch;
         frame.begin(dynamics);
         for stage in 0..STAGES {
             let (done, rest) = stages.split_at_mut(stage);
@@ -191,7 +191,7 @@ impl StepPair for Rosenbrock {
                 }
                 state.statistics.evaluations += 1;
                 dynamics.derivative(state.t + C[stage] * h, trial, u)?;
-                Scratch::look_at_stage(events, beyond, dynamics, state.t + C[stage] * h);
+                looks.stage(dynamics, state.t + C[stage] * h);
             }
             let coupling = INVERSE[stage].map(|inverse| -GAMMA * inverse);
             for (i, value) in u.iter_mut().enumerate() {

@@ -55,6 +55,8 @@ pub struct IntegrationState {
     /// What a method remembers of earlier steps, a whole number of vectors; it says nothing where it is not `record_known`.
     pub(super) record: Vec<f64>,
     pub(super) record_known: bool,
+    /// Steps and rejected ones when it was looked last whether time goes on, and that time, s.
+    pub(super) milestone: (u64, u64, f64),
     pub statistics: Statistics,
     /// Of methods with a fixed step.
     pub doubts: Doubts,
@@ -77,6 +79,7 @@ impl IntegrationState {
             grid_count: 0,
             record: vec![0.0; record_vectors * y.len()],
             record_known: false,
+            milestone: (0, 0, t),
             statistics: Statistics::default(),
             doubts: Doubts::default(),
         }
@@ -196,6 +199,7 @@ impl IntegrationState {
         self.switch_due = false;
         self.t = time;
         self.t_begin = time;
+        self.milestone = (self.statistics.steps, self.statistics.rejected, time);
         self.forget();
         self.grid_start = time;
         self.grid_count = 0;

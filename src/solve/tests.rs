@@ -235,6 +235,32 @@ fn hard_a_pole_ends_in_an_error_and_keeps_the_last_good_state() {
     }
 }
 
+/// A relay: it drives y to zero and keeps it there, by turning round without end.
+struct Relay;
+impl Dynamics for Relay {
+    fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
+        dy[0] = (100.0 * t).sin() - 1e3 * y[0].signum();
+        Ok(())
+    }
+    fn error_weight(&self, _: usize) -> f64 {
+        1.0
+    }
+    fn next_break(&self, _: f64, _: &[f64]) -> f64 {
+        f64::INFINITY
+    }
+}
+impl Implicit for Relay {}
+
+#[test]
+fn hard_forces_that_jump_to_and_fro_end_in_an_error_and_not_in_days_of_steps() {
+    let (integrator, mut state, mut scratch) =
+        (DormandPrince { tolerance: 1e-9 }, DormandPrince { tolerance: 1e-9 }.start(0.0, &[0.1]), Scratch::new(1, 0));
+    let error = integrator.advance(&mut Relay, &mut state, &mut scratch, 1.0).unwrap_err();
+    assert!(matches!(error, SolveError::Crawls { steps: 2000, .. }), "{error}");
+    // It got to where the forces jump, and what it found until then is kept.
+    assert!((state.t - 1e-4).abs() < 1e-5 && state.y[0].abs() < 1e-6, "{} {:?}", state.t, state.y);
+}
+
 #[test]
 fn hard_a_time_that_no_longer_moves_is_an_error_and_not_a_loop() {
     for start in [1e12, 1e16] {

@@ -63,6 +63,7 @@ impl Integrator for Zhai {
     fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
         state.evaluate_with_cache(dynamics)?;
         let step = FixedStep::next(self.step, dynamics, state)?;
+        scratch.looks.begin(dynamics, state.t);
         let h = step.h;
         // phi and psi.
         let weight = if state.record_known { 0.5 * h / (state.t - state.t_begin) } else { 0.0 };

@@ -24,7 +24,7 @@ use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Rail, Track};
 use crate::math::rotation::AxleFrame;
 use crate::scene::spec::Scene;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Why a wheelset does not stand.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -148,6 +148,11 @@ impl WheelsetOnTrack {
         WheelsetOnTrack { wheels, track, station, attitude, searches }
     }
 
+    /// One wheel and its rail, the wheelset's centre and axes being these.
+    pub fn pair<'a>(&'a self, side: Side, centre: &'a Vector3<f64>, axes: &'a Matrix3<f64>) -> Pair<'a> {
+        Pair { wheel: &self.wheels[side.index()], rail: self.track.rail(side), centre, axes, distance: self.station }
+    }
+
     /// A height and roll to begin with: tread circles at the height of the rails' origins.
     pub fn start(&self) -> Start {
         let height = |side: Side| {
@@ -214,10 +219,9 @@ impl WheelsetOnTrack {
 
     /// Every place where a wheel comes near its rail, by growing u.
     fn touches(&self, side: Side, y: f64, height: f64, roll: f64, minima: &mut Minima) -> Result<Vec<Touch>, NoStand> {
-        let (wheel, rail) = (&self.wheels[side.index()], self.track.rail(side));
         let frame = AxleFrame::new(self.attitude.yaw, roll);
         let centre = Vector3::new(self.station, y, height);
-        let pair = Pair { wheel, rail, centre: &centre, axes: &frame.axes, distance: self.station };
+        let pair = self.pair(side, &centre, &frame.axes);
         let mut reach = REACH.max(self.attitude.near);
         while reach < FARTHEST {
             self.searches[side.index()].find(&pair, reach, minima);

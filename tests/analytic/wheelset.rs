@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use std::f64::consts::PI;
 use wheelrail::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
 use wheelrail::formulation::memory::ModelMemory;
-use wheelrail::formulation::{Evaluation, EvaluationError, Model, NEUTRAL_INPUTS, Workspace};
+use wheelrail::formulation::{Evaluation, EvaluationError, Model, Workspace};
 use wheelrail::geometry::Side;
 use wheelrail::math::rotation::AxleFrame;
 use wheelrail::solve::{DormandPrince, Dynamics, Implicit, Integrator, Scratch, Undefined};
@@ -114,7 +114,11 @@ struct EnergyAudit {
 
 impl EnergyAudit {
     fn evaluate(&mut self, y: &[f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
-        self.model.derivative(&mut self.workspace, Evaluation { t: 0.0, inputs: &NEUTRAL_INPUTS, y, memory: &mut self.memory }, dy)
+        self.model.derivative(
+            &mut self.workspace,
+            Evaluation { t: 0.0, inputs: &self.model.neutral_inputs(), y, memory: &mut self.memory },
+            dy,
+        )
     }
 
     /// Kinetic, gravity, load, spring and contact energy minus the integral, J.

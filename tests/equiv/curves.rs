@@ -4,7 +4,7 @@ use crate::common;
 use crate::common::{column, largest_difference, read, start, table};
 use nalgebra::Vector3;
 use std::sync::Arc;
-use wheelrail::formulation::{Evaluation, NEUTRAL_INPUTS};
+use wheelrail::formulation::Evaluation;
 use wheelrail::geometry::track::centre_line::{Alignment, CentreLine, Node};
 use wheelrail::scene::load;
 use wheelrail::scene::spec::Scene;
@@ -319,7 +319,7 @@ fn analytic_energy_on_a_canted_climbing_spiral() {
     let mut energy = |simulation: &mut wheelrail::sim::Simulation| {
         let snapshot = simulation.snapshot().unwrap();
         let (mut memory, mut dy) = (snapshot.memory().clone(), vec![0.0; snapshot.y.len()]);
-        let at = Evaluation { t: 0.0, inputs: &NEUTRAL_INPUTS, y: &snapshot.y, memory: &mut memory };
+        let at = Evaluation { t: 0.0, inputs: &model.neutral_inputs(), y: &snapshot.y, memory: &mut memory };
         model.derivative(&mut workspace, at, &mut dy).unwrap();
         let contact: f64 = workspace.contacts.iter().map(|c| 0.4 * c.stiffness * c.penetration.max(0.0).powf(2.5)).sum();
         let (station, motion) = (&workspace.system.stations[0], &workspace.system.motions[0]);

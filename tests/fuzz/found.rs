@@ -84,3 +84,22 @@ fn regress_without_friction_a_standing_wheelset_is_integrated_by_every_method() 
         }
     }
 }
+
+/// 33 GB of parts of a track that long; two heights at one place, which made the profile no number.
+#[test]
+fn regress_files_with_impossible_places_are_refused_with_the_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = wheelrail::scene::embedded::find("wheelset_s1002").unwrap().text;
+    let path = folder.path().join("a.toml");
+    std::fs::write(&path, scene).unwrap();
+    let refused = |content: &str, change: &str| {
+        std::fs::write(folder.path().join("a.csv"), content).unwrap();
+        open(path.to_str().unwrap(), &[change]).err().unwrap_or_default()
+    };
+    let series = "distance [m],alignment [mm]\n0,0\n1,1\n2,0\n3,-1\n1e30,0\n";
+    let error = refused(series, "track.irregularity=[{kind=\"series\",file=\"a.csv\"}]");
+    assert!(error.contains("1e30 m") && error.contains("at most 1e7 m either way"), "{error}");
+    let rail = "eta [mm],height [mm]\n-30,-5\n-20,-1\n-10,-0.2\n-1e-16,0\n-2.5e-6,1\n10,-0.2\n20,-1\n30,-5\n";
+    let error = refused(rail, "track.rail={kind=\"points\",file=\"a.csv\"}");
+    assert!(error.contains("a.csv") && !error.contains("NaN"), "{error}");
+}

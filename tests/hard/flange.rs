@@ -3,10 +3,11 @@
 use crate::common;
 use crate::common::{read, start, table};
 use wheelrail::formulation::events::ContactChange;
+use wheelrail::formulation::input_index;
 use wheelrail::formulation::{LATERAL_FORCE, VERTICAL_FORCE};
 use wheelrail::scene::load;
 use wheelrail::scene::spec::Scene;
-use wheelrail::sim::{Simulation, SimulationError, input_index};
+use wheelrail::sim::{Simulation, SimulationError};
 
 fn scene(changes: &[&str]) -> Scene {
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();

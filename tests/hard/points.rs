@@ -3,11 +3,12 @@
 use crate::common;
 use crate::common::{read, start, table};
 use wheelrail::formulation::events::ContactChange;
+use wheelrail::formulation::input_index;
 use wheelrail::formulation::memory::ModelMemory;
 use wheelrail::formulation::{Evaluation, LATERAL_FORCE, VERTICAL_FORCE};
 use wheelrail::scene::load;
 use wheelrail::scene::spec::Scene;
-use wheelrail::sim::{Simulation, input_index};
+use wheelrail::sim::Simulation;
 
 fn scene(changes: &[&str]) -> Scene {
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();

@@ -1,8 +1,9 @@
 //! Low speed and standstill: `[contact.transient]`.
 
 use crate::common::{read, start, straight, table};
+use wheelrail::formulation::input_index;
 use wheelrail::formulation::{DRIVE_TORQUE, LONGITUDINAL_FORCE};
-use wheelrail::sim::{Simulation, input_index};
+use wheelrail::sim::Simulation;
 
 const TRANSIENT: &str = "contact.transient={ below = \"2 m/s\" }";
 const FREE: &str = "vehicle.travel=free";

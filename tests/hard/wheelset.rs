@@ -282,6 +282,34 @@ fn hard_a_motion_that_has_died_away_is_rest() {
 }
 
 #[test]
+fn hard_wheels_that_lift_between_the_stages_of_a_step_are_seen() {
+    // A wheelset without friction on rigid rails feels nothing of a ramp but its normal forces: they dip below zero for 0.35 ms, in steps of 2 ms.
+    let ramp = "track.deviation=[{rail=\"both\",direction=\"vertical\",shape=\"ramp\",amplitude=-1.114e-3,from=5.05,to=5.694}]";
+    for integrator in ["dormand_prince", "rosenbrock"] {
+        let lifted = ["1e-6", "1e-7", "1e-9"].map(|tolerance| {
+            let scene = straight(&[
+                "contact.formulation=ECCF",
+                "vehicle.initial.distance=0",
+                "contact.on_lift=elastic",
+                "contact.friction=0",
+                "vehicle.speed=71.5",
+                "vehicle.wheelset.mass=288",
+                "vehicle.wheelset.vertical_load=26300",
+                &format!("solver.integrator={integrator}"),
+                &format!("solver.tolerance={tolerance}"),
+                ramp,
+            ]);
+            let mut simulation = start(&scene);
+            simulation.advance(0.1).unwrap();
+            let events = simulation.take_events();
+            events.iter().find(|event| event.change == wheelrail::formulation::events::ContactChange::Lifted).map(|event| event.time)
+        });
+        let times = lifted.map(|time| time.unwrap_or_else(|| panic!("{integrator}: {lifted:?}")));
+        assert!(times.iter().all(|time| (time - times[2]).abs() < 1e-6), "{integrator}: {times:?}");
+    }
+}
+
+#[test]
 fn hard_both_wheels_lift_and_land_again() {
     // Lifted by 150 kN for 0.1 s, then left to fall: both wheels land and settle at the same time.
     for formulation in ["ECCF", "ACCF"] {

@@ -121,6 +121,7 @@ fn hard_a_full_standard_output_is_an_error_of_every_command() {
         &["profile", "60e1"],
         &["profile", "60e1", "-o", "-"],
         &["contact", "suspended_wheelset", "--range", "1 mm", "--amplitude", "0.5 mm"],
+        &["contact", "suspended_wheelset", "--patch", "--cells", "8"],
         &["compare", "suspended_wheelset", "--stop", "0.05", "--formulations", "ECF-A", "-o", "compared"],
         &["export", "suspended_wheelset", "-o", "full.fmu", "--check", "none"],
         &["hard", "--list"],

@@ -1,15 +1,20 @@
 //! `wheelrail contact SCENE`: contact geometry over lateral shift, equivalent conicity.
 
+mod patch;
 mod pictures;
 mod report;
 
 use super::{Failure, SceneArguments, csv_target, make_folder, print, say};
+use crate::contact::patch::Settings;
+use crate::scene::assemble;
 use crate::scene::spec::Scene;
-use crate::study::conicity::{Conicity, NoConicity, RadiusDifference};
-use crate::study::contact_geometry::{Attitude, WheelsetOnTrack};
+use crate::study::conicity::{Conicity, NoConicity, RadiusDifference, RollingPose};
+use crate::study::contact_geometry::{Attitude, Stand, WheelsetOnTrack};
+use crate::study::patch::{NoPatch, Question, elastic_pose};
 use crate::study::sweep::Sweep;
 use crate::units::Dimension;
 use clap::Args;
+use rayon::prelude::*;
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -49,7 +54,22 @@ pub(super) struct Arguments {
     /// Report second places that are nearer to touching than this
     #[arg(long, value_name = "GAP", default_value = "10 um")]
     near: String,
-    /// Write every lateral shift as CSV ("-" for stdout)
+    /// Solve the patches that really form at one lateral shift under a load: half-space contact of the real surfaces
+    #[arg(long)]
+    patch: bool,
+    /// ... at this lateral shift, left positive
+    #[arg(long, value_name = "Y", default_value = "0", allow_hyphen_values = true, requires = "patch")]
+    y: String,
+    /// Also roll on the centres of the patches that really form under a load: radius difference and conicity of elastic wheels and rails
+    #[arg(long, conflicts_with = "patch")]
+    elastic: bool,
+    /// Vertical load of each wheel with --patch and --elastic [default: the static one]
+    #[arg(long, value_name = "Q")]
+    load: Option<String>,
+    /// Cells of --patch each way
+    #[arg(long, value_name = "N", default_value = "32", requires = "patch")]
+    cells: usize,
+    /// Write every lateral shift (with --patch: every cell) as CSV ("-" for stdout)
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
     /// Draw contact geometry, contact points and conicity as SVG into a folder
@@ -73,6 +93,40 @@ struct Study<'a> {
     chosen: Conicities,
     table: Vec<Conicities>,
     curve: Vec<Conicities>,
+    /// The same of elastic wheels and rails.
+    elastic: Option<Elastic>,
+}
+
+/// What rolls on the centres of patches under a load.
+struct Elastic {
+    /// Vertical, of each wheel, N.
+    load: f64,
+    /// y and rolling-radius difference, m.
+    differences: Vec<(f64, f64)>,
+    chosen: Conicities,
+    table: Vec<Conicities>,
+    curve: Vec<Conicities>,
+}
+
+impl Elastic {
+    fn new(
+        scene: &Scene,
+        wheelset: &WheelsetOnTrack,
+        sweep: &Sweep,
+        load: f64,
+        [chosen, table, curve]: [&[f64]; 3],
+    ) -> Result<Self, Failure> {
+        let settings = Settings { columns: 24, rows: 24, extrapolate: false };
+        let question = Question { y: 0.0, attitude: wheelset.attitude, station: Some(wheelset.station), load, settings };
+        let stands: Vec<&Stand> = sweep.samples.iter().filter(|sample| sample.asked).map(|sample| &sample.stand).collect();
+        let poses: Result<Vec<RollingPose>, NoPatch> =
+            stands.par_iter().map(|stand| elastic_pose(scene, &question, wheelset, stand)).collect();
+        let poses = poses.map_err(|error| Failure::Run(format!("{}: {error}", scene.source.file)))?;
+        let differences = poses.iter().map(|pose| (pose.y, pose.radii[0] - pose.radii[1])).collect();
+        let difference = RadiusDifference::of_poses(poses);
+        let all = |amplitudes: &[f64]| amplitudes.iter().map(|amplitude| Conicities::new(&difference, *amplitude)).collect();
+        Ok(Elastic { load, differences, chosen: Conicities::new(&difference, chosen[0]), table: all(table), curve: all(curve) })
+    }
 }
 
 /// Both conicities at one amplitude.
@@ -99,8 +153,37 @@ fn positive(name: &str, text: &str) -> Result<f64, Failure> {
     if value > 0.0 { Ok(value) } else { Err(Failure::Input(format!("--{name} {text}: expected a length greater than 0"))) }
 }
 
+/// The load of each wheel, N.
+fn load(arguments: &Arguments, scene: &Scene) -> Result<f64, Failure> {
+    const HEAVIEST: f64 = 1e6;
+    let load = match &arguments.load {
+        Some(load) => number("load", load, Dimension::Force)?,
+        None => assemble::model(scene).map_err(|error| Failure::Run(error.to_string()))?.wheelsets[0].static_wheel_load,
+    };
+    if load > 0.0 && load <= HEAVIEST {
+        Ok(load)
+    } else {
+        Err(Failure::Input(format!("a wheel load of {load} N: expected one from 0 to {HEAVIEST:.0e} N, e.g. --load \"50 kN\"")))
+    }
+}
+
+/// How the wheelset is held, and the place along the track whose deviations count, m.
+fn attitude(arguments: &Arguments) -> Result<(Attitude, Option<f64>), Failure> {
+    let near = number("near", &arguments.near, Dimension::Length)?;
+    let yaw = number("yaw", &arguments.yaw, Dimension::Angle)?;
+    const MOST_YAW: f64 = 0.1;
+    if !(yaw.abs() <= MOST_YAW) {
+        return Err(Failure::Input(format!("--yaw {}: expected an angle of at most {MOST_YAW} rad", arguments.yaw)));
+    }
+    let station = arguments.at.as_deref().map(|at| number("at", at, Dimension::Length)).transpose()?;
+    Ok((Attitude { yaw, level: arguments.no_roll, near }, station))
+}
+
 pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
+    if arguments.patch {
+        return patch::patch(arguments, &scene);
+    }
     let (range, step) = (positive("range", &arguments.range)?, positive("step", &arguments.step)?);
     const FURTHEST: f64 = 0.2;
     if range > FURTHEST {
@@ -111,34 +194,35 @@ pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Input(format!("--step {}: {count:.1e} shifts to each side; expected 1 to {MOST:.0e}", arguments.step)));
     }
     let amplitude = positive("amplitude", &arguments.amplitude)?;
-    let near = number("near", &arguments.near, Dimension::Length)?;
-    let yaw = number("yaw", &arguments.yaw, Dimension::Angle)?;
-    const MOST_YAW: f64 = 0.1;
-    if !(yaw.abs() <= MOST_YAW) {
-        return Err(Failure::Input(format!("--yaw {}: expected an angle of at most {MOST_YAW} rad", arguments.yaw)));
-    }
-    let station = arguments.at.as_deref().map(|at| number("at", at, Dimension::Length)).transpose()?;
+    let (attitude, station) = attitude(arguments)?;
     let target = csv_target(&arguments.output, arguments.json)?;
     if let Some(folder) = &arguments.plot {
         make_folder(folder)?;
     }
-    let wheelset = WheelsetOnTrack::new(&scene, Attitude { yaw, level: arguments.no_roll, near }, station);
+    let wheelset = WheelsetOnTrack::new(&scene, attitude, station);
     let sweep = Sweep::new(&wheelset, range, step).map_err(|error| Failure::Run(format!("{}: {error}", scene.source.file)))?;
     for error in sweep.ended.iter().flatten() {
         say(&format!("the lateral shifts end early: {error}"));
     }
     let difference = RadiusDifference::of_poses(sweep.poses());
-    let at = |amplitude: f64| Conicities::new(&difference, amplitude);
+    let at = |amplitude: &f64| Conicities::new(&difference, *amplitude);
     let millimetres = (range / 1e-3 + 1e-9).floor() as usize;
     const CURVE: usize = 200;
+    let table: Vec<f64> = (1..=millimetres.min(20)).map(|mm| 1e-3 * mm as f64).collect();
+    let curve: Vec<f64> = (2..=CURVE).map(|k| range * k as f64 / CURVE as f64).collect();
+    let elastic = arguments.elastic.then(|| {
+        let load = load(arguments, &scene)?;
+        Elastic::new(&scene, &wheelset, &sweep, load, [&[amplitude], &table, &curve])
+    });
     let study = Study {
         scene: &scene,
         wheelset: &wheelset,
         sweep: &sweep,
         step,
-        chosen: at(amplitude),
-        table: (1..=millimetres.min(20)).map(|mm| at(1e-3 * mm as f64)).collect(),
-        curve: (2..=CURVE).map(|k| at(range * k as f64 / CURVE as f64)).collect(),
+        chosen: at(&amplitude),
+        table: table.iter().map(at).collect(),
+        curve: curve.iter().map(at).collect(),
+        elastic: elastic.transpose()?,
     };
     if let Some(target) = &target {
         let mut text = Vec::new();

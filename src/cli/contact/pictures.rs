@@ -1,6 +1,6 @@
 //! The contact geometry as diagrams.
 
-use super::{Conicities, Study};
+use super::{Conicities, Elastic, Study};
 use crate::cli::plot::{Axis, BLUE, DARK, Ink, Mark, ORANGE, Panel, Series, Sheet, inside, width};
 use crate::geometry::Side;
 use crate::geometry::track::rail_surface::rail_point;
@@ -8,9 +8,12 @@ use crate::study::conicity::{Conicity, NoConicity};
 use crate::study::contact_geometry::{Stand, Touch};
 use crate::study::sweep::Sample;
 use nalgebra::Vector3;
+use plotters::style::RGBColor;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
+/// Of elastic wheels and rails.
+const GREEN: RGBColor = RGBColor(0, 158, 115);
 const SHIFT: &str = "lateral shift y [mm], left positive";
 
 /// Draws every picture; returns the files.
@@ -56,10 +59,18 @@ fn difference(study: &Study) -> Panel {
     let mut panel = Panel::new(
         "Rolling-radius difference",
         [SHIFT, "left minus right [mm]"],
-        vec![curve(study, "", Ink::line(DARK), |stand| 1e3 * stand.radius_difference())],
+        vec![curve(study, if study.elastic.is_some() { "rigid" } else { "" }, Ink::line(DARK), |stand| 1e3 * stand.radius_difference())],
     );
+    if let Some(elastic) = &study.elastic {
+        let points = elastic.differences.iter().map(|(y, difference)| (1e3 * y, 1e3 * difference)).collect();
+        panel.series.push(Series::line(&elastic_label(elastic), Ink::line(GREEN), points));
+    }
     panel.y.zero = true;
     panel
+}
+
+fn elastic_label(elastic: &Elastic) -> String {
+    format!("elastic, {:.0} kN", 1e-3 * elastic.load)
 }
 
 fn geometry(study: &Study) -> Vec<Panel> {
@@ -90,7 +101,9 @@ fn near_difference(study: &Study) -> Panel {
     for series in &mut panel.series {
         series.branches.iter_mut().for_each(|branch| branch.retain(|point| point.0.abs() <= range));
         series.branches.retain(|branch| !branch.is_empty());
-        series.label = "profiles".into();
+        if series.ink == Ink::line(DARK) {
+            series.label = "profiles".into();
+        }
     }
     if let Ok(found) = study.chosen.en15302 {
         let end = 1e3 * study.chosen.amplitude;
@@ -101,14 +114,21 @@ fn near_difference(study: &Study) -> Panel {
 }
 
 fn conicity(study: &Study) -> Vec<Panel> {
-    let line = |label: &str, ink, value: fn(&Conicities) -> Result<Conicity, NoConicity>| {
+    let line = |curve: &[Conicities], label: &str, ink, value: fn(&Conicities) -> Result<Conicity, NoConicity>| {
         // A gap where there is no conicity, as between branches.
         let known = |at: &Conicities| value(at).ok().map(|found| (1e3 * at.amplitude, found.value));
-        let parts = study.curve.chunk_by(|a, b| known(a).is_some() == known(b).is_some());
+        let parts = curve.chunk_by(|a, b| known(a).is_some() == known(b).is_some());
         let branches = parts.map(|part| part.iter().filter_map(known).collect::<Vec<_>>()).filter(|branch| branch.len() > 1);
         Series { label: label.into(), ink, branches: branches.collect(), marks: vec![] }
     };
-    let mut series = vec![line("EN 15302", Ink::line(BLUE), |at| at.en15302), line("harmonic", Ink::dashed(ORANGE), |at| at.harmonic)];
+    let mut series = vec![
+        line(&study.curve, "EN 15302", Ink::line(BLUE), |at| at.en15302),
+        line(&study.curve, "harmonic", Ink::dashed(ORANGE), |at| at.harmonic),
+    ];
+    if let Some(elastic) = &study.elastic {
+        let label = format!("EN 15302, {}", elastic_label(elastic));
+        series.push(line(&elastic.curve, &label, Ink::line(GREEN), |at| at.en15302));
+    }
     if let Ok(found) = study.chosen.en15302 {
         let (x, y) = (1e3 * study.chosen.amplitude, found.value);
         let mark = Mark { x, y, label: format!("{y:.3} at {x} mm"), ..Mark::default() };

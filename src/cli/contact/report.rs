@@ -183,6 +183,20 @@ fn conicities(study: &Study) -> String {
         value(chosen.harmonic),
         table(&head, &rows)
     );
+    if let Some(elastic) = &study.elastic {
+        let head = ["amplitude [mm]", "EN 15302", "harmonic"].map(String::from);
+        let rows: Vec<Vec<String>> =
+            elastic.table.iter().map(|at| vec![millimetres(at.amplitude), value(at.en15302), value(at.harmonic)]).collect();
+        text += &format!(
+            "\nElastic wheels and rails, {:.1} kN on each wheel, rolling on the centres of their patches: equivalent conicity at {} mm: {} (EN 15302), {} \
+             (harmonic linearisation)\n\n{}",
+            1e-3 * elastic.load,
+            millimetres(elastic.chosen.amplitude),
+            value(elastic.chosen.en15302),
+            value(elastic.chosen.harmonic),
+            table(&head, &rows)
+        );
+    }
     let mut reasons: Vec<NoConicity> =
         study.table.iter().chain([chosen]).flat_map(|at| [at.en15302.err(), at.harmonic.err()]).flatten().collect();
     reasons.sort_by_key(|reason| *reason as u8);
@@ -226,6 +240,10 @@ pub(super) fn json(study: &Study, files: &[PathBuf]) -> Value {
         "yaw": study.wheelset.attitude.yaw, "roll": if study.wheelset.attitude.level { "zero" } else { "found" },
         "tread_circle_distance": study.wheelset.tread_circle_distance(), "nominal_radius": study.wheelset.nominal_radius(),
         "conicity": conicity(&study.chosen), "conicities": study.table.iter().map(conicity).collect::<Vec<_>>(),
+        "elastic": study.elastic.as_ref().map(|elastic| json!({
+            "load": elastic.load, "conicity": conicity(&elastic.chosen), "conicities": elastic.table.iter().map(conicity).collect::<Vec<_>>(),
+            "rolling_radius_difference": elastic.differences,
+        })),
         "jumps": jumps, "shifts": study.sweep.shown().map(|sample| stand(&sample.stand)).collect::<Vec<_>>(),
         "ended_early": study.sweep.ended.iter().flatten().map(ToString::to_string).collect::<Vec<_>>(),
         "pictures": file_names(files),

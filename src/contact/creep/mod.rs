@@ -1,5 +1,6 @@
 //! Creep laws: creepage to tangential force, for steady rolling along +e1.
 
+mod adapted;
 mod demand;
 pub mod exact;
 mod falling_friction;
@@ -18,6 +19,7 @@ pub mod usetab;
 
 use super::creepage::{CreepForce, Creepage};
 use super::{Material, Patch};
+use adapted::{KalkerFactors, Reduced};
 pub use kalker_linear::KalkerLinear;
 pub use shen_hedrick_elkins::ShenHedrickElkins;
 
@@ -62,6 +64,11 @@ pub trait CreepLaw: Send + Sync + std::fmt::Debug {
     fn slopes(&self, contact: &RollingContact, force: &CreepForce) -> CreepSlopes {
         slopes::differences(self, contact, force)
     }
+
+    /// What `wheelrail plan` says behind the law's name.
+    fn describe(&self) -> String {
+        String::new()
+    }
 }
 
 /// Builds a law for a material.
@@ -72,10 +79,12 @@ type Parse = fn(&Section) -> Result<Build, SettingsError>;
 pub static REGISTRY: &[Entry<Parse>] =
     &[kalker_linear::ENTRY, shen_hedrick_elkins::ENTRY, polach::ENTRY, fastsim::ENTRY, fastrip::ENTRY, usetab::ENTRY, exact::ENTRY];
 
-/// Reads `[contact.creep]`.
+/// Reads `[contact.creep]`: a law, and Kalker factors of any law.
 ///
 /// # Errors
 /// [`SettingsError`] with file and line.
 pub fn parse(section: &Section) -> Result<Build, SettingsError> {
-    (choose(REGISTRY, section, "law")?.parse)(section)
+    let build = (choose(REGISTRY, section, "law")?.parse)(section)?;
+    let Some(factors) = KalkerFactors::parse(section)? else { return Ok(build) };
+    Ok(Arc::new(move |material| Box::new(Reduced { law: build(material), factors })))
 }

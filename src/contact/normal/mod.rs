@@ -8,7 +8,7 @@ pub mod hertz_table;
 mod overlap;
 mod shape;
 #[cfg(test)]
-mod test_surfaces;
+pub(in crate::contact) mod test_surfaces;
 #[cfg(test)]
 mod tests;
 

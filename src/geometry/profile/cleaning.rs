@@ -39,7 +39,8 @@ pub(super) fn sort(samples: &mut Vec<Sample>, notes: &mut Vec<String>) -> Result
     let before = samples.len();
     let mut conflict = None;
     samples.dedup_by(|next, kept| {
-        let same = next.x == kept.x;
+        // Nearer in x than this, the slope between them is none.
+        let same = next.x - kept.x < SAME;
         if same && (next.z - kept.z).abs() > SAME {
             conflict = conflict.or(Some((*kept, *next)));
         }
@@ -72,7 +73,7 @@ pub(super) fn unfold(samples: &mut Vec<Sample>, notes: &mut Vec<String>) {
         let (mut kept, mut behind, mut folded) = (Vec::new(), Vec::new(), 0);
         let mut furthest = f64::NEG_INFINITY;
         for point in points {
-            if sign * point.x > furthest {
+            if sign * point.x > furthest + SAME {
                 furthest = sign * point.x;
                 folded += behind.len();
                 behind.clear();

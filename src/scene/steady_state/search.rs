@@ -55,8 +55,8 @@ pub(super) const PITCH: usize = COORDINATES - 1;
 
 /// Accelerations count in parts of this, m/s2 or rad/s2.
 pub(super) const UNIT: f64 = 9.81;
-/// Evaluations of one wheel after which a search is given up: 1 to 2 s.
-const MOST_EFFORT: u64 = 200_000;
+/// Evaluations of one wheel after which a search is given up: about 1 s, on a machine that does much else 2 s.
+const MOST_EFFORT: u64 = 150_000;
 /// Moves onto constraints count in parts of this, m or rad.
 const MOVE: f64 = 1e-4;
 
@@ -99,10 +99,7 @@ impl<'a> Search<'a> {
         let mut scene = scene.clone();
         // The balance is that at the speed of the pattern.
         scene.vehicle.speed = pattern.speed;
-        let mut model = assemble::model(&scene)?;
-        model.track = model.track.ideal();
-        // In steady rolling the transient model says what the law says.
-        model.laws.transient = None;
+        let model = assemble::model(&scene)?.ideal();
         let place = |position: &Vector3<f64>| OnTrack {
             coordinates: [position.x, position.y, position.z, 0.0, 0.0, 0.0],
             velocities: [pattern.speed, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -177,13 +174,13 @@ impl<'a> Search<'a> {
     /// Lays the track: `node` all the way, the rails displaced by a share of what `riding` says. Contacts are where they were.
     pub fn lay(&mut self, node: &Node, riding: Option<(&Riding, f64)>) {
         let line = CentreLine::new(&Alignment { nodes: vec![*node], ..Alignment::default() }, Vector3::zeros(), 0.0).map(Arc::new);
-        self.model.track = match riding {
+        self.model.lay(match riding {
             Some((riding, share)) => riding.track(line, share),
             None => {
                 let Track { left, right } = self.model.track.ideal();
                 Track { left: left.along(line.clone()), right: right.along(line) }
             }
-        };
+        });
         self.curvature = node.curvature;
         self.workspace = self.model.workspace();
         self.now.memory.distances.resize(self.model.followed(), 0.0);

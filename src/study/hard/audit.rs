@@ -265,28 +265,24 @@ impl Audit {
         self.energy.0
     }
 
-    /// What the books say. `unbooked`: share of energy that the grid can't tell.
-    pub fn findings(&self, unbooked: f64) -> Vec<Finding> {
+    /// How far the mean of all vertical forces is from the weight and the change of momentum, in parts of the weight.
+    pub fn lifted(&self) -> f64 {
+        let Some(first) = self.first else { return 0.0 };
+        let (now, span) = (self.last[0], self.last[0].time - first.time);
+        let left = self.impulse - self.weight * span - (now.momentum - first.momentum);
+        if span > 0.0 { left.abs() / (self.weight * span) } else { 0.0 }
+    }
+
+    /// What the books say. `unbooked`: shares of energy and of weight that the grid can't tell.
+    pub fn findings(&self, unbooked: [f64; 2]) -> Vec<Finding> {
         let at = |what: &str, time: f64| if time > 0.0 { format!("{what} at t = {time:.4} s") } else { what.to_string() };
-        let mut all = vec![
-            Finding::new(at("energy from nowhere", self.energy.1), self.energy.0, self.allowed.energy.max(unbooked), Unit::Share),
+        vec![
+            Finding::new(at("energy from nowhere", self.energy.1), self.energy.0, self.allowed.energy.max(unbooked[0]), Unit::Share),
             Finding::new(at("pull of a contact", self.pull.1), self.pull.0.max(0.0), 0.0, Unit::Newton),
             Finding::new(at("creep force beyond friction", self.beyond.1), self.beyond.0.max(0.0), BEYOND, Unit::Share),
             Finding::new(at("gap of a rigid contact", self.gap.1), self.gap.0, GAP, Unit::Metre),
-        ];
-        if let Some(first) = self.first {
-            let (now, span) = (self.last[0], self.last[0].time - first.time);
-            if span > 0.0 {
-                let left = self.impulse - self.weight * span - (now.momentum - first.momentum);
-                all.push(Finding::new(
-                    "mean of all Q against the weight",
-                    left.abs() / (self.weight * span),
-                    self.allowed.weight,
-                    Unit::Share,
-                ));
-            }
-        }
-        all
+            Finding::new("mean of all Q against the weight", self.lifted(), self.allowed.weight.max(unbooked[1]), Unit::Share),
+        ]
     }
 }
 

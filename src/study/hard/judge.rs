@@ -218,7 +218,7 @@ fn one(case: &Case, formulation: &'static str, method: &Method, tight: Option<(&
         End::Stopped { words, .. } => words.clone(),
         End::Late { time, limit } => format!("at t = {time:.3} s after {limit} s of CPU time"),
     };
-    let mut findings = ran.audit.findings(0.0);
+    let mut findings = ran.audit.findings([0.0; 2]);
     if let Some((trace, bounds)) = tight {
         findings.extend(compare(&ran, trace, bounds, "error of", 1.0));
     }

@@ -207,17 +207,21 @@ impl Trace {
     /// forces jump, as those of rigid contacts do where their place changes, a jump may come one sample sooner or later: what lies
     /// within the other run's three samples around is no error; nor what it has within `shift` [s].
     pub fn distance(&self, other: &Trace, quantity: Quantity, jumps: bool, shift: f64) -> (f64, f64) {
-        let mut worst = (0.0, 0.0);
+        self.distances(other, quantity, jumps, shift).fold((0.0, 0.0), |worst, next| if next.0 > worst.0 { next } else { worst })
+    }
+
+    /// When it is first further than `bound` from another run, jumps counted as such, s.
+    pub fn first_beyond(&self, other: &Trace, quantity: Quantity, bound: f64) -> Option<f64> {
+        let beyond = self.distances(other, quantity, true, 0.0).filter(|(size, _)| *size > bound);
+        beyond.map(|(_, time)| time).reduce(f64::min)
+    }
+
+    fn distances<'a>(&'a self, other: &'a Trace, quantity: Quantity, jumps: bool, shift: f64) -> impl Iterator<Item = (f64, f64)> + 'a {
         let grid = if let [first, second, ..] = self.time[..] { second - first } else { f64::INFINITY };
         let around = usize::from(jumps).max((shift / grid).round() as usize);
-        for (ours, theirs) in self.of(quantity).zip(other.of(quantity)) {
-            for (sample, (value, time)) in ours.iter().zip(&self.time).enumerate().take(theirs.len()) {
-                let size = beside(*value, theirs, sample, around);
-                if size > worst.0 {
-                    worst = (size, *time);
-                }
-            }
-        }
-        worst
+        self.of(quantity).zip(other.of(quantity)).flat_map(move |(ours, theirs)| {
+            let samples = ours.iter().zip(&self.time).enumerate().take(theirs.len());
+            samples.map(move |(sample, (value, time))| (beside(*value, theirs, sample, around), *time))
+        })
     }
 }

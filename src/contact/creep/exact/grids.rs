@@ -9,9 +9,9 @@
 //!
 //! Own arrangement of Richardson's extrapolation.
 
-use super::influence::{Convolver, Pair};
 use super::patch::{SteadyPatch, extrapolated};
-use super::tangential::{Limits, Outcome, Workspace};
+use crate::contact::half_space::influence::{Convolver, Pair};
+use crate::contact::half_space::tangential::{Limits, Outcome, Workspace};
 use crate::math::smooth_step::smooth_step;
 
 /// A dimensionless case, see [`super::patch`].
@@ -46,7 +46,7 @@ impl OnGrid {
 
     /// Tractions on a grid with twice as many cells: each cell takes over its place's, over the bound.
     fn spread(&self, fine: &SteadyPatch) -> Vec<Pair> {
-        let (n, coarse) = (self.patch.convolver.n, &self.patch.pressure);
+        let (n, coarse) = (self.patch.convolver.columns, &self.patch.pressure);
         let mut shares = vec![[0.0; 2]; n * n];
         for ((cell, p), bound) in coarse.cells.iter().zip(&self.p).zip(&coarse.values) {
             shares[cell.row * n + cell.column] = p.map(|p| p / bound);
@@ -75,11 +75,11 @@ pub(super) struct Ladder {
 
 impl Ladder {
     pub(super) fn new() -> Self {
-        let rung = |cells, (kept, left)| Rung { convolver: Convolver::new(cells), kept, left };
+        let rung = |cells, (kept, left)| Rung { convolver: Convolver::square(cells), kept, left };
         let last = (f64::MAX, f64::INFINITY);
         // Chosen so that the error stays below 0.006 mu N: `exact::tests::hard_grids_over_a_sweep` measures it.
         let rungs = [rung(32, (2.5e-3, 5e-3)), rung(64, (6e-3, 1e-2)), rung(128, (6e-3, 1e-2)), rung(256, last)];
-        Ladder { below: [8, 16].map(Convolver::new), rungs }
+        Ladder { below: [8, 16].map(Convolver::square), rungs }
     }
 
     /// The finest solution that was needed, the best force (mu N, moment in mu N sqrt(a b)) and the largest residual.

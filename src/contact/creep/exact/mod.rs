@@ -6,16 +6,15 @@
 //! conventions as everywhere: creepages of the wheel relative to the rail over V, force on the wheel, so positive
 //! creepage gives negative force; rolling along +e1, spin about the rail's outward normal.
 //!
-//! - [`influence`]: displacements of a loaded rectangle (exact), sums by FFT
-//! - [`normal`]: cells in contact and Hertz's pressure, the bound of the tractions
-//! - [`tangential`]: stick and slip, semismooth Newton
-//! - [`patch`]: steady rolling, dimensionless
-//! - [`grids`]: the grid that a case needs
-//! - [`transient`]: step by step, with rolling or without
+//! - `half_space`: displacements of a loaded rectangle, sums by FFT, stick and slip
+//! - `normal`: cells in contact and Hertz's pressure, the bound of the tractions
+//! - `patch`: steady rolling, dimensionless
+//! - `grids`: the grid that a case needs
+//! - `transient`: step by step, with rolling or without
 //!
 //! Size of the error: proportional to the cell size, so the force of steady rolling is extrapolated from a grid and one with half
 //! as many cells, `2 F(n) - F(n/2)`, and cut back to mu N where that overshoots. By default n is chosen by the case, 32 to 256
-//! ([`grids`]): see there for the error that is left. A given grid is used as it is. Slopes at zero creepage
+//! (`grids`): see there for the error that is left. A given grid is used as it is. Slopes at zero creepage
 //! against a spectral solution (tests/reference/adhesion.py), 48 and 24 cells: 0.12 % (c11, c22), 0.27 % (c23), 0.65 % (c33); c33
 //! of long patches needs them: with 32 it is 5 % off at a/b = 5, 23 % at a/b = 10. The theory itself
 //! leaves out the bodies' real shape (half-spaces), roughness, a third layer and falling friction.
@@ -26,11 +25,10 @@
 //! numbers are checked against the open program CONTACT.
 
 mod grids;
-pub(crate) mod influence;
-mod krylov;
+
 pub(crate) mod normal;
 pub(crate) mod patch;
-pub(crate) mod tangential;
+
 #[cfg(test)]
 mod tests;
 mod transient;
@@ -39,16 +37,16 @@ pub use transient::Increment;
 
 use super::{Build, CreepLaw, RollingContact};
 use crate::contact::creepage::CreepForce;
+use crate::contact::half_space::cells::Pressure;
+use crate::contact::half_space::influence::{Convolver, Pair};
+use crate::contact::half_space::tangential::{Limits, MOST_STEPS, Outcome, Workspace};
 use crate::contact::{Material, Patch};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use grids::{Case, Ladder, OnGrid};
-use influence::{Convolver, Pair};
-use normal::Pressure;
 use patch::{extrapolated, resultant};
 use std::f64::consts::PI;
 use std::sync::Arc;
-use tangential::{Limits, MOST_STEPS, Outcome, Workspace};
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
     name: "exact",
@@ -156,10 +154,10 @@ impl Exact {
     pub fn new(material: Material, settings: Settings) -> Self {
         let grid = settings.grid.unwrap_or(GRID);
         assert!(grid >= 4 && !(settings.extrapolate && grid % 2 == 1), "no such grid: {settings:?}");
-        let half = (settings.extrapolate && settings.grid.is_some()).then(|| Convolver::new(grid / 2));
+        let half = (settings.extrapolate && settings.grid.is_some()).then(|| Convolver::square(grid / 2));
         let ladder = (settings.extrapolate && settings.grid.is_none()).then(Ladder::new);
         let (shear_modulus, nu) = (material.shear_modulus(), material.poisson_ratio);
-        Exact { shear_modulus, nu, settings, convolver: Convolver::new(grid), half, ladder }
+        Exact { shear_modulus, nu, settings, convolver: Convolver::square(grid), half, ladder }
     }
 
     fn limits(&self) -> Limits {

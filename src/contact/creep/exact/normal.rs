@@ -9,27 +9,16 @@
 //!
 //! Lengths are divided by sqrt(a b), pressure by p0.
 
-use super::influence::{Cell, Pair};
+use crate::contact::half_space::cells::Pressure;
+use crate::contact::half_space::influence::Cell;
 use std::f64::consts::PI;
 
 /// Normal load of the ellipsoid in these units.
 pub(crate) const LOAD: f64 = 2.0 * PI / 3.0;
 
-/// Cells in contact, strip by strip along e1, in each strip from the leading edge backward.
-#[derive(Clone, Debug)]
-pub(crate) struct Pressure {
-    /// Cell size along e1, e2.
-    pub size: Pair,
-    pub cells: Vec<Cell>,
-    /// Middles of the cells.
-    pub places: Vec<Pair>,
-    /// Pressure of each cell.
-    pub values: Vec<f64>,
-}
-
 impl Pressure {
     /// `n` cells across each axis of an ellipse with `a/b`.
-    pub(crate) fn new(a_over_b: f64, n: usize) -> Self {
+    pub(crate) fn ellipsoid(a_over_b: f64, n: usize) -> Self {
         let a = a_over_b.sqrt();
         let middle = |k: usize| (2 * k + 1) as f64 / n as f64 - 1.0;
         let mut pressure = Pressure { size: [0.0; 2], cells: Vec::new(), places: Vec::new(), values: Vec::new() };
@@ -57,17 +46,12 @@ impl Pressure {
         }
         pressure
     }
-
-    /// Does cell `k` have its neighbour ahead in contact? That one is cell `k - 1`.
-    pub(crate) fn has_ahead(&self, k: usize) -> bool {
-        k > 0 && self.cells[k - 1].row == self.cells[k].row
-    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::influence::rectangle;
     use super::*;
+    use crate::contact::half_space::influence::rectangle;
     use ellip::legendre::{ellipe, ellipk};
 
     #[test]
@@ -75,7 +59,7 @@ mod tests {
         // Approach and curvature along the axes from complete elliptic integrals (a > b): u(0) = 2 (1-nu) p0 b K / G.. in
         // these units u(x, 0) = (1 - nu) b [K - (K - E) x^2 / (a^2 e^2)], u(0, y): the sum of both curvatures by E.
         let (nu, ratio, n) = (0.28, 2.0, 64);
-        let pressure = Pressure::new(ratio, n);
+        let pressure = Pressure::ellipsoid(ratio, n);
         let (a, b) = (f64::sqrt(ratio), 1.0 / f64::sqrt(ratio));
         let m = 1.0 - 1.0 / (ratio * ratio);
         let (k, e) = (ellipk(m).unwrap(), ellipe(m).unwrap());
@@ -98,7 +82,7 @@ mod tests {
 
     #[test]
     fn prop_cells_carry_the_load_and_run_backward() {
-        let pressure = Pressure::new(0.3, 16);
+        let pressure = Pressure::ellipsoid(0.3, 16);
         let load: f64 = pressure.values.iter().sum::<f64>() * pressure.size[0] * pressure.size[1];
         assert!((load / LOAD - 1.0).abs() < 1e-14);
         for k in 1..pressure.cells.len() {

@@ -1,14 +1,14 @@
 //! The steady problem of one ellipse, made dimensionless: it depends on a/b, nu and three numbers.
 //!
 //! With lengths in `c = sqrt(a b)` and tractions in `mu p0`, the creepages enter as `G xi / (mu p0)` and
-//! `G c phi / (mu p0)`, and the force comes out in mu N, the moment in mu N c. Slip over the rolled distance, for a
-//! traction that stands still in the moving patch: `s = (xi - phi y, eta + phi x) - du/dx`, the derivative taken
-//! over one cell, from the cell's middle to the next middle ahead. (Taking x at the cell's middle, not half way to the
-//! next one, keeps c32 = -c23 on every grid to four digits; CONTACT takes it a sixth of a cell ahead.)
+//! `G c phi / (mu p0)`, and the force comes out in mu N, the moment in mu N c. Slip over the rolled distance:
+//! `s = (xi - phi y, eta + phi x) - du/dx` (see [`rolling`]).
 
-use super::influence::{Convolver, Influence, Kernel, Pair, rectangle};
-use super::normal::{LOAD, Pressure};
-use super::tangential::{Limits, Outcome, Tangential, Workspace};
+use super::normal::LOAD;
+use crate::contact::half_space::cells::Pressure;
+use crate::contact::half_space::influence::{Convolver, Kernel, Pair};
+use crate::contact::half_space::rolling;
+use crate::contact::half_space::tangential::{Limits, Outcome, Tangential, Workspace};
 
 /// Grid and influence of steady rolling for one a/b.
 #[derive(Clone, Debug)]
@@ -34,33 +34,14 @@ pub(crate) fn extrapolated(fine: [f64; 3], coarse: [f64; 3]) -> [f64; 3] {
     [x * cut, y * cut, spin]
 }
 
-/// Displacement difference `shift` ahead of a cell i columns and j rows away from a loaded one.
-pub(crate) fn influence(size: Pair, nu: f64, shift: f64, (i, j): (i32, i32)) -> Influence {
-    let [xx, yy, xy, _] = rectangle(i as f64 * size[0] + shift, j as f64 * size[1], size, nu);
-    [xx, yy, xy]
-}
-
 impl SteadyPatch {
     pub(crate) fn new(a_over_b: f64, nu: f64, convolver: &Convolver) -> Self {
-        Self::on(Pressure::new(a_over_b, convolver.n), nu, convolver)
+        Self::on(Pressure::ellipsoid(a_over_b, convolver.columns), nu, convolver)
     }
 
     /// On given cells and pressures.
     pub(crate) fn on(pressure: Pressure, nu: f64, convolver: &Convolver) -> Self {
-        let n = convolver.n;
-        let size = pressure.size;
-        // Each influence is needed for its own place and as the one ahead of another; xy is odd across the strips.
-        let width = 2 * n as i32;
-        let all: Vec<Influence> =
-            (0..n as i32).flat_map(|j| (1 - n as i32..=n as i32).map(move |i| influence(size, nu, 0.0, (i, j)))).collect();
-        let at = |i: i32, j: i32| {
-            let [xx, yy, xy] = all[(j.abs() * width + i + n as i32 - 1) as usize];
-            [xx, yy, xy * f64::from(j.signum())]
-        };
-        let kernel = convolver.kernel(|i, j| {
-            let (here, ahead) = (at(i, j), at(i + 1, j));
-            std::array::from_fn(|k| (here[k] - ahead[k]) / size[0])
-        });
+        let kernel = rolling::kernel(pressure.size, nu, convolver);
         SteadyPatch { pressure, convolver: convolver.clone(), kernel }
     }
 

@@ -1,10 +1,10 @@
 use super::super::tests::published;
-use super::influence::Cell;
-use super::normal::Pressure;
 use super::patch::SteadyPatch;
 use super::*;
 use crate::contact::creep::kalker::{Coefficients, KalkerTable};
 use crate::contact::creepage::Creepage;
+use crate::contact::half_space::cells::Pressure;
+use crate::contact::half_space::influence::Cell;
 
 const PATCH: Patch = Patch { a: 6e-3, b: 4e-3 };
 
@@ -65,7 +65,7 @@ const ADHESION: [(f64, f64, [f64; 4]); 14] = [
 #[test]
 fn validate_creep_coefficients_against_the_spectral_solution() {
     for (nu, a_over_b, exact) in ADHESION {
-        let grid = |n| slopes(&SteadyPatch::new(a_over_b, nu, &Convolver::new(n)));
+        let grid = |n| slopes(&SteadyPatch::new(a_over_b, nu, &Convolver::square(n)));
         let found = from_two_grids(grid(48), grid(24));
         let Coefficients { c11, c22, c23, c33 } = KalkerTable::new(nu).at(a_over_b);
         let off = |values: [f64; 4]| -> [f64; 4] { std::array::from_fn(|k| 100.0 * (values[k] / exact[k] - 1.0)) };
@@ -95,7 +95,7 @@ fn program_patch(a_over_b: f64, nu: f64, n: usize, cut: f64) -> SteadyPatch {
             }
         }
     }
-    SteadyPatch::on(pressure, nu, &Convolver::new(n))
+    SteadyPatch::on(pressure, nu, &Convolver::square(n))
 }
 
 #[test]
@@ -240,7 +240,7 @@ fn hard_every_kind_of_creepage_on_every_shape_converges() {
 
 #[test]
 fn hard_an_iteration_cut_short_still_gives_a_bounded_force() {
-    let patch = SteadyPatch::new(0.2, 0.28, &Convolver::new(16));
+    let patch = SteadyPatch::new(0.2, 0.28, &Convolver::square(16));
     let limits = Limits { tolerance: 1e-6, most_steps: 1 };
     let ([x, y, spin], outcome) = patch.solve([0.5, -1.0, 2.0], &mut Vec::new(), limits, &mut Workspace::new(&patch.convolver));
     assert!(outcome.residual > 1e-6 && x.hypot(y) <= 1.0 && spin.is_finite(), "{x} {y} {spin} {outcome:?}");

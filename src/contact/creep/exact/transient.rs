@@ -6,13 +6,13 @@
 //! The patch is taken as the same ellipse during a step: tractions are handed on as values at (x/a, y/b). Friction
 //! bound and load may change from step to step.
 
-use super::influence::Pair;
-use super::normal::Pressure;
-use super::patch::influence;
-use super::tangential::{Tangential, Workspace};
 use super::{Exact, Solution};
 use crate::contact::Patch;
 use crate::contact::creep::RollingContact;
+use crate::contact::half_space::cells::Pressure;
+use crate::contact::half_space::influence::Pair;
+use crate::contact::half_space::rolling::influence;
+use crate::contact::half_space::tangential::{Tangential, Workspace};
 
 /// What happens in a step; creepages of the contact are not used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,7 +38,7 @@ impl Exact {
     /// Zero where the friction bound is zero.
     pub fn advance(&self, contact: &RollingContact, previous: Option<&Solution>, increment: Increment) -> Solution {
         let Some(scale) = self.scale(contact) else { return Solution::default() };
-        let pressure = Pressure::new(scale.a_over_b, self.convolver.n);
+        let pressure = Pressure::ellipsoid(scale.a_over_b, self.convolver.columns);
         let (size, nu) = (pressure.size, self.nu);
         let rolled = increment.rolled / scale.length;
         let now = self.convolver.kernel(|i, j| influence(size, nu, 0.0, (i, j)));
@@ -68,7 +68,7 @@ impl Exact {
 
     /// Length of a cell along e1, m: a good distance to roll per step.
     pub fn cell_length(&self, patch: Patch) -> f64 {
-        let pressure = Pressure::new(patch.a / patch.b, self.convolver.n);
+        let pressure = Pressure::ellipsoid(patch.a / patch.b, self.convolver.columns);
         pressure.size[0] * (patch.a * patch.b).sqrt()
     }
 }

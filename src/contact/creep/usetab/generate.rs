@@ -3,10 +3,10 @@
 use super::coordinates::{Triple, scales, size, unbounded};
 use super::layout::{Layout, Slopes};
 use super::table::pack;
-use crate::contact::creep::exact::influence::Convolver;
 use crate::contact::creep::exact::patch::{SteadyPatch, extrapolated};
-use crate::contact::creep::exact::tangential::{Limits, MOST_STEPS, Workspace};
 use crate::contact::creep::kalker::KalkerTable;
+use crate::contact::half_space::influence::Convolver;
+use crate::contact::half_space::tangential::{Limits, MOST_STEPS, Workspace};
 use rayon::prelude::*;
 
 const TOLERANCE: f64 = 1e-6;
@@ -29,7 +29,7 @@ pub(crate) struct Solver<'a> {
 
 impl Shape {
     pub(crate) fn new(a_over_b: f64, nu: f64, cells: usize) -> Self {
-        let [fine, coarse] = [cells, cells / 2].map(|n| SteadyPatch::new(a_over_b, nu, &Convolver::new(n)));
+        let [fine, coarse] = [cells, cells / 2].map(|n| SteadyPatch::new(a_over_b, nu, &Convolver::square(n)));
         Shape { fine, coarse, scales: scales(KalkerTable::new(nu).at(a_over_b), a_over_b) }
     }
 

@@ -30,6 +30,8 @@ pub mod table;
 #[cfg(test)]
 mod tests;
 
+use super::adapted::Falling;
+use super::falling_friction::FallingFriction;
 use super::kalker::KalkerTable;
 use super::{Build, CreepLaw, RollingContact};
 use crate::contact::Material;
@@ -121,5 +123,9 @@ impl CreepLaw for UseTab {
 
 fn parse(section: &Section) -> Result<Build, SettingsError> {
     let table = Arc::new(Table::read(EMBEDDED).map_err(|error| section.error("law", error.to_string()))?);
-    Ok(Arc::new(move |material| Box::new(UseTab::with_table(material, table.clone()))))
+    let friction = FallingFriction::parse(section, FallingFriction::CONSTANT)?;
+    Ok(Arc::new(move |material| {
+        let law = UseTab::with_table(material, table.clone());
+        if friction == FallingFriction::CONSTANT { Box::new(law) } else { Box::new(Falling { law, friction }) }
+    }))
 }

@@ -47,7 +47,7 @@ use crate::math::newton::{self, NewtonLimits};
 use crate::mbs::body::COORDINATES;
 use crate::mbs::kkt::Coefficients;
 use crate::settings::{Entry, Section, SettingsError};
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix3, Matrix4, Vector4};
 use std::sync::Arc;
 use variables::{OfWheelset, constraints, gather, scatter};
 
@@ -342,9 +342,8 @@ fn unplaced(residual: &Rows) -> Option<Side> {
 
 /// The side whose contact's place is least certain: where it ceases to exist the determinant of its equations falls to zero.
 fn least_certain(jacobian: &Jacobian) -> Side {
-    let certainty = |row: usize, column: usize| {
-        without(&jacobian.fixed_view::<CONSTRAINTS, PARAMETERS>(row, column).into_owned(), NORMAL).determinant().abs()
-    };
+    let certainty =
+        |row: usize, column: usize| minor(&jacobian.fixed_view::<CONSTRAINTS, PARAMETERS>(row, column).into_owned(), NORMAL).abs();
     if certainty(0, COORDINATES) <= certainty(CONSTRAINTS, COORDINATES + PARAMETERS) { Side::Left } else { Side::Right }
 }
 
@@ -414,6 +413,17 @@ fn parameter_derivatives(
     Ok(())
 }
 
+/// The minor of C_s without row `out`: expanded along a row, not factorised, because a motion that has died away leaves pivots below 1e-308,
+/// whose reciprocals overflow.
+fn minor(by_parameters: &ParameterJacobian, out: usize) -> f64 {
+    let rows = without(by_parameters, out);
+    let cofactor = |column: usize| {
+        let rest: Matrix3<f64> = rows.remove_row(0).remove_column(column);
+        if column.is_multiple_of(2) { rest.determinant() } else { -rest.determinant() }
+    };
+    (0..PARAMETERS).map(|column| rows[(0, column)] * cofactor(column)).sum()
+}
+
 /// The four rows of C_s that are left without row `out`.
 fn without(by_parameters: &ParameterJacobian, out: usize) -> Matrix4<f64> {
     Matrix4::from_fn(|row, column| by_parameters[(row + usize::from(row >= out), column)])
@@ -422,7 +432,7 @@ fn without(by_parameters: &ParameterJacobian, out: usize) -> Matrix4<f64> {
 /// Multipliers `w` with `C_s^T w = 0` (Eq. 14), scaled such that they press with 1 N along the normal.
 fn free_multiplier(contact: &PointContact) -> Option<Residual> {
     let minors = Residual::from_fn(|row, _| {
-        let minor = without(&contact.by_parameters, row).determinant();
+        let minor = minor(&contact.by_parameters, row);
         if row % 2 == 0 { minor } else { -minor }
     });
     let pressing = minors[NORMAL] * contact.normal_length();

@@ -54,15 +54,8 @@ pub(super) fn gather(own: &OfWheelset, y: &[f64]) -> (Variables, Variables) {
     }
     own.turn(&mut values, false);
     own.turn(&mut rates, false);
-    for value in values.iter_mut().chain(rates.iter_mut()).filter(|value| value.abs() < VANISHING) {
-        *value = 0.0;
-    }
     (values, rates)
 }
-
-/// What is smaller [m, rad, m/s, rad/s] counts as zero: products with it underflow, and a motion that has died away to 1e-300 m/s made the
-/// constraints look dependent.
-const VANISHING: f64 = 1e-150;
 
 /// Puts a wheelset's variables and rates back into the state.
 pub(super) fn scatter(own: &OfWheelset, mut values: Variables, mut rates: Variables, y: &mut [f64]) {

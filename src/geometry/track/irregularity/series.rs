@@ -78,6 +78,12 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     }
 
     let (first, last) = (positions[0], positions[positions.len() - 1]);
+    let furthest = Dimension::Length.largest();
+    if !(first >= -furthest && last <= furthest) {
+        let problem =
+            format!("the file reaches from {first:e} m to {last:e} m (`offset` counted), expected at most {furthest:e} m either way");
+        return Err(file.error(0, COLUMNS[0], problem));
+    }
     let from = section.number_or("from", Dimension::Length, first)?;
     let to = section.number_or("to", Dimension::Length, last)?;
     for (key, value) in [("from", from), ("to", to)] {

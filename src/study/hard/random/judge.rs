@@ -8,7 +8,9 @@
 //!
 //! Beyond a bound a run is wrong unless the scene itself is that sensitive: wheels that fly and strike again and again multiply any error. The
 //! tight method is then run again from starts that are moved aside by half of what y may be off by, in up to four ways. Where one of them moves the
-//! result as far as half the error, that error is one that these bounds allow, amplified by the scene ("beyond foresight", counted on its own).
+//! result as far as half the error, that error is one that these bounds allow, amplified by the scene ("beyond foresight", counted on its own). Where y holds and
+//! loads are off only after a wheel has left its rail and struck it, the run's own notes say that they are no more than orders of magnitude from there on
+//! ("struck, and says so", counted on its own too).
 
 use super::super::audit::Audit;
 use super::super::case::{Audited, Method};
@@ -36,6 +38,9 @@ const BOOKS: Audited = Audited { energy: 0.05, way: 0.01, weight: 0.02, derailme
 /// A derailment or a physical end is the same one within this, s.
 const SAME_END: f64 = 0.03;
 
+/// A load rises to what is named as a strike within this, s.
+const RISE: f64 = 2e-3;
+
 /// Least bound of y with fixed steps, m.
 const OF_FIXED_STEPS: f64 = 1e-4;
 
@@ -54,19 +59,22 @@ pub enum Class {
     Unjudged,
     /// An error of the size of the tolerance grows as far as what was found.
     Unforeseeable,
+    /// Wheel loads are off after a wheel has left its rail and struck it; the run's notes say that they are no more than orders of magnitude from then on.
+    Struck,
     SilentlyWrong,
     Panic,
     Hang,
 }
 
 impl Class {
-    pub const ALL: [Class; 9] = [
+    pub const ALL: [Class; 10] = [
         Class::Right,
         Class::Refused,
         Class::Derailed,
         Class::GaveUp,
         Class::Unjudged,
         Class::Unforeseeable,
+        Class::Struck,
         Class::SilentlyWrong,
         Class::Panic,
         Class::Hang,
@@ -80,6 +88,7 @@ impl Class {
             Class::GaveUp => "gave up",
             Class::Unjudged => "no reference",
             Class::Unforeseeable => "beyond foresight",
+            Class::Struck => "struck, and says so",
             Class::SilentlyWrong => "SILENTLY WRONG",
             Class::Panic => "PANIC",
             Class::Hang => "HANG",
@@ -160,7 +169,7 @@ fn judge_here(seed: u64, method: Option<Method>) -> Verdict {
         return say(Class::Hang, &format!("at t = {time:.3} s after {limit} s"));
     }
     // Its own books may say enough where no reference can be made.
-    let unjudged = |reason: &str| match (&ran.end, broken(&ran.audit, 0.0)) {
+    let unjudged = |reason: &str| match (&ran.end, broken(&ran.audit, [0.0; 2])) {
         (End::Finished, Some((reason, strain))) => Verdict { strain, ..say(Class::SilentlyWrong, &reason) },
         (End::Stopped { words, .. }, _) if drawn.fixed && words.contains("solver.step") => say(Class::Refused, words),
         (End::Stopped { words, .. }, _) => say(end_class(words), words),
@@ -171,11 +180,9 @@ fn judge_here(seed: u64, method: Option<Method>) -> Verdict {
         Err(reason) => return unjudged(&reason),
     };
     let (ours, theirs) = (ended(&ran), ended(&first));
-    // Impacts between two samples can't be booked; a tight run has them too.
-    let books = |second: &Ran| broken(&ran.audit, 3.0 * first.audit.energy().max(second.audit.energy()));
     // What the first reference says is right is right: the second one only widens bounds, by what nobody can know.
     let holds = match (&ran.end, theirs) {
-        (End::Finished, None) => distances(&drawn, &ran, [&first; 2], None).is_none() && books(&first).is_none(),
+        (End::Finished, None) => distances(&drawn, &ran, [&first; 2], None).is_none() && booked(&ran, [&first; 2]).is_none(),
         (End::Finished, Some(_)) => false,
         (_, end) => end.is_some_and(|time| (time - ours.unwrap_or(time)).abs() < SAME_END),
     };
@@ -195,18 +202,33 @@ fn judge_here(seed: u64, method: Option<Method>) -> Verdict {
         (End::Stopped { words, .. }, _) if drawn.fixed && words.contains("solver.step") => return say(Class::Refused, words),
         (_, _) => return say(Class::GaveUp, &words(&ran)),
     }
-    let right = [&first, &second];
-    let beyond = distances(&drawn, &ran, right, None);
-    if let Some((reason, _)) = &beyond {
-        let excused = |way| shaken(&drawn, &look, way).is_ok_and(|shaken| distances(&drawn, &ran, right, Some(&shaken.trace)).is_none());
-        if WAYS.into_iter().any(excused) {
-            return say(Class::Unforeseeable, reason);
-        }
+    let (class, reason, strain) = weigh(&drawn, &look, (&ran, simulation.first_strike()), [&first, &second]);
+    Verdict { strain, ..say(class, &reason) }
+}
+
+/// What a run is that ends as its references do: class, reason, and how many times its bound the worst error is. `strike`: when a wheel struck its
+/// rail in it, s.
+fn weigh(drawn: &RandomScene, look: &Look, (ran, strike): (&Ran, Option<f64>), right: [&Ran; 2]) -> (Class, String, f64) {
+    let books = booked(ran, right);
+    let Some((reason, strain)) = distances(drawn, ran, right, None) else {
+        return books.map_or((Class::Right, String::new(), 0.0), |(reason, strain)| (Class::SilentlyWrong, reason, strain));
+    };
+    let excused = |way| shaken(drawn, look, way).is_ok_and(|shaken| distances(drawn, ran, right, Some(&shaken.trace)).is_none());
+    if WAYS.into_iter().any(excused) {
+        return (Class::Unforeseeable, reason, strain);
     }
-    match beyond.or_else(|| books(&second)) {
-        Some((reason, strain)) => Verdict { strain, ..say(Class::SilentlyWrong, &reason) },
-        None => say(Class::Right, ""),
-    }
+    // Loads alone, after an impact that the run's notes name.
+    let struck = |strike: f64| {
+        let after = |wrong: &(Quantity, f64)| wrong.0 == Quantity::Vertical && wrong.1 >= strike - RISE;
+        wrong_at(drawn, ran, right).iter().all(after) && books.is_none()
+    };
+    (if strike.is_some_and(struck) { Class::Struck } else { Class::SilentlyWrong }, reason, strain)
+}
+
+/// What the books say against a run. Impacts between two samples can't be booked; tight runs have them too.
+fn booked(ran: &Ran, right: [&Ran; 2]) -> Option<(String, f64)> {
+    let of = |what: fn(&Audit) -> f64| 3.0 * what(&right[0].audit).max(what(&right[1].audit));
+    broken(&ran.audit, [of(Audit::energy), of(Audit::lifted)])
 }
 
 fn ended(ran: &Ran) -> Option<f64> {
@@ -286,8 +308,8 @@ fn move_aside(simulation: &mut Simulation, aside: [f64; 2]) -> Result<(), String
     if simulation.restore(&state) { Ok(()) } else { Err("the moved state does not fit".into()) }
 }
 
-/// What the books say against a run, where `unbooked` of the energy can't be told on this grid.
-fn broken(audit: &Audit, unbooked: f64) -> Option<(String, f64)> {
+/// What the books say against a run, where shares `unbooked` of energy and weight can't be told on this grid.
+fn broken(audit: &Audit, unbooked: [f64; 2]) -> Option<(String, f64)> {
     told(&audit.findings(unbooked))
 }
 
@@ -304,24 +326,34 @@ fn bound_of_y(tolerance: f64) -> f64 {
 }
 
 /// What is further from the reference than it may be, or than half of how far a start that was moved aside is from it.
-fn distances(drawn: &RandomScene, ran: &Ran, [first, second]: [&Ran; 2], shaken: Option<&Trace>) -> Option<(String, f64)> {
-    let largest = |trace: &Trace, quantity| trace.largest(quantity);
-    let (y, q) = (largest(&first.trace, Quantity::Y), largest(&first.trace, Quantity::Vertical));
-    let bounds = match drawn.fixed {
-        true => [(Quantity::Y, (0.03 * y).max(OF_FIXED_STEPS)), (Quantity::Vertical, 0.1 * q.max(ran.load))],
-        false => [(Quantity::Y, bound_of_y(drawn.setting)), (Quantity::Vertical, 0.03 * q.max(ran.load))],
-    };
-    let mut findings = Vec::new();
-    for (quantity, bound) in bounds {
-        let unsure = first.trace.distance(&second.trace, quantity, true, 0.0).0;
-        let bound = if unsure > bound / 3.0 { 3.0 * unsure } else { bound };
-        let bound = shaken.map_or(bound, |shaken| bound.max(2.0 * shaken.distance(&first.trace, quantity, true, 0.0).0));
-        let (size, time) = ran.trace.distance(&first.trace, quantity, true, 0.0);
+fn distances(drawn: &RandomScene, ran: &Ran, right: [&Ran; 2], shaken: Option<&Trace>) -> Option<(String, f64)> {
+    let finding = |(quantity, bound): (Quantity, f64)| {
+        let bound = shaken.map_or(bound, |shaken| bound.max(2.0 * shaken.distance(&right[0].trace, quantity, true, 0.0).0));
+        let (size, time) = ran.trace.distance(&right[0].trace, quantity, true, 0.0);
         let what = format!("error of {} at t = {time:.4} s", quantity.words());
-        findings.push(match quantity.is_force() {
+        match quantity.is_force() {
             true => Finding::new(what, size / ran.load, bound / ran.load, super::super::Unit::Share),
             false => Finding::new(what, size, bound, quantity.unit()),
-        });
-    }
-    told(&findings)
+        }
+    };
+    told(&bounds(drawn, ran, right).map(finding))
+}
+
+/// Quantities that are off, and when first by more than they may be, s.
+fn wrong_at(drawn: &RandomScene, ran: &Ran, right: [&Ran; 2]) -> Vec<(Quantity, f64)> {
+    let first = |(quantity, bound)| ran.trace.first_beyond(&right[0].trace, quantity, bound).map(|time| (quantity, time));
+    bounds(drawn, ran, right).into_iter().filter_map(first).collect()
+}
+
+/// How far y and Q may be off.
+fn bounds(drawn: &RandomScene, ran: &Ran, [first, second]: [&Ran; 2]) -> [(Quantity, f64); 2] {
+    let (y, q) = (first.trace.largest(Quantity::Y), first.trace.largest(Quantity::Vertical));
+    let [of_y, of_q] = match drawn.fixed {
+        true => [(0.03 * y).max(OF_FIXED_STEPS), 0.1 * q.max(ran.load)],
+        false => [bound_of_y(drawn.setting), 0.03 * q.max(ran.load)],
+    };
+    [(Quantity::Y, of_y), (Quantity::Vertical, of_q)].map(|(quantity, bound)| {
+        let unsure = first.trace.distance(&second.trace, quantity, true, 0.0).0;
+        (quantity, if unsure > bound / 3.0 { 3.0 * unsure } else { bound })
+    })
 }

@@ -50,18 +50,26 @@ pub(crate) struct Cell {
     pub row: usize,
 }
 
-/// Sums over an n x n grid by FFT on a grid of twice the size, on which they do not wrap around.
+/// Sums over a grid by FFT on one of twice the size, on which they do not wrap around.
 #[derive(Clone)]
 pub(crate) struct Convolver {
-    /// Cells along each axis.
-    pub n: usize,
+    /// Cells along e1 and e2.
+    pub columns: usize,
+    pub rows: usize,
+    along: Transform,
+    across: Transform,
+}
+
+/// Transforms of one length.
+#[derive(Clone)]
+struct Transform {
     forward: Arc<dyn Fft<f64>>,
     inverse: Arc<dyn Fft<f64>>,
 }
 
 impl std::fmt::Debug for Convolver {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Convolver({})", self.n)
+        write!(f, "Convolver({} x {})", self.columns, self.rows)
     }
 }
 
@@ -87,27 +95,35 @@ pub(crate) struct Buffers {
 }
 
 impl Convolver {
-    pub(crate) fn new(n: usize) -> Self {
+    /// For as many cells along both axes.
+    pub(crate) fn square(n: usize) -> Self {
+        Self::new(n, n)
+    }
+
+    pub(crate) fn new(columns: usize, rows: usize) -> Self {
         // Scalar: the same bits whatever the processor can do.
         let mut planner = FftPlannerScalar::new();
-        Convolver { n, forward: planner.plan_fft_forward(2 * n), inverse: planner.plan_fft_inverse(2 * n) }
+        let mut transform =
+            |cells: usize| Transform { forward: planner.plan_fft_forward(2 * cells), inverse: planner.plan_fft_inverse(2 * cells) };
+        Convolver { columns, rows, along: transform(columns), across: transform(rows) }
     }
 
     pub(crate) fn buffers(&self) -> Buffers {
         let zeros = |length| vec![Complex::new(0.0, 0.0); length];
-        let scratch = self.forward.get_inplace_scratch_len().max(self.inverse.get_inplace_scratch_len());
-        Buffers { field: zeros(4 * self.n * self.n), turned: zeros(4 * self.n * self.n), scratch: zeros(scratch) }
+        let needed = |transform: &Transform| transform.forward.get_inplace_scratch_len().max(transform.inverse.get_inplace_scratch_len());
+        let count = 4 * self.columns * self.rows;
+        Buffers { field: zeros(count), turned: zeros(count), scratch: zeros(needed(&self.along).max(needed(&self.across))) }
     }
 
     /// `influence(i, j)`: what a cell does at the cell i columns and j rows further on.
     pub(crate) fn kernel(&self, influence: impl Fn(i32, i32) -> Influence) -> Kernel {
-        let (n, m) = (self.n as i32, 2 * self.n);
-        let place = |k: i32| k.rem_euclid(2 * n) as usize;
-        let mut spectrum = vec![[Complex::new(0.0, 0.0); 3]; m * m];
-        let mut fields = vec![[0.0; 3]; m * m];
-        for j in 1 - n..n {
-            for i in 1 - n..n {
-                fields[place(j) * m + place(i)] = influence(i, j);
+        let (columns, rows) = (self.columns as i32, self.rows as i32);
+        let (long, wide) = (2 * self.columns, 2 * self.rows);
+        let mut spectrum = vec![[Complex::new(0.0, 0.0); 3]; long * wide];
+        let mut fields = vec![[0.0; 3]; long * wide];
+        for j in 1 - rows..rows {
+            for i in 1 - columns..columns {
+                fields[j.rem_euclid(2 * rows) as usize * long + i.rem_euclid(2 * columns) as usize] = influence(i, j);
             }
         }
         let sum = |k: usize| fields.iter().map(|field| field[k].abs() + field[2].abs()).sum::<f64>();
@@ -117,11 +133,11 @@ impl Convolver {
             for (value, field) in buffers.field.iter_mut().zip(&fields) {
                 *value = Complex::new(field[component], 0.0);
             }
-            self.forward.process_with_scratch(&mut buffers.field, &mut buffers.scratch);
-            transpose(&buffers.field, &mut buffers.turned, m);
-            self.forward.process_with_scratch(&mut buffers.turned, &mut buffers.scratch);
+            self.along.forward.process_with_scratch(&mut buffers.field, &mut buffers.scratch);
+            transpose(&buffers.field, &mut buffers.turned, [wide, long]);
+            self.across.forward.process_with_scratch(&mut buffers.turned, &mut buffers.scratch);
             for (value, transformed) in spectrum.iter_mut().zip(&buffers.turned) {
-                value[component] = transformed / (m * m) as f64;
+                value[component] = transformed / (long * wide) as f64;
             }
         }
         Kernel { spectrum, own: influence(0, 0), ahead: influence(-1, 0), total }
@@ -129,19 +145,20 @@ impl Convolver {
 
     /// `out = kernel * tractions` on `cells`. Both components travel in one complex transform.
     pub(crate) fn apply(&self, kernel: &Kernel, cells: &[Cell], tractions: &[Pair], out: &mut [Pair], buffers: &mut Buffers) {
-        let (n, m) = (self.n, 2 * self.n);
+        let (long, wide) = (2 * self.columns, 2 * self.rows);
+        let loaded = self.rows * long;
         let Buffers { field, turned, scratch } = buffers;
         field.fill(Complex::new(0.0, 0.0));
         for (cell, p) in cells.iter().zip(tractions) {
-            field[cell.row * m + cell.column] = Complex::new(p[0], p[1]);
+            field[cell.row * long + cell.column] = Complex::new(p[0], p[1]);
         }
-        self.forward.process_with_scratch(&mut field[..n * m], scratch);
-        transpose(field, turned, m);
-        self.forward.process_with_scratch(turned, scratch);
-        for column in 0..=n {
-            let mirrored = (m - column) % m;
-            for row in 0..m {
-                let (here, there) = (column * m + row, mirrored * m + (m - row) % m);
+        self.along.forward.process_with_scratch(&mut field[..loaded], scratch);
+        transpose(field, turned, [wide, long]);
+        self.across.forward.process_with_scratch(turned, scratch);
+        for column in 0..=self.columns {
+            let mirrored = (long - column) % long;
+            for row in 0..wide {
+                let (here, there) = (column * wide + row, mirrored * wide + (wide - row) % wide);
                 if here > there {
                     continue;
                 }
@@ -156,23 +173,24 @@ impl Convolver {
                 turned[there] = ux.conj() + i * uy.conj();
             }
         }
-        self.inverse.process_with_scratch(turned, scratch);
-        transpose(turned, field, m);
-        self.inverse.process_with_scratch(&mut field[..n * m], scratch);
+        self.across.inverse.process_with_scratch(turned, scratch);
+        transpose(turned, field, [long, wide]);
+        self.along.inverse.process_with_scratch(&mut field[..loaded], scratch);
         for (cell, u) in cells.iter().zip(out) {
-            let value = field[cell.row * m + cell.column];
+            let value = field[cell.row * long + cell.column];
             *u = [value.re, value.im];
         }
     }
 }
 
-fn transpose(from: &[Complex<f64>], to: &mut [Complex<f64>], m: usize) {
+/// Rows become columns.
+fn transpose(from: &[Complex<f64>], to: &mut [Complex<f64>], [rows, columns]: [usize; 2]) {
     const TILE: usize = 8;
-    for i0 in (0..m).step_by(TILE) {
-        for j0 in (0..m).step_by(TILE) {
-            for i in i0..(i0 + TILE).min(m) {
-                for j in j0..(j0 + TILE).min(m) {
-                    to[j * m + i] = from[i * m + j];
+    for i0 in (0..rows).step_by(TILE) {
+        for j0 in (0..columns).step_by(TILE) {
+            for i in i0..(i0 + TILE).min(rows) {
+                for j in j0..(j0 + TILE).min(columns) {
+                    to[j * rows + i] = from[i * columns + j];
                 }
             }
         }
@@ -212,14 +230,14 @@ mod tests {
 
     #[test]
     fn equiv_transformed_sum_is_the_direct_sum() {
-        let (n, size, nu) = (6, [0.3, 0.2], 0.28);
+        let (columns, rows, size, nu) = (6, 9, [0.3, 0.2], 0.28);
         let influence = |i: i32, j: i32| {
             let [xx, yy, xy, _] = rectangle(i as f64 * size[0] + 0.07, j as f64 * size[1], size, nu);
             [xx, yy, xy]
         };
-        let convolver = Convolver::new(n);
+        let convolver = Convolver::new(columns, rows);
         let kernel = convolver.kernel(influence);
-        let cells: Vec<Cell> = (0..n * n).filter(|k| k % 5 != 1).map(|k| Cell { column: k % n, row: k / n }).collect();
+        let cells: Vec<Cell> = (0..columns * rows).filter(|k| k % 5 != 1).map(|k| Cell { column: k % columns, row: k / columns }).collect();
         let tractions: Vec<Pair> = (0..cells.len()).map(|k| [(k as f64).sin(), (1.7 * k as f64).cos()]).collect();
         let mut out = vec![[0.0; 2]; cells.len()];
         convolver.apply(&kernel, &cells, &tractions, &mut out, &mut convolver.buffers());

@@ -13,9 +13,9 @@
 //!
 //! Own arrangement of known methods: the natural map of Alart and Curnier (1991) for Kalker's discrete problem.
 
+use super::cells::Pressure;
 use super::influence::{Buffers, Cell, Convolver, Kernel, Pair};
 use super::krylov::Gmres;
-use super::normal::Pressure;
 
 /// Newton steps after which a solution is given up as it is; about six are usual.
 pub(crate) const MOST_STEPS: usize = 60;
