@@ -26,7 +26,7 @@ impl IntegrationState {
         dynamics.rollback();
         let mut changes = 0;
         loop {
-            if self.switch_due || !scratch.looks.values.is_empty() || dynamics.due(self.t).is_some() {
+            if self.switch_due || !scratch.looks.is_empty() || dynamics.due(self.t).is_some() {
                 // What changes is decided from an evaluation at this very state.
                 if let Err(error) = self.evaluate_here(dynamics) {
                     self.put_back(dynamics, scratch, changes);
@@ -155,8 +155,7 @@ impl IntegrationState {
     pub(super) fn look_within(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch) -> Result<(), SolveError> {
         let Some(time) = scratch.looks.doubt().filter(|time| *time > self.t_begin && *time < self.t) else { return Ok(()) };
         let theta = (time - self.t_begin) / (self.t - self.t_begin);
-        self.look(dynamics, scratch, theta)?;
-        if scratch.looks.values.iter().any(|value| *value < 0.0) { self.cut_at_event(dynamics, scratch, theta) } else { Ok(()) }
+        if self.look(dynamics, scratch, theta)? { self.cut_at_event(dynamics, scratch, theta) } else { Ok(()) }
     }
 
     /// Ends the last step where the first event function falls below zero before the fraction `until` of it, at which their values are in
@@ -245,16 +244,15 @@ impl IntegrationState {
         Ok(Some(high))
     }
 
-    /// Finds the event functions' values at a fraction of the last step.
-    fn look(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch, theta: f64) -> Result<(), SolveError> {
+    /// Finds the event functions' values at a fraction of the last step. Is one of them below zero?
+    fn look(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch, theta: f64) -> Result<bool, SolveError> {
         let time = self.t_begin + theta * (self.t - self.t_begin);
         self.interpolate(dynamics, time, &mut scratch.trial);
         dynamics.rollback();
         self.statistics.evaluations += 1;
         let evaluated = dynamics.derivative(time, &scratch.trial, &mut scratch.stages[1]);
         evaluated.map_err(|Undefined| SolveError::Undefined { time })?;
-        scratch.looks.at(dynamics);
-        Ok(())
+        Ok(scratch.looks.at(dynamics))
     }
 
     /// Ends the last step at a fraction of its length; the continuous output then spans the shorter step.

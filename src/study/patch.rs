@@ -9,12 +9,12 @@ use super::contact_geometry::{Attitude, NoStand, Stand, Touch, WheelsetOnTrack};
 use crate::contact::Patch;
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{ContactAxes, CreepForce, in_rolling_direction};
-use crate::contact::patch::{Motion, PatchSolution, Settings, depth_under_load, solve};
+use crate::contact::patch::{Motion, PatchSolution, Pressed, Settings, depth_under_load};
 use crate::contact::search::algebraic::{Pair, SurfaceParameters};
 use crate::geometry::Side;
 use crate::math::rotation::AxleFrame;
 use crate::scene::spec::Scene;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug)]
@@ -83,23 +83,24 @@ pub struct Answer {
 pub fn patches(scene: &Scene, question: &Question) -> Result<Answer, NoPatch> {
     let wheelset = WheelsetOnTrack::new(scene, question.attitude, question.station);
     let stand = wheelset.stand(question.y, wheelset.start())?;
-    let speed = scene.vehicle.speed;
+    let (speed, friction) = (scene.vehicle.speed, scene.contact.friction);
     let mean = 0.5 * (stand.contacts[0].rolling_radius + stand.contacts[1].rolling_radius);
-    let [left, right] = Side::BOTH.map(|side| approach(scene, question, &wheelset, &stand, side));
-    let approaches = [left?, right?];
-    let both = |pitch_rate: f64| -> Result<[WheelPatch; 2], NoPatch> {
-        let of = |side: Side| wheel_patch(scene, question, &wheelset, &stand, (side, approaches[side.index()], pitch_rate));
-        Ok([of(Side::Left)?, of(Side::Right)?])
-    };
+    let lower = |side| Lowered::new(scene, question, &wheelset, &stand, side, None);
+    let lowered = [lower(Side::Left)?, lower(Side::Right)?];
+    let axle = lowered[0].axle;
+    let motion = |rate: f64| Motion { velocity: Vector3::new(speed, 0.0, 0.0), rotation: axle * rate, speed };
+    let both = |rate: f64| [0, 1].map(|side| lowered[side].pressed.roll(&motion(rate), friction));
     // What the creep forces drive the axle with grows with the pitch rate.
-    let driving =
-        |wheels: &[WheelPatch; 2]| wheels.iter().map(|wheel| wheel.creep.longitudinal * wheel.rolling_radius).sum::<f64>() * speed.signum();
-    let free = 1e-4 * scene.contact.friction * question.load * mean;
+    let driving = |patches: &[PatchSolution; 2]| {
+        let of = |side: usize| patches[side].creep_force.dot(&lowered[side].axes.e1) * lowered[side].rolling_radius;
+        (of(0) + of(1)) * speed.signum()
+    };
+    let free = 1e-4 * friction * question.load * mean;
     let mut rate = speed / mean;
-    let mut wheels = both(rate)?;
+    let mut patches = both(rate);
     let (mut low, mut high) = (None::<(f64, f64)>, None::<(f64, f64)>);
     for _ in 0..ROUNDS {
-        let turning = driving(&wheels);
+        let turning = driving(&patches);
         if speed == 0.0 || turning.abs() <= free {
             break;
         }
@@ -110,77 +111,99 @@ pub fn patches(scene: &Scene, question: &Question) -> Result<Answer, NoPatch> {
             (None, Some((b, _))) => b * (1.0 - STEP),
             (None, None) => break,
         };
-        wheels = both(rate)?;
+        patches = both(rate);
     }
-    Ok(Answer { stand, pitch_rate: rate, wheels })
+    let [left, right] = patches;
+    let wheel =
+        |lowered: &Lowered, solution: PatchSolution| lowered.patch(scene, question.load, &wheelset, &stand, &motion(rate), solution);
+    Ok(Answer { pitch_rate: rate, wheels: [wheel(&lowered[0], left), wheel(&lowered[1], right)], stand })
 }
 
 /// Change of the pitch rate by which the free one is bracketed, and how often it is changed.
 const STEP: f64 = 4e-4;
 const ROUNDS: usize = 40;
 
-/// By how much a wheel is lowered until it carries the load, m.
-fn approach(scene: &Scene, question: &Question, wheelset: &WheelsetOnTrack, stand: &Stand, side: Side) -> Result<f64, NoPatch> {
-    let frame = AxleFrame::new(question.attitude.yaw, stand.roll);
-    let centre = Vector3::new(wheelset.station, stand.y, stand.height[side.index()]);
-    let pair = wheelset.pair(side, &centre, &frame.axes);
-    depth_under_load(&pair, question.load, scene.contact.material, question.settings).ok_or(NoPatch::TooHeavy { side, load: question.load })
+/// A wheel that was set down as rigid and then lowered until it carries its load.
+struct Lowered {
+    side: Side,
+    /// By how much, m.
+    approach: f64,
+    /// Of the wheelset, m, its frame and its axle.
+    centre: Vector3<f64>,
+    frame: Matrix3<f64>,
+    axle: Vector3<f64>,
+    pressed: Pressed,
+    /// Of the mean normal.
+    axes: ContactAxes,
+    /// Coordinate u of the wheel at the load's centre, m, and the radius there, m.
+    wheel: f64,
+    rolling_radius: f64,
 }
 
-/// A wheelset on its rails that rolls on the centres of its loads instead of its deepest places.
+impl Lowered {
+    /// `near`: an approach that may be about right, m.
+    fn new(
+        scene: &Scene,
+        question: &Question,
+        wheelset: &WheelsetOnTrack,
+        stand: &Stand,
+        side: Side,
+        near: Option<f64>,
+    ) -> Result<Lowered, NoPatch> {
+        let frame = AxleFrame::new(question.attitude.yaw, stand.roll).axes;
+        let axle = frame.column(1).into_owned();
+        let high = Vector3::new(wheelset.station, stand.y, stand.height[side.index()]);
+        let pair = wheelset.pair(side, &high, &frame);
+        let found = depth_under_load(&pair, question.load, scene.contact.material, question.settings, near);
+        let (approach, pressed) = found.ok_or(NoPatch::TooHeavy { side, load: question.load })?;
+        let centre = high - Vector3::z() * approach;
+        let patch = pressed.at_rest();
+        let normal = patch.pressing.normalize();
+        let profile = &wheelset.wheels[side.index()];
+        let wheel = side.sign() * (patch.centre - centre).dot(&axle) - profile.half_spacing;
+        let rolling_radius = profile.profile.at(wheel).value;
+        let axes = ContactAxes::new(normal, Vector3::x() - normal * normal.x);
+        Ok(Lowered { side, approach, centre, frame, axle, pressed, axes, wheel, rolling_radius })
+    }
+
+    fn patch(
+        &self,
+        scene: &Scene,
+        load: f64,
+        wheelset: &WheelsetOnTrack,
+        stand: &Stand,
+        motion: &Motion,
+        solution: PatchSolution,
+    ) -> WheelPatch {
+        let Lowered { side, approach, wheel, rolling_radius, axes, .. } = *self;
+        let pair = wheelset.pair(side, &self.centre, &self.frame);
+        let creep = CreepForce {
+            longitudinal: solution.creep_force.dot(&axes.e1),
+            lateral: solution.creep_force.dot(&axes.e2),
+            spin_moment: solution.creep_moment.dot(&axes.normal),
+        };
+        let angle = (-side.sign() * axes.normal.y).atan2(axes.normal.z);
+        let ellipse = ellipse(scene, &pair, &stand.contacts[side.index()], load, motion);
+        WheelPatch { side, approach, wheel, rolling_radius, angle, creep, ellipse, solution }
+    }
+}
+
+/// A wheelset on its rails that rolls on the centres of its loads instead of its deepest places; and by how much its wheels were lowered, m, which
+/// may be a start (`near`) for a stand near by.
 ///
 /// # Errors
 /// [`NoPatch`].
-pub fn elastic_pose(scene: &Scene, question: &Question, wheelset: &WheelsetOnTrack, stand: &Stand) -> Result<RollingPose, NoPatch> {
-    let frame = AxleFrame::new(question.attitude.yaw, stand.roll);
-    let axle = frame.axes.column(1).into_owned();
-    let radius = |side: Side| -> Result<f64, NoPatch> {
-        let lowered = stand.height[side.index()] - approach(scene, question, wheelset, stand, side)?;
-        let centre = Vector3::new(wheelset.station, stand.y, lowered);
-        let pair = wheelset.pair(side, &centre, &frame.axes);
-        let solution = solve(&pair, scene.contact.material, 0.0, None, question.settings);
-        let solution = solution.ok_or(NoPatch::TooHeavy { side, load: question.load })?;
-        let wheel = &wheelset.wheels[side.index()];
-        Ok(wheel.profile.at(side.sign() * (solution.centre - centre).dot(&axle) - wheel.half_spacing).value)
-    };
-    Ok(RollingPose { y: stand.y, roll: stand.roll, radii: [radius(Side::Left)?, radius(Side::Right)?] })
-}
-
-fn wheel_patch(
+pub fn elastic_pose(
     scene: &Scene,
     question: &Question,
     wheelset: &WheelsetOnTrack,
     stand: &Stand,
-    (side, approach, pitch_rate): (Side, f64, f64),
-) -> Result<WheelPatch, NoPatch> {
-    let frame = AxleFrame::new(question.attitude.yaw, stand.roll);
-    let centre = Vector3::new(wheelset.station, question.y, stand.height[side.index()] - approach);
-    let (wheel, pair) = (&wheelset.wheels[side.index()], wheelset.pair(side, &centre, &frame.axes));
-    let (contact, speed) = (&scene.contact, scene.vehicle.speed);
-    let axle = frame.axes.column(1).into_owned();
-    let motion = Motion { velocity: Vector3::new(speed, 0.0, 0.0), rotation: axle * pitch_rate, speed };
-    let solution = solve(&pair, contact.material, contact.friction, Some(&motion), question.settings);
-    let solution = solution.ok_or(NoPatch::TooHeavy { side, load: question.load })?;
-    let normal = solution.pressing.normalize();
-    let forward = Vector3::x() - normal * normal.x;
-    let axes = ContactAxes::new(normal, forward);
-    let from = solution.centre - centre;
-    let u = side.sign() * from.dot(&axle) - wheel.half_spacing;
-    let creep = CreepForce {
-        longitudinal: solution.creep_force.dot(&axes.e1),
-        lateral: solution.creep_force.dot(&axes.e2),
-        spin_moment: solution.creep_moment.dot(&normal),
-    };
-    Ok(WheelPatch {
-        side,
-        approach,
-        wheel: u,
-        rolling_radius: wheel.profile.at(u).value,
-        angle: (-side.sign() * normal.y).atan2(normal.z),
-        creep,
-        ellipse: ellipse(scene, &pair, &stand.contacts[side.index()], question.load, &motion),
-        solution,
-    })
+    near: Option<[f64; 2]>,
+) -> Result<(RollingPose, [f64; 2]), NoPatch> {
+    let lower = |side: Side| Lowered::new(scene, question, wheelset, stand, side, near.map(|near| near[side.index()]));
+    let both = [lower(Side::Left)?, lower(Side::Right)?];
+    let pose = RollingPose { y: stand.y, roll: stand.roll, radii: both.each_ref().map(|wheel| wheel.rolling_radius) };
+    Ok((pose, both.map(|wheel| wheel.approach)))
 }
 
 /// What the scene's laws make of the deepest place under the load.

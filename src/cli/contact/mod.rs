@@ -119,15 +119,27 @@ impl Elastic {
         let settings = Settings { columns: 24, rows: 24, extrapolate: false };
         let question = Question { y: 0.0, attitude: wheelset.attitude, station: Some(wheelset.station), load, settings };
         let stands: Vec<&Stand> = sweep.samples.iter().filter(|sample| sample.asked).map(|sample| &sample.stand).collect();
-        let poses: Result<Vec<RollingPose>, NoPatch> =
-            stands.par_iter().map(|stand| elastic_pose(scene, &question, wheelset, stand)).collect();
-        let poses = poses.map_err(|error| Failure::Run(format!("{}: {error}", scene.source.file)))?;
+        // Neighbours are lowered by about as much.
+        let in_a_row = |stands: &[&Stand]| -> Result<Vec<RollingPose>, NoPatch> {
+            let mut near = None;
+            let pose = |stand: &&Stand| {
+                let (pose, lowered) = elastic_pose(scene, &question, wheelset, stand, near)?;
+                near = Some(lowered);
+                Ok(pose)
+            };
+            stands.iter().map(pose).collect()
+        };
+        let poses: Result<Vec<Vec<RollingPose>>, NoPatch> = stands.par_chunks(NEIGHBOURS).map(in_a_row).collect();
+        let poses = poses.map_err(|error| Failure::Run(format!("{}: {error}", scene.source.file)))?.concat();
         let differences = poses.iter().map(|pose| (pose.y, pose.radii[0] - pose.radii[1])).collect();
         let difference = RadiusDifference::of_poses(poses);
         let all = |amplitudes: &[f64]| amplitudes.iter().map(|amplitude| Conicities::new(&difference, *amplitude)).collect();
         Ok(Elastic { load, differences, chosen: Conicities::new(&difference, chosen[0]), table: all(table), curve: all(curve) })
     }
 }
+
+/// Stands that are computed one after the other.
+const NEIGHBOURS: usize = 16;
 
 /// Both conicities at one amplitude.
 struct Conicities {

@@ -16,18 +16,16 @@
 //! Error of the grid: the load of a Hertzian patch is 0.05 % off with 32 cells across the box of the overlap (23 across the patch), and 0.01 % with 64.
 //! Creep forces err in proportion to the cells, by 3 % of mu N with 32: they are extrapolated from two grids.
 
+mod lowering;
+mod pressed;
 mod surfaces;
 #[cfg(test)]
 mod tests;
 
-use crate::contact::Material;
-use crate::contact::half_space::cells::Pressure;
-use crate::contact::half_space::influence::{Cell, Convolver, Pair as Components};
-use crate::contact::half_space::tangential::{Limits, MOST_STEPS, Tangential, Workspace};
-use crate::contact::half_space::{normal, rolling};
-use crate::contact::search::algebraic::Pair;
+pub use lowering::depth_under_load;
+pub use pressed::Pressed;
+
 use nalgebra::Vector3;
-use surfaces::{Domain, Sample, sample};
 
 /// Settings of the numerical solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,110 +116,6 @@ impl PatchSolution {
     }
 }
 
-/// Solves the patch of a wheel and a rail in a pose; empty where the surfaces do not overlap, `None` where the iteration was given up.
-/// Without a `motion` there are no tractions.
-pub fn solve(pair: &Pair, material: Material, friction: f64, motion: Option<&Motion>, settings: Settings) -> Option<PatchSolution> {
-    let Some(domain) = Domain::find(pair) else { return Some(PatchSolution::default()) };
-    let Settings { columns, rows, extrapolate } = settings;
-    let mut fine = on_grid(pair, &domain, (material, friction), motion, [columns, rows])?;
-    if extrapolate && motion.is_some() {
-        let coarse = on_grid(pair, &domain, (material, friction), motion, [columns / 2, rows / 2])?;
-        let force = fine.creep_force * 2.0 - coarse.creep_force;
-        // The moment about one and the same place.
-        let shifted = coarse.creep_moment + (coarse.centre - fine.centre).cross(&coarse.creep_force);
-        fine.creep_moment = fine.creep_moment * 2.0 - shifted;
-        fine.creep_force = force * (friction * fine.load / force.norm()).min(1.0);
-        fine.residual = fine.residual.max(coarse.residual);
-    }
-    Some(fine)
-}
-
-/// The same on one grid.
-fn on_grid(
-    pair: &Pair,
-    domain: &Domain,
-    (material, friction): (Material, f64),
-    motion: Option<&Motion>,
-    [columns, rows]: [usize; 2],
-) -> Option<PatchSolution> {
-    let (shear_modulus, nu) = (material.shear_modulus(), material.poisson_ratio);
-    let left = pair.rail.side.sign();
-    let size = [(domain.lead[1] - domain.lead[0]) / columns as f64, (domain.arc[1] - domain.arc[0]) / rows as f64];
-    // Rolling backward everything turns by 180 degrees about the normal: the leading edge comes first.
-    let ahead = if motion.is_some_and(|motion| motion.speed < 0.0) { -1.0 } else { 1.0 };
-    let edge = if left * ahead > 0.0 { domain.arc[0] } else { -domain.arc[1] };
-    let begin = if ahead > 0.0 { domain.lead[0] } else { -domain.lead[1] };
-    let middle = |cell: &Cell| [begin + size[0] * (cell.column as f64 + 0.5), edge + size[1] * (cell.row as f64 + 0.5)];
-    let cells: Vec<Cell> = (0..rows).flat_map(|row| (0..columns).rev().map(move |column| Cell { column, row })).collect();
-    let samples: Vec<_> = cells
-        .iter()
-        .map(|cell| {
-            let [x, y] = middle(cell).map(|place| place * ahead);
-            sample(pair, x, domain.eta(y * left))
-        })
-        .collect();
-    let overlaps: Vec<f64> = samples.iter().map(|sample| sample.overlap).collect();
-    let convolver = Convolver::new(columns, rows);
-    let pressures = normal::pressures(&cells, &overlaps, &normal::kernel(size, nu, &convolver), &convolver)?;
-
-    let pressed: Vec<usize> = (0..cells.len()).filter(|k| pressures[*k] > 0.0).collect();
-    let bound = Pressure {
-        size,
-        cells: pressed.iter().map(|k| cells[*k]).collect(),
-        places: pressed.iter().map(|k| middle(&cells[*k])).collect(),
-        values: pressed.iter().map(|k| friction * pressures[*k]).collect(),
-    };
-    let mut tractions: Vec<Components> = vec![[0.0; 2]; pressed.len()];
-    let (mut slips, mut residual) = (tractions.clone(), 0.0);
-    if let Some(motion) = motion.filter(|motion| motion.speed != 0.0 && friction > 0.0 && !pressed.is_empty()) {
-        let rigid: Vec<Components> = pressed
-            .iter()
-            .map(|k| {
-                let at = &samples[*k];
-                let slip = rigid_slip(pair, at, motion) / motion.speed.abs();
-                [slip.dot(&at.forward) * ahead, slip.dot(&at.normal.cross(&at.forward)) * ahead]
-            })
-            .collect();
-        let kernel = rolling::kernel(size, nu, &convolver);
-        let problem = Tangential { pressure: &bound, convolver: &convolver, kernel: &kernel };
-        let (mut workspace, limits) = (Workspace::new(&convolver), Limits { tolerance: TOLERANCE, most_steps: MOST_STEPS });
-        residual = problem.solve(&rigid, &mut tractions, limits, &mut workspace).residual;
-        slips = problem.slip_of(&rigid, &tractions, &mut workspace);
-    }
-    let found = pressed.iter().enumerate().map(|(n, k)| {
-        let at = &samples[*k];
-        PatchCell {
-            place: [ahead * bound.places[n][0] - domain.deepest.0, ahead * bound.places[n][1]],
-            point: at.between(),
-            normal: at.normal,
-            pressure: shear_modulus * pressures[*k],
-            traction: tractions[n].map(|traction| ahead * shear_modulus * traction),
-            slip: slips[n].map(|slip| ahead * slip),
-            sticks: tractions[n][0].hypot(tractions[n][1]) < bound.values[n] * (1.0 - 1e-9),
-        }
-    });
-    let forward: Vec<Vector3<f64>> = pressed.iter().map(|k| samples[*k].forward).collect();
-    Some(
-        PatchSolution { cells: found.collect(), cell_size: size, overlap: domain.deepest.2, residual, ..PatchSolution::default() }
-            .summed(&forward),
-    )
-}
-
-/// Velocity of the wheel's material past the rail, in the rail's tangent plane, m/s.
-fn rigid_slip(pair: &Pair, at: &Sample, motion: &Motion) -> Vector3<f64> {
-    let arm = at.on_wheel() - pair.centre;
-    let axle = pair.axes.column(1);
-    let spin = axle * motion.rotation.dot(&axle);
-    let around = spin.cross(&arm);
-    // The smallest rotation that takes the wheel's normal to the rail's.
-    let axis = at.wheel_normal.cross(&at.normal);
-    let turned = around + axis.cross(&around) + axis.cross(&axis.cross(&around)) / (1.0 + at.wheel_normal.dot(&at.normal));
-    turned + motion.velocity + (motion.rotation - spin).cross(&arm)
-}
-
-/// Residual of the friction law over the bound (root mean square) at which the tangential iteration stops.
-const TOLERANCE: f64 = 1e-6;
-
 impl PatchSolution {
     /// With the sums over its cells, whose e1 are given.
     fn summed(mut self, forward: &[Vector3<f64>]) -> PatchSolution {
@@ -243,40 +137,4 @@ impl PatchSolution {
         }
         self
     }
-}
-
-/// By how much, m, the wheel must be lowered from the pose of `pair` until its normal pressures carry a vertical load [N].
-///
-/// `None` where no such depth is found within 5 mm.
-pub fn depth_under_load(pair: &Pair, load: f64, material: Material, settings: Settings) -> Option<f64> {
-    const DEEPEST: f64 = 5e-3;
-    const CARRIED: f64 = 1e-7;
-    let missing = |depth: f64| {
-        let centre = pair.centre - Vector3::z() * depth;
-        let patch = solve(&Pair { centre: &centre, ..*pair }, material, 0.0, None, settings)?;
-        // Loads grow about as depth^1.5.
-        Some((patch.pressing.z.max(0.0) / load).powf(2.0 / 3.0) - 1.0)
-    };
-    let (mut low, mut high) = ((0.0, -1.0), (5e-5, missing(5e-5)?));
-    while high.1 < 0.0 {
-        if high.0 > DEEPEST {
-            return None;
-        }
-        low = high;
-        high = (2.0 * high.0, missing(2.0 * high.0)?);
-    }
-    // False position with halved weights (Illinois): the ends enclose the depth.
-    for _ in 0..60 {
-        let depth = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
-        let found = missing(depth)?;
-        if found.abs() < CARRIED || !(depth > low.0 && depth < high.0) {
-            return Some(depth);
-        }
-        if found < 0.0 {
-            (low, high.1) = ((depth, found), 0.5 * high.1);
-        } else {
-            (high, low.1) = ((depth, found), 0.5 * low.1);
-        }
-    }
-    Some(0.5 * (low.0 + high.0))
 }

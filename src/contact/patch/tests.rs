@@ -1,10 +1,12 @@
 use super::*;
+use crate::contact::Material;
 use crate::contact::creep::exact::{Exact, Settings as ExactSettings};
 use crate::contact::creep::{CreepLaw, RollingContact};
 use crate::contact::creepage::Creepage;
 use crate::contact::normal::Hertz;
 use crate::contact::normal::test_surfaces::{S1002, Shape, Stand, rail_60e1};
 use crate::contact::normal::{NormalLaw, ProfileSection};
+use crate::contact::search::algebraic::Pair;
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::geometry::Side;
 use crate::geometry::profile::{Cone, Profile, ProfilePoint};
@@ -46,7 +48,8 @@ fn rolling(yaw: f64, speed: f64) -> Motion {
 fn on(wheel: &Wheel, rail: &Rail, centre: Vector3<f64>, yaw: f64, motion: Option<&Motion>, n: usize) -> PatchSolution {
     let frame = AxleFrame::new(yaw, 0.0);
     let pair = Pair { wheel, rail, centre: &centre, axes: &frame.axes, distance: 0.0 };
-    solve(&pair, STEEL, 0.3, motion, Settings { columns: n, rows: n, extrapolate: true }).unwrap()
+    let pressed = Pressed::new(&pair, STEEL, Settings { columns: n, rows: n, extrapolate: motion.is_some() }).unwrap();
+    motion.map_or_else(|| pressed.at_rest(), |motion| pressed.roll(motion, 0.3))
 }
 
 #[test]
@@ -158,9 +161,10 @@ fn prop_a_load_that_is_asked_for_is_carried() {
     let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &frame.axes, distance: 0.0 };
     let settings = Settings { columns: 16, rows: 16, extrapolate: false };
     for load in [1e3, 5e4, 2e5] {
-        let depth = depth_under_load(&pair, load, STEEL, settings).unwrap();
-        let centre = centre - Vector3::z() * depth;
-        let found = solve(&Pair { centre: &centre, ..pair }, STEEL, 0.3, None, settings).unwrap();
+        let (depth, pressed) = depth_under_load(&pair, load, STEEL, settings, None).unwrap();
+        let found = pressed.at_rest();
+        let near = depth_under_load(&pair, load, STEEL, settings, Some(1.3 * depth)).unwrap().0;
+        assert!((near / depth - 1.0).abs() < 1e-6, "{near} {depth}");
         assert!((found.pressing.z / load - 1.0).abs() < 1e-6 && depth > 0.0, "{load} {}", found.pressing.z);
     }
 }

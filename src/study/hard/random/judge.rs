@@ -64,10 +64,12 @@ pub enum Class {
     SilentlyWrong,
     Panic,
     Hang,
+    /// It started or was refused, but took longer than a user waits. By the clock: the machine has a part in it.
+    SlowStart,
 }
 
 impl Class {
-    pub const ALL: [Class; 10] = [
+    pub const ALL: [Class; 11] = [
         Class::Right,
         Class::Refused,
         Class::Derailed,
@@ -78,6 +80,7 @@ impl Class {
         Class::SilentlyWrong,
         Class::Panic,
         Class::Hang,
+        Class::SlowStart,
     ];
 
     pub fn words(self) -> &'static str {
@@ -92,12 +95,13 @@ impl Class {
             Class::SilentlyWrong => "SILENTLY WRONG",
             Class::Panic => "PANIC",
             Class::Hang => "HANG",
+            Class::SlowStart => "SLOW START",
         }
     }
 
     /// What must not be at all.
     pub fn is_failure(self) -> bool {
-        matches!(self, Class::SilentlyWrong | Class::Panic | Class::Hang)
+        matches!(self, Class::SilentlyWrong | Class::Panic | Class::Hang | Class::SlowStart)
     }
 }
 
@@ -150,7 +154,7 @@ fn judge_here(seed: u64, method: Option<Method>) -> Verdict {
     };
     let (started, seconds) = cpu_time(start);
     if seconds > REFUSAL {
-        return verdict(Class::Hang, format!("{seconds:.1} s to start or to refuse"), seconds);
+        return verdict(Class::SlowStart, format!("{seconds:.1} s to start or to refuse"), seconds);
     }
     let (scene, mut simulation) = match started {
         Ok(started) => started,
