@@ -28,10 +28,10 @@ use serde::{Deserialize, Serialize};
 const EVERY: u32 = 4;
 /// Below this share of friction nothing flutters.
 const LEAST_USE: f64 = 0.7;
-/// Least growth [1/s], the same by |lambda|, and least frequency [rad/s] of what counts.
+/// Least growth [1/s], the same by |lambda|, and least frequency [rad/s] of what counts: below, hunting of a wheelset without its suspension grows too.
 const GROWS: f64 = 1.0;
 const GROWS_BY: f64 = 2e-3;
-const FAST: f64 = 100.0;
+const FAST: f64 = 300.0;
 /// Steps are at most this long, 1 / |lambda|.
 const FOLLOWED: f64 = 0.5;
 /// What the eigenvalues' iteration may cost.
