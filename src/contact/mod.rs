@@ -6,6 +6,7 @@ mod half_space;
 pub mod normal;
 pub mod patch;
 pub mod search;
+pub mod strips;
 pub mod transient;
 
 /// Elastic constants shared by wheel and rail.

@@ -16,12 +16,15 @@
 //! Error of the grid: the load of a Hertzian patch is 0.05 % off with 32 cells across the box of the overlap (23 across the patch), and 0.01 % with 64.
 //! Creep forces err in proportion to the cells, by 3 % of mu N with 32: they are extrapolated from two grids.
 
+mod choice;
 mod lowering;
 mod pressed;
+
 mod surfaces;
 #[cfg(test)]
 mod tests;
 
+pub use choice::{PatchLaw, REGISTRY, parse};
 pub use lowering::depth_under_load;
 pub use pressed::Pressed;
 

@@ -1,0 +1,247 @@
+//! Patches of one wheel, from its strips: where they are, how large, and how far two of them are one.
+//!
+//! Load over the arc length has humps. Where the valley between two of them is deeper than 0.8 of the lower hump they begin to be patches of their own,
+//! and are so wholly where nothing is pressed between them: `independence` grows smoothly from 0 to 1 on the way. What is made of the parts is mixed from
+//! the whole and the parts by it, so that nothing jumps where patches join, part or disappear.
+//!
+//! A part has the ellipse of its moments, as in Hertz's theory: `b^2 = 5 <(y - <y>)^2>` and `a^2 = 5/4 <a_i^2>`, means by load.
+
+use super::pressed::Pressed;
+use super::rail::RailStrips;
+use crate::contact::{Material, Patch};
+use crate::geometry::profile::{Profile, ProfilePoint};
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// Parts that a wheel may have.
+pub const MOST: usize = 4;
+/// A valley above this part of the lower hump makes no parts.
+const SHALLOW: f64 = 0.8;
+
+/// Humps that are looked at before the shallowest valleys are filled.
+const HUMPS: usize = 16;
+
+/// Parts in the order of the strips.
+#[derive(Clone, Debug, Default)]
+pub struct Parts {
+    humps: [Hump; HUMPS],
+    count: usize,
+}
+
+/// A part, and the valley behind it.
+#[derive(Clone, Debug, Default)]
+struct Hump {
+    strips: Range<usize>,
+    /// Largest load over the arc length in it, and least behind it, N/m.
+    peak: f64,
+    valley: f64,
+    /// Share of the lowest strip of the valley that belongs to this part; the rest belongs to the next part, whose range begins with it. `None` where
+    /// nothing is pressed in the valley.
+    cut: Option<f64>,
+}
+
+/// Strips of a part, the first and the last of which may belong to it in parts.
+#[derive(Clone, Copy, Debug)]
+pub struct Share<'a> {
+    strips: &'a [Pressed],
+    first: f64,
+    last: f64,
+}
+
+impl<'a> Share<'a> {
+    fn loads(self) -> impl Iterator<Item = (f64, &'a Pressed)> + Clone {
+        let last = self.strips.len() - 1;
+        self.strips.iter().enumerate().map(move |(k, strip)| {
+            let share = if k == 0 { self.first } else { 1.0 } * if k == last { self.last } else { 1.0 };
+            (share, strip)
+        })
+    }
+
+    /// Sum of its loads, N.
+    pub fn load(self) -> f64 {
+        self.loads().map(|(share, strip)| share * strip.load).sum()
+    }
+}
+
+/// Where a range of strips presses.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// Sum of all loads, N: what friction is bounded by.
+    pub load: f64,
+    /// Size of the sum of all strips' forces, N, and its direction out of the rail.
+    pub force: f64,
+    pub normal: Vector3<f64>,
+    /// Along the rail, at right angles to that, not unit.
+    pub forward: Vector3<f64>,
+    /// Centre of load on the undeformed wheel, from the wheelset's centre, m.
+    pub arm: Vector3<f64>,
+    /// Ahead of it along the track, m.
+    pub lead: f64,
+    /// Largest overlap, m.
+    pub overlap: f64,
+    /// Coordinates of wheel and rail at the centre, m; the profiles there, their curvature that of a line of least squares through the slopes.
+    pub coordinates: [f64; 2],
+    pub profiles: [ProfilePoint; 2],
+    pub patch: Patch,
+}
+
+impl Parts {
+    /// Finds at most `most` parts.
+    pub fn new(pressed: &[Pressed], rail: &RailStrips, most: usize) -> Parts {
+        let mut parts = Parts::default();
+        let density = |k: usize| pressed[k].load / pressed[k].width;
+        let joined = |k: usize| k + 1 < pressed.len() && pressed[k + 1].load > 0.0 && pressed[k + 1].number == pressed[k].number + 1;
+        let mut k = 0;
+        while k < pressed.len() {
+            if !(pressed[k].load > 0.0) {
+                k += 1;
+                continue;
+            }
+            let begin = k;
+            while joined(k) && density(k + 1) >= density(k) {
+                k += 1;
+            }
+            let peak = density(k);
+            while joined(k) && density(k + 1) <= density(k) {
+                k += 1;
+            }
+            let (valley, cut) = if joined(k) { (density(k), Some(cut(pressed, rail, k))) } else { (0.0, None) };
+            if parts.count == HUMPS {
+                parts.fill_shallowest();
+            }
+            parts.humps[parts.count] = Hump { strips: begin..k + 1, peak, valley, cut };
+            parts.count += 1;
+            // The lowest strip belongs to both sides.
+            k += usize::from(parts.humps[parts.count - 1].cut.is_none());
+        }
+        while parts.count > 1 && (parts.count > most.min(MOST) || parts.shallowest().1 > SHALLOW) {
+            parts.fill_shallowest();
+        }
+        parts
+    }
+
+    /// The part whose valley is the shallowest, and its height over the lower hump beside it.
+    fn shallowest(&self) -> (usize, f64) {
+        let height = |k: usize| self.humps[k].valley / self.humps[k].peak.min(self.humps[k + 1].peak);
+        let highest = (0..self.count - 1).max_by(|a, b| height(*a).total_cmp(&height(*b))).unwrap_or(0);
+        (highest, height(highest))
+    }
+
+    /// Joins the parts on both sides of that valley.
+    fn fill_shallowest(&mut self) {
+        let at = self.shallowest().0;
+        let next = self.humps[at + 1].clone();
+        let own = &mut self.humps[at];
+        *own = Hump { strips: own.strips.start..next.strips.end, peak: own.peak.max(next.peak), ..next };
+        self.humps[at + 1..self.count].rotate_left(1);
+        self.count -= 1;
+    }
+
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// What belongs to the parts from `first` to `last`.
+    pub fn share<'a>(&self, pressed: &'a [Pressed], first: usize, last: usize) -> Share<'a> {
+        let before = first.checked_sub(1).and_then(|before| self.humps[before].cut);
+        let behind = if last + 1 < self.count { self.humps[last].cut } else { None };
+        let strips = &pressed[self.humps[first].strips.start..self.humps[last].strips.end];
+        Share { strips, first: before.map_or(1.0, |cut| 1.0 - cut), last: behind.unwrap_or(1.0) }
+    }
+
+    /// The part, not the last of them, behind which the parts from `first` to `last` are most independent, and how much: by the height of the valley
+    /// over the lower one of the highest humps on both sides.
+    pub fn divide(&self, first: usize, last: usize) -> (usize, f64) {
+        let highest = |from: usize, to: usize| self.humps[from..=to].iter().map(|hump| hump.peak).fold(0.0, f64::max);
+        let height = |k: usize| self.humps[k].valley / highest(first, k).min(highest(k + 1, last));
+        let deepest = (first..last).min_by(|a, b| height(*a).total_cmp(&height(*b))).unwrap_or(first);
+        let depth = (1.0 - height(deepest) / SHALLOW).clamp(0.0, 1.0);
+        (deepest, depth * depth * (3.0 - 2.0 * depth))
+    }
+}
+
+/// Share of the lowest strip `k` of a valley that lies before the valley's middle: that of a parabola through three strips, which moves on to the next
+/// strip where that becomes the lowest.
+fn cut(pressed: &[Pressed], rail: &RailStrips, k: usize) -> f64 {
+    let Some(before) = k.checked_sub(1) else { return 0.5 };
+    let at = |k: usize| (rail.strip(pressed[k].number).arc, pressed[k].load / pressed[k].width);
+    let ((x0, q0), (x1, q1), (x2, q2)) = (at(before), at(k), at(k + 1));
+    let slopes = [(q1 - q0) / (x1 - x0), (q2 - q1) / (x2 - x1)];
+    if !(slopes[1] > slopes[0]) {
+        return 0.5;
+    }
+    // Those are the slopes half way between strips; between these places it goes through zero.
+    (-slopes[0] / (slopes[1] - slopes[0])).clamp(0.0, 1.0)
+}
+
+/// Mean of a coordinate by load, and the slope of `value` over it.
+fn line(share: Share, load: f64, value: impl Fn(&Pressed) -> f64, coordinate: impl Fn(&Pressed) -> f64) -> (f64, f64, f64) {
+    let mean = |of: &dyn Fn(&Pressed) -> f64| share.loads().map(|(share, strip)| share * strip.load * of(strip)).sum::<f64>() / load;
+    let (x, y) = (mean(&coordinate), mean(&value));
+    let square = mean(&|strip| (coordinate(strip) - x).powi(2));
+    let both = mean(&|strip| (coordinate(strip) - x) * (value(strip) - y));
+    (x, y, if square > 0.0 { both / square } else { f64::NAN })
+}
+
+/// lambda of the patch's proportions g (see [`super`]).
+fn proportion(g: f64) -> f64 {
+    4.0 / PI * (1.0 + 1.960_923_4 * g.powf(3.293_396)).powf(-0.269_668)
+}
+
+impl Part {
+    /// Sums over strips, of which one at least carries load.
+    pub fn new(share: Share, rail: &RailStrips, wheel: &dyn Profile, material: Material) -> Part {
+        let (mut load, mut lead, mut overlap) = (0.0, 0.0, 0.0f64);
+        let (mut force, mut arm, mut forward) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+        let (mut arc, mut lengths, mut squares, mut work, mut height, mut radius) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        for (part, Pressed { number, strip, load: own, width, .. }) in share.loads() {
+            let at = rail.strip(*number);
+            let density = own / width;
+            let own = &(part * own);
+            load += own;
+            // The pressed surface lies half way between both: alike bodies yield alike.
+            force += (strip.normal + strip.against) * (0.5 * own);
+            forward += strip.forward * *own;
+            arm += (strip.point - strip.normal * strip.overlap) * *own;
+            lead += own * strip.lead;
+            arc += own * at.arc;
+            lengths += own * density / strip.curvature;
+            squares += own * density;
+            work += own * strip.overlap;
+            height += own * at.profile.value;
+            radius += own * strip.radius;
+            overlap = overlap.max(if *own > 0.0 { part * strip.overlap } else { 0.0 });
+        }
+        let per_load = 1.0 / load;
+        let modulus = material.shear_modulus() / (1.0 - material.poisson_ratio);
+        lengths *= proportion(squares / (modulus * work)) / modulus;
+        arc *= per_load;
+        let apart = |own: &Pressed| (rail.strip(own.number).arc - arc).powi(2) + own.width * own.width / 12.0;
+        let spread: f64 = share.loads().map(|(part, own)| part * own.load * apart(own)).sum();
+        let size = force.norm();
+        let (u, wheel_slope, wheel_bend) = line(share, load, |own| own.strip.slope, |own| own.strip.wheel);
+        let (eta, rail_slope, rail_bend) = line(share, load, |own| rail.strip(own.number).profile.d1, |own| rail.strip(own.number).eta);
+        let wheel_bend = if wheel_bend.is_finite() { wheel_bend } else { wheel.at(u).d2 };
+        let rail_bend = if rail_bend.is_finite() { rail_bend } else { rail.strip(share.strips[0].number).profile.d2 };
+        Part {
+            load,
+            force: size,
+            normal: force / size,
+            forward: (forward - force * (force.dot(&forward) / (size * size))) * per_load,
+            arm: arm * per_load,
+            lead: lead * per_load,
+            overlap,
+            coordinates: [u, eta],
+            profiles: [
+                ProfilePoint { value: radius * per_load, d1: wheel_slope, d2: wheel_bend, d3: 0.0 },
+                ProfilePoint { value: height * per_load, d1: rail_slope, d2: rail_bend, d3: 0.0 },
+            ],
+            patch: Patch { a: (1.25 * lengths * per_load).sqrt(), b: (5.0 * spread * per_load).sqrt() },
+        }
+    }
+}
