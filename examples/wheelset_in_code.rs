@@ -4,6 +4,7 @@ use std::sync::Arc;
 use wheelrail::contact::creep::ShenHedrickElkins;
 use wheelrail::contact::normal::Hertz;
 use wheelrail::contact::normal::damping::Proportional;
+use wheelrail::contact::patch::PatchLaw;
 use wheelrail::formulation;
 use wheelrail::formulation::wheel_search::PreparedSearches;
 use wheelrail::geometry::Side;
@@ -55,7 +56,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             damping: Box::new(Proportional(2e9)),
             transient: None,
             friction: 0.35,
-            shear_modulus: steel.shear_modulus(),
+            material: steel,
+            patch: PatchLaw::default(),
         },
         points: 1,
         prepared: PreparedSearches::default(),

@@ -10,7 +10,10 @@ use super::wheel_search::{self, PreparedSearches};
 use super::wheelset::Wheelset;
 use super::work::Work;
 use super::{Cached, ContactReport, Formulation, Workspace};
+use crate::contact::patch::PatchLaw;
 use crate::contact::search::nodes::NodeError;
+use crate::contact::strips::{RailStrips, Scratch};
+use crate::geometry::Side;
 use crate::geometry::track::Track;
 use crate::mbs::system::System;
 use std::sync::Arc;
@@ -43,6 +46,14 @@ pub enum AssemblyError {
     )]
     RailMotion,
     #[error(
+        "contact.patch = \"strips\" needs elastic contact (contact.formulation = \"ECF-A\" or \"ECF-N\"): a constraint holds the deepest places of rigid surfaces; expected contact.patch = \"ellipse\""
+    )]
+    RigidPatch,
+    #[error(
+        "contact.patch = \"strips\" has no tangential states: patches that join and part would have to hand them over; expected no [contact.transient], or contact.patch = \"ellipse\""
+    )]
+    TransientPatch,
+    #[error(
         "preload = \"static\": no preloads hold {body} {direction} in its drawn position ({rest:.3} {unit} are left): an element with preload = \"static\" and a stiffness that way, or a joint, must carry it, and its centre of mass must stand between them"
     )]
     StaticPreload { body: String, direction: &'static str, rest: f64, unit: &'static str },
@@ -56,6 +67,12 @@ impl Model {
     pub fn new(parts: Parts, build: &Build) -> Result<Model, AssemblyError> {
         let formulation = build(&parts)?;
         let Parts { system, track, wheelsets, laws, points, prepared } = parts;
+        let strips = match laws.patch {
+            PatchLaw::Ellipse => None,
+            PatchLaw::Strips if formulation.constrains() => return Err(AssemblyError::RigidPatch),
+            PatchLaw::Strips if laws.transient.is_some() => return Err(AssemblyError::TransientPatch),
+            PatchLaw::Strips => Some(Side::BOTH.map(|side| RailStrips::new(track.rail(side).profile.as_ref()))),
+        };
         let own = formulation.points_per_wheel();
         let searches = wheel_search::searches(&wheelsets, &track, own == 1, &prepared);
         let points = if searches.iter().any(Option::is_some) { points } else { own };
@@ -72,6 +89,7 @@ impl Model {
             load_tolerance: LOAD_TOLERANCE,
             means: None,
             rail_motion: false,
+            strips,
         })
     }
 
@@ -105,6 +123,7 @@ impl Model {
             timers: Timers::default(),
             events: Vec::new(),
             cached: Cached::No,
+            strips: Scratch::new(self.strips.as_ref().map_or(0, |rails| rails.iter().map(RailStrips::len).max().unwrap_or(0))),
             tangent: None,
             frame: MovingFrame::default(),
         }

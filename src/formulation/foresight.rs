@@ -114,7 +114,7 @@ impl Model {
                     largest = largest.max((slope * sunk).abs().max((impedance * slip.dot(&axes.normal)).abs()) * scale * lasting);
                 }
                 let slip = slip.dot(&axes.e1).hypot(slip.dot(&axes.e2));
-                let stiffness = self.laws.shear_modulus * report.patch.a * report.patch.b * KALKER;
+                let stiffness = self.laws.material.shear_modulus() * report.patch.a * report.patch.b * KALKER;
                 let speed = wheelset.speed(motion).abs().max(SLOW);
                 largest = largest.max((stiffness * slip / speed).min(2.0 * friction * report.normal_force) * scale);
             }

@@ -67,6 +67,13 @@ impl WheelAt<'_> {
 }
 
 impl Contact<'_> {
+    /// Where a contact is that was reported.
+    pub fn again(report: &ContactReport) -> ContactLocation {
+        let ContactReport { parameters, wheel_point, axes, penetration, profiles: [wheel_profile, rail_profile], iterations, .. } = *report;
+        let (normal, forward) = (axes.normal, axes.e1);
+        ContactLocation { parameters, wheel_point, normal, forward, penetration, wheel_profile, rail_profile, iterations }
+    }
+
     /// What the normal law may ask of the surfaces.
     #[inline]
     fn shape(&self) -> ContactShape<'_> {
@@ -105,20 +112,35 @@ impl Contact<'_> {
             report.creepage = Default::default();
             return Ok(report);
         }
-        self.check_place()?;
-        if found.penetration > DEEPEST {
-            return Err(ContactFailure::TooDeep { penetration: found.penetration, z: self.wheel.model.beside(self.wheel.motion).1 });
-        }
-        let elastic = model.laws.normal.contact(&self.shape(), found.penetration)?;
+        self.check_depth()?;
+        let mut elastic = model.laws.normal.contact(&self.shape(), found.penetration)?;
         // A place that carries a share of a patch's force covers that share of its area.
         let narrower = self.share.sqrt();
-        (report.stiffness, report.elastic_slope) = (elastic.stiffness, elastic.slope);
-        report.patch = Patch { a: narrower * elastic.patch.a, b: narrower * elastic.patch.b };
-        report.normal_force =
-            self.share * damped_force(model.laws.damping.as_ref(), elastic.force, found.penetration, report.penetration_rate);
-        self.creep(&mut report);
+        elastic.patch = Patch { a: narrower * elastic.patch.a, b: narrower * elastic.patch.b };
+        self.load_whole(&mut report, &elastic);
         report.add_to(wrench, report.force, &self.wheel.motion.position);
         Ok(report)
+    }
+
+    /// Checks a contact that is pressed: its place and how deep it is.
+    #[inline]
+    pub fn check_depth(&self) -> Result<(), ContactFailure> {
+        self.check_place()?;
+        let penetration = self.found.penetration;
+        if penetration > DEEPEST {
+            return Err(ContactFailure::TooDeep { penetration, z: self.wheel.model.beside(self.wheel.motion).1 });
+        }
+        Ok(())
+    }
+
+    /// Normal force with damping and creep force in a report: of the share of this contact in an elastic force that is given whole, on the patch that
+    /// it covers.
+    #[inline]
+    pub fn load_whole(&self, report: &mut ContactReport, elastic: &ElasticContact) {
+        (report.stiffness, report.elastic_slope, report.patch) = (elastic.stiffness, elastic.slope, elastic.patch);
+        let damping = self.wheel.model.laws.damping.as_ref();
+        report.normal_force = self.share * damped_force(damping, elastic.force, self.found.penetration, report.penetration_rate);
+        self.creep(report);
     }
 
     /// Penetration [m] under which the elastic force is `normal_force` > 0 [N].
@@ -159,7 +181,7 @@ impl Contact<'_> {
 
     /// Creep forces from patch, normal force and creepage, and the total force.
     #[inline]
-    fn creep(&self, report: &mut ContactReport) {
+    pub fn creep(&self, report: &mut ContactReport) {
         let laws = &self.wheel.model.laws;
         // A polynomial input may pass below zero between communication points.
         let friction = laws.friction * self.wheel.friction.max(0.0);

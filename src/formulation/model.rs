@@ -4,9 +4,12 @@ use super::Formulation;
 use super::sliding_mean::SlidingMean;
 use super::wheel_search::WheelSearch;
 use super::wheelset::Wheelset;
+use crate::contact::Material;
 use crate::contact::creep::CreepLaw;
 use crate::contact::normal::NormalLaw;
 use crate::contact::normal::damping::DampingLaw;
+use crate::contact::patch::PatchLaw;
+use crate::contact::strips::RailStrips;
 use crate::contact::transient::{self, TransientContact};
 use crate::geometry::track::Track;
 use crate::mbs::system::System;
@@ -26,8 +29,8 @@ pub struct ContactLaws {
     pub transient: Option<TransientContact>,
     /// mu, -.
     pub friction: f64,
-    /// G, Pa.
-    pub shear_modulus: f64,
+    pub material: Material,
+    pub patch: PatchLaw,
 }
 
 /// Everything that stays constant during a simulation.
@@ -51,6 +54,8 @@ pub struct Model {
     pub rail_motion: bool,
     /// Per wheel: the search for all of them; `None` where one place alone can touch.
     pub(super) searches: Vec<Option<Arc<WheelSearch>>>,
+    /// The left and the right rail in strips, where patches are made of them.
+    pub(super) strips: Option<[RailStrips; 2]>,
 }
 
 impl Model {

@@ -31,7 +31,7 @@ pub struct WheelRef<'a> {
 impl<'a> WheelRef<'a> {
     /// Wheel and rail where they stand.
     #[inline]
-    pub(super) fn pair<'b>(&self, model: &'b Model, motion: &'b BodyMotion) -> Pair<'b>
+    pub fn pair<'b>(&self, model: &'b Model, motion: &'b BodyMotion) -> Pair<'b>
     where
         'a: 'b,
     {

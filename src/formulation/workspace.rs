@@ -9,6 +9,7 @@ use super::work::Work;
 use crate::contact::Patch;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
 use crate::contact::search::algebraic::SurfaceParameters;
+use crate::contact::strips::Scratch;
 use crate::contact::transient;
 use crate::geometry::profile::ProfilePoint;
 use crate::mbs::body::Wrench;
@@ -73,6 +74,8 @@ pub struct Workspace {
     pub timers: Timers,
     /// Lift-offs and landings since they were last taken away.
     pub events: Vec<ContactEvent>,
+    /// What patches of strips are found in.
+    pub(super) strips: Scratch,
     /// Does what the last evaluation found belong to the begin of the integrator's next step?
     pub cached: Cached,
     /// The linearised model, for integrators that need it .
@@ -112,7 +115,7 @@ impl Workspace {
 
     /// Reports of all contacts of the wheel whose first contact has the index `contact`.
     #[inline]
-    pub fn reports(&self, contact: usize) -> impl Iterator<Item = &ContactReport> {
+    pub fn reports(&self, contact: usize) -> impl Iterator<Item = &ContactReport> + Clone {
         std::iter::once(&self.contacts[contact]).chain(self.further(contact))
     }
 

@@ -5,6 +5,7 @@ use super::remarks::remarks;
 use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
 use super::start::{self, Start};
+use crate::contact::patch::PatchLaw;
 use crate::formulation::inputs::{CENTRE_FORCES, GROUPS, InputGroup, RAIL_MOTION};
 use crate::formulation::sliding_mean::CUT_OFF;
 use crate::formulation::sliding_mean::SlidingMean;
@@ -137,7 +138,19 @@ fn contact_effects(scene: &Scene, model: &Model, all: &mut Effects) {
         let why = if left == right { left } else { format!("left: {left}; right: {right}") };
         all.add(name, true, why, 0);
     }
-    all.add("normal force", true, format!("contact.normal.law = \"{}\"{}", contact.normal_name, model.laws.normal.describe()), 0);
+    let strips = contact.patch == PatchLaw::Strips;
+    let why = match strips {
+        true => {
+            "contact.patch = \"strips\": all that overlaps presses, forces at the load's centre; instead of contact.normal.law".to_string()
+        }
+        false => format!("contact.patch = \"{}\"", contact.patch_name),
+    };
+    all.add("non-elliptic patches", strips, why, 0);
+    let why = match strips {
+        true => "contact.patch takes its place".to_string(),
+        false => format!("contact.normal.law = \"{}\"{}", contact.normal_name, model.laws.normal.describe()),
+    };
+    all.add("normal force", !strips, why, 0);
     let elastic = !model.formulation.constrains();
     let why = match (elastic, several) {
         (true, _) => "",
@@ -296,6 +309,9 @@ fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
     }
     const CONVEX: &str = "only one place can touch (the profiles are strictly convex against each other)";
     let [left, right] = Side::BOTH.map(|side| model.searches_contacts(contact_index(0, side)));
+    if scene.contact.patch == PatchLaw::Strips {
+        return (true, format!("contact.patch = \"strips\": parts of patches, up to {points}"));
+    }
     let points = match scene.contact.points {
         Some(stated) => format!("contact.points = {stated}"),
         None => format!("contact.points, by default as many as these profiles can need, {points}"),

@@ -4,8 +4,9 @@ use super::limits::{MOST_STEPS, SMALLEST_MODULUS};
 use super::profiles::read_profiles;
 use super::spec::*;
 use super::{assemble, solver_choice};
+use crate::contact::patch::PatchLaw;
 use crate::contact::transient::TransientSettings;
-use crate::contact::{Material, creep, normal};
+use crate::contact::{Material, creep, normal, patch};
 use crate::formulation::{
     self, LOAD_TOLERANCE,
     inputs::{GROUPS, RAIL_MOTION},
@@ -58,7 +59,11 @@ impl Scene {
         let (Some(solver), Some(interface), Some(run)) = (solver, interface, run) else { return Err(root.stop()) };
         let prepared = PreparedSearches::default();
         let mut scene = Scene { name, source, title, vehicle, track, contact, solver, interface, run, prepared, points: MOST_POINTS };
-        scene.points = scene.contact.points.unwrap_or_else(|| assemble::points_needed(&scene));
+        scene.points = match scene.contact.patch {
+            // All places at which surfaces may overlap.
+            PatchLaw::Strips => MOST_POINTS,
+            PatchLaw::Ellipse => scene.contact.points.unwrap_or_else(|| assemble::points_needed(&scene)),
+        };
         Ok(scene)
     }
 }
@@ -173,6 +178,10 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
     let creep = section.keep(section.section("creep").and_then(|section| read_law(section, creep::parse)))?;
     let damping = section.keep(normal::damping::parse(&section))?;
     let friction = section.not_negative("friction", Dimension::None)?;
+    let patch = section.keep(patch::parse(&section))?;
+    if section.has("points") && patch.is_some_and(|patch| patch.1 == PatchLaw::Strips) {
+        return Err(section.error("points", "stands beside contact.patch = \"strips\", which counts no places; expected one of them"));
+    }
     let points = section.keep(read_points(&section))?;
     let transient = section.keep(TransientSettings::parse(&section))?;
     section.clone().finish()?;
@@ -182,6 +191,7 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
         return Err(section.stop());
     };
     let (Some((damping, damping_law)), Some(points), Some(transient)) = (damping, points, transient) else { return Err(section.stop()) };
+    let Some((patch_name, patch)) = patch else { return Err(section.stop()) };
     Ok(ContactSpec {
         formulation_name,
         formulation,
@@ -195,6 +205,8 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
         creep_name,
         creep,
         transient,
+        patch_name,
+        patch,
     })
 }
 

@@ -5,6 +5,7 @@
 pub use super::limits::{MOST_STEPS, SMALLEST, SMALLEST_MODULUS};
 pub use super::vehicle::VehicleSpec;
 pub use super::vehicle::wheelset::{INITIAL, Initial, WheelsetSpec};
+use crate::contact::patch::PatchLaw;
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
 use crate::formulation::{self, wheel_search::PreparedSearches};
@@ -76,6 +77,8 @@ pub struct ContactSpec {
     pub creep_name: String,
     pub creep: creep::Build,
     pub transient: Option<TransientSettings>,
+    pub patch_name: &'static str,
+    pub patch: PatchLaw,
 }
 
 /// `[solver]`.

@@ -15,6 +15,7 @@
 //! State per contact: s of the section, m. Of what is remembered the place of the first contact is written, for whoever asks where
 //! the wheel stands; nothing is taken from it.
 
+use super::patch::{Located, press_wheel};
 use super::{finish, points};
 use crate::contact::search::algebraic::ContactLocation;
 use crate::contact::search::nodal::{NodalSearch, arc_rate};
@@ -116,6 +117,17 @@ impl Formulation for EcfN {
                 let first = first.as_ref().ok_or_else(|| fail(ContactFailure::OffRail { y: model.beside(motion).0 }))?;
                 memory.wheels[contact].set_start(first.parameters);
                 let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
+                if let Some(rails) = &model.strips {
+                    let wrench = &mut workspace.system.wrenches[wheelset.body];
+                    let mut located = Located::default();
+                    (located[0], located[1]) = (Some(*first), *second);
+                    for found in located.iter().flatten() {
+                        self.check_ends(model, wheelset, side, found, motion).map_err(fail)?;
+                    }
+                    let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
+                    press_wheel(&wheel, &rails[side.index()], (&located, false), &mut workspace.strips, wrench, reports).map_err(fail)?;
+                    continue;
+                }
                 // Humps of one batch share a patch, as ECF-A's places do.
                 let share = |own: usize| match (found.saddle, [first, second.as_ref().unwrap_or(first)]) {
                     (Some(saddle), both) => points::share_beside(both[own].penetration, saddle, both[1 - own].penetration),

@@ -2,6 +2,7 @@
 
 pub(super) mod ecf_a;
 pub(super) mod ecf_n;
+pub(super) mod patch;
 pub mod points;
 
 use super::{EvaluationError, Model, Workspace};

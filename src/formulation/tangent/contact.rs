@@ -49,11 +49,21 @@ pub(super) struct ByMotion<const N: usize> {
     pub velocity: [Row; N],
 }
 
+impl<const N: usize> ByMotion<N> {
+    pub fn times(mut self, factor: f64) -> Self {
+        let rows = self.position.iter_mut().chain(&mut self.velocity);
+        rows.flatten().for_each(|value| *value *= factor);
+        self
+    }
+}
+
 /// dN/d delta and dN/d delta'.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::formulation) struct NormalSlopes {
     pub by_penetration: f64,
     pub by_rate: f64,
+    /// dN by the elastic force, which `by_penetration` has taken in.
+    pub by_elastic: f64,
 }
 
 /// A contact's geometry with derivatives.
@@ -81,6 +91,7 @@ pub(in crate::formulation) fn normal_slopes(damping: &dyn DampingLaw, report: &C
     NormalSlopes {
         by_penetration: report.share * ((1.0 + slopes.by_elastic) * report.elastic_slope + slopes.by_penetration),
         by_rate: report.share * slopes.by_rate,
+        by_elastic: 1.0 + slopes.by_elastic,
     }
 }
 
@@ -90,6 +101,17 @@ impl<'a> Touching<'a> {
         let (axes, arm) = (&report.axes, report.wheel_point - motion.position);
         let ContactReport { parameters, penetration, profiles, .. } = report;
         let migration = pair.migration(&Touch { parameters, axes, arm, penetration: *penetration, profiles });
+        Self::of(report, motion, migration)
+    }
+
+    /// The same contact with another way over the surfaces and another turn of its axes, both in these axes.
+    pub fn migrating(&self, report: &'a ContactReport, motion: &BodyMotion, arm: [Row; 3], turn: [Row; 3]) -> Self {
+        Self::of(report, motion, Migration { material: self.migration.material, arm, turn })
+    }
+
+    #[inline]
+    fn of(report: &'a ContactReport, motion: &BodyMotion, migration: Migration) -> Self {
+        let (axes, arm) = (&report.axes, report.wheel_point - motion.position);
         let spin = [motion.rotation.dot(&axes.e1), motion.rotation.dot(&axes.e2), report.slip.spin];
         let off = (motion.velocity + motion.rotation.cross(&arm)).dot(&axes.normal);
         let velocity = [report.slip.longitudinal, report.slip.lateral, off];

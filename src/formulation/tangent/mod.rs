@@ -9,8 +9,11 @@
 //! count as not stiff (J = 0).
 
 mod contact;
+mod patch;
 
+use super::elastic::patch::location;
 use super::elastic::points;
+use super::loading::{Contact, WheelAt};
 use super::memory::{ModelMemory, RidgeMemory};
 use super::step::WheelRef;
 use super::wheel_search::MOST_POINTS;
@@ -20,11 +23,12 @@ use crate::contact::creepage::{CreepForce, Creepage};
 use crate::contact::search::migration::{Row, add, sum};
 use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
 use crate::geometry::Side;
-use crate::mbs::body::BodyMotion;
+use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::tangent::{SingularTangent, StateCoupling, Tangent};
 pub(super) use contact::normal_slopes;
 use contact::{ByMotion, NormalSlopes, Touching, penetration_by_pose};
 use nalgebra::Vector3;
+use patch::{PartChange, PatchChanges, Whole};
 
 /// A contact that in_frame less than this share of its force counts as one that in_frame so much.
 const LEAST_SHARE: f64 = 1e-2;
@@ -58,20 +62,32 @@ impl Model {
     pub fn linearise(&self, workspace: &mut Workspace, (y, memory): (&[f64], &ModelMemory), inputs: &[f64], forces: bool) {
         let Some(mut tangent) = workspace.tangent.take() else { return };
         tangent.clear();
+        let mut strips = std::mem::take(&mut workspace.strips);
         for WheelRef { contact, wheelset, side } in self.wheels() {
             let moved = self.against_rail(&workspace.system, inputs, wheelset.body, contact);
             let motion = moved.as_ref().map_or(&workspace.system.motions[wheelset.body], |moved| &moved.motion);
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
             let along = workspace.system.stations.get(wheelset.body).map_or(Vector3::x(), |station| station.frame.along());
+            let patch = self.strips.as_ref().map_or(PatchChanges::default(), |rails| {
+                let pair = WheelRef { contact, wheelset, side }.pair(self, motion);
+                patch::changes(&pair, &rails[side.index()], workspace.reports(contact), self.laws.material, &mut strips)
+            });
             let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);
-            for slot in 0..self.points {
+            let alone = if patch.whole.is_some() { 0 } else { self.points };
+            for slot in 0..alone {
                 let report = workspace.report(contact, slot);
                 let friction = self.laws.friction * factor.max(0.0);
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
                 let at = At { wheelset, side, contact, slot, motion, report, friction, travel };
-                self.add_contact(&at, shares.get(slot), y, &mut tangent);
+                self.add_contact(&at, (shares.get(slot), patch.parts[slot].as_ref()), y, &mut tangent);
+            }
+            if let Some(whole) = &patch.whole {
+                let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Vector3::zeros(), friction: factor, y };
+                let travel = wheelset.imposed_speed.is_none().then_some(along);
+                self.add_mixed(&wheel, workspace.reports(contact), (&patch.parts, whole), travel, &mut tangent);
             }
         }
+        workspace.strips = strips;
         if forces {
             tangent.add_forces(&self.system, &workspace.system, y);
         }
@@ -110,7 +126,65 @@ impl Model {
         }
     }
 
-    fn add_contact(&self, at: &At, share: Option<&Row>, y: &[f64], tangent: &mut Tangent) {
+    /// Adds the contacts of a patch whose parts are partly one: `T = s T(parts) + (1 - s) T(whole)` (see `elastic::patch`).
+    fn add_mixed<'r>(
+        &self,
+        wheel: &WheelAt,
+        reports: impl Iterator<Item = &'r ContactReport> + Clone,
+        (parts, whole): (&[Option<PartChange>], &Whole),
+        travel: Option<Vector3<f64>>,
+        tangent: &mut Tangent,
+    ) {
+        let WheelAt { wheelset, side, motion, contact, .. } = *wheel;
+        let friction = self.laws.friction * wheel.friction.max(0.0);
+        let Some(wrench) = tangent.wrench_mut(wheelset.body, wheelset.body) else { return };
+        // Of the parts' creep forces less that of the whole.
+        let mut difference = Wrench::default();
+        for (change, report) in parts.iter().zip(reports.clone()).filter_map(|(change, report)| Some((change.as_ref()?, report))) {
+            let found = Contact::again(report);
+            let mut own = *report;
+            Contact { wheel, found: &found, slot: 0, share: report.share }.creep(&mut own);
+            let (touching, normal) = self.touching_patch(&own, wheel, change);
+            let creep = self
+                .steady(&At { wheelset, side, contact, slot: 0, motion, report: &own, friction, travel }, &touching, &normal)
+                .times(whole.independence);
+            touching.add_wrench(report, &normal, &creep, wrench);
+            own.add_to(&mut difference, own.force - own.axes.normal * own.normal_force, &motion.position);
+        }
+        let found = location(&whole.part, motion);
+        let all = Contact { wheel, found: &found, slot: 0, share: 1.0 };
+        let mut report = all.report();
+        (report.patch, report.normal_force) = (whole.part.patch, reports.map(|report| report.normal_force).sum());
+        all.creep(&mut report);
+        let (touching, normal) = self.touching_patch(&report, wheel, &whole.change);
+        let creep = self
+            .steady(&At { wheelset, side, contact, slot: 0, motion, report: &report, friction, travel }, &touching, &normal)
+            .times(1.0 - whole.independence);
+        // The forces themselves turn with the parts.
+        let turned = ContactReport { creep_force: CreepForce::default(), normal_force: 0.0, ..report };
+        touching.add_wrench(&turned, &ByMotion { position: [[0.0; 6]], velocity: [[0.0; 6]] }, &creep, wrench);
+        report.add_to(&mut difference, report.axes.normal * report.normal_force - report.force, &motion.position);
+        difference.moment -= report.axes.normal * (2.0 * report.creep_force.spin_moment);
+        for (j, column) in wrench.by_position.data.0.iter_mut().enumerate() {
+            for k in 0..3 {
+                column[k] += difference.force[k] * whole.by_pose[j];
+                column[3 + k] += difference.moment[k] * whole.by_pose[j];
+            }
+        }
+    }
+
+    /// A part of a patch with its changes, and those of its normal force.
+    fn touching_patch<'r>(&self, report: &'r ContactReport, wheel: &WheelAt, change: &PartChange) -> (Touching<'r>, ByMotion<1>) {
+        let mut slopes = normal_slopes(self.laws.damping.as_ref(), report);
+        let axes = &report.axes;
+        let (arm, turn) = change.in_axes([&axes.e1, &axes.e2, &axes.normal]);
+        let touching = Touching::new(report, wheel.motion, &wheel.pair()).migrating(report, wheel.motion, arm, turn);
+        slopes.by_penetration -= report.share * slopes.by_elastic * report.elastic_slope;
+        let normal = touching.normal_force(slopes, sum([slopes.by_elastic], [&change.force]));
+        (touching, normal)
+    }
+
+    fn add_contact(&self, at: &At, (share, patch): (Option<&Row>, Option<&PartChange>), y: &[f64], tangent: &mut Tangent) {
         let At { wheelset, side, motion, report, .. } = *at;
         let transient = self.laws.transient.as_ref();
         if !(report.normal_force > 0.0) {
@@ -119,12 +193,20 @@ impl Model {
             }
             return;
         }
-        let slopes = match report.constrained {
+        let mut slopes = match report.constrained {
             true => NormalSlopes::default(),
             false => normal_slopes(self.laws.damping.as_ref(), report),
         };
-        let touching = Touching::new(report, motion, &WheelRef { contact: at.contact, wheelset, side }.pair(self, motion));
-        let shared = share.map_or([0.0; 6], |share| sum([report.normal_force], [share]));
+        let mut touching = Touching::new(report, motion, &WheelRef { contact: at.contact, wheelset, side }.pair(self, motion));
+        let mut shared = share.map_or([0.0; 6], |share| sum([report.normal_force], [share]));
+        if let Some(change) = patch {
+            let axes = &report.axes;
+            let (arm, turn) = change.in_axes([&axes.e1, &axes.e2, &axes.normal]);
+            touching = touching.migrating(report, motion, arm, turn);
+            let elastic = slopes.by_elastic;
+            slopes.by_penetration -= report.share * elastic * report.elastic_slope;
+            shared = sum([elastic], [&change.force]);
+        }
         let normal = touching.normal_force(slopes, shared);
         let creep = match transient {
             None => self.steady(at, &touching, &normal),

@@ -35,8 +35,10 @@ use super::super::memory::{Allowance, WheelMemory};
 use super::super::prediction::{after, pose_of};
 use super::super::wheel_search::{FAR, MOST_POINTS, WheelSearch};
 use super::super::{ContactFailure, ContactReport, Model, Workspace};
+use super::patch::{Located, press_wheel};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
 use crate::contact::search::global::{MOST, Minima, Ridge, is_least};
+use crate::contact::strips::Scratch;
 use crate::mbs::body::Wrench;
 use share::{Saddle, Saddles, share_out};
 pub(in super::super) use share::{beside as share_beside, share_slopes};
@@ -63,9 +65,11 @@ pub(in super::super) type Places = [Option<Place>; MOST_POINTS];
 pub(in super::super) fn elastic_wheel(
     wheel: &WheelAt,
     memory: &mut WheelMemory,
+    strips: &mut Scratch,
     wrench: &mut Wrench,
     (first, further): (&mut ContactReport, &mut [ContactReport]),
 ) -> Result<(), ContactFailure> {
+    let rail = wheel.model.strips.as_ref().map(|rails| &rails[wheel.side.index()]);
     let Some(search) = &wheel.model.searches[wheel.contact] else {
         let pair = wheel.pair();
         // A warm start that has gone stale (a jump of state) must not fail where a cold start succeeds.
@@ -74,11 +78,21 @@ pub(in super::super) fn elastic_wheel(
             .or_else(|_| pair.locate(&SurfaceParameters::default()))
             .map_err(|failure| not_found(wheel.model, wheel.motion, failure))?;
         memory.set_start(found.parameters);
+        if let Some(rail) = rail {
+            let mut located = Located::default();
+            located[0] = Some(found);
+            return press_wheel(wheel, rail, (&located, true), strips, wrench, (first, further));
+        }
         *first = Contact { wheel, found: &found, slot: 0, share: 1.0 }.elastic(wrench)?;
         return Ok(());
     };
     let mut places = Places::default();
     search.places(wheel, None, memory, &mut places)?;
+    if let Some(rail) = rail {
+        let located = std::array::from_fn(|slot| places[slot].map(|place: Place| place.location));
+        press_wheel(wheel, rail, (&located, true), strips, wrench, (&mut *first, &mut *further))?;
+        return search.check_tip(wheel, first, further);
+    }
     for (slot, (place, report)) in places.iter().zip(std::iter::once(first).chain(further)).enumerate() {
         *report = search.load(wheel, slot, place.as_ref(), wrench)?;
     }
@@ -152,6 +166,15 @@ struct Asked<'a> {
 }
 
 impl WheelSearch {
+    /// A wheel that is pressed on the tip of its flange has derailed.
+    fn check_tip(&self, wheel: &WheelAt, first: &ContactReport, further: &[ContactReport]) -> Result<(), ContactFailure> {
+        let on_tip = |report: &&ContactReport| report.normal_force > 0.0 && report.parameters.wheel < self.tip;
+        match std::iter::once(first).chain(further).find(on_tip) {
+            Some(_) => Err(derailed(wheel, "the tip of the flange stands on the rail")),
+            None => Ok(()),
+        }
+    }
+
     #[inline]
     fn load(&self, wheel: &WheelAt, slot: usize, place: Option<&Place>, wrench: &mut Wrench) -> Result<ContactReport, ContactFailure> {
         let Some(Place { location, share }) = place else { return Ok(ContactReport::default()) };

@@ -1,0 +1,152 @@
+//! Elastic contact of a wheel whose patch is made of strips (`contact.patch = "strips"`, [`crate::contact::strips`]).
+//!
+//! The places of least distance only tell where the surfaces may overlap, and when a wheel touches or parts (events). What is pressed is
+//! found from the strips there; each part of it is a contact at its load's centre, with the rolling radius, the contact angle and the creepages of
+//! that centre. Damping knows the share w_k of a part (`strips::mixed`) as it knows that of a place (`points`).
+
+use super::super::loading::{Contact, WheelAt};
+use super::super::wheel_search::MOST_POINTS;
+use super::super::{ContactFailure, ContactReport};
+use crate::contact::normal::damping::damped_force;
+use crate::contact::search::algebraic::{ContactLocation, SurfaceParameters};
+use crate::contact::strips::{Creep, MOST, Part, Parts, Pressed, RailStrips, Scratch, press, press_anywhere};
+use crate::mbs::body::{BodyMotion, Wrench};
+use nalgebra::Vector3;
+
+/// Places of least distance by number of the contact.
+pub(super) type Located = [Option<ContactLocation>; MOST_POINTS];
+
+/// One wheel's strips and what they make.
+struct Wheel<'a> {
+    wheel: &'a WheelAt<'a>,
+    rail: &'a RailStrips,
+    pressed: &'a [Pressed],
+    parts: Parts,
+}
+
+/// Finds the patches of a wheel, loads them and adds their forces to the wheelset's wrench. Do the places tell of `all` that may overlap? Reports of places that are not pressed tell where
+/// they are.
+pub(super) fn press_wheel(
+    wheel: &WheelAt,
+    rail: &RailStrips,
+    (located, all): (&Located, bool),
+    scratch: &mut Scratch,
+    wrench: &mut Wrench,
+    (first, further): (&mut ContactReport, &mut [ContactReport]),
+) -> Result<(), ContactFailure> {
+    let (pair, material) = (wheel.pair(), wheel.model.laws.material);
+    let near = located.iter().flatten().filter(|place| place.penetration > -ABOUT).map(|place| place.parameters.rail);
+    let pressed = match all {
+        true => press(&pair, rail, near, material, scratch),
+        false => press_anywhere(&pair, rail, material, scratch),
+    };
+    let points = 1 + further.len();
+    let on = Wheel { wheel, rail, pressed, parts: Parts::new(pressed, rail, points) };
+    let mut loaded: [ContactReport; MOST] = Default::default();
+    let (creeps, forces) = on.load(&mut loaded)?;
+    for (slot, report) in std::iter::once(&mut *first).chain(&mut *further).enumerate() {
+        *report = match located.get(slot).and_then(Option::as_ref) {
+            Some(found) => {
+                let mut report = Contact { wheel, found, slot, share: 0.0 }.report();
+                report.creepage = Default::default();
+                report
+            }
+            None => ContactReport::default(),
+        };
+    }
+    let mut free = [true; MOST_POINTS];
+    for ((report, creep), force) in loaded[..on.parts.len()].iter_mut().zip(&creeps).zip(&forces) {
+        // Each part has the number of the place that is nearest to it.
+        let distance =
+            |slot: &usize| located[*slot].as_ref().map_or(f64::INFINITY, |place| (place.parameters.rail - report.parameters.rail).abs());
+        let Some(slot) = (0..points).filter(|slot| free[*slot]).min_by(|a, b| distance(a).total_cmp(&distance(b))) else { break };
+        free[slot] = false;
+        report.iterations = located[slot].as_ref().map_or(0, |place| place.iterations);
+        report.force = report.axes.normal * *force + creep.force;
+        let along = |axis: &Vector3<f64>| creep.force.dot(axis);
+        (report.creep_force.longitudinal, report.creep_force.lateral) = (along(&report.axes.e1), along(&report.axes.e2));
+        report.creep_force.spin_moment = creep.moment;
+        report.add_to(wrench, report.force, &wheel.motion.position);
+        *(if slot == 0 { &mut *first } else { &mut further[slot - 1] }) = *report;
+    }
+    Ok(())
+}
+
+/// Places that are further apart than this do not overlap beside it, m.
+const ABOUT: f64 = 1e-6;
+
+impl Wheel<'_> {
+    fn part(&self, first: usize, last: usize) -> Part {
+        let wheel = self.wheel.wheelset.wheel(self.wheel.side);
+        Part::new(self.parts.share(self.pressed, first, last), self.rail, wheel.profile.as_ref(), self.wheel.model.laws.material)
+    }
+
+    /// Place and motion of a part.
+    fn report(&self, part: &Part, slot: usize) -> ContactReport {
+        let found = location(part, self.wheel.motion);
+        Contact { wheel: self.wheel, found: &found, slot, share: 1.0 }.report()
+    }
+
+    /// Reports of all parts, their creep forces, and the sizes of their normal forces, N: normal force in a report is the sum of pressures, which is more
+    /// where a patch bends.
+    fn load(&self, loaded: &mut [ContactReport; MOST]) -> Result<([Creep; MOST], [f64; MOST]), ContactFailure> {
+        let shares = self.parts.shares(self.pressed);
+        // What friction is bounded by, and the sizes of the forces.
+        let (mut loads, mut forces) = ([0.0; MOST], [0.0; MOST]);
+        for k in 0..self.parts.len() {
+            let part = self.part(k, k);
+            let found = location(&part, self.wheel.motion);
+            let contact = Contact { wheel: self.wheel, found: &found, slot: k, share: shares[k] };
+            contact.check_depth()?;
+            let report = &mut loaded[k];
+            *report = contact.report();
+            let whole = part.force / shares[k];
+            report.stiffness = whole / (part.overlap * part.overlap.sqrt());
+            (report.elastic_slope, report.patch) = (1.5 * whole / part.overlap, part.patch);
+            (loads[k], forces[k]) = (part.load, part.force);
+        }
+        let damping = self.wheel.model.laws.damping.as_ref();
+        let damped = self.parts.mixed(&loads, &mut |first, last| {
+            let part = self.part(first, last);
+            let rate = if first == last { loaded[first].penetration_rate } else { self.report(&part, first).penetration_rate };
+            damped_force(damping, part.load, part.overlap, rate) - part.load
+        });
+        for (k, report) in loaded.iter_mut().enumerate().take(self.parts.len()) {
+            let more = 1.0 + damped[k] / loads[k];
+            forces[k] *= more;
+            loads[k] *= more;
+            report.normal_force = loads[k];
+        }
+        let creeps = self.parts.mixed(&loads, &mut |first, last| {
+            let part = self.part(first, last);
+            let mut report = if first == last { loaded[first] } else { self.report(&part, first) };
+            (report.patch, report.normal_force) = (part.patch, loads[first..=last].iter().sum());
+            let found = location(&part, self.wheel.motion);
+            Contact { wheel: self.wheel, found: &found, slot: first, share: 1.0 }.creep(&mut report);
+            creep_of(&report)
+        });
+        Ok((creeps, forces))
+    }
+}
+
+/// A part as a place where wheel and rail touch.
+pub(in crate::formulation) fn location(part: &Part, motion: &BodyMotion) -> ContactLocation {
+    let axes = &motion.frame.axes;
+    let angle = part.arm.dot(&axes.column(0)).atan2(-part.arm.dot(&axes.column(2)));
+    let [wheel, rail] = part.coordinates;
+    ContactLocation {
+        parameters: SurfaceParameters { wheel, angle, lead: part.lead, rail },
+        wheel_point: motion.position + part.arm,
+        normal: part.normal,
+        forward: part.forward,
+        penetration: part.overlap,
+        wheel_profile: part.profiles[0],
+        rail_profile: part.profiles[1],
+        iterations: 0,
+    }
+}
+
+fn creep_of(report: &ContactReport) -> Creep {
+    let (axes, creep) = (&report.axes, &report.creep_force);
+    Creep { force: axes.e1 * creep.longitudinal + axes.e2 * creep.lateral, moment: creep.spin_moment }
+}
