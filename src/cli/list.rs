@@ -1,7 +1,7 @@
 //! `wheelrail list [KIND]`: what a scene can name, from the registries.
 
 use super::{Failure, print};
-use crate::contact::{creep, normal};
+use crate::contact::{creep, normal, patch};
 use crate::formulation;
 use crate::formulation::inputs::GROUPS;
 use crate::geometry::{profile, track};
@@ -46,6 +46,7 @@ fn kinds() -> Vec<(&'static str, &'static str, Vec<Row>)> {
         ("spectra", "spectrum of [[track.irregularity]]", rows(track::irregularity::spectrum::REGISTRY)),
         ("formulations", "contact.formulation", rows(formulation::REGISTRY)),
         ("normal-laws", "contact.normal.law", rows(normal::REGISTRY)),
+        ("patches", "contact.patch", rows(patch::REGISTRY)),
         ("damping-laws", "contact.damping.law", rows(normal::damping::REGISTRY)),
         ("creep-laws", "contact.creep.law", rows(creep::REGISTRY)),
         ("integrators", "solver.integrator", rows(solve::REGISTRY)),

@@ -12,5 +12,7 @@ pub mod contact_geometry;
 pub mod digits;
 pub mod hard;
 pub mod patch;
+pub mod patch_laws;
 pub mod shares;
+pub mod strip_patch;
 pub mod sweep;

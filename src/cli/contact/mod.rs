@@ -1,6 +1,7 @@
 //! `wheelrail contact SCENE`: contact geometry over lateral shift, equivalent conicity.
 
 mod patch;
+mod patch_laws;
 mod pictures;
 mod report;
 
@@ -60,6 +61,10 @@ pub(super) struct Arguments {
     /// ... at this lateral shift, left positive
     #[arg(long, value_name = "Y", default_value = "0", allow_hyphen_values = true, requires = "patch")]
     y: String,
+    /// ... or over --range at this distance, for yaws of 0 and 10 mrad and loads of 10, 50 and 100 kN unless one is named: the law of strips and the
+    /// ellipse against it
+    #[arg(long, value_name = "H", requires = "patch", conflicts_with = "plot")]
+    sweep: Option<String>,
     /// Also roll on the centres of the patches that really form under a load: radius difference and conicity of elastic wheels and rails
     #[arg(long, conflicts_with = "patch")]
     elastic: bool,
@@ -193,6 +198,9 @@ fn attitude(arguments: &Arguments) -> Result<(Attitude, Option<f64>), Failure> {
 
 pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
+    if let Some(step) = &arguments.sweep {
+        return patch_laws::patch_laws(arguments, &scene, step);
+    }
     if arguments.patch {
         return patch::patch(arguments, &scene);
     }

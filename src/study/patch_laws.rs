@@ -1,0 +1,123 @@
+//! Laws of the patch against half-space contact of the real surfaces, pose by pose.
+//!
+//! A wheelset is set down as rigid at each lateral shift and yaw, and its left wheel lowered until half-space contact ([`crate::contact::patch`]) carries
+//! the load. In that pose the strips ([`crate::contact::strips`]) and the scene's ellipse at the deepest place say what they carry, where, and how they
+//! creep while the wheelset rolls at the pitch rate of its tread circle.
+
+use super::contact_geometry::{Attitude, WheelsetOnTrack};
+use super::strip_patch::strip_patch;
+use crate::contact::creep::RollingContact;
+use crate::contact::creepage::{ContactAxes, in_rolling_direction};
+use crate::contact::patch::{Motion, Settings, depth_under_load};
+use crate::contact::search::algebraic::{Pair, SurfaceParameters};
+use crate::geometry::Side;
+use crate::math::rotation::AxleFrame;
+use crate::scene::spec::Scene;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Which poses.
+#[derive(Clone, Debug)]
+pub struct Poses {
+    /// Lateral shifts, m, yaws, rad, and vertical loads of the left wheel, N.
+    pub shifts: Vec<f64>,
+    pub yaws: Vec<f64>,
+    pub loads: Vec<f64>,
+    /// Cells each way of the half-space contact.
+    pub cells: usize,
+}
+
+/// What a law says less what half-space contact says.
+#[derive(Clone, Copy, Debug)]
+pub struct Difference {
+    /// Of the normal force, in parts of it, of the load's centre along the rail's section, m, and of the area, in parts of it.
+    pub normal_force: f64,
+    pub centre: f64,
+    pub area: f64,
+    /// Of the creep force, in parts of mu N.
+    pub creep: f64,
+}
+
+/// One pose.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    pub y: f64,
+    pub yaw: f64,
+    pub load: f64,
+    /// Normal force of the half-space contact, N.
+    pub normal_force: f64,
+    pub strips: Difference,
+    /// `None` where the laws know none.
+    pub ellipse: Option<Difference>,
+}
+
+/// What a law says of a pose.
+struct Said {
+    force: f64,
+    centre: Vector3<f64>,
+    area: f64,
+    creep: Vector3<f64>,
+}
+
+/// All poses in which the wheelset stands, in order.
+pub fn rows(scene: &Scene, poses: &Poses) -> Vec<Row> {
+    let all = poses.yaws.iter().flat_map(|yaw| poses.loads.iter().map(move |load| (*yaw, *load)));
+    let all: Vec<(f64, f64, f64)> = all.flat_map(|(yaw, load)| poses.shifts.iter().map(move |y| (*y, yaw, load))).collect();
+    all.into_par_iter().filter_map(|(y, yaw, load)| row(scene, (y, yaw, load), poses.cells)).collect()
+}
+
+fn row(scene: &Scene, (y, yaw, load): (f64, f64, f64), cells: usize) -> Option<Row> {
+    let wheelset = WheelsetOnTrack::new(scene, Attitude { yaw, ..Attitude::default() }, None);
+    let stand = wheelset.stand(y, wheelset.start()).ok()?;
+    let axes = AxleFrame::new(yaw, stand.roll).axes;
+    let side = Side::Left;
+    let high = Vector3::new(wheelset.station, stand.y, stand.height[side.index()]);
+    let settings = Settings { columns: cells, rows: cells, extrapolate: true };
+    let (depth, pressed) = depth_under_load(&wheelset.pair(side, &high, &axes), load, scene.contact.material, settings, None)?;
+    let centre = high - Vector3::z() * depth;
+    let pair = wheelset.pair(side, &centre, &axes);
+    let (speed, friction) = (scene.vehicle.speed, scene.contact.friction);
+    let rate = speed / pair.wheel.profile.at(0.0).value;
+    let motion = Motion { velocity: Vector3::x() * speed, rotation: axes.column(1) * rate, speed };
+    let exact = pressed.roll(&motion, friction);
+    let force = exact.pressing.norm();
+    let normal = exact.pressing / force;
+    let across = normal.cross(&Vector3::x()).normalize();
+    let less = |said: Said| Difference {
+        normal_force: said.force / force - 1.0,
+        centre: (said.centre - exact.centre).dot(&across),
+        area: said.area / exact.area() - 1.0,
+        creep: (said.creep - exact.creep_force).norm() / (friction * force),
+    };
+    let strips = strip_patch(scene, &pair, &motion)?;
+    let strips = Said { force: strips.pressing.norm(), centre: strips.centre, area: strips.area, creep: strips.creep_force };
+    let touch = &stand.contacts[side.index()];
+    let start = SurfaceParameters { wheel: touch.wheel, angle: 0.0, lead: touch.lead, rail: touch.rail };
+    let ellipse = ellipse(scene, &pair, &start, &motion).map(less);
+    Some(Row { y, yaw, load, normal_force: force, strips: less(strips), ellipse })
+}
+
+/// The scene's laws at the deepest place.
+fn ellipse(scene: &Scene, pair: &Pair, start: &SurfaceParameters, motion: &Motion) -> Option<Said> {
+    let contact = &scene.contact;
+    let found = pair.locate(start).ok()?;
+    let law = (contact.normal)(contact.material);
+    let elastic = law.contact(&found.shape(pair.wheel, pair.rail), found.penetration).ok()?;
+    let axes = ContactAxes::new(found.normal, found.forward);
+    let velocity = motion.velocity + motion.rotation.cross(&(found.wheel_point - pair.centre));
+    let creepage = axes.slip(&velocity, &motion.rotation).creepage(motion.speed);
+    let law = (contact.creep)(contact.material);
+    let (speed, normal_force) = (motion.speed.abs(), elastic.force);
+    let force = in_rolling_direction(motion.speed, creepage, |creepage| {
+        law.force(&RollingContact { patch: elastic.patch, normal_force, friction: contact.friction, creepage, speed })
+    });
+    let creep = axes.e1 * force.longitudinal + axes.e2 * force.lateral;
+    Some(Said { force: elastic.force, centre: found.wheel_point, area: PI * elastic.patch.a * elastic.patch.b, creep })
+}
+
+/// Mean and worst of the sizes of one figure over rows that have it.
+pub fn mean_and_worst(rows: &[Row], law: fn(&Row) -> Option<Difference>, figure: fn(&Difference) -> f64) -> [f64; 2] {
+    let sizes: Vec<f64> = rows.iter().filter_map(law).map(|difference| figure(&difference).abs()).collect();
+    [sizes.iter().sum::<f64>() / sizes.len() as f64, sizes.iter().copied().fold(0.0, f64::max)]
+}

@@ -1,0 +1,57 @@
+//! One wheel's patch as strips, beside the half-space contact of the same surfaces in the same pose.
+
+use crate::contact::creep::RollingContact;
+use crate::contact::creepage::{ContactAxes, in_rolling_direction};
+use crate::contact::patch::Motion;
+use crate::contact::search::algebraic::Pair;
+use crate::contact::strips::{Creep, MOST, Part, Parts, RailStrips, Scratch, press_anywhere};
+use crate::scene::spec::Scene;
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+
+/// What the strips say.
+#[derive(Clone, Copy, Debug)]
+pub struct StripPatch {
+    /// Of all pressures on the wheel, N.
+    pub pressing: Vector3<f64>,
+    /// Load's centre in the world, m, on the undeformed wheel.
+    pub centre: Vector3<f64>,
+    /// m^2.
+    pub area: f64,
+    pub parts: usize,
+    /// With the scene's creep law on the parts, N.
+    pub creep_force: Vector3<f64>,
+}
+
+/// `None` where nothing overlaps.
+pub fn strip_patch(scene: &Scene, pair: &Pair, motion: &Motion) -> Option<StripPatch> {
+    let (material, friction) = (scene.contact.material, scene.contact.friction);
+    let rail = RailStrips::new(pair.rail.profile.as_ref());
+    let mut scratch = Scratch::new(rail.len());
+    let pressed = press_anywhere(pair, &rail, material, &mut scratch);
+    let parts = Parts::new(pressed, &rail, MOST);
+    let part = |first, last| Part::new(parts.share(pressed, first, last), &rail, pair.wheel.profile.as_ref(), material);
+    let last = parts.len().checked_sub(1)?;
+    let law = (scene.contact.creep)(material);
+    let creep = |part: &Part| {
+        let axes = ContactAxes::new(part.normal, part.forward);
+        let velocity = motion.velocity + motion.rotation.cross(&part.arm);
+        let creepage = axes.slip(&velocity, &motion.rotation).creepage(motion.speed);
+        let contact = RollingContact { patch: part.patch, normal_force: part.load, friction, speed: motion.speed.abs(), creepage };
+        let found = in_rolling_direction(motion.speed, creepage, |creepage| law.force(&RollingContact { creepage, ..contact }));
+        Creep { force: axes.e1 * found.longitudinal + axes.e2 * found.lateral, moment: found.spin_moment }
+    };
+    let own: Vec<Part> = (0..=last).map(|k| part(k, k)).collect();
+    let forces: Vec<f64> = own.iter().map(|part| part.load).collect();
+    let creeps = match motion.speed == 0.0 {
+        true => [Creep::default(); MOST],
+        false => parts.mixed(&forces, &mut |first, last| creep(&part(first, last))),
+    };
+    Some(StripPatch {
+        pressing: own.iter().map(|part| part.normal * part.force).sum(),
+        centre: pair.centre + part(0, last).arm,
+        area: own.iter().map(|part| PI * part.patch.a * part.patch.b).sum(),
+        parts: last + 1,
+        creep_force: creeps.iter().map(|creep| creep.force).sum(),
+    })
+}
