@@ -251,3 +251,19 @@ fn prop_linearising_and_solving_do_not_allocate_and_cost_little() {
         "coach: f {f:.1} us, J of contacts {contacts:.1} us, J of contacts and forces {all:.1} us, factorise {factorise:.1} us, solve {solve:.1} us"
     );
 }
+
+#[test]
+fn analytic_tangent_of_patches_of_strips() {
+    let strips = "contact.patch = \"strips\"";
+    check(
+        &[
+            ("wheelset_s1002", &[strips], 1.0),
+            ("vehicle_manchester_1", &[strips], 1.0),
+            ("vehicle_curve", &[strips], 2.0),
+            ("vehicle_curve", &[strips], 4.9),
+        ],
+        // Of no meaning here: y at the tread and x in a curve have rows next to nothing. The radii are what counts.
+        1.05,
+        [0.03, 0.15],
+    );
+}

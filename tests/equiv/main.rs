@@ -5,4 +5,5 @@ mod common;
 
 mod curves;
 mod formulations;
+mod patches;
 mod rigid_places;

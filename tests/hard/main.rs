@@ -8,6 +8,7 @@ mod continuity;
 mod flange;
 mod flutter;
 mod nodes;
+mod patches;
 mod points;
 mod robustness;
 mod standstill;

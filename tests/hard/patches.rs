@@ -1,0 +1,164 @@
+//! Patches of strips (`contact.patch = "strips"`): continuous in the pose, conservative, and no chatter where places of contact join and part.
+
+use crate::common;
+use wheelrail::contact::strips::{RailStrips, Scratch, press_anywhere};
+use wheelrail::formulation::{Evaluation, Workspace};
+use wheelrail::geometry::Side;
+use wheelrail::scene::load;
+use wheelrail::scene::spec::Scene;
+use wheelrail::sim::Simulation;
+use wheelrail::study::contact_geometry::{Attitude, WheelsetOnTrack};
+
+const STRIPS: &str = "contact.patch=\"strips\"";
+
+fn scene(name: &str, changes: &[&str]) -> Scene {
+    let changes: Vec<String> = [STRIPS].iter().chain(changes).map(ToString::to_string).collect();
+    load::open(name, &changes).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Accelerations of one wheelset in poses of our choice.
+struct Poses {
+    simulation: Simulation,
+    start: Vec<f64>,
+    inputs: Vec<f64>,
+    /// y [m], height of the centre [m] and roll [rad] at which it stands, and how deep it is pressed, m.
+    way: Vec<[f64; 3]>,
+    depth: f64,
+}
+
+impl Poses {
+    fn new(scene: &Scene, yaw: f64, (from, to, count): (f64, f64, usize), depth: f64) -> Poses {
+        let mut simulation = common::start(scene);
+        let snapshot = simulation.snapshot().unwrap();
+        let (inputs, mut start) = (snapshot.inputs().to_vec(), snapshot.y.clone());
+        start[3] += yaw;
+        let wheelset = WheelsetOnTrack::new(scene, Attitude { yaw, ..Attitude::default() }, None);
+        let place = |k: usize| from + (to - from) * k as f64 / count as f64;
+        let mut at = wheelset.start();
+        let stand = |k: usize| {
+            let stand = wheelset.stand(place(k), at).unwrap();
+            at = wheelset.start();
+            [stand.y, stand.height[0], stand.roll]
+        };
+        Poses { simulation, start, inputs, way: (0..=count).map(stand).collect(), depth }
+    }
+
+    /// Accelerations at a place on the way, 0 to its length, along which everything changes in straight lines; nothing is remembered.
+    fn at(&self, workspace: &mut Workspace, place: f64) -> [f64; 6] {
+        let model = self.simulation.model();
+        let k = (place as usize).min(self.way.len() - 2);
+        let part = place - k as f64;
+        let [y, z, roll] = [0, 1, 2].map(|i| self.way[k][i] + part * (self.way[k + 1][i] - self.way[k][i]));
+        let (mut state, mut memory, mut rates) = (self.start.clone(), model.blank_memory(), vec![0.0; self.start.len()]);
+        (state[1], state[2], state[4]) = (y, z - self.depth, roll);
+        let at = Evaluation { t: 0.0, inputs: &self.inputs, y: &state, memory: &mut memory };
+        model.derivative(workspace, at, &mut rates).unwrap_or_else(|error| panic!("y {y}: {error}"));
+        std::array::from_fn(|i| rates[6 + i])
+    }
+}
+
+/// Largest change of an acceleration, over g or g over half a metre.
+fn change(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / 10.0
+}
+
+#[test]
+fn hard_forces_of_strips_do_not_jump() {
+    const FINE: usize = 8;
+    const WIDTH: f64 = 1e-10;
+    let from_tread_to_flange = (-7e-3, 7e-3, 280);
+    for (changes, yaw) in [
+        (&[][..], 0.0),
+        (&["track.rail={kind=\"uic60\"}"], 4e-3),
+        (&["vehicle.wheelset.profile={kind=\"apta\",design=\"APTA140\",radius=0.46}"], 0.0),
+    ] {
+        let all: Vec<&str> = ["track.deviation=[]", "contact.creep.law=\"usetab\""].iter().chain(changes).copied().collect();
+        let scene = scene("wheelset_s1002", &all);
+        let poses = Poses::new(&scene, yaw, from_tread_to_flange, 6e-5);
+        let mut workspace = poses.simulation.model().workspace();
+        let count = FINE * (poses.way.len() - 1);
+        let values: Vec<[f64; 6]> = (0..=count).map(|k| poses.at(&mut workspace, k as f64 / FINE as f64)).collect();
+        // Intervals over which most changes, halved towards what changes there.
+        let mut steps: Vec<(f64, usize)> = values.windows(2).map(|pair| change(&pair[0], &pair[1])).zip(0..).collect();
+        steps.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut worst: (f64, f64) = (0.0, 0.0);
+        for (_, k) in steps.into_iter().take(60) {
+            let (mut low, mut high) = (k as f64 / FINE as f64, (k + 1) as f64 / FINE as f64);
+            let (mut below, mut above) = (values[k], values[k + 1]);
+            while high - low > WIDTH {
+                let middle = 0.5 * (low + high);
+                let value = poses.at(&mut workspace, middle);
+                if change(&below, &value) > change(&value, &above) {
+                    (high, above) = (middle, value);
+                } else {
+                    (low, below) = (middle, value);
+                }
+            }
+            let jump = change(&below, &above);
+            worst = if jump > worst.0 { (jump, poses.way[low as usize][0]) } else { worst };
+        }
+        println!("{changes:?}, yaw {yaw}: largest change over 5e-15 m: {:.2e} g at y = {:.3} mm", worst.0, 1e3 * worst.1);
+        // 3e-4 g of a wheelset are 5 N.
+        assert!(worst.0 < 3e-4, "{changes:?}: {worst:?}");
+    }
+}
+
+#[test]
+fn hard_patches_of_strips_keep_the_energy_of_a_lossless_run() {
+    let lossless = [
+        "track.deviation=[]",
+        "contact.friction=0",
+        "contact.damping=0",
+        "vehicle.suspension.longitudinal_damping=0",
+        "vehicle.suspension.lateral_damping=0",
+        "vehicle.initial.y=3e-3",
+        "solver.integrator=\"dormand_prince\"",
+        "solver.tolerance=1e-8",
+    ];
+    let scene = scene("wheelset_s1002", &lossless);
+    let mut simulation = common::start(&scene);
+    let rails = Side::BOTH.map(|side| RailStrips::new(simulation.model().track.rail(side).profile.as_ref()));
+    let mut scratch = Scratch::new(rails[0].len());
+    let mut books = |simulation: &mut Simulation| {
+        let snapshot = simulation.snapshot().unwrap();
+        let (y, motions) = (snapshot.y.clone(), snapshot.workspace.system.motions.clone());
+        let model = simulation.model();
+        let mut contact = 0.0;
+        for wheel in model.wheels() {
+            let pair = wheel.pair(model, &motions[wheel.wheelset.body]);
+            let rail = &rails[wheel.side.index()];
+            press_anywhere(&pair, rail, scene.contact.material, &mut scratch);
+            contact += scratch.energy();
+        }
+        let energy = model.system.kinetic_energy(&motions) + model.system.potential_energy(&y, &(&motions[..]).into()) + contact;
+        (energy, contact)
+    };
+    let (begin, _) = books(&mut simulation);
+    let (mut seen, mut most) = (Vec::new(), 0f64);
+    for k in 1..=300 {
+        simulation.advance(1e-2 * f64::from(k)).unwrap();
+        let (energy, contact) = books(&mut simulation);
+        seen.push(energy - begin);
+        most = most.max(contact);
+    }
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+    let drift = mean(&seen[200..]) - mean(&seen[..100]);
+    let swing = seen.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+    println!("wheels bounce with up to {most:.1} J in the contacts: energy within {swing:.2} J, drift {drift:.3} J in 2 s");
+    assert!(most > 20.0 && swing < 0.02 * most && drift.abs() < 0.004 * most, "{most} {swing} {drift}");
+}
+
+#[test]
+fn hard_strips_take_no_more_steps_than_ellipses() {
+    for (name, stop) in [("vehicle_manchester_1", 2.0), ("vehicle_curve", 3.0)] {
+        let steps = |patch: &str| {
+            let changes = [format!("contact.patch=\"{patch}\"")];
+            let mut simulation = common::start(&load::open(name, &changes).unwrap_or_else(|error| panic!("{error}")));
+            simulation.advance(stop).unwrap_or_else(|error| panic!("{error}"));
+            simulation.statistics().steps
+        };
+        let [ellipse, strips] = ["ellipse", "strips"].map(steps);
+        println!("{name}: {ellipse} steps with ellipses, {strips} with strips");
+        assert!(strips as f64 <= 1.2 * ellipse as f64, "{name}: {strips} {ellipse}");
+    }
+}
