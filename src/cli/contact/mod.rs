@@ -7,6 +7,7 @@ mod report;
 
 use super::{Failure, SceneArguments, csv_target, make_folder, print, say};
 use crate::contact::patch::Settings;
+use crate::geometry::track::gauge;
 use crate::scene::assemble;
 use crate::scene::spec::Scene;
 use crate::study::conicity::{Conicity, NoConicity, RadiusDifference, RollingPose};
@@ -141,6 +142,24 @@ impl Elastic {
         let all = |amplitudes: &[f64]| amplitudes.iter().map(|amplitude| Conicities::new(&difference, *amplitude)).collect();
         Ok(Elastic { load, differences, chosen: Conicities::new(&difference, chosen[0]), table: all(table), curve: all(curve) })
     }
+}
+
+/// Wheel and rail, radius at the tread circle, gauge and inclination, for the subtitle of a picture.
+fn pair_in_force(scene: &Scene) -> String {
+    const DEPTH: f64 = 14e-3;
+    let (track, wheels) = (&scene.track, &scene.vehicle.leading().profiles);
+    let reach = |side: usize| gauge::reach(track.rails[side].profile.as_ref(), track.inclination, DEPTH);
+    let gauge = 2.0 * track.half_rail_distance - reach(0) - reach(1);
+    let named = |names: [String; 2]| if names[0] == names[1] { names[0].clone() } else { names.join(" and ") };
+    let radii = [0, 1].map(|side| format!("{:.1} mm", 1e3 * wheels[side].profile.at(0.0).value));
+    format!(
+        "{} on {}; radius {}, gauge {:.1} mm, rails inclined {:.2} deg",
+        named([0, 1].map(|side| wheels[side].profile.describe())),
+        named([0, 1].map(|side| track.rails[side].profile.describe())),
+        named(radii),
+        1e3 * gauge,
+        track.inclination.to_degrees()
+    )
 }
 
 /// Stands that are computed one after the other.

@@ -1,6 +1,6 @@
 //! `wheelrail contact SCENE --patch`: the patches that really form at one lateral shift, beside the scene's ellipse.
 
-use super::{Arguments, attitude, load, number};
+use super::{Arguments, attitude, load, number, pair_in_force};
 use crate::cli::plot::{Axis, Ink, Mark, Panel, Series, Sheet, inside, width};
 use crate::cli::{Failure, csv_target, file_names, make_folder, print, say, table};
 use crate::contact::patch::{PatchCell, Settings};
@@ -147,6 +147,7 @@ fn draw(folder: &Path, scene: &Scene, question: &Question, answer: &Answer) -> R
     let panels = answer.wheels.iter().map(pressures).chain(answer.wheels.iter().map(tractions)).collect();
     let subtitles = vec![
         format!("{}; {}", scene.title, heading(question)),
+        pair_in_force(scene),
         "across: along the rail's section from the deepest place, left positive; up: rolling direction. Black: the scene's ellipse".into(),
     ];
     Sheet { title: "Contact patches".into(), subtitles, columns: 2, panels }.draw(&file)?;

@@ -1,5 +1,6 @@
 //! The contact geometry as diagrams.
 
+use super::pair_in_force;
 use super::{Conicities, Elastic, Study};
 use crate::cli::plot::{Axis, BLUE, DARK, Ink, Mark, ORANGE, Panel, Series, Sheet, inside, width};
 use crate::geometry::Side;
@@ -28,7 +29,7 @@ pub(super) fn draw(folder: &Path, study: &Study) -> Result<Vec<PathBuf>, String>
     ];
     let sheet = |(key, title, panels): (&str, &str, Vec<Panel>)| {
         let file = folder.join(format!("{}_{key}.svg", study.scene.name));
-        let mut subtitles = vec![subtitle.clone()];
+        let mut subtitles = vec![subtitle.clone(), pair_in_force(study.scene)];
         if key == "contact_points" {
             subtitles.push("numbers: lateral shift in mm, left positive; the wheel is lifted so that the lines are seen".into());
         }

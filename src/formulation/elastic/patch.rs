@@ -24,8 +24,8 @@ struct Wheel<'a> {
     parts: Parts,
 }
 
-/// Finds the patches of a wheel, loads them and adds their forces to the wheelset's wrench. Do the places tell of `all` that may overlap? Reports of places that are not pressed tell where
-/// they are.
+/// Finds the patches of a wheel, loads them and adds their forces to the wheelset's wrench. Do the places tell of `all` that may overlap? Reports of
+/// places that are not pressed tell where they are.
 pub(super) fn press_wheel(
     wheel: &WheelAt,
     rail: &RailStrips,
