@@ -104,6 +104,11 @@ impl Model {
         }
     }
 
+    /// Strips of the rail that has more; 0 where patches are not made of strips.
+    fn most_strips(&self) -> usize {
+        self.strips.as_ref().map_or(0, |rails| rails.iter().map(RailStrips::len).max().unwrap_or(0))
+    }
+
     /// What its evaluations work in.
     pub fn workspace(&self) -> Workspace {
         let constrained = self.constrained_bodies();
@@ -123,7 +128,8 @@ impl Model {
             timers: Timers::default(),
             events: Vec::new(),
             cached: Cached::No,
-            strips: Scratch::new(self.strips.as_ref().map_or(0, |rails| rails.iter().map(RailStrips::len).max().unwrap_or(0))),
+            strips: vec![Scratch::new(self.most_strips()); self.contacts()],
+            deeper: Scratch::new(self.most_strips()),
             tangent: None,
             frame: MovingFrame::default(),
         }

@@ -74,8 +74,9 @@ pub struct Workspace {
     pub timers: Timers,
     /// Lift-offs and landings since they were last taken away.
     pub events: Vec<ContactEvent>,
-    /// What patches of strips are found in.
-    pub(super) strips: Scratch,
+    /// What patches of strips are found in, by wheel, and those of a wheel that is tried a little deeper.
+    pub(super) strips: Vec<Scratch>,
+    pub(super) deeper: Scratch,
     /// Does what the last evaluation found belong to the begin of the integrator's next step?
     pub cached: Cached,
     /// The linearised model, for integrators that need it .

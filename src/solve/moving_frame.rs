@@ -1,4 +1,4 @@
-//! A known motion that in_frame the solution along, so that steps are made for what is left beside it.
+//! A known motion that carries the solution along, so that steps are made for what is left beside it.
 //!
 //! A wheel follows its rail, a vehicle its curve, held by forces that are stiff. A linearly implicit step knows f and J at its begin; that the
 //! rail bends on the way (by `(V h)^2 w'' / 2` until its end) comes to it as an error of stiff components, which is felt as force. So with a

@@ -19,6 +19,7 @@
 
 use super::pressed::Pressed;
 use super::rail::RailStrips;
+use crate::math::elementary::logarithm;
 
 /// p0 by powers of the squared ratio of the half lengths, the smaller over the larger: fits the convolution of both pressures to 4e-5. 0.4502 is
 /// `sqrt(2) / pi`, 0.5404 at equal lengths `16 / (3 pi^2)`.
@@ -30,9 +31,10 @@ const WIDER: [f64; 6] = [1.408_964_31, 0.084_917_05, -0.424_432_04, 0.670_884_61
 /// Shifts below this part of s enter by their square: E is then right to 1e-4.
 const SMALL_SHIFT: f64 = 0.1;
 
-#[inline]
+/// Written out: the compiler then finds several at once.
+#[inline(always)]
 fn polynomial(by: &[f64; 6], x: f64) -> f64 {
-    by.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
+    by[0] + x * (by[1] + x * (by[2] + x * (by[3] + x * (by[4] + x * by[5]))))
 }
 
 /// What strips feel of each other by, one after the other: numbers that run along, for the vector instructions of the compiler.
@@ -123,25 +125,6 @@ fn far(y2: f64, one: f64, other: f64, shift: f64) -> f64 {
     height * (ratio_of_reaches(shift, c1, y2) * ratio_of_reaches(shift, c2, y2)).ln()
 }
 
-/// ln of a positive number to 1e-13, without a branch, so that several are found at once: exponent and mantissa m between sqrt(1/2) and sqrt(2),
-/// `ln m = 2 atanh z`, z = (m - 1) / (m + 1) up to 0.172, by its series to z^15.
-#[inline(always)]
-fn logarithm(x: f64) -> f64 {
-    const MANTISSA: u64 = 0x000f_ffff_ffff_ffff;
-    const ONE: u64 = 0x3ff0_0000_0000_0000;
-    // 2^52, whose last bits are an integer.
-    const WHOLE: u64 = 0x4330_0000_0000_0000;
-    let bits = x.to_bits();
-    let (upper, exponent) =
-        (f64::from_bits((bits & MANTISSA) | ONE), f64::from_bits((bits >> 52) | WHOLE) - f64::from_bits(WHOLE) - 1023.0);
-    let halved = upper > std::f64::consts::SQRT_2;
-    let (m, exponent) = (if halved { 0.5 * upper } else { upper }, if halved { exponent + 1.0 } else { exponent });
-    let z = (m - 1.0) / (m + 1.0);
-    let z2 = z * z;
-    let series = 1.0 / 3.0 + z2 * (1.0 / 5.0 + z2 * (1.0 / 7.0 + z2 * (1.0 / 9.0 + z2 * (1.0 / 11.0 + z2 * (1.0 / 13.0 + z2 / 15.0)))));
-    exponent * std::f64::consts::LN_2 + 2.0 * z * (1.0 + z2 * series)
-}
-
 /// exp of `asinh((shift + c) / y) - asinh((shift - c) / y)`.
 #[inline]
 fn ratio_of_reaches(shift: f64, c: f64, y2: f64) -> f64 {
@@ -158,14 +141,6 @@ mod tests {
 
     fn of_pair(apart: f64, lengths: [f64; 2], shift: f64) -> f64 {
         pair(apart * apart, lengths.map(|length| length * length), shift)
-    }
-
-    #[test]
-    fn analytic_logarithm() {
-        for k in -400..400 {
-            let x = 1.37f64.powi(k) * 1.001;
-            assert!((logarithm(x) - x.ln()).abs() < 2e-13 * x.ln().abs().max(1.0), "{x}");
-        }
     }
 
     /// E by summation over both semi-ellipses.

@@ -32,6 +32,7 @@
 //! Pi but for what half lengths are off their stationary ones: the energy of a lossless run swings by 1 % of what the contacts store.
 
 mod influence;
+mod lengths;
 mod mixed;
 mod parts;
 mod press;

@@ -2,24 +2,24 @@
 
 use super::RailStrips;
 use super::influence::Feeling;
+use super::lengths::Lengths;
 use super::pressed::Pressed;
 use super::strip::{Section, Strip};
 use crate::contact::Material;
 use crate::contact::search::algebraic::Pair;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
-/// Half lengths are at least this, m: at the edge of a patch they go to nothing.
-const SHORTEST: f64 = 1.5e-4;
 /// Sets of strips in contact that are tried; a few are enough.
 const MOST_SETS: usize = 40;
 /// What the fit of the influence (see [`super::influence`]) leaves out on average.
 const FITTED: f64 = 0.996;
 
-/// What one wheel's strips are found in; nothing in it outlasts a call.
+/// What one wheel's strips are found in; holds the last that was pressed.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     pressed: Vec<Pressed>,
+    lengths: Lengths,
     feeling: Feeling,
     /// Rows of K over the compliance, 1/m, for the strips that have been in contact.
     matrix: Vec<f64>,
@@ -34,6 +34,8 @@ pub struct Scratch {
     left: Vec<f64>,
     compliance: f64,
     moved: Vec<Pressed>,
+    /// Where the wheelset was, and its distance.
+    pose: Option<(Vector3<f64>, Matrix3<f64>, f64)>,
 }
 
 impl Scratch {
@@ -42,6 +44,7 @@ impl Scratch {
         let reals = |count: usize| Vec::with_capacity(count);
         Scratch {
             pressed: Vec::with_capacity(strips),
+            lengths: Lengths::new(strips),
             feeling: Feeling::new(strips),
             matrix: reals(strips * strips),
             filled: Vec::with_capacity(strips),
@@ -53,6 +56,7 @@ impl Scratch {
             left: reals(strips),
             compliance: 0.0,
             moved: Vec::with_capacity(strips),
+            pose: None,
         }
     }
 }
@@ -67,81 +71,80 @@ pub fn press<'s>(
     material: Material,
     scratch: &'s mut Scratch,
 ) -> &'s [Pressed] {
-    scratch.pressed.clear();
-    let section = Section::new(pair);
-    for eta in places {
-        overlap_around(pair, rail, &section, rail.nearest(eta), &mut scratch.pressed);
+    let overlaps = Overlaps { pair, rail, section: Section::new(pair) };
+    let pressed = &mut scratch.pressed;
+    pressed.clear();
+    for start in places.map(|eta| rail.nearest(eta)) {
+        // Strips of an earlier place end here, or have been gone through already.
+        if !pressed.iter().any(|known| known.number == start) {
+            let known = pressed.len();
+            overlaps.around(start, pressed);
+            let before = pressed[..known].iter().filter(|own| own.number < start).count();
+            pressed[before..].rotate_left(known - before);
+        }
     }
-    scratch.pressed.sort_unstable_by_key(|strip| strip.number);
-    scratch.press(rail, material)
+    scratch.press(pair, rail, material)
 }
 
 /// The same where nothing is known: all strips are looked at.
 pub fn press_anywhere<'s>(pair: &Pair, rail: &RailStrips, material: Material, scratch: &'s mut Scratch) -> &'s [Pressed] {
+    let overlaps = Overlaps { pair, rail, section: Section::new(pair) };
     scratch.pressed.clear();
-    let section = Section::new(pair);
-    for number in 0..rail.len() {
-        let own = rail.strip(number);
-        let found = Strip::new(pair, &section, (own.eta, &own.profile), None).filter(|strip| strip.overlap > 0.0);
-        scratch.pressed.extend(found.map(|strip| Pressed { number, strip, width: own.width, ..Pressed::default() }));
-    }
-    scratch.press(rail, material)
+    scratch.pressed.extend((0..rail.len()).filter_map(|number| overlaps.strip(number, (0.0, 0.0))));
+    scratch.press(pair, rail, material)
 }
 
-/// Adds the strips on both sides of one as far as the wheel overlaps.
-fn overlap_around(pair: &Pair, rail: &RailStrips, section: &Section, start: usize, pressed: &mut Vec<Pressed>) {
-    let known = pressed.len();
-    let mut add = |number: usize, near: Option<Strip>| {
-        if pressed[..known].iter().any(|known| known.number == number) {
-            return None;
-        }
-        let own = rail.strip(number);
-        let found = Strip::new(pair, section, (own.eta, &own.profile), near).filter(|strip| strip.overlap > 0.0)?;
-        pressed.push(Pressed { number, strip: found, width: own.width, ..Pressed::default() });
-        Some(found)
-    };
-    // The deepest place may lie between two strips of which it is the neighbour that overlaps.
-    let here = add(start, None);
-    for up in [true, false] {
-        let (mut last, mut number) = (here, start);
-        loop {
-            let next = if up { number + 1 } else { number.wrapping_sub(1) };
-            if next >= rail.len() {
-                break;
-            }
-            match add(next, last) {
-                None if here.is_some() || number != start => break,
-                found => (last, number) = (found, next),
-            }
-            if last.is_none() {
-                break;
+/// A wheel over a rail's strips.
+struct Overlaps<'a> {
+    pair: &'a Pair<'a>,
+    rail: &'a RailStrips,
+    section: Section,
+}
+
+impl Overlaps<'_> {
+    /// A strip over which the wheel overlaps, from about where it is (lead and overlap, m).
+    #[inline]
+    fn strip(&self, number: usize, about: (f64, f64)) -> Option<Pressed> {
+        let own = self.rail.strip(number);
+        let strip = Strip::new(self.pair, &self.section, (own.eta, &own.profile), about).filter(|strip| strip.overlap > 0.0)?;
+        Some(Pressed { number, strip, width: own.width, ..Pressed::default() })
+    }
+
+    /// Adds the strips on both sides of one as far as the wheel overlaps, in the order of their numbers.
+    fn around(&self, start: usize, pressed: &mut Vec<Pressed>) {
+        let first = pressed.len();
+        let here = self.strip(start, (0.0, 0.0));
+        pressed.extend(here);
+        // Inwards; where the deepest place lies between two strips its neighbour may be the one that overlaps.
+        self.along((0..start).rev(), first, pressed);
+        pressed[first..].reverse();
+        self.along(start + 1..self.rail.len(), first, pressed);
+    }
+
+    /// Adds strips after those from `first` on, up to one over which the wheel does not overlap or which stands before.
+    #[inline]
+    fn along(&self, numbers: impl Iterator<Item = usize>, first: usize, pressed: &mut Vec<Pressed>) {
+        for number in numbers {
+            let known = pressed[..first].iter().any(|known| known.number == number);
+            match self.strip(number, about(&pressed[first..])) {
+                Some(found) if !known => pressed.push(found),
+                _ => break,
             }
         }
     }
 }
 
-/// Half lengths as in the Hertzian patch of the same proportions, and which strips carry load at first.
-///
-/// There `A a^2 + B b^2 = delta`, and the strip at the edge still overlaps by `e delta` with `e = A a^2 / delta`, a function of A / B alone that is
-/// `1 / (1 + (A / B)^0.3)` to 0.013 from b/a = 1/20 to 20: `a_i^2 = 2 e (d_i - e delta) / ((1 - e) kappa_i)`. B and delta are those of the parabola with
-/// the same sums of d and d^2 over what is near; A is kappa / 2.
-fn lengthen(rail: &RailStrips, scratch: &mut Scratch) {
-    let Scratch { pressed, inside, .. } = scratch;
-    inside.clear();
-    for k in 0..pressed.len() {
-        let (mut first, mut second) = (0.0, 0.0);
-        for other in pressed.iter() {
-            let weight = rail.nearness(pressed[k].number, other.number) * other.width * other.strip.overlap;
-            (first, second) = (first + weight, second + weight * other.strip.overlap);
+/// Lead and overlap of the strip after these, by the parabola through the last three.
+#[inline]
+fn about(found: &[Pressed]) -> (f64, f64) {
+    let of = |own: &Pressed| (own.strip.lead, own.strip.overlap);
+    match found {
+        [.., a, b, c] if (a.width - c.width).abs() < 0.1 * c.width => {
+            let (a, b, c) = (of(a), of(b), of(c));
+            (3.0 * (c.0 - b.0) + a.0, 3.0 * (c.1 - b.1) + a.1)
         }
-        let own = &mut pressed[k];
-        // 5/4 of the ratio is delta, and 4/3 delta sqrt(delta / B) the first sum.
-        let deepest = 1.25 * second / first;
-        let half_width = 0.75 * first / deepest;
-        let edge = 1.0 / (1.0 + (0.5 * own.strip.curvature * half_width * half_width / deepest).powf(0.3));
-        let above = own.strip.overlap - edge * deepest;
-        inside.push(above > 0.0);
-        own.half_length = (2.0 * edge * above.max(0.0) / ((1.0 - edge) * own.strip.curvature)).sqrt().max(SHORTEST);
+        [.., last] => of(last),
+        [] => (0.0, 0.0),
     }
 }
 
@@ -230,27 +233,41 @@ fn solve(matrix: &[f64], count: usize, touching: &[usize], wanted: &[f64], facto
 /// Forward and back.
 fn substitute(factor: &[f64], loads: &mut [f64]) {
     let n = loads.len();
-    for i in 0..n {
-        let row = &factor[i * n..(i + 1) * n];
-        let load = loads[i] / row[i];
-        loads[i] = load;
-        for (other, by) in loads[i + 1..].iter_mut().zip(&row[i + 1..]) {
+    for (i, row) in factor.chunks_exact(n.max(1)).enumerate() {
+        let (before, behind) = loads.split_at_mut(i + 1);
+        let load = before[i] / row[i];
+        before[i] = load;
+        for (other, by) in behind.iter_mut().zip(&row[i + 1..]) {
             *other -= by * load;
         }
     }
-    for i in (0..n).rev() {
-        let row = &factor[i * n..(i + 1) * n];
-        let known: f64 = row[i + 1..].iter().zip(&loads[i + 1..]).map(|(a, b)| a * b).sum();
-        loads[i] = (loads[i] - known) / row[i];
+    for (i, row) in factor.chunks_exact(n.max(1)).enumerate().rev() {
+        let (before, behind) = loads.split_at_mut(i + 1);
+        let mut known = 0.0;
+        for (a, b) in row[i + 1..].iter().zip(behind.iter()) {
+            known += a * b;
+        }
+        before[i] = (before[i] - known) / row[i];
     }
 }
 
 impl Scratch {
     /// Finds what the strips carry over which the wheel overlaps.
-    fn press(&mut self, rail: &RailStrips, material: Material) -> &[Pressed] {
-        lengthen(rail, self);
+    fn press(&mut self, pair: &Pair, rail: &RailStrips, material: Material) -> &[Pressed] {
+        self.pose = Some((*pair.centre, *pair.axes, pair.distance));
+        self.lengths.find(rail, &mut self.pressed, &mut self.inside);
         self.compliance = FITTED * (1.0 - material.poisson_ratio) / (PI * material.shear_modulus());
         carry(rail, self);
+        &self.pressed
+    }
+
+    /// Was the wheel in this pose when it was pressed last?
+    pub fn is_of(&self, pair: &Pair) -> bool {
+        self.pose == Some((*pair.centre, *pair.axes, pair.distance))
+    }
+
+    /// The strips that were pressed last.
+    pub fn pressed(&self) -> &[Pressed] {
         &self.pressed
     }
 

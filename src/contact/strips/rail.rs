@@ -4,8 +4,6 @@ use crate::geometry::profile::{Profile, ProfilePoint};
 
 /// Widths of strips, m, where the head is bent more sharply than so [1/m]: patches are the narrower the sharper it is.
 const WIDTHS: [(f64, f64); 3] = [(1.0 / 0.04, 3e-4), (1.0 / 0.15, 6e-4), (0.0, 1.1e-3)];
-/// Strips within this distance make one patch whose proportions are taken together, m.
-const WINDOW: f64 = 12e-3;
 
 /// One strip of the rail.
 #[derive(Clone, Copy, Debug)]
@@ -86,14 +84,6 @@ impl RailStrips {
             Some(felt) => *felt,
             None => self.strips[other].arc - self.strips[one].arc,
         }
-    }
-
-    /// How much two strips belong to one patch: 1 for a strip itself, falling smoothly to 0 at [`WINDOW`].
-    #[inline]
-    pub(super) fn nearness(&self, one: usize, other: usize) -> f64 {
-        let part = (self.strips[one].arc - self.strips[other].arc) / WINDOW;
-        let left = (1.0 - part * part).max(0.0);
-        left * left
     }
 }
 

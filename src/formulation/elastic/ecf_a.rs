@@ -57,7 +57,7 @@ impl Formulation for EcfA {
                 let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
                 let wrench = &mut workspace.system.wrenches[wheelset.body];
                 let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
-                points::elastic_wheel(&wheel, &mut memory.wheels[contact], &mut workspace.strips, wrench, reports)
+                points::elastic_wheel(&wheel, &mut memory.wheels[contact], &mut workspace.strips[contact], wrench, reports)
                     .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
                 workspace.work.search_iterations += workspace.contacts[contact].iterations as u64;
             }

@@ -81,34 +81,41 @@ impl Wheel<'_> {
         Part::new(self.parts.share(self.pressed, first, last), self.rail, wheel.profile.as_ref(), self.wheel.model.laws.material)
     }
 
-    /// Place and motion of a part.
-    fn report(&self, part: &Part, slot: usize) -> ContactReport {
-        let found = location(part, self.wheel.motion);
-        Contact { wheel: self.wheel, found: &found, slot, share: 1.0 }.report()
+    /// A contact of this wheel.
+    fn at<'f>(&'f self, found: &'f ContactLocation, slot: usize, share: f64) -> Contact<'f> {
+        Contact { wheel: self.wheel, found, slot, share }
     }
 
     /// Reports of all parts, their creep forces, and the sizes of their normal forces, N: normal force in a report is the sum of pressures, which is more
     /// where a patch bends.
     fn load(&self, loaded: &mut [ContactReport; MOST]) -> Result<([Creep; MOST], [f64; MOST]), ContactFailure> {
         let shares = self.parts.shares(self.pressed);
+        let mut alone: [Option<(Part, ContactLocation)>; MOST] = [None; MOST];
         // What friction is bounded by, and the sizes of the forces.
         let (mut loads, mut forces) = ([0.0; MOST], [0.0; MOST]);
         for k in 0..self.parts.len() {
             let part = self.part(k, k);
             let found = location(&part, self.wheel.motion);
-            let contact = Contact { wheel: self.wheel, found: &found, slot: k, share: shares[k] };
+            let contact = self.at(&found, k, shares[k]);
             contact.check_depth()?;
             let report = &mut loaded[k];
             *report = contact.report();
             let whole = part.force / shares[k];
             report.stiffness = whole / (part.overlap * part.overlap.sqrt());
             (report.elastic_slope, report.patch) = (1.5 * whole / part.overlap, part.patch);
-            (loads[k], forces[k]) = (part.load, part.force);
+            (loads[k], forces[k], alone[k]) = (part.load, part.force, Some((part, found)));
         }
+        let of = |first: usize, last: usize| match alone[first].filter(|_| first == last) {
+            Some(known) => known,
+            None => {
+                let part = self.part(first, last);
+                (part, location(&part, self.wheel.motion))
+            }
+        };
         let damping = self.wheel.model.laws.damping.as_ref();
         let damped = self.parts.mixed(&loads, &mut |first, last| {
-            let part = self.part(first, last);
-            let rate = if first == last { loaded[first].penetration_rate } else { self.report(&part, first).penetration_rate };
+            let (part, found) = of(first, last);
+            let rate = if first == last { loaded[first].penetration_rate } else { self.at(&found, first, 1.0).report().penetration_rate };
             damped_force(damping, part.load, part.overlap, rate) - part.load
         });
         for (k, report) in loaded.iter_mut().enumerate().take(self.parts.len()) {
@@ -118,11 +125,11 @@ impl Wheel<'_> {
             report.normal_force = loads[k];
         }
         let creeps = self.parts.mixed(&loads, &mut |first, last| {
-            let part = self.part(first, last);
-            let mut report = if first == last { loaded[first] } else { self.report(&part, first) };
+            let (part, found) = of(first, last);
+            let contact = self.at(&found, first, 1.0);
+            let mut report = if first == last { loaded[first] } else { contact.report() };
             (report.patch, report.normal_force) = (part.patch, loads[first..=last].iter().sum());
-            let found = location(&part, self.wheel.motion);
-            Contact { wheel: self.wheel, found: &found, slot: first, share: 1.0 }.creep(&mut report);
+            contact.creep(&mut report);
             creep_of(&report)
         });
         Ok((creeps, forces))

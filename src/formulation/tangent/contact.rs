@@ -83,7 +83,7 @@ pub(super) fn penetration_by_pose(arm: &Vector3<f64>, normal: &Vector3<f64>) -> 
     material(arm, &-normal)
 }
 
-/// Slopes of the normal force of an elastic contact that in_frame some force.
+/// Slopes of the normal force of an elastic contact that carries some force.
 pub(in crate::formulation) fn normal_slopes(damping: &dyn DampingLaw, report: &ContactReport) -> NormalSlopes {
     let (penetration, rate) = (report.penetration, report.penetration_rate);
     let elastic = report.stiffness * penetration * penetration.sqrt();

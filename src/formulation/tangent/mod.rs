@@ -20,6 +20,7 @@ use super::wheel_search::MOST_POINTS;
 use super::{ContactReport, EvaluationError, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{CreepForce, Creepage};
+use crate::contact::search::algebraic::Pair;
 use crate::contact::search::migration::{Row, add, sum};
 use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
 use crate::geometry::Side;
@@ -30,7 +31,7 @@ use contact::{ByMotion, NormalSlopes, Touching, penetration_by_pose};
 use nalgebra::Vector3;
 use patch::{PartChange, PatchChanges, Whole};
 
-/// A contact that in_frame less than this share of its force counts as one that in_frame so much.
+/// A contact that carries less than this share of its force counts as one that carries so much.
 const LEAST_SHARE: f64 = 1e-2;
 
 /// By number of the contact.
@@ -62,7 +63,7 @@ impl Model {
     pub fn linearise(&self, workspace: &mut Workspace, (y, memory): (&[f64], &ModelMemory), inputs: &[f64], forces: bool) {
         let Some(mut tangent) = workspace.tangent.take() else { return };
         tangent.clear();
-        let mut strips = std::mem::take(&mut workspace.strips);
+        let mut strips = (std::mem::take(&mut workspace.strips), std::mem::take(&mut workspace.deeper));
         for WheelRef { contact, wheelset, side } in self.wheels() {
             let moved = self.against_rail(&workspace.system, inputs, wheelset.body, contact);
             let motion = moved.as_ref().map_or(&workspace.system.motions[wheelset.body], |moved| &moved.motion);
@@ -70,7 +71,7 @@ impl Model {
             let along = workspace.system.stations.get(wheelset.body).map_or(Vector3::x(), |station| station.frame.along());
             let patch = self.strips.as_ref().map_or(PatchChanges::default(), |rails| {
                 let pair = WheelRef { contact, wheelset, side }.pair(self, motion);
-                patch::changes(&pair, &rails[side.index()], workspace.reports(contact), self.laws.material, &mut strips)
+                patch::changes(&pair, &rails[side.index()], workspace.reports(contact), self.laws.material, (&mut strips.0[contact], &mut strips.1))
             });
             let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);
             let alone = if patch.whole.is_some() { 0 } else { self.points };
@@ -87,7 +88,7 @@ impl Model {
                 self.add_mixed(&wheel, workspace.reports(contact), (&patch.parts, whole), travel, &mut tangent);
             }
         }
-        workspace.strips = strips;
+        (workspace.strips, workspace.deeper) = strips;
         if forces {
             tangent.add_forces(&self.system, &workspace.system, y);
         }
@@ -144,7 +145,7 @@ impl Model {
             let found = Contact::again(report);
             let mut own = *report;
             Contact { wheel, found: &found, slot: 0, share: report.share }.creep(&mut own);
-            let (touching, normal) = self.touching_patch(&own, wheel, change);
+            let (touching, normal) = self.touching_patch(&own, motion, &wheel.pair(), change);
             let creep = self
                 .steady(&At { wheelset, side, contact, slot: 0, motion, report: &own, friction, travel }, &touching, &normal)
                 .times(whole.independence);
@@ -156,7 +157,7 @@ impl Model {
         let mut report = all.report();
         (report.patch, report.normal_force) = (whole.part.patch, reports.map(|report| report.normal_force).sum());
         all.creep(&mut report);
-        let (touching, normal) = self.touching_patch(&report, wheel, &whole.change);
+        let (touching, normal) = self.touching_patch(&report, motion, &wheel.pair(), &whole.change);
         let creep = self
             .steady(&At { wheelset, side, contact, slot: 0, motion, report: &report, friction, travel }, &touching, &normal)
             .times(1.0 - whole.independence);
@@ -174,11 +175,17 @@ impl Model {
     }
 
     /// A part of a patch with its changes, and those of its normal force.
-    fn touching_patch<'r>(&self, report: &'r ContactReport, wheel: &WheelAt, change: &PartChange) -> (Touching<'r>, ByMotion<1>) {
+    fn touching_patch<'r>(
+        &self,
+        report: &'r ContactReport,
+        motion: &BodyMotion,
+        pair: &Pair,
+        change: &PartChange,
+    ) -> (Touching<'r>, ByMotion<1>) {
         let mut slopes = normal_slopes(self.laws.damping.as_ref(), report);
         let axes = &report.axes;
         let (arm, turn) = change.in_axes([&axes.e1, &axes.e2, &axes.normal]);
-        let touching = Touching::new(report, wheel.motion, &wheel.pair()).migrating(report, wheel.motion, arm, turn);
+        let touching = Touching::new(report, motion, pair).migrating(report, motion, arm, turn);
         slopes.by_penetration -= report.share * slopes.by_elastic * report.elastic_slope;
         let normal = touching.normal_force(slopes, sum([slopes.by_elastic], [&change.force]));
         (touching, normal)
@@ -193,21 +200,19 @@ impl Model {
             }
             return;
         }
-        let mut slopes = match report.constrained {
-            true => NormalSlopes::default(),
-            false => normal_slopes(self.laws.damping.as_ref(), report),
+        let pair = WheelRef { contact: at.contact, wheelset, side }.pair(self, motion);
+        let (touching, normal) = match patch {
+            Some(change) => self.touching_patch(report, motion, &pair, change),
+            None => {
+                let slopes = match report.constrained {
+                    true => NormalSlopes::default(),
+                    false => normal_slopes(self.laws.damping.as_ref(), report),
+                };
+                let touching = Touching::new(report, motion, &pair);
+                let normal = touching.normal_force(slopes, share.map_or([0.0; 6], |share| sum([report.normal_force], [share])));
+                (touching, normal)
+            }
         };
-        let mut touching = Touching::new(report, motion, &WheelRef { contact: at.contact, wheelset, side }.pair(self, motion));
-        let mut shared = share.map_or([0.0; 6], |share| sum([report.normal_force], [share]));
-        if let Some(change) = patch {
-            let axes = &report.axes;
-            let (arm, turn) = change.in_axes([&axes.e1, &axes.e2, &axes.normal]);
-            touching = touching.migrating(report, motion, arm, turn);
-            let elastic = slopes.by_elastic;
-            slopes.by_penetration -= report.share * elastic * report.elastic_slope;
-            shared = sum([elastic], [&change.force]);
-        }
-        let normal = touching.normal_force(slopes, shared);
         let creep = match transient {
             None => self.steady(at, &touching, &normal),
             Some(transient) => self.add_transient(at, transient, &touching, &normal, y, tangent),
@@ -228,7 +233,7 @@ impl Model {
         let mut changes = Shares::default();
         for RidgeMemory { between, parameters, .. } in (0..self.points - 1).filter_map(|i| memory.wheels[contact].ridge(i, self.points)) {
             let sides = between.map(|slot| workspace.report(contact, slot));
-            // One of both in_frame less than its whole force where the ridge is pressed.
+            // One of both carries less than its whole force where the ridge is pressed.
             if !(sides.iter().all(|report| report.normal_force > 0.0) && sides.iter().any(|report| report.share < 1.0)) {
                 continue;
             }

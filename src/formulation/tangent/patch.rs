@@ -63,13 +63,13 @@ fn find(pressed: &[Pressed], pair: &Pair, rail: &RailStrips, material: Material,
     Found { parts: std::array::from_fn(|k| part(k, k)), whole, independence, count }
 }
 
-/// Finds them; `reports` are those of the wheel at the pose of `pair`, by number.
+/// Finds them; `reports` are those of the wheel at the pose of `pair`, by number; the first scratch holds, or takes up, its strips in that pose.
 pub(super) fn changes<'r>(
     pair: &Pair,
     rail: &RailStrips,
     reports: impl Iterator<Item = &'r ContactReport> + Clone,
     material: Material,
-    scratch: &mut Scratch,
+    (scratch, tried): (&mut Scratch, &mut Scratch),
 ) -> PatchChanges {
     let mut changes = PatchChanges::default();
     let most = reports.clone().count();
@@ -78,8 +78,8 @@ pub(super) fn changes<'r>(
     // Half lengths grow with the loads: by how much that makes the patch stiffer is tried once.
     let load = |pressed: &[Pressed]| pressed.iter().map(|strip| strip.load).sum::<f64>();
     let lowered = pair.centre - up * STEP;
-    let deeper = load(press(&Pair { centre: &lowered, ..*pair }, rail, seeds.clone(), material, scratch));
-    let pressed = press(pair, rail, seeds, material, scratch);
+    let deeper = load(press(&Pair { centre: &lowered, ..*pair }, rail, seeds.clone(), material, tried));
+    let pressed = if scratch.is_of(pair) { scratch.pressed() } else { press(pair, rail, seeds, material, scratch) };
     let (here, all) = (find(pressed, pair, rail, material, most), load(pressed));
     let growth = (deeper - all) / (load(scratch.moved(&(-up * STEP), &Vector3::zeros(), 1.0)) - all);
     let mut by = [PartChange::default(); MOST + 1];
