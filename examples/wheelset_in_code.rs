@@ -56,6 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             damping: Box::new(Proportional(2e9)),
             transient: None,
             friction: 0.35,
+            friction_map: None,
             material: steel,
             patch: PatchLaw::default(),
         },

@@ -2,6 +2,7 @@
 
 pub mod creep;
 pub mod creepage;
+pub mod friction;
 mod half_space;
 pub mod normal;
 pub mod patch;

@@ -28,11 +28,16 @@ impl Model {
     /// Puts the tangential states where they are in steady rolling with the contacts as they were found last.
     pub fn settle_deflections(&self, workspace: &Workspace, y: &mut [f64]) {
         let Some(transient) = &self.laws.transient else { return };
-        for WheelRef { contact, wheelset, .. } in self.wheels() {
+        for WheelRef { contact, wheelset, side } in self.wheels() {
             for slot in 0..self.points {
                 let report = workspace.report(contact, slot);
-                let speed = wheelset.speed(&workspace.system.motions[wheelset.body]);
-                let patch = LoadedPatch { patch: report.patch, normal_force: report.normal_force, friction: self.laws.friction };
+                let motion = &workspace.system.motions[wheelset.body];
+                let speed = wheelset.speed(motion);
+                let patch = LoadedPatch {
+                    patch: report.patch,
+                    normal_force: report.normal_force,
+                    friction: self.friction_at(side, motion, report),
+                };
                 let state = transient.steady_state(&patch, &report.slip.rolling(speed));
                 y[self.deflection(contact, slot)].copy_from_slice(&state);
             }

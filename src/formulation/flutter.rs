@@ -123,8 +123,11 @@ impl Model {
 
     /// Is an elastic contact of the wheelset near its friction bound?
     fn slides(&self, workspace: &Workspace, wheelset: usize) -> bool {
-        Side::BOTH.into_iter().flat_map(|side| workspace.reports(contact_index(wheelset, side))).any(|report| {
-            let bound = self.laws.friction * report.normal_force;
+        let motion = &workspace.system.motions[self.wheelsets[wheelset].body];
+        let all =
+            Side::BOTH.into_iter().flat_map(|side| workspace.reports(contact_index(wheelset, side)).map(move |report| (side, report)));
+        all.into_iter().any(|(side, report)| {
+            let bound = self.friction_at(side, motion, report) * report.normal_force;
             !report.constrained && bound > 0.0 && report.creep_force.longitudinal.hypot(report.creep_force.lateral) > LEAST_USE * bound
         })
     }

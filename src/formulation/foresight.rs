@@ -91,7 +91,7 @@ impl Model {
         const SLOW: f64 = 0.5;
         let velocities = COORDINATES * self.system.bodies.len();
         let mut largest: f64 = 0.0;
-        for WheelRef { contact, wheelset, .. } in self.wheels() {
+        for WheelRef { contact, wheelset, side } in self.wheels() {
             let motion = &workspace.system.motions[wheelset.body];
             let part = |first: usize| {
                 let e = &error[first + COORDINATES * wheelset.body..first + COORDINATES * (wheelset.body + 1)];
@@ -99,7 +99,6 @@ impl Model {
                 (Vector3::new(e[0], e[1], e[2]), turn, motion.axle() * e[5])
             };
             let ((moved, turned, _), (velocity, turning, spin)) = (part(0), part(velocities));
-            let friction = self.laws.friction;
             for report in workspace.reports(contact).filter(|report| report.normal_force > 0.0) {
                 let arm = report.wheel_point - motion.position;
                 let axes = &report.axes;
@@ -116,7 +115,8 @@ impl Model {
                 let slip = slip.dot(&axes.e1).hypot(slip.dot(&axes.e2));
                 let stiffness = self.laws.material.shear_modulus() * report.patch.a * report.patch.b * KALKER;
                 let speed = wheelset.speed(motion).abs().max(SLOW);
-                largest = largest.max((stiffness * slip / speed).min(2.0 * friction * report.normal_force) * scale);
+                largest =
+                    largest.max((stiffness * slip / speed).min(2.0 * self.friction_at(side, motion, report) * report.normal_force) * scale);
             }
         }
         if largest.is_nan() { f64::INFINITY } else { largest }

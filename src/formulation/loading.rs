@@ -61,8 +61,15 @@ impl WheelAt<'_> {
     }
 
     #[inline]
-    fn speed(&self) -> f64 {
+    pub fn speed(&self) -> f64 {
         self.wheelset.speed(self.motion)
+    }
+
+    /// mu at one of its contacts.
+    #[inline]
+    pub fn friction_at(&self, report: &ContactReport) -> f64 {
+        // A polynomial input may pass below zero between communication points.
+        self.model.friction_at(self.side, self.motion, report) * self.friction.max(0.0)
     }
 }
 
@@ -172,7 +179,7 @@ impl Contact<'_> {
     /// Johnson, `T = mu N (1 - x^3)`: 1 - x^2 / (1 + x + x^2), from 2/3 without to 1 with full sliding.
     #[inline]
     pub fn growth(&self, report: &ContactReport) -> f64 {
-        let bound = self.wheel.model.laws.friction * self.wheel.friction.max(0.0) * report.normal_force;
+        let bound = self.wheel.friction_at(report) * report.normal_force;
         let used = report.creep_force.longitudinal.hypot(report.creep_force.lateral) / bound;
         // Without friction there is no force to grow.
         let x = if used < 1.0 { (1.0 - used).cbrt() } else { 0.0 };
@@ -183,8 +190,7 @@ impl Contact<'_> {
     #[inline]
     pub fn creep(&self, report: &mut ContactReport) {
         let laws = &self.wheel.model.laws;
-        // A polynomial input may pass below zero between communication points.
-        let friction = laws.friction * self.wheel.friction.max(0.0);
+        let friction = self.wheel.friction_at(report);
         let (patch, normal_force, speed) = (report.patch, report.normal_force.max(0.0), self.wheel.speed());
         if let Some(transient) = &laws.transient {
             let mut state = [0.0; transient::STATES];

@@ -25,6 +25,7 @@ mod means;
 pub mod memory;
 mod model;
 mod moving_frame;
+pub mod one_wheel;
 pub mod partition;
 mod prediction;
 mod projection;

@@ -1,17 +1,21 @@
 //! What stays constant during a simulation.
 
+use super::ContactReport;
 use super::Formulation;
 use super::sliding_mean::SlidingMean;
 use super::wheel_search::WheelSearch;
 use super::wheelset::Wheelset;
 use crate::contact::Material;
 use crate::contact::creep::CreepLaw;
+use crate::contact::friction::{FrictionFactor, FrictionMap};
 use crate::contact::normal::NormalLaw;
 use crate::contact::normal::damping::DampingLaw;
 use crate::contact::patch::PatchLaw;
 use crate::contact::strips::RailStrips;
 use crate::contact::transient::{self, TransientContact};
+use crate::geometry::Side;
 use crate::geometry::track::Track;
+use crate::mbs::body::BodyMotion;
 use crate::mbs::system::System;
 use std::ops::Range;
 use std::sync::Arc;
@@ -29,6 +33,8 @@ pub struct ContactLaws {
     pub transient: Option<TransientContact>,
     /// mu, -.
     pub friction: f64,
+    /// Factors of it by place; `None` where it is the same everywhere.
+    pub friction_map: Option<FrictionMap>,
     pub material: Material,
     pub patch: PatchLaw,
 }
@@ -61,6 +67,15 @@ pub struct Model {
 impl Model {
     pub fn contacts(&self) -> usize {
         2 * self.wheelsets.len()
+    }
+
+    /// mu at a contact of a wheel, -.
+    #[inline]
+    pub fn friction_at(&self, side: Side, motion: &BodyMotion, report: &ContactReport) -> f64 {
+        match &self.laws.friction_map {
+            None => self.laws.friction,
+            Some(map) => self.laws.friction * factor_at(map, side, motion, report).value,
+        }
     }
 
     /// With another share of the static wheel load that a step's error of contact forces may reach, -.
@@ -137,4 +152,10 @@ impl Model {
         let both = |wheelset: &Wheelset| [wheelset.body; 2];
         if self.formulation.constrains() { self.wheelsets.iter().flat_map(both).collect() } else { Vec::new() }
     }
+}
+
+/// The factor of friction at a contact.
+#[inline(never)]
+pub(super) fn factor_at(map: &FrictionMap, side: Side, motion: &BodyMotion, report: &ContactReport) -> FrictionFactor {
+    map.at(side, motion.distance + report.parameters.lead, report.profiles[1].d1)
 }

@@ -1,5 +1,6 @@
 //! Floor 0: mathematics that knows nothing of railways.
 
+pub mod bracket;
 pub mod elementary;
 pub mod newton;
 pub mod rotation;

@@ -25,12 +25,15 @@ pub fn points_needed(scene: &Scene) -> usize {
 /// [`AssemblyError`] when the formulation can't treat the scene.
 pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     let track = &scene.track;
-    let deviations = start::deviations(scene);
+    let (deviations, contact) = (start::deviations(scene), &scene.contact);
     let rail = |side: Side| {
         let profile = track.rails[side.index()].profile.clone();
-        Rail::new(side, profile, track.half_rail_distance, track.inclination, &deviations).along(track.line.clone())
+        let rail = Rail::new(side, profile, track.half_rail_distance, track.inclination, &deviations).along(track.line.clone());
+        match &contact.friction_map {
+            Some(map) => rail.with_waves(map.waves(side)),
+            None => rail,
+        }
     };
-    let contact = &scene.contact;
     let creep = (contact.creep)(contact.material);
     let transient = contact.transient.map(|settings| TransientContact::new(settings, contact.material, creep.as_ref()));
     let (system, wheelsets) = vehicle::assemble::parts(&scene.vehicle, track.grade)?;
@@ -43,6 +46,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
             creep,
             damping: (contact.damping_law.build)(contact.damping),
             friction: contact.friction,
+            friction_map: contact.friction_map.clone(),
             transient,
             material: contact.material,
             patch: contact.patch,

@@ -169,6 +169,13 @@ fn contact_effects(scene: &Scene, model: &Model, all: &mut Effects) {
         format!("contact.creep.law = \"{}\"{}, friction {}", contact.creep_name, model.laws.creep.describe(), contact.friction),
         0,
     );
+    if let Some(map) = &contact.friction_map {
+        for (name, why) in ["friction along the track", "friction across the rail"].into_iter().zip(map.describe()) {
+            if let Some(why) = why {
+                all.add(name, true, why, 0);
+            }
+        }
+    }
 }
 
 /// What a master may put in.

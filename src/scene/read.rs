@@ -4,6 +4,7 @@ use super::limits::{MOST_STEPS, SMALLEST_MODULUS};
 use super::profiles::read_profiles;
 use super::spec::*;
 use super::{assemble, solver_choice};
+use crate::contact::friction::FrictionMap;
 use crate::contact::patch::PatchLaw;
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal, patch};
@@ -56,6 +57,9 @@ impl Scene {
         let (Some((name, title)), Some(vehicle), Some(track), Some(contact)) = (head, vehicle, track, contact) else {
             return Err(root.stop());
         };
+        if let Some(map) = &contact.friction_map {
+            root.keep(map.check(&root.section("contact")?, track.rails.each_ref().map(|rail| rail.profile.as_ref())))?;
+        }
         let (Some(solver), Some(interface), Some(run)) = (solver, interface, run) else { return Err(root.stop()) };
         let prepared = PreparedSearches::default();
         let mut scene = Scene { name, source, title, vehicle, track, contact, solver, interface, run, prepared, points: MOST_POINTS };
@@ -178,6 +182,7 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
     let creep = section.keep(section.section("creep").and_then(|section| read_law(section, creep::parse)))?;
     let damping = section.keep(normal::damping::parse(&section))?;
     let friction = section.not_negative("friction", Dimension::None)?;
+    let friction_map = section.keep(FrictionMap::parse(&section, friction))?;
     let patch = section.keep(patch::parse(&section))?;
     if section.has("points") && patch.is_some_and(|patch| patch.1 == PatchLaw::Strips) {
         return Err(section.error("points", "stands beside contact.patch = \"strips\", which counts no places; expected one of them"));
@@ -191,11 +196,12 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
         return Err(section.stop());
     };
     let (Some((damping, damping_law)), Some(points), Some(transient)) = (damping, points, transient) else { return Err(section.stop()) };
-    let Some((patch_name, patch)) = patch else { return Err(section.stop()) };
+    let (Some((patch_name, patch)), Some(friction_map)) = (patch, friction_map) else { return Err(section.stop()) };
     Ok(ContactSpec {
         formulation_name,
         formulation,
         friction,
+        friction_map,
         points,
         damping,
         damping_law,

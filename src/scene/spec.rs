@@ -5,6 +5,7 @@
 pub use super::limits::{MOST_STEPS, SMALLEST, SMALLEST_MODULUS};
 pub use super::vehicle::VehicleSpec;
 pub use super::vehicle::wheelset::{INITIAL, Initial, WheelsetSpec};
+use crate::contact::friction::FrictionMap;
 use crate::contact::patch::PatchLaw;
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
@@ -66,6 +67,8 @@ pub struct ContactSpec {
     pub formulation: formulation::Build,
     /// mu, -.
     pub friction: f64,
+    /// Factors of it by place.
+    pub friction_map: Option<FrictionMap>,
     /// C of Eq. 28, N s/m2; 0 with another law.
     pub damping: f64,
     /// Contacts that each wheel may have at the same time; `None`: as many as it can need.

@@ -29,9 +29,14 @@
 //! lambda = 1 / (2 pi A) integral_0^2pi dr(c + A sin phi) sin phi dphi,     integral_0^2pi dr(c + A sin phi) dphi = 0
 //! ```
 //!
-//! again over w. dr(w) and w(y) are taken as straight lines between given points: the harmonic integrals are then exact, the quadrature of G nearly so (four
+//! *Nonlinearity parameter* (EN 15302:2021, 9.3; formula: O. Polach, Vehicle System Dynamics 48 (2010) S19-S36): the mean slope of lambda over the
+//! amplitude around 3 mm, `NP = (lambda(4 mm) - lambda(2 mm)) / 2 mm`. Above zero lambda grows with the amplitude; below zero wheelsets run in limit
+//! cycles of small amplitude already at low speed.
+//!
+//! All again over w. dr(w) and w(y) are taken as straight lines between given points: the harmonic integrals are then exact, the quadrature of G nearly so (four
 //! Gauss points per line; the integrand is smooth up to both ends). A jump of dr is a line a nanometre long.
 
+use crate::math::bracket::root;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Why there is no equivalent conicity at an amplitude.
@@ -247,29 +252,19 @@ impl RadiusDifference {
         let g = upper + lower;
         Ok(Conicity { value: PI * PI / (2.0 * g * g), centre })
     }
+
+    /// The nonlinearity parameter NP, 1/m.
+    ///
+    /// # Errors
+    /// [`NoConicity`].
+    pub fn nonlinearity(&self) -> Result<f64, NoConicity> {
+        let [low, high] = NONLINEARITY;
+        Ok((self.en15302(high)?.value - self.en15302(low)?.value) / (high - low))
+    }
 }
 
-/// The root between two places and values of unlike sign, to `accuracy`: false position with the Illinois halving.
-fn root(mut a: (f64, f64), mut b: (f64, f64), accuracy: f64, f: impl Fn(f64) -> f64) -> f64 {
-    for _ in 0..100 {
-        if b.1 == 0.0 || (b.0 - a.0).abs() < accuracy {
-            break;
-        }
-        let place = (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1);
-        let next = (place, f(place));
-        let moved = (next.0 - b.0).abs();
-        if next.1 * b.1 < 0.0 {
-            a = b;
-        } else {
-            a.1 *= 0.5;
-        }
-        b = next;
-        if moved < accuracy {
-            break;
-        }
-    }
-    b.0
-}
+/// Amplitudes between which the nonlinearity parameter takes the slope of the conicity, m.
+pub const NONLINEARITY: [f64; 2] = [2e-3, 4e-3];
 
 /// The part of G between one end of the motion and its middle; lines come from that end inward.
 fn half_wave(lines: impl Iterator<Item = Line>, amplitude: f64, side: f64) -> Result<f64, NoConicity> {

@@ -4,7 +4,7 @@ use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{ContactAxes, in_rolling_direction};
 use crate::contact::patch::Motion;
 use crate::contact::search::algebraic::Pair;
-use crate::contact::strips::{Creep, MOST, Part, Parts, RailStrips, Scratch, press_anywhere};
+use crate::contact::strips::{Creep, MOST, Part, Parts, RailStrips, Scratch, press_anywhere, with_uneven_slip};
 use crate::scene::spec::Scene;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -33,19 +33,22 @@ pub fn strip_patch(scene: &Scene, pair: &Pair, motion: &Motion) -> Option<StripP
     let part = |first, last| Part::new(parts.share(pressed, first, last), &rail, pair.wheel.profile.as_ref(), material);
     let last = parts.len().checked_sub(1)?;
     let law = (scene.contact.creep)(material);
-    let creep = |part: &Part| {
+    let creep = |first: usize, last: usize| {
+        let part = &part(first, last);
         let axes = ContactAxes::new(part.normal, part.forward);
         let velocity = motion.velocity + motion.rotation.cross(&part.arm);
         let creepage = axes.slip(&velocity, &motion.rotation).creepage(motion.speed);
         let contact = RollingContact { patch: part.patch, normal_force: part.load, friction, speed: motion.speed.abs(), creepage };
         let found = in_rolling_direction(motion.speed, creepage, |creepage| law.force(&RollingContact { creepage, ..contact }));
-        Creep { force: axes.e1 * found.longitudinal + axes.e2 * found.lateral, moment: found.spin_moment }
+        let even = Creep { force: axes.e1 * found.longitudinal + axes.e2 * found.lateral, moment: found.spin_moment };
+        let of_wheel = |arm: &Vector3<f64>| motion.velocity + motion.rotation.cross(arm);
+        with_uneven_slip(even, (parts.share(pressed, first, last), part), &axes, of_wheel, &contact, material)
     };
     let own: Vec<Part> = (0..=last).map(|k| part(k, k)).collect();
     let forces: Vec<f64> = own.iter().map(|part| part.load).collect();
     let creeps = match motion.speed == 0.0 {
         true => [Creep::default(); MOST],
-        false => parts.mixed(&forces, &mut |first, last| creep(&part(first, last))),
+        false => parts.mixed(&forces, &mut |first, last| creep(first, last)),
     };
     Some(StripPatch {
         pressing: own.iter().map(|part| part.normal * part.force).sum(),

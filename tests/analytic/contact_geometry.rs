@@ -256,6 +256,11 @@ fn validate_en_15302_reference_results() {
         }
         println!("{name}: {count} differences within {apart:.5} mm, conicities within {:.5} (at {} mm)", worst.0, worst.1);
         assert!(count > 15 && worst.0 < 1.5e-3, "{name}: {worst:?}");
+        // NP of the printed conicities at 2 and 4 mm, whose last digit is worth 0.0005 1/mm.
+        let printed = |amplitude: &str| conicities.iter().find(|row| &row[0] == amplitude).unwrap()[column + 1].parse::<f64>().unwrap();
+        let (np, wanted) = (1e-3 * difference.nonlinearity().unwrap(), 0.5 * (printed("4.0") - printed("2.0")));
+        println!("{name}: NP {np:.4} 1/mm ({wanted:.4})");
+        assert!((np - wanted).abs() < 1e-3, "{name}: NP {np} against {wanted}");
     }
 }
 
@@ -490,4 +495,103 @@ fn prop_the_command_prints_writes_and_draws() {
         arguments.extend(wrong);
         assert_eq!(run(&arguments).2, 2, "{wrong:?}");
     }
+}
+
+/// Runs `wheelrail contact`; standard output and exit code.
+fn contact(arguments: &[&str]) -> (String, String, i32) {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_wheelrail")).arg("contact").args(arguments).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (text(&output.stdout), text(&output.stderr), output.status.code().unwrap())
+}
+
+fn places(scene: &str, pose: &str, more: &[&str]) -> (serde_json::Value, Vec<serde_json::Value>) {
+    let mut arguments = vec![scene, "--json", "--pose", pose];
+    arguments.extend(more);
+    let (stdout, stderr, code) = contact(&arguments);
+    assert_eq!(code, 0, "{pose}: {stderr}");
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let places = [0, 1].iter().flat_map(|side| json["wheels"][*side]["places"].as_array().unwrap().clone()).collect();
+    (json, places)
+}
+
+fn of(value: &serde_json::Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("{key} in {value}"))
+}
+
+#[test]
+fn analytic_a_pose_carries_its_load_and_says_what_hertz_and_kalker_say() {
+    let (json, found) = places("suspended_wheelset", "y=1mm,yaw=3mrad,load=49 kN", &["--no-roll"]);
+    for wheel in json["wheels"].as_array().unwrap() {
+        // Of the normal forces; the creep forces of a steep place would add to Q.
+        let normal: f64 = wheel["places"].as_array().unwrap().iter().map(|p| of(p, "normal_force") * of(p, "angle").cos()).sum();
+        assert!((normal / 49e3 - 1.0).abs() < 1e-6, "{normal}");
+    }
+    for place in &found {
+        let (n, a, b, delta) = (of(place, "normal_force"), of(place, "semi_axis_a"), of(place, "semi_axis_b"), of(place, "penetration"));
+        assert!((of(place, "stiffness") * delta.powf(1.5) / n - 1.0).abs() < 1e-9);
+        assert!((of(place, "highest_pressure") / (1.5 * n / (std::f64::consts::PI * a * b)) - 1.0).abs() < 1e-12);
+        assert!((of(place, "mean_pressure") / of(place, "highest_pressure") - 2.0 / 3.0).abs() < 1e-12);
+        // Equal half curvatures make a circle; here the wheel of 0.46 m is flatter than the rail of 0.3 m: a > b.
+        assert!(of(place, "half_curvature_along") < of(place, "half_curvature_across") && a > b);
+    }
+    // Free rolling: the creep forces have no moment about the axle; of spin moments only a part of sin(angle) turns it.
+    let (_, straight) = places("suspended_wheelset", "y=1mm,load=49kN", &["--no-roll"]);
+    let moment: f64 = straight.iter().map(|p| of(p, "creep_force_x") * of(p, "rolling_radius")).sum();
+    let spin: f64 = straight.iter().map(|p| (of(p, "spin_moment") * of(p, "angle").sin()).abs()).sum();
+    assert!(moment.abs() < 1.01 * spin && of(&straight[0], "creep_force_x").abs() > 400.0, "{moment} {spin}");
+    // At creepages next to nothing a force is that of Kalker's coefficients.
+    let (_, slow) = places("suspended_wheelset", "load=49kN,longitudinal=1e-8", &[]);
+    for place in &slow {
+        let modulus = 207e9 / (2.0 * 1.28);
+        let linear = -modulus * of(place, "semi_axis_a") * of(place, "semi_axis_b") * of(place, "c11") * 1e-8;
+        assert!((of(place, "creep_force_x") / linear - 1.0).abs() < 1e-4, "{place}");
+    }
+}
+
+#[test]
+fn equiv_a_pose_is_what_the_patch_command_and_a_start_say() {
+    // The ellipse beside the half-space patch stands at the same load.
+    let (_, found) = places("wheelset_s1002", "y=3mm,load=50kN", &[]);
+    let (stdout, _, _) = contact(&["wheelset_s1002", "--patch", "--y", "3mm", "--load", "50kN", "--json"]);
+    let patch: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    for (place, wheel) in found.iter().zip(patch["wheels"].as_array().unwrap()) {
+        let beside =
+            |what: &str| wheel["values"].as_array().unwrap().iter().find(|row| row["what"] == what).unwrap()["ellipse"].as_f64().unwrap();
+        assert!((1e-3 * of(place, "normal_force") / beside("normal force [kN]") - 1.0).abs() < 1e-4);
+        assert!((1e6 * of(place, "penetration") / beside("overlap along the normal [um]") - 1.0).abs() < 1e-4);
+        assert!((1e6 * of(place, "area") / beside("area [mm2]") - 1.0).abs() < 1e-3);
+    }
+    // The strips' highest pressure is that of half-space contact: 2 % on one lobe, 12 % below it on the double one.
+    for (y, bound) in [("0", 0.13), ("3mm", 0.02)] {
+        let strips = ["--set", "contact.patch=\"strips\""];
+        let (json, _) = places("wheelset_s1002", &format!("y={y},load=50kN"), &strips);
+        let (stdout, _, _) = contact(&["wheelset_s1002", "--patch", "--y", y, "--load", "50kN", "--json"]);
+        let patch: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        for (wheel, exact) in json["wheels"].as_array().unwrap().iter().zip(patch["wheels"].as_array().unwrap()) {
+            let all = wheel["places"].as_array().unwrap().iter().filter_map(|place| place["highest_pressure"].as_f64());
+            let row = exact["values"].as_array().unwrap().iter().find(|row| row["what"] == "highest pressure [MPa]").unwrap();
+            let off = 1e-6 * all.fold(0.0, f64::max) / of(row, "real") - 1.0;
+            println!("y {y}, {}: highest pressure off by {:.2} %", wheel["side"], 100.0 * off);
+            assert!(off.abs() < bound, "{y}: {off}");
+        }
+    }
+}
+
+#[test]
+fn prop_poses_that_make_no_sense_are_refused() {
+    for (pose, word) in [
+        ("yy=1mm", "did you mean"),
+        ("y=1kg", "a number in m"),
+        ("y=1mm,y=2mm", "twice"),
+        ("load=50kN,z=0.46", "expected one of z, load and approach"),
+        ("pitch_rate=43,spin=0.1", "expected a motion or creepages"),
+        ("load=-1", "expected a force above 0"),
+        ("speed=0", "at least"),
+        ("y", "expected key=value"),
+    ] {
+        let (_, stderr, code) = contact(&["wheelset_s1002", "--pose", pose]);
+        assert!(code == 2 && stderr.contains(word), "{pose}: {code} {stderr}");
+    }
+    assert_eq!(contact(&["wheelset_s1002", "--pose", "z=0.3"]).2, 1);
+    assert_eq!(contact(&["wheelset_s1002", "--pose", "y=0", "--patch"]).2, 2);
 }

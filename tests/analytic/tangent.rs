@@ -267,3 +267,50 @@ fn analytic_tangent_of_patches_of_strips() {
         [0.03, 0.15],
     );
 }
+
+#[test]
+fn analytic_friction_by_place_is_in_the_tangent() {
+    let at = |map: &[&str]| {
+        // Yawed so much that all slides; nothing but friction changes along the track.
+        let start = ["track.deviation=[]", "vehicle.initial.distance=20.5", "vehicle.initial.yaw=0.02"];
+        let changes: Vec<String> = start.iter().copied().chain(map.iter().copied()).map(str::to_string).collect();
+        linearised(&common::start(&load::open("suspended_wheelset", &changes).unwrap_or_else(|error| panic!("{error}"))))
+    };
+    let entry = |m: &DMatrix<f64>, row: usize, column: usize| m[(6 + row, column)];
+    let along = at(&["contact.friction_along=[{factors=[[0,1.0],[21,0.3]],transition=\"4 m\"}]"]);
+    for row in [0, 1, 3, 5] {
+        let [exact, found] = [&along.exact, &along.found].map(|m| entry(m, row, 0));
+        println!("along, row {row}: {exact:.4} {found:.4}");
+        // Imposed speed: the row of x is empty.
+        assert!((exact - found).abs() < 0.01 * exact.abs() + 1e-4, "row {row}: {exact} {found}");
+    }
+    assert!(entry(&along.exact, 1, 0).abs() > 0.1);
+    // Contacts of the cones lie at 1/40 on the rail's arc, more or less with roll: on the right wheel alone, or both would cancel out. The same
+    // friction everywhere shows what its change adds.
+    let left = "contact.friction_along=[{rail=\"left\",factors=[[-200,0.05],[-100,0.05]],transition=1}]";
+    let t: f64 = 0.025f64.atan() / 0.06;
+    let w = t.powi(4) * (35.0 + t * (-84.0 + t * (70.0 - 20.0 * t)));
+    let across = at(&["contact.friction_across={gauge_face=0.2,from=0,to=0.06}", left]);
+    let constant = at(&[&format!("contact.friction={}", 0.5 * (1.0 - 0.8 * w)), left]);
+    for row in [1, 4] {
+        let [exact, found] = [&across.exact, &across.found].map(|m| entry(m, row, 4));
+        let adds = exact - entry(&constant.exact, row, 4);
+        println!("across, row {row}, roll: {exact:.3} {found:.3}, of which {adds:.3} by its change");
+        assert!(adds.abs() > 10.0 && (exact - found).abs() < 0.1 * adds.abs(), "row {row}: {exact} {found} {adds}");
+    }
+}
+
+#[test]
+fn analytic_tangent_with_friction_by_place() {
+    let across = "contact.friction_across={gauge_face=0.2,from=0,to=0.2}";
+    let flange = "contact.friction_across={gauge_face=0.3,from=\"15 deg\",to=\"60 deg\"}";
+    check(
+        &[
+            ("wheelset_s1002", &[flange, "vehicle.initial.y=0.0075", "vehicle.initial.vy=0.05"], 0.01),
+            ("wheelset_s1002", &[flange, "contact.patch=strips", "vehicle.initial.y=0.004", "vehicle.initial.yaw=0.01"], 0.02),
+            ("wheelset_standstill", &[across, "vehicle.speed=0.5", "vehicle.initial.yaw=0.004"], 0.1),
+        ],
+        ROWS,
+        [0.03, 0.05],
+    );
+}

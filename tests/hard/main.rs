@@ -7,6 +7,7 @@ mod cases;
 mod continuity;
 mod flange;
 mod flutter;
+mod friction;
 mod nodes;
 mod patches;
 mod points;

@@ -3,6 +3,7 @@
 mod patch;
 mod patch_laws;
 mod pictures;
+mod pose;
 mod report;
 
 use super::{Failure, SceneArguments, csv_target, make_folder, print, say};
@@ -69,6 +70,15 @@ pub(super) struct Arguments {
     /// Also roll on the centres of the patches that really form under a load: radius difference and conicity of elastic wheels and rails
     #[arg(long, conflicts_with = "patch")]
     elastic: bool,
+    /// Evaluate one pose with all that the scene's laws say of it; keys: y, yaw, roll, one of load (of each wheel), approach and z, speed, pitch_rate
+    /// or the creepages longitudinal, lateral and spin; e.g. "y=3mm,yaw=5mrad,load=50kN"
+    #[arg(
+        long,
+        value_name = "KEY=VALUE,...",
+        allow_hyphen_values = true,
+        conflicts_with_all = ["patch", "elastic", "yaw", "load", "output", "plot"]
+    )]
+    pose: Option<String>,
     /// Vertical load of each wheel with --patch and --elastic [default: the static one]
     #[arg(long, value_name = "Q")]
     load: Option<String>,
@@ -99,6 +109,8 @@ struct Study<'a> {
     chosen: Conicities,
     table: Vec<Conicities>,
     curve: Vec<Conicities>,
+    /// NP, 1/m.
+    nonlinearity: Result<f64, NoConicity>,
     /// The same of elastic wheels and rails.
     elastic: Option<Elastic>,
 }
@@ -112,6 +124,7 @@ struct Elastic {
     chosen: Conicities,
     table: Vec<Conicities>,
     curve: Vec<Conicities>,
+    nonlinearity: Result<f64, NoConicity>,
 }
 
 impl Elastic {
@@ -140,7 +153,15 @@ impl Elastic {
         let differences = poses.iter().map(|pose| (pose.y, pose.radii[0] - pose.radii[1])).collect();
         let difference = RadiusDifference::of_poses(poses);
         let all = |amplitudes: &[f64]| amplitudes.iter().map(|amplitude| Conicities::new(&difference, *amplitude)).collect();
-        Ok(Elastic { load, differences, chosen: Conicities::new(&difference, chosen[0]), table: all(table), curve: all(curve) })
+        let nonlinearity = difference.nonlinearity();
+        Ok(Elastic {
+            load,
+            differences,
+            chosen: Conicities::new(&difference, chosen[0]),
+            table: all(table),
+            curve: all(curve),
+            nonlinearity,
+        })
     }
 }
 
@@ -217,6 +238,9 @@ fn attitude(arguments: &Arguments) -> Result<(Attitude, Option<f64>), Failure> {
 
 pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
+    if let Some(given) = &arguments.pose {
+        return pose::pose(arguments, &scene, given);
+    }
     if let Some(step) = &arguments.sweep {
         return patch_laws::patch_laws(arguments, &scene, step);
     }
@@ -261,6 +285,7 @@ pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
         chosen: at(&amplitude),
         table: table.iter().map(at).collect(),
         curve: curve.iter().map(at).collect(),
+        nonlinearity: difference.nonlinearity(),
         elastic: elastic.transpose()?,
     };
     if let Some(target) = &target {

@@ -107,12 +107,13 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
     };
     let rows: Vec<Vec<String>> = LINES.iter().map(row).collect();
     format!(
-        "{}\n\n  {}\n  rolling freely at {} m/s (pitch rate {:.4} rad/s), friction {}\n\n{}\nellipse: contact.normal.law = \"{}\" and contact.creep.law = \"{}\" at the deepest place\n",
+        "{}\n\n  {}\n  rolling freely at {} m/s (pitch rate {:.4} rad/s), friction {}{}\n\n{}\nellipse: contact.normal.law = \"{}\" and contact.creep.law = \"{}\" at the deepest place\n",
         scene.title,
         heading(question),
         scene.vehicle.speed,
         answer.pitch_rate,
         contact.friction,
+        if contact.friction_map.is_some() { " everywhere (its factors by place are left out)" } else { "" },
         table(&head, &rows),
         contact.normal_name,
         contact.creep_name

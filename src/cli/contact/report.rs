@@ -64,6 +64,12 @@ fn value(found: Result<Conicity, NoConicity>) -> String {
     found.map_or_else(|_| "-".into(), |found| format!("{:.4}", found.value))
 }
 
+/// NP in words.
+fn nonlinearity(found: Result<f64, NoConicity>) -> String {
+    let found = found.map_or_else(|_| "-".into(), |found| format!("{:.4} 1/mm", 1e-3 * found));
+    format!("nonlinearity parameter NP (lambda at 4 mm less lambda at 2 mm, over 2 mm; EN 15302:2021): {found}")
+}
+
 /// The whole text for a person.
 pub(super) fn text(study: &Study) -> String {
     let (scene, wheelset) = (study.scene, study.wheelset);
@@ -177,10 +183,11 @@ fn conicities(study: &Study) -> String {
     let rows: Vec<Vec<String>> = study.table.iter().map(row).collect();
     let chosen = &study.chosen;
     let mut text = format!(
-        "\nEquivalent conicity at {} mm: {} (EN 15302), {} (harmonic linearisation)\n\n{}",
+        "\nEquivalent conicity at {} mm: {} (EN 15302), {} (harmonic linearisation)\n  {}\n\n{}",
         millimetres(chosen.amplitude),
         value(chosen.en15302),
         value(chosen.harmonic),
+        nonlinearity(study.nonlinearity),
         table(&head, &rows)
     );
     if let Some(elastic) = &study.elastic {
@@ -189,16 +196,23 @@ fn conicities(study: &Study) -> String {
             elastic.table.iter().map(|at| vec![millimetres(at.amplitude), value(at.en15302), value(at.harmonic)]).collect();
         text += &format!(
             "\nElastic wheels and rails, {:.1} kN on each wheel, rolling on the centres of their patches: equivalent conicity at {} mm: {} (EN 15302), {} \
-             (harmonic linearisation)\n\n{}",
+             (harmonic linearisation)\n  {}\n\n{}",
             1e-3 * elastic.load,
             millimetres(elastic.chosen.amplitude),
             value(elastic.chosen.en15302),
             value(elastic.chosen.harmonic),
+            nonlinearity(elastic.nonlinearity),
             table(&head, &rows)
         );
     }
-    let mut reasons: Vec<NoConicity> =
-        study.table.iter().chain([chosen]).flat_map(|at| [at.en15302.err(), at.harmonic.err()]).flatten().collect();
+    let mut reasons: Vec<NoConicity> = study
+        .table
+        .iter()
+        .chain([chosen])
+        .flat_map(|at| [at.en15302.err(), at.harmonic.err()])
+        .flatten()
+        .chain(study.nonlinearity.err())
+        .collect();
     reasons.sort_by_key(|reason| *reason as u8);
     reasons.dedup();
     for reason in reasons {
@@ -240,8 +254,10 @@ pub(super) fn json(study: &Study, files: &[PathBuf]) -> Value {
         "yaw": study.wheelset.attitude.yaw, "roll": if study.wheelset.attitude.level { "zero" } else { "found" },
         "tread_circle_distance": study.wheelset.tread_circle_distance(), "nominal_radius": study.wheelset.nominal_radius(),
         "conicity": conicity(&study.chosen), "conicities": study.table.iter().map(conicity).collect::<Vec<_>>(),
+        "nonlinearity": study.nonlinearity.ok(),
         "elastic": study.elastic.as_ref().map(|elastic| json!({
             "load": elastic.load, "conicity": conicity(&elastic.chosen), "conicities": elastic.table.iter().map(conicity).collect::<Vec<_>>(),
+            "nonlinearity": elastic.nonlinearity.ok(),
             "rolling_radius_difference": elastic.differences,
         })),
         "jumps": jumps, "shifts": study.sweep.shown().map(|sample| stand(&sample.stand)).collect::<Vec<_>>(),

@@ -39,6 +39,7 @@ mod press;
 mod pressed;
 mod rail;
 mod strip;
+mod uneven;
 #[cfg(test)]
 mod tests;
 
@@ -48,3 +49,4 @@ pub use press::{Scratch, press, press_anywhere};
 pub use pressed::Pressed;
 pub use rail::RailStrips;
 pub use strip::Section;
+pub use uneven::with_uneven_slip;

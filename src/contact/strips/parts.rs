@@ -50,7 +50,7 @@ pub struct Share<'a> {
 }
 
 impl<'a> Share<'a> {
-    fn loads(self) -> impl Iterator<Item = (f64, &'a Pressed)> + Clone {
+    pub(super) fn loads(self) -> impl Iterator<Item = (f64, &'a Pressed)> + Clone {
         let last = self.strips.len() - 1;
         self.strips.iter().enumerate().map(move |(k, strip)| {
             let share = if k == 0 { self.first } else { 1.0 } * if k == last { self.last } else { 1.0 };
@@ -61,6 +61,20 @@ impl<'a> Share<'a> {
     /// Sum of its loads, N.
     pub fn load(self) -> f64 {
         self.loads().map(|(share, strip)| share * strip.load).sum()
+    }
+
+    /// In the middle of the strip that is pressed hardest, Pa: 2 q / (pi a), a from the load q over the strip's width as in [`Part`].
+    pub fn highest_pressure(self, material: Material) -> f64 {
+        let (mut squares, mut work) = (0.0, 0.0);
+        for (part, strip) in self.loads() {
+            squares += part * strip.load * strip.load / strip.width;
+            work += part * strip.load * strip.strip.overlap;
+        }
+        let modulus = material.shear_modulus() / (1.0 - material.poisson_ratio);
+        let length = proportion(squares / (modulus * work)) / modulus;
+        // a^2 = length q / kappa.
+        let of = |strip: &Pressed| (strip.load / strip.width * strip.strip.curvature / length).sqrt() * 2.0 / PI;
+        self.strips.iter().filter(|strip| strip.load > 0.0).map(of).fold(0.0, f64::max)
     }
 }
 
@@ -84,6 +98,8 @@ pub struct Part {
     pub coordinates: [f64; 2],
     pub profiles: [ProfilePoint; 2],
     pub patch: Patch,
+    /// Mean of the squares of its strips' half lengths by load, m^2.
+    pub mean_square: f64,
 }
 
 impl Parts {
@@ -198,8 +214,9 @@ impl Part {
     pub fn new(share: Share, rail: &RailStrips, wheel: &dyn Profile, material: Material) -> Part {
         let (mut load, mut lead, mut overlap) = (0.0, 0.0, 0.0f64);
         let (mut force, mut arm, mut forward) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
-        let (mut arc, mut lengths, mut squares, mut work, mut height, mut radius) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-        for (part, Pressed { number, strip, load: own, width, .. }) in share.loads() {
+        let (mut arc, mut lengths, mut squares, mut mean_square) = (0.0, 0.0, 0.0, 0.0);
+        let (mut work, mut height, mut radius) = (0.0, 0.0, 0.0);
+        for (part, Pressed { number, strip, load: own, width, half_length }) in share.loads() {
             let at = rail.strip(*number);
             let density = own / width;
             let own = &(part * own);
@@ -213,6 +230,7 @@ impl Part {
             lengths += own * density / strip.curvature;
             squares += own * density;
             work += own * strip.overlap;
+            mean_square += own * half_length * half_length;
             height += own * at.profile.value;
             radius += own * strip.radius;
             overlap = overlap.max(if *own > 0.0 { part * strip.overlap } else { 0.0 });
@@ -242,6 +260,7 @@ impl Part {
                 ProfilePoint { value: height * per_load, d1: rail_slope, d2: rail_bend, d3: 0.0 },
             ],
             patch: Patch { a: (1.25 * lengths * per_load).sqrt(), b: (5.0 * spread * per_load).sqrt() },
+            mean_square: mean_square * per_load,
         }
     }
 }

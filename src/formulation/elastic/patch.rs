@@ -7,9 +7,10 @@
 use super::super::loading::{Contact, WheelAt};
 use super::super::wheel_search::MOST_POINTS;
 use super::super::{ContactFailure, ContactReport};
+use crate::contact::creep::RollingContact;
 use crate::contact::normal::damping::damped_force;
 use crate::contact::search::algebraic::{ContactLocation, SurfaceParameters};
-use crate::contact::strips::{Creep, MOST, Part, Parts, Pressed, RailStrips, Scratch, press, press_anywhere};
+use crate::contact::strips::{Creep, MOST, Part, Parts, Pressed, RailStrips, Scratch, press, press_anywhere, with_uneven_slip};
 use crate::mbs::body::{BodyMotion, Wrench};
 use nalgebra::Vector3;
 
@@ -86,6 +87,21 @@ impl Wheel<'_> {
         Contact { wheel: self.wheel, found, slot, share }
     }
 
+    /// The creep force of a part with what the law does not know of it.
+    fn uneven(&self, law: Creep, (first, last): (usize, usize), part: &Part, report: &ContactReport) -> Creep {
+        let WheelAt { model, motion, .. } = *self.wheel;
+        let rolling = RollingContact {
+            patch: part.patch,
+            normal_force: report.normal_force,
+            friction: self.wheel.friction_at(report),
+            creepage: report.creepage,
+            speed: self.wheel.speed().abs(),
+        };
+        let velocity = |arm: &Vector3<f64>| motion.velocity + motion.rotation.cross(arm);
+        let share = self.parts.share(self.pressed, first, last);
+        with_uneven_slip(law, (share, part), &report.axes, velocity, &rolling, model.laws.material)
+    }
+
     /// Reports of all parts, their creep forces, and the sizes of their normal forces, N: normal force in a report is the sum of pressures, which is more
     /// where a patch bends.
     fn load(&self, loaded: &mut [ContactReport; MOST]) -> Result<([Creep; MOST], [f64; MOST]), ContactFailure> {
@@ -130,7 +146,7 @@ impl Wheel<'_> {
             let mut report = if first == last { loaded[first] } else { contact.report() };
             (report.patch, report.normal_force) = (part.patch, loads[first..=last].iter().sum());
             contact.creep(&mut report);
-            creep_of(&report)
+            self.uneven(creep_of(&report), (first, last), &part, &report)
         });
         Ok((creeps, forces))
     }
@@ -156,4 +172,12 @@ pub(in crate::formulation) fn location(part: &Part, motion: &BodyMotion) -> Cont
 fn creep_of(report: &ContactReport) -> Creep {
     let (axes, creep) = (&report.axes, &report.creep_force);
     Creep { force: axes.e1 * creep.longitudinal + axes.e2 * creep.lateral, moment: creep.spin_moment }
+}
+
+/// Rail coordinate of each part of a wheel's patch, m, and the highest pressure in it, Pa.
+pub(in crate::formulation) fn highest_pressures(wheel: &WheelAt, rail: &RailStrips, scratch: &mut Scratch) -> Vec<(f64, f64)> {
+    let pressed = press_anywhere(&wheel.pair(), rail, wheel.model.laws.material, scratch);
+    let on = Wheel { wheel, rail, pressed, parts: Parts::new(pressed, rail, wheel.model.points) };
+    let of = |k: usize| (on.part(k, k).coordinates[1], on.parts.share(pressed, k, k).highest_pressure(wheel.model.laws.material));
+    (0..on.parts.len()).map(of).collect()
 }

@@ -171,6 +171,17 @@ impl<'a> Touching<'a> {
         force
     }
 
+    /// Adds what a friction coefficient that changes along the rail and, with the turn of the axes about e1, across it makes of the creep force.
+    pub fn add_friction(&self, by_friction: &Vector3<f64>, (along, across): (f64, f64), force: &mut ByMotion<3>) {
+        let e1 = self.axes.e1;
+        // The contact goes along the rail with the wheelset and beside it.
+        let way = sum([1.0, 1.0], [&row(&e1, &Vector3::zeros()), &self.migration.arm[0]]);
+        let friction = sum([along, across], [&way, &self.migration.turn[0]]);
+        for (own, by_friction) in force.position.iter_mut().zip(by_friction) {
+            add(own, *by_friction, &friction);
+        }
+    }
+
     /// Adds the wrench's change from those of normal and creep force.
     pub fn add_wrench(&self, report: &ContactReport, normal: &ByMotion<1>, creep: &ByMotion<3>, wrench: &mut WrenchTangent) {
         let moment = report.creep_force.spin_moment;

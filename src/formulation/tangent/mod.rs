@@ -15,11 +15,13 @@ use super::elastic::patch::location;
 use super::elastic::points;
 use super::loading::{Contact, WheelAt};
 use super::memory::{ModelMemory, RidgeMemory};
+use super::model::factor_at;
 use super::step::WheelRef;
 use super::wheel_search::MOST_POINTS;
 use super::{ContactReport, EvaluationError, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{CreepForce, Creepage};
+use crate::contact::friction::by_friction;
 use crate::contact::search::algebraic::Pair;
 use crate::contact::search::migration::{Row, add, sum};
 use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
@@ -29,7 +31,7 @@ use crate::mbs::tangent::{SingularTangent, StateCoupling, Tangent};
 pub(super) use contact::normal_slopes;
 use contact::{ByMotion, NormalSlopes, Touching, penetration_by_pose};
 use nalgebra::Vector3;
-use patch::{PartChange, PatchChanges, Whole};
+use patch::{PartChange, PatchChanges};
 
 /// A contact that carries less than this share of its force counts as one that carries so much.
 const LEAST_SHARE: f64 = 1e-2;
@@ -74,18 +76,18 @@ impl Model {
                 patch::changes(&pair, &rails[side.index()], workspace.reports(contact), self.laws.material, (&mut strips.0[contact], &mut strips.1))
             });
             let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);
-            let alone = if patch.whole.is_some() { 0 } else { self.points };
-            for slot in 0..alone {
+            let places = if self.strips.is_some() { 0 } else { self.points };
+            for slot in 0..places {
                 let report = workspace.report(contact, slot);
-                let friction = self.laws.friction * factor.max(0.0);
+                let friction = self.friction_at(side, motion, report) * factor.max(0.0);
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
                 let at = At { wheelset, side, contact, slot, motion, report, friction, travel };
-                self.add_contact(&at, (shares.get(slot), patch.parts[slot].as_ref()), y, &mut tangent);
+                self.add_contact(&at, shares.get(slot), y, &mut tangent);
             }
-            if let Some(whole) = &patch.whole {
+            if self.strips.is_some() {
                 let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Vector3::zeros(), friction: factor, y };
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
-                self.add_mixed(&wheel, workspace.reports(contact), (&patch.parts, whole), travel, &mut tangent);
+                self.add_patch(&wheel, workspace.reports(contact), &patch, travel, &mut tangent);
             }
         }
         (workspace.strips, workspace.deeper) = strips;
@@ -127,40 +129,49 @@ impl Model {
         }
     }
 
-    /// Adds the contacts of a patch whose parts are partly one: `T = s T(parts) + (1 - s) T(whole)` (see `elastic::patch`).
-    fn add_mixed<'r>(
+    /// Adds the parts of a patch, `T = s T(parts) + (1 - s) T(whole)` where they are partly one (see `elastic::patch`). Creep forces change as the law
+    /// says: its slopes are taken at the law's own force, which is not the part's (`strips::uneven`).
+    fn add_patch<'r>(
         &self,
         wheel: &WheelAt,
         reports: impl Iterator<Item = &'r ContactReport> + Clone,
-        (parts, whole): (&[Option<PartChange>], &Whole),
+        patch: &PatchChanges,
         travel: Option<Vector3<f64>>,
         tangent: &mut Tangent,
     ) {
         let WheelAt { wheelset, side, motion, contact, .. } = *wheel;
-        let friction = self.laws.friction * wheel.friction.max(0.0);
         let Some(wrench) = tangent.wrench_mut(wheelset.body, wheelset.body) else { return };
+        let pair = wheel.pair();
+        let steady = |report: &ContactReport, touching: &Touching, normal: &ByMotion<1>| {
+            self.steady(&At { wheelset, side, contact, slot: 0, motion, report, friction: wheel.friction_at(report), travel }, touching, normal)
+        };
         // Of the parts' creep forces less that of the whole.
         let mut difference = Wrench::default();
-        for (change, report) in parts.iter().zip(reports.clone()).filter_map(|(change, report)| Some((change.as_ref()?, report))) {
+        let independence = patch.whole.as_ref().map_or(1.0, |whole| whole.independence);
+        for (change, report) in patch.parts.iter().zip(reports.clone()).filter(|(_, report)| report.normal_force > 0.0) {
             let found = Contact::again(report);
             let mut own = *report;
             Contact { wheel, found: &found, slot: 0, share: report.share }.creep(&mut own);
-            let (touching, normal) = self.touching_patch(&own, motion, &wheel.pair(), change);
-            let creep = self
-                .steady(&At { wheelset, side, contact, slot: 0, motion, report: &own, friction, travel }, &touching, &normal)
-                .times(whole.independence);
+            let (touching, normal) = match change {
+                Some(change) => self.touching_patch(&own, motion, &pair, change),
+                None => {
+                    let touching = Touching::new(&own, motion, &pair);
+                    let normal = touching.normal_force(normal_slopes(self.laws.damping.as_ref(), &own), [0.0; 6]);
+                    (touching, normal)
+                }
+            };
+            let creep = steady(&own, &touching, &normal).times(independence);
             touching.add_wrench(report, &normal, &creep, wrench);
             own.add_to(&mut difference, own.force - own.axes.normal * own.normal_force, &motion.position);
         }
+        let Some(whole) = &patch.whole else { return };
         let found = location(&whole.part, motion);
         let all = Contact { wheel, found: &found, slot: 0, share: 1.0 };
         let mut report = all.report();
         (report.patch, report.normal_force) = (whole.part.patch, reports.map(|report| report.normal_force).sum());
         all.creep(&mut report);
-        let (touching, normal) = self.touching_patch(&report, motion, &wheel.pair(), &whole.change);
-        let creep = self
-            .steady(&At { wheelset, side, contact, slot: 0, motion, report: &report, friction, travel }, &touching, &normal)
-            .times(1.0 - whole.independence);
+        let (touching, normal) = self.touching_patch(&report, motion, &pair, &whole.change);
+        let creep = steady(&report, &touching, &normal).times(1.0 - independence);
         // The forces themselves turn with the parts.
         let turned = ContactReport { creep_force: CreepForce::default(), normal_force: 0.0, ..report };
         touching.add_wrench(&turned, &ByMotion { position: [[0.0; 6]], velocity: [[0.0; 6]] }, &creep, wrench);
@@ -191,7 +202,7 @@ impl Model {
         (touching, normal)
     }
 
-    fn add_contact(&self, at: &At, (share, patch): (Option<&Row>, Option<&PartChange>), y: &[f64], tangent: &mut Tangent) {
+    fn add_contact(&self, at: &At, share: Option<&Row>, y: &[f64], tangent: &mut Tangent) {
         let At { wheelset, side, motion, report, .. } = *at;
         let transient = self.laws.transient.as_ref();
         if !(report.normal_force > 0.0) {
@@ -201,18 +212,12 @@ impl Model {
             return;
         }
         let pair = WheelRef { contact: at.contact, wheelset, side }.pair(self, motion);
-        let (touching, normal) = match patch {
-            Some(change) => self.touching_patch(report, motion, &pair, change),
-            None => {
-                let slopes = match report.constrained {
-                    true => NormalSlopes::default(),
-                    false => normal_slopes(self.laws.damping.as_ref(), report),
-                };
-                let touching = Touching::new(report, motion, &pair);
-                let normal = touching.normal_force(slopes, share.map_or([0.0; 6], |share| sum([report.normal_force], [share])));
-                (touching, normal)
-            }
+        let slopes = match report.constrained {
+            true => NormalSlopes::default(),
+            false => normal_slopes(self.laws.damping.as_ref(), report),
         };
+        let touching = Touching::new(report, motion, &pair);
+        let normal = touching.normal_force(slopes, share.map_or([0.0; 6], |share| sum([report.normal_force], [share])));
         let creep = match transient {
             None => self.steady(at, &touching, &normal),
             Some(transient) => self.add_transient(at, transient, &touching, &normal, y, tangent),
@@ -260,7 +265,13 @@ impl Model {
         let creepage = Creepage { longitudinal: sign * found.longitudinal, lateral: sign * found.lateral, ..found };
         let rolling = RollingContact { patch: report.patch, normal_force: report.normal_force, friction, creepage, speed: speed.abs() };
         let turned = CreepForce { longitudinal: sign * force.longitudinal, lateral: sign * force.lateral, ..force };
-        touching.steady(report, &self.laws.creep.slopes(&rolling, &turned), normal, (speed, at.travel))
+        let mut change = touching.steady(report, &self.laws.creep.slopes(&rolling, &turned), normal, (speed, at.travel));
+        let law = |friction: f64| {
+            let force = self.laws.creep.force(&RollingContact { friction, ..rolling });
+            CreepForce { longitudinal: sign * force.longitudinal, lateral: sign * force.lateral, ..force }
+        };
+        self.add_friction(at, touching, &law, &mut change);
+        change
     }
 
     /// Change of the creep force of a contact with deflection; adds its states.
@@ -290,7 +301,27 @@ impl Model {
             tangent.add_state(states.start + i, slopes.rate_by_deflection[(i, i)], &[coupling]);
         }
         tangent.add_state(states.start + 2, slopes.direction_rate, &[]);
-        touching.creep(&slopes.force_by_slip, &slopes.force_by_normal_force, normal)
+        let mut change = touching.creep(&slopes.force_by_slip, &slopes.force_by_normal_force, normal);
+        let law = |friction: f64| transient.evaluate(self.laws.creep.as_ref(), &LoadedPatch { friction, ..loaded }, &slip, &state).force;
+        self.add_friction(at, touching, &law, &mut change);
+        change
+    }
+
+    /// Adds what friction that varies by place makes of the creep force, which `law` knows over mu.
+    fn add_friction(&self, at: &At, touching: &Touching, law: &dyn Fn(f64) -> CreepForce, change: &mut ByMotion<3>) {
+        /// Of mu, for a difference.
+        const CHANGE: f64 = 1e-4;
+        let Some(map) = &self.laws.friction_map else { return };
+        let factor = factor_at(map, at.side, at.motion, at.report);
+        let flat = factor.by_distance == 0.0 && factor.by_angle == 0.0;
+        if flat || !(at.friction > 0.0) {
+            return;
+        }
+        let forces = [law(at.friction), law((1.0 + CHANGE) * at.friction)];
+        let by_friction = by_friction(at.friction, CHANGE, &forces[0], &forces[1]);
+        let per_factor = at.friction / factor.value;
+        let [along, across] = [factor.by_distance, factor.by_angle * at.side.sign()].map(|slope| slope * per_factor);
+        touching.add_friction(&by_friction, (along, across), change);
     }
 
     /// The states of a contact without load fade away on their own.

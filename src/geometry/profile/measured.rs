@@ -5,7 +5,7 @@
 //! the spline interpolates), `drop_outliers` (otherwise an outlier is an error that names its line). A wheel whose
 //! file gives heights only needs `radius`, at the tread circle, and takes `tread_circle`, the file's lateral
 //! coordinate of u = 0. Which way is up is seen from the shape where the format leaves it open: a rail's head is
-//! convex, a wheel's flange (u = -62 .. -42 mm) stands above its tread.
+//! convex, a wheel's flange (u = -62 .. -42 mm) stands above its tread. Where the file has a radius the scene's key is not needed, and goes before it.
 
 use super::super::file::OpenFile;
 use super::cleaning::{self, Sample};
@@ -42,12 +42,26 @@ pub(super) struct Reading {
     pub level: Level,
     /// Lateral coordinate of a wheel's tread circle unless the scene says otherwise.
     pub tread_circle: f64,
+    /// Of a wheel, where the file names it beside its points.
+    pub radius: Option<FileRadius>,
     /// The file's lateral coordinate grows toward the track centre.
     pub inward: bool,
     /// Columns, for messages.
     pub columns: &'static str,
     pub notes: Vec<String>,
 }
+
+/// A wheel's radius at the tread circle that a file names.
+pub(super) struct FileRadius {
+    /// m.
+    pub radius: f64,
+    /// As the file calls it, and where.
+    pub key: String,
+    pub line: usize,
+}
+
+/// Wheels are that large, m: another number means another unit, or nothing.
+const RADII: (f64, f64) = (0.1, 1.0);
 
 /// Fewest points of a profile.
 const LEAST_POINTS: usize = 3;
@@ -95,9 +109,9 @@ impl Profile for SplineProfile {
 
 /// Cleans, places and smooths the points, and carries them by a spline.
 pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Reading) -> Result<ProfileChoice, SettingsError> {
-    let Reading { mut samples, order, level, tread_circle, inward, columns, mut notes } = reading;
+    let Reading { mut samples, order, level, tread_circle, radius, inward, columns, mut notes } = reading;
     let wheel_of_heights = part == Part::Wheel && level != Level::Absolute;
-    let radius = wheel_of_heights.then(|| wheel_radius(section, 0.03)).transpose()?;
+    let radius = radius_in_force(section, part, level, (&file, radius), &mut notes)?;
     let tread_circle = if wheel_of_heights { section.number_or("tread_circle", Dimension::Length, tread_circle)? } else { 0.0 };
     let mirrored = section.flag_or("mirror", false)? != inward;
     let shift = (section.number_or("shift_y", Dimension::Length, 0.0)?, section.number_or("shift_z", Dimension::Length, 0.0)?);
@@ -145,7 +159,9 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     check_shape(&samples, middle, part).map_err(|(line, problem)| wrong(line, problem))?;
     let datum = match radius {
         Some(radius) => {
-            if middle.abs() > 0.05e-3 {
+            if !wheel_of_heights {
+                notes.push(format!("radius {:.3} mm of the scene instead of the file's {:.3} mm", 1e3 * radius, 1e3 * middle));
+            } else if middle.abs() > 0.05e-3 {
                 notes.push(format!("height {:.3} mm at the tread circle taken off: the radius is given there", 1e3 * middle));
             }
             radius - middle
@@ -172,6 +188,38 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     }
     let profile = SplineProfile::through(&points).map_err(|error| section.error("file", format!("\"{}\": {error}", file.path)))?;
     Ok(ProfileChoice { profile: Arc::new(profile), file: Some(file.kept), notes })
+}
+
+/// The radius at a wheel's tread circle, m: that of the scene, or of the file. `None` where the points themselves give it, and of rails.
+fn radius_in_force(
+    section: &Section,
+    part: Part,
+    level: Level,
+    (file, found): (&OpenFile, Option<FileRadius>),
+    notes: &mut Vec<String>,
+) -> Result<Option<f64>, SettingsError> {
+    const DEEPEST: f64 = 0.03;
+    if part == Part::Rail || (level == Level::Absolute && !section.has("radius")) {
+        return Ok(None);
+    }
+    let Some(FileRadius { radius, key, line }) = found else { return wheel_radius(section, DEEPEST).map(Some) };
+    if section.has("radius") {
+        let own = wheel_radius(section, DEEPEST)?;
+        if (own - radius).abs() > 0.05e-3 {
+            notes.push(format!(
+                "radius {:.3} mm of the scene instead of the file's {:.3} mm ({key}, line {line})",
+                1e3 * own,
+                1e3 * radius
+            ));
+        }
+        return Ok(Some(own));
+    }
+    if !(RADII.0..=RADII.1).contains(&radius) {
+        let wanted = format!("expected {} to {} mm; the scene's key radius goes before it", 1e3 * RADII.0, 1e3 * RADII.1);
+        return Err(file.error(line, &key, format!("found a wheel radius of {:.3} mm, {wanted}", 1e3 * radius)));
+    }
+    notes.push(format!("radius {:.3} mm of the file ({key}, line {line})", 1e3 * radius));
+    Ok(Some(radius))
 }
 
 /// Are these points that a profile can be made of?

@@ -2,7 +2,8 @@
 //!
 //! Lines `Key=value`, an empty line, then rows of numbers in the order that `ColumnDef` gives (default X, Y), mm.
 //! `XOffset` and `YOffset` are added. A line that begins with `"`, `!`, `%` or `#` is a comment. Older files have
-//! a head of free text instead of keys. A template may give its outline as `MPD1=L x0 y0 x1 y1`, ... The formats
+//! a head of free text instead of keys. `DiameterTaperline` or, in its absence, `WheelDiameterTaperline` is the
+//! wheel's diameter at its taping line, which is taken for the tread circle; in mm, as all lengths there; 0 means none. A template may give its outline as `MPD1=L x0 y0 x1 y1`, ... The formats
 //! were learned from sample files and from how the open program CONTACT reads them.
 //!
 //! Wheels: X from the flange back outward, so the tread circle is taken at 70 mm (`tread_circle`). Rails: X grows
@@ -10,13 +11,13 @@
 
 use super::super::file::OpenFile;
 use super::cleaning::Sample;
-use super::measured::{self, Level, Order, Reading};
+use super::measured::{self, FileRadius, Level, Order, Reading};
 use super::{FOLDER, Part, ProfileChoice};
 use crate::settings::{Entry, Section, SettingsError};
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
     name: "miniprof",
-    summary: "points measured by a MiniProf instrument, file = \"....whl\" (needs radius) or \"....ban\"",
+    summary: "points measured by a MiniProf instrument, file = \"....whl\" (needs radius, unless the file has a diameter) or \"....ban\"",
     reference: "sample files; reader of the open program CONTACT",
     parse,
 };
@@ -50,6 +51,7 @@ struct Head {
     offset: (f64, f64),
     points: Option<usize>,
     outline: Vec<Sample>,
+    radius: Option<FileRadius>,
 }
 
 impl Head {
@@ -66,6 +68,12 @@ impl Head {
             }
             "xoffset" if !value.is_empty() => self.offset.0 = number()?,
             "yoffset" if !value.is_empty() => self.offset.1 = number()?,
+            "wheeldiametertaperline" | "diametertaperline" if !value.is_empty() => {
+                let radius = 0.5 * number()? * MM;
+                if radius > 0.0 && (self.radius.is_none() || key.eq_ignore_ascii_case("DiameterTaperline")) {
+                    self.radius = Some(FileRadius { radius, key: key.into(), line });
+                }
+            }
             "xypoints" if !value.is_empty() => self.points = Some(number()? as usize),
             name if name.starts_with("mpd") && name[3..].chars().all(|c| c.is_ascii_digit()) => self.segment(file, line, key, value)?,
             _ => {}
@@ -137,6 +145,7 @@ fn read(file: &OpenFile, part: Part) -> Result<Reading, SettingsError> {
         order: Order::Along,
         level: Level::EitherWay,
         tread_circle: 0.07,
+        radius: head.radius,
         inward: part == Part::Rail,
         columns: COLUMNS,
         notes,

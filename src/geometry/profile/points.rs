@@ -69,5 +69,5 @@ fn read(file: &OpenFile, part: Part) -> Result<Reading, SettingsError> {
         };
         samples.push(Sample { x: x_unit * number(0)?, z: z_unit * number(1)?, line });
     }
-    Ok(Reading { samples, order: Order::Any, level, tread_circle: 0.0, inward: false, columns, notes: Vec::new() })
+    Ok(Reading { samples, order: Order::Any, level, tread_circle: 0.0, radius: None, inward: false, columns, notes: Vec::new() })
 }

@@ -128,7 +128,16 @@ fn read(file: &OpenFile, part: Part) -> Result<Reading, SettingsError> {
         notes.push("weights of the file are not used".into());
     }
     place(&mut samples, &keys, unit, &mut notes);
-    Ok(Reading { samples, order: Order::Along, level: Level::EitherWay, tread_circle: 0.0, inward: false, columns: COLUMNS, notes })
+    Ok(Reading {
+        samples,
+        order: Order::Along,
+        level: Level::EitherWay,
+        tread_circle: 0.0,
+        radius: None,
+        inward: false,
+        columns: COLUMNS,
+        notes,
+    })
 }
 
 /// Does what the keys ask for, in their order.

@@ -255,6 +255,40 @@ fn prop_old_miniprof_heads_and_templates_are_read() {
     assert!((old.profile.at(0.02).value - 0.499).abs() < 1e-6, "{:?}", old.profile.at(0.02));
 }
 
+#[test]
+fn prop_a_wheel_takes_the_radius_of_its_file_unless_the_scene_names_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let miniprof = std::fs::read_to_string(samples().join("wheel_s1002.whl")).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let with = |lines: &str| miniprof.replacen("ColumnDef=X,Y", &format!("ColumnDef=X,Y\n{lines}"), 1);
+    write("w.whl", &with("WheelDiameterTaperline=900.0\nDiameterTaperline=903.0"));
+    write("stated.whl", &with("WheelDiameterTaperline=900.0\nDiameterTaperline=0"));
+    write("inches.whl", &with("DiameterTaperline=33"));
+    let wheel = |settings: &str| read_in(folder.path(), settings, Part::Wheel);
+    let at = |choice: &ProfileChoice| choice.profile.at(0.0).value;
+    let of_file = wheel("kind = \"miniprof\"\nfile = \"w.whl\"\n").unwrap();
+    assert!((at(&of_file) - 0.4515).abs() < 1e-12, "{}", at(&of_file));
+    assert!(of_file.notes.iter().any(|note| note == "radius 451.500 mm of the file (DiameterTaperline, line 7)"), "{:?}", of_file.notes);
+    assert!((at(&wheel("kind = \"miniprof\"\nfile = \"stated.whl\"\n").unwrap()) - 0.45).abs() < 1e-12);
+    let of_scene = wheel("kind = \"miniprof\"\nfile = \"w.whl\"\nradius = 0.46\n").unwrap();
+    assert!((at(&of_scene) - 0.46).abs() < 1e-12);
+    let wanted = "radius 460.000 mm of the scene instead of the file's 451.500 mm";
+    assert!(of_scene.notes.iter().any(|note| note.starts_with(wanted)), "{:?}", of_scene.notes);
+    // Only the level differs.
+    for x in [-0.06, -0.03, 0.02] {
+        assert!((of_scene.profile.at(x).value - of_file.profile.at(x).value - 8.5e-3).abs() < 1e-12);
+    }
+    let refused = wheel("kind = \"miniprof\"\nfile = \"inches.whl\"\n").unwrap_err().to_string();
+    assert!(refused.contains("inches.whl:6: DiameterTaperline: found a wheel radius of 16.500 mm"), "{refused}");
+    // Points with radii: the scene's radius goes before them.
+    write("w.csv", "u,radius\n-0.05,0.48\n-0.03,0.461\n0,0.46\n0.03,0.459\n0.05,0.458\n");
+    let points = |more: &str| wheel(&format!("kind = \"points\"\nfile = \"w.csv\"\n{more}")).unwrap();
+    let (own, named) = (points(""), points("radius = \"455 mm\"\n"));
+    assert!((at(&own) - 0.46).abs() < 1e-15 && (at(&named) - 0.455).abs() < 1e-12 && own.notes.is_empty());
+    assert!((own.profile.at(0.02).value - named.profile.at(0.02).value - 5e-3).abs() < 1e-12);
+    assert!(named.notes[0].starts_with("radius 455.000 mm of the scene instead of the file's 460.000 mm"), "{:?}", named.notes);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
     #[test]

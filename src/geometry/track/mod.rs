@@ -129,6 +129,12 @@ impl Rail {
         self
     }
 
+    /// With further stretches of the track at which a step must look.
+    pub fn with_waves(mut self, stretches: impl IntoIterator<Item = waves::Stretch>) -> Self {
+        self.waves = self.waves.with(stretches);
+        self
+    }
+
     /// Hands over what each deviation does at distance `s` [m]: along which axis (1: Y, 2: Z), displacement and three derivatives.
     #[inline]
     fn deviate(&self, s: f64, mut add: impl FnMut(usize, [f64; 4])) {

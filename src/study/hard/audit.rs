@@ -176,15 +176,16 @@ impl Audit {
     }
 
     fn look(&mut self, model: &Model, snapshot: &Snapshot) {
-        for (index, _) in model.wheelsets.iter().enumerate() {
+        for (index, wheelset) in model.wheelsets.iter().enumerate() {
+            let motion = &snapshot.workspace.system.motions[wheelset.body];
             for (place, side) in Side::BOTH.into_iter().enumerate() {
-                let friction = model.laws.friction * snapshot.inputs().get(WHEELSET_INPUTS * index + LEFT_FRICTION + place).unwrap_or(&1.0);
+                let factor = snapshot.inputs().get(WHEELSET_INPUTS * index + LEFT_FRICTION + place).unwrap_or(&1.0);
                 for report in snapshot.workspace.reports(contact_index(index, side)) {
                     keep(&mut self.pull, -report.normal_force, snapshot.time);
                     if report.constrained {
                         keep(&mut self.gap, report.penetration.abs(), snapshot.time);
                     }
-                    let bound = friction * report.normal_force.max(0.0);
+                    let bound = factor * model.friction_at(side, motion, report) * report.normal_force.max(0.0);
                     let creep = report.creep_force.longitudinal.hypot(report.creep_force.lateral);
                     if self.bounded_creep {
                         keep(&mut self.beyond, (creep - bound) / (bound + NO_FORCE), snapshot.time);

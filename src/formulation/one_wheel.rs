@@ -1,0 +1,60 @@
+//! The elastic contacts of one wheel in a pose and motion that are given: nothing is remembered, nothing moves on.
+
+use super::elastic::patch::highest_pressures;
+use super::elastic::points;
+use super::loading::{Contact, WheelAt};
+use super::memory::{Mode, WheelMemory};
+use super::{ContactFailure, ContactReport, Model};
+use crate::contact::strips::Scratch;
+use crate::geometry::Side;
+use crate::mbs::body::{BodyMotion, Wrench};
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+
+/// A place where a wheel is pressed, or nearly so.
+#[derive(Clone, Copy, Debug)]
+pub struct PlaceOnWheel {
+    pub report: ContactReport,
+    /// Half the relative curvatures A along e1 and B along e2 at the place, 1/m.
+    pub half_curvatures: [f64; 2],
+    /// Pa; 0 where nothing presses.
+    pub highest_pressure: f64,
+}
+
+impl Model {
+    /// All places of a wheel as the laws of elastic contact see them, with `friction` as the factor of the friction coefficient.
+    ///
+    /// The model must have an elastic formulation and steady creepages.
+    ///
+    /// # Errors
+    /// [`ContactFailure`] where the laws do not hold in this pose.
+    pub fn places_on_wheel(
+        &self,
+        wheelset: usize,
+        side: Side,
+        motion: &BodyMotion,
+        friction: f64,
+    ) -> Result<Vec<PlaceOnWheel>, ContactFailure> {
+        let contact = super::contact_index(wheelset, side);
+        let state = vec![0.0; self.dimension()];
+        let wheelset = &self.wheelsets[wheelset];
+        let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Vector3::zeros(), friction, y: &state };
+        let mut strips = Scratch::new(self.strips.as_ref().map_or(0, |rails| rails[side.index()].len()));
+        let (mut first, mut further) = (ContactReport::default(), vec![ContactReport::default(); self.points - 1]);
+        let (mut memory, mut wrench) = (WheelMemory::new(Mode::ELASTIC), Wrench::default());
+        points::elastic_wheel(&wheel, &mut memory, &mut strips, &mut wrench, (&mut first, &mut further))?;
+        let highest = self.strips.as_ref().map(|rails| highest_pressures(&wheel, &rails[side.index()], &mut strips));
+        let place = |report: ContactReport| {
+            let found = Contact::again(&report);
+            let shape = found.shape(wheelset.wheel(side), self.track.rail(side));
+            let hertzian = 1.5 * report.normal_force / (PI * report.patch.a * report.patch.b);
+            let apart = |at: &&(f64, f64)| (at.0 - report.parameters.rail).abs();
+            let of_strips = highest.iter().flatten().min_by(|a, b| apart(a).total_cmp(&apart(b))).map(|(_, pressure)| *pressure);
+            let highest_pressure = if report.normal_force > 0.0 { of_strips.unwrap_or(hertzian) } else { 0.0 };
+            PlaceOnWheel { report, half_curvatures: [shape.rolling, shape.across], highest_pressure }
+        };
+        // A report without a place belongs to none.
+        let is_place = |report: &ContactReport| report.iterations > 0 || report.penetration != 0.0;
+        Ok(std::iter::once(first).chain(further).filter(is_place).map(place).collect())
+    }
+}
