@@ -63,7 +63,7 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
         draw(path, &choice.profile.describe(), part, &samples).map_err(Failure::Run)?;
         say(&format!("wrote {}", path.display()));
     }
-    choice.notes.iter().for_each(|note| say(&format!("note: {note}")));
+    choice.notes.iter().chain(&choice.doubt).for_each(|note| say(&format!("note: {note}")));
     if arguments.output.as_deref() != Some(Path::new("-")) {
         print(&summary(part, choice.profile.as_ref()))?;
     }

@@ -12,6 +12,8 @@ pub struct Smoothed {
     pub points: Vec<(f64, f64)>,
     /// Root-mean-square distance of the points from where they were.
     pub rms: f64,
+    /// The largest of these distances.
+    pub largest: f64,
 }
 
 /// The bands of R and Q'Q of one set of knots.
@@ -85,10 +87,20 @@ impl Reinsch {
     }
 }
 
-/// Smooths a curve of distinct points so that they move by `rms` (root mean square); less where even the straight
+/// How far points may move, in the unit of the points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reach {
+    /// Root mean square.
+    RootMeanSquare(f64),
+    /// The furthest of them.
+    Largest(f64),
+}
+
+/// Smooths a curve of distinct points so that they move by `reach`; less where even the straight
 /// line is nearer. `None` for fewer than four points, for points that coincide, and for what is not finite.
-pub fn smooth(points: &[(f64, f64)], rms: f64) -> Option<Smoothed> {
-    if points.len() < 4 || !(rms > 0.0) {
+pub fn smooth(points: &[(f64, f64)], reach: Reach) -> Option<Smoothed> {
+    let (Reach::RootMeanSquare(wanted) | Reach::Largest(wanted)) = reach;
+    if points.len() < 4 || !(wanted > 0.0) {
         return None;
     }
     let h: Vec<f64> = points.windows(2).map(|p| (p[1].0 - p[0].0).hypot(p[1].1 - p[0].1)).collect();
@@ -101,18 +113,22 @@ pub fn smooth(points: &[(f64, f64)], rms: f64) -> Option<Smoothed> {
     let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|p| (p.0 / unit, p.1 / unit)).unzip();
     let at = |lambda: f64| {
         let (dx, dy) = (reinsch.taken(&x, lambda), reinsch.taken(&y, lambda));
-        let squares: f64 = dx.iter().zip(&dy).map(|(dx, dy)| dx * dx + dy * dy).sum();
-        (unit * (squares / points.len() as f64).sqrt(), dx, dy)
+        let squares = || dx.iter().zip(&dy).map(|(dx, dy)| dx * dx + dy * dy);
+        let (sum, largest) = (squares().sum::<f64>(), squares().fold(0.0, f64::max));
+        let [rms, largest] = [sum / points.len() as f64, largest].map(|square| unit * square.sqrt());
+        (rms, largest, dx, dy)
     };
     // The distance grows with lambda.
     let (mut low, mut high) = (-30.0f64, 30.0f64);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if at(middle.exp()).0 < rms { low = middle } else { high = middle }
+        let (rms, largest, ..) = at(middle.exp());
+        let moved = if let Reach::Largest(_) = reach { largest } else { rms };
+        if moved < wanted { low = middle } else { high = middle }
     }
-    let (found, dx, dy) = at(low.exp());
+    let (rms, largest, dx, dy) = at(low.exp());
     let moved = points.iter().zip(dx.iter().zip(&dy)).map(|(p, (dx, dy))| (p.0 - unit * dx, p.1 - unit * dy));
-    Some(Smoothed { points: moved.collect(), rms: found })
+    Some(Smoothed { points: moved.collect(), rms, largest })
 }
 
 #[cfg(test)]
@@ -169,18 +185,21 @@ mod tests {
             let squares: f64 = points[20..380].iter().map(|p| (p.0.hypot(p.1) - 1.0).powi(2)).sum();
             (squares / 360.0).sqrt()
         };
-        let smoothed = smooth(&noisy, 8e-4).unwrap();
+        let smoothed = smooth(&noisy, Reach::RootMeanSquare(8e-4)).unwrap();
         println!("across the curve: {:.2e} before, {:.2e} after", across(&noisy), across(&smoothed.points));
         assert!((smoothed.rms - 8e-4).abs() < 1e-8);
+        let within = smooth(&noisy, Reach::Largest(1.5e-3)).unwrap();
+        let furthest = noisy.iter().zip(&within.points).map(|(a, b)| (a.0 - b.0).hypot(a.1 - b.1)).fold(0.0, f64::max);
+        assert!((furthest - 1.5e-3).abs() < 1e-8 && (furthest - within.largest).abs() < 1e-15, "{furthest}");
         assert!(across(&smoothed.points) < 0.5 * across(&noisy));
     }
 
     #[test]
     fn analytic_a_straight_line_stays() {
         let line: Vec<(f64, f64)> = (0..30).map(|i| (f64::from(i), 0.5 * f64::from(i))).collect();
-        let smoothed = smooth(&line, 1.0).unwrap();
+        let smoothed = smooth(&line, Reach::Largest(1.0)).unwrap();
         assert!(smoothed.rms < 1e-9);
-        assert!(smooth(&line[..3], 1.0).is_none());
-        assert!(smooth(&[(0.0, 0.0), (0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], 1.0).is_none());
+        assert!(smooth(&line[..3], Reach::RootMeanSquare(1.0)).is_none());
+        assert!(smooth(&[(0.0, 0.0), (0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], Reach::RootMeanSquare(1.0)).is_none());
     }
 }

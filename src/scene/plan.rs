@@ -11,6 +11,7 @@ use crate::formulation::sliding_mean::CUT_OFF;
 use crate::formulation::sliding_mean::SlidingMean;
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
+use crate::geometry::profile::ProfileChoice;
 use crate::geometry::track::centre_line::{LEAST_ROUNDING, Node, Pivot};
 use crate::mbs::joint::Joint;
 use serde::Serialize;
@@ -331,15 +332,27 @@ fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
     }
 }
 
-/// What was assumed when profiles were read, each once.
+/// What was assumed when profiles were read, each once, and what is doubtful about them.
 fn profile_notes(scene: &Scene) -> Vec<String> {
+    let mut all = of_profiles(scene, |choice| choice.notes.clone());
+    all.extend(profile_doubts(scene));
+    all
+}
+
+/// Where the curvature of profiles is doubtful.
+pub fn profile_doubts(scene: &Scene) -> Vec<String> {
+    of_profiles(scene, |choice| choice.doubt.iter().cloned().collect())
+}
+
+fn of_profiles(scene: &Scene, notes: impl Fn(&ProfileChoice) -> Vec<String>) -> Vec<String> {
     let parts = [("wheel", &scene.vehicle.leading().profiles), ("rail", &scene.track.rails)];
-    let all = parts.into_iter().flat_map(|(part, sides)| {
-        Side::BOTH.into_iter().flat_map(move |side| {
-            let same = side == Side::Right && sides[0].notes == sides[1].notes;
-            let notes = if same { &[][..] } else { &sides[side.index()].notes[..] };
-            notes.iter().map(move |note| format!("{} {part} profile: {note}", side.name()))
-        })
-    });
-    all.collect()
+    let mut all = Vec::new();
+    for (part, sides) in parts {
+        let [left, right] = sides.each_ref().map(&notes);
+        let right = if left == right { Vec::new() } else { right };
+        for (side, notes) in Side::BOTH.into_iter().zip([left, right]) {
+            all.extend(notes.into_iter().map(|note| format!("{} {part} profile: {note}", side.name())));
+        }
+    }
+    all
 }

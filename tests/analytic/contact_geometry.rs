@@ -595,3 +595,36 @@ fn prop_poses_that_make_no_sense_are_refused() {
     assert_eq!(contact(&["wheelset_s1002", "--pose", "z=0.3"]).2, 1);
     assert_eq!(contact(&["wheelset_s1002", "--pose", "y=0", "--patch"]).2, 2);
 }
+
+#[test]
+fn hard_false_jumps_of_rounded_points_are_told_and_a_fit_takes_them_away() {
+    // S1002 and 60E1 every 0.5 mm, rounded to a micrometre. The drawings make six jumps.
+    let folder = tempfile::tempdir().unwrap();
+    let scene = wheelrail::scene::load::open("wheelset_s1002", &[]).unwrap();
+    let file = |name: &str, head: &str, profile: &dyn Profile| {
+        let (first, last) = profile.range();
+        // Along the surface: the gauge is measured on a flank.
+        let next = |x: &f64| Some(x + 5e-4 / 1f64.hypot(profile.at(*x).d1));
+        let x = std::iter::successors(Some(first), next).take_while(|x| *x <= last);
+        let rows: String = x.map(|x| format!("{x:.6},{:.6}\n", profile.at(x).value)).collect();
+        std::fs::write(folder.path().join(name), format!("{head}\n{rows}")).unwrap();
+    };
+    file("w.csv", "u,radius", scene.vehicle.leading().profiles[0].profile.as_ref());
+    file("r.csv", "eta,height", scene.track.rails[0].profile.as_ref());
+    std::fs::write(folder.path().join("s.toml"), include_str!("../../fmu/scenes/wheelset_s1002.toml")).unwrap();
+    let path = folder.path().join("s.toml").display().to_string();
+    let run = |more: &str| {
+        let wheel = format!("vehicle.wheelset.profile={{kind=\"points\",file=\"w.csv\"{more}}}");
+        let rail = format!("track.rail={{kind=\"points\",file=\"r.csv\"{more}}}");
+        let (stdout, stderr, code) = contact(&[&path, "--range", "5.5 mm", "--json", "--set", &wheel, "--set", &rail]);
+        assert_eq!(code, 0, "{stderr}");
+        let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        let count = |key: &str| json[key].as_array().unwrap().len();
+        (count("jumps"), count("doubts"), json["conicity"]["en15302"]["value"].as_f64().unwrap())
+    };
+    let (through, fitted) = (run(""), run(",fit_within=\"5 um\""));
+    println!("through the points {through:?}, within 5 um {fitted:?}");
+    assert!(through.0 >= 16 && through.1 == 2, "{through:?}");
+    assert!(fitted.0 <= 6 && fitted.1 == 0, "{fitted:?}");
+    assert!((fitted.2 - 0.1724).abs() < 5e-4, "{fitted:?}");
+}

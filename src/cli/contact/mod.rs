@@ -10,9 +10,10 @@ use super::{Failure, SceneArguments, csv_target, make_folder, print, say};
 use crate::contact::patch::Settings;
 use crate::geometry::track::gauge;
 use crate::scene::assemble;
+use crate::scene::plan::profile_doubts;
 use crate::scene::spec::Scene;
 use crate::study::conicity::{Conicity, NoConicity, RadiusDifference, RollingPose};
-use crate::study::contact_geometry::{Attitude, Stand, WheelsetOnTrack};
+use crate::study::contact_geometry::{Attitude, NoStand, Stand, WheelsetOnTrack};
 use crate::study::patch::{NoPatch, Question, elastic_pose};
 use crate::study::sweep::Sweep;
 use crate::units::Dimension;
@@ -236,6 +237,12 @@ fn attitude(arguments: &Arguments) -> Result<(Attitude, Option<f64>), Failure> {
     Ok((Attitude { yaw, level: arguments.no_roll, near }, station))
 }
 
+/// Why there is nothing to show, and what in the profiles may be the cause.
+fn no_sweep(scene: &Scene, error: &NoStand) -> Failure {
+    let doubts = profile_doubts(scene).into_iter().map(|doubt| format!("\n  note: {doubt}"));
+    Failure::Run(format!("{}: {error}{}", scene.source.file, doubts.collect::<String>()))
+}
+
 pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
     if let Some(given) = &arguments.pose {
@@ -263,7 +270,7 @@ pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
         make_folder(folder)?;
     }
     let wheelset = WheelsetOnTrack::new(&scene, attitude, station);
-    let sweep = Sweep::new(&wheelset, range, step).map_err(|error| Failure::Run(format!("{}: {error}", scene.source.file)))?;
+    let sweep = Sweep::new(&wheelset, range, step).map_err(|error| no_sweep(&scene, &error))?;
     for error in sweep.ended.iter().flatten() {
         say(&format!("the lateral shifts end early: {error}"));
     }

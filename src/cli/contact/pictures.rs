@@ -56,7 +56,8 @@ fn curve(study: &Study, label: &str, ink: Ink, value: impl Fn(&Stand) -> f64) ->
     Series { label: label.into(), ink, branches, marks: vec![] }
 }
 
-fn difference(study: &Study) -> Panel {
+/// The rolling-radius difference at lateral shifts up to `within`, mm.
+fn difference(study: &Study, within: f64) -> Panel {
     let mut panel = Panel::new(
         "Rolling-radius difference",
         [SHIFT, "left minus right [mm]"],
@@ -66,8 +67,63 @@ fn difference(study: &Study) -> Panel {
         let points = elastic.differences.iter().map(|(y, difference)| (1e3 * y, 1e3 * difference)).collect();
         panel.series.push(Series::line(&elastic_label(elastic), Ink::line(GREEN), points));
     }
+    for series in &mut panel.series {
+        series.branches.iter_mut().for_each(|branch| branch.retain(|point| point.0.abs() <= within));
+        series.branches.retain(|branch| !branch.is_empty());
+    }
     panel.y.zero = true;
+    if let Some((limit, all)) = on_the_tread(study, within) {
+        panel.y.range = Some((-limit, limit));
+        panel.aside = format!("cut off at {limit:.1} mm; on the flange {all:.1} mm");
+        panel.series.iter_mut().for_each(|series| series.branches = cut(&series.branches, limit));
+    }
     panel
+}
+
+/// How far the axis of the radius difference reaches so that the flange, where it grows tenfold, leaves the tread to be seen, mm: all that is rolled on
+/// where neither wheel stands steeper than [`FLANGE`]; and how far the flange's goes. `None` where the tread's is most of it.
+fn on_the_tread(study: &Study, within: f64) -> Option<(f64, f64)> {
+    /// Contact angle, rad (30 degrees), beyond which a wheel rolls on its flange.
+    const FLANGE: f64 = PI / 6.0;
+    const MOST: f64 = 0.6;
+    const AIR: f64 = 1.1;
+    let sizes = |keep: &dyn Fn(&Stand) -> bool| {
+        let stands = study.sweep.samples.iter().map(|sample| &sample.stand);
+        let stands = stands.filter(|stand| 1e3 * stand.y.abs() <= within && keep(stand));
+        stands.map(|stand| 1e3 * stand.radius_difference().abs()).fold(0.0, f64::max)
+    };
+    let (tread, all) = (sizes(&|stand| stand.contacts.iter().all(|touch| touch.angle.abs() < FLANGE)), sizes(&|_| true));
+    (tread > 0.0 && tread < MOST * all).then_some((AIR * tread, all))
+}
+
+/// Lines cut off at `limit` either way, where they reach it.
+fn cut(branches: &[Vec<(f64, f64)>], limit: f64) -> Vec<Vec<(f64, f64)>> {
+    let mut parts: Vec<Vec<(f64, f64)>> = Vec::new();
+    for branch in branches {
+        let mut inside: Vec<(f64, f64)> = Vec::new();
+        for (k, point) in branch.iter().enumerate() {
+            // Where the line from the point before goes through an end of the axis.
+            let end = |from: &(f64, f64), to: &(f64, f64)| {
+                let y = limit.copysign(if from.1.abs() > limit { from.1 } else { to.1 });
+                (from.0 + (to.0 - from.0) * (y - from.1) / (to.1 - from.1), y)
+            };
+            let before = k.checked_sub(1).map(|k| &branch[k]);
+            match (before.map(|before| before.1.abs() <= limit), point.1.abs() <= limit) {
+                (Some(false), true) => inside.extend(before.map(|before| end(before, point))),
+                (Some(true), false) => {
+                    inside.extend(before.map(|before| end(before, point)));
+                    parts.push(std::mem::take(&mut inside));
+                }
+                _ => {}
+            }
+            if point.1.abs() <= limit {
+                inside.push(*point);
+            }
+        }
+        parts.push(inside);
+    }
+    parts.retain(|part| !part.is_empty());
+    parts
 }
 
 fn elastic_label(elastic: &Elastic) -> String {
@@ -82,7 +138,7 @@ fn geometry(study: &Study) -> Vec<Panel> {
     };
     let one = |value: &dyn Fn(&Stand) -> f64| vec![curve(study, "", Ink::line(DARK), value)];
     let mut panels = vec![
-        difference(study),
+        difference(study, f64::INFINITY),
         panel("Contact angle", "angle [deg]", both(&|touch| touch.angle.to_degrees())),
         panel("Contact on the wheel", "u, outward [mm]", both(&|touch| 1e3 * touch.wheel)),
         panel("Contact on the rail", "eta, outward [mm]", both(&|touch| 1e3 * touch.rail)),
@@ -98,10 +154,8 @@ fn geometry(study: &Study) -> Vec<Panel> {
 /// The rolling-radius difference within 4/3 of the chosen amplitude, and the cone that is equivalent at that amplitude.
 fn near_difference(study: &Study) -> Panel {
     let range = 1e3 * study.chosen.amplitude * 4.0 / 3.0;
-    let mut panel = difference(study);
+    let mut panel = difference(study, range);
     for series in &mut panel.series {
-        series.branches.iter_mut().for_each(|branch| branch.retain(|point| point.0.abs() <= range));
-        series.branches.retain(|branch| !branch.is_empty());
         if series.ink == Ink::line(DARK) {
             series.label = "profiles".into();
         }
@@ -194,5 +248,22 @@ fn section(study: &Study, side: Side) -> Panel {
         leaders: false,
         height: tall,
         ..Panel::new(if side == Side::Left { "Left wheel and rail" } else { "Right wheel and rail" }, ["", ""], series)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_lines_are_cut_where_they_reach_the_end_of_the_axis() {
+        let line = vec![(0.0, -6.0), (1.0, -2.0), (2.0, 0.0), (3.0, 8.0), (4.0, 9.0), (5.0, 3.0)];
+        let parts = cut(&[line, vec![(6.0, 20.0), (7.0, 30.0)]], 4.0);
+        let wanted = [vec![(0.5, -4.0), (1.0, -2.0), (2.0, 0.0), (2.5, 4.0)], vec![(4.0 + 5.0 / 6.0, 4.0), (5.0, 3.0)]];
+        assert_eq!(parts.len(), 2, "{parts:?}");
+        for (part, wanted) in parts.iter().zip(&wanted) {
+            assert!(part.len() == wanted.len(), "{parts:?}");
+            assert!(part.iter().zip(wanted).all(|(a, b)| (a.0 - b.0).abs() < 1e-12 && (a.1 - b.1).abs() < 1e-12), "{parts:?}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 use super::{Conicities, Study};
 use crate::cli::{file_names, table};
 use crate::geometry::Side;
+use crate::scene::plan::profile_doubts;
 use crate::study::conicity::{Conicity, NoConicity, wavelength};
 use crate::study::contact_geometry::{Stand, Touch};
 use serde_json::{Value, json};
@@ -88,6 +89,9 @@ pub(super) fn text(study: &Study) -> String {
     );
     text += &shifts(study);
     text += &jumps(study);
+    for doubt in profile_doubts(scene) {
+        text += &format!("\n  note: {doubt}\n");
+    }
     text += &conicities(study);
     text
 }
@@ -261,6 +265,7 @@ pub(super) fn json(study: &Study, files: &[PathBuf]) -> Value {
             "rolling_radius_difference": elastic.differences,
         })),
         "jumps": jumps, "shifts": study.sweep.shown().map(|sample| stand(&sample.stand)).collect::<Vec<_>>(),
+        "doubts": profile_doubts(study.scene),
         "ended_early": study.sweep.ended.iter().flatten().map(ToString::to_string).collect::<Vec<_>>(),
         "pictures": file_names(files),
     })

@@ -1,8 +1,8 @@
 //! From the points of a file to a profile: datum, directions, cleaning, smoothing, a natural cubic spline.
 //!
 //! Scene keys, the same for every format: `mirror` (the file's lateral axis is reversed), `shift_y`, `shift_z`
-//! (added after mirroring), `smoothing` (root-mean-square distance by which the points may move, none by default:
-//! the spline interpolates), `drop_outliers` (otherwise an outlier is an error that names its line). A wheel whose
+//! (added after mirroring), `smoothing` (root-mean-square distance by which the points may move) or `fit_within` (the largest such distance; neither by
+//! default: the spline interpolates), `drop_outliers` (otherwise an outlier is an error that names its line). A wheel whose
 //! file gives heights only needs `radius`, at the tread circle, and takes `tread_circle`, the file's lateral
 //! coordinate of u = 0. Which way is up is seen from the shape where the format leaves it open: a rail's head is
 //! convex, a wheel's flange (u = -62 .. -42 mm) stands above its tread. Where the file has a radius the scene's key is not needed, and goes before it.
@@ -10,8 +10,8 @@
 use super::super::file::OpenFile;
 use super::cleaning::{self, Sample};
 use super::s1002::wheel_radius;
-use super::{Part, Profile, ProfileChoice, ProfilePoint};
-use crate::math::smoothing::smooth;
+use super::{Part, Profile, ProfileChoice, ProfilePoint, swinging};
+use crate::math::smoothing::{Reach, smooth};
 use crate::math::spline::{CubicSpline, SplineError};
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
@@ -116,7 +116,7 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     let mirrored = section.flag_or("mirror", false)? != inward;
     let shift = (section.number_or("shift_y", Dimension::Length, 0.0)?, section.number_or("shift_z", Dimension::Length, 0.0)?);
     let drop_outliers = section.flag_or("drop_outliers", false)?;
-    let smoothing = if section.has("smoothing") { Some(section.positive("smoothing", Dimension::Length)?) } else { None };
+    let reach = read_reach(section)?;
 
     let wrong = |line: usize, problem: String| file.error(line, columns, problem);
     for sample in &mut samples {
@@ -177,8 +177,8 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     }
 
     let mut points: Vec<(f64, f64)> = samples.iter().map(|sample| (sample.x, sample.z)).collect();
-    if let Some(rms) = smoothing {
-        points = smoothed(&points, rms, &mut notes).map_err(|problem| section.error("smoothing", problem))?;
+    if let Some((key, reach)) = reach {
+        points = smoothed(&points, reach, &mut notes).map_err(|problem| section.error(key, problem))?;
     }
     if let Some(radius) = radius {
         // The radius holds for the spline itself, not for the chord between two points.
@@ -187,7 +187,9 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
         points.iter_mut().for_each(|point| point.1 += rest);
     }
     let profile = SplineProfile::through(&points).map_err(|error| section.error("file", format!("\"{}\": {error}", file.path)))?;
-    Ok(ProfileChoice { profile: Arc::new(profile), file: Some(file.kept), notes })
+    let coordinates: Vec<f64> = points.iter().map(|point| point.0).collect();
+    let doubt = swinging::describe(&swinging::swings(&profile, &coordinates));
+    Ok(ProfileChoice { profile: Arc::new(profile), file: Some(file.kept), notes, doubt })
 }
 
 /// The radius at a wheel's tread circle, m: that of the scene, or of the file. `None` where the points themselves give it, and of rails.
@@ -297,12 +299,23 @@ fn check_shape(samples: &[Sample], middle: f64, part: Part) -> Result<(), (usize
     }
 }
 
-fn smoothed(points: &[(f64, f64)], rms: f64, notes: &mut Vec<String>) -> Result<Vec<(f64, f64)>, String> {
-    let found = smooth(points, rms).ok_or("needs at least 4 points")?;
-    if found.points.windows(2).any(|pair| !(pair[1].0 > pair[0].0)) {
-        return Err(format!("found {:.4} mm, with which the profile folds; take less", 1e3 * rms));
+/// How far smoothing may move the points, as the scene says; `None`: a spline through the points.
+fn read_reach(section: &Section) -> Result<Option<(&'static str, Reach)>, SettingsError> {
+    let [smoothing, fit] = ["smoothing", "fit_within"];
+    match (section.has(smoothing), section.has(fit)) {
+        (true, true) => Err(section.error(fit, "stands beside smoothing; expected one of them")),
+        (true, false) => Ok(Some((smoothing, Reach::RootMeanSquare(section.positive(smoothing, Dimension::Length)?)))),
+        (false, true) => Ok(Some((fit, Reach::Largest(section.positive(fit, Dimension::Length)?)))),
+        (false, false) => Ok(None),
     }
-    let largest = points.iter().zip(&found.points).map(|(a, b)| (a.0 - b.0).hypot(a.1 - b.1)).fold(0.0, f64::max);
-    notes.push(format!("smoothed: points moved by {:.4} mm (root mean square), at most {:.4} mm", 1e3 * found.rms, 1e3 * largest));
+}
+
+fn smoothed(points: &[(f64, f64)], reach: Reach, notes: &mut Vec<String>) -> Result<Vec<(f64, f64)>, String> {
+    let (Reach::RootMeanSquare(size) | Reach::Largest(size)) = reach;
+    let found = smooth(points, reach).ok_or("needs at least 4 points")?;
+    if found.points.windows(2).any(|pair| !(pair[1].0 > pair[0].0)) {
+        return Err(format!("found {:.4} mm, with which the profile folds; take less", 1e3 * size));
+    }
+    notes.push(format!("smoothed: points moved by {:.4} mm (root mean square), at most {:.4} mm", 1e3 * found.rms, 1e3 * found.largest));
     Ok(found.points)
 }

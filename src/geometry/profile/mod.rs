@@ -17,6 +17,7 @@ mod points;
 mod rail_head;
 mod s1002;
 mod simpack;
+mod swinging;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -108,12 +109,14 @@ pub struct ProfileChoice {
     pub file: Option<SceneFile>,
     /// What the user should know about how the profile was read: assumed datums, points left out.
     pub notes: Vec<String>,
+    /// Where its curvature is more than doubtful, and what may be done about it.
+    pub doubt: Option<String>,
 }
 
 impl ProfileChoice {
     /// A profile that needs no file.
     fn own(profile: Arc<dyn Profile>) -> Self {
-        ProfileChoice { profile, file: None, notes: Vec::new() }
+        ProfileChoice { profile, file: None, notes: Vec::new(), doubt: None }
     }
 }
 

@@ -128,7 +128,11 @@ fn read(file: &OpenFile, part: Part) -> Result<Reading, SettingsError> {
         notes.push("weights of the file are not used".into());
     }
     place(&mut samples, &keys, unit, &mut notes);
-    Ok(Reading {
+    Ok(reading(samples, notes))
+}
+
+fn reading(samples: Vec<Sample>, notes: Vec<String>) -> Reading {
+    Reading {
         samples,
         order: Order::Along,
         level: Level::EitherWay,
@@ -137,7 +141,7 @@ fn read(file: &OpenFile, part: Part) -> Result<Reading, SettingsError> {
         inward: false,
         columns: COLUMNS,
         notes,
-    })
+    }
 }
 
 /// Does what the keys ask for, in their order.

@@ -256,6 +256,33 @@ fn prop_old_miniprof_heads_and_templates_are_read() {
 }
 
 #[test]
+fn prop_a_fit_stays_within_what_is_asked_of_all_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let exact = read("kind = \"60e1\"\n", Part::Rail);
+    let points: Vec<(f64, f64)> =
+        (-68..=68).map(|k| 5e-4 * f64::from(k)).map(|x| (x, (1e6 * exact.profile.at(x).value).round() * 1e-6)).collect();
+    let rows: String = points.iter().map(|(x, z)| format!("{x},{z}\n")).collect();
+    std::fs::write(folder.path().join("r.csv"), format!("eta,height\n{rows}")).unwrap();
+    let rail = |more: &str| read_in(folder.path(), &format!("kind = \"points\"\nfile = \"r.csv\"\n{more}"), Part::Rail);
+    let (through, fitted) = (rail("").unwrap(), rail("fit_within = \"3 um\"\n").unwrap());
+    assert!(through.doubt.as_ref().is_some_and(|doubt| doubt.contains("swings")) && fitted.doubt.is_none(), "{:?}", fitted.doubt);
+    assert!(fitted.notes.iter().any(|note| note.ends_with("at most 0.0030 mm")), "{:?}", fitted.notes);
+    let across = |(x, z): &(f64, f64)| {
+        let fit = fitted.profile.at(*x);
+        (fit.value - z).abs() / 1f64.hypot(fit.d1)
+    };
+    let furthest = points.iter().map(across).fold(0.0, f64::max);
+    assert!((1e-6..3.2e-6).contains(&furthest), "{furthest}");
+    let off = |choice: &ProfileChoice| {
+        let places = (-200..=80).map(|k| 1e-4 * f64::from(k));
+        places.map(|x| (choice.profile.at(x).d2 - exact.profile.at(x).d2).powi(2)).sum::<f64>().sqrt()
+    };
+    assert!(off(&fitted) < 0.4 * off(&through), "{} {}", off(&fitted), off(&through));
+    let both = rail("fit_within = \"3 um\"\nsmoothing = \"3 um\"\n").unwrap_err().to_string();
+    assert!(both.contains("fit_within: stands beside smoothing"), "{both}");
+}
+
+#[test]
 fn prop_a_wheel_takes_the_radius_of_its_file_unless_the_scene_names_one() {
     let folder = tempfile::tempdir().unwrap();
     let miniprof = std::fs::read_to_string(samples().join("wheel_s1002.whl")).unwrap();

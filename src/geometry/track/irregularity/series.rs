@@ -17,7 +17,7 @@ use super::window::{Window, Windowed};
 use super::{Irregularity, Quantity, deviations};
 use crate::geometry::file::OpenFile;
 use crate::geometry::track::DeviationShape;
-use crate::math::smoothing::smooth;
+use crate::math::smoothing::{Reach, smooth};
 use crate::math::spline::CubicSpline;
 use crate::settings::{Entry, Section, SettingsError, did_you_mean};
 use crate::units::Dimension;
@@ -70,7 +70,7 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
         let rms = section.positive("smoothing", Dimension::Length)?;
         for column in table.columns.iter_mut().flatten() {
             let points: Vec<(f64, f64)> = positions.iter().copied().zip(column.iter().copied()).collect();
-            let found = smooth(&points, rms).ok_or_else(|| section.error("smoothing", "needs 4 points or more"))?;
+            let found = smooth(&points, Reach::RootMeanSquare(rms)).ok_or_else(|| section.error("smoothing", "needs 4 points or more"))?;
             // Along the track points move by the slope's share of what they move across: nothing.
             column.iter_mut().zip(found.points).for_each(|(value, point)| *value = point.1);
         }

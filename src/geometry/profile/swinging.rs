@@ -1,0 +1,111 @@
+//! Where an interpolating spline swings between the points of a file.
+//!
+//! A natural cubic spline through coarse points beside a jump of curvature, or through noise, bends to and fro from point to point. Heights are off by next
+//! to nothing, but the curvature, by `4 e / h^2` for an error e at the spacing h, and a contact that is nearly conformal then moves in jumps that the
+//! real surface does not make. With the curvature k_i at the points, a point swings where
+//!
+//! ```text
+//! (k_i - k_i-1)(k_i+1 - k_i) < 0   and   |k_i - (k_i-1 + k_i+1) / 2| > max(2 1/m, |k_i-1 + k_i+1| / 20)
+//! ```
+//!
+//! (2 1/m is what tread and head differ by), and the spline does where three and more of five points in a row do over 4 mm at least: what is narrower
+//! than a patch, as beside the jumps of curvature of a drawing with a point every 0.5 mm, has made no contact jump (docs/contact_geometry.md).
+
+use super::Profile;
+
+/// A part of a profile where it does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Swing {
+    /// Coordinates, m.
+    pub from: f64,
+    pub to: f64,
+    /// Largest swing of the curvature, 1/m, and points that swing.
+    pub most: f64,
+    pub points: usize,
+}
+
+/// 1/m, and the share.
+const LEAST: f64 = 2.0;
+const SHARE: f64 = 0.05;
+/// Narrowest part that counts, m.
+const NARROWEST: f64 = 4e-3;
+const OF_POINTS: usize = 5;
+const SWINGING: usize = 3;
+
+/// All such parts of a profile through points with these coordinates.
+pub(super) fn swings(profile: &dyn Profile, coordinates: &[f64]) -> Vec<Swing> {
+    let curvature = |x: &f64| {
+        let point = profile.at(*x);
+        point.d2 / (1.0 + point.d1 * point.d1).powf(1.5)
+    };
+    let bends: Vec<f64> = coordinates.iter().map(curvature).collect();
+    let swing = |k: &[f64]| {
+        let size = (k[1] - 0.5 * (k[0] + k[2])).abs();
+        let alternates = (k[1] - k[0]) * (k[2] - k[1]) < 0.0;
+        if alternates && size > LEAST.max(SHARE * (k[0] + k[2]).abs()) { size } else { 0.0 }
+    };
+    // Of the inner points.
+    let sizes: Vec<f64> = bends.windows(3).map(swing).collect();
+    let mut found: Vec<(usize, usize)> = Vec::new();
+    for (first, some) in sizes.windows(OF_POINTS).enumerate() {
+        if some.iter().filter(|size| **size > 0.0).count() < SWINGING {
+            continue;
+        }
+        match found.last_mut() {
+            Some(last) if last.1 >= first => last.1 = first + OF_POINTS,
+            _ => found.push((first, first + OF_POINTS)),
+        }
+    }
+    let part = |(first, end): (usize, usize)| {
+        let own = &sizes[first..end];
+        let most = own.iter().copied().fold(0.0, f64::max);
+        Swing { from: coordinates[first + 1], to: coordinates[end], most, points: own.iter().filter(|size| **size > 0.0).count() }
+    };
+    found.into_iter().map(part).filter(|swing| swing.to - swing.from >= NARROWEST).collect()
+}
+
+/// In words, `None` where it does not.
+pub(super) fn describe(swings: &[Swing]) -> Option<String> {
+    const SHOWN: usize = 3;
+    let worst = swings.iter().map(|swing| swing.most).reduce(f64::max)?;
+    let places: Vec<String> =
+        swings.iter().take(SHOWN).map(|swing| format!("{:.1} .. {:.1} mm", 1e3 * swing.from, 1e3 * swing.to)).collect();
+    let more = if swings.len() > SHOWN { format!(" and {} more", swings.len() - SHOWN) } else { String::new() };
+    let points: usize = swings.iter().map(|swing| swing.points).sum();
+    Some(format!(
+        "the spline swings between coarse or noisy points: its curvature goes to and fro by up to {worst:.1} 1/m at {points} points ({}{more}); contacts may jump there that \
+         do not on the real surface. fit_within = \"5 um\" lays a smooth curve within so much of all points",
+        places.join(", ")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::measured::SplineProfile;
+    use super::*;
+
+    fn found(points: &[(f64, f64)]) -> Vec<Swing> {
+        let coordinates: Vec<f64> = points.iter().map(|point| point.0).collect();
+        swings(&SplineProfile::through(points).unwrap(), &coordinates)
+    }
+
+    #[test]
+    fn prop_arcs_do_not_swing_and_noise_does() {
+        let arc = |noise: f64| -> Vec<(f64, f64)> {
+            let x = (-30..=30).map(|k| 1e-3 * f64::from(k));
+            x.enumerate().map(|(k, x)| (x, (0.09 - x * x).sqrt() + noise * if k % 2 == 0 { 1.0 } else { -1.0 })).collect()
+        };
+        assert!(found(&arc(0.0)).is_empty());
+        // Where arcs of 300 and 13 mm meet the spline rings: over 3 mm with a point every 0.5 mm, over 9 mm with one every 1.5 mm.
+        let joined = |h: f64| -> Vec<(f64, f64)> {
+            let count = (0.02 / h) as i32;
+            let height = |x: f64| if x < 0.0 { (0.09 - x * x).sqrt() - 0.3 } else { (1.69e-4 - x * x).sqrt() - 0.013 };
+            (-count..=count / 2).map(|k| h * (f64::from(k) + 0.3)).map(|x| (x, height(x))).collect()
+        };
+        assert!(found(&joined(5e-4)).is_empty() && found(&joined(1.5e-3)).len() == 1, "{:?}", found(&joined(1.5e-3)));
+        // +-1 um at 1 mm: the curvature of a triangle wave's spline goes to and fro by 12 e / h^2 = 12 1/m, twice that from its mean.
+        let noisy = found(&arc(1e-6));
+        assert!(noisy.len() == 1 && noisy[0].points > 50 && (noisy[0].most / 24.0 - 1.0).abs() < 0.1, "{noisy:?}");
+        assert!(describe(&noisy).is_some_and(|words| words.contains("1/m at")) && describe(&[]).is_none());
+    }
+}
