@@ -54,6 +54,12 @@ impl ContactAxes {
         ContactAxes { e1, e2: normal.cross(&e1), normal }
     }
 
+    /// Those of a wheel that rolls with this speed, m/s: ahead is where it rolls to.
+    pub fn rolling(&self, speed: f64) -> Self {
+        let sign = direction(speed);
+        ContactAxes { e1: self.e1 * sign, e2: self.e2 * sign, normal: self.normal }
+    }
+
     /// Slip of a point that moves with `velocity` [m/s] on a body that turns with `angular_velocity` [rad/s].
     #[inline]
     pub fn slip(&self, velocity: &Vector3<f64>, angular_velocity: &Vector3<f64>) -> Slip {
@@ -61,12 +67,16 @@ impl ContactAxes {
     }
 }
 
+fn direction(speed: f64) -> f64 {
+    if speed < 0.0 { -1.0 } else { 1.0 }
+}
+
 /// Calls a creep law that is written for rolling along +e1 in the frame of the actual rolling direction.
 ///
 /// Rolling backward the leading edge lies at -e1: the law is called in axes turned by 180 degrees about n, in
 /// which in-plane vectors change sign and spin and moment do not.
 pub fn in_rolling_direction(speed: f64, creepage: Creepage, law: impl FnOnce(Creepage) -> CreepForce) -> CreepForce {
-    let sign = if speed < 0.0 { -1.0 } else { 1.0 };
+    let sign = direction(speed);
     let turned = Creepage { longitudinal: sign * creepage.longitudinal, lateral: sign * creepage.lateral, spin: creepage.spin };
     let force = law(turned);
     CreepForce { longitudinal: sign * force.longitudinal, lateral: sign * force.lateral, spin_moment: force.spin_moment }

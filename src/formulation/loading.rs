@@ -4,10 +4,11 @@ use super::step::WheelRef;
 use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset};
 use crate::contact::Patch;
 use crate::contact::creep::RollingContact;
-use crate::contact::creepage::{ContactAxes, Creepage, in_rolling_direction};
+use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, in_rolling_direction};
 use crate::contact::normal::damping::damped_force;
 use crate::contact::normal::{ConformalContact, ContactShape, ElasticContact};
 use crate::contact::search::algebraic::{ContactLocation, Pair};
+use crate::contact::strips::{Part, Share, Uneven};
 use crate::contact::transient::{self, LoadedPatch};
 use crate::geometry::Side;
 use crate::math::newton::NewtonFailure;
@@ -70,6 +71,12 @@ impl WheelAt<'_> {
     pub fn friction_at(&self, report: &ContactReport) -> f64 {
         // A polynomial input may pass below zero between communication points.
         self.model.friction_at(self.side, self.motion, report) * self.friction.max(0.0)
+    }
+
+    /// A part of its patch with what creep laws do not know of it.
+    pub fn uneven<'p>(&self, share: Share<'p>, part: &'p Part, axes: &ContactAxes) -> Uneven<'p> {
+        let BodyMotion { velocity, rotation, .. } = *self.motion;
+        Uneven { share, part, axes: axes.rolling(self.speed()), velocity, rotation, material: self.model.laws.material }
     }
 }
 
@@ -189,6 +196,12 @@ impl Contact<'_> {
     /// Creep forces from patch, normal force and creepage, and the total force.
     #[inline]
     pub fn creep(&self, report: &mut ContactReport) {
+        self.creep_as(report, |law, _| *law);
+    }
+
+    /// The same with what `of` makes of the law's force for a contact that rolls ahead; not of transient contact.
+    #[inline]
+    pub fn creep_as(&self, report: &mut ContactReport, of: impl FnOnce(&CreepForce, &RollingContact) -> CreepForce) {
         let laws = &self.wheel.model.laws;
         let friction = self.wheel.friction_at(report);
         let (patch, normal_force, speed) = (report.patch, report.normal_force.max(0.0), self.wheel.speed());
@@ -200,7 +213,8 @@ impl Contact<'_> {
             (report.creep_force, report.creepage, report.deflection_rates) = (found.force, found.creepage, found.rates);
         } else {
             report.creep_force = in_rolling_direction(speed, report.creepage, |creepage| {
-                laws.creep.force(&RollingContact { patch, normal_force, friction, creepage, speed: speed.abs() })
+                let rolling = RollingContact { patch, normal_force, friction, creepage, speed: speed.abs() };
+                of(&laws.creep.force(&rolling), &rolling)
             });
         }
         let (axes, creep) = (&report.axes, &report.creep_force);

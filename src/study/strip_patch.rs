@@ -4,7 +4,7 @@ use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{ContactAxes, in_rolling_direction};
 use crate::contact::patch::Motion;
 use crate::contact::search::algebraic::Pair;
-use crate::contact::strips::{Creep, MOST, Part, Parts, RailStrips, Scratch, press_anywhere, with_uneven_slip};
+use crate::contact::strips::{Creep, MOST, Part, Parts, RailStrips, Scratch, Uneven, press_anywhere};
 use crate::scene::spec::Scene;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -39,10 +39,14 @@ pub fn strip_patch(scene: &Scene, pair: &Pair, motion: &Motion) -> Option<StripP
         let velocity = motion.velocity + motion.rotation.cross(&part.arm);
         let creepage = axes.slip(&velocity, &motion.rotation).creepage(motion.speed);
         let contact = RollingContact { patch: part.patch, normal_force: part.load, friction, speed: motion.speed.abs(), creepage };
-        let found = in_rolling_direction(motion.speed, creepage, |creepage| law.force(&RollingContact { creepage, ..contact }));
-        let even = Creep { force: axes.e1 * found.longitudinal + axes.e2 * found.lateral, moment: found.spin_moment };
-        let of_wheel = |arm: &Vector3<f64>| motion.velocity + motion.rotation.cross(arm);
-        with_uneven_slip(even, (parts.share(pressed, first, last), part), &axes, of_wheel, &contact, material)
+        let share = parts.share(pressed, first, last);
+        let uneven =
+            Uneven { share, part, axes: axes.rolling(motion.speed), velocity: motion.velocity, rotation: motion.rotation, material };
+        let found = in_rolling_direction(motion.speed, creepage, |creepage| {
+            let contact = RollingContact { creepage, ..contact };
+            uneven.force(&law.force(&contact), &contact)
+        });
+        Creep { force: axes.e1 * found.longitudinal + axes.e2 * found.lateral, moment: found.spin_moment }
     };
     let own: Vec<Part> = (0..=last).map(|k| part(k, k)).collect();
     let forces: Vec<f64> = own.iter().map(|part| part.load).collect();

@@ -32,7 +32,7 @@ fn vector(force: &CreepForce) -> Vector3<f64> {
 }
 
 /// The same contact under a normal force that is `1 + change` as great, its patch grown accordingly.
-fn loaded(contact: &RollingContact, change: f64) -> RollingContact {
+pub fn loaded(contact: &RollingContact, change: f64) -> RollingContact {
     let growth = (1.0 + change).cbrt();
     let patch = Patch { a: growth * contact.patch.a, b: growth * contact.patch.b };
     RollingContact { patch, normal_force: (1.0 + change) * contact.normal_force, ..*contact }

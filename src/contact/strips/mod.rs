@@ -44,9 +44,9 @@ mod uneven;
 mod tests;
 
 pub use mixed::Creep;
-pub use parts::{MOST, Part, Parts};
+pub use parts::{MOST, Part, Parts, Share};
 pub use press::{Scratch, press, press_anywhere};
 pub use pressed::Pressed;
 pub use rail::RailStrips;
 pub use strip::Section;
-pub use uneven::with_uneven_slip;
+pub use uneven::Uneven;

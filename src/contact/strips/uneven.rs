@@ -21,66 +21,117 @@
 //! *Bound.* The sum is not larger than mu N, or than what the law says where that is not bounded. *Left out:* Kalker factors and falling friction of the
 //! law, which would change the difference (a tenth of mu N at most on profiles of railways) in proportion.
 
-use super::mixed::Creep;
 use super::parts::{Part, Share};
 use super::pressed::Pressed;
-use crate::contact::Material;
 use crate::contact::creep::RollingContact;
-use crate::contact::creepage::ContactAxes;
-use nalgebra::{Vector2, Vector3};
+use crate::contact::creep::slopes::{CreepSlopes, loaded};
+use crate::contact::creepage::{ContactAxes, CreepForce, Creepage};
+use crate::contact::{Material, Patch};
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// Kalker's c11 by powers of a/b, for Poisson's ratios about 0.28: 4 % from a/b = 0.1 to 10.
 const C11: [f64; 3] = [3.29, 0.975, -0.012];
+/// Step of differences over the creepage that asks for all the friction there is.
+const STEP: f64 = 1e-3;
 /// Strips that the ellipse is cut into.
 const OF_ELLIPSE: usize = 8;
 
-/// A creep force on a part with what the law does not know of it. `velocity` is that of the wheel's material at a place from the wheelset's centre, m/s;
-/// `contact` is what the law was asked.
-pub fn with_uneven_slip(
-    law: Creep,
-    (share, part): (Share, &Part),
-    axes: &ContactAxes,
-    velocity: impl Fn(&Vector3<f64>) -> Vector3<f64>,
-    contact: &RollingContact,
-    material: Material,
-) -> Creep {
-    let bound = contact.bound();
-    if !(bound > 0.0 && contact.speed > 0.0) {
-        return law;
+/// A part that rolls.
+pub struct Uneven<'a> {
+    pub share: Share<'a>,
+    pub part: &'a Part,
+    /// Along the direction of rolling, and the other two accordingly.
+    pub axes: ContactAxes,
+    /// The wheel's at its centre, m/s, and its angular velocity, rad/s.
+    pub velocity: Vector3<f64>,
+    pub rotation: Vector3<f64>,
+    pub material: Material,
+}
+
+impl Uneven<'_> {
+    /// Creep force of the part from that which the law gives for the `contact`.
+    pub fn force(&self, law: &CreepForce, contact: &RollingContact) -> CreepForce {
+        let [longitudinal, lateral, spin_moment] = self.total(vector(law), contact, &Creepage::default()).into();
+        CreepForce { longitudinal, lateral, spin_moment }
     }
-    let (patch, creepage) = (part.patch, contact.creepage);
-    let ratio = (patch.a / patch.b).min(20.0);
-    let flexibility = 8.0 * patch.a / (3.0 * material.shear_modulus() * (C11[0] + ratio * (C11[1] + ratio * C11[2])));
-    // Loads with damping; squares of half lengths that have the ellipse's mean, 4/5 a^2.
-    let strength = contact.friction * contact.normal_force / part.load;
-    let lengthening = 0.8 * patch.a * patch.a / part.mean_square;
-    let mut added = Vector2::zeros();
-    let mut moment = 0.0;
-    for (part_of, Pressed { strip, width, load, half_length, .. }) in share.loads().filter(|(_, own)| own.load > 0.0) {
-        let arm = strip.point - strip.normal * strip.overlap;
-        let y = (arm - part.arm).dot(&axes.e2);
-        let velocity = velocity(&arm) / contact.speed;
-        let own = strength * load;
-        let reach = 2.0 * lengthening * half_length * half_length * width / (3.0 * flexibility * own);
-        let force = yielding(&Vector2::new(velocity.dot(&axes.e1), velocity.dot(&axes.e2)), reach) * (own * part_of);
-        added += force;
-        moment -= y * force.x;
+
+    /// Its slopes from the force and the slopes of the law.
+    pub fn slopes(&self, law: &CreepForce, slopes: &CreepSlopes, contact: &RollingContact) -> CreepSlopes {
+        let bound = contact.bound();
+        if !(bound > 0.0 && contact.speed > 0.0) {
+            return *slopes;
+        }
+        let law = vector(law);
+        let here = self.total(law, contact, &Creepage::default());
+        let Patch { a, b } = contact.patch;
+        let step = STEP * bound / (self.material.shear_modulus() * C11[0] * a * b);
+        let steps = [step, step, step / (a * b).sqrt()];
+        let columns: [Vector3<f64>; 3] = std::array::from_fn(|k| {
+            let mut by = [0.0; 3];
+            by[k] = steps[k];
+            let change = Creepage { longitudinal: by[0], lateral: by[1], spin: by[2] };
+            (self.total(law + slopes.by_creepage.column(k) * steps[k], contact, &change) - here) / steps[k]
+        });
+        let heavier = loaded(contact, STEP);
+        let more = heavier.normal_force - contact.normal_force;
+        let by_load = self.total(law + slopes.by_normal_force * more, &heavier, &Creepage::default()) - here;
+        CreepSlopes { by_creepage: Matrix3::from_columns(&columns), by_normal_force: by_load / more }
     }
-    let reach = 8.0 * patch.b * patch.a * patch.a / (9.0 * flexibility * bound);
+
+    /// Forces and moment from those of the law, for slip that is by `change` more.
+    fn total(&self, law: Vector3<f64>, contact: &RollingContact, change: &Creepage) -> Vector3<f64> {
+        let bound = contact.bound();
+        if !(bound > 0.0 && contact.speed > 0.0) {
+            return law;
+        }
+        let Patch { a, b } = contact.patch;
+        let ratio = (a / b).min(20.0);
+        let flexibility = 8.0 * a / (3.0 * self.material.shear_modulus() * (C11[0] + ratio * (C11[1] + ratio * C11[2])));
+        let total = law + self.of_strips(contact, flexibility, change) - of_ellipse(contact, flexibility, change);
+        let (size, most) = (total.xy().norm(), bound.max(law.xy().norm()));
+        let within = if size > most { most / size } else { 1.0 };
+        Vector3::new(within * total.x, within * total.y, total.z)
+    }
+
+    fn of_strips(&self, contact: &RollingContact, flexibility: f64, change: &Creepage) -> Vector3<f64> {
+        let ContactAxes { e1, e2, .. } = self.axes;
+        // Loads with damping; squares of half lengths that have the ellipse's mean, 4/5 a^2.
+        let strength = contact.friction * contact.normal_force / self.part.load;
+        let lengthening = 0.8 * contact.patch.a * contact.patch.a / self.part.mean_square;
+        let mut sum = Vector3::zeros();
+        for (part_of, Pressed { strip, width, load, half_length, .. }) in self.share.loads().filter(|(_, own)| own.load > 0.0) {
+            let arm = strip.point - strip.normal * strip.overlap;
+            let y = (arm - self.part.arm).dot(&e2);
+            let velocity = (self.velocity + self.rotation.cross(&arm)) / contact.speed;
+            let slip = Vector2::new(velocity.dot(&e1) + change.longitudinal - change.spin * y, velocity.dot(&e2) + change.lateral);
+            let own = strength * load;
+            let force = yielding(&slip, 2.0 * lengthening * half_length * half_length * width / (3.0 * flexibility * own)) * (own * part_of);
+            sum += Vector3::new(force.x, force.y, -y * force.x);
+        }
+        sum
+    }
+}
+
+fn vector(force: &CreepForce) -> Vector3<f64> {
+    Vector3::new(force.longitudinal, force.lateral, force.spin_moment)
+}
+
+fn of_ellipse(contact: &RollingContact, flexibility: f64, change: &Creepage) -> Vector3<f64> {
+    /// Their number as it enters: the sum of 1 - e^2 over the middles of equal stretches is by 1 / (2 n^2) too large.
+    const STRETCHES: f64 = OF_ELLIPSE as f64;
+    let (Patch { a, b }, bound) = (contact.patch, contact.bound());
+    let reach = 8.0 * b * a * a / (9.0 * flexibility * bound);
+    let spin = contact.creepage.spin + change.spin;
+    let (longitudinal, lateral) = (contact.creepage.longitudinal + change.longitudinal, contact.creepage.lateral + change.lateral);
+    let mut sum = Vector3::zeros();
     for k in 0..OF_ELLIPSE {
-        // Middles of equal stretches; their sum of 1 - e^2 is by 1 / (2 n^2) too large.
-        const MANY: f64 = OF_ELLIPSE as f64;
-        let e = (2.0 * k as f64 + 1.0) / MANY - 1.0;
-        let weight = 1.5 * (1.0 - e * e) / (MANY + 0.5 / MANY);
-        let y = e * patch.b;
-        let force = yielding(&Vector2::new(creepage.longitudinal - creepage.spin * y, creepage.lateral), reach) * (bound * weight);
-        added -= force;
-        moment += y * force.x;
+        let e = (2.0 * k as f64 + 1.0) / STRETCHES - 1.0;
+        let y = e * b;
+        let weight = 1.5 * (1.0 - e * e) / (STRETCHES + 0.5 / STRETCHES);
+        let force = yielding(&Vector2::new(longitudinal - spin * y, lateral), reach) * (bound * weight);
+        sum += Vector3::new(force.x, force.y, -y * force.x);
     }
-    let force = law.force + axes.e1 * added.x + axes.e2 * added.y;
-    let (size, most) = (force.norm(), bound.max(law.force.norm()));
-    let within = if size > most { most / size } else { 1.0 };
-    Creep { force: force * within, moment: law.moment + moment }
+    sum
 }
 
 /// `-s(k) w / |w|`, k = reach |w|.

@@ -7,10 +7,9 @@
 use super::super::loading::{Contact, WheelAt};
 use super::super::wheel_search::MOST_POINTS;
 use super::super::{ContactFailure, ContactReport};
-use crate::contact::creep::RollingContact;
 use crate::contact::normal::damping::damped_force;
 use crate::contact::search::algebraic::{ContactLocation, SurfaceParameters};
-use crate::contact::strips::{Creep, MOST, Part, Parts, Pressed, RailStrips, Scratch, press, press_anywhere, with_uneven_slip};
+use crate::contact::strips::{Creep, MOST, Part, Parts, Pressed, RailStrips, Scratch, press, press_anywhere};
 use crate::mbs::body::{BodyMotion, Wrench};
 use nalgebra::Vector3;
 
@@ -87,21 +86,6 @@ impl Wheel<'_> {
         Contact { wheel: self.wheel, found, slot, share }
     }
 
-    /// The creep force of a part with what the law does not know of it.
-    fn uneven(&self, law: Creep, (first, last): (usize, usize), part: &Part, report: &ContactReport) -> Creep {
-        let WheelAt { model, motion, .. } = *self.wheel;
-        let rolling = RollingContact {
-            patch: part.patch,
-            normal_force: report.normal_force,
-            friction: self.wheel.friction_at(report),
-            creepage: report.creepage,
-            speed: self.wheel.speed().abs(),
-        };
-        let velocity = |arm: &Vector3<f64>| motion.velocity + motion.rotation.cross(arm);
-        let share = self.parts.share(self.pressed, first, last);
-        with_uneven_slip(law, (share, part), &report.axes, velocity, &rolling, model.laws.material)
-    }
-
     /// Reports of all parts, their creep forces, and the sizes of their normal forces, N: normal force in a report is the sum of pressures, which is more
     /// where a patch bends.
     fn load(&self, loaded: &mut [ContactReport; MOST]) -> Result<([Creep; MOST], [f64; MOST]), ContactFailure> {
@@ -145,8 +129,9 @@ impl Wheel<'_> {
             let contact = self.at(&found, first, 1.0);
             let mut report = if first == last { loaded[first] } else { contact.report() };
             (report.patch, report.normal_force) = (part.patch, loads[first..=last].iter().sum());
-            contact.creep(&mut report);
-            self.uneven(creep_of(&report), (first, last), &part, &report)
+            let uneven = self.wheel.uneven(self.parts.share(self.pressed, first, last), &part, &report.axes);
+            contact.creep_as(&mut report, |law, rolling| uneven.force(law, rolling));
+            creep_of(&report)
         });
         Ok((creeps, forces))
     }

@@ -24,6 +24,7 @@ use crate::contact::creepage::{CreepForce, Creepage};
 use crate::contact::friction::by_friction;
 use crate::contact::search::algebraic::Pair;
 use crate::contact::search::migration::{Row, add, sum};
+use crate::contact::strips::{Part, Parts, Pressed, RailStrips, Uneven};
 use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
 use crate::geometry::Side;
 use crate::mbs::body::{BodyMotion, Wrench};
@@ -84,10 +85,10 @@ impl Model {
                 let at = At { wheelset, side, contact, slot, motion, report, friction, travel };
                 self.add_contact(&at, shares.get(slot), y, &mut tangent);
             }
-            if self.strips.is_some() {
+            if let Some(rails) = &self.strips {
                 let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Vector3::zeros(), friction: factor, y };
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
-                self.add_patch(&wheel, workspace.reports(contact), &patch, travel, &mut tangent);
+                self.add_patch(&wheel, workspace.reports(contact), (&patch, strips.0[contact].pressed(), &rails[side.index()]), travel, &mut tangent);
             }
         }
         (workspace.strips, workspace.deeper) = strips;
@@ -135,24 +136,29 @@ impl Model {
         &self,
         wheel: &WheelAt,
         reports: impl Iterator<Item = &'r ContactReport> + Clone,
-        patch: &PatchChanges,
+        (patch, pressed, rail): (&PatchChanges, &[Pressed], &RailStrips),
         travel: Option<Vector3<f64>>,
         tangent: &mut Tangent,
     ) {
         let WheelAt { wheelset, side, motion, contact, .. } = *wheel;
         let Some(wrench) = tangent.wrench_mut(wheelset.body, wheelset.body) else { return };
         let pair = wheel.pair();
-        let steady = |report: &ContactReport, touching: &Touching, normal: &ByMotion<1>| {
-            self.steady(&At { wheelset, side, contact, slot: 0, motion, report, friction: wheel.friction_at(report), travel }, touching, normal)
+        let parts = Parts::new(pressed, rail, reports.clone().count());
+        let steady = |report: &ContactReport, numbers: Option<(usize, usize)>, (touching, normal): (&Touching, &ByMotion<1>)| {
+            let at = At { wheelset, side, contact, slot: 0, motion, report, friction: wheel.friction_at(report), travel };
+            let Some((first, last)) = numbers else { return self.steady(&at, None, touching, normal) };
+            let share = parts.share(pressed, first, last);
+            let part = Part::new(share, rail, pair.wheel.profile.as_ref(), self.laws.material);
+            self.steady(&at, Some(&wheel.uneven(share, &part, &report.axes)), touching, normal)
         };
         // Of the parts' creep forces less that of the whole.
         let mut difference = Wrench::default();
         let independence = patch.whole.as_ref().map_or(1.0, |whole| whole.independence);
-        for (change, report) in patch.parts.iter().zip(reports.clone()).filter(|(_, report)| report.normal_force > 0.0) {
+        for (slot, report) in reports.clone().enumerate().filter(|(_, report)| report.normal_force > 0.0) {
             let found = Contact::again(report);
             let mut own = *report;
             Contact { wheel, found: &found, slot: 0, share: report.share }.creep(&mut own);
-            let (touching, normal) = match change {
+            let (touching, normal) = match &patch.parts[slot] {
                 Some(change) => self.touching_patch(&own, motion, &pair, change),
                 None => {
                     let touching = Touching::new(&own, motion, &pair);
@@ -160,7 +166,7 @@ impl Model {
                     (touching, normal)
                 }
             };
-            let creep = steady(&own, &touching, &normal).times(independence);
+            let creep = steady(&own, patch.numbers[slot].map(|k| (k, k)), (&touching, &normal)).times(independence);
             touching.add_wrench(report, &normal, &creep, wrench);
             own.add_to(&mut difference, own.force - own.axes.normal * own.normal_force, &motion.position);
         }
@@ -171,7 +177,7 @@ impl Model {
         (report.patch, report.normal_force) = (whole.part.patch, reports.map(|report| report.normal_force).sum());
         all.creep(&mut report);
         let (touching, normal) = self.touching_patch(&report, motion, &pair, &whole.change);
-        let creep = steady(&report, &touching, &normal).times(1.0 - independence);
+        let creep = steady(&report, Some((0, parts.len() - 1)), (&touching, &normal)).times(1.0 - independence);
         // The forces themselves turn with the parts.
         let turned = ContactReport { creep_force: CreepForce::default(), normal_force: 0.0, ..report };
         touching.add_wrench(&turned, &ByMotion { position: [[0.0; 6]], velocity: [[0.0; 6]] }, &creep, wrench);
@@ -219,7 +225,7 @@ impl Model {
         let touching = Touching::new(report, motion, &pair);
         let normal = touching.normal_force(slopes, share.map_or([0.0; 6], |share| sum([report.normal_force], [share])));
         let creep = match transient {
-            None => self.steady(at, &touching, &normal),
+            None => self.steady(at, None, &touching, &normal),
             Some(transient) => self.add_transient(at, transient, &touching, &normal, y, tangent),
         };
         if let Some(wrench) = tangent.wrench_mut(wheelset.body, wheelset.body) {
@@ -257,7 +263,8 @@ impl Model {
         changes
     }
 
-    fn steady(&self, at: &At, touching: &Touching, normal: &ByMotion<1>) -> ByMotion<3> {
+    /// Change of the creep force of a contact without states: the report has the law's, to which `uneven` adds.
+    fn steady(&self, at: &At, uneven: Option<&Uneven>, touching: &Touching, normal: &ByMotion<1>) -> ByMotion<3> {
         let At { report, friction, .. } = *at;
         let speed = at.wheelset.speed(at.motion);
         let sign = speed.signum();
@@ -265,7 +272,9 @@ impl Model {
         let creepage = Creepage { longitudinal: sign * found.longitudinal, lateral: sign * found.lateral, ..found };
         let rolling = RollingContact { patch: report.patch, normal_force: report.normal_force, friction, creepage, speed: speed.abs() };
         let turned = CreepForce { longitudinal: sign * force.longitudinal, lateral: sign * force.lateral, ..force };
-        let mut change = touching.steady(report, &self.laws.creep.slopes(&rolling, &turned), normal, (speed, at.travel));
+        let slopes = self.laws.creep.slopes(&rolling, &turned);
+        let slopes = uneven.map_or(slopes, |uneven| uneven.slopes(&turned, &slopes, &rolling));
+        let mut change = touching.steady(report, &slopes, normal, (speed, at.travel));
         let law = |friction: f64| {
             let force = self.laws.creep.force(&RollingContact { friction, ..rolling });
             CreepForce { longitudinal: sign * force.longitudinal, lateral: sign * force.lateral, ..force }

@@ -31,6 +31,8 @@ pub(super) struct PartChange {
 pub(super) struct PatchChanges {
     /// Of the contacts by number; `None` where one carries nothing or is not what it was.
     pub parts: [Option<PartChange>; MOST],
+    /// Number of the part in the order of the strips, by number of the contact.
+    pub numbers: [Option<usize>; MOST],
     /// Where parts are partly one.
     pub whole: Option<Whole>,
 }
@@ -106,6 +108,10 @@ pub(super) fn changes<'r>(
             }
         }
     }
+    for (slot, report) in reports.clone().enumerate().filter(|(_, report)| report.normal_force > 0.0) {
+        let own = |part: &Option<Part>| part.is_some_and(|part| (part.coordinates[1] - report.parameters.rail).abs() < 1e-9);
+        changes.numbers[slot] = here.parts.iter().position(own);
+    }
     if !same {
         return changes;
     }
@@ -126,9 +132,8 @@ pub(super) fn changes<'r>(
         known(&mut change.force, 0.0);
     }
     known(&mut by_pose, 0.0);
-    for (slot, report) in reports.enumerate().filter(|(_, report)| report.normal_force > 0.0) {
-        let own = |part: &Option<Part>| part.is_some_and(|part| (part.coordinates[1] - report.parameters.rail).abs() < 1e-9);
-        let Some(number) = here.parts.iter().position(own) else { continue };
+    for slot in 0..MOST {
+        let Some(number) = changes.numbers[slot] else { continue };
         changes.parts[slot] = Some(by[number]);
         if let (0, Some(whole)) = (number, here.whole) {
             changes.whole = Some(Whole { independence: here.independence, by_pose, part: whole, change: by[MOST] });
