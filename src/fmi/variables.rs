@@ -4,14 +4,15 @@ use super::parameters;
 use super::variable::WHEELSET;
 pub use super::variable::{Kind, Role, Variable};
 use crate::formulation::AssemblyError;
-use crate::formulation::inputs::{InputRow, RAIL_ROWS, WHEELSET_ROWS, input_index, rail_input};
+use crate::formulation::inputs::{ELEMENT_INPUTS, InputRow, RAIL_ROWS, WHEELSET_ROWS, input_index, rail_input};
 use crate::geometry::Side;
+use crate::mbs::pair_tangent::Ends;
 use crate::scene::assemble;
 use crate::scene::spec::Scene;
 use crate::sim::SimulationState;
 use crate::sim::feedthrough::whose;
 use crate::sim::outputs::Output;
-use crate::sim::vehicle_outputs::scene_outputs;
+use crate::sim::vehicle_outputs::{FORCE_INPUT, STRIDE, scene_outputs};
 use crate::units::Unit;
 use std::collections::HashMap;
 
@@ -20,8 +21,11 @@ pub struct VariableTable {
     pub variables: Vec<Variable>,
     pub outputs: Vec<Output>,
     /// Values of all inputs of the model, shown or not, before a master sets any.
-    pub neutral_inputs: Vec<f64>,
+    pub start_inputs: Vec<f64>,
     wheelsets: usize,
+    /// By input of force elements: the element's number among the vehicle's, and its bodies.
+    elements: Vec<(usize, Ends)>,
+    first_element_input: usize,
     /// Index of each reference.
     index: HashMap<u32, usize>,
 }
@@ -35,6 +39,7 @@ impl VariableTable {
         let model = assemble::model(scene)?;
         let outputs = scene_outputs(scene, &model);
         let mut variables = inputs(scene);
+        variables.extend(element_inputs(scene, model.first_element_input()));
         variables.extend(outputs.iter().enumerate().map(|(index, output)| Variable {
             reference: output.reference,
             name: output.name.clone(),
@@ -52,7 +57,17 @@ impl VariableTable {
         variables.extend(parameters::parameters(scene));
         variables.extend(locals(model.formulation.constrains(), scene.solver.integrator.linearises()));
         let index = variables.iter().enumerate().map(|(index, variable)| (variable.reference, index)).collect();
-        Ok(VariableTable { variables, outputs, neutral_inputs: model.neutral_inputs(), wheelsets: model.wheelsets.len(), index })
+        let forces = scene.vehicle.forces.iter().enumerate();
+        let elements = forces.flat_map(|(number, force)| std::iter::repeat_n((number, force.0.bodies()), force.0.inputs().len())).collect();
+        Ok(VariableTable {
+            variables,
+            outputs,
+            start_inputs: model.start_inputs(),
+            wheelsets: model.wheelsets.len(),
+            elements,
+            first_element_input: model.first_element_input(),
+            index,
+        })
     }
 
     /// The variable with a reference.
@@ -63,6 +78,9 @@ impl VariableTable {
     /// 1-based indices of the inputs that an output depends on.
     pub fn dependencies(&self, output: &Output) -> Vec<usize> {
         let depends = |input: usize| {
+            if let Some((element, ends)) = input.checked_sub(self.first_element_input).map(|place| &self.elements[place]) {
+                return output.acted_on.by(*element, ends);
+            }
             let (wheelset, number) = whose(self.wheelsets, input);
             output.wheelset.is_none_or(|own| own == wheelset) && output.feedthrough.contains(&number)
         };
@@ -86,6 +104,32 @@ fn inputs(scene: &Scene) -> Vec<Variable> {
                 let (reference, name) = (begin + row.id + 10 * side.index() as u32, format!("{wheelset}.{}.{}", side.name(), row.name));
                 variables.push(input(row, reference, name, rail_input(axles.len(), index, side, number)));
             }
+        }
+    }
+    variables
+}
+
+/// The inputs that force elements bring along, from `first` on in the input vector.
+fn element_inputs(scene: &Scene, first: usize) -> Vec<Variable> {
+    let (mut variables, mut place) = (Vec::new(), first);
+    for (number, element) in scene.vehicle.forces.iter().enumerate() {
+        let (part, element) = (element.0.name(), &element.0);
+        for (index, own) in element.inputs().iter().enumerate() {
+            let row = InputRow {
+                id: 0,
+                group: &ELEMENT_INPUTS,
+                name: own.name,
+                unit: own.unit,
+                neutral: element.start_input(index),
+                least: own.least,
+                along: false,
+                text: own.description,
+            };
+            let reference = FORCE_INPUT + STRIDE * number as u32 + own.number;
+            if scene.interface.inputs.contains(&ELEMENT_INPUTS.name) && scene.interface.shows(part) {
+                variables.push(input(&row, reference, format!("{part}.{}", own.name), place));
+            }
+            place += 1;
         }
     }
     variables

@@ -1,10 +1,12 @@
 //! What a master may apply to a model: one row per input, which the input vector, the FMU and the plan read.
 //!
-//! The vector holds the inputs of each wheelset ([`WHEELSET_ROWS`]), then, where rails move, those of the rail under each wheel ([`RAIL_ROWS`]).
+//! The vector holds the inputs of each wheelset ([`WHEELSET_ROWS`]), then, where rails move, those of the rail under each wheel ([`RAIL_ROWS`]), then those
+//! that force elements have (`ForceElement::inputs`), in their order.
 //! A new input is a row here and what it does in the equations.
 
-use super::contact_index;
+use super::{Model, contact_index};
 use crate::geometry::Side;
+use crate::mbs::system::SystemWorkspace;
 use crate::units::Unit;
 
 /// Places among the inputs of one wheelset.
@@ -41,7 +43,10 @@ pub const FRICTION_FACTORS: InputGroup = InputGroup { name: "friction", effect: 
 /// Motion of the rails from outside.
 pub const RAIL_MOTION: InputGroup = InputGroup { name: "rail_motion", effect: "rail motion", on_request: true };
 
-pub const GROUPS: [&InputGroup; 4] = [&DRIVE_TORQUES, &CENTRE_FORCES, &FRICTION_FACTORS, &RAIL_MOTION];
+/// What force elements bring along: motors, brakes.
+pub const ELEMENT_INPUTS: InputGroup = InputGroup { name: "elements", effect: "inputs of force elements", on_request: false };
+
+pub const GROUPS: [&InputGroup; 5] = [&DRIVE_TORQUES, &CENTRE_FORCES, &FRICTION_FACTORS, &RAIL_MOTION, &ELEMENT_INPUTS];
 
 /// One input: of a wheelset, or of the rail under a wheel.
 #[derive(Debug)]
@@ -72,7 +77,7 @@ pub const WHEELSET_ROWS: [InputRow; WHEELSET_INPUTS] = [
         group: &DRIVE_TORQUES,
         name: "driveTorque",
         unit: Unit::NewtonMetre,
-        text: "torque about the axle, positive drives forward",
+        text: "torque about the axle, positive drives forward, with no reaction on the vehicle (a motor_gear or brake has one)",
         ..FORCE
     },
     InputRow { id: 2, name: "lateralForceInput", text: "external lateral force on the centre, left positive", ..FORCE },
@@ -142,9 +147,49 @@ pub(super) fn first_of_rail(wheelsets: usize, contact: usize) -> usize {
     WHEELSET_INPUTS * wheelsets + RAIL_INPUTS * contact
 }
 
-/// Values of all inputs that leave a model alone.
-pub fn neutral(wheelsets: usize, rail_motion: bool) -> Vec<f64> {
-    let rails = if rail_motion { 2 * wheelsets } else { 0 };
-    let of = |rows: &'static [InputRow], times: usize| std::iter::repeat_n(rows, times).flatten().map(|row| row.neutral);
-    of(&WHEELSET_ROWS, wheelsets).chain(of(&RAIL_ROWS, rails)).collect()
+/// Where the inputs of force elements begin.
+fn first_of_elements(wheelsets: usize, rail_motion: bool) -> usize {
+    first_of_rail(wheelsets, if rail_motion { 2 * wheelsets } else { 0 })
+}
+
+impl Model {
+    /// Values of all inputs that leave the model alone.
+    pub fn neutral_inputs(&self) -> Vec<f64> {
+        let rails = if self.rail_motion { self.contacts() } else { 0 };
+        let mut values = Vec::new();
+        for _ in 0..self.wheelsets.len() {
+            values.extend(WHEELSET_ROWS.iter().map(|row| row.neutral));
+        }
+        for _ in 0..rails {
+            values.extend(RAIL_ROWS.iter().map(|row| row.neutral));
+        }
+        values.resize(values.len() + self.system.force_inputs(), 0.0);
+        values
+    }
+
+    /// Values of all inputs until a master sets others: force elements may begin with some.
+    pub fn start_inputs(&self) -> Vec<f64> {
+        let mut values = self.neutral_inputs();
+        let mut place = self.first_element_input();
+        for force in &self.system.forces {
+            for index in 0..force.inputs().len() {
+                values[place] = force.start_input(index);
+                place += 1;
+            }
+        }
+        values
+    }
+
+    /// Where the inputs of force elements begin in the input vector.
+    pub fn first_element_input(&self) -> usize {
+        first_of_elements(self.wheelsets.len(), self.rail_motion)
+    }
+
+    /// Hands force elements their inputs.
+    #[inline]
+    pub fn take_inputs(&self, system: &mut SystemWorkspace, inputs: &[f64]) {
+        if !system.inputs.is_empty() {
+            system.inputs.copy_from_slice(&inputs[self.first_element_input()..]);
+        }
+    }
 }

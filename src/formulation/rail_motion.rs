@@ -24,7 +24,7 @@
 //!
 //! Rigid contact (ACCF, ECCF) is refused: its constraints would need the rail's acceleration too.
 
-use super::inputs::{RAIL_INPUTS, first_of_rail, neutral};
+use super::inputs::{RAIL_INPUTS, first_of_rail};
 use super::{AssemblyError, Model};
 use crate::mbs::body::BodyMotion;
 use crate::mbs::system::SystemWorkspace;
@@ -40,11 +40,6 @@ pub(super) struct AgainstRail {
 }
 
 impl Model {
-    /// Values of all inputs that leave the model alone.
-    pub fn neutral_inputs(&self) -> Vec<f64> {
-        neutral(self.wheelsets.len(), self.rail_motion)
-    }
-
     /// The same model on rails that move, where that is `asked` for.
     ///
     /// # Errors
@@ -60,6 +55,9 @@ impl Model {
     /// A wheelset against the rail under the wheel of this contact; `None` where rails do not move.
     #[inline]
     pub(super) fn against_rail(&self, system: &SystemWorkspace, inputs: &[f64], body: usize, contact: usize) -> Option<AgainstRail> {
+        if !self.rail_motion {
+            return None;
+        }
         let start = first_of_rail(self.wheelsets.len(), contact);
         let &[y, z, vy, vz, slope_y, slope_z] = inputs.get(start..start + RAIL_INPUTS)? else { return None };
         let mut motion = system.motions[body];

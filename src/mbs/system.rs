@@ -44,8 +44,10 @@ pub struct SystemWorkspace {
     pub wrenches: Vec<Wrench>,
     /// Rates of the force elements' states.
     pub force_rates: Vec<f64>,
-    /// Where each element's states end among them; empty if there are none at all.
-    force_states_end: Vec<usize>,
+    /// Inputs of all force elements, in their order.
+    pub inputs: Vec<f64>,
+    /// Where each element's states and inputs end among them; empty if there are none of either.
+    ends: Vec<[usize; 2]>,
     /// Force of each driving constraint, N, forward positive.
     pub drive_forces: Vec<f64>,
     pub constraints: Constraints,
@@ -77,6 +79,32 @@ impl System {
         start..start + self.forces[element].states()
     }
 
+    /// Number of inputs of all force elements.
+    pub fn force_inputs(&self) -> usize {
+        self.forces.iter().map(|force| force.inputs().len()).sum()
+    }
+
+    /// The inputs of one force element among those of all. Counted anew each time: not for the stepping path.
+    pub fn inputs_of_force(&self, element: usize) -> std::ops::Range<usize> {
+        let start: usize = self.forces[..element].iter().map(|force| force.inputs().len()).sum();
+        start..start + self.forces[element].inputs().len()
+    }
+
+    /// The bodies as one force element sees them, with its inputs in the workspace. Not for the stepping path.
+    pub fn seen_by<'a>(&self, element: usize, workspace: &'a SystemWorkspace) -> Moving<'a> {
+        workspace.with_inputs(self.inputs_of_force(element))
+    }
+
+    /// Puts the states of elements that turn with axles where they come to rest with the axles spinning as they do in `y`.
+    pub fn spin_up_forces(&self, y: &mut [f64], workspace: &mut SystemWorkspace) {
+        if self.forces.iter().any(|force| force.turns_axle()) {
+            self.move_bodies(y, workspace);
+            for (element, force) in self.forces.iter().enumerate().filter(|(_, force)| force.turns_axle()) {
+                force.settle(&workspace.moving(), &mut y[self.states_of_force(element)]);
+            }
+        }
+    }
+
     /// Puts the force elements' states where they come to rest with the bodies at rest in their places of `y`.
     pub fn settle_forces(&self, y: &mut [f64], workspace: &mut SystemWorkspace) {
         self.move_bodies(y, workspace);
@@ -88,9 +116,9 @@ impl System {
     /// With one more scalar constraint, on one body each, for every element of `contact_bodies`; they follow the rows
     /// of the joints.
     pub fn workspace(&self, contact_bodies: &[usize]) -> SystemWorkspace {
-        let count = self.force_states().len();
-        let ends = self.forces.iter().scan(0, |end, force| {
-            *end += force.states();
+        let (count, inputs) = (self.force_states().len(), self.force_inputs());
+        let ends = self.forces.iter().scan([0, 0], |end, force| {
+            *end = [end[0] + force.states(), end[1] + force.inputs().len()];
             Some(*end)
         });
         let zero = BodyMotion::new(&[0.0; COORDINATES], &[0.0; COORDINATES]);
@@ -98,7 +126,8 @@ impl System {
             motions: vec![zero; self.bodies.len()],
             wrenches: vec![Wrench::default(); self.bodies.len()],
             force_rates: vec![0.0; count],
-            force_states_end: if count == 0 { Vec::new() } else { ends.collect() },
+            inputs: vec![0.0; inputs],
+            ends: if count + inputs == 0 { Vec::new() } else { ends.collect() },
             drive_forces: vec![0.0; self.drives.len()],
             constraints: Constraints::new(self.bodies.len(), self.joint_rows(), &self.redundant, contact_bodies),
             stations: Vec::new(),
@@ -135,25 +164,26 @@ impl System {
     #[inline(always)] // on the wheelset's path, with several callers
     pub fn load_bodies(&self, y: &[f64], workspace: &mut SystemWorkspace) {
         workspace.wrenches.fill(Wrench::default());
-        if !workspace.force_states_end.is_empty() {
+        if !workspace.ends.is_empty() {
             return self.load_with_states(y, workspace);
         }
         let SystemWorkspace { motions, stations, wrenches, .. } = workspace;
-        let bodies = Moving { motions, stations };
+        let bodies = Moving { motions, stations, inputs: &[] };
         for force in &self.forces {
             force.apply(&bodies, &[], &mut [], wrenches);
         }
     }
 
-    /// The force elements' wrenches and the rates of their states. Out of line: most systems have no such states.
+    /// The force elements' wrenches and the rates of their states. Out of line: most systems have neither states nor inputs.
     #[inline(never)]
     fn load_with_states(&self, y: &[f64], workspace: &mut SystemWorkspace) {
-        let SystemWorkspace { motions, stations, wrenches, force_rates, force_states_end, .. } = workspace;
+        let SystemWorkspace { motions, stations, wrenches, force_rates, inputs, ends, .. } = workspace;
         let states = &y[2 * COORDINATES * self.bodies.len()..];
-        let (bodies, mut start) = (Moving { motions, stations }, 0);
-        for (force, end) in self.forces.iter().zip(force_states_end) {
+        let [mut start, mut first] = [0, 0];
+        for (force, [end, last]) in self.forces.iter().zip(ends) {
+            let bodies = Moving { motions, stations, inputs: &inputs[first..*last] };
             force.apply(&bodies, &states[start..*end], &mut force_rates[start..*end], wrenches);
-            start = *end;
+            [start, first] = [*end, *last];
         }
     }
 
@@ -192,16 +222,22 @@ impl System {
         self.bodies.iter().zip(motions).map(|(body, motion)| body.kinetic_energy(motion)).sum::<f64>() + supported
     }
 
+    /// Power that inputs bring into force elements, W, in the motion in the workspace; their states are those in `y`.
+    pub fn supplied_power(&self, y: &[f64], workspace: &SystemWorkspace) -> f64 {
+        let forces = self.forces.iter().enumerate();
+        forces.map(|(element, force)| force.supplied_power(&self.seen_by(element, workspace), &y[self.states_of_force(element)])).sum()
+    }
+
     /// Stored energy of all force elements, J; their states are those in `y`.
     pub fn potential_energy(&self, y: &[f64], bodies: &Moving) -> f64 {
         let forces = self.forces.iter().enumerate();
         forces.map(|(element, force)| force.potential_energy(bodies, &y[self.states_of_force(element)])).sum()
     }
 
-    /// Power that all force elements turn into heat, W; their states are those in `y`.
-    pub fn dissipated_power(&self, y: &[f64], bodies: &Moving) -> f64 {
+    /// Power that all force elements turn into heat, W, in the motion in the workspace; their states are those in `y`.
+    pub fn dissipated_power(&self, y: &[f64], workspace: &SystemWorkspace) -> f64 {
         let forces = self.forces.iter().enumerate();
-        forces.map(|(element, force)| force.dissipated_power(bodies, &y[self.states_of_force(element)])).sum()
+        forces.map(|(element, force)| force.dissipated_power(&self.seen_by(element, workspace), &y[self.states_of_force(element)])).sum()
     }
 
     /// Kinetic and stored energy of the motion in the workspace, J; the force elements' states are those in `y`.
@@ -214,7 +250,18 @@ impl SystemWorkspace {
     /// The bodies as they move.
     #[inline]
     pub fn moving(&self) -> Moving<'_> {
-        Moving { motions: &self.motions, stations: &self.stations }
+        self.with_inputs(0..0)
+    }
+
+    /// The same with some of the inputs.
+    #[inline]
+    pub fn with_inputs(&self, inputs: std::ops::Range<usize>) -> Moving<'_> {
+        Moving { motions: &self.motions, stations: &self.stations, inputs: &self.inputs[inputs] }
+    }
+
+    /// Where the inputs of each element end; empty if no element has states or inputs.
+    pub(super) fn inputs_end(&self, element: usize) -> usize {
+        self.ends.get(element).map_or(0, |end| end[1])
     }
 
     /// Copies the rates of the force elements' states behind those of the bodies, of which there are twice `coordinates`.

@@ -6,7 +6,7 @@ use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
 use super::start::{self, Start};
 use crate::contact::patch::PatchLaw;
-use crate::formulation::inputs::{CENTRE_FORCES, GROUPS, InputGroup, RAIL_MOTION};
+use crate::formulation::inputs::{CENTRE_FORCES, ELEMENT_INPUTS, GROUPS, InputGroup, RAIL_MOTION};
 use crate::formulation::sliding_mean::CUT_OFF;
 use crate::formulation::sliding_mean::SlidingMean;
 use crate::formulation::{Model, contact_index};
@@ -183,7 +183,8 @@ fn contact_effects(scene: &Scene, model: &Model, all: &mut Effects) {
 fn input_effects(scene: &Scene, model: &Model, all: &mut Effects) {
     let vehicle = &scene.vehicle;
     let asked = |group: &InputGroup| scene.interface.inputs.contains(&group.name);
-    for group in GROUPS.into_iter().filter(|group| !group.on_request) {
+    let has = |group: &InputGroup| *group != ELEMENT_INPUTS || model.system.force_inputs() > 0;
+    for group in GROUPS.into_iter().filter(|group| !group.on_request && has(group)) {
         let (shown, name) = (asked(group), group.name);
         let why =
             if shown { format!("interface.inputs has \"{name}\"") } else { format!("interface.inputs lacks \"{name}\": no variable") };

@@ -100,9 +100,11 @@ pub struct SolverSpec {
 
 /// Groups of outputs and parameters that an FMU may show; those of inputs are in `formulation::inputs`.
 pub const OUTPUT_GROUPS: &[&str] =
-    &["motion", "wheels", "contacts", "suspension", "axles", "bodies", "sensors", "forces", SLIDING_MEANS, RAIL_FORCES];
+    &["motion", "wheels", "contacts", "suspension", "axles", "bodies", "sensors", "forces", SLIDING_MEANS, RAIL_FORCES, ADHESION];
 /// The group that costs states: shown only where a scene names it.
 pub const SLIDING_MEANS: &str = "sliding_means";
+/// Slip and adhesion of wheelsets: shown only where a scene names it.
+pub const ADHESION: &str = "adhesion";
 /// Shown where rails move from outside.
 pub const RAIL_FORCES: &str = "rail_forces";
 pub const PARAMETER_GROUPS: &[&str] = &["vehicle", "suspension", "contact", "solver", "initial"];

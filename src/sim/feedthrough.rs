@@ -8,6 +8,7 @@ use crate::formulation::{
     WHEELSET_INPUTS,
 };
 use crate::geometry::Side;
+use crate::mbs::pair_tangent::Ends;
 
 /// What an output depends on at the same instant.
 #[derive(Clone, Copy)]
@@ -75,6 +76,40 @@ pub(super) fn of_wheel(side: Side) -> WheelDepends {
         slip: Depends::Only(motion),
         pressing: Depends::On(motion),
         friction: Depends::On(friction),
+    }
+}
+
+/// Inputs of which force elements change what an output shows at the same instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ActedOn {
+    Nothing,
+    /// That load this body: its accelerations.
+    Body(usize),
+    /// All: accelerations of a system with constraints.
+    System,
+    /// Of the vehicle's force element of that number: what it reports.
+    Element(usize),
+}
+
+impl ActedOn {
+    /// Of an output that depends on inputs of a wheelset, which is the body of the same number (`None`: on those of all).
+    pub(super) fn of_wheelset(feedthrough: &[usize], wheelset: Option<usize>) -> ActedOn {
+        let accelerates = [DRIVE_TORQUE, LATERAL_FORCE, VERTICAL_FORCE, LONGITUDINAL_FORCE].iter().any(|force| feedthrough.contains(force));
+        match (accelerates, wheelset) {
+            (false, _) => ActedOn::Nothing,
+            (true, Some(wheelset)) => ActedOn::Body(wheelset),
+            (true, None) => ActedOn::System,
+        }
+    }
+
+    /// Does an input of this element, between these bodies, change the output?
+    pub fn by(self, element: usize, ends: &Ends) -> bool {
+        match self {
+            ActedOn::Nothing => false,
+            ActedOn::Body(body) => ends.contains(&Some(body)),
+            ActedOn::System => true,
+            ActedOn::Element(own) => own == element,
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 //! [`SimulationState`] is all that a run remembers: cloning it saves the run, and two runs from equal states are
 //! equal bit for bit when they are advanced to the same times.
 
+pub mod adhesion;
 mod dynamics;
 pub mod feedthrough;
 pub mod input;
@@ -182,6 +183,7 @@ impl Simulation {
             on_the_line(&model, line, &mut y);
         }
         let mut workspace = model.workspace();
+        model.system.spin_up_forces(&mut y, &mut workspace.system);
         let mut step = model.at(&mut workspace, start, &mut y, &mut memory);
         match contacts {
             Contacts::Any => model.formulation.start(&mut step)?,
@@ -190,7 +192,7 @@ impl Simulation {
         }
         step.project()?;
         model.note_means(start, &y, &mut memory);
-        let inputs: Vec<InputSignal> = model.neutral_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
+        let inputs: Vec<InputSignal> = model.start_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
         let integration = integrator.start(start, &y);
         let snapshot = Snapshot {
             time: start,
@@ -415,7 +417,8 @@ impl Simulation {
         }
         if !self.motion_valid {
             self.find_state()?;
-            let Snapshot { y, workspace, memory, .. } = &mut self.snapshot;
+            let Snapshot { y, workspace, memory, inputs, .. } = &mut self.snapshot;
+            self.model.take_inputs(&mut workspace.system, inputs);
             self.model.apply_forces(y, memory, &mut workspace.system);
             self.motion_valid = true;
         }

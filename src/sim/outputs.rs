@@ -1,7 +1,7 @@
 //! The one table of outputs: FMU variables, CSV columns and plot labels all come from it.
 
 use super::Snapshot;
-use super::feedthrough::{ACROSS, ALL, ALONG, Depends, FRICTIONS, STATE, TURNING, UPWARD, of_wheel};
+use super::feedthrough::{ACROSS, ALL, ALONG, ActedOn, Depends, FRICTIONS, STATE, TURNING, UPWARD, of_wheel};
 use crate::formulation::derailment_quotient;
 use crate::formulation::sliding_mean::{Averaged, CUT_OFF};
 use crate::formulation::{ContactReport, Model, contact_index};
@@ -28,6 +28,8 @@ pub struct Output {
     pub feedthrough: &'static [usize],
     /// The wheelset whose inputs these are; `None`: of every wheelset.
     pub wheelset: Option<usize>,
+    /// What inputs of force elements it depends on at the same instant.
+    pub acted_on: ActedOn,
     /// Are positions, velocities and forces of elements all that it needs? Then it is read without an evaluation of contacts.
     pub of_motion: bool,
     read: Read,
@@ -42,7 +44,8 @@ impl Output {
         (feedthrough, wheelset): (&'static [usize], Option<usize>),
         read: Read,
     ) -> Self {
-        Output { reference, name, group, unit, description: description.into(), feedthrough, wheelset, of_motion: false, read }
+        let acted_on = ActedOn::of_wheelset(feedthrough, wheelset);
+        Output { reference, name, group, unit, description: description.into(), feedthrough, wheelset, acted_on, of_motion: false, read }
     }
 
     /// The value in a snapshot, SI.
@@ -86,17 +89,8 @@ impl Collector<'_> {
             Depends::On(inputs) | Depends::Only(inputs) => inputs,
         };
         if self.groups.contains(&group) {
-            self.outputs.push(Output {
-                reference: self.base + id,
-                name: format!("{}.{name}", self.prefix),
-                group,
-                unit,
-                description: text.into(),
-                feedthrough,
-                wheelset: self.wheelset,
-                of_motion: false,
-                read: Box::new(read),
-            });
+            let label = (self.base + id, format!("{}.{name}", self.prefix));
+            self.outputs.push(Output::new(label, group, unit, text, (feedthrough, self.wheelset), Box::new(read)));
         }
     }
 

@@ -1,11 +1,12 @@
 //! How a vehicle stands at its start: heights of bodies against where the scene draws them, wheel loads, forces of elements and travel used.
 
 use super::outputs::on_track;
-use super::{Simulation, SimulationError, Snapshot};
+use super::{Simulation, SimulationError};
 use crate::formulation::contact_index;
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::force::{ForceElement, Quantity, QuantityKind};
+use crate::mbs::moving::Moving;
 use crate::scene::spec::Scene;
 use serde::Serialize;
 
@@ -78,17 +79,17 @@ pub fn statics(scene: &Scene, simulation: &mut Simulation) -> Result<Statics, Si
     });
     let elements = model.system.forces.iter().enumerate().flat_map(|(index, element)| {
         let states = &s.y[model.system.states_of_force(index)];
-        element_forces(element.as_ref(), &s, states)
+        element_forces(element.as_ref(), &model.system.seen_by(index, &s.workspace.system), states)
     });
     Ok(Statics { bodies: bodies.collect(), wheels: wheels.collect(), elements: elements.collect() })
 }
 
-fn element_forces(element: &dyn ForceElement, s: &Snapshot, states: &[f64]) -> Vec<ElementForce> {
+fn element_forces(element: &dyn ForceElement, bodies: &Moving, states: &[f64]) -> Vec<ElementForce> {
     let of = |kind: QuantityKind| {
         let all: Vec<(usize, &Quantity)> = element.quantities().iter().enumerate().filter(|(_, quantity)| quantity.kind == kind).collect();
         all
     };
-    let value = |index: usize| element.quantity(index, &s.workspace.system.moving(), states);
+    let value = |index: usize| element.quantity(index, bodies, states);
     let free = element.free_travel();
     let pair = |turns: bool| {
         let (loads, ways, prefix) = match turns {

@@ -5,13 +5,14 @@
 //! (`[vehicle.suspension]`) have its numbers, 1000 k + 300.
 
 use super::Snapshot;
-use super::feedthrough::{ALL, FRICTION_INPUTS};
+use super::adhesion::adhesion_outputs;
+use super::feedthrough::{ALL, ActedOn, FRICTION_INPUTS};
 use super::outputs::{Output, on_track, outputs};
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::force::QuantityKind;
-use crate::scene::spec::Scene;
+use crate::scene::spec::{ADHESION, Scene};
 use crate::scene::vehicle::{Sensor, VehicleSpec};
 use crate::units::Unit;
 use nalgebra::Vector3;
@@ -21,6 +22,8 @@ pub const BODY: u32 = 1_000_000;
 pub const FORCE: u32 = 2_000_000;
 pub const SENSOR: u32 = 3_000_000;
 pub const STRIDE: u32 = 100;
+/// First number of the inputs of forces.
+pub const FORCE_INPUT: u32 = 4_000_000;
 /// First number of the forces of a wheelset's own springs among its outputs.
 const SUSPENSION_FORCES: u32 = 300;
 /// Number of the sum of lateral forces among a wheelset's outputs.
@@ -30,6 +33,9 @@ const TRACK_SHIFTING_FORCE: u32 = 31;
 pub fn scene_outputs(scene: &Scene, model: &Model) -> Vec<Output> {
     let groups = &scene.interface.outputs;
     let mut all = outputs(model, groups);
+    if groups.contains(&ADHESION) {
+        all.extend(adhesion_outputs(model));
+    }
     let vehicle = &scene.vehicle;
     let mut parts = Collector { groups, model, outputs: Vec::new() };
     parts.forces(vehicle, true);
@@ -171,7 +177,10 @@ impl Collector<'_> {
         for ((id, name, axis, text), gravity) in shown.chain(asked.into_iter().flatten()) {
             let unit = Unit::MetrePerSecond2;
             let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, feedthrough };
+            let before = self.outputs.len();
             self.add(label, text, move |s| acceleration(s, body, &point, &gravity)[axis]);
+            let acted_on = if self.coupled() { ActedOn::System } else { ActedOn::Body(body) };
+            self.outputs[before..].iter_mut().for_each(|output| output.acted_on = acted_on);
         }
     }
 
@@ -187,22 +196,27 @@ impl Collector<'_> {
                 Some(wheelset) => ((wheelset as u32 + 1) * 1000 + SUSPENSION_FORCES, "suspension"),
                 None => (FORCE + STRIDE * index as u32, "forces"),
             };
-            let states = self.model.system.states_of_force(first + index);
+            let (states, inputs) = (self.model.system.states_of_force(first + index), self.model.system.inputs_of_force(first + index));
             for (place, quantity) in element.0.quantities().iter().enumerate() {
                 let unit = match quantity.kind {
                     QuantityKind::Force => Unit::Newton,
                     QuantityKind::Moment => Unit::NewtonMetre,
                     QuantityKind::Displacement => Unit::Metre,
                     QuantityKind::Angle => Unit::Radian,
+                    QuantityKind::Speed => Unit::MetrePerSecond,
+                    QuantityKind::AngularSpeed => Unit::RadianPerSecond,
+                    QuantityKind::Power => Unit::Watt,
                 };
                 let (reference, name) = (base + quantity.number, format!("{}.{}", element.0.name(), quantity.name));
                 // The element's constants are copied, so that outputs do not borrow the model.
-                let (element, states) = (self.model.system.forces[first + index].clone_box(), states.clone());
+                let (element, states, inputs) = (self.model.system.forces[first + index].clone_box(), states.clone(), inputs.clone());
+                let before = self.outputs.len();
                 let label = Label { reference, name, group, unit, feedthrough: STATE };
                 self.add_of_motion(label, quantity.description, move |s| {
                     let system = &s.workspace.system;
-                    element.quantity(place, &system.moving(), &s.y[states.clone()])
+                    element.quantity(place, &system.with_inputs(inputs.clone()), &s.y[states.clone()])
                 });
+                self.outputs[before..].iter_mut().for_each(|output| output.acted_on = ActedOn::Element(index));
             }
         }
     }

@@ -28,6 +28,8 @@ pub enum Unit {
     NewtonMetreSecondPerRadian,
     SecondPerMetre,
     Pascal,
+    Watt,
+    KilogramPerMetre,
 }
 
 impl Unit {
@@ -56,6 +58,8 @@ impl Unit {
             Unit::NewtonMetreSecondPerRadian => "RotationalDamping",
             Unit::SecondPerMetre => "StopDamping",
             Unit::Pascal => "Pressure",
+            Unit::Watt => "Power",
+            Unit::KilogramPerMetre => "AirResistance",
         }
     }
 
@@ -82,6 +86,8 @@ impl Unit {
             Unit::NewtonMetreSecondPerRadian => "N.m.s/rad",
             Unit::SecondPerMetre => "s/m",
             Unit::Pascal => "Pa",
+            Unit::Watt => "W",
+            Unit::KilogramPerMetre => "kg/m",
         }
     }
 }

@@ -12,5 +12,6 @@ mod moving_frame;
 mod rail_motion;
 mod sliding_means;
 mod tangent;
+mod traction;
 mod vertical_load;
 mod wheelset;

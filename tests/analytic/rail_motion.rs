@@ -334,7 +334,7 @@ fn prop_outputs_depend_on_the_rails_as_described() {
     assert!(plain.variables.iter().all(|variable| !variable.name.contains(".rail")
         || variable.name.contains("railCoordinate")
         || variable.name.contains("railDistance")));
-    assert_eq!(plain.neutral_inputs.len(), 6);
+    assert_eq!(plain.start_inputs.len(), 6);
 }
 
 #[test]

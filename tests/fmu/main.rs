@@ -670,3 +670,35 @@ fn prop_value_references_are_unique_and_stable() {
         assert_eq!(by_reference.get(&variable.reference), Some(&variable.name.as_str()));
     }
 }
+
+/// Inputs of force elements are variables with references of their own, begin with what the scene says, and change at once only what shows the element and the accelerations of
+/// its bodies.
+#[test]
+fn fmu_inputs_of_motors_and_brakes_are_variables() {
+    let file = format!("{ROOT}/examples/braked_coach.toml");
+    let packed = package::pack_scene(&load::open(&file, &[]).unwrap()).unwrap();
+    let table = &packed.table;
+    let variable = |name: &str| table.variables.iter().position(|variable| variable.name == name).unwrap_or_else(|| panic!("no {name}"));
+    let brake = variable("brake[2].largestTorque");
+    let own = &table.variables[brake];
+    assert_eq!((own.causality, own.start, own.min, own.reference), ("input", Some(5400.0), Some(0.0), 4_000_100));
+    let reacts = |name: &str| {
+        let output = table.outputs.iter().find(|output| output.name == name).unwrap_or_else(|| panic!("no {name}"));
+        table.dependencies(output).contains(&(brake + 1))
+    };
+    assert!(reacts("brake[2].torque") && reacts("truck[1].wheelset[2].pitchAcceleration"));
+    for other in [
+        "brake[1].torque",
+        "truck[1].wheelset[1].pitchAcceleration",
+        "truck[1].wheelset[2].pitchRate",
+        "truck[1].wheelset[2].usedAdhesion",
+        "truck[1].wheelset[2].slipSpeed",
+    ] {
+        assert!(!reacts(other), "{other}");
+    }
+    let without = ["interface.inputs=[\"friction\"]".to_string()];
+    let less = package::pack_scene(&load::open(&file, &without).unwrap()).unwrap();
+    assert!(less.table.variables.iter().all(|variable| !variable.name.ends_with("largestTorque")));
+    // What is not shown keeps what the scene says.
+    assert!(less.table.start_inputs.iter().filter(|value| **value == 5400.0).count() == 4);
+}

@@ -338,9 +338,10 @@ fn regress_docs_list_every_output() {
     use wheelrail::scene::load;
     use wheelrail::sim::Simulation;
     use wheelrail::sim::vehicle_outputs::{BODY, FORCE, SENSOR, scene_outputs};
-    let groups = "interface.outputs=[\"motion\",\"wheels\",\"contacts\",\"suspension\",\"sliding_means\",\"rail_forces\",\"axles\",\"bodies\",\"sensors\",\"forces\"]";
+    let groups = "interface.outputs=[\"motion\",\"wheels\",\"contacts\",\"suspension\",\"sliding_means\",\"rail_forces\",\"axles\",\"bodies\",\"sensors\",\"forces\",\"adhesion\"]";
     let mut lines: Vec<String> = Vec::new();
-    for name in ["wheelset_s1002", "vehicle_bumps", "vehicle_manchester_1", "train"] {
+    let examples = ["examples/braked_coach.toml", "examples/driven_truck.toml"];
+    for name in ["wheelset_s1002", "vehicle_bumps", "vehicle_manchester_1", "train"].into_iter().chain(examples) {
         let scene =
             load::open(name, &[groups.into(), "interface.inputs=[\"rail_motion\"]".into()]).unwrap_or_else(|error| panic!("{error}"));
         let simulation = Simulation::new(&scene, 0.0).unwrap();

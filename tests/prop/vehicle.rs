@@ -307,7 +307,7 @@ fn prop_energy_balance_of_vehicles() {
                 .sum();
             let driven = system.drives.iter().zip(&inner.drive_forces);
             let driven: f64 = driven.map(|(drive, force)| force * inner.motions[drive.body].velocity.x).sum();
-            let heat = system.dissipated_power(&snapshot.y, &inner.moving());
+            let heat = system.dissipated_power(&snapshot.y, inner);
             let mut workspace = system.workspace(&[]);
             let mut energy = |h: f64| {
                 let y: Vec<f64> = snapshot.y.iter().zip(&snapshot.dy).map(|(y, dy)| y + h * dy).collect();

@@ -91,7 +91,7 @@ impl Instance {
         if found != guid {
             return Err(InstantiateError::Guid { found, wanted: guid.chars().filter(|c| !c.is_control()).collect() });
         }
-        let inputs = neutral_inputs(&table);
+        let inputs = start_inputs(&table);
         Ok(Instance {
             exported: scene.clone(),
             scene,
@@ -206,7 +206,7 @@ impl Instance {
         self.scene = self.exported.clone();
         self.phase = Phase::Instantiated;
         self.experiment = Experiment { start: 0.0, stop: None, tolerance: None };
-        self.inputs = neutral_inputs(&self.table);
+        self.inputs = start_inputs(&self.table);
         self.simulation = None;
     }
 
@@ -287,6 +287,6 @@ impl Instance {
 }
 
 /// Start values of all inputs of the model.
-fn neutral_inputs(table: &VariableTable) -> Vec<[f64; 3]> {
-    table.neutral_inputs.iter().map(|value| [*value, 0.0, 0.0]).collect()
+fn start_inputs(table: &VariableTable) -> Vec<[f64; 3]> {
+    table.start_inputs.iter().map(|value| [*value, 0.0, 0.0]).collect()
 }

@@ -7,19 +7,26 @@
 //! Design configuration: the bodies stand where the scene puts them, their axes parallel to the world's. There the
 //! displacement of every element is zero and its force is its preload.
 
+mod along_track;
 mod anti_roll_bar;
 mod attachment;
+mod axle_pair;
+mod brake;
 mod bump_stop;
 mod bushing;
 mod coupler;
 mod curve;
 mod dry_friction;
+mod eddy_current_brake;
+mod external_load;
 mod gravity;
 mod guided_spring;
 mod line;
 mod load;
 mod maxwell_damper;
+mod motor_gear;
 mod orientation;
+mod running_resistance;
 mod spring_damper;
 mod stop;
 
@@ -40,6 +47,8 @@ use super::body::Wrench;
 use super::moving::Moving;
 use super::pair_tangent::{Ends, PairTangent};
 use crate::settings::{Entry, Number, Section, SettingsError, choose};
+use crate::units::Unit;
+use nalgebra::Vector3;
 
 /// A force that depends on position and velocity of bodies, and on states of its own where it has any.
 pub trait ForceElement: Send + Sync + std::fmt::Debug {
@@ -54,6 +63,37 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     /// The shortest time constant of the element's own states, s: an explicit integrator's step is bound by it.
     fn time_constant(&self) -> Option<f64> {
         None
+    }
+
+    /// What a master may apply to it.
+    fn inputs(&self) -> &'static [ElementInput] {
+        &[]
+    }
+
+    /// The value of the input at `index` of [`ForceElement::inputs`] until a master sets another, SI.
+    fn start_input(&self, _index: usize) -> f64 {
+        0.0
+    }
+
+    /// Does it turn a spinning axle? Then its changes ([`ForceElement::tangent`]) count the bodies' own rotation, not that of the frames that bearings
+    /// hold, and its states follow the axle's spin at the start.
+    fn turns_axle(&self) -> bool {
+        false
+    }
+
+    /// Of an element that turns an axle: the body that takes what the momentum of its own rotating parts demands.
+    fn rotor_carrier(&self) -> Option<usize> {
+        None
+    }
+
+    /// Angular momentum of its own rotating parts, beside that of the bodies, in the world, N m s.
+    fn angular_momentum(&self, _bodies: &Moving, _state: &[f64]) -> Vector3<f64> {
+        Vector3::zeros()
+    }
+
+    /// Power that its inputs bring in, W.
+    fn supplied_power(&self, _bodies: &Moving, _state: &[f64]) -> f64 {
+        0.0
     }
 
     /// Puts the states where they come to rest with the bodies at rest where they are.
@@ -113,7 +153,7 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     /// A copy behind a pointer.
     fn clone_box(&self) -> Box<dyn ForceElement>;
 
-    /// Stored energy, J, up to a constant.
+    /// Stored energy, J, up to a constant; with the kinetic energy of its own rotating parts.
     fn potential_energy(&self, bodies: &Moving, state: &[f64]) -> f64;
 
     /// Power that turns into heat, W, never negative.
@@ -131,6 +171,18 @@ pub struct Quantity {
     pub description: &'static str,
 }
 
+/// One input of an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ElementInput {
+    /// Fixed among those of the element (0 to 49).
+    pub number: u32,
+    /// Structured name, appended to the element's.
+    pub name: &'static str,
+    pub unit: Unit,
+    pub least: Option<f64>,
+    pub description: &'static str,
+}
+
 /// What a reported scalar is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QuantityKind {
@@ -142,6 +194,12 @@ pub enum QuantityKind {
     Displacement,
     /// rad.
     Angle,
+    /// m/s.
+    Speed,
+    /// rad/s.
+    AngularSpeed,
+    /// W.
+    Power,
 }
 
 /// Is `preload = "static"` given?
@@ -173,6 +231,11 @@ pub static REGISTRY: &[Entry<Parse>] = &[
     dry_friction::ENTRY,
     coupler::ENTRY,
     GUIDED_SPRING,
+    motor_gear::ENTRY,
+    brake::ENTRY,
+    running_resistance::ENTRY,
+    eddy_current_brake::ENTRY,
+    external_load::ENTRY,
 ];
 
 /// Reads the element that `kind` names; the caller finishes the section.

@@ -14,13 +14,15 @@
 //! displacements when bodies turn: angular velocity times damping beside the stiffness (0.05 1/s x 3e4 N s/m beside 1e5 N/m), and the
 //! damper's own force times angle.
 
-use super::state::{Ends, StateTangent};
+use super::state::{Ends, Gradient, StateTangent, Terms};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// Sums over the elements of one pair of bodies.
 #[derive(Clone, Debug)]
 pub struct PairSum {
     pub(in crate::mbs) ends: Ends,
+    /// Do displacements and rotations count those of the bodies themselves, which may spin? Otherwise those of the frames that bearings hold.
+    pub(in crate::mbs) spinning: bool,
     /// Has anything been added?
     pub(in crate::mbs) used: bool,
     /// Change of the wrench on `from` at c with the relative twist at c, and with its rate.
@@ -30,17 +32,25 @@ pub struct PairSum {
     pub(in crate::mbs) force: Vector3<f64>,
     pub(in crate::mbs) arm_force: Matrix3<f64>,
     pub(in crate::mbs) couple: Vector3<f64>,
+    /// dQ/dv of the coordinates themselves, row by row of ends; only of bodies that may spin.
+    pub(in crate::mbs) rates: Option<[[Matrix6<f64>; 2]; 2]>,
 }
 
 impl PairSum {
-    pub(in crate::mbs) fn new(ends: Ends) -> PairSum {
+    pub(in crate::mbs) fn new(ends: Ends, spinning: bool) -> PairSum {
         let (zero, six) = (Vector3::zeros(), Matrix6::zeros());
-        PairSum { ends, used: false, stiffness: six, damping: six, force: zero, arm_force: Matrix3::zeros(), couple: zero }
+        let rates = spinning.then_some([[six; 2]; 2]);
+        PairSum { ends, spinning, used: false, stiffness: six, damping: six, force: zero, arm_force: Matrix3::zeros(), couple: zero, rates }
     }
 
     pub(in crate::mbs) fn clear(&mut self) {
         if self.used {
-            *self = PairSum::new(self.ends);
+            let (zero, six) = (Vector3::zeros(), Matrix6::zeros());
+            (self.used, self.force, self.couple, self.arm_force) = (false, zero, zero, Matrix3::zeros());
+            (self.stiffness, self.damping) = (six, six);
+            if let Some(rates) = &mut self.rates {
+                *rates = [[six; 2]; 2];
+            }
         }
     }
 }
@@ -48,6 +58,8 @@ impl PairSum {
 /// Where an element hands in its changes.
 pub struct PairTangent<'a> {
     pub(in crate::mbs) sum: &'a mut PairSum,
+    /// What holds the element's own rotating parts, against the world.
+    pub(in crate::mbs) carrier: Option<&'a mut PairSum>,
     /// Index of the pair.
     pub(in crate::mbs) pair: usize,
     /// c, m.
@@ -136,8 +148,68 @@ impl PairTangent<'_> {
     #[inline]
     pub fn add_states(&mut self, first: usize, count: usize) -> Option<&mut StateTangent> {
         debug_assert!(self.states.len() < self.states.capacity(), "more states than Tangent::new was told");
-        self.states.push(StateTangent::new(first, count, self.sum.ends, Some(self.pair)));
+        self.states.push(StateTangent::new(first, count, self.sum.ends, Terms::Pair(self.pair)));
         self.states.last_mut()
+    }
+
+    /// The same in terms of both bodies' coordinates: rates by coordinates and velocities, generalised forces by state.
+    pub fn add_own_states(&mut self, first: usize, count: usize) -> Option<&mut StateTangent> {
+        debug_assert!(self.states.len() < self.states.capacity(), "more states than Tangent::new was told");
+        self.states.push(StateTangent::new(first, count, self.sum.ends, Terms::Coordinates));
+        self.states.last_mut()
+    }
+
+    /// Generalised forces `load` on both bodies' coordinates, which change by `factor` with `measured . velocities`. Of elements that turn an axle.
+    pub fn add_rates(&mut self, load: &Gradient, measured: &Gradient, factor: f64) {
+        self.sum.used = true;
+        let Some(rates) = &mut self.sum.rates else { return };
+        for (rates, load) in rates.iter_mut().zip(load) {
+            for (block, measured) in rates.iter_mut().zip(measured) {
+                add_outer(block, load, measured, factor);
+            }
+        }
+    }
+
+    /// A force on `from` whose place and direction are fixed in the frame of `to`, N.
+    pub fn add_force_of_to(&mut self, point: &Vector3<f64>, force: &Vector3<f64>) {
+        self.add_force(point, force);
+        // It turns with `to`: as with `from`, and by the relative rotation.
+        let (arm, turned) = ((point - self.reference).cross_matrix(), force.cross_matrix());
+        let mut part = self.sum.stiffness.fixed_view_mut::<3, 3>(0, 3);
+        part -= turned;
+        let mut part = self.sum.stiffness.fixed_view_mut::<3, 3>(3, 3);
+        part -= arm * turned;
+    }
+
+    /// A force on `from` whose place is fixed on it and whose direction is fixed in the world, where `to` is the world, N.
+    pub fn add_outer_force(&mut self, point: &Vector3<f64>, force: &Vector3<f64>) {
+        let arm = point - self.reference;
+        self.add_couple_of_to(&arm.cross(force));
+        // The arm turns with the body, against the relative rotation.
+        let mut part = self.sum.stiffness.fixed_view_mut::<3, 3>(3, 3);
+        part -= force.cross_matrix() * arm.cross_matrix();
+    }
+
+    /// A force on `from` that is fixed on it in place and direction, where `to` is the world, N.
+    pub fn add_own_force(&mut self, point: &Vector3<f64>, force: &Vector3<f64>) {
+        self.add_couple(&(point - self.reference).cross(force));
+        let mut part = self.sum.stiffness.fixed_view_mut::<3, 3>(0, 3);
+        part += force.cross_matrix();
+    }
+
+    /// A couple on `from` that turns with the frame of `to`, N m.
+    pub fn add_couple_of_to(&mut self, couple: &Vector3<f64>) {
+        self.add_couple(couple);
+        let mut part = self.sum.stiffness.fixed_view_mut::<3, 3>(3, 3);
+        part -= couple.cross_matrix();
+    }
+
+    /// A couple on the body that holds the element's rotating parts; it turns with it and has no counterpart on another body, N m.
+    pub fn add_carried_couple(&mut self, couple: &Vector3<f64>) {
+        if let Some(carrier) = &mut self.carrier {
+            carrier.used = true;
+            carrier.couple += couple;
+        }
     }
 }
 

@@ -22,17 +22,27 @@ pub struct StateTangent {
     pub rate_by_position: [Gradient; 2],
     pub rate_by_velocity: [Gradient; 2],
     pub load_by_state: [Gradient; 2],
-    /// Pair of bodies that they belong to; `None`: they are in terms of each body's own displacement and wrench.
-    pub(in crate::mbs) pair: Option<usize>,
+    pub(in crate::mbs) terms: Terms,
+}
+
+/// In terms of what states are handed in.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::mbs) enum Terms {
+    /// Relative motion of the pair of that number.
+    Pair(usize),
+    /// Each body's own displacement and wrench.
+    World,
+    /// Coordinates and generalised forces.
+    Coordinates,
 }
 
 impl StateTangent {
     /// `count` states (at most two) that nothing acts on yet.
     #[inline]
-    pub(in crate::mbs) fn new(first: usize, count: usize, ends: Ends, pair: Option<usize>) -> StateTangent {
+    pub(in crate::mbs) fn new(first: usize, count: usize, ends: Ends, terms: Terms) -> StateTangent {
         let none = [[Vector6::zeros(); 2]; 2];
         let rate_by_state = Matrix2::zeros();
-        StateTangent { first, count, ends, rate_by_state, rate_by_position: none, rate_by_velocity: none, load_by_state: none, pair }
+        StateTangent { first, count, ends, rate_by_state, rate_by_position: none, rate_by_velocity: none, load_by_state: none, terms }
     }
 
     #[inline]

@@ -26,8 +26,8 @@ pub(super) struct PairFrames {
     by_angles: [[[f64; 6]; 3]; 2],
 }
 
-fn axes_of(motion: &BodyMotion) -> Matrix3<f64> {
-    let pitch = if motion.turn.is_some() { motion.axle() } else { Vector3::zeros() };
+fn axes_of(motion: &BodyMotion, spinning: bool) -> Matrix3<f64> {
+    let pitch = if spinning || motion.turn.is_some() { motion.axle() } else { Vector3::zeros() };
     Matrix3::from_columns(&[Vector3::z(), motion.roll_axis(), pitch])
 }
 
@@ -63,7 +63,7 @@ impl PairFrames {
         }
         for (end, body) in pair.ends.iter().enumerate() {
             let Some(body) = body else { continue };
-            frames.axes[end] = axes_of(&motions[*body]);
+            frames.axes[end] = axes_of(&motions[*body], pair.spinning);
             for (j, column) in frames.by_angles[end].iter_mut().enumerate() {
                 let axis = frames.axes[end].column(j);
                 column[3..].copy_from_slice(axis.as_slice());

@@ -43,6 +43,7 @@ pub use super::pair_tangent::{Ends, PairTangent, StateTangent, pair};
 
 use super::body::COORDINATES;
 use super::kkt::RowBodies;
+use super::pair_tangent::Terms;
 use super::system::{System, SystemWorkspace};
 use elimination::BlockLu;
 use expand::PairFrames;
@@ -113,6 +114,8 @@ pub struct Tangent {
     sum: TangentSum,
     /// By force element.
     pair_of_force: Vec<usize>,
+    /// Pair of what holds its rotating parts and the world, likewise.
+    carrier_of_force: Vec<Option<usize>>,
     /// Changes of wrenches by slot, and whether there are any.
     world: Vec<Option<WrenchTangent>>,
     mobility: Vec<Matrix6<f64>>,
@@ -140,15 +143,17 @@ impl Tangent {
             Some((a?, b?))
         });
         let neighbours = Neighbours::new(bodies, joined);
-        let (mut pairs, mut pair_of_force): (Vec<PairSum>, Vec<usize>) = (Vec::new(), Vec::new());
-        for force in &system.forces {
-            let ends = force.bodies();
-            let known = pairs.iter().position(|pair| pair.ends == ends);
-            if known.is_none() {
-                pairs.push(PairSum::new(ends));
-            }
-            pair_of_force.push(known.unwrap_or(pairs.len() - 1));
-        }
+        let mut pairs: Vec<PairSum> = Vec::new();
+        let mut pair = |ends: Ends, spinning: bool| {
+            let known = pairs.iter().position(|pair| pair.ends == ends && pair.spinning == spinning);
+            known.unwrap_or_else(|| {
+                pairs.push(PairSum::new(ends, spinning));
+                pairs.len() - 1
+            })
+        };
+        let pair_of_force = system.forces.iter().map(|force| pair(force.bodies(), force.turns_axle())).collect();
+        let carriers = system.forces.iter().map(|force| force.rotor_carrier());
+        let carrier_of_force = carriers.map(|body| body.map(|body| pair([Some(body), None], true))).collect();
         let mut groups = groups(system, contact_bodies);
         let mut graph = Graph { nodes: bodies + groups.len(), edges: vec![], before: vec![vec![]; bodies + groups.len()] };
         graph.edges.extend(neighbours.iter().map(|(_, row, column)| (row, column)));
@@ -173,6 +178,7 @@ impl Tangent {
             frames: Vec::with_capacity(pairs.len()),
             sum: TangentSum::new(neighbours, pairs, states),
             pair_of_force,
+            carrier_of_force,
             mobility: vec![Matrix6::zeros(); bodies],
             spin: vec![Matrix3::zeros(); bodies],
             x: vec![Vector6::zeros(); graph.nodes],
@@ -216,7 +222,7 @@ impl Tangent {
     /// Adds a first-order state at index `state` of the state vector: the change of its rate with itself, 1/s, and what couples it
     /// with up to two bodies.
     pub fn add_state(&mut self, state: usize, rate_by_state: f64, bodies: &[StateCoupling]) {
-        let mut tangent = StateTangent::new(state, 1, [None; 2], None);
+        let mut tangent = StateTangent::new(state, 1, [None; 2], Terms::World);
         tangent.rate_by_state[(0, 0)] = rate_by_state;
         for (end, coupling) in bodies.iter().take(2).enumerate() {
             tangent.ends[end] = Some(coupling.body);
@@ -232,13 +238,17 @@ impl Tangent {
     pub fn add_forces(&mut self, system: &System, workspace: &SystemWorkspace, y: &[f64]) {
         let mut start = 2 * COORDINATES * system.bodies.len();
         let TangentSum { pairs, states, .. } = &mut self.sum;
-        for (force, pair) in system.forces.iter().zip(&self.pair_of_force) {
-            let end = start + force.states();
-            let sum = &mut pairs[*pair];
+        let mut first = 0;
+        for (element, (force, pair)) in system.forces.iter().zip(&self.pair_of_force).enumerate() {
+            let (end, last) = (start + force.states(), workspace.inputs_end(element));
+            let (sum, carrier) = match self.carrier_of_force[element].map(|carrier| pairs.get_disjoint_mut([*pair, carrier])) {
+                Some(Ok([sum, carrier])) => (sum, Some(carrier)),
+                _ => (&mut pairs[*pair], None),
+            };
             let reference = expand::reference(sum, &workspace.motions);
-            let mut tangent = PairTangent { sum, pair: *pair, reference, states };
-            force.tangent(&workspace.moving(), &y[start..end], start, &mut tangent);
-            start = end;
+            let mut tangent = PairTangent { sum, carrier, pair: *pair, reference, states };
+            force.tangent(&workspace.with_inputs(first..last), &y[start..end], start, &mut tangent);
+            [start, first] = [end, last];
         }
     }
 }

@@ -12,7 +12,7 @@ use super::sum::TangentSum;
 use super::{Tangent, WrenchTangent};
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::inertia::Inertia;
-use crate::mbs::pair_tangent::StateTangent;
+use crate::mbs::pair_tangent::{StateTangent, Terms};
 use crate::mbs::system::{System, SystemWorkspace};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
@@ -169,12 +169,20 @@ impl Tangent {
             if !is_zero(&pair.damping) {
                 frames.add_blocks(&pair.damping, &slots, by_velocity);
             }
+            for (rates, slots) in pair.rates.iter().flatten().zip(&slots) {
+                for (rates, slot) in rates.iter().zip(slots) {
+                    if let Some(slot) = slot {
+                        by_velocity[*slot] += rates;
+                    }
+                }
+            }
             self.frames.push(frames);
         }
         for state in states {
-            match state.pair {
-                Some(pair) => self.frames[pair].expand_state(state),
-                None => world_state(state, motions),
+            match state.terms {
+                Terms::Pair(pair) => self.frames[pair].expand_state(state),
+                Terms::World => world_state(state, motions),
+                Terms::Coordinates => (),
             }
         }
     }

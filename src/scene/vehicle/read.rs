@@ -64,6 +64,7 @@ pub(super) fn vehicle<'a>(
     })?;
     vehicle.forces = kept(&section, &flat.entries[FORCE], |entry| {
         let force = force(entry, &resolver(entry))?;
+        check_axle(&force, &entry.section, vehicle.wheelsets.len())?;
         entry.section.clone().finish()?;
         Ok(force)
     })?;
@@ -123,6 +124,19 @@ fn wheelset(entry: &Entry, flat: &Flat) -> Result<PlacedWheelset, SettingsError>
     };
     section.clone().finish()?;
     Ok(wheelset)
+}
+
+/// What turns an axle acts on a wheelset, which comes before the other bodies, and is carried by one of those.
+fn check_axle(force: &Element, section: &Section, wheelsets: usize) -> Result<(), SettingsError> {
+    let wheelset = |body: Option<usize>| body.is_some_and(|body| body < wheelsets);
+    match force.0.bodies() {
+        [axle, carrier] if force.0.turns_axle() => match (wheelset(axle), wheelset(carrier)) {
+            (false, _) => Err(section.error("to", "is no wheelset; expected the wheelset that the element turns or brakes")),
+            (true, true) => Err(section.error("from", "is a wheelset; expected the body that carries motor or brake")),
+            (true, false) => Ok(()),
+        },
+        _ => Ok(()),
+    }
 }
 
 fn force(entry: &Entry, resolver: &Resolver) -> Result<Element, SettingsError> {

@@ -233,7 +233,8 @@ impl Audit {
             now.stored = model.system.mechanical_energy(&snapshot.y, system);
             for (element, force) in model.system.forces.iter().enumerate() {
                 let states = &snapshot.y[model.system.states_of_force(element)];
-                book(-force.dissipated_power(&system.moving(), states));
+                let bodies = model.system.seen_by(element, system);
+                book(force.supplied_power(&bodies, states) - force.dissipated_power(&bodies, states));
             }
         }
         now.speed = model.wheelsets.first().map_or(0.0, |wheelset| system.motions[wheelset.body].velocity.norm());
@@ -254,7 +255,7 @@ impl Audit {
         for (element, force) in model.system.forces.iter().enumerate() {
             let range = model.system.states_of_force(element);
             let rates = &mut self.rates[range.start - begin..range.end - begin];
-            force.apply(&system.moving(), &snapshot.y[range], rates, &mut self.wrenches);
+            force.apply(&model.system.seen_by(element, system), &snapshot.y[range], rates, &mut self.wrenches);
         }
         let pairs = self.wrenches.iter().zip(&system.motions);
         let power = pairs.map(|(wrench, motion)| wrench.force.dot(&motion.velocity) + wrench.moment.dot(&motion.rotation)).sum();

@@ -6,3 +6,4 @@ mod motion;
 mod properties;
 mod stage;
 mod tangent;
+mod traction;

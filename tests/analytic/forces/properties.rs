@@ -1,14 +1,15 @@
 //! What must hold for every element of the registry, so also for one that is added later.
 
-use super::stage::{Mechanism, Stage, apply, brick, motions};
+use super::stage::{Mechanism, Stage, apply, apply_under, brick, motions, under};
 use crate::counting;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use wheelrail::mbs::body::{BodyMotion, Wrench};
-use wheelrail::mbs::force::{ForceElement, Gravity, Guide, GuidedSpring, REGISTRY, VerticalLoad};
+use wheelrail::mbs::force::{ElementInput, ForceElement, Gravity, Guide, GuidedSpring, REGISTRY, VerticalLoad};
 use wheelrail::solve::Dynamics;
+use wheelrail::units::Unit;
 
 /// Holds one body to a frame that travels on the track with it: neither momentum nor energy are the two bodies' alone.
 const GUIDED: &str = "guided_spring";
@@ -32,6 +33,17 @@ const SAMPLES: &[(&str, &str)] = &[
     ("dry_friction", "axis = \"x\"\nlimit = 5e3\nstiffness = 1e6"),
     ("dry_friction", "normal = \"-y\"\nfriction = 0.3\nnormal_force = 8e3\nnormal_stiffness = 4e5\nstiffness = 5e5\nexponent = 3"),
     (GUIDED, "distance = 1.8\nlongitudinal_stiffness = 2e5\nlongitudinal_damping = 4e3\nlateral_stiffness = 1e5\nlateral_damping = 0"),
+    ("motor_gear", "mount = \"shaft\"\nratio = 4.5"),
+    ("motor_gear", "mount = \"nose\"\nratio = 3\ngear = \"same\""),
+    ("motor_gear", "mount = \"shaft\"\nratio = 4.5\nrotor_inertia = 9\nstiffness = 2e6\ndamping = 3e3"),
+    ("motor_gear", "mount = \"nose\"\nratio = 3\nrotor_inertia = 15\nstiffness = 4e6\ndamping = 5e3"),
+    ("brake", "type = \"disc\"\nstiffness = 6e5"),
+    ("brake", "type = \"disc\"\nfriction = 0.35\nradius = 0.25\nstiffness = 4e5\nrelaxation = 0.2\ndamping_time = 0.02"),
+    ("brake", "type = \"tread\"\nfriction = 0.2\nstiffness = 3e5\nrelaxation = 0.1"),
+    ("running_resistance", "rolling = 3e3\nper_speed = 40\nair = 6"),
+    ("eddy_current_brake", "critical_speed = 0.8"),
+    ("external_load", ""),
+    ("external_load", "axes = \"body\""),
     ("coupler", "slack = 0.04\ndraw_stiffness = 3e6\nbuffer_force_over_displacement = [[0, 0], [0.01, 1e4], [0.05, 2e5]]\ndamping = 0.3"),
 ];
 
@@ -46,7 +58,14 @@ fn samples(stage: &Stage) -> Vec<Box<dyn ForceElement>> {
         assert!(SAMPLES.iter().any(|sample| sample.0 == entry.name), "no sample of {}: add one", entry.name);
     }
     let settings = |(kind, own): &(&str, &str)| {
-        let places = if *kind == GUIDED { "body = \"b\"" } else { "from = \"a\"\nto = \"b\"" };
+        let outer = ["running_resistance", "eddy_current_brake", "external_load"].contains(kind);
+        let places = if *kind == GUIDED {
+            "body = \"b\""
+        } else if outer {
+            "on = \"b\""
+        } else {
+            "from = \"a\"\nto = \"b\""
+        };
         format!("name = \"e\"\nkind = \"{kind}\"\n{places}\n{own}\n")
     };
     SAMPLES.iter().map(|sample| stage.element(&settings(sample))).collect()
@@ -58,6 +77,7 @@ pub struct Case {
     pub q: Vec<f64>,
     pub v: Vec<f64>,
     pub state: Vec<f64>,
+    pub inputs: Vec<f64>,
 }
 
 impl Case {
@@ -69,7 +89,8 @@ impl Case {
 fn cases() -> impl Strategy<Value = Case> {
     let q = proptest::collection::vec(-0.08..0.08f64, 12);
     let v = proptest::collection::vec(-1.0..1.0f64, 12);
-    (q, v, proptest::collection::vec(-0.03..0.03f64, 2)).prop_map(|(q, v, state)| Case { q, v, state })
+    let state = proptest::collection::vec(-0.03..0.03f64, 2);
+    (q, v, state).prop_map(|(q, v, state)| Case { q, v, state, inputs: Vec::new() })
 }
 
 /// The same cases each time: a case at a corner of a table can't be differenced.
@@ -80,6 +101,13 @@ pub fn walk(stage: &Stage, mut check: impl FnMut(&dyn ForceElement, &Case)) {
         for _ in 0..40 {
             let mut case = cases().new_tree(&mut runner).unwrap().current();
             case.state.truncate(element.states());
+            let input = |(i, input): (usize, &ElementInput)| {
+                // N and N m, or m/s.
+                let value = if input.unit == Unit::MetrePerSecond { 20.0 } else { 2e4 } * case.q[i] / 0.08;
+                // Braking: from none to much.
+                if input.least.is_some() { value.max(0.0) } else { value }
+            };
+            case.inputs = element.inputs().iter().enumerate().map(input).collect();
             check(element.as_ref(), &case);
         }
     }
@@ -98,10 +126,17 @@ fn walk_between(stage: &Stage, mut check: impl FnMut(&dyn ForceElement, &Case)) 
     });
 }
 
-/// Power of the wrenches = -d(potential)/dt - dissipated power.
-fn check_energy_bill(element: &dyn ForceElement, q: &[f64], v: &[f64], state: &[f64], motion: impl Fn(&[f64]) -> Vec<BodyMotion>) {
+/// Power of the wrenches = -d(potential)/dt - dissipated power + power that inputs bring in. The stored energy may depend on velocities, which the bodies' accelerations
+/// change: those of rotors are states.
+fn check_energy_bill(
+    element: &dyn ForceElement,
+    q: &[f64],
+    v: &[f64],
+    [state, inputs]: [&[f64]; 2],
+    motion: impl Fn(&[f64]) -> Vec<BodyMotion>,
+) {
     let bodies = motion(q);
-    let (wrenches, rates) = apply(element, &bodies, state);
+    let (wrenches, rates) = apply_under(element, &bodies, state, inputs);
     let power: f64 = bodies.iter().zip(&wrenches).map(|(body, w)| w.force.dot(&body.velocity) + w.moment.dot(&body.rotation)).sum();
     let h = 1e-6;
     let stored = |h: f64| {
@@ -110,24 +145,31 @@ fn check_energy_bill(element: &dyn ForceElement, q: &[f64], v: &[f64], state: &[
         element.potential_energy(&(&motion(&q)[..]).into(), &state)
     };
     let storing = (stored(h) - stored(-h)) / (2.0 * h);
-    let heat = element.dissipated_power(&(&bodies[..]).into(), state);
+    let heat = element.dissipated_power(&under(&bodies, inputs), state);
+    let supplied = element.supplied_power(&under(&bodies, inputs), state);
     assert!(heat >= 0.0, "{element:?}: {heat}");
-    let scale = 1.0 + power.abs() + storing.abs() + heat;
-    assert!((power + storing + heat).abs() < 1e-6 * scale, "{element:?} at {q:?}: {power} {storing} {heat}");
+    let scale = 1.0 + power.abs() + storing.abs() + heat + supplied.abs();
+    assert!((power + storing + heat - supplied).abs() < 1e-6 * scale, "{element:?} at {q:?}: {power} {storing} {heat} {supplied}");
 }
 
 #[test]
 fn prop_each_element_pays_its_energy_bill() {
     let stage = stage(1.0);
     walk_between(&stage, |element, case| {
-        check_energy_bill(element, &case.coordinates(&stage), &case.v, &case.state, |q| motions(q, &case.v));
+        check_energy_bill(element, &case.coordinates(&stage), &case.v, [&case.state, &case.inputs], |q| motions(q, &case.v));
+    });
+    walk(&stage, |element, case| {
+        // Guided springs are held by the track, of which nobody keeps books.
+        if element.bodies()[1].is_none() && !element.inputs().is_empty() {
+            check_energy_bill(element, &case.coordinates(&stage), &case.v, [&case.state, &case.inputs], |q| motions(q, &case.v));
+        }
     });
     // On a spinning axle the bearing lets through what belongs to the axle's frame only.
     walk_between(&stage, |element, case| {
         let mut v = case.v.clone();
         v[11] = 80.0;
         let motion = |q: &[f64]| vec![BodyMotion::general(&q[..6], &v[..6]), BodyMotion::new(&q[6..], &v[6..])];
-        check_energy_bill(element, &case.coordinates(&stage), &v, &case.state, motion);
+        check_energy_bill(element, &case.coordinates(&stage), &v, [&case.state, &case.inputs], motion);
     });
     // Elements that no scene names alone.
     let guide = Some(Guide { stiffness: 1.3e5, damping: 2.0e4 });
@@ -140,22 +182,35 @@ fn prop_each_element_pays_its_energy_bill() {
     ];
     let v = [0.0, 0.2, -0.1, 0.3, 0.4, 80.0];
     for element in &elements {
-        check_energy_bill(element.as_ref(), &[0.0, 0.003, 0.46, 0.02, -0.01, 0.0], &v, &[], |q| vec![BodyMotion::new(q, &v)]);
+        check_energy_bill(element.as_ref(), &[0.0, 0.003, 0.46, 0.02, -0.01, 0.0], &v, [&[], &[]], |q| vec![BodyMotion::new(q, &v)]);
     }
 }
 
 #[test]
 fn prop_momentum_and_angular_momentum_balance() {
     let stage = stage(1.0);
-    let mut worst: f64 = 0.0;
+    let (mut worst, mut rotors): (f64, usize) = (0.0, 0);
     walk_between(&stage, |element, case| {
         let bodies = motions(&case.coordinates(&stage), &case.v);
-        let (wrenches, _) = apply(element, &bodies, &case.state);
+        let (wrenches, rates) = apply_under(element, &bodies, &case.state, &case.inputs);
         let force = wrenches[0].force + wrenches[1].force;
         let moment: Vector3<f64> = bodies.iter().zip(&wrenches).map(|(body, w)| w.moment + body.position.cross(&w.force)).sum();
+        let own = |h: f64| {
+            let q: Vec<f64> = case.coordinates(&stage).iter().zip(&case.v).map(|(q, v)| q + h * v).collect();
+            let state: Vec<f64> = case.state.iter().zip(&rates).map(|(z, rate)| z + h * rate).collect();
+            element.angular_momentum(&under(&motions(&q, &case.v), &case.inputs), &state)
+        };
+        // What turns in the element takes the rest, which differences know to 1e-9.
+        let taken = (own(1e-6) - own(-1e-6)) / 2e-6;
+        if taken != Vector3::zeros() {
+            rotors += 1;
+            assert!((moment + taken).norm() + force.norm() < 1e-8 * size(&wrenches), "{element:?}: {force} {moment} {taken}");
+            return;
+        }
         worst = worst.max((force.norm() + moment.norm()) / size(&wrenches));
         assert!(worst < 1e-14, "{element:?}: {force} {moment}");
     });
+    assert!(rotors >= 80);
     println!("largest imbalance {worst:.1e} of the forces");
 }
 
@@ -166,6 +221,8 @@ fn prop_rigid_motion_of_all_bodies_changes_no_force() {
     let (shift, velocity, rotation) = (Vector3::new(900.0, -40.0, 3.0), Vector3::new(20.0, 5.0, 1.0), Vector3::new(0.1, -0.3, 0.4));
     walk_between(&stage, |element, case| {
         let bodies = motions(&case.coordinates(&stage), &case.v);
+        // A rotor's absolute speed is a state: turning everything on would change it.
+        let rotation = if element.rotor_carrier().is_some() { Vector3::zeros() } else { rotation };
         let moved: Vec<BodyMotion> = bodies
             .iter()
             .map(|body| {
@@ -178,7 +235,8 @@ fn prop_rigid_motion_of_all_bodies_changes_no_force() {
                 moved
             })
             .collect();
-        let ((one, one_rates), (other, other_rates)) = (apply(element, &bodies, &case.state), apply(element, &moved, &case.state));
+        let of = |bodies: &[BodyMotion]| apply_under(element, bodies, &case.state, &case.inputs);
+        let ((one, one_rates), (other, other_rates)) = (of(&bodies), of(&moved));
         let scale = size(&one);
         for (one, other) in one.iter().zip(&other) {
             let difference = (turn * one.force - other.force).norm() + (turn * one.moment - other.moment).norm();
@@ -200,8 +258,8 @@ fn prop_mirrored_copies_give_mirrored_forces() {
     walk(&left, |element, case| {
         let copy = copies.next().unwrap();
         let q = case.coordinates(&left);
-        let (one, rates) = apply(element, &motions(&q, &case.v), &case.state);
-        let (other, other_rates) = apply(copy.as_ref(), &motions(&mirrored(&q), &mirrored(&case.v)), &case.state);
+        let (one, rates) = apply_under(element, &motions(&q, &case.v), &case.state, &case.inputs);
+        let (other, other_rates) = apply_under(copy.as_ref(), &motions(&mirrored(&q), &mirrored(&case.v)), &case.state, &case.inputs);
         for (one, other) in one.iter().zip(&other) {
             let force = Vector3::new(one.force.x, -one.force.y, one.force.z) - other.force;
             let moment = Vector3::new(-one.moment.x, one.moment.y, -one.moment.z) - other.moment;
@@ -273,7 +331,7 @@ fn prop_right_hand_side_does_not_allocate() {
     let stage = stage(1.0);
     let mut system = Mechanism::new(vec![brick(100.0, 10.0, 20.0, 30.0), brick(300.0, 40.0, 50.0, 60.0)], samples(&stage));
     let y = system.state(&stage.design(), &[0.01; 12]);
-    assert_eq!(y.len(), 24 + 5 + 1, "two Maxwell dampers, one friction in a line and one in a plane");
+    assert_eq!(y.len(), 24 + 5 + 7 + 1, "two Maxwell dampers, one friction in a line and one in a plane; two rotors, three brakes");
     let mut dy = vec![0.0; y.len()];
     let before = counting::count();
     system.derivative(0.0, &y, &mut dy).unwrap();

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use wheelrail::mbs::body::{Body, BodyMotion, COORDINATES, Wrench};
 use wheelrail::mbs::force::{self, Attachment, ForceElement, Places};
 use wheelrail::mbs::inertia::Inertia;
+use wheelrail::mbs::moving::Moving;
 use wheelrail::mbs::system::{System, SystemWorkspace};
 use wheelrail::settings::{Section, SettingsError, Source};
 use wheelrail::solve::{DormandPrince, Dynamics, Implicit, Integrator, Scratch, Undefined};
@@ -69,14 +70,24 @@ pub fn motions(q: &[f64], v: &[f64]) -> Vec<BodyMotion> {
     q.chunks(COORDINATES).zip(v.chunks(COORDINATES)).map(|(q, v)| BodyMotion::general(q, v)).collect()
 }
 
-/// Wrenches and rates of an element.
+/// Wrenches and rates of an element without inputs.
 pub fn apply(element: &dyn ForceElement, bodies: &[BodyMotion], state: &[f64]) -> (Vec<Wrench>, Vec<f64>) {
+    apply_under(element, bodies, state, &[])
+}
+
+/// Bodies on straight level track as an element with inputs sees them.
+pub fn under<'a>(bodies: &'a [BodyMotion], inputs: &'a [f64]) -> Moving<'a> {
+    Moving { motions: bodies, stations: &[], inputs }
+}
+
+/// Wrenches and rates of an element.
+pub fn apply_under(element: &dyn ForceElement, bodies: &[BodyMotion], state: &[f64], inputs: &[f64]) -> (Vec<Wrench>, Vec<f64>) {
     let (mut wrenches, mut rates) = (vec![Wrench::default(); bodies.len()], vec![0.0; element.states()]);
-    element.apply(&bodies.into(), state, &mut rates, &mut wrenches);
+    element.apply(&under(bodies, inputs), state, &mut rates, &mut wrenches);
     (wrenches, rates)
 }
 
-/// A system with the heat that its elements make as one more component of the state.
+/// A system with the heat that its elements make, less what their inputs bring in, as one more component of the state.
 pub struct Mechanism {
     pub system: System,
     pub workspace: SystemWorkspace,
@@ -127,7 +138,7 @@ impl Mechanism {
 impl Dynamics for Mechanism {
     fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         self.system.apply_forces(y, &mut self.workspace);
-        dy[y.len() - 1] = self.system.dissipated_power(y, &self.workspace.moving());
+        dy[y.len() - 1] = self.system.dissipated_power(y, &self.workspace) - self.system.supplied_power(y, &self.workspace);
         self.system.constrained_derivative(t, y, &mut self.workspace, dy).map_err(|_| Undefined)
     }
     fn error_weight(&self, i: usize) -> f64 {

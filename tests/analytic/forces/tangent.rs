@@ -60,8 +60,9 @@ fn forces(system: &System, workspace: &mut SystemWorkspace, y: &[f64]) -> Vec<f6
 }
 
 /// dQ and d(rates) of a system (rows) by its state (columns): its own and central differences.
-fn changes(system: &System, y: &[f64]) -> [DMatrix<f64>; 2] {
+fn changes(system: &System, y: &[f64], inputs: &[f64]) -> [DMatrix<f64>; 2] {
     let mut workspace = system.workspace(&[]);
+    workspace.inputs.copy_from_slice(inputs);
     let mut tangent = Tangent::new(system, &[], 0);
     linearise(system, &mut workspace, y, &mut tangent);
     let n = COORDINATES * system.bodies.len();
@@ -119,15 +120,19 @@ fn analytic_changes_of_every_element_match_differences() {
     for (mirror, kinds) in [(1.0, [0, 0]), (-1.0, [0, 1]), (1.0, [1, 0]), (1.0, [1, 1])] {
         let stage = stage(mirror);
         walk(&stage, |element, case| {
+            // What turns an axle is carried by a body that does not spin.
+            if element.turns_axle() && kinds[0] == 1 {
+                return;
+            }
             let bodies = kinds.map(|kind| pair()[kind].clone()).to_vec();
             let system =
                 System { bodies, forces: vec![element.clone_box()], drives: vec![], supported: vec![], joints: vec![], redundant: vec![] };
             let q = case.coordinates(&stage);
-            let still = changes(&system, &[q.clone(), vec![0.0; q.len()], case.state.clone()].concat());
+            let still = changes(&system, &[q.clone(), vec![0.0; q.len()], case.state.clone()].concat(), &case.inputs);
             let error = worst(&system, &still, 0..q.len());
             assert!(error < 1e-5, "{kinds:?} at rest: {error:.1e}, {element:?} {case:?}");
             at_rest = at_rest.max(error);
-            let found = changes(&system, &[q.clone(), case.v.clone(), case.state.clone()].concat());
+            let found = changes(&system, &[q.clone(), case.v.clone(), case.state.clone()].concat(), &case.inputs);
             let error = worst(&system, &found, q.len()..found[0].ncols());
             assert!(error < 1e-5, "{kinds:?} in motion: {error:.1e}, {element:?} {case:?}");
             moving = moving.max(error);
@@ -162,7 +167,7 @@ fn analytic_changes_of_a_guided_spring_match_differences() {
             joints: vec![],
             redundant: vec![],
         };
-        let error = worst(&system, &changes(&system, &y), 0..12);
+        let error = worst(&system, &changes(&system, &y, &[]), 0..12);
         assert!(error < 1e-6, "{longitudinal:?}, {lateral:?}: {error:.1e}");
     }
 }

@@ -1,0 +1,325 @@
+//! Friction brake of an axle: disc or tread, with true sticking.
+//!
+//! - `type = "disc"`: a couple between axle and carrier ([`AxlePair`]). The input is the largest friction torque, or with `friction` and `radius` the clamping
+//!   force N (both pads' friction together): `M = friction N radius`.
+//! - `type = "tread"`: a block at the place `from` of the carrier presses with the input N [N] toward the axle; its friction acts at that place across the radius r to
+//!   it, `M = friction N r`. The wheel gets both forces, the carrier the opposite ones. One element is one block.
+//!
+//! M [N m] is the largest friction torque. The state is the brake's elastic deflection theta [rad at the axle], k its stiffness (caliper, hangers), and rho the
+//! speed of the axle against its carrier. With `theta_M = M / k`, the bound `rho_M = theta_M / tau` and v the speed rho cut to +-rho_M:
+//!
+//! ```text
+//! theta' = v (1 - s) - max(0, |theta| - theta_M) / tau sign(theta)
+//! s = 0 up to |theta| = a theta_M,  ((|theta|/theta_M - a) / (1 - a))^2 beyond, 1 from theta_M on;   only while the brake is loaded: theta rho > 0
+//! T = k theta + c v (1 - s) / (1 + |c v (1 - s)| / (b M)),   against the motion;   unloading: k theta v / rho in place of k theta
+//! ```
+//!
+//! Below a M (a = 0.7) nothing slips: an axle at rest stays where it is, without creep; at speed theta rests at theta_M and T = M. The bound of v keeps
+//! the equation's rate below 7 / tau at any speed, so that no integrator must follow rho / theta_M. c = k x `damping_time` lets a stopped vehicle come to rest on its
+//! brakes (b = 0.5). Without M there is no torque. Heat, `T rho - k theta theta'`, is never negative: loading it is `k theta (rho - v (1 - s))` and
+//! what c takes, unloading what c takes, and where M falls `k |theta| (|theta| - theta_M) / tau`.
+
+use super::axle_pair::{AxlePair, read_ends};
+use super::{ElementInput, ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
+use crate::mbs::body::Wrench;
+use crate::mbs::moving::Moving;
+use crate::mbs::pair_tangent::{Ends, PairTangent};
+use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::units::{Dimension, Unit};
+use nalgebra::Vector3;
+
+/// a.
+const STICKING: f64 = 0.7;
+/// b.
+const DAMPED: f64 = 0.5;
+/// The default tau and damping time, s.
+const RELAXATION: f64 = 2e-3;
+const DAMPING_TIME: f64 = 5e-3;
+
+/// A brake on an axle.
+#[derive(Clone, Debug)]
+pub struct Brake {
+    pub name: String,
+    pub pair: AxlePair,
+    /// Of a tread brake: from the block to the axle, in the carrier's axes.
+    pub press: Option<Vector3<f64>>,
+    /// Friction coefficient and radius [m]; `None`: the input is the torque.
+    pub friction: Option<(f64, f64)>,
+    /// k, N m/rad.
+    pub stiffness: f64,
+    /// tau, s.
+    pub relaxation: f64,
+    /// c / k, s.
+    pub damping_time: f64,
+    /// The input until a master sets it.
+    pub application: f64,
+}
+
+/// The brake at one instant, and its slopes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Grip {
+    /// T, N m, against the motion; theta', rad/s.
+    torque: f64,
+    rate: f64,
+    torque_by_angle: f64,
+    torque_by_speed: f64,
+    rate_by_angle: f64,
+    rate_by_speed: f64,
+}
+
+impl Brake {
+    /// The input, not negative: a polynomial may pass below zero between communication points.
+    #[inline]
+    fn applied(&self, bodies: &Moving) -> f64 {
+        bodies.input(0).max(0.0)
+    }
+
+    /// M, N m.
+    #[inline]
+    fn most(&self, bodies: &Moving) -> f64 {
+        self.friction.map_or(1.0, |(friction, radius)| friction * radius) * self.applied(bodies)
+    }
+
+    #[inline]
+    fn grip(&self, most: f64, angle: f64, speed: f64) -> Grip {
+        let (k, reach) = (self.stiffness, most / self.stiffness);
+        let fastest = reach / self.relaxation;
+        let bound = speed.clamp(-fastest, fastest);
+        let (share, follows) = if bound == speed { (1.0, 1.0) } else { (bound / speed, 0.0) };
+        let (mut slip, mut slip_by_angle) = (0.0, 0.0);
+        let loaded = angle * speed >= 0.0;
+        let mut grip = Grip { torque: k * angle, torque_by_angle: k, ..Grip::default() };
+        if !loaded {
+            grip.torque *= share;
+            grip.torque_by_angle *= share;
+            grip.torque_by_speed = if follows == 0.0 { -grip.torque / speed } else { 0.0 };
+        } else if angle.abs() >= reach {
+            slip = 1.0;
+        } else {
+            let near = ((angle.abs() / reach - STICKING) / (1.0 - STICKING)).max(0.0);
+            slip = near * near;
+            slip_by_angle = 2.0 * near / ((1.0 - STICKING) * reach) * angle.signum();
+        }
+        let (elastic, by_angle, by_speed) = (bound * (1.0 - slip), -bound * slip_by_angle, follows * (1.0 - slip));
+        let excess = angle.abs() - reach;
+        grip.rate = elastic - excess.max(0.0) / self.relaxation * angle.signum();
+        grip.rate_by_angle = by_angle - if excess > 0.0 { 1.0 / self.relaxation } else { 0.0 };
+        grip.rate_by_speed = by_speed;
+        let (c, bend) = (k * self.damping_time, DAMPED * most);
+        if bend > 0.0 {
+            let softer = bend / (bend + (c * elastic).abs());
+            grip.torque += c * elastic * softer;
+            grip.torque_by_angle += c * by_angle * softer * softer;
+            grip.torque_by_speed += c * by_speed * softer * softer;
+        }
+        grip
+    }
+
+    /// The brake as it stands, with the wrenches of a unit torque and rho.
+    #[inline]
+    fn now(&self, bodies: &Moving, state: &[f64]) -> (Grip, [Wrench; 2], f64) {
+        let unit = self.pair.wrenches(bodies);
+        let speed = self.pair.power(bodies, &unit);
+        (self.grip(self.most(bodies), state[0], speed), unit, speed)
+    }
+
+    /// Force of the block on the wheel, world axes, N.
+    #[inline]
+    fn pressing(&self, bodies: &Moving) -> Option<Vector3<f64>> {
+        self.press.map(|press| bodies[self.pair.carrier].frame.axes * press * self.applied(bodies))
+    }
+}
+
+macro_rules! input {
+    ($number:literal, $name:literal, $unit:ident, $text:literal) => {
+        [ElementInput { number: $number, name: $name, unit: Unit::$unit, least: Some(0.0), description: $text }]
+    };
+}
+
+const TORQUE: [ElementInput; 1] =
+    input!(0, "largestTorque", NewtonMetre, "largest friction torque of the brake: what it brakes with while the axle turns");
+const CLAMP: [ElementInput; 1] = input!(1, "clampingForce", Newton, "force that clamps the disc, counted with the friction of both pads");
+const BLOCK: [ElementInput; 1] = input!(2, "blockForce", Newton, "force that presses the block onto the tread");
+
+const QUANTITIES: [Quantity; 4] = [
+    Quantity {
+        number: 0,
+        name: "torque",
+        kind: QuantityKind::Moment,
+        description: "torque of the brake on the axle, forward positive: negative brakes forward running",
+    },
+    Quantity {
+        number: 1,
+        name: "slidingSpeed",
+        kind: QuantityKind::AngularSpeed,
+        description: "speed of the axle against what carries the brake, forward positive",
+    },
+    Quantity { number: 2, name: "heatFlow", kind: QuantityKind::Power, description: "power that the brake turns into heat" },
+    Quantity {
+        number: 3,
+        name: "deflection",
+        kind: QuantityKind::Angle,
+        description: "elastic deflection of the brake at the axle, forward positive",
+    },
+];
+
+const CONSTANTS: [Constant<Brake>; 5] = [
+    constant!(0, "friction", One, POSITIVE, "friction coefficient of pads or block", get: |brake| brake.friction.map(|pair| pair.0), set: |brake, value| if let Some(pair) = &mut brake.friction { pair.0 = value }),
+    constant!(1, "radius", Metre, POSITIVE, "friction radius of the disc", get: |brake| brake.friction.filter(|_| brake.press.is_none()).map(|pair| pair.1), set: |brake, value| if let Some(pair) = &mut brake.friction { pair.1 = value }),
+    constant!(2, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the brake before it slips, at the axle", stiffness),
+    constant!(3, "relaxation", Second, POSITIVE, "time within which the brake takes hold and lets go", relaxation),
+    constant!(4, "dampingTime", Second, Some(0.0), "damping of the brake's deflection over its stiffness", damping_time),
+];
+
+impl ForceElement for Brake {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn states(&self) -> usize {
+        1
+    }
+
+    fn time_constant(&self) -> Option<f64> {
+        Some(0.5 * (1.0 - STICKING) * self.relaxation)
+    }
+
+    fn inputs(&self) -> &'static [ElementInput] {
+        match (self.press, self.friction) {
+            (Some(_), _) => &BLOCK,
+            (None, Some(_)) => &CLAMP,
+            (None, None) => &TORQUE,
+        }
+    }
+
+    fn start_input(&self, _: usize) -> f64 {
+        self.application
+    }
+
+    fn turns_axle(&self) -> bool {
+        true
+    }
+
+    /// Of the cylinder that presses a block; a clamp moves nothing.
+    fn supplied_power(&self, bodies: &Moving, _: &[f64]) -> f64 {
+        let pressing = self.pressing(bodies);
+        pressing.map_or(0.0, |force| self.pair.power(bodies, &self.pair.opposite(bodies, &force, &Vector3::zeros())))
+    }
+
+    /// Without deflection: what a brake at rest holds depends on how it came to rest.
+    fn settle(&self, _: &Moving, state: &mut [f64]) {
+        state[0] = 0.0;
+    }
+
+    #[inline]
+    fn apply(&self, bodies: &Moving, state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
+        let (grip, unit, _) = self.now(bodies, state);
+        rates[0] = grip.rate;
+        self.pair.load(&unit, -grip.torque, wrenches);
+        if let Some(force) = self.pressing(bodies) {
+            self.pair.load(&self.pair.opposite(bodies, &force, &Vector3::zeros()), 1.0, wrenches);
+        }
+    }
+
+    fn bodies(&self) -> Ends {
+        self.pair.ends()
+    }
+
+    fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
+        let (grip, unit, _) = self.now(bodies, state);
+        self.pair.turning(bodies, -grip.torque, sum);
+        if let Some(force) = self.pressing(bodies) {
+            sum.add_force_of_to(&self.pair.point(bodies), &force);
+        }
+        let axle = self.pair.gradient(bodies, &unit);
+        sum.add_rates(&axle, &axle, -grip.torque_by_speed);
+        let Some(own) = sum.add_own_states(first_state, 1) else { return };
+        own.rate_by_state[(0, 0)] = grip.rate_by_angle;
+        own.rate_by_velocity[0] = axle.map(|axle| axle * grip.rate_by_speed);
+        own.load_by_state[0] = axle.map(|axle| axle * -grip.torque_by_angle);
+    }
+
+    fn quantities(&self) -> &'static [Quantity] {
+        &QUANTITIES
+    }
+
+    fn quantity(&self, index: usize, bodies: &Moving, state: &[f64]) -> f64 {
+        match index {
+            0 => -self.now(bodies, state).0.torque,
+            1 => self.now(bodies, state).2,
+            2 => self.dissipated_power(bodies, state),
+            3 => state[0],
+            _ => 0.0,
+        }
+    }
+
+    fn constants(&self) -> Vec<Number> {
+        Constant::read(&CONSTANTS, self)
+    }
+
+    fn set_constant(&mut self, number: u32, value: f64) {
+        Constant::write(&CONSTANTS, self, number, value);
+    }
+
+    fn clone_box(&self) -> Box<dyn ForceElement> {
+        Box::new(self.clone())
+    }
+
+    fn potential_energy(&self, _: &Moving, state: &[f64]) -> f64 {
+        0.5 * self.stiffness * state[0].powi(2)
+    }
+
+    fn dissipated_power(&self, bodies: &Moving, state: &[f64]) -> f64 {
+        let (grip, _, speed) = self.now(bodies, state);
+        // Rounding of two equal numbers is no heat.
+        (grip.torque * speed - self.stiffness * state[0] * grip.rate).max(0.0)
+    }
+}
+
+/// Least distance of a block from its axle, m.
+const NEAREST_BLOCK: f64 = 0.05;
+
+fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
+    let (pair, arm) = read_ends(section, places)?;
+    let tread = section.word("type", &["disc", "tread"])? == "tread";
+    let radial = Vector3::new(arm.x, 0.0, arm.z);
+    let radius = radial.norm();
+    if tread && radius < NEAREST_BLOCK {
+        return Err(section.error("from", format!("is {radius:.3} m from the axle; expected the block's place on the tread")));
+    }
+    // Across the radius, so that forward is that of the axle.
+    let pair = if tread { pair.along(Vector3::y().cross(&radial) / (radius * radius)) } else { pair };
+    let friction = match tread {
+        true => Some((section.positive("friction", Dimension::None)?, radius)),
+        false if section.has("friction") || section.has("radius") => {
+            Some((section.positive("friction", Dimension::None)?, section.positive("radius", Dimension::Length)?))
+        }
+        false => None,
+    };
+    let key = if tread {
+        "block_force"
+    } else if friction.is_some() {
+        "clamping_force"
+    } else {
+        "torque"
+    };
+    let dimension = if friction.is_some() { Dimension::Force } else { Dimension::Torque };
+    let time = |key, default: f64| if section.has(key) { section.positive(key, Dimension::Time) } else { Ok(default) };
+    Ok(Box::new(Brake {
+        name: places.name(section)?,
+        pair,
+        press: tread.then(|| -radial / radius),
+        friction,
+        stiffness: section.positive("stiffness", Dimension::RotationalStiffness)?,
+        relaxation: time("relaxation", RELAXATION)?,
+        damping_time: if section.has("damping_time") { section.not_negative("damping_time", Dimension::Time)? } else { DAMPING_TIME },
+        application: if section.has(key) { section.not_negative(key, dimension)? } else { 0.0 },
+    }))
+}
+
+pub(super) const ENTRY: Entry<Parse> = Entry {
+    name: "brake",
+    summary: "friction brake of the axle \"to\", carried by \"from\": disc or tread, with true sticking",
+    reference: "P. Dupont, V. Hayward, B. Armstrong, F. Altpeter, IEEE Trans. Automatic Control 47 (2002) 787-792, with bounded rates",
+    parse,
+};
