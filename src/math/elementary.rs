@@ -28,7 +28,8 @@ pub fn logarithm(x: f64) -> f64 {
 fn exponential(x: f64) -> f64 {
     let shifted = x * LOG2_E + ROUND;
     let r = x - (shifted - ROUND) * LN_2;
-    let series = 1.0 + r * (1.0 + r / 2.0 * (1.0 + r / 3.0 * (1.0 + r / 4.0 * (1.0 + r / 5.0 * (1.0 + r / 6.0 * (1.0 + r / 7.0 * (1.0 + r / 8.0)))))));
+    let series = 1.0
+        + r * (1.0 + r / 2.0 * (1.0 + r / 3.0 * (1.0 + r / 4.0 * (1.0 + r / 5.0 * (1.0 + r / 6.0 * (1.0 + r / 7.0 * (1.0 + r / 8.0)))))));
     // The last bits of `shifted` are k.
     let scale = f64::from_bits((shifted.to_bits() << 52).wrapping_add(ONE));
     scale * series

@@ -1,11 +1,12 @@
 //! Patches of strips against half-space contact of the same surfaces.
 
+use wheelrail::geometry::profile::Profile;
 use wheelrail::scene::load;
 use wheelrail::study::patch_laws::{Difference, Poses, Row, mean_and_worst, rows};
 
-fn compare(changes: &[&str]) -> Vec<Row> {
+fn compare(scene: &str, changes: &[&str]) -> Vec<Row> {
     let all = ["track.deviation=[]", "contact.creep.law=\"usetab\""].iter().chain(changes).map(ToString::to_string).collect::<Vec<_>>();
-    let scene = load::open("wheelset_s1002", &all).unwrap_or_else(|error| panic!("{error}"));
+    let scene = load::open(scene, &all).unwrap_or_else(|error| panic!("{error}"));
     let shifts = (-6..=6).map(|k| 1.35e-3 * f64::from(k)).collect();
     let rows = rows(&scene, &Poses { shifts, yaws: vec![0.0, 10e-3], loads: vec![10e3, 100e3], cells: 24 });
     for (name, law) in [("strips", (|row| Some(row.strips)) as fn(&Row) -> _), ("ellipse", |row| row.ellipse)] {
@@ -33,13 +34,51 @@ fn equiv_strips_carry_what_half_spaces_do() {
         &["vehicle.wheelset.profile={kind=\"apta\",design=\"APTA140\",radius=0.46}"],
         &["track.rail={kind=\"60e2\"}", "vehicle.wheelset.profile={kind=\"s1002\",radius=0.35}"],
     ] {
-        let rows = compare(changes);
+        let rows = compare("wheelset_s1002", changes);
         assert!(rows.len() >= 44, "{changes:?}: only {} poses", rows.len());
         let figures: [fn(&Difference) -> f64; 4] = [|d| d.normal_force, |d| d.centre, |d| d.area, |d| d.creep];
         let [n, centre, area, creep] = figures.map(|figure| mean_and_worst(&rows, |row| Some(row.strips), figure));
         assert!(n[0] < 0.012 && n[1] < 0.05, "N {n:?}");
         assert!(centre[0] < 3e-5 && centre[1] < 2e-4, "centre {centre:?}");
         assert!(area[0] < 0.06, "area {area:?}");
-        assert!(creep[0] < 0.02 && creep[1] < 0.12, "creep {creep:?}");
+        assert!(creep[0] < 0.016 && creep[1] < 0.08, "creep {creep:?}");
     }
+}
+
+/// As a wheel and a rail that have run together are measured: the tread hollowed by 0.6 mm, the head worn by 1.2 mm towards the gauge face, points every
+/// 0.2 mm with an error of 2 um, read and smoothed as a measurement is.
+#[test]
+fn equiv_strips_on_a_worn_pair_carry_what_half_spaces_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = load::open("wheelset_s1002", &[]).unwrap();
+    // A generator of equally distributed errors of unit mean square.
+    let mut seed = 7u64;
+    let mut error = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5) * 12f64.sqrt()
+    };
+    let mut measure = |name: &str, head: &str, profile: &dyn Profile, worn: &dyn Fn(f64) -> f64| {
+        let (first, last) = profile.range();
+        let next = |x: &f64| Some(x + 2e-4 / 1f64.hypot(profile.at(*x).d1));
+        let x = std::iter::successors(Some(first), next).take_while(|x| *x <= last);
+        let rows: String = x.map(|x| format!("{x:.7},{:.7}\n", profile.at(x).value - worn(x) + 2e-6 * error())).collect();
+        std::fs::write(folder.path().join(name), format!("{head}\n{rows}")).unwrap();
+    };
+    let bell = |x: f64, middle: f64, width: f64| (-((x - middle) / width).powi(2)).exp();
+    measure("w.csv", "u,radius", scene.vehicle.leading().profiles[0].profile.as_ref(), &|u| 0.6e-3 * bell(u, 3e-3, 22e-3));
+    measure("r.csv", "eta,height", scene.track.rails[0].profile.as_ref(), &|eta| 1.2e-3 * bell(eta, -22e-3, 16e-3));
+    std::fs::write(folder.path().join("s.toml"), include_str!("../../fmu/scenes/wheelset_s1002.toml")).unwrap();
+    let rows = compare(
+        &folder.path().join("s.toml").display().to_string(),
+        &[
+            "vehicle.wheelset.profile={kind=\"points\",file=\"w.csv\",fit_within=\"12 um\"}",
+            "track.rail={kind=\"points\",file=\"r.csv\",fit_within=\"12 um\"}",
+        ],
+    );
+    assert!(rows.len() >= 40, "only {} poses", rows.len());
+    let figures: [fn(&Difference) -> f64; 4] = [|d| d.normal_force, |d| d.centre, |d| d.area, |d| d.creep];
+    let [n, centre, area, creep] = figures.map(|figure| mean_and_worst(&rows, |row| Some(row.strips), figure));
+    assert!(n[0] < 0.03 && n[1] < 0.08 && area[0] < 0.06, "N {n:?}, area {area:?}");
+    // At y = 5.4 mm and 100 kN tread and gauge corner share the load: 2 % of it on the other one is 0.8 mm.
+    assert!(centre[0] < 1e-4 && centre[1] < 1e-3 && creep[0] < 0.02 && creep[1] < 0.1, "centre {centre:?}, creep {creep:?}");
 }

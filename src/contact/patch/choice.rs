@@ -23,7 +23,7 @@ pub static REGISTRY: &[Entry<PatchLaw>] = &[
     Entry {
         name: "strips",
         summary: "half-space contact of the real profiles by strips: any shape, patches join and part, forces at the load's centre",
-        reference: "least potential of semi-elliptic strips, own derivation; 0.3 % of N against half-space contact on a grid",
+        reference: "least potential of semi-elliptic strips, own derivation; 1 % of N against half-space contact on a grid",
         parse: PatchLaw::Strips,
     },
 ];

@@ -24,12 +24,13 @@
 //! `a^2 = lambda q / (kappa E*)`, q the load over the strip's width, `E* = G / (1 - nu)`, lambda a function of the proportions,
 //! `lambda = 4/pi (1 + 1.961 g^3.293)^-0.2697` with `g = sum q^2 / (E* sum q d)`: 2 % from b/a = 0.03 to 30.
 //!
+//! What the law does not know of a part, its strips add ([`uneven`]).
+//!
 //! *Direction.* Wheel and rail are alike and yield alike: the pressed surface lies half way between both, and each load acts along the mean of their
 //! normals. (Along the rail's or the wheel's alone a patch that lies to one side of the deepest place would push across by up to 2e-3 of N more or less.)
 //!
 //! *Error* against half-space contact on a grid: docs/real_profiles.md. *What it leaves out:* pressure that is not semi-elliptic along the track; flat
-//! half-spaces over the arc length, as on the grid ([`super::patch`]); spin that changes across a part. Forces are the gradient of the least value of
-//! Pi but for what half lengths are off their stationary ones: the energy of a lossless run swings by 1 % of what the contacts store.
+//! half-spaces over the arc length, as on the grid ([`super::patch`]). Forces are the gradient of the least value of Pi but for what half lengths are off their stationary ones: the energy of a lossless run swings by 1 % of what the contacts store.
 
 mod influence;
 mod lengths;
@@ -39,9 +40,9 @@ mod press;
 mod pressed;
 mod rail;
 mod strip;
-mod uneven;
 #[cfg(test)]
 mod tests;
+mod uneven;
 
 pub use mixed::Creep;
 pub use parts::{MOST, Part, Parts, Share};

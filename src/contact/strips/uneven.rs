@@ -105,7 +105,8 @@ impl Uneven<'_> {
             let velocity = (self.velocity + self.rotation.cross(&arm)) / contact.speed;
             let slip = Vector2::new(velocity.dot(&e1) + change.longitudinal - change.spin * y, velocity.dot(&e2) + change.lateral);
             let own = strength * load;
-            let force = yielding(&slip, 2.0 * lengthening * half_length * half_length * width / (3.0 * flexibility * own)) * (own * part_of);
+            let force =
+                yielding(&slip, 2.0 * lengthening * half_length * half_length * width / (3.0 * flexibility * own)) * (own * part_of);
             sum += Vector3::new(force.x, force.y, -y * force.x);
         }
         sum

@@ -125,7 +125,8 @@ impl Formulation for EcfN {
                         self.check_ends(model, wheelset, side, found, motion).map_err(fail)?;
                     }
                     let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
-                    press_wheel(&wheel, &rails[side.index()], (&located, false), &mut workspace.strips[contact], wrench, reports).map_err(fail)?;
+                    press_wheel(&wheel, &rails[side.index()], (&located, false), &mut workspace.strips[contact], wrench, reports)
+                        .map_err(fail)?;
                     continue;
                 }
                 // Humps of one batch share a patch, as ECF-A's places do.

@@ -74,7 +74,13 @@ impl Model {
             let along = workspace.system.stations.get(wheelset.body).map_or(Vector3::x(), |station| station.frame.along());
             let patch = self.strips.as_ref().map_or(PatchChanges::default(), |rails| {
                 let pair = WheelRef { contact, wheelset, side }.pair(self, motion);
-                patch::changes(&pair, &rails[side.index()], workspace.reports(contact), self.laws.material, (&mut strips.0[contact], &mut strips.1))
+                patch::changes(
+                    &pair,
+                    &rails[side.index()],
+                    workspace.reports(contact),
+                    self.laws.material,
+                    (&mut strips.0[contact], &mut strips.1),
+                )
             });
             let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);
             let places = if self.strips.is_some() { 0 } else { self.points };
@@ -88,7 +94,13 @@ impl Model {
             if let Some(rails) = &self.strips {
                 let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Vector3::zeros(), friction: factor, y };
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
-                self.add_patch(&wheel, workspace.reports(contact), (&patch, strips.0[contact].pressed(), &rails[side.index()]), travel, &mut tangent);
+                self.add_patch(
+                    &wheel,
+                    workspace.reports(contact),
+                    (&patch, strips.0[contact].pressed(), &rails[side.index()]),
+                    travel,
+                    &mut tangent,
+                );
             }
         }
         (workspace.strips, workspace.deeper) = strips;
