@@ -10,6 +10,7 @@ mod beside;
 pub mod conicity;
 pub mod contact_geometry;
 pub mod digits;
+pub mod ellipse_patch;
 pub mod hard;
 pub mod patch;
 pub mod patch_laws;

@@ -5,12 +5,10 @@
 //! freely: at that pitch rate at which the creep forces of the real patches turn it neither faster nor slower. The ellipses move alike.
 
 use super::conicity::RollingPose;
-use super::contact_geometry::{Attitude, NoStand, Stand, Touch, WheelsetOnTrack};
-use crate::contact::Patch;
-use crate::contact::creep::RollingContact;
-use crate::contact::creepage::{ContactAxes, CreepForce, in_rolling_direction};
+use super::contact_geometry::{Attitude, NoStand, Stand, WheelsetOnTrack};
+use super::ellipse_patch::{EllipsePatch, ellipse_patch};
+use crate::contact::creepage::{ContactAxes, CreepForce};
 use crate::contact::patch::{Motion, PatchSolution, Pressed, Settings, depth_under_load};
-use crate::contact::search::algebraic::{Pair, SurfaceParameters};
 use crate::geometry::Side;
 use crate::math::rotation::AxleFrame;
 use crate::scene::spec::Scene;
@@ -38,18 +36,6 @@ pub enum NoPatch {
     TooHeavy { side: Side, load: f64 },
 }
 
-/// The ellipse at the deepest place.
-#[derive(Clone, Copy, Debug)]
-pub struct Ellipse {
-    /// Penetration, m.
-    pub penetration: f64,
-    pub normal_force: f64,
-    pub patch: Patch,
-    pub touch: Touch,
-    /// On the wheel, in the contact's axes.
-    pub creep: CreepForce,
-}
-
 /// One wheel's patch.
 #[derive(Clone, Debug)]
 pub struct WheelPatch {
@@ -64,7 +50,7 @@ pub struct WheelPatch {
     /// Tractions' force and moment in the axes of the mean normal.
     pub creep: CreepForce,
     /// `None` where the laws know none (conformal surfaces).
-    pub ellipse: Option<Ellipse>,
+    pub ellipse: Option<EllipsePatch>,
 }
 
 /// Both wheels.
@@ -183,7 +169,7 @@ impl Lowered {
             spin_moment: solution.creep_moment.dot(&axes.normal),
         };
         let angle = (-side.sign() * axes.normal.y).atan2(axes.normal.z);
-        let ellipse = ellipse(scene, &pair, &stand.contacts[side.index()], load, motion);
+        let ellipse = ellipse_patch(scene, &pair, &stand.contacts[side.index()], Some(load), motion);
         WheelPatch { side, approach, wheel, rolling_radius, angle, creep, ellipse, solution }
     }
 }
@@ -204,28 +190,4 @@ pub fn elastic_pose(
     let both = [lower(Side::Left)?, lower(Side::Right)?];
     let pose = RollingPose { y: stand.y, roll: stand.roll, radii: both.each_ref().map(|wheel| wheel.rolling_radius) };
     Ok((pose, both.map(|wheel| wheel.approach)))
-}
-
-/// What the scene's laws make of the deepest place under the load.
-fn ellipse(scene: &Scene, pair: &Pair, touch: &Touch, load: f64, motion: &Motion) -> Option<Ellipse> {
-    let contact = &scene.contact;
-    let start = SurfaceParameters { wheel: touch.wheel, angle: 0.0, lead: touch.lead, rail: touch.rail };
-    let found = pair.locate(&start).ok()?;
-    let force = load / found.normal.z;
-    let law = (contact.normal)(contact.material);
-    let (penetration, elastic) = law.contact_under(&found.shape(pair.wheel, pair.rail), force).ok()?;
-    let axes = ContactAxes::new(found.normal, found.forward);
-    let velocity = motion.velocity + motion.rotation.cross(&(found.wheel_point - pair.centre));
-    let creepage = axes.slip(&velocity, &motion.rotation).creepage(motion.speed);
-    let creep = (contact.creep)(contact.material);
-    let creep = in_rolling_direction(motion.speed, creepage, |creepage| {
-        creep.force(&RollingContact {
-            patch: elastic.patch,
-            normal_force: force,
-            friction: contact.friction,
-            creepage,
-            speed: motion.speed.abs(),
-        })
-    });
-    Some(Ellipse { penetration, normal_force: force, patch: elastic.patch, touch: *touch, creep })
 }

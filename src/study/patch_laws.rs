@@ -5,11 +5,9 @@
 //! creep while the wheelset rolls at the pitch rate of its tread circle.
 
 use super::contact_geometry::{Attitude, WheelsetOnTrack};
+use super::ellipse_patch::ellipse_patch;
 use super::strip_patch::strip_patch;
-use crate::contact::creep::RollingContact;
-use crate::contact::creepage::{ContactAxes, in_rolling_direction};
 use crate::contact::patch::{Motion, Settings, depth_under_load};
-use crate::contact::search::algebraic::{Pair, SurfaceParameters};
 use crate::geometry::Side;
 use crate::math::rotation::AxleFrame;
 use crate::scene::spec::Scene;
@@ -93,27 +91,11 @@ fn row(scene: &Scene, (y, yaw, load): (f64, f64, f64), cells: usize) -> Option<R
     let strips = strip_patch(scene, &pair, &motion)?;
     let strips = Said { force: strips.pressing.norm(), centre: strips.centre, area: strips.area, creep: strips.creep_force };
     let touch = &stand.contacts[side.index()];
-    let start = SurfaceParameters { wheel: touch.wheel, angle: 0.0, lead: touch.lead, rail: touch.rail };
-    let ellipse = ellipse(scene, &pair, &start, &motion).map(less);
-    Some(Row { y, yaw, load, normal_force: force, strips: less(strips), ellipse })
-}
-
-/// The scene's laws at the deepest place.
-fn ellipse(scene: &Scene, pair: &Pair, start: &SurfaceParameters, motion: &Motion) -> Option<Said> {
-    let contact = &scene.contact;
-    let found = pair.locate(start).ok()?;
-    let law = (contact.normal)(contact.material);
-    let elastic = law.contact(&found.shape(pair.wheel, pair.rail), found.penetration).ok()?;
-    let axes = ContactAxes::new(found.normal, found.forward);
-    let velocity = motion.velocity + motion.rotation.cross(&(found.wheel_point - pair.centre));
-    let creepage = axes.slip(&velocity, &motion.rotation).creepage(motion.speed);
-    let law = (contact.creep)(contact.material);
-    let (speed, normal_force) = (motion.speed.abs(), elastic.force);
-    let force = in_rolling_direction(motion.speed, creepage, |creepage| {
-        law.force(&RollingContact { patch: elastic.patch, normal_force, friction: contact.friction, creepage, speed })
+    let ellipse = ellipse_patch(scene, &pair, touch, None, &motion).map(|ellipse| {
+        let creep = ellipse.axes.e1 * ellipse.creep.longitudinal + ellipse.axes.e2 * ellipse.creep.lateral;
+        less(Said { force: ellipse.normal_force, centre: ellipse.place, area: PI * ellipse.patch.a * ellipse.patch.b, creep })
     });
-    let creep = axes.e1 * force.longitudinal + axes.e2 * force.lateral;
-    Some(Said { force: elastic.force, centre: found.wheel_point, area: PI * elastic.patch.a * elastic.patch.b, creep })
+    Some(Row { y, yaw, load, normal_force: force, strips: less(strips), ellipse })
 }
 
 /// Mean and worst of the sizes of one figure over rows that have it.

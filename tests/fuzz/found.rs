@@ -103,3 +103,18 @@ fn regress_files_with_impossible_places_are_refused_with_the_place() {
     let error = refused(rail, "track.rail={kind=\"points\",file=\"a.csv\"}");
     assert!(error.contains("a.csv") && !error.contains("NaN"), "{error}");
 }
+
+/// Points out of order whose spline rises to 43 m with slopes beyond all measure: looking at the gap beside a contact never ended.
+#[test]
+fn regress_a_wheel_of_spikes_is_started_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.toml");
+    std::fs::write(&path, wheelrail::scene::embedded::find("wheelset_s1002").unwrap().text).unwrap();
+    std::fs::write(folder.path().join("a.csv"), include_str!("../data/fuzz/spiked_wheel.csv")).unwrap();
+    let wheel = "vehicle.wheelset.profile={kind=\"points\",radius=0.46,drop_outliers=true,smoothing=1e-5,file=\"a.csv\"}";
+    let Ok(scene) = open(path.to_str().unwrap(), &[wheel]) else { return };
+    let started = ThreadTime::now();
+    let came = Simulation::new(&scene, 0.0).map(|_| ()).map_err(|error| error.to_string());
+    println!("{came:?} after {:.2} s", started.elapsed().as_secs_f64());
+    assert!(started.elapsed().as_secs_f64() < 20.0);
+}

@@ -107,6 +107,12 @@ pub fn try_scene(case: &mut Case, name: &str, text: &str, folder: Option<PathBuf
             return "refused";
         }
     };
+    // Whoever asks for the exact theory on a fine grid waits for it, and is told so.
+    let law = (scene.contact.creep)(scene.contact.material).describe();
+    let cells = law.strip_prefix(" on ").and_then(|law| law.split(' ').next()?.parse::<usize>().ok());
+    if law.contains("s a call") && cells.is_none_or(|cells| cells > 16) {
+        return "slow by request";
+    }
     case.within(READING, "reading it");
     case.begin();
     let model = match assemble::model(&scene) {
@@ -116,12 +122,6 @@ pub fn try_scene(case: &mut Case, name: &str, text: &str, folder: Option<PathBuf
     let planned = plan::plan(&scene, &model);
     assert!(planned.notes.iter().all(|note| !note.contains("NaN")), "{:?}", planned.notes);
     case.within(READING, "planning it");
-    // Whoever asks for the exact theory on a fine grid waits for it, and is told so.
-    let law = (scene.contact.creep)(scene.contact.material).describe();
-    let cells = law.strip_prefix(" on ").and_then(|law| law.split(' ').next()?.parse::<usize>().ok());
-    if law.contains("s a call") && cells.is_none_or(|cells| cells > 16) {
-        return "slow by request";
-    }
     case.begin();
     let started = Simulation::new(&scene, 0.0);
     let words = started.as_ref().err().map(ToString::to_string).unwrap_or_default();

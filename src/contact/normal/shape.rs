@@ -305,13 +305,21 @@ impl<'a> Bends<'a> {
 #[inline(never)]
 fn one_side<R: Read>(gap: &Gap<R>, mut bends: [Bends; 2], level: f64, reach: f64) -> Option<Depths> {
     let unit = reach / (1.0 + STEEP * (gap.slope[0] * gap.slope[0] + gap.slope[1] * gap.slope[1]));
+    // Slopes beyond all measure (a spike among measured points) leave nothing to go by.
+    if !(unit > 0.0 && unit.is_finite()) {
+        return None;
+    }
     let (per_level, close) = (1.0 / level, CLOSE * NODES[0] * unit);
     let mut overlap = Overlap::new();
     let mut from = 0.0;
     // A gap that can't be read is very wide.
     let depth =
         |open: Option<(f64, f64)>| open.map_or((f64::NEG_INFINITY, 0.0), |(open, opening)| (1.0 - open * per_level, -opening * per_level));
-    let distance = |i: usize, bend: Option<&Bend>| bend.map_or(f64::INFINITY, |bend| (bend.at - gap.sections[i].at) / gap.along[i]);
+    // A bend whose distance is no number is none.
+    let distance = |i: usize, bend: Option<&Bend>| {
+        let away = bend.map_or(f64::INFINITY, |bend| (bend.at - gap.sections[i].at) / gap.along[i]);
+        if away.is_nan() { f64::INFINITY } else { away }
+    };
     let mut next = [0, 1].map(|i| bends[i].next(gap.along[i]));
     let mut bent = [0, 1].map(|i| distance(i, next[i]));
     for &share in &NODES {
