@@ -5,10 +5,13 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Matrix3, Vector3};
 use std::hint::black_box;
 use std::time::Duration;
+use wheelrail::contact::Material;
 use wheelrail::contact::normal::NormalLaw;
+use wheelrail::contact::patch::{Motion, Pressed as PressedPatch, Settings};
 use wheelrail::contact::search::algebraic::{ContactLocation, Pair};
 use wheelrail::contact::search::global::{GlobalSearch, Minima};
 use wheelrail::contact::search::nodal::NodalSearch;
+use wheelrail::contact::strips::{MOST, Part, Parts, RailStrips, Scratch, press};
 use wheelrail::geometry::Side;
 use wheelrail::geometry::surface::Wheel;
 use wheelrail::geometry::track::Rail;
@@ -156,9 +159,41 @@ fn normal_laws(criterion: &mut Criterion) {
     }
 }
 
+/// The patches of real surfaces: strips with their parts, half-spaces on a grid.
+fn patches(criterion: &mut Criterion) {
+    let material = Material { youngs_modulus: 2.1e11, poisson_ratio: 0.28 };
+    let stand = Stand::new("wheelset_s1002", "point");
+    for y in [0.5e-3, -2e-3] {
+        let (poses, located) = (stand.poses(y), stand.located(&stand.poses(y)));
+        let rail = RailStrips::new(stand.rail.profile.as_ref());
+        let mut scratch = Scratch::new(rail.len());
+        let mut at = 0;
+        criterion.bench_function(&format!("strips {:+.1} mm: pressed, with their parts", 1e3 * y), |bencher| {
+            bencher.iter(|| {
+                at = (at + 1) % POSES;
+                let places = std::iter::once(located[at].parameters.rail);
+                let pressed = press(black_box(&stand.pair(&poses[at])), &rail, places, material, &mut scratch);
+                let parts = Parts::new(pressed, &rail, MOST);
+                (0..parts.len())
+                    .map(|k| Part::new(parts.share(pressed, k, k), &rail, stand.wheel.profile.as_ref(), material).load)
+                    .sum::<f64>()
+            });
+        });
+        let settings = Settings { columns: 33, rows: 33, extrapolate: false };
+        let motion = Motion { velocity: Vector3::x() * 20.0, rotation: stand.axes.column(1) * (20.0 / 0.46), speed: 20.0 };
+        criterion.bench_function(&format!("half-spaces {:+.1} mm on 33 x 33 cells: normal problem", 1e3 * y), |bencher| {
+            bencher.iter(|| PressedPatch::new(black_box(&stand.pair(&poses[at])), material, settings));
+        });
+        let pressed = PressedPatch::new(&stand.pair(&poses[0]), material, settings).unwrap();
+        criterion.bench_function(&format!("half-spaces {:+.1} mm on 33 x 33 cells: rolling", 1e3 * y), |bencher| {
+            bencher.iter(|| pressed.roll(black_box(&motion), 0.35).creep_force);
+        });
+    }
+}
+
 criterion_group! {
     name = search;
     config = Criterion::default().sample_size(30).warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_millis(800));
-    targets = searches, nodal_searches, normal_laws
+    targets = searches, nodal_searches, normal_laws, patches
 }
 criterion_main!(search);
