@@ -40,6 +40,21 @@ fn prop_stepping_and_looking_do_not_allocate() {
     }
 }
 
+/// Setting a parameter during a run may allocate; the steps behind it don't.
+#[test]
+fn prop_steps_behind_a_tuned_parameter_do_not_allocate() {
+    let scene = common::scene(&[]);
+    let mut simulation = common::start(&scene);
+    let outputs = common::table(&simulation, &scene);
+    simulation.advance(0.01).unwrap();
+    let integrator = scene.solver.integrator.with_setting(1e-7);
+    let mut other = scene.clone();
+    other.contact.friction = 0.3;
+    let constants = [(0, 2, 3e4)];
+    simulation.tune(&wheelrail::sim::tuning::Tuning { scene: &other, integrator: &integrator, constants: &constants });
+    assert_eq!(watched(&mut simulation, &outputs, 0.01).0, 0);
+}
+
 #[test]
 fn prop_curves_do_not_allocate() {
     for formulation in ["ECF-A", "ECCF", "ACCF", "ECF-N"] {

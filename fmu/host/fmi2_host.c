@@ -1205,6 +1205,17 @@ static void url_all(const char *what, const char *path, const double *want)
         free(uri);
         free(name);
     }
+    /* A plain path means itself: percent signs in it stand for nothing else. */
+    char *name = fmtdup("urls.%s.plain path", what);
+    url_run(name, path, want);
+    free(name);
+}
+
+static void url_refused(const char *name, const char *uri)
+{
+    struct inst in;
+    mark(name);
+    if (!ck(!inst_open_at(&in, "refused", uri), name, "expected NULL for %s, came an instance", uri)) inst_close(&in);
 }
 
 static void mode_urls(void)
@@ -1234,6 +1245,11 @@ static void mode_urls(void)
         }
         free(path);
         free(real);
+        url_refused("urls.relative", "resources");
+        url_refused("urls.other-scheme", "http://localhost/resources");
+#ifndef _WIN32
+        url_refused("urls.share", "file://server/share/resources");
+#endif
     }
     free(want);
 }
@@ -1601,7 +1617,8 @@ static void bad_variables(void)
             char *name = fmtdup("bad.set.%s %s", g_vars[k].causality, g_vars[k].name);
             mark(name);
             long s0 = P.a.e->sentences;
-            fmi2Status st = set_real(&P.a, g_vars[k].vr, 0.5);
+            /* A tunable parameter may be set, but not to this. */
+            fmi2Status st = set_real(&P.a, g_vars[k].vr, strcmp(g_vars[k].causality, "tunable") ? 0.5 : NAN);
             s0 = P.a.e->sentences - s0;
             char *d = pair_compare(&P);
             if (!refused(st) || !s0 || d) judge(name, st, s0, d);
@@ -2244,8 +2261,27 @@ static void states_damage(struct inst *in, const char *blob, size_t n)
     free(t);
 }
 
+/* The host frees the instance and leaves states behind: they are the instance's own, and a memory checker finds none of them. */
+static void states_left(void)
+{
+    struct inst in, other;
+    fmi2FMUstate s[3] = { NULL, NULL, NULL };
+    mark("states.left");
+    if (!ck(inst_open(&in, "leaves states"), "states.left", "expected an instance, came NULL")) return;
+    for (int i = 0; i < 3; i++) ck_status("states.left", fmi2OK, THEN(i ? fmi2OK : start(&in, &PLAIN), L.GetFMUstate(in.c, &s[i])));
+    if (ck(inst_open(&other, "foreign"), "states.foreign", "expected an instance, came NULL")) {
+        fmi2FMUstate kept = s[0];
+        ck_status("states.foreign", fmi2Error, L.FreeFMUstate(other.c, &s[0]));
+        ck(s[0] == kept, "states.foreign", "expected the state to stay, came another pointer");
+        inst_close(&other);
+    }
+    ck_status("states.left", fmi2OK, L.FreeFMUstate(in.c, &s[1]));
+    inst_close(&in);
+}
+
 static void mode_states(void)
 {
+    states_left();
     size_t rows = AFTER + 1;
     double *want = xalloc(rows * g_nout, sizeof *want), *got = xalloc(rows * g_nout, sizeof *got);
     double *scrap = xalloc((BEFORE + 1) * g_nout, sizeof *scrap);

@@ -1,11 +1,11 @@
-//! The table of parameters: fields of the scene that a master may set before initialization ends.
+//! The table of parameters: fields of the scene that a master may set before initialization ends, and during the run those that are tunable.
 //!
 //! Each kind of part has one table of [`Constant`]s: number, name, unit, bounds, description, and where its value is read and written in the
 //! scene. Force elements bring theirs along. References: of the scene 1 to 99, of wheelset k (from 1) 1000 k + number, of a wheelset's own springs
 //! 1000 k + 410, of body b 1000000 + 100 b + number, of force element f 2000000 + 100 f + 50, of sensor s 3000000 + 100 s + number (from 0).
 
 use super::real_parameter::RealParameter;
-use super::variable::{Kind, Role, Variable, WHEELSET};
+use super::variable::{Kind, Role, TUNABLE, Variable, WHEELSET};
 use crate::mbs::inertia::Inertia;
 use crate::scene::spec::{SMALLEST, SMALLEST_MODULUS, Scene};
 use crate::scene::vehicle::{FASTEST, PlacedBody, PlacedWheelset, Sensor};
@@ -34,10 +34,10 @@ const FREE_SPEED: Constant<Scene> =
     constant!(1, "speed", TravelSpeed, Some(-FASTEST), "travelling speed of the centre at the start, forward positive", vehicle.speed);
 
 const CONTACT: [Constant<Scene>; 4] = [
-    constant!(3, "contact.friction", One, Some(0.0), "friction coefficient mu", contact.friction),
+    constant!(tunable 3, "contact.friction", One, Some(0.0), "friction coefficient mu", contact.friction),
     Constant {
         get: |scene| (scene.contact.damping_law.name == "proportional").then_some(scene.contact.damping),
-        ..constant!(4, "contact.damping", NewtonSecondPerMetre2, Some(0.0), "C in N = K_h delta^1.5 + C delta d(delta)/dt", contact.damping)
+        ..constant!(tunable 4, "contact.damping", NewtonSecondPerMetre2, Some(0.0), "C in N = K_h delta^1.5 + C delta d(delta)/dt", contact.damping)
     },
     constant!(
         5,
@@ -121,6 +121,7 @@ macro_rules! inertia {
             name: $name,
             unit: Unit::KilogramMetre2,
             least: Some(SMALLEST),
+            tunable: false,
             description: $text,
             get: |placed: &PlacedBody| match &placed.body.inertia {
                 Inertia::General { principal } => Some(principal.$axis),
@@ -153,6 +154,7 @@ const TOLERANCE: Constant<Scene> = Constant {
     name: "solver.tolerance",
     unit: Unit::Metre,
     least: None,
+    tunable: true,
     description: "bound of the local error of positions (m) and angles (rad) per step; the tolerance of fmi2SetupExperiment overrides it (this variable then still reads as it was set)",
     get: |scene| Some(scene.solver.integrator.setting().value),
     set: |scene, value| scene.solver.integrator = scene.solver.integrator.with_setting(value),
@@ -188,7 +190,7 @@ impl Collector<'_> {
             description: number.description.into(),
             kind: Kind::Real,
             causality: "parameter",
-            variability: "fixed",
+            variability: if number.tunable { TUNABLE } else { "fixed" },
             initial: Some("exact"),
             unit: number.unit,
             start: Some(number.value),

@@ -17,6 +17,11 @@ pub enum RealParameter {
 }
 
 impl RealParameter {
+    /// Is it a number of a force element?
+    pub fn is_of_force(&self) -> bool {
+        matches!(self, RealParameter::Force(..))
+    }
+
     pub fn value(&self, scene: &Scene) -> f64 {
         let vehicle = &scene.vehicle;
         let found = match *self {

@@ -6,6 +6,9 @@ use crate::units::Unit;
 
 /// References of parameters that belong to no wheelset stay below this; wheelset k (from 1) has k * 1000 to k * 1000 + 999.
 pub(super) const WHEELSET: u32 = 1000;
+/// FMI's variability of a parameter that may be set during the run.
+pub(super) const TUNABLE: &str = "tunable";
+
 /// What a variable stands for.
 pub enum Role {
     /// Index in the model's input vector.
@@ -47,4 +50,23 @@ pub struct Variable {
     pub min: Option<f64>,
     pub max: Option<f64>,
     pub role: Role,
+}
+
+impl Variable {
+    pub fn is_tunable(&self) -> bool {
+        self.variability == TUNABLE
+    }
+
+    /// As force element, number and `value` of a constant where it is one.
+    pub fn constant_of_force(&self, value: f64) -> Option<(usize, u32, f64)> {
+        match self.role {
+            Role::RealParameter(RealParameter::Force(place, number)) => Some((place, number, value)),
+            _ => None,
+        }
+    }
+
+    /// Is it a parameter that saved states hold?
+    pub fn is_parameter(&self) -> bool {
+        matches!(self.role, Role::RealParameter(_) | Role::FromEquilibrium)
+    }
 }

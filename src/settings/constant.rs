@@ -11,6 +11,8 @@ pub struct Constant<T: 'static> {
     pub unit: Unit,
     /// Smallest value.
     pub least: Option<f64>,
+    /// May it change during a run? Then it only says which force follows from a motion: no mass, no place, no start depends on it.
+    pub tunable: bool,
     pub description: &'static str,
     /// `None`: this one has no such number.
     pub get: fn(&T) -> Option<f64>,
@@ -24,6 +26,7 @@ pub struct Number {
     pub name: &'static str,
     pub unit: Unit,
     pub least: Option<f64>,
+    pub tunable: bool,
     pub description: &'static str,
     pub value: f64,
 }
@@ -32,8 +35,8 @@ impl<T> Constant<T> {
     /// All numbers that `of` has.
     pub fn read(table: &[Constant<T>], of: &T) -> Vec<Number> {
         let number = |line: &Constant<T>| {
-            let Constant { number, name, unit, least, description, get, .. } = *line;
-            Some(Number { number, name, unit, least, description, value: get(of)? })
+            let Constant { number, name, unit, least, tunable, description, get, .. } = *line;
+            Some(Number { number, name, unit, least, tunable, description, value: get(of)? })
         };
         table.iter().filter_map(number).collect()
     }
@@ -46,14 +49,19 @@ impl<T> Constant<T> {
     }
 }
 
-/// A line of a table: number, name, unit, smallest value, description, and the field that it is, or where it is read and how it is written.
+/// A line of a table: `tunable` where it may change during a run, number, name, unit, smallest value, description, and the field that it is, or
+/// where it is read and how it is written.
 macro_rules! constant {
+    (tunable $($line:tt)+) => {
+        $crate::settings::Constant { tunable: true, ..$crate::settings::constant!($($line)+) }
+    };
     ($number:literal, $name:literal, $unit:ident, $least:expr, $text:expr, get: $get:expr, set: $set:expr) => {
         $crate::settings::Constant {
             number: $number,
             name: $name,
             unit: $crate::units::Unit::$unit,
             least: $least,
+            tunable: false,
             description: $text,
             get: $get,
             set: $set,

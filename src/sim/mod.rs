@@ -11,6 +11,7 @@ pub mod outputs;
 pub mod recording;
 pub mod statics;
 pub mod tables;
+pub mod tuning;
 pub mod vehicle_outputs;
 
 use crate::formulation::events::ContactEvent;
@@ -119,6 +120,7 @@ pub struct Simulation {
     motion_valid: bool,
     /// Over the run so far, for its notes alone.
     loads: WheelLoads,
+    untuned: tuning::Untuned,
 }
 
 /// Solution and everything computed from it at one time; outputs are read from it.
@@ -221,6 +223,7 @@ impl Simulation {
             snapshot_valid: false,
             motion_valid: false,
             loads: model.wheel_loads(),
+            untuned: Vec::new(),
             model,
         };
         if simulation.integrator.linearises() {

@@ -174,6 +174,11 @@ fn fmu_states_reset_and_two_instances() {
 }
 
 #[test]
+fn fmu_parameters_tuned_during_a_run() {
+    script("tuning.py", &[]);
+}
+
+#[test]
 fn fmu_coupled_with_external_traction_and_brake() {
     script("coupling.py", &[]);
 }
@@ -384,7 +389,10 @@ fn variable_list() -> &'static Path {
             .table
             .variables
             .iter()
-            .map(|variable| format!("{} {} {:?} {}\n", variable.name, variable.reference, variable.kind, variable.causality))
+            .map(|variable| {
+                let causality = if variable.is_tunable() { "tunable" } else { variable.causality };
+                format!("{} {} {:?} {causality}\n", variable.name, variable.reference, variable.kind)
+            })
             .collect();
         let file = scratch().join("variables.txt");
         std::fs::write(&file, lines.concat()).unwrap();

@@ -7,6 +7,7 @@ import ctypes
 
 import fmpy
 import numpy as np
+from fmpy.fmi1 import FMICallException
 
 from common import CLEAR, INPUTS, TORQUE, W, Fmu, grid, main
 
@@ -161,12 +162,49 @@ def side_by_side(report, fmu):
         report.same_bits(second.run(on), first.run(on), "the second takes over the first's state")
 
 
+def resident():
+    """Memory of this process in bytes; nothing where the system does not say."""
+    try:
+        with open("/proc/self/status") as file:
+            return next(int(line.split()[1]) * 1024 for line in file if line.startswith("VmRSS:"))
+    except OSError:
+        return None
+
+
+def left_behind(report, fmu):
+    report.section("states that are left to the instance")
+
+    def leave(count):
+        with fmu.instance() as instance:
+            for _ in range(count):
+                instance.slave.getFMUState()
+
+    leave(2000)
+    before = resident()
+    if before is None:
+        report.note("the system does not tell a process's memory")
+        return
+    for _ in range(5):
+        leave(2000)
+    report.below(resident() - before, 2e7, "memory after 10 000 states (about 10 kB each) that the host did not free", "bytes")
+    with fmu.instance() as first, fmu.instance() as second:
+        state = first.slave.getFMUState()
+        try:
+            second.slave.freeFMUState(state)
+            report.check(False, "another instance's state is not freed")
+        except FMICallException:
+            report.check("the one that made a state frees it" in second.log[-1][1], "another instance's state is not freed", second.log[-1][1])
+        first.slave.setFMUState(state)
+        first.slave.freeFMUState(state)
+
+
 def script(report, path):
     with Fmu(path) as fmu:
         expected = save_and_restore(report, fmu)
         as_bytes(report, fmu, expected)
         reset(report, fmu)
         side_by_side(report, fmu)
+        left_behind(report, fmu)
 
 
 if __name__ == "__main__":

@@ -11,4 +11,5 @@ mod scene_keys;
 mod static_preload;
 mod steady_curving;
 mod study;
+mod tuning;
 mod vehicle;

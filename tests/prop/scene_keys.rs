@@ -13,13 +13,13 @@ use wheelrail::scene::{assemble, load, plan};
 use wheelrail::sim::Simulation;
 use wheelrail::sim::vehicle_outputs::scene_outputs;
 
-fn open(name: &str, changes: &[&str]) -> Result<Scene, String> {
+pub fn open(name: &str, changes: &[&str]) -> Result<Scene, String> {
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
     load::open(name, &changes).map_err(|error| error.to_string())
 }
 
 /// The resources of an FMU in a folder of their own.
-fn unpacked(packed: &package::PackedScene) -> tempfile::TempDir {
+pub fn unpacked(packed: &package::PackedScene) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, content) in &packed.resources {
         let file = folder.path().join(name);

@@ -3,6 +3,7 @@
 use super::super::instance;
 use super::text::c_string;
 use super::types::*;
+use std::collections::HashSet;
 use std::ffi::CString;
 
 /// Behind an fmi2Component.
@@ -17,11 +18,13 @@ pub struct Component {
     pub poisoned: bool,
     /// Strings given to the host; they live until the next call on this instance.
     pub strings: Vec<CString>,
+    /// States that it has made and the host has not freed yet.
+    pub states: HashSet<FmuState>,
 }
 
 impl Component {
     pub fn new(instance: instance::Instance, log: Log) -> Self {
-        Component { instance, log, last_step: Status::Ok, derailed: false, poisoned: false, strings: Vec::new() }
+        Component { instance, log, last_step: Status::Ok, derailed: false, poisoned: false, strings: Vec::new(), states: HashSet::new() }
     }
 }
 

@@ -89,7 +89,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     })
 }
 
-/// Frees an instance; null does nothing.
+/// Frees an instance with the states that the host has not freed; null does nothing.
 ///
 /// # Safety
 /// The component must come from fmi2Instantiate and not be used again.
@@ -97,7 +97,10 @@ pub unsafe extern "C" fn fmi2Instantiate(
 pub unsafe extern "C" fn fmi2FreeInstance(c: Component) {
     if !c.is_null() {
         // Dropping runs no foreign code, but nothing may unwind into C.
-        let _ = catch_unwind(AssertUnwindSafe(|| drop(unsafe { Box::from_raw(c.cast::<Instance>()) })));
+        let _ = catch_unwind(AssertUnwindSafe(|| {
+            let mut instance = unsafe { Box::from_raw(c.cast::<Instance>()) };
+            states::release_all(&mut instance);
+        }));
     }
 }
 

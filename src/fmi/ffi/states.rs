@@ -1,7 +1,11 @@
 //! Saving, restoring and serialising the state of an instance.
+//!
+//! A state belongs to the instance that made it: that one frees it, at the latest when it is freed itself. While it lives, another instance of the
+//! same FMU may read it.
 
 use super::super::instance::SavedState;
 use super::common::{guard, refuse, report, slice};
+use super::component::Component as Instance;
 use super::types::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -12,6 +16,28 @@ struct Held {
 }
 
 const MARK: u64 = 0x5748_4545_4c53_5441;
+
+/// A new state of an instance.
+fn keep(component: &mut Instance, state: SavedState) -> FmuState {
+    let pointer: FmuState = Box::into_raw(Box::new(Held { mark: MARK, state })).cast();
+    component.states.insert(pointer);
+    pointer
+}
+
+/// # Safety
+/// `pointer` must come from [`keep`] and is not used again.
+unsafe fn release(pointer: FmuState) {
+    let mut held = unsafe { Box::from_raw(pointer.cast::<Held>()) };
+    // Whoever still holds the pointer mostly finds that it is no state any more.
+    unsafe { std::ptr::write_volatile(&raw mut held.mark, 0) };
+}
+
+/// Frees the states that the host has left.
+pub(super) fn release_all(component: &mut Instance) {
+    for pointer in component.states.drain() {
+        unsafe { release(pointer) };
+    }
+}
 
 unsafe fn held<'a>(state: FmuState) -> Option<&'a mut Held> {
     unsafe { state.cast::<Held>().as_mut() }.filter(|held| held.mark == MARK)
@@ -25,7 +51,7 @@ pub unsafe extern "C" fn fmi2GetFMUstate(c: Component, state: *mut FmuState) -> 
         let Some(target) = (unsafe { state.as_mut() }) else { return refuse(component, "fmi2GetFMUstate: the state pointer is NULL") };
         let saved = component.instance.save();
         if target.is_null() {
-            *target = Box::into_raw(Box::new(Held { mark: MARK, state: saved })).cast();
+            *target = keep(component, saved);
             return Status::Ok;
         }
         match unsafe { held(*target) } {
@@ -61,20 +87,22 @@ pub unsafe extern "C" fn fmi2SetFMUstate(c: Component, state: FmuState) -> Statu
 pub unsafe extern "C" fn fmi2FreeFMUstate(c: Component, state: *mut FmuState) -> Status {
     // A stopped instance must still be able to give its states back.
     let freed = catch_unwind(AssertUnwindSafe(|| {
-        let target = unsafe { state.as_mut() }.filter(|_| !c.is_null())?;
-        let held = unsafe { held(*target) }?;
-        held.mark = 0;
-        let pointer: *mut Held = held;
-        *target = std::ptr::null_mut();
-        drop(unsafe { Box::from_raw(pointer) });
+        let target = unsafe { state.as_mut() }?;
+        let component = unsafe { c.cast::<Instance>().as_mut() }?;
+        if !component.states.remove(target) {
+            return None;
+        }
+        unsafe { release(std::mem::replace(target, std::ptr::null_mut())) };
         Some(())
     }));
     match freed {
-        Ok(Some(())) if !c.is_null() => Status::Ok,
+        Ok(Some(())) => Status::Ok,
         _ => guard(c, |component| match unsafe { state.as_ref() } {
             None => refuse(component, "fmi2FreeFMUstate: the state pointer is NULL"),
             Some(target) if target.is_null() => Status::Ok,
-            Some(_) => refuse(component, "fmi2FreeFMUstate: the pointer is not a state of this FMU"),
+            Some(_) => {
+                refuse(component, "fmi2FreeFMUstate: the pointer is not a state of this instance; the one that made a state frees it")
+            }
         }),
     }
 }
@@ -126,7 +154,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(c: Component, bytes: *const Byt
             Ok(saved) => {
                 match unsafe { held(*target) } {
                     Some(held) => held.state = saved,
-                    None if target.is_null() => *target = Box::into_raw(Box::new(Held { mark: MARK, state: saved })).cast(),
+                    None if target.is_null() => *target = keep(component, saved),
                     None => return refuse(component, "fmi2DeSerializeFMUstate: the pointer is neither NULL nor a state of this FMU"),
                 }
                 Status::Ok

@@ -4,6 +4,7 @@
 
 mod errors;
 mod saved;
+mod tuning;
 mod values;
 
 pub use errors::{CallError, InstantiateError};
@@ -16,9 +17,10 @@ use crate::scene::load::{self, SceneError};
 use crate::scene::spec::Scene;
 use crate::sim::vehicle_outputs::scene_outputs;
 use crate::sim::{Simulation, SimulationError};
-use crate::solve::SettingKind;
+use crate::solve::{Integrator, SettingKind};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Where an instance stands in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -70,6 +72,11 @@ pub struct Instance {
     experiment: Experiment,
     inputs: Vec<[f64; 3]>,
     simulation: Option<Simulation>,
+    /// Values of all parameters, in table order, with which the run began; empty before initialization ends. Those of `scene` may have been
+    /// tuned since.
+    begun: Vec<f64>,
+    /// Parameters that are not what they were then: place in table order and value.
+    tuned: Vec<(u32, f64)>,
 }
 
 /// By how much two communication times may differ and still be the same: 1e-9 of their size (at least of 1 s), but no more
@@ -101,6 +108,8 @@ impl Instance {
             experiment: Experiment { start: 0.0, stop: None, tolerance: None },
             inputs,
             simulation: None,
+            begun: Vec::new(),
+            tuned: Vec::new(),
         })
     }
 
@@ -182,6 +191,7 @@ impl Instance {
     pub fn exit_initialization(&mut self) -> Result<Vec<ContactEvent>, CallError> {
         self.require("fmi2ExitInitializationMode", &[Phase::Initialization])?;
         let events = self.started()?.take_events();
+        self.begun = self.parameter_values();
         self.phase = Phase::Stepping;
         Ok(events)
     }
@@ -208,24 +218,27 @@ impl Instance {
         self.experiment = Experiment { start: 0.0, stop: None, tolerance: None };
         self.inputs = start_inputs(&self.table);
         self.simulation = None;
+        self.begun.clear();
+        self.tuned.clear();
     }
 
-    /// The scene with the parameters and the tolerance that hold now.
-    fn effective_scene(&self) -> Scene {
-        let mut scene = self.scene.clone();
-        if let Some(tolerance) = self.experiment.tolerance {
-            let setting = scene.solver.integrator.setting();
-            if setting.kind == SettingKind::Tolerance {
-                scene.solver.integrator = scene.solver.integrator.with_setting(tolerance.clamp(setting.range.0, setting.range.1));
+    /// The integrator with the setting that holds now.
+    fn effective_integrator(&self) -> Arc<dyn Integrator> {
+        let integrator = &self.scene.solver.integrator;
+        let setting = integrator.setting();
+        match self.experiment.tolerance {
+            Some(tolerance) if setting.kind == SettingKind::Tolerance => {
+                integrator.with_setting(tolerance.clamp(setting.range.0, setting.range.1))
             }
+            _ => integrator.clone(),
         }
-        scene
     }
 
     /// A simulation of the present parameters; made when it is first needed.
     fn started(&mut self) -> Result<&mut Simulation, CallError> {
         if self.simulation.is_none() {
-            let scene = self.effective_scene();
+            let mut scene = self.scene.clone();
+            scene.solver.integrator = self.effective_integrator();
             let mut simulation = Simulation::new(&scene, self.experiment.start).map_err(CallError::Start)?;
             for (index, [value, first, second]) in self.inputs.iter().enumerate() {
                 simulation.set_input(index, *value, *first, *second);

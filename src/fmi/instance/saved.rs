@@ -3,6 +3,7 @@
 use super::{CallError, Experiment, Instance, Phase};
 use crate::fmi::serialized;
 use crate::fmi::variables::{Role, Variable, VariableTable};
+use crate::scene::spec::Scene;
 use crate::sim::SimulationState;
 use serde::{Deserialize, Serialize};
 
@@ -11,24 +12,31 @@ use serde::{Deserialize, Serialize};
 pub struct SavedState {
     phase: Phase,
     experiment: Experiment,
-    /// Values of all real parameters and of `fromEquilibrium`, in table order.
+    /// Values of all real parameters and of `fromEquilibrium`, in table order, with which the run began or will begin.
     parameters: Vec<f64>,
+    /// Those that were tuned since: place in that order, and the value in force.
+    tuned: Vec<(u32, f64)>,
     /// Inputs as they were set last: value, first and second derivative.
     inputs: Vec<[f64; 3]>,
     simulation: Option<SimulationState>,
 }
 
+impl SavedState {
+    /// Is initialization over?
+    fn has_begun(&self) -> bool {
+        matches!(self.phase, Phase::Stepping | Phase::Terminated)
+    }
+
+    /// [`Instance::begun`] of an instance in this state.
+    fn begun(&self) -> Vec<f64> {
+        if self.has_begun() { self.parameters.clone() } else { Vec::new() }
+    }
+}
+
 impl Instance {
-    fn parameter_values(&self) -> Vec<f64> {
-        self.table
-            .variables
-            .iter()
-            .filter_map(|variable| match &variable.role {
-                Role::RealParameter(parameter) => Some(parameter.value(&self.scene)),
-                Role::FromEquilibrium => Some(f64::from(u8::from(self.scene.vehicle.initial.from_equilibrium))),
-                _ => None,
-            })
-            .collect()
+    /// Values of the parameters from which a simulation is started, in table order.
+    fn start_values(&self) -> Vec<f64> {
+        if self.begun.is_empty() { self.parameter_values() } else { self.begun.clone() }
     }
 
     /// fmi2GetFMUstate.
@@ -36,7 +44,8 @@ impl Instance {
         SavedState {
             phase: self.phase,
             experiment: self.experiment,
-            parameters: self.parameter_values(),
+            parameters: self.start_values(),
+            tuned: self.tuned.clone(),
             inputs: self.inputs.clone(),
             simulation: self.simulation.as_ref().map(|simulation| simulation.state().clone()),
         }
@@ -47,58 +56,94 @@ impl Instance {
     /// # Errors
     /// [`CallError`] when the state is not one of this FMU; nothing is changed then.
     pub fn restore(&mut self, saved: &SavedState) -> Result<(), CallError> {
-        let mut scene = self.exported.clone();
-        let parameters = self.table.variables.iter().filter(|v| matches!(v.role, Role::RealParameter(_) | Role::FromEquilibrium));
-        let parameters: Vec<&Variable> = parameters.collect();
-        if parameters.len() != saved.parameters.len() || self.inputs.len() != saved.inputs.len() {
+        self.check_whole(saved)?;
+        let same_start = self.experiment == saved.experiment && self.start_values() == saved.parameters;
+        let (Some(state), Some(simulation), true) = (&saved.simulation, &self.simulation, same_start) else {
+            return self.become_instance_of(saved);
+        };
+        if !simulation.state().fits(state) {
             return Err(CallError::ForeignState);
         }
-        for (variable, value) in parameters.iter().zip(&saved.parameters) {
-            // What can't be set can't be restored either.
-            self.check_value(variable, *value).map_err(|_| CallError::ForeignState)?;
+        let other = if self.tuned == saved.tuned { None } else { Some(self.scenes(saved)?.1) };
+        (self.phase, self.inputs, self.begun) = (saved.phase, saved.inputs.clone(), saved.begun());
+        if let Some(scene) = other {
+            self.scene = scene;
+            self.adopt_tuning();
         }
+        if let Some(simulation) = &mut self.simulation {
+            simulation.restore(state);
+        }
+        Ok(())
+    }
+
+    /// The same from the scene on: the run began otherwise than this one.
+    fn become_instance_of(&mut self, saved: &SavedState) -> Result<(), CallError> {
+        let (start, tuned) = self.scenes(saved)?;
+        let mut other = Instance {
+            exported: self.exported.clone(),
+            scene: start,
+            table: VariableTable::new(&self.exported).map_err(|error| CallError::Start(error.into()))?,
+            guid: self.guid.clone(),
+            phase: saved.phase,
+            experiment: saved.experiment,
+            inputs: saved.inputs.clone(),
+            simulation: None,
+            begun: saved.begun(),
+            tuned: Vec::new(),
+        };
+        if let Some(state) = &saved.simulation {
+            other.started()?;
+            other.scene = tuned;
+            if !saved.tuned.is_empty() {
+                other.adopt_tuning();
+            }
+            let simulation = other.started()?;
+            if !simulation.restore(state) {
+                return Err(CallError::ForeignState);
+            }
+            // Lift-offs of its own start say nothing about the state that was put back, unless that is still to start.
+            if saved.phase != Phase::Initialization {
+                simulation.take_events();
+            }
+        }
+        *self = other;
+        Ok(())
+    }
+
+    /// Is a saved state of this FMU's form, and made of numbers?
+    fn check_whole(&self, saved: &SavedState) -> Result<(), CallError> {
         let Experiment { start, stop, tolerance } = saved.experiment;
         let numbers = saved.inputs.iter().flatten().chain([&start]).chain(&stop).chain(&tolerance);
-        if !numbers.copied().all(f64::is_finite) || !saved.simulation.as_ref().is_none_or(SimulationState::is_sound) {
-            return Err(CallError::ForeignState);
-        }
+        let sound = numbers.copied().all(f64::is_finite) && saved.simulation.as_ref().is_none_or(SimulationState::is_sound);
+        // A run has a simulation; before it nothing has been tuned.
+        let whole = if saved.has_begun() { saved.simulation.is_some() } else { saved.tuned.is_empty() };
+        let fits = self.parameters().count() == saved.parameters.len() && self.inputs.len() == saved.inputs.len();
+        if sound && whole && fits { Ok(()) } else { Err(CallError::ForeignState) }
+    }
+
+    /// The scene with which a saved state's run began, and with the parameters in force then.
+    fn scenes(&self, saved: &SavedState) -> Result<(Scene, Scene), CallError> {
+        let parameters: Vec<&Variable> = self.parameters().collect();
+        let mut start = self.exported.clone();
         for (variable, value) in parameters.iter().zip(&saved.parameters) {
-            match variable.role {
-                Role::RealParameter(parameter) => parameter.assign(&mut scene, *value),
-                _ => scene.vehicle.initial.from_equilibrium = *value == 1.0,
-            }
+            self.assign(variable, *value, &mut start)?;
         }
-        let same_model = self.experiment == saved.experiment && self.parameter_values() == saved.parameters;
-        match (&saved.simulation, &mut self.simulation) {
-            (Some(state), Some(simulation)) if same_model => {
-                if !simulation.restore(state) {
-                    return Err(CallError::ForeignState);
-                }
-                (self.phase, self.inputs) = (saved.phase, saved.inputs.clone());
-            }
-            (state, _) => {
-                let mut other = Instance {
-                    exported: self.exported.clone(),
-                    scene,
-                    table: VariableTable::new(&self.exported).map_err(|error| CallError::Start(error.into()))?,
-                    guid: self.guid.clone(),
-                    phase: saved.phase,
-                    experiment: saved.experiment,
-                    inputs: saved.inputs.clone(),
-                    simulation: None,
-                };
-                if let Some(state) = state {
-                    let simulation = other.started()?;
-                    if !simulation.restore(state) {
-                        return Err(CallError::ForeignState);
-                    }
-                    // Lift-offs of its own start say nothing about the state that was put back, unless that is still to start.
-                    if saved.phase != Phase::Initialization {
-                        simulation.take_events();
-                    }
-                }
-                *self = other;
-            }
+        let mut tuned = start.clone();
+        for (place, value) in &saved.tuned {
+            let variable = parameters.get(*place as usize).filter(|variable| variable.is_tunable()).ok_or(CallError::ForeignState)?;
+            self.assign(variable, *value, &mut tuned)?;
+        }
+        Ok((start, tuned))
+    }
+
+    /// What can't be set can't be restored either.
+    fn assign(&self, variable: &Variable, value: f64, scene: &mut Scene) -> Result<(), CallError> {
+        self.check_value(variable, value).map_err(|_| CallError::ForeignState)?;
+        match variable.role {
+            // A number of an element may be one of several that hang together: what is as exported stays as it is.
+            Role::RealParameter(parameter) if parameter.value(scene).to_bits() != value.to_bits() => parameter.assign(scene, value),
+            Role::FromEquilibrium => scene.vehicle.initial.from_equilibrium = value == 1.0,
+            _ => {}
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use crate::fmi::variables::{Kind, Role, Variable};
 use crate::sim::outputs::need_contacts;
 
 impl Instance {
-    fn lookup(&self, reference: u32, kind: Kind) -> Result<&Variable, CallError> {
+    pub(super) fn lookup(&self, reference: u32, kind: Kind) -> Result<&Variable, CallError> {
         match self.table.find(reference) {
             Some(variable) if variable.kind == kind => Ok(variable),
             _ => Err(CallError::UnknownReference { reference, kind }),
@@ -95,7 +95,11 @@ impl Instance {
     fn check_settable(&self, variable: &Variable) -> Result<(), CallError> {
         let allowed = match variable.role {
             Role::Input(_) => self.phase != Phase::Terminated,
-            Role::RealParameter(_) | Role::FromEquilibrium => matches!(self.phase, Phase::Instantiated | Phase::Initialization),
+            Role::RealParameter(_) | Role::FromEquilibrium => match self.phase {
+                Phase::Instantiated | Phase::Initialization => true,
+                Phase::Stepping => variable.is_tunable(),
+                Phase::Terminated => false,
+            },
             _ => false,
         };
         if allowed { Ok(()) } else { Err(self.not_settable(variable)) }
@@ -116,7 +120,7 @@ impl Instance {
         Err(CallError::Value { name: variable.name.clone(), value, problem })
     }
 
-    /// fmi2SetReal. Setting an input ends its derivatives.
+    /// fmi2SetReal. Setting an input ends its derivatives; setting a tunable parameter restarts the integration, as a jump of an input does.
     ///
     /// # Errors
     /// [`CallError`]; nothing is set then.
@@ -126,14 +130,10 @@ impl Instance {
             self.check_settable(variable)?;
             self.check_value(variable, *value)?;
         }
+        self.set_parameters(references, values)?;
         for (reference, value) in references.iter().zip(values) {
-            match self.lookup(*reference, Kind::Real)?.role {
-                Role::Input(input) => self.set_input(input, [*value, 0.0, 0.0]),
-                Role::RealParameter(parameter) => {
-                    parameter.assign(&mut self.scene, *value);
-                    self.simulation = None;
-                }
-                _ => {}
+            if let Role::Input(input) = self.lookup(*reference, Kind::Real)?.role {
+                self.set_input(input, [*value, 0.0, 0.0]);
             }
         }
         Ok(())

@@ -39,8 +39,8 @@ const QUANTITIES: [Quantity; 2] = [
 ];
 
 const CONSTANTS: [Constant<AntiRollBar>; 2] = [
-    constant!(0, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the anti-roll bar", stiffness),
-    constant!(1, "damping", NewtonMetreSecondPerRadian, Some(0.0), "damping of the anti-roll bar", damping),
+    constant!(tunable 0, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the anti-roll bar", stiffness),
+    constant!(tunable 1, "damping", NewtonMetreSecondPerRadian, Some(0.0), "damping of the anti-roll bar", damping),
 ];
 
 impl AntiRollBar {

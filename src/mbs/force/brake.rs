@@ -164,11 +164,11 @@ const QUANTITIES: [Quantity; 4] = [
 ];
 
 const CONSTANTS: [Constant<Brake>; 5] = [
-    constant!(0, "friction", One, POSITIVE, "friction coefficient of pads or block", get: |brake| brake.friction.map(|pair| pair.0), set: |brake, value| if let Some(pair) = &mut brake.friction { pair.0 = value }),
+    constant!(tunable 0, "friction", One, POSITIVE, "friction coefficient of pads or block", get: |brake| brake.friction.map(|pair| pair.0), set: |brake, value| if let Some(pair) = &mut brake.friction { pair.0 = value }),
     constant!(1, "radius", Metre, POSITIVE, "friction radius of the disc", get: |brake| brake.friction.filter(|_| brake.press.is_none()).map(|pair| pair.1), set: |brake, value| if let Some(pair) = &mut brake.friction { pair.1 = value }),
-    constant!(2, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the brake before it slips, at the axle", stiffness),
-    constant!(3, "relaxation", Second, POSITIVE, "time within which the brake takes hold and lets go", relaxation),
-    constant!(4, "dampingTime", Second, Some(0.0), "damping of the brake's deflection over its stiffness", damping_time),
+    constant!(tunable 2, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the brake before it slips, at the axle", stiffness),
+    constant!(tunable 3, "relaxation", Second, POSITIVE, "time within which the brake takes hold and lets go", relaxation),
+    constant!(tunable 4, "dampingTime", Second, Some(0.0), "damping of the brake's deflection over its stiffness", damping_time),
 ];
 
 impl ForceElement for Brake {

@@ -117,6 +117,7 @@ macro_rules! component {
             name: $name,
             unit: Unit::$unit,
             least: Some(0.0),
+            tunable: true,
             description: $text,
             get: |bushing: &Bushing| (bushing.$field[$axis] != 0.0).then_some(bushing.$field[$axis]),
             set: |bushing, value| bushing.$field[$axis] = value,

@@ -167,12 +167,12 @@ fn limited(element: &DryFriction) -> bool {
 }
 
 const CONSTANTS: [Constant<DryFriction>; 6] = [
-    constant!(0, "friction", One, POSITIVE, "friction coefficient of the surfaces", get: |element| (!limited(element)).then_some(element.friction), set: |element, value| element.friction = value),
-    constant!(1, "limit", Newton, POSITIVE, "largest friction force", get: |element| limited(element).then_some(element.normal_force), set: |element, value| element.normal_force = value),
-    constant!(2, "designNormalForce", Newton, Some(0.0), "normal force in the design configuration", get: |element| (!limited(element)).then_some(element.normal_force), set: |element, value| element.normal_force = value),
-    constant!(3, "normalStiffness", NewtonPerMetre, POSITIVE, "stiffness of the normal spring", get: |element| (element.normal_stiffness > 0.0).then_some(element.normal_stiffness), set: |element, value| element.normal_stiffness = value),
-    constant!(4, "stiffness", NewtonPerMetre, POSITIVE, "stiffness before slip", stiffness),
-    constant!(5, "relaxation", Second, POSITIVE, "time within which friction lets go where the normal force falls", relaxation),
+    constant!(tunable 0, "friction", One, POSITIVE, "friction coefficient of the surfaces", get: |element| (!limited(element)).then_some(element.friction), set: |element, value| element.friction = value),
+    constant!(tunable 1, "limit", Newton, POSITIVE, "largest friction force", get: |element| limited(element).then_some(element.normal_force), set: |element, value| element.normal_force = value),
+    constant!(tunable 2, "designNormalForce", Newton, Some(0.0), "normal force in the design configuration", get: |element| (!limited(element)).then_some(element.normal_force), set: |element, value| element.normal_force = value),
+    constant!(tunable 3, "normalStiffness", NewtonPerMetre, POSITIVE, "stiffness of the normal spring", get: |element| (element.normal_stiffness > 0.0).then_some(element.normal_stiffness), set: |element, value| element.normal_stiffness = value),
+    constant!(tunable 4, "stiffness", NewtonPerMetre, POSITIVE, "stiffness before slip", stiffness),
+    constant!(tunable 5, "relaxation", Second, POSITIVE, "time within which friction lets go where the normal force falls", relaxation),
 ];
 
 impl ForceElement for DryFriction {

@@ -58,7 +58,7 @@ const QUANTITIES: [Quantity; 2] = [
 ];
 
 const CONSTANTS: [Constant<EddyCurrentBrake>; 1] =
-    [constant!(0, "criticalSpeed", MetrePerSecond, POSITIVE, "speed at which the braking force is largest", critical_speed)];
+    [constant!(tunable 0, "criticalSpeed", MetrePerSecond, POSITIVE, "speed at which the braking force is largest", critical_speed)];
 
 impl ForceElement for EddyCurrentBrake {
     fn name(&self) -> &str {

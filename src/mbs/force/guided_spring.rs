@@ -146,6 +146,7 @@ macro_rules! guide {
             name: $name,
             unit: Unit::$unit,
             least: Some(0.0),
+            tunable: true,
             description: $text,
             get: |element: &GuidedSpring| element.$direction.map(|guide| guide.$field),
             set: |element, value| element.$direction.iter_mut().for_each(|guide| guide.$field = value),

@@ -28,8 +28,8 @@ pub struct MaxwellDamper {
 
 impl LineLaw for MaxwellDamper {
     const CONSTANTS: &'static [Constant<Self>] = &[
-        constant!(0, "stiffness", NewtonPerMetre, POSITIVE, "stiffness of the series spring", stiffness),
-        constant!(1, "damping", NewtonSecondPerMetre, POSITIVE, "damping of the damper", get: |law| law.damping, set: |law, value| (law.damping, law.speed) = (Some(value), Curve::linear(1.0 / value))),
+        constant!(tunable 0, "stiffness", NewtonPerMetre, POSITIVE, "stiffness of the series spring", stiffness),
+        constant!(tunable 1, "damping", NewtonSecondPerMetre, POSITIVE, "damping of the damper", get: |law| law.damping, set: |law, value| (law.damping, law.speed) = (Some(value), Curve::linear(1.0 / value))),
     ];
 
     fn states(&self) -> usize {

@@ -119,7 +119,7 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
         0.0
     }
 
-    /// Its numbers that may be set before a run.
+    /// Its numbers that may be set before a run, and which of them during it too.
     fn constants(&self) -> Vec<Number> {
         Vec::new()
     }

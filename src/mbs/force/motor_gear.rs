@@ -160,8 +160,8 @@ const QUANTITIES: [Quantity; 5] = [
 
 /// A line of the table for a number of the rotor.
 macro_rules! of_rotor {
-    ($number:literal, $name:literal, $unit:ident, $least:expr, $text:literal, $field:ident) => {
-        constant!($number, $name, $unit, $least, $text, get: |element| element.rotor.map(|rotor| rotor.$field), set: |element, value| {
+    ($($tunable:ident)? $number:literal, $name:literal, $unit:ident, $least:expr, $text:literal, $field:ident) => {
+        constant!($($tunable)? $number, $name, $unit, $least, $text, get: |element| element.rotor.map(|rotor| rotor.$field), set: |element, value| {
             if let Some(rotor) = &mut element.rotor {
                 rotor.$field = value;
             }
@@ -172,8 +172,8 @@ macro_rules! of_rotor {
 const CONSTANTS: [Constant<MotorGear>; 4] = [
     constant!(0, "ratio", One, POSITIVE, "turns of the rotor for each turn of the axle", ratio),
     of_rotor!(1, "rotorInertia", KilogramMetre2, POSITIVE, "moment of inertia of the rotor about its own axis", inertia),
-    of_rotor!(2, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the drive in torsion, at the axle", stiffness),
-    of_rotor!(3, "damping", NewtonMetreSecondPerRadian, Some(0.0), "damping of the drive in torsion, at the axle", damping),
+    of_rotor!(tunable 2, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the drive in torsion, at the axle", stiffness),
+    of_rotor!(tunable 3, "damping", NewtonMetreSecondPerRadian, Some(0.0), "damping of the drive in torsion, at the axle", damping),
 ];
 
 impl ForceElement for MotorGear {

@@ -68,9 +68,9 @@ const QUANTITIES: [Quantity; 1] = [Quantity {
 }];
 
 const CONSTANTS: [Constant<RunningResistance>; 3] = [
-    constant!(0, "rolling", Newton, Some(0.0), "A of the resistance A + B v + C v^2", rolling),
-    constant!(1, "perSpeed", NewtonSecondPerMetre, Some(0.0), "B of the resistance A + B v + C v^2", per_speed),
-    constant!(2, "air", KilogramPerMetre, Some(0.0), "C of the resistance A + B v + C v^2", air),
+    constant!(tunable 0, "rolling", Newton, Some(0.0), "A of the resistance A + B v + C v^2", rolling),
+    constant!(tunable 1, "perSpeed", NewtonSecondPerMetre, Some(0.0), "B of the resistance A + B v + C v^2", per_speed),
+    constant!(tunable 2, "air", KilogramPerMetre, Some(0.0), "C of the resistance A + B v + C v^2", air),
 ];
 
 impl ForceElement for RunningResistance {

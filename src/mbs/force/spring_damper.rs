@@ -29,14 +29,15 @@ pub struct SpringDamper {
 
 impl LineLaw for SpringDamper {
     const CONSTANTS: &'static [Constant<Self>] = &[
-        constant!(0, "stiffness", NewtonPerMetre, Some(0.0), "stiffness of the spring", get: |law| law.spring.linear_slope(), set: |law, value| law.spring = Curve::linear(value)),
-        constant!(1, "damping", NewtonSecondPerMetre, Some(0.0), "damping of the damper", get: |law| law.damper.linear_slope(), set: |law, value| law.damper = Curve::linear(value)),
-        constant!(2, "preload", Newton, None, "force in the design configuration, tension positive", get: |law| (!law.balanced && law.lengths.is_none()).then_some(law.preload), set: |law, value| law.preload = value),
+        constant!(tunable 0, "stiffness", NewtonPerMetre, Some(0.0), "stiffness of the spring", get: |law| law.spring.linear_slope(), set: |law, value| law.spring = Curve::linear(value)),
+        constant!(tunable 1, "damping", NewtonSecondPerMetre, Some(0.0), "damping of the damper", get: |law| law.damper.linear_slope(), set: |law, value| law.damper = Curve::linear(value)),
+        constant!(tunable 2, "preload", Newton, None, "force in the design configuration, tension positive", get: |law| (!law.balanced && law.lengths.is_none()).then_some(law.preload), set: |law, value| law.preload = value),
         Constant {
             number: 3,
             name: "naturalLength",
             unit: Unit::Metre,
             least: None,
+            tunable: true,
             description: "length without force",
             get: |law| law.lengths.map(|lengths| lengths[1]),
             set: |law, value| {

@@ -80,6 +80,7 @@ macro_rules! side_stiffness {
             name: $name,
             unit: Unit::NewtonPerMetre,
             least: POSITIVE,
+            tunable: true,
             description: $text,
             get: |law: &Stop| law.$side.as_ref()?.stiffness,
             set: |law, value| law.$side.iter_mut().for_each(|side| side.change(Some(value), side.clearance)),
@@ -100,8 +101,8 @@ impl LineLaw for Stop {
     const CONSTANTS: &'static [Constant<Self>] = &[
         side_stiffness!(0, "extensionStiffness", extension, "stiffness of the stop in tension, beyond the free travel"),
         side_stiffness!(1, "compressionStiffness", compression, "stiffness of the stop in compression, beyond the free travel"),
-        constant!(2, "clearance", Metre, Some(0.0), "free travel of each side before the stop's stiffness or table", get: |law| law.extension.as_ref().or(law.compression.as_ref()).map(|side| side.clearance), set: |law, value| law.buffers().for_each(|side| side.change(side.stiffness, value))),
-        constant!(3, "damping", SecondPerMetre, Some(0.0), "growth of the stop's force with the speed of pressing", damping),
+        constant!(tunable 2, "clearance", Metre, Some(0.0), "free travel of each side before the stop's stiffness or table", get: |law| law.extension.as_ref().or(law.compression.as_ref()).map(|side| side.clearance), set: |law, value| law.buffers().for_each(|side| side.change(side.stiffness, value))),
+        constant!(tunable 3, "damping", SecondPerMetre, Some(0.0), "growth of the stop's force with the speed of pressing", damping),
     ];
 
     #[inline]

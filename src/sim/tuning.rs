@@ -1,0 +1,58 @@
+//! Numbers of a model that change during a run: friction, the contact's damping, constants of force elements, the integrator's setting.
+//!
+//! A tuned model is the model that the run began with and the numbers in force, whatever stood in between: elements are made from those of the
+//! start each time, so that a state that is put back meets the same model to the bit. What the start has found stays: preloads from balance (a
+//! spring that grows stiffer is not hung up anew) and the static wheel loads by which errors are measured.
+
+use super::{Simulation, SimulationState};
+use crate::formulation::Cached;
+use crate::mbs::force::ForceElement;
+use crate::scene::spec::Scene;
+use crate::solve::Integrator;
+use std::sync::Arc;
+
+/// The numbers in force.
+pub struct Tuning<'a> {
+    /// With the friction and damping of contact, and as many force elements as that of the start.
+    pub scene: &'a Scene,
+    /// Of the method that the run began with.
+    pub integrator: &'a Arc<dyn Integrator>,
+    /// Constants that are not what they were at the start: the element's place among the vehicle's, the constant's number, its value. Always
+    /// in the same order.
+    pub constants: &'a [(usize, u32, f64)],
+}
+
+/// Elements of the model that were tuned, by place in it, as they were at the start.
+pub(super) type Untuned = Vec<(usize, Box<dyn ForceElement>)>;
+
+impl Simulation {
+    /// Puts other numbers in force from the present time on. The integration restarts here, as after a jump of an input.
+    pub fn tune(&mut self, tuning: &Tuning) {
+        let SimulationState { time, integration, frame, .. } = &mut self.state;
+        integration.restart_at(*time, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
+        self.adopt(tuning);
+    }
+
+    /// The same for a state that has yet to be put back ([`Simulation::restore`]) and was made under these numbers: nothing restarts.
+    pub fn adopt(&mut self, Tuning { scene, integrator, constants }: &Tuning) {
+        let contact = &scene.contact;
+        self.model.laws.friction = contact.friction;
+        self.model.laws.damping = (contact.damping_law.build)(contact.damping);
+        self.integrator = Arc::clone(integrator);
+        let forces = &mut self.model.system.forces;
+        for (place, element) in self.untuned.drain(..) {
+            forces[place] = element;
+        }
+        // The vehicle's elements stand behind weights and loads.
+        let first = forces.len() - scene.vehicle.forces.len();
+        for (place, number, value) in *constants {
+            let place = first + place;
+            if self.untuned.iter().all(|untuned| untuned.0 != place) {
+                self.untuned.push((place, forces[place].clone_box()));
+            }
+            forces[place].set_constant(*number, *value);
+        }
+        self.workspace.cached = Cached::No;
+        (self.snapshot_valid, self.motion_valid) = (false, false);
+    }
+}
