@@ -7,6 +7,7 @@ mod export;
 mod hard;
 mod interrupt;
 mod list;
+mod modes;
 mod output;
 mod overview;
 mod plan;
@@ -56,6 +57,8 @@ enum Command {
     Hard(hard::Arguments),
     /// List scenes, profiles, laws, formulations, integrators ...
     List(list::Arguments),
+    /// Eigenvalues and shapes of small motions about steady running; root locus over speed and critical speed
+    Modes(modes::Arguments),
     /// Print an embedded scene, to start an own one from
     Scene(scene::Arguments),
     /// Measure what accuracy costs in time: formulations, integrators and tolerances against references
@@ -204,6 +207,7 @@ pub fn main() -> ExitCode {
         Command::Profile(arguments) => profile::profile(&arguments),
         Command::Hard(arguments) => hard::hard(&arguments),
         Command::List(arguments) => list::list(&arguments),
+        Command::Modes(arguments) => modes::modes(&arguments),
         Command::Scene(arguments) => scene::scene(&arguments),
         Command::Study(arguments) => study::study(&arguments),
         Command::Table(arguments) => table::table(&arguments),

@@ -3,7 +3,8 @@
 //! [`contact_geometry`] sets the wheelset on its rails at one lateral shift, [`sweep`] does so over a range of shifts, and
 //! [`conicity`] makes equivalent conicities of the rolling-radius difference that comes out. [`accuracy`] measures what accuracy
 //! costs in time, [`shares`] where the time of a run goes; [`hard`] shows that
-//! hard cases stay right; [`patch`] solves the contact of real surfaces under a load, [`pose`] evaluates the scene's own laws in one pose; [`beside`] compares samples, [`digits`] writes numbers in words.
+//! hard cases stay right; [`patch`] solves the contact of real surfaces under a load, [`pose`] evaluates the scene's own laws in one pose; [`modes`] are small motions about
+//! steady running; [`beside`] compares samples, [`digits`] writes numbers in words.
 
 pub mod accuracy;
 mod beside;
@@ -12,6 +13,7 @@ pub mod contact_geometry;
 pub mod digits;
 pub mod ellipse_patch;
 pub mod hard;
+pub mod modes;
 pub mod patch;
 pub mod patch_laws;
 pub mod pose;

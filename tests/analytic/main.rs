@@ -8,6 +8,7 @@ mod counting;
 mod contact_geometry;
 mod forces;
 mod joints;
+mod modes;
 mod moving_frame;
 mod rail_motion;
 mod sliding_means;

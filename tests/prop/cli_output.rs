@@ -124,6 +124,8 @@ fn hard_a_full_standard_output_is_an_error_of_every_command() {
         &["contact", "suspended_wheelset", "--patch", "--cells", "8"],
         &["compare", "suspended_wheelset", "--stop", "0.05", "--formulations", "ECF-A", "-o", "compared"],
         &["export", "suspended_wheelset", "-o", "full.fmu", "--check", "none"],
+        &["modes", "suspended_wheelset"],
+        &["modes", "suspended_wheelset", "--sweep", "vehicle.speed=20..30:5", "--json"],
         &["hard", "--list"],
         &["hard", "--random-scene", "1"],
         &["--help"],

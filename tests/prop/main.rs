@@ -7,6 +7,7 @@ mod cli;
 mod cli_output;
 mod creep_laws;
 mod irregularities;
+mod modes;
 mod scene_keys;
 mod static_preload;
 mod steady_curving;

@@ -1,0 +1,147 @@
+//! `wheelrail modes SCENE`: eigenvalues and shapes about steady running, root locus over speed, linear critical speed.
+
+mod picture;
+mod report;
+
+use super::output::{Kind, Target};
+use super::progress::bar;
+use super::{Failure, SceneArguments, file_names, print, refused, say};
+use crate::scene::spec::Scene;
+use crate::study::modes::locus::{self, Locus};
+use crate::study::modes::{self, ModesError};
+use crate::units::Dimension;
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args)]
+#[command(after_long_help = "\
+The steady state is that of the scene's start on straight, undisturbed track at the scene's speed: deviations, irregularities and initial displacements are \
+left out; a scene that starts in a curve is refused. About it the whole model (contact search, normal and creep laws, suspension, joints) is \
+linearised by central differences; constraints of joints and of ECCF and ACCF leave their free directions. The column +- tells by how much the eigenvalue changes with differences of \
+twice the length.
+
+A mode grows where its growth is above 0. Damping is in percent of critical. Hunting are lateral motions in which \
+wheelsets roll along their wave. What nothing depends on (a wheelset's turn about its axle, the place along the track) or what is imposed \
+(the travelling speed) is left out and named.
+
+--sweep vehicle.speed=20..120:5 finds the modes from 20 to 120 m/s every 5 m/s; numbers may carry units, such as \"72km/h..430km/h:18km/h\" (a unit at the end alone counts for all \
+three). The critical speed is the first one within the sweep from which on hunting grows, by bisection.")]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Modes over speed and the critical speed
+    #[arg(long, value_name = "vehicle.speed=FROM..TO:STEP")]
+    sweep: Option<String>,
+    /// Draw the root locus of --sweep as SVG
+    #[arg(long, value_name = "FILE.svg", requires = "sweep")]
+    plot: Option<PathBuf>,
+    /// Print the result as JSON (SI units)
+    #[arg(long)]
+    json: bool,
+}
+
+/// Most speeds of a sweep.
+const MOST: f64 = 2000.0;
+
+pub(super) fn modes(arguments: &Arguments) -> Result<(), Failure> {
+    let scene = arguments.scene.open()?;
+    let speeds = arguments.sweep.as_deref().map(sweep).transpose()?;
+    let Some(speeds) = speeds else {
+        let found = modes::modes(&scene, scene.vehicle.speed).map_err(|error| failed(&scene, &error))?;
+        let text = if arguments.json { format!("{}\n", serde_json::json!(found)) } else { report::modes(&scene, &found) };
+        print(&text)?;
+        return Ok(());
+    };
+    // Whatever can't be written is better known before the work.
+    if let Some(file) = &arguments.plot {
+        Target::find(file, Kind::Text).map_err(refused)?;
+    }
+    let found = run(&scene, &speeds)?;
+    if let Some(file) = &arguments.plot {
+        picture::draw(file, &scene, &found).map_err(Failure::Run)?;
+    }
+    let files: Vec<PathBuf> = arguments.plot.iter().cloned().collect();
+    if arguments.json {
+        print(&format!("{}\n", serde_json::json!({"locus": found, "pictures": file_names(&files)})))?;
+    } else {
+        print(&report::locus(&scene, &found))?;
+        files.iter().for_each(|file| say(&format!("wrote {}", file.display())));
+    }
+    Ok(())
+}
+
+fn run(scene: &Scene, speeds: &[f64]) -> Result<Locus, Failure> {
+    let bar = bar(speeds.len() as u64, "");
+    let found = locus::locus(scene, speeds, || bar.inc(1));
+    bar.finish_and_clear();
+    found.map_err(|error| failed(scene, &error))
+}
+
+/// A scene without a steady state on straight track is bad input.
+fn failed(scene: &Scene, error: &ModesError) -> Failure {
+    let words = format!("{}: {error}", scene.source.file);
+    match error {
+        ModesError::NotStraight { .. } | ModesError::NoStart { .. } => Failure::Input(words),
+        ModesError::Beside { .. } | ModesError::NoEigenvalues { .. } => Failure::Run(words),
+    }
+}
+
+/// The speeds of a sweep, m/s, growing.
+fn sweep(text: &str) -> Result<Vec<f64>, Failure> {
+    let expected = || {
+        Failure::Input(format!(
+            "--sweep {text}: expected vehicle.speed=FROM..TO:STEP, e.g. vehicle.speed=20..120:5 or \"vehicle.speed=72..430:18 km/h\""
+        ))
+    };
+    let (key, range) = text.split_once('=').ok_or_else(expected)?;
+    if key.trim() != "vehicle.speed" {
+        return Err(Failure::Input(format!("--sweep {text}: found {}, but modes are swept over vehicle.speed alone", key.trim())));
+    }
+    let (from, rest) = range.split_once("..").ok_or_else(expected)?;
+    let (to, step) = rest.split_once(':').ok_or_else(expected)?;
+    let bare = |text: &str| text.trim().parse::<f64>().is_ok();
+    let unit = step.trim().trim_start_matches(|c: char| c.is_ascii_digit() || ".+-".contains(c));
+    let read = |part: &str| {
+        let whole = if bare(part) { format!("{} {unit}", part.trim()) } else { part.to_string() };
+        let speed = Dimension::Speed.parse(&whole).filter(|speed| speed.is_finite() && *speed > 0.0);
+        speed.ok_or_else(|| {
+            Failure::Input(format!("--sweep {text}: {}: expected {}, greater than 0", part.trim(), Dimension::Speed.expectation()))
+        })
+    };
+    let (from, to, step) = (read(from)?, read(to)?, read(step)?);
+    let count = (to - from) / step;
+    if !(0.0..MOST).contains(&count) {
+        return Err(Failure::Input(format!(
+            "--sweep {text}: {:.0} speeds; expected 1 to {MOST}, from the lowest to the highest",
+            count + 1.0
+        )));
+    }
+    Ok((0..=(count + 1e-9).floor() as usize).map(|k| from + step * k as f64).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sweep;
+
+    #[test]
+    fn prop_a_sweep_is_read_in_any_unit() {
+        let read = |text: &str| sweep(text).ok();
+        let close = |found: Option<Vec<f64>>, wanted: &[f64]| {
+            let found = found.unwrap();
+            assert!(found.len() == wanted.len() && found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        };
+        close(read("vehicle.speed=20..30:5"), &[20.0, 25.0, 30.0]);
+        close(read("vehicle.speed=72..108:18 km/h"), &[20.0, 25.0, 30.0]);
+        close(read("vehicle.speed=72km/h..31:5"), &[20.0, 25.0, 30.0]);
+        for wrong in [
+            "vehicle.mass=1..2:1",
+            "vehicle.speed=20..30",
+            "vehicle.speed=30..20:5",
+            "vehicle.speed=0..20:5",
+            "vehicle.speed=1..2:1 kg",
+            "20..30:5",
+        ] {
+            assert!(read(wrong).is_none(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Modes in words.
+
+use crate::cli::table;
+use crate::scene::spec::Scene;
+use crate::study::modes::locus::Locus;
+use crate::study::modes::{Mode, Modes};
+
+/// An acceleration above this, m/s2, means that the state is not steady.
+const UNSTEADY: f64 = 1e-3;
+/// Parts that are told of a mode, and modes of a speed.
+const PARTS: usize = 4;
+const LEAST_DAMPED: usize = 3;
+/// Contact modes beyond this are not told over speed unless they grow, Hz.
+const HIGHEST: f64 = 40.0;
+
+fn speed(speed: f64) -> String {
+    format!("{speed:.1} m/s ({:.0} km/h)", 3.6 * speed)
+}
+
+fn parts(mode: &Mode) -> String {
+    let told = mode.parts.iter().take(PARTS);
+    told.map(|part| format!("{} {} {:.0} %", part.body, part.coordinate, 100.0 * part.share)).collect::<Vec<_>>().join(", ")
+}
+
+fn head(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| name.to_string()).collect()
+}
+
+/// Everything about one speed.
+pub(super) fn modes(scene: &Scene, found: &Modes) -> String {
+    let mut text = format!(
+        "{}: {}\n  {}, {}: {} states, {} of free motion\n",
+        scene.name,
+        scene.title,
+        speed(found.speed),
+        scene.contact.formulation_name,
+        found.states,
+        found.free
+    );
+    if found.unbalanced > UNSTEADY {
+        text += &format!("  not quite steady: accelerations up to {:.1e} m/s2 or rad/s2 remain\n", found.unbalanced);
+    }
+    let row = |mode: &Mode| {
+        vec![
+            mode.name.clone(),
+            format!("{:.4}", mode.frequency),
+            format!("{:.2}", 100.0 * mode.damping),
+            format!("{:+.4}", mode.growth),
+            format!("{:.0e}", mode.uncertainty),
+        ]
+    };
+    let (swinging, aperiodic): (Vec<&Mode>, Vec<&Mode>) = found.modes.iter().partition(|mode| mode.frequency > 0.0);
+    text += "\nModes by frequency\n";
+    text += &table(
+        &head(&["what moves most", "Hz", "damping %", "growth 1/s", "+-"]),
+        &swinging.iter().map(|mode| row(mode)).collect::<Vec<_>>(),
+    );
+    text += "\nShares of the kinetic energy\n";
+    for mode in &swinging {
+        text += &format!("  {:9.4} Hz  {}\n", mode.frequency, parts(mode));
+    }
+    if !aperiodic.is_empty() {
+        text += "\nAperiodic motions\n";
+        let row = |mode: &&Mode| vec![mode.name.clone(), format!("{:+.4}", mode.growth), format!("{:.0e}", mode.uncertainty)];
+        text += &table(&head(&["what moves most", "growth 1/s", "+-"]), &aperiodic.iter().map(row).collect::<Vec<_>>());
+    }
+    if !found.left_out.is_empty() {
+        text += &format!("\nLeft out: {}\n", found.left_out.join("; "));
+    }
+    text + &verdict(found)
+}
+
+/// What grows.
+fn verdict(found: &Modes) -> String {
+    let growing: Vec<&Mode> = found.modes.iter().filter(|mode| mode.growth > mode.uncertainty && !mode.neutral).collect();
+    if growing.is_empty() {
+        return "\nStable: every motion dies away or is neutral\n".into();
+    }
+    let words = growing.iter().map(|mode| format!("{} at {:.3} Hz by {:.3} 1/s", mode.name, mode.frequency, mode.growth));
+    format!("\nUnstable: {}\n", words.collect::<Vec<_>>().join("; "))
+}
+
+/// The least damped modes by speed, and the critical speed.
+pub(super) fn locus(scene: &Scene, found: &Locus) -> String {
+    let mut text = format!(
+        "{}: {}\n  {}, straight track\n\nHunting and the least damped modes below {HIGHEST} Hz by speed\n",
+        scene.name, scene.title, scene.contact.formulation_name
+    );
+    let mut rows = Vec::new();
+    for point in &found.points {
+        let row = |speed: String, mode: &Mode| {
+            vec![
+                format!("{speed:>6}  {}", mode.name),
+                format!("{:.3}", mode.frequency),
+                format!("{:.2}", 100.0 * mode.damping),
+                format!("{:+.4}", mode.growth),
+            ]
+        };
+        let least = point.by_damping().into_iter().filter(|mode| mode.frequency < HIGHEST || mode.growth > 0.0).take(LEAST_DAMPED);
+        let hunting = point.hunting().into_iter();
+        let mut shown: Vec<&Mode> = hunting.collect();
+        shown.extend(least.filter(|mode| shown.first().is_none_or(|first| !std::ptr::eq(*first, *mode))).collect::<Vec<_>>());
+        for (index, mode) in shown.into_iter().enumerate() {
+            rows.push(row(if index == 0 { format!("{:.1}", point.speed) } else { String::new() }, mode));
+        }
+    }
+    text += &table(&head(&["   m/s  what moves most", "Hz", "damping %", "growth 1/s"]), &rows);
+    text += &match &found.critical {
+        Some(critical) => format!(
+            "\nLinear critical speed: {:.2} m/s ({:.1} km/h): {} at {:.3} Hz\n",
+            critical.speed,
+            3.6 * critical.speed,
+            critical.mode,
+            critical.frequency
+        ),
+        None => "\nNo critical speed within the sweep: hunting begins to grow at none of its speeds\n".into(),
+    };
+    if found.points.first().and_then(Modes::hunting).is_some_and(|mode| mode.growth > 0.0) {
+        text += "Hunting grows at the lowest speed already; begin lower\n";
+    }
+    text
+}

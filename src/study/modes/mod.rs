@@ -1,0 +1,195 @@
+//! Small motions about steady running: eigenvalues and shapes of the linearised equations, and how they change with speed.
+//!
+//! The steady state is that of the scene's start on straight, undisturbed track, without what the scene adds to it. About it the whole model, with contact
+//! search, normal and creep laws as they are, is differenced ([`slopes`]), put onto its constraints and freed of what has no influence ([`reduction`]):
+//!
+//! ```text
+//! y = y0 + D Q u,   u' = A u,   A u = lambda u
+//! ```
+//!
+//! A pair `lambda = a +- i w` is a mode of frequency `w / 2 pi`, growth rate `a` and damping `-a / |lambda|` of critical. Shares of a shape are those
+//! of the kinetic energy ([`shape`]). Eigenvalues along a sweep of speeds and the speed from which on hunting grows stand in [`locus`].
+
+pub mod locus;
+mod reduction;
+pub mod shape;
+mod slopes;
+
+use crate::formulation::{EvaluationError, Model};
+use crate::mbs::body::COORDINATES;
+use crate::scene::spec::Scene;
+use crate::scene::start::{self, Start};
+use crate::sim::{Simulation, SimulationError};
+use faer::{Mat, c64};
+use reduction::Reduction;
+use serde::Serialize;
+use shape::Part;
+use slopes::{Linear, Neighbourhood};
+use std::f64::consts::TAU;
+
+/// Why there are no modes.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ModesError {
+    #[error(
+        "at {speed} m/s: the vehicle starts {place}; modes are those of straight track: choose vehicle.initial.distance so that all of it stands on a straight \
+         without superelevation, or --set track.node=[]"
+    )]
+    NotStraight { speed: f64, place: &'static str },
+    #[error("at {speed} m/s: {cause}")]
+    NoStart { speed: f64, cause: SimulationError },
+    #[error("at {speed} m/s, beside the steady state: {cause}")]
+    Beside { speed: f64, cause: EvaluationError },
+    #[error("at {speed} m/s: the eigenvalues of {size} equations were not found")]
+    NoEigenvalues { speed: f64, size: usize },
+}
+
+/// One mode, or an aperiodic motion.
+#[derive(Clone, Debug, Serialize)]
+pub struct Mode {
+    /// What moves, in words.
+    pub name: String,
+    /// Hz; 0 of an aperiodic motion.
+    pub frequency: f64,
+    /// Real part of the eigenvalue, 1/s; below 0 the motion dies away.
+    pub growth: f64,
+    /// Imaginary part, rad/s; 0 of an aperiodic motion.
+    pub angular_frequency: f64,
+    /// Damping in parts of the critical one, -.
+    pub damping: f64,
+    /// By how much the eigenvalue changes with differences of twice the length, 1/s.
+    pub uncertainty: f64,
+    /// Do wheelsets roll along their wave with less slip than their yaw would make?
+    pub hunting: bool,
+    /// Does it neither grow nor die away, nor swing: a neighbouring steady state?
+    pub neutral: bool,
+    /// Largest first.
+    pub parts: Vec<Part>,
+    /// The state's share in the motion at time 0, m, rad, m/s, rad/s, as real and imaginary parts; the largest kinetic part has the phase 0.
+    #[serde(skip)]
+    pub shape: Vec<[f64; 2]>,
+}
+
+/// All of a steady state.
+#[derive(Clone, Debug, Serialize)]
+pub struct Modes {
+    /// V, m/s.
+    pub speed: f64,
+    /// Modes by frequency, then aperiodic motions, the slowest first.
+    pub modes: Vec<Mode>,
+    /// What was left out because nothing depends on it or it is imposed, in words.
+    pub left_out: Vec<String>,
+    /// States of the model, and those of free motion.
+    pub states: usize,
+    pub free: usize,
+    /// Largest acceleration in the steady state that should be none, m/s2 or rad/s2.
+    pub unbalanced: f64,
+}
+
+impl Modes {
+    /// The mode that grows most, or dies away most slowly, among those of hunting.
+    pub fn hunting(&self) -> Option<&Mode> {
+        self.modes.iter().filter(|mode| mode.hunting).max_by(|a, b| a.growth.total_cmp(&b.growth))
+    }
+
+    /// Swinging modes, the least damped first.
+    pub fn by_damping(&self) -> Vec<&Mode> {
+        let mut modes: Vec<&Mode> = self.modes.iter().filter(|mode| mode.frequency > 0.0).collect();
+        modes.sort_by(|a, b| a.damping.total_cmp(&b.damping));
+        modes
+    }
+}
+
+/// Below this, 1/s, an eigenvalue is none; and the part of an eigenvalue that its imaginary part must be, or it is a double real one apart by
+/// rounding.
+const NEUTRAL: f64 = 1e-3;
+const SWINGS: f64 = 1e-3;
+
+/// The scene at a speed [m/s] on straight, undisturbed track, without what it adds to the steady state at its start.
+///
+/// # Errors
+/// [`ModesError::NotStraight`].
+pub fn undisturbed(scene: &Scene, speed: f64) -> Result<Scene, ModesError> {
+    match start::start(scene) {
+        Start::Straight => {}
+        Start::Curve(node) if node.curvature == 0.0 => {
+            return Err(ModesError::NotStraight { speed, place: "on superelevated or climbing track" });
+        }
+        Start::Curve(_) => return Err(ModesError::NotStraight { speed, place: "in a curve" }),
+        Start::Transition { .. } => return Err(ModesError::NotStraight { speed, place: "on a transition" }),
+    }
+    let mut scene = scene.clone();
+    scene.vehicle.speed = speed;
+    (scene.track.alignment, scene.track.line, scene.track.start_fade) = (None, None, None);
+    scene.track.deviations.clear();
+    // Friction that changes along the track is what it is at the start; else differences are more exact near the origin.
+    let distance = if scene.contact.friction_map.is_some() { start::origin(&scene) } else { 0.0 };
+    scene.vehicle.initial.from_equilibrium = true;
+    scene.vehicle.initial.values = [0.0; 10];
+    scene.vehicle.initial.values[0] = distance;
+    scene.vehicle.wheelsets.iter_mut().for_each(|wheelset| wheelset.offset = [0.0; 2]);
+    Ok(scene)
+}
+
+/// Modes of a scene's vehicle at a speed [m/s].
+///
+/// # Errors
+/// [`ModesError`].
+pub fn modes(scene: &Scene, speed: f64) -> Result<Modes, ModesError> {
+    let scene = undisturbed(scene, speed)?;
+    let simulation = Simulation::new(&scene, 0.0).map_err(|cause| ModesError::NoStart { speed, cause })?;
+    let model = simulation.model();
+    let state = simulation.state();
+    let beside = |cause| ModesError::Beside { speed, cause };
+    let mut here = Neighbourhood::new(model, &state.integration.y, &state.memories.accepted);
+    let linear = here.linear(1.0).map_err(beside)?;
+    let coarse = here.linear(2.0).map_err(beside)?;
+    let reduction = Reduction::new(&mut here, &linear).ok_or(ModesError::NoEigenvalues { speed, size: linear.size() })?;
+    let matrix = reduction.matrix(&linear);
+    let size = matrix.nrows();
+    let no_values = |_| ModesError::NoEigenvalues { speed, size };
+    let eigen = matrix.eigen().map_err(no_values)?;
+    let others: Vec<c64> = reduction.matrix(&coarse).eigenvalues().map_err(no_values)?;
+    let values = eigen.S().column_vector();
+    let mut modes = Vec::new();
+    for k in 0..size {
+        let value = values[k];
+        let swings = value.norm() > NEUTRAL && value.im.abs() > SWINGS * value.norm();
+        if value.im >= 0.0 || !swings {
+            let shape = reduction.full(|row| eigen.U()[(row, k)]);
+            modes.push(mode(model, speed, if swings { value } else { c64::new(value.re, 0.0) }, &others, shape));
+        }
+    }
+    modes.sort_by(|a, b| {
+        let aperiodic = |mode: &Mode| mode.angular_frequency == 0.0;
+        aperiodic(a).cmp(&aperiodic(b)).then(a.frequency.total_cmp(&b.frequency)).then(b.growth.total_cmp(&a.growth))
+    });
+    Ok(Modes { speed, modes, states: linear.size(), free: size, unbalanced: unbalanced(model, &linear), left_out: reduction.left_out })
+}
+
+fn mode(model: &Model, speed: f64, value: c64, others: &[c64], shape: Vec<c64>) -> Mode {
+    let uncertainty = others.iter().map(|other| (other - value).norm()).fold(f64::INFINITY, f64::min);
+    let size = value.norm();
+    let neutral = size < NEUTRAL;
+    let found = shape::describe(model, speed, value, shape);
+    Mode {
+        frequency: value.im / TAU,
+        growth: value.re,
+        angular_frequency: value.im,
+        damping: if size > 0.0 { -value.re / size } else { 0.0 },
+        uncertainty,
+        hunting: found.hunting,
+        neutral,
+        name: if neutral { format!("{} (neutral)", found.name) } else { found.name },
+        parts: found.parts,
+        shape: found.shape.iter().map(|part| [part.re, part.im]).collect(),
+    }
+}
+
+/// Largest acceleration of a body at the steady state.
+fn unbalanced(model: &Model, linear: &Linear) -> f64 {
+    let count = COORDINATES * model.system.bodies.len();
+    linear.rates[count..2 * count].iter().fold(0.0, |most, rate| f64::max(most, rate.abs()))
+}
+
+/// A dense matrix.
+type Dense = Mat<f64>;

@@ -1,0 +1,118 @@
+//! The model's right-hand side and projection, differenced about a state.
+//!
+//! Central differences over steps that are short beside what contact laws are curved over: creep laws have kinks of second order at vanishing creepage,
+//! so velocities move by 3e-8 of the travelling speed; positions by 1e-7 m, a thousandth of a penetration. Where joints or contacts are
+//! constraints each neighbour is moved onto them first: what is found is then the slope along the manifold that they leave,
+//!
+//! ```text
+//! P = dp/dy,   J P = d f(p(y)) / dy
+//! ```
+//!
+//! with p the projection, which meets constraints to 1e-13 m; steps there are ten times as long.
+
+use super::Dense;
+use crate::formulation::memory::ModelMemory;
+use crate::formulation::{Evaluation, EvaluationError, Model, Workspace};
+use crate::mbs::body::{COORDINATES, YAW};
+use faer::Mat;
+
+/// Steps of positions [m], of angles that are creepages [rad], and of velocities in parts of the travelling speed.
+const POSITION: f64 = 1e-7;
+const ANGLE: f64 = 3e-8;
+const VELOCITY: f64 = 3e-8;
+/// Of states of force elements and contacts, in parts of their size or of 1.
+const OTHER: f64 = 1e-6;
+/// How much longer steps are where states are projected.
+const PROJECTED: f64 = 10.0;
+/// The least speed that steps of velocities are parts of, m/s.
+const SLOWEST: f64 = 1.0;
+
+/// Slopes at a state.
+pub(super) struct Linear {
+    /// P, and J P.
+    pub projector: Dense,
+    pub slopes: Dense,
+    /// f(y).
+    pub rates: Vec<f64>,
+}
+
+impl Linear {
+    pub fn size(&self) -> usize {
+        self.rates.len()
+    }
+}
+
+/// A state and what is about it.
+pub(super) struct Neighbourhood<'a> {
+    pub model: &'a Model,
+    pub y: Vec<f64>,
+    memory: &'a ModelMemory,
+    inputs: Vec<f64>,
+    workspace: Workspace,
+    trial: ModelMemory,
+    /// Is anything a constraint?
+    constrained: bool,
+    speed: f64,
+}
+
+impl<'a> Neighbourhood<'a> {
+    pub fn new(model: &'a Model, y: &[f64], memory: &'a ModelMemory) -> Self {
+        Neighbourhood {
+            workspace: model.workspace(),
+            inputs: model.start_inputs(),
+            trial: memory.clone(),
+            constrained: model.formulation.constrains() || model.formulation.states_per_contact() > 0 || !model.system.joints.is_empty(),
+            speed: y[COORDINATES * model.system.bodies.len()].abs().max(SLOWEST),
+            y: y.to_vec(),
+            model,
+            memory,
+        }
+    }
+
+    /// Step of a state.
+    fn step(&self, index: usize) -> f64 {
+        let count = COORDINATES * self.model.system.bodies.len();
+        let own = match index {
+            _ if index < count && index % COORDINATES == YAW => ANGLE,
+            _ if index < count => POSITION,
+            _ if index < 2 * count => VELOCITY * self.speed,
+            _ => OTHER * self.y[index].abs().max(1.0),
+        };
+        if self.constrained { PROJECTED * own } else { own }
+    }
+
+    /// The state nearest to `y` that is on the constraints, and its rates.
+    pub fn rates(&mut self, mut y: Vec<f64>) -> Result<(Vec<f64>, Vec<f64>), EvaluationError> {
+        self.trial.clone_from(self.memory);
+        if self.constrained {
+            self.model.at(&mut self.workspace, 0.0, &mut y, &mut self.trial).project()?;
+        }
+        let mut rates = vec![0.0; y.len()];
+        let at = Evaluation { t: 0.0, inputs: &self.inputs, y: &y, memory: &mut self.trial };
+        self.model.derivative(&mut self.workspace, at, &mut rates)?;
+        Ok((y, rates))
+    }
+
+    /// Slopes with steps of `length` times their usual length.
+    pub fn linear(&mut self, length: f64) -> Result<Linear, EvaluationError> {
+        let size = self.y.len();
+        let (mut projector, mut slopes) = (Mat::zeros(size, size), Mat::zeros(size, size));
+        for column in 0..size {
+            let step = length * self.step(column);
+            let mut beside = |sign: f64| {
+                let mut y = self.y.clone();
+                y[column] += sign * step;
+                self.rates(y)
+            };
+            let (ahead, behind) = (beside(1.0)?, beside(-1.0)?);
+            // What the state really moved by, after rounding.
+            let moved = (self.y[column] + step) - (self.y[column] - step);
+            for row in 0..size {
+                projector[(row, column)] = (ahead.0[row] - behind.0[row]) / moved;
+                slopes[(row, column)] = (ahead.1[row] - behind.1[row]) / moved;
+            }
+        }
+        let rates = self.rates(self.y.clone())?.1;
+        Ok(Linear { projector, slopes, rates })
+    }
+}

@@ -1,0 +1,213 @@
+//! Modes against simulated motions, formulas and the linearisation of the implicit integrators.
+
+use crate::common;
+use nalgebra::{Complex, DMatrix, DVector};
+use std::f64::consts::PI;
+use wheelrail::formulation::Evaluation;
+use wheelrail::scene::load;
+use wheelrail::scene::spec::Scene;
+use wheelrail::sim::Simulation;
+use wheelrail::study::modes::{Mode, Modes, locus, modes, undisturbed};
+
+fn open(name: &str, changes: &[&str]) -> Scene {
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+    load::open(name, &changes).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn found(scene: &Scene) -> Modes {
+    modes(scene, scene.vehicle.speed).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn value(mode: &Mode) -> Complex<f64> {
+    Complex::new(mode.growth, mode.angular_frequency)
+}
+
+/// The eigenvalue of a run that starts in a mode's shape, from lateral displacements of a body at equal times: of
+/// `y(k+1) = p y(k) - q y(k-1)`, by least squares, the root with the positive imaginary part.
+fn simulated(scene: &Scene, mode: &Mode, body: usize, periods: f64) -> Complex<f64> {
+    // Small beside what laws are curved over.
+    const AMPLITUDE: f64 = 1e-6;
+    let scene = undisturbed(scene, scene.vehicle.speed).unwrap();
+    let mut simulation: Simulation = common::start(&scene);
+    let mut state = simulation.state().clone();
+    let lateral = 6 * body + 1;
+    let middle = state.integration.y[lateral];
+    let [re, im] = mode.shape[lateral];
+    let scale = AMPLITUDE / Complex::new(re, im);
+    state.integration.y.iter_mut().zip(&mode.shape).for_each(|(y, part)| *y += (scale * Complex::new(part[0], part[1])).re);
+    assert!(simulation.restore(&state));
+    let step = 1.0 / mode.frequency / 16.0;
+    let mut samples = Vec::new();
+    for k in 1..=(16.0 * periods) as usize {
+        simulation.advance(step * k as f64).unwrap_or_else(|error| panic!("{error}"));
+        samples.push(simulation.solution()[lateral] - middle);
+    }
+    let rows = samples.len() - 2;
+    let matrix = DMatrix::from_fn(rows, 2, |i, j| samples[i + 1 - j]);
+    let next = DVector::from_fn(rows, |i, _| samples[i + 2]);
+    let found = matrix.svd(true, true).solve(&next, 1e-14).unwrap();
+    let (p, q) = (found[0], -found[1]);
+    let root = Complex::new(0.5 * p, (q - 0.25 * p * p).max(0.0).sqrt());
+    root.ln() / step
+}
+
+/// Of hunting, the relative distance from what a run does.
+fn compare(scene: &Scene, body: usize, periods: f64) -> f64 {
+    let all = found(scene);
+    let mode = all.hunting().unwrap();
+    let (wanted, measured) = (value(mode), simulated(scene, mode, body, periods));
+    let distance = (measured - wanted).norm() / wanted.norm();
+    println!("{} at {} m/s: {wanted:.6} found, {measured:.6} simulated: {distance:.1e}", scene.name, scene.vehicle.speed);
+    distance
+}
+
+const TIGHT: [&str; 2] = ["solver.integrator=dormand_prince", "solver.tolerance=1e-12"];
+
+#[test]
+fn analytic_hunting_of_a_wheelset_grows_as_simulated() {
+    // Below, near and above the critical speed.
+    for speed in ["vehicle.speed=40", "vehicle.speed=64", "vehicle.speed=80"] {
+        for formulation in ["contact.formulation=ECF-A", "contact.formulation=ECCF"] {
+            let scene = open("suspended_wheelset", &[TIGHT[0], TIGHT[1], speed, formulation]);
+            assert!(compare(&scene, 0, 4.0) < 1e-6);
+        }
+    }
+    for formulation in ["contact.formulation=ECF-A", "contact.formulation=ECCF"] {
+        let scene = open("wheelset_s1002", &[TIGHT[0], TIGHT[1], formulation]);
+        assert!(compare(&scene, 0, 2.0) < 1e-4);
+    }
+}
+
+#[test]
+fn analytic_hunting_of_a_coach_grows_as_simulated() {
+    for speed in ["vehicle.speed=50", "vehicle.speed=60"] {
+        let scene = open("vehicle_manchester_1", &["solver.integrator=dormand_prince", "solver.tolerance=1e-10", speed]);
+        assert!(compare(&scene, 0, 4.0) < 1e-4);
+    }
+}
+
+/// A free wheelset at walking speed rolls without slip: Klingel's wave, longer by the roll of the axle over the rails. The independent implementation under
+/// `tests/reference` has the conicity 0.02567142 and the wavelength 22.6138550 m (see `analytic_klingel_wavelength_with_the_roll_term`).
+#[test]
+fn analytic_wavelength_of_a_free_wheelset_is_klingels() {
+    let free = ["longitudinal_stiffness", "longitudinal_damping", "lateral_stiffness"].map(|key| format!("vehicle.suspension.{key}=0"));
+    let mut changes: Vec<&str> = free.iter().map(String::as_str).collect();
+    changes.push("vehicle.speed=2");
+    let all = found(&open("suspended_wheelset", &changes));
+    let mode = all.hunting().unwrap();
+    let klingel = 2.0 * PI * (0.457 * 0.716 / 0.025_671_42f64).sqrt();
+    let wavelength = all.speed / mode.frequency;
+    println!("{wavelength:.6} m, Klingel {klingel:.4} m, growth {:.1e} 1/s", mode.growth);
+    assert!((wavelength / 22.613_855 - 1.0).abs() < 1e-6);
+    assert!((wavelength / klingel - 1.0).abs() < 0.01);
+    assert!(mode.damping.abs() < 2e-3);
+}
+
+/// Car and frames on their springs, dampers in series with springs: `(M s^2 + K2)(m s^2 + K1 + K2) = K2^2` with `K(s) = k + 1 / (1 / (c s) + 1 / k')`, by
+/// Newton's method from what was found.
+#[test]
+fn analytic_bounce_of_a_coach() {
+    let all = found(&open("vehicle_manchester_1", &[]));
+    let (car, frames) = (32000.0, 2.0 * 2615.0);
+    let stiffness = |s: Complex<f64>, count: f64, k: f64, c: f64, series: f64| count * (k + 1.0 / (1.0 / (c * s) + 1.0 / series));
+    let rest = |s: Complex<f64>| {
+        let primary = stiffness(s, 8.0, 1220e3, 4e3, 1e6);
+        let secondary = stiffness(s, 4.0, 430e3, 20e3, 6e6);
+        (car * s * s + secondary) * (frames * s * s + primary + secondary) - secondary * secondary
+    };
+    for name in ["car: bounce", "truck[1].frame + truck[2].frame: bounce, in phase"] {
+        let mode = all.modes.iter().find(|mode| mode.name == name && mode.frequency > 0.0).unwrap_or_else(|| panic!("{name}"));
+        let mut s = value(mode);
+        for _ in 0..20 {
+            let h = 1e-6 * s.norm();
+            let slope = (rest(s + h) - rest(s - h)) / (2.0 * h);
+            s -= rest(s) / slope;
+        }
+        let distance = (value(mode) - s).norm() / s.norm();
+        println!("{name}: {:.6} Hz, by hand {:.6} Hz, {distance:.1e}", mode.frequency, s.im / (2.0 * PI));
+        // Frames stand on contacts of finite stiffness, and the traction rod is not level.
+        assert!(distance < 1e-3);
+    }
+}
+
+/// Contacts that are constraints leave the same free motions however they are written.
+#[test]
+fn equiv_constraint_formulations_have_the_same_modes() {
+    for (name, limit) in [("suspended_wheelset", 1e-5), ("wheelset_s1002", 1e-4)] {
+        let [eccf, accf] = ["ECCF", "ACCF"].map(|formulation| found(&open(name, &[&format!("contact.formulation={formulation}")])));
+        assert_eq!((eccf.free, accf.free), (5, 5));
+        for (a, b) in eccf.modes.iter().zip(&accf.modes) {
+            let distance = (value(a) - value(b)).norm() / value(a).norm();
+            println!("{name}, {}: {:.6} {:.6}: {distance:.1e}", a.name, value(a), value(b));
+            assert!(distance < limit);
+        }
+    }
+}
+
+/// The Jacobian of the implicit integrators against differences: what it leaves out (how the curvatures of real profiles change as contacts move) counts in
+/// hunting, where large parts cancel out, and nowhere else. Runs side with differences, see above.
+#[test]
+fn analytic_eigenvalues_of_the_tangent() {
+    for (name, limit, hunting) in [("suspended_wheelset", 2e-3, 1e-4), ("vehicle_manchester_1", 1e-2, 0.1)] {
+        let scene = open(name, &[]);
+        let all = found(&scene);
+        let scene = undisturbed(&scene, scene.vehicle.speed).unwrap();
+        let simulation = common::start(&scene);
+        let model = simulation.model();
+        let (y, memory) = (&simulation.state().integration.y, &simulation.state().memories.accepted);
+        let (inputs, mut workspace) = (model.start_inputs(), model.workspace());
+        model.prepare_tangent(&mut workspace);
+        let (mut dy, mut trial) = (vec![0.0; y.len()], memory.clone());
+        model.derivative(&mut workspace, Evaluation { t: 0.0, inputs: &inputs, y, memory: &mut trial }, &mut dy).unwrap();
+        model.linearise(&mut workspace, (y, memory), &inputs, true);
+        let (n, a) = (y.len(), 1e-3);
+        model.factorise(&mut workspace, a).unwrap();
+        let mut inverse = DMatrix::zeros(n, n);
+        for j in 0..n {
+            let mut x = vec![0.0; n];
+            x[j] = 1.0;
+            model.solve_linear(&mut workspace, &mut x);
+            inverse.set_column(j, &DVector::from_vec(x));
+        }
+        let tangent = (DMatrix::identity(n, n) - inverse.try_inverse().unwrap()) / a;
+        let values = tangent.complex_eigenvalues();
+        for mode in all.modes.iter().filter(|mode| mode.frequency > 0.0 && mode.damping < 0.9) {
+            let own = value(mode);
+            let distance =
+                values.iter().map(|other| (own - Complex::new(other.re, other.im)).norm()).fold(f64::INFINITY, f64::min) / own.norm();
+            println!("{name}, {}: {own:.4}: {distance:.1e}", mode.name);
+            assert!(distance < if mode.hunting { hunting } else { limit }, "{name}, {}: {distance:e}", mode.name);
+        }
+    }
+}
+
+/// docs/accuracy.md finds 66 m/s from runs.
+#[test]
+fn analytic_critical_speed_of_the_suspended_wheelset() {
+    let scene = open("suspended_wheelset", &[]);
+    let found = locus::locus(&scene, &[20.0, 50.0, 80.0], || {}).unwrap();
+    let critical = found.critical.unwrap();
+    println!("{critical:?}");
+    assert!((critical.speed - 65.8).abs() < 0.1 && critical.mode.starts_with("hunting"));
+    let growth = |speed: f64| modes(&scene, speed).unwrap().hunting().unwrap().growth;
+    assert!(growth(critical.speed - 0.1) < 0.0 && growth(critical.speed + 0.1) > 0.0);
+}
+
+/// What nothing depends on is left out, not found as a noisy zero; the speed of a free vehicle is its own, neutral motion.
+#[test]
+fn prop_travel_and_turns_are_left_out() {
+    for name in ["suspended_wheelset", "vehicle_manchester_1"] {
+        let [imposed, free] = ["imposed", "free"].map(|travel| found(&open(name, &[&format!("vehicle.travel={travel}")])));
+        let neutral = |modes: &Modes| modes.modes.iter().filter(|mode| mode.neutral).count();
+        assert_eq!((neutral(&imposed), neutral(&free)), (0, 1), "{name}");
+        assert!(free.left_out.iter().any(|words| words.starts_with("travel")), "{:?}", free.left_out);
+        assert!(imposed.left_out.iter().any(|words| words.ends_with("(imposed)")), "{:?}", imposed.left_out);
+    }
+}
+
+#[test]
+fn hard_a_scene_in_a_curve_is_refused() {
+    let scene = open("vehicle_curve", &["vehicle.initial.distance=150"]);
+    let error = modes(&scene, scene.vehicle.speed).unwrap_err().to_string();
+    assert!(error.contains("straight track"), "{error}");
+}

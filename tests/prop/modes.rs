@@ -1,0 +1,65 @@
+//! `wheelrail modes` as a program.
+
+use std::process::Command;
+
+fn modes(arguments: &[&str]) -> (String, String, i32) {
+    let output = Command::new(env!("CARGO_BIN_EXE_wheelrail")).arg("modes").args(arguments).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (text(output.stdout), text(output.stderr), output.status.code().unwrap())
+}
+
+#[test]
+fn prop_modes_are_told_in_words_and_as_json() {
+    let (words, _, code) = modes(&["suspended_wheelset"]);
+    assert_eq!(code, 0);
+    for said in ["hunting, wheelset: lateral", "Left out: wheelset: distance and speed along the track (imposed)", "Stable"] {
+        assert!(words.contains(said), "{words}");
+    }
+    let (words, _, _) = modes(&["suspended_wheelset", "--set", "vehicle.speed=80"]);
+    assert!(words.contains("Unstable: hunting, wheelset: lateral at 3.057 Hz"), "{words}");
+    let (json, _, _) = modes(&["vehicle_manchester_1", "--json"]);
+    let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let all = found["modes"].as_array().unwrap();
+    // One entry for a pair, one for a real eigenvalue.
+    let swinging = all.iter().filter(|mode| mode["frequency"].as_f64().unwrap() > 0.0).count();
+    assert_eq!(all.len() + swinging, found["free"].as_u64().unwrap() as usize);
+    let names: Vec<&str> = all.iter().map(|mode| mode["name"].as_str().unwrap()).collect();
+    for name in ["car: lower sway", "car: upper sway", "car: bounce", "car: yaw", "car: pitch"] {
+        assert!(names.contains(&name), "{names:?}");
+    }
+    for mode in all {
+        let shares: f64 = mode["parts"].as_array().unwrap().iter().map(|part| part["share"].as_f64().unwrap()).sum();
+        assert!(shares > 0.5 && shares < 1.0 + 1e-9, "{mode}");
+    }
+}
+
+#[test]
+fn prop_a_sweep_has_a_locus_a_critical_speed_and_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("locus.svg");
+    let sweep = ["suspended_wheelset", "--sweep", "vehicle.speed=216..252:18 km/h", "--plot", picture.to_str().unwrap()];
+    let (words, said, code) = modes(&sweep);
+    assert_eq!(code, 0, "{said}");
+    assert!(words.contains("Linear critical speed: 65.82 m/s (237.0 km/h)") && said.contains("wrote"), "{words}{said}");
+    assert!(std::fs::read_to_string(&picture).unwrap().contains("critical speed 65.8 m/s"));
+    let (words, _, _) = modes(&["suspended_wheelset", "--sweep", "vehicle.speed=20..40:10"]);
+    assert!(words.contains("No critical speed within the sweep"), "{words}");
+    let (words, _, _) = modes(&["suspended_wheelset", "--sweep", "vehicle.speed=70..90:10"]);
+    assert!(words.contains("grows at the lowest speed already"), "{words}");
+}
+
+#[test]
+fn hard_what_has_no_modes_is_refused_in_words() {
+    let cases: &[(&[&str], &str)] = &[
+        (&["vehicle_curve", "--set", "vehicle.initial.distance=150"], "in a curve; modes are those of straight track"),
+        (&["suspended_wheelset", "--sweep", "vehicle.speed=20"], "expected vehicle.speed=FROM..TO:STEP"),
+        (&["suspended_wheelset", "--sweep", "contact.friction=0..1:0.1"], "swept over vehicle.speed alone"),
+        (&["suspended_wheelset", "--sweep", "vehicle.speed=20..10:1"], "from the lowest to the highest"),
+        (&["suspended_wheelset", "--sweep", "vehicle.speed=20..30:1", "--plot", "/no/such/folder/x.svg"], "can't be written"),
+        (&["suspended_wheelset", "--plot", "x.svg"], "--sweep"),
+    ];
+    for (arguments, sentence) in cases {
+        let (words, said, code) = modes(arguments);
+        assert!(code == 2 && said.contains(sentence) && words.is_empty(), "{arguments:?} said: {said}");
+    }
+}
