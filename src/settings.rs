@@ -3,6 +3,7 @@
 //! docs all take the names that a scene may use.
 
 mod constant;
+mod defaults;
 mod faults;
 mod nearest;
 

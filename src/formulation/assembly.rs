@@ -128,7 +128,8 @@ impl Model {
             timers: Timers::default(),
             events: Vec::new(),
             cached: Cached::No,
-            strips: vec![Scratch::new(self.most_strips()); self.contacts()],
+            // Not copies of one: a copy has no room in front.
+            strips: (0..self.contacts()).map(|_| Scratch::new(self.most_strips())).collect(),
             deeper: Scratch::new(self.most_strips()),
             tangent: None,
             frame: MovingFrame::default(),

@@ -125,10 +125,12 @@ impl Overlaps<'_> {
     #[inline]
     fn along(&self, numbers: impl Iterator<Item = usize>, first: usize, pressed: &mut Vec<Pressed>) {
         for number in numbers {
-            let known = pressed[..first].iter().any(|known| known.number == number);
+            if pressed[..first].iter().any(|known| known.number == number) {
+                break;
+            }
             match self.strip(number, about(&pressed[first..])) {
-                Some(found) if !known => pressed.push(found),
-                _ => break,
+                Some(found) => pressed.push(found),
+                None => break,
             }
         }
     }

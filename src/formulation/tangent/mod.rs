@@ -24,7 +24,7 @@ use crate::contact::creepage::{CreepForce, Creepage};
 use crate::contact::friction::by_friction;
 use crate::contact::search::algebraic::Pair;
 use crate::contact::search::migration::{Row, add, sum};
-use crate::contact::strips::{Part, Parts, Pressed, RailStrips, Uneven};
+use crate::contact::strips::{Part, Pressed, Uneven};
 use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
 use crate::geometry::Side;
 use crate::mbs::body::{BodyMotion, Wrench};
@@ -91,16 +91,10 @@ impl Model {
                 let at = At { wheelset, side, contact, slot, motion, report, friction, travel };
                 self.add_contact(&at, shares.get(slot), y, &mut tangent);
             }
-            if let Some(rails) = &self.strips {
+            if self.strips.is_some() {
                 let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Vector3::zeros(), friction: factor, y };
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
-                self.add_patch(
-                    &wheel,
-                    workspace.reports(contact),
-                    (&patch, strips.0[contact].pressed(), &rails[side.index()]),
-                    travel,
-                    &mut tangent,
-                );
+                self.add_patch(&wheel, workspace.reports(contact), (&patch, strips.0[contact].pressed()), travel, &mut tangent);
             }
         }
         (workspace.strips, workspace.deeper) = strips;
@@ -148,28 +142,26 @@ impl Model {
         &self,
         wheel: &WheelAt,
         reports: impl Iterator<Item = &'r ContactReport> + Clone,
-        (patch, pressed, rail): (&PatchChanges, &[Pressed], &RailStrips),
+        (patch, pressed): (&PatchChanges, &[Pressed]),
         travel: Option<Vector3<f64>>,
         tangent: &mut Tangent,
     ) {
         let WheelAt { wheelset, side, motion, contact, .. } = *wheel;
         let Some(wrench) = tangent.wrench_mut(wheelset.body, wheelset.body) else { return };
         let pair = wheel.pair();
-        let parts = Parts::new(pressed, rail, reports.clone().count());
-        let steady = |report: &ContactReport, numbers: Option<(usize, usize)>, (touching, normal): (&Touching, &ByMotion<1>)| {
+        let found = &patch.found;
+        let steady = |report: &ContactReport, part: Option<((usize, usize), &Part)>, (touching, normal): (&Touching, &ByMotion<1>)| {
             let at = At { wheelset, side, contact, slot: 0, motion, report, friction: wheel.friction_at(report), travel };
-            let Some((first, last)) = numbers else { return self.steady(&at, None, touching, normal) };
-            let share = parts.share(pressed, first, last);
-            let part = Part::new(share, rail, pair.wheel.profile.as_ref(), self.laws.material);
-            self.steady(&at, Some(&wheel.uneven(share, &part, &report.axes)), touching, normal)
+            let uneven = part.map(|((first, last), part)| wheel.uneven(found.split.share(pressed, first, last), part, &report.axes));
+            self.steady(&at, uneven.as_ref(), touching, normal)
         };
         // Of the parts' creep forces less that of the whole.
         let mut difference = Wrench::default();
-        let independence = patch.whole.as_ref().map_or(1.0, |whole| whole.independence);
+        let independence = patch.whole.as_ref().map_or(1.0, |_| found.independence);
         for (slot, report) in reports.clone().enumerate().filter(|(_, report)| report.normal_force > 0.0) {
-            let found = Contact::again(report);
+            let place = Contact::again(report);
             let mut own = *report;
-            Contact { wheel, found: &found, slot: 0, share: report.share }.creep(&mut own);
+            Contact { wheel, found: &place, slot: 0, share: report.share }.creep(&mut own);
             let (touching, normal) = match &patch.parts[slot] {
                 Some(change) => self.touching_patch(&own, motion, &pair, change),
                 None => {
@@ -178,18 +170,19 @@ impl Model {
                     (touching, normal)
                 }
             };
-            let creep = steady(&own, patch.numbers[slot].map(|k| (k, k)), (&touching, &normal)).times(independence);
+            let part = patch.numbers[slot].and_then(|k| Some(((k, k), found.parts[k].as_ref()?)));
+            let creep = steady(&own, part, (&touching, &normal)).times(independence);
             touching.add_wrench(report, &normal, &creep, wrench);
             own.add_to(&mut difference, own.force - own.axes.normal * own.normal_force, &motion.position);
         }
-        let Some(whole) = &patch.whole else { return };
-        let found = location(&whole.part, motion);
-        let all = Contact { wheel, found: &found, slot: 0, share: 1.0 };
+        let (Some(whole), Some(part)) = (&patch.whole, &found.whole) else { return };
+        let place = location(part, motion);
+        let all = Contact { wheel, found: &place, slot: 0, share: 1.0 };
         let mut report = all.report();
-        (report.patch, report.normal_force) = (whole.part.patch, reports.map(|report| report.normal_force).sum());
+        (report.patch, report.normal_force) = (part.patch, reports.map(|report| report.normal_force).sum());
         all.creep(&mut report);
         let (touching, normal) = self.touching_patch(&report, motion, &pair, &whole.change);
-        let creep = steady(&report, Some((0, parts.len() - 1)), (&touching, &normal)).times(1.0 - independence);
+        let creep = steady(&report, Some(((0, found.split.len() - 1), part)), (&touching, &normal)).times(1.0 - independence);
         // The forces themselves turn with the parts.
         let turned = ContactReport { creep_force: CreepForce::default(), normal_force: 0.0, ..report };
         touching.add_wrench(&turned, &ByMotion { position: [[0.0; 6]], velocity: [[0.0; 6]] }, &creep, wrench);

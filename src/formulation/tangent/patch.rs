@@ -33,36 +33,39 @@ pub(super) struct PatchChanges {
     pub parts: [Option<PartChange>; MOST],
     /// Number of the part in the order of the strips, by number of the contact.
     pub numbers: [Option<usize>; MOST],
-    /// Where parts are partly one.
-    pub whole: Option<Whole>,
+    /// Where parts are partly one: of all as one.
+    pub whole: Option<WholeChange>,
+    pub found: Found,
 }
 
 /// All parts of a wheel as one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Whole {
-    /// Of its parts, 0 to 1, and its derivatives.
-    pub independence: f64,
+pub(super) struct WholeChange {
+    /// Derivatives of the parts' independence.
     pub by_pose: Row,
-    pub part: Part,
     pub change: PartChange,
 }
 
-struct Found {
-    parts: [Option<Part>; MOST],
-    whole: Option<Part>,
-    independence: f64,
-    count: usize,
+/// The parts of a wheel in one pose.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Found {
+    pub split: Parts,
+    pub parts: [Option<Part>; MOST],
+    /// All as one, where they are partly so, and their independence, 0 to 1.
+    pub whole: Option<Part>,
+    pub independence: f64,
 }
 
 fn find(pressed: &[Pressed], pair: &Pair, rail: &RailStrips, material: Material, most: usize) -> Found {
-    let parts = Parts::new(pressed, rail, most);
-    let count = parts.len();
+    let split = Parts::new(pressed, rail, most);
+    let count = split.len();
     let part = |first: usize, last: usize| {
-        (last < count).then(|| Part::new(parts.share(pressed, first, last), rail, pair.wheel.profile.as_ref(), material))
+        (last < count).then(|| Part::new(split.share(pressed, first, last), rail, pair.wheel.profile.as_ref(), material))
     };
-    let independence = if count > 1 { parts.divide(0, count - 1).1 } else { 1.0 };
+    let independence = if count > 1 { split.divide(0, count - 1).1 } else { 1.0 };
     let whole = if independence < 1.0 { part(0, count - 1) } else { None };
-    Found { parts: std::array::from_fn(|k| part(k, k)), whole, independence, count }
+    let parts = std::array::from_fn(|k| part(k, k));
+    Found { split, parts, whole, independence }
 }
 
 /// Finds them; `reports` are those of the wheel at the pose of `pair`, by number; the first scratch holds, or takes up, its strips in that pose.
@@ -90,7 +93,7 @@ pub(super) fn changes<'r>(
     for (translation, rotation) in [(across, None), (up, None), (Vector3::zeros(), Some(ahead)), (Vector3::zeros(), Some(up))] {
         let turn = rotation.unwrap_or_default() * TURN;
         let moved = find(scratch.moved(&(translation * STEP), &turn, growth), pair, rail, material, most);
-        same &= moved.count == here.count && moved.whole.is_some() == here.whole.is_some();
+        same &= moved.split.len() == here.split.len() && moved.whole.is_some() == here.whole.is_some();
         let per_step = 1.0 / if rotation.is_some() { TURN } else { STEP };
         let mut row = [0.0; 6];
         for k in 0..3 {
@@ -113,6 +116,7 @@ pub(super) fn changes<'r>(
         changes.numbers[slot] = here.parts.iter().position(own);
     }
     if !same {
+        changes.found = here;
         return changes;
     }
     // Where the wheel goes along with the rail and turns with it, vectors turn and nothing else changes: that sets the derivative along the wheelset's first axis.
@@ -135,10 +139,12 @@ pub(super) fn changes<'r>(
     for slot in 0..MOST {
         let Some(number) = changes.numbers[slot] else { continue };
         changes.parts[slot] = Some(by[number]);
-        if let (0, Some(whole)) = (number, here.whole) {
-            changes.whole = Some(Whole { independence: here.independence, by_pose, part: whole, change: by[MOST] });
-        }
     }
+    // A whole without its first part would be loaded nowhere.
+    if here.whole.is_some() && changes.numbers.contains(&Some(0)) {
+        changes.whole = Some(WholeChange { by_pose, change: by[MOST] });
+    }
+    changes.found = here;
     changes
 }
 

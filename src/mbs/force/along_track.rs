@@ -19,9 +19,15 @@ pub struct AlongTrack {
 
 /// The place at the key `on`.
 pub(super) fn read_place(section: &Section, places: &dyn Places) -> Result<AlongTrack, SettingsError> {
+    let (body, place) = read_place_of_body(section, places)?;
+    Ok(AlongTrack { body, place })
+}
+
+/// The body and its place at the key `on`, which is not the world's.
+pub(super) fn read_place_of_body(section: &Section, places: &dyn Places) -> Result<(usize, Attachment), SettingsError> {
     let place = places.attachment(section, "on")?;
     let body = place.body.ok_or_else(|| section.error("on", "is the world; expected a body"))?;
-    Ok(AlongTrack { body, place })
+    Ok((body, place))
 }
 
 impl AlongTrack {

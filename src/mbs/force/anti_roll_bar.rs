@@ -126,7 +126,7 @@ impl ForceElement for AntiRollBar {
 
 fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
     let (from, to) = ends(section, places)?;
-    let damping = if section.has("damping") { section.not_negative("damping", Dimension::RotationalDamping)? } else { 0.0 };
+    let damping = section.not_negative_or("damping", Dimension::RotationalDamping, 0.0)?;
     let stiffness = section.positive("stiffness", Dimension::RotationalStiffness)?;
     Ok(Box::new(AntiRollBar { name: places.name(section)?, from, to, stiffness, damping }))
 }

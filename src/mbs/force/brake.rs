@@ -304,16 +304,15 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
         "torque"
     };
     let dimension = if friction.is_some() { Dimension::Force } else { Dimension::Torque };
-    let time = |key, default: f64| if section.has(key) { section.positive(key, Dimension::Time) } else { Ok(default) };
     Ok(Box::new(Brake {
         name: places.name(section)?,
         pair,
         press: tread.then(|| -radial / radius),
         friction,
         stiffness: section.positive("stiffness", Dimension::RotationalStiffness)?,
-        relaxation: time("relaxation", RELAXATION)?,
-        damping_time: if section.has("damping_time") { section.not_negative("damping_time", Dimension::Time)? } else { DAMPING_TIME },
-        application: if section.has(key) { section.not_negative(key, dimension)? } else { 0.0 },
+        relaxation: section.positive_or("relaxation", Dimension::Time, RELAXATION)?,
+        damping_time: section.not_negative_or("damping_time", Dimension::Time, DAMPING_TIME)?,
+        application: section.not_negative_or(key, dimension, 0.0)?,
     }))
 }
 

@@ -14,7 +14,7 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     let span = Span::parse(section, places)?;
     let sides = section.word_or("sides", &["both", "extension", "compression"], "both")?;
     let (rounding, damping) = options(section)?;
-    let clearance = if section.has("clearance") { section.not_negative("clearance", Dimension::Length)? } else { 0.0 };
+    let clearance = section.not_negative_or("clearance", Dimension::Length, 0.0)?;
     let outside = Outside::stop(section, &["force_over_displacement"])?;
     let side = side(section, ("force_over_displacement", "stiffness"), clearance, rounding, &outside)?;
     let on = |other: &str| (sides != other).then(|| side.clone());

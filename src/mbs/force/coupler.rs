@@ -15,7 +15,7 @@ use crate::units::Dimension;
 fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
     let span = Span::parse(section, places)?;
     let (rounding, damping) = options(section)?;
-    let free = if section.has("slack") { 0.5 * section.not_negative("slack", Dimension::Length)? } else { 0.0 };
+    let free = 0.5 * section.not_negative_or("slack", Dimension::Length, 0.0)?;
     let outside = Outside::stop(section, &["draw_force_over_displacement", "buffer_force_over_displacement"])?;
     let law = Stop {
         extension: Some(side(section, ("draw_force_over_displacement", "draw_stiffness"), free, rounding, &outside)?),

@@ -310,7 +310,6 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     if !(1.0..=64.0).contains(&exponent) || exponent.fract() != 0.0 {
         return Err(section.error("exponent", format!("found {exponent:?}, expected a whole number from 1 to 64")));
     }
-    let positive_or = |key, default| if section.has(key) { section.positive(key, Dimension::Time) } else { Ok(default) };
     Ok(Box::new(DryFriction {
         name: places.name(section)?,
         from,
@@ -323,7 +322,7 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
         normal_stiffness: if normal_stiffness.is_some() { section.positive("normal_stiffness", Dimension::Stiffness)? } else { 0.0 },
         stiffness: section.positive("stiffness", Dimension::Stiffness)?,
         exponent: exponent as i32,
-        relaxation: positive_or("relaxation", RELAXATION)?,
+        relaxation: section.positive_or("relaxation", Dimension::Time, RELAXATION)?,
     }))
 }
 

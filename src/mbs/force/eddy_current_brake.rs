@@ -126,7 +126,7 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
         name: places.name(section)?,
         place: read_place(section, places)?,
         critical_speed: section.positive("critical_speed", Dimension::Speed)?,
-        largest_force: if section.has("largest_force") { section.not_negative("largest_force", Dimension::Force)? } else { 0.0 },
+        largest_force: section.not_negative_or("largest_force", Dimension::Force, 0.0)?,
     }))
 }
 

@@ -4,6 +4,7 @@
 //! `on`, which moves with the body. The right one of a mirrored pair counts y, and moments about x and z, in the mirrored direction. On a wheelset the place is that of an axle box,
 //! which hands on no moment about the axle ([`super::Attachment`]): that is what a `motor_gear` is for.
 
+use super::along_track::read_place_of_body;
 use super::attachment::{Attachment, Places};
 use super::{ElementInput, ForceElement, Parse, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
@@ -133,8 +134,7 @@ impl ForceElement for ExternalLoad {
 }
 
 fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
-    let place = places.attachment(section, "on")?;
-    let body = place.body.ok_or_else(|| section.error("on", "is the world; expected a body"))?;
+    let (body, place) = read_place_of_body(section, places)?;
     let own_axes = section.word_or("axes", &["track", "body"], "track")? == "body";
     Ok(Box::new(ExternalLoad { name: places.name(section)?, body, place, own_axes, mirror: places.mirror() }))
 }

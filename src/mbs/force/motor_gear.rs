@@ -324,7 +324,7 @@ fn read_rotor(section: &Section) -> Result<Option<Rotor>, SettingsError> {
             None => Ok(None),
         };
     }
-    let damping = if section.has("damping") { section.not_negative("damping", Dimension::RotationalDamping)? } else { 0.0 };
+    let damping = section.not_negative_or("damping", Dimension::RotationalDamping, 0.0)?;
     let inertia = section.positive("rotor_inertia", Dimension::Inertia)?;
     Ok(Some(Rotor { inertia, stiffness: section.positive("stiffness", Dimension::RotationalStiffness)?, damping }))
 }

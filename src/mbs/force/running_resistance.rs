@@ -133,13 +133,12 @@ impl ForceElement for RunningResistance {
 }
 
 fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
-    let or_none = |key, dimension| if section.has(key) { section.not_negative(key, dimension) } else { Ok(0.0) };
     Ok(Box::new(RunningResistance {
         name: places.name(section)?,
         place: read_place(section, places)?,
-        rolling: or_none("rolling", Dimension::Force)?,
-        per_speed: or_none("per_speed", Dimension::Damping)?,
-        air: or_none("air", Dimension::AirResistance)?,
+        rolling: section.not_negative_or("rolling", Dimension::Force, 0.0)?,
+        per_speed: section.not_negative_or("per_speed", Dimension::Damping, 0.0)?,
+        air: section.not_negative_or("air", Dimension::AirResistance, 0.0)?,
     }))
 }
 

@@ -174,6 +174,5 @@ pub(super) fn side(
 
 /// Reads `rounding` and `damping`.
 pub(super) fn options(section: &Section) -> Result<(f64, f64), SettingsError> {
-    let not_negative = |key, dimension| if section.has(key) { section.not_negative(key, dimension) } else { Ok(0.0) };
-    Ok((not_negative("rounding", Dimension::Length)?, not_negative("damping", Dimension::PerSpeed)?))
+    Ok((section.not_negative_or("rounding", Dimension::Length, 0.0)?, section.not_negative_or("damping", Dimension::PerSpeed, 0.0)?))
 }

@@ -200,7 +200,7 @@ impl Travel {
         if speed == 0.0 && speed_imposed {
             return Err(section.error("speed", "found 0, but creepages are relative to the travelling speed; expected any other number"));
         }
-        let gravity = if section.has("gravity") { section.not_negative("gravity", Dimension::Acceleration)? } else { GRAVITY };
+        let gravity = section.not_negative_or("gravity", Dimension::Acceleration, GRAVITY)?;
         Ok(Travel { speed, speed_imposed, gravity })
     }
 }

@@ -95,6 +95,6 @@ pub(super) fn read(section: &Section, factor: fn(f64) -> f64) -> Result<(f64, Bu
     if !(LEAST_RESTITUTION..=1.0).contains(&restitution) {
         return Err(section.error("restitution", format!("found {restitution:?}, expected a number from {LEAST_RESTITUTION} to 1")));
     }
-    let speed = if section.has("impact_speed") { section.positive("impact_speed", Dimension::Speed)? } else { IMPACT_SPEED };
+    let speed = section.positive_or("impact_speed", Dimension::Speed, IMPACT_SPEED)?;
     Ok((0.0, Arc::new(move |_| Box::new(Hysteresis::new(restitution, speed, factor)))))
 }
