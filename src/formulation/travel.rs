@@ -9,7 +9,7 @@ use super::{EvaluationError, LATERAL_FORCE, LONGITUDINAL_FORCE, Model, VERTICAL_
 use crate::contact::search::nodal::arc_rate;
 use crate::geometry::Side;
 use crate::geometry::track::centre_line::CentreLine;
-use crate::geometry::track::station::Station;
+use crate::geometry::track::station::{Station, Stations};
 use crate::mbs::body::BodyMotion;
 use crate::mbs::system::SystemWorkspace;
 use nalgebra::{Matrix3, Vector3};
@@ -23,7 +23,7 @@ impl Model {
     /// Makes room for the stations.
     pub(super) fn add_stations(&self, system: &mut SystemWorkspace) {
         if self.track.line().is_some() {
-            system.stations = vec![Station::default(); self.system.bodies.len()];
+            system.stations = Stations::new(self.system.bodies.len());
         }
     }
 
@@ -53,7 +53,12 @@ impl Model {
     #[inline(never)]
     fn find_stations(&self, line: &CentreLine, memory: &mut ModelMemory, system: &mut SystemWorkspace) {
         let SystemWorkspace { motions, stations, .. } = system;
-        for ((slot, motion), kept) in memory.distances.iter_mut().zip(motions).zip(stations) {
+        for ((slot, motion), kept) in memory.distances.iter_mut().zip(motions).zip(stations.iter_mut()) {
+            if line.keeps_to_x(&motion.position, *slot) {
+                *slot = motion.distance;
+                kept.stay_on_x();
+                continue;
+            }
             let station = Station::new(line, &motion.position, &motion.velocity, *slot);
             *slot = station.frame.distance;
             (motion.distance, motion.speed) = (station.frame.distance, station.speed);

@@ -12,7 +12,7 @@
 use super::body::BodyMotion;
 use super::kkt::Mobility;
 use super::system::DrivingConstraint;
-use crate::geometry::track::station::Station;
+use crate::geometry::track::station::{Station, Stations};
 use nalgebra::Matrix3;
 
 /// T, s.
@@ -40,7 +40,7 @@ impl DrivingConstraint {
 impl DrivingConstraint {
     /// Takes the held direction out of the body's mobility; no stations: straight track.
     #[inline]
-    pub(super) fn immobilise(&self, mobility: &mut Mobility, stations: &[Station]) {
+    pub(super) fn immobilise(&self, mobility: &mut Mobility, stations: &Stations) {
         match stations.get(self.body) {
             Some(station) => without_travel(mobility, station),
             // The centre of mass is the origin: X is coupled to no other coordinate.

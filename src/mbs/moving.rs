@@ -1,7 +1,7 @@
 //! Bodies in motion on their track, and what acts on a force element from outside.
 
 use super::body::BodyMotion;
-use crate::geometry::track::station::Station;
+use crate::geometry::track::station::{Station, Stations};
 use std::ops::Index;
 
 /// The motions of all bodies and where they are along a curved track; no stations on straight level track, whose frame is the world's. Beside
@@ -9,7 +9,7 @@ use std::ops::Index;
 #[derive(Clone, Copy, Debug)]
 pub struct Moving<'a> {
     pub motions: &'a [BodyMotion],
-    pub stations: &'a [Station],
+    pub stations: &'a Stations,
     pub inputs: &'a [f64],
 }
 
@@ -30,7 +30,7 @@ impl<'a> Moving<'a> {
 impl<'a> From<&'a [BodyMotion]> for Moving<'a> {
     /// On straight level track.
     fn from(motions: &'a [BodyMotion]) -> Self {
-        Moving { motions, stations: &[], inputs: &[] }
+        Moving { motions, stations: Stations::NONE, inputs: &[] }
     }
 }
 

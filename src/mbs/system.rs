@@ -14,7 +14,7 @@ use super::joint::Joint;
 use super::kkt::RowBodies;
 use super::moving::Moving;
 use super::supported::SupportedMass;
-use crate::geometry::track::station::Station;
+use crate::geometry::track::station::Stations;
 
 /// A body whose centre travels with imposed constant speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,8 +51,8 @@ pub struct SystemWorkspace {
     /// Force of each driving constraint, N, forward positive.
     pub drive_forces: Vec<f64>,
     pub constraints: Constraints,
-    /// By body, on a curved track for the bodies that are followed along it; empty on straight track.
-    pub stations: Vec<Station>,
+    /// By body, for the bodies that are followed along a curved track.
+    pub stations: Stations,
 }
 
 impl System {
@@ -130,7 +130,7 @@ impl System {
             ends: if count + inputs == 0 { Vec::new() } else { ends.collect() },
             drive_forces: vec![0.0; self.drives.len()],
             constraints: Constraints::new(self.bodies.len(), self.joint_rows(), &self.redundant, contact_bodies),
-            stations: Vec::new(),
+            stations: Stations::default(),
         }
     }
 

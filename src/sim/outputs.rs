@@ -398,8 +398,8 @@ fn place_of_contact(c: &mut Collector, place: Depends, (contact, index): (usize,
     );
     let text = "contact on the rail: distance along the track";
     c.add(14, "railDistance", g, Unit::Distance, place, text, move |s| {
-        let distance =
-            if s.workspace.system.stations.is_empty() { s.y[body * COORDINATES] } else { s.workspace.system.motions[body].distance };
+        let system = &s.workspace.system;
+        let distance = system.stations.get(body).map_or(s.y[body * COORDINATES], |_| system.motions[body].distance);
         distance + s.workspace.report(contact, index).parameters.lead
     });
 }

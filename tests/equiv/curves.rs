@@ -322,7 +322,7 @@ fn analytic_energy_on_a_canted_climbing_spiral() {
         let at = Evaluation { t: 0.0, inputs: &model.neutral_inputs(), y: &snapshot.y, memory: &mut memory };
         model.derivative(&mut workspace, at, &mut dy).unwrap();
         let contact: f64 = workspace.contacts.iter().map(|c| 0.4 * c.stiffness * c.penetration.max(0.0).powf(2.5)).sum();
-        let (station, motion) = (&workspace.system.stations[0], &workspace.system.motions[0]);
+        let (station, motion) = (workspace.system.stations.get(0).unwrap(), &workspace.system.motions[0]);
         let power = -held * station.speed * station.travel * station.frame.bend().dot(&motion.velocity);
         (model.system.mechanical_energy(&snapshot.y, &workspace.system) + contact, motion.position, power)
     };

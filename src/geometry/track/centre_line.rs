@@ -12,10 +12,10 @@
 //! superelevation, base / 2 times the cant angle (its height is base / 2 sin: 0.02 mm less at 75 mm), which is added to
 //! the climb; the low rail then moves sideways by base / 2 (1 - cos f), 1 mm at 75 mm.
 
-use super::frame::TrackFrame;
+use super::frame::{Angle, TrackFrame};
 use super::ramp::{Polynomial, Ramp};
 use super::waves::Stretch;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// One node of the alignment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,11 +58,15 @@ const ORDER: usize = 10;
 const TURN: f64 = 0.25;
 /// Distances that are nearer than this are one, m.
 const SAME: f64 = 1e-9;
+/// A step of a projection, m, after which the next would be rounding: it converges quadratically, and no track turns by more than 1 rad/m.
+const LAST_STEP: f64 = 1e-8;
 
 /// A centre line.
 #[derive(Clone, Debug)]
 pub struct CentreLine {
     pieces: Vec<Piece>,
+    /// It is X itself as far as there, m.
+    x_until: f64,
     /// The piece in which each of equal stretches from `first` on begins.
     bins: Vec<u32>,
     first: f64,
@@ -83,6 +87,17 @@ struct Piece {
     climb: Polynomial,
     cant: Polynomial,
     path: Path,
+    form: Form,
+}
+
+/// What the frames of a piece have in common.
+#[derive(Clone, Debug)]
+enum Form {
+    /// Nothing turns: all but distance and origin.
+    Straight(TrackFrame),
+    /// Climb and cant.
+    Even(Angle, Angle),
+    Any,
 }
 
 #[derive(Clone, Debug)]
@@ -97,6 +112,37 @@ impl Piece {
     fn tangent(&self, s: f64) -> Vector3<f64> {
         let [psi, g] = [&self.heading, &self.climb].map(|p| p.jet(s - self.middle, 7)[0]);
         Vector3::new(g.cos() * psi.cos(), g.cos() * psi.sin(), g.sin())
+    }
+
+    /// Finds the form of a piece that lies where it stays.
+    fn note_form(&mut self) {
+        self.form = match [&self.heading, &self.climb, &self.cant].map(Polynomial::degree) {
+            [0, 0, 0] => Form::Straight(self.any_frame(self.middle)),
+            [_, 0, 0] => {
+                let [climb, cant] = [&self.climb, &self.cant].map(|p| Angle::new(p.jet(0.0, 0)));
+                Form::Even(climb, cant)
+            }
+            _ => Form::Any,
+        };
+    }
+
+    fn angle(&self, p: &Polynomial, s: f64) -> Angle {
+        Angle::new(p.jet(s - self.middle, self.degree))
+    }
+
+    fn any_frame(&self, s: f64) -> TrackFrame {
+        let [heading, climb, cant] = [&self.heading, &self.climb, &self.cant].map(|p| self.angle(p, s));
+        TrackFrame::new(s, self.position(s), &heading, &climb, &cant)
+    }
+
+    /// The track frame at distance `s` [m].
+    #[inline]
+    fn frame(&self, s: f64) -> TrackFrame {
+        match &self.form {
+            Form::Straight(frame) => TrackFrame { distance: s, origin: frame.origin + frame.along() * (s - self.middle), ..*frame },
+            Form::Even(climb, cant) => TrackFrame::new(s, self.position(s), &self.angle(&self.heading, s), climb, cant),
+            Form::Any => self.any_frame(s),
+        }
     }
 
     #[inline]
@@ -188,8 +234,15 @@ impl CentreLine {
         let rough: Vec<f64> = curvature.breaks().chain(grade.breaks()).collect();
         let gentle = cant.breaks().chain(rise.iter().flat_map(|(_, ramp)| ramp.breaks()));
         let breaks = ascending(rough.iter().copied().chain(gentle).collect());
-        let mut line =
-            CentreLine { pieces: Vec::new(), bins: Vec::new(), first: 0.0, bins_per_metre: 0.0, breaks: Vec::new(), waves: Vec::new() };
+        let mut line = CentreLine {
+            pieces: Vec::new(),
+            x_until: f64::NEG_INFINITY,
+            bins: Vec::new(),
+            first: 0.0,
+            bins_per_metre: 0.0,
+            breaks: Vec::new(),
+            waves: Vec::new(),
+        };
         let mut psi = 0.0;
         let places = split(&breaks, |a, b| {
             let turn = |ramp: &Ramp| [a, 0.5 * (a + b), b].map(|s| ramp.around(s).0[0].abs()).into_iter().fold(0.0, f64::max);
@@ -230,7 +283,7 @@ impl CentreLine {
             heading.0[0] = if from.is_infinite() { 0.0 } else { psi - at(&heading, from) };
             psi = if to.is_infinite() { psi } else { at(&heading, to) };
             let degree = [&heading, &climb, &cant].into_iter().map(Polynomial::degree).max().unwrap_or(0);
-            line.pieces.push(Piece { from, to, middle, degree, heading, climb, cant, path: Path::Arc(Vector3::zeros()) });
+            line.pieces.push(Piece { from, to, middle, degree, heading, climb, cant, path: Path::Arc(Vector3::zeros()), form: Form::Any });
         }
         line.waves = changes(&breaks, alignment.smoothing, |s| {
             let jet = |ramp: &Ramp| ramp.around(s).degree() > 0;
@@ -274,6 +327,13 @@ impl CentreLine {
         let shift = origin - self.frame(0.0).origin;
         for piece in &mut self.pieces {
             piece.shift(&shift);
+            piece.note_form();
+        }
+        if let Piece { to, middle, form: Form::Straight(frame), .. } = &self.pieces[0]
+            && frame.axes == Matrix3::identity()
+            && (frame.origin - Vector3::x() * *middle).norm() <= SAME
+        {
+            self.x_until = *to;
         }
     }
 
@@ -292,12 +352,25 @@ impl CentreLine {
         &self.pieces[at]
     }
 
+    /// Is the line X itself at distance `s` [m], as before its first node?
+    #[inline]
+    pub fn is_x(&self, s: f64) -> bool {
+        s < self.x_until
+    }
+
+    /// Is the line X beside `point` [m] and at a guess of its distance [m]?
+    #[inline]
+    pub fn keeps_to_x(&self, point: &Vector3<f64>, guess: f64) -> bool {
+        self.is_x(guess) && self.is_x(point.x)
+    }
+
     /// The track frame at distance `s` [m].
     #[inline]
     pub fn frame(&self, s: f64) -> TrackFrame {
-        let piece = self.piece(s);
-        let jet = |p: &Polynomial| p.jet(s - piece.middle, piece.degree);
-        TrackFrame::new(s, piece.position(s), jet(&piece.heading), jet(&piece.climb), jet(&piece.cant))
+        if self.is_x(s) {
+            return TrackFrame { distance: s, origin: Vector3::x() * s, ..TrackFrame::default() };
+        }
+        self.piece(s).frame(s)
     }
 
     /// The frame whose plane across the track goes through `point` [m], from a guess of its distance [m]; to rounding. Points must
@@ -305,6 +378,9 @@ impl CentreLine {
     #[inline]
     pub fn project(&self, point: &Vector3<f64>, guess: f64) -> TrackFrame {
         const ITERATIONS: usize = 20;
+        if self.keeps_to_x(point, guess) {
+            return self.frame(point.x);
+        }
         let mut frame = self.frame(guess);
         for _ in 0..ITERATIONS {
             let offset = point - frame.origin;
@@ -315,6 +391,9 @@ impl CentreLine {
                 break;
             }
             frame = self.frame(frame.distance + step);
+            if step.abs() < LAST_STEP {
+                break;
+            }
         }
         frame
     }

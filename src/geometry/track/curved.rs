@@ -17,6 +17,12 @@ impl Rail {
         self.line.as_deref()
     }
 
+    /// What the rail follows at distance `s` [m] where that is not X.
+    #[inline]
+    pub(in super::super) fn line_at(&self, s: f64) -> Option<&CentreLine> {
+        self.line().filter(|line| !line.is_x(s))
+    }
+
     /// The section's origin in the track frame with three derivatives along s.
     #[inline]
     fn displacement(&self, s: f64) -> Jet {

@@ -44,13 +44,29 @@ impl Default for TrackFrame {
 /// Value and three derivatives along s of a vector in the track frame.
 pub(in super::super) type Jet = [Vector3<f64>; 4];
 
-impl TrackFrame {
-    /// From the angles and their derivatives along s: heading, climb and cant.
+/// An angle, rad, with three derivatives along s, 1/m and so on, its sine and its cosine.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Angle {
+    jet: [f64; 4],
+    sin: f64,
+    cos: f64,
+}
+
+impl Angle {
     #[inline]
-    pub(super) fn new(distance: f64, origin: Vector3<f64>, psi: [f64; 4], g: [f64; 4], f: [f64; 4]) -> Self {
-        let (sin_h, cos_h) = psi[0].sin_cos();
-        let (sin_g, cos_g) = g[0].sin_cos();
-        let (sin_f, cos_f) = f[0].sin_cos();
+    pub fn new(jet: [f64; 4]) -> Angle {
+        let (sin, cos) = jet[0].sin_cos();
+        Angle { jet, sin, cos }
+    }
+}
+
+impl TrackFrame {
+    /// From heading, climb and cant.
+    #[inline]
+    pub(super) fn new(distance: f64, origin: Vector3<f64>, heading: &Angle, climb: &Angle, cant: &Angle) -> Self {
+        let Angle { jet: psi, sin: sin_h, cos: cos_h } = *heading;
+        let Angle { jet: g, sin: sin_g, cos: cos_g } = *climb;
+        let Angle { jet: f, sin: sin_f, cos: cos_f } = *cant;
         let along = Vector3::new(cos_g * cos_h, cos_g * sin_h, sin_g);
         let left = Vector3::new(-sin_h, cos_h, 0.0);
         let up = Vector3::new(-sin_g * cos_h, -sin_g * sin_h, cos_g);
@@ -105,9 +121,18 @@ impl TrackFrame {
         1.0 - offset.dot(&self.bend())
     }
 
+    /// Does it neither turn here nor begin to, as all along a straight piece?
+    #[inline]
+    fn is_still(&self) -> bool {
+        self.turn == Vector3::zeros() && self.turn1 == Vector3::zeros() && self.turn2 == Vector3::zeros()
+    }
+
     /// Position in the world and first two derivatives along s of a point of the frame.
     #[inline]
     pub(in super::super) fn carry(&self, w: &Jet) -> [Vector3<f64>; 3] {
+        if self.is_still() {
+            return [self.origin + self.axes * w[0], self.axes * (Vector3::x() + w[1]), self.axes * w[2]];
+        }
         let p1 = Vector3::x() + w[1] + self.turn.cross(&w[0]);
         let p1_rate = w[2] + self.turn1.cross(&w[0]) + self.turn.cross(&w[1]);
         [self.origin + self.axes * w[0], self.axes * p1, self.axes * (p1_rate + self.turn.cross(&p1))]
@@ -116,6 +141,9 @@ impl TrackFrame {
     /// Third derivative of the same.
     #[inline]
     pub(in super::super) fn carry3(&self, w: &Jet) -> Vector3<f64> {
+        if self.is_still() {
+            return self.axes * w[3];
+        }
         let (o, o1, o2) = (&self.turn, &self.turn1, &self.turn2);
         let p1 = Vector3::x() + w[1] + o.cross(&w[0]);
         let p1_rate = w[2] + o1.cross(&w[0]) + o.cross(&w[1]);

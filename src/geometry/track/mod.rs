@@ -210,7 +210,7 @@ impl Rail {
     /// The section at distance `s` [m].
     #[inline]
     pub fn section(&self, s: f64) -> RailSection {
-        if let Some(line) = &self.line {
+        if let Some(line) = self.line_at(s) {
             return self.curved_section(line, s);
         }
         let mut section = RailSection {

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 /// Third derivatives of the rail surface at distance `s` and coordinate `eta` where its profile is `profile`.
 pub fn rail_third_derivatives(rail: &Rail, s: f64, eta: f64, profile: &ProfilePoint) -> ThirdDerivatives {
-    if let Some(line) = rail.line() {
+    if let Some(line) = rail.line_at(s) {
         return rail.curved_third_derivatives(line, s, eta, profile);
     }
     let zero = Vector3::zeros();
@@ -27,7 +27,7 @@ pub fn rail_point(rail: &Rail, s: f64, eta: f64) -> (SurfacePoint, ProfilePoint)
 /// The same where the rail's profile is known to be `f`.
 #[inline]
 pub fn rail_point_of(rail: &Rail, s: f64, eta: f64, f: &ProfilePoint) -> SurfacePoint {
-    if let Some(line) = rail.line() {
+    if let Some(line) = rail.line_at(s) {
         return rail.curved_point(line, s, eta, f);
     }
     let section = rail.section(s);

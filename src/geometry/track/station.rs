@@ -19,6 +19,8 @@ pub struct Station {
     /// Speed of the frame along the centre line, s', m/s: greater than `speed` for a point on the inner side of a curve, by the share
     /// curvature x offset (1e-5 for 5 mm at a radius of 500 m).
     pub travel: f64,
+    /// Is the frame that of straight level track, the world's axes? The rest is then not kept.
+    on_x: bool,
 }
 
 impl Station {
@@ -28,7 +30,7 @@ impl Station {
         let frame = line.project(point, guess);
         let speed = velocity.dot(&frame.along());
         let stretch = frame.stretch(&(point - frame.origin));
-        Station { frame, speed, travel: speed / stretch }
+        Station { frame, speed, travel: speed / stretch, on_x: line.is_x(frame.distance) }
     }
 
     /// d(v . X)/dt when the point does not accelerate: v . dX/ds s', m/s2.
@@ -37,9 +39,40 @@ impl Station {
         velocity.dot(&self.frame.bend()) * self.travel
     }
 
+    /// Notes that the point is where the line is X.
+    #[inline]
+    pub fn stay_on_x(&mut self) {
+        self.on_x = true;
+    }
+
     /// A vector of the world in the track frame.
     #[inline]
     pub fn components(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         self.frame.components(vector)
+    }
+}
+
+/// The stations of all bodies on a track with a centre line; none on straight level track.
+#[derive(Clone, Debug, Default)]
+pub struct Stations(Vec<Station>);
+
+impl Stations {
+    /// On no track yet.
+    pub const NONE: &Stations = &Stations(Vec::new());
+
+    /// For so many bodies.
+    pub fn new(bodies: usize) -> Stations {
+        Stations(vec![Station::default(); bodies])
+    }
+
+    /// Of a body; `None` where the track is straight and level, so that its frame is the world's.
+    #[inline]
+    pub fn get(&self, body: usize) -> Option<&Station> {
+        self.0.get(body).filter(|station| !station.on_x)
+    }
+
+    /// All of them, to be found anew.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Station> {
+        self.0.iter_mut()
     }
 }

@@ -239,7 +239,8 @@ impl Audit {
         }
         now.speed = model.wheelsets.first().map_or(0.0, |wheelset| system.motions[wheelset.body].velocity.norm());
         now.momentum = self.mass.iter().zip(&system.motions).map(|(mass, motion)| mass * motion.velocity.z).sum();
-        for (load, station) in self.loads.iter().zip(&system.stations) {
+        // On straight level track neither has a part.
+        for (load, station) in self.loads.iter().enumerate().filter_map(|(body, load)| Some((load, system.stations.get(body)?))) {
             now.momentum += load.mass * station.speed * station.frame.along().z;
             now.lift -= load.centrifugal(station).z;
         }

@@ -77,7 +77,7 @@ pub fn apply(element: &dyn ForceElement, bodies: &[BodyMotion], state: &[f64]) -
 
 /// Bodies on straight level track as an element with inputs sees them.
 pub fn under<'a>(bodies: &'a [BodyMotion], inputs: &'a [f64]) -> Moving<'a> {
-    Moving { motions: bodies, stations: &[], inputs }
+    Moving { inputs, ..Moving::from(bodies) }
 }
 
 /// Wrenches and rates of an element.
