@@ -1,5 +1,7 @@
 //! Instructions of one right-hand side, counted by valgrind: what a change costs shows on any machine.
 //!
+//! What a scene names but what does not act is held to what it may cost, in per cent of a run (`tests/data/not_acting.txt`).
+//!
 //! `tests/data/instructions.csv` keeps the counts. A test fails where one leaves its number by more than 2 % (15 % with another
 //! compiler, C library or processor than the file names): a change for the worse is to be looked into, one for the better to be written down.
 
@@ -14,6 +16,9 @@ use wheelrail::sim::{Simulation, Snapshot};
 const STAGES: [f64; 6] = [0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
 const STEP: f64 = 2e-3;
 const STEPS: usize = 4;
+
+/// Length of a run that is counted, s.
+const RUN: f64 = 0.5;
 
 /// Where the worker finds what to run: scene, time and changes, parted by blanks.
 const CASE: &str = "WHEELRAIL_INSTRUCTIONS";
@@ -48,6 +53,12 @@ fn counted_jacobians(model: &Model, workspace: &mut Workspace, snapshot: &Snapsh
     }
 }
 
+/// A run goes on.
+#[inline(never)]
+fn counted_run(simulation: &mut Simulation, until: f64) {
+    simulation.advance(until).unwrap();
+}
+
 /// What valgrind runs; not a test of its own.
 #[test]
 #[ignore = "run by the others"]
@@ -58,6 +69,9 @@ fn worker() {
     let changes: Vec<String> = words.filter(|word| !word.is_empty()).map(String::from).collect();
     let mut simulation = Simulation::new(&load::open(scene, &changes).unwrap(), 0.0).unwrap();
     simulation.advance(time).unwrap();
+    if counted == "run" {
+        return counted_run(&mut simulation, time + RUN);
+    }
     let snapshot = simulation.snapshot().unwrap().clone();
     let model = simulation.model();
     let (mut workspace, mut memory) = (model.workspace(), snapshot.memory().clone());
@@ -92,16 +106,53 @@ fn count(case: &str) -> f64 {
     collected.trim().parse::<f64>().unwrap() / (STEPS * STAGES.len()) as f64
 }
 
-#[test]
-fn regress_instructions_of_one_right_hand_side_and_jacobian() {
+/// Can instructions be counted here?
+fn counts() -> bool {
     if cfg!(debug_assertions) {
-        return println!("left out: counts are those of a release build");
+        println!("left out: counts are those of a release build");
+        return false;
     }
     if Command::new("valgrind").arg("--version").output().is_err() {
         assert!(std::env::var_os("WHEELRAIL_REQUIRE_VALGRIND").is_none(), "valgrind is required here but not installed");
-        return println!("left out: valgrind is not installed");
+        println!("left out: valgrind is not installed");
+        return false;
     }
-    let file = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/instructions.csv")).unwrap();
+    true
+}
+
+fn table(name: &str) -> String {
+    std::fs::read_to_string(format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// What a scene names but what does nothing yet, or never, costs next to nothing: half a second with it against one without.
+#[test]
+fn prop_what_does_not_act_is_not_paid_for() {
+    if !counts() {
+        return;
+    }
+    let file = table("not_acting.txt");
+    let mut wrong = Vec::new();
+    let (mut without, mut of) = (0.0, "");
+    for line in file.lines().filter(|line| !line.starts_with('#')) {
+        let [scene, effect, allowed] = line.split(" | ").collect::<Vec<_>>().try_into().unwrap();
+        if scene != of {
+            (without, of) = (count(&format!("run {scene}")), scene);
+        }
+        let more = count(&format!("run {scene} {effect}")) / without - 1.0;
+        println!("{scene} {effect}: {:+.2} %, allowed {allowed} %", 100.0 * more);
+        if 100.0 * more > allowed.parse::<f64>().unwrap() {
+            wrong.push(format!("{scene} {effect}: {:+.2} %", 100.0 * more));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("; "));
+}
+
+#[test]
+fn regress_instructions_of_one_right_hand_side_and_jacobian() {
+    if !counts() {
+        return;
+    }
+    let file = table("instructions.csv");
     // Mathematical functions of the C library have other variants on other processors.
     let first_line = |program: &str| Command::new(program).arg("--version").output().map(|found| found.stdout).unwrap_or_default();
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).lines().next().unwrap_or_default().trim().to_string();

@@ -2,22 +2,22 @@
 
 use super::step::WheelRef;
 use super::{Model, Workspace};
-use crate::contact::transient::{self, LoadedPatch, SlipVelocity};
+use crate::contact::transient::{self, LoadedPatch};
 
 impl Model {
     /// Writes the rates of all tangential states, which the contacts' reports hold.
     #[inline]
     pub(super) fn deflection_rates(&self, workspace: &Workspace, y: &[f64], dy: &mut [f64]) {
         let Some(transient) = &self.laws.transient else { return };
-        for contact in 0..self.contacts() {
+        for WheelRef { contact, wheelset, .. } in self.wheels() {
+            let speed = wheelset.speed(&workspace.system.motions[wheelset.body]);
             for slot in 0..self.points {
                 let report = workspace.report(contact, slot);
                 let range = self.deflection(contact, slot);
                 let unloaded = || {
                     let mut state = [0.0; transient::STATES];
                     state.copy_from_slice(&y[range.clone()]);
-                    let (patch, slip) = (LoadedPatch::default(), SlipVelocity::default());
-                    transient.evaluate(self.laws.creep.as_ref(), &patch, &slip, &state).rates
+                    transient.unloaded_rates(speed, &state)
                 };
                 let rates = if report.normal_force > 0.0 { report.deflection_rates } else { unloaded() };
                 dy[range].copy_from_slice(&rates);

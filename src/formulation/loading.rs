@@ -9,7 +9,7 @@ use crate::contact::normal::damping::damped_force;
 use crate::contact::normal::{ConformalContact, ContactShape, ElasticContact};
 use crate::contact::search::algebraic::{ContactLocation, Pair};
 use crate::contact::strips::{Part, Share, Uneven};
-use crate::contact::transient::{self, LoadedPatch};
+use crate::contact::transient::{self, LoadedPatch, TransientContact};
 use crate::geometry::Side;
 use crate::math::newton::NewtonFailure;
 use crate::mbs::body::{BodyMotion, Wrench};
@@ -112,7 +112,7 @@ impl Contact<'_> {
             share: self.share,
             iterations: found.iterations,
             slip,
-            creepage: if self.wheel.model.laws.transient.is_some() { Creepage::default() } else { slip.creepage(self.wheel.speed()) },
+            creepage: if self.transient().is_some() { Creepage::default() } else { slip.creepage(self.wheel.speed()) },
             ..ContactReport::default()
         }
     }
@@ -193,6 +193,12 @@ impl Contact<'_> {
         1.0 - x * x / (1.0 + x + x * x)
     }
 
+    /// The transient model where it has a part in the forces.
+    #[inline]
+    fn transient(&self) -> Option<&TransientContact> {
+        self.wheel.model.laws.transient.as_ref().filter(|transient| !transient.is_idle(self.wheel.speed()))
+    }
+
     /// Creep forces from patch, normal force and creepage, and the total force.
     #[inline]
     pub fn creep(&self, report: &mut ContactReport) {
@@ -205,7 +211,7 @@ impl Contact<'_> {
         let laws = &self.wheel.model.laws;
         let friction = self.wheel.friction_at(report);
         let (patch, normal_force, speed) = (report.patch, report.normal_force.max(0.0), self.wheel.speed());
-        if let Some(transient) = &laws.transient {
+        if let Some(transient) = self.transient() {
             let mut state = [0.0; transient::STATES];
             state.copy_from_slice(&self.wheel.y[self.wheel.model.deflection(self.wheel.contact, self.slot)]);
             let loaded = LoadedPatch { patch, normal_force, friction };

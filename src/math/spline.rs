@@ -102,6 +102,11 @@ impl CubicSpline {
         (i, x - self.knots[i])
     }
 
+    /// Is it zero everywhere?
+    pub fn is_zero(&self) -> bool {
+        self.pieces.iter().flatten().all(|c| *c == 0.0)
+    }
+
     /// Value and first three derivatives at `x`.
     #[inline]
     pub fn at(&self, x: f64) -> [f64; 4] {

@@ -31,6 +31,11 @@ impl UniformSpline {
         (coefficients.len() >= 6 && spacing > 0.0).then(|| UniformSpline { density: 1.0 / spacing, first, coefficients })
     }
 
+    /// Is it zero everywhere?
+    pub fn is_zero(&self) -> bool {
+        self.coefficients.iter().all(|c| *c == 0.0)
+    }
+
     /// Value and first three derivatives at `x`; where coefficients are missing the outermost polynomial goes on.
     #[inline]
     pub fn at(&self, x: f64) -> [f64; 4] {

@@ -32,6 +32,12 @@ impl DeviationShape for Faded {
         weighted(smooth_step(along), rate, value)
     }
 
+    fn acts(&self) -> Option<(f64, f64)> {
+        let (first, last) = self.shape.acts()?;
+        let acts = if self.forward { (first.max(self.from), last) } else { (first, last.min(self.from)) };
+        (acts.0 < acts.1).then_some(acts)
+    }
+
     fn breaks(&self) -> Vec<f64> {
         self.shape.breaks()
     }

@@ -31,7 +31,10 @@
 //!   (measured 6 / T, where alpha is between 0 and 1; 1 / T in rolling and in full sliding). It changes no steady state, and where
 //!   L/V is long against T little else ((T V/L)^2 / 2 of the length). D_p likewise.
 //! * w is 1 below half the scene's speed `below` and 0 above `below`, twice continuously differentiable:
-//!   above, the force is the steady law of v/V and of nothing else, and u relaxes harmlessly to a bounded value.
+//!   above, the force is the steady law of v/V and of nothing else.
+//! * All rates are multiplied by a factor that is 1 below `below` and 0 above twice that, twice continuously differentiable: above, the states
+//!   stand still and cost a step nothing ([`TransientContact::is_idle`]). A vehicle that slows down at 3 m/s2 from twice `below` = 2 m/s rolls 2 m before
+//!   w leaves 0: some hundred relaxation lengths, in which u forgets where it stood.
 //! * tau: material damping (Kelvin-Voigt) of the deflection, inside the law and so under its bound; it vanishes in steady
 //!   states. The ratio of damping at the circular frequency f is tau f / 2.
 //! * Spin has no state. omega_n / V has the sign of V: with it the in-plane law is the same for both rolling directions
@@ -150,12 +153,27 @@ pub struct TransientContact {
     slide_from: f64,
 }
 
+/// |V| over `below` from which on the states stand still.
+const IDLE: f64 = 2.0;
 /// r_2 / r_1.
 const SLIDE_WIDTH: f64 = 1.25;
 /// Friction bound, N, below which nothing holds: the deflection under it is smaller than a picometre.
 const LEAST_BOUND: f64 = 1e-3;
 
 impl TransientContact {
+    /// Do the states stand still and have no part in the force, when a wheel rolls this fast [m/s]?
+    #[inline]
+    pub fn is_idle(&self, speed: f64) -> bool {
+        speed.abs() >= IDLE * self.settings.below
+    }
+
+    /// Rates of the states of a contact without load, whose wheel rolls with this speed [m/s].
+    #[inline]
+    pub fn unloaded_rates(&self, speed: f64, state: &[f64; STATES]) -> [f64; STATES] {
+        let rate = self.liveliness(speed.abs()) / self.settings.time_floor;
+        state.map(|x| -x * rate)
+    }
+
     /// Measures the law's saturation (a few hundred calls); not for the stepping path.
     pub fn new(settings: TransientSettings, material: Material, law: &dyn CreepLaw) -> Self {
         let relaxation = Relaxation::new(material);
@@ -196,16 +214,17 @@ impl TransientContact {
     pub fn evaluate(&self, law: &dyn CreepLaw, contact: &LoadedPatch, slip: &SlipVelocity, state: &[f64; STATES]) -> Evaluation {
         let floor = self.settings.time_floor;
         let [ux, uy, p] = *state;
+        let speed = slip.rolling.abs();
         let elastic = match self.relaxation.of(contact.patch) {
             Some(elastic) if contact.normal_force > 0.0 => elastic,
-            _ => return Evaluation { rates: state.map(|x| -x / floor), ..Evaluation::default() },
+            _ => return Evaluation { rates: self.unloaded_rates(speed, state), ..Evaluation::default() },
         };
-        let speed = slip.rolling.abs();
+        let lively = self.liveliness(speed);
         let spin_ratio = slip.spin * self.inverse_speed(slip.rolling);
         let way = 0.5 * contact.patch.a;
         let rate_p = (slip.rolling - speed * p) / way / (1.0 + (floor * speed / way).powi(2)).sqrt();
         if !self.holds(contact) {
-            return Evaluation { rates: [-ux / floor, -uy / floor, rate_p], ..Evaluation::default() };
+            return Evaluation { rates: [-ux / floor, -uy / floor, rate_p].map(|rate| lively * rate), ..Evaluation::default() };
         }
 
         // How far the deflection has gone towards sliding.
@@ -252,7 +271,7 @@ impl TransientContact {
         let turn = self.smooth_sign(slip.rolling);
         Evaluation {
             force: CreepForce { spin_moment: turn * found.spin_moment, ..found },
-            rates: [rates_xy[0], rates_xy[1], rate_p],
+            rates: [rates_xy[0], rates_xy[1], rate_p].map(|rate| lively * rate),
             creepage: Creepage { longitudinal, lateral, spin: turn * spin },
         }
     }
@@ -271,14 +290,12 @@ impl TransientContact {
 
     /// w(|V|).
     fn transient_weight(&self, speed: f64) -> f64 {
-        let x = 2.0 * speed / self.settings.below - 1.0;
-        if x <= 0.0 {
-            1.0
-        } else if x >= 1.0 {
-            0.0
-        } else {
-            1.0 - x * x * x * (10.0 - x * (15.0 - 6.0 * x))
-        }
+        fall(2.0 * speed / self.settings.below - 1.0)
+    }
+
+    /// What all rates are multiplied by at the speed |V|.
+    fn liveliness(&self, speed: f64) -> f64 {
+        fall((speed / self.settings.below - 1.0) / (IDLE - 1.0))
     }
 
     /// 1/V, below v_0 an odd polynomial through 0 with equal value, slope and curvature at v_0.
@@ -292,6 +309,18 @@ impl TransientContact {
     fn smooth_sign(&self, v: f64) -> f64 {
         let x = v / (0.01 * self.settings.below);
         if x.abs() >= 1.0 { x.signum() } else { x * (15.0 - x * x * (10.0 - 3.0 * x * x)) / 8.0 }
+    }
+}
+
+/// From 1 at 0 to 0 at 1, held outside, twice continuously differentiable.
+#[inline]
+fn fall(x: f64) -> f64 {
+    if x <= 0.0 {
+        1.0
+    } else if x >= 1.0 {
+        0.0
+    } else {
+        1.0 - x * x * x * (10.0 - x * (15.0 - 6.0 * x))
     }
 }
 

@@ -457,3 +457,29 @@ fn validate_against_transient_rolling_of_elastic_half_spaces() {
         }
     }
 }
+
+/// Above twice `below` nothing of the states is felt and nothing moves them; a wheel that slows down has forgotten where they stood before they are felt again.
+#[test]
+fn prop_states_stand_still_at_speed_and_are_taken_up_without_a_jump() {
+    let (law, model) = model();
+    let stale = [4e-5, -3e-5, -1.0];
+    for speed in [4.0, 20.0, -4.0] {
+        let slip = slip(2e-3 * speed, 1e-3 * speed, 0.1, speed);
+        let found = model.evaluate(law.as_ref(), &CONTACT, &slip, &stale);
+        assert!(model.is_idle(speed) && found.rates == [0.0; 3]);
+        assert_eq!(found.force, model.evaluate(law.as_ref(), &CONTACT, &slip, &[0.0; 3]).force);
+    }
+    assert!(!model.is_idle(3.999) && model.unloaded_rates(4.0, &stale) == [0.0; 3]);
+    // At 3 m/s2 from 4.5 m/s on, from the steady state and from another: the same forces all the way to 0.5 m/s.
+    let at = |t: f64| slip(2e-3 * (4.5 - 3.0 * t), 1e-3 * (4.5 - 3.0 * t), 0.1, 4.5 - 3.0 * t);
+    let (mut worst, mut states) = (0f64, [model.steady_state(&CONTACT, &at(0.0)), stale]);
+    let h = 1e-4;
+    for i in 0..13_333 {
+        let t = i as f64 * h;
+        states = states.map(|state| step(state, t, h, |t, s| model.evaluate(law.as_ref(), &CONTACT, &at(t), s).rates));
+        let [one, other] = states.map(|state| model.evaluate(law.as_ref(), &CONTACT, &at(t + h), &state).force);
+        worst = worst.max((one.longitudinal - other.longitudinal).hypot(one.lateral - other.lateral));
+    }
+    println!("forces from stale states: within {worst:e} N");
+    assert!(worst < 1e-6 * BOUND, "{worst}");
+}

@@ -25,7 +25,7 @@ use crate::contact::friction::by_friction;
 use crate::contact::search::algebraic::Pair;
 use crate::contact::search::migration::{Row, add, sum};
 use crate::contact::strips::{Part, Pressed, Uneven};
-use crate::contact::transient::{self, LoadedPatch, SlipVelocity, TransientContact};
+use crate::contact::transient::{self, LoadedPatch, TransientContact};
 use crate::geometry::Side;
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::tangent::{SingularTangent, StateCoupling, Tangent};
@@ -218,7 +218,7 @@ impl Model {
         let transient = self.laws.transient.as_ref();
         if !(report.normal_force > 0.0) {
             if let Some(transient) = transient {
-                self.add_unloaded(at, transient, tangent);
+                self.add_own_rates(at, transient.unloaded_rates(wheelset.speed(motion), &[-1.0; transient::STATES]), tangent);
             }
             return;
         }
@@ -231,6 +231,10 @@ impl Model {
         let normal = touching.normal_force(slopes, share.map_or([0.0; 6], |share| sum([report.normal_force], [share])));
         let creep = match transient {
             None => self.steady(at, None, &touching, &normal),
+            Some(transient) if transient.is_idle(wheelset.speed(motion)) => {
+                self.add_own_rates(at, [0.0; transient::STATES], tangent);
+                self.steady(at, None, &touching, &normal)
+            }
             Some(transient) => self.add_transient(at, transient, &touching, &normal, y, tangent),
         };
         if let Some(wrench) = tangent.wrench_mut(wheelset.body, wheelset.body) {
@@ -338,13 +342,10 @@ impl Model {
         touching.add_friction(&by_friction, (along, across), change);
     }
 
-    /// The states of a contact without load fade away on their own.
-    fn add_unloaded(&self, at: &At, transient: &TransientContact, tangent: &mut Tangent) {
-        let none = LoadedPatch::default();
-        let slopes = transient.slopes(self.laws.creep.as_ref(), &none, &SlipVelocity::default(), &[0.0; transient::STATES]);
-        let rates = [slopes.rate_by_deflection[(0, 0)], slopes.rate_by_deflection[(1, 1)], slopes.direction_rate];
+    /// The states of a contact that changes them on their own: how fast they fade, 1/s.
+    fn add_own_rates(&self, at: &At, rates: [f64; transient::STATES], tangent: &mut Tangent) {
         for (state, rate) in self.deflection(at.contact, at.slot).zip(rates) {
-            tangent.add_state(state, rate, &[]);
+            tangent.add_state(state, -rate, &[]);
         }
     }
 }

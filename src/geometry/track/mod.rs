@@ -75,6 +75,9 @@ impl RailSection {
     }
 }
 
+/// No distance lies between these.
+const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+
 /// One rail of the track.
 #[derive(Clone, Debug)]
 pub struct Rail {
@@ -89,6 +92,8 @@ pub struct Rail {
     /// Y of the undisplaced section origin, m.
     offset: f64,
     deviations: Vec<(Direction, Arc<dyn DeviationShape>)>,
+    /// Distances outside which none of them does anything, m.
+    deviated: (f64, f64),
     /// Distances where the rail is not smooth, increasing.
     breaks: Vec<f64>,
     /// How short its waves are.
@@ -101,6 +106,9 @@ impl Rail {
     pub fn new(side: Side, profile: Arc<dyn Profile>, half_spacing: f64, inclination: f64, deviations: &[Deviation]) -> Self {
         let (sin, cos) = inclination.sin_cos();
         let sign = side.sign();
+        // What is zero everywhere is left out: it would only cost.
+        let own: Vec<(&Deviation, (f64, f64))> =
+            deviations.iter().filter(|d| d.side == side).filter_map(|d| Some((d, d.shape.acts()?))).collect();
         Rail {
             side,
             profile,
@@ -109,13 +117,14 @@ impl Rail {
             line: None,
             offset: sign * half_spacing,
             breaks: {
-                let mut breaks: Vec<f64> = deviations.iter().filter(|d| d.side == side).flat_map(|d| d.shape.breaks()).collect();
+                let mut breaks: Vec<f64> = own.iter().flat_map(|(d, _)| d.shape.breaks()).collect();
                 breaks.sort_by(f64::total_cmp);
                 breaks.dedup();
                 breaks
             },
-            waves: Waves::new(deviations.iter().filter(|d| d.side == side).flat_map(|d| d.shape.waves())),
-            deviations: deviations.iter().filter(|d| d.side == side).map(|d| (d.direction, d.shape.clone())).collect(),
+            waves: Waves::new(own.iter().flat_map(|(d, _)| d.shape.waves())),
+            deviated: own.iter().fold(NOWHERE, |all, (_, acts)| (all.0.min(acts.0), all.1.max(acts.1))),
+            deviations: own.iter().map(|(d, _)| (d.direction, d.shape.clone())).collect(),
         }
     }
 
@@ -138,6 +147,9 @@ impl Rail {
     /// Hands over what each deviation does at distance `s` [m]: along which axis (1: Y, 2: Z), displacement and three derivatives.
     #[inline]
     fn deviate(&self, s: f64, mut add: impl FnMut(usize, [f64; 4])) {
+        if !(s > self.deviated.0 && s < self.deviated.1) {
+            return;
+        }
         for (direction, shape) in &self.deviations {
             let axis = match direction {
                 Direction::Lateral => 1,
@@ -254,7 +266,14 @@ impl Track {
 
     /// The same rails without deviations on straight level track.
     pub fn ideal(&self) -> Track {
-        let bare = |rail: &Rail| Rail { deviations: Vec::new(), breaks: Vec::new(), waves: Waves::default(), line: None, ..rail.clone() };
+        let bare = |rail: &Rail| Rail {
+            deviations: Vec::new(),
+            deviated: NOWHERE,
+            breaks: Vec::new(),
+            waves: Waves::default(),
+            line: None,
+            ..rail.clone()
+        };
         Track { left: bare(&self.left), right: bare(&self.right) }
     }
 }

@@ -47,6 +47,10 @@ impl DeviationShape for CosineBump {
         [half * (1.0 - cos), half * wave_number * sin, half * wave_number.powi(2) * cos, -half * wave_number.powi(3) * sin]
     }
 
+    fn acts(&self) -> Option<(f64, f64)> {
+        (self.amplitude != 0.0).then_some((self.from, self.to))
+    }
+
     fn breaks(&self) -> Vec<f64> {
         vec![self.from, self.to]
     }

@@ -14,6 +14,11 @@ pub trait DeviationShape: Send + Sync + std::fmt::Debug {
     /// Displacement [m] and its first three derivatives with respect to distance, at distance `s` [m].
     fn at(&self, s: f64) -> [f64; 4];
 
+    /// Distances [m] outside which it is exactly zero; `None`: it is so everywhere.
+    fn acts(&self) -> Option<(f64, f64)> {
+        Some((f64::NEG_INFINITY, f64::INFINITY))
+    }
+
     /// Distances [m] where a derivative that the equations use jumps: steps end there.
     fn breaks(&self) -> Vec<f64>;
 

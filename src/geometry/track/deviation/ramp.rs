@@ -34,6 +34,10 @@ impl DeviationShape for Ramp {
         [self.amplitude * w, self.amplitude * rate * d1, self.amplitude * rate.powi(2) * d2, self.amplitude * rate.powi(3) * d3]
     }
 
+    fn acts(&self) -> Option<(f64, f64)> {
+        (self.amplitude != 0.0).then_some((self.from, f64::INFINITY))
+    }
+
     fn breaks(&self) -> Vec<f64> {
         Vec::new()
     }

@@ -64,6 +64,9 @@ impl Window {
 /// What a window can be laid over: a value with its first three derivatives.
 pub(super) trait Spline: Send + Sync + std::fmt::Debug {
     fn at(&self, s: f64) -> [f64; 4];
+
+    /// Is it zero everywhere?
+    fn is_zero(&self) -> bool;
 }
 
 impl Spline for CubicSpline {
@@ -71,12 +74,20 @@ impl Spline for CubicSpline {
     fn at(&self, s: f64) -> [f64; 4] {
         CubicSpline::at(self, s)
     }
+
+    fn is_zero(&self) -> bool {
+        CubicSpline::is_zero(self)
+    }
 }
 
 impl Spline for UniformSpline {
     #[inline]
     fn at(&self, s: f64) -> [f64; 4] {
         UniformSpline::at(self, s)
+    }
+
+    fn is_zero(&self) -> bool {
+        UniformSpline::is_zero(self)
     }
 }
 
@@ -94,6 +105,10 @@ impl<S: Spline> DeviationShape for Windowed<S> {
     #[inline]
     fn at(&self, s: f64) -> [f64; 4] {
         self.window.apply(s, |s| self.spline.at(s))
+    }
+
+    fn acts(&self) -> Option<(f64, f64)> {
+        (!self.spline.is_zero()).then_some((self.window.from, self.window.to))
     }
 
     fn breaks(&self) -> Vec<f64> {
