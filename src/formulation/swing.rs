@@ -14,6 +14,7 @@
 use super::step::WheelRef;
 use super::{Model, Workspace};
 use crate::mbs::body::{COORDINATES, YAW};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// r, -.
@@ -81,8 +82,8 @@ impl Model {
         });
     }
 
-    /// An error of the state in parts of what the swings allow.
-    pub fn swing_error(&self, swings: &Swings, error: &[f64]) -> f64 {
+    /// An error of the state in parts of what the swings allow; the workspace holds an evaluation nearby.
+    pub fn swing_error(&self, workspace: &Workspace, swings: &Swings, error: &[f64]) -> f64 {
         if !swings.plain {
             return 0.0;
         }
@@ -91,8 +92,8 @@ impl Model {
         let allowed = [SHARE * amplitude(0), SHARE * amplitude(1)];
         let of = |body: usize| {
             let own = &error[COORDINATES * body..COORDINATES * (body + 1)];
-            let across = if self.track.line().is_none() { own[1].abs() } else { own[0].hypot(own[1]) };
-            (across / allowed[0]).max(own[YAW].abs() / allowed[1])
+            let across = workspace.in_track(body, Vector3::new(own[0], own[1], own[2])).y;
+            (across.abs() / allowed[0]).max(own[YAW].abs() / allowed[1])
         };
         self.wheelsets.iter().map(|wheelset| of(wheelset.body)).fold(0.0, f64::max)
     }

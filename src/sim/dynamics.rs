@@ -187,7 +187,7 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn swing_error(&self, error: &[f64]) -> f64 {
-        self.model.swing_error(self.watched.swings, error)
+        self.model.swing_error(self.workspace, self.watched.swings, error)
     }
 
     fn note_step(&mut self, t: f64) {

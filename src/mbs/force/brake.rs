@@ -10,12 +10,13 @@
 //!
 //! ```text
 //! theta' = v (1 - s) - max(0, |theta| - theta_M) / tau sign(theta)
-//! s = 0 up to |theta| = a theta_M,  ((|theta|/theta_M - a) / (1 - a))^2 beyond, 1 from theta_M on;   only while the brake is loaded: theta rho > 0
+//! s = 0 up to |theta| = a theta_M,  n^2 up to theta_M,  2 n - 1 beyond,  n = (|theta|/theta_M - a) / (1 - a);   only while the brake is loaded: theta rho > 0
 //! T = k theta + c v (1 - s) / (1 + |c v (1 - s)| / (b M)),   against the motion;   unloading: k theta v / rho in place of k theta
 //! ```
 //!
 //! Below a M (a = 0.7) nothing slips: an axle at rest stays where it is, without creep; at speed theta rests at theta_M and T = M. The bound of v keeps
-//! the equation's rate below 7 / tau at any speed, so that no integrator must follow rho / theta_M. c = k x `damping_time` lets a stopped vehicle come to rest on its
+//! the equation's rate below 8 / tau at any speed, so that no integrator must follow rho / theta_M; it is nearly the same on both sides of theta_M (with s = 1 beyond, a
+//! seventh of that below, long implicit steps went to and fro across it, and T was 0.4 % too large). c = k x `damping_time` lets a stopped vehicle come to rest on its
 //! brakes (b = 0.5). Without M there is no torque. Heat, `T rho - k theta theta'`, is never negative: loading it is `k theta (rho - v (1 - s))` and
 //! what c takes, unloading what c takes, and where M falls `k |theta| (|theta| - theta_M) / tau`.
 
@@ -32,6 +33,8 @@ use nalgebra::Vector3;
 const STICKING: f64 = 0.7;
 /// b.
 const DAMPED: f64 = 0.5;
+/// theta_M, rad, below which there is no brake.
+const LEAST_REACH: f64 = 1e-30;
 /// The default tau and damping time, s.
 const RELAXATION: f64 = 2e-3;
 const DAMPING_TIME: f64 = 5e-3;
@@ -93,12 +96,12 @@ impl Brake {
             grip.torque *= share;
             grip.torque_by_angle *= share;
             grip.torque_by_speed = if follows == 0.0 { -grip.torque / speed } else { 0.0 };
-        } else if angle.abs() >= reach {
+        } else if reach < LEAST_REACH {
             slip = 1.0;
         } else {
             let near = ((angle.abs() / reach - STICKING) / (1.0 - STICKING)).max(0.0);
-            slip = near * near;
-            slip_by_angle = 2.0 * near / ((1.0 - STICKING) * reach) * angle.signum();
+            slip = if near < 1.0 { near * near } else { 2.0 * near - 1.0 };
+            slip_by_angle = 2.0 * near.min(1.0) / ((1.0 - STICKING) * reach) * angle.signum();
         }
         let (elastic, by_angle, by_speed) = (bound * (1.0 - slip), -bound * slip_by_angle, follows * (1.0 - slip));
         let excess = angle.abs() - reach;
