@@ -61,6 +61,7 @@ impl Scene {
             root.keep(map.check(&root.section("contact")?, track.rails.each_ref().map(|rail| rail.profile.as_ref())))?;
         }
         let (Some(solver), Some(interface), Some(run)) = (solver, interface, run) else { return Err(root.stop()) };
+        root.keep(check_settling(root, &vehicle, &solver))?;
         let prepared = PreparedSearches::default();
         let mut scene = Scene { name, source, title, vehicle, track, contact, solver, interface, run, prepared, points: MOST_POINTS };
         scene.points = match scene.contact.patch {
@@ -94,6 +95,21 @@ fn read_solver(solver: Section, transient: bool) -> Result<SolverSpec, SettingsE
     solver.finish()?;
     let why = read.automatic.then_some(why);
     Ok(SolverSpec { name: read.name, integrator: read.integrator, load_tolerance, why, assumed })
+}
+
+/// Fixed explicit steps must be short enough for the states of all force elements.
+fn check_settling(root: &Section, vehicle: &VehicleSpec, solver: &SolverSpec) -> Result<(), SettingsError> {
+    let least = solver.integrator.least_time_constant();
+    let times = vehicle.forces.iter().filter_map(|element| Some((element.0.name(), element.0.time_constant()?)));
+    let Some((name, time)) = times.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, time)| *time < least) else { return Ok(()) };
+    let setting = solver.integrator.setting().value;
+    let most = setting * time / least;
+    let problem = format!(
+        "found {setting:?} s, with which {} is not stable for {name}, whose state settles in {:.3} ms; expected at most {most:.1e} s, or an integrator with a tolerance",
+        solver.name,
+        1e3 * time
+    );
+    Err(root.section("solver")?.error("step", problem))
 }
 
 fn read_run(run: Section) -> Result<RunSpec, SettingsError> {

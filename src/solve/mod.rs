@@ -296,6 +296,11 @@ pub trait Integrator: Send + Sync + Debug {
         false
     }
 
+    /// States that settle faster than this [s] on their own swing up from step to step: of explicit methods with a fixed step.
+    fn least_time_constant(&self) -> f64 {
+        0.0
+    }
+
     /// What one step costs at most, in words, where that is bounded.
     fn worst_case(&self) -> Option<String> {
         None

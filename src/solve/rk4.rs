@@ -42,6 +42,11 @@ impl Integrator for RungeKutta4 {
         dense::CUBIC
     }
 
+    /// The classical method is stable to 2.785 time constants a step.
+    fn least_time_constant(&self) -> f64 {
+        self.step / 2.785
+    }
+
     fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
         state.evaluate_with_cache(dynamics)?;
         let step = FixedStep::next(self.step, dynamics, state)?;

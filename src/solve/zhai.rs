@@ -55,6 +55,11 @@ impl Integrator for Zhai {
         dense::CUBIC
     }
 
+    /// Adams and Bashforth's method of order 2 is stable to one time constant a step.
+    fn least_time_constant(&self) -> f64 {
+        self.step
+    }
+
     /// f at the begin of the step before.
     fn record_vectors(&self) -> usize {
         1

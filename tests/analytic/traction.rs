@@ -222,3 +222,18 @@ fn regress_sliding_brakes_give_their_torque_in_long_steps() {
     // With a rate that changed sevenfold where sliding begins they swung by 25 N m; with errors along the track held against swings across it, 4000 steps.
     assert!(worst < 0.05 && steps < 250, "{worst} {steps}");
 }
+
+/// A fixed explicit step that a brake's state would swing up under is refused with the longest that is not.
+#[test]
+fn prop_explicit_steps_too_long_for_a_brake_are_refused() {
+    let open = |integrator: &str, step: &str| -> Result<(), String> {
+        let changes = ["vehicle.travel=imposed".into(), format!("solver={{integrator=\"{integrator}\",step=\"{step}\"}}")];
+        load::open(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/braked_coach.toml"), &changes)
+            .map(|_| ())
+            .map_err(|error| error.to_string())
+    };
+    let error = open("zhai", "0.7 ms").unwrap_err();
+    assert!(error.contains("brake[1]") && error.contains("0.600 ms") && error.contains("at most 6.0e-4 s"), "{error}");
+    assert!(open("zhai", "0.5 ms").is_ok() && open("rk4", "1.6 ms").is_ok() && open("rk4", "1.7 ms").is_err());
+    assert!(open("generalised_alpha", "2 ms").is_ok());
+}

@@ -9,14 +9,14 @@
 //! speed of the axle against its carrier. With `theta_M = M / k`, the bound `rho_M = theta_M / tau` and v the speed rho cut to +-rho_M:
 //!
 //! ```text
-//! theta' = v (1 - s) - max(0, |theta| - theta_M) / tau sign(theta)
-//! s = 0 up to |theta| = a theta_M,  n^2 up to theta_M,  2 n - 1 beyond,  n = (|theta|/theta_M - a) / (1 - a);   only while the brake is loaded: theta rho > 0
+//! theta' = v (1 - s) - (1 - |v| / rho_M) max(0, |theta| - theta_M) / tau sign(theta)
+//! s = 0 up to |theta| = a theta_M,  (|theta|/theta_M - a) / (1 - a) beyond;   only while the brake is loaded: theta rho > 0
 //! T = k theta + c v (1 - s) / (1 + |c v (1 - s)| / (b M)),   against the motion;   unloading: k theta v / rho in place of k theta
 //! ```
 //!
 //! Below a M (a = 0.7) nothing slips: an axle at rest stays where it is, without creep; at speed theta rests at theta_M and T = M. The bound of v keeps
-//! the equation's rate below 8 / tau at any speed, so that no integrator must follow rho / theta_M; it is nearly the same on both sides of theta_M (with s = 1 beyond, a
-//! seventh of that below, long implicit steps went to and fro across it, and T was 0.4 % too large). c = k x `damping_time` lets a stopped vehicle come to rest on its
+//! the equation's rate below 3.4 / tau at any speed, so that no integrator must follow rho / theta_M; while the brake slides it is the same on both sides of theta_M (a rate that
+//! changed there made long implicit steps go to and fro across it, and T 0.4 % too large). c = k x `damping_time` lets a stopped vehicle come to rest on its
 //! brakes (b = 0.5). Without M there is no torque. Heat, `T rho - k theta theta'`, is never negative: loading it is `k theta (rho - v (1 - s))` and
 //! what c takes, unloading what c takes, and where M falls `k |theta| (|theta| - theta_M) / tau`.
 
@@ -99,15 +99,16 @@ impl Brake {
         } else if reach < LEAST_REACH {
             slip = 1.0;
         } else {
-            let near = ((angle.abs() / reach - STICKING) / (1.0 - STICKING)).max(0.0);
-            slip = if near < 1.0 { near * near } else { 2.0 * near - 1.0 };
-            slip_by_angle = 2.0 * near.min(1.0) / ((1.0 - STICKING) * reach) * angle.signum();
+            slip = ((angle.abs() / reach - STICKING) / (1.0 - STICKING)).max(0.0);
+            slip_by_angle = if slip > 0.0 { angle.signum() / ((1.0 - STICKING) * reach) } else { 0.0 };
         }
         let (elastic, by_angle, by_speed) = (bound * (1.0 - slip), -bound * slip_by_angle, follows * (1.0 - slip));
-        let excess = angle.abs() - reach;
-        grip.rate = elastic - excess.max(0.0) / self.relaxation * angle.signum();
-        grip.rate_by_angle = by_angle - if excess > 0.0 { 1.0 / self.relaxation } else { 0.0 };
-        grip.rate_by_speed = by_speed;
+        let excess = (angle.abs() - reach).max(0.0) * angle.signum();
+        let (resting, by_speed_of_resting) =
+            if reach < LEAST_REACH { (1.0, 0.0) } else { (1.0 - bound.abs() / fastest, -follows * speed.signum() / fastest) };
+        grip.rate = elastic - resting * excess / self.relaxation;
+        grip.rate_by_angle = by_angle - if excess != 0.0 { resting / self.relaxation } else { 0.0 };
+        grip.rate_by_speed = by_speed - by_speed_of_resting * excess / self.relaxation;
         let (c, bend) = (k * self.damping_time, DAMPED * most);
         if bend > 0.0 {
             let softer = bend / (bend + (c * elastic).abs());
@@ -184,7 +185,7 @@ impl ForceElement for Brake {
     }
 
     fn time_constant(&self) -> Option<f64> {
-        Some(0.5 * (1.0 - STICKING) * self.relaxation)
+        Some((1.0 - STICKING) * self.relaxation)
     }
 
     fn inputs(&self) -> &'static [ElementInput] {

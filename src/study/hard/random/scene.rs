@@ -4,6 +4,7 @@
 //! tolerances go over all that docs/scene.md allows in part, starts may stand on irregular track or beside the equilibrium.
 
 use super::super::case::{InputChange, Method};
+use super::additions::with_additions;
 use super::dice::Dice;
 use crate::formulation::{DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, RIGHT_FRICTION, VERTICAL_FORCE};
 use std::fmt::Write as _;
@@ -47,7 +48,7 @@ impl RandomScene {
             let name = ["driveTorque", "lateralForce", "verticalForce", "leftFriction", "rightFriction", "longitudinalForce"];
             let _ = writeln!(text, "# input of the leading wheelset: {} = {} at {} s", name[change.input], change.value, change.time);
         }
-        let text = with_patches(seed, text);
+        let text = with_additions(seed, with_patches(seed, text), vehicle, speed.signum(), speed.abs() * stop);
         RandomScene { seed, text, inputs, stop, integrator, fixed, setting, method: None }
     }
 
