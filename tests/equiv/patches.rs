@@ -41,7 +41,8 @@ fn equiv_strips_carry_what_half_spaces_do() {
         assert!(n[0] < 0.012 && n[1] < 0.05, "N {n:?}");
         assert!(centre[0] < 3e-5 && centre[1] < 2e-4, "centre {centre:?}");
         assert!(area[0] < 0.06, "area {area:?}");
-        assert!(creep[0] < 0.016 && creep[1] < 0.08, "creep {creep:?}");
+        // Without what the strips add to the law of their ellipse the worst is beyond 0.045.
+        assert!(creep[0] < 0.015 && creep[1] < 0.045, "creep {creep:?}");
     }
 }
 
