@@ -1,5 +1,6 @@
-//! The command line: results on stdout, messages on stderr, exit code 0, 1 (run failed) or 2 (bad input).
+//! The command line: results on stdout, messages on stderr, exit code 0, 1 (run failed), 2 (bad input) or 3 (a limit is exceeded).
 
+mod assess;
 mod compare;
 mod contact;
 mod creep;
@@ -17,6 +18,7 @@ mod progress;
 mod run;
 mod scene;
 mod study;
+mod sweep;
 mod table;
 
 use crate::scene::load::{self, SceneError};
@@ -43,6 +45,8 @@ enum Command {
     Export(export::Arguments),
     /// Simulate a scene natively: CSV, SVG, summary
     Run(run::Arguments),
+    /// Hold a run against EN 14363, comfort standards, Nadal's limit: limit table, HTML page
+    Assess(assess::Arguments),
     /// Run a scene with every contact formulation: cost, differences, pictures
     Compare(compare::Arguments),
     /// Contact geometry of a wheelset over its lateral shift, equivalent conicity
@@ -63,6 +67,8 @@ enum Command {
     Scene(scene::Arguments),
     /// Measure what accuracy costs in time: formulations, integrators and tolerances against references
     Study(study::Arguments),
+    /// Run a scene with many values: grids, lists, Latin hypercubes, in parallel; one row of numbers per run
+    Sweep(sweep::Arguments),
     /// Compute the creep-force table of the creep law `usetab`
     Table(table::Arguments),
 }
@@ -150,6 +156,8 @@ enum Failure {
     Run(String),
     /// What was asked for makes no sense (2).
     Input(String),
+    /// What was assessed exceeds a limit (3); the table has said so.
+    Exceeded,
     /// A signal asked for the end: words and exit code.
     Interrupted(String, u8),
 }
@@ -200,6 +208,7 @@ pub fn main() -> ExitCode {
     let done = match parsed.command {
         Command::Export(arguments) => export::export(&arguments),
         Command::Run(arguments) => run::run(&arguments),
+        Command::Assess(arguments) => assess::assess(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Contact(arguments) => contact::contact(&arguments),
         Command::Creep(arguments) => creep::creep(&arguments),
@@ -210,12 +219,14 @@ pub fn main() -> ExitCode {
         Command::Modes(arguments) => modes::modes(&arguments),
         Command::Scene(arguments) => scene::scene(&arguments),
         Command::Study(arguments) => study::study(&arguments),
+        Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Table(arguments) => table::table(&arguments),
     };
     let (message, code) = match done {
         Ok(()) => return ExitCode::SUCCESS,
         Err(Failure::Run(message)) => (message, 1),
         Err(Failure::Input(message)) => (message, 2),
+        Err(Failure::Exceeded) => return ExitCode::from(3),
         Err(Failure::Interrupted(message, code)) => {
             say(&message);
             return ExitCode::from(code);

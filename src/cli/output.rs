@@ -114,6 +114,11 @@ impl Target {
         matches!(self.place, Place::Stdout)
     }
 
+    /// Is it a file, neither standard output nor a device or a pipe?
+    pub fn is_plain_file(&self) -> bool {
+        matches!(self.place, Place::File { .. })
+    }
+
     /// Begins to write: until [`Pending::finish`] a file keeps what it has.
     ///
     /// # Errors

@@ -8,6 +8,7 @@ use crate::scene::spec::Scene;
 use crate::settings::did_you_mean;
 use crate::sim::Simulation;
 use crate::sim::outputs::Output;
+use crate::sim::pattern::matches;
 use crate::sim::recording::{self, CsvRows, Recording, Times};
 use crate::sim::statics;
 use crate::sim::vehicle_outputs::scene_outputs;
@@ -209,34 +210,6 @@ fn work(scene: &Scene, simulation: &Simulation, elapsed: f64, step: f64) -> Stri
         );
     }
     text
-}
-
-/// Does a name fit a pattern, in which * stands for any letters and ? for one? Brackets are those of names.
-fn matches(pattern: &str, name: &str) -> bool {
-    let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
-    let (mut p, mut n) = (0, 0);
-    // Where the last * stands, and what it stood for so far ends.
-    let mut star: Option<(usize, usize)> = None;
-    while n < name.len() {
-        match pattern.get(p) {
-            Some('*') => {
-                star = Some((p, n));
-                p += 1;
-            }
-            Some(c) if *c == '?' || *c == name[n] => {
-                p += 1;
-                n += 1;
-            }
-            _ => match star {
-                Some((at, end)) => {
-                    star = Some((at, end + 1));
-                    (p, n) = (at + 1, end + 1);
-                }
-                None => return false,
-            },
-        }
-    }
-    pattern[p..].iter().all(|c| *c == '*')
 }
 
 /// Refuses a pattern that fits no output.

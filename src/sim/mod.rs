@@ -8,6 +8,7 @@ mod dynamics;
 pub mod feedthrough;
 pub mod input;
 pub mod outputs;
+pub mod pattern;
 pub mod recording;
 pub mod statics;
 pub mod tables;

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod assess;
 mod curves;
 mod formulations;
 mod patches;

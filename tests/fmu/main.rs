@@ -192,6 +192,18 @@ fn fmu_coupled_with_a_model_of_the_track() {
 }
 
 #[test]
+fn fmu_sweep_on_dask_loses_nothing_with_a_killed_worker() {
+    let folder = tempfile::tempdir().unwrap();
+    let native = folder.path().join("native.csv");
+    let mut sweep = Command::new(env!("CARGO_BIN_EXE_wheelrail"));
+    sweep.args(["sweep", "suspended_wheelset", "--set", "contact.friction=0.2..0.5:0.02", "--set", "vehicle.initial.y=0,0.001,0.002"]);
+    sweep.args(["--scalar", "max:*.derailmentQuotient", "--scalar", "rms:wheelset.y", "--scalar", "min:*.verticalForce"]);
+    sweep.args(["--scalar", "p99.85:wheelset.*.lateralForce", "--stop", "0.5", "--step", "0.005", "-o"]);
+    run(sweep.arg(&native));
+    script("dask_cluster.py", &[native.as_os_str(), Path::new(ROOT).join("examples/sweep_dask.py").as_os_str()]);
+}
+
+#[test]
 fn fmu_bad_calls_from_python() {
     script("bad_calls.py", &[]);
 }

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod assess;
 mod cli;
 mod cli_output;
 mod creep_laws;
@@ -12,5 +13,6 @@ mod scene_keys;
 mod static_preload;
 mod steady_curving;
 mod study;
+mod sweep;
 mod tuning;
 mod vehicle;

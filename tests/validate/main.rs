@@ -3,5 +3,6 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod assess;
 mod ivp_wheelset;
 mod published;

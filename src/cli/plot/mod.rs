@@ -104,6 +104,27 @@ impl Series {
     }
 }
 
+/// A rectangle of a map, with its value in it where there is room.
+#[derive(Clone, Debug)]
+pub(super) struct Tile {
+    pub from: (f64, f64),
+    pub to: (f64, f64),
+    pub color: RGBColor,
+    pub label: String,
+}
+
+/// Colour of a part of a range, dark to bright, which stays in order in grey and for every eye (stops of viridis, S. van der Walt and N. Smith 2015);
+/// grey without a value.
+pub(super) fn shade(part: Option<f64>) -> RGBColor {
+    const STOPS: [[f64; 3]; 5] = [[68.0, 1.0, 84.0], [59.0, 82.0, 139.0], [33.0, 145.0, 140.0], [94.0, 201.0, 98.0], [253.0, 231.0, 37.0]];
+    let Some(part) = part else { return RGBColor(205, 205, 205) };
+    let at = 4.0 * part.clamp(0.0, 1.0);
+    let below = (at as usize).min(3);
+    let mixed =
+        |channel: usize| (STOPS[below][channel] + (at - below as f64) * (STOPS[below + 1][channel] - STOPS[below][channel])).round() as u8;
+    RGBColor(mixed(0), mixed(1), mixed(2))
+}
+
 /// One axis; with its unit in the label.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Axis {
@@ -124,6 +145,8 @@ pub(super) struct Panel {
     pub x: Axis,
     pub y: Axis,
     pub series: Vec<Series>,
+    /// Areas below lines and marks.
+    pub tiles: Vec<Tile>,
     /// Dashed lines across it.
     pub levels: Vec<f64>,
     /// May labels stand anywhere beside their marks, with a line to them where they are far? Otherwise they stand above, in the series' colour.
@@ -136,7 +159,7 @@ impl Panel {
     pub(super) fn new(title: &str, [x, y]: [&str; 2], series: Vec<Series>) -> Panel {
         let axis = |label: &str| Axis { label: label.into(), ..Axis::default() };
         let (title, aside) = (title.into(), String::new());
-        Panel { title, aside, x: axis(x), y: axis(y), series, levels: vec![], leaders: true, height: 360.0 }
+        Panel { title, aside, x: axis(x), y: axis(y), series, tiles: vec![], levels: vec![], leaders: true, height: 360.0 }
     }
 
     /// With logarithmic axes.
@@ -176,6 +199,15 @@ impl Sheet {
     /// # Errors
     /// In words.
     pub(super) fn draw(&self, file: &Path) -> Result<(), String> {
+        let svg = self.svg().map_err(|error| format!("{}: can't be drawn: {error}", file.display()))?;
+        write_whole(file, svg.as_bytes()).map_err(|error| error.to_string())
+    }
+
+    /// The drawing.
+    ///
+    /// # Errors
+    /// In words.
+    pub(super) fn svg(&self) -> Result<String, String> {
         let columns = self.columns.clamp(1, self.panels.len().max(1));
         let wide = width(columns);
         let subtitles: Vec<String> =
@@ -207,8 +239,7 @@ impl Sheet {
             }
             Ok(())
         });
-        let svg = svg.map_err(|error| format!("{}: can't be drawn: {error}", file.display()))?;
-        write_whole(file, svg.as_bytes()).map_err(|error| error.to_string())
+        svg.map_err(|error| error.to_string())
     }
 
     /// The range of all axes with this one's label; `along`: of those along x.

@@ -3,7 +3,8 @@
 use super::frame::{BOTTOM, Frame, LEFT, STRIP};
 use super::labels;
 use super::pen::{Drawn, END, GREY, MIDDLE, Pen, Place, START, TOP, fitting, letters};
-use super::{Axis, DARK, Ink, Panel, Series};
+use super::{Axis, DARK, Ink, Panel, Series, Tile};
+use plotters::style::{RGBColor, WHITE};
 
 pub(super) fn draw(pen: &Pen, panel: &Panel, frame: &Frame) -> Drawn {
     let line = frame.corner.1 - 0.5 * STRIP;
@@ -12,6 +13,7 @@ pub(super) fn draw(pen: &Pen, panel: &Panel, frame: &Frame) -> Drawn {
     let beside = frame.size.0 - letters(size, panel.title.chars().count() + 2);
     pen.text(&panel.aside, (frame.end().0, line), fitting(&panel.aside, 14.0, beside), END, GREY)?;
     axes(pen, [&panel.x, &panel.y], frame)?;
+    panel.tiles.iter().try_for_each(|tile| draw_tile(pen, tile, frame))?;
     for level in &panel.levels {
         let y = frame.at((frame.x.low, *level)).1;
         pen.line(&[(frame.corner.0, y), (frame.end().0, y)], Ink { width: 1.0, ..Ink::dashed(DARK) })?;
@@ -27,6 +29,20 @@ pub(super) fn draw(pen: &Pen, panel: &Panel, frame: &Frame) -> Drawn {
         pen.text(&mark.label, label.at, labels::SIZE, label.anchor, if panel.leaders { DARK } else { ink.color })?;
     }
     Ok(())
+}
+
+/// A tile, its words on it in what can be read there.
+fn draw_tile(pen: &Pen, tile: &Tile, frame: &Frame) -> Drawn {
+    const SIZE: f64 = 14.0;
+    let (from, to) = (frame.at(tile.from), frame.at(tile.to));
+    pen.area(from, to, tile.color)?;
+    let RGBColor(red, green, blue) = tile.color;
+    let bright = 0.3 * f64::from(red) + 0.6 * f64::from(green) + 0.1 * f64::from(blue) > 130.0;
+    let room = letters(SIZE, tile.label.chars().count()) + 4.0 < (to.0 - from.0).abs() && SIZE + 4.0 < (to.1 - from.1).abs();
+    match room {
+        true => pen.text(&tile.label, (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1)), SIZE, MIDDLE, if bright { DARK } else { WHITE }),
+        false => Ok(()),
+    }
 }
 
 /// Grid, ticks, numbers, captions.

@@ -79,6 +79,11 @@ impl Pen<'_> {
         Ok(())
     }
 
+    /// A filled rectangle between two corners.
+    pub(super) fn area(&self, from: Place, to: Place, color: RGBColor) -> Drawn {
+        Ok(self.0.draw(&Rectangle::new([at(from), at(to)], color.filled()))?)
+    }
+
     /// A mark of the ink's shape and radius.
     pub(super) fn mark(&self, centre: Place, ink: Ink, hollow: bool) -> Drawn {
         const TURN: f64 = std::f64::consts::TAU;

@@ -1,0 +1,241 @@
+//! `wheelrail assess RESULT.csv|SCENE`: limits of EN 14363, comfort, derailment and wear of a run, as a table and a page.
+
+mod html;
+mod pictures;
+mod report;
+
+use super::interrupt::Interrupt;
+use super::output::{Kind, Target, write_whole};
+use super::progress::Progress;
+use super::{Failure, TimeArguments, print, refused, say};
+use crate::scene::load;
+use crate::scene::spec::Scene;
+use crate::settings::did_you_mean;
+use crate::sim::Simulation;
+use crate::sim::recording::{self, Recording, Times};
+use crate::sim::vehicle_outputs::scene_outputs;
+use crate::study::assess::known::{Known, Vehicle};
+use crate::study::assess::quantity::{self, VehicleKind};
+use crate::study::assess::signals::Signals;
+use crate::study::assess::{Assessment, Row, Verdict};
+use crate::study::digits::rounded;
+use crate::units::Dimension;
+use clap::{Args, ValueEnum};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+#[derive(Args)]
+#[command(after_long_help = "\
+A SCENE is run with the outputs that are needed (motion, wheels, sensors; every 2 ms with sensors on a car body, else every 5 ms). Of a RESULT.csv \
+the limits that depend on axle loads, curves, profiles or friction need its scene, --scene SCENE. What can't be assessed says why and what to record.
+
+Exit code: 0 no limit is exceeded, 1 the run failed, 2 bad input or nothing to assess, 3 a limit is exceeded (or the vehicle derailed). What \
+is not assessable does not change it. docs/assess.md has definitions and sources.")]
+pub(super) struct Arguments {
+    /// Results of `wheelrail run -o` (a name that ends in .csv), or a scene file or the name of an embedded scene
+    #[arg(value_name = "RESULT.csv|SCENE")]
+    input: String,
+    /// The scene that a RESULT.csv comes from
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<String>,
+    /// Change a value of the scene, e.g. --set vehicle.speed=30
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    #[command(flatten)]
+    times: TimeArguments,
+    /// Limits of this kind of vehicle
+    #[arg(long, value_enum, default_value = "passenger")]
+    vehicle: Kinds,
+    /// Admissible speed, for the limit of Q; m/s or with a unit [default: the highest of the run]
+    #[arg(long, value_name = "V", value_parser = speed)]
+    admissible_speed: Option<f64>,
+    /// Limit that takes the place of the standard's, SI or with a unit, e.g. --limit "y_qst=72 kN" (keys: --json)
+    #[arg(long = "limit", value_name = "KEY=VALUE")]
+    limits: Vec<String>,
+    /// Write the outputs of the run of a SCENE as CSV
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    /// Write table and pictures as one HTML page
+    #[arg(long, value_name = "FILE.html")]
+    html: Option<PathBuf>,
+    /// Print the result as JSON (SI units)
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Kinds {
+    Passenger,
+    Locomotive,
+    Freight,
+}
+
+impl From<Kinds> for VehicleKind {
+    fn from(kind: Kinds) -> Self {
+        match kind {
+            Kinds::Passenger => VehicleKind::Passenger,
+            Kinds::Locomotive => VehicleKind::Locomotive,
+            Kinds::Freight => VehicleKind::Freight,
+        }
+    }
+}
+
+/// Output intervals of a run, s: with accelerations of a car body (comfort reaches to 100 Hz), and without.
+const STEPS: [f64; 2] = [2e-3, 5e-3];
+/// Outputs that a run records.
+const GROUPS: [&str; 3] = ["motion", "wheels", "sensors"];
+
+/// What is assessed, and what is known of it.
+struct Subject {
+    title: String,
+    signals: Signals,
+    vehicle: Option<Vehicle>,
+    /// Why a run ended early.
+    ended: Option<Ended>,
+}
+
+struct Ended {
+    reason: String,
+    time: f64,
+    stop: f64,
+    derailed: bool,
+}
+
+pub(super) fn assess(arguments: &Arguments) -> Result<(), Failure> {
+    let limits = arguments.limits.iter().map(|text| limit(text)).collect::<Result<Vec<_>, _>>()?;
+    // Whatever can't be written is better known before the work.
+    if let Some(file) = &arguments.html {
+        Target::find(file, Kind::Text).map_err(refused)?;
+    }
+    let is_result = Path::new(&arguments.input).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    let subject = if is_result { result(arguments)? } else { run(arguments)? };
+    let kind = VehicleKind::from(arguments.vehicle);
+    let known = Known { kind, admissible_speed: arguments.admissible_speed, vehicle: subject.vehicle, limits };
+    let mut found = Assessment::of(&subject.signals, &known).map_err(|error| Failure::Input(format!("{}: {error}", arguments.input)))?;
+    if let Some(ended) = &subject.ended {
+        found.rows.insert(0, early(ended));
+    }
+    if let Some(file) = &arguments.html {
+        let page = html::page(&subject.title, &arguments.input, &found).map_err(Failure::Run)?;
+        write_whole(file, page.as_bytes())?;
+    }
+    if arguments.json {
+        print(&format!("{}\n", serde_json::json!({"input": arguments.input, "title": subject.title, "assessment": found})))?;
+    } else {
+        print(&report::text(&subject.title, &arguments.input, &found))?;
+        if let Some(file) = &arguments.html {
+            say(&format!("wrote {}", file.display()));
+        }
+    }
+    match subject.ended {
+        Some(ended) if !ended.derailed => Err(Failure::Run(ended.reason)),
+        _ if found.fails() => Err(Failure::Exceeded),
+        _ if !found.says_something() => Err(Failure::Input(format!("{}: nothing could be assessed; the table says why", arguments.input))),
+        _ => Ok(()),
+    }
+}
+
+/// The row of a run that did not come to its end.
+fn early(ended: &Ended) -> Row {
+    let quantity = &quantity::COMPLETED;
+    let (value, limit) = (Some(ended.time), Some(ended.stop));
+    Row { key: quantity.key, quantity, zone: None, place: String::new(), value, limit, verdict: Verdict::Fail, note: ended.reason.clone() }
+}
+
+fn start(name: &str, overrides: &[String]) -> Result<(Scene, Simulation, Vehicle), Failure> {
+    let mut scene = load::open(name, overrides)?;
+    scene.interface.outputs = GROUPS.into();
+    scene.interface.only = None;
+    scene.vehicle.sensors.iter_mut().for_each(|sensor| sensor.measured = true);
+    let mut simulation = super::start(&scene)?;
+    let vehicle = Vehicle::of(&scene, &mut simulation).map_err(|error| Failure::Run(error.to_string()))?;
+    Ok((scene, simulation, vehicle))
+}
+
+fn result(arguments: &Arguments) -> Result<Subject, Failure> {
+    for (given, name) in
+        [(arguments.output.is_some(), "-o"), (arguments.times.stop.is_some() || arguments.times.step.is_some(), "--stop and --step")]
+    {
+        if given {
+            return Err(Failure::Input(format!("{name}: that is for a SCENE that is run; {} has been run", arguments.input)));
+        }
+    }
+    if arguments.scene.is_none() && !arguments.overrides.is_empty() {
+        return Err(Failure::Input("--set changes a scene: name it with --scene".into()));
+    }
+    let failed = |error: &dyn std::fmt::Display| Failure::Input(format!("{}: {error}", arguments.input));
+    let file = std::fs::File::open(&arguments.input).map_err(|error| failed(&error))?;
+    let signals = Signals::read(std::io::BufReader::new(file)).map_err(|error| failed(&error))?;
+    let opened = arguments.scene.as_deref().map(|name| start(name, &arguments.overrides)).transpose()?;
+    let (title, vehicle) = match opened {
+        Some((scene, _, vehicle)) => (scene.title, Some(vehicle)),
+        None => (arguments.input.clone(), None),
+    };
+    Ok(Subject { title, signals, vehicle, ended: None })
+}
+
+fn run(arguments: &Arguments) -> Result<Subject, Failure> {
+    if arguments.scene.is_some() {
+        return Err(Failure::Input("--scene belongs to a RESULT.csv; found a scene to run".into()));
+    }
+    let target = super::csv_target(&arguments.output, arguments.json)?;
+    let (mut scene, mut simulation, vehicle) = start(&arguments.input, &arguments.overrides)?;
+    scene.run.step = STEPS[usize::from(vehicle.body_sensors.is_empty())];
+    let (stop, step) = arguments.times.read(&scene)?;
+    let outputs = scene_outputs(&scene, simulation.model());
+    let (progress, interrupt) = (Progress::new(stop), Interrupt::watch());
+    let done = recording::record_while(&mut simulation, &outputs, Times { stop, step }, |row| {
+        progress.at(row[0]);
+        if interrupt.code().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    progress.finish();
+    if let Some(code) = interrupt.code() {
+        return Err(Failure::Interrupted(format!("interrupted at t = {} s; nothing was assessed", rounded(simulation.time())), code));
+    }
+    let (recording, ended) = match done {
+        Ok(recording) => (recording, None),
+        Err(early) => {
+            let (reason, derailed) = (early.error.to_string(), early.error.is_derailed());
+            (early.recording, Some(Ended { reason, time: simulation.time(), stop, derailed }))
+        }
+    };
+    write(target.as_ref(), &recording)?;
+    let words = |error: &dyn std::fmt::Display| match &ended {
+        Some(ended) => format!("{}: {}; {error}", arguments.input, ended.reason),
+        None => format!("{}: {error}", arguments.input),
+    };
+    let signals = Signals::of(&recording).map_err(|error| match &ended {
+        Some(_) => Failure::Run(words(&error)),
+        None => Failure::Input(words(&error)),
+    })?;
+    Ok(Subject { title: scene.title, signals, vehicle: Some(vehicle), ended })
+}
+
+fn write(target: Option<&Target>, recording: &Recording) -> Result<(), Failure> {
+    let Some(target) = target else { return Ok(()) };
+    let mut text = Vec::new();
+    recording.write_csv(&mut text).map_err(|error| Failure::Run(error.to_string()))?;
+    Ok(target.write(&text)?)
+}
+
+/// Reads `KEY=VALUE` of `--limit`.
+fn limit(text: &str) -> Result<(String, f64), Failure> {
+    let wrong = |problem: String| Failure::Input(format!("--limit {text}: {problem}"));
+    let (key, value) = text.split_once('=').ok_or_else(|| wrong("expected KEY=VALUE, such as y_qst=\"72 kN\"".into()))?;
+    let keys = quantity::keys();
+    let known = keys.iter().find(|known| **known == key.trim()).and_then(|key| quantity::by_key(key));
+    let found = known.ok_or_else(|| wrong(format!("{key}{}: expected one of {}", did_you_mean(key, &keys), keys.join(", "))))?;
+    let dimension = match found.unit {
+        "kN" => Dimension::Force,
+        "m/s2" => Dimension::Acceleration,
+        _ => Dimension::None,
+    };
+    let number = dimension.parse(value).filter(|number| number.is_finite());
+    Ok((found.key.into(), number.ok_or_else(|| wrong(format!("{value}: expected {}", dimension.expectation())))?))
+}
+
+/// Reads a speed above 0.
+fn speed(text: &str) -> Result<f64, String> {
+    let found = Dimension::Speed.parse(text).filter(|speed| speed.is_finite() && *speed > 0.0);
+    found.ok_or_else(|| format!("expected {}, greater than 0", Dimension::Speed.expectation()))
+}

@@ -1,0 +1,200 @@
+//! `wheelrail sweep SCENE --set KEY=FROM..TO:STEP ... -o FILE.csv`: many runs of a scene, one row each.
+
+mod picture;
+mod report;
+mod table;
+
+use super::interrupt::Interrupt;
+use super::output::{Kind, Target};
+use super::progress::bar;
+use super::{Failure, TimeArguments, print, refused, say};
+use crate::scene::load;
+use crate::scene::spec::Scene;
+use crate::sim::vehicle_outputs::scene_outputs;
+use crate::study::variation::design::{self, Points};
+use crate::study::variation::parameter::Parameter;
+use crate::study::variation::scalar::{self, Scalar};
+use crate::study::variation::single::{self, Asked};
+use clap::Args;
+use sha2::{Digest, Sha256};
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use table::{Columns, Results, Row};
+
+#[derive(Args)]
+#[command(after_long_help = "\
+VALUES: a list (x,y,z), a range with a step (20..40:5, \"72..144:18 km/h\"), with --latin a range without one (0.1..0.5), or one value for all runs. \
+Seeds of irregularities are values like others: --set \"track.irregularity[1].seed=1..20:1\".
+
+FILE.csv gets a row as each run ends: the values, how it ended (ok, derailed, failed, refused, with time and reason), the scalars of its rows. What goes \
+wrong in a run is its row. The same command goes on where an interrupted or killed one ended: runs that have a row are not run again; at the end rows stand in order. \
+A file of another scene, other values or other scalars is refused.
+
+KIND:OUTPUT of --scalar: min, max, absmax, mean, rms, end, or a percentile (p0.15, p50, p99.85) of all outputs of that name (* any letters, ? one) together.
+
+Exit code: 0 at least one run is ok, 1 none is, 2 bad input.")]
+pub(super) struct Arguments {
+    /// A scene file, or the name of an embedded scene (see `wheelrail list scenes`)
+    scene: String,
+    /// Values of a key of the scene: a list, a range, or one value
+    #[arg(long = "set", value_name = "KEY=VALUES", required = true)]
+    parameters: Vec<String>,
+    /// Draw N runs from the ranges (Latin hypercube) instead of every combination
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    latin: Option<u32>,
+    /// Seed of --latin
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// A number of each run, e.g. "max:*.verticalForce" [default: extremes of Q, Y/Q, sum of Y, displacement, wear, accelerations]
+    #[arg(long = "scalar", value_name = "KIND:OUTPUT")]
+    scalars: Vec<String>,
+    /// Table of the runs
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: PathBuf,
+    /// Runs at the same time [default: the number of cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    parallel: Option<u16>,
+    /// Draw the scalars over the values as SVG: lines for one key, heat maps for two, points for more
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+    #[command(flatten)]
+    times: TimeArguments,
+    /// Print the summary as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is to be run.
+struct Sweep {
+    scene: String,
+    title: String,
+    parameters: Vec<Parameter>,
+    points: Points,
+    scalars: Vec<Scalar>,
+    asked: Asked,
+}
+
+pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
+    let input = |error: &dyn std::fmt::Display| Failure::Input(error.to_string());
+    let parameters: Vec<Parameter> =
+        arguments.parameters.iter().map(|text| Parameter::parse(text)).collect::<Result<_, _>>().map_err(|error| input(&error))?;
+    if !parameters.iter().any(Parameter::varies) {
+        return Err(Failure::Input("--set: nothing varies; give a key a list (x,y) or a range (20..40:5)".into()));
+    }
+    let points = match arguments.latin {
+        Some(runs) => design::latin(&parameters, runs as usize, arguments.seed),
+        None => design::grid(&parameters),
+    };
+    let points = points.map_err(|error| input(&error))?;
+    // Whatever can't be written is better known before the work.
+    let target = Target::find(&arguments.output, Kind::Csv).map_err(refused)?;
+    if !target.is_plain_file() {
+        return Err(Failure::Input(format!("{}: a sweep is written to a file, in which it can go on", arguments.output.display())));
+    }
+    if let Some(file) = &arguments.plot {
+        Target::find(file, Kind::Text).map_err(refused)?;
+    }
+    let fixed: Vec<String> = changes(&parameters, &points[0], |parameter| !parameter.varies());
+    let base = load::open(&arguments.scene, &fixed)?;
+    arguments.times.read(&base)?;
+    let (scalars, units) = scalars(arguments, &base)?;
+    let asked = Asked { stop: arguments.times.stop, step: arguments.times.step };
+    let columns = Columns::new(&parameters, &scalars, &units, fingerprint(&base, asked));
+    let results = Results::open(&arguments.output, columns, &table::all_cells(&parameters, &points)).map_err(Failure::Input)?;
+    let sweep = Sweep { scene: arguments.scene.clone(), title: base.title.clone(), parameters, points, scalars, asked };
+    let interrupt = Interrupt::watch();
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let results = run(&sweep, results, arguments.parallel.map_or_else(cores, usize::from), &interrupt)?;
+    if let Some(code) = interrupt.code() {
+        let (done, all, file) = (results.rows.len(), sweep.points.len(), arguments.output.display());
+        return Err(Failure::Interrupted(format!("interrupted: {done} of {all} runs are in {file}; the same command goes on"), code));
+    }
+    let (columns, rows) = results.finish(&target)?;
+    if let Some(file) = &arguments.plot {
+        picture::sheet(&sweep, &columns, &rows, arguments.latin.is_some()).draw(file).map_err(Failure::Run)?;
+    }
+    let summary = report::summary(&columns, &rows);
+    if arguments.json {
+        print(&format!("{}\n", report::json(&sweep.scene, &arguments.output, &summary)))?;
+    } else {
+        print(&report::text(&sweep.scene, &sweep.title, &summary))?;
+        [Some(&arguments.output), arguments.plot.as_ref()].into_iter().flatten().for_each(|file| say(&format!("wrote {}", file.display())));
+    }
+    if summary.states[0].1 == 0 { Err(Failure::Run("no run is ok; the table says why".into())) } else { Ok(()) }
+}
+
+/// Changes of a scene: those parameters' values of one run.
+fn changes(parameters: &[Parameter], point: &[String], wanted: impl Fn(&Parameter) -> bool) -> Vec<String> {
+    let both = parameters.iter().zip(point);
+    both.filter(|(parameter, _)| wanted(parameter)).map(|(parameter, value)| format!("{}={value}", parameter.key)).collect()
+}
+
+/// Scalars with their units.
+fn scalars(arguments: &Arguments, base: &Scene) -> Result<(Vec<Scalar>, Vec<&'static str>), Failure> {
+    let simulation = super::start(base)?;
+    let outputs = scene_outputs(base, simulation.model());
+    let scalars = match arguments.scalars.as_slice() {
+        [] => scalar::defaults(&base.vehicle.leading().name, &outputs),
+        some => {
+            let read = some.iter().map(|text| Scalar::parse(text)).collect::<Result<Vec<_>, _>>();
+            read.map_err(|error| Failure::Input(error.to_string()))?
+        }
+    };
+    if scalars.is_empty() {
+        return Err(Failure::Input(
+            "the scene shows no outputs that sweeps keep numbers of: --scalar KIND:OUTPUT, or more in interface.outputs".into(),
+        ));
+    }
+    let units = scalars.iter().map(|scalar| scalar.unit(&outputs)).collect::<Result<Vec<_>, _>>();
+    Ok((scalars, units.map_err(|error| Failure::Input(error.to_string()))?))
+}
+
+/// Eight digits that tell one scene from another: its text with the changes for all runs, its files, times.
+fn fingerprint(base: &Scene, asked: Asked) -> String {
+    let mut hash = Sha256::new();
+    hash.update(&base.source.text);
+    base.files().for_each(|file| hash.update(&file.content));
+    for time in [asked.stop.unwrap_or(base.run.stop), asked.step.unwrap_or(base.run.step)] {
+        hash.update(time.to_bits().to_le_bytes());
+    }
+    hash.finalize()[..4].iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Makes the runs that have no row yet.
+fn run(sweep: &Sweep, results: Results, parallel: usize, interrupt: &Interrupt) -> Result<Results, Failure> {
+    let pending: Vec<usize> = (0..sweep.points.len()).filter(|run| !results.rows.contains_key(run)).collect();
+    if !results.rows.is_empty() {
+        say(&format!("{} of {} runs have a row already", results.rows.len(), sweep.points.len()));
+    }
+    let bar = bar(pending.len() as u64, "{pos}/{len} {eta}");
+    let (next, results, broken) = (AtomicUsize::new(0), Mutex::new(results), Mutex::new(None));
+    let ends = || interrupt.code().is_some() || broken.lock().map_or(true, |broken| broken.is_some());
+    let work = || {
+        while let Some(index) = pending.get(next.fetch_add(1, Ordering::Relaxed)).copied().filter(|_| !ends()) {
+            let point = &sweep.points[index];
+            let changes = changes(&sweep.parameters, point, |_| true);
+            let outcome = single::run(&sweep.scene, &changes, sweep.asked, &sweep.scalars, || interrupt.code().is_none());
+            let Some(outcome) = outcome else { return };
+            let written = results.lock().map_err(|_| "a run broke off".to_string()).and_then(|mut results| {
+                let row = Row::new(index, &sweep.parameters, point, outcome);
+                results.add(row).map_err(|error| error.to_string())
+            });
+            if let (Err(error), Ok(mut broken)) = (written, broken.lock()) {
+                *broken = Some(error);
+                return;
+            }
+            bar.inc(1);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..parallel.min(pending.len()).max(1) {
+            scope.spawn(work);
+        }
+    });
+    bar.finish_and_clear();
+    match broken.into_inner() {
+        Ok(Some(error)) => Err(Failure::Run(error)),
+        _ => results.into_inner().map_err(|_| Failure::Run("a run broke off".into())),
+    }
+}
