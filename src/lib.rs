@@ -1,5 +1,5 @@
-//! `wheelrail`: vehicles on nonlinear three-dimensional wheel/rail contact, from a scene file to an FMI 2.0
-//! co-simulation FMU.
+//! `wheelrail`: vehicles on nonlinear three-dimensional wheel/rail contact, from a scene file to a co-simulation
+//! FMU (FMI 2.0 or 3.0).
 //!
 //! ```
 //! use wheelrail::{Simulation, open};

@@ -3,6 +3,7 @@
 use super::output::{Kind, Target};
 use super::{Failure, SceneArguments, print, refused, table};
 use crate::fmi::package::{self, PackageError, PackedScene};
+use crate::fmi::version::Version;
 use crate::study::digits::rounded;
 use crate::units::Unit;
 use clap::{Args, ValueEnum};
@@ -20,6 +21,9 @@ pub(super) struct Arguments {
     /// The FMU to write [default: NAME.fmu]
     #[arg(short, long, value_name = "FILE.fmu")]
     output: Option<PathBuf>,
+    /// Version of FMI: 2 for the widest choice of tools, 3 for events, early return, updates within steps and arrays (docs/fmu.md)
+    #[arg(long, value_name = "VERSION", default_value = "2")]
+    fmi: Fmi,
     /// The FMU's library, when it is not next to this program
     #[arg(long, value_name = "FILE")]
     library: Option<PathBuf>,
@@ -29,6 +33,25 @@ pub(super) struct Arguments {
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Fmi {
+    /// FMI 2.0 co-simulation: nearly every simulation tool reads it
+    #[value(name = "2", alias = "2.0")]
+    Two,
+    /// FMI 3.0 co-simulation: the same model, with event mode, early return, intermediate update and arrays
+    #[value(name = "3", alias = "3.0")]
+    Three,
+}
+
+impl From<Fmi> for Version {
+    fn from(fmi: Fmi) -> Version {
+        match fmi {
+            Fmi::Two => Version::Two,
+            Fmi::Three => Version::Three,
+        }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -89,7 +112,7 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
     // Known before the work.
     let target = Target::find(&path, Kind::Fmu).map_err(refused)?;
     let library = package::find_library(arguments.library.as_deref())?;
-    let packed = package::pack_scene(&scene)?;
+    let packed = package::pack_scene_as(&scene, arguments.fmi.into())?;
     let files = package::files(&packed, &library);
     let bytes = package::archive(&files)?;
     super::start(&packed.scene)?;
@@ -120,7 +143,7 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
         let columns: Vec<_> = shown.iter().map(|(output, _)| &output.name).collect();
         let value = serde_json::json!({
-            "fmu": path, "bytes": bytes.len(), "guid": packed.description.guid, "platform": package::platform(),
+            "fmu": path, "bytes": bytes.len(), "fmi": packed.table.version.name(), "guid": packed.description.guid, "platform": packed.table.version.platform(),
             "variables": packed.table.variables.len(), "seconds": elapsed, "columns": columns, "rows": rows,
             "check": arguments.check.name(), "checked": stop, "error": failure,
         });
@@ -160,14 +183,16 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
 fn summary(packed: &PackedScene, path: &Path, bytes: usize) -> String {
     let count = |causality: &str| packed.table.variables.iter().filter(|variable| variable.causality == causality).count();
     format!(
-        "{}: FMI 2.0 co-simulation, {} kB\n  {}\n  {} inputs, {} outputs, {} parameters; platform {}; GUID {}\n",
+        "{}: FMI {} co-simulation, {} kB\n  {}\n  {} inputs, {} outputs, {} parameters; platform {}; {} {}\n",
         path.display(),
+        packed.table.version.name(),
         bytes / 1000,
         packed.scene.title,
         count("input"),
         count("output"),
         count("parameter"),
-        package::platform(),
+        packed.table.version.platform(),
+        if packed.table.version == Version::Two { "GUID" } else { "instantiation token" },
         packed.description.guid
     )
 }

@@ -31,7 +31,7 @@ use output::{Kind, OutputError, Target, print};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Vehicles on real wheel/rail contact: from a scene file to an FMI 2.0 co-simulation FMU.
+/// Vehicles on real wheel/rail contact: from a scene file to a co-simulation FMU (FMI 2.0 or 3.0).
 #[derive(Parser)]
 #[command(name = "wheelrail", version, arg_required_else_help = true)]
 struct Cli {

@@ -1,6 +1,9 @@
 //! modelDescription.xml, generated from the variable table, and the GUID that ties it to scene and program.
 
+mod version3;
+
 use super::variables::{Kind, Role, Variable, VariableTable};
+use super::version::Version;
 use crate::scene::spec::Scene;
 use crate::scene::vehicle::templates;
 use quick_xml::Writer;
@@ -30,7 +33,7 @@ pub struct Description {
     pub xml: String,
 }
 
-/// Writes the description of a scene.
+/// Writes the description of a scene for the table's version of FMI.
 ///
 /// The GUID is a hash of the document without it, the scene's text, every file that the scene refers to and the
 /// program's version: an instance refuses resources that do not belong to the description it was imported with.
@@ -78,6 +81,7 @@ fn settings(text: &str) -> DocumentMut {
 }
 
 fn write_document(xml: &mut Xml, scene: &Scene, table: &VariableTable, guid: &str) -> io::Result<()> {
+    let fmi = table.version;
     let header = settings(include_str!("../../modelDescription/header.toml"));
     let entry = |key: &str| header.get(key).and_then(|item| item.as_str()).unwrap_or_default().to_string();
     let types = settings(include_str!("../../modelDescription/types.toml"));
@@ -86,11 +90,13 @@ fn write_document(xml: &mut Xml, scene: &Scene, table: &VariableTable, guid: &st
     let (author, copyright, license) = (entry("author"), entry("copyright"), entry("license"));
 
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+    let token = if fmi == Version::Two { "guid" } else { "instantiationToken" };
+    let of_two = (fmi == Version::Two).then_some(("numberOfEventIndicators", "0"));
     xml.create_element("fmiModelDescription")
         .with_attributes([
-            ("fmiVersion", "2.0"),
+            ("fmiVersion", fmi.name()),
             ("modelName", scene.name.as_str()),
-            ("guid", guid),
+            (token, guid),
             ("description", scene.title.as_str()),
             ("author", author.as_str()),
             ("version", version),
@@ -98,12 +104,16 @@ fn write_document(xml: &mut Xml, scene: &Scene, table: &VariableTable, guid: &st
             ("license", license.as_str()),
             ("generationTool", tool.as_str()),
             ("variableNamingConvention", "structured"),
-            ("numberOfEventIndicators", "0"),
         ])
+        .with_attributes(of_two)
         .write_inner_content(|xml| {
-            co_simulation(xml, &scene.name)?;
-            unit_definitions(xml, &types, table)?;
-            type_definitions(xml, &types, table)?;
+            match fmi {
+                Version::Two => co_simulation(xml, &scene.name)?,
+                Version::Three => version3::co_simulation(xml, &scene.name)?,
+            }
+            let used = used(table);
+            unit_definitions(xml, &types, &used.0)?;
+            type_definitions(xml, &types, &used.1, fmi)?;
             xml.create_element("LogCategories").write_inner_content(|xml| {
                 for (name, text) in LOG_CATEGORIES {
                     xml.create_element("Category").with_attributes([("name", *name), ("description", *text)]).write_empty()?;
@@ -114,8 +124,16 @@ fn write_document(xml: &mut Xml, scene: &Scene, table: &VariableTable, guid: &st
             xml.create_element("DefaultExperiment")
                 .with_attributes([("startTime", "0.0"), ("stopTime", stop.as_str()), ("stepSize", step.as_str())])
                 .write_empty()?;
-            model_variables(xml, scene, table)?;
-            model_structure(xml, table)
+            match fmi {
+                Version::Two => {
+                    model_variables(xml, scene, table)?;
+                    model_structure(xml, table)
+                }
+                Version::Three => {
+                    version3::model_variables(xml, scene, table)?;
+                    version3::model_structure(xml, table)
+                }
+            }
         })?;
     Ok(())
 }
@@ -151,12 +169,11 @@ fn float(item: &toml_edit::Item) -> f64 {
 
 /// Names of units and types that real variables use.
 fn used(table: &VariableTable) -> (BTreeSet<&'static str>, BTreeSet<&'static str>) {
-    let reals = table.variables.iter().filter(|variable| variable.kind == Kind::Real);
+    let reals = table.variables.iter().chain(&table.additions.variables).filter(|variable| variable.kind == Kind::Real);
     reals.map(|variable| (variable.unit.name(), variable.unit.type_name())).unzip()
 }
 
-fn unit_definitions(xml: &mut Xml, types: &DocumentMut, table: &VariableTable) -> io::Result<()> {
-    let (units, _) = used(table);
+fn unit_definitions(xml: &mut Xml, types: &DocumentMut, units: &BTreeSet<&str>) -> io::Result<()> {
     xml.create_element("UnitDefinitions").write_inner_content(|xml| {
         for unit in tables(types, "unit").filter(|unit| units.contains(text(*unit, "name"))) {
             xml.create_element("Unit").with_attribute(("name", text(unit, "name"))).write_inner_content(|xml| {
@@ -183,22 +200,21 @@ fn unit_definitions(xml: &mut Xml, types: &DocumentMut, table: &VariableTable) -
     Ok(())
 }
 
-fn type_definitions(xml: &mut Xml, types: &DocumentMut, table: &VariableTable) -> io::Result<()> {
-    let (_, names) = used(table);
+fn type_definitions(xml: &mut Xml, types: &DocumentMut, names: &BTreeSet<&str>, fmi: Version) -> io::Result<()> {
     xml.create_element("TypeDefinitions").write_inner_content(|xml| {
         for definition in tables(types, "type").filter(|definition| names.contains(text(*definition, "name"))) {
-            xml.create_element("SimpleType").with_attribute(("name", text(definition, "name"))).write_inner_content(|xml| {
-                let mut real = xml.create_element("Real").with_attribute(("quantity", text(definition, "quantity")));
-                real = real.with_attribute(("unit", text(definition, "unit")));
-                if definition.contains_key("display") {
-                    real = real.with_attribute(("displayUnit", text(definition, "display")));
-                }
-                if let Some(nominal) = definition.get("nominal") {
-                    real = real.with_attribute(("nominal", number(float(nominal)).as_str()));
-                }
-                real.write_empty()?;
-                Ok(())
-            })?;
+            let name = ("name", text(definition, "name"));
+            let nominal = definition.get("nominal").map(|nominal| number(float(nominal)));
+            let mut attributes = vec![("quantity", text(definition, "quantity")), ("unit", text(definition, "unit"))];
+            attributes.extend(definition.contains_key("display").then(|| ("displayUnit", text(definition, "display"))));
+            attributes.extend(nominal.as_ref().map(|nominal| ("nominal", nominal.as_str())));
+            match fmi {
+                Version::Two => xml.create_element("SimpleType").with_attribute(name).write_inner_content(|xml| {
+                    xml.create_element("Real").with_attributes(attributes).write_empty()?;
+                    Ok(())
+                })?,
+                Version::Three => xml.create_element("Float64Type").with_attribute(name).with_attributes(attributes).write_empty()?,
+            };
         }
         Ok(())
     })?;

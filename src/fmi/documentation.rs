@@ -2,6 +2,7 @@
 
 use super::packed_scene::PackedScene;
 use super::variables::{Kind, Variable};
+use super::version::Version;
 
 /// Text as HTML.
 fn escape(text: &str) -> String {
@@ -22,7 +23,44 @@ fn rows(packed: &PackedScene, causality: &str) -> String {
             escape(&variable.description)
         )
     };
-    packed.table.variables.iter().filter(|variable| variable.causality == causality).map(row).collect()
+    packed
+        .table
+        .variables
+        .iter()
+        .chain(&packed.table.additions.variables)
+        .filter(|variable| variable.causality == causality)
+        .map(row)
+        .collect()
+}
+
+/// The table of arrays, with their dimensions.
+fn arrays(packed: &PackedScene) -> String {
+    let arrays = &packed.table.additions.arrays;
+    if arrays.is_empty() {
+        return String::new();
+    }
+    let mut table =
+        "<h2>Arrays of outputs</h2>\n<table>\n<tr><th>Name</th><th>Unit</th><th>Dimensions</th><th>Meaning</th></tr>\n".to_string();
+    for array in arrays {
+        let dimensions: Vec<String> = array.dimensions.iter().map(usize::to_string).collect();
+        let (name, unit, text) = (escape(&array.name), array.unit.name(), escape(&array.description));
+        table += &format!("<tr><td><code>{name}</code></td><td>{unit}</td><td>{}</td><td>{text}</td></tr>\n", dimensions.join(" x "));
+    }
+    table + "</table>\n"
+}
+
+/// What the page says of the calls of its version: on moving inputs, and on steps that can't be finished.
+fn words(version: Version) -> (&'static str, &'static str) {
+    match version {
+        Version::Two => (
+            "; <code>fmi2SetRealInputDerivatives</code> (orders 1 and 2) spares that while an input moves smoothly. Setting an input's value ends its derivatives",
+            "A step that cannot be finished returns fmi2Discard; time then stands at the last successful step.",
+        ),
+        Version::Three => (
+            ". Inputs may also be set within a step, from <code>intermediateUpdate</code>",
+            "A step that cannot be finished returns fmi3Discard, and the instance stands where the step began. A derailment is an end: terminateSimulation.",
+        ),
+    }
 }
 
 /// The page.
@@ -36,11 +74,16 @@ pub fn html(packed: &PackedScene) -> String {
             );
         }
     }
+    tables += &arrays(packed);
+    let (derivatives, discard) = words(packed.table.version);
     let text = packed.resources.get("scene.toml").map(|bytes| String::from_utf8_lossy(bytes).into_owned()).unwrap_or_default();
     include_str!("../../fmu/documentation/index.html")
         .replace("{{title}}", &escape(&packed.scene.title))
         .replace("{{name}}", &escape(&packed.scene.name))
         .replace("{{version}}", env!("CARGO_PKG_VERSION"))
+        .replace("{{fmi}}", packed.table.version.name())
+        .replace("{{derivatives}}", derivatives)
+        .replace("{{discard}}", discard)
         .replace("{{tables}}", &tables)
         .replace("{{scene}}", &escape(&text))
 }

@@ -1,8 +1,9 @@
-//! Floor 8: the FMI 2.0 co-simulation interface.
+//! Floor 8: the co-simulation interface, FMI 2.0 and 3.0.
 //!
-//! `ffi` holds the C functions and the only unsafe code; it checks pointers, catches panics and calls `instance`, which
-//! is safe Rust. Variables come from one table, which also writes modelDescription.xml.
+//! `ffi` holds the C functions of both versions and the only unsafe code; it checks pointers, catches panics and calls `instance`, which
+//! is safe Rust and knows no version. Variables come from one table, which also writes modelDescription.xml.
 
+mod additions;
 mod build_mark;
 pub mod description;
 pub mod documentation;
@@ -14,6 +15,8 @@ mod packed_scene;
 pub mod parameters;
 mod real_parameter;
 pub mod serialized;
+mod terminals;
 pub mod uri;
 mod variable;
 pub mod variables;
+pub mod version;

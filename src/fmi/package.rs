@@ -2,9 +2,12 @@
 
 use super::build_mark::{BUILD_MARK, MARK_PREFIX};
 use super::description;
+use super::documentation;
+use super::ffi::{host, v3};
 pub use super::packed_scene::PackedScene;
+use super::terminals;
 use super::variables::VariableTable;
-use super::{documentation, ffi::host};
+use super::version::Version;
 use crate::scene::load::{self, SceneError};
 use crate::scene::spec::Scene;
 use crate::settings::Source;
@@ -38,13 +41,7 @@ pub enum PackageError {
 
 /// FMI 2.0's name of this host's platform folder.
 pub fn platform() -> &'static str {
-    match (cfg!(target_os = "windows"), cfg!(target_os = "macos"), cfg!(target_pointer_width = "64")) {
-        (true, _, true) => "win64",
-        (true, _, false) => "win32",
-        (_, true, _) => "darwin64",
-        (_, _, true) => "linux64",
-        _ => "linux32",
-    }
+    Version::Two.platform()
 }
 
 /// File name of a shared library on this host.
@@ -83,11 +80,19 @@ fn check_build(bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// Prepares a scene for an FMU. What an FMU reads back is what is described.
+/// Prepares a scene for an FMU of FMI 2.0.
 ///
 /// # Errors
 /// [`PackageError`].
 pub fn pack_scene(scene: &Scene) -> Result<PackedScene, PackageError> {
+    pack_scene_as(scene, Version::Two)
+}
+
+/// Prepares a scene for an FMU. What an FMU reads back is what is described.
+///
+/// # Errors
+/// [`PackageError`].
+pub fn pack_scene_as(scene: &Scene, version: Version) -> Result<PackedScene, PackageError> {
     let mut document: DocumentMut =
         scene.source.text.parse().map_err(|error: toml_edit::TomlError| PackageError::Text(error.to_string()))?;
     document.insert("name", toml_edit::value(&scene.name));
@@ -113,7 +118,8 @@ pub fn pack_scene(scene: &Scene) -> Result<PackedScene, PackageError> {
     write_folder(folder.path(), &resources)?;
     let source = Source { file: "resources/scene.toml".into(), text, overridden: vec![], folder: Some(folder.path().into()) };
     let scene = load::read(&scene.name, source, &[])?;
-    let table = VariableTable::new(&scene).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
+    let table =
+        VariableTable::of_version(&scene, version).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
     let description = description::describe(&scene, &table);
     Ok(PackedScene { scene, table, description, resources })
 }
@@ -143,8 +149,8 @@ fn scratch_folder() -> Result<tempfile::TempDir, PackageError> {
 }
 
 /// Where an FMU keeps its library for this host.
-pub fn library_path(identifier: &str) -> String {
-    format!("binaries/{}/{identifier}{}", platform(), std::env::consts::DLL_SUFFIX)
+pub fn library_path(identifier: &str, version: Version) -> String {
+    format!("binaries/{}/{identifier}{}", version.platform(), std::env::consts::DLL_SUFFIX)
 }
 
 fn write_folder(folder: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), PackageError> {
@@ -163,10 +169,17 @@ fn write_folder(folder: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), 
 pub fn files(packed: &PackedScene, library: &[u8]) -> BTreeMap<String, Vec<u8>> {
     let mut files: BTreeMap<String, Vec<u8>> = BTreeMap::new();
     files.insert("modelDescription.xml".into(), packed.description.xml.clone().into_bytes());
-    files.insert(library_path(&packed.scene.name), library.to_vec());
+    files.insert(library_path(&packed.scene.name, packed.table.version), library.to_vec());
     files.insert("documentation/index.html".into(), documentation::html(packed).into_bytes());
     files.insert("documentation/license.txt".into(), include_bytes!("../../LICENSE").to_vec());
-    files.insert("model.png".into(), include_bytes!("../../fmu/model.png").to_vec());
+    let icon = include_bytes!("../../fmu/model.png").to_vec();
+    if packed.table.version == Version::Three {
+        files.insert("terminalsAndIcons/terminalsAndIcons.xml".into(), terminals::xml(packed).into_bytes());
+        files.insert("terminalsAndIcons/icon.png".into(), icon.clone());
+        let terminal = include_bytes!("../../fmu/terminal.png").to_vec();
+        files.insert(format!("terminalsAndIcons/{}.png", terminals::ICON), terminal);
+    }
+    files.insert("model.png".into(), icon);
     for (name, content) in &packed.resources {
         files.insert(format!("resources/{name}"), content.clone());
     }
@@ -210,9 +223,13 @@ pub fn check(
 ) -> Result<Vec<CheckRow>, PackageError> {
     let folder = scratch_folder()?;
     write_folder(folder.path(), files)?;
-    let library = folder.path().join(library_path(&packed.scene.name));
+    let library = folder.path().join(library_path(&packed.scene.name, packed.table.version));
     let resources = super::uri::from_path(&folder.path().join("resources"));
-    let mut fmu = host::LoadedFmu::start(&library, &packed.description.guid, &resources)?;
+    let guid = &packed.description.guid;
+    let mut fmu: Box<dyn host::Steps> = match packed.table.version {
+        Version::Two => Box::new(host::LoadedFmu::start(&library, guid, &resources)?),
+        Version::Three => Box::new(v3::host::LoadedFmu::start(&library, guid, &folder.path().join("resources"))?),
+    };
     let mut table = vec![(0.0, fmu.get_real(references)?)];
     let mut time = 0.0;
     for row in 1..=rows {

@@ -155,7 +155,7 @@ const TOLERANCE: Constant<Scene> = Constant {
     unit: Unit::Metre,
     least: None,
     tunable: true,
-    description: "bound of the local error of positions (m) and angles (rad) per step; the tolerance of fmi2SetupExperiment overrides it (this variable then still reads as it was set)",
+    description: "bound of the local error of positions (m) and angles (rad) per step; a tolerance that the master sets up the run with overrides it (this variable then still reads as it was set)",
     get: |scene| Some(scene.solver.integrator.setting().value),
     set: |scene, value| scene.solver.integrator = scene.solver.integrator.with_setting(value),
 };

@@ -23,6 +23,10 @@ pub enum Role {
     Counter(fn(&SimulationState) -> u64),
     /// The scene's title.
     Title,
+    /// The simulated time.
+    Time,
+    /// How many contacts of a wheel carry load, by the wheel's first contact.
+    Contacts(usize),
 }
 
 /// FMI's basic types.

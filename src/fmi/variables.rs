@@ -1,8 +1,11 @@
 //! The table of FMU variables: inputs, outputs, parameters and what they mean.
 
+use super::additions::Additions;
+pub use super::additions::Array;
 use super::parameters;
 use super::variable::WHEELSET;
 pub use super::variable::{Kind, Role, Variable};
+use super::version::Version;
 use crate::formulation::AssemblyError;
 use crate::formulation::inputs::{ELEMENT_INPUTS, InputRow, RAIL_ROWS, WHEELSET_ROWS, input_index, rail_input};
 use crate::geometry::Side;
@@ -18,8 +21,13 @@ use std::collections::HashMap;
 
 /// All variables of a scene.
 pub struct VariableTable {
+    /// Those of both versions of FMI.
     pub variables: Vec<Variable>,
     pub outputs: Vec<Output>,
+    /// Of the FMU.
+    pub version: Version,
+    /// What only FMI 3.0 shows: nothing in an FMU of FMI 2.0.
+    pub additions: Additions,
     /// Values of all inputs of the model, shown or not, before a master sets any.
     pub start_inputs: Vec<f64>,
     wheelsets: usize,
@@ -31,11 +39,19 @@ pub struct VariableTable {
 }
 
 impl VariableTable {
-    /// Builds the table of a scene.
+    /// Builds the table of a scene for FMI 2.0.
     ///
     /// # Errors
     /// [`AssemblyError`] when the formulation can't treat the scene.
     pub fn new(scene: &Scene) -> Result<Self, AssemblyError> {
+        Self::of_version(scene, Version::Two)
+    }
+
+    /// The same for either version.
+    ///
+    /// # Errors
+    /// [`AssemblyError`] when the formulation can't treat the scene.
+    pub fn of_version(scene: &Scene, version: Version) -> Result<Self, AssemblyError> {
         let model = assemble::model(scene)?;
         let outputs = scene_outputs(scene, &model);
         let mut variables = inputs(scene);
@@ -61,6 +77,8 @@ impl VariableTable {
         let elements = forces.flat_map(|(number, force)| std::iter::repeat_n((number, force.0.bodies()), force.0.inputs().len())).collect();
         Ok(VariableTable {
             variables,
+            additions: if version == Version::Three { Additions::new(scene, &outputs) } else { Additions::default() },
+            version,
             outputs,
             start_inputs: model.start_inputs(),
             wheelsets: model.wheelsets.len(),
@@ -72,7 +90,46 @@ impl VariableTable {
 
     /// The variable with a reference.
     pub fn find(&self, reference: u32) -> Option<&Variable> {
-        self.index.get(&reference).map(|index| &self.variables[*index])
+        match self.index.get(&reference) {
+            Some(index) => Some(&self.variables[*index]),
+            None => self.additions.find(reference),
+        }
+    }
+
+    /// How many values a reference stands for: 1, or an array's.
+    pub fn size(&self, reference: u32) -> usize {
+        self.additions.array(reference).map_or(1, |array| array.elements.len())
+    }
+
+    /// The scalars behind references, arrays by their elements.
+    pub fn scalars(&self, references: &[u32]) -> Vec<u32> {
+        let mut scalars = Vec::with_capacity(references.len());
+        for reference in references {
+            match self.additions.array(*reference) {
+                Some(array) => scalars.extend(&array.elements),
+                None => scalars.push(*reference),
+            }
+        }
+        scalars
+    }
+
+    /// References of all outputs of FMI 3.0, in the order in which they are described.
+    pub fn output_references(&self) -> Vec<u32> {
+        let scalars = self.variables.iter().chain(&self.additions.variables).filter(|variable| variable.causality == "output");
+        scalars.map(|variable| variable.reference).chain(self.additions.arrays.iter().map(|array| array.reference)).collect()
+    }
+
+    /// References of the inputs that an output or an array of outputs depends on at the same instant, in their order; `None` where that is not
+    /// known, or it is no output.
+    pub fn known_dependencies(&self, reference: u32) -> Option<Vec<u32>> {
+        let mut places = Vec::new();
+        for scalar in self.scalars(&[reference]) {
+            let Role::Output(output) = self.find(scalar)?.role else { return None };
+            places.extend(self.dependencies(&self.outputs[output]));
+        }
+        places.sort_unstable();
+        places.dedup();
+        Some(places.into_iter().map(|place| self.variables[place - 1].reference).collect())
     }
 
     /// 1-based indices of the inputs that an output depends on.

@@ -141,6 +141,11 @@ impl Snapshot {
         &self.inputs
     }
 
+    /// How many contacts of a wheel (by its first contact) carry load.
+    pub fn loaded_contacts(&self, contact: usize) -> usize {
+        self.workspace.reports(contact).filter(|report| report.normal_force > 0.0).count()
+    }
+
     /// Warm starts as the evaluation left them.
     pub fn memory(&self) -> &ModelMemory {
         &self.memory
@@ -345,16 +350,44 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`]; time then stands where the last successful step ended.
     pub fn advance(&mut self, target: f64) -> Result<(), SimulationError> {
+        let advanced = self.integrate(|integrator, dynamics, state, scratch| integrator.advance(dynamics, state, scratch, target));
+        self.state.time = if advanced.is_ok() { target } else { self.state.integration.t.max(self.state.time).min(target) };
+        advanced
+    }
+
+    /// Advances to where the integrator's step in hand ends, `target` [s] at most; where time stands there already, a new step is made first. A step that
+    /// finds its end at once (the system changes its form) may leave time where it is. Stops change nothing: a run over them is that of
+    /// [`Simulation::advance`] bit for bit.
+    ///
+    /// # Errors
+    /// [`SimulationError`]; time then stands where the last successful step ended.
+    pub fn advance_to_stop(&mut self, target: f64) -> Result<(), SimulationError> {
+        if self.state.integration.t <= self.state.time {
+            self.integrate(|integrator, dynamics, state, scratch| integrator.advance_once(dynamics, state, scratch))?;
+        }
+        let end = self.state.integration.t;
+        self.advance(if end < target - self.integrator.slack() { end } else { target })
+    }
+
+    /// Does time stand at the end of the integrator's last step?
+    pub fn is_at_stop(&self) -> bool {
+        (self.state.integration.t - self.state.time).abs() <= self.integrator.slack()
+    }
+
+    /// Lets the integrator run on the model under the present inputs.
+    fn integrate(
+        &mut self,
+        run: impl FnOnce(&dyn Integrator, &mut ModelDynamics, &mut IntegrationState, &mut Scratch) -> Result<(), SolveError>,
+    ) -> Result<(), SimulationError> {
         (self.snapshot_valid, self.motion_valid) = (false, false);
         self.workspace.work = Work::default();
         let SimulationState { inputs, frame, swings, flutter, integration, memories, .. } = &mut self.state;
         let watched = Watched { frame, swings, flutter, loads: &mut self.loads };
         let inputs = (&inputs[..], &mut self.snapshot.inputs[..]);
         let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, inputs, (memories, &mut self.trial), watched);
-        let advanced = self.integrator.advance(&mut dynamics, integration, &mut self.scratch, target);
+        let advanced = run(&*self.integrator, &mut dynamics, integration, &mut self.scratch);
         let failure = dynamics.failure.take();
         self.state.work += self.workspace.work;
-        self.state.time = if advanced.is_ok() { target } else { self.state.integration.t.max(self.state.time).min(target) };
         advanced.map_err(|error| match (error, failure) {
             (SolveError::Undefined { time }, Some(reason)) => {
                 // What fails in linear algebra does not know when.

@@ -322,6 +322,20 @@ pub trait Integrator: Send + Sync + Debug {
         IntegrationState::new(t, y, self.dense_vectors(), self.record_vectors())
     }
 
+    /// One step, or a change of the system's form where it has no solution further on.
+    ///
+    /// # Errors
+    /// [`SolveError`]; the state then stands at the last successful step.
+    fn advance_once(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
+        // A change of form may lead to where the new one has no solution.
+        if let Err(error) = state.begin(dynamics, scratch).and_then(|()| self.step(dynamics, state, scratch))
+            && !state.release(dynamics, scratch, error)?
+        {
+            return Err(error);
+        }
+        Ok(())
+    }
+
     /// Advances until the state reaches `target` or passes it; [`IntegrationState::interpolate`] then gives the
     /// solution at `target`.
     ///
@@ -335,12 +349,7 @@ pub trait Integrator: Send + Sync + Debug {
         target: f64,
     ) -> Result<(), SolveError> {
         while state.t < target - self.slack() {
-            // A change of form may lead to where the new one has no solution.
-            if let Err(error) = state.begin(dynamics, scratch).and_then(|()| self.step(dynamics, state, scratch))
-                && !state.release(dynamics, scratch, error)?
-            {
-                return Err(error);
-            }
+            self.advance_once(dynamics, state, scratch)?;
         }
         // An event at the target itself is over when the solution is read there.
         if state.t <= target { state.begin(dynamics, scratch) } else { Ok(()) }

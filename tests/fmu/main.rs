@@ -4,6 +4,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod three;
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -131,11 +132,23 @@ fn scene_fmu(folder: &Path, name: &str, scene: &str, changes: &[&str]) -> (Scene
     export_changed(scene, changes, &file);
     let unpacked = folder.join(name);
     zip::ZipArchive::new(std::fs::File::open(&file).unwrap()).unwrap().extract(&unpacked).unwrap();
-    let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
-    let scene = load::open(scene, &changes).unwrap();
+    let scene = changed(scene, changes);
     let guid = package::pack_scene(&scene).unwrap().description.guid;
     let fmu = Fmu { name: scene.name.clone(), file, folder: unpacked, guid };
     (scene, fmu)
+}
+
+/// An embedded scene with changes.
+fn changed(scene: &str, changes: &[&str]) -> Scene {
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+    load::open(scene, &changes).unwrap()
+}
+
+/// The files of an FMU.
+fn unpacked(file: &Path) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    zip::ZipArchive::new(std::fs::File::open(file).unwrap()).unwrap().extract(folder.path()).unwrap();
+    folder
 }
 
 /// A wheelset with flanges that tests push about.

@@ -7,6 +7,7 @@
 //! stand in `found.rs`.
 
 mod calls;
+mod calls3;
 mod files;
 mod found;
 mod mutate;

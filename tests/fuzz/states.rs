@@ -6,6 +6,7 @@ use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 use wheelrail::fmi::instance::Instance;
 use wheelrail::fmi::package::{self, PackedScene};
+use wheelrail::fmi::version::Version;
 use wheelrail::scene::load;
 
 /// A scene unpacked as in an FMU.
@@ -15,8 +16,12 @@ pub struct Unpacked {
 }
 
 pub fn unpack(scene: &str, changes: &[&str]) -> Unpacked {
+    unpack_as(scene, changes, Version::Two)
+}
+
+pub fn unpack_as(scene: &str, changes: &[&str], version: Version) -> Unpacked {
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
-    let packed = package::pack_scene(&load::open(scene, &changes).unwrap()).unwrap();
+    let packed = package::pack_scene_as(&load::open(scene, &changes).unwrap(), version).unwrap();
     let folder = tempfile::tempdir().unwrap();
     for (path, content) in &packed.resources {
         let path = folder.path().join(path);

@@ -26,6 +26,23 @@ pub fn guard(c: Component, call: impl FnOnce(&mut Instance) -> Status) -> Status
     }
 }
 
+/// Exports functions that refuse, and say why.
+macro_rules! refused {
+    ($why:literal; $($name:ident($($argument:ident: $type:ty),*);)*) => {
+        $(
+            /// Refused: see the module.
+            ///
+            /// # Safety
+            /// The instance must be null or come from this library.
+            #[unsafe(no_mangle)]
+            pub unsafe extern "C" fn $name(c: Component, $($argument: $type),*) -> Status {
+                guard(c, |component| refuse(component, concat!(stringify!($name), " ", $why)))
+            }
+        )*
+    };
+}
+pub(super) use refused;
+
 /// Logs why a call was refused.
 pub fn refuse(component: &Instance, message: &str) -> Status {
     component.log.error(Status::Error, message);

@@ -11,7 +11,7 @@ use std::path::Path;
 pub enum HostError {
     #[error("the FMU's library can't be loaded: {0}")]
     Load(String),
-    #[error("fmi2Instantiate failed{0}")]
+    #[error("no instance can be made{0}")]
     Instantiate(String),
     #[error("{function} answered {status:?}{message}")]
     Call { function: &'static str, status: Status, message: String },
@@ -33,11 +33,16 @@ thread_local! {
 unsafe extern "C" fn keep_message(_: ComponentEnvironment, _: FmiString, _: Status, _: FmiString, message: FmiString) {
     if !message.is_null() {
         let text = unsafe { CStr::from_ptr(message) }.to_string_lossy().replace("%%", "%");
-        LAST_MESSAGE.with(|last| *last.borrow_mut() = text);
+        note_message(text);
     }
 }
 
-fn last_message() -> String {
+/// The same for FMI 3.0, whose messages are no formats.
+pub(super) fn note_message(text: String) {
+    LAST_MESSAGE.with(|last| *last.borrow_mut() = text);
+}
+
+pub(super) fn last_message() -> String {
     LAST_MESSAGE.with(|last| {
         let text = last.take();
         if text.is_empty() { text } else { format!(": {text}") }
@@ -52,6 +57,31 @@ type DoStep = unsafe extern "C" fn(Component, Real, Real, Boolean) -> Status;
 type SetReal = unsafe extern "C" fn(Component, *const ValueReference, usize, *const Real) -> Status;
 type SetDerivatives = unsafe extern "C" fn(Component, *const ValueReference, usize, *const Integer, *const Real) -> Status;
 type GetReal = unsafe extern "C" fn(Component, *const ValueReference, usize, *mut Real) -> Status;
+
+/// An instance of either version that is stepped and read.
+pub trait Steps {
+    /// One communication step. Returns whether it answered with a warning: wheels lifted off or landed.
+    ///
+    /// # Errors
+    /// [`HostError::Call`] for any status but OK and warning.
+    fn do_step(&mut self, time: f64, step: f64) -> Result<bool, HostError>;
+
+    /// Values of real variables.
+    ///
+    /// # Errors
+    /// [`HostError::Call`] for any status but OK.
+    fn get_real(&mut self, references: &[u32]) -> Result<Vec<f64>, HostError>;
+}
+
+impl Steps for LoadedFmu {
+    fn do_step(&mut self, time: f64, step: f64) -> Result<bool, HostError> {
+        LoadedFmu::do_step(self, time, step)
+    }
+
+    fn get_real(&mut self, references: &[u32]) -> Result<Vec<f64>, HostError> {
+        LoadedFmu::get_real(self, references)
+    }
+}
 
 /// An instance made through the C functions of a loaded library.
 pub struct LoadedFmu {
@@ -155,10 +185,10 @@ impl Drop for LoadedFmu {
 }
 
 /// Did it end with a warning?
-fn warned(function: &'static str, status: Status) -> Result<bool, HostError> {
+pub(super) fn warned(function: &'static str, status: Status) -> Result<bool, HostError> {
     if status == Status::Warning { Ok(true) } else { check(function, status).map(|()| false) }
 }
 
-fn check(function: &'static str, status: Status) -> Result<(), HostError> {
+pub(super) fn check(function: &'static str, status: Status) -> Result<(), HostError> {
     if status == Status::Ok { Ok(()) } else { Err(HostError::Call { function, status, message: last_message() }) }
 }

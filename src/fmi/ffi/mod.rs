@@ -1,4 +1,4 @@
-//! The C functions of FMI 2.0 and, in `host`, their caller: the only unsafe code of the program.
+//! The C functions of FMI 2.0 and, in `v3`, of FMI 3.0, and in `host` their callers: the only unsafe code of the program.
 //!
 //! Each function checks its pointers, takes the instance, catches panics and turns the answer into a status. A panic
 //! poisons its instance only: that one answers fmi2Error ever after. `nvr == 0` returns before any slice is made.
@@ -7,14 +7,17 @@ mod common;
 mod component;
 pub mod host;
 mod model_exchange;
+pub mod session;
 pub mod states;
 mod text;
 pub mod types;
+pub mod v3;
 pub mod values;
 
 use crate::formulation::events::ContactEvent;
 use common::{guard, refuse, report, text};
 use component::{Component as Instance, Log};
+use session::Session;
 use std::ffi::{c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use types::*;
@@ -58,24 +61,32 @@ pub unsafe extern "C" fn fmi2Instantiate(
     _visible: Boolean,
     logging_on: Boolean,
 ) -> Component {
+    let log = || unsafe { Log::new(text(instance_name).as_deref(), functions, logging_on != FALSE) };
+    instantiate(log, || {
+        if fmu_type != CO_SIMULATION {
+            return Err("this FMU is for co-simulation; fmi2ModelExchange is not supported".to_string());
+        }
+        if functions.is_null() {
+            return Err("the callback functions are NULL".into());
+        }
+        check_name(unsafe { text(instance_name) })?;
+        let guid = unsafe { text(guid) }.ok_or("the GUID is missing")?;
+        let location = unsafe { text(resource_location) }.ok_or("the resource location is missing")?;
+        let made = super::instance::Instance::new(&super::uri::path(&location)?, &guid).map_err(|error| error.to_string())?;
+        Ok((made, Session::default()))
+    })
+}
+
+/// What stands behind an instance that `build` makes; null with a log message where it does not.
+fn instantiate(log: impl Fn() -> Log, build: impl FnOnce() -> Result<(super::instance::Instance, Session), String>) -> Component {
     let made = catch_unwind(AssertUnwindSafe(|| {
-        let name = unsafe { text(instance_name) };
-        let log = unsafe { Log::new(name.as_deref(), functions, logging_on != FALSE) };
-        let made = (|| {
-            if fmu_type != CO_SIMULATION {
-                return Err("this FMU is for co-simulation; fmi2ModelExchange is not supported".to_string());
+        let log = log();
+        match build() {
+            Ok((instance, session)) => {
+                let mut made = Instance::new(instance, log);
+                made.session = session;
+                Box::into_raw(Box::new(made)).cast()
             }
-            if functions.is_null() {
-                return Err("the callback functions are NULL".into());
-            }
-            name.filter(|name| !name.trim().is_empty()).ok_or("the instance name is missing or not UTF-8")?;
-            let guid = unsafe { text(guid) }.ok_or("the GUID is missing")?;
-            let location = unsafe { text(resource_location) }.ok_or("the resource location is missing")?;
-            let folder = super::uri::path(&location)?;
-            super::instance::Instance::new(&folder, &guid).map_err(|error| error.to_string())
-        })();
-        match made {
-            Ok(instance) => Box::into_raw(Box::new(Instance::new(instance, log))).cast(),
             Err(message) => {
                 log.error(Status::Error, &message);
                 std::ptr::null_mut()
@@ -83,10 +94,14 @@ pub unsafe extern "C" fn fmi2Instantiate(
         }
     }));
     made.unwrap_or_else(|_| {
-        let log = unsafe { Log::new(None, functions, true) };
-        log.error(Status::Error, "internal error while making an instance, please report it");
+        log().error(Status::Error, "internal error while making an instance, please report it");
         std::ptr::null_mut()
     })
+}
+
+/// An instance needs a name.
+fn check_name(name: Option<String>) -> Result<(), String> {
+    name.filter(|name| !name.trim().is_empty()).map(|_| ()).ok_or_else(|| "the instance name is missing or not UTF-8".into())
 }
 
 /// Frees an instance with the states that the host has not freed; null does nothing.
@@ -108,21 +123,25 @@ pub unsafe extern "C" fn fmi2FreeInstance(c: Component) {
 /// The component must be null or come from fmi2Instantiate; `categories` must hold `n` strings.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetDebugLogging(c: Component, logging_on: Boolean, n: usize, categories: *const FmiString) -> Status {
+    unsafe { set_logging(c, "fmi2SetDebugLogging", logging_on != FALSE, n, categories) }
+}
+
+/// # Safety
+/// See [`fmi2SetDebugLogging`].
+unsafe fn set_logging(c: Component, function: &str, on: bool, n: usize, categories: *const FmiString) -> Status {
     guard(c, |component| {
+        let Some(categories) = (unsafe { common::slice(categories, n) }) else {
+            return refuse(component, &format!("{function}: the categories are NULL"));
+        };
         let mut names = Vec::new();
-        if n > 0 {
-            if categories.is_null() {
-                return refuse(component, "fmi2SetDebugLogging: the categories are NULL");
-            }
-            for i in 0..n {
-                match unsafe { text(*categories.add(i)) } {
-                    Some(name) if super::description::LOG_CATEGORIES.iter().any(|category| category.0 == name) => names.push(name),
-                    Some(name) => return refuse(component, &format!("fmi2SetDebugLogging: there is no log category \"{name}\"")),
-                    None => return refuse(component, "fmi2SetDebugLogging: a category is NULL"),
-                }
+        for category in categories {
+            match unsafe { text(*category) } {
+                Some(name) if super::description::LOG_CATEGORIES.iter().any(|category| category.0 == name) => names.push(name),
+                Some(name) => return refuse(component, &format!("{function}: there is no log category \"{name}\"")),
+                None => return refuse(component, &format!("{function}: a category is NULL")),
             }
         }
-        component.log.configure(logging_on != FALSE, names);
+        component.log.configure(on, names);
         Status::Ok
     })
 }
@@ -141,16 +160,21 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     guard(c, |component| {
         let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
         let stop = (stop_time_defined != FALSE).then_some(stop_time);
-        match component.instance.setup_experiment(tolerance, start_time, stop) {
-            Ok(remark) => {
-                if let Some(remark) = remark {
-                    component.log.remark(&remark);
-                }
-                Status::Ok
-            }
-            Err(error) => refuse(component, &error.to_string()),
-        }
+        set_up(component, tolerance, start_time, stop)
     })
+}
+
+/// Start and stop time and tolerance of the run, with a remark where the tolerance is not taken as it is.
+fn set_up(component: &mut Instance, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
+    match component.instance.setup_experiment(tolerance, start, stop) {
+        Ok(remark) => {
+            if let Some(remark) = remark {
+                component.log.remark(&remark);
+            }
+            Status::Ok
+        }
+        Err(error) => refuse(component, &error.to_string()),
+    }
 }
 
 /// # Safety

@@ -1,26 +1,11 @@
 //! The functions of model exchange: present, because some masters refuse a library without the symbols; refused,
 //! because this FMU is for co-simulation.
 
-use super::common::{guard, refuse};
+use super::common::{guard, refuse, refused};
 use super::types::*;
 
-/// Exports a function that refuses and says why.
-macro_rules! refused {
-    ($($name:ident($($argument:ident: $type:ty),*);)*) => {
-        $(
-            /// Model exchange is not supported.
-            ///
-            /// # Safety
-            /// The component must be null or come from fmi2Instantiate.
-            #[unsafe(no_mangle)]
-            pub unsafe extern "C" fn $name(c: Component, $($argument: $type),*) -> Status {
-                guard(c, |component| refuse(component, concat!(stringify!($name), " belongs to model exchange; this FMU is for co-simulation")))
-            }
-        )*
-    };
-}
-
 refused! {
+    "belongs to model exchange; this FMU is for co-simulation";
     fmi2EnterEventMode();
     fmi2NewDiscreteStates(_event_info: *mut EventInfo);
     fmi2EnterContinuousTimeMode();

@@ -1,7 +1,7 @@
 //! Saving, restoring and serialising the state of an instance.
 //!
 //! A state belongs to the instance that made it: that one frees it, at the latest when it is freed itself. While it lives, another instance of the
-//! same FMU may read it.
+//! same FMU may read it. Functions without a version do the work of both.
 
 use super::super::instance::SavedState;
 use super::common::{guard, refuse, report, slice};
@@ -9,7 +9,7 @@ use super::component::Component as Instance;
 use super::types::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Behind an fmi2FMUstate. The mark often catches a pointer that is not one; FMI obliges the host to pass none.
+/// Behind an fmi2FMUstate or fmi3FMUState. The mark often catches a pointer that is not one; FMI obliges the host to pass none.
 struct Held {
     mark: u64,
     state: SavedState,
@@ -45,29 +45,35 @@ unsafe fn held<'a>(state: FmuState) -> Option<&'a mut Held> {
 
 /// # Safety
 /// `state` must be null or point to null or to a state of this library.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetFMUstate(c: Component, state: *mut FmuState) -> Status {
+pub(super) unsafe fn get(c: Component, function: &str, state: *mut FmuState) -> Status {
     guard(c, |component| {
-        let Some(target) = (unsafe { state.as_mut() }) else { return refuse(component, "fmi2GetFMUstate: the state pointer is NULL") };
+        let Some(target) = (unsafe { state.as_mut() }) else { return refuse(component, &format!("{function}: the state pointer is NULL")) };
         let saved = component.instance.save();
-        if target.is_null() {
-            *target = keep(component, saved);
-            return Status::Ok;
-        }
-        match unsafe { held(*target) } {
-            Some(held) => {
-                held.state = saved;
-                Status::Ok
-            }
-            None => refuse(component, "fmi2GetFMUstate: the pointer is neither NULL nor a state of this FMU"),
-        }
+        unsafe { put(component, function, target, saved) }
     })
+}
+
+/// Puts a state where the host wants it: a new one, or in place of the one there.
+///
+/// # Safety
+/// `target` must be null or a state of this library.
+unsafe fn put(component: &mut Instance, function: &str, target: &mut FmuState, saved: SavedState) -> Status {
+    if target.is_null() {
+        *target = keep(component, saved);
+        return Status::Ok;
+    }
+    match unsafe { held(*target) } {
+        Some(held) => {
+            held.state = saved;
+            Status::Ok
+        }
+        None => refuse(component, &format!("{function}: the pointer is neither NULL nor a state of this FMU")),
+    }
 }
 
 /// # Safety
 /// `state` must be null or a state of this library.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetFMUstate(c: Component, state: FmuState) -> Status {
+pub(super) unsafe fn set(c: Component, function: &str, state: FmuState) -> Status {
     guard(c, |component| match unsafe { held(state) } {
         Some(held) => {
             let answer = component.instance.restore(&held.state);
@@ -77,14 +83,13 @@ pub unsafe extern "C" fn fmi2SetFMUstate(c: Component, state: FmuState) -> Statu
             }
             report(component, answer)
         }
-        None => refuse(component, "fmi2SetFMUstate: the pointer is not a state of this FMU"),
+        None => refuse(component, &format!("{function}: the pointer is not a state of this FMU")),
     })
 }
 
 /// # Safety
 /// `state` must be null or point to null or to a state of this library.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2FreeFMUstate(c: Component, state: *mut FmuState) -> Status {
+pub(super) unsafe fn free(c: Component, function: &str, state: *mut FmuState) -> Status {
     // A stopped instance must still be able to give its states back.
     let freed = catch_unwind(AssertUnwindSafe(|| {
         let target = unsafe { state.as_mut() }?;
@@ -98,10 +103,10 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(c: Component, state: *mut FmuState) ->
     match freed {
         Ok(Some(())) => Status::Ok,
         _ => guard(c, |component| match unsafe { state.as_ref() } {
-            None => refuse(component, "fmi2FreeFMUstate: the state pointer is NULL"),
+            None => refuse(component, &format!("{function}: the state pointer is NULL")),
             Some(target) if target.is_null() => Status::Ok,
             Some(_) => {
-                refuse(component, "fmi2FreeFMUstate: the pointer is not a state of this instance; the one that made a state frees it")
+                refuse(component, &format!("{function}: the pointer is not a state of this instance; the one that made a state frees it"))
             }
         }),
     }
@@ -109,11 +114,10 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(c: Component, state: *mut FmuState) ->
 
 /// # Safety
 /// `state` must be null or a state of this library, `size` null or valid.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: Component, state: FmuState, size: *mut usize) -> Status {
+pub(super) unsafe fn size(c: Component, function: &str, state: FmuState, size: *mut usize) -> Status {
     guard(c, |component| {
         let (Some(held), Some(size)) = (unsafe { held(state) }, unsafe { size.as_mut() }) else {
-            return refuse(component, "fmi2SerializedFMUstateSize: the state or the size pointer is not valid");
+            return refuse(component, &format!("{function}: the state or the size pointer is not valid"));
         };
         let answer = component.instance.serialize(&held.state).map(|bytes| *size = bytes.len());
         report(component, answer)
@@ -122,21 +126,20 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: Component, state: FmuStat
 
 /// # Safety
 /// `state` must be null or a state of this library, `bytes` null or `size` bytes long.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializeFMUstate(c: Component, state: FmuState, bytes: *mut Byte, size: usize) -> Status {
+pub(super) unsafe fn write(c: Component, function: &str, state: FmuState, bytes: *mut u8, size: usize) -> Status {
     guard(c, |component| {
         let Some(held) = (unsafe { held(state) }) else {
-            return refuse(component, "fmi2SerializeFMUstate: the pointer is not a state of this FMU");
+            return refuse(component, &format!("{function}: the pointer is not a state of this FMU"));
         };
         if bytes.is_null() {
-            return refuse(component, "fmi2SerializeFMUstate: the buffer is NULL");
+            return refuse(component, &format!("{function}: the buffer is NULL"));
         }
         match component.instance.serialize(&held.state) {
             Ok(blob) if blob.len() <= size => {
-                unsafe { std::ptr::copy_nonoverlapping(blob.as_ptr(), bytes.cast::<u8>(), blob.len()) };
+                unsafe { std::ptr::copy_nonoverlapping(blob.as_ptr(), bytes, blob.len()) };
                 Status::Ok
             }
-            Ok(blob) => refuse(component, &format!("fmi2SerializeFMUstate: the buffer holds {size} bytes, {} are needed", blob.len())),
+            Ok(blob) => refuse(component, &format!("{function}: the buffer holds {size} bytes, {} are needed", blob.len())),
             Err(error) => refuse(component, &error.to_string()),
         }
     })
@@ -144,22 +147,56 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(c: Component, state: FmuState, by
 
 /// # Safety
 /// `bytes` must be null or `size` bytes long, `state` null or point to null or to a state of this library.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DeSerializeFMUstate(c: Component, bytes: *const Byte, size: usize, state: *mut FmuState) -> Status {
+pub(super) unsafe fn read(c: Component, function: &str, bytes: *const u8, size: usize, state: *mut FmuState) -> Status {
     guard(c, |component| {
-        let (Some(blob), Some(target)) = (unsafe { slice(bytes.cast::<u8>(), size) }, unsafe { state.as_mut() }) else {
-            return refuse(component, "fmi2DeSerializeFMUstate: the buffer or the state pointer is NULL");
+        let (Some(blob), Some(target)) = (unsafe { slice(bytes, size) }, unsafe { state.as_mut() }) else {
+            return refuse(component, &format!("{function}: the buffer or the state pointer is NULL"));
         };
         match component.instance.deserialize(blob) {
-            Ok(saved) => {
-                match unsafe { held(*target) } {
-                    Some(held) => held.state = saved,
-                    None if target.is_null() => *target = keep(component, saved),
-                    None => return refuse(component, "fmi2DeSerializeFMUstate: the pointer is neither NULL nor a state of this FMU"),
-                }
-                Status::Ok
-            }
+            Ok(saved) => unsafe { put(component, function, target, saved) },
             Err(error) => refuse(component, &error.to_string()),
         }
     })
+}
+
+/// # Safety
+/// See [`get`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetFMUstate(c: Component, state: *mut FmuState) -> Status {
+    unsafe { get(c, "fmi2GetFMUstate", state) }
+}
+
+/// # Safety
+/// See [`set`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetFMUstate(c: Component, state: FmuState) -> Status {
+    unsafe { set(c, "fmi2SetFMUstate", state) }
+}
+
+/// # Safety
+/// See [`free`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeFMUstate(c: Component, state: *mut FmuState) -> Status {
+    unsafe { free(c, "fmi2FreeFMUstate", state) }
+}
+
+/// # Safety
+/// See [`size`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: Component, state: FmuState, bytes: *mut usize) -> Status {
+    unsafe { size(c, "fmi2SerializedFMUstateSize", state, bytes) }
+}
+
+/// # Safety
+/// See [`write`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SerializeFMUstate(c: Component, state: FmuState, bytes: *mut Byte, size: usize) -> Status {
+    unsafe { write(c, "fmi2SerializeFMUstate", state, bytes.cast(), size) }
+}
+
+/// # Safety
+/// See [`read`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2DeSerializeFMUstate(c: Component, bytes: *const Byte, size: usize, state: *mut FmuState) -> Status {
+    unsafe { read(c, "fmi2DeSerializeFMUstate", bytes.cast(), size, state) }
 }

@@ -7,10 +7,13 @@ use super::component::Component as Instance;
 use super::text::c_string;
 use super::types::*;
 
-const NULL: &str = "a pointer to value references or values is NULL";
+pub(super) const NULL: &str = "a pointer to value references or values is NULL";
 
 /// Reads `nvr` values one by one; nothing is written unless all can be read.
-unsafe fn get<T: Copy>(
+///
+/// # Safety
+/// FMI's rules for pointers; null is refused.
+pub(super) unsafe fn get<T: Copy>(
     c: Component,
     vr: *const ValueReference,
     nvr: usize,
@@ -84,11 +87,25 @@ pub unsafe extern "C" fn fmi2SetReal(c: Component, vr: *const ValueReference, nv
 /// FMI 2.0's rules for pointers; null is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetBoolean(c: Component, vr: *const ValueReference, nvr: usize, value: *const Boolean) -> Status {
+    unsafe { set_truths(c, vr, nvr, value, |value| value != FALSE) }
+}
+
+/// Sets `nvr` values that are true or false in the version's own type.
+///
+/// # Safety
+/// FMI's rules for pointers; null is refused.
+pub(super) unsafe fn set_truths<T: Copy>(
+    c: Component,
+    vr: *const ValueReference,
+    nvr: usize,
+    value: *const T,
+    truth: impl Fn(T) -> bool,
+) -> Status {
     guard(c, |component| {
         let (Some(references), Some(values)) = (unsafe { slice(vr, nvr) }, unsafe { slice(value, nvr) }) else {
             return refuse(component, NULL);
         };
-        let values: Vec<bool> = values.iter().map(|value| *value != FALSE).collect();
+        let values: Vec<bool> = values.iter().map(|value| truth(*value)).collect();
         let answer = component.instance.set_boolean(references, &values);
         report(component, answer)
     })

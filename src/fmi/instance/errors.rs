@@ -27,6 +27,8 @@ pub enum CallError {
     Time { what: &'static str, value: f64, expected: String },
     #[error("the saved state does not fit this instance")]
     ForeignState,
+    #[error("the instance was made for a host without event mode (eventModeUsed is false)")]
+    NoEventMode,
     #[error("{0}")]
     Blob(#[from] BlobError),
     #[error("the model can't be started with these parameters: {0}")]

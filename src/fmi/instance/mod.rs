@@ -3,20 +3,24 @@
 //! Every method checks everything before it changes anything: a call that is refused leaves the instance as it was.
 
 mod errors;
+mod events;
 mod saved;
+mod stepping;
 mod tuning;
 mod values;
 
 pub use errors::{CallError, InstantiateError};
 pub use saved::SavedState;
+pub use stepping::{Pace, StepOutcome};
 
 use super::description;
 use super::variables::VariableTable;
+use super::version::Version;
 use crate::formulation::events::ContactEvent;
 use crate::scene::load::{self, SceneError};
 use crate::scene::spec::Scene;
+use crate::sim::Simulation;
 use crate::sim::vehicle_outputs::scene_outputs;
-use crate::sim::{Simulation, SimulationError};
 use crate::solve::{Integrator, SettingKind};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -29,30 +33,28 @@ pub enum Phase {
     Initialization,
     Stepping,
     Terminated,
+    /// Between two steps, where discrete outputs may change (FMI 3.0).
+    Event,
 }
 
 impl Phase {
+    /// Has the run begun, and not ended?
+    fn is_running(self) -> bool {
+        matches!(self, Phase::Stepping | Phase::Event)
+    }
+
     fn words(self) -> &'static str {
         match self {
-            Phase::Instantiated => "before fmi2EnterInitializationMode",
+            Phase::Instantiated => "before initialization mode",
             Phase::Initialization => "in initialization mode",
             Phase::Stepping => "after initialization",
-            Phase::Terminated => "after fmi2Terminate",
+            Phase::Event => "in event mode",
+            Phase::Terminated => "after termination",
         }
     }
 }
 
-/// How a step ended.
-#[derive(Debug)]
-pub enum StepOutcome {
-    Done,
-    /// Contacts that are constraints lifted off or landed on the way, or others began or ended; or fixed steps were doubtful, in words.
-    DoneWithRemarks(Vec<ContactEvent>, Option<String>),
-    /// The model could not be advanced to the end; time stands at the last successful step. With what happened before.
-    Discarded(SimulationError, Vec<ContactEvent>),
-}
-
-/// What fmi2SetupExperiment says.
+/// What the host says of the run before it begins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Experiment {
     start: f64,
@@ -77,23 +79,31 @@ pub struct Instance {
     begun: Vec<f64>,
     /// Parameters that are not what they were then: place in table order and value.
     tuned: Vec<(u32, f64)>,
-}
-
-/// By how much two communication times may differ and still be the same: 1e-9 of their size (at least of 1 s), but no more
-/// than a thousandth of the step, lest a master far from t = 0 skips time unnoticed, and no less than rounding.
-fn slack(time: f64, step: f64) -> f64 {
-    let size = time.abs().max(1.0);
-    (1e-9 * size).min(1e-3 * step.abs()).max(8.0 * f64::EPSILON * size)
+    /// Does the host handle events, so that discrete outputs change in event mode alone?
+    event_mode: bool,
+    /// Contacts that carry load, by wheel, as discrete outputs show them between events; empty before the first event mode.
+    shown: Vec<i32>,
+    /// Where the step under way began, for taking it back.
+    before: Option<Box<stepping::Before>>,
 }
 
 impl Instance {
-    /// Reads the scene in a resource folder and checks that it belongs to `guid`.
+    /// Reads the scene in a resource folder and checks that it belongs to the `guid` of an FMU of FMI 2.0.
     ///
     /// # Errors
     /// [`InstantiateError`].
     pub fn new(resources: &Path, guid: &str) -> Result<Self, InstantiateError> {
+        Self::of_version(resources, guid, Version::Two)
+    }
+
+    /// The same for an FMU of either version.
+    ///
+    /// # Errors
+    /// [`InstantiateError`].
+    pub fn of_version(resources: &Path, guid: &str, version: Version) -> Result<Self, InstantiateError> {
         let scene = load::open_file(&resources.join("scene.toml"), "scene", &[])?;
-        let table = VariableTable::new(&scene).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
+        let table =
+            VariableTable::of_version(&scene, version).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
         let found = description::describe(&scene, &table).guid;
         if found != guid {
             return Err(InstantiateError::Guid { found, wanted: guid.chars().filter(|c| !c.is_control()).collect() });
@@ -110,7 +120,20 @@ impl Instance {
             simulation: None,
             begun: Vec::new(),
             tuned: Vec::new(),
+            event_mode: false,
+            shown: Vec::new(),
+            before: None,
         })
+    }
+
+    /// Is initialization over?
+    pub fn has_begun(&self) -> bool {
+        self.phase.is_running() || self.phase == Phase::Terminated
+    }
+
+    /// The variables.
+    pub fn table(&self) -> &VariableTable {
+        &self.table
     }
 
     /// The present time, s.
@@ -146,7 +169,7 @@ impl Instance {
     /// # Errors
     /// [`CallError`] for times that make no sense or a call that comes too late.
     pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Option<String>, CallError> {
-        self.require("fmi2SetupExperiment", &[Phase::Instantiated])?;
+        self.require("setting up the experiment", &[Phase::Instantiated])?;
         if !start.is_finite() {
             return Err(CallError::Time { what: "startTime", value: start, expected: "a finite number".into() });
         }
@@ -178,7 +201,7 @@ impl Instance {
     /// # Errors
     /// [`CallError`] when it comes at the wrong time.
     pub fn enter_initialization(&mut self) -> Result<(), CallError> {
-        self.require("fmi2EnterInitializationMode", &[Phase::Instantiated])?;
+        self.require("entering initialization mode", &[Phase::Instantiated])?;
         self.phase = Phase::Initialization;
         Ok(())
     }
@@ -189,10 +212,10 @@ impl Instance {
     /// # Errors
     /// [`CallError::Start`] when there is no valid initial state; the instance stays in initialization mode.
     pub fn exit_initialization(&mut self) -> Result<Vec<ContactEvent>, CallError> {
-        self.require("fmi2ExitInitializationMode", &[Phase::Initialization])?;
+        self.require("leaving initialization mode", &[Phase::Initialization])?;
         let events = self.started()?.take_events();
         self.begun = self.parameter_values();
-        self.phase = Phase::Stepping;
+        self.phase = if self.event_mode { Phase::Event } else { Phase::Stepping };
         Ok(events)
     }
 
@@ -201,7 +224,7 @@ impl Instance {
     /// # Errors
     /// [`CallError`] before initialization or when terminated already.
     pub fn terminate(&mut self) -> Result<(), CallError> {
-        self.require("fmi2Terminate", &[Phase::Stepping])?;
+        self.require("termination", &[Phase::Stepping, Phase::Event])?;
         self.phase = Phase::Terminated;
         Ok(())
     }
@@ -220,6 +243,8 @@ impl Instance {
         self.simulation = None;
         self.begun.clear();
         self.tuned.clear();
+        self.shown.clear();
+        self.before = None;
     }
 
     /// The integrator with the setting that holds now.
@@ -251,51 +276,6 @@ impl Instance {
             Some(simulation) => Ok(simulation),
             None => unreachable!("just made"),
         }
-    }
-
-    /// fmi2DoStep.
-    ///
-    /// # Errors
-    /// [`CallError`] for a call that makes no sense; a model that cannot go on is [`StepOutcome::Discarded`].
-    pub fn do_step(&mut self, current: f64, step: f64) -> Result<StepOutcome, CallError> {
-        self.require("fmi2DoStep", &[Phase::Stepping])?;
-        let time = self.time();
-        if !(step > 0.0 && step.is_finite()) {
-            return Err(CallError::Time { what: "communicationStepSize", value: step, expected: "a finite number greater than 0".into() });
-        }
-        if !((current - time).abs() <= slack(time, step)) {
-            return Err(CallError::Time {
-                what: "currentCommunicationPoint",
-                value: current,
-                expected: format!("the instance's time {time}"),
-            });
-        }
-        let target = current + step;
-        if let Some(stop) = self.experiment.stop.filter(|stop| target > stop + slack(*stop, step)) {
-            return Err(CallError::Time {
-                what: "communicationStepSize",
-                value: step,
-                expected: format!("a step that ends by the stop time {stop}"),
-            });
-        }
-        if !(target > time) {
-            return Err(CallError::Time {
-                what: "communicationStepSize",
-                value: step,
-                expected: format!("a step that moves time beyond {time}"),
-            });
-        }
-        let simulation = self.started()?;
-        let doubtful = simulation.doubts().steps;
-        let advanced = simulation.advance(target);
-        let doubt = (simulation.doubts().steps > doubtful).then(|| simulation.doubts().to_string());
-        // None may be left for a later step, which may begin elsewhere.
-        let events = simulation.take_events();
-        Ok(match advanced {
-            Ok(()) if events.is_empty() && doubt.is_none() => StepOutcome::Done,
-            Ok(()) => StepOutcome::DoneWithRemarks(events, doubt),
-            Err(error) => StepOutcome::Discarded(error, events),
-        })
     }
 }
 

@@ -19,12 +19,14 @@ pub struct SavedState {
     /// Inputs as they were set last: value, first and second derivative.
     inputs: Vec<[f64; 3]>,
     simulation: Option<SimulationState>,
+    /// What discrete outputs show, by wheel; empty without event mode.
+    shown: Vec<i32>,
 }
 
 impl SavedState {
     /// Is initialization over?
     fn has_begun(&self) -> bool {
-        matches!(self.phase, Phase::Stepping | Phase::Terminated)
+        self.phase.is_running() || self.phase == Phase::Terminated
     }
 
     /// [`Instance::begun`] of an instance in this state.
@@ -48,6 +50,7 @@ impl Instance {
             tuned: self.tuned.clone(),
             inputs: self.inputs.clone(),
             simulation: self.simulation.as_ref().map(|simulation| simulation.state().clone()),
+            shown: self.shown.clone(),
         }
     }
 
@@ -65,7 +68,8 @@ impl Instance {
             return Err(CallError::ForeignState);
         }
         let other = if self.tuned == saved.tuned { None } else { Some(self.scenes(saved)?.1) };
-        (self.phase, self.inputs, self.begun) = (saved.phase, saved.inputs.clone(), saved.begun());
+        (self.phase, self.inputs, self.begun, self.shown) =
+            (self.phase_of(saved), saved.inputs.clone(), saved.begun(), saved.shown.clone());
         if let Some(scene) = other {
             self.scene = scene;
             self.adopt_tuning();
@@ -82,14 +86,17 @@ impl Instance {
         let mut other = Instance {
             exported: self.exported.clone(),
             scene: start,
-            table: VariableTable::new(&self.exported).map_err(|error| CallError::Start(error.into()))?,
+            table: VariableTable::of_version(&self.exported, self.table.version).map_err(|error| CallError::Start(error.into()))?,
             guid: self.guid.clone(),
-            phase: saved.phase,
+            phase: self.phase_of(saved),
             experiment: saved.experiment,
             inputs: saved.inputs.clone(),
             simulation: None,
             begun: saved.begun(),
             tuned: Vec::new(),
+            event_mode: self.event_mode,
+            shown: saved.shown.clone(),
+            before: None,
         };
         if let Some(state) = &saved.simulation {
             other.started()?;
@@ -110,6 +117,11 @@ impl Instance {
         Ok(())
     }
 
+    /// The phase to go on in: a host without event mode steps on from a state that was saved there.
+    fn phase_of(&self, saved: &SavedState) -> Phase {
+        if saved.phase == Phase::Event && !self.event_mode { Phase::Stepping } else { saved.phase }
+    }
+
     /// Is a saved state of this FMU's form, and made of numbers?
     fn check_whole(&self, saved: &SavedState) -> Result<(), CallError> {
         let Experiment { start, stop, tolerance } = saved.experiment;
@@ -118,6 +130,8 @@ impl Instance {
         // A run has a simulation; before it nothing has been tuned.
         let whole = if saved.has_begun() { saved.simulation.is_some() } else { saved.tuned.is_empty() };
         let fits = self.parameters().count() == saved.parameters.len() && self.inputs.len() == saved.inputs.len();
+        let wheels = self.simulation.as_ref().map_or(saved.shown.len(), |simulation| simulation.model().contacts());
+        let fits = fits && (saved.shown.is_empty() || saved.shown.len() == wheels);
         if sound && whole && fits { Ok(()) } else { Err(CallError::ForeignState) }
     }
 

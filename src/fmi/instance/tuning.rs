@@ -1,6 +1,6 @@
 //! Setting parameters, before a run and during it.
 
-use super::{CallError, Instance, Phase};
+use super::{CallError, Instance};
 use crate::fmi::variables::{Kind, Role, Variable};
 use crate::sim::tuning::Tuning;
 use crate::sim::vehicle_outputs::scene_outputs;
@@ -52,7 +52,7 @@ impl Instance {
         if before.is_empty() {
             return Ok(());
         }
-        if self.phase == Phase::Stepping {
+        if self.phase.is_running() {
             self.retune(before.iter().any(|(parameter, _)| parameter.is_of_force()));
         } else {
             self.simulation = None;

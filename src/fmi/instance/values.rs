@@ -40,6 +40,7 @@ impl Instance {
                 },
                 Role::Input(input) => self.simulation.as_ref().map_or(self.inputs[*input][0], |simulation| simulation.input(*input)[0]),
                 Role::RealParameter(parameter) => parameter.value(&self.scene),
+                Role::Time => self.time(),
                 _ => return Err(CallError::UnknownReference { reference: *reference, kind: Kind::Real }),
             };
             if !value.is_finite() {
@@ -61,6 +62,7 @@ impl Instance {
                 let count = self.simulation.as_ref().map_or(0, |simulation| read(simulation.state()));
                 Ok(i32::try_from(count).unwrap_or(i32::MAX))
             }
+            Role::Contacts(wheel) => self.contacts_of(wheel, reference),
             _ => Err(CallError::UnknownReference { reference, kind: Kind::Integer }),
         }
     }
@@ -97,7 +99,7 @@ impl Instance {
             Role::Input(_) => self.phase != Phase::Terminated,
             Role::RealParameter(_) | Role::FromEquilibrium => match self.phase {
                 Phase::Instantiated | Phase::Initialization => true,
-                Phase::Stepping => variable.is_tunable(),
+                Phase::Stepping | Phase::Event => variable.is_tunable(),
                 Phase::Terminated => false,
             },
             _ => false,
