@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 cargo build --release
 ./target/release/wheelrail run suspended_wheelset --plot docs/images >/dev/null
 WHEELRAIL_BLESS=1 cargo test --release --test prop docs_list >/dev/null
-python3 docs/renew.py docs/{formulations_compared,performance,evidence,contact_geometry,paper_vehicle,creep_laws,real_profiles,modes,assess,sweep}.md
+python3 docs/renew.py docs/{formulations_compared,performance,evidence,contact_geometry,paper_vehicle,creep_laws,real_profiles,modes,effects,assess,sweep}.md
 for file in docs/images/vehicle_*.svg; do # what no page shows
     grep -qF "images/$(basename "$file")" docs/paper_vehicle.md docs/accuracy.md || rm "$file"
 done

@@ -4,6 +4,7 @@ mod assess;
 mod compare;
 mod contact;
 mod creep;
+mod effects;
 mod export;
 mod hard;
 mod interrupt;
@@ -53,6 +54,8 @@ enum Command {
     Contact(contact::Arguments),
     /// Compute creep forces of a table of contacts with one or several laws, or compare laws on random contacts
     Creep(creep::Arguments),
+    /// Run a scene once per effect that it holds, without it or with a neighbour: what each contributes and costs
+    Effects(effects::Arguments),
     /// Show what a scene makes the program compute, and what not
     Plan(plan::Arguments),
     /// Show a wheel or rail profile: table, CSV, diagram
@@ -212,6 +215,7 @@ pub fn main() -> ExitCode {
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Contact(arguments) => contact::contact(&arguments),
         Command::Creep(arguments) => creep::creep(&arguments),
+        Command::Effects(arguments) => effects::effects(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::Profile(arguments) => profile::profile(&arguments),
         Command::Hard(arguments) => hard::hard(&arguments),

@@ -2,10 +2,11 @@
 
 use super::{Failure, SceneArguments, print, table};
 use crate::mbs::body::COORDINATES;
-use crate::scene::plan;
+use crate::scene::plan::{self, Effect};
 use crate::scene::spec::Scene;
 use crate::sim::statics::{self, ElementForce, Statics};
 use crate::sim::tables::LeftTables;
+use crate::study::effects::neglect;
 use crate::study::shares::Part;
 use crate::study::shares::anatomy::{Anatomy, Sample};
 use clap::Args;
@@ -21,6 +22,17 @@ pub(super) struct Arguments {
     #[arg(long)]
     json: bool,
 }
+
+/// The effect of the plan to which a part of the time of an evaluation belongs.
+const SHARES: [(Part, &str); 7] = [
+    (Part::ContactSearch, "contact"),
+    (Part::ContactAndEquations, "contact"),
+    (Part::NormalLaw, "normal force"),
+    (Part::CreepLaw, "creep forces"),
+    (Part::Track, "curves"),
+    (Part::Forces, "force elements"),
+    (Part::EquationsOfMotion, "rigid bodies"),
+];
 
 pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
@@ -43,14 +55,24 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
     plan.notes.extend(notes);
     let coordinates = COORDINATES * simulation.model().system.bodies.len();
     let sample = simulation.snapshot().ok().map(|snapshot| Sample::behind(snapshot, coordinates, 0.0));
+    let neglected = match simulation.snapshot().is_ok() {
+        true => neglect::neglected(&scene, simulation.model(), simulation.last_snapshot()),
+        false => Vec::new(),
+    };
     let anatomy = Anatomy::of(simulation.model(), sample.as_slice(), false);
     let search = if simulation.model().formulation.constrains() { Part::ContactAndEquations } else { Part::ContactSearch };
-    let parts = anatomy.right_hand_side().into_iter().filter(|(part, time)| *time > 0.0 || *part == search);
+    let parts = anatomy.right_hand_side();
+    let whole: f64 = parts.iter().map(|part| part.1).sum();
+    let share = |effect: &str| {
+        let own = SHARES.iter().filter(|one| one.1 == effect).flat_map(|one| parts.iter().filter(move |part| part.0 == one.0));
+        own.map(|part| part.1 / whole).reduce(|a, b| a + b)
+    };
+    let parts = parts.into_iter().filter(|(part, time)| *time > 0.0 || *part == search);
     let costs: Vec<(&str, f64)> = parts.map(|(part, time)| (part.words(), time)).collect();
     if arguments.json {
         let shares: serde_json::Map<String, serde_json::Value> =
             costs.iter().map(|(name, time)| (name.to_string(), (1e9 * time).into())).collect();
-        print(&format!("{}\n", serde_json::json!({"plan": plan, "nanoseconds": shares})))?;
+        print(&format!("{}\n", serde_json::json!({"plan": plan, "neglected": neglected, "nanoseconds": shares})))?;
         return Ok(());
     }
     print(&format!(
@@ -58,10 +80,12 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
         plan.scene, scene.title, plan.states, plan.bodies, plan.contacts, plan.points, plan.force_elements
     ))?;
     let width = plan.effects.iter().map(|effect| effect.name.len()).max().unwrap_or(0);
+    let states = |effect: &Effect| if effect.states > 0 { format!("{} states", effect.states) } else { String::new() };
+    let wide = plan.effects.iter().map(|effect| states(effect).len()).max().unwrap_or(0);
     for effect in &plan.effects {
-        let states = if effect.states > 0 { format!("{} states", effect.states) } else { String::new() };
         let mark = if effect.included { "in " } else { "out" };
-        print(&format!("  {mark}  {:width$}  {states:9}  {}\n", effect.name, effect.why))?;
+        let part = share(effect.name).filter(|_| effect.included).map_or(String::new(), |part| format!("{:.0} %", 100.0 * part));
+        print(&format!("  {mark}  {:width$}  {:wide$}  {part:>5}  {}\n", effect.name, states(effect), effect.why))?;
     }
     for note in &plan.notes {
         print(&format!("  note: {note}\n"))?;
@@ -70,6 +94,13 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
     let total: f64 = costs.iter().map(|cost| cost.1).sum();
     for (name, time) in &costs {
         print(&format!("  {:4.0} %  {name}\n", 100.0 * time / total))?;
+    }
+    if !neglected.is_empty() {
+        print("\nWhat leaving an effect out neglects, by formulas with this scene's numbers (`wheelrail effects` runs them)\n")?;
+        let width = neglected.iter().map(|one| one.effect.len()).max().unwrap_or(0);
+        for one in &neglected {
+            print(&format!("  {:width$}  {}\n", one.effect, one.words))?;
+        }
     }
     Ok(())
 }

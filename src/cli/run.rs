@@ -84,6 +84,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let chosen: Vec<usize> =
         [0].into_iter().chain((0..outputs.len()).filter(|index| wanted(&outputs[*index].name)).map(|index| index + 1)).collect();
     let mut notes = statics::statics(&scene, &mut simulation).map(|found| found.notes()).unwrap_or_default();
+    notes.extend(scene.effects.describe().into_iter().map(|(name, why)| format!("left out: {name}, {why}")));
     let interrupt = Interrupt::watch();
     let clock = Instant::now();
     let (recording, mut failure) = integrate(&mut simulation, &outputs, times, &interrupt, target.as_ref(), &chosen)?;

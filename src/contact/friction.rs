@@ -111,6 +111,15 @@ impl FrictionMap {
         })
     }
 
+    /// The map with its factors along the track, and with those across the head, or without; `None` where nothing is left.
+    pub fn keeping(mut self, along: bool, across: bool) -> Option<Self> {
+        if !along {
+            self.along.clear();
+        }
+        self.across = self.across.filter(|_| across);
+        (!self.along.is_empty() || self.across.is_some()).then_some(self)
+    }
+
     /// What `wheelrail plan` says: of friction along the track, and across the head.
     pub fn describe(&self) -> [Option<String>; 2] {
         let along = self.along.iter().map(|along| {

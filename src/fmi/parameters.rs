@@ -125,7 +125,7 @@ macro_rules! inertia {
             description: $text,
             get: |placed: &PlacedBody| match &placed.body.inertia {
                 Inertia::General { principal } => Some(principal.$axis),
-                Inertia::Revolution { .. } => None,
+                Inertia::Revolution { .. } | Inertia::NotGyroscopic { .. } => None,
             },
             set: |placed, value| {
                 if let Inertia::General { principal } = &mut placed.body.inertia {

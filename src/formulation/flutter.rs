@@ -138,7 +138,7 @@ impl Model {
         let number = self.wheelsets[wheelset].body;
         let wrench = workspace.tangent.as_ref()?.own_wrench(number)?;
         let (body, motion) = (&self.system.bodies[number], &workspace.system.motions[number]);
-        let Inertia::Revolution { transverse, axial } = body.inertia else { return None };
+        let (Inertia::Revolution { transverse, axial } | Inertia::NotGyroscopic { transverse, axial }) = body.inertia else { return None };
         let axle = motion.frame.axes.column(1).into_owned();
         let turn = Matrix3::identity() / transverse + axle * axle.transpose() * (1.0 / axial - 1.0 / transverse);
         let mut system = SMatrix::<f64, { 2 * COORDINATES }, { 2 * COORDINATES }>::zeros();

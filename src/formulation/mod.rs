@@ -15,6 +15,7 @@ mod deflections;
 pub mod elastic;
 pub mod events;
 mod failure;
+mod flange;
 pub mod flutter;
 mod foresight;
 pub mod frame_motion;

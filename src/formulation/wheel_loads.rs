@@ -1,5 +1,6 @@
 //! Wheel loads over a run, for what its user should know: wheels that unload, wheels that strike, and loads that no rigid track would meet.
 
+use super::flange::Flanges;
 use super::step::WheelRef;
 use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
@@ -23,6 +24,8 @@ pub struct WheelLoads {
     ranges: Vec<Range>,
     /// The first wheel that struck its rail (its contact), and when, s.
     strike: Option<(usize, f64)>,
+    /// Where flanges are left out.
+    flanges: Option<Flanges>,
 }
 
 impl WheelLoads {
@@ -43,11 +46,18 @@ impl WheelLoads {
 impl Model {
     /// Before a run.
     pub fn wheel_loads(&self) -> WheelLoads {
-        WheelLoads { ranges: vec![Range { least: (f64::INFINITY, f64::NAN), most: (0.0, f64::NAN) }; self.contacts()], strike: None }
+        WheelLoads {
+            ranges: vec![Range { least: (f64::INFINITY, f64::NAN), most: (0.0, f64::NAN) }; self.contacts()],
+            strike: None,
+            flanges: Flanges::of(self),
+        }
     }
 
     /// Notes the loads that the workspace's evaluation found at `t` [s].
     pub fn note_wheel_loads(&self, workspace: &Workspace, t: f64, loads: &mut WheelLoads) {
+        if let Some(flanges) = &mut loads.flanges {
+            flanges.look(self, workspace, t);
+        }
         for (WheelRef { contact, wheelset, .. }, range) in self.wheels().zip(&mut loads.ranges) {
             let share = workspace.wheel_force(contact, wheelset.body).z / wheelset.static_wheel_load;
             if share < range.least.0 {
@@ -72,6 +82,7 @@ impl Model {
         let mut notes = Vec::new();
         let named = |WheelRef { wheelset, side, .. }: WheelRef| format!("{}, {} wheel", wheelset.name, side.name());
         let all: Vec<(String, &Range)> = self.wheels().map(named).zip(&loads.ranges).collect();
+        notes.extend(loads.flanges.as_ref().and_then(|flanges| flanges.note(|contact| all[contact].0.clone())));
         let light = all.iter().filter(|(_, range)| range.least.0 < LEAST);
         if let Some((wheel, range)) = light.clone().min_by(|a, b| a.1.least.0.total_cmp(&b.1.least.0)) {
             let load = if range.least.0 > 0.0 { format!("{:.1} % of the static load", 100.0 * range.least.0) } else { "nothing".into() };

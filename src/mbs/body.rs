@@ -35,7 +35,7 @@ impl Body {
     /// From the body's six coordinates and six velocities.
     pub fn motion(&self, q: &[f64], v: &[f64]) -> BodyMotion {
         match self.inertia {
-            Inertia::Revolution { .. } => BodyMotion::new(q, v),
+            Inertia::Revolution { .. } | Inertia::NotGyroscopic { .. } => BodyMotion::new(q, v),
             Inertia::General { .. } => BodyMotion::general(q, v),
         }
     }

@@ -9,6 +9,9 @@
 //! p = roll',  w = yaw' sin roll,  q = pitch' + w,  r = yaw' cos roll
 //! ```
 //!
+//! Without gyroscopic moments the frame's w stands for q in the products: the angular momentum I pitch' of the spin turns with the axle and nothing
+//! resists. The rate of the kinetic energy stays the moment's power.
+//!
 //! Any other body has the principal inertias T = diag(Ixx, Iyy, Izz) about its own axes `Rz Rx Ry` and obeys
 //! Euler's equations in them, `T o' = M - o x T o`; the components of its angular acceleration in the axle frame,
 //! less the turning of that frame, `(p, w, r) x (p, q, r)`, are `(p', q', r')`.
@@ -21,6 +24,13 @@ use nalgebra::{Matrix3, Vector3};
 pub enum Inertia {
     /// A body of revolution about its Y axis, which may spin.
     Revolution {
+        /// J, about any axis across the axle.
+        transverse: f64,
+        /// I, about the axle.
+        axial: f64,
+    },
+    /// The same, but its spin makes no gyroscopic moments: what a scene with `effects.gyroscopic = "off"` leaves out.
+    NotGyroscopic {
         /// J, about any axis across the axle.
         transverse: f64,
         /// I, about the axle.
@@ -47,6 +57,11 @@ impl Inertia {
                 let r = motion.yaw_rate * cos;
                 [(moment.x - w * j * r + r * i * q) / j, moment.y / i, (moment.z - p * i * q + w * j * p) / j]
             }
+            Inertia::NotGyroscopic { transverse: j, axial: i } => {
+                let moment = motion.frame.axes.tr_mul(moment);
+                let (w, r) = (motion.yaw_rate * sin, motion.yaw_rate * cos);
+                [(moment.x + w * (i - j) * r) / j, moment.y / i, (moment.z - w * (i - j) * p) / j]
+            }
             Inertia::General { principal } => general_rates(principal, motion, moment).into(),
         };
         // r = yaw' cos roll and q = pitch' + yaw' sin roll, differentiated.
@@ -61,7 +76,7 @@ impl Inertia {
     pub fn mobility(&self, motion: &BodyMotion) -> Matrix3<f64> {
         let (sin, cos) = (motion.frame.sin_roll, motion.frame.cos_roll);
         match self {
-            Inertia::Revolution { transverse, axial } => {
+            Inertia::Revolution { transverse, axial } | Inertia::NotGyroscopic { transverse, axial } => {
                 let yaw = 1.0 / (transverse * cos * cos);
                 let pitch = 1.0 / axial + sin * sin * yaw;
                 Matrix3::new(yaw, 0.0, -sin * yaw, 0.0, 1.0 / transverse, 0.0, -sin * yaw, 0.0, pitch)
@@ -78,7 +93,7 @@ impl Inertia {
     /// Kinetic energy of the rotation, J.
     pub fn kinetic_energy(&self, motion: &BodyMotion) -> f64 {
         match self {
-            Inertia::Revolution { transverse, axial } => {
+            Inertia::Revolution { transverse, axial } | Inertia::NotGyroscopic { transverse, axial } => {
                 let rate = motion.frame.body_rate(motion.yaw_rate, motion.roll_rate, motion.pitch_rate);
                 0.5 * (transverse * (rate.x * rate.x + rate.z * rate.z) + axial * rate.y * rate.y)
             }
@@ -143,7 +158,7 @@ mod tests {
     fn analytic_rate_of_angular_momentum_is_the_moment() {
         for body in bodies() {
             let momentum = |motion: &BodyMotion| match &body.inertia {
-                Inertia::Revolution { transverse: j, axial: i } => {
+                Inertia::Revolution { transverse: j, axial: i } | Inertia::NotGyroscopic { transverse: j, axial: i } => {
                     let axes = motion.frame.axes;
                     axes * axes.tr_mul(&motion.rotation).component_mul(&Vector3::new(*j, *i, *j))
                 }
@@ -174,6 +189,24 @@ mod tests {
         assert!((round.kinetic_energy(&a) - general.kinetic_energy(&b)).abs() < 1e-12);
         // Only the attachments differ.
         assert!((b.frame.axes - a.frame.axes).norm() > 0.1 && (b.frame_rotation - a.rotation).norm() == 0.0);
+    }
+
+    #[test]
+    fn analytic_what_is_left_out_is_the_moment_that_turns_the_spin() {
+        let [round, _] = bodies();
+        let still = Body { inertia: Inertia::NotGyroscopic { transverse: 3.0, axial: 1.2 }, ..round.clone() };
+        let motion = round.motion(&Q, &V);
+        // The spin's angular momentum I pitch' lies along the axle, which turns with the frame: frame rate x momentum must be put in.
+        let axes = motion.frame.axes;
+        let turning = axes * motion.frame.frame_rate(motion.yaw_rate, motion.roll_rate);
+        let moment = turning.cross(&(axes.column(1) * (1.2 * motion.pitch_rate)));
+        assert!(moment.norm() > 10.0);
+        let pushed = Wrench { moment: wrench().moment + moment, ..wrench() };
+        let difference =
+            Coefficients::from(round.accelerations(&motion, &pushed)) - Coefficients::from(still.accelerations(&motion, &wrench()));
+        assert!(difference.norm() < 1e-12, "{difference}");
+        let power = rate(&still, &Wrench::default(), |motion| still.kinetic_energy(motion));
+        assert!(power.abs() < 1e-6, "it does no work: {power} W");
     }
 
     #[test]

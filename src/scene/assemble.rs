@@ -1,5 +1,6 @@
 //! From scene data to a model: only what the scene calls for becomes an object.
 
+use super::effects::Switch;
 use super::spec::{SLIDING_MEANS, Scene};
 use super::{start, vehicle};
 use crate::contact::transient::TransientContact;
@@ -36,6 +37,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     };
     let creep = (contact.creep)(contact.material);
     let transient = contact.transient.map(|settings| TransientContact::new(settings, contact.material, creep.as_ref()));
+    let transient = if scene.effects.is_off(Switch::Spin) { transient.map(TransientContact::without_spin) } else { transient };
     let (system, wheelsets) = vehicle::assemble::parts(&scene.vehicle, track.grade)?;
     let parts = Parts {
         system,

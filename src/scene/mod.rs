@@ -2,11 +2,13 @@
 
 pub mod assemble;
 mod cautions;
+pub mod effects;
 pub mod embedded;
 pub mod equilibrium;
 mod error;
 mod fade;
 mod identifier;
+mod leave_out;
 mod limits;
 pub mod load;
 mod overrides;

@@ -59,6 +59,9 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     deviation_effects(scene, &mut all);
     contact_effects(scene, model, &mut all);
     input_effects(scene, model, &mut all);
+    for (name, why) in scene.effects.describe() {
+        all.add(name, false, why, 0);
+    }
     let effects = all.0;
     Plan {
         scene: scene.name.clone(),

@@ -1,5 +1,6 @@
 //! Reads a scene.
 
+use super::effects::Effects;
 use super::limits::{MOST_STEPS, SMALLEST_MODULUS};
 use super::profiles::read_profiles;
 use super::spec::*;
@@ -41,6 +42,12 @@ impl Scene {
         let vehicle = root.keep(root.section("vehicle").and_then(super::vehicle::read))?;
         let track = root.keep(root.section("track").and_then(read_track))?;
         let contact = root.keep(root.section("contact").and_then(read_contact))?;
+        let (mut vehicle, mut track, mut contact) = (vehicle, track, contact);
+        let forces = vehicle.as_ref().map(|vehicle| vehicle.forces.as_slice());
+        let effects = root.keep(root.section_or_empty("effects").and_then(|section| Effects::read(section, forces)))?.unwrap_or_default();
+        if let Some(contact) = &mut contact {
+            root.keep(root.section_or_empty("effects").and_then(|section| effects.leave_out_of_contact(contact, &section)))?;
+        }
         let transient = contact.as_ref().is_some_and(|contact| contact.transient.is_some());
         let solver = root.keep(root.section_or_empty("solver").and_then(|section| read_solver(section, transient)))?;
         let interface = match (root.keep(root.optional_section("interface"))?.flatten(), &vehicle) {
@@ -53,6 +60,9 @@ impl Scene {
             }),
         };
         let run = root.keep(root.section("run").and_then(read_run))?;
+        // Behind the interface: what is left out has a name all the same.
+        vehicle.iter_mut().for_each(|vehicle| effects.leave_out_of_vehicle(vehicle));
+        track.iter_mut().for_each(|track| effects.leave_out_of_track(track));
         root.clone().finish()?;
         let (Some((name, title)), Some(vehicle), Some(track), Some(contact)) = (head, vehicle, track, contact) else {
             return Err(root.stop());
@@ -63,7 +73,8 @@ impl Scene {
         let (Some(solver), Some(interface), Some(run)) = (solver, interface, run) else { return Err(root.stop()) };
         root.keep(check_settling(root, &vehicle, &solver))?;
         let prepared = PreparedSearches::default();
-        let mut scene = Scene { name, source, title, vehicle, track, contact, solver, interface, run, prepared, points: MOST_POINTS };
+        let points = MOST_POINTS;
+        let mut scene = Scene { name, source, title, vehicle, track, contact, effects, solver, interface, run, prepared, points };
         scene.points = match scene.contact.patch {
             // All places at which surfaces may overlap.
             PatchLaw::Strips => MOST_POINTS,

@@ -2,6 +2,7 @@
 //!
 //! FMU parameters are fields of this data; a model is assembled from it anew when they are set.
 
+use super::effects::Effects;
 pub use super::limits::{MOST_STEPS, SMALLEST, SMALLEST_MODULUS};
 pub use super::vehicle::VehicleSpec;
 pub use super::vehicle::wheelset::{INITIAL, Initial, WheelsetSpec};
@@ -29,6 +30,8 @@ pub struct Scene {
     pub vehicle: VehicleSpec,
     pub track: TrackSpec,
     pub contact: ContactSpec,
+    /// What of all that is left out.
+    pub effects: Effects,
     pub solver: SolverSpec,
     pub interface: InterfaceSpec,
     pub run: RunSpec,

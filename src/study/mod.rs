@@ -4,7 +4,8 @@
 //! [`conicity`] makes equivalent conicities of the rolling-radius difference that comes out. [`accuracy`] measures what accuracy
 //! costs in time, [`shares`] where the time of a run goes; [`hard`] shows that
 //! hard cases stay right; [`patch`] solves the contact of real surfaces under a load, [`pose`] evaluates the scene's own laws in one pose; [`modes`] are small motions about
-//! steady running; [`assess`] holds results against EN 14363 and comfort standards; [`variation`] runs a scene with many values; [`beside`] compares samples, [`digits`] writes numbers in words.
+//! steady running; [`effects`] is what each effect contributes and costs; [`assess`] holds results against EN 14363 and comfort standards; [`variation`] runs a scene
+//! with many values; [`beside`] compares samples, [`digits`] writes numbers in words.
 
 pub mod accuracy;
 pub mod assess;
@@ -12,6 +13,7 @@ mod beside;
 pub mod conicity;
 pub mod contact_geometry;
 pub mod digits;
+pub mod effects;
 pub mod ellipse_patch;
 pub mod hard;
 pub mod modes;

@@ -7,6 +7,7 @@ mod assess;
 mod cli;
 mod cli_output;
 mod creep_laws;
+mod effects;
 mod irregularities;
 mod modes;
 mod scene_keys;

@@ -78,6 +78,36 @@ impl CreepLaw for Reduced {
     }
 }
 
+/// A law that is not told of spin, and whose moment is left out (lateral creepage makes one too, by c23).
+#[derive(Debug)]
+pub(super) struct WithoutSpin {
+    pub law: Box<dyn CreepLaw>,
+}
+
+/// The contact as if it did not turn about its normal.
+fn not_spinning(contact: &RollingContact) -> RollingContact {
+    RollingContact { creepage: Creepage { spin: 0.0, ..contact.creepage }, ..*contact }
+}
+
+impl CreepLaw for WithoutSpin {
+    fn force(&self, contact: &RollingContact) -> CreepForce {
+        CreepForce { spin_moment: 0.0, ..self.law.force(&not_spinning(contact)) }
+    }
+
+    fn slopes(&self, contact: &RollingContact, _: &CreepForce) -> CreepSlopes {
+        let inside = not_spinning(contact);
+        let mut slopes = self.law.slopes(&inside, &self.law.force(&inside));
+        slopes.by_creepage.column_mut(2).fill(0.0);
+        slopes.by_creepage.row_mut(2).fill(0.0);
+        slopes.by_normal_force.z = 0.0;
+        slopes
+    }
+
+    fn describe(&self) -> String {
+        format!("{}, without spin", self.law.describe())
+    }
+}
+
 /// A law of constant friction with friction that falls.
 #[derive(Debug)]
 pub(super) struct Falling<L> {

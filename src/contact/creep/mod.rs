@@ -9,7 +9,7 @@ mod fastsim;
 pub mod inline;
 pub mod kalker;
 mod kalker_linear;
-mod polach;
+pub mod polach;
 mod shen_hedrick_elkins;
 pub mod slopes;
 mod strips;
@@ -19,7 +19,7 @@ pub mod usetab;
 
 use super::creepage::{CreepForce, Creepage};
 use super::{Material, Patch};
-use adapted::{KalkerFactors, Reduced};
+use adapted::{KalkerFactors, Reduced, WithoutSpin};
 pub use kalker_linear::KalkerLinear;
 pub use shen_hedrick_elkins::ShenHedrickElkins;
 
@@ -87,4 +87,9 @@ pub fn parse(section: &Section) -> Result<Build, SettingsError> {
     let build = (choose(REGISTRY, section, "law")?.parse)(section)?;
     let Some(factors) = KalkerFactors::parse(section)? else { return Ok(build) };
     Ok(Arc::new(move |material| Box::new(Reduced { law: build(material), factors })))
+}
+
+/// The law without spin creepage: it has no part in the lateral force and makes no moment.
+pub fn without_spin(law: Box<dyn CreepLaw>) -> Box<dyn CreepLaw> {
+    Box::new(WithoutSpin { law })
 }

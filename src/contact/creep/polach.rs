@@ -38,6 +38,12 @@ pub(super) const ENTRY: Entry<super::Parse> = Entry {
     parse,
 };
 
+/// Friction at great speed of sliding over that at rest, and decay [s/m], of a `surface`.
+pub fn friction_of(surface: &str) -> Option<(f64, f64)> {
+    let surface = [("ideal", IDEAL), ("dry", DRY), ("wet", WET)].into_iter().find(|known| known.0 == surface)?.1;
+    Some((surface.friction.ratio, surface.friction.decay))
+}
+
 /// State of the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Surface {

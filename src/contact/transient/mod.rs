@@ -181,6 +181,12 @@ impl TransientContact {
         TransientContact { settings, relaxation, slide_from }
     }
 
+    /// The same where spin has no part in the forces, and so none in what is needed to slide.
+    pub fn without_spin(mut self) -> Self {
+        self.relaxation.leave_out_spin();
+        self
+    }
+
     pub fn settings(&self) -> &TransientSettings {
         &self.settings
     }

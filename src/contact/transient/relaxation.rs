@@ -42,6 +42,8 @@ pub struct Relaxation {
     shear_modulus: f64,
     poisson_ratio: f64,
     table: KalkerTable,
+    /// Part of spin that counts: 1 or 0.
+    spin: f64,
 }
 
 /// Arithmetic-geometric mean of two positive numbers; six steps are exact to rounding for ratios up to 1e5.
@@ -59,7 +61,13 @@ impl Relaxation {
             shear_modulus: material.shear_modulus(),
             poisson_ratio: material.poisson_ratio,
             table: KalkerTable::new(material.poisson_ratio),
+            spin: 1.0,
         }
+    }
+
+    /// From now on `spin_coupling` is zero.
+    pub(super) fn leave_out_spin(&mut self) {
+        self.spin = 0.0;
     }
 
     /// `None` for an empty patch.
@@ -72,7 +80,11 @@ impl Relaxation {
         let area = patch.a * patch.b;
         let stiffness = 4.0 * self.shear_modulus * arithmetic_geometric_mean(patch.a, patch.b) / (2.0 - self.poisson_ratio);
         let length = self.shear_modulus * area / stiffness;
-        Some(Elasticity { length: [length * c11, length * c22], stiffness, spin_coupling: self.shear_modulus * area * area.sqrt() * c23 })
+        Some(Elasticity {
+            length: [length * c11, length * c22],
+            stiffness,
+            spin_coupling: self.spin * (self.shear_modulus * area * area.sqrt() * c23),
+        })
     }
 }
 

@@ -9,6 +9,7 @@ mod arc;
 mod cleaning;
 mod cone;
 mod drawing;
+mod flangeless;
 mod measured;
 mod miniprof;
 mod outline;
@@ -26,6 +27,7 @@ use super::file::SceneFile;
 use crate::settings::{Entry, Section, SettingsError, choose};
 pub use arc::Arch;
 pub use cone::Cone;
+pub use flangeless::Flangeless;
 pub use piecewise::{Along, Piecewise};
 use std::sync::Arc;
 
@@ -85,6 +87,11 @@ pub trait Profile: Send + Sync + std::fmt::Debug {
     /// Those of them, increasing, at which it jumps by so much that readings on both sides must not be joined by one smooth curve.
     fn bends(&self) -> &[Bend] {
         &[]
+    }
+
+    /// Of a wheel whose flange is left out: the whole profile, and the coordinate [m] where its flange begins.
+    fn left_out(&self) -> Option<(&Arc<dyn Profile>, f64)> {
+        None
     }
 
     /// Coordinates [m], increasing, at which the slope jumps. No profile of this program has any: angles of

@@ -6,6 +6,7 @@
 
 mod bend;
 pub mod centre_line;
+pub mod components;
 mod curved;
 mod deviation;
 pub mod frame;

@@ -221,14 +221,18 @@ pub(super) fn weigh(mobility: &Matrix6<f64>, column: &mut [f64; 6]) {
 
 /// Change of the accelerations of yaw, roll and pitch with their rates at constant moments, 1/s; zero for bodies that do not spin.
 ///
-/// With u = k q - w, k = I/J, in the notation of [`crate::mbs::inertia`]: roll'' = r u + .., r' = -p u + .. .
+/// With u = k q - w, k = I/J, in the notation of [`crate::mbs::inertia`]: roll'' = r u + .., r' = -p u + .. . Where the spin makes no moments w stands for q.
 #[inline]
 fn gyroscopic(inertia: &Inertia, motion: &BodyMotion) -> Matrix3<f64> {
-    let Inertia::Revolution { transverse, axial } = inertia else { return Matrix3::zeros() };
+    let (transverse, axial, spin) = match inertia {
+        Inertia::Revolution { transverse, axial } => (transverse, axial, 1.0),
+        Inertia::NotGyroscopic { transverse, axial } => (transverse, axial, 0.0),
+        Inertia::General { .. } => return Matrix3::zeros(),
+    };
     let (sin, cos, k) = (motion.frame.sin_roll, motion.frame.cos_roll, axial / transverse);
     let (yaw, roll) = (motion.yaw_rate, motion.roll_rate);
-    let u = k * motion.pitch_rate + (k - 1.0) * sin * yaw;
-    let [u_yaw, u_pitch] = [(k - 1.0) * sin, k];
+    let u = k * spin * motion.pitch_rate + (k - 1.0) * sin * yaw;
+    let [u_yaw, u_pitch] = [(k - 1.0) * sin, k * spin];
     let yaw_row = [(sin * roll - roll * u_yaw) / cos, (sin * yaw - u) / cos, -roll * u_pitch / cos];
     let roll_row = [cos * (u + yaw * u_yaw), 0.0, cos * yaw * u_pitch];
     let pitch_row = [-sin * yaw_row[0] - cos * roll, -sin * yaw_row[1] - cos * yaw, -sin * yaw_row[2]];

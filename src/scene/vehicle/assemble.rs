@@ -13,7 +13,11 @@ use crate::mbs::supported::SupportedMass;
 use crate::mbs::system::{DrivingConstraint, System};
 
 fn body(spec: &WheelsetSpec) -> Body {
-    let inertia = Inertia::Revolution { transverse: spec.transverse_inertia, axial: spec.axial_inertia };
+    let (transverse, axial) = (spec.transverse_inertia, spec.axial_inertia);
+    let inertia = match spec.gyroscopic {
+        true => Inertia::Revolution { transverse, axial },
+        false => Inertia::NotGyroscopic { transverse, axial },
+    };
     Body { name: spec.name.clone(), mass: spec.mass, inertia }
 }
 

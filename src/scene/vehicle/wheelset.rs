@@ -21,6 +21,8 @@ pub struct WheelsetSpec {
     pub half_tread_circle_distance: f64,
     /// Of the left and the right wheel.
     pub profiles: [ProfileChoice; 2],
+    /// Does its spin make gyroscopic moments? (`effects.gyroscopic`)
+    pub gyroscopic: bool,
 }
 
 /// Initial coordinates and velocities that a scene or a master may choose, in this order.
@@ -74,7 +76,16 @@ impl WheelsetSpec {
             ));
         }
         let Some(profiles) = profiles else { return Err(section.stop()) };
-        Ok(WheelsetSpec { name, mass, transverse_inertia, axial_inertia, vertical_load, half_tread_circle_distance, profiles })
+        Ok(WheelsetSpec {
+            name,
+            mass,
+            transverse_inertia,
+            axial_inertia,
+            vertical_load,
+            half_tread_circle_distance,
+            profiles,
+            gyroscopic: true,
+        })
     }
 }
 

@@ -53,7 +53,7 @@ const TAKES_PART: f64 = 0.05;
 fn inertias(model: &Model) -> Vec<f64> {
     let of = |body: &crate::mbs::body::Body| {
         let [roll, pitch, yaw] = match &body.inertia {
-            Inertia::Revolution { transverse, axial } => [*transverse, *axial, *transverse],
+            Inertia::Revolution { transverse, axial } | Inertia::NotGyroscopic { transverse, axial } => [*transverse, *axial, *transverse],
             Inertia::General { principal } => [principal.x, principal.y, principal.z],
         };
         [body.mass, body.mass, body.mass, yaw, roll, pitch]

@@ -1,0 +1,257 @@
+//! Which effects a scene holds, and by which overrides of the command line each is switched off or exchanged for a neighbour.
+//!
+//! Everything comes from the scene that was read and its model: nothing is listed that the scene does not have, and what this page does not know is
+//! not left out of the run but of the list alone (bodies, masses, profiles, the vertical load).
+
+use crate::contact::creep::{self, polach};
+use crate::contact::patch::PatchLaw;
+use crate::formulation::{Model, contact_index};
+use crate::geometry::Side;
+use crate::geometry::profile::Flangeless;
+use crate::geometry::track::centre_line::Node;
+use crate::geometry::track::components;
+use crate::scene::effects::{QUANTITIES, Switch, stem};
+use crate::scene::spec::Scene;
+use crate::scene::start;
+use serde::Serialize;
+use toml_edit::{Document, Item, TableLike};
+
+/// What is done to an effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// It is left out.
+    Off,
+    /// The scene leaves it out, and it is taken in.
+    On,
+    /// Something simpler stands for it.
+    Simpler,
+    /// Something that knows more stands for it.
+    Fuller,
+    /// Another way to the same.
+    Other,
+}
+
+/// A scene with one effect changed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Variant {
+    pub effect: String,
+    pub kind: Kind,
+    /// What takes its place, or "off".
+    pub change: String,
+    /// `key=value`, as `--set` takes it.
+    pub overrides: Vec<String>,
+}
+
+/// Displacements below this are none, m.
+pub(super) const NOTHING: f64 = 1e-9;
+/// Distance of readings of the track, m, and how many there may be.
+const READING: f64 = 0.1;
+const READINGS: usize = 50_000;
+
+#[derive(Default)]
+struct List(Vec<Variant>);
+
+impl List {
+    fn add(&mut self, effect: impl Into<String>, kind: Kind, change: impl Into<String>, overrides: &[&str]) {
+        let overrides = overrides.iter().map(ToString::to_string).collect();
+        self.0.push(Variant { effect: effect.into(), kind, change: change.into(), overrides });
+    }
+
+    /// A switch of `[effects]`, to where it does not stand.
+    fn switch(&mut self, scene: &Scene, switch: Switch) {
+        let (kind, word) = if scene.effects.is_off(switch) { (Kind::On, "on") } else { (Kind::Off, "off") };
+        self.add(switch.name(), kind, word, &[&format!("effects.{}={word}", switch.key())]);
+    }
+}
+
+/// Everything that can be changed in a scene that runs for `stop` [s].
+pub fn variants(scene: &Scene, model: &Model, stop: f64) -> Vec<Variant> {
+    let mut list = List::default();
+    contact(scene, model, &mut list);
+    creep_law(scene, &mut list);
+    vehicle(scene, &mut list);
+    track(scene, stop, &mut list);
+    list.0
+}
+
+/// Places, patches and normal forces.
+fn contact(scene: &Scene, model: &Model, list: &mut List) {
+    let contact = &scene.contact;
+    let (rigid, strips) = (model.formulation.constrains(), contact.patch == PatchLaw::Strips);
+    match (rigid, strips) {
+        (true, _) => list.add("rigid contact", Kind::Other, "ECF-A", &["contact.formulation=ECF-A"]),
+        (false, false) => list.add("elastic contact", Kind::Other, "ECCF", &["contact.formulation=ECCF", "contact.on_lift=elastic"]),
+        (false, true) => {}
+    }
+    match (rigid, strips) {
+        (true, _) => {}
+        (false, true) => list.add("non-elliptic patches", Kind::Simpler, "ellipse", &["contact.patch=ellipse"]),
+        // Patches that join and part have no states to hand over.
+        (false, false) if contact.transient.is_some() => {}
+        (false, false) => list.add("elliptic patches", Kind::Fuller, "strips", &["contact.patch=strips"]),
+    }
+    if !strips && contact.normal_name == "assumed" {
+        list.add(
+            "stated contact stiffness",
+            Kind::Fuller,
+            "hertz",
+            &[r#"contact.normal={ law = "hertz", curvature = "patch", conformal = "bounded" }"#],
+        );
+    } else if !strips {
+        let over_patch = word(scene, &["contact", "normal"], "curvature").as_deref() == Some("patch");
+        let (kind, rule) = if over_patch { (Kind::Simpler, "point") } else { (Kind::Fuller, "patch") };
+        list.add(
+            format!("curvature at the {}", if over_patch { "patch" } else { "point" }),
+            kind,
+            rule,
+            &[&format!("contact.normal.curvature={rule}")],
+        );
+    }
+    let searched = (0..model.wheelsets.len())
+        .flat_map(|index| Side::BOTH.map(|side| contact_index(index, side)))
+        .any(|wheel| model.searches_contacts(wheel));
+    let several = !strips && scene.points > 1 && searched && model.formulation.points_per_wheel() == 1;
+    if several {
+        list.add("several places per wheel", Kind::Off, "1", &["contact.points=1"]);
+    }
+    if contact.damping_law.name != "none" && (!rigid || several) {
+        list.add("contact damping", Kind::Off, "none", &[r#"contact.damping={ law = "none" }"#]);
+    }
+    if contact.transient.is_some() || scene.effects.is_off(Switch::Transient) {
+        list.switch(scene, Switch::Transient);
+    }
+    let [along, across] = contact.friction_map.as_ref().map(|map| map.describe().map(|words| words.is_some())).unwrap_or_default();
+    for (there, switch) in [(along, Switch::FrictionAlong), (across, Switch::FrictionAcross)] {
+        if there || scene.effects.is_off(switch) {
+            list.switch(scene, switch);
+        }
+    }
+}
+
+/// Laws whose friction may fall with the speed of sliding.
+const FALLING: [&str; 4] = ["polach", "fastsim", "fastrip", "usetab"];
+/// Laws of their own kind, between which and others nothing is simpler or fuller.
+const APART: [&str; 2] = ["kalker_linear", "polach"];
+
+/// The creep law and its settings.
+fn creep_law(scene: &Scene, list: &mut List) {
+    let law = scene.contact.creep_name.as_str();
+    let number = |key: &str| number(scene, &["contact", "creep"], key);
+    let surface = word(scene, &["contact", "creep"], "surface").unwrap_or("ideal".into());
+    let (ratio, decay) = if law == "polach" { polach::friction_of(&surface).unwrap_or((1.0, 0.0)) } else { (1.0, 0.0) };
+    let (ratio, decay) = (number("friction_ratio").unwrap_or(ratio), number("friction_decay").unwrap_or(decay));
+    let falls = ratio < 1.0 && decay > 0.0;
+    let factors: Vec<String> = ["kalker_factor", "longitudinal_factor", "lateral_factor"]
+        .into_iter()
+        .filter_map(|key| number(key).filter(|factor| *factor < 1.0).map(|factor| format!(", {key} = {factor}")))
+        .collect();
+    let table = |name: &str| {
+        let friction =
+            if falls && FALLING.contains(&name) { format!(", friction_ratio = {ratio}, friction_decay = {decay}") } else { String::new() };
+        format!("contact.creep={{ law = \"{name}\"{}{friction} }}", factors.concat())
+    };
+    if scene.contact.patch != PatchLaw::Strips {
+        list.switch(scene, Switch::Spin);
+    }
+    if law != "kalker_linear" {
+        list.add("saturation of creep forces", Kind::Off, "kalker_linear", &[&table("kalker_linear")]);
+    }
+    let place = |name: &str| creep::REGISTRY.iter().position(|entry| entry.name == name).unwrap_or(0);
+    let others = || creep::REGISTRY.iter().map(|entry| entry.name).filter(|name| !APART.contains(name) && *name != law);
+    if let Some(simpler) = others().rfind(|name| place(name) < place(law)) {
+        list.add(format!("creep law {law}"), Kind::Simpler, simpler, &[&table(simpler)]);
+    }
+    if let Some(fuller) = others().find(|name| place(name) > place(law)) {
+        list.add(format!("creep law {law}"), Kind::Fuller, fuller, &[&table(fuller)]);
+    }
+    if falls {
+        list.add("falling friction", Kind::Off, "off", &["contact.creep.friction_ratio=1"]);
+    }
+    if !factors.is_empty() {
+        let all = ["kalker_factor", "longitudinal_factor", "lateral_factor"].map(|key| format!("contact.creep.{key}=1"));
+        list.add("reduced Kalker coefficients", Kind::Off, "off", &all.each_ref().map(String::as_str));
+    }
+}
+
+/// Bodies and what is between them.
+fn vehicle(scene: &Scene, list: &mut List) {
+    if scene.vehicle.speed != 0.0 || !scene.vehicle.speed_imposed {
+        list.switch(scene, Switch::Gyroscopic);
+    }
+    let mut profiles = scene.vehicle.wheel_profiles().into_iter().flatten();
+    if scene.effects.is_off(Switch::Flange) || profiles.any(|choice| Flangeless::new(choice.profile.clone()).is_some()) {
+        list.switch(scene, Switch::Flange);
+    }
+    let mut stems: Vec<String> = Vec::new();
+    for force in &scene.vehicle.forces {
+        let stem = stem(force.0.name());
+        if !stems.contains(&stem) {
+            stems.push(stem);
+        }
+    }
+    let quoted = |names: &[&String]| names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+    let left_out = &scene.effects.without;
+    for stem in &stems {
+        let names: Vec<&String> = left_out.iter().chain([stem]).collect();
+        list.add(stem.as_str(), Kind::Off, "off", &[&format!("effects.without=[{}]", quoted(&names))]);
+    }
+    for name in left_out {
+        let names: Vec<&String> = left_out.iter().filter(|other| *other != name).collect();
+        list.add(name.as_str(), Kind::On, "on", &[&format!("effects.without=[{}]", quoted(&names))]);
+    }
+}
+
+/// What the rails do on the way.
+fn track(scene: &Scene, stop: f64, list: &mut List) {
+    let found = components::largest(&start::deviations(scene), way(scene, stop));
+    for (switch, quantity) in QUANTITIES {
+        if found[quantity.index()] > NOTHING || scene.effects.is_off(switch) {
+            list.switch(scene, switch);
+        }
+    }
+    let nodes = scene.track.alignment.as_ref().map_or(&[][..], |alignment| &alignment.nodes);
+    let any = |of: fn(&Node) -> f64| nodes.iter().any(|node| of(node) != 0.0);
+    let bends = nodes.windows(2).any(|pair| pair[0].curvature != pair[1].curvature);
+    for (there, switch) in [
+        (any(|node| node.curvature), Switch::Curvature),
+        (any(|node| node.superelevation), Switch::Cant),
+        (any(|node| node.grade) || scene.track.grade != 0.0, Switch::Grade),
+    ] {
+        if there || scene.effects.is_off(switch) {
+            list.switch(scene, switch);
+        }
+    }
+    if scene.effects.abrupt {
+        list.add("abrupt transitions", Kind::Fuller, "as stated", &["effects.transitions=on"]);
+    } else if bends {
+        list.add("transition curves", Kind::Simpler, "abrupt", &["effects.transitions=abrupt"]);
+    }
+}
+
+/// Places that wheels of a scene pass, m.
+pub(super) fn way(scene: &Scene, stop: f64) -> impl Iterator<Item = f64> {
+    let places = || scene.vehicle.wheelsets.iter().map(|wheelset| wheelset.x);
+    let travelled = scene.vehicle.speed * stop;
+    let rear = places().fold(f64::INFINITY, f64::min) + travelled.min(0.0);
+    let front = places().fold(f64::NEG_INFINITY, f64::max) + travelled.max(0.0);
+    let origin = start::origin(scene);
+    let count = (((front - rear) / READING).ceil() as usize).clamp(1, READINGS);
+    (0..=count).map(move |k| origin + rear + (front - rear) * k as f64 / count as f64)
+}
+
+/// A value of the scene's text.
+fn value<T>(scene: &Scene, path: &[&str], key: &str, read: impl Fn(&Item) -> Option<T>) -> Option<T> {
+    let document = Document::parse(scene.source.text.as_str()).ok()?;
+    let table = path.iter().try_fold(document.as_table() as &dyn TableLike, |table, step| table.get(step)?.as_table_like())?;
+    read(table.get(key)?)
+}
+
+fn word(scene: &Scene, path: &[&str], key: &str) -> Option<String> {
+    value(scene, path, key, |item| item.as_str().map(String::from))
+}
+
+fn number(scene: &Scene, path: &[&str], key: &str) -> Option<f64> {
+    let plain = |item: &Item| item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64));
+    value(scene, path, key, |item| plain(item).or_else(|| item.as_str().and_then(|text| text.trim().parse().ok())))
+}
