@@ -54,8 +54,8 @@ impl Additions {
         Additions { variables, arrays, index }
     }
 
-    pub(super) fn find(&self, reference: u32) -> Option<&Variable> {
-        self.variables.iter().find(|variable| variable.reference == reference)
+    pub(super) fn place(&self, reference: u32) -> Option<usize> {
+        self.variables.iter().position(|variable| variable.reference == reference)
     }
 
     /// The array with a reference.

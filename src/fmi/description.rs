@@ -149,7 +149,7 @@ fn co_simulation(xml: &mut Xml, identifier: &str) -> io::Result<()> {
             ("canNotUseMemoryManagementFunctions", "true"),
             ("canGetAndSetFMUstate", "true"),
             ("canSerializeFMUstate", "true"),
-            ("providesDirectionalDerivative", "false"),
+            ("providesDirectionalDerivative", "true"),
         ])
         .write_empty()?;
     Ok(())
@@ -271,15 +271,22 @@ fn type_element(xml: &mut Xml, scene: &Scene, variable: &Variable) -> io::Result
     Ok(())
 }
 
+/// dependenciesKind of an input that enters an output with a factor that parameters alone say, or not.
+fn kind_of(fixed: bool) -> &'static str {
+    if fixed { "fixed" } else { "dependent" }
+}
+
 fn model_structure(xml: &mut Xml, table: &VariableTable) -> io::Result<()> {
-    let outputs: Vec<(String, String)> = table
+    let outputs: Vec<(String, String, String)> = table
         .variables
         .iter()
         .enumerate()
         .filter_map(|(index, variable)| match variable.role {
             Role::Output(output) => {
-                let inputs: Vec<String> = table.dependencies(&table.outputs[output]).iter().map(usize::to_string).collect();
-                Some(((index + 1).to_string(), inputs.join(" ")))
+                let known = table.dependencies(&table.outputs[output]);
+                let inputs: Vec<String> = known.iter().map(|(input, _)| input.to_string()).collect();
+                let kinds: Vec<&str> = known.iter().map(|(_, fixed)| kind_of(*fixed)).collect();
+                Some(((index + 1).to_string(), inputs.join(" "), kinds.join(" ")))
             }
             _ => None,
         })
@@ -289,16 +296,16 @@ fn model_structure(xml: &mut Xml, table: &VariableTable) -> io::Result<()> {
             return Ok(());
         }
         xml.create_element("Outputs").write_inner_content(|xml| {
-            for (index, dependencies) in &outputs {
-                xml.create_element("Unknown")
-                    .with_attributes([("index", index.as_str()), ("dependencies", dependencies.as_str())])
-                    .write_empty()?;
+            for (index, dependencies, kinds) in &outputs {
+                let known = [("index", index.as_str()), ("dependencies", dependencies.as_str())];
+                let kinds = (!kinds.is_empty()).then_some(("dependenciesKind", kinds.as_str()));
+                xml.create_element("Unknown").with_attributes(known.into_iter().chain(kinds)).write_empty()?;
             }
             Ok(())
         })?;
         // Initial values depend on every parameter and input: no list means just that.
         xml.create_element("InitialUnknowns").write_inner_content(|xml| {
-            for (index, _) in &outputs {
+            for (index, ..) in &outputs {
                 xml.create_element("Unknown").with_attribute(("index", index.as_str())).write_empty()?;
             }
             Ok(())

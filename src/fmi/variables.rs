@@ -90,10 +90,12 @@ impl VariableTable {
 
     /// The variable with a reference.
     pub fn find(&self, reference: u32) -> Option<&Variable> {
-        match self.index.get(&reference) {
-            Some(index) => Some(&self.variables[*index]),
-            None => self.additions.find(reference),
-        }
+        self.place(reference).map(|place| self.at(place))
+    }
+
+    /// The variable at a place of [`VariableTable::place`].
+    pub fn at(&self, place: usize) -> &Variable {
+        self.variables.get(place).unwrap_or_else(|| &self.additions.variables[place - self.variables.len()])
     }
 
     /// How many values a reference stands for: 1, or an array's.
@@ -119,30 +121,48 @@ impl VariableTable {
         scalars.map(|variable| variable.reference).chain(self.additions.arrays.iter().map(|array| array.reference)).collect()
     }
 
-    /// References of the inputs that an output or an array of outputs depends on at the same instant, in their order; `None` where that is not
-    /// known, or it is no output.
-    pub fn known_dependencies(&self, reference: u32) -> Option<Vec<u32>> {
+    /// References of the inputs that an output or an array of outputs depends on at the same instant, in their order, and whether each enters with
+    /// fixed factors; `None` where that is not known, or it is no output.
+    pub fn known_dependencies(&self, reference: u32) -> Option<Vec<(u32, bool)>> {
         let mut places = Vec::new();
         for scalar in self.scalars(&[reference]) {
             let Role::Output(output) = self.find(scalar)?.role else { return None };
             places.extend(self.dependencies(&self.outputs[output]));
         }
+        // Of each input the one that is not fixed comes first, and stays.
         places.sort_unstable();
-        places.dedup();
-        Some(places.into_iter().map(|place| self.variables[place - 1].reference).collect())
+        places.dedup_by_key(|(place, _)| *place);
+        Some(places.into_iter().map(|(place, fixed)| (self.variables[place - 1].reference, fixed)).collect())
     }
 
-    /// 1-based indices of the inputs that an output depends on.
-    pub fn dependencies(&self, output: &Output) -> Vec<usize> {
-        let depends = |input: usize| {
-            if let Some((element, ends)) = input.checked_sub(self.first_element_input).map(|place| &self.elements[place]) {
-                return output.acted_on.by(*element, ends);
-            }
-            let (wheelset, number) = whose(self.wheelsets, input);
-            output.wheelset.is_none_or(|own| own == wheelset) && output.feedthrough.contains(&number)
-        };
+    /// Where the variable with a reference stands, those that only FMI 3.0 shows behind the others.
+    pub fn place(&self, reference: u32) -> Option<usize> {
+        let addition = || Some(self.variables.len() + self.additions.place(reference)?);
+        self.index.get(&reference).copied().or_else(addition)
+    }
+
+    /// Does an output depend at the same instant on the input at this place of the input vector?
+    pub fn depends(&self, output: &Output, input: usize) -> bool {
+        if let Some((element, ends)) = input.checked_sub(self.first_element_input).map(|place| &self.elements[place]) {
+            return output.feedthrough.by_element(*element, ends);
+        }
+        let (wheelset, number) = whose(self.wheelsets, input);
+        output.feedthrough.by_wheelset(wheelset, number)
+    }
+
+    /// Does the input, on which the output depends, enter it with a factor that parameters alone say?
+    pub fn is_fixed(&self, output: &Output, input: usize) -> bool {
+        input < self.first_element_input && output.feedthrough.is_fixed(whose(self.wheelsets, input).1)
+    }
+
+    /// 1-based indices of the inputs that an output depends on, and whether each enters with a fixed factor.
+    pub fn dependencies(&self, output: &Output) -> Vec<(usize, bool)> {
         let indexed = self.variables.iter().enumerate();
-        indexed.filter_map(|(index, variable)| matches!(variable.role, Role::Input(input) if depends(input)).then_some(index + 1)).collect()
+        let depends = |(index, variable): (usize, &Variable)| match variable.role {
+            Role::Input(input) if self.depends(output, input) => Some((index + 1, self.is_fixed(output, input))),
+            _ => None,
+        };
+        indexed.filter_map(depends).collect()
     }
 }
 

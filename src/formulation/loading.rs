@@ -27,6 +27,13 @@ pub(super) fn external_wrench(model: &Model, system: &SystemWorkspace, body: usi
     Wrench { force: model.input_force(system, body, inputs), moment: system.motions[body].axle() * inputs[DRIVE_TORQUE] }
 }
 
+impl Model {
+    /// What a wheelset's own inputs load its body with, N and N m.
+    pub fn input_wrench(&self, system: &SystemWorkspace, body: usize, inputs: &[f64; WHEELSET_INPUTS]) -> Wrench {
+        external_wrench(self, system, body, inputs)
+    }
+}
+
 /// One wheel at one instant.
 #[derive(Clone, Copy)]
 pub(super) struct WheelAt<'a> {

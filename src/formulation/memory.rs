@@ -40,6 +40,12 @@ impl Clone for ModelMemory {
 }
 
 impl ModelMemory {
+    /// Takes over what motion along the track is found and averaged with, and leaves what is known of contacts.
+    pub fn take_paths(&mut self, other: &ModelMemory) {
+        self.means.clone_from(&other.means);
+        self.distances.clone_from(&other.distances);
+    }
+
     /// Could it be of the same model as `other`?
     pub fn fits(&self, other: &ModelMemory) -> bool {
         self.wheels.len() == other.wheels.len()

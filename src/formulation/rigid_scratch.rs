@@ -74,6 +74,8 @@ pub struct Balance {
     /// The image one iteration ago.
     pub last_image: Vec<f64>,
     pub answer: Vec<f64>,
+    /// Does the loop go on until rounding ends it? For whoever differentiates what it finds.
+    pub exact: bool,
 }
 
 impl Balance {
@@ -86,6 +88,7 @@ impl Balance {
             image: vec![0.0; count],
             last_image: vec![0.0; count],
             answer: vec![0.0; count],
+            exact: false,
         }
     }
 }

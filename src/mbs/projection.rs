@@ -50,7 +50,13 @@ impl System {
         mut contacts: impl FnMut(&mut SystemWorkspace) -> Result<(), E>,
     ) -> Result<Projection, E> {
         let mut done = self.project_positions(t, y, workspace, tolerance, &mut contacts)?;
-        done.velocity_change = self.project_velocities(t, y, workspace, &mut contacts)?;
+        // Rows of joints stand as the last look at the positions has filled them; those of contacts are located anew.
+        let rows = &workspace.constraints;
+        done.velocity_change = if rows.kkt.rows() > rows.joint_rows {
+            self.project_velocities(t, y, workspace, &mut contacts)?
+        } else {
+            self.take_rates_back(y, workspace)?
+        };
         Ok(done)
     }
 
@@ -101,11 +107,18 @@ impl System {
         workspace: &mut SystemWorkspace,
         contacts: &mut impl FnMut(&mut SystemWorkspace) -> Result<(), E>,
     ) -> Result<f64, E> {
-        if workspace.constraints.kkt.rows() == 0 {
+        if workspace.constraints.kkt.rows() > 0 {
+            self.fill_rows(t, y, workspace, contacts)?;
+        }
+        Ok(self.take_rates_back(y, workspace)?)
+    }
+
+    /// Takes what the rows in the workspace say of velocities out of `y`; returns the largest change.
+    fn take_rates_back(&self, y: &mut [f64], workspace: &mut SystemWorkspace) -> Result<f64, ProjectionError> {
+        let constraints = &mut workspace.constraints;
+        if constraints.kkt.rows() == 0 {
             return Ok(0.0);
         }
-        self.fill_rows(t, y, workspace, contacts)?;
-        let constraints = &mut workspace.constraints;
         constraints.kkt.factorise().map_err(|error| self.singular(error))?;
         constraints.kkt.correction(&constraints.rate, &mut constraints.accelerations);
         Ok(add(&mut y[COORDINATES * self.bodies.len()..], &constraints.accelerations))

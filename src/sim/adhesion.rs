@@ -5,8 +5,8 @@
 //! shows as 0.09 m/s. Used adhesion is the force of both rails along the track over their vertical force, forward positive.
 
 use super::Snapshot;
-use super::feedthrough::{ALL, FRICTION_INPUTS};
-use super::outputs::{Output, on_track};
+use super::feedthrough::{Depends, FRICTION_INPUTS, Feedthrough, Ties};
+use super::outputs::{Needs, Output, on_track};
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::scene::spec::ADHESION;
@@ -18,7 +18,7 @@ const UNLOADED: f64 = 1.0;
 
 /// Slip and adhesion of every wheelset.
 pub(super) fn adhesion_outputs(model: &Model) -> Vec<Output> {
-    let coupled = model.formulation.constrains() || !model.system.joints.is_empty();
+    let ties = Ties::of(model);
     let mut all = Vec::new();
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
         let (body, radius) = (wheelset.body, wheelset.left.profile.at(0.0).value);
@@ -29,13 +29,13 @@ pub(super) fn adhesion_outputs(model: &Model) -> Vec<Output> {
             ADHESION,
             Unit::MetrePerSecond,
             text,
-            (&[], None),
+            Feedthrough::none(),
             Box::new(move |s| slip_speed(s, body, radius)),
         );
-        slip.of_motion = true;
+        slip.needs = Needs::Motion;
         all.push(slip);
         let text = "used adhesion: force of the rails on both wheels along the track, forward positive, over their vertical force";
-        let feedthrough = if coupled { (ALL, None) } else { (FRICTION_INPUTS, Some(index)) };
+        let feedthrough = Feedthrough::of_wheelset(model, &ties, body, Depends::Contact(FRICTION_INPUTS));
         let used = move |s: &Snapshot| used_adhesion(s, index, body);
         all.push(Output::new(label(35, "usedAdhesion"), ADHESION, Unit::One, text, feedthrough, Box::new(used)));
     }

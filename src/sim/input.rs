@@ -1,5 +1,7 @@
 //! Inputs as polynomials in time.
 
+use super::{Simulation, SimulationState};
+use crate::formulation::Cached;
 use serde::{Deserialize, Serialize};
 
 /// `value + first (t - since) + second (t - since)^2 / 2`.
@@ -18,6 +20,18 @@ impl InputSignal {
         InputSignal { since, value, first: 0.0, second: 0.0 }
     }
 
+    /// Is `other`, set at time `t`, what this polynomial comes to there? Whoever sets the points of a polynomial has other rounding; a constant is the same or
+    /// another one.
+    pub fn goes_on_as(&self, other: &InputSignal, t: f64) -> bool {
+        let ([value, first, second], [wanted, slope, bend]) = (self.at(t), other.at(t));
+        if slope == 0.0 && bend == 0.0 {
+            return [value, first, second] == [wanted, slope, bend];
+        }
+        let sizes = [wanted.abs() + t.abs() * (slope.abs() + t.abs() * bend.abs()), slope.abs() + t.abs() * bend.abs(), bend.abs()];
+        let apart = [value - wanted, first - slope, second - bend];
+        apart.iter().zip(sizes).all(|(apart, size)| apart.abs() <= ROUNDING * size)
+    }
+
     /// Value, first and second derivative at time `t`.
     #[inline]
     pub fn at(&self, t: f64) -> [f64; 3] {
@@ -26,10 +40,53 @@ impl InputSignal {
     }
 }
 
+/// By how much of its size a number that is set may be off.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// Values of all inputs at time `t`.
 #[inline]
 pub fn evaluate(signals: &[InputSignal], t: f64, values: &mut [f64]) {
     for (value, signal) in values.iter_mut().zip(signals) {
         *value = signal.at(t)[0];
+    }
+}
+
+impl Simulation {
+    /// Sets an input from now on to `value + first (t - now) + second (t - now)^2 / 2`. When that is a change, the integration restarts here as it goes on; a
+    /// polynomial that comes to just that, to rounding, is followed further.
+    pub fn set_input(&mut self, index: usize, value: f64, first: f64, second: f64) {
+        let signal = InputSignal { since: self.state.time, value, first, second };
+        if self.state.inputs[index].at(self.state.time) != signal.at(self.state.time) {
+            self.state.inputs[index] = signal;
+            self.known = None;
+        }
+    }
+
+    /// Has an input been set to what the integration does not come to by itself?
+    pub(super) fn turns(&self) -> bool {
+        let SimulationState { time, inputs, followed, .. } = &self.state;
+        followed.iter().zip(inputs).any(|(followed, set)| !followed.goes_on_as(set, *time))
+    }
+
+    /// Lets the integration follow the inputs that were set.
+    pub(super) fn follow_inputs(&mut self) {
+        let turns = self.turns();
+        let SimulationState { time, integration, frame, inputs, followed, .. } = &mut self.state;
+        for (followed, set) in followed.iter_mut().zip(inputs) {
+            if followed.goes_on_as(set, *time) {
+                *set = *followed;
+            } else {
+                *followed = *set;
+            }
+        }
+        if turns {
+            integration.restart_at(*time, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
+            self.workspace.cached = Cached::No;
+        }
+    }
+
+    /// Value and derivatives of an input now.
+    pub fn input(&self, index: usize) -> [f64; 3] {
+        self.state.inputs[index].at(self.state.time)
     }
 }

@@ -4,6 +4,7 @@
 //! equal bit for bit when they are advanced to the same times.
 
 pub mod adhesion;
+mod directional;
 mod dynamics;
 pub mod feedthrough;
 pub mod input;
@@ -35,6 +36,7 @@ use crate::scene::steady_state::{self, Contacts, SteadyState};
 use crate::solve::{Doubts, IntegrationState, Integrator, Scratch, SettingKind, SolveError, Statistics};
 use dynamics::{Memories, ModelDynamics, Watched};
 use input::InputSignal;
+use outputs::Needs;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -46,8 +48,10 @@ pub struct SimulationState {
     pub integration: IntegrationState,
     /// Of the model, beside the solution.
     pub memories: Memories,
-    /// One signal per input of the model.
+    /// One signal per input of the model, as it was set.
     pub inputs: Vec<InputSignal>,
+    /// Those that the integration follows; others take their place when it goes on.
+    followed: Vec<InputSignal>,
     /// The motion beside which the last step was made; its continuous output is counted from it.
     pub frame: FrameMotion,
     /// How far wheelsets swing.
@@ -61,7 +65,7 @@ pub struct SimulationState {
 impl SimulationState {
     /// Are time, solution and inputs numbers, and has the integrator come to the simulation's time? (Memory may hold times that never come.)
     pub fn is_sound(&self) -> bool {
-        let signals = self.inputs.iter().flat_map(|signal| signal.at(self.time));
+        let signals = self.inputs.iter().chain(&self.followed).flat_map(|signal| signal.at(self.time));
         let own = [self.time, self.integration.t];
         let finite = own.into_iter().chain(signals).chain(self.integration.y.iter().copied()).all(f64::is_finite);
         finite && self.time - self.integration.t <= LAG
@@ -75,6 +79,7 @@ impl SimulationState {
             && self.swings.fits(&other.swings)
             && self.flutter.fits(&other.flutter)
             && self.inputs.len() == other.inputs.len()
+            && self.followed.len() == other.followed.len()
     }
 }
 
@@ -115,13 +120,12 @@ pub struct Simulation {
     /// Of the attempt under way.
     trial: Memories,
     snapshot: Snapshot,
-    /// Does the snapshot belong to the present state?
-    snapshot_valid: bool,
-    /// Do its state and motions?
-    motion_valid: bool,
+    /// What of the snapshot belongs to the present state.
+    known: Option<Needs>,
     /// Over the run so far, for its notes alone.
     loads: WheelLoads,
     untuned: tuning::Untuned,
+    extrapolation: directional::Extrapolation,
 }
 
 /// Solution and everything computed from it at one time; outputs are read from it.
@@ -218,6 +222,7 @@ impl Simulation {
                 time: start,
                 integration,
                 memories: Memories::new(memory),
+                followed: inputs.clone(),
                 inputs,
                 frame: FrameMotion::default(),
                 swings: model.swings(),
@@ -226,10 +231,10 @@ impl Simulation {
             },
             workspace,
             snapshot,
-            snapshot_valid: false,
-            motion_valid: false,
+            known: None,
             loads: model.wheel_loads(),
             untuned: Vec::new(),
+            extrapolation: Default::default(),
             model,
         };
         if simulation.integrator.linearises() {
@@ -241,7 +246,7 @@ impl Simulation {
         simulation.state.memories.accepted.clone_from(&simulation.snapshot.memory);
         simulation.model.settle_deflections(&simulation.snapshot.workspace, &mut simulation.state.integration.y);
         // What is shown belongs to the state: a cold start differs in the last digits.
-        (simulation.snapshot_valid, simulation.motion_valid) = (false, false);
+        simulation.known = None;
         simulation.look()?;
         if let Some(transition) = simulation.model.due(start, &simulation.snapshot.memory) {
             simulation.switch_at_start(transition)?;
@@ -253,7 +258,7 @@ impl Simulation {
     fn switch_at_start(&mut self, transition: Transition) -> Result<(), SimulationError> {
         let SimulationState { time, integration, memories, .. } = &mut self.state;
         self.model.at(&mut self.workspace, *time, &mut integration.y, &mut memories.accepted).carry_out(transition)?;
-        (self.snapshot_valid, self.motion_valid) = (false, false);
+        self.known = None;
         self.snapshot()?;
         Ok(())
     }
@@ -283,7 +288,7 @@ impl Simulation {
             self.state.clone_from(state);
             self.workspace.events.clear();
             self.workspace.cached = Cached::No;
-            (self.snapshot_valid, self.motion_valid) = (false, false);
+            self.known = None;
         }
         fits
     }
@@ -326,25 +331,6 @@ impl Simulation {
         notes
     }
 
-    /// Sets an input from now on to `value + first (t - now) + second (t - now)^2 / 2`. The integration restarts here when
-    /// that is a change.
-    pub fn set_input(&mut self, index: usize, value: f64, first: f64, second: f64) {
-        let signal = InputSignal { since: self.state.time, value, first, second };
-        if self.state.inputs[index].at(self.state.time) == signal.at(self.state.time) {
-            return;
-        }
-        let SimulationState { time, integration, frame, .. } = &mut self.state;
-        integration.restart_at(*time, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
-        self.workspace.cached = Cached::No;
-        self.state.inputs[index] = signal;
-        (self.snapshot_valid, self.motion_valid) = (false, false);
-    }
-
-    /// Value and derivatives of an input now.
-    pub fn input(&self, index: usize) -> [f64; 3] {
-        self.state.inputs[index].at(self.state.time)
-    }
-
     /// Advances to `target` [s].
     ///
     /// # Errors
@@ -379,7 +365,8 @@ impl Simulation {
         &mut self,
         run: impl FnOnce(&dyn Integrator, &mut ModelDynamics, &mut IntegrationState, &mut Scratch) -> Result<(), SolveError>,
     ) -> Result<(), SimulationError> {
-        (self.snapshot_valid, self.motion_valid) = (false, false);
+        self.known = None;
+        self.follow_inputs();
         self.workspace.work = Work::default();
         let SimulationState { inputs, frame, swings, flutter, integration, memories, .. } = &mut self.state;
         let watched = Watched { frame, swings, flutter, loads: &mut self.loads };
@@ -416,12 +403,12 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`] when the model cannot be evaluated here.
     pub fn snapshot(&mut self) -> Result<&Snapshot, SimulationError> {
-        if self.snapshot_valid {
+        if self.known == Some(Needs::Contacts) {
             return Ok(&self.snapshot);
         }
         self.look()?;
+        let stands = self.state.integration.t == self.state.time || self.turns();
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
-        let stands = self.state.integration.t == *time;
         for _ in 0..if stands { MOST_CHANGES } else { 0 } {
             let Some(due) = self.model.due(*time, memory) else { break };
             // Where that ends the run, the next step says so.
@@ -430,7 +417,7 @@ impl Simulation {
             }
             if self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy).is_err() {
                 // The new form has no solution, which ends the next step: what can be read is the old one.
-                (self.snapshot_valid, self.motion_valid) = (false, false);
+                self.known = None;
                 self.look()?;
                 break;
             }
@@ -439,51 +426,68 @@ impl Simulation {
         Ok(&self.snapshot)
     }
 
-    /// The state at the present time with the motions of all bodies, for outputs that need no more (`Output::of_motion`): contacts,
-    /// accelerations and events in what is returned are of an earlier time. Where contact is a constraint the whole evaluation is made: it may
-    /// have to change its form, which moves bodies.
+    /// As much of the snapshot as outputs with these needs are read from; what is beyond is of an earlier time. Where contact is a constraint the
+    /// whole evaluation is made: it may have to change its form, which moves bodies. What is read has the same bits whatever is asked for.
     ///
     /// # Errors
     /// [`SimulationError`] when the state can't be found.
-    pub fn motion_snapshot(&mut self) -> Result<&Snapshot, SimulationError> {
-        if self.snapshot_valid {
+    pub fn snapshot_with(&mut self, needs: Needs) -> Result<&Snapshot, SimulationError> {
+        if self.known >= Some(needs) {
             return Ok(&self.snapshot);
         }
-        if self.model.formulation.constrains() {
+        if needs == Needs::Contacts || self.model.formulation.constrains() {
             return self.snapshot();
         }
-        if !self.motion_valid {
-            self.find_state()?;
-            let Snapshot { y, workspace, memory, inputs, .. } = &mut self.snapshot;
-            self.model.take_inputs(&mut workspace.system, inputs);
-            self.model.apply_forces(y, memory, &mut workspace.system);
-            self.motion_valid = true;
+        if self.known.is_none() {
+            self.find_motion()?;
+        }
+        if needs == Needs::Bodies {
+            let Snapshot { time, y, dy, workspace, .. } = &mut self.snapshot;
+            self.model.system.load_bodies(y, &mut workspace.system);
+            self.model.accelerate(workspace, *time, y, dy)?;
+            self.known = Some(Needs::Bodies);
         }
         Ok(&self.snapshot)
     }
 
-    /// Solution, memory and inputs at the present time.
-    fn find_state(&mut self) -> Result<(), SimulationError> {
+    /// Solution, motions of bodies and inputs at the present time.
+    fn find_motion(&mut self) -> Result<(), SimulationError> {
+        self.find_state(false)?;
+        let Snapshot { y, workspace, memory, inputs, .. } = &mut self.snapshot;
+        self.model.take_inputs(&mut workspace.system, inputs);
+        self.model.move_bodies(y, memory, &mut workspace.system);
+        self.known = Some(Needs::Motion);
+        Ok(())
+    }
+
+    /// Solution, memory and inputs at the present time; what is remembered of contacts only where it is asked for.
+    fn find_state(&mut self, contacts: bool) -> Result<(), SimulationError> {
         let Snapshot { time, y, workspace, memory, inputs, .. } = &mut self.snapshot;
         *time = self.state.time;
-        let SimulationState { integration, frame, .. } = &self.state;
+        let SimulationState { integration, frame, memories, .. } = &self.state;
         integration.interpolate_beside(*time, y, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
-        memory.clone_from(&self.state.memories.accepted);
+        if contacts {
+            memory.clone_from(&memories.accepted);
+        } else {
+            memory.take_paths(&memories.accepted);
+        }
         input::evaluate(&self.state.inputs, *time, inputs);
         // The continuous output leaves constraints by its error.
         self.model.at(workspace, *time, y, memory).project()?;
         Ok(())
     }
 
-    /// The evaluation alone, whatever form it asks for.
+    /// The evaluation alone, whatever form it asks for. It begins anew where motion was read before: places along the track are then found from where they
+    /// were at the end of the step, to the last digit.
     fn look(&mut self) -> Result<&Snapshot, SimulationError> {
-        if self.snapshot_valid {
+        if self.known == Some(Needs::Contacts) {
             return Ok(&self.snapshot);
         }
-        self.find_state()?;
+        self.known = None;
+        self.find_state(true)?;
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
         self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
-        self.snapshot_valid = true;
+        self.known = Some(Needs::Contacts);
         Ok(&self.snapshot)
     }
 
@@ -494,7 +498,7 @@ impl Simulation {
     /// [`SimulationError`] when the model cannot be evaluated there.
     pub fn displaced_snapshot(&mut self, offset: f64) -> Result<&Snapshot, SimulationError> {
         self.snapshot()?;
-        (self.snapshot_valid, self.motion_valid) = (false, false);
+        self.known = None;
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
         for (value, slope) in y.iter_mut().zip(dy.iter()) {
             *value += offset * slope;

@@ -1,7 +1,7 @@
 //! The one table of outputs: FMU variables, CSV columns and plot labels all come from it.
 
 use super::Snapshot;
-use super::feedthrough::{ACROSS, ALL, ALONG, ActedOn, Depends, FRICTIONS, STATE, TURNING, UPWARD, of_wheel};
+use super::feedthrough::{ACROSS, ALONG, DRIVING, Depends, Feedthrough, STATE, TURNING, Ties, UPWARD, of_wheel};
 use crate::formulation::derailment_quotient;
 use crate::formulation::sliding_mean::{Averaged, CUT_OFF};
 use crate::formulation::{ContactReport, Model, contact_index};
@@ -24,15 +24,24 @@ pub struct Output {
     pub group: &'static str,
     pub unit: Unit,
     pub description: String,
-    /// Inputs of a wheelset (see `formulation`) that it depends on at the same instant.
-    pub feedthrough: &'static [usize],
-    /// The wheelset whose inputs these are; `None`: of every wheelset.
-    pub wheelset: Option<usize>,
-    /// What inputs of force elements it depends on at the same instant.
-    pub acted_on: ActedOn,
-    /// Are positions, velocities and forces of elements all that it needs? Then it is read without an evaluation of contacts.
-    pub of_motion: bool,
+    /// Inputs that it depends on at the same instant.
+    pub feedthrough: Feedthrough,
+    /// What must be known of the present state before it can be read.
+    pub needs: Needs,
+    /// Of what a force element reports: the element's number among the vehicle's, and which of its quantities it is.
+    pub quantity: Option<(usize, usize)>,
     read: Read,
+}
+
+/// What an output is read from; each has what those before it have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Needs {
+    /// Positions, velocities, states and inputs of force elements.
+    Motion,
+    /// Accelerations of bodies that no force of contact reaches at once.
+    Bodies,
+    /// Contacts and all accelerations.
+    Contacts,
 }
 
 impl Output {
@@ -41,11 +50,15 @@ impl Output {
         group: &'static str,
         unit: Unit,
         description: &str,
-        (feedthrough, wheelset): (&'static [usize], Option<usize>),
+        feedthrough: Feedthrough,
         read: Read,
     ) -> Self {
-        let acted_on = ActedOn::of_wheelset(feedthrough, wheelset);
-        Output { reference, name, group, unit, description: description.into(), feedthrough, wheelset, acted_on, of_motion: false, read }
+        Output { reference, name, group, unit, description: description.into(), feedthrough, needs: Needs::Contacts, quantity: None, read }
+    }
+
+    /// Reads it in another way.
+    pub(super) fn read_by(&mut self, read: Read) {
+        self.read = read;
     }
 
     /// The value in a snapshot, SI.
@@ -65,10 +78,10 @@ struct Collector<'a> {
     prefix: String,
     base: u32,
     groups: &'a [&'static str],
-    /// Are there constraint forces, which depend on accelerations?
-    constrained: bool,
-    /// The wheelset whose inputs matter; `None`: those of all.
-    wheelset: Option<usize>,
+    model: &'a Model,
+    ties: &'a Ties,
+    /// The wheelset's body.
+    body: usize,
     outputs: &'a mut Vec<Output>,
 }
 
@@ -84,13 +97,10 @@ impl Collector<'_> {
         text: &str,
         read: impl Fn(&Snapshot) -> f64 + Send + Sync + 'static,
     ) {
-        let feedthrough = match depends {
-            Depends::On(_) if self.constrained => ALL,
-            Depends::On(inputs) | Depends::Only(inputs) => inputs,
-        };
         if self.groups.contains(&group) {
             let label = (self.base + id, format!("{}.{name}", self.prefix));
-            self.outputs.push(Output::new(label, group, unit, text, (feedthrough, self.wheelset), Box::new(read)));
+            let feedthrough = Feedthrough::of_wheelset(self.model, self.ties, self.body, depends);
+            self.outputs.push(Output::new(label, group, unit, text, feedthrough, Box::new(read)));
         }
     }
 
@@ -105,27 +115,28 @@ impl Collector<'_> {
     ) {
         let before = self.outputs.len();
         self.add(id, name, group, unit, STATE, text, read);
-        self.outputs[before..].iter_mut().for_each(|output| output.of_motion = true);
+        self.outputs[before..].iter_mut().for_each(|output| output.needs = Needs::Motion);
     }
 }
 
-/// Do these outputs need contacts or accelerations?
-pub fn need_contacts<'a>(outputs: impl IntoIterator<Item = &'a Output>) -> bool {
-    outputs.into_iter().any(|output| !output.of_motion)
+/// What must be known before these outputs can be read; `None` where there are none.
+pub fn needs<'a>(outputs: impl IntoIterator<Item = &'a Output>) -> Option<Needs> {
+    outputs.into_iter().map(|output| output.needs).max()
 }
 
 /// All outputs of a model, restricted to `groups`.
 pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
     let mut outputs = Vec::new();
     let bodies = model.system.bodies.len();
-    let constrained = model.formulation.constrains() || !model.system.joints.is_empty();
+    let ties = Ties::of(model);
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
         let mut collector = Collector {
             prefix: wheelset.name.clone(),
             base: (index as u32 + 1) * 1000,
             groups,
-            constrained,
-            wheelset: (!constrained).then_some(index),
+            model,
+            ties: &ties,
+            body: wheelset.body,
             outputs: &mut outputs,
         };
         let drive = model.system.drives.iter().position(|drive| drive.body == wheelset.body);
@@ -133,7 +144,7 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
         motion(&mut collector, wheelset.body, bodies, along);
         if let Some(drive) = drive {
             let text = "force of the driving constraint, forward positive: what a locomotive must supply to keep the imposed speed";
-            collector.add(30, "drivingForce", "motion", Unit::Newton, FRICTIONS, text, move |s| s.workspace.system.drive_forces[drive]);
+            collector.add(30, "drivingForce", "motion", Unit::Newton, DRIVING, text, move |s| s.workspace.system.drive_forces[drive]);
         }
         for side in Side::BOTH {
             let points = model.points;

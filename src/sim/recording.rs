@@ -1,6 +1,6 @@
 //! Runs a scene natively and keeps its outputs at equal intervals.
 
-use super::outputs::{Output, need_contacts};
+use super::outputs::{Needs, Output, needs};
 use super::tables::LeftTables;
 use super::{Simulation, SimulationError};
 use std::io::Write;
@@ -29,9 +29,13 @@ impl Recording {
     /// # Errors
     /// When the model cannot be evaluated here.
     pub fn sample(&mut self, simulation: &mut Simulation, outputs: &[Output]) -> Result<(), SimulationError> {
-        let snapshot = if need_contacts(outputs) { simulation.snapshot()? } else { simulation.motion_snapshot()? };
         let mut row = Vec::with_capacity(outputs.len() + 1);
-        row.push(snapshot.time);
+        row.push(simulation.time());
+        let Some(needs) = needs(outputs) else {
+            self.rows.push(row);
+            return Ok(());
+        };
+        let snapshot = simulation.snapshot_with(needs)?;
         row.extend(outputs.iter().map(|output| output.value(snapshot)));
         self.rows.push(row);
         Ok(())
@@ -131,7 +135,7 @@ pub fn record(
 
 fn look(left: &mut LeftTables, simulation: &mut Simulation) -> Result<(), SimulationError> {
     if !left.is_empty() {
-        left.look(simulation.snapshot()?);
+        left.look(simulation.snapshot_with(Needs::Motion)?);
     }
     Ok(())
 }

@@ -53,6 +53,6 @@ impl Simulation {
             forces[place].set_constant(*number, *value);
         }
         self.workspace.cached = Cached::No;
-        (self.snapshot_valid, self.motion_valid) = (false, false);
+        self.known = None;
     }
 }

@@ -6,8 +6,8 @@
 
 use super::Snapshot;
 use super::adhesion::adhesion_outputs;
-use super::feedthrough::{ALL, ActedOn, FRICTION_INPUTS};
-use super::outputs::{Output, on_track, outputs};
+use super::feedthrough::{Depends, FRICTION_INPUTS, Feedthrough, Ties};
+use super::outputs::{Needs, Output, on_track, outputs};
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
@@ -37,7 +37,7 @@ pub fn scene_outputs(scene: &Scene, model: &Model) -> Vec<Output> {
         all.extend(adhesion_outputs(model));
     }
     let vehicle = &scene.vehicle;
-    let mut parts = Collector { groups, model, outputs: Vec::new() };
+    let mut parts = Collector { groups, model, ties: Ties::of(model), outputs: Vec::new() };
     parts.forces(vehicle, true);
     parts.axles();
     parts.bodies(vehicle);
@@ -53,11 +53,9 @@ pub fn scene_outputs(scene: &Scene, model: &Model) -> Vec<Output> {
 struct Collector<'a> {
     groups: &'a [&'static str],
     model: &'a Model,
+    ties: Ties,
     outputs: Vec<Output>,
 }
-
-/// Nothing but the state.
-const STATE: (&[usize], Option<usize>) = (&[], None);
 
 /// What an output shows, beside its value.
 struct Label {
@@ -65,8 +63,7 @@ struct Label {
     name: String,
     group: &'static str,
     unit: Unit,
-    /// Inputs that it depends on at once, and whose they are (`None`: every wheelset's).
-    feedthrough: (&'static [usize], Option<usize>),
+    feedthrough: Feedthrough,
 }
 
 impl Collector<'_> {
@@ -74,7 +71,7 @@ impl Collector<'_> {
     fn add_of_motion(&mut self, label: Label, text: &str, read: impl Fn(&Snapshot) -> f64 + Send + Sync + 'static) {
         let before = self.outputs.len();
         self.add(label, text, read);
-        self.outputs[before..].iter_mut().for_each(|output| output.of_motion = true);
+        self.outputs[before..].iter_mut().for_each(|output| output.needs = Needs::Motion);
     }
 
     fn add(&mut self, label: Label, text: &str, read: impl Fn(&Snapshot) -> f64 + Send + Sync + 'static) {
@@ -84,11 +81,6 @@ impl Collector<'_> {
         }
     }
 
-    /// Are there constraint forces, which depend on all inputs at once?
-    fn coupled(&self) -> bool {
-        self.model.formulation.constrains() || !self.model.system.joints.is_empty()
-    }
-
     fn axles(&mut self) {
         for (index, wheelset) in self.model.wheelsets.iter().enumerate() {
             let label = Label {
@@ -96,7 +88,7 @@ impl Collector<'_> {
                 name: format!("{}.trackShiftingForce", wheelset.name),
                 group: "axles",
                 unit: Unit::Newton,
-                feedthrough: if self.coupled() { (ALL, None) } else { (FRICTION_INPUTS, Some(index)) },
+                feedthrough: Feedthrough::of_wheelset(self.model, &self.ties, wheelset.body, Depends::Contact(FRICTION_INPUTS)),
             };
             let body = wheelset.body;
             let text = "sum of Y: lateral force of both wheels on the track, left positive";
@@ -119,7 +111,13 @@ impl Collector<'_> {
             let q = COORDINATES * (vehicle.wheelsets.len() + index);
             for (id, name, unit, coordinate, text) in lines {
                 let reference = BODY + STRIDE * index as u32 + id;
-                let label = Label { reference, name: format!("{}.{name}", placed.body.name), group: "bodies", unit, feedthrough: STATE };
+                let label = Label {
+                    reference,
+                    name: format!("{}.{name}", placed.body.name),
+                    group: "bodies",
+                    unit,
+                    feedthrough: Feedthrough::none(),
+                };
                 let body = vehicle.wheelsets.len() + index;
                 self.add_of_motion(label, text, move |s| {
                     on_track(s, body).map_or(s.y[q + coordinate], |(motion, _)| motion.coordinates[coordinate])
@@ -130,20 +128,17 @@ impl Collector<'_> {
 
     fn sensor(&mut self, index: usize, sensor: &Sensor, gravity: Vector3<f64>) {
         let base = SENSOR + STRIDE * index as u32;
-        let on_wheelset = sensor.body < self.model.wheelsets.len();
-        // Forces of inputs reach other bodies through constraints alone.
-        let feedthrough = match (self.coupled(), on_wheelset) {
-            (true, _) => (ALL, None),
-            (false, true) => (ALL, Some(sensor.body)),
-            (false, false) => STATE,
-        };
+        let feedthrough = Feedthrough::of_acceleration(self.model, &self.ties, sensor.body);
+        let rolls = |body: &usize| *body < self.model.wheelsets.len();
+        let apart = !self.model.formulation.constrains() && !self.ties.group(sensor.body).iter().any(rolls);
         let (body, point) = (sensor.body, sensor.point);
         for (id, name, unit, axis, text) in [
             (0, "distance", Unit::Distance, 0, "distance of the point along the track"),
             (1, "y", Unit::Metre, 1, "lateral position of the point, left positive"),
             (2, "z", Unit::Distance, 2, "height of the point over the nominal contact height"),
         ] {
-            let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, feedthrough: STATE };
+            let name = format!("{}.{name}", sensor.name);
+            let label = Label { reference: base + id, name, group: "sensors", unit, feedthrough: Feedthrough::none() };
             self.add_of_motion(label, text, move |s| place_of(s, body, &point)[axis]);
         }
         let measured = [
@@ -176,11 +171,12 @@ impl Collector<'_> {
         let asked = sensor.measured.then_some(measured.into_iter().map(with(gravity)));
         for ((id, name, axis, text), gravity) in shown.chain(asked.into_iter().flatten()) {
             let unit = Unit::MetrePerSecond2;
-            let label = Label { reference: base + id, name: format!("{}.{name}", sensor.name), group: "sensors", unit, feedthrough };
+            let name = format!("{}.{name}", sensor.name);
+            let label = Label { reference: base + id, name, group: "sensors", unit, feedthrough: feedthrough.clone() };
             let before = self.outputs.len();
             self.add(label, text, move |s| acceleration(s, body, &point, &gravity)[axis]);
-            let acted_on = if self.coupled() { ActedOn::System } else { ActedOn::Body(body) };
-            self.outputs[before..].iter_mut().for_each(|output| output.acted_on = acted_on);
+            let needs = if apart { Needs::Bodies } else { Needs::Contacts };
+            self.outputs[before..].iter_mut().for_each(|output| output.needs = needs);
         }
     }
 
@@ -196,7 +192,6 @@ impl Collector<'_> {
                 Some(wheelset) => ((wheelset as u32 + 1) * 1000 + SUSPENSION_FORCES, "suspension"),
                 None => (FORCE + STRIDE * index as u32, "forces"),
             };
-            let (states, inputs) = (self.model.system.states_of_force(first + index), self.model.system.inputs_of_force(first + index));
             for (place, quantity) in element.0.quantities().iter().enumerate() {
                 let unit = match quantity.kind {
                     QuantityKind::Force => Unit::Newton,
@@ -208,16 +203,33 @@ impl Collector<'_> {
                     QuantityKind::Power => Unit::Watt,
                 };
                 let (reference, name) = (base + quantity.number, format!("{}.{}", element.0.name(), quantity.name));
-                // The element's constants are copied, so that outputs do not borrow the model.
-                let (element, states, inputs) = (self.model.system.forces[first + index].clone_box(), states.clone(), inputs.clone());
+                let label = Label { reference, name, group, unit, feedthrough: Feedthrough::of_element(index) };
                 let before = self.outputs.len();
-                let label = Label { reference, name, group, unit, feedthrough: STATE };
-                self.add_of_motion(label, quantity.description, move |s| {
-                    let system = &s.workspace.system;
-                    element.quantity(place, &system.with_inputs(inputs.clone()), &s.y[states.clone()])
-                });
-                self.outputs[before..].iter_mut().for_each(|output| output.acted_on = ActedOn::Element(index));
+                let read = quantity_of(self.model, first + index, place);
+                self.add_of_motion(label, quantity.description, read);
+                self.outputs[before..].iter_mut().for_each(|output| output.quantity = Some((index, place)));
             }
+        }
+    }
+}
+
+/// Reads what a force element of the model reports. The element's constants are copied, so that outputs do not borrow the model.
+fn quantity_of(model: &Model, element: usize, place: usize) -> impl Fn(&Snapshot) -> f64 + Send + Sync + 'static {
+    let (states, inputs) = (model.system.states_of_force(element), model.system.inputs_of_force(element));
+    let element = model.system.forces[element].clone_box();
+    move |s| {
+        let system = &s.workspace.system;
+        element.quantity(place, &system.with_inputs(inputs.clone()), &s.y[states.clone()])
+    }
+}
+
+/// Outputs of the vehicle's force elements with these numbers follow their constants as they now are in the model; `count` is the number of the
+/// vehicle's elements.
+pub fn follow_constants(outputs: &mut [Output], model: &Model, count: usize, elements: &[usize]) {
+    let first = model.system.forces.len() - count;
+    for output in outputs {
+        if let Some((element, place)) = output.quantity.filter(|(element, _)| elements.contains(element)) {
+            output.read_by(Box::new(quantity_of(model, first + element, place)));
         }
     }
 }
@@ -262,9 +274,9 @@ mod tests {
     use crate::scene::load;
     use crate::sim::Simulation;
 
-    /// What needs positions and velocities alone is the same to the bit without an evaluation of contacts.
+    /// What needs no contacts is the same to the bit without an evaluation of them.
     #[test]
-    fn equiv_outputs_of_motion_need_no_contacts() {
+    fn equiv_outputs_that_need_no_contacts_are_read_without() {
         for (name, stop) in [("wheelset_s1002", 0.6), ("bogie", 0.3), ("vehicle_curve", 2.0), ("wheelset_standstill", 0.2)] {
             let changes =
                 ["interface.outputs=[\"motion\",\"wheels\",\"bodies\",\"sensors\",\"forces\",\"suspension\",\"sliding_means\"]"
@@ -272,17 +284,27 @@ mod tests {
             let scene = load::open(name, &changes).unwrap_or_else(|error| panic!("{error}"));
             let mut simulation = Simulation::new(&scene, 0.0).unwrap();
             let outputs = scene_outputs(&scene, simulation.model());
-            let of_motion: Vec<&Output> = outputs.iter().filter(|output| output.of_motion).collect();
-            assert!(of_motion.len() > 10 && of_motion.len() < outputs.len(), "{name}");
+            let needing = |needs: Needs| outputs.iter().filter(|output| output.needs == needs).collect::<Vec<&Output>>();
+            let (of_motion, of_bodies) = (needing(Needs::Motion), needing(Needs::Bodies));
+            assert!(of_motion.len() > 10 && of_motion.len() + of_bodies.len() < outputs.len(), "{name}");
+            assert_eq!(
+                of_bodies.is_empty(),
+                scene.vehicle.sensors.iter().all(|sensor| sensor.body < scene.vehicle.wheelsets.len()),
+                "{name}"
+            );
             for i in 1..=5 {
                 simulation.advance(stop * f64::from(i) / 5.0).unwrap();
                 let searched = |simulation: &Simulation| simulation.last_snapshot().workspace.work.search_iterations;
                 let before = searched(&simulation);
-                let short: Vec<f64> = of_motion.iter().map(|output| output.value(simulation.motion_snapshot().unwrap())).collect();
+                let mut short: Vec<f64> = Vec::new();
+                for (needs, outputs) in [(Needs::Motion, &of_motion), (Needs::Bodies, &of_bodies)] {
+                    short.extend(outputs.iter().map(|output| output.value(simulation.snapshot_with(needs).unwrap())));
+                }
                 assert_eq!(searched(&simulation), before, "{name}: contacts were searched");
-                let whole: Vec<f64> = of_motion.iter().map(|output| output.value(simulation.snapshot().unwrap())).collect();
+                let whole = simulation.snapshot().unwrap();
+                let whole: Vec<f64> = of_motion.iter().chain(&of_bodies).map(|output| output.value(whole)).collect();
                 assert!(searched(&simulation) > before);
-                for ((short, whole), output) in short.iter().zip(&whole).zip(&of_motion) {
+                for ((short, whole), output) in short.iter().zip(&whole).zip(of_motion.iter().chain(&of_bodies)) {
                     assert_eq!(short.to_bits(), whole.to_bits(), "{name}: {}", output.name);
                 }
             }

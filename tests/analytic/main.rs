@@ -6,6 +6,7 @@ mod common;
 mod counting;
 
 mod contact_geometry;
+mod directional;
 mod forces;
 mod joints;
 mod modes;

@@ -157,7 +157,11 @@ def every_bad_call(report, fmu, instance, again=False):
     attempt("enterInitializationMode while running", slave.enterInitializationMode)
     attempt("exitInitializationMode while running", slave.exitInitializationMode)
     attempt("cancelStep", slave.cancelStep)
-    attempt("directional derivative", lambda: slave.getDirectionalDerivative([y], [torque], [1.0]))
+    attempt("directional derivative of an input", lambda: slave.getDirectionalDerivative([torque], [torque], [1.0]))
+    attempt("directional derivative by an output", lambda: slave.getDirectionalDerivative([y], [y], [1.0]))
+    attempt("directional derivative, unknown reference", lambda: slave.getDirectionalDerivative([unknown], [torque], [1.0]))
+    attempt("directional derivative along NaN", lambda: slave.getDirectionalDerivative([y], [torque], [NAN]))
+    attempt("directional derivative, pointers NULL", lambda: slave.fmi2GetDirectionalDerivative(component, one, 1, None, 1, None, byref(two)))
     attempt("status of a kind that does not exist", lambda: slave.getStatus(99), REFUSED, quiet=True)
 
     attempt("state NULL set", lambda: slave.setFMUState(c_void_p()))

@@ -53,6 +53,38 @@ def compare(report, fmu, what, times, values, drive):
         report.below(np.max(np.abs(told[:, names.index(name)] - other)), 1e-3 * scale, f"d {name} / dt = {rate}")
 
 
+def directional(report, fmu):
+    """Partial derivatives by inputs, the rest held."""
+    report.section("directional derivatives")
+    report.check(fmu.description.coSimulation.providesDirectionalDerivative, "the description announces them")
+    with fmu.instance() as instance:
+        instance.run([0.55, 0.6], [])
+        outputs, known = fmu.references(fmu.outputs), fmu.references(INPUTS)
+        before = instance.outputs()
+
+        def ask(seeds):
+            return np.array(instance.slave.getDirectionalDerivative(outputs, known, list(seeds)))
+
+        columns = np.array([ask(row) for row in np.eye(len(known))]).T
+        report.same_bits(instance.outputs(), before, "asking for them changes nothing")
+        seeds = np.array([120.0, -3e3, 2e3, 0.05, -0.1])
+        size = np.abs(columns) @ np.abs(seeds)
+        report.below(np.max(np.abs(ask(seeds) - columns @ seeds) - 1e-11 * size), 0.0, "a mixed seed is the sum of its parts")
+        report.below(np.max(np.abs(ask(np.zeros(5)))), 0.0, "no seed, no derivative")
+        state = instance.slave.getFMUState()
+        for k, (name, h) in enumerate(zip(INPUTS, (500.0, 500.0, 500.0, 2e-3, 2e-3))):
+            start, found = instance.get(name), {}
+            for part in (-1.0, -0.5, 0.5, 1.0):
+                instance.set({name: start + part * h})
+                found[part] = np.array(instance.outputs())
+                instance.slave.setFMUState(state)
+            wide, narrow = (found[1.0] - found[-1.0]) / (2 * h), (found[0.5] - found[-0.5]) / h
+            error = np.abs(columns[:, k] - (4 * narrow - wide) / 3)
+            rounding = 2e-14 * np.maximum(np.abs(before), 10.0) / h + 1e-9 * np.abs(columns[:, k])
+            report.below(np.max(error / rounding), 1.0, f"by {name}: {np.count_nonzero(columns[:, k])} outputs, error over rounding and 1e-9")
+        instance.slave.freeFMUState(state)
+
+
 def script(report, path):
     with Fmu(path) as fmu:
         # Off the ends of the disturbance (0.5 s, 0.75 s), where the rail's curvature may jump.
@@ -65,6 +97,8 @@ def script(report, path):
 
         compare(report, fmu, "1 mm off the centre, with rising torque and lateral force",
                 [0.06, 0.11, 0.17, 0.23, 0.31], {f"{W}.initial.distance": 100.0, f"{W}.initial.y": 0.001}, drive)
+
+        directional(report, fmu)
 
         report.section("all outputs")
         with fmu.instance() as instance:

@@ -43,7 +43,7 @@ def description(report, path):
     flags = dict(root.find("CoSimulation").attrib)
     wanted = {"canHandleVariableCommunicationStepSize": "true", "canGetAndSetFMUState": "true", "canSerializeFMUState": "true",
               "hasEventMode": "true", "providesIntermediateUpdate": "true", "canReturnEarlyAfterIntermediateUpdate": "true",
-              "mightReturnEarlyFromDoStep": "true", "maxOutputDerivativeOrder": "1", "providesPerElementDependencies": "true"}
+              "mightReturnEarlyFromDoStep": "true", "providesDirectionalDerivatives": "true", "providesAdjointDerivatives": "true", "maxOutputDerivativeOrder": "1", "providesPerElementDependencies": "true"}
     report.check(wanted.items() <= flags.items() and "fixedInternalStepSize" not in flags, "capabilities", str(flags))
     variables = {v.get("valueReference"): v for v in root.find("ModelVariables")}
     report.check(len(variables) == len(root.find("ModelVariables")), "unique references", str(len(variables)))
@@ -192,6 +192,21 @@ def states(report, two, three):
                 report.same_bits(events.run(on), expected, f"saved in {'event' if saved else 'step'} mode")
 
 
+def derivatives(report, two, three):
+    report.section("directional and adjoint derivatives")
+    outputs, known = three.references(two.outputs), three.references(INPUTS)
+    with begin(two) as other, begin(three) as instance:
+        columns = [np.array(instance.slave.getDirectionalDerivative(outputs, [one], [1.0])) for one in known]
+        expected = [np.array(other.slave.getDirectionalDerivative(two.references(two.outputs), [one], [1.0])) for one in two.references(INPUTS)]
+        report.same_bits(np.concatenate(columns), np.concatenate(expected), "as FMI 2.0")
+        matrix = np.array(columns).T
+        report.check(np.count_nonzero(matrix) > 20, "something reacts", f"{np.count_nonzero(matrix)} pairs")
+        seeds = np.cos(np.arange(len(outputs)))
+        adjoint = np.array(instance.slave.getAdjointDerivative(outputs, known, list(seeds), len(known)))
+        size = np.abs(matrix).T @ np.abs(seeds)
+        report.below(np.max(np.abs(adjoint - matrix.T @ seeds) / size), 1e-13, "the adjoint is the transpose")
+
+
 def side_by_side(report, three):
     report.section("two threads")
     cases = {"first": None, "second": {f"{W}.initial.y": 0.002}}
@@ -259,6 +274,7 @@ def script(report, path, folder):
         symbols(report, three)
         simulated(report, two, three)
         states(report, two, three)
+        derivatives(report, two, three)
         side_by_side(report, three)
     arrays(report, os.path.join(folder, "bogie.fmu"))
 

@@ -717,7 +717,7 @@ fn fmu_inputs_of_motors_and_brakes_are_variables() {
     assert_eq!((own.causality, own.start, own.min, own.reference), ("input", Some(5400.0), Some(0.0), 4_000_100));
     let reacts = |name: &str| {
         let output = table.outputs.iter().find(|output| output.name == name).unwrap_or_else(|| panic!("no {name}"));
-        table.dependencies(output).contains(&(brake + 1))
+        table.dependencies(output).iter().any(|(index, _)| *index == brake + 1)
     };
     assert!(reacts("brake[2].torque") && reacts("truck[1].wheelset[2].pitchAcceleration"));
     for other in [

@@ -1,12 +1,13 @@
 //! What the description says otherwise in FMI 3.0: capabilities, variables with a type each, arrays, references in place of indices.
 
+use super::kind_of;
 use super::{OUTPUT_DERIVATIVE_ORDER, Xml, number};
 use crate::fmi::variables::{Array, Kind, Role, Variable, VariableTable};
 use crate::scene::spec::Scene;
 use std::io;
 
 /// Are directional derivatives (and adjoint ones) provided? `ffi::v3::derivatives` answers the calls.
-const DIRECTIONAL_DERIVATIVES: &str = "false";
+const DIRECTIONAL_DERIVATIVES: &str = "true";
 
 pub(super) fn co_simulation(xml: &mut Xml, identifier: &str) -> io::Result<()> {
     let order = OUTPUT_DERIVATIVE_ORDER.to_string();
@@ -131,8 +132,8 @@ pub(super) fn model_structure(xml: &mut Xml, table: &VariableTable) -> io::Resul
             match table.known_dependencies(*reference) {
                 None => element.write_empty()?,
                 Some(known) => element
-                    .with_attribute(("dependencies", list(&known).as_str()))
-                    .with_attribute(("dependenciesKind", list(known.iter().map(|_| "dependent")).as_str()))
+                    .with_attribute(("dependencies", list(known.iter().map(|(input, _)| input)).as_str()))
+                    .with_attribute(("dependenciesKind", list(known.iter().map(|(_, fixed)| kind_of(*fixed))).as_str()))
                     .write_empty()?,
             };
         }

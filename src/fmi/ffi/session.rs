@@ -6,6 +6,8 @@ use super::types::{ComponentEnvironment, FmiString, Status};
 pub type Boolean = u8;
 pub const FALSE: Boolean = 0;
 
+/// fmi3DependencyKind: the input enters the output with a factor that parameters alone say.
+pub const FIXED: i32 = 2;
 /// fmi3DependencyKind: any change of the input may change the output.
 pub const DEPENDENT: i32 = 5;
 

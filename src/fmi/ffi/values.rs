@@ -170,19 +170,25 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     })
 }
 
-/// Not provided (providesDirectionalDerivative is false).
-///
 /// # Safety
-/// The component must be null or come from fmi2Instantiate.
+/// FMI 2.0's rules for pointers; null is refused.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     c: Component,
-    _unknown: *const ValueReference,
-    _n_unknown: usize,
-    _known: *const ValueReference,
-    _n_known: usize,
-    _dv_known: *const Real,
-    _dv_unknown: *mut Real,
+    unknown: *const ValueReference,
+    n_unknown: usize,
+    known: *const ValueReference,
+    n_known: usize,
+    dv_known: *const Real,
+    dv_unknown: *mut Real,
 ) -> Status {
-    guard(c, |component| refuse(component, "fmi2GetDirectionalDerivative is not supported (providesDirectionalDerivative is false)"))
+    guard(c, |component| {
+        let unknowns = unsafe { (slice(unknown, n_unknown), slice_mut(dv_unknown, n_unknown)) };
+        let knowns = unsafe { (slice(known, n_known), slice(dv_known, n_known)) };
+        let ((Some(unknowns), Some(derivatives)), (Some(knowns), Some(seeds))) = (unknowns, knowns) else {
+            return refuse(component, NULL);
+        };
+        let answer = component.instance.directional_derivative(unknowns, (knowns, seeds), derivatives);
+        report(component, answer)
+    })
 }

@@ -21,6 +21,10 @@ pub enum CallError {
     NotAnInput { name: String },
     #[error("\"{name}\" is not a real output, so it has no output derivative")]
     NotAnOutput { name: String },
+    #[error("\"{name}\" is not a real output, so it has no directional derivative")]
+    NotDerivable { name: String },
+    #[error("\"{name}\" is not a real input; outputs are differentiated by inputs alone")]
+    NotDerivableBy { name: String },
     #[error("derivative order {order} of \"{name}\" is not supported; expected 1 to {largest}")]
     Order { name: String, order: i32, largest: i32 },
     #[error("{what} is {value:?}; expected {expected}")]

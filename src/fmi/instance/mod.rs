@@ -2,6 +2,7 @@
 //!
 //! Every method checks everything before it changes anything: a call that is refused leaves the instance as it was.
 
+mod directional;
 mod errors;
 mod events;
 mod saved;
@@ -16,6 +17,7 @@ pub use stepping::{Pace, StepOutcome};
 use super::description;
 use super::variables::VariableTable;
 use super::version::Version;
+use crate::contact::normal::hertz_table::{EllipseTable, SharedTable};
 use crate::formulation::events::ContactEvent;
 use crate::scene::load::{self, SceneError};
 use crate::scene::spec::Scene;
@@ -74,6 +76,9 @@ pub struct Instance {
     experiment: Experiment,
     inputs: Vec<[f64; 3]>,
     simulation: Option<Simulation>,
+    last_read: values::LastRead,
+    /// Held while the instance lives: models that it makes one after the other share it.
+    _ellipses: SharedTable,
     /// Values of all parameters, in table order, with which the run began; empty before initialization ends. Those of `scene` may have been
     /// tuned since.
     begun: Vec<f64>,
@@ -101,6 +106,7 @@ impl Instance {
     /// # Errors
     /// [`InstantiateError`].
     pub fn of_version(resources: &Path, guid: &str, version: Version) -> Result<Self, InstantiateError> {
+        let ellipses = EllipseTable::shared();
         let scene = load::open_file(&resources.join("scene.toml"), "scene", &[])?;
         let table =
             VariableTable::of_version(&scene, version).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
@@ -118,6 +124,8 @@ impl Instance {
             experiment: Experiment { start: 0.0, stop: None, tolerance: None },
             inputs,
             simulation: None,
+            last_read: values::LastRead::default(),
+            _ellipses: ellipses,
             begun: Vec::new(),
             tuned: Vec::new(),
             event_mode: false,

@@ -1,6 +1,7 @@
 //! Saving and restoring all memory of an instance.
 
 use super::{CallError, Experiment, Instance, Phase};
+use crate::contact::normal::hertz_table::EllipseTable;
 use crate::fmi::serialized;
 use crate::fmi::variables::{Role, Variable, VariableTable};
 use crate::scene::spec::Scene;
@@ -92,6 +93,8 @@ impl Instance {
             experiment: saved.experiment,
             inputs: saved.inputs.clone(),
             simulation: None,
+            last_read: Default::default(),
+            _ellipses: EllipseTable::shared(),
             begun: saved.begun(),
             tuned: Vec::new(),
             event_mode: self.event_mode,

@@ -3,7 +3,7 @@
 use super::{CallError, Instance};
 use crate::fmi::variables::{Kind, Role, Variable};
 use crate::sim::tuning::Tuning;
-use crate::sim::vehicle_outputs::scene_outputs;
+use crate::sim::vehicle_outputs::follow_constants;
 
 impl Instance {
     /// The variables that are parameters, in table order.
@@ -53,7 +53,7 @@ impl Instance {
             return Ok(());
         }
         if self.phase.is_running() {
-            self.retune(before.iter().any(|(parameter, _)| parameter.is_of_force()));
+            self.put_in_force(true);
         } else {
             self.simulation = None;
         }
@@ -70,21 +70,22 @@ impl Instance {
         changed.map(|(place, (now, _))| (place as u32, *now)).collect()
     }
 
-    /// The simulation goes on with the parameters of the scene as they now are; `elements`: some of force elements are among the new ones.
-    fn retune(&mut self, elements: bool) {
-        self.put_in_force(true, elements);
-    }
-
-    /// The same before a state is put back that was made under these parameters.
+    /// The simulation takes the scene's parameters before a state is put back that was made under them.
     pub(super) fn adopt_tuning(&mut self) {
-        self.put_in_force(false, true);
+        self.put_in_force(false);
     }
 
-    fn put_in_force(&mut self, restart: bool, elements: bool) {
+    /// The simulation goes on with the parameters of the scene as they now are.
+    fn put_in_force(&mut self, restart: bool) {
+        let before = std::mem::take(&mut self.tuned);
         self.tuned = self.differences();
         let parameters: Vec<&Variable> = self.parameters().collect();
-        let constants: Vec<(usize, u32, f64)> =
-            self.tuned.iter().filter_map(|(place, value)| parameters[*place as usize].constant_of_force(*value)).collect();
+        let of_elements = |tuned: &[(u32, f64)]| -> Vec<(usize, u32, f64)> {
+            tuned.iter().filter_map(|(place, value)| parameters[*place as usize].constant_of_force(*value)).collect()
+        };
+        let constants = of_elements(&self.tuned);
+        // Those that go back to what they were at the start change too.
+        let changed: Vec<usize> = of_elements(&before).iter().chain(&constants).map(|(element, ..)| *element).collect();
         let integrator = self.effective_integrator();
         let tuning = Tuning { scene: &self.scene, integrator: &integrator, constants: &constants };
         let Some(simulation) = &mut self.simulation else { return };
@@ -94,8 +95,6 @@ impl Instance {
             simulation.adopt(&tuning);
         }
         // Outputs hold copies of elements.
-        if elements {
-            self.table.outputs = scene_outputs(&self.scene, simulation.model());
-        }
+        follow_constants(&mut self.table.outputs, simulation.model(), self.scene.vehicle.forces.len(), &changed);
     }
 }

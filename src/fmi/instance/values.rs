@@ -3,9 +3,23 @@
 use super::{CallError, Instance, Phase};
 use crate::fmi::description::{INPUT_DERIVATIVE_ORDER, OUTPUT_DERIVATIVE_ORDER};
 use crate::fmi::variables::{Kind, Role, Variable};
-use crate::sim::outputs::need_contacts;
+use crate::sim::outputs::needs;
+
+/// Which variables were read last, and where they stand in the table: a host reads the same ones again and again.
+#[derive(Default)]
+pub(super) struct LastRead {
+    references: Vec<u32>,
+    places: Vec<usize>,
+    /// Their values.
+    found: Vec<f64>,
+}
 
 impl Instance {
+    fn place(&self, reference: u32, kind: Kind) -> Result<usize, CallError> {
+        let found = self.table.place(reference).filter(|place| self.table.at(*place).kind == kind);
+        found.ok_or(CallError::UnknownReference { reference, kind })
+    }
+
     pub(super) fn lookup(&self, reference: u32, kind: Kind) -> Result<&Variable, CallError> {
         match self.table.find(reference) {
             Some(variable) if variable.kind == kind => Ok(variable),
@@ -18,21 +32,42 @@ impl Instance {
     /// # Errors
     /// [`CallError`]; `values` is then unchanged.
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), CallError> {
-        let (mut needs_simulation, mut needs_contacts) = (false, false);
-        for reference in references {
-            if let Role::Output(output) = self.lookup(*reference, Kind::Real)?.role {
-                needs_simulation = true;
-                needs_contacts |= need_contacts([&self.table.outputs[output]]);
+        if references != self.last_read.references {
+            // None, until all are known.
+            self.last_read.references.clear();
+            self.last_read.places.clear();
+            for reference in references {
+                match self.place(*reference, Kind::Real) {
+                    Ok(place) => self.last_read.places.push(place),
+                    Err(error) => {
+                        self.last_read.places.clear();
+                        return Err(error);
+                    }
+                }
             }
+            self.last_read.references.extend_from_slice(references);
         }
-        if needs_simulation {
-            let simulation = self.started()?;
-            let looked = if needs_contacts { simulation.snapshot() } else { simulation.motion_snapshot() };
-            looked.map_err(CallError::Evaluation)?;
+        let outputs = self.last_read.places.iter().filter_map(|place| match self.table.at(*place).role {
+            Role::Output(output) => Some(&self.table.outputs[output]),
+            _ => None,
+        });
+        if let Some(needs) = needs(outputs) {
+            self.started()?.snapshot_with(needs).map_err(CallError::Evaluation)?;
         }
-        let mut found = Vec::with_capacity(references.len());
-        for reference in references {
-            let variable = self.lookup(*reference, Kind::Real)?;
+        // Taken out while it is filled.
+        let mut found = std::mem::take(&mut self.last_read.found);
+        found.clear();
+        let answer = self.read(&mut found);
+        self.last_read.found = found;
+        answer?;
+        values.copy_from_slice(&self.last_read.found);
+        Ok(())
+    }
+
+    /// The values of the variables that were asked for last; the simulation knows what their outputs need.
+    fn read(&self, found: &mut Vec<f64>) -> Result<(), CallError> {
+        for place in &self.last_read.places {
+            let variable = self.table.at(*place);
             let value = match &variable.role {
                 Role::Output(output) => match &self.simulation {
                     Some(simulation) => self.table.outputs[*output].value(simulation.last_snapshot()),
@@ -41,14 +76,13 @@ impl Instance {
                 Role::Input(input) => self.simulation.as_ref().map_or(self.inputs[*input][0], |simulation| simulation.input(*input)[0]),
                 Role::RealParameter(parameter) => parameter.value(&self.scene),
                 Role::Time => self.time(),
-                _ => return Err(CallError::UnknownReference { reference: *reference, kind: Kind::Real }),
+                _ => return Err(CallError::UnknownReference { reference: variable.reference, kind: Kind::Real }),
             };
             if !value.is_finite() {
                 return Err(CallError::NotFinite { name: variable.name.clone(), time: self.time() });
             }
             found.push(value);
         }
-        values.copy_from_slice(&found);
         Ok(())
     }
 

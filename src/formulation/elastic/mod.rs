@@ -11,6 +11,17 @@ use super::{EvaluationError, Model, Workspace};
 #[inline]
 fn finish(model: &Model, workspace: &mut Workspace, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
     model.deflection_rates(workspace, y, dy);
-    let done = model.system.constrained_derivative(t, y, &mut workspace.system, dy);
-    done.map_err(|error| model.singular_row(&workspace.system, t, error.row))
+    model.accelerate(workspace, t, y, dy)
+}
+
+impl Model {
+    /// Derivative of the bodies' part of the state under the wrenches in the workspace and all joints, where contact is no constraint.
+    ///
+    /// # Errors
+    /// [`EvaluationError`] when joints do not determine their forces.
+    #[inline]
+    pub fn accelerate(&self, workspace: &mut Workspace, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
+        let done = self.system.constrained_derivative(t, y, &mut workspace.system, dy);
+        done.map_err(|error| self.singular_row(&workspace.system, t, error.row))
+    }
 }

@@ -34,6 +34,8 @@ use nalgebra::Vector3;
 /// The loop ends when it changes the forces by less than this part of the largest, or by less than the floor [N].
 const RELATIVE: f64 = 1e-11;
 const FLOOR: f64 = 1e-7;
+/// The part where it goes on to rounding.
+const EXACT: f64 = 1e-16;
 /// An iteration that no longer gains ends with what it has: soon with this part of the largest force, ...
 const ROUNDING: f64 = 1e-9;
 /// ... after some more with this, ...
@@ -214,7 +216,8 @@ pub(super) fn settle(
     balance: &mut Balance,
     (t, y, inputs): (f64, &[f64], &[f64]),
 ) -> Result<(), EvaluationError> {
-    let Balance { contacts, coupling, base, image, last_image, answer } = balance;
+    let Balance { contacts, coupling, base, image, last_image, answer, exact } = balance;
+    let (relative, floor) = if *exact { (EXACT, 0.0) } else { (RELATIVE, FLOOR) };
     base.copy_from_slice(&workspace.system.wrenches);
     let Workspace { system, contacts: reports, work, .. } = workspace;
     let (mut best, mut stale, mut worst, mut damping) = (f64::INFINITY, 0, 0, 1.0);
@@ -255,7 +258,7 @@ pub(super) fn settle(
             || stale >= 6 && rest <= JUMP * largest
             || iteration == ITERATIONS && rest <= LAST * largest;
         last_image.copy_from_slice(image);
-        if residual <= (RELATIVE * largest).max(FLOOR) || gained {
+        if residual <= (relative * largest).max(floor) || gained {
             for contact in (0..contacts.len()).filter(|contact| rows[*contact].is_some()) {
                 let report = &mut reports[contact];
                 report.force += report.axes.normal * (image[contact] - report.normal_force);

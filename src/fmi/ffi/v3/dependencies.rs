@@ -2,11 +2,11 @@
 
 use super::super::common::{guard, refuse, slice_mut};
 use super::super::component::Component as Instance;
-use super::super::session::DEPENDENT;
+use super::super::session::{DEPENDENT, FIXED};
 use super::super::types::{Component, Status, ValueReference};
 
-/// One dependency: number of the element (from 1; 0 for a scalar), and reference of what it depends on.
-type Dependency = (usize, u32);
+/// One dependency: number of the element (from 1; 0 for a scalar), reference of what it depends on, and its kind.
+type Dependency = (usize, u32, i32);
 
 /// Those of a variable: on inputs once the run has begun, on all that begins it before.
 fn dependencies(component: &Instance, reference: u32) -> Result<Vec<Dependency>, String> {
@@ -19,17 +19,23 @@ fn dependencies(component: &Instance, reference: u32) -> Result<Vec<Dependency>,
     };
     let begins = |causality: &str| matches!(causality, "input" | "parameter");
     let known = |scalar: u32| match table.known_dependencies(scalar) {
-        Some(known) if component.instance.has_begun() => known,
+        Some(known) if component.instance.has_begun() => {
+            known.into_iter().map(|(input, fixed)| (input, if fixed { FIXED } else { DEPENDENT })).collect::<Vec<_>>()
+        }
         // Numbers of contacts may react to whatever moves a rail; before the run all follows from all.
         _ => {
             let all = table.variables.iter().filter(|other| begins(other.causality));
             let inputs_alone = component.instance.has_begun();
-            all.filter(|other| !inputs_alone || other.causality == "input").map(|other| other.reference).collect()
+            all.filter(|other| !inputs_alone || other.causality == "input").map(|other| (other.reference, DEPENDENT)).collect()
         }
     };
     debug_assert!(variable.reference == scalars[0]);
     let place = |index: usize| if is_array { index + 1 } else { 0 };
-    Ok(scalars.iter().enumerate().flat_map(|(index, scalar)| known(*scalar).into_iter().map(move |on| (place(index), on))).collect())
+    Ok(scalars
+        .iter()
+        .enumerate()
+        .flat_map(|(index, scalar)| known(*scalar).into_iter().map(move |(on, kind)| (place(index), on, kind)))
+        .collect())
 }
 
 /// # Safety
@@ -76,8 +82,8 @@ pub unsafe extern "C" fn fmi3GetVariableDependencies(
             }
             Err(why) => return refuse(component, &why),
         };
-        for (place, (element, on)) in found.into_iter().enumerate() {
-            (elements[place], independents[place], others[place], kinds[place]) = (element, on, 0, DEPENDENT);
+        for (place, (element, on, kind)) in found.into_iter().enumerate() {
+            (elements[place], independents[place], others[place], kinds[place]) = (element, on, 0, kind);
         }
         Status::Ok
     })

@@ -1,9 +1,10 @@
 //! Derivatives of outputs: with respect to time, and, where the description says so, to inputs.
 
-use super::super::common::{guard, refuse, refused, report, slice, slice_mut};
+use super::super::common::{guard, refuse, report, slice, slice_mut};
 use super::super::types::{Component, Status, ValueReference};
 use super::super::values::NULL;
 use super::values::with_scalars;
+use crate::fmi::instance::{CallError, Instance as FmiInstance};
 
 /// # Safety
 /// FMI 3.0's rules for pointers; null is refused.
@@ -30,11 +31,77 @@ pub unsafe extern "C" fn fmi3GetOutputDerivatives(
     })
 }
 
-// To be answered here once they are provided; the description's capabilities say so too (`DIRECTIONAL_DERIVATIVES`).
-refused! {
-    "is not supported (providesDirectionalDerivatives and providesAdjointDerivatives are false)";
-    fmi3GetDirectionalDerivative(_unknowns: *const ValueReference, _nu: usize, _knowns: *const ValueReference, _nk: usize,
-        _seed: *const f64, _ns: usize, _sensitivity: *mut f64, _n: usize);
-    fmi3GetAdjointDerivative(_unknowns: *const ValueReference, _nu: usize, _knowns: *const ValueReference, _nk: usize,
-        _seed: *const f64, _ns: usize, _sensitivity: *mut f64, _n: usize);
+/// Unknowns with their number of values, knowns with theirs: pointers as they come.
+struct Pairs {
+    unknowns: *const ValueReference,
+    n_unknowns: usize,
+    knowns: *const ValueReference,
+    n_knowns: usize,
+    seeds: *const f64,
+    n_seeds: usize,
+    derivatives: *mut f64,
+    n_derivatives: usize,
+}
+
+/// Runs `find` on the scalars of both lists, seeds and what is to be filled; `adjoint`: the seeds are those of the unknowns.
+unsafe fn with_pairs(
+    c: Component,
+    pairs: Pairs,
+    adjoint: bool,
+    find: impl FnOnce(&mut FmiInstance, &[u32], &[u32], &[f64], &mut [f64]) -> Result<(), CallError>,
+) -> Status {
+    guard(c, |component| {
+        let lists = unsafe { (slice(pairs.unknowns, pairs.n_unknowns), slice(pairs.knowns, pairs.n_knowns)) };
+        let numbers = unsafe { (slice(pairs.seeds, pairs.n_seeds), slice_mut(pairs.derivatives, pairs.n_derivatives)) };
+        let ((Some(unknowns), Some(knowns)), (Some(seeds), Some(derivatives))) = (lists, numbers) else { return refuse(component, NULL) };
+        let (of_unknowns, of_knowns) = if adjoint { (seeds.len(), derivatives.len()) } else { (derivatives.len(), seeds.len()) };
+        with_scalars(component, unknowns, of_unknowns, false, |component, unknowns| {
+            with_scalars(component, knowns, of_knowns, false, |component, knowns| {
+                let answer = find(&mut component.instance, unknowns, knowns, seeds, derivatives);
+                report(component, answer)
+            })
+        })
+    })
+}
+
+/// # Safety
+/// FMI 3.0's rules for pointers; null is refused.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
+    c: Component,
+    unknowns: *const ValueReference,
+    n_unknowns: usize,
+    knowns: *const ValueReference,
+    n_knowns: usize,
+    seeds: *const f64,
+    n_seeds: usize,
+    derivatives: *mut f64,
+    n_derivatives: usize,
+) -> Status {
+    let pairs = Pairs { unknowns, n_unknowns, knowns, n_knowns, seeds, n_seeds, derivatives, n_derivatives };
+    let find = |instance: &mut FmiInstance, unknowns: &[u32], knowns: &[u32], seeds: &[f64], derivatives: &mut [f64]| {
+        instance.directional_derivative(unknowns, (knowns, seeds), derivatives)
+    };
+    unsafe { with_pairs(c, pairs, false, find) }
+}
+
+/// # Safety
+/// FMI 3.0's rules for pointers; null is refused.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetAdjointDerivative(
+    c: Component,
+    unknowns: *const ValueReference,
+    n_unknowns: usize,
+    knowns: *const ValueReference,
+    n_knowns: usize,
+    seeds: *const f64,
+    n_seeds: usize,
+    derivatives: *mut f64,
+    n_derivatives: usize,
+) -> Status {
+    let pairs = Pairs { unknowns, n_unknowns, knowns, n_knowns, seeds, n_seeds, derivatives, n_derivatives };
+    let find = |instance: &mut FmiInstance, unknowns: &[u32], knowns: &[u32], seeds: &[f64], derivatives: &mut [f64]| {
+        instance.adjoint_derivative((unknowns, seeds), knowns, derivatives)
+    };
+    unsafe { with_pairs(c, pairs, true, find) }
 }
