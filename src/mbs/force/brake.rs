@@ -11,7 +11,7 @@
 //! ```text
 //! theta' = v (1 - s) - (1 - |v| / rho_M) max(0, |theta| - theta_M) / tau sign(theta)
 //! s = 0 up to |theta| = a theta_M,  (|theta|/theta_M - a) / (1 - a) beyond;   only while the brake is loaded: theta rho > 0
-//! T = k theta + c v (1 - s) / (1 + |c v (1 - s)| / (b M)),   against the motion;   unloading: k theta v / rho in place of k theta
+//! T = k theta + c v (1 - s) / sqrt(1 + (c v (1 - s) / (b M))^2),   against the motion;   unloading: k theta v / rho in place of k theta
 //! ```
 //!
 //! Below a M (a = 0.7) nothing slips: an axle at rest stays where it is, without creep; at speed theta rests at theta_M and T = M. The bound of v keeps
@@ -111,10 +111,10 @@ impl Brake {
         grip.rate_by_speed = by_speed - by_speed_of_resting * excess / self.relaxation;
         let (c, bend) = (k * self.damping_time, DAMPED * most);
         if bend > 0.0 {
-            let softer = bend / (bend + (c * elastic).abs());
+            let softer = bend / bend.hypot(c * elastic);
             grip.torque += c * elastic * softer;
-            grip.torque_by_angle += c * by_angle * softer * softer;
-            grip.torque_by_speed += c * by_speed * softer * softer;
+            grip.torque_by_angle += c * by_angle * softer.powi(3);
+            grip.torque_by_speed += c * by_speed * softer.powi(3);
         }
         grip
     }
