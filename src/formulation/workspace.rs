@@ -45,6 +45,8 @@ pub struct ContactReport {
     pub deflection_rates: [f64; transient::STATES],
     /// Force on the wheelset in the world (on straight track the track frame), N.
     pub force: Vector3<f64>,
+    /// mu N of a part of a patch of strips, N: where parts are partly one, friction that varies across the head is mixed as their forces are.
+    pub friction_bound: Option<f64>,
     pub iterations: usize,
     /// Is the contact a constraint (its normal force a multiplier), not elastic?
     pub constrained: bool,

@@ -46,7 +46,7 @@ pub fn strip_patch(scene: &Scene, pair: &Pair, motion: &Motion) -> Option<StripP
             let contact = RollingContact { creepage, ..contact };
             uneven.force(&law.force(&contact), &contact)
         });
-        Creep { force: axes.e1 * found.longitudinal + axes.e2 * found.lateral, moment: found.spin_moment }
+        Creep { force: axes.e1 * found.longitudinal + axes.e2 * found.lateral, moment: found.spin_moment, bound: contact.bound() }
     };
     let own: Vec<Part> = (0..=last).map(|k| part(k, k)).collect();
     let forces: Vec<f64> = own.iter().map(|part| part.load).collect();

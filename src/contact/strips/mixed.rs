@@ -20,19 +20,21 @@ use std::ops::{Add, Mul};
 pub struct Creep {
     pub force: Vector3<f64>,
     pub moment: f64,
+    /// mu N, N: what friction allows.
+    pub bound: f64,
 }
 
 impl Add for Creep {
     type Output = Creep;
     fn add(self, other: Creep) -> Creep {
-        Creep { force: self.force + other.force, moment: self.moment + other.moment }
+        Creep { force: self.force + other.force, moment: self.moment + other.moment, bound: self.bound + other.bound }
     }
 }
 
 impl Mul<f64> for Creep {
     type Output = Creep;
     fn mul(self, factor: f64) -> Creep {
-        Creep { force: self.force * factor, moment: self.moment * factor }
+        Creep { force: self.force * factor, moment: self.moment * factor, bound: self.bound * factor }
     }
 }
 

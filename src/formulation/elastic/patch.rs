@@ -66,6 +66,7 @@ pub(super) fn press_wheel(
         let along = |axis: &Vector3<f64>| creep.force.dot(axis);
         (report.creep_force.longitudinal, report.creep_force.lateral) = (along(&report.axes.e1), along(&report.axes.e2));
         report.creep_force.spin_moment = creep.moment;
+        report.friction_bound = Some(creep.bound);
         report.add_to(wrench, report.force, &wheel.motion.position);
         *(if slot == 0 { &mut *first } else { &mut further[slot - 1] }) = *report;
     }
@@ -131,7 +132,7 @@ impl Wheel<'_> {
             (report.patch, report.normal_force) = (part.patch, loads[first..=last].iter().sum());
             let uneven = self.wheel.uneven(self.parts.share(self.pressed, first, last), &part, &report.axes);
             contact.creep_as(&mut report, |law, rolling| uneven.force(law, rolling));
-            creep_of(&report)
+            creep_of(&report, self.wheel.friction_at(&report))
         });
         Ok((creeps, forces))
     }
@@ -154,9 +155,13 @@ pub(in crate::formulation) fn location(part: &Part, motion: &BodyMotion) -> Cont
     }
 }
 
-fn creep_of(report: &ContactReport) -> Creep {
+fn creep_of(report: &ContactReport, friction: f64) -> Creep {
     let (axes, creep) = (&report.axes, &report.creep_force);
-    Creep { force: axes.e1 * creep.longitudinal + axes.e2 * creep.lateral, moment: creep.spin_moment }
+    Creep {
+        force: axes.e1 * creep.longitudinal + axes.e2 * creep.lateral,
+        moment: creep.spin_moment,
+        bound: friction * report.normal_force,
+    }
 }
 
 /// Rail coordinate of each part of a wheel's patch, m, and the highest pressure in it, Pa.

@@ -185,7 +185,8 @@ impl Audit {
                     if report.constrained {
                         keep(&mut self.gap, report.penetration.abs(), snapshot.time);
                     }
-                    let bound = factor * model.friction_at(side, motion, report) * report.normal_force.max(0.0);
+                    let own = || factor * model.friction_at(side, motion, report) * report.normal_force.max(0.0);
+                    let bound = report.friction_bound.unwrap_or_else(own);
                     let creep = report.creep_force.longitudinal.hypot(report.creep_force.lateral);
                     if self.bounded_creep {
                         keep(&mut self.beyond, (creep - bound) / (bound + NO_FORCE), snapshot.time);
