@@ -170,8 +170,13 @@ impl TransientContact {
     /// Rates of the states of a contact without load, whose wheel rolls with this speed [m/s].
     #[inline]
     pub fn unloaded_rates(&self, speed: f64, state: &[f64; STATES]) -> [f64; STATES] {
-        let rate = self.liveliness(speed.abs()) / self.settings.time_floor;
+        let rate = self.fading(speed);
         state.map(|x| -x * rate)
+    }
+
+    /// How fast states fade that nothing holds, 1/s.
+    fn fading(&self, speed: f64) -> f64 {
+        self.liveliness(speed.abs()) / self.settings.time_floor
     }
 
     /// Measures the law's saturation (a few hundred calls); not for the stepping path.

@@ -57,8 +57,7 @@ struct Range {
 impl TransientContact {
     /// Derivatives at the same place as [`TransientContact::evaluate`].
     pub fn slopes(&self, law: &dyn CreepLaw, contact: &LoadedPatch, slip: &SlipVelocity, state: &[f64; STATES]) -> TransientSlopes {
-        let lively = self.liveliness(slip.rolling.abs());
-        let fading = lively / self.settings.time_floor;
+        let (lively, fading) = (self.liveliness(slip.rolling.abs()), self.fading(slip.rolling));
         let Some(elastic) = self.relaxation.of(contact.patch).filter(|_| contact.normal_force > 0.0) else {
             let by_deflection = Matrix2::identity() * -fading;
             return TransientSlopes { rate_by_deflection: by_deflection, direction_rate: -fading, ..TransientSlopes::default() };

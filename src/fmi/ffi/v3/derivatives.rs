@@ -4,7 +4,6 @@ use super::super::common::{guard, refuse, report, slice, slice_mut};
 use super::super::types::{Component, Status, ValueReference};
 use super::super::values::NULL;
 use super::values::with_scalars;
-use crate::fmi::instance::{CallError, Instance as FmiInstance};
 
 /// # Safety
 /// FMI 3.0's rules for pointers; null is refused.
@@ -43,13 +42,8 @@ struct Pairs {
     n_derivatives: usize,
 }
 
-/// Runs `find` on the scalars of both lists, seeds and what is to be filled; `adjoint`: the seeds are those of the unknowns.
-unsafe fn with_pairs(
-    c: Component,
-    pairs: Pairs,
-    adjoint: bool,
-    find: impl FnOnce(&mut FmiInstance, &[u32], &[u32], &[f64], &mut [f64]) -> Result<(), CallError>,
-) -> Status {
+/// Derivatives by the scalars of both lists; `adjoint`: the seeds are those of the unknowns.
+unsafe fn derive(c: Component, pairs: Pairs, adjoint: bool) -> Status {
     guard(c, |component| {
         let lists = unsafe { (slice(pairs.unknowns, pairs.n_unknowns), slice(pairs.knowns, pairs.n_knowns)) };
         let numbers = unsafe { (slice(pairs.seeds, pairs.n_seeds), slice_mut(pairs.derivatives, pairs.n_derivatives)) };
@@ -57,7 +51,10 @@ unsafe fn with_pairs(
         let (of_unknowns, of_knowns) = if adjoint { (seeds.len(), derivatives.len()) } else { (derivatives.len(), seeds.len()) };
         with_scalars(component, unknowns, of_unknowns, false, |component, unknowns| {
             with_scalars(component, knowns, of_knowns, false, |component, knowns| {
-                let answer = find(&mut component.instance, unknowns, knowns, seeds, derivatives);
+                let answer = match adjoint {
+                    true => component.instance.adjoint_derivative((unknowns, seeds), knowns, derivatives),
+                    false => component.instance.directional_derivative(unknowns, (knowns, seeds), derivatives),
+                };
                 report(component, answer)
             })
         })
@@ -79,10 +76,7 @@ pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
     n_derivatives: usize,
 ) -> Status {
     let pairs = Pairs { unknowns, n_unknowns, knowns, n_knowns, seeds, n_seeds, derivatives, n_derivatives };
-    let find = |instance: &mut FmiInstance, unknowns: &[u32], knowns: &[u32], seeds: &[f64], derivatives: &mut [f64]| {
-        instance.directional_derivative(unknowns, (knowns, seeds), derivatives)
-    };
-    unsafe { with_pairs(c, pairs, false, find) }
+    unsafe { derive(c, pairs, false) }
 }
 
 /// # Safety
@@ -100,8 +94,5 @@ pub unsafe extern "C" fn fmi3GetAdjointDerivative(
     n_derivatives: usize,
 ) -> Status {
     let pairs = Pairs { unknowns, n_unknowns, knowns, n_knowns, seeds, n_seeds, derivatives, n_derivatives };
-    let find = |instance: &mut FmiInstance, unknowns: &[u32], knowns: &[u32], seeds: &[f64], derivatives: &mut [f64]| {
-        instance.adjoint_derivative((unknowns, seeds), knowns, derivatives)
-    };
-    unsafe { with_pairs(c, pairs, true, find) }
+    unsafe { derive(c, pairs, true) }
 }
