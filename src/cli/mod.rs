@@ -23,6 +23,7 @@ mod sweep;
 mod table;
 
 use crate::scene::load::{self, SceneError};
+use crate::scene::patch_choice;
 use crate::scene::spec::{MOST_STEPS, Scene};
 use crate::settings::{Entry, did_you_mean};
 use crate::sim::Simulation;
@@ -89,6 +90,15 @@ struct SceneArguments {
 impl SceneArguments {
     fn open(&self) -> Result<Scene, SceneError> {
         load::open(&self.scene, &self.overrides)
+    }
+
+    /// The overrides with which all of these formulations have the same patch; says so where that is another one than the scene's.
+    fn alike(&self, scene: &Scene, formulations: &[&str]) -> Vec<String> {
+        let change = patch_choice::alike(scene, formulations);
+        if let Some(change) = &change {
+            say(&format!("{change} for all, so that formulations differ in nothing else; name contact.patch to have another one"));
+        }
+        self.overrides.iter().cloned().chain(change).collect()
     }
 }
 

@@ -158,6 +158,9 @@ type Parse = fn(&Section) -> Result<Build, SettingsError>;
 /// Every formulation that a scene can name.
 pub static REGISTRY: &[Entry<Parse>] = &[rigid::accf::ENTRY, rigid::eccf::ENTRY, elastic::ecf_a::ENTRY, elastic::ecf_n::ENTRY];
 
+/// Names of those whose contact is a constraint: [`Formulation::constrains`] before there is a model.
+pub const CONSTRAINTS: [&str; 2] = [rigid::accf::ENTRY.name, rigid::eccf::ENTRY.name];
+
 /// Reads `contact.formulation`; returns its name and the formulation.
 ///
 /// # Errors

@@ -51,7 +51,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
             friction_map: contact.friction_map.clone(),
             transient,
             material: contact.material,
-            patch: contact.patch,
+            patch: contact.patch.law,
         },
         points: scene.points,
         prepared: scene.prepared.clone(),

@@ -1,7 +1,7 @@
 //! Takes what `[effects]` leaves out off the data that was read.
 
 use super::effects::{ABRUPT, Effects, QUANTITIES, Switch};
-use super::spec::{ContactSpec, TrackSpec};
+use super::spec::{ContactSpec, PatchSpec, TrackSpec};
 use super::vehicle::VehicleSpec;
 use crate::contact::creep;
 use crate::contact::patch::PatchLaw;
@@ -19,7 +19,9 @@ impl Effects {
     /// [`SettingsError`] where that can't be done.
     pub(super) fn leave_out_of_contact(&self, contact: &mut ContactSpec, section: &Section) -> Result<(), SettingsError> {
         if self.is_off(Switch::Spin) {
-            if contact.patch == PatchLaw::Strips {
+            if contact.patch.why.is_some() {
+                contact.patch = PatchSpec { law: PatchLaw::Ellipse, why: Some("effects.spin = \"off\" is known of ellipses alone") };
+            } else if contact.patch.law == PatchLaw::Strips {
                 let problem = "found \"off\", but each strip of contact.patch = \"strips\" has its own slip, of which spin is a part; expected contact.patch = \"ellipse\"";
                 return Err(section.error("spin", problem));
             }

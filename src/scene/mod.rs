@@ -12,6 +12,7 @@ mod leave_out;
 mod limits;
 pub mod load;
 mod overrides;
+pub mod patch_choice;
 pub mod plan;
 mod profiles;
 mod read;

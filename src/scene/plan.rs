@@ -1,6 +1,7 @@
 //! What a scene makes the program compute, and what not: the list behind `wheelrail plan`.
 
 use super::cautions::cautions;
+use super::patch_choice;
 use super::remarks::remarks;
 use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
@@ -142,12 +143,11 @@ fn contact_effects(scene: &Scene, model: &Model, all: &mut Effects) {
         let why = if left == right { left } else { format!("left: {left}; right: {right}") };
         all.add(name, true, why, 0);
     }
-    let strips = contact.patch == PatchLaw::Strips;
+    let strips = contact.patch.law == PatchLaw::Strips;
+    let patch = patch_choice::describe(&contact.patch);
     let why = match strips {
-        true => {
-            "contact.patch = \"strips\": all that overlaps presses, forces at the load's centre; instead of contact.normal.law".to_string()
-        }
-        false => format!("contact.patch = \"{}\"", contact.patch_name),
+        true => format!("{patch}; all that overlaps presses, forces at the load's centre"),
+        false => patch,
     };
     all.add("non-elliptic patches", strips, why, 0);
     let why = match strips {
@@ -321,7 +321,7 @@ fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
     }
     const CONVEX: &str = "only one place can touch (the profiles are strictly convex against each other)";
     let [left, right] = Side::BOTH.map(|side| model.searches_contacts(contact_index(0, side)));
-    if scene.contact.patch == PatchLaw::Strips {
+    if scene.contact.patch.law == PatchLaw::Strips {
         return (true, format!("contact.patch = \"strips\": parts of patches, up to {points}"));
     }
     let points = match scene.contact.points {

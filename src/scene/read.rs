@@ -4,7 +4,7 @@ use super::effects::Effects;
 use super::limits::{MOST_STEPS, SMALLEST_MODULUS};
 use super::profiles::read_profiles;
 use super::spec::*;
-use super::{assemble, solver_choice};
+use super::{assemble, patch_choice, solver_choice};
 use crate::contact::friction::FrictionMap;
 use crate::contact::patch::PatchLaw;
 use crate::contact::transient::TransientSettings;
@@ -75,7 +75,7 @@ impl Scene {
         let prepared = PreparedSearches::default();
         let points = MOST_POINTS;
         let mut scene = Scene { name, source, title, vehicle, track, contact, effects, solver, interface, run, prepared, points };
-        scene.points = match scene.contact.patch {
+        scene.points = match scene.contact.patch.law {
             // All places at which surfaces may overlap.
             PatchLaw::Strips => MOST_POINTS,
             PatchLaw::Ellipse => scene.contact.points.unwrap_or_else(|| assemble::points_needed(&scene)),
@@ -205,15 +205,13 @@ fn read_inclination(section: &Section) -> Result<f64, SettingsError> {
 fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
     let formulation = section.keep(formulation::parse(&section))?;
     let material = section.keep(section.section("material").and_then(read_material))?;
-    let normal = section.keep(section.section("normal").and_then(|section| read_law(section, normal::parse)))?;
+    let normal = section.keep(read_normal(&section))?;
     let creep = section.keep(section.section("creep").and_then(|section| read_law(section, creep::parse)))?;
     let damping = section.keep(normal::damping::parse(&section))?;
     let friction = section.not_negative("friction", Dimension::None)?;
     let friction_map = section.keep(FrictionMap::parse(&section, friction))?;
-    let patch = section.keep(patch::parse(&section))?;
-    if section.has("points") && patch.is_some_and(|patch| patch.1 == PatchLaw::Strips) {
-        return Err(section.error("points", "stands beside contact.patch = \"strips\", which counts no places; expected one of them"));
-    }
+    let constrains = formulation.as_ref().is_some_and(|(name, _)| formulation::CONSTRAINTS.contains(name));
+    let patch = section.keep(patch::parse(&section).and_then(|named| patch_choice::choose(&section, named, constrains)))?;
     let points = section.keep(read_points(&section))?;
     let transient = section.keep(TransientSettings::parse(&section))?;
     section.clone().finish()?;
@@ -223,7 +221,7 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
         return Err(section.stop());
     };
     let (Some((damping, damping_law)), Some(points), Some(transient)) = (damping, points, transient) else { return Err(section.stop()) };
-    let (Some((patch_name, patch)), Some(friction_map)) = (patch, friction_map) else { return Err(section.stop()) };
+    let (Some(patch), Some(friction_map)) = (patch, friction_map) else { return Err(section.stop()) };
     Ok(ContactSpec {
         formulation_name,
         formulation,
@@ -238,7 +236,6 @@ fn read_contact(section: Section) -> Result<ContactSpec, SettingsError> {
         creep_name,
         creep,
         transient,
-        patch_name,
         patch,
     })
 }
@@ -248,6 +245,14 @@ fn read_material(section: Section) -> Result<Material, SettingsError> {
     let youngs_modulus = section.at_least("youngs_modulus", Dimension::Pressure, SMALLEST_MODULUS)?;
     section.finish()?;
     Ok(Material { youngs_modulus, poisson_ratio })
+}
+
+/// `[contact.normal]` and its name; without it Hertz's ellipses as they suit real profiles.
+fn read_normal(contact: &Section) -> Result<(String, normal::Build), SettingsError> {
+    match contact.has("normal") {
+        true => read_law(contact.section("normal")?, normal::parse),
+        false => Ok((normal::DEFAULT.to_string(), normal::over_the_patch())),
+    }
 }
 
 /// A law of contact and its name.

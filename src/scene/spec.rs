@@ -83,8 +83,15 @@ pub struct ContactSpec {
     pub creep_name: String,
     pub creep: creep::Build,
     pub transient: Option<TransientSettings>,
-    pub patch_name: &'static str,
-    pub patch: PatchLaw,
+    pub patch: PatchSpec,
+}
+
+/// `contact.patch`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PatchSpec {
+    pub law: PatchLaw,
+    /// Why "auto" is this law; `None` where the scene names it.
+    pub why: Option<&'static str>,
 }
 
 /// `[solver]`.

@@ -27,7 +27,8 @@ const REFERENCE: &str = "ECCF";
 #[command(after_long_help = "\
 Each formulation runs five times: once sampled every --step, once more like that with a finer integration (which shows how large its \
 numerical error is), and three times without outputs for the cost (median, CPU time of one core). contact.formulation of the scene \
-does not matter; everything else is the same for all.
+does not matter; everything else is the same for all (contact.patch = \"auto\" is \"ellipse\" for all where a constraint formulation is among \
+them).
 
 Pictures: SCENE_QUANTITY_FIRST_SECOND.svg for the pairs ACCF and ECCF, ECF-A and ECF-N, ECF-A and ECCF, as far as this program has \
 them; QUANTITY is lateral_displacement, yaw, height, normal_force_right, normal_force_left and, where a second contact is ever loaded, \
@@ -63,8 +64,9 @@ pub(super) fn compare(arguments: &Arguments) -> Result<(), Failure> {
     }
     let folder = arguments.output.as_deref().unwrap_or(Path::new("."));
     make_folder(folder)?;
-    let runs =
-        run_all(&arguments.scene, &chosen("--formulations", &arguments.formulations, names(formulation::REGISTRY))?, Times { stop, step });
+    let formulations = chosen("--formulations", &arguments.formulations, names(formulation::REGISTRY))?;
+    let overrides = arguments.scene.alike(&scene, &formulations);
+    let runs = run_all(&arguments.scene.scene, &overrides, &formulations, Times { stop, step });
     let comparison = Comparison {
         scene: &scene,
         wheelset,
@@ -96,13 +98,13 @@ pub(super) fn compare(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Runs the scene with each of the formulations.
-fn run_all(scene: &SceneArguments, formulations: &[&str], times: Times) -> Vec<Run> {
+fn run_all(scene: &str, overrides: &[String], formulations: &[&str], times: Times) -> Vec<Run> {
     let progress = Progress::new(times.stop * ((2 + ROUNDS) * formulations.len()) as f64);
     let entries = formulation::REGISTRY.iter().filter(|entry| formulations.contains(&entry.name));
     let run = |entry: &crate::settings::Entry<_>| {
-        let mut overrides = scene.overrides.clone();
+        let mut overrides = overrides.to_vec();
         overrides.push(format!("contact.formulation=\"{}\"", entry.name));
-        let scene = load::open(&scene.scene, &overrides).map_err(|error| error.to_string());
+        let scene = load::open(scene, &overrides).map_err(|error| error.to_string());
         Run::new(entry.name, entry.summary, scene, times, &progress)
     };
     let mut runs: Vec<Run> = entries.map(run).collect();

@@ -3,6 +3,7 @@
 use super::{Arguments, load, number};
 use crate::cli::{Failure, print, table};
 use crate::contact::creepage::Creepage;
+use crate::contact::patch::PatchLaw;
 use crate::scene::spec::Scene;
 use crate::settings::did_you_mean;
 use crate::study::pose::{Answer, Height, Place, Question, pose as evaluate};
@@ -222,13 +223,13 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
         number(1e3 * question.yaw, 3),
         number(1e3 * answer.roll, 4),
         question.speed,
-        contact.patch_name,
+        contact.patch.law.name(),
         contact.normal_name,
         contact.creep_name,
         table(&wheel_head, &wheels),
         table(&head, &LINES.iter().map(row).collect::<Vec<_>>())
     );
-    if contact.patch_name == "strips" {
+    if contact.patch.law == PatchLaw::Strips {
         text += "\n  a, b, and so area and mean pressure: the ellipse of the patch's moments; N and highest pressure: of its strips\n";
     }
     text
@@ -245,7 +246,7 @@ fn as_json(scene: &Scene, question: &Question, answer: &Answer) -> Value {
     };
     json!({
         "scene": scene.name, "title": scene.title, "y": question.y, "yaw": question.yaw, "roll": answer.roll, "speed": question.speed,
-        "pitch_rate": answer.pitch_rate, "patch": scene.contact.patch_name, "normal_law": scene.contact.normal_name,
+        "pitch_rate": answer.pitch_rate, "patch": scene.contact.patch.law.name(), "normal_law": scene.contact.normal_name,
         "creep_law": scene.contact.creep_name, "wheels": answer.wheels.each_ref().map(wheel),
     })
 }

@@ -109,7 +109,9 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.wheelset.wheelset.is_some() {
         arguments.wheelset.choose(&scene)?;
     }
-    let request = request(arguments, scene.run.step)?;
+    let formulations = chosen("--formulations", &arguments.formulations, names(formulation::REGISTRY))?;
+    let overrides = arguments.scene.alike(&scene, &formulations);
+    let request = request(arguments, scene.run.step, formulations, &overrides)?;
     if arguments.shares {
         return where_time_goes(arguments, &scene);
     }
@@ -172,7 +174,12 @@ fn run(request: &Request) -> Result<Study, Failure> {
 /// Distance of output times by default, s: a grid so dense that no error of a force hides between its times, and that no step of the lists divides.
 const DENSE: f64 = 0.73e-3;
 
-fn request(arguments: &Arguments, scene_step: f64) -> Result<Request<'_>, Failure> {
+fn request<'a>(
+    arguments: &'a Arguments,
+    scene_step: f64,
+    formulations: Vec<&'static str>,
+    overrides: &'a [String],
+) -> Result<Request<'a>, Failure> {
     let step = arguments.step.unwrap_or(scene_step.min(DENSE));
     let positive = |what: &str, value: f64| match value > 0.0 && value.is_finite() {
         true => Ok(value),
@@ -193,8 +200,8 @@ fn request(arguments: &Arguments, scene_step: f64) -> Result<Request<'_>, Failur
     };
     Ok(Request {
         scene: &arguments.scene.scene,
-        overrides: &arguments.scene.overrides,
-        formulations: chosen("--formulations", &arguments.formulations, names(formulation::REGISTRY))?,
+        overrides,
+        formulations,
         integrators: chosen("--integrators", &arguments.integrators, methods.collect())?,
         tolerances: numbers("--tolerances", &or_standard(&arguments.tolerances, TOLERANCES), Dimension::Length)?,
         steps: numbers("--steps", &or_standard(&arguments.steps, STEPS), Dimension::Time)?,

@@ -78,6 +78,14 @@ type Parse = fn(&Section) -> Result<Build, SettingsError>;
 /// Every normal law that a scene can name.
 pub static REGISTRY: &[Entry<Parse>] = &[hertz::ENTRY, assumed::ENTRY];
 
+/// The law of scenes that name none, see [`over_the_patch`].
+pub const DEFAULT: &str = hertz::ENTRY.name;
+
+/// Hertz's law with the curvature across taken over the patch, bounded where surfaces are conformal.
+pub fn over_the_patch() -> Build {
+    Arc::new(|material| Box::new(Hertz::over_the_patch(material)))
+}
+
 /// Reads `[contact.normal]`.
 ///
 /// # Errors

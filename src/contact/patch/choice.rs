@@ -1,41 +1,48 @@
 //! What a wheel's patch is in the equations of motion: `contact.patch`.
 
-use crate::settings::{Entry, Section, SettingsError, choose};
+use crate::settings::{Entry, Section, SettingsError};
 
 /// A law of the patch.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PatchLaw {
     /// An ellipse at each least distance of the undeformed surfaces.
-    #[default]
     Ellipse,
     /// Strips along the track over all that overlaps ([`crate::contact::strips`]).
     Strips,
 }
 
+impl PatchLaw {
+    /// As scenes call it.
+    pub fn name(self) -> &'static str {
+        REGISTRY.iter().find(|entry| entry.parse == self).map_or(AUTO, |entry| entry.name)
+    }
+}
+
+/// The word for: what fits the scene.
+pub const AUTO: &str = "auto";
+
 /// Every patch that a scene can name.
 pub static REGISTRY: &[Entry<PatchLaw>] = &[
     Entry {
-        name: "ellipse",
-        summary: "an ellipse at each least distance of the undeformed surfaces (default)",
-        reference: "Hertz 1881; paper, Eq. 28",
-        parse: PatchLaw::Ellipse,
-    },
-    Entry {
         name: "strips",
-        summary: "half-space contact of the real profiles by strips: any shape, patches join and part, forces at the load's centre",
+        summary: "half-space contact of the real profiles by strips: any shape, patches join and part, forces at the load's centre (default of ECF-A, ECF-N)",
         reference: "least potential of semi-elliptic strips, own derivation; 1 % of N against half-space contact on a grid",
         parse: PatchLaw::Strips,
     },
+    Entry {
+        name: "ellipse",
+        summary: "an ellipse at each least distance of the undeformed surfaces (default of ECCF, ACCF, of low speed and where [contact.normal] is named)",
+        reference: "Hertz 1881; paper, Eq. 28",
+        parse: PatchLaw::Ellipse,
+    },
 ];
 
-/// Reads `contact.patch`; returns its name and the law.
+/// Reads `contact.patch`; `None` where it is left to what fits the scene.
 ///
 /// # Errors
 /// [`SettingsError`] with file and line.
-pub fn parse(section: &Section) -> Result<(&'static str, PatchLaw), SettingsError> {
-    if !section.has("patch") {
-        return Ok((REGISTRY[0].name, PatchLaw::default()));
-    }
-    let entry = choose(REGISTRY, section, "patch")?;
-    Ok((entry.name, entry.parse))
+pub fn parse(section: &Section) -> Result<Option<PatchLaw>, SettingsError> {
+    let names: Vec<&'static str> = REGISTRY.iter().map(|entry| entry.name).chain([AUTO]).collect();
+    let word = section.word_or("patch", &names, AUTO)?;
+    Ok(REGISTRY.iter().find(|entry| entry.name == word).map(|entry| entry.parse))
 }

@@ -24,7 +24,7 @@ mod surfaces;
 #[cfg(test)]
 mod tests;
 
-pub use choice::{PatchLaw, REGISTRY, parse};
+pub use choice::{AUTO, PatchLaw, REGISTRY, parse};
 pub use lowering::depth_under_load;
 pub use pressed::Pressed;
 

@@ -11,6 +11,7 @@ use crate::geometry::profile::Flangeless;
 use crate::geometry::track::centre_line::Node;
 use crate::geometry::track::components;
 use crate::scene::effects::{QUANTITIES, Switch, stem};
+use crate::scene::patch_choice;
 use crate::scene::spec::Scene;
 use crate::scene::start;
 use serde::Serialize;
@@ -78,9 +79,13 @@ pub fn variants(scene: &Scene, model: &Model, stop: f64) -> Vec<Variant> {
 /// Places, patches and normal forces.
 fn contact(scene: &Scene, model: &Model, list: &mut List) {
     let contact = &scene.contact;
-    let (rigid, strips) = (model.formulation.constrains(), contact.patch == PatchLaw::Strips);
+    let (rigid, strips) = (model.formulation.constrains(), contact.patch.law == PatchLaw::Strips);
     match (rigid, strips) {
-        (true, _) => list.add("rigid contact", Kind::Other, "ECF-A", &["contact.formulation=ECF-A"]),
+        (true, _) => {
+            let alike = patch_choice::alike(scene, &[contact.formulation_name, "ECF-A"]);
+            let changes: Vec<&str> = ["contact.formulation=ECF-A"].into_iter().chain(alike.as_deref()).collect();
+            list.add("rigid contact", Kind::Other, "ECF-A", &changes);
+        }
         (false, false) => list.add("elastic contact", Kind::Other, "ECCF", &["contact.formulation=ECCF", "contact.on_lift=elastic"]),
         (false, true) => {}
     }
@@ -99,14 +104,15 @@ fn contact(scene: &Scene, model: &Model, list: &mut List) {
             &[r#"contact.normal={ law = "hertz", curvature = "patch", conformal = "bounded" }"#],
         );
     } else if !strips {
-        let over_patch = word(scene, &["contact", "normal"], "curvature").as_deref() == Some("patch");
+        // A scene without [contact.normal] has curvatures over the patch.
+        let stated = word(scene, &["contact", "normal"], "law").is_some();
+        let over_patch = !stated || word(scene, &["contact", "normal"], "curvature").as_deref() == Some("patch");
         let (kind, rule) = if over_patch { (Kind::Simpler, "point") } else { (Kind::Fuller, "patch") };
-        list.add(
-            format!("curvature at the {}", if over_patch { "patch" } else { "point" }),
-            kind,
-            rule,
-            &[&format!("contact.normal.curvature={rule}")],
-        );
+        let change = match stated {
+            true => format!("contact.normal.curvature={rule}"),
+            false => format!("contact.normal={{ law = \"hertz\", curvature = \"{rule}\", conformal = \"bounded\" }}"),
+        };
+        list.add(format!("curvature at the {}", if over_patch { "patch" } else { "point" }), kind, rule, &[&change]);
     }
     let searched = (0..model.wheelsets.len())
         .flat_map(|index| Side::BOTH.map(|side| contact_index(index, side)))
@@ -151,7 +157,7 @@ fn creep_law(scene: &Scene, list: &mut List) {
             if falls && FALLING.contains(&name) { format!(", friction_ratio = {ratio}, friction_decay = {decay}") } else { String::new() };
         format!("contact.creep={{ law = \"{name}\"{}{friction} }}", factors.concat())
     };
-    if scene.contact.patch != PatchLaw::Strips {
+    if scene.contact.patch.law != PatchLaw::Strips {
         list.switch(scene, Switch::Spin);
     }
     if law != "kalker_linear" {
