@@ -49,7 +49,7 @@ impl Lengths {
             sum.resize(count, 0.0);
         }
         for other in pressed.iter() {
-            let area = other.width * other.strip.overlap;
+            let area = other.width * other.strip.overlap.max(0.0);
             let (arc, moment) = (rail.strip(other.number).arc, area * other.strip.overlap);
             for ((first, second), own) in first.iter_mut().zip(second.iter_mut()).zip(arcs.iter()) {
                 let part = (own - arc) * (1.0 / WINDOW);

@@ -7,7 +7,7 @@
 //! Pi = 1/2 sum_ij K_ij(a_i, a_j) Q_i Q_j - sum_i Q_i (d_i - kappa_i a_i^2 / 8),      Q_i >= 0
 //! ```
 //!
-//! stationary (the true pressure makes it least among all pressures): K from [`influence`]; the mean of x^2 over a semi-ellipse is a^2 / 4. Patches of
+//! stationary (the true pressure makes it least among all pressures): K from [`influence`], d_i the mean over the strip's width; the mean of x^2 over a semi-ellipse is a^2 / 4. Patches of
 //! any number join and part without being counted, and feel each other. A Hertzian patch is among the pressures that can be described.
 //!
 //! *Half lengths.* Pi is nearly stationary in them: an error in a is one of second order in N. They are those of the Hertzian patch of the same

@@ -63,7 +63,7 @@ impl Scratch {
 
 /// Finds the strips over which the wheel overlaps, around the rail coordinates `places` [m] at which it may, and what they carry.
 ///
-/// The strips come in the order of their numbers, those without load among them.
+/// The strips come in the order of their numbers, those without load among them, and on each side of those that overlap one that does not.
 pub fn press<'s>(
     pair: &Pair,
     rail: &RailStrips,
@@ -74,13 +74,14 @@ pub fn press<'s>(
     let overlaps = Overlaps { pair, rail, section: Section::new(pair) };
     let pressed = &mut scratch.pressed;
     pressed.clear();
-    for start in places.map(|eta| rail.nearest(eta)) {
-        // Strips of an earlier place end here, or have been gone through already.
-        if !pressed.iter().any(|known| known.number == start) {
-            let known = pressed.len();
-            overlaps.around(start, pressed);
-            let before = pressed[..known].iter().filter(|own| own.number < start).count();
-            pressed[before..].rotate_left(known - before);
+    for nearest in places.map(|eta| rail.nearest(eta)) {
+        match pressed.iter().find(|known| known.number == nearest) {
+            None => overlaps.join(nearest, pressed),
+            // The place lies beside the end of an earlier one.
+            Some(end) if !(end.strip.overlap > 0.0) => {
+                [nearest.wrapping_sub(1), nearest + 1].iter().for_each(|start| overlaps.join(*start, pressed))
+            }
+            Some(_) => {}
         }
     }
     scratch.press(pair, rail, material)
@@ -89,8 +90,14 @@ pub fn press<'s>(
 /// The same where nothing is known: all strips are looked at.
 pub fn press_anywhere<'s>(pair: &Pair, rail: &RailStrips, material: Material, scratch: &'s mut Scratch) -> &'s [Pressed] {
     let overlaps = Overlaps { pair, rail, section: Section::new(pair) };
-    scratch.pressed.clear();
-    scratch.pressed.extend((0..rail.len()).filter_map(|number| overlaps.strip(number, (0.0, 0.0))));
+    let Scratch { pressed, inside, .. } = scratch;
+    pressed.clear();
+    pressed.extend((0..rail.len()).filter_map(|number| overlaps.strip(number, (0.0, 0.0))));
+    let kept = |k: usize| (k.saturating_sub(1)..=k + 1).filter_map(|beside| pressed.get(beside)).any(|own| own.strip.overlap > 0.0);
+    inside.clear();
+    inside.extend((0..pressed.len()).map(kept));
+    let mut kept = inside.iter();
+    pressed.retain(|_| kept.next().is_some_and(|kept| *kept));
     scratch.press(pair, rail, material)
 }
 
@@ -102,15 +109,26 @@ struct Overlaps<'a> {
 }
 
 impl Overlaps<'_> {
-    /// A strip over which the wheel overlaps, from about where it is (lead and overlap, m).
+    /// A strip over which the wheel stands, from about where it is (lead and overlap, m).
     #[inline]
     fn strip(&self, number: usize, about: (f64, f64)) -> Option<Pressed> {
         let own = self.rail.strip(number);
-        let strip = Strip::new(self.pair, &self.section, (own.eta, &own.profile), about).filter(|strip| strip.overlap > 0.0)?;
+        let strip = Strip::new(self.pair, &self.section, (own.eta, &own.profile), about)?;
         Some(Pressed { number, strip, width: own.width, ..Pressed::default() })
     }
 
-    /// Adds the strips on both sides of one as far as the wheel overlaps, in the order of their numbers.
+    /// Adds those around a strip that is not among them yet to strips in the order of their numbers.
+    fn join(&self, start: usize, pressed: &mut Vec<Pressed>) {
+        if start >= self.rail.len() || pressed.iter().any(|known| known.number == start) {
+            return;
+        }
+        let known = pressed.len();
+        self.around(start, pressed);
+        let before = pressed[..known].iter().filter(|own| own.number < start).count();
+        pressed[before..].rotate_left(known - before);
+    }
+
+    /// Adds the strips on both sides of one up to the first over which the wheel does not overlap, in the order of their numbers.
     fn around(&self, start: usize, pressed: &mut Vec<Pressed>) {
         let first = pressed.len();
         let here = self.strip(start, (0.0, 0.0));
@@ -121,16 +139,17 @@ impl Overlaps<'_> {
         self.along(start + 1..self.rail.len(), first, pressed);
     }
 
-    /// Adds strips after those from `first` on, up to one over which the wheel does not overlap or which stands before.
+    /// Adds strips after those from `first` on, up to one over which the wheel does not overlap, or one which stands before.
     #[inline]
     fn along(&self, numbers: impl Iterator<Item = usize>, first: usize, pressed: &mut Vec<Pressed>) {
         for number in numbers {
             if pressed[..first].iter().any(|known| known.number == number) {
                 break;
             }
-            match self.strip(number, about(&pressed[first..])) {
-                Some(found) => pressed.push(found),
-                None => break,
+            let Some(found) = self.strip(number, about(&pressed[first..])) else { break };
+            pressed.push(found);
+            if !(found.strip.overlap > 0.0) {
+                break;
             }
         }
     }
@@ -150,6 +169,24 @@ fn about(found: &[Pressed]) -> (f64, f64) {
     }
 }
 
+/// By how much the mean overlap over a strip's width w is more than that in its middle, m: `w^2 / 24 d''`, d'' of the parabola through the strip and its
+/// neighbours; 0 where there is none beside the rail's end.
+///
+/// What a strip feels of loads is a mean over widths too ([`super::rail`]). Without this a patch of five strips carried 2 % more.
+#[inline]
+fn sag(rail: &RailStrips, pressed: &[Pressed], k: usize) -> f64 {
+    let own = &pressed[k];
+    let beside = (k.checked_sub(1).and_then(|k| pressed.get(k)), pressed.get(k + 1));
+    let (Some(before), Some(after)) = beside else { return 0.0 };
+    if before.number + 1 != own.number || after.number != own.number + 1 {
+        return 0.0;
+    }
+    let [a, b, c] = [before, own, after].map(|strip| (rail.strip(strip.number).arc, strip.strip.overlap));
+    let slope = |from: (f64, f64), to: (f64, f64)| (to.1 - from.1) / (to.0 - from.0);
+    let bend = 2.0 * (slope(b, c) - slope(a, b)) / (c.0 - a.0);
+    own.width * own.width / 24.0 * bend
+}
+
 /// The loads: none pulls, and no strip without load overlaps.
 fn carry(rail: &RailStrips, scratch: &mut Scratch) {
     let Scratch { pressed, feeling, matrix, filled, wanted, inside, touching, factor, loads, left, compliance, .. } = scratch;
@@ -161,7 +198,7 @@ fn carry(rail: &RailStrips, scratch: &mut Scratch) {
     filled.resize(count, false);
     wanted.clear();
     let less = |own: &Pressed| own.strip.curvature * own.half_length * own.half_length / 8.0;
-    wanted.extend(pressed.iter().map(|own| (own.strip.overlap - less(own)) / *compliance));
+    wanted.extend((0..count).map(|k| (pressed[k].strip.overlap + sag(rail, pressed, k) - less(&pressed[k])) / *compliance));
     for _ in 0..MOST_SETS {
         touching.clear();
         touching.extend((0..count).filter(|k| inside[*k]));

@@ -1,15 +1,17 @@
 //! What a right-hand side and a Jacobian consist of: evaluations made again in parts, each part by itself.
 //!
 //! The whole; the laws of contact with the contacts' own arguments, as often as the evaluation calls them (counters of the workspace tell);
-//! places on a curved track; the bodies' motion with the force elements; the equations of motion. Contact search is what is left: places,
-//! surfaces' geometry, slip, summing up of wrenches. Constraint formulations solve the equations of motion together with the contacts, so both
+//! places on a curved track; the bodies' motion with the force elements; the equations of motion. The normal law of a patch of strips is what presses
+//! them. Contact search is what is left: places, surfaces' geometry, slip (of each strip too), summing up of wrenches. Constraint formulations solve the equations of motion together with the contacts, so both
 //! stay together there. Of several times the shortest counts: others on the machine make some calls longer, none shorter.
 
 use super::Part;
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::in_rolling_direction;
 use crate::contact::normal::damping::damped_force;
+use crate::contact::patch::PatchLaw;
 use crate::contact::search::algebraic::Pair;
+use crate::contact::strips::{RailStrips, Scratch, press};
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::step::WheelRef;
 use crate::formulation::{ContactReport, Evaluation, Model, Workspace};
@@ -173,13 +175,23 @@ fn laws(model: &Model, workspace: &Workspace, loops: u64) -> (f64, f64) {
     let constrained = model.wheels().flat_map(|wheel| reports(wheel.contact)).filter(|report| report.constrained).count();
     let again = loops as f64 / constrained.max(1) as f64;
     let (mut normal, mut creep) = (0.0, 0.0);
+    let material = model.laws.material;
     for WheelRef { wheelset, side, contact } in model.wheels() {
         let motion = &workspace.system.motions[wheelset.body];
         let (wheel, rail, speed) = (wheelset.wheel(side), model.track.rail(side), wheelset.speed(motion));
         let pair = Pair { wheel, rail, centre: &motion.position, axes: &motion.frame.axes, distance: motion.distance };
+        if model.laws.patch == PatchLaw::Strips {
+            let rail = RailStrips::new(rail.profile.as_ref());
+            let mut scratch = Scratch::new(rail.len());
+            let places = || reports(contact).map(|report| report.parameters.rail);
+            normal += per_call(|| press(black_box(&pair), &rail, places(), material, &mut scratch).len());
+        }
         for report in reports(contact) {
             let times = if report.constrained { again } else { 1.0 };
             creep += times * per_call(|| creep_force(model, report, speed));
+            if model.laws.patch == PatchLaw::Strips {
+                continue;
+            }
             let Ok(found) = pair.locate(&report.parameters) else { continue };
             let shape = found.shape(wheel, rail);
             let penetration = match report.constrained {
