@@ -12,6 +12,8 @@ const ELLIPSES_ALONE: [(&str, &str); 3] = [
     ("points", "contact.points counts ellipses"),
 ];
 
+const RIGID: &str = "constraints hold one place of each wheel";
+
 /// The patch of a scene from what it names, `None` where that is left open, and from its formulation: does it constrain?
 ///
 /// The patch that really forms wherever it can be had: against half-space contact the ellipse at the deepest place is off by up to
@@ -26,7 +28,7 @@ pub(super) fn choose(section: &Section, named: Option<PatchLaw>, constrains: boo
             Err(section.error("points", "stands beside contact.patch = \"strips\", which counts no places; expected one of them"))
         }
         Some(law) => Ok(PatchSpec { law, why: None }),
-        None if constrains => Ok(PatchSpec { law: PatchLaw::Ellipse, why: Some("constraints hold one place of each wheel") }),
+        None if constrains && asked.is_none() => Ok(PatchSpec { law: PatchLaw::Ellipse, why: Some(RIGID) }),
         None => Ok(match asked {
             Some(why) => PatchSpec { law: PatchLaw::Ellipse, why: Some(why) },
             None => PatchSpec { law: PatchLaw::Strips, why: Some("the patch that really forms") },
@@ -38,7 +40,8 @@ pub(super) fn choose(section: &Section, named: Option<PatchLaw>, constrains: boo
 pub fn alike(scene: &Scene, formulations: &[&str]) -> Option<String> {
     let rigid = |name: &&str| CONSTRAINTS.contains(name);
     let mixed = formulations.iter().any(rigid) && !formulations.iter().all(rigid);
-    let open = scene.contact.patch.why.is_some();
+    let PatchSpec { law, why } = scene.contact.patch;
+    let open = law == PatchLaw::Strips && why.is_some() || why == Some(RIGID);
     (mixed && open).then(|| format!("contact.patch=\"{}\"", PatchLaw::Ellipse.name()))
 }
 

@@ -551,7 +551,7 @@ fn analytic_a_pose_carries_its_load_and_says_what_hertz_and_kalker_say() {
 #[test]
 fn equiv_a_pose_is_what_the_patch_command_and_a_start_say() {
     // The ellipse beside the half-space patch stands at the same load.
-    let (_, found) = places("wheelset_s1002", "y=3mm,load=50kN", &[]);
+    let (_, found) = places("wheelset_s1002", "y=3mm,load=50kN", &["--set", "contact.patch=ellipse"]);
     let (stdout, _, _) = contact(&["wheelset_s1002", "--patch", "--y", "3mm", "--load", "50kN", "--json"]);
     let patch: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     for (place, wheel) in found.iter().zip(patch["wheels"].as_array().unwrap()) {

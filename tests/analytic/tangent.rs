@@ -314,3 +314,40 @@ fn analytic_tangent_with_friction_by_place() {
         [0.03, 0.05],
     );
 }
+
+/// The oscillation of a wheelset on its contacts that grows fastest: growth and circular frequency, 1/s.
+fn fastest(linearised: &Linearised, matrix: &DMatrix<f64>) -> (f64, f64) {
+    const FAST: f64 = 300.0;
+    let (count, first) = (6 * linearised.bodies, 6 * linearised.wheelset);
+    let mut own = DMatrix::<f64>::zeros(12, 12);
+    for i in 0..6 {
+        own[(i, 6 + i)] = 1.0;
+        for j in 0..6 {
+            own[(6 + i, j)] = matrix[(count + first + i, first + j)];
+            own[(6 + i, 6 + j)] = matrix[(count + first + i, count + first + j)];
+        }
+    }
+    // Times of 1 ms: numbers of both halves are alike.
+    own.view_mut((0, 6), (6, 6)).scale_mut(1e3);
+    own.view_mut((6, 0), (6, 6)).scale_mut(1e-3);
+    let values = own.complex_eigenvalues();
+    values.iter().map(|value| (value.re, value.im)).filter(|value| value.1 > FAST).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+}
+
+/// Two parts of a patch on the flange root: told from the strips that are in contact alone, their stiffness hid a growth of 43 1/s.
+#[test]
+fn analytic_flutter_on_strips_is_that_of_the_model() {
+    let track = "track.node=[{distance=0},{distance=30},{distance=80,curvature=0.006667},{distance=300,curvature=0.006667}]";
+    let changes = [track, "vehicle.speed=11", "contact.friction=0.55", "contact.patch=strips", "solver.tolerance=1e-5"].map(String::from);
+    let mut simulation = common::start(&load::open("vehicle_manchester_1", &changes).unwrap());
+    let mut grown = f64::NEG_INFINITY;
+    for until in [3.0, 3.4, 3.7] {
+        simulation.advance(until).unwrap();
+        let linearised = linearised(&simulation);
+        let [exact, found] = [&linearised.exact, &linearised.found].map(|matrix| fastest(&linearised, matrix));
+        println!("{until} s: {exact:.1?}, found {found:.1?}");
+        assert!((exact.0 - found.0).abs() < 5.0 && (exact.1 / found.1 - 1.0).abs() < 0.01, "{exact:?} {found:?}");
+        grown = grown.max(exact.0);
+    }
+    assert!(grown > 20.0, "nothing grows: {grown}");
+}

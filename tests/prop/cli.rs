@@ -256,12 +256,19 @@ fn prop_plan_says_what_is_there_and_why() {
     let arc = "track.rail={ kind = \"arc\", radius = 0.3 }";
     let left_cone = "vehicle.wheelset.left_profile={ kind = \"cone\", radius = 0.46, slope = 0.025 }";
     let left_arc = "track.left_rail={ kind = \"arc\", radius = 0.3 }";
+    let ellipse = "contact.patch=ellipse";
     let cases: &[(&str, &[&str], bool, &str)] = &[
-        ("several contacts", &[], true, "as many as these profiles can need, 2: searched for"),
+        ("non-elliptic patches", &[], true, "\"auto\" is strips"),
+        ("non-elliptic patches", &["contact.formulation=ACCF"], false, "\"auto\" is ellipse: constraints"),
+        ("non-elliptic patches", &["contact.normal={ law = \"hertz\" }"], false, "[contact.normal] is the law of an ellipse"),
+        ("non-elliptic patches", &["effects.spin=off"], false, "effects.spin = \"off\""),
+        ("non-elliptic patches", &["contact.patch=strips"], true, "contact.patch = \"strips\""),
+        ("several contacts", &[], true, "contact.patch = \"strips\": parts of patches"),
+        ("several contacts", &[ellipse], true, "as many as these profiles can need, 2: searched for"),
         ("several contacts", &["contact.points=3"], true, "contact.points = 3: searched for"),
         ("several contacts", &["contact.points=1"], false, "contact.points = 1"),
-        ("several contacts", &[cone, arc], false, "strictly convex"),
-        ("several contacts", &[left_cone, left_arc], true, "searched for on the right; on the left only one place"),
+        ("several contacts", &[cone, arc, ellipse], false, "strictly convex"),
+        ("several contacts", &[left_cone, left_arc, ellipse], true, "searched for on the right; on the left only one place"),
         ("longitudinal force input", &[], false, "imposed speed leaves no room"),
         ("longitudinal force input", &["vehicle.travel=free"], true, "vehicle.travel = \"free\""),
         ("longitudinal force input", &["vehicle.travel=free", "interface.inputs=[]"], false, "lacks \"centre_forces\""),

@@ -96,8 +96,10 @@ fn equiv_a_tuned_model_is_that_of_a_scene_with_these_numbers() {
 #[test]
 fn analytic_preloads_from_balance_stay() {
     let static_preload = "vehicle.module.truck.force[secondary].preload=static";
-    let scene = open("vehicle_manchester_1", &["interface={}", "vehicle.initial.distance=150", static_preload]).unwrap();
+    let scene = open("vehicle_manchester_1", &["interface={}", static_preload]).unwrap();
     let mut simulation = Simulation::new(&scene, 0.0).unwrap();
+    // Beside its position of rest, so that stiffness tells.
+    simulation.advance(1.0).unwrap();
     let force = |simulation: &mut Simulation| -> f64 {
         let outputs = scene_outputs(&scene, simulation.model());
         let output = outputs.iter().find(|output| output.name == "truck[1].secondary.left.forceZ").unwrap();

@@ -87,8 +87,12 @@ impl Parts {
         if independence == 1.0 {
             return;
         }
-        let all = of(first, last);
         let sum: f64 = forces[first..=last].iter().sum();
+        // Damping may leave a patch that parts fast no force at all.
+        if !(sum > 0.0) {
+            return;
+        }
+        let all = of(first, last);
         for (own, force) in mixed[first..=last].iter_mut().zip(&forces[first..=last]) {
             *own = *own * independence + all * ((1.0 - independence) * force / sum);
         }

@@ -33,7 +33,6 @@ pub struct Scratch {
     /// What is left of the overlaps, over the compliance, N/m.
     left: Vec<f64>,
     compliance: f64,
-    moved: Vec<Pressed>,
     /// Where the wheelset was, and its distance.
     pose: Option<(Vector3<f64>, Matrix3<f64>, f64)>,
 }
@@ -55,7 +54,6 @@ impl Scratch {
             loads: reals(strips),
             left: reals(strips),
             compliance: 0.0,
-            moved: Vec::with_capacity(strips),
             pose: None,
         }
     }
@@ -225,8 +223,8 @@ fn carry(rail: &RailStrips, scratch: &mut Scratch) {
             }
         }
         let mut overlaps = false;
-        for (inside, left) in inside.iter_mut().zip(left.iter()) {
-            if !*inside && *left > 0.0 {
+        for ((inside, left), own) in inside.iter_mut().zip(left.iter()).zip(pressed.iter()) {
+            if !*inside && *left > 0.0 && own.strip.overlap > 0.0 {
                 (*inside, overlaps) = (true, true);
             }
         }
@@ -313,26 +311,5 @@ impl Scratch {
     /// Elastic energy of the patch that was pressed last, J: `1/2 sum Q (d - kappa a^2 / 8)`, the least value of Pi with the other sign.
     pub fn energy(&self) -> f64 {
         0.5 * self.compliance * self.pressed.iter().zip(&self.wanted).map(|(own, wanted)| own.load * wanted).sum::<f64>()
-    }
-
-    /// The strips that were pressed last as they are, to first order, after the wheelset has moved by `way` [m] and turned by `turn` [rad].
-    ///
-    /// Each overlap changes by `-against . (way + turn x r)`, since its place is stationary. Loads follow with the strips in contact and their half lengths
-    /// as they are, `growth` times: lengths grow with the load, which makes a patch stiffer.
-    pub fn moved(&mut self, way: &Vector3<f64>, turn: &Vector3<f64>, growth: f64) -> &[Pressed] {
-        self.moved.clear();
-        self.moved.extend_from_slice(&self.pressed);
-        let deeper = |strip: &Strip| -strip.against.dot(&(way + turn.cross(&strip.point)));
-        self.loads.clear();
-        self.loads.extend(self.touching.iter().map(|k| growth * deeper(&self.pressed[*k].strip) / self.compliance));
-        substitute(&self.factor, &mut self.loads);
-        for own in &mut self.moved {
-            own.strip.overlap += deeper(&own.strip);
-            own.strip.point -= way;
-        }
-        for (k, load) in self.touching.iter().zip(&self.loads) {
-            self.moved[*k].load += load;
-        }
-        &self.moved
     }
 }

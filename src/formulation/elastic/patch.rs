@@ -17,11 +17,20 @@ use nalgebra::Vector3;
 pub(super) type Located = [Option<ContactLocation>; MOST_POINTS];
 
 /// One wheel's strips and what they make.
-struct Wheel<'a> {
+pub(in crate::formulation) struct PressedWheel<'a> {
     wheel: &'a WheelAt<'a>,
     rail: &'a RailStrips,
-    pressed: &'a [Pressed],
-    parts: Parts,
+    pub pressed: &'a [Pressed],
+    pub parts: Parts,
+}
+
+/// What the parts of a wheel carry, in the order of the strips.
+#[derive(Default)]
+pub(in crate::formulation) struct Carried {
+    pub reports: [ContactReport; MOST],
+    creeps: [Creep; MOST],
+    /// Sizes of the normal forces, N: the normal force of a report is the sum of pressures, which is more where a patch bends.
+    forces: [f64; MOST],
 }
 
 /// Finds the patches of a wheel, loads them and adds their forces to the wheelset's wrench. Do the places tell of `all` that may overlap? Reports of
@@ -41,9 +50,8 @@ pub(super) fn press_wheel(
         false => press_anywhere(&pair, rail, material, scratch),
     };
     let points = 1 + further.len();
-    let on = Wheel { wheel, rail, pressed, parts: Parts::new(pressed, rail, points) };
-    let mut loaded: [ContactReport; MOST] = Default::default();
-    let (creeps, forces) = on.load(&mut loaded)?;
+    let on = PressedWheel::new(wheel, rail, pressed);
+    let mut carried = on.load()?;
     for (slot, report) in std::iter::once(&mut *first).chain(&mut *further).enumerate() {
         *report = match located.get(slot).and_then(Option::as_ref) {
             Some(found) => {
@@ -55,19 +63,14 @@ pub(super) fn press_wheel(
         };
     }
     let mut free = [true; MOST_POINTS];
-    for ((report, creep), force) in loaded[..on.parts.len()].iter_mut().zip(&creeps).zip(&forces) {
+    carried.add_to(wrench, &wheel.motion.position);
+    for report in &mut carried.reports[..on.parts.len()] {
         // Each part has the number of the place that is nearest to it.
         let distance =
             |slot: &usize| located[*slot].as_ref().map_or(f64::INFINITY, |place| (place.parameters.rail - report.parameters.rail).abs());
         let Some(slot) = (0..points).filter(|slot| free[*slot]).min_by(|a, b| distance(a).total_cmp(&distance(b))) else { break };
         free[slot] = false;
         report.iterations = located[slot].as_ref().map_or(0, |place| place.iterations);
-        report.force = report.axes.normal * *force + creep.force;
-        let along = |axis: &Vector3<f64>| creep.force.dot(axis);
-        (report.creep_force.longitudinal, report.creep_force.lateral) = (along(&report.axes.e1), along(&report.axes.e2));
-        report.creep_force.spin_moment = creep.moment;
-        report.friction_bound = Some(creep.bound);
-        report.add_to(wrench, report.force, &wheel.motion.position);
         *(if slot == 0 { &mut *first } else { &mut further[slot - 1] }) = *report;
     }
     Ok(())
@@ -76,8 +79,29 @@ pub(super) fn press_wheel(
 /// Places that are further apart than this do not overlap beside it, m.
 const ABOUT: f64 = 1e-6;
 
-impl Wheel<'_> {
-    fn part(&self, first: usize, last: usize) -> Part {
+impl Carried {
+    /// Completes the reports of the parts and adds their forces to the wheelset's wrench about its centre, which is there.
+    pub fn add_to(&mut self, wrench: &mut Wrench, centre: &Vector3<f64>) {
+        let carries = |all: &(&mut ContactReport, (&Creep, &f64))| all.0.normal_force > 0.0;
+        let parts = self.reports.iter_mut().zip(self.creeps.iter().zip(&self.forces));
+        for (report, (creep, force)) in parts.filter(carries) {
+            report.force = report.axes.normal * *force + creep.force;
+            let along = |axis: &Vector3<f64>| creep.force.dot(axis);
+            (report.creep_force.longitudinal, report.creep_force.lateral) = (along(&report.axes.e1), along(&report.axes.e2));
+            report.creep_force.spin_moment = creep.moment;
+            report.friction_bound = Some(creep.bound);
+            report.add_to(wrench, report.force, centre);
+        }
+    }
+}
+
+impl<'a> PressedWheel<'a> {
+    pub fn new(wheel: &'a WheelAt<'a>, rail: &'a RailStrips, pressed: &'a [Pressed]) -> PressedWheel<'a> {
+        PressedWheel { wheel, rail, pressed, parts: Parts::new(pressed, rail, wheel.model.points) }
+    }
+
+    /// What its strips from the first to the last part make as one.
+    pub fn part(&self, first: usize, last: usize) -> Part {
         let wheel = self.wheel.wheelset.wheel(self.wheel.side);
         Part::new(self.parts.share(self.pressed, first, last), self.rail, wheel.profile.as_ref(), self.wheel.model.laws.material)
     }
@@ -87,13 +111,16 @@ impl Wheel<'_> {
         Contact { wheel: self.wheel, found, slot, share }
     }
 
-    /// Reports of all parts, their creep forces, and the sizes of their normal forces, N: normal force in a report is the sum of pressures, which is more
-    /// where a patch bends.
-    fn load(&self, loaded: &mut [ContactReport; MOST]) -> Result<([Creep; MOST], [f64; MOST]), ContactFailure> {
+    /// Loads all parts.
+    ///
+    /// # Errors
+    /// [`ContactFailure`] where the wheel is too deep in the rail.
+    pub fn load(&self) -> Result<Carried, ContactFailure> {
         let shares = self.parts.shares(self.pressed);
         let mut alone: [Option<(Part, ContactLocation)>; MOST] = [None; MOST];
         // What friction is bounded by, and the sizes of the forces.
-        let (mut loads, mut forces) = ([0.0; MOST], [0.0; MOST]);
+        let mut loads = [0.0; MOST];
+        let Carried { reports: mut loaded, mut forces, .. } = Carried::default();
         for k in 0..self.parts.len() {
             let part = self.part(k, k);
             let found = location(&part, self.wheel.motion);
@@ -134,7 +161,7 @@ impl Wheel<'_> {
             contact.creep_as(&mut report, |law, rolling| uneven.force(law, rolling));
             creep_of(&report, self.wheel.friction_at(&report))
         });
-        Ok((creeps, forces))
+        Ok(Carried { reports: loaded, creeps, forces })
     }
 }
 
@@ -167,7 +194,7 @@ fn creep_of(report: &ContactReport, friction: f64) -> Creep {
 /// Rail coordinate of each part of a wheel's patch, m, and the highest pressure in it, Pa.
 pub(in crate::formulation) fn highest_pressures(wheel: &WheelAt, rail: &RailStrips, scratch: &mut Scratch) -> Vec<(f64, f64)> {
     let pressed = press_anywhere(&wheel.pair(), rail, wheel.model.laws.material, scratch);
-    let on = Wheel { wheel, rail, pressed, parts: Parts::new(pressed, rail, wheel.model.points) };
+    let on = PressedWheel::new(wheel, rail, pressed);
     let of = |k: usize| (on.part(k, k).coordinates[1], on.parts.share(pressed, k, k).highest_pressure(wheel.model.laws.material));
     (0..on.parts.len()).map(of).collect()
 }

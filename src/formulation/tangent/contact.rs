@@ -104,9 +104,15 @@ impl<'a> Touching<'a> {
         Self::of(report, motion, migration)
     }
 
-    /// The same contact with another way over the surfaces and another turn of its axes, both in these axes.
-    pub fn migrating(&self, report: &'a ContactReport, motion: &BodyMotion, arm: [Row; 3], turn: [Row; 3]) -> Self {
-        Self::of(report, motion, Migration { material: self.migration.material, arm, turn })
+    /// A contact that stays where it is on both bodies.
+    pub fn staying(report: &'a ContactReport, motion: &BodyMotion) -> Self {
+        let (axes, arm) = (&report.axes, report.wheel_point - motion.position);
+        let none = [[0.0; 6]; 3];
+        Self::of(
+            report,
+            motion,
+            Migration { material: [&axes.e1, &axes.e2, &axes.normal].map(|axis| material(&arm, axis)), arm: none, turn: none },
+        )
     }
 
     #[inline]

@@ -11,9 +11,8 @@
 mod contact;
 mod patch;
 
-use super::elastic::patch::location;
 use super::elastic::points;
-use super::loading::{Contact, WheelAt};
+use super::loading::WheelAt;
 use super::memory::{ModelMemory, RidgeMemory};
 use super::model::factor_at;
 use super::step::WheelRef;
@@ -22,17 +21,15 @@ use super::{ContactReport, EvaluationError, LEFT_FRICTION, Model, RIGHT_FRICTION
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{CreepForce, Creepage};
 use crate::contact::friction::by_friction;
-use crate::contact::search::algebraic::Pair;
 use crate::contact::search::migration::{Row, add, sum};
-use crate::contact::strips::{Part, Pressed, Uneven};
+use crate::contact::strips::Uneven;
 use crate::contact::transient::{self, LoadedPatch, TransientContact};
 use crate::geometry::Side;
-use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::body::BodyMotion;
 use crate::mbs::tangent::{SingularTangent, StateCoupling, Tangent};
 pub(super) use contact::normal_slopes;
 use contact::{ByMotion, NormalSlopes, Touching, penetration_by_pose};
 use nalgebra::Vector3;
-use patch::{PartChange, PatchChanges};
 
 /// A contact that carries less than this share of its force counts as one that carries so much.
 const LEAST_SHARE: f64 = 1e-2;
@@ -72,16 +69,6 @@ impl Model {
             let motion = moved.as_ref().map_or(&workspace.system.motions[wheelset.body], |moved| &moved.motion);
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
             let along = workspace.system.stations.get(wheelset.body).map_or(Vector3::x(), |station| station.frame.along());
-            let patch = self.strips.as_ref().map_or(PatchChanges::default(), |rails| {
-                let pair = WheelRef { contact, wheelset, side }.pair(self, motion);
-                patch::changes(
-                    &pair,
-                    &rails[side.index()],
-                    workspace.reports(contact),
-                    self.laws.material,
-                    (&mut strips.0[contact], &mut strips.1),
-                )
-            });
             let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);
             let places = if self.strips.is_some() { 0 } else { self.points };
             for slot in 0..places {
@@ -91,10 +78,11 @@ impl Model {
                 let at = At { wheelset, side, contact, slot, motion, report, friction, travel };
                 self.add_contact(&at, shares.get(slot), y, &mut tangent);
             }
-            if self.strips.is_some() {
+            if let Some(rails) = &self.strips {
                 let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Vector3::zeros(), friction: factor, y };
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
-                self.add_patch(&wheel, workspace.reports(contact), (&patch, strips.0[contact].pressed()), travel, &mut tangent);
+                let scratch = (&mut strips.0[contact], &mut strips.1);
+                self.add_patch(&wheel, &rails[side.index()], workspace.reports(contact), travel, scratch, &mut tangent);
             }
         }
         (workspace.strips, workspace.deeper) = strips;
@@ -134,83 +122,6 @@ impl Model {
         if let Some(tangent) = &mut workspace.tangent {
             tangent.solve_pushed(x, weight, push);
         }
-    }
-
-    /// Adds the parts of a patch, `T = s T(parts) + (1 - s) T(whole)` where they are partly one (see `elastic::patch`). Creep forces change as the law
-    /// says: its slopes are taken at the law's own force, which is not the part's (`strips::uneven`).
-    fn add_patch<'r>(
-        &self,
-        wheel: &WheelAt,
-        reports: impl Iterator<Item = &'r ContactReport> + Clone,
-        (patch, pressed): (&PatchChanges, &[Pressed]),
-        travel: Option<Vector3<f64>>,
-        tangent: &mut Tangent,
-    ) {
-        let WheelAt { wheelset, side, motion, contact, .. } = *wheel;
-        let Some(wrench) = tangent.wrench_mut(wheelset.body, wheelset.body) else { return };
-        let pair = wheel.pair();
-        let found = &patch.found;
-        let steady = |report: &ContactReport, part: Option<((usize, usize), &Part)>, (touching, normal): (&Touching, &ByMotion<1>)| {
-            let at = At { wheelset, side, contact, slot: 0, motion, report, friction: wheel.friction_at(report), travel };
-            let uneven = part.map(|((first, last), part)| wheel.uneven(found.split.share(pressed, first, last), part, &report.axes));
-            self.steady(&at, uneven.as_ref(), touching, normal)
-        };
-        // Of the parts' creep forces less that of the whole.
-        let mut difference = Wrench::default();
-        let independence = patch.whole.as_ref().map_or(1.0, |_| found.independence);
-        for (slot, report) in reports.clone().enumerate().filter(|(_, report)| report.normal_force > 0.0) {
-            let place = Contact::again(report);
-            let mut own = *report;
-            Contact { wheel, found: &place, slot: 0, share: report.share }.creep(&mut own);
-            let (touching, normal) = match &patch.parts[slot] {
-                Some(change) => self.touching_patch(&own, motion, &pair, change),
-                None => {
-                    let touching = Touching::new(&own, motion, &pair);
-                    let normal = touching.normal_force(normal_slopes(self.laws.damping.as_ref(), &own), [0.0; 6]);
-                    (touching, normal)
-                }
-            };
-            let part = patch.numbers[slot].and_then(|k| Some(((k, k), found.parts[k].as_ref()?)));
-            let creep = steady(&own, part, (&touching, &normal)).times(independence);
-            touching.add_wrench(report, &normal, &creep, wrench);
-            own.add_to(&mut difference, own.force - own.axes.normal * own.normal_force, &motion.position);
-        }
-        let (Some(whole), Some(part)) = (&patch.whole, &found.whole) else { return };
-        let place = location(part, motion);
-        let all = Contact { wheel, found: &place, slot: 0, share: 1.0 };
-        let mut report = all.report();
-        (report.patch, report.normal_force) = (part.patch, reports.map(|report| report.normal_force).sum());
-        all.creep(&mut report);
-        let (touching, normal) = self.touching_patch(&report, motion, &pair, &whole.change);
-        let creep = steady(&report, Some(((0, found.split.len() - 1), part)), (&touching, &normal)).times(1.0 - independence);
-        // The forces themselves turn with the parts.
-        let turned = ContactReport { creep_force: CreepForce::default(), normal_force: 0.0, ..report };
-        touching.add_wrench(&turned, &ByMotion { position: [[0.0; 6]], velocity: [[0.0; 6]] }, &creep, wrench);
-        report.add_to(&mut difference, report.axes.normal * report.normal_force - report.force, &motion.position);
-        difference.moment -= report.axes.normal * (2.0 * report.creep_force.spin_moment);
-        for (j, column) in wrench.by_position.data.0.iter_mut().enumerate() {
-            for k in 0..3 {
-                column[k] += difference.force[k] * whole.by_pose[j];
-                column[3 + k] += difference.moment[k] * whole.by_pose[j];
-            }
-        }
-    }
-
-    /// A part of a patch with its changes, and those of its normal force.
-    fn touching_patch<'r>(
-        &self,
-        report: &'r ContactReport,
-        motion: &BodyMotion,
-        pair: &Pair,
-        change: &PartChange,
-    ) -> (Touching<'r>, ByMotion<1>) {
-        let mut slopes = normal_slopes(self.laws.damping.as_ref(), report);
-        let axes = &report.axes;
-        let (arm, turn) = change.in_axes([&axes.e1, &axes.e2, &axes.normal]);
-        let touching = Touching::new(report, motion, pair).migrating(report, motion, arm, turn);
-        slopes.by_penetration -= report.share * slopes.by_elastic * report.elastic_slope;
-        let normal = touching.normal_force(slopes, sum([slopes.by_elastic], [&change.force]));
-        (touching, normal)
     }
 
     fn add_contact(&self, at: &At, share: Option<&Row>, y: &[f64], tangent: &mut Tangent) {

@@ -1,164 +1,133 @@
-//! How the parts of a patch of strips change with the pose of their wheel: load, centre and normal.
+//! How the wrench of a wheel whose patch is made of strips changes with the wheelset's motion.
 //!
-//! Along the rail nothing changes. Of the other motions four are tried, in the wheelset's axes: across, up, roll and yaw; turning about the axle changes
-//! nothing. Loads of strips change as [`Scratch::moved`] says, stiffer by what one wheel that is pressed deeper shows; what parts make of them is differenced. How the patch's proportions change is left out.
+//! *By position*, at the same velocities: differences of all that the wheel carries, its patch pressed anew, over four motions in the wheelset's
+//! axes: across, up, roll and yaw. Turning about the axle changes nothing. Where the wheelset goes along with the rail and turns with it,
+//! by c = (tau, omega) for each metre, wrench W = (F, M) and velocities turn with the rail, so that at the same velocities
+//!
+//! ```text
+//! dW/dp . c = omega x W - dW/dv . (omega x v)
+//! ```
+//!
+//! which sets the derivative along the wheelset's first axis. *By velocity*: the slopes of the creep law and of damping at each part, places as they
+//! are.
+//!
+//! Everything that differences see is in it: half lengths and strips in contact that change, centres that move, parts that become one. Told by the
+//! loads alone (strips in contact and proportions as they were) a wheel with two parts on its flange root lost 20 % of the stiffness that ties its
+//! lateral motion to its load, and the flutter of a coach in a curve of 150 m (see [`crate::formulation::flutter`]) was not seen.
+//!
+//! *Left out:* by velocity, how parts that are partly one with several others share; irregularities' slopes along the track.
 
-use crate::contact::Material;
-use crate::contact::search::algebraic::Pair;
-use crate::contact::search::migration::{Row, add};
-use crate::contact::strips::{MOST, Part, Parts, Pressed, RailStrips, Scratch, Section, press};
-use crate::formulation::ContactReport;
-use nalgebra::Vector3;
+use super::super::ContactReport;
+use super::super::elastic::patch::{Carried, PressedWheel, location};
+use super::super::loading::{Contact, WheelAt};
+use super::contact::{ByMotion, NormalSlopes, Touching, normal_slopes};
+use super::{At, Model};
+use crate::contact::search::migration::row;
+use crate::contact::strips::{Part, RailStrips, Scratch, Section, press};
+use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::tangent::{Tangent, WrenchTangent};
+use nalgebra::{Rotation3, Vector3, Vector6};
 
-/// Differences: translations [m], rotations [rad].
-const STEP: f64 = 1e-6;
-const TURN: f64 = 2e-6;
+/// Differences: translations [m], rotations [rad]. Overlaps are known to 1e-13 m.
+const STEP: f64 = 3e-7;
+const TURN: f64 = 4e-7;
 
-/// Derivatives of one part in the world: of its elastic force [N], of its centre from the wheelset's [m], of its normal.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PartChange {
-    pub force: Row,
-    pub arm: [Row; 3],
-    pub normal: [Row; 3],
-    /// Of the direction along the rail.
-    pub forward: [Row; 3],
-    /// Length of that direction.
-    pub length: f64,
-}
-
-/// What [`changes`] finds of a wheel.
-#[derive(Clone, Debug, Default)]
-pub(super) struct PatchChanges {
-    /// Of the contacts by number; `None` where one carries nothing or is not what it was.
-    pub parts: [Option<PartChange>; MOST],
-    /// Number of the part in the order of the strips, by number of the contact.
-    pub numbers: [Option<usize>; MOST],
-    /// Where parts are partly one: of all as one.
-    pub whole: Option<WholeChange>,
-    pub found: Found,
-}
-
-/// All parts of a wheel as one.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct WholeChange {
-    /// Derivatives of the parts' independence.
-    pub by_pose: Row,
-    pub change: PartChange,
-}
-
-/// The parts of a wheel in one pose.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Found {
-    pub split: Parts,
-    pub parts: [Option<Part>; MOST],
-    /// All as one, where they are partly so, and their independence, 0 to 1.
-    pub whole: Option<Part>,
-    pub independence: f64,
-}
-
-fn find(pressed: &[Pressed], pair: &Pair, rail: &RailStrips, material: Material, most: usize) -> Found {
-    let split = Parts::new(pressed, rail, most);
-    let count = split.len();
-    let part = |first: usize, last: usize| {
-        (last < count).then(|| Part::new(split.share(pressed, first, last), rail, pair.wheel.profile.as_ref(), material))
-    };
-    let independence = if count > 1 { split.divide(0, count - 1).1 } else { 1.0 };
-    let whole = if independence < 1.0 { part(0, count - 1) } else { None };
-    let parts = std::array::from_fn(|k| part(k, k));
-    Found { split, parts, whole, independence }
-}
-
-/// Finds them; `reports` are those of the wheel at the pose of `pair`, by number; the first scratch holds, or takes up, its strips in that pose.
-pub(super) fn changes<'r>(
-    pair: &Pair,
-    rail: &RailStrips,
-    reports: impl Iterator<Item = &'r ContactReport> + Clone,
-    material: Material,
-    (scratch, tried): (&mut Scratch, &mut Scratch),
-) -> PatchChanges {
-    let mut changes = PatchChanges::default();
-    let most = reports.clone().count();
-    let seeds = reports.clone().filter(|report| report.normal_force > 0.0).map(|report| report.parameters.rail);
-    let [ahead, across, up] = [0, 1, 2].map(|k| pair.axes.column(k).into_owned());
-    // Half lengths grow with the loads: by how much that makes the patch stiffer is tried once.
-    let load = |pressed: &[Pressed]| pressed.iter().map(|strip| strip.load).sum::<f64>();
-    let lowered = pair.centre - up * STEP;
-    let deeper = load(press(&Pair { centre: &lowered, ..*pair }, rail, seeds.clone(), material, tried));
-    let pressed = if scratch.is_of(pair) { scratch.pressed() } else { press(pair, rail, seeds, material, scratch) };
-    let (here, all) = (find(pressed, pair, rail, material, most), load(pressed));
-    let growth = (deeper - all) / (load(scratch.moved(&(-up * STEP), &Vector3::zeros(), 1.0)) - all);
-    let mut by = [PartChange::default(); MOST + 1];
-    let mut by_pose = [0.0; 6];
-    let mut same = true;
-    for (translation, rotation) in [(across, None), (up, None), (Vector3::zeros(), Some(ahead)), (Vector3::zeros(), Some(up))] {
-        let turn = rotation.unwrap_or_default() * TURN;
-        let moved = find(scratch.moved(&(translation * STEP), &turn, growth), pair, rail, material, most);
-        same &= moved.split.len() == here.split.len() && moved.whole.is_some() == here.whole.is_some();
-        let per_step = 1.0 / if rotation.is_some() { TURN } else { STEP };
-        let mut row = [0.0; 6];
-        for k in 0..3 {
-            (row[k], row[3 + k]) = (translation[k] * per_step, rotation.map_or(0.0, |about| about[k] * per_step));
+impl Model {
+    /// Adds the patch of a wheel, whose contacts' `reports` are those of the present pose; the first scratch holds, or takes up, its strips in that pose.
+    /// `travel` as in [`At`].
+    pub(super) fn add_patch<'r>(
+        &self,
+        wheel: &WheelAt,
+        rail: &RailStrips,
+        reports: impl Iterator<Item = &'r ContactReport> + Clone,
+        travel: Option<Vector3<f64>>,
+        (scratch, tried): (&mut Scratch, &mut Scratch),
+        tangent: &mut Tangent,
+    ) {
+        let WheelAt { wheelset, motion, .. } = *wheel;
+        let seeds = reports.filter(|report| report.normal_force > 0.0).map(|report| report.parameters.rail);
+        if seeds.clone().next().is_none() {
+            return;
         }
-        add(&mut by_pose, moved.independence - here.independence, &row);
-        let pairs = here.parts.iter().chain([&here.whole]).zip(moved.parts.iter().chain([&moved.whole]));
-        for (change, (one, other)) in by.iter_mut().zip(pairs) {
-            let (Some(one), Some(other)) = (one, other) else { continue };
-            add(&mut change.force, other.force - one.force, &row);
-            for k in 0..3 {
-                add(&mut change.arm[k], other.arm[k] - one.arm[k], &row);
-                add(&mut change.normal[k], other.normal[k] - one.normal[k], &row);
-                add(&mut change.forward[k], other.forward[k] - one.forward[k], &row);
+        let (pair, material) = (wheel.pair(), self.laws.material);
+        let pressed = if scratch.is_of(&pair) { scratch.pressed() } else { press(&pair, rail, seeds.clone(), material, scratch) };
+        let on = PressedWheel::new(wheel, rail, pressed);
+        let Ok(mut carried) = on.load() else { return };
+        let mut change = WrenchTangent::default();
+        self.by_velocity(wheel, &on, &carried, travel, &mut change);
+        let mut here = Wrench::default();
+        carried.add_to(&mut here, &motion.position);
+        let here = stacked(&here);
+        let [ahead, across, up] = [0, 1, 2].map(|k| motion.frame.axes.column(k).into_owned());
+        let none = Vector3::zeros();
+        let mut known = [Vector6::zeros(); 4];
+        let ways = [(across, none), (up, none), (none, ahead), (none, up)];
+        for (known, (translation, rotation)) in known.iter_mut().zip(&ways) {
+            let mut moved = *motion;
+            moved.position += translation * STEP;
+            moved.frame.axes = Rotation3::new(rotation * TURN) * motion.frame.axes;
+            let there = WheelAt { motion: &moved, ..*wheel };
+            let strips = press(&there.pair(), rail, seeds.clone(), material, tried);
+            // Where a neighbouring pose has no answer the patch counts as stiff as nothing that way.
+            let Ok(mut carried) = PressedWheel::new(&there, rail, strips).load() else { continue };
+            let mut wrench = Wrench::default();
+            carried.add_to(&mut wrench, &moved.position);
+            *known = (stacked(&wrench) - here) / if *rotation == none { STEP } else { TURN };
+        }
+        let (along, turning) = Section::new(&pair).course();
+        let turned = |six: &Vector6<f64>| -> Vector6<f64> {
+            let [first, second] = [0, 3].map(|start| turning.cross(&six.fixed_rows::<3>(start).into_owned()));
+            stacked(&Wrench { force: first, moment: second })
+        };
+        let velocities = stacked(&Wrench { force: motion.velocity, moment: motion.rotation });
+        let mut first = turned(&here) - change.by_velocity * turned(&velocities);
+        for (known, (translation, rotation)) in known.iter().zip(&ways) {
+            first -= known * (translation.dot(&along) + rotation.dot(&turning));
+            change.by_position += known * Vector6::from(row(translation, rotation)).transpose();
+        }
+        change.by_position += first / ahead.dot(&along) * Vector6::from(row(&ahead, &none)).transpose();
+        if let Some(wrench) = tangent.wrench_mut(wheelset.body, wheelset.body) {
+            wrench.by_position += change.by_position;
+            wrench.by_velocity += change.by_velocity;
+        }
+    }
+
+    /// Adds what slip and the rate of penetration do, and friction that changes along the rail.
+    fn by_velocity(&self, wheel: &WheelAt, on: &PressedWheel, carried: &Carried, travel: Option<Vector3<f64>>, change: &mut WrenchTangent) {
+        let count = on.parts.len();
+        let independence = if count > 1 { on.parts.divide(0, count - 1).1 } else { 1.0 };
+        let mut add = |report: &ContactReport, (first, last): (usize, usize), part: &Part, share: f64, slopes: NormalSlopes| {
+            let WheelAt { wheelset, side, motion, contact, .. } = *wheel;
+            let mut law = *report;
+            Contact { wheel, found: &Contact::again(report), slot: 0, share: report.share }.creep(&mut law);
+            let at = At { wheelset, side, contact, slot: 0, motion, report: &law, friction: wheel.friction_at(report), travel };
+            let uneven = wheel.uneven(on.parts.share(on.pressed, first, last), part, &report.axes);
+            let touching = Touching::staying(&law, motion);
+            let mut normal = touching.normal_force(NormalSlopes { by_penetration: 0.0, ..slopes }, [0.0; 6]);
+            normal.position = [[0.0; 6]];
+            let creep = self.steady(&at, Some(&uneven), &touching, &normal).times(share);
+            let normal = if first == last { normal } else { ByMotion { position: [[0.0; 6]], velocity: [[0.0; 6]] } };
+            touching.add_wrench(&law, &normal, &creep, change);
+        };
+        let slopes = carried.reports.each_ref().map(|report| normal_slopes(self.laws.damping.as_ref(), report));
+        for (k, report) in carried.reports[..count].iter().enumerate().filter(|(_, report)| report.normal_force > 0.0) {
+            add(report, (k, k), &on.part(k, k), independence, slopes[k]);
+        }
+        if independence < 1.0 {
+            let (part, motion): (Part, &BodyMotion) = (on.part(0, count - 1), wheel.motion);
+            let found = location(&part, motion);
+            let mut report = Contact { wheel, found: &found, slot: 0, share: 1.0 }.report();
+            (report.patch, report.normal_force) = (part.patch, carried.reports[..count].iter().map(|report| report.normal_force).sum());
+            let rates = NormalSlopes { by_rate: slopes[..count].iter().map(|slopes| slopes.by_rate).sum(), ..NormalSlopes::default() };
+            if report.normal_force > 0.0 {
+                add(&report, (0, count - 1), &part, 1.0 - independence, rates);
             }
         }
     }
-    for (slot, report) in reports.clone().enumerate().filter(|(_, report)| report.normal_force > 0.0) {
-        let own = |part: &Option<Part>| part.is_some_and(|part| (part.coordinates[1] - report.parameters.rail).abs() < 1e-9);
-        changes.numbers[slot] = here.parts.iter().position(own);
-    }
-    if !same {
-        changes.found = here;
-        return changes;
-    }
-    // Where the wheel goes along with the rail and turns with it, vectors turn and nothing else changes: that sets the derivative along the wheelset's first axis.
-    let (along, turning) = Section::new(pair).course();
-    let known = |row: &mut Row, change: f64| {
-        let (way, turn) = (Vector3::new(row[0], row[1], row[2]), Vector3::new(row[3], row[4], row[5]));
-        let missing = ahead * ((change - way.dot(&along) - turn.dot(&turning)) / ahead.dot(&along));
-        (0..3).for_each(|k| row[k] += missing[k]);
-    };
-    for (change, part) in by.iter_mut().zip(here.parts.iter().chain([&here.whole])) {
-        let Some(Part { arm, normal, forward, .. }) = part else { continue };
-        let turned = [turning.cross(arm), turning.cross(normal), turning.cross(forward)];
-        change.length = forward.norm();
-        for (rows, turned) in [&mut change.arm, &mut change.normal, &mut change.forward].into_iter().zip(&turned) {
-            rows.iter_mut().zip(turned.iter()).for_each(|(row, turned)| known(row, *turned));
-        }
-        known(&mut change.force, 0.0);
-    }
-    known(&mut by_pose, 0.0);
-    for slot in 0..MOST {
-        let Some(number) = changes.numbers[slot] else { continue };
-        changes.parts[slot] = Some(by[number]);
-    }
-    // A whole without its first part would be loaded nowhere.
-    if here.whole.is_some() && changes.numbers.contains(&Some(0)) {
-        changes.whole = Some(WholeChange { by_pose, change: by[MOST] });
-    }
-    changes.found = here;
-    changes
 }
 
-impl PartChange {
-    /// Changes of the arm, and the rotation of the contact's axes, both in these axes.
-    pub fn in_axes(&self, [e1, e2, normal]: [&Vector3<f64>; 3]) -> ([Row; 3], [Row; 3]) {
-        let of = |rows: &[Row; 3], axis: &Vector3<f64>| {
-            let mut sum = [0.0; 6];
-            (0..3).for_each(|k| add(&mut sum, axis[k], &rows[k]));
-            sum
-        };
-        let arm = [e1, e2, normal].map(|axis| of(&self.arm, axis));
-        // dn = theta x n, de1 = theta x e1.
-        let turn = [of(&self.normal, e2).map(|value| -value), of(&self.normal, e1), of(&self.forward, e2).map(|value| value / self.length)];
-        (arm, turn)
-    }
+/// Force and moment, or velocity and rotation, in one.
+fn stacked(wrench: &Wrench) -> Vector6<f64> {
+    let (force, moment) = (wrench.force, wrench.moment);
+    Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
 }
