@@ -55,7 +55,12 @@ pub(super) fn press_wheel(
     for (slot, report) in std::iter::once(&mut *first).chain(&mut *further).enumerate() {
         *report = match located.get(slot).and_then(Option::as_ref) {
             Some(found) => {
-                let mut report = Contact { wheel, found, slot, share: 0.0 }.report();
+                let place = Contact { wheel, found, slot, share: 0.0 };
+                // Strips look no deeper.
+                if found.penetration > 0.0 {
+                    place.check_depth()?;
+                }
+                let mut report = place.report();
                 report.creepage = Default::default();
                 report
             }
