@@ -1,4 +1,4 @@
-//! Gives program and FMU library a common build id: a hash of every source file, so that `export`
+//! Gives program and FMU library a common build id: a hash of every source file and of the locked dependencies, so that `export`
 //! can refuse a library that was built from other sources.
 
 use sha2::{Digest, Sha256};
@@ -17,24 +17,29 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
 }
 
 fn main() {
-    let mut files = vec![PathBuf::from("Cargo.toml"), PathBuf::from("build.rs")];
+    let mut files = vec![PathBuf::from("Cargo.toml"), PathBuf::from("Cargo.lock"), PathBuf::from("build.rs")];
     for folder in ["src", "fmu", "modelDescription"] {
         println!("cargo:rerun-if-changed={folder}");
         collect(Path::new(folder), &mut files);
     }
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rerun-if-changed=Cargo.toml");
+    println!("cargo:rerun-if-changed=Cargo.lock");
     files.sort();
     let mut hash = Sha256::new();
     for file in &files {
-        // Separators of the host must not change the id.
+        // Neither separators nor line ends of the host may change the id: a library that was built elsewhere, for another platform, has the same.
         hash.update(file.to_string_lossy().replace('\\', "/").as_bytes());
-        hash.update(std::fs::read(file).unwrap_or_default());
+        let text = std::fs::read(file).unwrap_or_default();
+        hash.update(text.split(|byte| *byte == b'\r').collect::<Vec<_>>().concat());
     }
-    for variable in ["PROFILE", "TARGET"] {
-        hash.update(std::env::var(variable).unwrap_or_default().as_bytes());
-    }
+    hash.update(std::env::var("PROFILE").unwrap_or_default().as_bytes());
     let id: String = hash.finalize().iter().take(12).map(|byte| format!("{byte:02x}")).collect();
     println!("cargo:rustc-env=WHEELRAIL_BUILD_ID={id}");
+    let target = |part: &str| std::env::var(format!("CARGO_CFG_TARGET_{part}")).unwrap_or_default();
+    if target("OS") == "linux" || (target("OS"), target("ENV")) == ("windows".into(), "gnu".into()) {
+        // The FMU's library alone: programs keep their symbols for those who profile them.
+        println!("cargo:rustc-cdylib-link-arg=-Wl,-s");
+    }
     println!("cargo:rustc-env=WHEELRAIL_TARGET={}", std::env::var("TARGET").unwrap_or_default());
 }

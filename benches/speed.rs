@@ -14,7 +14,7 @@ use wheelrail::contact::creep::RollingContact;
 use wheelrail::contact::creepage::in_rolling_direction;
 use wheelrail::contact::search::algebraic::{Pair, SurfaceParameters};
 use wheelrail::fmi::ffi::host::LoadedFmu;
-use wheelrail::fmi::{package, uri};
+use wheelrail::fmi::{libraries, package, uri};
 use wheelrail::formulation::Evaluation;
 use wheelrail::geometry::Side;
 use wheelrail::scene::load;
@@ -188,7 +188,7 @@ fn formulation_table() {
 
 /// The FMU's library as an instance in initialized state, and the folder that must outlive it.
 fn loaded() -> Option<(tempfile::TempDir, std::path::PathBuf, String, String)> {
-    let library = package::find_library(None).map_err(|error| println!("FMU part left out: {error}")).ok()?;
+    let libraries = libraries::find(&[]).map_err(|error| println!("FMU part left out: {error}")).ok()?;
     let scene = load::open(SCENE, &[]).ok()?;
     let packed = package::pack_scene(&scene).ok()?;
     let folder = tempfile::tempdir().ok()?;
@@ -196,7 +196,7 @@ fn loaded() -> Option<(tempfile::TempDir, std::path::PathBuf, String, String)> {
         std::fs::write(folder.path().join(name), content).ok()?;
     }
     let file = folder.path().join("fmu.so");
-    std::fs::write(&file, library).ok()?;
+    std::fs::write(&file, &libraries[0].bytes).ok()?;
     let resources = uri::from_path(folder.path());
     Some((folder, file, packed.description.guid, resources))
 }

@@ -2,8 +2,11 @@
 
 use super::output::{Kind, Target};
 use super::{Failure, SceneArguments, print, refused, table};
-use crate::fmi::package::{self, PackageError, PackedScene};
+use crate::fmi::libraries::{self, LibraryError, Named};
+use crate::fmi::package::{self, CheckRow, PackageError, PackedScene};
 use crate::fmi::version::Version;
+use crate::fmi::{reference_results, system_structure};
+use crate::sim::outputs::Output;
 use crate::study::digits::rounded;
 use crate::units::Unit;
 use clap::{Args, ValueEnum};
@@ -18,15 +21,19 @@ a symbolic link; what is no file (a folder, a device) is refused.")]
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// The FMU to write [default: NAME.fmu]
-    #[arg(short, long, value_name = "FILE.fmu")]
+    /// The file to write [default: NAME.fmu, or NAME.ssp]
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// A system (SSP 1.0) in place of an FMU: the FMU wired to placeholders for models of traction, brakes, control and track
+    #[arg(long)]
+    ssp: bool,
     /// Version of FMI: 2 for the widest choice of tools, 3 for events, early return, updates within steps and arrays (docs/fmu.md)
     #[arg(long, value_name = "VERSION", default_value = "2")]
     fmi: Fmi,
-    /// The FMU's library, when it is not next to this program
-    #[arg(long, value_name = "FILE")]
-    library: Option<PathBuf>,
+    /// A library that goes into the FMU: of another platform (repeat it for several), or this host's where it is not next to this program; PLATFORM is win64,
+    /// aarch64-linux, x86_64-darwin ... and may be left out (docs/fmu.md)
+    #[arg(long, value_name = "[PLATFORM=]FILE")]
+    library: Vec<Named>,
     /// How much of the scene the finished FMU is stepped through
     #[arg(long, value_name = "HOW", default_value = "short")]
     check: Check,
@@ -106,16 +113,31 @@ impl From<PackageError> for Failure {
     }
 }
 
+impl From<LibraryError> for Failure {
+    fn from(error: LibraryError) -> Self {
+        Failure::Input(error.to_string())
+    }
+}
+
 pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
-    let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));
+    if arguments.ssp && arguments.fmi != Fmi::Two {
+        return Err(Failure::Input("--ssp writes SSP 1.0, which knows FMUs of FMI 2.0 alone: leave --fmi 3 out".into()));
+    }
+    let (kind, ending) = if arguments.ssp { (Kind::Ssp, "ssp") } else { (Kind::Fmu, "fmu") };
+    let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.{ending}", scene.name)));
     // Known before the work.
-    let target = Target::find(&path, Kind::Fmu).map_err(refused)?;
-    let library = package::find_library(arguments.library.as_deref())?;
+    let target = Target::find(&path, kind).map_err(refused)?;
+    let libraries = libraries::find(&arguments.library)?;
     let packed = package::pack_scene_as(&scene, arguments.fmi.into())?;
-    let files = package::files(&packed, &library);
-    let bytes = package::archive(&files)?;
+    let mut files = package::files(&packed, &libraries);
     super::start(&packed.scene)?;
+    let stop = arguments.check.stop(packed.scene.run.stop);
+    files.extend(stop.map(|stop| reference_results::files(&packed, stop)).unwrap_or_default());
+    let mut bytes = package::archive(&files)?;
+    if arguments.ssp {
+        bytes = package::archive(&system_structure::files(&packed, bytes))?;
+    }
 
     let name = &packed.scene.vehicle.leading().name;
     let shown: Vec<_> = COLUMNS
@@ -130,7 +152,6 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
 
     let start = Instant::now();
     let run = packed.scene.run;
-    let stop = arguments.check.stop(run.stop);
     let (rows, failure) = match stop.map(|stop| package::check(&files, &packed, &references, stop, run.step, ROWS)) {
         None => (Vec::new(), None),
         Some(Ok(rows)) => (rows, None),
@@ -140,17 +161,18 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     let elapsed = start.elapsed().as_secs_f64();
+    let platforms: Vec<String> = libraries.iter().map(|library| library.platform.folder(packed.table.version)).collect();
     if arguments.json {
         let columns: Vec<_> = shown.iter().map(|(output, _)| &output.name).collect();
         let value = serde_json::json!({
-            "fmu": path, "bytes": bytes.len(), "fmi": packed.table.version.name(), "guid": packed.description.guid, "platform": packed.table.version.platform(),
+            "fmu": path, "bytes": bytes.len(), "fmi": packed.table.version.name(), "guid": packed.description.guid, "platforms": platforms,
             "variables": packed.table.variables.len(), "seconds": elapsed, "columns": columns, "rows": rows,
             "check": arguments.check.name(), "checked": stop, "error": failure,
         });
         print(&format!("{value}\n"))?;
         return failure.map_or(Ok(()), |error| Err(Failure::Run(error)));
     }
-    print(&summary(&packed, &path, bytes.len()))?;
+    print(&summary(&packed, &path, bytes.len(), &platforms))?;
     if let Some(error) = failure {
         return Err(Failure::Run(error));
     }
@@ -158,21 +180,8 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
         print("\nNot checked (--check none).\n")?;
         return Ok(());
     };
-    let mut head = vec!["time s".to_string()];
-    head.extend(shown.iter().map(|(_, column)| column.1.to_string()));
-    let body: Vec<Vec<String>> = rows
-        .iter()
-        .map(|(time, values)| {
-            let mut row = vec![format!("{time:.2}")];
-            row.extend(values.iter().zip(&shown).map(|(value, (output, column))| {
-                let digits = if output.unit == Unit::Distance { 1 } else { 3 };
-                format!("{:.digits$}", value * column.2)
-            }));
-            row
-        })
-        .collect();
     print(&format!("\nIts own library, stepped by {} ms through the C interface:\n\n", rounded(1e3 * run.step)))?;
-    print(&table(&head, &body))?;
+    print(&steps(&shown, &rows))?;
     if stop > 0.0 {
         let part = if stop < run.stop { format!(" of {} s (--check full: all)", rounded(run.stop)) } else { String::new() };
         print(&format!("\n  {} s{part} simulated in {elapsed:.3} s, start and outputs included.\n", rounded(stop)))?;
@@ -180,10 +189,29 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn summary(packed: &PackedScene, path: &Path, bytes: usize) -> String {
+/// The table of what happened.
+fn steps(shown: &[(&Output, &(&str, &str, f64))], rows: &[CheckRow]) -> String {
+    let mut head = vec!["time s".to_string()];
+    head.extend(shown.iter().map(|(_, column)| column.1.to_string()));
+    let body: Vec<Vec<String>> = rows
+        .iter()
+        .map(|(time, values)| {
+            let mut row = vec![format!("{time:.2}")];
+            row.extend(values.iter().zip(shown).map(|(value, (output, column))| {
+                let digits = if output.unit == Unit::Distance { 1 } else { 3 };
+                format!("{:.digits$}", value * column.2)
+            }));
+            row
+        })
+        .collect();
+    table(&head, &body)
+}
+
+fn summary(packed: &PackedScene, path: &Path, bytes: usize, platforms: &[String]) -> String {
     let count = |causality: &str| packed.table.variables.iter().filter(|variable| variable.causality == causality).count();
+    let what = if path.extension().is_some_and(|ending| ending == "ssp") { "SSP 1.0 of an FMU, " } else { "" };
     format!(
-        "{}: FMI {} co-simulation, {} kB\n  {}\n  {} inputs, {} outputs, {} parameters; platform {}; {} {}\n",
+        "{}: {what}FMI {} co-simulation, {} kB\n  {}\n  {} inputs, {} outputs, {} parameters; {} {}; {} {}\n",
         path.display(),
         packed.table.version.name(),
         bytes / 1000,
@@ -191,7 +219,8 @@ fn summary(packed: &PackedScene, path: &Path, bytes: usize) -> String {
         count("input"),
         count("output"),
         count("parameter"),
-        packed.table.version.platform(),
+        if platforms.len() == 1 { "platform" } else { "platforms" },
+        platforms.join(", "),
         if packed.table.version == Version::Two { "GUID" } else { "instantiation token" },
         packed.description.guid
     )

@@ -39,6 +39,8 @@ pub(super) enum Kind {
     Text,
     /// A file and nothing else.
     Fmu,
+    /// A system of FMUs: the same.
+    Ssp,
     /// A table of creep forces: the same.
     Binary,
 }
@@ -49,6 +51,7 @@ impl Kind {
         match self {
             Kind::Csv => Some(("csv", ".csv")),
             Kind::Fmu => Some(("fmu", ".fmu")),
+            Kind::Ssp => Some(("ssp", ".ssp")),
             Kind::Text | Kind::Binary => None,
         }
     }

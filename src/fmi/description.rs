@@ -60,11 +60,11 @@ pub fn describe(scene: &Scene, table: &VariableTable) -> Description {
 }
 
 /// Numbers as XML wants them, shortest form that reads back the same.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
-type Xml = Writer<Vec<u8>>;
+pub(super) type Xml = Writer<Vec<u8>>;
 
 fn document(scene: &Scene, table: &VariableTable, guid: &str) -> String {
     let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
@@ -177,14 +177,7 @@ fn unit_definitions(xml: &mut Xml, types: &DocumentMut, units: &BTreeSet<&str>) 
     xml.create_element("UnitDefinitions").write_inner_content(|xml| {
         for unit in tables(types, "unit").filter(|unit| units.contains(text(*unit, "name"))) {
             xml.create_element("Unit").with_attribute(("name", text(unit, "name"))).write_inner_content(|xml| {
-                let mut base = xml.create_element("BaseUnit");
-                if let Some(exponents) = unit.get("base").and_then(|item| item.as_table_like()) {
-                    for (name, exponent) in exponents.iter() {
-                        let exponent = exponent.as_integer().unwrap_or_default().to_string();
-                        base = base.with_attribute((name, exponent.as_str()));
-                    }
-                }
-                base.write_empty()?;
+                base_unit(xml, "BaseUnit", unit)?;
                 let displays = unit.get("display").and_then(|item| item.as_array()).into_iter().flat_map(|array| array.iter());
                 for display in displays.filter_map(|display| display.as_inline_table()) {
                     let factor = number(display.get("factor").and_then(|factor| factor.as_float()).unwrap_or(1.0));
@@ -194,6 +187,33 @@ fn unit_definitions(xml: &mut Xml, types: &DocumentMut, units: &BTreeSet<&str>) 
                 }
                 Ok(())
             })?;
+        }
+        Ok(())
+    })?;
+    Ok(())
+}
+
+/// The exponents of a unit's base units.
+fn base_unit(xml: &mut Xml, element: &str, unit: &toml_edit::Table) -> io::Result<()> {
+    let mut base = xml.create_element(element);
+    if let Some(exponents) = unit.get("base").and_then(|item| item.as_table_like()) {
+        for (name, exponent) in exponents.iter() {
+            let exponent = exponent.as_integer().unwrap_or_default().to_string();
+            base = base.with_attribute((name, exponent.as_str()));
+        }
+    }
+    base.write_empty()?;
+    Ok(())
+}
+
+/// The units of a table's variables as an SSD file has them.
+pub(super) fn ssp_units(xml: &mut Xml, table: &VariableTable) -> io::Result<()> {
+    let types = settings(include_str!("../../modelDescription/types.toml"));
+    let (units, _) = used(table);
+    xml.create_element("ssd:Units").write_inner_content(|xml| {
+        for unit in tables(&types, "unit").filter(|unit| units.contains(text(*unit, "name"))) {
+            let element = xml.create_element("ssc:Unit").with_attribute(("name", text(unit, "name")));
+            element.write_inner_content(|xml| base_unit(xml, "ssc:BaseUnit", unit))?;
         }
         Ok(())
     })?;
@@ -237,14 +257,14 @@ fn model_variables(xml: &mut Xml, scene: &Scene, table: &VariableTable) -> io::R
             if let Some(initial) = variable.initial {
                 element = element.with_attribute(("initial", initial));
             }
-            element.write_inner_content(|xml| type_element(xml, scene, variable))?;
+            element.write_inner_content(|xml| type_element(xml, scene, table, variable))?;
         }
         Ok(())
     })?;
     Ok(())
 }
 
-fn type_element(xml: &mut Xml, scene: &Scene, variable: &Variable) -> io::Result<()> {
+fn type_element(xml: &mut Xml, scene: &Scene, table: &VariableTable, variable: &Variable) -> io::Result<()> {
     match variable.kind {
         Kind::Real => {
             let mut real =
@@ -253,6 +273,9 @@ fn type_element(xml: &mut Xml, scene: &Scene, variable: &Variable) -> io::Result
                 if let Some(value) = value {
                     real = real.with_attribute((name, number(value).as_str()));
                 }
+            }
+            if let Some(place) = table.integral(variable) {
+                real = real.with_attribute(("derivative", (place + 1).to_string().as_str()));
             }
             real.write_empty()?;
         }

@@ -2,6 +2,7 @@
 
 use super::packed_scene::PackedScene;
 use super::variables::{Kind, Variable};
+use super::vehicle_picture;
 use super::version::Version;
 
 /// Text as HTML.
@@ -16,11 +17,19 @@ fn rows(packed: &PackedScene, causality: &str) -> String {
             (_, Some(value)) => value.to_string(),
             (_, None) => String::new(),
         };
-        let unit = if variable.kind == Kind::Real { variable.unit.name() } else { "" };
+        let (kind, unit) = match variable.kind {
+            Kind::Real => ("real", variable.unit.name()),
+            Kind::Integer => ("integer", ""),
+            Kind::Boolean => ("boolean", ""),
+            Kind::String => ("text", ""),
+        };
+        let bound = |bound: Option<f64>| bound.map(|bound| bound.to_string()).unwrap_or_default();
+        let (least, most, tunable) = (bound(variable.min), bound(variable.max), if variable.is_tunable() { ", tunable" } else { "" });
+        let derivative = packed.table.integral(variable).map(|place| format!("; derivative of {}", packed.table.at(place).name));
         format!(
-            "<tr><td><code>{}</code></td><td>{unit}</td><td>{start}</td><td>{}</td></tr>\n",
+            "<tr><td><code>{}</code></td><td>{kind}{tunable}</td><td>{unit}</td><td>{start}</td><td>{least}</td><td>{most}</td><td>{}</td></tr>\n",
             escape(&variable.name),
-            escape(&variable.description)
+            escape(&format!("{}{}", variable.description, derivative.unwrap_or_default()))
         )
     };
     packed
@@ -70,7 +79,7 @@ pub fn html(packed: &PackedScene) -> String {
         let rows = rows(packed, causality);
         if !rows.is_empty() {
             tables += &format!(
-                "<h2>{heading}</h2>\n<table>\n<tr><th>Name</th><th>Unit</th><th>Start</th><th>Meaning</th></tr>\n{rows}</table>\n"
+                "<h2>{heading}</h2>\n<table>\n<tr><th>Name</th><th>Type</th><th>Unit</th><th>Start</th><th>Min</th><th>Max</th><th>Meaning</th></tr>\n{rows}</table>\n"
             );
         }
     }
@@ -82,6 +91,10 @@ pub fn html(packed: &PackedScene) -> String {
         .replace("{{name}}", &escape(&packed.scene.name))
         .replace("{{version}}", env!("CARGO_PKG_VERSION"))
         .replace("{{fmi}}", packed.table.version.name())
+        .replace("{{stop}}", &packed.scene.run.stop.to_string())
+        .replace("{{step}}", &packed.scene.run.step.to_string())
+        .replace("{{axes}}", vehicle_picture::AXES)
+        .replace("{{vehicle}}", &vehicle_picture::svg(&packed.scene.vehicle))
         .replace("{{derivatives}}", derivatives)
         .replace("{{discard}}", discard)
         .replace("{{tables}}", &tables)

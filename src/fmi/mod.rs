@@ -10,13 +10,18 @@ pub mod documentation;
 #[allow(unsafe_code)]
 pub mod ffi;
 pub mod instance;
+pub mod libraries;
 pub mod package;
 mod packed_scene;
 pub mod parameters;
+pub mod platform;
 mod real_parameter;
+pub mod reference_results;
 pub mod serialized;
+pub mod system_structure;
 mod terminals;
 pub mod uri;
 mod variable;
 pub mod variables;
+mod vehicle_picture;
 pub mod version;

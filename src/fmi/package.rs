@@ -1,10 +1,11 @@
 //! The .fmu archive: description, library, resources and documentation, the same bytes every time.
 
-use super::build_mark::{BUILD_MARK, MARK_PREFIX};
 use super::description;
 use super::documentation;
 use super::ffi::{host, v3};
+use super::libraries::{self, Library};
 pub use super::packed_scene::PackedScene;
+use super::platform::Platform;
 use super::terminals;
 use super::variables::VariableTable;
 use super::version::Version;
@@ -21,12 +22,6 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 /// Why no FMU was written.
 #[derive(Debug, thiserror::Error)]
 pub enum PackageError {
-    #[error("no FMU library was found ({looked}); build it with `cargo build --release --lib`, or name it with --library FILE")]
-    NoLibrary { looked: String },
-    #[error("{}: can't be read: {problem}", path.display())]
-    Unreadable { path: PathBuf, problem: String },
-    #[error("{}: {found}; build program and library together with `cargo build --release` (see CONTRIBUTING.md)", path.display())]
-    OtherBuild { path: PathBuf, found: String },
     #[error("{}: can't be written: {problem}", path.display())]
     Unwritable { path: PathBuf, problem: String },
     #[error("{0}")]
@@ -40,44 +35,8 @@ pub enum PackageError {
 }
 
 /// FMI 2.0's name of this host's platform folder.
-pub fn platform() -> &'static str {
-    Version::Two.platform()
-}
-
-/// File name of a shared library on this host.
-fn library_name(stem: &str) -> String {
-    format!("{}{stem}{}", if cfg!(windows) { "" } else { std::env::consts::DLL_PREFIX }, std::env::consts::DLL_SUFFIX)
-}
-
-/// The FMU's library of this program: the one that is named, else in `deps/` next to the program, else beside it.
-///
-/// # Errors
-/// [`PackageError`] when there is none or it is of another build.
-pub fn find_library(named: Option<&Path>) -> Result<Vec<u8>, PackageError> {
-    let name = library_name("wheelrail");
-    let folder = std::env::current_exe().ok().and_then(|program| program.parent().map(Path::to_path_buf)).unwrap_or_default();
-    let candidates = match named {
-        Some(path) => vec![path.to_path_buf()],
-        None => vec![folder.join("deps").join(&name), folder.join(&name)],
-    };
-    let path = candidates.iter().find(|path| path.is_file()).ok_or_else(|| PackageError::NoLibrary {
-        looked: candidates.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", "),
-    })?;
-    let bytes = std::fs::read(path).map_err(|error| PackageError::Unreadable { path: path.clone(), problem: error.to_string() })?;
-    check_build(&bytes).map_err(|found| PackageError::OtherBuild { path: path.clone(), found })?;
-    Ok(bytes)
-}
-
-/// Is this a library of the same build?
-fn check_build(bytes: &[u8]) -> Result<(), String> {
-    let contains = |needle: &[u8]| bytes.windows(needle.len()).any(|window| window == needle);
-    if contains(BUILD_MARK.as_bytes()) {
-        Ok(())
-    } else if contains(MARK_PREFIX) {
-        Err("this library was built from other sources than this program".into())
-    } else {
-        Err("this is not an FMU library of wheelrail".into())
-    }
+pub fn platform() -> String {
+    Platform::host().folder(Version::Two)
 }
 
 /// Prepares a scene for an FMU of FMI 2.0.
@@ -150,7 +109,7 @@ fn scratch_folder() -> Result<tempfile::TempDir, PackageError> {
 
 /// Where an FMU keeps its library for this host.
 pub fn library_path(identifier: &str, version: Version) -> String {
-    format!("binaries/{}/{identifier}{}", version.platform(), std::env::consts::DLL_SUFFIX)
+    libraries::path(Platform::host(), identifier, version)
 }
 
 fn write_folder(folder: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), PackageError> {
@@ -165,20 +124,24 @@ fn write_folder(folder: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), 
     Ok(())
 }
 
+/// The entry point of license information.
+const LICENSES: &str =
+    concat!(include_str!("../../LICENSE"), "\n----\nThe library holds other software too, with licenses of its own: third_party.txt\n");
+
 /// All files of the FMU.
-pub fn files(packed: &PackedScene, library: &[u8]) -> BTreeMap<String, Vec<u8>> {
+pub fn files(packed: &PackedScene, libraries: &[Library]) -> BTreeMap<String, Vec<u8>> {
     let mut files: BTreeMap<String, Vec<u8>> = BTreeMap::new();
     files.insert("modelDescription.xml".into(), packed.description.xml.clone().into_bytes());
-    files.insert(library_path(&packed.scene.name, packed.table.version), library.to_vec());
-    files.insert("documentation/index.html".into(), documentation::html(packed).into_bytes());
-    files.insert("documentation/license.txt".into(), include_bytes!("../../LICENSE").to_vec());
-    let icon = include_bytes!("../../fmu/model.png").to_vec();
-    if packed.table.version == Version::Three {
-        files.insert("terminalsAndIcons/terminalsAndIcons.xml".into(), terminals::xml(packed).into_bytes());
-        files.insert("terminalsAndIcons/icon.png".into(), icon.clone());
-        let terminal = include_bytes!("../../fmu/terminal.png").to_vec();
-        files.insert(format!("terminalsAndIcons/{}.png", terminals::ICON), terminal);
+    for library in libraries {
+        files.insert(library.path(&packed.scene.name, packed.table.version), library.bytes.clone());
     }
+    files.insert("documentation/index.html".into(), documentation::html(packed).into_bytes());
+    files.insert("documentation/licenses/license.txt".into(), LICENSES.as_bytes().to_vec());
+    files.insert("documentation/licenses/third_party.txt".into(), include_bytes!("../../fmu/licenses/third_party.txt").to_vec());
+    let icon = include_bytes!("../../fmu/model.png").to_vec();
+    files.insert("terminalsAndIcons/terminalsAndIcons.xml".into(), terminals::xml(packed).into_bytes());
+    files.insert("terminalsAndIcons/icon.png".into(), icon.clone());
+    files.insert(format!("terminalsAndIcons/{}.png", terminals::ICON), include_bytes!("../../fmu/terminal.png").to_vec());
     files.insert("model.png".into(), icon);
     for (name, content) in &packed.resources {
         files.insert(format!("resources/{name}"), content.clone());

@@ -1,4 +1,4 @@
-//! terminalsAndIcons/terminalsAndIcons.xml of FMI 3.0: variables that belong to one connection, in one terminal.
+//! terminalsAndIcons/terminalsAndIcons.xml of FMI 3.0, which FMI 2.0.4 has taken over as it is: variables that belong to one connection, in one terminal.
 //!
 //! A wheelset has a terminal `W.axle` (what acts on it, and what a model of traction or control reads), each wheel on rails that move `W.left.rail`, and each force element
 //! with inputs one of its own name. Members have the names that are the same in every terminal of a kind, so that a tool connects by them (rule `bus`).
@@ -18,10 +18,10 @@ pub const ICON: &str = "terminal";
 const READ: [&str; 8] = ["distance", "y", "yaw", "vx", "pitchRate", "drivingForce", "slipSpeed", "usedAdhesion"];
 
 /// One terminal: its name, what it is, and member names with their variables.
-struct Terminal<'a> {
-    name: String,
-    description: &'static str,
-    members: Vec<(&'a str, &'a str)>,
+pub(super) struct Terminal<'a> {
+    pub name: String,
+    pub description: &'static str,
+    pub members: Vec<(&'a str, &'a str)>,
     /// At the upper edge of the icon, else at the lower one.
     above: bool,
 }
@@ -39,7 +39,8 @@ fn members<'a>(variables: &'a [Variable], part: &str, wanted: impl Fn(&Variable,
     variables.iter().filter_map(below).collect()
 }
 
-fn terminals(packed: &PackedScene) -> Vec<Terminal<'_>> {
+/// The terminals of an FMU.
+pub(super) fn terminals(packed: &PackedScene) -> Vec<Terminal<'_>> {
     let variables = &packed.table.variables;
     let mut all = Vec::new();
     for (wheelset, _) in packed.scene.vehicle.axles() {
@@ -80,7 +81,7 @@ fn terminals(packed: &PackedScene) -> Vec<Terminal<'_>> {
 pub fn xml(packed: &PackedScene) -> String {
     let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
     // Writing to memory cannot fail.
-    let written = write(&mut xml, &terminals(packed), packed.table.version.name());
+    let written = write(&mut xml, &terminals(packed));
     debug_assert!(written.is_ok());
     let mut text = String::from_utf8_lossy(&xml.into_inner()).into_owned();
     text.push('\n');
@@ -95,11 +96,14 @@ fn corners(low: (f64, f64), high: (f64, f64)) -> [(&'static str, String); 4] {
     [("x1", low.0), ("y1", low.1), ("x2", high.0), ("y2", high.1)].map(|(name, value)| (name, format!("{value:.1}")))
 }
 
-fn write(xml: &mut Writer<Vec<u8>>, terminals: &[Terminal], version: &str) -> io::Result<()> {
+/// Of the terminals' format, in FMUs of either version.
+const VERSION: &str = "3.0";
+
+fn write(xml: &mut Writer<Vec<u8>>, terminals: &[Terminal]) -> io::Result<()> {
     let whole = corners((-HALF, -HALF), (HALF, HALF));
     let whole = || whole.iter().map(|(name, value)| (*name, value.as_str()));
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-    xml.create_element("fmiTerminalsAndIcons").with_attribute(("fmiVersion", version)).write_inner_content(|xml| {
+    xml.create_element("fmiTerminalsAndIcons").with_attribute(("fmiVersion", VERSION)).write_inner_content(|xml| {
         xml.create_element("GraphicalRepresentation").write_inner_content(|xml| {
             let system = xml.create_element("CoordinateSystem").with_attributes(whole());
             system.with_attribute(("suggestedScalingFactorTo_mm", "0.1")).write_empty()?;

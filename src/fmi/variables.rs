@@ -14,8 +14,8 @@ use crate::scene::assemble;
 use crate::scene::spec::Scene;
 use crate::sim::SimulationState;
 use crate::sim::feedthrough::whose;
-use crate::sim::outputs::Output;
-use crate::sim::vehicle_outputs::{FORCE_INPUT, STRIDE, scene_outputs};
+use crate::sim::outputs::{Output, integral};
+use crate::sim::vehicle_outputs::{BODY, FORCE_INPUT, STRIDE, scene_outputs};
 use crate::units::Unit;
 use std::collections::HashMap;
 
@@ -139,6 +139,14 @@ impl VariableTable {
     pub fn place(&self, reference: u32) -> Option<usize> {
         let addition = || Some(self.variables.len() + self.additions.place(reference)?);
         self.index.get(&reference).copied().or_else(addition)
+    }
+
+    /// Where the output stands whose derivative by time this output is, if the FMU shows it.
+    pub fn integral(&self, variable: &Variable) -> Option<usize> {
+        let reference = variable.reference;
+        let shown = matches!(variable.role, Role::Output(_)) && (WHEELSET..BODY).contains(&reference);
+        let number = integral(reference % WHEELSET).filter(|_| shown)?;
+        self.place(reference - reference % WHEELSET + number)
     }
 
     /// Does an output depend at the same instant on the input at this place of the input vector?

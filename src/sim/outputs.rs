@@ -196,6 +196,15 @@ fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
     c.add(26, "pitchAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the pitch angle", dy(v + 5));
 }
 
+/// Of an output of a wheelset's motion by its number among the wheelset's: the number of the output whose derivative by time it is.
+pub fn integral(number: u32) -> Option<u32> {
+    match number {
+        15..=19 => Some(number - 5),
+        21..=26 => Some([15, 16, 17, 18, 19, 20][number as usize - 21]),
+        _ => None,
+    }
+}
+
 /// Means over the last stretch of travel.
 fn means(c: &mut Collector, model: &Model, wheelset: usize) {
     let Some(mean) = model.means else { return };

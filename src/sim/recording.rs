@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 /// Outputs over time.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
-    /// Name and unit of each column, time first.
+    /// Name and unit of each column, time first. A unit of no letters is not written.
     pub columns: Vec<(String, &'static str)>,
     /// One row per output time, time first.
     pub rows: Vec<Vec<f64>>,
@@ -77,7 +77,8 @@ impl<W: Write> CsvRows<W> {
     /// When the writer fails.
     pub fn begin(mut writer: W, recording: &Recording, columns: Vec<usize>) -> csv::Result<Self> {
         let mut head = csv::Writer::from_writer(Vec::new());
-        head.write_record(columns.iter().map(|column| &recording.columns[*column]).map(|(name, unit)| format!("{name} [{unit}]")))?;
+        let heading = |(name, unit): &(String, &'static str)| if unit.is_empty() { name.clone() } else { format!("{name} [{unit}]") };
+        head.write_record(columns.iter().map(|column| heading(&recording.columns[*column])))?;
         let line = head.into_inner().map_err(|error| std::io::Error::other(error.to_string()))?;
         writer.write_all(&line)?;
         Ok(CsvRows { writer, columns, line })

@@ -18,11 +18,13 @@ import warnings
 import zipfile
 
 import fmpy
+import numpy as np
 from fmpy.validation import validate_fmu
 from fmu_manipulation_toolbox import checker, operations
 from lxml import etree
 
 from common import CONTACTS, INPUTS, SIDES, W, Fmu, main
+from terminals import connections
 
 FIXED_TIME = (1980, 1, 1, 0, 0, 0)
 
@@ -349,6 +351,13 @@ def archive(report, path, identifier, fmu):
                      if not re.match(r"[a-z]+:", link) and os.path.normpath("documentation/" + link) not in names]
             report.check("<html" in html.lower() and not links, "documentation",
                          f"broken links {links}" if links else f"{len(html)} characters, no broken link")
+            pictures = [etree.fromstring(svg) for svg in re.findall(r"<svg.*?</svg>", html, re.DOTALL)]
+            wheels = pictures[0].findall("{*}circle")
+            numbers = [float(value) for shape in pictures[0] for name, value in shape.attrib.items() if name in ("x", "y", "cx", "cy", "r", "width", "height")]
+            report.check(len(pictures) == 2 and all(0.2 < float(wheel.get("r")) < 0.7 for wheel in wheels) and wheels and np.isfinite(numbers).all(),
+                         "drawings of vehicle and axes", f"{len(wheels)} wheelsets, {len(pictures[0].findall('{*}rect'))} bodies")
+        causalities = {v.name: v.causality for v in fmu.description.modelVariables}
+        connections(report, etree.fromstring(zf.read("terminalsAndIcons/terminalsAndIcons.xml")), names, causalities)
     if library in names:
         shared = ctypes.CDLL(os.path.join(fmu.directory, *library.split("/")))
         missing = [f for f in FUNCTIONS if not hasattr(shared, f)]

@@ -18,6 +18,7 @@ from lxml import etree
 
 from common import CLEAR, INPUTS, TORQUE, W, Fmu, grid, main
 from common3 import Fmu3
+from terminals import connections
 
 FMPY = os.path.dirname(fmpy.__file__)
 STEP, SAVE, STOP = 0.01, 0.6, 1.0  # s; the disturbance is at 0.5 s to 0.75 s
@@ -65,26 +66,6 @@ def description(report, path):
     bad = [v.get("name") for v in variables.values()
            if (v.get("intermediateUpdate") == "true") != (v.get("causality") in ("input", "output") and v.get("variability") == "continuous")]
     report.check(not bad, "inputs and continuous outputs are open to intermediate updates", ", ".join(bad[:5]) or "all")
-
-
-def connections(report, root, files, causalities):
-    """Terminals and icons: valid, each member a variable, each input in one terminal, each picture there."""
-    schema = etree.XMLSchema(file=os.path.join(FMPY, "schema", "fmi3", "fmi3TerminalsAndIcons.xsd"))
-    schema.validate(root)
-    errors = [f"line {e.line}: {e.message}" for e in schema.error_log]
-    report.check(not errors, "schema fmi3TerminalsAndIcons.xsd", "; ".join(errors) or "valid")
-    members, bad = [], []
-    for terminal in root.iter("Terminal"):
-        own = [m.get("memberName") for m in terminal.iter("TerminalMemberVariable")]
-        members += [m.get("variableName") for m in terminal.iter("TerminalMemberVariable")]
-        icon = terminal.find("TerminalGraphicalRepresentation").get("iconBaseName")
-        if len(set(own)) != len(own) or f"terminalsAndIcons/{icon}.png" not in files:
-            bad.append(terminal.get("name"))
-    names = [terminal.get("name") for terminal in root.iter("Terminal")]
-    report.check(not bad and len(set(names)) == len(names) and "terminalsAndIcons/icon.png" in files, "terminals", ", ".join(bad or names))
-    inputs = {name for name, causality in causalities.items() if causality == "input"}
-    report.check(inputs <= set(members) <= set(causalities) and len(set(members)) == len(members), "each input in one terminal",
-                 f"{len(inputs)} inputs, {len(members)} members")
 
 
 def beside_two(report, two, three):

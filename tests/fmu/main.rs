@@ -4,6 +4,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod packaging;
 mod three;
 
 use std::collections::BTreeMap;

@@ -11,6 +11,7 @@ mod dependencies;
 mod effects;
 mod inputs;
 mod irregularities;
+mod licenses;
 mod modes;
 mod scene_keys;
 mod static_preload;

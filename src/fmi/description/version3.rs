@@ -36,7 +36,7 @@ pub(super) fn model_variables(xml: &mut Xml, scene: &Scene, table: &VariableTabl
     let (time, discrete) = table.additions.variables.split_at(1);
     xml.create_element("ModelVariables").write_inner_content(|xml| {
         for variable in time.iter().chain(&table.variables).chain(discrete) {
-            scalar(xml, scene, variable)?;
+            scalar(xml, scene, table, variable)?;
         }
         for array in &table.additions.arrays {
             whole(xml, array)?;
@@ -51,7 +51,7 @@ fn in_steps(variable: &Variable) -> bool {
     matches!(variable.role, Role::Input(_) | Role::Output(_))
 }
 
-fn scalar(xml: &mut Xml, scene: &Scene, variable: &Variable) -> io::Result<()> {
+fn scalar(xml: &mut Xml, scene: &Scene, table: &VariableTable, variable: &Variable) -> io::Result<()> {
     let kind = match variable.kind {
         Kind::Real => "Float64",
         Kind::Integer => "Int32",
@@ -84,6 +84,9 @@ fn scalar(xml: &mut Xml, scene: &Scene, variable: &Variable) -> io::Result<()> {
         if let Some(value) = value {
             element = element.with_attribute((name, written(value).as_str()));
         }
+    }
+    if let Some(place) = table.integral(variable) {
+        element = element.with_attribute(("derivative", table.at(place).reference.to_string().as_str()));
     }
     match variable.role {
         Role::Title => element.write_inner_content(|xml| {

@@ -54,6 +54,7 @@ fn as_in_two(c: Fmi3Instance, function: &str, run: impl FnOnce() -> Status) -> S
 
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3GetVersion() -> FmiString {
+    super::keep_mark();
     c"3.0".as_ptr()
 }
 

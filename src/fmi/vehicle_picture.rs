@@ -1,0 +1,92 @@
+//! A drawing of a scene's vehicle from its right side, forward to the right, as SVG: what the FMU's page shows.
+//!
+//! Wheels have their radius. Of other bodies a scene knows mass and inertia alone: each is drawn as the box of even density that has them.
+
+use crate::mbs::body::Body;
+use crate::mbs::inertia::Inertia;
+use crate::scene::vehicle::VehicleSpec;
+use std::fmt::Write;
+
+/// Around the vehicle, m.
+const MARGIN: f64 = 1.0;
+/// Least half height and length of what is drawn as a box, m: a body of no inertia is a point.
+const LEAST: f64 = 0.1;
+
+/// A rectangle with its middle at x, z [m].
+struct Shape {
+    x: f64,
+    z: f64,
+    half_length: f64,
+    half_height: f64,
+}
+
+/// Half length and half height of the box of even density with a body's mass and moments of inertia: of a box with the edges a, b, c, Ixx = m (b2 + c2) / 12 and so on. Moments that
+/// no body of even density can have give what is nearest.
+fn half_edges(body: &Body) -> (f64, f64) {
+    let [xx, yy, zz] = match &body.inertia {
+        Inertia::Revolution { transverse, axial } | Inertia::NotGyroscopic { transverse, axial } => [*transverse, *axial, *transverse],
+        Inertia::General { principal, .. } => [principal.x, principal.y, principal.z],
+    };
+    let half = |moment: f64| if body.mass > 0.0 { (6.0 * moment.max(0.0) / body.mass).sqrt() / 2.0 } else { 0.0 };
+    (half(yy + zz - xx).max(LEAST), half(xx + yy - zz).max(LEAST))
+}
+
+/// Text as XML.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// The drawing, 100 % wide.
+pub(super) fn svg(vehicle: &VehicleSpec) -> String {
+    let wheels: Vec<(f64, f64)> = vehicle.wheelsets.iter().map(|placed| (placed.x, placed.design_position().z)).collect();
+    let boxes: Vec<(&str, Shape)> = vehicle
+        .bodies
+        .iter()
+        .map(|placed| {
+            let (half_length, half_height) = half_edges(&placed.body);
+            (placed.body.name.as_str(), Shape { x: placed.position.x, z: placed.position.z, half_length, half_height })
+        })
+        .collect();
+    let middles: Vec<(f64, f64)> = wheels.iter().copied().chain(boxes.iter().map(|(_, shape)| (shape.x, shape.z))).collect();
+    let ends = wheels.iter().map(|(x, radius)| (x - radius, x + radius, 2.0 * radius));
+    let ends = ends.chain(boxes.iter().map(|(_, s)| (s.x - s.half_length, s.x + s.half_length, s.z + s.half_height)));
+    let (rear, front, top) = ends.fold((f64::INFINITY, f64::NEG_INFINITY, 0.0_f64), |(a, b, c), (x, y, z)| (a.min(x), b.max(y), c.max(z)));
+    let (left, width, height) = (rear - MARGIN, front - rear + 2.0 * MARGIN, top + 2.0 * MARGIN);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{left:.3} {:.3} {width:.3} {height:.3}\" style=\"width: 100%; max-height: 24em\" fill=\"none\" stroke=\"#222\" stroke-width=\"{:.3}\">\n",
+        -top - MARGIN,
+        height.max(width / 4.0) / 200.0,
+    );
+    // Writing to a string cannot fail; z points up, and SVG's y down.
+    let _ = writeln!(svg, "<path d=\"M {left:.3} 0 h {width:.3}\" stroke=\"#888\"/>");
+    for (name, s) in &boxes {
+        let (x, y, w, h) = (s.x - s.half_length, -s.z - s.half_height, 2.0 * s.half_length, 2.0 * s.half_height);
+        let _ = writeln!(
+            svg,
+            "<rect x=\"{x:.3}\" y=\"{y:.3}\" width=\"{w:.3}\" height=\"{h:.3}\" fill=\"#cde\" fill-opacity=\"0.6\"><title>{}</title></rect>",
+            escape(name)
+        );
+    }
+    for (placed, (x, radius)) in vehicle.wheelsets.iter().zip(&wheels) {
+        let name = escape(&placed.spec.name);
+        let _ = writeln!(svg, "<circle cx=\"{x:.3}\" cy=\"{:.3}\" r=\"{radius:.3}\" fill=\"#fff\"><title>{name}</title></circle>", -radius);
+    }
+    for element in &vehicle.forces {
+        if let [Some(a), Some(b)] = element.0.bodies().map(|end| end.and_then(|body| middles.get(body))) {
+            let name = escape(element.0.name());
+            let _ =
+                writeln!(svg, "<path d=\"M {:.3} {:.3} L {:.3} {:.3}\" stroke=\"#a40\"><title>{name}</title></path>", a.0, -a.1, b.0, -b.1);
+        }
+    }
+    svg + "</svg>\n"
+}
+
+/// The axes of the track frame, in a view from the right side as that of the vehicle, and one from above.
+pub(super) const AXES: &str = "\
+<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 420 120\" style=\"width: 26em\" fill=\"none\" stroke=\"#222\" stroke-width=\"1.5\" font-family=\"sans-serif\" font-size=\"13\">\n\
+<defs><marker id=\"tip\" markerWidth=\"8\" markerHeight=\"8\" refX=\"5\" refY=\"3\" orient=\"auto\"><path d=\"M 0 0 L 6 3 L 0 6 z\" fill=\"#222\" stroke=\"none\"/></marker></defs>\n\
+<path d=\"M 30 95 H 130\" marker-end=\"url(#tip)\"/><path d=\"M 30 95 V 15\" marker-end=\"url(#tip)\"/><path d=\"M 30 60 A 35 35 0 0 1 65 95\" marker-end=\"url(#tip)\"/>\n\
+<path d=\"M 250 95 H 350\" marker-end=\"url(#tip)\"/><path d=\"M 250 95 V 15\" marker-end=\"url(#tip)\"/><path d=\"M 285 95 A 35 35 0 0 0 250 60\" marker-end=\"url(#tip)\"/>\n\
+<g fill=\"#222\" stroke=\"none\"><text x=\"138\" y=\"99\">X</text><text x=\"14\" y=\"20\">Z</text><text x=\"58\" y=\"66\">pitch</text><text x=\"30\" y=\"116\">from the right: X forward, Z up</text>\n\
+<text x=\"358\" y=\"99\">X</text><text x=\"234\" y=\"20\">Y</text><text x=\"278\" y=\"66\">yaw</text><text x=\"250\" y=\"116\">from above: X forward, Y left</text></g>\n\
+</svg>\n";
