@@ -16,6 +16,7 @@ mod plan;
 mod plot;
 mod profile;
 mod progress;
+mod results;
 mod run;
 mod scene;
 mod study;
@@ -45,7 +46,7 @@ struct Cli {
 enum Command {
     /// Write a scene as an FMU and check it by loading and stepping it
     Export(export::Arguments),
-    /// Simulate a scene natively: CSV, SVG, summary
+    /// Simulate a scene natively: CSV, Parquet, MAT, SVG, summary; checkpoints of long runs
     Run(run::Arguments),
     /// Hold a run against EN 14363, comfort standards, Nadal's limit: limit table, HTML page
     Assess(assess::Arguments),
@@ -189,7 +190,12 @@ fn refused(error: OutputError) -> Failure {
 
 /// Where a table goes, if anywhere; known before the work.
 fn csv_target(path: &Option<PathBuf>, json: bool) -> Result<Option<Target>, Failure> {
-    let target = path.as_deref().map(|path| Target::find(path, Kind::Csv)).transpose().map_err(refused)?;
+    target(path, Kind::Csv, json)
+}
+
+/// The same of results of a kind that may go to stdout.
+fn target(path: &Option<PathBuf>, kind: Kind, json: bool) -> Result<Option<Target>, Failure> {
+    let target = path.as_deref().map(|path| Target::find(path, kind)).transpose().map_err(refused)?;
     match json && target.as_ref().is_some_and(Target::is_stdout) {
         true => Err(Failure::Input("-o - and --json both write to stdout; choose one".into())),
         false => Ok(target),

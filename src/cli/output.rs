@@ -35,6 +35,8 @@ fn ending_words(ending: &str) -> String {
 pub(super) enum Kind {
     /// Rows of text; may go to "-", a device or a pipe.
     Csv,
+    /// Rows of a run: CSV, which may go to "-", a device or a pipe, or by the file's ending Parquet or MAT.
+    Results,
     /// Text of any ending.
     Text,
     /// A file and nothing else.
@@ -46,18 +48,19 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// The ending that its files have; one that another kind of file has would deceive whoever opens it.
-    fn ending(self) -> Option<(&'static str, &'static str)> {
+    /// The endings that its files have, and how they are named; one that another kind of file has would deceive whoever opens it.
+    fn endings(self) -> Option<(&'static [&'static str], &'static str)> {
         match self {
-            Kind::Csv => Some(("csv", ".csv")),
-            Kind::Fmu => Some(("fmu", ".fmu")),
-            Kind::Ssp => Some(("ssp", ".ssp")),
+            Kind::Csv => Some((&["csv"], ".csv")),
+            Kind::Results => Some((&["csv", "parquet", "mat"], ".csv, .parquet or .mat")),
+            Kind::Fmu => Some((&["fmu"], ".fmu")),
+            Kind::Ssp => Some((&["ssp"], ".ssp")),
             Kind::Text | Kind::Binary => None,
         }
     }
 
     fn may_stream(self) -> bool {
-        matches!(self, Kind::Csv | Kind::Text)
+        matches!(self, Kind::Csv | Kind::Results | Kind::Text)
     }
 }
 
@@ -97,8 +100,8 @@ impl Target {
             _ => {}
         }
         let Some(file) = follow(path)? else { return stream(path, kind) };
-        if let (Some((right, known)), Some(ending)) = (kind.ending(), path.extension())
-            && !ending.eq_ignore_ascii_case(right)
+        if let (Some((right, known)), Some(ending)) = (kind.endings(), path.extension())
+            && !right.iter().any(|right| ending.eq_ignore_ascii_case(right))
         {
             return Err(OutputError::Ending { path: path.into(), ending: ending.to_string_lossy().into_owned(), known });
         }
@@ -111,6 +114,11 @@ impl Target {
             Err(_) if exists => found(Place::File { path: file, in_place: true }),
             Err(error) => Err(unwritable(path, error)),
         }
+    }
+
+    /// As the user named it.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     pub fn is_stdout(&self) -> bool {

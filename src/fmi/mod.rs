@@ -17,7 +17,6 @@ pub mod parameters;
 pub mod platform;
 mod real_parameter;
 pub mod reference_results;
-pub mod serialized;
 pub mod system_structure;
 mod terminals;
 pub mod uri;

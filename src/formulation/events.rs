@@ -1,9 +1,10 @@
 //! Lift-off and landing of contacts that are constraints while they are loaded; begin and end of contacts beside the first.
 
 use crate::geometry::Side;
+use serde::{Deserialize, Serialize};
 
 /// What happened to a contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ContactChange {
     /// The constraint would have begun to pull; the contact is elastic from here.
     Lifted,
@@ -40,7 +41,7 @@ impl ContactChange {
 }
 
 /// A change of one contact.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactEvent {
     /// s.
     pub time: f64,

@@ -9,13 +9,14 @@ use super::{Model, Workspace};
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::Rail;
 use crate::mbs::body::BodyMotion;
+use serde::{Deserialize, Serialize};
 
 /// Points along the left-out part.
 const POINTS: usize = 96;
 
 /// What a wheel's flange would have done.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Reach {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Reach {
     /// Wheel, and since when, s.
     contact: usize,
     since: f64,
@@ -81,6 +82,20 @@ impl Flanges {
                 None => self.reached.push(Reach { contact, since: t, deepest: (overlap, t) }),
             }
         }
+    }
+
+    /// Wheels that would have reached the rail.
+    pub fn reached(&self) -> &[Reach] {
+        &self.reached
+    }
+
+    /// Goes on with what was found before. Returns false and changes nothing when a wheel is none of these.
+    pub fn go_on(&mut self, reached: Vec<Reach>) -> bool {
+        let known = reached.iter().all(|reach| self.wheels.iter().any(|wheel| wheel.0 == reach.contact));
+        if known {
+            self.reached = reached;
+        }
+        known
     }
 
     /// The first wheel in words, and how many others.

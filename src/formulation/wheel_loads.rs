@@ -1,9 +1,10 @@
 //! Wheel loads over a run, for what its user should know: wheels that unload, wheels that strike, and loads that no rigid track would meet.
 
-use super::flange::Flanges;
+use super::flange::{Flanges, Reach};
 use super::step::WheelRef;
 use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
+use serde::{Deserialize, Serialize};
 
 /// Shares of the static load below and above which a wheel is named.
 const LEAST: f64 = 0.1;
@@ -12,7 +13,7 @@ const MOST: f64 = 4.0;
 const STRIKE: f64 = 2.0;
 
 /// Least and greatest load of a wheel by its static load, and when, s.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Range {
     least: (f64, f64),
     most: (f64, f64),
@@ -36,7 +37,31 @@ impl WheelLoads {
     }
 }
 
+/// What [`WheelLoads`] have noted so far, to be saved with a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NotedLoads {
+    ranges: Vec<Range>,
+    strike: Option<(usize, f64)>,
+    reached: Vec<Reach>,
+}
+
 impl WheelLoads {
+    /// What is noted so far.
+    pub fn noted(&self) -> NotedLoads {
+        let reached = self.flanges.as_ref().map_or(&[][..], Flanges::reached).to_vec();
+        NotedLoads { ranges: self.ranges.clone(), strike: self.strike, reached }
+    }
+
+    /// Goes on with what was noted before. Returns false and changes nothing when it is not of the same wheels.
+    pub fn go_on(&mut self, noted: NotedLoads) -> bool {
+        let own = noted.ranges.len() == self.ranges.len() && noted.strike.is_none_or(|(contact, _)| contact < self.ranges.len());
+        let flanges = own && self.flanges.as_mut().map_or(noted.reached.is_empty(), |flanges| flanges.go_on(noted.reached));
+        if flanges {
+            (self.ranges, self.strike) = (noted.ranges, noted.strike);
+        }
+        flanges
+    }
+
     /// When a wheel first struck its rail, s.
     pub fn first_strike(&self) -> Option<f64> {
         self.strike.map(|(_, time)| time)

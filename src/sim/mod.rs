@@ -4,6 +4,7 @@
 //! equal bit for bit when they are advanced to the same times.
 
 pub mod adhesion;
+pub mod checkpoint;
 mod directional;
 mod dynamics;
 pub mod feedthrough;
@@ -11,6 +12,7 @@ pub mod input;
 pub mod outputs;
 pub mod pattern;
 pub mod recording;
+pub mod serialized;
 pub mod statics;
 pub mod tables;
 pub mod tuning;

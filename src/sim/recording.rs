@@ -3,6 +3,7 @@
 use super::outputs::{Needs, Output, needs};
 use super::tables::LeftTables;
 use super::{Simulation, SimulationError};
+use crate::formulation::events::ContactEvent;
 use std::io::Write;
 use std::ops::ControlFlow;
 
@@ -66,6 +67,8 @@ impl Recording {
 pub struct CsvRows<W> {
     pub writer: W,
     columns: Vec<usize>,
+    /// Those of them that are written with single precision.
+    single: Vec<bool>,
     /// One row: text is most of what outputs cost.
     line: Vec<u8>,
 }
@@ -81,7 +84,13 @@ impl<W: Write> CsvRows<W> {
         head.write_record(columns.iter().map(|column| heading(&recording.columns[*column])))?;
         let line = head.into_inner().map_err(|error| std::io::Error::other(error.to_string()))?;
         writer.write_all(&line)?;
-        Ok(CsvRows { writer, columns, line })
+        Ok(CsvRows { writer, single: vec![false; columns.len()], columns, line })
+    }
+
+    /// With single precision where `single` has it, by column in their order.
+    pub fn with_single(mut self, single: &[bool]) -> Self {
+        self.single.iter_mut().zip(single).for_each(|(own, single)| *own = *single);
+        self
     }
 
     /// Writes a row of the recording. Each number is the shortest one that reads back as the same bits, and none needs quotes.
@@ -91,8 +100,10 @@ impl<W: Write> CsvRows<W> {
     pub fn write(&mut self, row: &[f64]) -> std::io::Result<()> {
         let mut number = zmij::Buffer::new();
         self.line.clear();
-        for column in &self.columns {
-            self.line.extend_from_slice(number.format(row[*column]).as_bytes());
+        for (column, single) in self.columns.iter().zip(&self.single) {
+            let value = row[*column];
+            let text = if *single { number.format(value as f32) } else { number.format(value) };
+            self.line.extend_from_slice(text.as_bytes());
             self.line.push(b',');
         }
         self.line.pop();
@@ -134,13 +145,6 @@ pub fn record(
     })
 }
 
-fn look(left: &mut LeftTables, simulation: &mut Simulation) -> Result<(), SimulationError> {
-    if !left.is_empty() {
-        left.look(simulation.snapshot_with(Needs::Motion)?);
-    }
-    Ok(())
-}
-
 /// When a run ends, and at which distance it is recorded, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Times {
@@ -155,33 +159,68 @@ pub struct Times {
 pub fn record_while(
     simulation: &mut Simulation,
     outputs: &[Output],
-    Times { stop, step }: Times,
+    times: Times,
     mut watch: impl FnMut(&[f64]) -> ControlFlow<()>,
 ) -> Result<Recording, Interrupted> {
-    let mut recording = Recording::new(outputs);
-    let start = simulation.time();
-    let mut left = LeftTables::new(simulation.model());
-    let mut run = || -> Result<(), SimulationError> {
-        recording.sample(simulation, outputs)?;
-        look(&mut left, simulation)?;
-        let mut go_on = |recording: &Recording| recording.rows.last().is_none_or(|row| watch(row).is_continue());
-        if !go_on(&recording) {
+    let mut run = Run::new(simulation, outputs);
+    let ended =
+        run.go_on(simulation, outputs, times, |_, run| run.recording.rows.last().map_or(ControlFlow::Continue(()), |row| watch(row)));
+    let recording = run.end();
+    match ended {
+        Ok(()) => Ok(recording),
+        Err(error) => Err(Interrupted { recording, error: Box::new(error) }),
+    }
+}
+
+/// A run under way: what it has recorded, and what its notes need.
+#[derive(Debug)]
+pub struct Run {
+    pub recording: Recording,
+    /// Lift-offs and landings that were taken from the simulation so far.
+    pub events: Vec<ContactEvent>,
+    pub(super) left: LeftTables,
+}
+
+impl Run {
+    /// Before its first row.
+    pub fn new(simulation: &Simulation, outputs: &[Output]) -> Run {
+        Run { recording: Recording::new(outputs), events: Vec::new(), left: LeftTables::new(simulation.model()) }
+    }
+
+    /// Goes on from the last row, where the simulation stands (from the first one where there is none), to the stop; each new row is shown to `watch`, which
+    /// may end the run early.
+    ///
+    /// # Errors
+    /// When the simulation cannot go on.
+    pub fn go_on(
+        &mut self,
+        simulation: &mut Simulation,
+        outputs: &[Output],
+        Times { stop, step }: Times,
+        mut watch: impl FnMut(&mut Simulation, &mut Run) -> ControlFlow<()>,
+    ) -> Result<(), SimulationError> {
+        let mut row = |run: &mut Run, simulation: &mut Simulation| -> Result<ControlFlow<()>, SimulationError> {
+            run.recording.sample(simulation, outputs)?;
+            if !run.left.is_empty() {
+                run.left.look(simulation.snapshot_with(Needs::Motion)?);
+            }
+            Ok(watch(simulation, run))
+        };
+        if self.recording.rows.is_empty() && row(self, simulation)?.is_break() {
             return Ok(());
         }
-        for time in communication_points(start, stop, step) {
+        let start = self.recording.rows.first().map_or(simulation.time(), |row| row[0]);
+        for time in communication_points(start, stop, step).skip(self.recording.rows.len() - 1) {
             simulation.advance(time)?;
-            recording.sample(simulation, outputs)?;
-            look(&mut left, simulation)?;
-            if !go_on(&recording) {
+            if row(self, simulation)?.is_break() {
                 return Ok(());
             }
         }
         Ok(())
-    };
-    let ended = run();
-    recording.notes = left.notes();
-    match ended {
-        Ok(()) => Ok(recording),
-        Err(error) => Err(Interrupted { recording, error: Box::new(error) }),
+    }
+
+    /// What was recorded, with notes.
+    pub fn end(self) -> Recording {
+        Recording { notes: self.left.notes(), ..self.recording }
     }
 }

@@ -54,6 +54,20 @@ impl LeftTables {
         }
     }
 
+    /// Largest way beyond an end of each table, its place and time, s: to be saved with a run.
+    pub fn noted(&self) -> Vec<Option<(f64, f64, f64)>> {
+        self.watched.iter().map(|watched| watched.worst).collect()
+    }
+
+    /// Goes on with what was noted before. Returns false and changes nothing when it is not of the same tables.
+    pub fn go_on(&mut self, noted: &[Option<(f64, f64, f64)>]) -> bool {
+        let own = noted.len() == self.watched.len();
+        if own {
+            self.watched.iter_mut().zip(noted).for_each(|(watched, worst)| watched.worst = *worst);
+        }
+        own
+    }
+
     /// One line for each table that was left.
     pub fn notes(&self) -> Vec<String> {
         let line = |watched: &Watched| {

@@ -5,7 +5,7 @@
 //! costs in time, [`shares`] where the time of a run goes; [`hard`] shows that
 //! hard cases stay right; [`patch`] solves the contact of real surfaces under a load, [`pose`] evaluates the scene's own laws in one pose; [`modes`] are small motions about
 //! steady running; [`effects`] is what each effect contributes and costs; [`assess`] holds results against EN 14363 and comfort standards; [`variation`] runs a scene
-//! with many values; [`beside`] compares samples, [`digits`] writes numbers in words.
+//! with many values; [`spectrum`] estimates power spectral densities; [`beside`] compares samples, [`digits`] writes numbers in words.
 
 pub mod accuracy;
 pub mod assess;
@@ -21,6 +21,7 @@ pub mod patch;
 pub mod patch_laws;
 pub mod pose;
 pub mod shares;
+pub mod spectrum;
 pub mod strip_patch;
 pub mod sweep;
 pub mod variation;

@@ -5,6 +5,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod packaging;
+mod results;
 mod three;
 
 use std::collections::BTreeMap;

@@ -45,7 +45,7 @@ fn instance(unpacked: &Unpacked) -> Instance {
     Instance::new(unpacked.folder.path(), &unpacked.packed.description.guid).unwrap()
 }
 
-/// Magic, version, GUID and length, as `fmi::serialized` has them.
+/// Magic, version, GUID and length, as `sim::serialized` has them.
 const HEAD: usize = 8 + 4 + 38 + 8;
 
 /// The checksum of what the bytes are now, as an attacker would write it.

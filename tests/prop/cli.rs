@@ -24,10 +24,32 @@ fn prop_run_prints_a_summary_and_writes_csv_and_svg() {
     let header = lines.next().unwrap();
     assert!(header.starts_with("time [s],wheelset.distance [m],wheelset.y [m]"), "{header}");
     assert_eq!(lines.count(), 401);
-    let svg = std::fs::read_to_string(plots.join("suspended_wheelset.svg")).unwrap();
-    for word in ["Lateral displacement", "Yaw", "Wheel loads", "distance [m]", "<polyline"] {
-        assert!(svg.contains(word), "{word}");
+    let pictures: [(&str, &[&str]); 5] = [
+        ("", &["Lateral displacement", "Yaw", "Wheel loads", "distance [m]", "left wheel", "Rails, lateral displacement", "<polyline"]),
+        ("_forces", &["Lateral forces", "Y/Q [-], outward positive", "sum of Y [kN]"]),
+        ("_accelerations", &["Lateral acceleration, wheelsets", "az [m/s2], wheelsets"]),
+        ("_contacts", &["Left rail", "Right wheel", "contact 1", "<polygon"]),
+        ("_spectra", &["density [(m/s2)2/Hz], wheelsets", "frequency [Hz]", "Welch, Hann, 100 samples"]),
+    ];
+    for (key, words) in pictures {
+        let svg = std::fs::read_to_string(plots.join(format!("suspended_wheelset{key}.svg"))).unwrap();
+        for word in words {
+            assert!(svg.contains(word), "{key}: {word}");
+        }
     }
+    // Another run over it.
+    let against =
+        |more: &[&str]| text(&wheelrail(&[&["run", "vehicle_curve", "--stop", "0.4", "--plot", plots.to_str().unwrap()], more].concat()));
+    let other = folder.path().join("other.csv");
+    assert_eq!(against(&["-o", other.to_str().unwrap()]).2, 0);
+    let (_, stderr, code) = against(&["--set", "contact.friction=0.2", "--against", other.to_str().unwrap()]);
+    assert_eq!(code, 0, "{stderr}");
+    for key in ["", "_forces", "_bodies"] {
+        let svg = std::fs::read_to_string(plots.join(format!("vehicle_curve{key}.svg"))).unwrap();
+        assert_eq!(svg.matches("other.csv").count(), 1, "{key}: once in the legend");
+    }
+    let (_, stderr, code) = against(&["--against", csv.to_str().unwrap()]);
+    assert!(code == 2 && stderr.contains("no distance of a part of this scene, such as "), "{stderr}");
 }
 
 #[test]
@@ -382,7 +404,7 @@ fn regress_docs_list_every_output() {
     }
     let page = format!(
         "# Outputs\n\nEvery output of the FMU and column of `wheelrail run -o`, made from the program's table. W is a wheelset, B a body, S a sensor, F a force element of the scene; \
-         the right wheel has the same outputs as the left one, and every contact those of `contact[1]`. X is forward, Y to the left, Z up.\n\n\
+         the right wheel has the same outputs as the left one, and every contact those of `contact[1]`. X is forward, Y to the left, Z up. Files of results: [runs.md](runs.md).\n\n\
          | output | unit | group | meaning and sign |\n|---|---|---|---|\n{}",
         lines.concat()
     );

@@ -247,7 +247,7 @@ fn prop_rows_lose_no_bit() {
 #[test]
 fn prop_other_endings_are_refused_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
-    for (command, name) in [("run", "x.parquet"), ("contact", "x.xlsx"), ("run", "x.fmu")] {
+    for (command, name) in [("run", "x.xlsx"), ("contact", "x.parquet"), ("run", "x.fmu")] {
         let path = folder.path().join(name);
         let (_, stderr, code) = run(&[command, "suspended_wheelset", "-o", path.to_str().unwrap()]);
         assert!(code == 2 && stderr.contains("expected a name that ends in .csv") && !path.exists(), "{command} {name}: {stderr}");

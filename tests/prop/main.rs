@@ -4,6 +4,7 @@
 mod common;
 
 mod assess;
+mod checkpoints;
 mod cli;
 mod cli_output;
 mod creep_laws;

@@ -125,6 +125,9 @@ fn pictures(folder: &Path, comparison: &Comparison) -> Result<Vec<PathBuf>, Stri
     all.filter_map(|(runs, quantity)| picture(folder, comparison, runs, quantity).transpose()).collect()
 }
 
+/// Part of the largest value below which two runs are equal: integration rounds by more.
+const ROUNDING: f64 = 1e-11;
+
 /// Two runs over distance, a broad pale line and a thin dashed one on it, and below it their difference with a unit of its own, which says
 /// how small it is. Nothing where there is nothing to see.
 fn picture(folder: &Path, comparison: &Comparison, runs: [&Run; 2], quantity: &Quantity) -> Result<Option<PathBuf>, String> {
@@ -138,11 +141,21 @@ fn picture(folder: &Path, comparison: &Comparison, runs: [&Run; 2], quantity: &Q
     let plain = wheelset.replace(['[', ']'], "").replace('.', "_");
     let place = if scene.vehicle.axles().len() > 1 { format!("_{plain}") } else { String::new() };
     let file = folder.join(format!("{}{place}_{}_{}_{}.svg", scene.name, quantity.key, names[0], names[1]));
-    let difference = first.minus(&second);
+    let mut difference = first.minus(&second);
     let (place, largest) = difference.iter().copied().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or_default();
+    // What rounding makes of equal runs is no difference of models.
+    let reach = first.points().iter().map(|point| point.1.abs()).fold(0.0, f64::max);
+    let largest = if largest.abs() > ROUNDING * reach { largest } else { 0.0 };
+    if largest == 0.0 {
+        difference.iter_mut().for_each(|point| point.1 = 0.0);
+    }
     let (letter, size) = prefix(largest.abs());
     let [letter, most] = [letter.into(), sized(largest.abs(), quantity.unit, 3)].map(|words: String| words.replace('u', "\u{b5}"));
-    let aside = if largest == 0.0 { "no difference".into() } else { format!("at most {most}, at {place:.1} m") };
+    let aside = if largest == 0.0 {
+        format!("none: equal to {ROUNDING:e} of the largest value")
+    } else {
+        format!("at most {most}, at {place:.1} m")
+    };
     let scaled = |points: Vec<(f64, f64)>, factor: f64| points.into_iter().map(|(x, value)| (x, factor * value)).collect::<Vec<_>>();
     let (axis, factor) = quantity.axis;
     let both = vec![

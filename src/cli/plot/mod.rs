@@ -54,6 +54,11 @@ impl Ink {
         Ink { dashed: true, ..Ink::line(color) }
     }
 
+    /// Of part number `k` of a vehicle: one colour each, dashed where colours begin again.
+    pub(super) fn part(k: usize) -> Ink {
+        Ink { dashed: k / COLORS.len() % 2 == 1, width: 1.75, ..Ink::line(COLORS[k % COLORS.len()]) }
+    }
+
     /// Under a dashed line that follows it.
     pub(super) const fn broad(color: RGBColor) -> Ink {
         Ink { alpha: 0.5, width: 5.0, ..Ink::line(color) }

@@ -56,20 +56,27 @@ pub(super) fn svg(size: Place, draw: impl FnOnce(&Pen) -> Drawn) -> Result<Strin
     Ok(svg.replacen(&drawn(f64::from(fine.0), f64::from(fine.1)), &drawn(size.0, size.1), 1))
 }
 
+/// First, lowest, highest and last of some places, in their order.
+fn ends(places: &[Place]) -> Vec<Place> {
+    if places.len() <= 4 {
+        return places.to_vec();
+    }
+    let by = |a: &usize, b: &usize| places[*a].1.total_cmp(&places[*b].1);
+    let (low, high) = ((0..places.len()).min_by(by).unwrap_or(0), (0..places.len()).max_by(by).unwrap_or(0));
+    let mut kept = vec![0, low, high, places.len() - 1];
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(|index| places[index]).collect()
+}
+
 impl Pen<'_> {
-    /// A line through places; what is less than half a pixel beside the place before is left out.
+    /// A line through places; of those in one half of a pixel's column the first, lowest, highest and last are kept: more can't be seen.
     pub(super) fn line(&self, places: &[Place], ink: Ink) -> Drawn {
         const DASH: (f64, f64) = (8.0, 6.0);
         if ink.width == 0.0 {
             return Ok(());
         }
-        let mut kept: Vec<Place> = Vec::new();
-        for (index, place) in places.iter().enumerate() {
-            let far = |last: &Place| (place.0 - last.0).abs() > 0.5 || (place.1 - last.1).abs() > 0.5;
-            if index + 1 == places.len() || kept.last().is_none_or(far) {
-                kept.push(*place);
-            }
-        }
+        let kept: Vec<Place> = places.chunk_by(|a, b| (2.0 * a.0).floor() == (2.0 * b.0).floor()).flat_map(ends).collect();
         let style = ink.color.mix(ink.alpha).stroke_width(units(ink.width) as u32);
         let points = kept.into_iter().map(at);
         match ink.dashed {

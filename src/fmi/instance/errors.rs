@@ -1,10 +1,10 @@
 //! Why a call was refused or an instance could not be made.
 
 use super::Phase;
-use crate::fmi::serialized::BlobError;
 use crate::fmi::variables::Kind;
 use crate::scene::load::SceneError;
 use crate::sim::SimulationError;
+use crate::sim::serialized::BlobError;
 
 /// Why a call was refused.
 #[derive(Debug, thiserror::Error)]

@@ -2,10 +2,10 @@
 
 use super::{CallError, Experiment, Instance, Phase};
 use crate::contact::normal::hertz_table::EllipseTable;
-use crate::fmi::serialized;
 use crate::fmi::variables::{Role, Variable, VariableTable};
 use crate::scene::spec::Scene;
 use crate::sim::SimulationState;
+use crate::sim::serialized;
 use serde::{Deserialize, Serialize};
 
 /// All memory of an instance; what fmi2GetFMUstate keeps.

@@ -1,4 +1,4 @@
-//! Saved FMU states as bytes: a header that proves where they come from, then the state itself.
+//! Saved states of FMUs and checkpoints of runs as bytes: a header that proves where they come from, then the state itself.
 //!
 //! Layout (little endian): magic (8), format version (4), GUID (38), payload length (8), SHA-256 of all before and of
 //! the payload (32), payload. A blob that fails any check is refused; memory is never copied raw.
@@ -34,6 +34,12 @@ fn checksum(head: &[u8], payload: &[u8]) -> [u8; 32] {
     hash.update(head);
     hash.update(payload);
     hash.finalize().into()
+}
+
+/// Length of the serialised state at the beginning of bytes, as its header has it; `None` where the header is cut off.
+pub fn length(bytes: &[u8]) -> Option<usize> {
+    let payload = bytes.get(HEADER - 40..HEADER - 32)?;
+    usize::try_from(u64::from_le_bytes(payload.try_into().ok()?)).ok()?.checked_add(HEADER)
 }
 
 /// Writes a state; the same state gives the same bytes.
