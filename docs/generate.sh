@@ -12,6 +12,9 @@ python3 docs/renew.py docs/{formulations_compared,performance,evidence,contact_g
 for file in docs/images/vehicle_*.svg; do # what no page shows
     grep -qF "images/$(basename "$file")" docs/paper_vehicle.md docs/accuracy.md docs/runs.md || rm "$file"
 done
+for example in anti_slip wheel_slide bridge energy_balance; do # numbers of docs/examples.md are those that these print; fmpy and pythonfmu must be there
+    python3 "examples/$example.py" -o "docs/images/example_$example.svg"
+done
 random=$(sed -n '/^## Random scenes/,$p' docs/hard_cases.md) # 10 000 scenes take an hour: `wheelrail hard --random 10000 --seed N`
 ./target/release/wheelrail hard --markdown docs/hard_cases.md >/dev/null 2>&1 || true # says itself what is broken
 printf '\n%s\n' "$random" >>docs/hard_cases.md

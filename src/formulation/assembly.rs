@@ -88,6 +88,7 @@ impl Model {
             searches,
             load_tolerance: LOAD_TOLERANCE,
             means: None,
+            books: None,
             rail_motion: false,
             strips,
         })

@@ -13,6 +13,8 @@
 mod assembly;
 mod deflections;
 pub mod elastic;
+pub mod energy;
+pub mod energy_books;
 pub mod events;
 mod failure;
 mod flange;
@@ -53,7 +55,7 @@ pub use inputs::{
     RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, RAIL_VERTICAL_VELOCITY, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS, input_index, rail_input,
 };
 pub use means::derailment_quotient;
-pub use model::{ContactLaws, LOAD_TOLERANCE, Model};
+pub use model::{ContactLaws, LOAD_TOLERANCE, Model, factor_at};
 pub use wheelset::{Wheelset, contact_index};
 pub use workspace::{Cached, ContactReport, Evaluation, Workspace};
 

@@ -2,6 +2,7 @@
 
 use super::ContactReport;
 use super::Formulation;
+use super::energy_books::EnergyBooks;
 use super::sliding_mean::SlidingMean;
 use super::wheel_search::WheelSearch;
 use super::wheelset::Wheelset;
@@ -56,6 +57,8 @@ pub struct Model {
     pub load_tolerance: f64,
     /// Means over the last stretch of travel; `None` where the scene does not ask for them.
     pub means: Option<SlidingMean>,
+    /// Books of its energy; `None` where the scene does not ask for them.
+    pub books: Option<EnergyBooks>,
     /// Does the rail under each wheel move as inputs say (see `rail_motion`)?
     pub rail_motion: bool,
     /// Per wheel: the search for all of them; `None` where one place alone can touch.
@@ -111,6 +114,11 @@ impl Model {
 
     /// Length of the state vector.
     pub fn dimension(&self) -> usize {
+        self.books_begin() + self.books.as_ref().map_or(0, EnergyBooks::states)
+    }
+
+    /// Where the books of energy begin; they stand at the end of the state vector.
+    pub fn books_begin(&self) -> usize {
         self.mean_states(self.wheelsets.len()).start
     }
 
@@ -122,7 +130,7 @@ impl Model {
         self.contact_states_begin + self.contacts() * self.formulation.states_per_contact()
     }
 
-    /// States of a wheelset's means; they stand at the end of the state vector.
+    /// States of a wheelset's means; nothing but the books of energy stands behind them.
     pub fn mean_states(&self, wheelset: usize) -> Range<usize> {
         let count = self.means.map_or(0, |_| SlidingMean::STATES);
         let first = self.means_begin() + wheelset * count;
@@ -156,6 +164,6 @@ impl Model {
 
 /// The factor of friction at a contact.
 #[inline(never)]
-pub(super) fn factor_at(map: &FrictionMap, side: Side, motion: &BodyMotion, report: &ContactReport) -> FrictionFactor {
+pub fn factor_at(map: &FrictionMap, side: Side, motion: &BodyMotion, report: &ContactReport) -> FrictionFactor {
     map.at(side, motion.distance + report.parameters.lead, report.profiles[1].d1)
 }

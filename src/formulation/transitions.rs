@@ -69,8 +69,10 @@ impl Model {
     #[inline]
     pub fn derivative(&self, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
         self.take_inputs(&mut workspace.system, at.inputs);
+        let (inputs, y) = (at.inputs, at.y);
         self.formulation.derivative(self, workspace, at, dy)?;
         self.mean_rates(workspace, dy);
+        self.book_energy(workspace, inputs, y, dy);
         Ok(())
     }
 

@@ -218,8 +218,7 @@ impl System {
 
     /// Kinetic energy of all bodies, and of what they support, J.
     pub fn kinetic_energy(&self, motions: &[BodyMotion]) -> f64 {
-        let supported = self.supported.iter().map(|load| 0.5 * load.mass * motions[load.body].speed.powi(2)).sum::<f64>();
-        self.bodies.iter().zip(motions).map(|(body, motion)| body.kinetic_energy(motion)).sum::<f64>() + supported
+        kinetic_energy(&self.bodies, &self.supported, motions)
     }
 
     /// Power that inputs bring into force elements, W, in the motion in the workspace; their states are those in `y`.
@@ -244,6 +243,12 @@ impl System {
     pub fn mechanical_energy(&self, y: &[f64], workspace: &SystemWorkspace) -> f64 {
         self.kinetic_energy(&workspace.motions) + self.potential_energy(y, &workspace.moving())
     }
+}
+
+/// Kinetic energy of bodies and of what they support, J.
+pub fn kinetic_energy(bodies: &[Body], supported: &[SupportedMass], motions: &[BodyMotion]) -> f64 {
+    let supported = supported.iter().map(|load| 0.5 * load.mass * motions[load.body].speed.powi(2)).sum::<f64>();
+    bodies.iter().zip(motions).map(|(body, motion)| body.kinetic_energy(motion)).sum::<f64>() + supported
 }
 
 impl SystemWorkspace {

@@ -1,7 +1,7 @@
 //! From scene data to a model: only what the scene calls for becomes an object.
 
 use super::effects::Switch;
-use super::spec::{SLIDING_MEANS, Scene};
+use super::spec::{ENERGY, SLIDING_MEANS, Scene};
 use super::{start, vehicle};
 use crate::contact::transient::TransientContact;
 use crate::formulation::inputs::RAIL_MOTION;
@@ -60,6 +60,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     let model = Model::new(parts, &contact.formulation)?;
     model
         .with_sliding_means(window)
+        .with_energy_books(scene.interface.outputs.contains(&ENERGY))
         .with_load_tolerance(scene.solver.load_tolerance)
         .with_rail_motion(scene.interface.inputs.contains(&RAIL_MOTION.name))
 }

@@ -103,6 +103,10 @@ fn vehicle_effects(scene: &Scene, model: &Model, all: &mut Effects) {
             format!("interface.outputs names \"sliding_means\": over {} m, also behind a low-pass filter of {CUT_OFF} Hz", mean.window);
         all.add("sliding means", true, why, SlidingMean::STATES * model.wheelsets.len());
     }
+    if let Some(books) = &model.books {
+        let why = "interface.outputs names \"energy\": work and heat since the start, without a part in the error control";
+        all.add("books of energy", true, why.into(), books.states());
+    }
     for (name, why) in track_effects(scene) {
         all.add(name, true, why, 0);
     }

@@ -280,7 +280,7 @@ fn default_inputs() -> Vec<&'static str> {
 /// The same of outputs; forces on the rails belong to rails that move.
 fn default_outputs(inputs: &[&str]) -> Vec<&'static str> {
     let moving = inputs.contains(&RAIL_MOTION.name);
-    OUTPUT_GROUPS.iter().copied().filter(|group| ![SLIDING_MEANS, ADHESION].contains(group) && (moving || *group != RAIL_FORCES)).collect()
+    OUTPUT_GROUPS.iter().copied().filter(|group| !ON_REQUEST.contains(group) && (moving || *group != RAIL_FORCES)).collect()
 }
 
 fn read_interface(section: Section, vehicle: &VehicleSpec) -> Result<InterfaceSpec, SettingsError> {

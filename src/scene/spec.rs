@@ -109,12 +109,31 @@ pub struct SolverSpec {
 }
 
 /// Groups of outputs and parameters that an FMU may show; those of inputs are in `formulation::inputs`.
-pub const OUTPUT_GROUPS: &[&str] =
-    &["motion", "wheels", "contacts", "suspension", "axles", "bodies", "sensors", "forces", SLIDING_MEANS, RAIL_FORCES, ADHESION];
+pub const OUTPUT_GROUPS: &[&str] = &[
+    "motion",
+    "wheels",
+    "contacts",
+    "suspension",
+    "axles",
+    "bodies",
+    "sensors",
+    "forces",
+    SLIDING_MEANS,
+    RAIL_FORCES,
+    ADHESION,
+    POWER,
+    ENERGY,
+];
 /// The group that costs states: shown only where a scene names it.
 pub const SLIDING_MEANS: &str = "sliding_means";
 /// Slip and adhesion of wheelsets: shown only where a scene names it.
 pub const ADHESION: &str = "adhesion";
+/// Power of friction, inputs and elements: shown only where a scene names it.
+pub const POWER: &str = "power";
+/// Stored energy and what has gone in and out since the start: costs states, and is shown only where a scene names it.
+pub const ENERGY: &str = "energy";
+/// Groups that are shown only where a scene names them.
+pub const ON_REQUEST: [&str; 4] = [SLIDING_MEANS, ADHESION, POWER, ENERGY];
 /// Shown where rails move from outside.
 pub const RAIL_FORCES: &str = "rail_forces";
 pub const PARAMETER_GROUPS: &[&str] = &["vehicle", "suspension", "contact", "solver", "initial"];

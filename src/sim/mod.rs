@@ -7,6 +7,7 @@ pub mod adhesion;
 pub mod checkpoint;
 mod directional;
 mod dynamics;
+pub mod energy;
 pub mod feedthrough;
 pub mod input;
 pub mod outputs;

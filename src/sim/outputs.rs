@@ -61,6 +61,11 @@ impl Output {
         self.read = read;
     }
 
+    /// Reads it as another one does.
+    pub(super) fn read_as(&mut self, other: Output) {
+        self.read = other.read;
+    }
+
     /// The value in a snapshot, SI.
     pub fn value(&self, snapshot: &Snapshot) -> f64 {
         (self.read)(snapshot)

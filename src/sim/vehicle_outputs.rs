@@ -6,6 +6,7 @@
 
 use super::Snapshot;
 use super::adhesion::adhesion_outputs;
+use super::energy::energy_outputs;
 use super::feedthrough::{Depends, FRICTION_INPUTS, Feedthrough, Ties};
 use super::outputs::{Needs, Output, on_track, outputs};
 use crate::formulation::{Model, contact_index};
@@ -29,6 +30,11 @@ const SUSPENSION_FORCES: u32 = 300;
 /// Number of the sum of lateral forces among a wheelset's outputs.
 const TRACK_SHIFTING_FORCE: u32 = 31;
 
+/// Where the numbers of what the vehicle's force element of this number reports begin.
+fn number_of_element(element: usize) -> u32 {
+    FORCE + STRIDE * element as u32
+}
+
 /// All outputs that a scene shows.
 pub fn scene_outputs(scene: &Scene, model: &Model) -> Vec<Output> {
     let groups = &scene.interface.outputs;
@@ -46,6 +52,7 @@ pub fn scene_outputs(scene: &Scene, model: &Model) -> Vec<Output> {
     }
     parts.forces(vehicle, false);
     all.extend(parts.outputs);
+    all.extend(energy_outputs(scene, model, number_of_element));
     all.retain(|output| scene.interface.shows(&output.name));
     all
 }
@@ -190,7 +197,7 @@ impl Collector<'_> {
             }
             let (base, group) = match wheelset {
                 Some(wheelset) => ((wheelset as u32 + 1) * 1000 + SUSPENSION_FORCES, "suspension"),
-                None => (FORCE + STRIDE * index as u32, "forces"),
+                None => (number_of_element(index), "forces"),
             };
             for (place, quantity) in element.0.quantities().iter().enumerate() {
                 let unit = match quantity.kind {
@@ -223,13 +230,19 @@ fn quantity_of(model: &Model, element: usize, place: usize) -> impl Fn(&Snapshot
     }
 }
 
-/// Outputs of the vehicle's force elements with these numbers follow their constants as they now are in the model; `count` is the number of the
-/// vehicle's elements.
-pub fn follow_constants(outputs: &mut [Output], model: &Model, count: usize, elements: &[usize]) {
-    let first = model.system.forces.len() - count;
-    for output in outputs {
+/// Outputs follow the numbers that are now in force in the model: those of the vehicle's force elements with these numbers, and all that hold numbers of contact or
+/// of every element.
+pub fn follow_constants(outputs: &mut [Output], scene: &Scene, model: &Model, elements: &[usize]) {
+    let first = model.system.forces.len() - scene.vehicle.forces.len();
+    for output in &mut *outputs {
         if let Some((element, place)) = output.quantity.filter(|(element, _)| elements.contains(element)) {
             output.read_by(Box::new(quantity_of(model, first + element, place)));
+        }
+    }
+    let adhesion = if scene.interface.outputs.contains(&ADHESION) { adhesion_outputs(model) } else { Vec::new() };
+    for fresh in adhesion.into_iter().chain(energy_outputs(scene, model, number_of_element)) {
+        if let Some(shown) = outputs.iter_mut().find(|output| output.reference == fresh.reference) {
+            shown.read_as(fresh);
         }
     }
 }

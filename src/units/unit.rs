@@ -29,6 +29,7 @@ pub enum Unit {
     SecondPerMetre,
     Pascal,
     Watt,
+    Joule,
     KilogramPerMetre,
 }
 
@@ -59,6 +60,7 @@ impl Unit {
             Unit::SecondPerMetre => "StopDamping",
             Unit::Pascal => "Pressure",
             Unit::Watt => "Power",
+            Unit::Joule => "Energy",
             Unit::KilogramPerMetre => "AirResistance",
         }
     }
@@ -87,6 +89,7 @@ impl Unit {
             Unit::SecondPerMetre => "s/m",
             Unit::Pascal => "Pa",
             Unit::Watt => "W",
+            Unit::Joule => "J",
             Unit::KilogramPerMetre => "kg/m",
         }
     }

@@ -6,6 +6,7 @@
 mod common;
 mod packaging;
 mod results;
+mod examples;
 mod three;
 
 use std::collections::BTreeMap;

@@ -377,8 +377,9 @@ fn prop_every_registry_lists_names_with_a_summary() {
 fn regress_docs_list_every_output() {
     use wheelrail::scene::load;
     use wheelrail::sim::Simulation;
+    use wheelrail::sim::energy::VEHICLE;
     use wheelrail::sim::vehicle_outputs::{BODY, FORCE, SENSOR, scene_outputs};
-    let groups = "interface.outputs=[\"motion\",\"wheels\",\"contacts\",\"suspension\",\"sliding_means\",\"rail_forces\",\"axles\",\"bodies\",\"sensors\",\"forces\",\"adhesion\"]";
+    let groups = "interface.outputs=[\"motion\",\"wheels\",\"contacts\",\"suspension\",\"sliding_means\",\"rail_forces\",\"axles\",\"bodies\",\"sensors\",\"forces\",\"adhesion\",\"power\",\"energy\"]";
     let mut lines: Vec<String> = Vec::new();
     let examples = ["examples/braked_coach.toml", "examples/driven_truck.toml"];
     for name in ["wheelset_s1002", "vehicle_bumps", "vehicle_manchester_1", "train"].into_iter().chain(examples) {
@@ -389,6 +390,7 @@ fn regress_docs_list_every_output() {
         for output in scene_outputs(&scene, simulation.model()) {
             let last = output.name.rsplit('.').next().unwrap_or_default();
             let shown = match output.reference {
+                r if r >= VEHICLE => output.name.clone(),
                 r if r >= SENSOR => format!("S.{last}"),
                 r if r >= FORCE => format!("F.{last}"),
                 r if r >= BODY => format!("B.{last}"),

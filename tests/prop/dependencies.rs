@@ -118,7 +118,9 @@ fn prop_no_output_reacts_to_an_input_that_it_does_not_name() {
     let root = env!("CARGO_MANIFEST_DIR");
     let (braked, driven) = (format!("{root}/examples/braked_coach.toml"), format!("{root}/examples/driven_truck.toml"));
     let rails = "interface.inputs=[\"rail_motion\", \"centre_forces\", \"drive_torque\", \"friction\"]";
-    let cases: [(&str, &[&str], f64); 17] = [
+    let books = "interface.outputs=[\"adhesion\",\"power\",\"energy\"]";
+    let all_inputs = "interface.inputs=[\"drive_torque\",\"centre_forces\",\"friction\",\"elements\"]";
+    let cases: [(&str, &[&str], f64); 20] = [
         ("suspended_wheelset", &[], 1.0),
         ("suspended_wheelset", &["contact.formulation=ECF-N"], 1.0),
         ("suspended_wheelset", &["contact.formulation=ECCF"], 1.0),
@@ -140,6 +142,9 @@ fn prop_no_output_reacts_to_an_input_that_it_does_not_name() {
         ("train", &[], 0.2),
         (&braked, &[], 1.0),
         (&driven, &[], 1.0),
+        (&driven, &[books, all_inputs], 1.0),
+        ("suspended_wheelset", &[books, "contact.formulation=ECCF"], 1.0),
+        ("suspended_wheelset", &[books, rails], 0.3),
     ];
     let mut all = Vec::new();
     for (file, changes, stop) in cases {

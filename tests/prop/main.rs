@@ -10,6 +10,7 @@ mod cli_output;
 mod creep_laws;
 mod dependencies;
 mod effects;
+mod energy;
 mod inputs;
 mod irregularities;
 mod licenses;

@@ -95,6 +95,6 @@ impl Instance {
             simulation.adopt(&tuning);
         }
         // Outputs hold copies of elements.
-        follow_constants(&mut self.table.outputs, simulation.model(), self.scene.vehicle.forces.len(), &changed);
+        follow_constants(&mut self.table.outputs, &self.scene, simulation.model(), &changed);
     }
 }

@@ -77,6 +77,14 @@ impl ForceElement for ExternalLoad {
         &INPUTS
     }
 
+    fn is_supplied(&self) -> bool {
+        true
+    }
+
+    fn is_dissipative(&self) -> bool {
+        false
+    }
+
     fn supplied_power(&self, bodies: &Moving, _: &[f64]) -> f64 {
         let [force, moment] = self.applied(bodies);
         force.dot(&self.place.velocity(bodies, &self.place.point(bodies))) + moment.dot(&self.place.rotation(bodies))

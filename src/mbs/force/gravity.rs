@@ -22,6 +22,10 @@ impl ForceElement for Gravity {
         "gravity"
     }
 
+    fn is_dissipative(&self) -> bool {
+        false
+    }
+
     #[inline]
     fn apply(&self, _: &Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let weight = self.mass * self.acceleration;

@@ -58,6 +58,10 @@ impl ForceElement for VerticalLoad {
         "vertical load"
     }
 
+    fn is_dissipative(&self) -> bool {
+        false
+    }
+
     #[inline]
     fn apply(&self, bodies: &Moving, _: &[f64], _: &mut [f64], wrenches: &mut [Wrench]) {
         let [back, down] = self.weight;

@@ -96,6 +96,16 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
         0.0
     }
 
+    /// May its inputs bring power in?
+    fn is_supplied(&self) -> bool {
+        false
+    }
+
+    /// May it turn power into heat?
+    fn is_dissipative(&self) -> bool {
+        true
+    }
+
     /// Puts the states where they come to rest with the bodies at rest where they are.
     fn settle(&self, _bodies: &Moving, _state: &mut [f64]) {}
 

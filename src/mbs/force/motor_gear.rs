@@ -210,6 +210,14 @@ impl ForceElement for MotorGear {
         self.holder(bodies).1 * self.momentum(&self.drive(bodies, state))
     }
 
+    fn is_supplied(&self) -> bool {
+        true
+    }
+
+    fn is_dissipative(&self) -> bool {
+        self.rotor.is_some()
+    }
+
     fn supplied_power(&self, bodies: &Moving, state: &[f64]) -> f64 {
         let drive = self.drive(bodies, state);
         self.sense * bodies.input(0) * (drive.rotor - drive.case)

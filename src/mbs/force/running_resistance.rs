@@ -60,12 +60,20 @@ const INPUTS: [ElementInput; 1] = [ElementInput {
     description: "speed of the air against forward running",
 }];
 
-const QUANTITIES: [Quantity; 1] = [Quantity {
-    number: 0,
-    name: "force",
-    kind: QuantityKind::Force,
-    description: "running resistance on the body, forward positive: negative while it runs forward",
-}];
+const QUANTITIES: [Quantity; 2] = [
+    Quantity {
+        number: 0,
+        name: "force",
+        kind: QuantityKind::Force,
+        description: "running resistance on the body, forward positive: negative while it runs forward",
+    },
+    Quantity {
+        number: 1,
+        name: "power",
+        kind: QuantityKind::Power,
+        description: "power of the resistance on the body: negative while it runs forward",
+    },
+];
 
 const CONSTANTS: [Constant<RunningResistance>; 3] = [
     constant!(tunable 0, "rolling", Newton, Some(0.0), "A of the resistance A + B v + C v^2", rolling),
@@ -80,6 +88,10 @@ impl ForceElement for RunningResistance {
 
     fn inputs(&self) -> &'static [ElementInput] {
         &INPUTS
+    }
+
+    fn is_supplied(&self) -> bool {
+        true
     }
 
     fn supplied_power(&self, bodies: &Moving, _: &[f64]) -> f64 {
@@ -106,8 +118,13 @@ impl ForceElement for RunningResistance {
     }
 
     fn quantity(&self, index: usize, bodies: &Moving, _: &[f64]) -> f64 {
-        let (_, [own, air]) = self.now(bodies);
-        if index == 0 { -own[0] - air[0] } else { 0.0 }
+        let (speed, [own, air]) = self.now(bodies);
+        let force = -own[0] - air[0];
+        match index {
+            0 => force,
+            1 => force * speed,
+            _ => 0.0,
+        }
     }
 
     fn constants(&self) -> Vec<Number> {

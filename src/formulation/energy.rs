@@ -1,0 +1,93 @@
+//! The books of a vehicle's energy: what brings power in, what takes it, and the integrals of both as states.
+//!
+//! With E the kinetic energy of all bodies (and of the loads that wheelsets support) and the stored energy of all force elements
+//!
+//! ```text
+//! dE/dt = inputs of wheelsets + imposed speeds + inputs of elements - heat of elements - friction of wheels + contact
+//!
+//! inputs of a wheelset   F . v + T w_a          (forces on the centre, torque about the axle)
+//! imposed speed          F_d X . v              (force of the driving constraint)
+//! friction of a wheel    -(Fx s_x + Fy s_y + Mz s_n), summed over its contacts: what slip takes
+//! contact                the rest of what contacts do on the wheels: elastic compression, damping, rails that move
+//! ```
+//!
+//! s is the slip of the wheel's material against that of the rail (m/s, rad/s about the normal). This holds at every instant for any law of contact, so that what the
+//! integrals leave over is the error of the integration alone. Two things are in no book: a rigid contact that lands or lifts, and in curves what turns the weight of a
+//! wheelset's supported load and what its suspension's travelling frame does.
+//!
+//! The integrals are states without weight in the error control: steps are those of the run without them. They are as exact as the method is for what it does not control.
+
+use super::energy_books::{CONTACT, EnergyBooks};
+use super::inputs::{DRIVE_TORQUE, LATERAL_FORCE, LONGITUDINAL_FORCE, VERTICAL_FORCE, WHEELSET_INPUTS};
+use super::{ContactReport, Model, Workspace, contact_index};
+use crate::geometry::Side;
+use nalgebra::Vector3;
+
+impl Model {
+    /// Does the model keep the books of its energy from now on?
+    pub fn with_energy_books(mut self, asked: bool) -> Self {
+        self.books = asked.then(|| EnergyBooks::new(&self.system, self.wheelsets.len()));
+        self
+    }
+
+    /// Rates of the books from the forces that were found last.
+    pub(super) fn book_energy(&self, workspace: &Workspace, inputs: &[f64], y: &[f64], dy: &mut [f64]) {
+        let Some(books) = &self.books else { return };
+        let begin = self.books_begin();
+        let rates = &mut dy[begin..begin + books.states()];
+        rates.fill(0.0);
+        for (index, wheelset) in self.wheelsets.iter().enumerate() {
+            for side in Side::BOTH {
+                let contact = contact_index(index, side);
+                let friction = friction_power(workspace, contact);
+                rates[books.friction(index, side)] = friction;
+                rates[CONTACT] += wheel_power(workspace, contact, wheelset.body) + friction;
+            }
+            rates[books.inputs(index)] = input_power(workspace, inputs, index, wheelset.body);
+        }
+        for (index, drive) in self.system.drives.iter().enumerate() {
+            rates[books.drive(index)] = driving_power(workspace, index, drive.body);
+        }
+        for account in &books.accounts {
+            let (force, bodies) = (&self.system.forces[account.element], workspace.system.with_inputs(account.inputs.clone()));
+            let own = &y[account.own.clone()];
+            if let Some(work) = account.work {
+                rates[work] += force.supplied_power(&bodies, own);
+            }
+            if let Some(heat) = account.heat {
+                rates[heat] += force.dissipated_power(&bodies, own);
+            }
+        }
+    }
+}
+
+/// Power that slip takes at all contacts of a wheel, W.
+pub fn friction_power(workspace: &Workspace, contact: usize) -> f64 {
+    let of = |k: &ContactReport| {
+        let (force, slip) = (&k.creep_force, &k.slip);
+        -(force.longitudinal * slip.longitudinal + force.lateral * slip.lateral + force.spin_moment * slip.spin)
+    };
+    workspace.reports(contact).map(of).sum()
+}
+
+/// Power of all contacts of a wheel of `body` on it, W.
+pub fn wheel_power(workspace: &Workspace, contact: usize, body: usize) -> f64 {
+    let motion = &workspace.system.motions[body];
+    let of = |k: &ContactReport| {
+        k.force.dot(&motion.material_velocity(&k.wheel_point)) + k.creep_force.spin_moment * k.axes.normal.dot(&motion.rotation)
+    };
+    workspace.reports(contact).map(of).sum()
+}
+
+/// Power of the inputs of a wheelset, W; its forces are in the axes of the track beside it.
+pub fn input_power(workspace: &Workspace, inputs: &[f64], wheelset: usize, body: usize) -> f64 {
+    let (motion, own) = (&workspace.system.motions[body], &inputs[WHEELSET_INPUTS * wheelset..][..WHEELSET_INPUTS]);
+    let force = Vector3::new(own[LONGITUDINAL_FORCE], own[LATERAL_FORCE], own[VERTICAL_FORCE]);
+    let velocity = workspace.in_track(body, motion.velocity);
+    force.dot(&velocity) + own[DRIVE_TORQUE] * motion.axle().dot(&motion.rotation)
+}
+
+/// Power of a driving constraint on its body, W.
+pub fn driving_power(workspace: &Workspace, drive: usize, body: usize) -> f64 {
+    workspace.system.drive_forces[drive] * workspace.in_track(body, workspace.system.motions[body].velocity).x
+}
