@@ -25,6 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let springs = GuidedSpring {
         name: "suspension".into(),
         body: 0,
+        turning: [0; 2],
         distance: 2.0,
         longitudinal: Some(Guide { stiffness: 2e5, damping: 1e3 }),
         lateral: Some(Guide { stiffness: 1e5, damping: 1e3 }),

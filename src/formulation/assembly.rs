@@ -54,6 +54,12 @@ pub enum AssemblyError {
     )]
     TransientPatch,
     #[error(
+        "vehicle.force: \"{}\" and \"{}\" both let the wheels of {axle} turn against each other; expected one flexible_axle or independent_wheels for each wheelset",
+        elements[0],
+        elements[1]
+    )]
+    TwoTwists { axle: String, elements: [String; 2] },
+    #[error(
         "preload = \"static\": no preloads hold {body} {direction} in its drawn position ({rest:.3} {unit} are left): an element with preload = \"static\" and a stiffness that way, or a joint, must carry it, and its centre of mass must stand between them"
     )]
     StaticPreload { body: String, direction: &'static str, rest: f64, unit: &'static str },
@@ -116,12 +122,13 @@ impl Model {
         let further = (self.points - 1) * self.contacts();
         let mut system = self.system.workspace(&constrained);
         self.add_stations(&mut system);
+        let loaded = system.wrenches.len();
         Workspace {
             system,
             contacts: vec![ContactReport::default(); self.contacts()],
             further_contacts: vec![ContactReport::default(); further],
             rigid: if self.formulation.constrains() {
-                RigidScratch::new(self.wheelsets.len(), self.system.bodies.len(), self.dimension())
+                RigidScratch::new(self.wheelsets.len(), loaded, self.dimension())
             } else {
                 RigidScratch::default()
             },

@@ -70,7 +70,8 @@ impl Model {
         let SystemWorkspace { motions, stations, .. } = &workspace.system;
         let advance = |body: usize| stations.get(body).map_or(motions[body].speed, |station| station.travel);
         // One for all: how bodies move against each other along the track is not the track's doing.
-        let advance = (0..motions.len()).map(advance).sum::<f64>() / motions.len().max(1) as f64;
+        let bodies = frame.motion.bodies.len();
+        let advance = (0..bodies).map(advance).sum::<f64>() / bodies.max(1) as f64;
         for (body, travel) in frame.motion.bodies.iter_mut().enumerate() {
             *travel = Travel { velocity: [advance, 0.0, 0.0], ..Travel::default() };
             if let Some(Station { frame, .. }) = stations.get(body) {

@@ -52,15 +52,21 @@ impl Model {
         Ok(self)
     }
 
-    /// A wheelset against the rail under the wheel of this contact; `None` where rails do not move.
+    /// A wheelset, with the motion of the wheel of this contact, against the rail under it; `None` where rails do not move.
     #[inline]
-    pub(super) fn against_rail(&self, system: &SystemWorkspace, inputs: &[f64], body: usize, contact: usize) -> Option<AgainstRail> {
+    pub(super) fn against_rail(
+        &self,
+        system: &SystemWorkspace,
+        inputs: &[f64],
+        (body, turning): (usize, usize),
+        contact: usize,
+    ) -> Option<AgainstRail> {
         if !self.rail_motion {
             return None;
         }
         let start = first_of_rail(self.wheelsets.len(), contact);
         let &[y, z, vy, vz, slope_y, slope_z] = inputs.get(start..start + RAIL_INPUTS)? else { return None };
-        let mut motion = system.motions[body];
+        let mut motion = system.motions[turning];
         let (displacement, velocity) = (Vector3::new(0.0, y, z), Vector3::new(0.0, vy, vz));
         let slope = Vector3::new(0.0, slope_y, slope_z);
         let (displacement, velocity, climb) = match system.stations.get(body) {

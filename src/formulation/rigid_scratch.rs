@@ -33,10 +33,10 @@ pub struct RigidScratch {
 }
 
 impl RigidScratch {
-    pub fn new(wheelsets: usize, bodies: usize, dimension: usize) -> Self {
+    pub fn new(wheelsets: usize, loaded: usize, dimension: usize) -> Self {
         RigidScratch {
             rows: vec![None; 2 * wheelsets],
-            balance: Balance::new(wheelsets, bodies),
+            balance: Balance::new(wheelsets, loaded),
             consistent: vec![0.0; dimension],
             points: Vec::with_capacity(2 * wheelsets),
             partitions: vec![None; wheelsets],
@@ -79,12 +79,13 @@ pub struct Balance {
 }
 
 impl Balance {
-    fn new(wheelsets: usize, bodies: usize) -> Self {
+    /// `loaded`: bodies and wheels that have wrenches.
+    fn new(wheelsets: usize, loaded: usize) -> Self {
         let count = 2 * wheelsets;
         Balance {
             contacts: vec![Pressing::default(); count],
             coupling: vec![[0.0; 4]; wheelsets],
-            base: vec![Wrench::default(); bodies],
+            base: vec![Wrench::default(); loaded],
             image: vec![0.0; count],
             last_image: vec![0.0; count],
             answer: vec![0.0; count],

@@ -64,6 +64,7 @@ impl Model {
             (motion.distance, motion.speed) = (station.frame.distance, station.speed);
             *kept = station;
         }
+        system.carry_wheels();
     }
 
     /// Fills the workspace with the bodies' motion, their stations and the force elements' wrenches.

@@ -9,6 +9,8 @@ use crate::mbs::body::BodyMotion;
 pub struct Wheelset {
     pub name: String,
     pub body: usize,
+    /// Whose motion the left and the right wheel have, and whose wrench: the body's, or of an axle that twists their own ([`crate::mbs::twist`]).
+    pub turning: [usize; 2],
     pub left: Wheel,
     pub right: Wheel,
     /// Imposed travelling speed [m/s], `None` when the wheelset is free along the track.

@@ -97,6 +97,7 @@ impl System {
         workspace: &mut SystemWorkspace,
         dy: &mut [f64],
     ) -> Result<(), SingularConstraints> {
+        self.fold_wheels(workspace);
         if self.joints.is_empty() {
             self.derivative(y, workspace, dy);
             return Ok(());

@@ -17,3 +17,5 @@ pub mod redundancy;
 pub mod supported;
 pub mod system;
 pub mod tangent;
+mod turning_wheels;
+pub mod twist;

@@ -14,6 +14,7 @@ use super::joint::Joint;
 use super::kkt::RowBodies;
 use super::moving::Moving;
 use super::supported::SupportedMass;
+use super::twist::TwistedAxle;
 use crate::geometry::track::station::Stations;
 
 /// A body whose centre travels with imposed constant speed.
@@ -40,8 +41,10 @@ pub struct System {
 /// What is computed on the way to the accelerations; nothing in here outlives an evaluation.
 #[derive(Clone, Debug)]
 pub struct SystemWorkspace {
+    /// Of the bodies, then of the wheels of axles that twist.
     pub motions: Vec<BodyMotion>,
     pub wrenches: Vec<Wrench>,
+    pub twists: Vec<TwistedAxle>,
     /// Rates of the force elements' states.
     pub force_rates: Vec<f64>,
     /// Inputs of all force elements, in their order.
@@ -122,9 +125,12 @@ impl System {
             Some(*end)
         });
         let zero = BodyMotion::new(&[0.0; COORDINATES], &[0.0; COORDINATES]);
+        let twists = self.twisted_axles();
+        let moving = self.bodies.len() + 2 * twists.len();
         SystemWorkspace {
-            motions: vec![zero; self.bodies.len()],
-            wrenches: vec![Wrench::default(); self.bodies.len()],
+            motions: vec![zero; moving],
+            wrenches: vec![Wrench::default(); moving],
+            twists,
             force_rates: vec![0.0; count],
             inputs: vec![0.0; inputs],
             ends: if count + inputs == 0 { Vec::new() } else { ends.collect() },
@@ -150,6 +156,9 @@ impl System {
     pub fn move_bodies(&self, y: &[f64], workspace: &mut SystemWorkspace) {
         for body in 0..self.bodies.len() {
             workspace.motions[body].set(&self.bodies[body], &y[self.coordinates(body)], &y[self.velocities(body)]);
+        }
+        if !workspace.twists.is_empty() {
+            self.turn_wheels(&y[2 * COORDINATES * self.bodies.len()..], workspace);
         }
     }
 

@@ -266,7 +266,7 @@ fn gravity(scene: &Scene) -> Vector3<f64> {
 /// `o' = sum (e q'' + o_e x e q')`, where o_e is the part of the angular velocity that turns e; `a = a_c + o' x r + o x (o x r)`.
 fn acceleration(s: &Snapshot, body: usize, point: &Vector3<f64>, gravity: &Vector3<f64>) -> Vector3<f64> {
     let motion = &s.workspace.system.motions[body];
-    let bodies = s.workspace.system.motions.len();
+    let bodies = s.workspace.system.bodies();
     let second = &s.dy[COORDINATES * (bodies + body)..COORDINATES * (bodies + body + 1)];
     let yawing = Vector3::z() * motion.yaw_rate;
     let (roll_axis, axle) = (motion.roll_axis(), motion.axle());

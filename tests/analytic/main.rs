@@ -15,5 +15,6 @@ mod rail_motion;
 mod sliding_means;
 mod tangent;
 mod traction;
+mod twist;
 mod vertical_load;
 mod wheelset;

@@ -46,16 +46,16 @@ impl Formulation for EcfA {
         let Evaluation { t, inputs, y, memory } = at;
         model.apply_forces(y, memory, &mut workspace.system);
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
-            let motion = workspace.system.motions[wheelset.body];
             let own = &inputs[index * WHEELSET_INPUTS..(index + 1) * WHEELSET_INPUTS];
             let applied = external_wrench(model, &workspace.system, wheelset.body, own);
             workspace.system.wrenches[wheelset.body] += applied;
             for (side, friction) in [(Side::Left, own[LEFT_FRICTION]), (Side::Right, own[RIGHT_FRICTION])] {
-                let contact = contact_index(index, side);
-                let moved = model.against_rail(&workspace.system, inputs, wheelset.body, contact);
-                let (motion, climb) = moved.as_ref().map_or((&motion, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
+                let (contact, turning) = (contact_index(index, side), wheelset.turning[side.index()]);
+                let moved = model.against_rail(&workspace.system, inputs, (wheelset.body, turning), contact);
+                let own = &workspace.system.motions[turning];
+                let (motion, climb) = moved.as_ref().map_or((own, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
                 let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
-                let wrench = &mut workspace.system.wrenches[wheelset.body];
+                let wrench = &mut workspace.system.wrenches[turning];
                 let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
                 points::elastic_wheel(&wheel, &mut memory.wheels[contact], &mut workspace.strips[contact], wrench, reports)
                     .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;

@@ -96,20 +96,20 @@ impl Formulation for EcfN {
         let Evaluation { t, inputs, y, memory } = at;
         model.apply_forces(y, memory, &mut workspace.system);
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
-            let motion = workspace.system.motions[wheelset.body];
             let own = &inputs[index * WHEELSET_INPUTS..(index + 1) * WHEELSET_INPUTS];
             let applied = external_wrench(model, &workspace.system, wheelset.body, own);
             workspace.system.wrenches[wheelset.body] += applied;
             for (side, friction) in [(Side::Left, own[LEFT_FRICTION]), (Side::Right, own[RIGHT_FRICTION])] {
-                let contact = contact_index(index, side);
+                let (contact, turning) = (contact_index(index, side), wheelset.turning[side.index()]);
+                let motion = &workspace.system.motions[turning];
                 let state = model.contact_states(contact).start;
                 let section = model.track.rail(side).section(y[state]);
                 let search = &self.searches[contact];
                 let centre = search.centre_point(&motion.position, &motion.frame.axes);
                 dy[state] = arc_rate(&section, &centre, &motion.attachment_velocity(&centre));
                 // The section follows the wheelset along the track, whatever its rail does across.
-                let moved = model.against_rail(&workspace.system, inputs, wheelset.body, contact);
-                let (motion, climb) = moved.as_ref().map_or((&motion, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
+                let moved = model.against_rail(&workspace.system, inputs, (wheelset.body, turning), contact);
+                let (motion, climb) = moved.as_ref().map_or((motion, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
                 let found = search.search(&motion.position, &motion.frame.axes, motion.distance, y[state], &section);
                 workspace.work.search_iterations += found.evaluated as u64;
                 let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
@@ -118,7 +118,7 @@ impl Formulation for EcfN {
                 memory.wheels[contact].set_start(first.parameters);
                 let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
                 if let Some(rails) = &model.strips {
-                    let wrench = &mut workspace.system.wrenches[wheelset.body];
+                    let wrench = &mut workspace.system.wrenches[turning];
                     let mut located = Located::default();
                     (located[0], located[1]) = (Some(*first), *second);
                     for found in located.iter().flatten() {
@@ -136,7 +136,7 @@ impl Formulation for EcfN {
                 };
                 let mut load = |(slot, found): (usize, &ContactLocation)| {
                     self.check_ends(model, wheelset, side, found, motion)?;
-                    let wrench = &mut workspace.system.wrenches[wheelset.body];
+                    let wrench = &mut workspace.system.wrenches[turning];
                     Contact { wheel: &wheel, found, slot, share: share(slot) }.elastic(wrench)
                 };
                 let found = [Some((0, first)), second.as_ref().map(|second| (1, second))];

@@ -224,7 +224,7 @@ pub(super) fn settle(
     for iteration in 1..=ITERATIONS {
         for WheelRef { contact, wheelset, side } in model.wheels() {
             let Some(found) = &rows[contact] else { continue };
-            let (motion, friction) = (&system.motions[wheelset.body], friction(inputs, contact, side));
+            let (motion, friction) = (&system.motions[wheelset.turning[side.index()]], friction(inputs, contact, side));
             let wheel = WheelAt { model, wheelset, side, contact, motion, climb: Vector3::zeros(), friction, y };
             let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
             let evaluated = contacts[contact].evaluate(&load, &mut reports[contact], iteration == 1);
@@ -281,7 +281,7 @@ pub(super) fn settle(
             for (k, side) in Side::BOTH.into_iter().enumerate() {
                 let Some(found) = &rows[pair[k]] else { continue };
                 let wheelset = &model.wheelsets[index];
-                let (motion, friction) = (&system.motions[wheelset.body], friction(inputs, pair[k], side));
+                let (motion, friction) = (&system.motions[wheelset.turning[k]], friction(inputs, pair[k], side));
                 let wheel = WheelAt { model, wheelset, side, contact: pair[k], motion, climb: Vector3::zeros(), friction, y };
                 let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
                 let next = contacts[pair[k]].force + damping * step[k];

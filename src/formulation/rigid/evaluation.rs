@@ -12,7 +12,7 @@ use crate::formulation::memory::{Mode, WheelMemory};
 use crate::formulation::rigid_scratch::{ConstraintRow, Pressing};
 use crate::formulation::step::WheelRef;
 use crate::formulation::{ContactFailure, ContactReport, Evaluation, EvaluationError, Model, WHEELSET_INPUTS, Workspace};
-use crate::mbs::body::BodyMotion;
+use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::kkt::Coefficients;
 use nalgebra::Vector3;
 
@@ -35,7 +35,8 @@ pub(super) fn derivative(
         model.system.prepare_constraints(t, &mut workspace.system);
         for wheel in model.wheels() {
             let WheelRef { contact, wheelset, side } = wheel;
-            let motion = workspace.system.motions[wheelset.body];
+            let turning = wheelset.turning[side.index()];
+            let motion = workspace.system.motions[turning];
             let memory = &mut memory.wheels[contact];
             let fail = |cause| wheel.error(t, cause);
             let wheel_at = WheelAt {
@@ -49,7 +50,7 @@ pub(super) fn derivative(
                 y,
             };
             let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
-            let wrench = &mut workspace.system.wrenches[wheelset.body];
+            let wrench = &mut workspace.system.wrenches[turning];
             let constraints = &mut workspace.system.constraints;
             let row = constraints.joint_rows + contact;
             let Mode::Rigid { normal_force, approach, .. } = memory.mode else {
@@ -80,16 +81,32 @@ pub(super) fn derivative(
         }
         let factorised = workspace.system.constraints.kkt.factorise();
         factorised.map_err(|error| model.singular_row(&workspace.system, t, error.row))?;
+        model.system.fold_wheels(&mut workspace.system);
         balance::settle(model, workspace, &rigid.rows, &mut rigid.balance, (t, y, inputs))?;
         for (wheel, found) in memory.wheels.iter_mut().zip(&rigid.balance.contacts) {
             if let Mode::Rigid { normal_force, approach, .. } = &mut wheel.mode {
                 (*normal_force, *approach) = (found.force, found.approach);
             }
         }
+        twist_under_creep(model, workspace);
         model.system.constrained_result(y, &mut workspace.system, dy);
         model.deflection_rates(workspace, y, dy);
         Ok(())
     })();
     workspace.rigid = rigid;
     done
+}
+
+/// Hands the moments of contacts that are constraints to the twists of their axles; those of elastic ones are there.
+fn twist_under_creep(model: &Model, workspace: &mut Workspace) {
+    if workspace.system.twists.is_empty() {
+        return;
+    }
+    for WheelRef { contact, wheelset, side } in model.wheels() {
+        let (report, mut wrench) = (&workspace.contacts[contact], Wrench::default());
+        if report.constrained {
+            report.add_to(&mut wrench, report.force, &workspace.system.motions[wheelset.body].position);
+            model.system.twist_by(wheelset.turning[side.index()], &wrench.moment, &mut workspace.system);
+        }
+    }
 }

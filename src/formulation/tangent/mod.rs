@@ -65,8 +65,9 @@ impl Model {
         tangent.clear();
         let mut strips = (std::mem::take(&mut workspace.strips), std::mem::take(&mut workspace.deeper));
         for WheelRef { contact, wheelset, side } in self.wheels() {
-            let moved = self.against_rail(&workspace.system, inputs, wheelset.body, contact);
-            let motion = moved.as_ref().map_or(&workspace.system.motions[wheelset.body], |moved| &moved.motion);
+            let turning = wheelset.turning[side.index()];
+            let moved = self.against_rail(&workspace.system, inputs, (wheelset.body, turning), contact);
+            let motion = moved.as_ref().map_or(&workspace.system.motions[turning], |moved| &moved.motion);
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
             let along = workspace.system.stations.get(wheelset.body).map_or(Vector3::x(), |station| station.frame.along());
             let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);
@@ -148,7 +149,8 @@ impl Model {
             }
             Some(transient) => self.add_transient(at, transient, &touching, &normal, y, tangent),
         };
-        if let Some(wrench) = tangent.wrench_mut(wheelset.body, wheelset.body) {
+        let turning = wheelset.turning[side.index()];
+        if let Some(wrench) = tangent.wrench_mut(turning, turning) {
             touching.add_wrench(report, &normal, &creep, wrench);
         }
     }
@@ -213,7 +215,8 @@ impl Model {
         y: &[f64],
         tangent: &mut Tangent,
     ) -> ByMotion<3> {
-        let (report, states, body) = (at.report, self.deflection(at.contact, at.slot), at.wheelset.body);
+        let (report, states) = (at.report, self.deflection(at.contact, at.slot));
+        let body = at.wheelset.turning[at.side.index()];
         let mut state = [0.0; transient::STATES];
         state.copy_from_slice(&y[states.clone()]);
         let loaded = LoadedPatch { patch: report.patch, normal_force: report.normal_force, friction: at.friction };

@@ -44,7 +44,8 @@ impl Model {
         (scratch, tried): (&mut Scratch, &mut Scratch),
         tangent: &mut Tangent,
     ) {
-        let WheelAt { wheelset, motion, .. } = *wheel;
+        let WheelAt { wheelset, side, motion, .. } = *wheel;
+        let body = wheelset.turning[side.index()];
         let seeds = reports.filter(|report| report.normal_force > 0.0).map(|report| report.parameters.rail);
         if seeds.clone().next().is_none() {
             return;
@@ -86,7 +87,7 @@ impl Model {
             change.by_position += known * Vector6::from(row(translation, rotation)).transpose();
         }
         change.by_position += first / ahead.dot(&along) * Vector6::from(row(&ahead, &none)).transpose();
-        if let Some(wrench) = tangent.wrench_mut(wheelset.body, wheelset.body) {
+        if let Some(wrench) = tangent.wrench_mut(body, body) {
             wrench.by_position += change.by_position;
             wrench.by_velocity += change.by_velocity;
         }

@@ -8,7 +8,7 @@ use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
 use crate::settings::{Section, SettingsError};
-use nalgebra::Vector3;
+use nalgebra::{Vector3, Vector6};
 
 /// A place of a body on its track.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +51,11 @@ impl AlongTrack {
 
     pub fn ends(&self) -> Ends {
         [Some(self.body), None]
+    }
+
+    /// What [`PairTangent::line`] has for the place along the track.
+    pub fn line(&self, bodies: &Moving, sum: &PairTangent) -> Vector6<f64> {
+        sum.line(&self.place.point(bodies), &self.along(bodies))
     }
 
     /// Hands in the changes of a force F with dF/dv = `slope` [N s/m]; the track's own turn is left out.

@@ -16,16 +16,22 @@
 
 use super::attachment::{Attachment, Places};
 use super::line::ends;
+use crate::geometry::Side;
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, Gradient, PairTangent};
+use crate::mbs::twist::Axles;
 use crate::settings::{Section, SettingsError};
 use nalgebra::{Vector3, Vector6};
 
-/// An axle and the carrier of what turns it.
+/// An axle, or one of its wheels, and the carrier of what turns it.
 #[derive(Clone, Debug)]
 pub struct AxlePair {
     pub axle: usize,
+    /// The wheel that is turned, of an axle that may twist; `None`: the whole axle.
+    pub side: Option<Side>,
+    /// Whose motion and wrench that is: the axle's, or those of the wheel ([`crate::mbs::twist`]).
+    pub turning: usize,
     pub carrier: usize,
     /// p in the carrier's attachment axes, m.
     place: Vector3<f64>,
@@ -42,7 +48,12 @@ pub(super) fn read_ends(section: &Section, places: &dyn Places) -> Result<(AxleP
     let (carrier, axle) = (body("from", &from)?, body("to", &to)?);
     let centre = Attachment::on(axle, Vector3::zeros());
     let arm = places.design_vector(&centre, &from);
-    Ok((AxlePair { axle, carrier, place: from.local, line: None }, arm))
+    let side = match section.word_or("wheel", &["both", "left", "right"], "both")? {
+        "both" => None,
+        word if (word == "left") == (places.mirror() > 0.0) => Some(Side::Left),
+        _ => Some(Side::Right),
+    };
+    Ok((AxlePair { axle, side, turning: axle, carrier, place: from.local, line: None }, arm))
 }
 
 impl AxlePair {
@@ -53,6 +64,16 @@ impl AxlePair {
 
     pub fn ends(&self) -> Ends {
         [Some(self.axle), Some(self.carrier)]
+    }
+
+    /// Finds the wheel that is turned.
+    pub fn fit(&mut self, axles: &Axles) {
+        self.turning = self.side.map_or(self.axle, |side| axles.turning(self.axle, side));
+    }
+
+    /// The wheel, where it may turn against the axle.
+    pub fn wheel(&self) -> Option<usize> {
+        (self.turning != self.axle).then_some(self.turning)
     }
 
     /// p in the world, m.
@@ -69,7 +90,7 @@ impl AxlePair {
             let force = force * sign;
             Wrench { force, moment: (point - bodies[body].position).cross(&force) + couple * sign }
         };
-        [at(self.axle, 1.0), at(self.carrier, -1.0)]
+        [at(self.turning, 1.0), at(self.carrier, -1.0)]
     }
 
     /// Force and couple on the axle for T = 1, world axes.
@@ -93,20 +114,20 @@ impl AxlePair {
     #[inline]
     pub fn power(&self, bodies: &Moving, wrenches: &[Wrench; 2]) -> f64 {
         let of = |body: usize, wrench: &Wrench| wrench.force.dot(&bodies[body].velocity) + wrench.moment.dot(&bodies[body].rotation);
-        of(self.axle, &wrenches[0]) + of(self.carrier, &wrenches[1])
+        of(self.turning, &wrenches[0]) + of(self.carrier, &wrenches[1])
     }
 
     /// Adds both wrenches times `torque` to those of the bodies.
     #[inline]
     pub fn load(&self, unit: &[Wrench; 2], torque: f64, wrenches: &mut [Wrench]) {
-        for (body, unit) in [self.axle, self.carrier].into_iter().zip(unit) {
+        for (body, unit) in [self.turning, self.carrier].into_iter().zip(unit) {
             wrenches[body] += Wrench { force: unit.force * torque, moment: unit.moment * torque };
         }
     }
 
     /// Generalised forces of two wrenches on the coordinates of axle and carrier: also how rho changes with their velocities.
     pub fn gradient(&self, bodies: &Moving, wrenches: &[Wrench; 2]) -> Gradient {
-        [(self.axle, &wrenches[0]), (self.carrier, &wrenches[1])]
+        [(self.turning, &wrenches[0]), (self.carrier, &wrenches[1])]
             .map(|(body, wrench)| Vector6::from_iterator(bodies[body].generalised_force(wrench).iter().copied()))
     }
 

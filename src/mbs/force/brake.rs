@@ -6,35 +6,19 @@
 //!   it, `M = friction N r`. The wheel gets both forces, the carrier the opposite ones. One element is one block.
 //!
 //! M [N m] is the largest friction torque. The state is the brake's elastic deflection theta [rad at the axle], k its stiffness (caliper, hangers), and rho the
-//! speed of the axle against its carrier. With `theta_M = M / k`, the bound `rho_M = theta_M / tau` and v the speed rho cut to +-rho_M:
-//!
-//! ```text
-//! theta' = v (1 - s) - (1 - |v| / rho_M) max(0, |theta| - theta_M) / tau sign(theta)
-//! s = 0 up to |theta| = a theta_M,  (|theta|/theta_M - a) / (1 - a) beyond;   only while the brake is loaded: theta rho > 0
-//! T = k theta + c v (1 - s) / sqrt(1 + (c v (1 - s) / (b M))^2),   against the motion;   unloading: k theta v / rho in place of k theta
-//! ```
-//!
-//! Below a M (a = 0.7) nothing slips: an axle at rest stays where it is, without creep; at speed theta rests at theta_M and T = M. The bound of v keeps
-//! the equation's rate below 3.4 / tau at any speed, so that no integrator must follow rho / theta_M; while the brake slides it is the same on both sides of theta_M (a rate that
-//! changed there made long implicit steps go to and fro across it, and T 0.4 % too large). c = k x `damping_time` lets a stopped vehicle come to rest on its
-//! brakes (b = 0.5). Without M there is no torque. Heat, `T rho - k theta theta'`, is never negative: loading it is `k theta (rho - v (1 - s))` and
-//! what c takes, unloading what c takes, and where M falls `k |theta| (|theta| - theta_M) / tau`.
+//! speed of the axle against its carrier; [`super::sticking`] has the law of theta and of the torque T.
 
 use super::axle_pair::{AxlePair, read_ends};
+use super::sticking::{Grip, STICKING, Sticking};
 use super::{ElementInput, ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
+use crate::mbs::twist::Axles;
 use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
 use crate::units::{Dimension, Unit};
 use nalgebra::Vector3;
 
-/// a.
-const STICKING: f64 = 0.7;
-/// b.
-const DAMPED: f64 = 0.5;
-/// theta_M, rad, below which there is no brake.
-const LEAST_REACH: f64 = 1e-30;
 /// The default tau and damping time, s.
 const RELAXATION: f64 = 2e-3;
 const DAMPING_TIME: f64 = 5e-3;
@@ -58,18 +42,6 @@ pub struct Brake {
     pub application: f64,
 }
 
-/// The brake at one instant, and its slopes.
-#[derive(Clone, Copy, Debug, Default)]
-struct Grip {
-    /// T, N m, against the motion; theta', rad/s.
-    torque: f64,
-    rate: f64,
-    torque_by_angle: f64,
-    torque_by_speed: f64,
-    rate_by_angle: f64,
-    rate_by_speed: f64,
-}
-
 impl Brake {
     /// The input, not negative: a polynomial may pass below zero between communication points.
     #[inline]
@@ -85,38 +57,8 @@ impl Brake {
 
     #[inline]
     fn grip(&self, most: f64, angle: f64, speed: f64) -> Grip {
-        let (k, reach) = (self.stiffness, most / self.stiffness);
-        let fastest = reach / self.relaxation;
-        let bound = speed.clamp(-fastest, fastest);
-        let (share, follows) = if bound == speed { (1.0, 1.0) } else { (bound / speed, 0.0) };
-        let (mut slip, mut slip_by_angle) = (0.0, 0.0);
-        let loaded = angle * speed >= 0.0;
-        let mut grip = Grip { torque: k * angle, torque_by_angle: k, ..Grip::default() };
-        if !loaded {
-            grip.torque *= share;
-            grip.torque_by_angle *= share;
-            grip.torque_by_speed = if follows == 0.0 { -grip.torque / speed } else { 0.0 };
-        } else if reach < LEAST_REACH {
-            slip = 1.0;
-        } else {
-            slip = ((angle.abs() / reach - STICKING) / (1.0 - STICKING)).max(0.0);
-            slip_by_angle = if slip > 0.0 { angle.signum() / ((1.0 - STICKING) * reach) } else { 0.0 };
-        }
-        let (elastic, by_angle, by_speed) = (bound * (1.0 - slip), -bound * slip_by_angle, follows * (1.0 - slip));
-        let excess = (angle.abs() - reach).max(0.0) * angle.signum();
-        let (resting, by_speed_of_resting) =
-            if reach < LEAST_REACH { (1.0, 0.0) } else { (1.0 - bound.abs() / fastest, -follows * speed.signum() / fastest) };
-        grip.rate = elastic - resting * excess / self.relaxation;
-        grip.rate_by_angle = by_angle - if excess != 0.0 { resting / self.relaxation } else { 0.0 };
-        grip.rate_by_speed = by_speed - by_speed_of_resting * excess / self.relaxation;
-        let (c, bend) = (k * self.damping_time, DAMPED * most);
-        if bend > 0.0 {
-            let softer = bend / bend.hypot(c * elastic);
-            grip.torque += c * elastic * softer;
-            grip.torque_by_angle += c * by_angle * softer.powi(3);
-            grip.torque_by_speed += c * by_speed * softer.powi(3);
-        }
-        grip
+        let Brake { stiffness, relaxation, damping_time, .. } = *self;
+        Sticking { stiffness, relaxation, damping_time }.grip(most, angle, speed)
     }
 
     /// The brake as it stands, with the wrenches of a unit torque and rho.
@@ -202,6 +144,14 @@ impl ForceElement for Brake {
 
     fn turns_axle(&self) -> bool {
         true
+    }
+
+    fn wheel(&self) -> Option<usize> {
+        self.pair.wheel()
+    }
+
+    fn fit(&mut self, axles: &Axles) {
+        self.pair.fit(axles);
     }
 
     /// Of the cylinder that presses a block; a clamp moves nothing.

@@ -23,12 +23,15 @@ mod gravity;
 mod guided_spring;
 mod line;
 mod load;
+mod magnetic_track_brake;
 mod maxwell_damper;
 mod motor_gear;
 mod orientation;
 mod running_resistance;
 mod spring_damper;
+mod sticking;
 mod stop;
+mod twisting_axle;
 
 pub use anti_roll_bar::AntiRollBar;
 pub use attachment::{Attachment, Places};
@@ -46,6 +49,7 @@ pub use stop::Stop;
 use super::body::Wrench;
 use super::moving::Moving;
 use super::pair_tangent::{Ends, PairTangent};
+use super::twist::{Axles, Twist};
 use crate::settings::{Entry, Number, Section, SettingsError, choose};
 use crate::units::Unit;
 use nalgebra::Vector3;
@@ -85,6 +89,19 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     fn rotor_carrier(&self) -> Option<usize> {
         None
     }
+
+    /// Of an element that turns a wheel with a motion and wrench of its own ([`super::twist`]): which, among bodies and wheels.
+    fn wheel(&self) -> Option<usize> {
+        None
+    }
+
+    /// Of an element that lets both wheels of an axle turn against each other: how. Its states are two, the twist and its rate times [`Twist::TIME`].
+    fn twist(&self) -> Option<Twist> {
+        None
+    }
+
+    /// Takes from the vehicle, which is complete now, what it needs to know of axles.
+    fn fit(&mut self, _axles: &Axles) {}
 
     /// Angular momentum of its own rotating parts, beside that of the bodies, in the world, N m s.
     fn angular_momentum(&self, _bodies: &Moving, _state: &[f64]) -> Vector3<f64> {
@@ -245,7 +262,10 @@ pub static REGISTRY: &[Entry<Parse>] = &[
     brake::ENTRY,
     running_resistance::ENTRY,
     eddy_current_brake::ENTRY,
+    magnetic_track_brake::ENTRY,
     external_load::ENTRY,
+    twisting_axle::FLEXIBLE,
+    twisting_axle::INDEPENDENT,
 ];
 
 /// Reads the element that `kind` names; the caller finishes the section.

@@ -28,6 +28,7 @@ use super::{ElementInput, ForceElement, POSITIVE, Parse, Places, Quantity, Quant
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, Gradient, PairTangent};
+use crate::mbs::twist::Axles;
 use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
 use crate::units::{Dimension, Unit};
 use nalgebra::Vector3;
@@ -201,6 +202,14 @@ impl ForceElement for MotorGear {
         true
     }
 
+    fn wheel(&self) -> Option<usize> {
+        self.pair.wheel()
+    }
+
+    fn fit(&mut self, axles: &Axles) {
+        self.pair.fit(axles);
+    }
+
     fn rotor_carrier(&self) -> Option<usize> {
         let holder = if self.nose { self.pair.axle } else { self.pair.carrier };
         self.rotor.map(|_| holder)
@@ -346,6 +355,11 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
             arm.x
         );
         return Err(section.error("from", problem));
+    }
+    if nose && pair.side.is_some() {
+        return Err(
+            section.error("wheel", "names one wheel, which a motor that hangs on the axle can't turn alone; expected mount = \"shaft\"")
+        );
     }
     // e_y . (arm x F) = arm_z F_x - arm_x F_z.
     let pair = if nose { pair.along(Vector3::new(0.0, 0.0, -1.0 / arm.x)) } else { pair };

@@ -5,4 +5,4 @@ mod state;
 
 pub use pair::PairTangent;
 pub use state::{Ends, Gradient, StateTangent};
-pub(super) use state::{Terms, dot};
+pub(super) use state::{Terms, TwistTerms, dot};

@@ -23,6 +23,17 @@ pub struct StateTangent {
     pub rate_by_velocity: [Gradient; 2],
     pub load_by_state: [Gradient; 2],
     pub(in crate::mbs) terms: Terms,
+    /// Of states that follow a wheel which turns against its axle.
+    pub(in crate::mbs) twist: Option<TwistTerms>,
+}
+
+/// What couples states with the twist of an axle.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::mbs) struct TwistTerms {
+    pub twist: usize,
+    /// Per state: change of its rate with that of the twist, and of the twist's generalised force with the state.
+    pub rate: [f64; 2],
+    pub load: [f64; 2],
 }
 
 /// In terms of what states are handed in.
@@ -42,7 +53,17 @@ impl StateTangent {
     pub(in crate::mbs) fn new(first: usize, count: usize, ends: Ends, terms: Terms) -> StateTangent {
         let none = [[Vector6::zeros(); 2]; 2];
         let rate_by_state = Matrix2::zeros();
-        StateTangent { first, count, ends, rate_by_state, rate_by_position: none, rate_by_velocity: none, load_by_state: none, terms }
+        StateTangent {
+            first,
+            count,
+            ends,
+            rate_by_state,
+            rate_by_position: none,
+            rate_by_velocity: none,
+            load_by_state: none,
+            terms,
+            twist: None,
+        }
     }
 
     #[inline]

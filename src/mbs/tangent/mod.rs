@@ -37,11 +37,13 @@ mod expand;
 mod pattern;
 mod solve;
 mod sum;
+mod twist;
 mod world;
 
 pub use super::pair_tangent::{Ends, PairTangent, StateTangent, pair};
 
 use super::body::COORDINATES;
+use super::force::ForceElement;
 use super::kkt::RowBodies;
 use super::pair_tangent::Terms;
 use super::system::{System, SystemWorkspace};
@@ -52,6 +54,7 @@ use pair::PairSum;
 use pattern::{Graph, Neighbours};
 use solve::Eliminated;
 use sum::TangentSum;
+use twist::TwistNode;
 
 /// Change of a wrench (force above moment about the centre of the body that it acts on, world axes, N and N m) with the motion of a
 /// body: displacement of its centre [m] above a small rotation [rad], velocity of its centre [m/s] above angular velocity [rad/s],
@@ -127,6 +130,9 @@ pub struct Tangent {
     places: Vec<usize>,
     groups: Vec<RowGroup>,
     eliminated: Vec<Eliminated>,
+    /// Axles that twist, and their bodies.
+    twists: Vec<TwistNode>,
+    axles: Vec<usize>,
     /// a of the last factorisation, s.
     a: f64,
     /// Right-hand side and solution by node.
@@ -142,7 +148,8 @@ impl Tangent {
             let [a, b] = force.bodies();
             Some((a?, b?))
         });
-        let neighbours = Neighbours::new(bodies, joined);
+        let (mut twists, wheels) = twist::twists(system);
+        let neighbours = Neighbours::new(bodies, joined.chain(twist::joined(system, &wheels)), wheels);
         let mut pairs: Vec<PairSum> = Vec::new();
         let mut pair = |ends: Ends, spinning: bool| {
             let known = pairs.iter().position(|pair| pair.ends == ends && pair.spinning == spinning);
@@ -151,17 +158,25 @@ impl Tangent {
                 pairs.len() - 1
             })
         };
-        let pair_of_force = system.forces.iter().map(|force| pair(force.bodies(), force.turns_axle())).collect();
+        let ends = |force: &dyn ForceElement| match (force.wheel(), force.bodies()) {
+            (Some(wheel), [_, carrier]) => [Some(wheel), carrier],
+            (None, ends) => ends,
+        };
+        let pair_of_force = system.forces.iter().map(|force| pair(ends(force.as_ref()), force.turns_axle())).collect();
         let carriers = system.forces.iter().map(|force| force.rotor_carrier());
         let carrier_of_force = carriers.map(|body| body.map(|body| pair([Some(body), None], true))).collect();
         let mut groups = groups(system, contact_bodies);
-        let mut graph = Graph { nodes: bodies + groups.len(), edges: vec![], before: vec![vec![]; bodies + groups.len()] };
+        let nodes = bodies + groups.len() + twists.len();
+        let mut graph = Graph { nodes, edges: vec![], before: vec![vec![]; nodes] };
         graph.edges.extend(neighbours.iter().map(|(_, row, column)| (row, column)));
         for group in &groups {
             for side in &group.sides {
                 graph.edges.push((side.body, group.node));
                 graph.before[group.node].push(side.body);
             }
+        }
+        for (number, twist) in twists.iter_mut().enumerate() {
+            twist.join(&mut graph, bodies + groups.len() + number);
         }
         let mut lu = BlockLu::new(&graph);
         let places: Vec<usize> = neighbours.iter().map(|(_, row, column)| lu.place(row, column)).collect();
@@ -172,6 +187,7 @@ impl Tangent {
                 (side.lower, side.upper) = (lu.place(group.node, side.body), lu.place(side.body, group.node));
             }
         }
+        twists.iter_mut().for_each(|twist| twist.find_places(&lu));
         let states = system.forces.iter().map(|force| force.states()).sum::<usize>() + further_states;
         Tangent {
             world: vec![None; neighbours.slots()],
@@ -186,6 +202,8 @@ impl Tangent {
             places,
             groups,
             eliminated: Vec::with_capacity(states),
+            twists,
+            axles: twist::axles(system),
             a: 0.0,
         }
     }
@@ -199,6 +217,7 @@ impl Tangent {
     pub fn clear(&mut self) {
         self.sum.clear();
         self.world.fill(None);
+        self.take_twists(false);
     }
 
     /// Adds the change of a wrench on the body `on` with the motion of the body `by`: the same, or one that a force element joins with
@@ -236,6 +255,7 @@ impl Tangent {
 
     /// Adds every force element, with the motions and stations in the workspace and the elements' states in `y`.
     pub fn add_forces(&mut self, system: &System, workspace: &SystemWorkspace, y: &[f64]) {
+        self.take_twists(true);
         let mut start = 2 * COORDINATES * system.bodies.len();
         let TangentSum { pairs, states, .. } = &mut self.sum;
         let mut first = 0;

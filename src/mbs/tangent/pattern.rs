@@ -8,10 +8,12 @@ pub(super) struct Neighbours {
     /// Slots of row b: `starts[b]..starts[b + 1]`.
     starts: Vec<usize>,
     columns: Vec<u32>,
+    /// Row and column of the blocks that follow: of pairs with a wheel that turns against its axle, counted behind the bodies.
+    pub with_wheels: Vec<(usize, usize)>,
 }
 
 impl Neighbours {
-    pub fn new(bodies: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Neighbours {
+    pub fn new(bodies: usize, pairs: impl Iterator<Item = (usize, usize)>, with_wheels: Vec<(usize, usize)>) -> Neighbours {
         let mut rows: Vec<BTreeSet<usize>> = (0..bodies).map(|body| BTreeSet::from([body])).collect();
         for (a, b) in pairs {
             rows[a].insert(b);
@@ -23,16 +25,29 @@ impl Neighbours {
             columns.extend(row.into_iter().map(|column| column as u32));
             starts.push(columns.len());
         }
-        Neighbours { starts, columns }
+        Neighbours { starts, columns, with_wheels }
     }
 
     pub fn slots(&self) -> usize {
+        self.columns.len() + self.with_wheels.len()
+    }
+
+    /// Slots of pairs of bodies, which come first.
+    pub fn of_bodies(&self) -> usize {
         self.columns.len()
+    }
+
+    #[inline(never)]
+    fn wheel_slot(&self, on: usize, by: usize) -> Option<usize> {
+        self.with_wheels.iter().position(|own| *own == (on, by)).map(|at| self.columns.len() + at)
     }
 
     /// Few neighbours: a search is faster than a table.
     #[inline]
     pub fn slot(&self, on: usize, by: usize) -> Option<usize> {
+        if !self.with_wheels.is_empty() && on.max(by) + 1 >= self.starts.len() {
+            return self.wheel_slot(on, by);
+        }
         let start = self.starts[on];
         let found = self.columns[start..self.starts[on + 1]].iter().position(|column| *column as usize == by);
         found.map(|at| start + at)
@@ -45,7 +60,7 @@ impl Neighbours {
         range.clone().zip(self.columns[range].iter().map(|column| *column as usize))
     }
 
-    /// All slots with row and column.
+    /// All slots of pairs of bodies with row and column.
     pub fn iter(&self) -> impl Iterator<Item = (usize, usize, usize)> {
         let rows = self.starts.windows(2).enumerate();
         rows.flat_map(move |(row, range)| (range[0]..range[1]).map(move |slot| (slot, row, self.columns[slot] as usize)))

@@ -12,13 +12,16 @@ use nalgebra::{Matrix2, Matrix6, Vector2, Vector6};
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Eliminated {
     /// (1 - a d s'/d s)^-1.
-    inverse: Matrix2<f64>,
+    pub inverse: Matrix2<f64>,
     /// c = a (a df/dq + df/dv), per state.
-    change: [Gradient; 2],
+    pub change: [Gradient; 2],
     /// a M^-1 dQ/ds.
-    acceleration: [Gradient; 2],
+    pub acceleration: [Gradient; 2],
+    /// The same two of the twist of the axle that they follow.
+    pub twist_change: [f64; 2],
+    pub twist_acceleration: [f64; 2],
     /// What the states change by without the bodies' velocities, for the present right-hand side.
-    known: Vector2<f64>,
+    pub known: Vector2<f64>,
 }
 
 impl Tangent {
@@ -57,6 +60,9 @@ impl Tangent {
                 }
             }
         }
+        if !self.twists.is_empty() {
+            self.add_twists_times(x, result);
+        }
     }
 
     /// Factorises I - a J, a in s, with the active constraint rows in the workspace.
@@ -83,7 +89,11 @@ impl Tangent {
                 angles -= self.spin[row] * a;
             }
         }
+        self.add_twist_blocks(a);
         self.eliminate_states(a)?;
+        if !self.twists.is_empty() {
+            self.eliminate_onto_twists(a);
+        }
         self.add_rows(workspace);
         self.lu.factorise().map_err(|node| SingularTangent { node })
     }
@@ -180,6 +190,9 @@ impl Tangent {
                 *own += a * load;
             }
         }
+        if !self.twists.is_empty() {
+            self.start_twists(positions, rest);
+        }
         for (state, eliminated) in self.sum.states.iter().zip(&mut self.eliminated) {
             let mut right = Vector2::zeros();
             for i in 0..state.count {
@@ -193,6 +206,9 @@ impl Tangent {
                 }
             }
         }
+        if !self.twists.is_empty() {
+            self.push_twists();
+        }
         self.lu.solve(&mut self.x);
         let velocities = &mut rest[..count];
         for (own, values) in self.x.iter().zip(velocities.chunks_exact_mut(COORDINATES)) {
@@ -203,11 +219,16 @@ impl Tangent {
             for i in 0..state.count {
                 moved[i] = state.along(&eliminated.change[i], &rest[..count]);
             }
+            if let Some(twist) = &state.twist {
+                let rate = self.found_twist(twist);
+                (0..state.count).for_each(|i| moved[i] += eliminated.twist_change[i] * rate);
+            }
             let found = eliminated.known + eliminated.inverse * moved;
             for i in 0..state.count {
                 rest[state.index(i) - count] = found[i];
             }
         }
+        self.end_twists(rest);
         for (position, velocity) in positions.iter_mut().zip(&rest[..count]) {
             *position += a * velocity;
         }

@@ -75,7 +75,7 @@ impl Tangent {
     /// Ends the sum: with the motions in the workspace, everything is turned into terms of coordinates.
     pub fn finish(&mut self, system: &System, workspace: &SystemWorkspace) {
         let motions = &workspace.motions;
-        for (slot, row, column) in self.sum.neighbours.iter() {
+        for (slot, row, column) in self.sum.neighbours.iter().chain(self.sum.neighbours.wheels()) {
             let blocks = [&mut self.sum.by_position[slot], &mut self.sum.by_velocity[slot]];
             let Some(WrenchTangent { by_position, by_velocity }) = &self.world[slot] else {
                 for block in blocks {
@@ -96,6 +96,8 @@ impl Tangent {
             }
         }
         self.expand_pairs(motions);
+        self.read_twists(system);
+        self.fold_wheels();
         for (mobility, (body, motion)) in self.mobility.iter_mut().zip(system.bodies.iter().zip(motions)) {
             *mobility = body.mobility(motion);
         }
@@ -109,6 +111,7 @@ impl Tangent {
         for (spin, (body, motion)) in self.spin.iter_mut().zip(system.bodies.iter().zip(motions)) {
             *spin = gyroscopic(&body.inertia, motion);
         }
+        self.weigh_twists();
         for state in &mut self.sum.states {
             for i in 0..state.count {
                 for (load, body) in state.load_by_state[i].iter_mut().zip(&state.ends) {

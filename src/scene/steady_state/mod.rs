@@ -19,7 +19,8 @@
 //! have that pattern's speed, not their own (off by y/R, 1e-5): a run takes that back within 0.1 s and goes on straining the vehicle.
 //!
 //! *Equations:* accelerations of the constrained system less those of the pattern, along the axes of the track frame; and, where joints or
-//! contacts are constraints, the moves that bring the coordinates onto them. First-order states of force elements are at rest.
+//! contacts are constraints, the moves that bring the coordinates onto them. First-order states of force elements are at rest; an axle
+//! that twists is twisted as the moments on its wheels ask for, independent wheels turn each as fast as asks for no moment between them (`twists`).
 //!
 //! *Continuation:* the balance on straight track (of the curve's grade) comes first; curvature and superelevation then grow together in
 //! steps that double while Newton's method converges and are halved where it fails (a flange begins to touch), each
@@ -48,6 +49,7 @@ mod riding;
 mod search;
 mod slopes;
 mod standing;
+mod twists;
 
 use super::vehicle::VehicleSpec;
 use crate::formulation;

@@ -4,6 +4,7 @@ use super::Standing;
 use super::couplings::Couplings;
 use super::rails::{Ride, Riding};
 use super::slopes::Entry;
+use super::twists::Twists;
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, Workspace, contact_index};
 use crate::geometry::Side;
@@ -92,6 +93,7 @@ pub(super) struct Search<'a> {
     /// Row of the square system for each coordinate; `None` where the speed is imposed.
     pub square: Vec<Option<usize>>,
     couplings: Couplings,
+    twists: Twists,
 }
 
 impl<'a> Search<'a> {
@@ -116,6 +118,7 @@ impl<'a> Search<'a> {
             tolerance: super::BALANCED,
             hasty: false,
             effort: 0,
+            twists: Twists::new(&model),
             inputs: model.neutral_inputs(),
             constrained: model.formulation.constrains() || !model.system.joints.is_empty(),
             leading: model.system.drives.iter().map(|drive| drive.body).min().unwrap_or(0),
@@ -251,7 +254,7 @@ impl<'a> Search<'a> {
 
     /// Accelerations at `y`, which is moved onto the constraints first.
     pub fn evaluate(&mut self) -> Result<(), EvaluationError> {
-        let Search { model, workspace, y, dy, inputs, now: Configuration { at, memory, .. }, following, .. } = self;
+        let Search { model, workspace, y, dy, inputs, now: Configuration { at, memory, .. }, following, twists, .. } = self;
         model.set_distances(|body| at[body].coordinates[0], memory);
         let mut step = model.at(workspace, 0.0, y, memory);
         if model.formulation.constrains() && *following {
@@ -263,7 +266,9 @@ impl<'a> Search<'a> {
             step.project()?;
         }
         model.system.settle_forces(y, &mut workspace.system);
-        model.derivative(workspace, Evaluation { t: 0.0, inputs, y, memory }, dy)
+        twists.put(&workspace.system, y);
+        model.derivative(workspace, Evaluation { t: 0.0, inputs, y, memory }, dy)?;
+        twists.settle(model, workspace, inputs, (y, dy), memory)
     }
 
     /// Has the search done all the work that it may?
@@ -456,6 +461,7 @@ impl<'a> Search<'a> {
             self.y[system.coordinates(body)].copy_from_slice(&at.coordinates);
             self.y[system.velocities(body)].copy_from_slice(&at.velocities.map(|velocity| scale * velocity));
         }
+        self.twists.slow_down(&self.workspace.system, scale, &mut self.y);
         self.y.truncate(system.dimension());
         (self.y, self.now.memory)
     }

@@ -11,6 +11,7 @@ use crate::mbs::force::{ForceElement, Gravity, VerticalLoad};
 use crate::mbs::inertia::Inertia;
 use crate::mbs::supported::SupportedMass;
 use crate::mbs::system::{DrivingConstraint, System};
+use crate::mbs::twist::{Axles, Twist};
 
 fn body(spec: &WheelsetSpec) -> Body {
     let (transverse, axial) = (spec.transverse_inertia, spec.axial_inertia);
@@ -27,9 +28,9 @@ fn wheels(spec: &WheelsetSpec) -> [Wheel; 2] {
     Side::BOTH.map(wheel)
 }
 
-fn wheelset(spec: &WheelsetSpec, body: usize, imposed_speed: Option<f64>, static_wheel_load: f64) -> Wheelset {
+fn wheelset(spec: &WheelsetSpec, (body, turning): (usize, [usize; 2]), imposed_speed: Option<f64>, static_wheel_load: f64) -> Wheelset {
     let [left, right] = wheels(spec);
-    Wheelset { name: spec.name.clone(), body, left, right, imposed_speed, static_wheel_load }
+    Wheelset { name: spec.name.clone(), body, turning, left, right, imposed_speed, static_wheel_load }
 }
 
 /// Left and right wheels of every wheelset.
@@ -42,11 +43,24 @@ fn supported(load: &VerticalLoad, speed_imposed: bool) -> Option<SupportedMass> 
     (load.mass != 0.0 && !speed_imposed).then_some(SupportedMass { body: load.body, mass: load.mass })
 }
 
+/// The wheelsets that twist, in the order of the elements that let them.
+fn twisted(bodies: &[Body], forces: &[Box<dyn ForceElement>]) -> Result<Vec<usize>, AssemblyError> {
+    let mut found: Vec<(usize, &str)> = Vec::new();
+    for force in forces {
+        let Some(Twist { body, .. }) = force.twist() else { continue };
+        if let Some((_, first)) = found.iter().find(|(other, _)| *other == body) {
+            return Err(AssemblyError::TwoTwists { axle: bodies[body].name.clone(), elements: [(*first).into(), force.name().into()] });
+        }
+        found.push((body, force.name()));
+    }
+    Ok(found.into_iter().map(|(body, _)| body).collect())
+}
+
 /// Multibody system and wheelsets of a vehicle on a track that climbs with `grade` [rad]. Every wheel begins with an equal share of the
 /// weight; where there are several wheelsets the steady state puts its own load in place of it.
 ///
 /// # Errors
-/// [`AssemblyError::Joints`] when joints contradict each other.
+/// [`AssemblyError`] when joints contradict each other, preloads do not balance, or an axle has two elements that let it twist.
 pub fn parts(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<Wheelset>), AssemblyError> {
     let bodies: Vec<Body> =
         vehicle.wheelsets.iter().map(|w| body(&w.spec)).chain(vehicle.bodies.iter().map(|placed| placed.body.clone())).collect();
@@ -62,6 +76,11 @@ pub fn parts(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<Wheelset>
     let supported = loads.iter().filter_map(|load| supported(load, imposed(load))).collect();
     forces.extend(loads.into_iter().map(|load| Box::new(load) as Box<dyn ForceElement>));
     forces.extend(vehicle.forces.iter().map(|element| element.0.clone_box()));
+    let twisted = twisted(&bodies, &forces)?;
+    let axles = Axles { bodies: &bodies, twisted: &twisted };
+    forces.iter_mut().for_each(|force| force.fit(&axles));
+    let turning = |body: usize| Side::BOTH.map(|side| axles.turning(body, side));
+    let turning: Vec<[usize; 2]> = (0..vehicle.wheelsets.len()).map(turning).collect();
     let driven = |wheelset: &super::PlacedWheelset| (vehicle.speed_imposed && wheelset.driven).then_some(vehicle.speed);
     let drives = vehicle.wheelsets.iter().enumerate().filter_map(|(body, wheelset)| driven(wheelset).map(|speed| (body, speed)));
     let mut system = System {
@@ -78,6 +97,11 @@ pub fn parts(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<Wheelset>
     }
     static_preload::balance(vehicle, &mut system)?;
     let load = vehicle.weight() * grade.cos() / (2.0 * vehicle.wheelsets.len() as f64);
-    let wheelsets = vehicle.wheelsets.iter().enumerate().map(|(body, placed)| wheelset(&placed.spec, body, driven(placed), load)).collect();
+    let wheelsets = vehicle
+        .wheelsets
+        .iter()
+        .enumerate()
+        .map(|(body, placed)| wheelset(&placed.spec, (body, turning[body]), driven(placed), load))
+        .collect();
     Ok((system, wheelsets))
 }

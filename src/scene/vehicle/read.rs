@@ -129,6 +129,9 @@ fn wheelset(entry: &Entry, flat: &Flat) -> Result<PlacedWheelset, SettingsError>
 /// What turns an axle acts on a wheelset, which comes before the other bodies, and is carried by one of those.
 fn check_axle(force: &Element, section: &Section, wheelsets: usize) -> Result<(), SettingsError> {
     let wheelset = |body: Option<usize>| body.is_some_and(|body| body < wheelsets);
+    if force.0.twist().is_some_and(|twist| !wheelset(Some(twist.body))) {
+        return Err(section.error("body", "is no wheelset; expected the wheelset whose wheels turn against each other"));
+    }
     match force.0.bodies() {
         [axle, carrier] if force.0.turns_axle() => match (wheelset(axle), wheelset(carrier)) {
             (false, _) => Err(section.error("to", "is no wheelset; expected the wheelset that the element turns or brakes")),

@@ -43,6 +43,7 @@ pub(super) fn balance(vehicle: &VehicleSpec, system: &mut System) -> Result<(), 
     let mut workspace = system.workspace(&[]);
     system.settle_forces(&mut y, &mut workspace);
     system.apply_forces(&y, &mut workspace);
+    system.fold_wheels(&mut workspace);
     let load = generalised(vehicle, &workspace, &workspace.wrenches);
     let mut a = DMatrix::zeros(load.len(), asked.len());
     for (column, (element, index, _)) in asked.iter().enumerate() {
@@ -91,7 +92,7 @@ pub(super) fn balance(vehicle: &VehicleSpec, system: &mut System) -> Result<(), 
 
 /// Generalised forces on all bodies that are no wheelsets.
 fn generalised(vehicle: &VehicleSpec, workspace: &SystemWorkspace, wrenches: &[Wrench]) -> DVector<f64> {
-    let bodies = workspace.motions.iter().zip(wrenches).skip(vehicle.wheelsets.len());
+    let bodies = workspace.motions.iter().zip(wrenches).take(vehicle.body_count()).skip(vehicle.wheelsets.len());
     DVector::from_iterator(
         COORDINATES * vehicle.bodies.len(),
         bodies.flat_map(|(motion, wrench)| motion.generalised_force(wrench).iter().copied().collect::<Vec<_>>()),

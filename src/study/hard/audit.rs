@@ -119,7 +119,7 @@ impl Audit {
             pull: zero,
             gap: zero,
             beyond: zero,
-            wrenches: vec![Wrench::default(); mass.len()],
+            wrenches: vec![Wrench::default(); model.workspace().system.wrenches.len()],
             rates: vec![0.0; model.system.force_states().len()],
             mass,
         }
@@ -206,6 +206,7 @@ impl Audit {
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let motion = &system.motions[wheelset.body];
             for side in Side::BOTH {
+                let motion = &system.motions[wheelset.turning[side.index()]];
                 for report in workspace.reports(contact_index(index, side)) {
                     let velocity = motion.material_velocity(&report.wheel_point);
                     let spin = report.creep_force.spin_moment * report.axes.normal.dot(&motion.rotation);
@@ -228,6 +229,12 @@ impl Audit {
             now.stored = model.system.kinetic_energy(&system.motions);
             let (power, lift) = self.outside(model, snapshot);
             book(power);
+            // A twist is a motion of its own, not one of a body that an element loads.
+            for axle in &system.twists {
+                let (force, states) = (&model.system.forces[axle.element], &snapshot.y[model.system.states_of_force(axle.element)]);
+                now.stored += force.potential_energy(&system.moving(), states);
+                book(-force.dissipated_power(&system.moving(), states));
+            }
             // Across a canted track a suspension lifts too; weight is among its forces.
             now.lift += lift + self.weight;
         } else {

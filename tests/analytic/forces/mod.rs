@@ -7,3 +7,4 @@ mod properties;
 mod stage;
 mod tangent;
 mod traction;
+mod twist;

@@ -42,6 +42,13 @@ const SAMPLES: &[(&str, &str)] = &[
     ("brake", "type = \"tread\"\nfriction = 0.2\nstiffness = 3e5\nrelaxation = 0.1"),
     ("running_resistance", "rolling = 3e3\nper_speed = 40\nair = 6"),
     ("eddy_current_brake", "critical_speed = 0.8"),
+    ("magnetic_track_brake", "friction = 0.3\nrise_time = 0.1\nstiffness = 3e5\nrelaxation = 2e-4\ndamping_time = 0"),
+    (
+        "magnetic_track_brake",
+        "friction = 0.4\nsliding_friction = 0.1\nhalf_speed = 0.5\nrise_time = 0.2\nstiffness = 2e5\nrelaxation = 0.1",
+    ),
+    ("flexible_axle", "stiffness = 4e6\ndamping = 200\nleft_share = 0.4"),
+    ("independent_wheels", "damping = 3"),
     ("external_load", ""),
     ("external_load", "axes = \"body\""),
     ("coupler", "slack = 0.04\ndraw_stiffness = 3e6\nbuffer_force_over_displacement = [[0, 0], [0.01, 1e4], [0.05, 2e5]]\ndamping = 0.3"),
@@ -58,8 +65,8 @@ fn samples(stage: &Stage) -> Vec<Box<dyn ForceElement>> {
         assert!(SAMPLES.iter().any(|sample| sample.0 == entry.name), "no sample of {}: add one", entry.name);
     }
     let settings = |(kind, own): &(&str, &str)| {
-        let outer = ["running_resistance", "eddy_current_brake", "external_load"].contains(kind);
-        let places = if *kind == GUIDED {
+        let outer = ["running_resistance", "eddy_current_brake", "magnetic_track_brake", "external_load"].contains(kind);
+        let places = if [GUIDED, "flexible_axle", "independent_wheels"].contains(kind) {
             "body = \"b\""
         } else if outer {
             "on = \"b\""
@@ -160,7 +167,7 @@ fn prop_each_element_pays_its_energy_bill() {
     });
     walk(&stage, |element, case| {
         // Guided springs are held by the track, of which nobody keeps books.
-        if element.bodies()[1].is_none() && !element.inputs().is_empty() {
+        if element.bodies()[1].is_none() && !element.inputs().is_empty() || element.twist().is_some() {
             check_energy_bill(element, &case.coordinates(&stage), &case.v, [&case.state, &case.inputs], |q| motions(q, &case.v));
         }
     });
@@ -331,7 +338,11 @@ fn prop_right_hand_side_does_not_allocate() {
     let stage = stage(1.0);
     let mut system = Mechanism::new(vec![brick(100.0, 10.0, 20.0, 30.0), brick(300.0, 40.0, 50.0, 60.0)], samples(&stage));
     let y = system.state(&stage.design(), &[0.01; 12]);
-    assert_eq!(y.len(), 24 + 5 + 7 + 1, "two Maxwell dampers, one friction in a line and one in a plane; two rotors, three brakes");
+    assert_eq!(
+        y.len(),
+        24 + 5 + 7 + 8 + 1,
+        "two Maxwell dampers, one friction in a line and one in a plane; two rotors, three brakes; two track brakes, two twists"
+    );
     let mut dy = vec![0.0; y.len()];
     let before = counting::count();
     system.derivative(0.0, &y, &mut dy).unwrap();

@@ -15,22 +15,22 @@ use wheelrail::scene::{assemble, load};
 use wheelrail::settings::Source;
 use wheelrail::sim::Simulation;
 
-fn wheelset(mass: f64, transverse: f64, axial: f64) -> Body {
+pub fn wheelset(mass: f64, transverse: f64, axial: f64) -> Body {
     Body { name: "wheelset".into(), mass, inertia: Inertia::Revolution { transverse, axial } }
 }
 
 /// Reproducible numbers in (-1, 1).
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 }
 
 /// J without constraints.
-fn dense(tangent: &Tangent, dimension: usize) -> DMatrix<f64> {
+pub fn dense(tangent: &Tangent, dimension: usize) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(dimension, dimension);
     let (mut unit, mut column) = (vec![0.0; dimension], vec![0.0; dimension]);
     for j in 0..dimension {
@@ -43,7 +43,7 @@ fn dense(tangent: &Tangent, dimension: usize) -> DMatrix<f64> {
 }
 
 /// J of the system's force elements at `y`, whose motions are in the workspace then.
-fn linearise(system: &System, workspace: &mut SystemWorkspace, y: &[f64], tangent: &mut Tangent) {
+pub fn linearise(system: &System, workspace: &mut SystemWorkspace, y: &[f64], tangent: &mut Tangent) {
     system.apply_forces(y, workspace);
     tangent.clear();
     tangent.add_forces(system, workspace, y);
@@ -53,7 +53,7 @@ fn linearise(system: &System, workspace: &mut SystemWorkspace, y: &[f64], tangen
 /// Generalised forces and rates of states: M times accelerations without the inertia's own terms.
 fn forces(system: &System, workspace: &mut SystemWorkspace, y: &[f64]) -> Vec<f64> {
     system.apply_forces(y, workspace);
-    let loads = workspace.motions.iter().zip(&workspace.wrenches);
+    let loads = workspace.motions.iter().zip(&workspace.wrenches).take(system.bodies.len());
     let mut all: Vec<f64> = loads.flat_map(|(motion, wrench)| <[f64; 6]>::from(motion.generalised_force(wrench))).collect();
     all.extend(&workspace.force_rates);
     all

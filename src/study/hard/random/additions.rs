@@ -1,4 +1,4 @@
-//! What some random scenes have besides: motors and brakes on their axles, friction that changes along the track and across the head.
+//! What some random scenes have besides: motors and brakes on their axles, axles that twist, magnets on the rail, friction that changes along the track and across the head.
 //!
 //! By dice of their own, so that seeds of before make the same scenes otherwise.
 
@@ -6,8 +6,13 @@ use super::dice::Dice;
 use std::fmt::Write as _;
 
 const OTHER: u64 = 0x6578_7472_6173_2121;
+const TWISTING: u64 = 0x7477_6973_7469_6e67;
 /// Shares of trucks and vehicles with motors or brakes, and of scenes with friction by place.
 const DRIVEN: f64 = 0.3;
+/// Of scenes with axles that twist, and of those, with a brake on a single wheel; of scenes with magnets on the rail.
+const TWISTED: f64 = 0.15;
+const ONE_WHEEL: f64 = 0.5;
+const MAGNETS: f64 = 0.05;
 const ALONG: f64 = 0.12;
 const ACROSS: f64 = 0.08;
 
@@ -21,6 +26,10 @@ pub(super) fn with_additions(seed: u64, text: String, vehicle: &str, sign: f64, 
         let kind = element(&mut dice);
         let own: String = axles.iter().enumerate().map(|(k, axle)| axle.element(k + 1, &kind)).collect();
         text = text.replacen("\n[track]\n", &format!("\n{own}\n[track]\n"), 1);
+    }
+    let twisting = twisting(seed, vehicle, &axles);
+    if !twisting.is_empty() {
+        text = text.replacen("\n[track]\n", &format!("\n{twisting}\n[track]\n"), 1);
     }
     if text.contains("\nfriction = 0\n") {
         return text;
@@ -37,6 +46,47 @@ pub(super) fn with_additions(seed: u64, text: String, vehicle: &str, sign: f64, 
         let _ = writeln!(places, "\n[contact.friction_across]\ngauge_face = {}\nfrom = \"15 deg\"\nto = \"40 deg\"", dice.log(0.1, 1.0));
     }
     text.replacen("\n[solver]\n", &format!("{places}\n[solver]\n"), 1)
+}
+
+/// Axles that twist, all alike, and magnets under frames.
+fn twisting(seed: u64, vehicle: &str, axles: &[Axle]) -> String {
+    let mut dice = Dice::new(seed ^ TWISTING);
+    let (twisted, magnets) = (dice.chance(TWISTED), dice.chance(MAGNETS));
+    let mut text = String::new();
+    if twisted {
+        let share = dice.flat(0.2, 0.8);
+        let kind = if dice.chance(0.5) {
+            format!("kind = \"independent_wheels\"\ndamping = {}\nleft_share = {share}\n", dice.pick(&["0", "10", "1000"]))
+        } else {
+            let stiffness = dice.log(1e3, 2e7);
+            format!(
+                "kind = \"flexible_axle\"\nstiffness = {stiffness}\ndamping = {}\nleft_share = {share}\n",
+                stiffness * dice.log(1e-5, 1e-2)
+            )
+        };
+        let lone = [Axle { body: "wheelset", x: 0.0, carrier: "", at: 0.0 }];
+        let all = if vehicle == "suspended_wheelset" { &lone } else { axles };
+        for (number, axle) in all.iter().enumerate() {
+            let _ = write!(text, "[[vehicle.force]]\nname = \"twist[{}]\"\nbody = \"{}\"\n{kind}", number + 1, axle.body);
+        }
+        if dice.chance(ONE_WHEEL) && vehicle != "suspended_wheelset" {
+            let (torque, side) = (dice.log(300.0, 1.5e4), dice.pick(&["left", "right"]));
+            let brake =
+                format!("kind = \"brake\"\ntype = \"disc\"\nwheel = \"{side}\"\ntorque = {torque}\nstiffness = {}\n", dice.log(2e5, 2e7));
+            text.extend(axles.iter().take(1).map(|axle| axle.element(99, &brake)));
+        }
+    }
+    if magnets && vehicle == "bogie" {
+        let (attraction, friction) = (dice.log(1e3, 1e5), dice.flat(0.05, 0.5));
+        let (rise, stiffness) = (dice.log(0.02, 1.0), dice.log(1e6, 1e8));
+        let _ = write!(
+            text,
+            "[[vehicle.force]]\nname = \"magnets\"\nkind = \"magnetic_track_brake\"\non = {{ body = \"frame\", at = [0.0, 0.0, 0.05] }}\n"
+        );
+        let _ = write!(text, "friction = {friction}\nsliding_friction = {}\nhalf_speed = {}\n", 0.3 * friction, dice.log(1.0, 20.0));
+        let _ = writeln!(text, "attraction = {attraction}\nrise_time = {rise}\nstiffness = {stiffness}");
+    }
+    text
 }
 
 /// An axle, what carries its motor or brake, and where both are along the vehicle, m.

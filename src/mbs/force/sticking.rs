@@ -1,0 +1,85 @@
+//! Friction of brakes that stick truly: with an elastic deflection as state.
+//!
+//! M is the largest friction torque [N m] (or force, N), theta the elastic deflection [rad at the axle] (or m), k the stiffness, rho the speed against what carries
+//! the brake, forward positive. With the bound `theta_M = M / k`, `rho_M = theta_M / tau` and v the speed rho cut to +-rho_M:
+//!
+//! ```text
+//! theta' = v (1 - s) - (1 - |v| / rho_M) max(0, |theta| - theta_M) / tau sign(theta)
+//! s = 0 up to |theta| = a theta_M,  (|theta|/theta_M - a) / (1 - a) beyond;   only while the brake is loaded: theta rho > 0
+//! T = k theta + c v (1 - s) / sqrt(1 + (c v (1 - s) / (b M))^2),   against the motion;   unloading: k theta v / rho in place of k theta
+//! ```
+//!
+//! Below a M (a = 0.7) nothing slips: what is at rest stays where it is, without creep; at speed theta rests at theta_M and T = M. The bound of v keeps
+//! the equation's rate below 3.4 / tau at any speed, so that no integrator must follow rho / theta_M; while the brake slides it is the same on both sides of theta_M (a rate that
+//! changed there made long implicit steps go to and fro across it, and T 0.4 % too large). c = k x `damping_time` lets a stopped vehicle come to rest on its
+//! brakes (b = 0.5). Without M there is no torque. Heat, `T rho - k theta theta'`, is never negative: loading it is `k theta (rho - v (1 - s))` and
+//! what c takes, unloading what c takes, and where M falls `k |theta| (|theta| - theta_M) / tau`.
+
+/// a.
+pub const STICKING: f64 = 0.7;
+/// b.
+const DAMPED: f64 = 0.5;
+/// theta_M below which there is no brake.
+const LEAST_REACH: f64 = 1e-30;
+
+/// How a brake holds.
+#[derive(Clone, Copy, Debug)]
+pub struct Sticking {
+    /// k, N m/rad or N/m.
+    pub stiffness: f64,
+    /// tau, s.
+    pub relaxation: f64,
+    /// c / k, s.
+    pub damping_time: f64,
+}
+
+/// A brake at one instant, and its slopes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Grip {
+    /// T, against the motion; theta'.
+    pub torque: f64,
+    pub rate: f64,
+    pub torque_by_angle: f64,
+    pub torque_by_speed: f64,
+    pub rate_by_angle: f64,
+    pub rate_by_speed: f64,
+}
+
+impl Sticking {
+    /// The brake at a deflection and speed, of the bound `most`.
+    #[inline]
+    pub fn grip(&self, most: f64, angle: f64, speed: f64) -> Grip {
+        let (k, reach) = (self.stiffness, most / self.stiffness);
+        let fastest = reach / self.relaxation;
+        let bound = speed.clamp(-fastest, fastest);
+        let (share, follows) = if bound == speed { (1.0, 1.0) } else { (bound / speed, 0.0) };
+        let (mut slip, mut slip_by_angle) = (0.0, 0.0);
+        let loaded = angle * speed >= 0.0;
+        let mut grip = Grip { torque: k * angle, torque_by_angle: k, ..Grip::default() };
+        if !loaded {
+            grip.torque *= share;
+            grip.torque_by_angle *= share;
+            grip.torque_by_speed = if follows == 0.0 { -grip.torque / speed } else { 0.0 };
+        } else if reach < LEAST_REACH {
+            slip = 1.0;
+        } else {
+            slip = ((angle.abs() / reach - STICKING) / (1.0 - STICKING)).max(0.0);
+            slip_by_angle = if slip > 0.0 { angle.signum() / ((1.0 - STICKING) * reach) } else { 0.0 };
+        }
+        let (elastic, by_angle, by_speed) = (bound * (1.0 - slip), -bound * slip_by_angle, follows * (1.0 - slip));
+        let excess = (angle.abs() - reach).max(0.0) * angle.signum();
+        let (resting, by_speed_of_resting) =
+            if reach < LEAST_REACH { (1.0, 0.0) } else { (1.0 - bound.abs() / fastest, -follows * speed.signum() / fastest) };
+        grip.rate = elastic - resting * excess / self.relaxation;
+        grip.rate_by_angle = by_angle - if excess != 0.0 { resting / self.relaxation } else { 0.0 };
+        grip.rate_by_speed = by_speed - by_speed_of_resting * excess / self.relaxation;
+        let (c, bend) = (k * self.damping_time, DAMPED * most);
+        if bend > 0.0 {
+            let softer = bend / bend.hypot(c * elastic);
+            grip.torque += c * elastic * softer;
+            grip.torque_by_angle += c * by_angle * softer.powi(3);
+            grip.torque_by_speed += c * by_speed * softer.powi(3);
+        }
+        grip
+    }
+}
