@@ -25,7 +25,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let springs = GuidedSpring {
         name: "suspension".into(),
         body: 0,
-        turning: [0; 2],
         distance: 2.0,
         longitudinal: Some(Guide { stiffness: 2e5, damping: 1e3 }),
         lateral: Some(Guide { stiffness: 1e5, damping: 1e3 }),
@@ -46,6 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         wheelsets: vec![Wheelset {
             name: "wheelset".into(),
             body: 0,
+            turning: [0; 2],
             left: wheel(Side::Left),
             right: wheel(Side::Right),
             imposed_speed: Some(speed),
@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             friction: 0.35,
             friction_map: None,
             material: steel,
-            patch: PatchLaw::default(),
+            patch: PatchLaw::Strips,
         },
         points: 1,
         prepared: PreparedSearches::default(),

@@ -46,6 +46,26 @@ pub enum AssemblyError {
     )]
     RailMotion,
     #[error(
+        "track.flexibility needs elastic contact (contact.formulation = \"ECF-A\" or \"ECF-N\", which know rails that move): a constraint between wheel and rail would make the rail's mass part of the constrained system"
+    )]
+    TravellingTrack,
+    #[error(
+        "track.flexibility: {sag:.1} mm is how far the mean wheel load presses a rail on {stiffness:.2} MN/m; starts are found up to {most} mm: expected vertical_stiffness of at least {least:.1} MN/m"
+    )]
+    SoftTrack { sag: f64, stiffness: f64, most: f64, least: f64 },
+    #[error(
+        "track.flexibility and out-of-round wheels don't know axles that twist (flexible_axle, independent_wheels) yet; expected one of them in a scene"
+    )]
+    TwistedAxle,
+    #[error(
+        "vehicle.wheelset.out_of_round needs elastic contact (contact.formulation = \"ECF-A\" or \"ECF-N\"): a constraint between wheel and rail would need how the radius changes twice over"
+    )]
+    OutOfRound,
+    #[error(
+        "track.flexibility stands beside \"rail_motion\" in interface.inputs: either the rails' motion comes from outside or the scene's own track gives way; expected one of them"
+    )]
+    TwoMotions,
+    #[error(
         "contact.patch = \"strips\" needs elastic contact (contact.formulation = \"ECF-A\" or \"ECF-N\"): a constraint holds the deepest places of rigid surfaces; expected contact.patch = \"ellipse\""
     )]
     RigidPatch,
@@ -96,6 +116,9 @@ impl Model {
             means: None,
             books: None,
             rail_motion: false,
+            travelling_track: None,
+            out_of_round: Vec::new(),
+            surfaces_move: false,
             strips,
         })
     }

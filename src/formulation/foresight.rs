@@ -40,7 +40,7 @@ impl Model {
             if places.peek().is_some() && places.all(|report| report.normal_force <= 0.0 && report.penetration < 0.0 && !report.constrained)
             {
                 for report in workspace.reports(contact).filter(|report| report.penetration < 0.0) {
-                    longest = longest.min(self.time_to_touch(wheelset, workspace, report, dy));
+                    longest = longest.min(self.time_to_touch((wheelset, contact), workspace, report, dy));
                 }
             }
         }
@@ -49,7 +49,7 @@ impl Model {
 
     /// The part of it that the track alone asks for, s.
     pub fn longest_known(&self, workspace: &Workspace) -> f64 {
-        let mut longest = f64::INFINITY;
+        let mut longest = self.longest_of_wheels(workspace);
         for WheelRef { wheelset, side, .. } in self.wheels() {
             let motion = &workspace.system.motions[wheelset.body];
             let travel = workspace.system.stations.get(wheelset.body).map_or(motion.speed, |Station { travel, .. }| *travel);
@@ -62,11 +62,14 @@ impl Model {
         longest
     }
 
-    fn time_to_touch(&self, wheelset: &Wheelset, workspace: &Workspace, report: &ContactReport, dy: &[f64]) -> f64 {
+    fn time_to_touch(&self, (wheelset, contact): (&Wheelset, usize), workspace: &Workspace, report: &ContactReport, dy: &[f64]) -> f64 {
         let motion = &workspace.system.motions[wheelset.body];
         let rates = &dy[self.system.velocities(wheelset.body)];
         let turning = Vector3::z() * rates[3] + motion.roll_axis() * rates[4];
-        let acceleration = Vector3::new(rates[0], rates[1], rates[2]) + turning.cross(&(report.wheel_point - motion.position));
+        let mut acceleration = Vector3::new(rates[0], rates[1], rates[2]) + turning.cross(&(report.wheel_point - motion.position));
+        if let Some([_, rail]) = self.rail_change(&workspace.system, wheelset.body, contact, dy) {
+            acceleration -= rail;
+        }
         let normal = &report.axes.normal;
         let (gap, closing, faster) = (-report.penetration, report.penetration_rate, -acceleration.dot(normal));
         let at_touch = closing * closing + 2.0 * faster * gap;
@@ -98,7 +101,10 @@ impl Model {
                 let turn = Vector3::z() * e[3] + motion.roll_axis() * e[4];
                 (Vector3::new(e[0], e[1], e[2]), turn, motion.axle() * e[5])
             };
-            let ((moved, turned, _), (velocity, turning, spin)) = (part(0), part(velocities));
+            let ((mut moved, turned, _), (mut velocity, turning, spin)) = (part(0), part(velocities));
+            if let Some([displaced, displacing]) = self.rail_change(&workspace.system, wheelset.body, contact, error) {
+                (moved, velocity) = (moved - displaced, velocity - displacing);
+            }
             for report in workspace.reports(contact).filter(|report| report.normal_force > 0.0) {
                 let arm = report.wheel_point - motion.position;
                 let axes = &report.axes;
@@ -107,8 +113,7 @@ impl Model {
                 if !report.constrained {
                     let sunk = (moved + turned.cross(&arm)).dot(&axes.normal);
                     let slope = report.share * report.elastic_slope;
-                    // Half the wheelset on its contact.
-                    let impedance = (0.5 * slope * self.system.bodies[wheelset.body].mass).sqrt();
+                    let impedance = (slope * self.bouncing_mass(wheelset)).sqrt();
                     let lasting = self.lasting_of_bouncing(wheelset, report);
                     largest = largest.max((slope * sunk).abs().max((impedance * slip.dot(&axes.normal)).abs()) * scale * lasting);
                 }
@@ -126,7 +131,7 @@ impl Model {
     /// with the time 2 m / c.
     fn lasting_of_bouncing(&self, wheelset: &Wheelset, report: &ContactReport) -> f64 {
         let damping = normal_slopes(self.laws.damping.as_ref(), report).by_rate;
-        let fading = self.system.bodies[wheelset.body].mass / damping;
+        let fading = 2.0 * self.bouncing_mass(wheelset) / damping;
         (fading.min(LONGEST_FADING) / FADING).max(1.0)
     }
 }

@@ -4,6 +4,7 @@ use super::ContactReport;
 use super::Formulation;
 use super::energy_books::EnergyBooks;
 use super::sliding_mean::SlidingMean;
+use super::travelling_track::{RAIL_STATES, TravellingTrack};
 use super::wheel_search::WheelSearch;
 use super::wheelset::Wheelset;
 use crate::contact::Material;
@@ -15,6 +16,7 @@ use crate::contact::patch::PatchLaw;
 use crate::contact::strips::RailStrips;
 use crate::contact::transient::{self, TransientContact};
 use crate::geometry::Side;
+use crate::geometry::out_of_round::OutOfRound;
 use crate::geometry::track::Track;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::system::System;
@@ -61,6 +63,12 @@ pub struct Model {
     pub books: Option<EnergyBooks>,
     /// Does the rail under each wheel move as inputs say (see `rail_motion`)?
     pub rail_motion: bool,
+    /// Track that gives way under each wheel; `None`: rigid.
+    pub travelling_track: Option<TravellingTrack>,
+    /// By contact; empty where all wheels are round.
+    pub out_of_round: Vec<Option<OutOfRound>>,
+    /// Do rails, or surfaces of wheels, move by anything of this (see `rail_motion`)?
+    pub(super) surfaces_move: bool,
     /// Per wheel: the search for all of them; `None` where one place alone can touch.
     pub(super) searches: Vec<Option<Arc<WheelSearch>>>,
     /// The left and the right rail in strips, where patches are made of them.
@@ -123,6 +131,11 @@ impl Model {
     }
 
     fn means_begin(&self) -> usize {
+        let rails = self.travelling_track.map_or(0, |_| RAIL_STATES * self.contacts());
+        self.rails_begin() + rails
+    }
+
+    pub(super) fn rails_begin(&self) -> usize {
         self.deflections_begin() + self.contacts() * self.points * self.deflection_states()
     }
 

@@ -1,4 +1,4 @@
-//! Rails that move under the wheels: their motion comes from outside, as of a model of track or bridge.
+//! Rails that move under the wheels: their motion comes from outside, as of a model of track or bridge, or from track that gives way (`travelling_track`).
 //!
 //! The rail under a wheel is displaced by `u = (0, u_y, u_z)` in the axes of the track frame beside the wheelset's centre (left and up
 //! positive), the same along and around the contact; its material there moves with the velocity w = (0, w_y, w_z), and it is bent
@@ -37,6 +37,16 @@ pub(super) struct AgainstRail {
     pub motion: BodyMotion,
     /// c, m/s.
     pub climb: Vector3<f64>,
+    /// Of a wheel that is not round.
+    pub round: Option<Swollen>,
+}
+
+/// A wheel that is not round (`out_of_round`): d e [m], d' e [m/rad], and the axle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Swollen {
+    pub larger: Vector3<f64>,
+    pub growing: Vector3<f64>,
+    pub axle: Vector3<f64>,
 }
 
 impl Model {
@@ -49,6 +59,7 @@ impl Model {
             return Err(AssemblyError::RailMotion);
         }
         self.rail_motion = asked;
+        self.surfaces_move |= asked;
         Ok(self)
     }
 
@@ -57,18 +68,15 @@ impl Model {
     pub(super) fn against_rail(
         &self,
         system: &SystemWorkspace,
-        inputs: &[f64],
+        (inputs, y): (&[f64], &[f64]),
         (body, turning): (usize, usize),
         contact: usize,
     ) -> Option<AgainstRail> {
-        if !self.rail_motion {
+        if !self.surfaces_move {
             return None;
         }
-        let start = first_of_rail(self.wheelsets.len(), contact);
-        let &[y, z, vy, vz, slope_y, slope_z] = inputs.get(start..start + RAIL_INPUTS)? else { return None };
+        let [displacement, velocity, slope] = self.rail_under(inputs, y, contact)?;
         let mut motion = system.motions[turning];
-        let (displacement, velocity) = (Vector3::new(0.0, y, z), Vector3::new(0.0, vy, vz));
-        let slope = Vector3::new(0.0, slope_y, slope_z);
         let (displacement, velocity, climb) = match system.stations.get(body) {
             None => (displacement, velocity, slope * motion.speed),
             Some(station) => {
@@ -78,6 +86,24 @@ impl Model {
         };
         motion.position -= displacement;
         motion.velocity -= velocity;
-        Some(AgainstRail { motion, climb })
+        let mut moved = AgainstRail { motion, climb, round: None };
+        if let Some(Some(wheel)) = self.out_of_round.get(contact) {
+            moved.swell(wheel);
+        }
+        Some(moved)
+    }
+
+    /// u, w and u_s of the rail under a wheel in the track frame.
+    fn rail_under(&self, inputs: &[f64], y: &[f64], contact: usize) -> Option<[Vector3<f64>; 3]> {
+        let across = |y: f64, z: f64| Vector3::new(0.0, y, z);
+        if self.rail_motion {
+            let start = first_of_rail(self.wheelsets.len(), contact);
+            let &[y, z, vy, vz, slope_y, slope_z] = inputs.get(start..start + RAIL_INPUTS)? else { return None };
+            return Some([across(y, z), across(vy, vz), across(slope_y, slope_z)]);
+        }
+        match &y[self.rail_states(contact)] {
+            &[y, z, vy, vz] => Some([across(y, z), across(vy, vz), Vector3::zeros()]),
+            _ => Some([Vector3::zeros(); 3]),
+        }
     }
 }

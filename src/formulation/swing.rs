@@ -77,9 +77,10 @@ impl Model {
             }
         }
         swings.time = Some(t);
-        swings.plain = self.wheels().all(|WheelRef { wheelset, side, .. }| {
-            self.track.rail(side).waves().shortest_at(workspace.system.motions[wheelset.body].distance).is_none()
-        });
+        swings.plain = self.out_of_round.is_empty()
+            && self.wheels().all(|WheelRef { wheelset, side, .. }| {
+                self.track.rail(side).waves().shortest_at(workspace.system.motions[wheelset.body].distance).is_none()
+            });
     }
 
     /// An error of the state in parts of what the swings allow; the workspace holds an evaluation nearby.

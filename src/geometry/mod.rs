@@ -4,6 +4,7 @@
 //! from the track centre, so left and right wheels and rails mirror each other.
 
 pub mod file;
+pub mod out_of_round;
 pub mod profile;
 pub mod surface;
 pub mod track;

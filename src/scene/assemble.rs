@@ -62,5 +62,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
         .with_sliding_means(window)
         .with_energy_books(scene.interface.outputs.contains(&ENERGY))
         .with_load_tolerance(scene.solver.load_tolerance)
-        .with_rail_motion(scene.interface.inputs.contains(&RAIL_MOTION.name))
+        .with_rail_motion(scene.interface.inputs.contains(&RAIL_MOTION.name))?
+        .with_travelling_track(track.flexibility)?
+        .with_out_of_round(scene.vehicle.wheelsets.iter().flat_map(|placed| placed.spec.out_of_round.clone()).collect())
 }

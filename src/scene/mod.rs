@@ -17,6 +17,7 @@ pub mod plan;
 mod profiles;
 mod read;
 mod remarks;
+mod rough_track;
 pub mod solver_choice;
 pub mod spec;
 pub mod start;

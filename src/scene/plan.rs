@@ -3,6 +3,7 @@
 use super::cautions::cautions;
 use super::patch_choice;
 use super::remarks::remarks;
+use super::rough_track;
 use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
 use super::start::{self, Start};
@@ -10,6 +11,7 @@ use crate::contact::patch::PatchLaw;
 use crate::formulation::inputs::{CENTRE_FORCES, ELEMENT_INPUTS, GROUPS, InputGroup, RAIL_MOTION};
 use crate::formulation::sliding_mean::CUT_OFF;
 use crate::formulation::sliding_mean::SlidingMean;
+use crate::formulation::travelling_track::RAIL_STATES;
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::geometry::profile::ProfileChoice;
@@ -57,7 +59,7 @@ impl Effects {
 pub fn plan(scene: &Scene, model: &Model) -> Plan {
     let mut all = Effects::default();
     vehicle_effects(scene, model, &mut all);
-    deviation_effects(scene, &mut all);
+    track_under_effects(scene, model, &mut all);
     contact_effects(scene, model, &mut all);
     input_effects(scene, model, &mut all);
     for (name, why) in scene.effects.describe() {
@@ -76,6 +78,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
             .into_iter()
             .chain(remarks(scene))
             .chain(cautions(scene, model))
+            .chain(rough_track::note(scene, model))
             .chain(solver_choice::notes(scene, model))
             .collect(),
     }
@@ -122,7 +125,7 @@ fn vehicle_effects(scene: &Scene, model: &Model, all: &mut Effects) {
 }
 
 /// What displaces the rails.
-fn deviation_effects(scene: &Scene, all: &mut Effects) {
+fn track_under_effects(scene: &Scene, model: &Model, all: &mut Effects) {
     for (name, side) in [("left rail deviations", Side::Left), ("right rail deviations", Side::Right)] {
         let shapes: Vec<String> = start::deviations(scene)
             .iter()
@@ -131,6 +134,14 @@ fn deviation_effects(scene: &Scene, all: &mut Effects) {
             .collect();
         let why = if shapes.is_empty() { format!("no [[track.deviation]] with rail = \"{}\"", side.name()) } else { shapes.join("; ") };
         all.add(name, !shapes.is_empty(), why, 0);
+    }
+    for (contact, wheel) in model.out_of_round.iter().enumerate().filter_map(|(contact, wheel)| Some((contact, wheel.as_ref()?))) {
+        let of = model.wheel(contact);
+        all.add("wheel out of round", true, format!("{}, {} wheel: {}", of.wheelset.name, of.side.name(), wheel.describe()), 0);
+    }
+    if let Some(track) = &model.travelling_track {
+        let why = format!("track.flexibility = \"travelling\": {}", track.describe());
+        all.add("track that gives way", true, why, model.contacts() * RAIL_STATES);
     }
 }
 

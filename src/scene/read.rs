@@ -12,6 +12,7 @@ use crate::contact::{Material, creep, normal, patch};
 use crate::formulation::{
     self, LOAD_TOLERANCE,
     inputs::{GROUPS, RAIL_MOTION},
+    travelling_track::TravellingTrack,
     wheel_search::{MOST_POINTS, PreparedSearches},
 };
 use crate::geometry::profile::{Part, ProfileChoice};
@@ -168,9 +169,10 @@ fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
         files.extend(irregularity.file);
     }
     let start_fade = if section.has("start_fade") { Some(section.positive("start_fade", Dimension::Length)?) } else { None };
+    let flexibility = section.keep(TravellingTrack::parse(&section))?.flatten();
     section.clone().finish()?;
     let (Some(rails), Some(half_rail_distance), Some(inclination)) = (rails, half_rail_distance, given) else { return Err(section.stop()) };
-    Ok(TrackSpec { half_rail_distance, inclination, grade, alignment, line, rails, deviations, start_fade, files })
+    Ok(TrackSpec { half_rail_distance, inclination, grade, alignment, line, rails, deviations, start_fade, flexibility, files })
 }
 
 /// Half of `rail_distance`, or what `gauge` makes of it.

@@ -155,6 +155,8 @@ impl Dynamics for ModelDynamics<'_> {
         let velocities = COORDINATES * system.bodies.len();
         let plain = if (velocities..2 * velocities).contains(&i) || i >= self.model.mean_states(0).start {
             0.0
+        } else if let Some(weight) = self.model.weight_of_rail(i) {
+            weight * PRESSING
         } else if i < velocities
             && matches!(i % COORDINATES, HEIGHT | ROLL)
             && self.model.wheelsets.iter().any(|wheelset| wheelset.body == i / COORDINATES)

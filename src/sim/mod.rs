@@ -206,6 +206,7 @@ impl Simulation {
             Contacts::Elastic => step.start_elastic()?,
         }
         step.project()?;
+        step.settle_rails(&model.start_inputs())?;
         model.note_means(start, &y, &mut memory);
         let inputs: Vec<InputSignal> = model.start_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
         let integration = integrator.start(start, &y);
@@ -248,6 +249,7 @@ impl Simulation {
         simulation.look()?;
         simulation.state.memories.accepted.clone_from(&simulation.snapshot.memory);
         simulation.model.settle_deflections(&simulation.snapshot.workspace, &mut simulation.state.integration.y);
+        simulation.settle_rails()?;
         // What is shown belongs to the state: a cold start differs in the last digits.
         simulation.known = None;
         simulation.look()?;

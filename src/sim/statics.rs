@@ -1,7 +1,7 @@
 //! How a vehicle stands at its start: heights of bodies against where the scene draws them, wheel loads, forces of elements and travel used.
 
 use super::outputs::on_track;
-use super::{Simulation, SimulationError};
+use super::{Simulation, SimulationError, SimulationState};
 use crate::formulation::contact_index;
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
@@ -133,5 +133,18 @@ impl Statics {
             "{} starts {by:.0} mm {side} where it is drawn, at {height:.3} m instead of {drawn:.3} m{more}: the preloads do not carry the weight there; preload = \"static\" takes them from balance, and wheelrail plan --static shows heights and forces",
             worst.name
         )]
+    }
+}
+
+impl Simulation {
+    /// Puts rails that give way where they rest under the contacts as they are now.
+    ///
+    /// # Errors
+    /// [`SimulationError`] where contacts can't be evaluated.
+    pub(super) fn settle_rails(&mut self) -> Result<(), SimulationError> {
+        let SimulationState { time, integration, memories, .. } = &mut self.state;
+        let inputs = self.model.start_inputs();
+        self.model.at(&mut self.workspace, *time, &mut integration.y, &mut memories.accepted).settle_rails(&inputs)?;
+        Ok(())
     }
 }

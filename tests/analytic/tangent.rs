@@ -186,6 +186,24 @@ fn analytic_transient_contact_in_motion_and_at_rest() {
     check(&speeds.map(|speed| ("wheelset_standstill", speed, 0.1)), ROWS, [0.02, 0.03]);
 }
 
+/// The rails' own states, and what couples them with wheels and with deflections of contacts.
+#[test]
+fn analytic_track_that_gives_way() {
+    const YIELDS: &str = "track.flexibility=travelling";
+    const LIGHT: &str = "track.flexibility={model=\"travelling\",vertical_mass=60,lateral_mass=40,vertical_damping=2e4}";
+    check(
+        &[
+            ("suspended_wheelset", &[YIELDS, "vehicle.initial.distance=18", "vehicle.initial.y=0.003", "vehicle.initial.yaw=0.002"], 0.08),
+            ("suspended_wheelset", &[LIGHT, "vehicle.initial.distance=18"], 0.09),
+            ("wheelset_s1002", &[YIELDS, "vehicle.initial.y=0.006", "vehicle.initial.yaw=0.001"], 0.01),
+            ("wheelset_standstill", &[YIELDS, "vehicle.speed=0"], 0.05),
+            ("wheelset_standstill", &[LIGHT, "vehicle.speed=1.5"], 0.02),
+        ],
+        ROWS,
+        [0.02, 0.03],
+    );
+}
+
 #[test]
 fn analytic_vehicles() {
     check(

@@ -51,7 +51,7 @@ impl Formulation for EcfA {
             workspace.system.wrenches[wheelset.body] += applied;
             for (side, friction) in [(Side::Left, own[LEFT_FRICTION]), (Side::Right, own[RIGHT_FRICTION])] {
                 let (contact, turning) = (contact_index(index, side), wheelset.turning[side.index()]);
-                let moved = model.against_rail(&workspace.system, inputs, (wheelset.body, turning), contact);
+                let moved = model.against_rail(&workspace.system, (inputs, y), (wheelset.body, turning), contact);
                 let own = &workspace.system.motions[turning];
                 let (motion, climb) = moved.as_ref().map_or((own, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
                 let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
@@ -60,6 +60,7 @@ impl Formulation for EcfA {
                 points::elastic_wheel(&wheel, &mut memory.wheels[contact], &mut workspace.strips[contact], wrench, reports)
                     .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
                 workspace.work.search_iterations += workspace.contacts[contact].iterations as u64;
+                model.finish_wheel(workspace, moved.as_ref(), (contact, wheelset.body));
             }
         }
         finish(model, workspace, t, y, dy)

@@ -108,7 +108,7 @@ impl Formulation for EcfN {
                 let centre = search.centre_point(&motion.position, &motion.frame.axes);
                 dy[state] = arc_rate(&section, &centre, &motion.attachment_velocity(&centre));
                 // The section follows the wheelset along the track, whatever its rail does across.
-                let moved = model.against_rail(&workspace.system, inputs, (wheelset.body, turning), contact);
+                let moved = model.against_rail(&workspace.system, (inputs, y), (wheelset.body, turning), contact);
                 let (motion, climb) = moved.as_ref().map_or((motion, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
                 let found = search.search(&motion.position, &motion.frame.axes, motion.distance, y[state], &section);
                 workspace.work.search_iterations += found.evaluated as u64;
@@ -127,6 +127,7 @@ impl Formulation for EcfN {
                     let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
                     press_wheel(&wheel, &rails[side.index()], (&located, false), &mut workspace.strips[contact], wrench, reports)
                         .map_err(fail)?;
+                    model.finish_wheel(workspace, moved.as_ref(), (contact, wheelset.body));
                     continue;
                 }
                 // Humps of one batch share a patch, as ECF-A's places do.
@@ -144,6 +145,7 @@ impl Formulation for EcfN {
                 let [first, second] = reports;
                 workspace.contacts[contact] = first.map_err(fail)?;
                 workspace.further_contacts[contact] = second.map_err(fail)?;
+                model.finish_wheel(workspace, moved.as_ref(), (contact, wheelset.body));
             }
         }
         finish(model, workspace, t, y, dy)

@@ -11,6 +11,7 @@ use super::{EvaluationError, Model, Workspace};
 #[inline]
 fn finish(model: &Model, workspace: &mut Workspace, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), EvaluationError> {
     model.deflection_rates(workspace, y, dy);
+    model.rail_rates(workspace, y, dy);
     model.accelerate(workspace, t, y, dy)
 }
 

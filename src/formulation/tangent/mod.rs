@@ -17,6 +17,7 @@ use super::memory::{ModelMemory, RidgeMemory};
 use super::model::factor_at;
 use super::step::WheelRef;
 use super::wheel_search::MOST_POINTS;
+use super::yielding_rails::Under;
 use super::{ContactReport, EvaluationError, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace};
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{CreepForce, Creepage};
@@ -26,7 +27,7 @@ use crate::contact::strips::Uneven;
 use crate::contact::transient::{self, LoadedPatch, TransientContact};
 use crate::geometry::Side;
 use crate::mbs::body::BodyMotion;
-use crate::mbs::tangent::{SingularTangent, StateCoupling, Tangent};
+use crate::mbs::tangent::{Follower, SingularTangent, StateCoupling, Tangent};
 pub(super) use contact::normal_slopes;
 use contact::{ByMotion, NormalSlopes, Touching, penetration_by_pose};
 use nalgebra::Vector3;
@@ -55,7 +56,11 @@ impl Model {
     /// Gives the workspace what [`Model::linearise`] needs.
     pub fn prepare_tangent(&self, workspace: &mut Workspace) {
         let states = self.contacts() * self.points * self.deflection_states();
-        workspace.tangent = Some(Tangent::new(&self.system, &self.constrained_bodies(), states));
+        let mut tangent = Tangent::new(&self.system, &self.constrained_bodies(), states);
+        if self.travelling_track.is_some() {
+            tangent = tangent.with_followers(self.contacts(), self.points * self.deflection_states());
+        }
+        workspace.tangent = Some(tangent);
         workspace.frame = self.moving_frame();
     }
 
@@ -66,10 +71,12 @@ impl Model {
         let mut strips = (std::mem::take(&mut workspace.strips), std::mem::take(&mut workspace.deeper));
         for WheelRef { contact, wheelset, side } in self.wheels() {
             let turning = wheelset.turning[side.index()];
-            let moved = self.against_rail(&workspace.system, inputs, (wheelset.body, turning), contact);
+            let moved = self.against_rail(&workspace.system, (inputs, y), (wheelset.body, turning), contact);
             let motion = moved.as_ref().map_or(&workspace.system.motions[turning], |moved| &moved.motion);
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
             let along = workspace.system.stations.get(wheelset.body).map_or(Vector3::x(), |station| station.frame.along());
+            let under = self.under(&workspace.system, &WheelRef { contact, wheelset, side });
+            let (before, others) = (tangent.states(), under.as_ref().and_then(|_| tangent.take_wrench(wheelset.body)));
             let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);
             let places = if self.strips.is_some() { 0 } else { self.points };
             for slot in 0..places {
@@ -84,6 +91,14 @@ impl Model {
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
                 let scratch = (&mut strips.0[contact], &mut strips.1);
                 self.add_patch(&wheel, &rails[side.index()], workspace.reports(contact), travel, scratch, &mut tangent);
+            }
+            if let Some(Under { first, axes, mass, stiffness, damping }) = under {
+                let own = tangent.take_wrench(wheelset.body).unwrap_or_default();
+                let follower = Follower { body: wheelset.body, first, axes, mass, stiffness, damping };
+                tangent.add_follower(&follower, &own, before);
+                for wrench in others.iter().chain([&own]) {
+                    tangent.add_wrench(wheelset.body, wheelset.body, wrench);
+                }
             }
         }
         (workspace.strips, workspace.deeper) = strips;

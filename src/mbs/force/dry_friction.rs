@@ -57,16 +57,16 @@ pub struct DryFriction {
 }
 
 /// The pair at one instant.
-struct Surfaces {
-    point: Vector3<f64>,
+pub(super) struct Surfaces {
+    pub point: Vector3<f64>,
     /// v, m/s, and N, N.
-    speed: Vector2<f64>,
-    normal_force: f64,
+    pub speed: Vector2<f64>,
+    pub normal_force: f64,
 }
 
 impl DryFriction {
     #[inline]
-    fn pair(&self, bodies: &Moving) -> Surfaces {
+    pub(super) fn pair(&self, bodies: &Moving) -> Surfaces {
         let point = self.to.point(bodies);
         let axes = self.from.axes(bodies);
         let rate = axes.tr_mul(&(self.to.velocity(bodies, &point) - self.from.velocity(bodies, &point)));
@@ -89,7 +89,7 @@ impl DryFriction {
 
     /// v - z', m/s, along e.
     #[inline]
-    fn slip(&self, pair: &Surfaces, z: &Vector2<f64>) -> Vector2<f64> {
+    pub(super) fn slip(&self, pair: &Surfaces, z: &Vector2<f64>) -> Vector2<f64> {
         let length = z.norm();
         if length == 0.0 {
             return Vector2::zeros();
@@ -102,14 +102,14 @@ impl DryFriction {
 }
 
 /// Derivatives of [`DryFriction::slip`] by z, v and N.
-struct SlipSlopes {
-    by_deflection: Matrix2<f64>,
-    by_speed: Matrix2<f64>,
-    by_normal_force: Vector2<f64>,
+pub(super) struct SlipSlopes {
+    pub by_deflection: Matrix2<f64>,
+    pub by_speed: Matrix2<f64>,
+    pub by_normal_force: Vector2<f64>,
 }
 
 impl DryFriction {
-    fn slip_slopes(&self, pair: &Surfaces, z: &Vector2<f64>) -> SlipSlopes {
+    pub(super) fn slip_slopes(&self, pair: &Surfaces, z: &Vector2<f64>) -> SlipSlopes {
         let length = z.norm();
         let mut slopes = SlipSlopes { by_deflection: Matrix2::zeros(), by_speed: Matrix2::zeros(), by_normal_force: Vector2::zeros() };
         if length == 0.0 {
@@ -277,7 +277,7 @@ impl ForceElement for DryFriction {
 }
 
 /// The default tau, s.
-const RELAXATION: f64 = 2e-3;
+pub(super) const RELAXATION: f64 = 2e-3;
 
 fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
     let (from, to) = ends(section, places)?;
@@ -306,10 +306,7 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     if normal_stiffness.is_some() && (normal.is_none() || section.has("limit")) {
         return Err(section.error("normal_stiffness", "needs the \"normal\" axis, \"friction\" and \"normal_force\""));
     }
-    let exponent = section.number_or("exponent", Dimension::None, 2.0)?;
-    if !(1.0..=64.0).contains(&exponent) || exponent.fract() != 0.0 {
-        return Err(section.error("exponent", format!("found {exponent:?}, expected a whole number from 1 to 64")));
-    }
+    let exponent = exponent(section)?;
     Ok(Box::new(DryFriction {
         name: places.name(section)?,
         from,
@@ -321,9 +318,18 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
         normal_force,
         normal_stiffness: if normal_stiffness.is_some() { section.positive("normal_stiffness", Dimension::Stiffness)? } else { 0.0 },
         stiffness: section.positive("stiffness", Dimension::Stiffness)?,
-        exponent: exponent as i32,
+        exponent,
         relaxation: section.positive_or("relaxation", Dimension::Time, RELAXATION)?,
     }))
+}
+
+/// Reads p.
+pub(super) fn exponent(section: &Section) -> Result<i32, SettingsError> {
+    let exponent = section.number_or("exponent", Dimension::None, 2.0)?;
+    if !(1.0..=64.0).contains(&exponent) || exponent.fract() != 0.0 {
+        return Err(section.error("exponent", format!("found {exponent:?}, expected a whole number from 1 to 64")));
+    }
+    Ok(exponent as i32)
 }
 
 pub(super) const ENTRY: Entry<Parse> = Entry {

@@ -7,6 +7,7 @@
 //! Design configuration: the bodies stand where the scene puts them, their axes parallel to the world's. There the
 //! displacement of every element is zero and its force is its preload.
 
+mod air_spring;
 mod along_track;
 mod anti_roll_bar;
 mod attachment;
@@ -19,6 +20,7 @@ mod curve;
 mod dry_friction;
 mod eddy_current_brake;
 mod external_load;
+mod friction_wedge;
 mod gravity;
 mod guided_spring;
 mod line;
@@ -33,11 +35,13 @@ mod sticking;
 mod stop;
 mod twisting_axle;
 
+pub use air_spring::AirSpring;
 pub use anti_roll_bar::AntiRollBar;
 pub use attachment::{Attachment, Places};
 pub use bushing::Bushing;
 pub use curve::{Beyond, Curve, Table};
 pub use dry_friction::DryFriction;
+pub use friction_wedge::FrictionWedge;
 pub use gravity::Gravity;
 pub use guided_spring::{ENTRY as GUIDED_SPRING, Guide, GuidedSpring};
 pub use line::{Direction, LineElement, LineLaw, Slopes, Span, Stretch};
@@ -266,6 +270,8 @@ pub static REGISTRY: &[Entry<Parse>] = &[
     external_load::ENTRY,
     twisting_axle::FLEXIBLE,
     twisting_axle::INDEPENDENT,
+    air_spring::ENTRY,
+    friction_wedge::ENTRY,
 ];
 
 /// Reads the element that `kind` names; the caller finishes the section.

@@ -34,11 +34,14 @@
 
 mod elimination;
 mod expand;
+mod follower;
 mod pattern;
 mod solve;
 mod sum;
 mod twist;
 mod world;
+
+pub use follower::Follower;
 
 pub use super::pair_tangent::{Ends, PairTangent, StateTangent, pair};
 
@@ -133,6 +136,9 @@ pub struct Tangent {
     /// Axles that twist, and their bodies.
     twists: Vec<TwistNode>,
     axles: Vec<usize>,
+    /// Room for followers, and how many there are.
+    followers: Vec<follower::Block>,
+    followed: usize,
     /// a of the last factorisation, s.
     a: f64,
     /// Right-hand side and solution by node.
@@ -204,6 +210,8 @@ impl Tangent {
             eliminated: Vec::with_capacity(states),
             twists,
             axles: twist::axles(system),
+            followers: Vec::new(),
+            followed: 0,
             a: 0.0,
         }
     }
@@ -218,6 +226,7 @@ impl Tangent {
         self.sum.clear();
         self.world.fill(None);
         self.take_twists(false);
+        self.followed = 0;
     }
 
     /// Adds the change of a wrench on the body `on` with the motion of the body `by`: the same, or one that a force element joins with
@@ -228,6 +237,12 @@ impl Tangent {
             sum.by_position += tangent.by_position;
             sum.by_velocity += tangent.by_velocity;
         }
+    }
+
+    /// Takes away what [`Tangent::add_wrench`] has put on a body by its own motion.
+    pub fn take_wrench(&mut self, body: usize) -> Option<WrenchTangent> {
+        let slot = self.sum.neighbours.slot(body, body)?;
+        self.world[slot].take()
     }
 
     /// What [`Tangent::add_wrench`] adds to.

@@ -45,6 +45,14 @@ impl Tangent {
                 *result += part;
             }
         }
+        for block in &self.followers[..self.followed] {
+            let at = COORDINATES * block.body..COORDINATES * (block.body + 1);
+            let own = [positions, velocities].map(|all| Vector6::from_column_slice(&all[at.clone()]));
+            let acceleration = block.add_product([&own[0], &own[1]], x, result);
+            for (result, part) in result[count..][at].iter_mut().zip(acceleration.iter()) {
+                *result += part;
+            }
+        }
         for state in &self.sum.states {
             let own = Vector2::from_fn(|i, _| if i < state.count { x[state.index(i)] } else { 0.0 });
             let rates = state.rate_by_state * own;
@@ -94,6 +102,7 @@ impl Tangent {
         if !self.twists.is_empty() {
             self.eliminate_onto_twists(a);
         }
+        self.eliminate_followers(a)?;
         self.add_rows(workspace);
         self.lu.factorise().map_err(|node| SingularTangent { node })
     }
@@ -209,6 +218,7 @@ impl Tangent {
         if !self.twists.is_empty() {
             self.push_twists();
         }
+        self.reduce_followers(positions, rest, count);
         self.lu.solve(&mut self.x);
         let velocities = &mut rest[..count];
         for (own, values) in self.x.iter().zip(velocities.chunks_exact_mut(COORDINATES)) {
@@ -229,6 +239,7 @@ impl Tangent {
             }
         }
         self.end_twists(rest);
+        self.restore_followers(rest, count);
         for (position, velocity) in positions.iter_mut().zip(&rest[..count]) {
             *position += a * velocity;
         }

@@ -53,6 +53,14 @@ impl Axes {
         }
     }
 
+    /// Changes of a rate with position and velocity.
+    fn rates(&self, position: &Vector6<f64>, velocity: &Vector6<f64>) -> (Vector6<f64>, Vector6<f64>) {
+        let mut position = self.angles(position);
+        let mut angles = position.fixed_rows_mut::<3>(3);
+        angles += self.d.tr_mul(&velocity.fixed_rows::<3>(3));
+        (position, self.angles(velocity))
+    }
+
     fn angles(&self, vector: &Vector6<f64>) -> Vector6<f64> {
         let mut result = *vector;
         result.fixed_rows_mut::<3>(3).copy_from(&self.b.tr_mul(&vector.fixed_rows::<3>(3)));
@@ -118,6 +126,14 @@ impl Tangent {
                     let Some(body) = body else { continue };
                     weigh(&self.mobility[*body], &mut load.data.0[0]);
                 }
+            }
+        }
+        for block in &mut self.followers[..self.followed] {
+            let axes = Axes::of(&motions[block.body]);
+            for ((position, velocity), load) in block.by_position.iter_mut().zip(&mut block.by_velocity).zip(&mut block.load) {
+                (*position, *velocity) = axes.rates(position, velocity);
+                *load = axes.angles(load);
+                weigh(&self.mobility[block.body], &mut load.data.0[0]);
             }
         }
     }
@@ -201,12 +217,8 @@ fn world_state(state: &mut StateTangent, motions: &[BodyMotion]) {
     for (end, body) in state.ends.iter().enumerate() {
         let Some(body) = body else { continue };
         let axes = Axes::of(&motions[*body]);
-        let velocity = state.rate_by_velocity[0][end];
-        let mut position = axes.angles(&state.rate_by_position[0][end]);
-        let mut angles = position.fixed_rows_mut::<3>(3);
-        angles += axes.d.tr_mul(&velocity.fixed_rows::<3>(3));
-        state.rate_by_position[0][end] = position;
-        state.rate_by_velocity[0][end] = axes.angles(&velocity);
+        let (position, velocity) = axes.rates(&state.rate_by_position[0][end], &state.rate_by_velocity[0][end]);
+        (state.rate_by_position[0][end], state.rate_by_velocity[0][end]) = (position, velocity);
         state.load_by_state[0][end] = axes.angles(&state.load_by_state[0][end]);
     }
 }

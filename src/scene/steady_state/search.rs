@@ -81,6 +81,8 @@ pub(super) struct Search<'a> {
     inputs: Vec<f64>,
     /// Do contacts that are constraints stay those that they were? Otherwise each wheel's deepest place is taken each time.
     pub following: bool,
+    /// Do rails that can give way do so?
+    pub rails_yield: bool,
     /// Are there constraints that coordinates must be moved onto?
     constrained: bool,
     /// Rest of the equations that counts as none.
@@ -115,6 +117,7 @@ impl<'a> Search<'a> {
             y: vec![0.0; model.dimension()],
             dy: vec![0.0; model.dimension()],
             following: false,
+            rails_yield: true,
             tolerance: super::BALANCED,
             hasty: false,
             effort: 0,
@@ -254,7 +257,7 @@ impl<'a> Search<'a> {
 
     /// Accelerations at `y`, which is moved onto the constraints first.
     pub fn evaluate(&mut self) -> Result<(), EvaluationError> {
-        let Search { model, workspace, y, dy, inputs, now: Configuration { at, memory, .. }, following, twists, .. } = self;
+        let Search { model, workspace, y, dy, inputs, now: Configuration { at, memory, .. }, following, twists, rails_yield, .. } = self;
         model.set_distances(|body| at[body].coordinates[0], memory);
         let mut step = model.at(workspace, 0.0, y, memory);
         if model.formulation.constrains() && *following {
@@ -267,6 +270,9 @@ impl<'a> Search<'a> {
         }
         model.system.settle_forces(y, &mut workspace.system);
         twists.put(&workspace.system, y);
+        if *rails_yield {
+            model.at(workspace, 0.0, y, memory).settle_rails(inputs)?;
+        }
         model.derivative(workspace, Evaluation { t: 0.0, inputs, y, memory }, dy)?;
         twists.settle(model, workspace, inputs, (y, dy), memory)
     }

@@ -20,6 +20,7 @@ impl Search<'_> {
             Side::BOTH.map(|side| of(&search.workspace.contacts[contact_index(wheelset, side)]))
         };
         let (count, upright) = (self.model.wheelsets.len(), self.held(0, 4));
+        self.rails_yield = false;
         for _ in 0..3 {
             for level in [true, false] {
                 // Without memory the first contact is the deepest.
@@ -41,8 +42,10 @@ impl Search<'_> {
         self.evaluate().map_err(EquilibriumError::Evaluation)?;
         for wheelset in 0..count {
             let stiffness = both(self, wheelset, |report| report.stiffness);
-            self.now.at[wheelset].coordinates[2] += TOUCH - (wheel_load / stiffness[0].max(stiffness[1])).powf(2.0 / 3.0);
+            let sunk = self.model.travelling_track.map_or(0.0, |track| wheel_load / track.vertical.stiffness);
+            self.now.at[wheelset].coordinates[2] += TOUCH - (wheel_load / stiffness[0].max(stiffness[1])).powf(2.0 / 3.0) - sunk;
         }
+        self.rails_yield = true;
         Ok(())
     }
 

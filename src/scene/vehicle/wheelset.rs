@@ -1,5 +1,6 @@
 //! What a scene says about one wheelset, and how a lone one starts.
 
+use crate::geometry::out_of_round::OutOfRound;
 use crate::geometry::profile::ProfileChoice;
 use crate::scene::limits::SMALLEST;
 use crate::settings::{Section, SettingsError};
@@ -23,7 +24,12 @@ pub struct WheelsetSpec {
     pub profiles: [ProfileChoice; 2],
     /// Does its spin make gyroscopic moments? (`effects.gyroscopic`)
     pub gyroscopic: bool,
+    /// Of the left and the right wheel.
+    pub out_of_round: [Option<OutOfRound>; 2],
 }
+
+/// Where a wheel's radius can't be read, m.
+const USUAL_RADIUS: f64 = 0.46;
 
 /// Initial coordinates and velocities that a scene or a master may choose, in this order.
 pub const INITIAL: [(&str, Dimension); 10] = [
@@ -75,7 +81,9 @@ impl WheelsetSpec {
                 format!("found {zz}, expected inertia_xx = {transverse_inertia}: a wheelset is a body of revolution"),
             ));
         }
-        let Some(profiles) = profiles else { return Err(section.stop()) };
+        let radii = profiles.as_ref().map(|profiles| profiles.each_ref().map(|choice| choice.profile.at(0.0).value));
+        let out_of_round = section.keep(OutOfRound::parse(section, radii.unwrap_or([USUAL_RADIUS; 2])))?;
+        let (Some(profiles), Some(out_of_round)) = (profiles, out_of_round) else { return Err(section.stop()) };
         Ok(WheelsetSpec {
             name,
             mass,
@@ -85,6 +93,7 @@ impl WheelsetSpec {
             half_tread_circle_distance,
             profiles,
             gyroscopic: true,
+            out_of_round,
         })
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! *Energy.* Stored: motion, height, springs. What goes in: contacts (their forces on the wheelset times the velocity of the wheel's
 //! material there, which is what slip, damping and elastic deformation take away, and what a rail that rises gives), driving constraints,
-//! inputs. Dissipated: dampers and friction elements. `stored(t) - stored(0) = integral of (in - dissipated)` holds for any
+//! inputs. Track that gives way has its own springs, masses and dampers in the books. Dissipated: dampers and friction elements. `stored(t) - stored(0) = integral of (in - dissipated)` holds for any
 //! law of contact, so that what is left over is the error of the integration alone. It is told as a share of everything that was
 //! exchanged, in and out, of what the static loads do over 1 mm (without which a wheelset at rest would be judged by rounding), and of
 //! what creep of 2.5 % of the weight does over the way travelled (an imposed speed V makes V dF out of an error dF of a creep force: 1 % of
@@ -207,10 +207,19 @@ impl Audit {
             let motion = &system.motions[wheelset.body];
             for side in Side::BOTH {
                 let motion = &system.motions[wheelset.turning[side.index()]];
-                for report in workspace.reports(contact_index(index, side)) {
-                    let velocity = motion.material_velocity(&report.wheel_point);
+                let contact = contact_index(index, side);
+                if !model.out_of_round.is_empty() {
+                    book(model.power_of_bumps(workspace, contact));
+                }
+                // Places are told as if a rail that has given way were where it was, and the wheel above it.
+                let [sunk, sinking] = model.rail_change(system, wheelset.body, contact, &snapshot.y).unwrap_or_default();
+                for report in workspace.reports(contact) {
+                    let velocity = motion.material_velocity(&(report.wheel_point + sunk));
                     let spin = report.creep_force.spin_moment * report.axes.normal.dot(&motion.rotation);
                     book(report.force.dot(&velocity) + spin);
+                    if model.travelling_track.is_some() {
+                        book(-report.force.dot(&sinking));
+                    }
                 }
             }
             let input = |local: usize| snapshot.inputs().get(WHEELSET_INPUTS * index + local).copied().unwrap_or(0.0);
@@ -244,6 +253,11 @@ impl Audit {
                 let bodies = model.system.seen_by(element, system);
                 book(force.supplied_power(&bodies, states) - force.dissipated_power(&bodies, states));
             }
+        }
+        let (stored, heat) = model.rail_energy(&snapshot.y);
+        now.stored += stored;
+        if model.travelling_track.is_some() {
+            book(-heat);
         }
         now.speed = model.wheelsets.first().map_or(0.0, |wheelset| system.motions[wheelset.body].velocity.norm());
         now.momentum = self.mass.iter().zip(&system.motions).map(|(mass, motion)| mass * motion.velocity.z).sum();

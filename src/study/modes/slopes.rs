@@ -76,6 +76,8 @@ impl<'a> Neighbourhood<'a> {
             _ if index < count && index % COORDINATES == YAW => ANGLE,
             _ if index < count => POSITION,
             _ if index < 2 * count => VELOCITY * self.speed,
+            // Rails press wheels as wheels press rails.
+            _ if self.model.weight_of_rail(index).is_some() => POSITION,
             _ => OTHER * self.y[index].abs().max(1.0),
         };
         if self.constrained { PROJECTED * own } else { own }

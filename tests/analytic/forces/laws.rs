@@ -67,6 +67,88 @@ fn analytic_maxwell_damper_has_its_complex_stiffness() {
     }
 }
 
+/// Steady oscillation with a laminar orifice against the closed formula; slow and fast motion at the two stiffnesses; a turbulent orifice by its own equation.
+#[test]
+fn analytic_air_spring_has_its_complex_stiffness() {
+    let (load, area, volume, reservoir, growth, n, c): (f64, f64, f64, f64, f64, f64, f64) = (1.2e5, 0.25, 0.03, 0.05, 0.2, 1.38, 4e4);
+    let settings = "kind = \"air_spring\"\npreload = -1.2e5\narea = 0.25\nvolume = 0.03\nreservoir_volume = 0.05\narea_growth = 0.2\npolytropic = 1.38\norifice_damping = 4e4";
+    let spring = along_x(settings);
+    let pressure = 101_325.0 + load / area;
+    let [k1, k2, k3] = [n * pressure * area * area / volume, n * pressure * area * area / reservoir, load / area * growth];
+    println!("bag {k1:.4e}, reservoir {k2:.4e}, area {k3:.4e} N/m");
+    let (amplitude, i) = (5e-3, Complex::i());
+    for w in [1e-3, 1.0, (k1 + k2) / c, 300.0, 1e6] {
+        let piston = Complex::from(k1) / (k1 + k2 + c * i * w) * amplitude;
+        let stiffness = k3 + k1 * (k2 + c * i * w) / (k1 + k2 + c * i * w);
+        for t in [0.0, 0.3 / w, 2.0 / w] {
+            let now: Complex<f64> = (i * w * t).exp();
+            let (x, speed, state) = ((amplitude * now).re, (amplitude * i * w * now).re, [(piston * now).re]);
+            let bodies = motions(&[x, 0.0, 0.0, 0.0, 0.0, 0.0], &[speed, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            let rates = apply(spring.as_ref(), &bodies, &state).1;
+            assert!((rates[0] - (i * w * piston * now).re).abs() < 1e-9 * (w * amplitude + k1 / c * amplitude), "{w}");
+            let force = tension(spring.as_ref(), x, speed, &state);
+            assert!((force + load - (stiffness * amplitude * now).re).abs() < 1e-9 * load, "{w}");
+        }
+        if w < 0.01 {
+            assert!((stiffness.re / (k3 + k1 * k2 / (k1 + k2)) - 1.0).abs() < 1e-6);
+        } else if w > 1e5 {
+            assert!((stiffness.re / (k3 + k1) - 1.0).abs() < 1e-4);
+        }
+    }
+    let turbulent = along_x(&format!("{settings}\norifice_turbulence = 3e5"));
+    for s in [-2e-2, -1e-5, 0.0, 3e-4, 1e-2] {
+        let bodies = motions(&[1e-3, 0.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6]);
+        let rate = apply(turbulent.as_ref(), &bodies, &[s]).1[0];
+        let head = k1 * (1e-3 - s) - k2 * s;
+        assert!((c * rate + 3e5 * rate.abs() * rate - head).abs() < 1e-9 * (1.0 + head.abs()), "{s}");
+    }
+}
+
+/// A wedge that slips down, and up again: N = S / (tan b -+ mu); across it the friction alone.
+#[test]
+fn analytic_friction_wedge_slips_with_its_loading_and_unloading_forces() {
+    let (mu, angle, force, ks): (f64, f64, f64, f64) = (0.4, 0.61, 2e4, 3e5);
+    let stage = alone(Vector3::zeros());
+    let wedge = stage.element(
+        "name = \"e\"\nkind = \"friction_wedge\"\nfrom = \"world\"\nto = \"body\"\naxis = \"z\"\nnormal = \"x\"\nangle = 0.61\nfriction = 0.4\nspring_force = 2e4\nspring_stiffness = 3e5\nstiffness = 2e8",
+    );
+    // Moved from z0 for so long, midpoint rule; slowly beside the time within which friction lets go.
+    let slide = |z0: f64, velocity: [f64; 2], time: f64, state: [f64; 2]| {
+        let (steps, mut s) = (40_000, state);
+        let dt = time / f64::from(steps);
+        let rates = |at: f64, s: &[f64; 2]| {
+            let q = [0.0, velocity[0] * at, z0 + velocity[1] * at, 0.0, 0.0, 0.0];
+            apply(wedge.as_ref(), &motions(&q, &[0.0, velocity[0], velocity[1], 0.0, 0.0, 0.0]), s).1
+        };
+        for i in 0..steps {
+            let at = dt * f64::from(i);
+            let first = rates(at, &s);
+            let middle = [0, 1].map(|k| s[k] + 0.5 * dt * first[k]);
+            let rate = rates(at + 0.5 * dt, &middle);
+            s = [0, 1].map(|k| s[k] + dt * rate[k]);
+        }
+        let bodies = motions(&[0.0, velocity[0] * time, z0 + velocity[1] * time, 0.0, 0.0, 0.0], &[0.0; 6]);
+        let quantity = |k: usize| wedge.quantity(k, &(&bodies[..]).into(), &s);
+        let up = apply(wedge.as_ref(), &bodies, &s).0[0].force;
+        (s, [0, 1, 2, 3].map(quantity), up)
+    };
+    let (down, [spring, friction, across, normal], up) = slide(0.0, [0.0, -0.1], 0.2, [0.0; 2]);
+    let expected = (force + ks * 0.02) / (angle.tan() - mu);
+    println!("down: S {spring:.1} N, N {normal:.1} N, formula {expected:.1} N, friction {friction:.1} N");
+    assert!((spring - force - ks * 0.02).abs() < 1e-6 && across == 0.0);
+    assert!((normal / expected - 1.0).abs() < 5e-3 && (friction / (mu * expected) - 1.0).abs() < 5e-3);
+    assert!((up.z - spring - friction).abs() < 1e-6);
+    let (_, [spring, friction, _, normal], up) = slide(-0.02, [0.0, 0.1], 0.2, down);
+    let expected = force / (angle.tan() + mu);
+    println!("up: S {spring:.1} N, N {normal:.1} N, formula {expected:.1} N, friction {friction:.1} N");
+    assert!((normal / expected - 1.0).abs() < 5e-3 && (friction / (-mu * expected) - 1.0).abs() < 5e-3);
+    assert!((up.z - spring - friction).abs() < 1e-6);
+    let (_, [_, friction, across, normal], up) = slide(0.0, [0.1, 0.0], 0.2, [0.0; 2]);
+    let expected = force / angle.tan();
+    assert!(friction == 0.0 && (normal / expected - 1.0).abs() < 1e-9 && (across.abs() / (mu * expected) - 1.0).abs() < 5e-3);
+    assert!((up.y + across).abs() < 1e-6, "against the motion: {up}");
+}
+
 /// The lateral bump stop of the Manchester vehicle (S. Iwnicki, Vehicle System Dynamics 30 (1998) 295-313, by way of a public
 /// parameter file): table of force over displacement, symmetric, free up to 25 mm.
 #[test]
@@ -213,6 +295,18 @@ fn prop_wrong_settings_are_refused_with_their_place() {
             "beyond: \"hold\" leaves the speed open",
         ),
         ("kind = \"spring_damper\"\naxis = \"x\"\nforce_over_speed = [[0, 0], [1, 2]]\npreload = \"static\"", "preload: \"static\" needs"),
+        (
+            "kind = \"friction_wedge\"\naxis = \"z\"\nnormal = \"x\"\nangle = 0.3\nfriction = 0.4\nspring_force = 1\nspring_stiffness = 1\nstiffness = 1",
+            "angle: found 0.3 rad, with which the wedge locks",
+        ),
+        (
+            "kind = \"air_spring\"\naxis = \"z\"\npreload = 1\narea = 1\nvolume = 1\nreservoir_volume = 1\norifice_damping = 1",
+            "preload: found 1.0 N, which pulls",
+        ),
+        (
+            "kind = \"air_spring\"\naxis = \"z\"\npreload = -1e5\narea = 0.2\nvolume = 1\nreservoir_volume = 1\narea_growth = -9\norifice_damping = 1",
+            "area_growth: leaves a static stiffness of",
+        ),
         ("kind = \"dry_friction\"\nlimit = 1\nstiffness = 1", "axis: give the axis of slip"),
         ("kind = \"dry_friction\"\naxis = \"x\"\nlimit = 1\nfriction = 1\nstiffness = 1", "limit: is \"friction\" times"),
     ] {

@@ -32,6 +32,19 @@ const SAMPLES: &[(&str, &str)] = &[
     ("anti_roll_bar", "stiffness = 940e3\ndamping = 1e3"),
     ("dry_friction", "axis = \"x\"\nlimit = 5e3\nstiffness = 1e6"),
     ("dry_friction", "normal = \"-y\"\nfriction = 0.3\nnormal_force = 8e3\nnormal_stiffness = 4e5\nstiffness = 5e5\nexponent = 3"),
+    ("air_spring", "axis = \"z\"\npreload = -1.2e5\narea = 0.25\nvolume = 0.03\nreservoir_volume = 0.05\norifice_damping = 4e4"),
+    (
+        "air_spring",
+        "preload = -9e4\narea = 0.2\nvolume = 0.02\nreservoir_volume = 0.03\narea_growth = 0.3\norifice_damping = 2e4\norifice_turbulence = 2e4",
+    ),
+    (
+        "friction_wedge",
+        "axis = \"z\"\nnormal = \"x\"\nangle = 0.6\nfriction = 0.4\nspring_force = 2e4\nspring_stiffness = 3e5\nstiffness = 5e5",
+    ),
+    (
+        "friction_wedge",
+        "axis = \"-z\"\nnormal = \"-x\"\nangle = 0.5\nfriction = 0.3\nspring_force = 4e4\nspring_stiffness = 4e5\nstiffness = 3e5\nexponent = 3",
+    ),
     (GUIDED, "distance = 1.8\nlongitudinal_stiffness = 2e5\nlongitudinal_damping = 4e3\nlateral_stiffness = 1e5\nlateral_damping = 0"),
     ("motor_gear", "mount = \"shaft\"\nratio = 4.5"),
     ("motor_gear", "mount = \"nose\"\nratio = 3\ngear = \"same\""),
@@ -340,8 +353,8 @@ fn prop_right_hand_side_does_not_allocate() {
     let y = system.state(&stage.design(), &[0.01; 12]);
     assert_eq!(
         y.len(),
-        24 + 5 + 7 + 8 + 1,
-        "two Maxwell dampers, one friction in a line and one in a plane; two rotors, three brakes; two track brakes, two twists"
+        24 + 5 + 7 + 8 + 1 + 6 + 0,
+        "two air springs, two wedges, two Maxwell dampers, one friction in a line and one in a plane; two rotors, three brakes; two track brakes, two twists"
     );
     let mut dy = vec![0.0; y.len()];
     let before = counting::count();

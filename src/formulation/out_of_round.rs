@@ -1,0 +1,82 @@
+//! A wheel whose radius differs around it (`geometry::out_of_round`) on its rail.
+//!
+//! At the angle a that the wheel has turned its radius at the lowest point is R + d(a). With e the direction up in the plane of the wheel and w its angular velocity, wheel and
+//! rail stand to each other as if the round wheel's centre p were lower by d, while its material moves as on the larger radius:
+//!
+//! ```text
+//! p* = p - d e        v* = v - w x (d e)        rate of penetration: -(v* - c) . n,   c = d' a' e
+//! moment about p: that about p* and -d e x F;  about the axle in addition -d' (e . n) N
+//! ```
+//!
+//! The last term is the lead of the contact on the bumpy wheel: with it the power of the normal force is what the contact stores, so that energy is kept.
+//! So a polygon acts on the height of a wheel as corrugation of the rail of the wave 2 pi R / n does, and besides changes the rolling radius (creepage d / R).
+//!
+//! *First order, left out:* that the contact leads by d' along the tread (for d' = 1 mm / rad by 1 mm), the change of the wheel's curvature in Hertz's theory (`d'' / R^2` beside 1 / R: for
+//! the deepest flat that is let in 90 %, for a polygon of order 20 and 0.1 mm 4 %), differences between flange and tread, the change of forces with a in the Jacobian.
+
+use super::rail_motion::{AgainstRail, Swollen};
+use super::{AssemblyError, ContactReport, Model, Workspace};
+use crate::geometry::out_of_round::OutOfRound;
+use nalgebra::Vector3;
+
+impl AgainstRail {
+    /// Makes the wheel what it is at its angle.
+    pub fn swell(&mut self, wheel: &OutOfRound) {
+        let [more, slope] = wheel.at(self.motion.pitch);
+        let up = self.motion.frame.axes.column(2).into_owned();
+        let swollen = Swollen { larger: up * more, growing: up * slope, axle: self.motion.axle() };
+        self.motion.position -= swollen.larger;
+        self.motion.velocity -= self.motion.rotation.cross(&swollen.larger);
+        self.climb += swollen.growing * self.motion.pitch_rate;
+        self.round = Some(swollen);
+    }
+}
+
+impl Model {
+    /// Adds to the wrench of a wheel's contacts, taken about p*, what it is about p.
+    #[inline]
+    pub(super) fn finish_wheel(&self, workspace: &mut Workspace, moved: Option<&AgainstRail>, (contact, body): (usize, usize)) {
+        let Some(Swollen { larger, growing, axle }) = moved.and_then(|moved| moved.round) else { return };
+        let turned = |report: &ContactReport| larger.cross(&report.force) + axle * (report.normal_force * growing.dot(&report.axes.normal));
+        let moment: Vector3<f64> = workspace.reports(contact).map(turned).sum();
+        workspace.system.wrenches[body].moment -= moment;
+    }
+
+    /// Power of the moment with which a wheel's contacts turn it because it is not round, W.
+    pub fn power_of_bumps(&self, workspace: &Workspace, contact: usize) -> f64 {
+        let Some(Some(wheel)) = self.out_of_round.get(contact) else { return 0.0 };
+        let motion = &workspace.system.motions[self.wheelsets[contact / 2].body];
+        let growing = motion.frame.axes.column(2) * wheel.at(motion.pitch)[1];
+        let turned: f64 = workspace.reports(contact).map(|report| report.normal_force * growing.dot(&report.axes.normal)).sum();
+        -turned * motion.axle().dot(&motion.rotation)
+    }
+
+    /// How long a step may last by what its wheels have ahead of them, s.
+    pub(super) fn longest_of_wheels(&self, workspace: &Workspace) -> f64 {
+        let turning = self.out_of_round.iter().enumerate().filter_map(|(contact, wheel)| Some((contact, wheel.as_ref()?)));
+        let time = |(contact, wheel): (usize, &OutOfRound)| {
+            let motion = &workspace.system.motions[self.wheelsets[contact / 2].body];
+            if motion.pitch_rate == 0.0 { f64::INFINITY } else { wheel.reach(motion.pitch, motion.pitch_rate) / motion.pitch_rate.abs() }
+        };
+        turning.map(time).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The same model with wheels, by contact, that are not round.
+    ///
+    /// # Errors
+    /// [`AssemblyError::OutOfRound`] where contact is a constraint, [`AssemblyError::TwistedAxle`] beside an axle that twists.
+    pub fn with_out_of_round(mut self, wheels: Vec<Option<OutOfRound>>) -> Result<Self, AssemblyError> {
+        if wheels.iter().all(Option::is_none) {
+            return Ok(self);
+        }
+        if self.formulation.constrains() {
+            return Err(AssemblyError::OutOfRound);
+        }
+        if self.axles_twist() {
+            return Err(AssemblyError::TwistedAxle);
+        }
+        self.out_of_round = wheels;
+        self.surfaces_move = true;
+        Ok(self)
+    }
+}

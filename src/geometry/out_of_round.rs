@@ -1,0 +1,228 @@
+//! Wheels that are not round: by how much a wheel's radius differs around it.
+//!
+//! With the angle a that the wheel has turned (rolling forward positive; the place `at` = a is the lowest then) the radius at its lowest point is R + d(a):
+//!
+//! ```text
+//! polygon:  d = depth / 2  cos(n a - phase)
+//! flat:     d = -depth / 2  (1 + cos(2 pi x / length)),   x = R (a - at) within +- length / 2, else 0
+//! ```
+//!
+//! A flat is one whose ends have been rolled round: the haversine of Newton and Clark (1979). All this grows from nothing over the first turn from where the
+//! run begins, as a wheel that stands still knows nothing of the rest of it: `d S(|a| / 2 pi)`, S a smooth step with two continuous derivatives.
+//!
+//! The lowest point is taken for the contact, and the contact for a point: the surface may not bend inward more than `0.9 / R` (else a wheel stands on two places at once), so
+//! a polygon has `depth n^2 / 2 < 0.9 R` and a flat `2 pi^2 depth R < 0.9 length^2`; patches of 12 mm smooth waves below some 50 mm, which is left out.
+
+use crate::settings::{Section, SettingsError};
+use crate::units::Dimension;
+use std::f64::consts::TAU;
+
+/// Inward bend in parts of 1 / R that a wheel may have.
+const MOST_BENT: f64 = 0.9;
+/// Least steps in a wave of the surface.
+const STEPS_IN_WAVE: f64 = 4.0;
+/// Longest wave that steps are told of, rad: the first turn's growth, too.
+const LONGEST: f64 = TAU;
+
+/// One deviation from the circle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// n; half of its depth [m]; phase [rad].
+    Polygon { order: f64, amplitude: f64, phase: f64 },
+    /// Its place and half its length as angles [rad]; half its depth [m].
+    Flat { at: f64, half: f64, amplitude: f64 },
+}
+
+impl Shape {
+    /// d and its derivative by the angle, m and m/rad.
+    fn at(&self, angle: f64) -> [f64; 2] {
+        match *self {
+            Shape::Polygon { order, amplitude, phase } => {
+                let (sin, cos) = (order * angle - phase).sin_cos();
+                [amplitude * cos, -amplitude * order * sin]
+            }
+            Shape::Flat { at, half, amplitude } => {
+                let off = from(at, angle);
+                if off.abs() >= half {
+                    return [0.0; 2];
+                }
+                let wave = std::f64::consts::PI / half;
+                let (sin, cos) = (wave * off).sin_cos();
+                [-amplitude * (1.0 + cos), amplitude * wave * sin]
+            }
+        }
+    }
+
+    /// How far the wheel may turn in one step from `angle` in the direction of `sign`, rad.
+    fn reach(&self, angle: f64, sign: f64) -> f64 {
+        match *self {
+            Shape::Polygon { order, .. } => TAU / order / STEPS_IN_WAVE,
+            Shape::Flat { at, half, .. } => {
+                let off = sign * from(at, angle);
+                // The flat begins ahead at -half; behind it the next time is a turn away.
+                let ahead = if off > half { TAU - half - off } else { (-half - off).max(0.0) };
+                ahead + 2.0 * half / STEPS_IN_WAVE
+            }
+        }
+    }
+}
+
+/// The angle from `at`, -pi to pi.
+fn from(at: f64, angle: f64) -> f64 {
+    let off = (angle - at).rem_euclid(TAU);
+    if off > std::f64::consts::PI { off - TAU } else { off }
+}
+
+/// All of a wheel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutOfRound {
+    pub shapes: Vec<Shape>,
+}
+
+impl OutOfRound {
+    /// d and its derivative by the angle, m and m/rad, where the wheel has turned by `angle` [rad] since the run began.
+    pub fn at(&self, angle: f64) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for shape in &self.shapes {
+            let [value, slope] = shape.at(angle);
+            sum = [sum[0] + value, sum[1] + slope];
+        }
+        let x = angle.abs() / TAU;
+        if x >= 1.0 {
+            return sum;
+        }
+        let grown = x * x * x * (10.0 - x * (15.0 - 6.0 * x));
+        let growing = 30.0 * x * x * (1.0 - x) * (1.0 - x) / TAU * angle.signum();
+        [grown * sum[0], grown * sum[1] + growing * sum[0]]
+    }
+
+    /// How far the wheel may turn in one step in the direction of `rate`, rad.
+    pub fn reach(&self, angle: f64, rate: f64) -> f64 {
+        let sign = if rate < 0.0 { -1.0 } else { 1.0 };
+        self.shapes.iter().map(|shape| shape.reach(angle, sign)).fold(LONGEST / STEPS_IN_WAVE, f64::min)
+    }
+
+    /// What it is, for `wheelrail plan`.
+    pub fn describe(&self) -> String {
+        let one = |shape: &Shape| match shape {
+            Shape::Polygon { order, amplitude, .. } => format!("polygon of order {order}, {:.3} mm deep", 2e3 * amplitude),
+            Shape::Flat { half, amplitude, .. } => {
+                format!("flat over {:.1} degrees, {:.3} mm deep", 2.0 * half.to_degrees(), 2e3 * amplitude)
+            }
+        };
+        self.shapes.iter().map(one).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Reads `[[out_of_round]]` of a wheelset whose wheels have the radii `radii` [m]: left and right wheel.
+    ///
+    /// # Errors
+    /// [`SettingsError`] with file and line.
+    pub fn parse(wheelset: &Section, radii: [f64; 2]) -> Result<[Option<OutOfRound>; 2], SettingsError> {
+        let mut read: [Vec<Shape>; 2] = Default::default();
+        for section in wheelset.sections("out_of_round")? {
+            let wheel = section.word_or("wheel", &["both", "left", "right"], "both")?;
+            let kind = section.word("kind", &["polygon", "flat"])?;
+            let (mut first, last) = match wheel {
+                "left" => (0, 0),
+                "right" => (1, 1),
+                _ => (0, 1),
+            };
+            let depth = section.positive("depth", Dimension::Length)?;
+            let single = match kind {
+                "polygon" => polygon(&section, depth)?,
+                _ => flat(&section, depth)?,
+            };
+            while first <= last {
+                read[first].push(single.around(&section, radii[first])?);
+                first += 1;
+            }
+            section.finish()?;
+        }
+        Ok(read.map(|shapes| (!shapes.is_empty()).then_some(OutOfRound { shapes })))
+    }
+}
+
+/// A deviation before the wheel's radius is known; lengths along the tread.
+enum Along {
+    Polygon { order: f64, depth: f64, phase: f64 },
+    Flat { at: f64, length: f64, depth: f64 },
+}
+
+fn polygon(section: &Section, depth: f64) -> Result<Along, SettingsError> {
+    let order = section.number("order", Dimension::None)?;
+    if !(1.0..=200.0).contains(&order) || order.fract() != 0.0 {
+        return Err(section.error("order", format!("found {order:?}, expected a whole number of waves around the wheel, 1 to 200")));
+    }
+    Ok(Along::Polygon { order, depth, phase: section.number_or("phase", Dimension::Angle, 0.0)? })
+}
+
+fn flat(section: &Section, depth: f64) -> Result<Along, SettingsError> {
+    Ok(Along::Flat { at: section.number_or("at", Dimension::Angle, 0.0)?, length: section.positive("length", Dimension::Length)?, depth })
+}
+
+impl Along {
+    fn around(&self, section: &Section, radius: f64) -> Result<Shape, SettingsError> {
+        let too_deep = |most: f64, depth: f64| {
+            let problem = format!(
+                "found {depth:?} m, with which the wheel bends inward there and would stand on two places; expected at most {most:.2e} m"
+            );
+            Err(section.error("depth", problem))
+        };
+        match *self {
+            Along::Polygon { order, depth, phase } => {
+                let most = 2.0 * MOST_BENT * radius / (order * order);
+                if depth > most { too_deep(most, depth) } else { Ok(Shape::Polygon { order, amplitude: 0.5 * depth, phase }) }
+            }
+            Along::Flat { at, length, depth } => {
+                if length > std::f64::consts::PI * radius {
+                    return Err(section.error("length", format!("found {length:?} m, more than half of the wheel's circumference")));
+                }
+                let most = MOST_BENT * length * length / (0.5 * TAU * TAU * radius);
+                let half = 0.5 * length / radius;
+                if depth > most { too_deep(most, depth) } else { Ok(Shape::Flat { at, half, amplitude: 0.5 * depth }) }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples() -> [Shape; 2] {
+        [Shape::Polygon { order: 7.0, amplitude: 1e-4, phase: 0.4 }, Shape::Flat { at: 5.9, half: 0.12, amplitude: 2e-4 }]
+    }
+
+    #[test]
+    fn analytic_derivatives_are_those_of_the_radius() {
+        let wheel = OutOfRound { shapes: samples().to_vec() };
+        for step in 0..4000 {
+            let angle = -7.5 + 0.01 * f64::from(step);
+            let h = 1e-6;
+            let slope = (wheel.at(angle + h)[0] - wheel.at(angle - h)[0]) / (2.0 * h);
+            assert!((slope - wheel.at(angle)[1]).abs() < 1e-8, "{angle}: {slope:e} {:e}", wheel.at(angle)[1]);
+        }
+        // Whole turns change nothing once the first one is over.
+        let [there, later] = [13.0, 13.0 + 5.0 * TAU].map(|angle| wheel.at(angle));
+        assert!((there[0] - later[0]).abs() < 1e-16 && (there[1] - later[1]).abs() < 1e-15);
+        // The deepest place of the flat is the lowest point when the wheel has turned to it.
+        assert_eq!(samples()[1].at(5.9 + TAU)[0], -4e-4);
+    }
+
+    #[test]
+    fn prop_no_step_passes_a_flat() {
+        let flat = samples()[1];
+        for (sign, start) in [(1.0, 0.3), (-1.0, 40.0)] {
+            let mut angle: f64 = start;
+            let (mut deepest, mut inside) = (0f64, 0);
+            for _ in 0..300 {
+                let reach = flat.reach(angle, sign);
+                assert!(reach > 0.0);
+                angle += sign * reach;
+                deepest = deepest.min(flat.at(angle)[0]);
+                inside += usize::from(flat.at(angle)[0] < 0.0);
+            }
+            assert!(deepest < -2e-4 && inside > 100, "{deepest:e} {inside}");
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! Where rigid rails say too much of wheel loads: rough track at speed.
+//!
+//! A wheel of unsprung mass M that follows a wave of the rail with circular frequency w needs the force `M w^2 z` on rigid rails. On track of mass m and stiffness k
+//! (`formulation::travelling_track`) it is less or more by `(k - m w^2) / (k - (m + M) w^2)`: 10 % more at a third of the P2 frequency f2, and beyond f2 the track
+//! takes most of it. So track that gives way is recommended where both hold:
+//!
+//! * the shortest wave L that the vehicle meets is felt with `V / L >= f2 / 3`,
+//! * rigid rails would make dynamic wheel forces of `M V^2 rms(z'') >= 0.1 Q`, Q the static wheel load, z'' the rails' vertical curvature over the run.
+
+use super::spec::Scene;
+use super::start;
+use crate::formulation::Model;
+use crate::formulation::travelling_track::TravellingTrack;
+use crate::geometry::Side;
+
+/// Of f2, and of the static wheel load.
+const FREQUENCY: f64 = 1.0 / 3.0;
+const FORCE: f64 = 0.1;
+/// Samples in a shortest wave, and at most in all.
+const PER_WAVE: f64 = 8.0;
+const MOST: usize = 20_000;
+
+/// What `wheelrail plan` recommends, if anything.
+pub fn note(scene: &Scene, model: &Model) -> Option<String> {
+    if model.travelling_track.is_some() || scene.track.deviations.is_empty() {
+        return None;
+    }
+    let speed = scene.vehicle.speed;
+    let begin = start::origin(scene);
+    let end = begin + speed * scene.run.stop;
+    let (from, to) = (begin.min(end), begin.max(end));
+    let rails = Side::BOTH.map(|side| model.track.rail(side));
+    let met = rails.iter().flat_map(|rail| rail.waves().cells()).filter(|cell| cell.from < to && cell.to > from);
+    let shortest = met.map(|cell| cell.wave).fold(f64::INFINITY, f64::min);
+    let heaviest = model.wheelsets.iter().max_by(|a, b| {
+        let of = |wheelset: &crate::formulation::Wheelset| model.system.bodies[wheelset.body].mass / wheelset.static_wheel_load;
+        of(a).total_cmp(&of(b))
+    })?;
+    let (mass, load) = (model.system.bodies[heaviest.body].mass, heaviest.static_wheel_load);
+    let p2 = TravellingTrack::default().p2_frequency(mass);
+    let felt = speed.abs() / shortest;
+    if !(felt >= FREQUENCY * p2) {
+        return None;
+    }
+    let count = ((to - from) / shortest * PER_WAVE).clamp(1.0, MOST as f64) as usize;
+    let place = |index: usize| from + (to - from) * (index as f64 + 0.5) / count as f64;
+    let squares: f64 = (0..count).flat_map(|index| rails.map(|rail| rail.deviation(place(index))[1][2].powi(2))).sum();
+    let force = 0.5 * mass * speed * speed * (squares / (2 * count) as f64).sqrt();
+    (force >= FORCE * load).then(|| {
+        format!(
+            "rails are rough: their shortest wave of {shortest:.2} m is felt with {felt:.0} Hz, a third or more of the {p2:.0} Hz with which wheels swing on usual track, and on rigid rails the unsprung mass alone makes {:.0} % of the static wheel load (root mean square); track.flexibility = \"travelling\" lets the track give way",
+            100.0 * force / load
+        )
+    })
+}

@@ -1,0 +1,124 @@
+//! Wheels that are not round: against rails of the same shape, against their own formula, and the energy that goes round.
+
+use crate::common::{self, column, read, run, start, straight, table};
+use wheelrail::formulation::{RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, rail_input};
+use wheelrail::geometry::Side;
+use wheelrail::geometry::out_of_round::{OutOfRound, Shape};
+use wheelrail::scene::load;
+
+const RADIUS: f64 = 0.457;
+const SPEED: f64 = 40.0;
+
+fn wheels(entries: &str) -> String {
+    format!("vehicle.wheelset.out_of_round=[{entries}]")
+}
+
+/// The same bumps on the wheels and, as a wave that stands under them, on the rails: the same vertical forces, but for what the rolling radius does.
+#[test]
+fn equiv_polygon_and_corrugated_rail() {
+    let (order, depth) = (9.0, 60e-6);
+    let polygon = wheels(&format!("{{kind=\"polygon\",order={order},depth={depth}}}"));
+    let bumpy = run(&straight(&[&polygon, "solver.tolerance=1e-8"]), 0.2, 5e-4);
+    let shape = OutOfRound { shapes: vec![Shape::Polygon { order, amplitude: 0.5 * depth, phase: 0.0 }] };
+    let scene = straight(&["interface.inputs=[\"rail_motion\"]", "solver.tolerance=1e-8"]);
+    let mut simulation = start(&scene);
+    let outputs = table(&simulation, &scene);
+    let rate = read(&mut simulation, &outputs)["pitchRate"];
+    let mut forces = Vec::new();
+    for step in 0..=400 {
+        forces.push(read(&mut simulation, &outputs)["left.verticalForce"]);
+        for sub in 0..4 {
+            let t = 5e-4 * (f64::from(step) + 0.25 * f64::from(sub));
+            let at = |t: f64| shape.at(rate * t);
+            let h = 1e-6;
+            let [value, slope] = at(t);
+            let second = (at(t + h)[1] - at(t - h)[1]) / (2.0 * h) * rate;
+            let third = (at(t + h)[1] - 2.0 * slope + at(t - h)[1]) / (h * h) * rate;
+            for side in Side::BOTH {
+                simulation.set_input(rail_input(1, 0, side, RAIL_VERTICAL), value, slope * rate, second);
+                simulation.set_input(rail_input(1, 0, side, RAIL_VERTICAL_SLOPE), slope * rate / SPEED, second / SPEED, third / SPEED);
+            }
+            simulation.advance(t + 1.25e-4).unwrap();
+        }
+    }
+    let found = column(&bumpy, "left.verticalForce");
+    let swing = forces.iter().map(|force| (force - forces[0]).abs()).fold(0.0, f64::max);
+    let difference = common::largest_difference(&found[..forces.len()], &forces);
+    println!("vertical force swings by {swing:.1} N, differs by {difference:.1} N: {:.1e}", difference / swing);
+    assert!(swing > 3e3 && difference < 0.02 * swing);
+    // The frequency is n v / (2 pi r): crossings of the mean once the wheel is what it is.
+    let late = &found[200..];
+    let mean = late.iter().sum::<f64>() / late.len() as f64;
+    let ups = late.windows(2).filter(|pair| pair[0] < mean && pair[1] >= mean).count() as f64;
+    let expected = order * SPEED / (std::f64::consts::TAU * RADIUS) * 5e-4 * (late.len() - 1) as f64;
+    println!("{ups} waves, expected {expected:.2}");
+    assert!((ups - expected).abs() <= 1.0);
+}
+
+/// Without friction and damping nothing is lost: what a bump lifts, the wheel's turning pays. A flat lets the wheel fly, and steps that land are less exact.
+#[test]
+fn analytic_energy_of_a_wheel_that_is_not_round() {
+    for (bumps, bound) in [("{kind=\"polygon\",order=3,depth=2e-4}", 1e-6), ("{kind=\"flat\",length=0.06,depth=1e-4,at=1}", 1e-3)] {
+        let scene = straight(&[&wheels(bumps), "contact.friction=0", "contact.damping=0", "solver.tolerance=1e-11"]);
+        let mut simulation = start(&scene);
+        let energy = |simulation: &mut wheelrail::sim::Simulation| {
+            let snapshot = simulation.snapshot().unwrap();
+            let (y, workspace) = (snapshot.y.clone(), snapshot.workspace.clone());
+            let model = simulation.model();
+            let contacts: f64 = workspace.contacts.iter().map(|contact| 0.4 * contact.normal_force * contact.penetration).sum();
+            let turning = 0.5 * 168.0 * y[11] * y[11];
+            (model.system.mechanical_energy(&y, &workspace.system) + contacts, turning)
+        };
+        let begin = energy(&mut simulation);
+        let (mut worst, mut exchanged) = (0f64, 0f64);
+        for step in 1..=300 {
+            simulation.advance(5e-4 * f64::from(step)).unwrap();
+            let now = energy(&mut simulation);
+            worst = worst.max((now.0 - begin.0).abs());
+            exchanged = exchanged.max((now.1 - begin.1).abs());
+        }
+        println!("{bumps}: turning gives up to {exchanged:.3} J, {worst:.1e} J are lost");
+        assert!(exchanged > 1.0 && worst < bound * exchanged, "{bumps}");
+    }
+}
+
+/// No integrator passes a flat: each turn has its impact, at loose tolerance too, and on track that gives way.
+#[test]
+fn hard_every_turn_meets_its_flat() {
+    let flat = wheels("{wheel=\"left\",kind=\"flat\",length=0.05,depth=2e-4,at=2}");
+    let turn = std::f64::consts::TAU * RADIUS / SPEED;
+    for more in [
+        &["solver.integrator=rosenbrock", "solver.tolerance=1e-3"][..],
+        &["solver.integrator=rosenbrock", "solver.tolerance=1e-5", "track.flexibility=travelling"],
+    ] {
+        let recording = run(&straight(&[&[flat.as_str()], more].concat()), 0.3, 2e-4);
+        let force = column(&recording, "left.verticalForce");
+        let time: Vec<f64> = (0..force.len()).map(|i| 2e-4 * i as f64).collect();
+        for number in 1..4 {
+            let at = turn * (f64::from(number) + 2.0 / std::f64::consts::TAU);
+            let near = time.iter().zip(&force).filter(|(t, _)| (**t - at).abs() < 4e-3).map(|(_, force)| *force);
+            let (least, most) = near.fold((1e9, 0f64), |(least, most), force| (f64::min(least, force), f64::max(most, force)));
+            println!("{more:?}, turn {number}: {least:.0} to {most:.0} N");
+            assert!(least < 0.8 * force[0] && most > 1.2 * force[0]);
+        }
+    }
+}
+
+#[test]
+fn prop_senseless_wheels_are_refused_with_reasons() {
+    let message = |changes: &[&str]| {
+        let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+        load::open("suspended_wheelset", &changes).err().map(|error| error.to_string()).unwrap_or_default()
+    };
+    for (entry, more, expected) in [
+        ("{kind=\"egg\",depth=1e-4}", "run.stop=1", "kind: found \"egg\""),
+        ("{kind=\"polygon\",order=2.5,depth=1e-4}", "run.stop=1", "order: found 2.5"),
+        ("{kind=\"polygon\",order=100,depth=1e-3}", "run.stop=1", "depth: found 0.001 m, with which the wheel bends inward"),
+        ("{kind=\"flat\",length=0.02,depth=1e-3}", "run.stop=1", "depth: found 0.001 m, with which the wheel bends inward"),
+        ("{kind=\"flat\",length=2,depth=1e-3}", "run.stop=1", "length: found 2.0 m"),
+        ("{kind=\"polygon\",order=2,depth=1e-4}", "contact.formulation=ECCF", "out_of_round needs elastic contact"),
+    ] {
+        let found = message(&[&wheels(entry), more]);
+        assert!(found.contains(expected), "{entry}: {found}");
+    }
+}
