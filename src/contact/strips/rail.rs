@@ -3,7 +3,7 @@
 use crate::geometry::profile::{Profile, ProfilePoint};
 
 /// Widths of strips, m, where the head is bent more sharply than so [1/m]: patches are the narrower the sharper it is.
-const WIDTHS: [(f64, f64); 2] = [(1.0 / 0.04, 3.5e-4), (0.0, 1.35e-3)];
+const WIDTHS: [(f64, f64); 3] = [(1.0 / 0.04, 3.5e-4), (1.0 / 0.15, 7e-4), (0.0, 1.35e-3)];
 
 /// One strip of the rail.
 #[derive(Clone, Copy, Debug)]
