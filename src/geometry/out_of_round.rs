@@ -198,7 +198,7 @@ mod tests {
         let wheel = OutOfRound { shapes: samples().to_vec() };
         for step in 0..4000 {
             let angle = -7.5 + 0.01 * f64::from(step);
-            let h = 1e-6;
+            let h = 1e-7;
             let slope = (wheel.at(angle + h)[0] - wheel.at(angle - h)[0]) / (2.0 * h);
             assert!((slope - wheel.at(angle)[1]).abs() < 1e-8, "{angle}: {slope:e} {:e}", wheel.at(angle)[1]);
         }

@@ -9,6 +9,7 @@ mod directional;
 mod dynamics;
 pub mod energy;
 pub mod feedthrough;
+mod initial;
 pub mod input;
 pub mod outputs;
 pub mod pattern;
@@ -29,15 +30,13 @@ use crate::formulation::transitions::Transition;
 use crate::formulation::wheel_loads::WheelLoads;
 use crate::formulation::work::Work;
 use crate::formulation::{AssemblyError, Cached, ContactFailure, Evaluation, EvaluationError, Model, Workspace};
-use crate::geometry::track::centre_line::CentreLine;
-use crate::mbs::body::COORDINATES;
-use crate::mbs::on_track::{self, OnTrack};
 use crate::scene::assemble;
 use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
-use crate::scene::steady_state::{self, Contacts, SteadyState};
+use crate::scene::steady_state::{self, Contacts};
 use crate::solve::{Doubts, IntegrationState, Integrator, Scratch, SettingKind, SolveError, Statistics};
 use dynamics::{Memories, ModelDynamics, Watched};
+use initial::{initial_state, on_the_line};
 use input::InputSignal;
 use outputs::Needs;
 use serde::{Deserialize, Serialize};
@@ -512,41 +511,5 @@ impl Simulation {
         input::evaluate(&self.state.inputs, *time, inputs);
         self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
         Ok(&self.snapshot)
-    }
-}
-
-/// The `steady` state with the scene's initial values, or these alone, in the track frame; with it, how contacts begin.
-fn initial_state(scene: &Scene, model: &Model, steady: Option<SteadyState>) -> (Vec<f64>, Contacts) {
-    let [distance, given @ ..] = scene.vehicle.initial.values;
-    let (mut state, contacts) = steady.map_or((Vec::new(), Contacts::Any), |steady| (steady.y, steady.contacts));
-    state.resize(model.dimension(), 0.0);
-    for body in 0..scene.vehicle.body_count() {
-        state[model.system.coordinates(body).start] += distance;
-    }
-    for (wheelset, placed) in model.wheelsets.iter().zip(&scene.vehicle.wheelsets) {
-        let q = model.system.coordinates(wheelset.body).start;
-        state[q + 1] += placed.offset[0];
-        state[q + 3] += placed.offset[1];
-    }
-    if scene.vehicle.is_lone() {
-        let [y, z, roll, yaw, vy, vz, roll_rate, yaw_rate, pitch_rate] = given;
-        let added = [0.0, y, z, yaw, roll, 0.0, 0.0, vy, vz, yaw_rate, roll_rate, pitch_rate];
-        state.iter_mut().zip(added).for_each(|(value, added)| *value += added);
-        state[COORDINATES] = scene.vehicle.speed;
-    }
-    let displaced = scene.vehicle.wheelsets.iter().any(|placed| placed.offset != [0.0; 2]) || given != [0.0; 9];
-    (state, if displaced { Contacts::Any } else { contacts })
-}
-
-/// From values in the track frame to the world.
-fn on_the_line(model: &Model, line: &CentreLine, y: &mut [f64]) {
-    for body in 0..model.system.bodies.len() {
-        let (q, v) = (model.system.coordinates(body), model.system.velocities(body));
-        let mut at = OnTrack::default();
-        at.coordinates.copy_from_slice(&y[q.clone()]);
-        at.velocities.copy_from_slice(&y[v.clone()]);
-        let (coordinates, velocities) = on_track::place(&line.frame(at.coordinates[0]), &at);
-        y[q].copy_from_slice(&coordinates);
-        y[v].copy_from_slice(&velocities);
     }
 }
