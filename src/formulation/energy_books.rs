@@ -43,13 +43,13 @@ impl EnergyBooks {
                 states - 1
             })
         };
-        let account = |(element, force): (usize, &Box<dyn ForceElement>)| {
+        let account = |(element, force): (usize, &dyn ForceElement)| {
             let (inputs, own) = (system.inputs_of_force(element), system.states_of_force(element));
             let work = place(force.is_supplied());
             let heat = if inputs.is_empty() { force.is_dissipative().then_some(SUSPENSION) } else { place(force.is_dissipative()) };
             (work.is_some() || heat.is_some()).then_some(Account { element, inputs, own, work, heat })
         };
-        let accounts = system.forces.iter().enumerate().filter_map(account).collect();
+        let accounts = system.forces.iter().map(AsRef::as_ref).enumerate().filter_map(account).collect();
         EnergyBooks { wheelsets, accounts, states }
     }
 

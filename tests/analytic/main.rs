@@ -16,7 +16,7 @@ mod rail_motion;
 mod sliding_means;
 mod tangent;
 mod traction;
-mod twist;
 mod travelling_track;
+mod twist;
 mod vertical_load;
 mod wheelset;

@@ -4,9 +4,9 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod examples;
 mod packaging;
 mod results;
-mod examples;
 mod three;
 
 use std::collections::BTreeMap;

@@ -114,9 +114,10 @@ fn prop_works_are_integrals_of_powers() {
 #[test]
 fn prop_adhesion_and_friction_power_follow_from_forces() {
     let columns = run(&example("driven_truck"), &["contact.friction=0.3"], GROUPS, 2.0, 0.05);
+    let at = |row: usize, name: &str| columns[&format!("wheelset[1].{name}")][row];
     let mut pressed = 0;
     for row in 0..columns["time"].len() {
-        let of = |name: &str| columns[&format!("wheelset[1].{name}")][row];
+        let of = |name: &str| at(row, name);
         let (mut used, mut load) = (0.0, 0.0);
         for side in ["left", "right"] {
             let of = |name: &str| of(&format!("{side}.{name}"));
@@ -125,7 +126,7 @@ fn prop_adhesion_and_friction_power_follow_from_forces() {
             assert!(of("usedAdhesion").abs() <= of("availableAdhesion"));
             let expected = 0.3 * of("normalForce") / of("verticalForce");
             assert!((of("availableAdhesion") - expected).abs() < 1e-12, "{} {expected}", of("availableAdhesion"));
-            let power = of("frictionWork") * columns["wheelset[1].vx"][row];
+            let power = of("frictionWork") * at(row, "vx");
             assert!((of("frictionPower") - power).abs() < 1e-9 * power.abs() + 1e-9, "{} {power}", of("frictionPower"));
             pressed += 1;
         }

@@ -353,7 +353,7 @@ fn prop_right_hand_side_does_not_allocate() {
     let y = system.state(&stage.design(), &[0.01; 12]);
     assert_eq!(
         y.len(),
-        24 + 5 + 7 + 8 + 1 + 6 + 0,
+        24 + 5 + 7 + 8 + 1 + 6,
         "two air springs, two wedges, two Maxwell dampers, one friction in a line and one in a plane; two rotors, three brakes; two track brakes, two twists"
     );
     let mut dy = vec![0.0; y.len()];
