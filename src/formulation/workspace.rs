@@ -9,6 +9,7 @@ use super::work::Work;
 use crate::contact::Patch;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
 use crate::contact::search::algebraic::SurfaceParameters;
+use crate::contact::strips::Near;
 use crate::contact::strips::Scratch;
 use crate::contact::transient;
 use crate::geometry::profile::ProfilePoint;
@@ -53,6 +54,11 @@ pub struct ContactReport {
 }
 
 impl ContactReport {
+    /// Where it is, for strips that are to be pressed there again.
+    pub fn near(&self) -> Near {
+        Near { eta: self.parameters.rail, lead: self.parameters.lead, overlap: self.penetration }
+    }
+
     /// Adds `force` [N] of this contact and its spin moment to the wrench of a wheelset whose centre is at `centre`.
     #[inline]
     pub(super) fn add_to(&self, wrench: &mut Wrench, force: Vector3<f64>, centre: &Vector3<f64>) {

@@ -46,7 +46,7 @@ mod uneven;
 
 pub use mixed::Creep;
 pub use parts::{MOST, Part, Parts, Share};
-pub use press::{Scratch, press, press_anywhere};
+pub use press::{Near, Scratch, press, press_anywhere};
 pub use pressed::Pressed;
 pub use rail::RailStrips;
 pub use strip::Section;

@@ -59,25 +59,35 @@ impl Scratch {
     }
 }
 
-/// Finds the strips over which the wheel overlaps, around the rail coordinates `places` [m] at which it may, and what they carry.
+/// Where a wheel may overlap, m: rail coordinate, how far ahead of the wheelset's centre, and by about how much.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Near {
+    pub eta: f64,
+    pub lead: f64,
+    pub overlap: f64,
+}
+
+/// Finds the strips over which the wheel overlaps, around the `places` at which it may, and what they carry.
 ///
 /// The strips come in the order of their numbers, those without load among them, and on each side of those that overlap one that does not.
 pub fn press<'s>(
     pair: &Pair,
     rail: &RailStrips,
-    places: impl Iterator<Item = f64>,
+    places: impl Iterator<Item = Near>,
     material: Material,
     scratch: &'s mut Scratch,
 ) -> &'s [Pressed] {
     let overlaps = Overlaps { pair, rail, section: Section::new(pair) };
     let pressed = &mut scratch.pressed;
     pressed.clear();
-    for nearest in places.map(|eta| rail.nearest(eta)) {
+    for Near { eta, lead, overlap } in places {
+        // On the flange of a yawed wheel the place lies tens of millimetres ahead: from beside the centre it is not found.
+        let (nearest, near) = (rail.nearest(eta), (lead, overlap));
         match pressed.iter().find(|known| known.number == nearest) {
-            None => overlaps.join(nearest, pressed),
+            None => overlaps.join(nearest, near, pressed),
             // The place lies beside the end of an earlier one.
             Some(end) if !(end.strip.overlap > 0.0) => {
-                [nearest.wrapping_sub(1), nearest + 1].iter().for_each(|start| overlaps.join(*start, pressed))
+                [nearest.wrapping_sub(1), nearest + 1].iter().for_each(|start| overlaps.join(*start, near, pressed))
             }
             Some(_) => {}
         }
@@ -116,35 +126,35 @@ impl Overlaps<'_> {
     }
 
     /// Adds those around a strip that is not among them yet to strips in the order of their numbers.
-    fn join(&self, start: usize, pressed: &mut Vec<Pressed>) {
+    fn join(&self, start: usize, near: (f64, f64), pressed: &mut Vec<Pressed>) {
         if start >= self.rail.len() || pressed.iter().any(|known| known.number == start) {
             return;
         }
         let known = pressed.len();
-        self.around(start, pressed);
+        self.around(start, near, pressed);
         let before = pressed[..known].iter().filter(|own| own.number < start).count();
         pressed[before..].rotate_left(known - before);
     }
 
     /// Adds the strips on both sides of one up to the first over which the wheel does not overlap, in the order of their numbers.
-    fn around(&self, start: usize, pressed: &mut Vec<Pressed>) {
+    fn around(&self, start: usize, near: (f64, f64), pressed: &mut Vec<Pressed>) {
         let first = pressed.len();
-        let here = self.strip(start, (0.0, 0.0));
+        let here = self.strip(start, near);
         pressed.extend(here);
         // Inwards; where the deepest place lies between two strips its neighbour may be the one that overlaps.
-        self.along((0..start).rev(), first, pressed);
+        self.along((0..start).rev(), near, first, pressed);
         pressed[first..].reverse();
-        self.along(start + 1..self.rail.len(), first, pressed);
+        self.along(start + 1..self.rail.len(), near, first, pressed);
     }
 
     /// Adds strips after those from `first` on, up to one over which the wheel does not overlap, or one which stands before.
     #[inline]
-    fn along(&self, numbers: impl Iterator<Item = usize>, first: usize, pressed: &mut Vec<Pressed>) {
+    fn along(&self, numbers: impl Iterator<Item = usize>, near: (f64, f64), first: usize, pressed: &mut Vec<Pressed>) {
         for number in numbers {
             if pressed[..first].iter().any(|known| known.number == number) {
                 break;
             }
-            let Some(found) = self.strip(number, about(&pressed[first..])) else { break };
+            let Some(found) = self.strip(number, about(&pressed[first..]).unwrap_or(near)) else { break };
             pressed.push(found);
             if !(found.strip.overlap > 0.0) {
                 break;
@@ -153,17 +163,17 @@ impl Overlaps<'_> {
     }
 }
 
-/// Lead and overlap of the strip after these, by the parabola through the last three.
+/// Lead and overlap of the strip after these, by the parabola through the last three; `None` where there are none.
 #[inline]
-fn about(found: &[Pressed]) -> (f64, f64) {
+fn about(found: &[Pressed]) -> Option<(f64, f64)> {
     let of = |own: &Pressed| (own.strip.lead, own.strip.overlap);
     match found {
         [.., a, b, c] if (a.width - c.width).abs() < 0.1 * c.width => {
             let (a, b, c) = (of(a), of(b), of(c));
-            (3.0 * (c.0 - b.0) + a.0, 3.0 * (c.1 - b.1) + a.1)
+            Some((3.0 * (c.0 - b.0) + a.0, 3.0 * (c.1 - b.1) + a.1))
         }
-        [.., last] => of(last),
-        [] => (0.0, 0.0),
+        [.., last] => Some(of(last)),
+        [] => None,
     }
 }
 

@@ -112,10 +112,13 @@ impl Strip {
             let (ahead, deeper) = (-by_lead / bend, (wheel.value - rho + 0.5 * by_lead * by_lead / bend) / by_overlap);
             lead += ahead;
             overlap += deeper;
-            if !(overlap.abs() < FAR && lead.abs() < FAR_AHEAD) {
+            if !(overlap.abs() < FAR_ON_THE_WAY && lead.abs() < FAR_AHEAD) {
                 return None;
             }
             if ahead.abs() < NEXT_LEAD && deeper.abs() < NEXT_OVERLAP {
+                if overlap.abs() > FAR {
+                    return None;
+                }
                 let curvature = bend / by_overlap;
                 let against = (axle * wheel.d1 - outward) / by_overlap;
                 return Some(Strip {
@@ -137,5 +140,6 @@ impl Strip {
 }
 
 /// Beyond these distances [m] nothing is looked for.
-const FAR: f64 = 5e-3;
-const FAR_AHEAD: f64 = 0.1;
+const FAR: f64 = 6e-3;
+const FAR_ON_THE_WAY: f64 = 3e-2;
+const FAR_AHEAD: f64 = 0.2;

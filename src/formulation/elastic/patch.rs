@@ -9,7 +9,7 @@ use super::super::wheel_search::MOST_POINTS;
 use super::super::{ContactFailure, ContactReport};
 use crate::contact::normal::damping::damped_force;
 use crate::contact::search::algebraic::{ContactLocation, SurfaceParameters};
-use crate::contact::strips::{Creep, MOST, Part, Parts, Pressed, RailStrips, Scratch, press, press_anywhere};
+use crate::contact::strips::{Creep, MOST, Near, Part, Parts, Pressed, RailStrips, Scratch, press, press_anywhere};
 use crate::mbs::body::{BodyMotion, Wrench};
 use nalgebra::Vector3;
 
@@ -44,7 +44,10 @@ pub(super) fn press_wheel(
     (first, further): (&mut ContactReport, &mut [ContactReport]),
 ) -> Result<(), ContactFailure> {
     let (pair, material) = (wheel.pair(), wheel.model.laws.material);
-    let near = located.iter().flatten().filter(|place| place.penetration > -ABOUT).map(|place| place.parameters.rail);
+    let near = located.iter().flatten().filter(|place| place.penetration > -ABOUT).map(|place| {
+        let ContactLocation { parameters, penetration, .. } = *place;
+        Near { eta: parameters.rail, lead: parameters.lead, overlap: penetration }
+    });
     let pressed = match all {
         true => press(&pair, rail, near, material, scratch),
         false => press_anywhere(&pair, rail, material, scratch),
@@ -56,8 +59,8 @@ pub(super) fn press_wheel(
         *report = match located.get(slot).and_then(Option::as_ref) {
             Some(found) => {
                 let place = Contact { wheel, found, slot, share: 0.0 };
-                // Strips look no deeper.
-                if found.penetration > 0.0 {
+                // Strips look no deeper than that.
+                if on.parts.is_empty() && found.penetration > 0.0 {
                     place.check_depth()?;
                 }
                 let mut report = place.report();
@@ -152,7 +155,8 @@ impl<'a> PressedWheel<'a> {
             damped_force(damping, part.load, part.overlap, rate) - part.load
         });
         for (k, report) in loaded.iter_mut().enumerate().take(self.parts.len()) {
-            let more = 1.0 + damped[k] / loads[k];
+            // Shares of a force that damping has taken away add up to nothing but for rounding.
+            let more = (1.0 + damped[k] / loads[k]).max(0.0);
             forces[k] *= more;
             loads[k] *= more;
             report.normal_force = loads[k];

@@ -46,7 +46,7 @@ impl Model {
     ) {
         let WheelAt { wheelset, side, motion, .. } = *wheel;
         let body = wheelset.turning[side.index()];
-        let seeds = reports.filter(|report| report.normal_force > 0.0).map(|report| report.parameters.rail);
+        let seeds = reports.filter(|report| report.normal_force > 0.0).map(ContactReport::near);
         if seeds.clone().next().is_none() {
             return;
         }

@@ -183,7 +183,7 @@ fn laws(model: &Model, workspace: &Workspace, loops: u64) -> (f64, f64) {
         if model.laws.patch == PatchLaw::Strips {
             let rail = RailStrips::new(rail.profile.as_ref());
             let mut scratch = Scratch::new(rail.len());
-            let places = || reports(contact).map(|report| report.parameters.rail);
+            let places = || reports(contact).map(ContactReport::near);
             normal += per_call(|| press(black_box(&pair), &rail, places(), material, &mut scratch).len());
         }
         for report in reports(contact) {
