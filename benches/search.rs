@@ -8,10 +8,10 @@ use std::time::Duration;
 use wheelrail::contact::Material;
 use wheelrail::contact::normal::NormalLaw;
 use wheelrail::contact::patch::{Motion, Pressed as PressedPatch, Settings};
-use wheelrail::contact::search::algebraic::{ContactLocation, Pair};
+use wheelrail::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
 use wheelrail::contact::search::global::{GlobalSearch, Minima};
 use wheelrail::contact::search::nodal::NodalSearch;
-use wheelrail::contact::strips::{MOST, Part, Parts, RailStrips, Scratch, press};
+use wheelrail::contact::strips::{MOST, Near, Part, Parts, RailStrips, Scratch, press};
 use wheelrail::geometry::Side;
 use wheelrail::geometry::surface::Wheel;
 use wheelrail::geometry::track::Rail;
@@ -171,7 +171,8 @@ fn patches(criterion: &mut Criterion) {
         criterion.bench_function(&format!("strips {:+.1} mm: pressed, with their parts", 1e3 * y), |bencher| {
             bencher.iter(|| {
                 at = (at + 1) % POSES;
-                let places = std::iter::once(located[at].parameters.rail);
+                let SurfaceParameters { rail: eta, lead, .. } = located[at].parameters;
+                let places = std::iter::once(Near { eta, lead, overlap: located[at].penetration });
                 let pressed = press(black_box(&stand.pair(&poses[at])), &rail, places, material, &mut scratch);
                 let parts = Parts::new(pressed, &rail, MOST);
                 (0..parts.len())

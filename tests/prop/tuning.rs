@@ -312,3 +312,25 @@ fn prop_what_is_tunable_is_no_mass_and_no_place() {
     }
     assert!(tunable > 500, "{tunable}");
 }
+
+/// The drive of a motor that grows stiffer during a run leaves its rotor the speed that it has.
+#[test]
+fn analytic_a_rotor_keeps_its_speed_when_its_drive_is_tuned() {
+    let file = format!("{}/examples/driven_truck.toml", env!("CARGO_MANIFEST_DIR"));
+    let scene = wheelrail::scene::load::open(&file, &[]).unwrap();
+    let mut simulation = Simulation::new(&scene, 0.0).unwrap();
+    simulation.advance(0.5).unwrap();
+    let speed = |simulation: &mut Simulation| -> f64 {
+        let outputs = scene_outputs(&scene, simulation.model());
+        let output = outputs.iter().find(|output| output.name == "motor[1].motorSpeed").unwrap();
+        output.value(simulation.snapshot().unwrap())
+    };
+    let before = speed(&mut simulation);
+    let table = VariableTable::new(&scene).unwrap();
+    let stiffness = table.variables.iter().find(|variable| variable.name == "motor[1].stiffness").unwrap();
+    let constants: Vec<(usize, u32, f64)> = stiffness.constant_of_force(2.0 * stiffness.start.unwrap()).into_iter().collect();
+    simulation.tune(&Tuning { scene: &scene, integrator: &scene.solver.integrator, constants: &constants });
+    let after = speed(&mut simulation);
+    println!("{before} rad/s, then {after} rad/s");
+    assert!(before.abs() > 50.0 && (after / before - 1.0).abs() < 1e-9, "{before} {after}");
+}

@@ -21,7 +21,7 @@
 //! a is the rotor's axis, the y axis of the body that holds the case (carrier, or axle with a nose), W that body's angular velocity. Slower than
 //! the drive's own frequency sqrt(k / (n^2 J)) the axle has the inertia n^2 J more. The body that holds the case has the rotor's mass, but not its
 //! inertia about a, in its own numbers. Power: `T psi'` = rate of k psi^2/2 + c psi'^2; the motor brings in `sense M (p - w)`. The second state is
-//! p / (n sqrt(k / (n^2 J))) [rad].
+//! p / n over a fixed rate of that size [rad].
 
 use super::axle_pair::{AxlePair, read_ends};
 use super::{ElementInput, ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
@@ -60,6 +60,10 @@ pub struct Rotor {
     pub damping: f64,
 }
 
+/// Unit of the rotor's speed over n, 1/s: sqrt(k / J) of usual drives, so that both states are angles of one size. It is no drive's own, whose
+/// stiffness may be tuned during a run: a rotor keeps its speed then.
+const UNIT_RATE: f64 = 600.0;
+
 /// Drive and rotor at one instant.
 struct Drive {
     unit: [Wrench; 2],
@@ -81,10 +85,10 @@ impl MotorGear {
         self.sense * self.ratio
     }
 
-    /// Frequency of a rotor on its drive with the axle held, rad/s.
+    /// The second state's unit, rad/s.
     #[inline]
-    fn frequency(&self, rotor: &Rotor) -> f64 {
-        (rotor.stiffness / rotor.inertia).sqrt() / self.ratio
+    fn unit_rate(&self) -> f64 {
+        UNIT_RATE / self.ratio
     }
 
     /// The body that holds the case, and a.
@@ -106,7 +110,7 @@ impl MotorGear {
             let torque = -self.ratio * bodies.input(0);
             return Drive { unit, axle, case, rotor: case + gear * axle, twist_rate: 0.0, torque, spin_up: 0.0 };
         };
-        let speed = gear * self.frequency(rotor) * state[1];
+        let speed = gear * self.unit_rate() * state[1];
         let twist_rate = axle - (speed - case) / gear;
         let torque = rotor.stiffness * state[0] + rotor.damping * twist_rate;
         Drive { unit, axle, case, rotor: speed, twist_rate, torque, spin_up: motor + torque / gear }
@@ -187,7 +191,7 @@ impl ForceElement for MotorGear {
     }
 
     fn time_constant(&self) -> Option<f64> {
-        self.rotor.map(|rotor| 1.0 / self.frequency(&rotor))
+        self.rotor.map(|rotor| self.ratio * (rotor.inertia / rotor.stiffness).sqrt())
     }
 
     fn inputs(&self) -> &'static [ElementInput] {
@@ -234,9 +238,9 @@ impl ForceElement for MotorGear {
 
     /// Turning with its axle, without torque.
     fn settle(&self, bodies: &Moving, state: &mut [f64]) {
-        if let Some(rotor) = &self.rotor {
+        if self.rotor.is_some() {
             let drive = self.drive(bodies, state);
-            (state[0], state[1]) = (0.0, (drive.axle + drive.case / self.gear()) / self.frequency(rotor));
+            (state[0], state[1]) = (0.0, (drive.axle + drive.case / self.gear()) / self.unit_rate());
         }
     }
 
@@ -246,7 +250,7 @@ impl ForceElement for MotorGear {
         self.pair.load(&drive.unit, self.paired(&drive), wrenches);
         let Some(rotor) = &self.rotor else { return };
         rates[0] = drive.twist_rate;
-        rates[1] = drive.spin_up / (rotor.inertia * self.gear() * self.frequency(rotor));
+        rates[1] = drive.spin_up / (rotor.inertia * self.gear() * self.unit_rate());
         let (holder, axis) = self.holder(bodies);
         wrenches[holder].moment -= axis * drive.spin_up + bodies[holder].rotation.cross(&axis) * self.momentum(&drive);
     }
@@ -261,7 +265,7 @@ impl ForceElement for MotorGear {
         let Some(rotor) = &self.rotor else { return };
         let (holder, axis) = self.holder(bodies);
         sum.add_carried_couple(&(axis * -drive.spin_up));
-        let (frequency, gear, momentum) = (self.frequency(rotor), self.gear(), self.momentum(&drive));
+        let (unit_rate, gear, momentum) = (self.unit_rate(), self.gear(), self.momentum(&drive));
         // Of unit couples on the holder about its x, y and z axes.
         let about = |axis: usize| -> Gradient {
             let mut unit = [Wrench::default(); 2];
@@ -281,15 +285,15 @@ impl ForceElement for MotorGear {
         sum.add_rates(&x, &z, momentum);
         sum.add_rates(&z, &x, -momentum);
         let rate = bodies[holder].frame.axes.tr_mul(&bodies[holder].rotation);
-        let per_state = rotor.inertia * gear * frequency;
+        let per_state = rotor.inertia * gear * unit_rate;
         let Some(own) = sum.add_own_states(first_state, 2) else { return };
         own.rate_by_velocity = [twist, twist.map(|twist| twist * (rotor.damping / (gear * per_state)))];
-        own.rate_by_state[(0, 1)] = -frequency;
+        own.rate_by_state[(0, 1)] = -unit_rate;
         own.rate_by_state[(1, 0)] = rotor.stiffness / (gear * per_state);
-        own.rate_by_state[(1, 1)] = -rotor.damping * frequency / (gear * per_state);
+        own.rate_by_state[(1, 1)] = -rotor.damping * unit_rate / (gear * per_state);
         own.load_by_state = [
             twist.map(|twist| twist * -rotor.stiffness),
-            ends.map(|end| twist[end] * (rotor.damping * frequency) + (x[end] * rate.z - z[end] * rate.x) * per_state),
+            ends.map(|end| twist[end] * (rotor.damping * unit_rate) + (x[end] * rate.z - z[end] * rate.x) * per_state),
         ];
     }
 
@@ -343,7 +347,8 @@ fn read_rotor(section: &Section) -> Result<Option<Rotor>, SettingsError> {
     }
     let damping = section.not_negative_or("damping", Dimension::RotationalDamping, 0.0)?;
     let inertia = section.positive("rotor_inertia", Dimension::Inertia)?;
-    Ok(Some(Rotor { inertia, stiffness: section.positive("stiffness", Dimension::RotationalStiffness)?, damping }))
+    let stiffness = section.positive("stiffness", Dimension::RotationalStiffness)?;
+    Ok(Some(Rotor { inertia, stiffness, damping }))
 }
 
 fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {
