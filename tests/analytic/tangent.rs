@@ -368,5 +368,5 @@ fn analytic_flutter_on_strips_is_that_of_the_model() {
         assert!((exact.0 - found.0).abs() < 10.0 && (exact.1 / found.1 - 1.0).abs() < 0.01, "{exact:?} {found:?}");
         grown = grown.max(exact.0);
     }
-    assert!(grown > 20.0, "nothing grows: {grown}");
+    assert!(grown > 5.0, "nothing grows: {grown}");
 }

@@ -10,13 +10,15 @@
 //! u_i'   = (v_i - V_r zeta_i) / D - (1 - r_2/r)_+ u_i / T
 //! V_r    = |V| psi(p sign V) + alpha(r) (v . u)_+ / sum(u_i^2 / L_i)
 //! p'     = (V - |V| p) / (l D_p),   l = a / 2
-//! F      = law(w (zeta + tau u'/L) + (1 - w) v/|V|,  spin omega_n / V,  speed w V_r + (1 - w) |V|)
+//! F      = law(w (zeta + tau u'/L) + (1 - w) v/|V|,  spin omega_n / V,  speed V_F)
+//! V_F    = (w V_r |zeta| + (1 - w) |v|) / (w |zeta| + (1 - w) |v| / |V|)
 //! ```
 //!
 //! * Steady rolling: zeta = v/V, and F is the steady law exactly. V = 0: u' = v, a spring of stiffness F'(0)/L (see
 //!   [`relaxation`]). In between the lag over the length L of the tyre models (Pacejka, Tire and Vehicle Dynamics, ch. 7,
 //!   with the deflection as the state, so that nothing is divided by V). V_r zeta is the part of v that does not go
-//!   into the deflection: creep and sliding. So the law's sliding speed, creepage times speed, is right too.
+//!   into the deflection: creep and sliding. So the law's sliding speed, creepage times speed, is right too: V_F is the mean of V_r and |V| by the creepages that each stands for. (Their
+//!   mean by w alone gave a locked wheel between below / 2 and `below` fifty times its sliding speed, and falling friction its least value.)
 //! * r = k |u| / (mu N) is the deflection against that of the friction bound. Below r_1 it is purely elastic and the
 //!   law's curve is retraced: an oscillating force below the bound makes no drift, unlike in the models of Dahl or LuGre.
 //!   Above, alpha rises from 0 to 1 at r_2 and takes away the growth of u: the wheel slides and u stays bounded.
@@ -262,16 +264,14 @@ impl TransientContact {
 
         // Creepage for the law: the deflection's below, v/V above.
         let weight = self.transient_weight(speed);
-        let blend = |u: f64, u_rate: f64, v: f64, length: f64| {
-            let deflection = (u + self.settings.damping_time * u_rate) / length;
-            if weight == 1.0 { deflection } else { weight * deflection + (1.0 - weight) * v / speed }
-        };
-        let longitudinal = blend(ux, rates_xy[0], slip.longitudinal, elastic.length[0]);
-        let lateral = blend(uy, rates_xy[1], slip.lateral, elastic.length[1]);
+        let deflected = |u: f64, u_rate: f64, length: f64| (u + self.settings.damping_time * u_rate) / length;
+        let zeta = [deflected(ux, rates_xy[0], elastic.length[0]), deflected(uy, rates_xy[1], elastic.length[1])];
+        let blend = |zeta: f64, v: f64| if weight == 1.0 { zeta } else { weight * zeta + (1.0 - weight) * v / speed };
+        let (longitudinal, lateral) = (blend(zeta[0], slip.longitudinal), blend(zeta[1], slip.lateral));
         // Sliding shrinks the whole creepage vector, spin included, so that its direction is kept.
         let shrink = if sliding > 0.0 { speed / (speed + sliding) } else { 1.0 };
         let spin = spin_ratio * (1.0 - weight + weight * shrink);
-        let law_speed = weight * relaxing + (1.0 - weight) * speed;
+        let law_speed = law_speed(weight, zeta[0].hypot(zeta[1]), slip, relaxing);
         let found = law.force(&RollingContact {
             patch: contact.patch,
             normal_force: contact.normal_force,
@@ -362,4 +362,16 @@ fn saturation_ratio(relaxation: &Relaxation, law: &dyn CreepLaw) -> f64 {
         r *= 0.99;
     }
     r
+}
+
+/// V_F, m/s, from w, the size of zeta and V_r.
+fn law_speed(weight: f64, zeta: f64, slip: &SlipVelocity, relaxing: f64) -> f64 {
+    /// Where nothing slips V_F is |V|, which then matters to nothing.
+    const LEAST: f64 = 1e-12;
+    let speed = slip.rolling.abs();
+    if weight == 1.0 {
+        return relaxing;
+    }
+    let (deflected, direct) = (weight * zeta, (1.0 - weight) * slip.longitudinal.hypot(slip.lateral) / speed + LEAST);
+    (deflected * relaxing + direct * speed) / (deflected + direct)
 }

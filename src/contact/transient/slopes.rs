@@ -13,7 +13,7 @@
 //! The rolling speed, the direction p and the patch are held in the rates; left out is what is of the order of the creepage
 //! (1e-3 to 1e-2) against d v. With N the lengths L grow with the patch, like its cube root.
 
-use super::{Elasticity, LoadedPatch, SLIDE_WIDTH, STATES, SlipVelocity, TransientContact, smooth_step};
+use super::{Elasticity, LoadedPatch, SLIDE_WIDTH, STATES, SlipVelocity, TransientContact, law_speed, smooth_step};
 use crate::contact::creep::slopes::CreepSlopes;
 use crate::contact::creep::{CreepLaw, RollingContact};
 use crate::contact::creepage::Creepage;
@@ -78,7 +78,8 @@ impl TransientContact {
         let per_length = Vector2::from(elastic.length).map(|length| weight / length);
         let (u, v) = (Vector2::new(state[0], state[1]), Vector2::new(slip.longitudinal, slip.lateral));
         let direct = if weight == 1.0 { 0.0 } else { (1.0 - weight) / speed };
-        let deflected = (u + rates * tau).component_mul(&per_length);
+        let zeta = (u + rates * tau).component_div(&Vector2::from(elastic.length));
+        let deflected = zeta * weight;
         let shrink = if sliding > 0.0 { speed / (speed + sliding) } else { 1.0 };
         let spin_factor = 1.0 - weight + weight * shrink;
         let creepage = deflected + v * direct;
@@ -87,7 +88,7 @@ impl TransientContact {
             normal_force: contact.normal_force,
             friction: contact.friction,
             creepage: Creepage { longitudinal: creepage.x, lateral: creepage.y, spin: spin_ratio * spin_factor },
-            speed: weight * relaxing + (1.0 - weight) * speed,
+            speed: law_speed(weight, zeta.norm(), slip, relaxing),
         };
         let CreepSlopes { by_creepage, by_normal_force } = law.slopes(&loaded, &law.force(&loaded));
         let turned = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, turn));

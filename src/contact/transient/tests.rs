@@ -483,3 +483,25 @@ fn prop_states_stand_still_at_speed_and_are_taken_up_without_a_jump() {
     println!("forces from stale states: within {worst:e} N");
     assert!(worst < 1e-6 * BOUND, "{worst}");
 }
+
+/// A wheel that is locked, or nearly, slides at its slip velocity at any speed: falling friction is that of the steady law.
+#[test]
+fn analytic_falling_friction_of_a_sliding_wheel_is_that_of_its_sliding_speed() {
+    let text = "law = \"polach\"\nfriction_ratio = 0.4\nfriction_decay = 0.6\n";
+    let source = Source { file: "law.toml".into(), text: text.into(), overridden: vec![], folder: None };
+    let document = toml_edit::Document::parse(source.text.clone()).unwrap();
+    let law = creep::parse(&Section::root(document.as_table(), &source)).unwrap()(STEEL);
+    let model = TransientContact::new(SETTINGS, STEEL, law.as_ref());
+    for speed in [0.5, 0.9, 1.1, 1.4, 1.7, 1.95, 2.5] {
+        for part in [1.0, 0.3] {
+            let slip = slip(-part * speed, 0.1 * part * speed, 0.0, speed);
+            let state = hold(&model, law.as_ref(), &CONTACT, &slip, 2.0, model.steady_state(&CONTACT, &slip));
+            let force = model.evaluate(law.as_ref(), &CONTACT, &slip, &state).force;
+            let sliding = slip.longitudinal.hypot(slip.lateral);
+            let expected = BOUND * (0.6 * (-0.6 * sliding).exp() + 0.4);
+            let found = force.longitudinal.hypot(force.lateral);
+            println!("{speed} m/s, slip {sliding:.3} m/s: {found:.1} N, mu(w) N {expected:.1}");
+            assert!((found / expected - 1.0).abs() < 0.01, "{speed} {part}: {found} {expected}");
+        }
+    }
+}
