@@ -9,7 +9,7 @@ mod nearest;
 
 use crate::units::Dimension;
 pub(crate) use constant::constant;
-pub use constant::{Constant, Number};
+pub use constant::{Constant, Number, Numbered};
 use faults::Faults;
 pub use nearest::did_you_mean;
 use nearest::{nearest, slip};

@@ -49,6 +49,21 @@ impl<T> Constant<T> {
     }
 }
 
+/// What has numbers that may be set: a table says which.
+pub trait Numbered: Sized + 'static {
+    const CONSTANTS: &'static [Constant<Self>] = &[];
+
+    /// All that this one has.
+    fn numbers(&self) -> Vec<Number> {
+        Constant::read(Self::CONSTANTS, self)
+    }
+
+    /// Sets the one of that [`Number::number`]; a number that it has not changes nothing.
+    fn set_number(&mut self, number: u32, value: f64) {
+        Constant::write(Self::CONSTANTS, self, number, value);
+    }
+}
+
 /// A line of a table: `tunable` where it may change during a run, number, name, unit, smallest value, description, and the field that it is, or
 /// where it is read and how it is written.
 macro_rules! constant {

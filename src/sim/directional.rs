@@ -110,10 +110,10 @@ impl Row {
     }
 }
 
-/// Least size of a force element's input, SI.
+/// Least size of a force element's input, SI: forces like a wheel's load, or else rounding of accelerations shows in what they change elsewhere.
 fn least_size(unit: Unit) -> f64 {
     match unit {
-        Unit::Newton | Unit::NewtonMetre => 1e3,
+        Unit::Newton | Unit::NewtonMetre => 1e4,
         _ => 1.0,
     }
 }

@@ -120,7 +120,7 @@ fn compare(what: &str, scene: &Scene, times: &[f64], noise: f64) {
                 count += usize::from(*told != 0.0);
                 let error = (told - other).abs();
                 corners += usize::from(corner);
-                if error > if corner { 1e-5 } else { 1e-9 } * other.abs() + 4.0 * rounding {
+                if error > if corner { 1e-5 } else { 1e-9 } * other.abs() + rounding {
                     wrong.push(format!(
                         "{what}, t = {time}: d {} / d {name} = {told:e}, differences {other:e}, rounding {rounding:.1e}",
                         output.name

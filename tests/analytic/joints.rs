@@ -14,6 +14,7 @@ use wheelrail::mbs::projection::{Projection, ProjectionError};
 use wheelrail::mbs::redundancy::AssemblyError;
 use wheelrail::mbs::system::{DrivingConstraint, System, SystemWorkspace};
 use wheelrail::mbs::tangent::{Ends, PairTangent};
+use wheelrail::settings::Numbered;
 use wheelrail::solve::{DormandPrince, Dynamics, Implicit, IntegrationState, Integrator, RungeKutta4, Scratch, Undefined};
 
 const G: f64 = 9.81;
@@ -420,6 +421,8 @@ fn equiv_rigidly_joined_bodies_swing_as_one() {
 #[derive(Clone, Debug)]
 struct Push(usize, f64);
 
+impl Numbered for Push {}
+
 impl ForceElement for Push {
     fn name(&self) -> &str {
         "push"
@@ -431,9 +434,6 @@ impl ForceElement for Push {
         [Some(self.0), None]
     }
     fn tangent(&self, _: &Moving, _: &[f64], _: usize, _: &mut PairTangent) {}
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
-    }
     fn potential_energy(&self, _: &Moving, _: &[f64]) -> f64 {
         0.0
     }

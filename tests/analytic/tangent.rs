@@ -356,17 +356,21 @@ fn fastest(linearised: &Linearised, matrix: &DMatrix<f64>) -> (f64, f64) {
 #[test]
 fn analytic_flutter_on_strips_is_that_of_the_model() {
     let track = "track.node=[{distance=0},{distance=30},{distance=80,curvature=0.006667},{distance=300,curvature=0.006667}]";
-    let changes = [track, "vehicle.speed=11", "contact.friction=0.55", "contact.patch=strips", "solver.tolerance=1e-5"].map(String::from);
+    let changes = [track, "vehicle.speed=11", "contact.friction=0.55", "contact.patch=strips", "solver.tolerance=1e-7"].map(String::from);
     let mut simulation = common::start(&load::open("vehicle_manchester_1", &changes).unwrap());
-    let mut grown = f64::NEG_INFINITY;
-    for until in [3.0, 3.4, 3.7] {
+    let (mut apart, mut grown) = (Vec::new(), f64::NEG_INFINITY);
+    // From where the wheel reaches the root into the flutter, whose states depend on how it began: what they share is looked at.
+    for until in (350..=370).map(|i| 0.01 * f64::from(i)) {
         simulation.advance(until).unwrap();
         let linearised = linearised(&simulation);
         let [exact, found] = [&linearised.exact, &linearised.found].map(|matrix| fastest(&linearised, matrix));
-        println!("{until} s: {exact:.1?}, found {found:.1?}");
-        // Slopes jump a little where a strip comes into contact.
-        assert!((exact.0 - found.0).abs() < 10.0 && (exact.1 / found.1 - 1.0).abs() < 0.01, "{exact:?} {found:?}");
+        println!("{until:.2} s: {exact:.1?}, found {found:.1?}");
+        apart.push((exact.0 - found.0).hypot(exact.1 - found.1));
         grown = grown.max(exact.0);
     }
-    assert!(grown > 5.0, "nothing grows: {grown}");
+    // Slopes jump where a strip comes into contact: some states stand there.
+    apart.sort_by(f64::total_cmp);
+    let median = apart[apart.len() / 2];
+    assert!(median < 4.0, "eigenvalues differ by {median} 1/s");
+    assert!(grown > 20.0, "nothing grows: {grown}");
 }

@@ -17,7 +17,7 @@
 
 use super::line::{LineElement, LineLaw, Slopes, Span};
 use super::{ForceElement, POSITIVE, Parse, Places};
-use crate::settings::{Constant, Entry, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::Dimension;
 
 /// p_a, Pa.
@@ -67,12 +67,14 @@ impl AirSpring {
     }
 }
 
-impl LineLaw for AirSpring {
+impl Numbered for AirSpring {
     const CONSTANTS: &'static [Constant<Self>] = &[
         constant!(tunable 0, "orificeDamping", NewtonSecondPerMetre, POSITIVE, "laminar resistance of the orifice at the piston", damping),
         constant!(tunable 1, "preload", Newton, None, "force in the design configuration, tension positive", get: |law| (!law.balanced).then_some(law.preload), set: |law, value| law.preload = value),
     ];
+}
 
+impl LineLaw for AirSpring {
     fn states(&self) -> usize {
         1
     }

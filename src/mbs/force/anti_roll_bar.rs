@@ -12,7 +12,7 @@ use super::{ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::Dimension;
 use nalgebra::Vector3;
 
@@ -38,10 +38,12 @@ const QUANTITIES: [Quantity; 2] = [
     Quantity { number: 1, name: "angle", kind: QuantityKind::Angle, description: "roll of the second body in the first" },
 ];
 
-const CONSTANTS: [Constant<AntiRollBar>; 2] = [
-    constant!(tunable 0, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the anti-roll bar", stiffness),
-    constant!(tunable 1, "damping", NewtonMetreSecondPerRadian, Some(0.0), "damping of the anti-roll bar", damping),
-];
+impl Numbered for AntiRollBar {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        constant!(tunable 0, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the anti-roll bar", stiffness),
+        constant!(tunable 1, "damping", NewtonMetreSecondPerRadian, Some(0.0), "damping of the anti-roll bar", damping),
+    ];
+}
 
 impl AntiRollBar {
     /// t [rad] and w_x [rad/s].
@@ -101,18 +103,6 @@ impl ForceElement for AntiRollBar {
             1 => self.turn(bodies).0.x,
             _ => 0.0,
         }
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(&CONSTANTS, self)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(&CONSTANTS, self, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, bodies: &Moving, _: &[f64]) -> f64 {

@@ -15,7 +15,7 @@ use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
 use crate::mbs::twist::Axles;
-use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::{Dimension, Unit};
 use nalgebra::Vector3;
 
@@ -109,13 +109,15 @@ const QUANTITIES: [Quantity; 4] = [
     },
 ];
 
-const CONSTANTS: [Constant<Brake>; 5] = [
-    constant!(tunable 0, "friction", One, POSITIVE, "friction coefficient of pads or block", get: |brake| brake.friction.map(|pair| pair.0), set: |brake, value| if let Some(pair) = &mut brake.friction { pair.0 = value }),
-    constant!(1, "radius", Metre, POSITIVE, "friction radius of the disc", get: |brake| brake.friction.filter(|_| brake.press.is_none()).map(|pair| pair.1), set: |brake, value| if let Some(pair) = &mut brake.friction { pair.1 = value }),
-    constant!(tunable 2, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the brake before it slips, at the axle", stiffness),
-    constant!(tunable 3, "relaxation", Second, POSITIVE, "time within which the brake takes hold and lets go", relaxation),
-    constant!(tunable 4, "dampingTime", Second, Some(0.0), "damping of the brake's deflection over its stiffness", damping_time),
-];
+impl Numbered for Brake {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        constant!(tunable 0, "friction", One, POSITIVE, "friction coefficient of pads or block", get: |brake| brake.friction.map(|pair| pair.0), set: |brake, value| if let Some(pair) = &mut brake.friction { pair.0 = value }),
+        constant!(1, "radius", Metre, POSITIVE, "friction radius of the disc", get: |brake| brake.friction.filter(|_| brake.press.is_none()).map(|pair| pair.1), set: |brake, value| if let Some(pair) = &mut brake.friction { pair.1 = value }),
+        constant!(tunable 2, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the brake before it slips, at the axle", stiffness),
+        constant!(tunable 3, "relaxation", Second, POSITIVE, "time within which the brake takes hold and lets go", relaxation),
+        constant!(tunable 4, "dampingTime", Second, Some(0.0), "damping of the brake's deflection over its stiffness", damping_time),
+    ];
+}
 
 impl ForceElement for Brake {
     fn name(&self) -> &str {
@@ -205,18 +207,6 @@ impl ForceElement for Brake {
             3 => state[0],
             _ => 0.0,
         }
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(&CONSTANTS, self)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(&CONSTANTS, self, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, _: &Moving, state: &[f64]) -> f64 {

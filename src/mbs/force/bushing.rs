@@ -20,7 +20,7 @@ use super::{ForceElement, Parse, Places, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Constant, Entry, Number, Section, SettingsError};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError};
 use crate::units::{Dimension, Unit};
 use nalgebra::{Matrix3, Vector3};
 
@@ -136,23 +136,25 @@ macro_rules! preload {
     };
 }
 
-const CONSTANTS: [Constant<Bushing>; 15] = [
-    component!(0, "stiffnessX", stiffness, 0, NewtonPerMetre, "stiffness along the first body's x axis"),
-    component!(1, "stiffnessY", stiffness, 1, NewtonPerMetre, "stiffness along the first body's y axis"),
-    component!(2, "stiffnessZ", stiffness, 2, NewtonPerMetre, "stiffness along the first body's z axis"),
-    component!(3, "dampingX", damping, 0, NewtonSecondPerMetre, "damping along the first body's x axis"),
-    component!(4, "dampingY", damping, 1, NewtonSecondPerMetre, "damping along the first body's y axis"),
-    component!(5, "dampingZ", damping, 2, NewtonSecondPerMetre, "damping along the first body's z axis"),
-    component!(6, "rotationalStiffnessX", rotational_stiffness, 0, NewtonMetrePerRadian, "stiffness about the first body's x axis"),
-    component!(7, "rotationalStiffnessY", rotational_stiffness, 1, NewtonMetrePerRadian, "stiffness about the first body's y axis"),
-    component!(8, "rotationalStiffnessZ", rotational_stiffness, 2, NewtonMetrePerRadian, "stiffness about the first body's z axis"),
-    component!(9, "rotationalDampingX", rotational_damping, 0, NewtonMetreSecondPerRadian, "damping about the first body's x axis"),
-    component!(10, "rotationalDampingY", rotational_damping, 1, NewtonMetreSecondPerRadian, "damping about the first body's y axis"),
-    component!(11, "rotationalDampingZ", rotational_damping, 2, NewtonMetreSecondPerRadian, "damping about the first body's z axis"),
-    preload!(12, "preloadX", 0),
-    preload!(13, "preloadY", 1),
-    preload!(14, "preloadZ", 2),
-];
+impl Numbered for Bushing {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        component!(0, "stiffnessX", stiffness, 0, NewtonPerMetre, "stiffness along the first body's x axis"),
+        component!(1, "stiffnessY", stiffness, 1, NewtonPerMetre, "stiffness along the first body's y axis"),
+        component!(2, "stiffnessZ", stiffness, 2, NewtonPerMetre, "stiffness along the first body's z axis"),
+        component!(3, "dampingX", damping, 0, NewtonSecondPerMetre, "damping along the first body's x axis"),
+        component!(4, "dampingY", damping, 1, NewtonSecondPerMetre, "damping along the first body's y axis"),
+        component!(5, "dampingZ", damping, 2, NewtonSecondPerMetre, "damping along the first body's z axis"),
+        component!(6, "rotationalStiffnessX", rotational_stiffness, 0, NewtonMetrePerRadian, "stiffness about the first body's x axis"),
+        component!(7, "rotationalStiffnessY", rotational_stiffness, 1, NewtonMetrePerRadian, "stiffness about the first body's y axis"),
+        component!(8, "rotationalStiffnessZ", rotational_stiffness, 2, NewtonMetrePerRadian, "stiffness about the first body's z axis"),
+        component!(9, "rotationalDampingX", rotational_damping, 0, NewtonMetreSecondPerRadian, "damping about the first body's x axis"),
+        component!(10, "rotationalDampingY", rotational_damping, 1, NewtonMetreSecondPerRadian, "damping about the first body's y axis"),
+        component!(11, "rotationalDampingZ", rotational_damping, 2, NewtonMetreSecondPerRadian, "damping about the first body's z axis"),
+        preload!(12, "preloadX", 0),
+        preload!(13, "preloadY", 1),
+        preload!(14, "preloadZ", 2),
+    ];
+}
 
 impl ForceElement for Bushing {
     fn name(&self) -> &str {
@@ -215,18 +217,6 @@ impl ForceElement for Bushing {
             _ => Vector3::zeros(),
         };
         vector[index % 3]
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(&CONSTANTS, self)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(&CONSTANTS, self, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, bodies: &Moving, _: &[f64]) -> f64 {

@@ -27,7 +27,7 @@ use super::{ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::Dimension;
 use nalgebra::{Matrix2, Vector2, Vector3, Vector6};
 
@@ -166,14 +166,16 @@ fn limited(element: &DryFriction) -> bool {
     element.friction == 1.0 && element.normal_stiffness == 0.0
 }
 
-const CONSTANTS: [Constant<DryFriction>; 6] = [
-    constant!(tunable 0, "friction", One, POSITIVE, "friction coefficient of the surfaces", get: |element| (!limited(element)).then_some(element.friction), set: |element, value| element.friction = value),
-    constant!(tunable 1, "limit", Newton, POSITIVE, "largest friction force", get: |element| limited(element).then_some(element.normal_force), set: |element, value| element.normal_force = value),
-    constant!(tunable 2, "designNormalForce", Newton, Some(0.0), "normal force in the design configuration", get: |element| (!limited(element)).then_some(element.normal_force), set: |element, value| element.normal_force = value),
-    constant!(tunable 3, "normalStiffness", NewtonPerMetre, POSITIVE, "stiffness of the normal spring", get: |element| (element.normal_stiffness > 0.0).then_some(element.normal_stiffness), set: |element, value| element.normal_stiffness = value),
-    constant!(tunable 4, "stiffness", NewtonPerMetre, POSITIVE, "stiffness before slip", stiffness),
-    constant!(tunable 5, "relaxation", Second, POSITIVE, "time within which friction lets go where the normal force falls", relaxation),
-];
+impl Numbered for DryFriction {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        constant!(tunable 0, "friction", One, POSITIVE, "friction coefficient of the surfaces", get: |element| (!limited(element)).then_some(element.friction), set: |element, value| element.friction = value),
+        constant!(tunable 1, "limit", Newton, POSITIVE, "largest friction force", get: |element| limited(element).then_some(element.normal_force), set: |element, value| element.normal_force = value),
+        constant!(tunable 2, "designNormalForce", Newton, Some(0.0), "normal force in the design configuration", get: |element| (!limited(element)).then_some(element.normal_force), set: |element, value| element.normal_force = value),
+        constant!(tunable 3, "normalStiffness", NewtonPerMetre, POSITIVE, "stiffness of the normal spring", get: |element| (element.normal_stiffness > 0.0).then_some(element.normal_stiffness), set: |element, value| element.normal_stiffness = value),
+        constant!(tunable 4, "stiffness", NewtonPerMetre, POSITIVE, "stiffness before slip", stiffness),
+        constant!(tunable 5, "relaxation", Second, POSITIVE, "time within which friction lets go where the normal force falls", relaxation),
+    ];
+}
 
 impl ForceElement for DryFriction {
     fn name(&self) -> &str {
@@ -251,18 +253,6 @@ impl ForceElement for DryFriction {
             2 => self.pair(bodies).normal_force,
             _ => 0.0,
         }
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(&CONSTANTS, self)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(&CONSTANTS, self, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, bodies: &Moving, state: &[f64]) -> f64 {

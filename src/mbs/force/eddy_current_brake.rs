@@ -14,7 +14,7 @@ use super::{ElementInput, ForceElement, POSITIVE, Parse, Places, Quantity, Quant
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::{Dimension, Unit};
 
 /// An eddy-current brake on one body.
@@ -57,8 +57,10 @@ const QUANTITIES: [Quantity; 2] = [
     Quantity { number: 1, name: "heatFlow", kind: QuantityKind::Power, description: "power that becomes heat in the rail" },
 ];
 
-const CONSTANTS: [Constant<EddyCurrentBrake>; 1] =
-    [constant!(tunable 0, "criticalSpeed", MetrePerSecond, POSITIVE, "speed at which the braking force is largest", critical_speed)];
+impl Numbered for EddyCurrentBrake {
+    const CONSTANTS: &'static [Constant<Self>] =
+        &[constant!(tunable 0, "criticalSpeed", MetrePerSecond, POSITIVE, "speed at which the braking force is largest", critical_speed)];
+}
 
 impl ForceElement for EddyCurrentBrake {
     fn name(&self) -> &str {
@@ -97,18 +99,6 @@ impl ForceElement for EddyCurrentBrake {
             1 => self.dissipated_power(bodies, state),
             _ => 0.0,
         }
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(&CONSTANTS, self)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(&CONSTANTS, self, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, _: &Moving, _: &[f64]) -> f64 {

@@ -10,7 +10,7 @@ use super::{ElementInput, ForceElement, Parse, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::Unit;
 use nalgebra::{Matrix3, Vector3};
 
@@ -62,11 +62,13 @@ const INPUTS: [ElementInput; 6] = [
 const QUANTITIES: [Quantity; 1] =
     [Quantity { number: 0, name: "power", kind: QuantityKind::Power, description: "power of force and moment on the body" }];
 
-const CONSTANTS: [Constant<ExternalLoad>; 3] = [
-    constant!(0, "placeX", Distance, None, "place along the body's x axis, from its centre of mass", place.local.x),
-    constant!(1, "placeY", Distance, None, "place along the body's y axis, from its centre of mass", place.local.y),
-    constant!(2, "placeZ", Distance, None, "place along the body's z axis, from its centre of mass", place.local.z),
-];
+impl Numbered for ExternalLoad {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        constant!(0, "placeX", Distance, None, "place along the body's x axis, from its centre of mass", place.local.x),
+        constant!(1, "placeY", Distance, None, "place along the body's y axis, from its centre of mass", place.local.y),
+        constant!(2, "placeZ", Distance, None, "place along the body's z axis, from its centre of mass", place.local.z),
+    ];
+}
 
 impl ForceElement for ExternalLoad {
     fn name(&self) -> &str {
@@ -118,18 +120,6 @@ impl ForceElement for ExternalLoad {
 
     fn quantity(&self, index: usize, bodies: &Moving, state: &[f64]) -> f64 {
         if index == 0 { self.supplied_power(bodies, state) } else { 0.0 }
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(&CONSTANTS, self)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(&CONSTANTS, self, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, _: &Moving, _: &[f64]) -> f64 {

@@ -24,7 +24,7 @@ use super::{ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::Dimension;
 use nalgebra::{Matrix2, Vector2, Vector3, Vector6};
 
@@ -82,12 +82,14 @@ const QUANTITIES: [Quantity; 4] = [
     Quantity { number: 3, name: "normalForce", kind: QuantityKind::Force, description: "normal force on the column, pressing positive" },
 ];
 
-const CONSTANTS: [Constant<FrictionWedge>; 4] = [
-    constant!(tunable 0, "designSpringForce", Newton, Some(0.0), "force of the wedges' spring in the design configuration", spring_force),
-    constant!(tunable 1, "springStiffness", NewtonPerMetre, POSITIVE, "stiffness of the wedges' spring", spring_stiffness),
-    constant!(tunable 2, "stiffness", NewtonPerMetre, POSITIVE, "stiffness of the friction pair before slip", get: |wedge| Some(wedge.column.stiffness), set: |wedge, value| wedge.column.stiffness = value),
-    constant!(tunable 3, "relaxation", Second, POSITIVE, "time within which friction lets go where the normal force falls", get: |wedge| Some(wedge.column.relaxation), set: |wedge, value| wedge.column.relaxation = value),
-];
+impl Numbered for FrictionWedge {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        constant!(tunable 0, "designSpringForce", Newton, Some(0.0), "force of the wedges' spring in the design configuration", spring_force),
+        constant!(tunable 1, "springStiffness", NewtonPerMetre, POSITIVE, "stiffness of the wedges' spring", spring_stiffness),
+        constant!(tunable 2, "stiffness", NewtonPerMetre, POSITIVE, "stiffness of the friction pair before slip", get: |wedge| Some(wedge.column.stiffness), set: |wedge, value| wedge.column.stiffness = value),
+        constant!(tunable 3, "relaxation", Second, POSITIVE, "time within which friction lets go where the normal force falls", get: |wedge| Some(wedge.column.relaxation), set: |wedge, value| wedge.column.relaxation = value),
+    ];
+}
 
 impl ForceElement for FrictionWedge {
     fn name(&self) -> &str {
@@ -157,18 +159,6 @@ impl ForceElement for FrictionWedge {
             3 => surfaces.normal_force,
             _ => 0.0,
         }
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(&CONSTANTS, self)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(&CONSTANTS, self, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, bodies: &Moving, state: &[f64]) -> f64 {

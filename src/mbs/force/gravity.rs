@@ -4,6 +4,7 @@ use super::ForceElement;
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
+use crate::settings::Numbered;
 
 /// Weight of one body.
 #[derive(Debug, Clone)]
@@ -16,6 +17,8 @@ pub struct Gravity {
     /// Of the track, rad, climbing positive.
     pub grade: f64,
 }
+
+impl Numbered for Gravity {}
 
 impl ForceElement for Gravity {
     fn name(&self) -> &str {
@@ -39,10 +42,6 @@ impl ForceElement for Gravity {
 
     /// Constant.
     fn tangent(&self, _: &Moving, _: &[f64], _: usize, _: &mut PairTangent) {}
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
-    }
 
     fn potential_energy(&self, bodies: &Moving, _: &[f64]) -> f64 {
         let position = &bodies[self.body].position;

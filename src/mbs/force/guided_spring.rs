@@ -19,7 +19,7 @@ use crate::geometry::track::station::Station;
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Constant, Entry, Number, Section, SettingsError};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError};
 use crate::units::{Dimension, Unit};
 use nalgebra::{Vector3, vector};
 
@@ -154,12 +154,14 @@ macro_rules! guide {
     };
 }
 
-const CONSTANTS: [Constant<GuidedSpring>; 4] = [
-    guide!(0, "longitudinalStiffness", longitudinal, stiffness, NewtonPerMetre, "stiffness of each longitudinal element"),
-    guide!(1, "longitudinalDamping", longitudinal, damping, NewtonSecondPerMetre, "damping of each longitudinal element"),
-    guide!(2, "lateralStiffness", lateral, stiffness, NewtonPerMetre, "stiffness of each lateral element"),
-    guide!(3, "lateralDamping", lateral, damping, NewtonSecondPerMetre, "damping of each lateral element"),
-];
+impl Numbered for GuidedSpring {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        guide!(0, "longitudinalStiffness", longitudinal, stiffness, NewtonPerMetre, "stiffness of each longitudinal element"),
+        guide!(1, "longitudinalDamping", longitudinal, damping, NewtonSecondPerMetre, "damping of each longitudinal element"),
+        guide!(2, "lateralStiffness", lateral, stiffness, NewtonPerMetre, "stiffness of each lateral element"),
+        guide!(3, "lateralDamping", lateral, damping, NewtonSecondPerMetre, "damping of each lateral element"),
+    ];
+}
 
 impl ForceElement for GuidedSpring {
     fn name(&self) -> &str {
@@ -203,18 +205,6 @@ impl ForceElement for GuidedSpring {
         let (along, side) = (quantity.number < 2, quantity.number as usize % 2);
         let spring = |guide| self.spring(guide, along, &self.attachments()[side], &bodies[self.body], bodies.station(self.body));
         self.guide(along).map_or(0.0, |guide| spring(guide).force())
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(&CONSTANTS, self)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(&CONSTANTS, self, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, bodies: &Moving, _: &[f64]) -> f64 {

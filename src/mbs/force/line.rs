@@ -20,7 +20,7 @@ use super::{ForceElement, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Constant, Number, Section, SettingsError};
+use crate::settings::{Number, Numbered, Section, SettingsError};
 use nalgebra::Vector3;
 
 /// The line that an element acts along.
@@ -130,7 +130,7 @@ pub struct Slopes {
 }
 
 /// Tension as a function of displacement x [m], its rate [m/s] and states of its own.
-pub trait LineLaw: Clone + Send + Sync + std::fmt::Debug + 'static {
+pub trait LineLaw: Numbered + Clone + Send + Sync + std::fmt::Debug + 'static {
     /// Number of states, at most one.
     fn states(&self) -> usize {
         0
@@ -180,9 +180,6 @@ pub trait LineLaw: Clone + Send + Sync + std::fmt::Debug + 'static {
     }
 
     fn set_preload(&mut self, _force: f64) {}
-
-    /// Its numbers that may be set before a run.
-    const CONSTANTS: &'static [Constant<Self>];
 }
 
 /// A force element of one scalar law.
@@ -207,6 +204,17 @@ impl<L: LineLaw> LineElement<L> {
     fn tension(&self, bodies: &Moving, state: &[f64]) -> f64 {
         let stretch = self.span.stretch(bodies);
         self.law.tension(stretch.displacement, stretch.rate, state)
+    }
+}
+
+/// An element's numbers are those of its law.
+impl<L: LineLaw> Numbered for LineElement<L> {
+    fn numbers(&self) -> Vec<Number> {
+        self.law.numbers()
+    }
+
+    fn set_number(&mut self, number: u32, value: f64) {
+        self.law.set_number(number, value);
     }
 }
 
@@ -297,18 +305,6 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
             1 => self.span.stretch(bodies).displacement,
             _ => 0.0,
         }
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(L::CONSTANTS, &self.law)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(L::CONSTANTS, &mut self.law, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, bodies: &Moving, state: &[f64]) -> f64 {

@@ -22,6 +22,7 @@ use crate::geometry::track::station::Station;
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
+use crate::settings::Numbered;
 use nalgebra::{Vector3, Vector6};
 
 /// g below which a load is no weight, m/s2.
@@ -52,6 +53,8 @@ impl VerticalLoad {
         station.frame.bend() * (-self.mass * station.speed * station.travel)
     }
 }
+
+impl Numbered for VerticalLoad {}
 
 impl ForceElement for VerticalLoad {
     fn name(&self) -> &str {
@@ -89,10 +92,6 @@ impl ForceElement for VerticalLoad {
         let load = |vector: &Vector3<f64>| Vector6::new(vector.x, vector.y, vector.z, 0.0, 0.0, 0.0);
         sum.add_damper(&load(&frame.bend()), &measured, 2.0 * self.mass * station.travel);
         sum.add_spring(&load(&bending), &measured, self.mass * station.travel * station.travel);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     /// Of the weight; what the curve's guidance of M does is power from outside.

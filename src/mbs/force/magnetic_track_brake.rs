@@ -22,7 +22,7 @@ use super::{ElementInput, ForceElement, POSITIVE, Parse, Places, Quantity, Quant
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::{Dimension, Unit};
 
 /// The state of the attraction counts in this, N: error control weighs it like a length.
@@ -108,15 +108,17 @@ const QUANTITIES: [Quantity; 3] = [
     Quantity { number: 2, name: "heatFlow", kind: QuantityKind::Power, description: "power that becomes heat in pole shoes and rail" },
 ];
 
-const CONSTANTS: [Constant<MagneticTrackBrake>; 7] = [
-    constant!(tunable 0, "friction", One, POSITIVE, "friction coefficient of the pole shoes at rest", friction),
-    constant!(tunable 1, "slidingFriction", One, Some(0.0), "friction coefficient that is left at high speed", get: |brake| brake.half_speed.is_finite().then_some(brake.sliding_friction), set: |brake, value| brake.sliding_friction = value),
-    constant!(tunable 2, "halfSpeed", MetrePerSecond, POSITIVE, "speed at which friction has fallen by half of all", get: |brake| brake.half_speed.is_finite().then_some(brake.half_speed), set: |brake, value| brake.half_speed = value),
-    constant!(tunable 3, "riseTime", Second, POSITIVE, "time constant with which the attraction follows the excitation", rise_time),
-    constant!(tunable 4, "stiffness", NewtonPerMetre, POSITIVE, "stiffness of the magnets' links along the track", sticking.stiffness),
-    constant!(tunable 5, "relaxation", Second, POSITIVE, "time within which the brake takes hold and lets go", sticking.relaxation),
-    constant!(tunable 6, "dampingTime", Second, Some(0.0), "damping of the brake's deflection over its stiffness", sticking.damping_time),
-];
+impl Numbered for MagneticTrackBrake {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        constant!(tunable 0, "friction", One, POSITIVE, "friction coefficient of the pole shoes at rest", friction),
+        constant!(tunable 1, "slidingFriction", One, Some(0.0), "friction coefficient that is left at high speed", get: |brake| brake.half_speed.is_finite().then_some(brake.sliding_friction), set: |brake, value| brake.sliding_friction = value),
+        constant!(tunable 2, "halfSpeed", MetrePerSecond, POSITIVE, "speed at which friction has fallen by half of all", get: |brake| brake.half_speed.is_finite().then_some(brake.half_speed), set: |brake, value| brake.half_speed = value),
+        constant!(tunable 3, "riseTime", Second, POSITIVE, "time constant with which the attraction follows the excitation", rise_time),
+        constant!(tunable 4, "stiffness", NewtonPerMetre, POSITIVE, "stiffness of the magnets' links along the track", sticking.stiffness),
+        constant!(tunable 5, "relaxation", Second, POSITIVE, "time within which the brake takes hold and lets go", sticking.relaxation),
+        constant!(tunable 6, "dampingTime", Second, Some(0.0), "damping of the brake's deflection over its stiffness", sticking.damping_time),
+    ];
+}
 
 impl ForceElement for MagneticTrackBrake {
     fn name(&self) -> &str {
@@ -185,18 +187,6 @@ impl ForceElement for MagneticTrackBrake {
             2 => self.dissipated_power(bodies, state),
             _ => 0.0,
         }
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(&CONSTANTS, self)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(&CONSTANTS, self, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, _: &Moving, state: &[f64]) -> f64 {

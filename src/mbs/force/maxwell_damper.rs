@@ -12,7 +12,7 @@
 use super::curve::{Beyond, Curve, Outside, Shape, Table, sided};
 use super::line::{LineElement, LineLaw, Slopes, Span};
 use super::{ForceElement, POSITIVE, Parse, Places};
-use crate::settings::{Constant, Entry, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::Dimension;
 
 /// The law of a spring and a damper in series.
@@ -26,12 +26,14 @@ pub struct MaxwellDamper {
     pub speed: Curve,
 }
 
-impl LineLaw for MaxwellDamper {
+impl Numbered for MaxwellDamper {
     const CONSTANTS: &'static [Constant<Self>] = &[
         constant!(tunable 0, "stiffness", NewtonPerMetre, POSITIVE, "stiffness of the series spring", stiffness),
         constant!(tunable 1, "damping", NewtonSecondPerMetre, POSITIVE, "damping of the damper", get: |law| law.damping, set: |law, value| (law.damping, law.speed) = (Some(value), Curve::linear(1.0 / value))),
     ];
+}
 
+impl LineLaw for MaxwellDamper {
     fn states(&self) -> usize {
         1
     }

@@ -54,12 +54,12 @@ use super::body::Wrench;
 use super::moving::Moving;
 use super::pair_tangent::{Ends, PairTangent};
 use super::twist::{Axles, Twist};
-use crate::settings::{Entry, Number, Section, SettingsError, choose};
+use crate::settings::{Entry, Number, Numbered, Section, SettingsError, choose};
 use crate::units::Unit;
 use nalgebra::Vector3;
 
 /// A force that depends on position and velocity of bodies, and on states of its own where it has any.
-pub trait ForceElement: Send + Sync + std::fmt::Debug {
+pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
     /// Name in reports.
     fn name(&self) -> &str;
 
@@ -150,14 +150,6 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
         0.0
     }
 
-    /// Its numbers that may be set before a run, and which of them during it too.
-    fn constants(&self) -> Vec<Number> {
-        Vec::new()
-    }
-
-    /// Sets the one of that [`Number::number`].
-    fn set_constant(&mut self, _number: u32, _value: f64) {}
-
     /// The tables of force over length or speed that it follows.
     fn tables(&self) -> Vec<Table> {
         Vec::new()
@@ -181,14 +173,37 @@ pub trait ForceElement: Send + Sync + std::fmt::Debug {
     /// Sets the preload at an index of [`ForceElement::static_stiffness`], N.
     fn set_preload(&mut self, _index: usize, _force: f64) {}
 
-    /// A copy behind a pointer.
-    fn clone_box(&self) -> Box<dyn ForceElement>;
-
     /// Stored energy, J, up to a constant; with the kinetic energy of its own rotating parts.
     fn potential_energy(&self, bodies: &Moving, state: &[f64]) -> f64;
 
     /// Power that turns into heat, W, never negative.
     fn dissipated_power(&self, bodies: &Moving, state: &[f64]) -> f64;
+}
+
+/// What each element has because it is copied ([`Clone`]) and says its numbers in a table ([`Numbered`]).
+pub trait Part {
+    /// Its numbers that may be set before a run, and which of them during it too.
+    fn constants(&self) -> Vec<Number>;
+
+    /// Sets the one of that [`Number::number`].
+    fn set_constant(&mut self, number: u32, value: f64);
+
+    /// A copy behind a pointer.
+    fn clone_box(&self) -> Box<dyn ForceElement>;
+}
+
+impl<E: ForceElement + Numbered + Clone> Part for E {
+    fn constants(&self) -> Vec<Number> {
+        self.numbers()
+    }
+
+    fn set_constant(&mut self, number: u32, value: f64) {
+        self.set_number(number, value);
+    }
+
+    fn clone_box(&self) -> Box<dyn ForceElement> {
+        Box::new(self.clone())
+    }
 }
 
 /// One scalar that an element reports.

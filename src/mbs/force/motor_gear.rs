@@ -29,7 +29,7 @@ use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, Gradient, PairTangent};
 use crate::mbs::twist::Axles;
-use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::{Dimension, Unit};
 use nalgebra::Vector3;
 
@@ -174,12 +174,14 @@ macro_rules! of_rotor {
     };
 }
 
-const CONSTANTS: [Constant<MotorGear>; 4] = [
-    constant!(0, "ratio", One, POSITIVE, "turns of the rotor for each turn of the axle", ratio),
-    of_rotor!(1, "rotorInertia", KilogramMetre2, POSITIVE, "moment of inertia of the rotor about its own axis", inertia),
-    of_rotor!(tunable 2, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the drive in torsion, at the axle", stiffness),
-    of_rotor!(tunable 3, "damping", NewtonMetreSecondPerRadian, Some(0.0), "damping of the drive in torsion, at the axle", damping),
-];
+impl Numbered for MotorGear {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        constant!(0, "ratio", One, POSITIVE, "turns of the rotor for each turn of the axle", ratio),
+        of_rotor!(1, "rotorInertia", KilogramMetre2, POSITIVE, "moment of inertia of the rotor about its own axis", inertia),
+        of_rotor!(tunable 2, "stiffness", NewtonMetrePerRadian, POSITIVE, "stiffness of the drive in torsion, at the axle", stiffness),
+        of_rotor!(tunable 3, "damping", NewtonMetreSecondPerRadian, Some(0.0), "damping of the drive in torsion, at the axle", damping),
+    ];
+}
 
 impl ForceElement for MotorGear {
     fn name(&self) -> &str {
@@ -311,18 +313,6 @@ impl ForceElement for MotorGear {
             4 => state.first().copied().unwrap_or(0.0),
             _ => 0.0,
         }
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(&CONSTANTS, self)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(&CONSTANTS, self, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, bodies: &Moving, state: &[f64]) -> f64 {

@@ -15,7 +15,7 @@ use super::{ElementInput, ForceElement, Parse, Places, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
-use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::{Dimension, Unit};
 
 /// v0, m/s.
@@ -75,11 +75,13 @@ const QUANTITIES: [Quantity; 2] = [
     },
 ];
 
-const CONSTANTS: [Constant<RunningResistance>; 3] = [
-    constant!(tunable 0, "rolling", Newton, Some(0.0), "A of the resistance A + B v + C v^2", rolling),
-    constant!(tunable 1, "perSpeed", NewtonSecondPerMetre, Some(0.0), "B of the resistance A + B v + C v^2", per_speed),
-    constant!(tunable 2, "air", KilogramPerMetre, Some(0.0), "C of the resistance A + B v + C v^2", air),
-];
+impl Numbered for RunningResistance {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        constant!(tunable 0, "rolling", Newton, Some(0.0), "A of the resistance A + B v + C v^2", rolling),
+        constant!(tunable 1, "perSpeed", NewtonSecondPerMetre, Some(0.0), "B of the resistance A + B v + C v^2", per_speed),
+        constant!(tunable 2, "air", KilogramPerMetre, Some(0.0), "C of the resistance A + B v + C v^2", air),
+    ];
+}
 
 impl ForceElement for RunningResistance {
     fn name(&self) -> &str {
@@ -125,18 +127,6 @@ impl ForceElement for RunningResistance {
             1 => force * speed,
             _ => 0.0,
         }
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(&CONSTANTS, self)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(&CONSTANTS, self, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, _: &Moving, _: &[f64]) -> f64 {

@@ -7,7 +7,7 @@
 use super::curve::{Curve, Outside, Shape, Table, parse as parse_curve};
 use super::line::{LineElement, LineLaw, Slopes, Span};
 use super::{ForceElement, Parse, Places};
-use crate::settings::{Constant, Entry, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::{Dimension, Unit};
 
 /// The law of a spring and a damper in parallel.
@@ -27,7 +27,7 @@ pub struct SpringDamper {
     pub damper: Curve,
 }
 
-impl LineLaw for SpringDamper {
+impl Numbered for SpringDamper {
     const CONSTANTS: &'static [Constant<Self>] = &[
         constant!(tunable 0, "stiffness", NewtonPerMetre, Some(0.0), "stiffness of the spring", get: |law| law.spring.linear_slope(), set: |law, value| law.spring = Curve::linear(value)),
         constant!(tunable 1, "damping", NewtonSecondPerMetre, Some(0.0), "damping of the damper", get: |law| law.damper.linear_slope(), set: |law, value| law.damper = Curve::linear(value)),
@@ -48,7 +48,9 @@ impl LineLaw for SpringDamper {
             },
         },
     ];
+}
 
+impl LineLaw for SpringDamper {
     #[inline]
     fn tension(&self, x: f64, rate: f64, _: &[f64]) -> f64 {
         self.preload + self.spring.force(x + self.offset) + self.damper.force(rate)

@@ -12,7 +12,7 @@
 use super::POSITIVE;
 use super::curve::{Curve, Outside, Shape, Table, sided};
 use super::line::{LineLaw, Slopes};
-use crate::settings::{Constant, Section, SettingsError, constant};
+use crate::settings::{Constant, Numbered, Section, SettingsError, constant};
 use crate::units::{Dimension, Unit};
 
 /// Stops in one or both directions.
@@ -97,14 +97,16 @@ impl Stop {
     }
 }
 
-impl LineLaw for Stop {
+impl Numbered for Stop {
     const CONSTANTS: &'static [Constant<Self>] = &[
         side_stiffness!(0, "extensionStiffness", extension, "stiffness of the stop in tension, beyond the free travel"),
         side_stiffness!(1, "compressionStiffness", compression, "stiffness of the stop in compression, beyond the free travel"),
         constant!(tunable 2, "clearance", Metre, Some(0.0), "free travel of each side before the stop's stiffness or table", get: |law| law.extension.as_ref().or(law.compression.as_ref()).map(|side| side.clearance), set: |law, value| law.buffers().for_each(|side| side.change(side.stiffness, value))),
         constant!(tunable 3, "damping", SecondPerMetre, Some(0.0), "growth of the stop's force with the speed of pressing", damping),
     ];
+}
 
+impl LineLaw for Stop {
     #[inline]
     fn tension(&self, x: f64, rate: f64, _: &[f64]) -> f64 {
         let (force, sign, rate) = self.side(x, rate);

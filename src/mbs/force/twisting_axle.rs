@@ -19,7 +19,7 @@ use crate::mbs::inertia::Inertia;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
 use crate::mbs::twist::{Axles, Twist};
-use crate::settings::{Constant, Entry, Number, Section, SettingsError, constant};
+use crate::settings::{Constant, Entry, Numbered, Section, SettingsError, constant};
 use crate::units::Dimension;
 
 /// What lets the wheels of one wheelset turn against each other.
@@ -67,10 +67,12 @@ const QUANTITIES: [Quantity; 4] = [
     },
 ];
 
-const CONSTANTS: [Constant<TwistingAxle>; 2] = [
-    constant!(tunable 0, "stiffness", NewtonMetrePerRadian, Some(0.0), "stiffness of the axle in torsion", get: |axle| axle.elastic.then_some(axle.twist.stiffness), set: |axle, value| axle.twist.stiffness = value),
-    constant!(tunable 1, "damping", NewtonMetreSecondPerRadian, Some(0.0), "damping between both wheels", twist.damping),
-];
+impl Numbered for TwistingAxle {
+    const CONSTANTS: &'static [Constant<Self>] = &[
+        constant!(tunable 0, "stiffness", NewtonMetrePerRadian, Some(0.0), "stiffness of the axle in torsion", get: |axle| axle.elastic.then_some(axle.twist.stiffness), set: |axle, value| axle.twist.stiffness = value),
+        constant!(tunable 1, "damping", NewtonMetreSecondPerRadian, Some(0.0), "damping between both wheels", twist.damping),
+    ];
+}
 
 impl ForceElement for TwistingAxle {
     fn name(&self) -> &str {
@@ -127,18 +129,6 @@ impl ForceElement for TwistingAxle {
             3 => self.torque(state),
             _ => 0.0,
         }
-    }
-
-    fn constants(&self) -> Vec<Number> {
-        Constant::read(&CONSTANTS, self)
-    }
-
-    fn set_constant(&mut self, number: u32, value: f64) {
-        Constant::write(&CONSTANTS, self, number, value);
-    }
-
-    fn clone_box(&self) -> Box<dyn ForceElement> {
-        Box::new(self.clone())
     }
 
     fn potential_energy(&self, _: &Moving, state: &[f64]) -> f64 {
