@@ -165,7 +165,7 @@ fn patches(criterion: &mut Criterion) {
     let stand = Stand::new("wheelset_s1002", "point");
     for y in [0.5e-3, -2e-3] {
         let (poses, located) = (stand.poses(y), stand.located(&stand.poses(y)));
-        let rail = RailStrips::new(stand.rail.profile.as_ref());
+        let rail = RailStrips::new(&stand.rail, std::iter::once(&stand.wheel));
         let mut scratch = Scratch::new(rail.len());
         let mut at = 0;
         criterion.bench_function(&format!("strips {:+.1} mm: pressed, with their parts", 1e3 * y), |bencher| {

@@ -97,7 +97,9 @@ impl Model {
             PatchLaw::Ellipse => None,
             PatchLaw::Strips if formulation.constrains() => return Err(AssemblyError::RigidPatch),
             PatchLaw::Strips if laws.transient.is_some() => return Err(AssemblyError::TransientPatch),
-            PatchLaw::Strips => Some(Side::BOTH.map(|side| RailStrips::new(track.rail(side).profile.as_ref()))),
+            PatchLaw::Strips => {
+                Some(Side::BOTH.map(|side| RailStrips::new(track.rail(side), wheelsets.iter().map(|wheelset| wheelset.wheel(side)))))
+            }
         };
         let own = formulation.points_per_wheel();
         let searches = wheel_search::searches(&wheelsets, &track, own == 1, &prepared);

@@ -122,6 +122,8 @@ const FARTHEST: f64 = 0.16;
 /// Steps of height [m] and roll [rad] that are taken for nothing.
 const STEP: f64 = 1e-12;
 const ITERATIONS: usize = 60;
+/// Places that have entered their rail by more are not those of a wheelset that stands, m.
+const ENTERED: f64 = 1e-9;
 /// Longest steps of height [m] and roll [rad].
 const LONGEST: (f64, f64) = (0.05, 0.02);
 
@@ -206,6 +208,10 @@ impl WheelsetOnTrack {
 
     fn finish(&self, y: f64, height: [f64; 2], roll: f64, touches: &[Vec<Touch>; 2], chosen: [usize; 2]) -> Result<Stand, NoStand> {
         let contacts = [touches[0][chosen[0]], touches[1][chosen[1]]];
+        // On a steep flank neither height nor roll brings a wheel out of its rail.
+        if touches.iter().flatten().any(|touch| touch.distance < -ENTERED) {
+            return Err(NoStand::NotFound { y });
+        }
         if let Some(side) = Side::BOTH.into_iter().find(|side| contacts[side.index()].at_edge) {
             return Err(NoStand::AtEdge { y, side });
         }

@@ -26,7 +26,7 @@ pub struct StripPatch {
 /// `None` where nothing overlaps.
 pub fn strip_patch(scene: &Scene, pair: &Pair, motion: &Motion) -> Option<StripPatch> {
     let (material, friction) = (scene.contact.material, scene.contact.friction);
-    let rail = RailStrips::new(pair.rail.profile.as_ref());
+    let rail = RailStrips::new(pair.rail, std::iter::once(pair.wheel));
     let mut scratch = Scratch::new(rail.len());
     let pressed = press_anywhere(pair, &rail, material, &mut scratch);
     let parts = Parts::new(pressed, &rail, MOST);

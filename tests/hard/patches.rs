@@ -117,7 +117,10 @@ fn hard_patches_of_strips_keep_the_energy_of_a_lossless_run() {
     ];
     let scene = scene("wheelset_s1002", &lossless);
     let mut simulation = common::start(&scene);
-    let rails = Side::BOTH.map(|side| RailStrips::new(simulation.model().track.rail(side).profile.as_ref()));
+    let rails = Side::BOTH.map(|side| {
+        let model = simulation.model();
+        RailStrips::new(model.track.rail(side), model.wheelsets.iter().map(|own| own.wheel(side)))
+    });
     let mut scratch = Scratch::new(rails[0].len());
     let mut books = |simulation: &mut Simulation| {
         let snapshot = simulation.snapshot().unwrap();

@@ -1,8 +1,11 @@
 //! The rail's head cut into strips along the track, once for all poses.
 
-use crate::geometry::profile::{Profile, ProfilePoint};
+use crate::geometry::profile::ProfilePoint;
+use crate::geometry::surface::Wheel;
+use crate::geometry::track::Rail;
+use std::sync::Arc;
 
-/// Widths of strips, m, where the head is bent more sharply than so [1/m]: patches are the narrower the sharper it is.
+/// Widths of strips, m, where the head, or the head against a wheel, is bent more sharply than so [1/m]: patches are the narrower the sharper it is.
 const WIDTHS: [(f64, f64); 3] = [(1.0 / 0.04, 3.5e-4), (1.0 / 0.15, 7e-4), (0.0, 1.35e-3)];
 
 /// One strip of the rail.
@@ -29,14 +32,17 @@ pub struct RailStrips {
 const NEIGHBOURS: usize = 9;
 
 impl RailStrips {
-    pub fn new(profile: &dyn Profile) -> RailStrips {
+    /// Strips of a rail for patches with these wheels.
+    pub fn new<'w>(rail: &Rail, wheels: impl Iterator<Item = &'w Wheel>) -> RailStrips {
+        let profile = rail.profile.as_ref();
+        let opposite = Opposite::new(wheels);
         let (first, last) = profile.range();
         let mut strips: Vec<RailStrip> = Vec::new();
         let (mut begin, mut arc) = (first, 0.0);
         while begin < last {
             let at = profile.at(begin);
             let slope = at.d1.hypot(1.0);
-            let bend = at.d2.abs() / slope.powi(3);
+            let bend = (at.d2.abs() / slope.powi(3)).max(opposite.bend(rail, begin, &at));
             let width = WIDTHS.iter().find(|(sharper, _)| bend >= *sharper).map_or(WIDTHS[0].1, |found| found.1);
             let end = begin + width / slope;
             let eta = 0.5 * (begin + end);
@@ -87,6 +93,52 @@ impl RailStrips {
     }
 }
 
+/// What wheels may bring to a place of the rail.
+struct Opposite {
+    /// Places of wheels: distance from the middle of the track, m, angle of the surface, rad, and curvature, 1/m, positive where the wheel is convex.
+    places: Vec<[f64; 3]>,
+}
+
+/// Wheels' profiles are looked at so often, m.
+const LOOKED: f64 = 2.5e-4;
+/// They meet a place of the rail at most so far across the track from where they stand in the middle of it, m, ...
+const SHIFT: f64 = 0.02;
+/// ... under about the same angle, rad: roll, and yaw on a steep flank.
+const TURN: f64 = 0.06;
+
+impl Opposite {
+    fn new<'w>(wheels: impl Iterator<Item = &'w Wheel>) -> Opposite {
+        let mut known: Vec<&Wheel> = Vec::new();
+        let mut places = Vec::new();
+        for wheel in wheels {
+            if known.iter().any(|other| Arc::ptr_eq(&other.profile, &wheel.profile) && other.half_spacing == wheel.half_spacing) {
+                continue;
+            }
+            known.push(wheel);
+            let (first, last) = wheel.profile.range();
+            let count = ((last - first) / LOOKED).ceil().max(1.0) as usize;
+            places.extend((0..=count).map(|k| {
+                let u = first + (last - first) * k as f64 / count as f64;
+                let at = wheel.profile.at(u);
+                [wheel.half_spacing + u, -at.d1.atan(), -at.d2 / at.d1.hypot(1.0).powi(3)]
+            }));
+        }
+        places.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        Opposite { places }
+    }
+
+    /// The sharpest relative curvature of what may meet the rail at a coordinate, where its profile is `at`, 1/m.
+    fn bend(&self, rail: &Rail, eta: f64, at: &ProfilePoint) -> f64 {
+        let across = rail.across(eta, at.value);
+        let tangent = rail.outward + rail.up * at.d1;
+        let angle = tangent.z.atan2(tangent.y * rail.side.sign());
+        let own = -at.d2 / at.d1.hypot(1.0).powi(3);
+        let begin = self.places.partition_point(|place| place[0] < across - SHIFT);
+        let near = self.places[begin..].iter().take_while(|place| place[0] <= across + SHIFT);
+        near.filter(|place| (place[1] - angle).abs() < TURN).map(|place| own + place[2]).fold(0.0, f64::max)
+    }
+}
+
 /// The distance whose logarithm is the mean of that of all distances between two strips: `exp` of the mean of `ln |y1 - y2|` over both widths.
 ///
 /// Influence grows like the logarithm of the distance where strips are near. With `L(v) = v^2 ln|v| / 2 - 3 v^2 / 4`, L'' = ln, the mean is a second
@@ -101,6 +153,7 @@ fn felt(distance: f64, width: f64, other: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Side;
     use crate::geometry::profile::Arch;
 
     #[test]
@@ -117,7 +170,7 @@ mod tests {
 
     #[test]
     fn prop_strips_cover_the_head_once() {
-        let rail = RailStrips::new(&Arch { radius: 0.045 });
+        let rail = RailStrips::new(&Rail::new(Side::Left, Arc::new(Arch { radius: 0.045 }), 0.75, 0.0, &[]), std::iter::empty());
         let pairs: Vec<_> = (1..rail.len()).map(|k| (rail.strip(k - 1), rail.strip(k))).collect();
         assert!(pairs.iter().all(|(a, b)| (b.arc - a.arc - 0.5 * (a.width + b.width)).abs() < 1e-12));
         let (first, last) = (rail.strip(0), rail.strip(rail.len() - 1));

@@ -102,6 +102,11 @@ pub struct Rail {
 }
 
 impl Rail {
+    /// Distance of a place of its section from the middle of the track, outward, where nothing displaces it, m.
+    pub fn across(&self, eta: f64, height: f64) -> f64 {
+        (self.offset + self.outward.y * eta + self.up.y * height) * self.side.sign()
+    }
+
     /// A straight rail whose section origin stands `half_spacing` [m] from the centre line and whose section leans
     /// by `inclination` [rad] toward it.
     pub fn new(side: Side, profile: Arc<dyn Profile>, half_spacing: f64, inclination: f64, deviations: &[Deviation]) -> Self {

@@ -181,7 +181,7 @@ fn laws(model: &Model, workspace: &Workspace, loops: u64) -> (f64, f64) {
         let (wheel, rail, speed) = (wheelset.wheel(side), model.track.rail(side), wheelset.speed(motion));
         let pair = Pair { wheel, rail, centre: &motion.position, axes: &motion.frame.axes, distance: motion.distance };
         if model.laws.patch == PatchLaw::Strips {
-            let rail = RailStrips::new(rail.profile.as_ref());
+            let rail = RailStrips::new(rail, model.wheelsets.iter().map(|wheelset| wheelset.wheel(side)));
             let mut scratch = Scratch::new(rail.len());
             let places = || reports(contact).map(ContactReport::near);
             normal += per_call(|| press(black_box(&pair), &rail, places(), material, &mut scratch).len());
