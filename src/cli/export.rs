@@ -2,8 +2,9 @@
 
 use super::output::{Kind, Target};
 use super::{Failure, SceneArguments, print, refused, table};
+use crate::fmi::check::{CheckRow, check};
 use crate::fmi::libraries::{self, LibraryError, Named};
-use crate::fmi::package::{self, CheckRow, PackageError, PackedScene};
+use crate::fmi::package::{self, PackageError, PackedScene};
 use crate::fmi::version::Version;
 use crate::fmi::{reference_results, system_structure};
 use crate::sim::outputs::Output;
@@ -107,7 +108,7 @@ const COLUMNS: [(&str, &str, f64); 6] = [
 impl From<PackageError> for Failure {
     fn from(error: PackageError) -> Self {
         match error {
-            PackageError::Check(_) | PackageError::Archive(_) => Failure::Run(error.to_string()),
+            PackageError::Archive(_) => Failure::Run(error.to_string()),
             _ => Failure::Input(error.to_string()),
         }
     }
@@ -152,7 +153,7 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
 
     let start = Instant::now();
     let run = packed.scene.run;
-    let (rows, failure) = match stop.map(|stop| package::check(&files, &packed, &references, stop, run.step, ROWS)) {
+    let (rows, failure) = match stop.map(|stop| check(&files, &packed, &references, stop, run.step, ROWS)) {
         None => (Vec::new(), None),
         Some(Ok(rows)) => (rows, None),
         Some(Err(error)) => {

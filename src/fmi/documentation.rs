@@ -2,7 +2,7 @@
 
 use super::packed_scene::PackedScene;
 use super::variables::{Kind, Variable};
-use super::vehicle_picture;
+use super::vehicle_picture::{self, Drawing};
 use super::version::Version;
 
 /// Text as HTML.
@@ -94,7 +94,7 @@ pub fn html(packed: &PackedScene) -> String {
         .replace("{{stop}}", &packed.scene.run.stop.to_string())
         .replace("{{step}}", &packed.scene.run.step.to_string())
         .replace("{{axes}}", vehicle_picture::AXES)
-        .replace("{{vehicle}}", &vehicle_picture::svg(&packed.scene.vehicle))
+        .replace("{{vehicle}}", &Drawing::new(&packed.scene.vehicle).svg())
         .replace("{{derivatives}}", derivatives)
         .replace("{{discard}}", discard)
         .replace("{{tables}}", &tables)

@@ -5,6 +5,8 @@
 
 mod additions;
 mod build_mark;
+#[cfg(feature = "cli")]
+pub mod check;
 pub mod description;
 pub mod documentation;
 #[allow(unsafe_code)]

@@ -2,7 +2,6 @@
 
 use super::description;
 use super::documentation;
-use super::ffi::{host, v3};
 use super::libraries::{self, Library};
 pub use super::packed_scene::PackedScene;
 use super::platform::Platform;
@@ -30,8 +29,6 @@ pub enum PackageError {
     Archive(#[from] zip::result::ZipError),
     #[error("the scene's text can't be packed: {0}")]
     Text(String),
-    #[error("the finished FMU failed its check: {0}")]
-    Check(#[from] host::HostError),
 }
 
 /// FMI 2.0's name of this host's platform folder.
@@ -103,7 +100,7 @@ fn set_text(document: &mut DocumentMut, key: &str, text: &str) {
 }
 
 /// A folder that is removed when it is dropped.
-fn scratch_folder() -> Result<tempfile::TempDir, PackageError> {
+pub(super) fn scratch_folder() -> Result<tempfile::TempDir, PackageError> {
     tempfile::tempdir().map_err(|error| PackageError::Unwritable { path: std::env::temp_dir(), problem: error.to_string() })
 }
 
@@ -112,7 +109,8 @@ pub fn library_path(identifier: &str, version: Version) -> String {
     libraries::path(Platform::host(), identifier, version)
 }
 
-fn write_folder(folder: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), PackageError> {
+/// Files of an archive, by path, to a folder.
+pub(super) fn write_folder(folder: &Path, files: &BTreeMap<String, Vec<u8>>) -> Result<(), PackageError> {
     for (name, content) in files {
         let path = folder.join(name);
         let unwritable = |error: std::io::Error| PackageError::Unwritable { path: path.clone(), problem: error.to_string() };
@@ -142,11 +140,23 @@ pub fn files(packed: &PackedScene, libraries: &[Library]) -> BTreeMap<String, Ve
     files.insert("terminalsAndIcons/terminalsAndIcons.xml".into(), terminals::xml(packed).into_bytes());
     files.insert("terminalsAndIcons/icon.png".into(), icon.clone());
     files.insert(format!("terminalsAndIcons/{}.png", terminals::ICON), include_bytes!("../../fmu/terminal.png").to_vec());
-    files.insert("model.png".into(), icon);
+    files.insert("model.png".into(), picture(packed).unwrap_or(icon));
     for (name, content) in &packed.resources {
         files.insert(format!("resources/{name}"), content.clone());
     }
     files
+}
+
+/// The vehicle's own picture.
+#[cfg(feature = "plot")]
+fn picture(packed: &PackedScene) -> Option<Vec<u8>> {
+    super::vehicle_picture::Drawing::new(&packed.scene.vehicle).png()
+}
+
+/// Without pictures: none.
+#[cfg(not(feature = "plot"))]
+fn picture(_: &PackedScene) -> Option<Vec<u8>> {
+    None
 }
 
 /// The archive's bytes: fixed order, fixed time stamps.
@@ -166,42 +176,4 @@ pub fn archive(files: &BTreeMap<String, Vec<u8>>) -> Result<Vec<u8>, PackageErro
         zip.write_all(content).map_err(zip::result::ZipError::Io)?;
     }
     Ok(zip.finish()?.into_inner())
-}
-
-/// One row of the check's table: time and the values of the chosen outputs.
-pub type CheckRow = (f64, Vec<f64>);
-
-/// Unpacks the FMU's files to a folder, loads its own library and steps it; returns the values of `references` at
-/// `rows` + 1 equidistant times from 0 to `stop`.
-///
-/// # Errors
-/// [`PackageError::Check`] with the library's own words.
-pub fn check(
-    files: &BTreeMap<String, Vec<u8>>,
-    packed: &PackedScene,
-    references: &[u32],
-    stop: f64,
-    step: f64,
-    rows: usize,
-) -> Result<Vec<CheckRow>, PackageError> {
-    let folder = scratch_folder()?;
-    write_folder(folder.path(), files)?;
-    let library = folder.path().join(library_path(&packed.scene.name, packed.table.version));
-    let resources = super::uri::from_path(&folder.path().join("resources"));
-    let guid = &packed.description.guid;
-    let mut fmu: Box<dyn host::Steps> = match packed.table.version {
-        Version::Two => Box::new(host::LoadedFmu::start(&library, guid, &resources)?),
-        Version::Three => Box::new(v3::host::LoadedFmu::start(&library, guid, &folder.path().join("resources"))?),
-    };
-    let mut table = vec![(0.0, fmu.get_real(references)?)];
-    let mut time = 0.0;
-    for row in 1..=rows {
-        let end = stop * row as f64 / rows as f64;
-        for next in crate::sim::recording::communication_points(time, end, step) {
-            fmu.do_step(time, next - time)?;
-            time = next;
-        }
-        table.push((time, fmu.get_real(references)?));
-    }
-    Ok(table)
 }

@@ -6,6 +6,7 @@
 
 use super::real_parameter::RealParameter;
 use super::variable::{Kind, Role, TUNABLE, Variable, WHEELSET};
+use crate::formulation::travelling_track::{DAMPINGS, MASSES, STIFFNESSES};
 use crate::mbs::inertia::Inertia;
 use crate::scene::spec::{SMALLEST, SMALLEST_MODULUS, Scene};
 use crate::scene::vehicle::{FASTEST, PlacedBody, PlacedWheelset, Sensor};
@@ -48,6 +49,70 @@ const CONTACT: [Constant<Scene>; 4] = [
         contact.material.youngs_modulus
     ),
     constant!(6, "contact.poissonRatio", One, Some(0.0), "Poisson's ratio of wheel and rail", contact.material.poisson_ratio),
+];
+
+macro_rules! support {
+    ($number:literal, $name:literal, $unit:ident, $range:expr, $text:literal, $way:ident, $field:ident) => {
+        constant!($number, $name, $unit, Some($range.0), $text, get: |scene| scene.track.flexibility.map(|track| track.$way.$field), set: |scene, value| {
+            if let Some(track) = &mut scene.track.flexibility {
+                track.$way.$field = value;
+            }
+        })
+    };
+}
+
+/// Of track that gives way under each wheel, with the largest values.
+const TRACK: [(Constant<Scene>, f64); 6] = [
+    (support!(20, "track.verticalMass", Kilogram, MASSES, "mass of the track that goes down under a wheel", vertical, mass), MASSES.1),
+    (
+        support!(
+            21,
+            "track.verticalStiffness",
+            NewtonPerMetre,
+            STIFFNESSES,
+            "vertical stiffness of the track under a wheel",
+            vertical,
+            stiffness
+        ),
+        STIFFNESSES.1,
+    ),
+    (
+        support!(
+            22,
+            "track.verticalDamping",
+            NewtonSecondPerMetre,
+            DAMPINGS,
+            "vertical damping of the track under a wheel",
+            vertical,
+            damping
+        ),
+        DAMPINGS.1,
+    ),
+    (support!(23, "track.lateralMass", Kilogram, MASSES, "mass of the track that goes sideways under a wheel", lateral, mass), MASSES.1),
+    (
+        support!(
+            24,
+            "track.lateralStiffness",
+            NewtonPerMetre,
+            STIFFNESSES,
+            "lateral stiffness of the track under a wheel",
+            lateral,
+            stiffness
+        ),
+        STIFFNESSES.1,
+    ),
+    (
+        support!(
+            25,
+            "track.lateralDamping",
+            NewtonSecondPerMetre,
+            DAMPINGS,
+            "lateral damping of the track under a wheel",
+            lateral,
+            damping
+        ),
+        DAMPINGS.1,
+    ),
 ];
 
 /// Of the distance of a vehicle of several bodies.
@@ -254,6 +319,10 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Variable> {
     all.bounded("speed", FASTEST);
     all.of_scene("contact", None, &CONTACT);
     all.bounded("contact.poissonRatio", 0.5);
+    for (line, greatest) in const { &TRACK } {
+        all.of_scene("track", None, std::slice::from_ref(line));
+        all.bounded(line.name, *greatest);
+    }
     let base = |place: usize| WHEELSET * (place as u32 + 1);
     for (place, wheelset) in vehicle.wheelsets.iter().enumerate() {
         let part = Some((wheelset.spec.name.as_str(), base(place)));

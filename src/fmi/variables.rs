@@ -9,7 +9,6 @@ use super::version::Version;
 use crate::formulation::AssemblyError;
 use crate::formulation::inputs::{ELEMENT_INPUTS, InputRow, RAIL_ROWS, WHEELSET_ROWS, input_index, rail_input};
 use crate::geometry::Side;
-use crate::mbs::pair_tangent::Ends;
 use crate::scene::assemble;
 use crate::scene::spec::Scene;
 use crate::sim::SimulationState;
@@ -32,7 +31,7 @@ pub struct VariableTable {
     pub start_inputs: Vec<f64>,
     wheelsets: usize,
     /// By input of force elements: the element's number among the vehicle's, and its bodies.
-    elements: Vec<(usize, Ends)>,
+    elements: Vec<(usize, [Option<usize>; 3])>,
     first_element_input: usize,
     /// Index of each reference.
     index: HashMap<u32, usize>,
@@ -74,7 +73,7 @@ impl VariableTable {
         variables.extend(locals(model.formulation.constrains(), scene.solver.integrator.linearises()));
         let index = variables.iter().enumerate().map(|(index, variable)| (variable.reference, index)).collect();
         let forces = scene.vehicle.forces.iter().enumerate();
-        let elements = forces.flat_map(|(number, force)| std::iter::repeat_n((number, force.0.bodies()), force.0.inputs().len())).collect();
+        let elements = forces.flat_map(|(number, force)| std::iter::repeat_n((number, force.0.reach()), force.0.inputs().len())).collect();
         Ok(VariableTable {
             variables,
             additions: if version == Version::Three { Additions::new(scene, &outputs) } else { Additions::default() },

@@ -28,9 +28,9 @@ pub const RAIL_STATES: usize = 4;
 /// The word that lays this track.
 const TRAVELLING: &str = "travelling";
 /// Least and greatest of what makes sense: kg, N/m, N s/m.
-const MASSES: (f64, f64) = (1.0, 1e5);
-const STIFFNESSES: (f64, f64) = (1e6, 1e12);
-const DAMPINGS: (f64, f64) = (0.0, 1e8);
+pub const MASSES: (f64, f64) = (1.0, 1e5);
+pub const STIFFNESSES: (f64, f64) = (1e6, 1e12);
+pub const DAMPINGS: (f64, f64) = (0.0, 1e8);
 
 /// Track under one wheel in one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]

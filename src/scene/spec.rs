@@ -138,7 +138,7 @@ pub const ENERGY: &str = "energy";
 pub const ON_REQUEST: [&str; 4] = [SLIDING_MEANS, ADHESION, POWER, ENERGY];
 /// Shown where rails move from outside.
 pub const RAIL_FORCES: &str = "rail_forces";
-pub const PARAMETER_GROUPS: &[&str] = &["vehicle", "suspension", "contact", "solver", "initial"];
+pub const PARAMETER_GROUPS: &[&str] = &["vehicle", "suspension", "contact", "track", "solver", "initial"];
 
 /// `[interface]`: names of groups; all when absent.
 #[derive(Clone, Debug, Default, PartialEq)]

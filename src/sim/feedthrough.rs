@@ -8,7 +8,6 @@ use crate::formulation::{
     VERTICAL_FORCE, WHEELSET_INPUTS,
 };
 use crate::geometry::Side;
-use crate::mbs::pair_tangent::Ends;
 use std::sync::Arc;
 
 /// What an output of a wheelset depends on at the same instant.
@@ -204,10 +203,10 @@ impl Feedthrough {
     }
 
     /// Does an input of this element, between these bodies, change it?
-    pub fn by_element(&self, element: usize, ends: &Ends) -> bool {
+    pub fn by_element(&self, element: usize, bodies: &[Option<usize>]) -> bool {
         match self.acted_on {
             ActedOn::Nothing => false,
-            ActedOn::Loads => ends.iter().flatten().any(|body| self.reach.covers(*body)),
+            ActedOn::Loads => bodies.iter().flatten().any(|body| self.reach.covers(*body)),
             ActedOn::Element(own) => own == element,
         }
     }

@@ -43,6 +43,9 @@ fn motors(settings: &str, torque: f64) -> String {
     format!("{}{}", motor(1, 0.3), motor(2, -0.3))
 }
 
+/// What the truck shows, with force elements and contacts.
+const SHOWN: &str = "interface.outputs=[\"motion\", \"wheels\", \"contacts\", \"bodies\", \"forces\"]";
+
 const STRAIGHT: [&str; 2] = ["track.deviation[1].amplitude=0", "track.deviation[2].amplitude=0"];
 
 /// The truck at imposed speed, driven by T = 4.6 kN m at each axle: the rails push with 2 T / r, which the drive's constraint takes back at the axle's height r. All
@@ -76,6 +79,77 @@ fn analytic_reactions_of_motors_shift_axle_loads() {
     let found = shift("", 4600.0);
     println!("driveTorque: {:.0} N and {:.0} N", found[0], found[1]);
     assert!(found[0].abs() < 20.0 && found[1].abs() < 20.0, "{found:?}");
+}
+
+/// A motor on the car that drives the front axle by a cardan shaft, S = 1.5 kN m, n = 3: T = n S shifts axle loads as any motor's does. The shaft rolls its axle by S, the stator the car by -S, which comes
+/// back to both axles through the frame, half to each: right less left is +S/b on the driven axle and -S/b on the other one, b between the places of contact; and together what the car makes that leans to the left.
+#[test]
+fn analytic_a_cardan_shaft_rolls_axle_and_car() {
+    let (torque, ratio) = (1500.0, 3.0);
+    for (turns, sense) in [("clockwise", 1.0), ("anticlockwise", -1.0)] {
+        let entries = format!(
+            "[[vehicle.force]]\nname = \"cardan\"\nkind = \"cardan_drive\"\nfrom = {{ body = \"car\", at = [-1.0, 0.0, 0.9] }}\nto = {{ body = \"wheelset[1]\", at = [1.28, 0.0, 0.46] }}\narm = {{ body = \"frame\", at = [0.68, 0.0, 0.5] }}\nratio = {ratio}\nturns = \"{turns}\"\ntorque = {torque}\nrotor_inertia = 4.0\nstiffness = 2e5\ndamping = 300\n"
+        );
+        let scene = with("bogie", &entries, &[STRAIGHT[0], STRAIGHT[1], SHOWN]);
+        let mut simulation = Simulation::new(&scene, 0.0).unwrap();
+        let before = axle_loads(&mut simulation, &scene);
+        let leaning = weights_ahead(&mut simulation, &scene);
+        simulation.advance(8.0).unwrap();
+        let after = axle_loads(&mut simulation, &scene);
+        let leaning = (weights_ahead(&mut simulation, &scene) - leaning) / 2.56;
+        let shift = after[0] - before[0] - leaning;
+        println!("axle loads shift by {shift:.1} N, statics {:.1} N", -ratio * torque / 2.56);
+        assert!((shift / (-ratio * torque / 2.56) - 1.0).abs() < 3e-3, "{shift}");
+        let mut of = |name: &str| value(&mut simulation, &scene, name);
+        let base = 0.5 * (of("wheelset[1].left.contact[1].railCoordinate") + of("wheelset[1].right.contact[1].railCoordinate"));
+        let base = 2.0 * scene.track.half_rail_distance + 2.0 * base;
+        let [front, rear] =
+            [1, 2].map(|k| of(&format!("wheelset[{k}].right.verticalForce")) - of(&format!("wheelset[{k}].left.verticalForce")));
+        // To the left the left wheels get more.
+        let weights = [("car", 16000.0), ("frame", 2615.0), ("wheelset[1]", 1813.0), ("wheelset[2]", 1813.0)];
+        let leaning: f64 = weights.iter().map(|(body, mass)| 9.81 * mass * of(&format!("{body}.y"))).sum();
+        let expected = sense * torque / base;
+        println!(
+            "right less left: {front:.1} N and {rear:.1} N, statics {expected:.1} N and {:.1} N; the car's weight {:.1} N in all",
+            -expected,
+            -2.0 * leaning / base
+        );
+        assert!(
+            ((front - rear) / (2.0 * expected) - 1.0).abs() < 0.01 && (front + rear + 2.0 * leaning / base).abs() < 10.0,
+            "{front} {rear} {expected} {leaning}"
+        );
+        assert!(
+            (of("cardan.shaftTorque") / torque - 1.0).abs() < 1e-3 && (of("cardan.armForce") / (ratio * torque / -0.6) - 1.0).abs() < 2e-3
+        );
+    }
+}
+
+/// What a master sees of it.
+#[test]
+fn prop_a_cardan_drive_stands_in_the_description() {
+    let entries = "[[vehicle.force]]\nname = \"cardan\"\nkind = \"cardan_drive\"\nfrom = \"car\"\nto = \"wheelset[1]\"\nat = [1.28, 0.0, 0.46]\narm = { body = \"frame\", at = [0.68, 0.0, 0.5] }\nratio = 3\ntorque = 500\nrotor_inertia = 4.0\nstiffness = 2e5\n";
+    let packed = wheelrail::fmi::package::pack_scene(&with("bogie", entries, &[SHOWN])).unwrap_or_else(|error| panic!("{error}"));
+    let causality = |name: &str| {
+        let variable = packed.table.variables.iter().find(|variable| variable.name == name);
+        variable.unwrap_or_else(|| panic!("no {name}")).causality
+    };
+    assert_eq!(causality("cardan.torque"), "input");
+    for name in ["axleTorque", "axleSpeed", "motorSpeed", "power", "twist", "shaftTorque", "armForce"] {
+        assert_eq!(causality(&format!("cardan.{name}")), "output");
+    }
+    for name in ["ratio", "rotorInertia", "stiffness", "damping"] {
+        assert_eq!(causality(&format!("cardan.{name}")), "parameter");
+    }
+    for key in ["from", "arm"] {
+        let wrong = entries.replace(
+            if key == "from" { "from = \"car\"" } else { "body = \"frame\"" },
+            if key == "from" { "from = \"wheelset[2]\"" } else { "body = \"wheelset[2]\"" },
+        );
+        let text = embedded::find("bogie").unwrap().text.replacen("\n[track]\n", &format!("\n{wrong}\n[track]\n"), 1);
+        let source = Source { file: "traction.toml".into(), text, overridden: vec![], folder: None };
+        let error = load::read("traction", source, &[]).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(error.contains(key) && error.contains("is a wheelset"), "{key}: {error}");
+    }
 }
 
 /// An example with changes.

@@ -17,6 +17,9 @@ NEEDED = {f"fmi{version}{name}" for version in (2, 3) for name in ("GetVersion",
 # What Linux has with its C library, and Windows since version 10 for every program.
 LINUX = {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "librt.so.1", "libgcc_s.so.1", "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"}
 WINDOWS = re.compile(r"(kernel32|ntdll|bcryptprimitives|advapi32|userenv|ws2_32|msvcrt|ucrtbase|api-ms-win-[a-z0-9-]+|vcruntime140)\.dll", re.IGNORECASE)
+# What the program alone does, which loads libraries to check what it exports: an FMU loads none, and opens no connection. (dlsym looks for what is there: unwinding and Rust's library do. On Windows the latter asks for all functions of sockets.)
+LOADERS = {"dlopen", "dlmopen", "LoadLibraryA", "LoadLibraryW", "LoadLibraryExA", "LoadLibraryExW", "FreeLibrary"}
+SOCKETS = {"socket", "connect", "bind", "listen", "accept", "accept4", "getaddrinfo"}
 # What tells of this machine: the sources' folder, the user's and cargo's. (Rust's own library has sources under /rustc/, which is no machine's.)
 PLACES = {str(pathlib.Path(__file__).resolve().parents[2]), str(pathlib.Path.home()), os.environ.get("CARGO_HOME", str(pathlib.Path.home() / ".cargo"))}
 
@@ -34,6 +37,10 @@ class Found:
         self.failed += not holds
         print(f"  {'ok  ' if holds else 'FAIL'} {what}{': ' if detail else ''}{detail}")
 
+    def imports(self, names, refused, what):
+        host = refused & set(names)
+        self.check(not host and names, what, ", ".join(sorted(host)) or f"{len(names)} imports")
+
     def exports(self, names):
         other = sorted(name for name in names if not EXPORTED.fullmatch(name))
         self.check(not other, "exports no symbol but FMI's", ", ".join(other[:9]) or f"{len(names)} functions")
@@ -47,6 +54,7 @@ def elf(path, found, limit):
         symbols = [symbol for symbol in library.get_section_by_name(".dynsym").iter_symbols() if symbol.name]
         # Versions' own names stand there as absolute symbols.
         found.exports({s.name for s in symbols if s["st_shndx"] not in ("SHN_UNDEF", "SHN_ABS") and s["st_info"]["bind"] != "STB_LOCAL"})
+        found.imports({s.name for s in symbols if s["st_shndx"] == "SHN_UNDEF"}, LOADERS | SOCKETS, "loads no library and opens no connection")
         found.check(library.get_section_by_name(".symtab") is None, "no symbol table beside")
         needed = [tag.needed for tag in library.get_section_by_name(".dynamic").iter_tags("DT_NEEDED")]
         found.check(set(needed) <= LINUX, "needs the C library alone", ", ".join(needed))
@@ -73,6 +81,14 @@ def pe(path, found):
     found.check(library.FILE_HEADER.PointerToSymbolTable == 0, "no symbol table beside")
     imported = [entry.dll.decode() for entry in library.DIRECTORY_ENTRY_IMPORT]
     found.check(all(WINDOWS.fullmatch(name) for name in imported), "needs Windows' own libraries alone", ", ".join(imported))
+    functions = [function for entry in library.DIRECTORY_ENTRY_IMPORT for function in entry.imports]
+    found.imports({function.name.decode() for function in functions if function.name}, LOADERS, "loads no library")
+    # Two import libraries of one name may leave functions outside of every list that the loader walks: their places hold the address of a name, which a call would jump to.
+    table = library.OPTIONAL_HEADER.DATA_DIRECTORY[pefile.DIRECTORY_ENTRY["IMAGE_DIRECTORY_ENTRY_IAT"]]
+    listed = {function.address - library.OPTIONAL_HEADER.ImageBase for function in functions}
+    words = range(table.VirtualAddress, table.VirtualAddress + table.Size, 8)
+    unbound = [place for place in words if library.get_qword_at_rva(place) and place not in listed]
+    found.check(table.Size and not unbound, "the loader binds every import", f"{len(listed)} of {len(listed) + len(unbound)}")
 
 
 def main():

@@ -97,6 +97,35 @@ fn fmu_library_shows_no_symbols_but_those_of_fmi() {
     }
 }
 
+/// Other masters than FMPy, where they have packages: two wheelsets that push each other get what they get by hand, to the bit.
+#[test]
+fn fmu_coupled_under_other_masters() {
+    if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        script("masters.py", &[]);
+    }
+}
+
+/// model.png is a PNG of this vehicle: on nothing, as wide as high, with more ink where there is more vehicle; another one for each vehicle, the same bytes each time.
+#[test]
+fn fmu_shows_its_own_vehicle() {
+    let picture = |scene: &str| {
+        let packed = package::pack_scene(&super::changed(scene, &[])).unwrap();
+        package::files(&packed, &[]).remove("model.png").unwrap()
+    };
+    let found = ["suspended_wheelset", "bogie", "vehicle_manchester_1", "train"].map(picture);
+    for (i, bytes) in found.iter().enumerate() {
+        assert_eq!(&bytes[..8], b"\x89PNG\r\n\x1a\n");
+        let number = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
+        assert_eq!((&bytes[12..16], number(16), number(20)), (&b"IHDR"[..], 400, 400));
+        assert!(found[..i].iter().all(|other| other != bytes));
+        let picture = tiny_skia::Pixmap::decode_png(bytes).unwrap();
+        let inked = picture.pixels().iter().filter(|pixel| pixel.alpha() > 0).count();
+        println!("{} bytes, {:.1} % inked", bytes.len(), 100.0 * inked as f64 / 16e4);
+        assert!((400..120_000).contains(&inked) && picture.pixels()[0].alpha() == 0, "{inked}");
+    }
+    assert_eq!(picture("bogie"), found[1]);
+}
+
 #[test]
 fn fmu_holds_the_results_that_it_gives() {
     let file = scratch().join("reference_curve.fmu");

@@ -398,6 +398,52 @@ fn prop_every_parameter_reads_and_writes_a_number_of_its_own() {
     }
 }
 
+/// The numbers of track that gives way are the same as parameters of the FMU and as keys of the scene, to the last bit of a run; a scene with rigid track has none.
+#[test]
+fn equiv_parameters_of_track_are_those_of_the_scene_file() {
+    let run = |track: &str, values: &[(&str, f64)]| -> Vec<u64> {
+        let bump = "track.deviation=[{rail=\"both\",direction=\"vertical\",shape=\"cosine\",amplitude=\"2 mm\",from=2.0,to=4.0}]";
+        let packed = package::pack_scene(&open("wheelset_s1002", &["interface={}", bump, track]).unwrap()).unwrap();
+        let folder = unpacked(&packed);
+        let named = |name: &str| packed.table.variables.iter().find(|variable| variable.name == name);
+        let mut instance = Instance::new(folder.path(), &packed.description.guid).unwrap();
+        instance.setup_experiment(None, 0.0, None).unwrap();
+        for (name, value) in values {
+            let variable = named(name).unwrap_or_else(|| panic!("no {name}"));
+            assert_eq!((variable.causality, variable.variability), ("parameter", "fixed"));
+            for bad in [variable.min.unwrap() - 1.0, variable.max.unwrap() * 2.0] {
+                assert!(instance.set_real(&[variable.reference], &[bad]).is_err(), "{name} = {bad}");
+            }
+            instance.set_real(&[variable.reference], &[*value]).unwrap();
+        }
+        instance.enter_initialization().unwrap();
+        instance.exit_initialization().unwrap();
+        if let Some((name, _)) = values.first() {
+            assert!(instance.set_real(&[named(name).unwrap().reference], &[2e7]).is_err(), "fixed during the run");
+        }
+        instance.do_step(0.0, 0.2).unwrap();
+        let names = ["wheelset.z", "wheelset.y", "wheelset.left.verticalForce", "wheelset.right.lateralForce"];
+        let mut found = [0.0; 4];
+        instance.get_real(&names.map(|name| named(name).unwrap().reference), &mut found).unwrap();
+        found.map(f64::to_bits).to_vec()
+    };
+    let plain = run("track.flexibility=travelling", &[]);
+    for (key, name, value) in [
+        ("vertical_stiffness", "track.verticalStiffness", 4e7),
+        ("vertical_mass", "track.verticalMass", 300.0),
+        ("vertical_damping", "track.verticalDamping", 3e4),
+        ("lateral_stiffness", "track.lateralStiffness", 2e7),
+        ("lateral_mass", "track.lateralMass", 100.0),
+        ("lateral_damping", "track.lateralDamping", 4e4),
+    ] {
+        let scene = run(&format!("track.flexibility={{model=\"travelling\",{key}={value:?}}}"), &[]);
+        assert_eq!(run("track.flexibility=travelling", &[(name, value)]), scene, "{name}");
+        assert_ne!(scene, plain, "{name} changes nothing");
+    }
+    let rigid = package::pack_scene(&open("wheelset_s1002", &["interface={}"]).unwrap()).unwrap();
+    assert!(rigid.table.variables.iter().all(|variable| !variable.name.starts_with("track.")));
+}
+
 /// A part's number is the same, to the last bit of a run, as parameter of the FMU and as key of the scene.
 #[test]
 fn equiv_parameters_of_elements_are_those_of_the_scene_file() {

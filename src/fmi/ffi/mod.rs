@@ -1,10 +1,12 @@
-//! The C functions of FMI 2.0 and, in `v3`, of FMI 3.0, and in `host` their callers: the only unsafe code of the program.
+//! The C functions of FMI 2.0 and, in `v3`, of FMI 3.0, and in `host` their callers, which the program has (feature `cli`) and the FMU's
+//! library has not: the only unsafe code of the program.
 //!
 //! Each function checks its pointers, takes the instance, catches panics and turns the answer into a status. A panic
 //! poisons its instance only: that one answers fmi2Error ever after. `nvr == 0` returns before any slice is made.
 
 mod common;
 mod component;
+#[cfg(feature = "cli")]
 pub mod host;
 mod model_exchange;
 pub mod session;

@@ -15,7 +15,6 @@
 //! positive forward. `T rho` is the power of both wrenches at every motion.
 
 use super::attachment::{Attachment, Places};
-use super::line::ends;
 use crate::geometry::Side;
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
@@ -39,21 +38,29 @@ pub struct AxlePair {
     line: Option<Vector3<f64>>,
 }
 
-/// Two bodies and their places from the keys `from` (the carrier) and `to` (the axle); the vector is that from the axle to the place.
-pub(super) fn read_ends(section: &Section, places: &dyn Places) -> Result<(AxlePair, Vector3<f64>), SettingsError> {
-    let (from, to) = ends(section, places)?;
+/// Two bodies and their places from the keys `carrier` and `to` (the axle); the vector is that from the axle to the carrier's place.
+pub(super) fn read_pair(section: &Section, places: &dyn Places, carrier: &'static str) -> Result<(AxlePair, Vector3<f64>), SettingsError> {
+    let (from, to) = (places.attachment(section, carrier)?, places.attachment(section, "to")?);
+    if from.body == to.body {
+        return Err(section.error("to", format!("is on the same body as \"{carrier}\", so that the element would do nothing")));
+    }
     let body = |key, place: &Attachment| {
         place.body.ok_or_else(|| section.error(key, "is the world; expected a body: what turns an axle must be carried by one"))
     };
-    let (carrier, axle) = (body("from", &from)?, body("to", &to)?);
-    let centre = Attachment::on(axle, Vector3::zeros());
-    let arm = places.design_vector(&centre, &from);
+    let (carrier, axle) = (body(carrier, &from)?, body("to", &to)?);
+    let arm = places.design_vector(&Attachment::on(axle, Vector3::zeros()), &from);
+    Ok((AxlePair { axle, side: None, turning: axle, carrier, place: from.local, line: None }, arm))
+}
+
+/// The same with the key `from`, and the wheel that is turned.
+pub(super) fn read_ends(section: &Section, places: &dyn Places) -> Result<(AxlePair, Vector3<f64>), SettingsError> {
+    let (pair, arm) = read_pair(section, places, "from")?;
     let side = match section.word_or("wheel", &["both", "left", "right"], "both")? {
         "both" => None,
         word if (word == "left") == (places.mirror() > 0.0) => Some(Side::Left),
         _ => Some(Side::Right),
     };
-    Ok((AxlePair { axle, side, turning: axle, carrier, place: from.local, line: None }, arm))
+    Ok((AxlePair { side, ..pair }, arm))
 }
 
 impl AxlePair {

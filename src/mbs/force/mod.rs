@@ -15,6 +15,7 @@ mod axle_pair;
 mod brake;
 mod bump_stop;
 mod bushing;
+mod cardan_drive;
 mod coupler;
 mod curve;
 mod dry_friction;
@@ -89,7 +90,7 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
         false
     }
 
-    /// Of an element that turns an axle: the body that takes what the momentum of its own rotating parts demands.
+    /// Of an element that turns an axle: the body that takes what the momentum of its own rotating parts demands, one of [`ForceElement::bodies`] or a third.
     fn rotor_carrier(&self) -> Option<usize> {
         None
     }
@@ -133,8 +134,14 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
     /// Adds the element's wrenches to those of the bodies, in the track frame, and writes the rates of its states.
     fn apply(&self, bodies: &Moving, state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]);
 
-    /// The bodies that the element acts between and loads; it follows the motion of no others. `None`: the world or the track.
+    /// The bodies that the element acts between and loads; it follows the motion of no others but its [`ForceElement::rotor_carrier`]. `None`: the world or the track.
     fn bodies(&self) -> Ends;
+
+    /// All bodies that it loads or follows; one may be named twice.
+    fn reach(&self) -> [Option<usize>; 3] {
+        let [from, to] = self.bodies();
+        [from, to, self.rotor_carrier()]
+    }
 
     /// Adds how wrenches and rates change with the motion of the element's bodies and with its own states, the first of which stands at
     /// `first_state` of the state vector.
@@ -278,6 +285,7 @@ pub static REGISTRY: &[Entry<Parse>] = &[
     coupler::ENTRY,
     GUIDED_SPRING,
     motor_gear::ENTRY,
+    cardan_drive::ENTRY,
     brake::ENTRY,
     running_resistance::ENTRY,
     eddy_current_brake::ENTRY,

@@ -62,7 +62,7 @@ pub struct Rotor {
 
 /// Unit of the rotor's speed over n, 1/s: sqrt(k / J) of usual drives, so that both states are angles of one size. It is no drive's own, whose
 /// stiffness may be tuned during a run: a rotor keeps its speed then.
-const UNIT_RATE: f64 = 600.0;
+pub(super) const UNIT_RATE: f64 = 600.0;
 
 /// Drive and rotor at one instant.
 struct Drive {
@@ -127,7 +127,7 @@ impl MotorGear {
     }
 }
 
-const INPUTS: [ElementInput; 1] = [ElementInput {
+pub(super) const INPUTS: [ElementInput; 1] = [ElementInput {
     number: 0,
     name: "torque",
     unit: Unit::NewtonMetre,
@@ -326,7 +326,7 @@ impl ForceElement for MotorGear {
 }
 
 /// Shortest distance of a nose link from its axle along the track, m.
-const NEAREST_NOSE: f64 = 0.05;
+pub(super) const NEAREST_NOSE: f64 = 0.05;
 
 fn read_rotor(section: &Section) -> Result<Option<Rotor>, SettingsError> {
     if !section.has("rotor_inertia") {

@@ -4,5 +4,5 @@ pub mod pair;
 mod state;
 
 pub use pair::PairTangent;
+pub(super) use state::{Across, Terms, TwistTerms, dot};
 pub use state::{Ends, Gradient, StateTangent};
-pub(super) use state::{Terms, TwistTerms, dot};

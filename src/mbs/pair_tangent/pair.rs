@@ -14,7 +14,7 @@
 //! displacements when bodies turn: angular velocity times damping beside the stiffness (0.05 1/s x 3e4 N s/m beside 1e5 N/m), and the
 //! damper's own force times angle.
 
-use super::state::{Ends, Gradient, StateTangent, Terms};
+use super::state::{Across, Ends, Gradient, StateTangent, Terms};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// Sums over the elements of one pair of bodies.
@@ -43,6 +43,13 @@ impl PairSum {
         PairSum { ends, spinning, used: false, stiffness: six, damping: six, force: zero, arm_force: Matrix3::zeros(), couple: zero, rates }
     }
 
+    fn add_couple_of_to(&mut self, couple: &Vector3<f64>) {
+        self.used = true;
+        self.couple += couple;
+        let mut part = self.stiffness.fixed_view_mut::<3, 3>(3, 3);
+        part -= couple.cross_matrix();
+    }
+
     pub(in crate::mbs) fn clear(&mut self) {
         if self.used {
             let (zero, six) = (Vector3::zeros(), Matrix6::zeros());
@@ -60,6 +67,10 @@ pub struct PairTangent<'a> {
     pub(in crate::mbs) sum: &'a mut PairSum,
     /// What holds the element's own rotating parts, against the world.
     pub(in crate::mbs) carrier: Option<&'a mut PairSum>,
+    /// `from` and that body, where it is none of the element's two.
+    pub(in crate::mbs) far: Option<&'a mut PairSum>,
+    /// What changes with the coordinates of a third body, of all elements.
+    pub(in crate::mbs) across: &'a mut Vec<Across>,
     /// Index of the pair.
     pub(in crate::mbs) pair: usize,
     /// c, m.
@@ -199,9 +210,28 @@ impl PairTangent<'_> {
 
     /// A couple on `from` that turns with the frame of `to`, N m.
     pub fn add_couple_of_to(&mut self, couple: &Vector3<f64>) {
-        self.add_couple(couple);
-        let mut part = self.sum.stiffness.fixed_view_mut::<3, 3>(3, 3);
-        part -= couple.cross_matrix();
+        self.sum.add_couple_of_to(couple);
+    }
+
+    /// A couple on `from`, and the opposite one on what holds the element's rotating parts, which turns with the frame of that body, N m.
+    pub fn add_couple_of_carrier(&mut self, couple: &Vector3<f64>) {
+        self.far.as_deref_mut().unwrap_or(self.sum).add_couple_of_to(couple);
+    }
+
+    /// Generalised forces `load` on both bodies, which change with `measured` on the coordinates of `from` and of what holds the rotating parts.
+    pub fn add_across(&mut self, load: &Gradient, measured: &Gradient) {
+        let Some(carrier) = self.carrier.as_deref() else { return };
+        debug_assert!(self.across.len() < self.across.capacity(), "more elements of three bodies than Tangent::new has seen");
+        self.across.push(Across { on: self.sum.ends, load: *load, by: [self.sum.ends[0], carrier.ends[0]], measured: *measured });
+    }
+
+    /// Of what holds the rotating parts: generalised forces `load` that change by `factor` with `measured . velocities`.
+    pub fn add_carrier_rates(&mut self, load: &Vector6<f64>, measured: &Vector6<f64>, factor: f64) {
+        let Some(carrier) = &mut self.carrier else { return };
+        carrier.used = true;
+        if let Some(rates) = &mut carrier.rates {
+            add_outer(&mut rates[0][0], load, measured, factor);
+        }
     }
 
     /// A couple on the body that holds the element's rotating parts; it turns with it and has no counterpart on another body, N m.

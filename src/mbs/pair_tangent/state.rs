@@ -8,6 +8,15 @@ pub type Ends = [Option<usize>; 2];
 /// Something linear in the motion of `from` and of `to`.
 pub type Gradient = [Vector6<f64>; 2];
 
+/// Generalised forces on two bodies that change with the coordinates of two, of which one may be another.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::mbs) struct Across {
+    pub on: Ends,
+    pub load: Gradient,
+    pub by: Ends,
+    pub measured: Gradient,
+}
+
 /// One or two first-order states.
 #[derive(Clone, Copy, Debug)]
 pub struct StateTangent {
@@ -22,6 +31,8 @@ pub struct StateTangent {
     pub rate_by_position: [Gradient; 2],
     pub rate_by_velocity: [Gradient; 2],
     pub load_by_state: [Gradient; 2],
+    /// A third body and, per state, the change of its generalised force with it.
+    pub far: Option<(usize, [Vector6<f64>; 2])>,
     pub(in crate::mbs) terms: Terms,
     /// Of states that follow a wheel which turns against its axle.
     pub(in crate::mbs) twist: Option<TwistTerms>,
@@ -61,6 +72,7 @@ impl StateTangent {
             rate_by_position: none,
             rate_by_velocity: none,
             load_by_state: none,
+            far: None,
             terms,
             twist: None,
         }

@@ -122,6 +122,8 @@ pub struct Tangent {
     pair_of_force: Vec<usize>,
     /// Pair of what holds its rotating parts and the world, likewise.
     carrier_of_force: Vec<Option<usize>>,
+    /// Pair of an element's first body and that one, where it is a third.
+    far_of_force: Vec<Option<usize>>,
     /// Changes of wrenches by slot, and whether there are any.
     world: Vec<Option<WrenchTangent>>,
     mobility: Vec<Matrix6<f64>>,
@@ -150,9 +152,9 @@ impl Tangent {
     /// largest number of states handed to [`Tangent::add_state`].
     pub fn new(system: &System, contact_bodies: &[usize], further_states: usize) -> Tangent {
         let bodies = system.bodies.len();
-        let joined = system.forces.iter().filter_map(|force| {
-            let [a, b] = force.bodies();
-            Some((a?, b?))
+        let joined = system.forces.iter().flat_map(|force| {
+            let [a, b, far] = force.reach();
+            [(a, b), (a, far), (b, far)].into_iter().filter_map(|(a, b)| a.zip(b).filter(|(a, b)| a != b))
         });
         let (mut twists, wheels) = twist::twists(system);
         let neighbours = Neighbours::new(bodies, joined.chain(twist::joined(system, &wheels)), wheels);
@@ -171,6 +173,11 @@ impl Tangent {
         let pair_of_force = system.forces.iter().map(|force| pair(ends(force.as_ref()), force.turns_axle())).collect();
         let carriers = system.forces.iter().map(|force| force.rotor_carrier());
         let carrier_of_force = carriers.map(|body| body.map(|body| pair([Some(body), None], true))).collect();
+        let far = |force: &dyn ForceElement| {
+            let [a, b, far] = force.reach();
+            far.filter(|far| ![a, b].contains(&Some(*far))).map(|far| [a, Some(far)])
+        };
+        let far_of_force: Vec<Option<usize>> = system.forces.iter().map(|force| far(force.as_ref()).map(|ends| pair(ends, true))).collect();
         let mut groups = groups(system, contact_bodies);
         let nodes = bodies + groups.len() + twists.len();
         let mut graph = Graph { nodes, edges: vec![], before: vec![vec![]; nodes] };
@@ -198,9 +205,10 @@ impl Tangent {
         Tangent {
             world: vec![None; neighbours.slots()],
             frames: Vec::with_capacity(pairs.len()),
-            sum: TangentSum::new(neighbours, pairs, states),
+            sum: TangentSum::new(neighbours, pairs, [states, system.forces.len()]),
             pair_of_force,
             carrier_of_force,
+            far_of_force,
             mobility: vec![Matrix6::zeros(); bodies],
             spin: vec![Matrix3::zeros(); bodies],
             x: vec![Vector6::zeros(); graph.nodes],
@@ -272,16 +280,23 @@ impl Tangent {
     pub fn add_forces(&mut self, system: &System, workspace: &SystemWorkspace, y: &[f64]) {
         self.take_twists(true);
         let mut start = 2 * COORDINATES * system.bodies.len();
-        let TangentSum { pairs, states, .. } = &mut self.sum;
+        let TangentSum { pairs, states, across, .. } = &mut self.sum;
         let mut first = 0;
         for (element, (force, pair)) in system.forces.iter().zip(&self.pair_of_force).enumerate() {
             let (end, last) = (start + force.states(), workspace.inputs_end(element));
-            let (sum, carrier) = match self.carrier_of_force[element].map(|carrier| pairs.get_disjoint_mut([*pair, carrier])) {
-                Some(Ok([sum, carrier])) => (sum, Some(carrier)),
-                _ => (&mut pairs[*pair], None),
+            let (sum, carrier, far) = match (self.carrier_of_force[element], self.far_of_force[element]) {
+                (Some(carrier), Some(far)) => match pairs.get_disjoint_mut([*pair, carrier, far]) {
+                    Ok([sum, carrier, far]) => (sum, Some(carrier), Some(far)),
+                    Err(_) => (&mut pairs[*pair], None, None),
+                },
+                (Some(carrier), None) => match pairs.get_disjoint_mut([*pair, carrier]) {
+                    Ok([sum, carrier]) => (sum, Some(carrier), None),
+                    Err(_) => (&mut pairs[*pair], None, None),
+                },
+                (None, _) => (&mut pairs[*pair], None, None),
             };
             let reference = expand::reference(sum, &workspace.motions);
-            let mut tangent = PairTangent { sum, carrier, pair: *pair, reference, states };
+            let mut tangent = PairTangent { sum, carrier, far, across, pair: *pair, reference, states };
             force.tangent(&workspace.with_inputs(first..last), &y[start..end], start, &mut tangent);
             [start, first] = [end, last];
         }

@@ -17,6 +17,8 @@ pub(super) struct Eliminated {
     pub change: [Gradient; 2],
     /// a M^-1 dQ/ds.
     pub acceleration: [Gradient; 2],
+    /// The same of a third body.
+    pub far: [Vector6<f64>; 2],
     /// The same two of the twist of the axle that they follow.
     pub twist_change: [f64; 2],
     pub twist_acceleration: [f64; 2],
@@ -64,6 +66,11 @@ impl Tangent {
                     let part = state.load_by_state[i][end] * own[i];
                     for (result, part) in result[count + COORDINATES * body..].iter_mut().zip(part.iter()) {
                         *result += part;
+                    }
+                }
+                if let Some((body, loads)) = &state.far {
+                    for (result, part) in result[count + COORDINATES * body..].iter_mut().zip(loads[i].iter()) {
+                        *result += part * own[i];
                     }
                 }
             }
@@ -130,6 +137,15 @@ impl Tangent {
                     }
                 }
             }
+            let Some((far, loads)) = &state.far else { continue };
+            own.far = loads.map(|load| load * a);
+            for (by, column) in state.ends.iter().enumerate() {
+                let Some(slot) = column.and_then(|column| self.sum.neighbours.slot(*far, column)) else { continue };
+                let block = self.lu.block_mut(places[slot]);
+                for i in 0..state.count {
+                    (0..state.count).for_each(|j| add_outer(block, &own.far[i], &own.change[j][by], -own.inverse[(i, j)]));
+                }
+            }
         }
         Ok(())
     }
@@ -153,6 +169,27 @@ impl Tangent {
                 *self.lu.block_mut(side.lower) = rows;
                 *self.lu.block_mut(side.upper) = columns;
                 side.rows = rows;
+            }
+        }
+    }
+
+    /// What states change by without the bodies' velocities, and what they push bodies with by that.
+    fn push_states(&mut self, positions: &[f64], rest: &[f64], count: usize) {
+        let a = self.a;
+        for (state, eliminated) in self.sum.states.iter().zip(&mut self.eliminated) {
+            let mut right = Vector2::zeros();
+            for i in 0..state.count {
+                right[i] = a * state.along(&state.rate_by_position[i], positions) + rest[state.index(i) - count];
+            }
+            eliminated.known = eliminated.inverse * right;
+            for i in 0..state.count {
+                for (end, body) in state.ends.iter().enumerate() {
+                    let Some(body) = body else { continue };
+                    self.x[*body] += eliminated.acceleration[i][end] * eliminated.known[i];
+                }
+                if let Some((body, _)) = &state.far {
+                    self.x[*body] += eliminated.far[i] * eliminated.known[i];
+                }
             }
         }
     }
@@ -202,19 +239,7 @@ impl Tangent {
         if !self.twists.is_empty() {
             self.start_twists(positions, rest);
         }
-        for (state, eliminated) in self.sum.states.iter().zip(&mut self.eliminated) {
-            let mut right = Vector2::zeros();
-            for i in 0..state.count {
-                right[i] = a * state.along(&state.rate_by_position[i], positions) + rest[state.index(i) - count];
-            }
-            eliminated.known = eliminated.inverse * right;
-            for i in 0..state.count {
-                for (end, body) in state.ends.iter().enumerate() {
-                    let Some(body) = body else { continue };
-                    self.x[*body] += eliminated.acceleration[i][end] * eliminated.known[i];
-                }
-            }
-        }
+        self.push_states(positions, rest, count);
         if !self.twists.is_empty() {
             self.push_twists();
         }

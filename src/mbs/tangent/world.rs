@@ -12,7 +12,8 @@ use super::sum::TangentSum;
 use super::{Tangent, WrenchTangent};
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::inertia::Inertia;
-use crate::mbs::pair_tangent::{StateTangent, Terms};
+use crate::mbs::pair_tangent::pair::add_outer;
+use crate::mbs::pair_tangent::{Across, StateTangent, Terms};
 use crate::mbs::system::{System, SystemWorkspace};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
@@ -127,6 +128,9 @@ impl Tangent {
                     weigh(&self.mobility[*body], &mut load.data.0[0]);
                 }
             }
+            if let Some((body, loads)) = &mut state.far {
+                loads.iter_mut().for_each(|load| weigh(&self.mobility[*body], &mut load.data.0[0]));
+            }
         }
         for block in &mut self.followers[..self.followed] {
             let axes = Axes::of(&motions[block.body]);
@@ -163,7 +167,7 @@ impl Tangent {
 
     /// Generalised forces and states of pairs, and states of contacts, in terms of coordinates.
     fn expand_pairs(&mut self, motions: &[BodyMotion]) {
-        let TangentSum { neighbours, pairs, by_position, by_velocity, states, .. } = &mut self.sum;
+        let TangentSum { neighbours, pairs, by_position, by_velocity, states, across } = &mut self.sum;
         self.frames.clear();
         for pair in pairs {
             let frames = PairFrames::new(pair, motions);
@@ -196,6 +200,15 @@ impl Tangent {
                 }
             }
             self.frames.push(frames);
+        }
+        for Across { on, load, by, measured } in across {
+            for (on, load) in on.iter().zip(load) {
+                for (by, measured) in by.iter().zip(&*measured) {
+                    if let Some(slot) = on.zip(*by).and_then(|(on, by)| neighbours.slot(on, by)) {
+                        add_outer(&mut by_position[slot], load, measured, 1.0);
+                    }
+                }
+            }
         }
         for state in states {
             match state.terms {

@@ -40,10 +40,13 @@ impl Couplings {
         }
         let mut reach: Vec<Vec<usize>> = (0..clusters.len()).map(|cluster| vec![cluster]).collect();
         for force in &system.forces {
-            if let [Some(first), Some(second)] = force.bodies() {
-                let (first, second) = (cluster_of[first], cluster_of[second]);
-                reach[first].push(second);
-                reach[second].push(first);
+            let bodies = force.reach();
+            for (first, second) in [(0, 1), (0, 2), (1, 2)] {
+                if let (Some(first), Some(second)) = (bodies[first], bodies[second]) {
+                    let (first, second) = (cluster_of[first], cluster_of[second]);
+                    reach[first].push(second);
+                    reach[second].push(first);
+                }
             }
         }
         for reach in &mut reach {

@@ -132,13 +132,18 @@ fn check_axle(force: &Element, section: &Section, wheelsets: usize) -> Result<()
     if force.0.twist().is_some_and(|twist| !wheelset(Some(twist.body))) {
         return Err(section.error("body", "is no wheelset; expected the wheelset whose wheels turn against each other"));
     }
-    match force.0.bodies() {
-        [axle, carrier] if force.0.turns_axle() => match (wheelset(axle), wheelset(carrier)) {
-            (false, _) => Err(section.error("to", "is no wheelset; expected the wheelset that the element turns or brakes")),
-            (true, true) => Err(section.error("from", "is a wheelset; expected the body that carries motor or brake")),
-            (true, false) => Ok(()),
-        },
-        _ => Ok(()),
+    if !force.0.turns_axle() {
+        return Ok(());
+    }
+    let [axle, carrier, rotor] = force.0.reach();
+    if !wheelset(axle) {
+        return Err(section.error("to", "is no wheelset; expected the wheelset that the element turns or brakes"));
+    }
+    // What holds the rotor is one of both or, where a torque arm is on another body, a third.
+    let key = if section.has("arm") { "arm" } else { "from" };
+    match [(key, carrier), ("from", rotor.filter(|_| key == "arm"))].into_iter().find(|(_, body)| wheelset(*body)) {
+        Some((key, _)) => Err(section.error(key, "is a wheelset; expected the body that carries motor or brake")),
+        None => Ok(()),
     }
 }
 

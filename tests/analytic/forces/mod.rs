@@ -1,5 +1,6 @@
 //! Force elements: properties that all of them share, and each against its formula.
 
+mod cardan;
 mod friction;
 mod laws;
 mod motion;

@@ -50,6 +50,9 @@ const SAMPLES: &[(&str, &str)] = &[
     ("motor_gear", "mount = \"nose\"\nratio = 3\ngear = \"same\""),
     ("motor_gear", "mount = \"shaft\"\nratio = 4.5\nrotor_inertia = 9\nstiffness = 2e6\ndamping = 3e3"),
     ("motor_gear", "mount = \"nose\"\nratio = 3\nrotor_inertia = 15\nstiffness = 4e6\ndamping = 5e3"),
+    // The torque arm on the motor's body, and tests/analytic/forces/cardan.rs has it on a third.
+    ("cardan_drive", "arm = \"a\"\nratio = 3.2\nrotor_inertia = 5\nstiffness = 3e5\ndamping = 200"),
+    ("cardan_drive", "arm = \"a\"\nratio = 2\nturns = \"anticlockwise\"\nrotor_inertia = 8\nstiffness = 2e5"),
     ("brake", "type = \"disc\"\nstiffness = 6e5"),
     ("brake", "type = \"disc\"\nfriction = 0.35\nradius = 0.25\nstiffness = 4e5\nrelaxation = 0.2\ndamping_time = 0.02"),
     ("brake", "type = \"tread\"\nfriction = 0.2\nstiffness = 3e5\nrelaxation = 0.1"),
@@ -353,8 +356,8 @@ fn prop_right_hand_side_does_not_allocate() {
     let y = system.state(&stage.design(), &[0.01; 12]);
     assert_eq!(
         y.len(),
-        24 + 5 + 7 + 8 + 1 + 6,
-        "two air springs, two wedges, two Maxwell dampers, one friction in a line and one in a plane; two rotors, three brakes; two track brakes, two twists"
+        24 + 5 + 7 + 8 + 4 + 1 + 6,
+        "two air springs, two wedges, two Maxwell dampers, one friction in a line and one in a plane; two rotors and two behind cardan shafts, three brakes; two track brakes, two twists"
     );
     let mut dy = vec![0.0; y.len()];
     let before = counting::count();

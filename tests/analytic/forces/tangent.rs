@@ -60,7 +60,7 @@ fn forces(system: &System, workspace: &mut SystemWorkspace, y: &[f64]) -> Vec<f6
 }
 
 /// dQ and d(rates) of a system (rows) by its state (columns): its own and central differences.
-fn changes(system: &System, y: &[f64], inputs: &[f64]) -> [DMatrix<f64>; 2] {
+pub fn changes(system: &System, y: &[f64], inputs: &[f64]) -> [DMatrix<f64>; 2] {
     let mut workspace = system.workspace(&[]);
     workspace.inputs.copy_from_slice(inputs);
     let mut tangent = Tangent::new(system, &[], 0);
@@ -94,7 +94,7 @@ fn changes(system: &System, y: &[f64], inputs: &[f64]) -> [DMatrix<f64>; 2] {
 }
 
 /// Largest error of forces (rows below n) or rates, relative to the largest change of each row, or 1e-3 of all of them.
-fn worst(system: &System, [own, differences]: &[DMatrix<f64>; 2], columns: std::ops::Range<usize>) -> f64 {
+pub fn worst(system: &System, [own, differences]: &[DMatrix<f64>; 2], columns: std::ops::Range<usize>) -> f64 {
     let n = COORDINATES * system.bodies.len();
     let mut worst: f64 = 0.0;
     for rows in [0..n, n..own.nrows()] {

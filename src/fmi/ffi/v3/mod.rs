@@ -7,6 +7,7 @@
 
 mod dependencies;
 mod derivatives;
+#[cfg(feature = "cli")]
 pub mod host;
 mod refused;
 pub mod states;
