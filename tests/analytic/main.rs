@@ -7,6 +7,7 @@ mod counting;
 
 mod contact_geometry;
 mod directional;
+mod example_scenes;
 mod forces;
 mod joints;
 mod modes;

@@ -8,6 +8,7 @@ mod examples;
 mod packaging;
 mod results;
 mod three;
+mod tutorial;
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;

@@ -72,6 +72,8 @@ fn wheels(drawn: &Drawn, parts: &[String], (title, axis): (&str, &str), output: 
 
 /// With the track below, as far as the panels reach.
 fn on_track(drawn: &Drawn, mut panels: Vec<Panel>) -> Vec<Panel> {
+    // A ten-thousandth of mm, mrad, kN: what is less is rounding.
+    panels.iter_mut().for_each(|panel| panel.y.span = 1e-4);
     let ends = panels
         .iter()
         .flat_map(|panel| &panel.series)

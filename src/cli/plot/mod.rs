@@ -139,6 +139,8 @@ pub(super) struct Axis {
     pub zero: bool,
     /// From left to right or from below; that of the values where it is not given.
     pub range: Option<(f64, f64)>,
+    /// What it spans at least, so that rounding of what does not move is not blown up.
+    pub span: f64,
 }
 
 /// One diagram.
@@ -258,7 +260,7 @@ impl Sheet {
             Some((low, high)) => Scale { low, high, log: own.log },
             None if own.log => Scale::decades(values),
             None if along => Scale::tight(values),
-            None => Scale::airy(values),
+            None => Scale::airy(values).spanning(own.span),
         }
     }
 

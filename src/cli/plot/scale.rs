@@ -31,6 +31,12 @@ impl Scale {
         Scale::linear((low - air, high + air))
     }
 
+    /// The same about its middle, but at least so wide.
+    pub(super) fn spanning(self, span: f64) -> Scale {
+        let middle = 0.5 * (self.low + self.high);
+        if self.high - self.low >= span { self } else { Scale::linear((middle - 0.5 * span, middle + 0.5 * span)) }
+    }
+
     /// Logarithmic, with air around what is above zero.
     pub(super) fn decades(values: impl Iterator<Item = f64>) -> Scale {
         const AIR: f64 = 1.6;
@@ -65,9 +71,12 @@ impl Scale {
         }
         let least = (high - low) / most as f64;
         let decade = 10f64.powf(least.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|digit| digit * decade).find(|step| *step >= least).unwrap_or(least);
-        let places = (low / step).ceil() as i64..=(high / step).floor() as i64;
-        places.map(|place| place as f64 * step).map(|tick| (tick, label(tick, step, low.abs().max(high.abs())))).collect()
+        let steps = [0.5, 1.0, 2.0, 5.0, 10.0].map(|digit| digit * decade);
+        let found = steps.iter().skip(1).position(|step| *step >= least).map_or(4, |k| k + 1);
+        let places = |step: f64| (low / step).ceil() as i64..=(high / step).floor() as i64;
+        // A lone number tells no scale: rather one more than asked for.
+        let step = if places(steps[found]).count() < 2 { steps[found - 1] } else { steps[found] };
+        places(step).map(|place| place as f64 * step).map(|tick| (tick, label(tick, step, low.abs().max(high.abs())))).collect()
     }
 }
 
@@ -103,6 +112,7 @@ mod tests {
         assert_eq!(labels(200.0, -10.0, 5, false), ["0", "50", "100", "150", "200"], "from right to left");
         assert_eq!(labels(55.82, 56.77, 7, false), ["56.0", "56.2", "56.4", "56.6"]);
         assert_eq!(labels(-49.9, 63.0, 4, false), ["0", "50"]);
+        assert_eq!(labels(-9.5, 9.0, 2, false), ["-5", "0", "5"], "a lone 0 tells no scale");
         assert_eq!(labels(-51.0, 63.0, 4, false), ["-50", "0", "50"]);
         assert_eq!(labels(-2.5e-7, 3e-7, 6, false), ["-2e-7", "-1e-7", "0", "1e-7", "2e-7", "3e-7"]);
         assert_eq!(labels(1.5, 60.0, 8, true), ["2", "5", "10", "20", "50"]);
@@ -127,6 +137,8 @@ mod tests {
         assert_eq!(Scale::tight(values()), Scale { low: 3.0, high: 5.0, log: false });
         let airy = Scale::airy(values());
         assert!(airy.low < 3.0 && airy.high > 5.0 && (airy.part(4.0) - 0.5).abs() < 1e-12);
+        let still = Scale::airy([2.0, 2.0 + 1e-9].into_iter()).spanning(1e-3);
+        assert!((still.high - still.low - 1e-3).abs() < 1e-12 && airy.spanning(1e-3) == airy, "{still:?}");
         let decades = Scale::decades([1e-3, 0.0, 10.0].into_iter());
         assert!(decades.low < 1e-3 && decades.high > 10.0 && (decades.part(0.1) - 0.5).abs() < 1e-12);
         for empty in [Scale::tight([].into_iter()), Scale::airy([f64::NAN].into_iter()), Scale::decades([-1.0].into_iter())] {

@@ -4,6 +4,7 @@
 //! a=3                       one value for all runs
 //! a=1,2,5   a=x,y           a list; commas within brackets belong to a value
 //! a=1..10:1                 from 1 to 10 every 1
+//! a=90,110 km/h             numbers whose last alone has a unit: it counts for all
 //! a=72..430:18 km/h         a unit at the end counts for all three, as in `wheelrail modes --sweep`
 //! a=0.1..0.5                a range without step: for --latin alone
 //! ```
@@ -50,7 +51,7 @@ impl Parameter {
         }
         let values = match values.split_once("..").filter(|(from, _)| number(from).is_some()) {
             Some((from, rest)) => range(from, rest).map_err(wrong)?,
-            None => Values::List(list(values)),
+            None => Values::List(of_one_unit(list(values))),
         };
         Ok(Parameter { key, values })
     }
@@ -106,6 +107,20 @@ fn list(text: &str) -> Vec<String> {
         }
     }
     parts.into_iter().map(|part| part.trim().to_string()).filter(|part| !part.is_empty()).collect()
+}
+
+/// Numbers of which the last alone has a unit have that one, as those of a range.
+fn of_one_unit(mut values: Vec<String>) -> Vec<String> {
+    let units: Option<Vec<&str>> = values.iter().map(|value| Some(number(value)?.1)).collect();
+    if let Some([bare @ .., unit]) = units.as_deref()
+        && !unit.is_empty()
+        && bare.iter().all(|unit| unit.is_empty())
+    {
+        let unit = unit.to_string();
+        let last = values.len() - 1;
+        values[..last].iter_mut().for_each(|value| *value = format!("{value} {unit}"));
+    }
+    values
 }
 
 fn range(from: &str, rest: &str) -> Result<Values, String> {
@@ -185,6 +200,14 @@ mod tests {
     fn prop_units_of_lists() {
         let unit = |text: &str| Parameter::parse(text).unwrap().unit().map(str::to_string);
         assert_eq!(unit("a=1 mm,2 mm"), Some("mm".into()));
+        assert_eq!(
+            (values("a=90,110 km/h"), values("a=1,2 mm,3")),
+            (vec!["90 km/h".into(), "110 km/h".into()], vec!["1".into(), "2 mm".into(), "3".into()])
+        );
+        assert_eq!(
+            (values("a=x,2 mm"), values("a=2 mm"), values("a=1:20,1:40")),
+            (vec!["x".into(), "2 mm".into()], vec!["2 mm".into()], vec!["1:20".into(), "1:40".into()])
+        );
         assert_eq!((unit("a=1,2"), unit("a=1 mm,2 m"), unit("a=ACCF,ECCF"), unit("a=1:20,1:40")), (Some("".into()), None, None, None));
         assert!(Parameter::parse("a=1,2").unwrap().varies() && !Parameter::parse("a=1").unwrap().varies());
     }
