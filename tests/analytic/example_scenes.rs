@@ -356,12 +356,12 @@ fn derailment(run: &Run) -> Vec<Fact> {
             0.05,
         ),
         Fact::equal(
-            "y where its flange has passed the rail",
+            "y with the flange's tip on the rail's head",
             "mm",
             run.last("wheelset[1].y") * 1e3,
-            "about a flange's thickness and clearance",
-            -66.0,
-            8.0,
+            "tip 56 mm inside the tread circle, middle of the head 3 mm outside it, head 72 mm wide",
+            -59.0,
+            36.0,
         ),
     ]
 }
@@ -418,6 +418,13 @@ const SCENES: [(&str, Facts, &str); 8] = [
     ("brake_to_standstill", brake, ""),
 ];
 
+/// What a picture says, without the numbers of its axes, which change with the last digits of a run.
+fn words(picture: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(picture).unwrap();
+    let said = text.split("<text").skip(1).filter_map(|rest| Some(rest.split_once('>')?.1.split_once("</text>")?.0.trim().to_string()));
+    said.filter(|said| said.parse::<f64>().is_err()).collect()
+}
+
 #[test]
 fn analytic_scenes_to_copy_show_what_formulas_say() {
     let files: BTreeSet<String> = std::fs::read_dir(folder())
@@ -445,8 +452,7 @@ fn analytic_scenes_to_copy_show_what_formulas_say() {
             std::fs::create_dir_all(shown.parent().unwrap()).unwrap();
             std::fs::copy(&drawn, &shown).unwrap();
         }
-        let panels = |file: &Path| std::fs::read_to_string(file).unwrap().matches("<text").count();
-        assert_eq!(panels(&drawn), panels(&shown), "{scene}: its picture is of another run, WHEELRAIL_BLESS=1 draws it anew");
+        assert_eq!(words(&drawn), words(&shown), "{scene}: its picture is of another run, WHEELRAIL_BLESS=1 draws it anew");
         for fact in facts(run) {
             rows.push(fact.row(scene));
             println!("{}", rows[rows.len() - 1]);

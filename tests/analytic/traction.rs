@@ -65,7 +65,8 @@ fn analytic_reactions_of_motors_shift_axle_loads() {
                 simulation.set_input(input, torque, 0.0, 0.0);
             }
         }
-        simulation.advance(6.0).unwrap();
+        // The car swings along the track, 4 % damped: e^-0.7 t.
+        simulation.advance(15.0).unwrap();
         let after = axle_loads(&mut simulation, &scene);
         let leaning = (weights_ahead(&mut simulation, &scene) - leaning) / 2.56;
         [after[0] - before[0] - leaning, after[1] - before[1] + leaning]
@@ -74,7 +75,7 @@ fn analytic_reactions_of_motors_shift_axle_loads() {
     for settings in ["mount = \"shaft\"", "mount = \"nose\"", "mount = \"nose\"\nrotor_inertia = 8.0\nstiffness = 3e6\ndamping = 3e3"] {
         let found = shift(&motors(settings, 1000.0), 0.0);
         println!("{settings:?}: {:.0} N and {:.0} N, statics {expected:.0} N", found[0], found[1]);
-        assert!((found[0] / -expected - 1.0).abs() < 3e-3 && (found[1] / expected - 1.0).abs() < 3e-3, "{settings}: {found:?}");
+        assert!((found[0] / -expected - 1.0).abs() < 1e-3 && (found[1] / expected - 1.0).abs() < 1e-3, "{settings}: {found:?}");
     }
     let found = shift("", 4600.0);
     println!("driveTorque: {:.0} N and {:.0} N", found[0], found[1]);
