@@ -41,5 +41,9 @@ fn main() {
         // The FMU's library alone: programs keep their symbols for those who profile them.
         println!("cargo:rustc-cdylib-link-arg=-Wl,-s");
     }
+    if target("OS") == "macos" {
+        // A library there says what it is called: by itself the path that it was linked to.
+        println!("cargo:rustc-cdylib-link-arg=-Wl,-install_name,@rpath/libwheelrail.dylib");
+    }
     println!("cargo:rustc-env=WHEELRAIL_TARGET={}", std::env::var("TARGET").unwrap_or_default());
 }
