@@ -92,6 +92,16 @@ impl Run {
     }
 
     /// Mean load of all wheels at the start, N.
+    /// Mean over the last fifth of the run of the sum over wheelsets of an output.
+    fn late(&self, wheelsets: &[&str], output: &str) -> f64 {
+        let mean = |wheelset: &&str| {
+            let column = self.column(&format!("{wheelset}.{output}"));
+            let late = &column[column.len() * 4 / 5..];
+            late.iter().sum::<f64>() / late.len() as f64
+        };
+        wheelsets.iter().map(mean).sum()
+    }
+
     fn mean_load(&self, wheelsets: &[&str]) -> f64 {
         (self.sum(wheelsets, "left.verticalForce", false) + self.sum(wheelsets, "right.verticalForce", false))
             / (2 * wheelsets.len()) as f64
@@ -159,7 +169,7 @@ fn tram(run: &Run) -> Vec<Fact> {
         Fact::equal(
             "force of all wheels on the rails, outward",
             "kN",
-            -run.sum(&TRUCKS, "trackShiftingForce", true) / 1e3,
+            -run.late(&TRUCKS, "trackShiftingForce") / 1e3,
             "m V^2 / R",
             mass * speed * speed / radius / 1e3,
             0.1,
