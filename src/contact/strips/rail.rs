@@ -5,9 +5,9 @@ use crate::geometry::surface::Wheel;
 use crate::geometry::track::Rail;
 use std::sync::Arc;
 
-/// Widths of strips, m, where the head is bent more sharply than so [1/m], or the head against a wheel twice as sharply: patches are the narrower the
-/// sharper it is.
-const WIDTHS: [(f64, f64); 3] = [(1.0 / 0.04, 3.5e-4), (1.0 / 0.15, 7e-4), (0.0, 1.35e-3)];
+/// Widths of strips, m, where the head is bent more sharply than so [1/m], or the head against a wheel more sharply than that: patches are the narrower
+/// the sharper it is.
+const WIDTHS: [(f64, f64, f64); 3] = [(1.0 / 0.04, 1.0 / 0.033, 3.5e-4), (1.0 / 0.15, 2.0 / 0.15, 7e-4), (0.0, 0.0, 1.35e-3)];
 
 /// One strip of the rail.
 #[derive(Clone, Copy, Debug)]
@@ -43,8 +43,8 @@ impl RailStrips {
         while begin < last {
             let at = profile.at(begin);
             let slope = at.d1.hypot(1.0);
-            let bend = (at.d2.abs() / slope.powi(3)).max(0.5 * opposite.bend(rail, begin, &at));
-            let width = WIDTHS.iter().find(|(sharper, _)| bend >= *sharper).map_or(WIDTHS[0].1, |found| found.1);
+            let (bend, relative) = (at.d2.abs() / slope.powi(3), opposite.bend(rail, begin, &at));
+            let width = WIDTHS.iter().find(|(own, against, _)| bend >= *own || relative >= *against).map_or(WIDTHS[0].2, |found| found.2);
             let end = begin + width / slope;
             let eta = 0.5 * (begin + end);
             let middle = profile.at(eta);

@@ -81,11 +81,12 @@ impl Profile for Tyre {
 }
 
 /// Strips that were cut for the flat rail alone were as wide as the patch: N was off by up to 68 %.
+/// Radii stand on both sides of each change of widths; patches of 1.5 mm across (penetration 0.03 mm) are the hardest.
 #[test]
 fn analytic_a_sharp_wheel_on_a_flat_rail_presses_as_hertz_says() {
     let rail = Rail::new(Side::Left, Arc::new(Arch { radius: 0.3 }), 0.75, 0.0, &[]);
     let frame = AxleFrame::new(0.0, 0.0);
-    for radius in [0.1, 0.03, 0.012] {
+    for radius in [0.2, 0.15, 0.1, 0.06, 0.05, 0.04, 0.035, 0.03, 0.012] {
         let wheel = Wheel { side: Side::Left, profile: Arc::new(Tyre(Arch { radius })), half_spacing: 0.75 };
         let strips = RailStrips::new(&rail, std::iter::once(&wheel));
         let mut scratch = Scratch::new(strips.len());
@@ -103,7 +104,7 @@ fn analytic_a_sharp_wheel_on_a_flat_rail_presses_as_hertz_says() {
             let hertz = Hertz::at_the_point(STEEL).contact(&shape, nearest).unwrap();
             let load: f64 = press_anywhere(&pair, &strips, STEEL, &mut scratch).iter().map(|own| own.load).sum();
             println!("radius {radius}, {penetration}, y {y}: N off by {:+.4}", load / hertz.force - 1.0);
-            assert!((load / hertz.force - 1.0).abs() < 0.02);
+            assert!((load / hertz.force - 1.0).abs() < if penetration < 5e-5 { 0.04 } else { 0.01 });
         }
     }
 }
