@@ -115,6 +115,7 @@ impl Model {
             contact_states_begin,
             searches,
             load_tolerance: LOAD_TOLERANCE,
+            search_always: false,
             means: None,
             books: None,
             rail_motion: false,

@@ -57,6 +57,8 @@ pub struct Model {
     /// Error of a contact's normal or creep force that a step may make, in parts of the static wheel load or, where it is larger, of the
     /// normal force, -.
     pub load_tolerance: f64,
+    /// Are places searched for also where certificates hold?
+    pub(super) search_always: bool,
     /// Means over the last stretch of travel; `None` where the scene does not ask for them.
     pub means: Option<SlidingMean>,
     /// Books of its energy; `None` where the scene does not ask for them.
@@ -113,6 +115,12 @@ impl Model {
     /// Lays another track under the wheels, as the search for a steady state does. Workspaces of before do not fit any more.
     pub fn lay(&mut self, track: Track) {
         self.track = track;
+    }
+
+    /// Searching for all places of all wheels at each evaluation, also where it is certain that they are the known ones.
+    pub fn searching_always(mut self, always: bool) -> Self {
+        self.search_always = always;
+        self
     }
 
     /// Are the places of a wheel's contacts searched for? Otherwise only one can touch (or the formulation knows them itself).

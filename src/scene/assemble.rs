@@ -30,6 +30,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     let rail = |side: Side| {
         let profile = track.rails[side.index()].profile.clone();
         let rail = Rail::new(side, profile, track.half_rail_distance, track.inclination, &deviations).along(track.line.clone());
+        let rail = if scene.effects.all { rail.in_full() } else { rail };
         match &contact.friction_map {
             Some(map) => rail.with_waves(map.waves(side)),
             None => rail,
@@ -38,6 +39,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     let creep = (contact.creep)(contact.material);
     let transient = contact.transient.map(|settings| TransientContact::new(settings, contact.material, creep.as_ref()));
     let transient = if scene.effects.is_off(Switch::Spin) { transient.map(TransientContact::without_spin) } else { transient };
+    let transient = if scene.effects.all { transient.map(TransientContact::always) } else { transient };
     let (system, wheelsets) = vehicle::assemble::parts(&scene.vehicle, track.grade)?;
     let parts = Parts {
         system,
@@ -62,6 +64,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
         .with_sliding_means(window)
         .with_energy_books(scene.interface.outputs.contains(&ENERGY))
         .with_load_tolerance(scene.solver.load_tolerance)
+        .searching_always(scene.effects.all)
         .with_rail_motion(scene.interface.inputs.contains(&RAIL_MOTION.name))?
         .with_travelling_track(track.flexibility)?
         .with_out_of_round(scene.vehicle.wheelsets.iter().flat_map(|placed| placed.spec.out_of_round.clone()).collect())

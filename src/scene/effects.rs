@@ -80,6 +80,8 @@ pub struct Effects {
     pub abrupt: bool,
     /// Force elements that are left out, by name or [`stem`].
     pub without: Vec<String>,
+    /// Is every effect of the scene computed at each evaluation, also where it is known to do nothing?
+    pub all: bool,
 }
 
 /// Length over which the curvature of an abrupt transition changes, m.
@@ -120,8 +122,9 @@ impl Effects {
                 }
             }
         }
+        let all = section.word_or("mode", &["auto", "all"], "auto")? == "all";
         section.finish()?;
-        Ok(Effects { off, abrupt, without })
+        Ok(Effects { off, abrupt, without, all })
     }
 
     /// Is an effect left out?
@@ -141,7 +144,9 @@ impl Effects {
             self.abrupt.then(|| ("transition curves", format!("effects.transitions = \"abrupt\": curvature changes within {ABRUPT} m")));
         let without =
             (!self.without.is_empty()).then(|| ("force elements", format!("effects.without = [\"{}\"]", self.without.join("\", \""))));
-        switches.chain(abrupt).chain(without).collect()
+        let all = "effects.mode = \"all\": each effect is computed at each evaluation, also where it is known to do nothing";
+        let all = self.all.then(|| ("guards", all.to_string()));
+        switches.chain(abrupt).chain(without).chain(all).collect()
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::scene_keys::open;
 use std::process::Command;
 use wheelrail::geometry::Side;
+use wheelrail::scene::embedded::SCENES;
 use wheelrail::scene::spec::Scene;
 use wheelrail::scene::{assemble, plan};
 use wheelrail::sim::Simulation;
@@ -18,6 +19,9 @@ fn listed(name: &str, changes: &[&str]) -> Vec<Variant> {
     let scene = open(name, changes).unwrap();
     variants(&scene, &assemble::model(&scene).unwrap(), scene.run.stop)
 }
+
+/// What every scene has that knows where something does nothing.
+const COMPUTED: &str = "effects where they do nothing: computed";
 
 fn names(variants: &[Variant]) -> Vec<String> {
     variants.iter().map(|variant| format!("{}: {}", variant.effect, variant.change)).collect()
@@ -40,13 +44,14 @@ fn prop_the_list_holds_what_the_scene_holds_and_nothing_else() {
             &contact,
             &["curvature at the point: patch", "contact damping: none"],
             &law,
-            &["gyroscopic moments: off", "wheelset.suspension: off", "alignment of the rails: off", "gauge deviation: off"]
+            &["gyroscopic moments: off", "wheelset.suspension: off", "alignment of the rails: off", "gauge deviation: off"],
+            &[COMPUTED]
         ])
     );
     let found = names(&listed("vehicle_manchester_1", &["contact.patch=ellipse"]));
     let mut coach = expected(&[&contact, &over_patch, &law, &["gyroscopic moments: off", "flanges: off"]]);
     coach.extend(elements("truck."));
-    coach.push("alignment of the rails: off".into());
+    coach.extend(["alignment of the rails: off".into(), COMPUTED.to_string()]);
     assert_eq!(found, coach);
     // Strips stand for places, curvatures and the law of ellipses, and each has its own spin.
     let of_ellipses = ["elastic contact: ECCF", "elliptic patches: strips", over_patch[0], over_patch[1], "spin creepage: off"];
@@ -58,7 +63,7 @@ fn prop_the_list_holds_what_the_scene_holds_and_nothing_else() {
     let found = names(&listed("train", &[]));
     assert!(elements("coach.truck.").iter().all(|element| found.contains(element)) && found.contains(&"coupler: off".into()), "{found:?}");
     let found = names(&listed("vehicle_curve", &[]));
-    assert!(found.ends_with(&expected(&[&["curvature: off", "cant: off", "transition curves: abrupt"]])), "{found:?}");
+    assert!(found.ends_with(&expected(&[&["curvature: off", "cant: off", "transition curves: abrupt", COMPUTED]])), "{found:?}");
     assert!(!found.iter().any(|name| name.contains("alignment") || name.contains("level")), "{found:?}");
     let found = names(&listed("vehicle_bumps", &[]));
     assert!(
@@ -379,4 +384,28 @@ fn prop_a_flange_that_is_left_out_is_told_of_when_it_would_touch() {
     let before = with[..until].iter().zip(&without).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let after = with.iter().zip(&without).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(before < 1e-5 && after > 1e-3, "{before} {after}");
+}
+
+/// What is not computed where it is known to do nothing does nothing there: every embedded scene runs as with everything computed at each evaluation.
+/// (The random scenes of the hard cases are judged by references that compute everything.)
+#[test]
+fn equiv_embedded_scenes_run_as_with_every_effect_computed_everywhere() {
+    for (name, stop) in SCENES.iter().map(|scene| (scene.name, 2.0)) {
+        let [auto, all] = ["auto", "all"].map(|mode| {
+            let scene = open(name, &[&format!("effects.mode={mode}")]).unwrap();
+            let mut simulation = Simulation::new(&scene, 0.0).unwrap();
+            let outputs = wheelrail::sim::vehicle_outputs::scene_outputs(&scene, simulation.model());
+            wheelrail::sim::recording::record(&mut simulation, &outputs, stop, 3.1e-3, |_| ()).unwrap()
+        });
+        for (quantity, allowed) in [(".y", 1e-8), (".yaw", 1e-8), (".verticalForce", 1.0), (".lateralForce", 1.0)] {
+            let columns = auto.columns.iter().map(|column| column.0.as_str()).filter(|column| column.ends_with(quantity));
+            let apart = |column: &str| {
+                let [one, other] = [&auto, &all].map(|run| run.column(column).unwrap());
+                one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+            };
+            let worst = columns.map(apart).fold(0.0, f64::max);
+            println!("{name}{quantity}: {worst:.1e}");
+            assert!(worst < allowed, "{name}{quantity}: {worst:e}");
+        }
+    }
 }

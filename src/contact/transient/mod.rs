@@ -153,6 +153,8 @@ pub struct TransientContact {
     relaxation: Relaxation,
     /// r_1 without spin, -.
     slide_from: f64,
+    /// |V| over `below` from which on the states stand still.
+    idle: f64,
 }
 
 /// |V| over `below` from which on the states stand still.
@@ -166,7 +168,7 @@ impl TransientContact {
     /// Do the states stand still and have no part in the force, when a wheel rolls this fast [m/s]?
     #[inline]
     pub fn is_idle(&self, speed: f64) -> bool {
-        speed.abs() >= IDLE * self.settings.below
+        speed.abs() >= self.idle * self.settings.below
     }
 
     /// Rates of the states of a contact without load, whose wheel rolls with this speed [m/s].
@@ -185,12 +187,18 @@ impl TransientContact {
     pub fn new(settings: TransientSettings, material: Material, law: &dyn CreepLaw) -> Self {
         let relaxation = Relaxation::new(material);
         let slide_from = 1.12 * saturation_ratio(&relaxation, law);
-        TransientContact { settings, relaxation, slide_from }
+        TransientContact { settings, relaxation, slide_from, idle: IDLE }
     }
 
     /// The same where spin has no part in the forces, and so none in what is needed to slide.
     pub fn without_spin(mut self) -> Self {
         self.relaxation.leave_out_spin();
+        self
+    }
+
+    /// The same with states that live at any speed, although they have no part in the force from `below` on.
+    pub fn always(mut self) -> Self {
+        self.idle = f64::INFINITY;
         self
     }
 
@@ -306,7 +314,7 @@ impl TransientContact {
 
     /// What all rates are multiplied by at the speed |V|.
     fn liveliness(&self, speed: f64) -> f64 {
-        fall((speed / self.settings.below - 1.0) / (IDLE - 1.0))
+        fall((speed / self.settings.below - 1.0) / (self.idle - 1.0))
     }
 
     /// 1/V, below v_0 an odd polynomial through 0 with equal value, slope and curvature at v_0.

@@ -295,6 +295,14 @@ impl CentreLine {
         Some(line)
     }
 
+    /// The same line by its general formulas everywhere, also where nothing turns.
+    pub fn in_full(&self) -> CentreLine {
+        let mut line = self.clone();
+        line.x_until = f64::NEG_INFINITY;
+        line.pieces.iter_mut().for_each(|piece| piece.form = Form::Any);
+        line
+    }
+
     /// Where curvature, grade or cant change with the distance, and over which length.
     pub fn waves(&self) -> impl Iterator<Item = Stretch> + '_ {
         self.waves.iter().copied()

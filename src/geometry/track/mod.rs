@@ -144,6 +144,15 @@ impl Rail {
         self
     }
 
+    /// The same, computed everywhere in full: as if it were not known where deviations do nothing and where the line is straight.
+    pub fn in_full(mut self) -> Self {
+        if self.deviates() {
+            self.deviated = (f64::NEG_INFINITY, f64::INFINITY);
+        }
+        self.line = self.line.map(|line| Arc::new(line.in_full()));
+        self
+    }
+
     /// With further stretches of the track at which a step must look.
     pub fn with_waves(mut self, stretches: impl IntoIterator<Item = waves::Stretch>) -> Self {
         self.waves = self.waves.with(stretches);

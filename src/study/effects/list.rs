@@ -73,7 +73,20 @@ pub fn variants(scene: &Scene, model: &Model, stop: f64) -> Vec<Variant> {
     creep_law(scene, &mut list);
     vehicle(scene, &mut list);
     track(scene, stop, &mut list);
+    guards(scene, model, &mut list);
     list.0
+}
+
+/// What is not computed where it is known to do nothing: to be computed all the same, as a check.
+fn guards(scene: &Scene, model: &Model, list: &mut List) {
+    let guarded = model.track.line().is_some()
+        || model.track.left.deviates()
+        || model.track.right.deviates()
+        || scene.contact.transient.is_some()
+        || (0..model.contacts()).any(|wheel| model.searches_contacts(wheel));
+    if guarded && !scene.effects.all {
+        list.add("effects where they do nothing", Kind::Fuller, "computed", &["effects.mode=all"]);
+    }
 }
 
 /// Places, patches and normal forces.

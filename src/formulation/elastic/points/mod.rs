@@ -195,7 +195,8 @@ impl WheelSearch {
         let pair = wheel.pair();
         let pose = self.search.standing(&pair);
         let asked = Asked { wheel, tread, stand: Stand { pair, pose, radius: self.search.radius() } };
-        if memory.needs_no_search(&self.search, &pose)
+        if !wheel.model.search_always
+            && memory.needs_no_search(&self.search, &pose)
             && self.as_watched(&asked.stand, memory)
             && self.follow(&asked, memory, places).is_some()
         {
