@@ -57,7 +57,7 @@ impl Model {
     }
 
     /// Is there an axle whose wheels turn against each other?
-    pub(super) fn axles_twist(&self) -> bool {
+    pub fn axles_twist(&self) -> bool {
         self.wheelsets.iter().any(|wheelset| wheelset.turning != [wheelset.body; 2])
     }
 

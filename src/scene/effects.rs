@@ -15,6 +15,8 @@ pub enum Switch {
     FrictionAcross,
     Gyroscopic,
     Flange,
+    OutOfRound,
+    TrackFlexibility,
     Alignment,
     LongitudinalLevel,
     CrossLevel,
@@ -26,13 +28,15 @@ pub enum Switch {
 
 impl Switch {
     /// Every switch: key, name, and what is left out, in words.
-    pub const ALL: [(Switch, &str, &str, &str); 13] = [
+    pub const ALL: [(Switch, &str, &str, &str); 15] = [
         (Switch::Spin, "spin", "spin creepage", "its lateral force and its moment"),
         (Switch::Transient, "transient", "transient contact", "[contact.transient]: creep is steady"),
         (Switch::FrictionAlong, "friction_along", "friction along the track", "[[contact.friction_along]]"),
         (Switch::FrictionAcross, "friction_across", "friction across the rail", "[contact.friction_across]"),
         (Switch::Gyroscopic, "gyroscopic", "gyroscopic moments", "of spinning wheelsets"),
         (Switch::Flange, "flange", "flanges", "wheels go on straight from where they lean by 10 deg"),
+        (Switch::OutOfRound, "out_of_round", "wheels out of round", "flats and polygons"),
+        (Switch::TrackFlexibility, "track_flexibility", "track that gives way", "track.flexibility: rails are rigid"),
         (
             Switch::Alignment,
             "alignment",
@@ -109,13 +113,16 @@ impl Effects {
         let abrupt = section.word_or("transitions", &["on", "abrupt"], "on")? == "abrupt";
         let without = section.optional_texts("without")?.unwrap_or_default();
         if let Some(forces) = forces {
-            let mut names: Vec<String> = forces.iter().flat_map(|force| [stem(force.0.name()), force.0.name().to_string()]).collect();
-            names.dedup();
+            let names: Vec<String> = forces.iter().flat_map(|force| [stem(force.0.name()), force.0.name().to_string()]).collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             for name in &without {
                 if !names.contains(&name.as_str()) {
-                    let mut stems: Vec<String> = forces.iter().map(|force| stem(force.0.name())).collect();
-                    stems.dedup();
+                    let mut stems: Vec<String> = Vec::new();
+                    for stem in forces.iter().map(|force| stem(force.0.name())) {
+                        if !stems.contains(&stem) {
+                            stems.push(stem);
+                        }
+                    }
                     let meant = did_you_mean(name, &names);
                     let known = if stems.is_empty() { "the vehicle has none".into() } else { stems.join(", ") };
                     return Err(section.error("without", format!("found \"{name}\"{meant}, expected force elements: {known}")));

@@ -42,6 +42,9 @@ impl Effects {
         if self.is_off(Switch::Gyroscopic) {
             vehicle.wheelsets.iter_mut().for_each(|wheelset| wheelset.spec.gyroscopic = false);
         }
+        if self.is_off(Switch::OutOfRound) {
+            vehicle.wheelsets.iter_mut().for_each(|wheelset| wheelset.spec.out_of_round = [None, None]);
+        }
         if self.is_off(Switch::Flange) {
             for choice in vehicle.wheelsets.iter_mut().flat_map(|wheelset| &mut wheelset.spec.profiles) {
                 if let Some(flangeless) = Flangeless::new(choice.profile.clone()) {
@@ -56,6 +59,9 @@ impl Effects {
         let left_out: Vec<Quantity> = QUANTITIES.into_iter().filter(|one| self.is_off(one.0)).map(|one| one.1).collect();
         if !left_out.is_empty() {
             track.deviations = components::without(&track.deviations, &left_out);
+        }
+        if self.is_off(Switch::TrackFlexibility) {
+            track.flexibility = None;
         }
         if self.is_off(Switch::Grade) {
             track.grade = 0.0;

@@ -72,7 +72,7 @@ pub fn variants(scene: &Scene, model: &Model, stop: f64) -> Vec<Variant> {
     contact(scene, model, &mut list);
     creep_law(scene, &mut list);
     vehicle(scene, &mut list);
-    track(scene, stop, &mut list);
+    track(scene, model, stop, &mut list);
     guards(scene, model, &mut list);
     list.0
 }
@@ -202,6 +202,11 @@ fn vehicle(scene: &Scene, list: &mut List) {
     if scene.effects.is_off(Switch::Flange) || profiles.any(|choice| Flangeless::new(choice.profile.clone()).is_some()) {
         list.switch(scene, Switch::Flange);
     }
+    if scene.effects.is_off(Switch::OutOfRound)
+        || scene.vehicle.wheelsets.iter().any(|placed| placed.spec.out_of_round.iter().any(Option::is_some))
+    {
+        list.switch(scene, Switch::OutOfRound);
+    }
     let mut stems: Vec<String> = Vec::new();
     for force in &scene.vehicle.forces {
         let stem = stem(force.0.name());
@@ -222,7 +227,15 @@ fn vehicle(scene: &Scene, list: &mut List) {
 }
 
 /// What the rails do on the way.
-fn track(scene: &Scene, stop: f64, list: &mut List) {
+fn track(scene: &Scene, model: &Model, stop: f64, list: &mut List) {
+    match scene.track.flexibility.is_some() || scene.effects.is_off(Switch::TrackFlexibility) {
+        true => list.switch(scene, Switch::TrackFlexibility),
+        // The usual track is laid where the formulation knows rails that move, and they are not moved already.
+        false if !(model.formulation.constrains() || model.rail_motion || model.axles_twist() || scene.vehicle.is_lone()) => {
+            list.add("rigid track", Kind::Fuller, "travelling", &["track.flexibility=travelling"]);
+        }
+        false => {}
+    }
     let found = components::largest(&start::deviations(scene), way(scene, stop));
     for (switch, quantity) in QUANTITIES {
         if found[quantity.index()] > NOTHING || scene.effects.is_off(switch) {
