@@ -57,6 +57,7 @@ pub fn read(name: &str, mut source: Source, overrides: &[String]) -> Result<Scen
     let root = Section::collecting(document.as_table(), &source);
     let explained = |all: Vec<SettingsError>| all.into_iter().map(|error| overrides::explain(error, &made)).collect::<Vec<_>>();
     let mut scene = Scene::read(name, root, source.clone()).map_err(explained)?;
+    super::detail::cut(&mut scene)?;
     // What a formulation refuses is known before anything is run.
     let model = assemble::model(&scene).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
     refuse_bridged_bends(&scene, &model)?;

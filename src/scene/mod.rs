@@ -2,6 +2,7 @@
 
 pub mod assemble;
 mod cautions;
+mod detail;
 pub mod effects;
 pub mod embedded;
 pub mod equilibrium;

@@ -88,6 +88,9 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
 fn vehicle_effects(scene: &Scene, model: &Model, all: &mut Effects) {
     let vehicle = &scene.vehicle;
     all.add("rigid bodies", true, format!("vehicle.template = \"{}\"", vehicle.template), model.system.force_states().start);
+    if let Some(away) = vehicle.away() {
+        all.add("level of detail", true, away.describe(vehicle), 0);
+    }
     let why = match vehicle.speed_imposed {
         true => format!("vehicle.speed = {} m/s: removes the acceleration along the track{}", vehicle.speed, driven(scene)),
         false => format!("vehicle.travel = \"free\": starts with {} m/s", vehicle.speed),

@@ -339,6 +339,20 @@ fn fmu_native_run_is_the_same_to_the_last_bit_in_every_formulation() {
 }
 
 #[test]
+fn fmu_a_vehicle_cut_to_a_truck_or_a_wheelset_runs_as_natively() {
+    let folder = tempfile::tempdir().unwrap();
+    for (level, bodies) in [("truck", 3), ("wheelset", 1)] {
+        let changes = [format!("vehicle.detail={level}"), "vehicle.travel=free".into()];
+        let changes: Vec<&str> = changes.iter().map(String::as_str).collect();
+        let (scene, fmu) = scene_fmu(folder.path(), level, "vehicle_manchester_1", &changes);
+        assert_eq!(scene.vehicle.body_count(), bodies);
+        let text = std::fs::read_to_string(fmu.folder.join("modelDescription.xml")).unwrap();
+        assert!(text.contains("truck[1].wheelset[1].y\"") && !text.contains("truck[2]") && !text.contains("\"car."), "{level}");
+        native_run_is_the_same(&scene, &fmu, 0.8);
+    }
+}
+
+#[test]
 fn fmu_native_run_is_the_same_to_the_last_bit_with_several_contacts_and_at_low_speed() {
     let folder = tempfile::tempdir().unwrap();
     let apta = flange_scene();

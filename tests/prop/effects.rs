@@ -49,7 +49,7 @@ fn prop_the_list_holds_what_the_scene_holds_and_nothing_else() {
         ])
     );
     let found = names(&listed("vehicle_manchester_1", &["contact.patch=ellipse"]));
-    let mut coach = expected(&[&contact, &over_patch, &law, &["gyroscopic moments: off", "flanges: off"]]);
+    let mut coach = expected(&[&contact, &over_patch, &law, &["detail vehicle: truck", "gyroscopic moments: off", "flanges: off"]]);
     coach.extend(elements("truck."));
     coach.extend(["rigid track: travelling".into(), "alignment of the rails: off".into(), COMPUTED.to_string()]);
     assert_eq!(found, coach);
@@ -62,6 +62,8 @@ fn prop_the_list_holds_what_the_scene_holds_and_nothing_else() {
     assert!(!names(&listed("vehicle_manchester_1", &["run.stop=0.3"])).iter().any(|name| name.contains("alignment")));
     let found = names(&listed("train", &[]));
     assert!(elements("coach.truck.").iter().all(|element| found.contains(element)) && found.contains(&"coupler: off".into()), "{found:?}");
+    assert!(found.contains(&"detail train: vehicle".into()) && found.contains(&"detailed vehicles behind: point masses".into()));
+    assert!(names(&listed("train", &["vehicle.detail=truck"])).contains(&"detail truck: wheelset".into()));
     let found = names(&listed("vehicle_curve", &[]));
     assert!(found.ends_with(&expected(&[&["curvature: off", "cant: off", "transition curves: abrupt", COMPUTED]])), "{found:?}");
     assert!(!found.iter().any(|name| name.contains("alignment") || name.contains("level")), "{found:?}");

@@ -9,6 +9,7 @@ mod cli;
 mod cli_output;
 mod creep_laws;
 mod dependencies;
+mod detail;
 mod effects;
 mod energy;
 mod inputs;

@@ -7,6 +7,7 @@
 mod attachment;
 mod cylindrical;
 mod drive;
+mod held;
 mod prescribed;
 mod primitive;
 mod prismatic;

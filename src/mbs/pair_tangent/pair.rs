@@ -50,6 +50,20 @@ impl PairSum {
         part -= couple.cross_matrix();
     }
 
+    /// Takes in what elements have handed in elsewhere.
+    pub(in crate::mbs) fn add(&mut self, other: &PairSum) {
+        self.used |= other.used;
+        self.stiffness += other.stiffness;
+        self.damping += other.damping;
+        self.force += other.force;
+        self.arm_force += other.arm_force;
+        self.couple += other.couple;
+        let blocks = self.rates.iter_mut().flatten().flatten();
+        for (block, more) in blocks.zip(other.rates.iter().flatten().flatten()) {
+            *block += more;
+        }
+    }
+
     pub(in crate::mbs) fn clear(&mut self) {
         if self.used {
             let (zero, six) = (Vector3::zeros(), Matrix6::zeros());

@@ -2,7 +2,7 @@
 
 use super::design::design_state;
 use super::wheelset::WheelsetSpec;
-use super::{VehicleSpec, static_preload};
+use super::{PlacedWheelset, VehicleSpec, static_preload};
 use crate::formulation::{AssemblyError, Wheelset};
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
@@ -62,6 +62,38 @@ fn twisted(bodies: &[Body], forces: &[Box<dyn ForceElement>]) -> Result<Vec<usiz
 /// # Errors
 /// [`AssemblyError`] when joints contradict each other, preloads do not balance, or an axle has two elements that let it twist.
 pub fn parts(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<Wheelset>), AssemblyError> {
+    let (mut system, turning) = unbalanced(vehicle, grade)?;
+    if vehicle.away().is_none() {
+        static_preload::balance(vehicle, &mut system)?;
+    }
+    let load = vehicle.weight() * grade.cos() / (2.0 * vehicle.wheelsets.len() as f64);
+    let wheelsets = vehicle
+        .wheelsets
+        .iter()
+        .enumerate()
+        .map(|(body, placed)| wheelset(&placed.spec, (body, turning[body]), driven(vehicle, placed), load))
+        .collect();
+    Ok((system, wheelsets))
+}
+
+/// Preloads that balance asks for: number among the vehicle's force elements, index and force [N].
+///
+/// # Errors
+/// [`AssemblyError`], as for [`parts`].
+pub fn static_preloads(vehicle: &VehicleSpec, grade: f64) -> Result<Vec<(usize, usize, f64)>, AssemblyError> {
+    let (system, _) = unbalanced(vehicle, grade)?;
+    // Weights and loads come first.
+    let first = system.forces.len() - vehicle.forces.len();
+    Ok(static_preload::found(vehicle, &system)?.into_iter().map(|(element, index, force)| (element - first, index, force)).collect())
+}
+
+/// The speed that is imposed on a wheelset, m/s.
+fn driven(vehicle: &VehicleSpec, wheelset: &PlacedWheelset) -> Option<f64> {
+    (vehicle.speed_imposed && wheelset.driven).then_some(vehicle.speed)
+}
+
+/// The system with preloads as they are given, and whose motions the wheels of each wheelset have.
+fn unbalanced(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<[usize; 2]>), AssemblyError> {
     let bodies: Vec<Body> =
         vehicle.wheelsets.iter().map(|w| body(&w.spec)).chain(vehicle.bodies.iter().map(|placed| placed.body.clone())).collect();
     let mut forces: Vec<Box<dyn ForceElement>> = Vec::new();
@@ -73,7 +105,13 @@ pub fn parts(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<Wheelset>
     let loads = loaded.map(|(number, wheelset)| VerticalLoad::new(number, wheelset.spec.vertical_load, vehicle.gravity, grade));
     let loads: Vec<VerticalLoad> = loads.collect();
     let imposed = |load: &VerticalLoad| vehicle.speed_imposed && vehicle.wheelsets[load.body].driven;
-    let supported = loads.iter().filter_map(|load| supported(load, imposed(load))).collect();
+    let mut supported: Vec<SupportedMass> = loads.iter().filter_map(|load| supported(load, imposed(load))).collect();
+    for carried in vehicle.away().map_or(&[][..], |away| &away.along) {
+        match supported.iter_mut().find(|own| own.body == carried.body) {
+            Some(own) => own.mass += carried.mass,
+            None => supported.push(*carried),
+        }
+    }
     forces.extend(loads.into_iter().map(|load| Box::new(load) as Box<dyn ForceElement>));
     forces.extend(vehicle.forces.iter().map(|element| element.0.clone_box()));
     let twisted = twisted(&bodies, &forces)?;
@@ -81,8 +119,7 @@ pub fn parts(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<Wheelset>
     forces.iter_mut().for_each(|force| force.fit(&axles));
     let turning = |body: usize| Side::BOTH.map(|side| axles.turning(body, side));
     let turning: Vec<[usize; 2]> = (0..vehicle.wheelsets.len()).map(turning).collect();
-    let driven = |wheelset: &super::PlacedWheelset| (vehicle.speed_imposed && wheelset.driven).then_some(vehicle.speed);
-    let drives = vehicle.wheelsets.iter().enumerate().filter_map(|(body, wheelset)| driven(wheelset).map(|speed| (body, speed)));
+    let drives = vehicle.wheelsets.iter().enumerate().filter_map(|(body, wheelset)| driven(vehicle, wheelset).map(|speed| (body, speed)));
     let mut system = System {
         bodies,
         forces,
@@ -95,13 +132,5 @@ pub fn parts(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<Wheelset>
         let found = system.find_redundant(0.0, &design_state(vehicle, &system, vehicle.speed)).map_err(AssemblyError::Joints)?;
         system.redundant = found.into_iter().map(|row| row.row).collect();
     }
-    static_preload::balance(vehicle, &mut system)?;
-    let load = vehicle.weight() * grade.cos() / (2.0 * vehicle.wheelsets.len() as f64);
-    let wheelsets = vehicle
-        .wheelsets
-        .iter()
-        .enumerate()
-        .map(|(body, placed)| wheelset(&placed.spec, (body, turning[body]), driven(placed), load))
-        .collect();
-    Ok((system, wheelsets))
+    Ok((system, turning))
 }

@@ -20,7 +20,9 @@
 pub mod assemble;
 mod design;
 mod expand;
+pub mod extent;
 mod joints;
+mod kept;
 mod places;
 mod read;
 mod static_preload;
@@ -36,6 +38,7 @@ use crate::mbs::force::ForceElement;
 use crate::mbs::joint::Joint;
 use crate::settings::{Section, SettingsError, choose};
 use crate::units::Dimension;
+use extent::{Away, Extent, Level};
 use nalgebra::Vector3;
 use wheelset::{Initial, WheelsetSpec};
 
@@ -56,6 +59,12 @@ pub struct VehicleSpec {
     pub joints: Vec<Joint>,
     pub forces: Vec<Element>,
     pub sensors: Vec<Sensor>,
+    /// How much of what the scene describes it is.
+    pub extent: Extent,
+    /// Its level of detail, and the next one, which leaves something out.
+    pub coarser: Option<[Level; 2]>,
+    /// The heaviest body of each vehicle of a train but that of the leading wheelset, where all are detailed.
+    pub followers: Vec<String>,
 }
 
 /// A wheelset in its vehicle.
@@ -117,7 +126,12 @@ impl VehicleSpec {
 
     /// Is it one wheelset and nothing else?
     pub fn is_lone(&self) -> bool {
-        self.body_count() == 1
+        self.body_count() == 1 && self.away().is_none()
+    }
+
+    /// What `vehicle.detail` has cut away.
+    pub fn away(&self) -> Option<&Away> {
+        if let Extent::Cut(away) = &self.extent { Some(away) } else { None }
     }
 
     /// The wheelset whose own springs an element is (`[vehicle.suspension]`).
@@ -131,10 +145,11 @@ impl VehicleSpec {
         self.wheelsets.len() + self.bodies.len()
     }
 
-    /// Weight of the whole vehicle and its constant loads, N.
+    /// Weight of the whole vehicle and its constant loads, and of what rests on it and is cut away, N.
     pub fn weight(&self) -> f64 {
         let wheelsets: f64 = self.wheelsets.iter().map(|w| w.spec.mass * self.gravity + w.spec.vertical_load).sum();
-        wheelsets + self.bodies.iter().map(|body| body.body.mass * self.gravity).sum::<f64>()
+        let carried = self.away().map_or(0.0, |away| away.weight);
+        wheelsets + self.bodies.iter().map(|body| body.body.mass * self.gravity).sum::<f64>() + carried
     }
 
     /// Centre of a body in the design configuration, design frame, m.

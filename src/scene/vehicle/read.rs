@@ -1,13 +1,15 @@
 //! Reads a vehicle.
 
 use super::expand::{BODY, Entry, FORCE, Flat, JOINT, SENSOR, WHEELSET, expand};
+use super::extent::Extent;
+use super::kept::{self, Entries};
 use super::places::{Bodies, ElementPlaces, Resolver};
 use super::wheelset::{WheelsetSpec, not_degrees, read_initial};
 use super::{Element, PlacedBody, PlacedWheelset, SUSPENSION, Sensor, Travel, VehicleSpec, joints};
 use crate::geometry::Side;
 use crate::geometry::profile::Part;
 use crate::mbs::body::Body;
-use crate::mbs::force::{GUIDED_SPRING, REGISTRY};
+use crate::mbs::force::{GUIDED_SPRING, Places, REGISTRY};
 use crate::mbs::inertia::Inertia;
 use crate::scene::limits::SMALLEST;
 use crate::scene::profiles::read_profiles;
@@ -23,8 +25,8 @@ pub(super) fn vehicle<'a>(
 ) -> Result<VehicleSpec, SettingsError> {
     let travel = section.keep(Travel::read(&section))?;
     let flat = expand(&section, library)?;
-    let mut wheelsets = kept(&section, &flat.entries[WHEELSET], |entry| wheelset(entry, &flat))?;
-    let bodies = kept(&section, &flat.entries[BODY], |entry| body(entry, &flat))?;
+    let mut wheelsets = all(&section, &flat.entries[WHEELSET], |entry| wheelset(entry, &flat))?;
+    let bodies = all(&section, &flat.entries[BODY], |entry| body(entry, &flat))?;
     let lone = flat.entries[WHEELSET].len() == 1 && flat.entries[BODY].is_empty();
     let initial = section.keep(section.section_or_empty("initial").and_then(|initial| read_initial(initial, lone)))?;
     let drive = section.word_or("drive", &["all", "leading"], "all")?;
@@ -50,25 +52,39 @@ pub(super) fn vehicle<'a>(
         // Two imposed speeds keep their wheelsets' distance along the track, which is no rigid vehicle's in a curve.
         wheelsets.iter_mut().filter(|wheelset| wheelset.driven).skip(1).for_each(|wheelset| wheelset.driven = false);
     }
-    let (joints, forces, sensors) = (Vec::new(), Vec::new(), Vec::new());
-    let mut vehicle = VehicleSpec { template, speed, speed_imposed, gravity, initial, wheelsets, bodies, joints, forces, sensors };
+    let (joints, forces, sensors, extent) = (Vec::new(), Vec::new(), Vec::new(), Extent::Whole);
+    let mut vehicle = VehicleSpec {
+        template,
+        speed,
+        speed_imposed,
+        gravity,
+        initial,
+        wheelsets,
+        bodies,
+        joints,
+        forces,
+        sensors,
+        extent,
+        coarser: None,
+        followers: Vec::new(),
+    };
     let known = Bodies {
         names: vehicle.wheelsets.iter().map(|w| &w.spec.name).chain(vehicle.bodies.iter().map(|b| &b.body.name)).cloned().collect(),
         positions: (0..vehicle.body_count()).map(|body| vehicle.design_position(body)).collect(),
     };
     let resolver = |entry: &Entry| Resolver::new(&flat.scopes, &known, entry);
-    vehicle.joints = kept(&section, &flat.entries[JOINT], |entry| {
+    vehicle.joints = all(&section, &flat.entries[JOINT], |entry| {
         let joint = joints::read(&entry.name, &entry.section, &resolver(entry))?;
         entry.section.clone().finish()?;
         Ok(joint)
     })?;
-    vehicle.forces = kept(&section, &flat.entries[FORCE], |entry| {
-        let force = force(entry, &resolver(entry))?;
+    vehicle.forces = all(&section, &flat.entries[FORCE], |entry| {
+        let force = force(entry, &ElementPlaces { resolver: &resolver(entry), name: &entry.name })?;
         check_axle(&force, &entry.section, vehicle.wheelsets.len())?;
         entry.section.clone().finish()?;
         Ok(force)
     })?;
-    vehicle.sensors = kept(&section, &flat.entries[SENSOR], |entry| {
+    vehicle.sensors = all(&section, &flat.entries[SENSOR], |entry| {
         let resolver = resolver(entry);
         let body = resolver.body(&entry.section, "body")?;
         let point = resolver.point(&entry.section, "at")? - resolver.position(body);
@@ -76,12 +92,17 @@ pub(super) fn vehicle<'a>(
         entry.section.clone().finish()?;
         Ok(Sensor { name: entry.name.clone(), body, point, measured })
     })?;
+    let parse: &dyn Fn(&Entry, &dyn Places) -> Result<Element, SettingsError> = &force;
+    let from = Entries { flat: &flat, bodies: &known, parse };
+    if let Some(read) = section.keep(kept::read(&section, &vehicle, &from))? {
+        (vehicle.extent, vehicle.coarser, vehicle.followers) = (read.extent, read.coarser, read.followers);
+    }
     section.finish()?;
     Ok(vehicle)
 }
 
 /// What the entries are read to; those that can't be read are told and left out.
-fn kept<'a, T>(
+fn all<'a, T>(
     vehicle: &Section,
     entries: &[Entry<'a>],
     read: impl Fn(&Entry<'a>) -> Result<T, SettingsError>,
@@ -147,11 +168,10 @@ fn check_axle(force: &Element, section: &Section, wheelsets: usize) -> Result<()
     }
 }
 
-fn force(entry: &Entry, resolver: &Resolver) -> Result<Element, SettingsError> {
-    let places = ElementPlaces { resolver, name: &entry.name };
+fn force(entry: &Entry, places: &dyn Places) -> Result<Element, SettingsError> {
     let kind = match entry.name.ends_with(SUSPENSION) {
         true => &GUIDED_SPRING,
         false => choose(REGISTRY, &entry.section, "kind")?,
     };
-    Ok(Element((kind.parse)(&entry.section, &places)?))
+    Ok(Element((kind.parse)(&entry.section, places)?))
 }

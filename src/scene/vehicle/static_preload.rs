@@ -32,12 +32,23 @@ const FREE: f64 = 1e-13;
 /// # Errors
 /// [`AssemblyError::StaticPreload`].
 pub(super) fn balance(vehicle: &VehicleSpec, system: &mut System) -> Result<(), AssemblyError> {
+    for (element, index, force) in found(vehicle, system)? {
+        system.forces[element].set_preload(index, force);
+    }
+    Ok(())
+}
+
+/// Element, index and force [N] of each preload that is asked for.
+///
+/// # Errors
+/// [`AssemblyError::StaticPreload`].
+pub(super) fn found(vehicle: &VehicleSpec, system: &System) -> Result<Vec<(usize, usize, f64)>, AssemblyError> {
     let asked: Vec<(usize, usize, f64)> = (system.forces.iter().enumerate())
         .flat_map(|(element, force)| force.static_stiffness().into_iter().enumerate().map(move |(index, k)| (element, index, k)))
         .filter(|(_, _, k)| *k > 0.0)
         .collect();
     if asked.is_empty() {
-        return Ok(());
+        return Ok(Vec::new());
     }
     let mut y = design_state(vehicle, system, 0.0);
     let mut workspace = system.workspace(&[]);
@@ -84,10 +95,7 @@ pub(super) fn balance(vehicle: &VehicleSpec, system: &mut System) -> Result<(), 
         let unit = if worst % COORDINATES < 3 { "N" } else { "N m" };
         return Err(AssemblyError::StaticPreload { body, direction, rest: left, unit });
     }
-    for ((element, index, _), force) in asked.iter().zip(forces.iter()) {
-        system.forces[*element].set_preload(*index, *force);
-    }
-    Ok(())
+    Ok(asked.iter().zip(forces.iter()).map(|((element, index, _), force)| (*element, *index, *force)).collect())
 }
 
 /// Generalised forces on all bodies that are no wheelsets.

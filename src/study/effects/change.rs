@@ -55,7 +55,7 @@ pub struct Changed {
 
 /// Distance in a quantity; `None` where one run does not have it.
 pub(super) fn distance(quantity: Quantity, a: &Observed, b: &Observed) -> Option<Distance> {
-    let [one, other] = [a, b].map(|run| &run.series[quantity as usize]);
+    let [one, other] = [a, b].map(|run| run.names[quantity as usize].iter().zip(&run.series[quantity as usize]));
     let reach = usize::from(quantity.jumps() && (a.rigid || b.rigid));
     let apart = |a: &[f64], b: &[f64]| {
         let count = a.len().min(b.len());
@@ -68,7 +68,7 @@ pub(super) fn distance(quantity: Quantity, a: &Observed, b: &Observed) -> Option
         }
         Distance { rms: (squares / count.max(1) as f64).sqrt(), ..found }
     };
-    let pairs = one.iter().zip(other);
+    let pairs = one.filter_map(|(name, a)| Some((a, other.clone().find(|(known, _)| *known == name)?.1)));
     pairs.map(|(a, b)| apart(a, b)).reduce(Distance::worse)
 }
 
@@ -117,6 +117,7 @@ mod tests {
     fn run(values: Vec<f64>) -> Observed {
         let mut run = Observed { time: (0..values.len()).map(|k| 1e-2 * k as f64).collect(), ..Observed::default() };
         run.series[0] = vec![values];
+        run.names[0] = vec!["wheelset.y".into()];
         run
     }
 

@@ -193,8 +193,20 @@ fn creep_law(scene: &Scene, list: &mut List) {
     }
 }
 
+/// Names as a list of the scene has them.
+fn quoted(names: &[&String]) -> String {
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
+}
+
 /// Bodies and what is between them.
 fn vehicle(scene: &Scene, list: &mut List) {
+    if let Some([now, next]) = scene.vehicle.coarser.filter(|_| scene.track.line.is_none()) {
+        list.add(format!("detail {}", now.word()), Kind::Simpler, next.word(), &[&format!("vehicle.detail={}", next.word())]);
+    }
+    if let (false, None) = (scene.vehicle.followers.is_empty(), &scene.track.line) {
+        let names = quoted(&scene.vehicle.followers.iter().collect::<Vec<_>>());
+        list.add("detailed vehicles behind", Kind::Simpler, "point masses", &[&format!("vehicle.point_masses=[{names}]")]);
+    }
     if scene.vehicle.speed != 0.0 || !scene.vehicle.speed_imposed {
         list.switch(scene, Switch::Gyroscopic);
     }
@@ -214,7 +226,6 @@ fn vehicle(scene: &Scene, list: &mut List) {
             stems.push(stem);
         }
     }
-    let quoted = |names: &[&String]| names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
     let left_out = &scene.effects.without;
     for stem in &stems {
         let names: Vec<&String> = left_out.iter().chain([stem]).collect();

@@ -137,6 +137,8 @@ pub(super) struct Observed {
     pub time: Vec<f64>,
     /// Per quantity, in their order, one series for each wheelset, wheel or body.
     pub series: [Vec<Vec<f64>>; Quantity::ALL.len()],
+    /// Their names: a changed scene may have fewer wheelsets.
+    pub names: [Vec<String>; Quantity::ALL.len()],
     /// Do forces jump with the state?
     pub rigid: bool,
 }
@@ -147,6 +149,7 @@ impl Observed {
             Observed { time: recording.column("time").unwrap_or_default(), rigid: model.formulation.constrains(), ..Observed::default() };
         for (index, (name, _)) in recording.columns.iter().enumerate() {
             if let Some(quantity) = quantity(model, name) {
+                observed.names[quantity as usize].push(name.clone());
                 observed.series[quantity as usize].push(recording.rows.iter().map(|row| row[index]).collect());
             }
         }

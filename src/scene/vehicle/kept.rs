@@ -1,0 +1,286 @@
+//! Reads `vehicle.detail`: which bodies of a vehicle stay, and its elements between them.
+//!
+//! Bodies, joints and force elements are a graph. From a wheelset on (the leading one, or that of `detail_of`) stays
+//!
+//! - `"vehicle"`: what is connected with it other than by couplers and by elements between the copies of a module;
+//! - `"truck"`: of that, what is connected with it when the car bodies are taken out: those that are no wheelsets and have at least half the mass of the heaviest;
+//! - `"wheelset"`: of that, the wheelset and what joints hold to it, unless these hold other wheelsets too.
+//!
+//! In a train, vehicles that `point_masses` names become one body each: of all their mass, on a straight guide along the track, in place of the heaviest one.
+
+use super::expand::{Entry, FORCE, Flat, WHEELSET};
+use super::extent::{Asked, Extent, KeptElement, Level, PointMass};
+use super::places::{Bodies, ElementPlaces, Resolver};
+use super::{Element, VehicleSpec};
+use crate::mbs::force::{Attachment, Places};
+use crate::settings::{Section, SettingsError, did_you_mean};
+use nalgebra::Vector3;
+use std::cell::RefCell;
+
+/// A body with this share of the heaviest one's mass is a car body.
+const HEAVY: f64 = 0.5;
+
+/// Bodies, and what is between them.
+struct Graph {
+    wheelsets: usize,
+    /// Of the bodies, kg.
+    masses: Vec<f64>,
+    joints: Vec<[usize; 2]>,
+    /// Bodies of each force element, and whether it couples vehicles.
+    elements: Vec<(Vec<usize>, bool)>,
+}
+
+impl Graph {
+    /// Of a vehicle that was read from these entries of elements.
+    fn new(vehicle: &VehicleSpec, elements: &[Entry]) -> Graph {
+        let couples = |name: &str| {
+            let entry = elements.iter().find(|entry| entry.name == name);
+            entry.is_some_and(|entry| entry.next.is_some() || entry.section.text("kind").is_ok_and(|kind| kind == "coupler"))
+        };
+        let reach = |element: &Element| element.0.reach().into_iter().flatten().collect();
+        let wheelsets = vehicle.wheelsets.iter().map(|wheelset| wheelset.spec.mass);
+        Graph {
+            wheelsets: vehicle.wheelsets.len(),
+            masses: wheelsets.chain(vehicle.bodies.iter().map(|placed| placed.body.mass)).collect(),
+            joints: vehicle.joints.iter().filter_map(|joint| Some([joint.bodies.first, joint.bodies.second?])).collect(),
+            elements: vehicle.forces.iter().map(|element| (reach(element), couples(element.0.name()))).collect(),
+        }
+    }
+
+    /// What is connected with a body by these links, among those that may be.
+    fn connected(&self, seed: usize, may: &[bool], links: &[&[usize]]) -> Vec<bool> {
+        let mut found = vec![false; self.masses.len()];
+        found[seed] = true;
+        loop {
+            let before = found.iter().filter(|body| **body).count();
+            for link in links {
+                if link.iter().any(|body| found[*body]) {
+                    link.iter().filter(|body| may[**body]).for_each(|body| found[*body] = true);
+                }
+            }
+            if found.iter().filter(|body| **body).count() == before {
+                return found;
+            }
+        }
+    }
+
+    /// Bodies that stay at a level; `None`: the wheelsets of this vehicle carry its body without a truck between.
+    fn kept(&self, level: Level, seed: usize) -> Option<Vec<bool>> {
+        let all = vec![true; self.masses.len()];
+        if level == Level::Train {
+            return Some(all);
+        }
+        let joints: Vec<&[usize]> = self.joints.iter().map(<[usize; 2]>::as_slice).collect();
+        let inside = self.elements.iter().filter(|element| !element.1).map(|element| element.0.as_slice());
+        let links: Vec<&[usize]> = joints.iter().copied().chain(inside).collect();
+        let vehicle = self.connected(seed, &all, &links);
+        if level == Level::Vehicle {
+            return Some(vehicle);
+        }
+        let others = || (self.wheelsets..self.masses.len()).filter(|body| vehicle[*body]);
+        let heaviest = others().map(|body| self.masses[body]).fold(0.0, f64::max);
+        let light = |body: usize| vehicle[body] && (body < self.wheelsets || self.masses[body] < HEAVY * heaviest);
+        let light: Vec<bool> = (0..self.masses.len()).map(light).collect();
+        let truck = self.connected(seed, &light, &links);
+        if level == Level::Truck {
+            return (others().next().is_none() || others().any(|body| truck[body])).then_some(truck);
+        }
+        let held = self.connected(seed, &light, &joints);
+        let alone = held.iter().take(self.wheelsets).filter(|wheelset| **wheelset).count() == 1;
+        Some(if alone { held } else { (0..self.masses.len()).map(|body| body == seed).collect() })
+    }
+
+    /// The heaviest body of a vehicle that is no wheelset.
+    fn heaviest(&self, vehicle: &[bool]) -> Option<usize> {
+        let others = (self.wheelsets..self.masses.len()).filter(|body| vehicle[*body]);
+        others.reduce(|a, b| if self.masses[b] > self.masses[a] { b } else { a })
+    }
+
+    /// The least level that is as much as `level`, and the next one, which is less.
+    fn coarser(&self, level: Level, seed: usize) -> Option<[Level; 2]> {
+        let now = self.kept(level, seed)?;
+        let all = || Level::ALL.into_iter().map(|(level, _)| level);
+        let own = all().find(|lower| self.kept(*lower, seed).as_ref() == Some(&now))?;
+        let next = all().rev().find(|lower| *lower < own && self.kept(*lower, seed).is_some())?;
+        Some([own, next])
+    }
+}
+
+/// The wheelset that `detail_of` means: its own name, or that of the module in which it is the first.
+fn seed(section: &Section, vehicle: &VehicleSpec, flat: &Flat) -> Result<usize, SettingsError> {
+    if !section.has("detail_of") {
+        return Ok(0);
+    }
+    let wanted = section.text("detail_of")?;
+    let names: Vec<&str> = vehicle.wheelsets.iter().map(|wheelset| wheelset.spec.name.as_str()).collect();
+    let within = |name: &&str| name.strip_prefix(wanted.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+    names.iter().position(within).ok_or_else(|| {
+        let mut known: Vec<&str> = flat.scopes.iter().filter_map(|scope| scope.prefix.strip_suffix('.')).collect();
+        known.extend(flat.entries[WHEELSET].iter().map(|entry| entry.name.as_str()));
+        let meant = did_you_mean(&wanted, &known);
+        section.error("detail_of", format!("found \"{wanted}\"{meant}, expected a wheelset or a module with one: {}", known.join(", ")))
+    })
+}
+
+/// Reads `point_masses`.
+fn point_masses(section: &Section, graph: &Graph, from: &Entries, level: Level) -> Result<Vec<PointMass>, SettingsError> {
+    let mut masses: Vec<PointMass> = Vec::new();
+    let Some(wanted) = section.optional_texts("point_masses")? else { return Ok(masses) };
+    let refuse = |problem: String| Err(section.error("point_masses", problem));
+    if level != Level::Train {
+        return refuse(format!("stands beside detail = \"{}\", which leaves one vehicle at most; expected one of them", level.word()));
+    }
+    let names = &from.bodies.names;
+    for name in &wanted {
+        let within = |known: &String| known.strip_prefix(name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        let found: Vec<usize> = (0..names.len()).filter(|body| within(&names[*body])).collect();
+        if found.is_empty() {
+            let mut known: Vec<&str> = from.flat.scopes.iter().filter_map(|scope| scope.prefix.strip_suffix('.')).collect();
+            known.extend(names.iter().map(String::as_str));
+            let meant = did_you_mean(name, &known);
+            return refuse(format!("found \"{name}\"{meant}, expected vehicles of the train by the names of their modules or bodies"));
+        }
+        for body in found {
+            if masses.iter().any(|mass| mass.own[body]) {
+                continue;
+            }
+            let own = graph.kept(Level::Vehicle, body).unwrap_or_default();
+            match graph.heaviest(&own) {
+                Some(body) => masses.push(PointMass { body, own }),
+                None => {
+                    return refuse(format!(
+                        "the vehicle of {} has wheelsets alone; expected one with a body that stands for it",
+                        names[body]
+                    ));
+                }
+            }
+        }
+    }
+    if (0..graph.wheelsets).all(|wheelset| masses.iter().any(|mass| mass.own[wheelset])) {
+        return refuse("leaves no wheelset on the rails; expected a vehicle less".into());
+    }
+    let part = |body: &usize| masses.iter().any(|mass| mass.own[*body] && mass.body != *body);
+    let link = graph.elements.iter().filter(|element| element.1).flat_map(|element| &element.0).find(|body| part(body));
+    match link {
+        Some(body) => refuse(format!(
+            "a coupler holds on to {}, which is not the heaviest body of its vehicle; expected a coupler on that",
+            names[*body]
+        )),
+        None => Ok(masses),
+    }
+}
+
+/// What was read of the keys here.
+pub(super) struct Read {
+    pub extent: Extent,
+    pub coarser: Option<[Level; 2]>,
+    pub followers: Vec<String>,
+}
+
+/// What elements are read from.
+pub(super) struct Entries<'r, 'a> {
+    pub flat: &'r Flat<'a>,
+    pub bodies: &'r Bodies,
+    /// Reads one element.
+    pub parse: &'r dyn Fn(&Entry, &dyn Places) -> Result<Element, SettingsError>,
+}
+
+/// Reads `detail` and `detail_of` of a vehicle that was read as a whole. Elements that stay are read a second time, with other numbers of bodies.
+pub(super) fn read(section: &Section, vehicle: &VehicleSpec, from: &Entries) -> Result<Read, SettingsError> {
+    let graph = Graph::new(vehicle, &from.flat.entries[FORCE]);
+    let word = section.word_or("detail", &Level::ALL.map(|level| level.1), Level::Train.word())?;
+    let level = Level::ALL.into_iter().find(|level| level.1 == word).map_or(Level::Train, |level| level.0);
+    if section.has("detail_of") && !section.has("detail") {
+        return Err(section.error("detail_of", "serves nothing without detail, the level to which the vehicle is cut"));
+    }
+    let seed = seed(section, vehicle, from.flat)?;
+    let coarser = graph.coarser(level, seed);
+    let masses = point_masses(section, &graph, from, level)?;
+    let mut followers = Vec::new();
+    let leading = graph.kept(Level::Vehicle, seed).unwrap_or_default();
+    if level == Level::Train && masses.is_empty() {
+        let mut seen = leading;
+        for body in 0..seen.len() {
+            if seen[body] {
+                continue;
+            }
+            let own = graph.kept(Level::Vehicle, body).unwrap_or_default();
+            followers.extend(graph.heaviest(&own).map(|body| from.bodies.names[body].clone()));
+            seen.iter_mut().zip(&own).for_each(|(seen, own)| *seen |= own);
+        }
+    }
+    let Some(mut kept) = graph.kept(level, seed) else {
+        let problem = "found \"truck\", but this vehicle's wheelsets carry its heaviest body with nothing between; expected \"wheelset\" or \"vehicle\"";
+        return Err(section.error("detail", problem));
+    };
+    for mass in &masses {
+        kept.iter_mut().enumerate().filter(|(body, _)| mass.own[*body] && *body != mass.body).for_each(|(_, kept)| *kept = false);
+    }
+    if kept.iter().all(|kept| *kept) && masses.is_empty() {
+        return Ok(Read { extent: Extent::Whole, coarser, followers });
+    }
+    let left: Vec<usize> = (0..kept.len()).filter(|body| kept[*body]).collect();
+    let mut elements = Vec::new();
+    for (element, (bodies, _)) in vehicle.forces.iter().zip(&graph.elements) {
+        let stays = match bodies.first() {
+            // What turns an axle goes with it.
+            Some(axle) if element.0.turns_axle() => kept[*axle],
+            // Inside of a point mass.
+            Some(first) if masses.iter().any(|mass| mass.own[*first]) && bodies.iter().any(|body| !kept[*body]) => false,
+            _ => bodies.iter().any(|body| kept[*body]),
+        };
+        let Some(entry) = from.flat.entries[FORCE].iter().find(|entry| stays && entry.name == element.0.name()) else { continue };
+        let crosses = bodies.iter().any(|body| !kept[*body]);
+        let numbers = RefCell::new(if crosses { Vec::new() } else { left.clone() });
+        let resolver = Resolver::new(&from.flat.scopes, from.bodies, entry);
+        let places = ElementPlaces { resolver: &resolver, name: &entry.name };
+        let element = (from.parse)(entry, &Renumbered { places, numbers: &numbers })?;
+        elements.push(KeptElement { element, bodies: if crosses { numbers.into_inner() } else { Vec::new() } });
+    }
+    let key = section.error(if masses.is_empty() { "detail" } else { "point_masses" }, String::new());
+    Ok(Read { extent: Extent::Asked(Box::new(Asked { level, kept, elements, masses, key })), coarser, followers })
+}
+
+/// The places of an element, with other numbers of bodies than in the whole vehicle.
+struct Renumbered<'r> {
+    places: ElementPlaces<'r>,
+    /// A body's number is its place here; those that are not here come behind.
+    numbers: &'r RefCell<Vec<usize>>,
+}
+
+impl Renumbered<'_> {
+    fn number(&self, body: usize) -> usize {
+        let mut numbers = self.numbers.borrow_mut();
+        numbers.iter().position(|known| *known == body).unwrap_or_else(|| {
+            numbers.push(body);
+            numbers.len() - 1
+        })
+    }
+
+    fn in_whole(&self, place: &Attachment) -> Attachment {
+        Attachment { body: place.body.and_then(|number| self.numbers.borrow().get(number).copied()), local: place.local }
+    }
+}
+
+impl Places for Renumbered<'_> {
+    fn attachment(&self, section: &Section, key: &'static str) -> Result<Attachment, SettingsError> {
+        let place = self.places.attachment(section, key)?;
+        Ok(Attachment { body: place.body.map(|body| self.number(body)), local: place.local })
+    }
+
+    fn body(&self, section: &Section, key: &'static str) -> Result<usize, SettingsError> {
+        Ok(self.number(self.places.body(section, key)?))
+    }
+
+    fn design_vector(&self, from: &Attachment, to: &Attachment) -> Vector3<f64> {
+        self.places.design_vector(&self.in_whole(from), &self.in_whole(to))
+    }
+
+    fn name(&self, section: &Section) -> Result<String, SettingsError> {
+        self.places.name(section)
+    }
+
+    fn mirror(&self) -> f64 {
+        self.places.mirror()
+    }
+}
