@@ -53,6 +53,8 @@ pub enum AssemblyError {
         "track.flexibility: {sag:.1} mm is how far the mean wheel load presses a rail on {stiffness:.2} MN/m; starts are found up to {most} mm: expected vertical_stiffness of at least {least:.1} MN/m"
     )]
     SoftTrack { sag: f64, stiffness: f64, most: f64, least: f64 },
+    #[error("effects.symmetry = \"half\", but {0}")]
+    Half(#[from] super::failure::Asymmetry),
     #[error(
         "track.flexibility and out-of-round wheels don't know axles that twist (flexible_axle, independent_wheels) yet; expected one of them in a scene"
     )]
@@ -115,6 +117,7 @@ impl Model {
             contact_states_begin,
             searches,
             load_tolerance: LOAD_TOLERANCE,
+            half: None,
             search_always: false,
             means: None,
             books: None,

@@ -3,11 +3,12 @@
 //! With E the kinetic energy of all bodies (and of the loads that wheelsets support) and the stored energy of all force elements
 //!
 //! ```text
-//! dE/dt = inputs of wheelsets + imposed speeds + inputs of elements - heat of elements - friction of wheels + contact
+//! dE/dt = inputs of wheelsets + imposed speeds + inputs of elements - heat of elements - friction of wheels + contact + guides
 //!
 //! inputs of a wheelset   F . v + T w_a          (forces on the centre, torque about the axle)
 //! imposed speed          F_d X . v              (force of the driving constraint)
 //! friction of a wheel    -(Fx s_x + Fy s_y + Mz s_n), summed over its contacts: what slip takes
+//! guides                 what stands for parts that are cut away (`vehicle.detail`) and gravity pulls down a grade: from outside
 //! contact                the rest of what contacts do on the wheels: elastic compression, damping, rails that move
 //! ```
 //!

@@ -1,5 +1,6 @@
 //! Which states the books of a vehicle's energy ([`super::energy`]) have: what elements without inputs turn into heat, what contacts do beside friction; of each wheelset friction
-//! of both wheels and its inputs; of each driving constraint its work; of each element with inputs what they bring in and its heat, where either can be.
+//! of both wheels and its inputs; of each driving constraint its work; of each element with inputs what they bring in and its heat, where either can be;
+//! and what guides of elements without inputs hold along the track against gravity (`vehicle.detail`), where there are such.
 
 use crate::geometry::Side;
 use crate::mbs::force::ForceElement;
@@ -19,6 +20,8 @@ const INPUTS: usize = 2;
 pub struct EnergyBooks {
     wheelsets: usize,
     pub(super) accounts: Vec<Account>,
+    /// Place of what elements without inputs bring in: those whose other body is a guide.
+    pub guides: Option<usize>,
     states: usize,
 }
 
@@ -43,14 +46,20 @@ impl EnergyBooks {
                 states - 1
             })
         };
+        let guided =
+            system.forces.iter().enumerate().any(|(element, force)| system.inputs_of_force(element).is_empty() && force.is_supplied());
+        let guides = place(guided);
         let account = |(element, force): (usize, &dyn ForceElement)| {
             let (inputs, own) = (system.inputs_of_force(element), system.states_of_force(element));
-            let work = place(force.is_supplied());
-            let heat = if inputs.is_empty() { force.is_dissipative().then_some(SUSPENSION) } else { place(force.is_dissipative()) };
+            let [supplied, dissipative] = [force.is_supplied(), force.is_dissipative()];
+            let [work, heat] = match inputs.is_empty() {
+                true => [guides.filter(|_| supplied), dissipative.then_some(SUSPENSION)],
+                false => [place(supplied), place(dissipative)],
+            };
             (work.is_some() || heat.is_some()).then_some(Account { element, inputs, own, work, heat })
         };
         let accounts = system.forces.iter().map(AsRef::as_ref).enumerate().filter_map(account).collect();
-        EnergyBooks { wheelsets, accounts, states }
+        EnergyBooks { wheelsets, accounts, guides, states }
     }
 
     /// Number of states.

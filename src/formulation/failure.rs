@@ -65,8 +65,41 @@ pub enum ContactFailure {
     Singular { row: usize, y: f64 },
     #[error("{} ({iterations} iterations, gap {gap:.1e} m, wheelset at y = {y:.4} m)", not_closed(*gap))]
     NotClosed { iterations: usize, gap: f64, y: f64 },
+    #[error(
+        "the run is no longer symmetric: {what} is {value:.1e}, and effects.symmetry = \"half\" has nothing that would push the wheelset back; expected no input and no rail that \
+         favours a side, or symmetry = \"none\""
+    )]
+    SymmetryLost { what: &'static str, value: f64 },
     #[error("{0}")]
     Stiff(#[from] SingularTangent),
+}
+
+/// Why a scene is not symmetric.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Asymmetry {
+    #[error("contact.formulation must be \"ECF-A\": the others have constraints or states of each contact")]
+    Formulation,
+    #[error("the track is curved or canted at {distance:.2} m; expected straight track (grades are welcome)")]
+    Curve { distance: f64 },
+    #[error("{0} does not go with it; expected a scene without, or symmetry = \"none\"")]
+    Beside(&'static str),
+    #[error("left and right wheel of {0} have different profiles or places")]
+    Wheels(String),
+    #[error("the rails' profiles differ")]
+    RailProfiles,
+    #[error("at {distance:.2} m the rails are no mirror images: {lateral:.2e} m across, {vertical:.2e} m up")]
+    Rails { distance: f64, lateral: f64, vertical: f64 },
+    #[error("friction factors of {0}'s wheels differ")]
+    Friction(String),
+    #[error("{body} stands {y:.4} m beside the middle, and there is no body like it on the other side")]
+    Alone { body: String, y: f64 },
+    #[error("{body} begins with {coordinate} = {value:.2e}")]
+    Start { body: String, coordinate: &'static str, value: f64 },
+    #[error(
+        "displaced symmetrically, {body} is accelerated along {coordinate} as its mirror image is not (by {share:.1e} of the largest acceleration): an element without its like on the \
+         other side"
+    )]
+    Accelerations { body: String, coordinate: &'static str, share: f64 },
 }
 
 /// A residual (m and direction cosines) up to which a search that fails was near its place: where a place ceases, it goes to zero

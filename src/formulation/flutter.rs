@@ -16,6 +16,8 @@
 //! is asked for eigenvalues with a real part above zero; while it has one, steps follow it: `h <= 1/2 / |lambda|`. (Suspensions are a
 //! hundred times softer, and gyroscopic moments 2 % of the frequency at 60 m/s: both are left out.)
 
+use super::beat::Swing;
+use super::wheel_loads::WheelLoads;
 use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
@@ -24,7 +26,7 @@ use nalgebra::linalg::Schur;
 use nalgebra::{Matrix3, SMatrix};
 use serde::{Deserialize, Serialize};
 
-/// Linearisations between two looks, and wheelsets take turns: about 1 % of a coach's steps (estimated).
+/// Linearisations between two looks, and wheelsets take turns: about 1 % of a coach's steps (estimated); more where steps are long ([`UNSEEN`]).
 const EVERY: u32 = 4;
 /// Below this share of friction nothing flutters.
 const LEAST_USE: f64 = 0.7;
@@ -41,8 +43,13 @@ const ITERATIONS: usize = 400;
 /// this rate, 1/s, while nothing grows.
 const TOLD: f64 = 1.0;
 const FADES: f64 = 5.0;
-/// Longest time between two looks that counts for it, s.
-const UNSEEN: f64 = 0.05;
+/// Longest time between two looks, s. (Steps of 25 ms, 16 of which passed between two looks at a wheelset, hid the begin of a flutter for 0.2 s.)
+const UNSEEN: f64 = 0.02;
+/// A wheel's load swings because of it where its frequency is so near, by a factor: in a large swing contacts come and go.
+const NEAR: f64 = 1.6;
+
+/// A swing that nothing excites is told from this size on, from turn to turn in parts of the static load.
+const GREAT: f64 = 0.25;
 
 /// An unstable motion of a wheelset on its contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -66,6 +73,8 @@ struct Growing {
     since: f64,
     /// Logarithm of what a small swing has grown by since then.
     exponent: f64,
+    /// When it first mattered.
+    found: Option<Fluttering>,
 }
 
 /// What is known of a model's wheelsets; part of a simulation's state.
@@ -73,14 +82,17 @@ struct Growing {
 pub struct Flutter {
     count: u32,
     wheelsets: Vec<Growing>,
-    /// The first that grew so far that it matters.
-    pub first: Option<Fluttering>,
 }
 
 impl Flutter {
     /// Could this have come from the same model as `other`?
     pub fn fits(&self, other: &Flutter) -> bool {
         self.wheelsets.len() == other.wheelsets.len()
+    }
+
+    /// What grew so far that it matters, the earliest of each wheelset.
+    pub fn found(&self) -> impl Iterator<Item = &Fluttering> {
+        self.wheelsets.iter().filter_map(|growing| growing.found.as_ref())
     }
 
     /// The longest step that follows what grows, s.
@@ -92,16 +104,21 @@ impl Flutter {
 impl Model {
     /// Before the first step.
     pub fn flutter(&self) -> Flutter {
-        Flutter { wheelsets: vec![Growing::default(); self.wheelsets.len()], ..Default::default() }
+        Flutter { count: 0, wheelsets: vec![Growing::default(); self.wheelsets.len()] }
     }
 
-    /// Looks at a wheelset's linearisation, which was made at `t` [s].
+    /// Looks at wheelsets' linearisations, which were made at `t` [s]: in turns, and at each that was not looked at for long.
     pub fn note_flutter(&self, workspace: &Workspace, t: f64, flutter: &mut Flutter) {
         flutter.count = flutter.count.wrapping_add(1);
-        if !flutter.count.is_multiple_of(EVERY) || flutter.wheelsets.is_empty() {
-            return;
+        let turn = flutter.count.is_multiple_of(EVERY).then(|| (flutter.count / EVERY) as usize % flutter.wheelsets.len().max(1));
+        for wheelset in 0..flutter.wheelsets.len() {
+            if turn == Some(wheelset) || t - flutter.wheelsets[wheelset].time > UNSEEN {
+                self.look_at(workspace, t, wheelset, flutter);
+            }
         }
-        let wheelset = (flutter.count / EVERY) as usize % flutter.wheelsets.len();
+    }
+
+    fn look_at(&self, workspace: &Workspace, t: f64, wheelset: usize, flutter: &mut Flutter) {
         let found = if self.slides(workspace, wheelset) { self.grows(workspace, wheelset) } else { None };
         let growing = &mut flutter.wheelsets[wheelset];
         let Some((growth, rate)) = found else {
@@ -116,9 +133,76 @@ impl Model {
             growing.exponent += growth * (t - growing.time).max(0.0);
         }
         (growing.rate, growing.time) = (growth.hypot(rate), t);
-        if growing.exponent > TOLD && flutter.first.is_none() {
-            flutter.first = Some(Fluttering { since: growing.since, wheelset, frequency: rate / std::f64::consts::TAU, growth });
+        if growing.exponent > TOLD && growing.found.is_none() {
+            growing.found = Some(Fluttering { since: growing.since, wheelset, frequency: rate / std::f64::consts::TAU, growth });
         }
+    }
+
+    /// Flutters that are told, with the swing of a load: once loads show it, where steps follow it; with `fixed` steps always.
+    fn told<'a>(
+        &self,
+        flutter: &'a Flutter,
+        loads: &'a WheelLoads,
+        fixed: bool,
+    ) -> impl Iterator<Item = (Fluttering, Option<(Side, Swing)>)> + 'a {
+        flutter.found().filter_map(move |found| {
+            let near = |swing: &Swing| (swing.frequency / found.frequency).ln().abs() < NEAR.ln();
+            let swing = loads.fast_swing(found.wheelset).filter(|(_, swing)| near(swing));
+            (fixed || swing.is_some() || loads.swings(found.wheelset)).then_some((*found, swing))
+        })
+    }
+
+    /// When the first flutter that is told began, s.
+    pub fn first_flutter(&self, flutter: &Flutter, loads: &WheelLoads, fixed: bool) -> Option<f64> {
+        self.told(flutter, loads, fixed)
+            .map(|(found, swing)| swing.map_or(found.since, |(_, swing)| swing.since.min(found.since)))
+            .reduce(f64::min)
+    }
+
+    /// What a user should know of wheelsets that flutter, the earliest.
+    pub fn flutter_note(&self, flutter: &Flutter, loads: &WheelLoads, fixed: bool) -> Option<String> {
+        let all = || self.told(flutter, loads, fixed);
+        let (Fluttering { since, wheelset, frequency, growth }, swing) = all().min_by(|a, b| a.0.since.total_cmp(&b.0.since))?;
+        let name = &self.wheelsets[wheelset].name;
+        let what = match swing {
+            None => format!(
+                "{name} flutters on its contacts from {since:.3} s on, at {frequency:.0} Hz (a small swing grows by {growth:.0} 1/s)"
+            ),
+            Some((side, Swing { since, frequency, size, .. })) => format!(
+                "{name}, {} wheel flutters on its contacts from {since:.3} s on, at {frequency:.0} Hz: its load swings by up to {:.0} % of the static one, up and \
+                 down (a small swing grows by {growth:.0} 1/s)",
+                side.name(),
+                100.0 * size
+            ),
+        };
+        let others = match all().count() - 1 {
+            0 => String::new(),
+            1 => "; so does another wheelset".into(),
+            more => format!("; so do {more} more wheelsets"),
+        };
+        let hidden = if fixed { "; steps of a fixed length may hide it, and loads are then those of an unstable balance" } else { "" };
+        Some(format!(
+            "{what}{others}: friction at its bound couples its bouncing and rolling on rigid rails. That is the model's own motion, not an error of \
+             steps{hidden}; small differences grow by it, so that from there on loads at an instant are known to their order of magnitude alone; less friction or more contact.damping calms it"
+        ))
+    }
+
+    /// What a user should know of a wheel's load that swings fast and for long where no flutter of its wheelset alone is behind it, and neither track nor wheels excite it.
+    pub fn swing_note(&self, loads: &WheelLoads) -> Option<String> {
+        let excited = self.rail_motion
+            || Side::BOTH.iter().any(|side| self.track.rail(*side).deviates())
+            || self.out_of_round.iter().any(Option::is_some);
+        let great = (0..self.wheelsets.len()).filter_map(|wheelset| Some((wheelset, loads.fast_swing(wheelset)?)));
+        let (wheelset, (side, Swing { since, frequency, size, .. })) =
+            great.filter(|(_, (_, swing))| swing.size > GREAT && !excited).max_by(|a, b| a.1.1.size.total_cmp(&b.1.1.size))?;
+        Some(format!(
+            "{}, {} wheel: its load swings by up to {:.0} % of the static one, up and down, at {frequency:.0} Hz, first at {since:.3} s, though neither track nor \
+             wheels excite it. That is the model's own motion, not an error of steps: contact that passes between two places of the wheel, or friction near its \
+             bound; more contact.damping or another contact.patch may calm it",
+            self.wheelsets[wheelset].name,
+            side.name(),
+            100.0 * size
+        ))
     }
 
     /// Is an elastic contact of the wheelset near its friction bound?

@@ -11,6 +11,7 @@
 //! wheel: none in ECF-A and ECCF, the surface parameters and their rates in ACCF, the arc length in ECF-N.
 
 mod assembly;
+pub mod beat;
 mod deflections;
 pub mod elastic;
 pub mod energy;
@@ -21,6 +22,7 @@ mod flange;
 pub mod flutter;
 mod foresight;
 pub mod frame_motion;
+mod half;
 pub mod inputs;
 mod loading;
 mod low_pass;
@@ -52,7 +54,7 @@ mod workspace;
 mod yielding_rails;
 
 pub use assembly::{AssemblyError, Build, Parts};
-pub use failure::{ContactFailure, EvaluationError};
+pub use failure::{Asymmetry, ContactFailure, EvaluationError};
 pub use inputs::{
     DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_SLOPE, RAIL_LATERAL_VELOCITY,
     RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, RAIL_VERTICAL_VELOCITY, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS, input_index, rail_input,

@@ -57,6 +57,8 @@ pub struct Model {
     /// Error of a contact's normal or creep force that a step may make, in parts of the static wheel load or, where it is larger, of the
     /// normal force, -.
     pub load_tolerance: f64,
+    /// Where contacts of right wheels are those of left ones in a mirror (see `half`): of each body the one that is its mirror image.
+    pub(super) half: Option<Vec<usize>>,
     /// Are places searched for also where certificates hold?
     pub(super) search_always: bool,
     /// Means over the last stretch of travel; `None` where the scene does not ask for them.

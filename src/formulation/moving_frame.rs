@@ -23,7 +23,7 @@
 //!
 //! *J c' - c''.* J leaves out that forces turn with their bodies, so that J c' of a vehicle that turns as a whole is not what it should be
 //! (rigid bodies that turn together press no spring). The turn that is common to all bodies (mean velocity, mean rate) is therefore taken out
-//! of c': only contacts see it, by their part of J and without what turns in their wrenches. For that common turn, without contacts, the
+//! of c': only contacts see it, by their part of J and without what turns in their wrenches (wheelsets, and rails that give way under them). For that common turn, without contacts, the
 //! exact answer (Z omega x (v' - c''), of the order of 0.05 m/s3) is left out. In a steady curve 2e-1 rad/s3 is left of 6e5.
 
 use super::frame_motion::{FrameMotion, MovingFrame, Ride, Travel, up_cross};
@@ -31,7 +31,7 @@ use super::step::WheelRef;
 use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::station::Station;
-use crate::mbs::body::{COORDINATES, Wrench, YAW};
+use crate::mbs::body::{BodyMotion, COORDINATES, Wrench, YAW};
 use crate::mbs::system::SystemWorkspace;
 use crate::mbs::tangent::Tangent;
 use nalgebra::{Vector3, Vector6};
@@ -181,6 +181,7 @@ impl Model {
                 *own += value;
             }
         }
+        self.add_turned_rails(workspace, tangent, &whole, change);
         for (travel, own) in bodies.iter().zip(change[velocities..].chunks_exact_mut(COORDINATES)) {
             let winding = up_cross(&travel.velocity()) * travel.winding;
             (own[0], own[1]) = (own[0] - winding.x, own[1] - winding.y);
@@ -204,11 +205,25 @@ impl Model {
                 report.add_to(&mut wrench, report.force, &motion.position);
             }
         }
-        let about = |v: &Vector3<f64>| up_cross(v) * whole.turn;
-        let displacement = joined(&whole.velocity(&motion.position), &(Vector3::z() * whole.turn));
-        let velocity = joined(&about(&motion.velocity), &about(&motion.rotation));
-        let turned = Wrench { force: about(&wrench.force), moment: about(&wrench.moment) };
+        let [displacement, velocity] = whole.motion(motion);
+        let turned = Wrench { force: whole.turned(&wrench.force), moment: whole.turned(&wrench.moment) };
         tangent.acceleration(body, motion, [&displacement, &velocity], &turned)
+    }
+
+    /// The same of rails that give way: a wheel that takes part in the motion of the whole rises with its rail's deviations, which J alone would take for pressing.
+    fn add_turned_rails(&self, workspace: &Workspace, tangent: &Tangent, whole: &Turn, change: &mut [f64]) {
+        if self.travelling_track.is_none() {
+            return;
+        }
+        for WheelRef { contact, wheelset, .. } in self.wheels() {
+            let [displacement, velocity] = whole.motion(&workspace.system.motions[wheelset.body]);
+            let force: Vector3<f64> = workspace.reports(contact).map(|report| report.force).sum();
+            let found = tangent.follower_accelerations(contact, [&displacement, &velocity], &whole.turned(&force));
+            let Some((first, accelerations)) = found else { continue };
+            for (own, value) in change[first..].iter_mut().zip(accelerations) {
+                *own += value;
+            }
+        }
     }
 }
 
@@ -238,5 +253,16 @@ impl Turn {
 
     fn velocity(&self, at: &Vector3<f64>) -> Vector3<f64> {
         self.travel + up_cross(&(at - self.centre)) * self.turn
+    }
+
+    /// What becomes of a vector that turns with it, per second.
+    fn turned(&self, vector: &Vector3<f64>) -> Vector3<f64> {
+        up_cross(vector) * self.turn
+    }
+
+    /// Rates of displacement and rotation, and of velocity and angular velocity, of a body that takes part.
+    fn motion(&self, body: &BodyMotion) -> [Vector6<f64>; 2] {
+        let displacement = joined(&self.velocity(&body.position), &(Vector3::z() * self.turn));
+        [displacement, joined(&self.turned(&body.velocity), &self.turned(&body.rotation))]
     }
 }

@@ -70,7 +70,9 @@ impl Model {
     pub fn derivative(&self, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
         self.take_inputs(&mut workspace.system, at.inputs);
         let (inputs, y) = (at.inputs, at.y);
+        let t = at.t;
         self.formulation.derivative(self, workspace, at, dy)?;
+        self.level_rates(t, dy)?;
         self.mean_rates(workspace, dy);
         self.book_energy(workspace, inputs, y, dy);
         Ok(())

@@ -1,5 +1,6 @@
 //! Wheel loads over a run, for what its user should know: wheels that unload, wheels that strike, and loads that no rigid track would meet.
 
+use super::beat::{Beat, Swing};
 use super::flange::{Flanges, Reach};
 use super::step::WheelRef;
 use super::{Model, Workspace, contact_index};
@@ -25,6 +26,7 @@ pub struct WheelLoads {
     ranges: Vec<Range>,
     /// The first wheel that struck its rail (its contact), and when, s.
     strike: Option<(usize, f64)>,
+    beats: Vec<Beat>,
     /// Where flanges are left out.
     flanges: Option<Flanges>,
 }
@@ -35,6 +37,12 @@ impl WheelLoads {
         let mut ranges = Side::BOTH.into_iter().filter_map(|side| self.ranges.get(contact_index(wheelset, side)));
         ranges.any(|range| range.least.0 < 0.5 && range.most.0 > 1.5)
     }
+
+    /// The wheel of a wheelset whose load has swung most, and fast, and how.
+    pub fn fast_swing(&self, wheelset: usize) -> Option<(Side, Swing)> {
+        let both = Side::BOTH.into_iter().filter_map(|side| Some((side, self.beats.get(contact_index(wheelset, side))?.swing?)));
+        both.max_by(|a, b| a.1.size.total_cmp(&b.1.size))
+    }
 }
 
 /// What [`WheelLoads`] have noted so far, to be saved with a run.
@@ -42,6 +50,7 @@ impl WheelLoads {
 pub struct NotedLoads {
     ranges: Vec<Range>,
     strike: Option<(usize, f64)>,
+    beats: Vec<Beat>,
     reached: Vec<Reach>,
 }
 
@@ -49,15 +58,16 @@ impl WheelLoads {
     /// What is noted so far.
     pub fn noted(&self) -> NotedLoads {
         let reached = self.flanges.as_ref().map_or(&[][..], Flanges::reached).to_vec();
-        NotedLoads { ranges: self.ranges.clone(), strike: self.strike, reached }
+        NotedLoads { ranges: self.ranges.clone(), strike: self.strike, beats: self.beats.clone(), reached }
     }
 
     /// Goes on with what was noted before. Returns false and changes nothing when it is not of the same wheels.
     pub fn go_on(&mut self, noted: NotedLoads) -> bool {
-        let own = noted.ranges.len() == self.ranges.len() && noted.strike.is_none_or(|(contact, _)| contact < self.ranges.len());
+        let wheels = self.ranges.len();
+        let own = noted.ranges.len() == wheels && noted.beats.len() == wheels && noted.strike.is_none_or(|(contact, _)| contact < wheels);
         let flanges = own && self.flanges.as_mut().map_or(noted.reached.is_empty(), |flanges| flanges.go_on(noted.reached));
         if flanges {
-            (self.ranges, self.strike) = (noted.ranges, noted.strike);
+            (self.ranges, self.strike, self.beats) = (noted.ranges, noted.strike, noted.beats);
         }
         flanges
     }
@@ -74,6 +84,7 @@ impl Model {
         WheelLoads {
             ranges: vec![Range { least: (f64::INFINITY, f64::NAN), most: (0.0, f64::NAN) }; self.contacts()],
             strike: None,
+            beats: vec![Beat::default(); self.contacts()],
             flanges: Flanges::of(self),
         }
     }
@@ -85,6 +96,7 @@ impl Model {
         }
         for (WheelRef { contact, wheelset, .. }, range) in self.wheels().zip(&mut loads.ranges) {
             let share = workspace.wheel_force(contact, wheelset.body).z / wheelset.static_wheel_load;
+            loads.beats[contact].note(share, t);
             if share < range.least.0 {
                 range.least = (share, t);
             }

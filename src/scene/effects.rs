@@ -86,6 +86,8 @@ pub struct Effects {
     pub without: Vec<String>,
     /// Is every effect of the scene computed at each evaluation, also where it is known to do nothing?
     pub all: bool,
+    /// Are contacts of right wheels those of left ones in a mirror?
+    pub half: bool,
 }
 
 /// Length over which the curvature of an abrupt transition changes, m.
@@ -130,8 +132,9 @@ impl Effects {
             }
         }
         let all = section.word_or("mode", &["auto", "all"], "auto")? == "all";
+        let half = section.word_or("symmetry", &["none", "half"], "none")? == "half";
         section.finish()?;
-        Ok(Effects { off, abrupt, without, all })
+        Ok(Effects { off, abrupt, without, all, half })
     }
 
     /// Is an effect left out?
@@ -153,7 +156,9 @@ impl Effects {
             (!self.without.is_empty()).then(|| ("force elements", format!("effects.without = [\"{}\"]", self.without.join("\", \""))));
         let all = "effects.mode = \"all\": each effect is computed at each evaluation, also where it is known to do nothing";
         let all = self.all.then(|| ("guards", all.to_string()));
-        switches.chain(abrupt).chain(without).chain(all).collect()
+        let half = "effects.symmetry = \"half\": contacts of right wheels are those of left ones in a mirror";
+        let half = self.half.then(|| ("right wheels", half.to_string()));
+        switches.chain(abrupt).chain(without).chain(all).chain(half).collect()
     }
 }
 

@@ -119,6 +119,10 @@ fn booked(scene: &Scene, model: &Model, books: &EnergyBooks, begin: impl Fn(usiz
     let text =
         "work of contacts on the wheels since the start beside friction: elastic compression and damping (negative), rails that move";
     add(VEHICLE + 5, "energy.contactWork".into(), text, CONTACT);
+    if let Some(guides) = books.guides {
+        let text = "work since the start of what stands for parts that `vehicle.detail` cuts away: gravity pulls them down a grade";
+        add(VEHICLE + 6, "energy.guideWork".into(), text, guides);
+    }
     let elements = model.system.forces.len() - scene.vehicle.forces.len();
     for (index, element) in scene.vehicle.forces.iter().enumerate() {
         let texts = ["work that its inputs have brought in since the start", "what it has turned into heat since the start"];

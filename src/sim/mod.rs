@@ -21,7 +21,7 @@ pub mod tuning;
 pub mod vehicle_outputs;
 
 use crate::formulation::events::ContactEvent;
-use crate::formulation::flutter::{Flutter, Fluttering};
+use crate::formulation::flutter::Flutter;
 use crate::formulation::frame_motion::FrameMotion;
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::swing::Swings;
@@ -168,7 +168,21 @@ impl Simulation {
         let steady = scene.vehicle.initial.from_equilibrium.then(|| steady_state::steady_state(scene)).transpose()?;
         let model = model.with_static_wheel_loads(steady.as_ref().map_or(&[], |steady| &steady.wheel_loads));
         let state = initial_state(scene, &model, steady);
-        Self::begin(model, &scene.solver.integrator, state, start)
+        let mut simulation = Self::begin(model, &scene.solver.integrator, state, start)?;
+        if scene.effects.half {
+            simulation.halve()?;
+        }
+        Ok(simulation)
+    }
+
+    /// Computes one half of a symmetric run from now on.
+    fn halve(&mut self) -> Result<(), SimulationError> {
+        let Simulation { model, state, snapshot, workspace, .. } = self;
+        let at = Evaluation { t: state.time, inputs: &snapshot.inputs, y: &snapshot.y, memory: &mut state.memories.accepted.clone() };
+        model.halve(&mut workspace.clone(), at, &mut state.integration.y).map_err(AssemblyError::from)?;
+        self.known = None;
+        self.look()?;
+        Ok(())
     }
 
     /// A simulation of a model that was put together in code, from its solution `y` at `start` [s]: six coordinates per body (x, y, z, yaw, roll,
@@ -316,22 +330,18 @@ impl Simulation {
         self.loads.first_strike()
     }
 
-    /// What a user should know about the run so far: wheels that unload, loads no real track would meet, wheelsets that flutter.
+    /// When a flutter began that notes tell of, s.
+    pub fn first_flutter(&self) -> Option<f64> {
+        self.model.first_flutter(&self.state.flutter, &self.loads, self.integrator.setting().kind == SettingKind::Step)
+    }
+
+    /// What a user should know about the run so far: wheels that unload, loads no real track would meet, wheelsets that flutter, loads
+    /// that swing fast of themselves.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.model.load_notes(&self.loads);
         let fixed = self.integrator.setting().kind == SettingKind::Step;
-        // Where steps follow it, it is worth a word once loads show it.
-        if let Some(Fluttering { since, wheelset, frequency, growth }) =
-            self.state.flutter.first.filter(|found| fixed || self.loads.swings(found.wheelset))
-        {
-            let hidden = if fixed { "; steps of a fixed length may hide it, and loads are then those of an unstable balance" } else { "" };
-            notes.push(format!(
-                "{} flutters on its contacts from {since:.3} s on, at {frequency:.0} Hz (a small swing grows by {growth:.0} 1/s): friction at its bound \
-                 couples its bouncing and rolling on rigid rails. That is the model's own motion, not an error of steps{hidden}; less friction or more \
-                 contact.damping calms it",
-                self.model.wheelsets[wheelset].name
-            ));
-        }
+        let flutter = self.model.flutter_note(&self.state.flutter, &self.loads, fixed);
+        notes.extend(flutter.or_else(|| self.model.swing_note(&self.loads)));
         notes
     }
 

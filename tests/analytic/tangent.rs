@@ -202,6 +202,11 @@ fn analytic_track_that_gives_way() {
         ROWS,
         [0.02, 0.03],
     );
+    // All wheels of a vehicle, on rails that are nowhere plain.
+    let rough = "track.irregularity=[{kind=\"spectrum\", spectrum=\"ore_b176_low\", seed=1, from=15, to=400, fade=5}]";
+    for patch in ["contact.patch=ellipse", "contact.patch=strips"] {
+        check(&[("vehicle_manchester_1", &[YIELDS, rough, patch], 1.3)], ROWS, [0.05, 0.05]);
+    }
 }
 
 #[test]

@@ -1,6 +1,14 @@
 //! Patches of strips against half-space contact of the same surfaces.
 
+use nalgebra::Vector3;
+use wheelrail::contact::patch::{Pressed as HalfSpaces, Settings};
+use wheelrail::contact::search::algebraic::Pair;
+use wheelrail::contact::strips::{Pressed, RailStrips, Scratch, press_anywhere};
+use wheelrail::geometry::Side;
 use wheelrail::geometry::profile::Profile;
+use wheelrail::geometry::surface::Wheel;
+use wheelrail::geometry::track::Rail;
+use wheelrail::math::rotation::AxleFrame;
 use wheelrail::scene::load;
 use wheelrail::study::patch_laws::{Difference, Poses, Row, mean_and_worst, rows};
 
@@ -82,4 +90,76 @@ fn equiv_strips_on_a_worn_pair_carry_what_half_spaces_do() {
     assert!(n[0] < 0.03 && n[1] < 0.08 && area[0] < 0.06, "N {n:?}, area {area:?}");
     // At y = 5.4 mm and 100 kN tread and gauge corner share the load: 2 % of it on the other one is 0.8 mm.
     assert!(centre[0] < 1e-4 && centre[1] < 1e-3 && creep[0] < 0.02 && creep[1] < 0.1, "centre {centre:?}, creep {creep:?}");
+}
+
+/// A wheel on tread and flange: two patches with a gap between them. Each carries what half-space contact of all the surfaces says, also where the flange has just come to the rail
+/// and its overlap is a small part of the tread's. (With the proportions of both patches as those of one the flange carried a fifth, then ten times as much more for each micrometre.)
+#[test]
+fn equiv_a_flange_that_comes_to_the_rail_is_pressed_as_half_spaces_are() {
+    let scene = load::open("wheelset_s1002", &["vehicle.wheelset.profile={kind=\"s1002\",radius=0.35}".to_string()]).unwrap();
+    let material = scene.contact.material;
+    let wheel = Wheel { side: Side::Right, profile: scene.vehicle.leading().profiles[1].profile.clone(), half_spacing: 0.75 };
+    let rail = Rail::new(Side::Right, scene.track.rails[1].profile.clone(), 0.7525, 0.025, &[]);
+    let strips = RailStrips::new(&rail, std::iter::once(&wheel));
+    let frame = AxleFrame::new(-0.02, -6e-4);
+    let on_flange = |normal: &Vector3<f64>| normal.y.abs() > 0.75;
+    let pressed = |y: f64, z: f64, look: &mut dyn FnMut(&Pair, &[Pressed])| {
+        let centre = Vector3::new(0.0, y, z);
+        let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &frame.axes, distance: 0.0 };
+        let mut scratch = Scratch::new(strips.len());
+        look(&pair, press_anywhere(&pair, &strips, material, &mut scratch));
+    };
+    // Largest overlap beside the flange and on it.
+    let overlaps = |y: f64, z: f64| {
+        let mut most = [f64::NEG_INFINITY; 2];
+        pressed(y, z, &mut |_, found| {
+            for own in found {
+                let place = usize::from(on_flange(&own.strip.normal));
+                most[place] = most[place].max(own.strip.overlap);
+            }
+        });
+        most
+    };
+    let bisect = |mut low: f64, mut high: f64, above: &dyn Fn(f64) -> bool| {
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            if above(middle) { high = middle } else { low = middle }
+        }
+        0.5 * (low + high)
+    };
+    // The right flange comes to its rail where the wheelset goes to the right.
+    let height = |y: f64| bisect(0.354, 0.345, &|z| overlaps(y, z)[0] > 55e-6);
+    for overlap in [8e-6, 12e-6, 20e-6, 30e-6] {
+        let y = bisect(-4e-3, -9.5e-3, &|y| overlaps(y, height(y))[1] > overlap);
+        pressed(y, height(y), &mut |pair, found| {
+            let sum = |flange: bool| found.iter().filter(|own| on_flange(&own.strip.normal) == flange).map(|own| own.load).sum::<f64>();
+            let settings = Settings { columns: 40, rows: 160, extrapolate: false };
+            let half_spaces = HalfSpaces::new(pair, material, settings).unwrap().at_rest();
+            let area = half_spaces.cell_size[0] * half_spaces.cell_size[1];
+            let exact = |flange: bool| {
+                half_spaces.cells.iter().filter(|cell| on_flange(&cell.normal) == flange).map(|cell| cell.pressure * area).sum::<f64>()
+            };
+            let [flange, tread] = [true, false].map(|which| (sum(which), exact(which)));
+            println!("y {:.4} mm, flange {:.1} um deep: {flange:.0?} N, tread {tread:.0?} N", 1e3 * y, 1e6 * overlap);
+            assert!(exact(true) > 100.0 && (flange.0 / flange.1 - 1.0).abs() < 0.12 && (tread.0 / tread.1 - 1.0).abs() < 0.02);
+        });
+    }
+
+    // On the way there its load grows from nothing, ever faster (as delta^1.5), without a jump.
+    let begin = bisect(-4e-3, -9.5e-3, &|y| overlaps(y, height(-5.74e-3))[1] > -2e-6);
+    let loads: Vec<f64> = (0..400)
+        .map(|k| {
+            let mut load = 0.0;
+            let y = begin - 1e-7 * f64::from(k);
+            pressed(y, height(-5.74e-3), &mut |_, found| {
+                load = found.iter().filter(|own| on_flange(&own.strip.normal)).map(|own| own.load).sum();
+            });
+            load
+        })
+        .collect();
+    let steps: Vec<f64> = loads.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let last = steps[steps.len() - 40..].iter().sum::<f64>() / 40.0;
+    let (least, most) = steps.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), step| (least.min(*step), most.max(*step)));
+    println!("{} N after 40 um; 0.1 um bring {least:.2} to {most:.2} N, {last:.2} at the end", loads[399]);
+    assert!(loads[0] == 0.0 && loads[399] > 5e3 && least >= -1e-6 && most < 1.4 * last);
 }

@@ -127,6 +127,27 @@ fn fmu_tutorial_runs_as_it_is_written() {
     assert!(count("sh") >= 10 && count("toml") >= 5 && count("python") == 1 && count("text") >= 10, "the test no longer sees the page");
 }
 
+/// The README's lines of Python, on what its first command makes.
+#[test]
+fn fmu_readme_lines_run_as_they_are_written() {
+    let page = std::fs::read_to_string(Path::new(ROOT).join("README.md")).unwrap();
+    let lines = blocks(&page).unwrap().into_iter().find(|block| block.language == "python").unwrap().lines;
+    assert_eq!(lines.len(), 5);
+    let folder = tempfile::tempdir().unwrap();
+    let exported =
+        Command::new(env!("CARGO_BIN_EXE_wheelrail")).args(["export", "suspended_wheelset"]).current_dir(folder.path()).output().unwrap();
+    assert!(exported.status.success(), "{exported:?}");
+    let ran = Command::new(python()).args(["-c", &lines.join("\n")]).current_dir(folder.path()).output().unwrap();
+    let text = String::from_utf8_lossy(&ran.stdout);
+    assert!(ran.status.success(), "{text}{}", String::from_utf8_lossy(&ran.stderr));
+    let last = text.lines().last().unwrap();
+    let numbers: Vec<f64> = last.split(['(', ')', ',']).filter_map(|word| word.trim().parse().ok()).collect();
+    println!("{last}");
+    // y in m over a gauge reduction of 10 mm, and Q about 55 kN.
+    assert!(numbers.len() == 4 && numbers[0] < 0.0 && (3e-3..7e-3).contains(&numbers[1].max(-numbers[0])), "{last}");
+    assert!((45e3..56e3).contains(&numbers[2]) && (54e3..65e3).contains(&numbers[3]), "{last}");
+}
+
 /// A page with a fault is refused where the fault is.
 #[test]
 #[cfg(unix)]

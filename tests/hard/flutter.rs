@@ -44,3 +44,22 @@ fn hard_fixed_steps_do_not_hide_a_flutter() {
         assert!(ended.is_err() || notes.iter().any(|note| note.contains("flutters") && note.contains("fixed length")), "{step}: {notes:?}");
     }
 }
+
+/// A swing that unloads no wheel is told too: the second wheelset of a tram in a curve of 50 m has its left wheel on tread and flange, whose ellipses pass its load on to each
+/// other; it swings by three quarters of the static load and never falls below 70 % of it.
+#[test]
+fn hard_a_swing_that_unloads_no_wheel_is_told() {
+    let tram = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes/tram_independent_wheels.toml");
+    let run = |friction: &str| {
+        let changes = ["contact.patch=ellipse".to_string(), format!("contact.friction={friction}")];
+        let mut simulation = start(&load::open(&tram.display().to_string(), &changes).unwrap_or_else(|error| panic!("{error}")));
+        simulation.advance(5.0).unwrap();
+        simulation.notes()
+    };
+    let notes = run("0.5");
+    println!("{notes:#?}");
+    let note = notes.iter().find(|note| note.contains("truck[1].wheelset[2], left wheel: its load swings by up to ")).expect("no note");
+    let hertz: f64 = note.split(" up and down, at ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
+    assert!((145.0..165.0).contains(&hertz), "{note}");
+    assert!(run("0.3").is_empty());
+}

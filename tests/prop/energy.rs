@@ -44,7 +44,7 @@ fn left_over(columns: &Columns) -> [f64; 2] {
         (0..parts[0].len()).map(|row| parts.iter().map(|part| part[row]).sum()).collect()
     };
     let stored = of(&["energy.kinetic", "energy.height", "energy.elements"]);
-    let given = of(&[".inputWork", ".drivingWork", ".work", "energy.contactWork"]);
+    let given = of(&[".inputWork", ".drivingWork", ".work", "energy.contactWork", "energy.guideWork"]);
     let taken = of(&[".frictionHeat", ".heat", "energy.suspensionHeat"]);
     let worst = (0..stored.len()).map(|row| (stored[row] - stored[0] - given[row] + taken[row]).abs()).fold(0.0, f64::max);
     [worst, given.iter().chain(&taken).fold(0.0_f64, |most, value| most.max(value.abs()))]
@@ -60,6 +60,10 @@ fn cases() -> Vec<(String, Vec<&'static str>, f64, f64)> {
         // An imposed speed makes V dF out of an error dF of a creep force: 7e-3 at the scene's 1e-5.
         ("vehicle_curve".into(), vec!["solver.tolerance=1e-7"], 4.0, 1e-3),
         ("wheelset_s1002".into(), vec![], 1.0, 1e-3),
+        // A guide takes power only where gravity pulls down a grade.
+        (example("driven_truck"), vec!["vehicle.detail=truck", "track.grade=0.01"], 5.0, 1e-3),
+        (example("driven_truck"), vec!["vehicle.detail=wheelset"], 5.0, 1e-3),
+        ("vehicle_equalised".into(), vec!["vehicle.detail=truck", "vehicle.travel=free"], 3.0, 1e-3),
         ("suspended_wheelset".into(), vec![speed, "contact.formulation=ECCF"], 1.0, 1e-3),
         ("suspended_wheelset".into(), vec![speed, "solver.integrator=dormand_prince"], 1.0, 1e-3),
     ]

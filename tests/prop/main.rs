@@ -12,6 +12,7 @@ mod dependencies;
 mod detail;
 mod effects;
 mod energy;
+mod half;
 mod inputs;
 mod irregularities;
 mod licenses;

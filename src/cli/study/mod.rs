@@ -110,11 +110,11 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
         arguments.wheelset.choose(&scene)?;
     }
     let formulations = chosen("--formulations", &arguments.formulations, names(formulation::REGISTRY))?;
-    let overrides = arguments.scene.alike(&scene, &formulations);
-    let request = request(arguments, scene.run.step, formulations, &overrides)?;
     if arguments.shares {
         return where_time_goes(arguments, &scene);
     }
+    let overrides = arguments.scene.alike(&scene, &formulations);
+    let request = request(arguments, scene.run.step, formulations, &overrides)?;
     if let Some(stop) = arguments.stop.or((scene.run.stop == 0.0).then_some(0.0))
         && !(stop.is_finite() && stop >= request.step)
     {

@@ -46,15 +46,20 @@ pub(super) struct Feeling {
     leads: Vec<f64>,
     /// Squares of the distances from the strip whose row is made, m^2.
     apart: Vec<f64>,
+    /// Of strips that are pressed over a part of their width: that width, and how far its middle lies from the strip's, m; else no width.
+    cuts: Vec<(f64, f64)>,
 }
 
 impl Feeling {
     pub fn new(strips: usize) -> Feeling {
         let reals = || Vec::with_capacity(strips);
-        Feeling { numbers: Vec::with_capacity(strips), squares: reals(), leads: reals(), apart: reals() }
+        Feeling { numbers: Vec::with_capacity(strips), squares: reals(), leads: reals(), apart: reals(), cuts: Vec::with_capacity(strips) }
     }
 
-    pub fn fill(&mut self, pressed: &[Pressed]) {
+    pub fn fill(&mut self, rail: &RailStrips, pressed: &[Pressed]) {
+        let cut = |own: &Pressed| if own.width < rail.strip(own.number).width { (own.width, own.offset) } else { (0.0, 0.0) };
+        self.cuts.clear();
+        self.cuts.extend(pressed.iter().map(cut));
         self.numbers.clear();
         self.numbers.extend(pressed.iter().map(|own| own.number));
         self.squares.clear();
@@ -65,19 +70,19 @@ impl Feeling {
 
     /// E, 1/m, of strip `own` with all strips, a row of the `matrix`; rows that are known are taken for their columns.
     pub fn row(&mut self, rail: &RailStrips, own: usize, matrix: &mut [f64], known: &[bool]) {
-        let Feeling { numbers, squares, leads, apart } = self;
+        let Feeling { numbers, squares, leads, apart, cuts } = self;
         let count = numbers.len();
         let (square, lead) = (squares[own], leads[own]);
         for other in 0..own {
             matrix[own * count + other] = if known[other] {
                 matrix[other * count + own]
             } else {
-                pair(rail.apart(numbers[own], numbers[other]).powi(2), [square, squares[other]], leads[other] - lead)
+                pair(between(rail, numbers, cuts, own, other).powi(2), [square, squares[other]], leads[other] - lead)
             };
         }
         let (squares, leads, row) = (&squares[own..], &leads[own..], &mut matrix[own * count + own..(own + 1) * count]);
         apart.clear();
-        apart.extend(numbers[own..].iter().map(|other| rail.apart(numbers[own], *other).powi(2)));
+        apart.extend((own..count).map(|other| between(rail, numbers, cuts, own, other).powi(2)));
         for (((value, y2), other), ahead) in row.iter_mut().zip(apart.iter()).zip(squares).zip(leads) {
             *value = near(*y2, square, *other, ahead - lead);
         }
@@ -86,6 +91,24 @@ impl Feeling {
                 *value = far(*y2, square, *other, (ahead - lead).abs());
             }
         }
+    }
+}
+
+/// A strip feels itself at this part of its width: `exp(-3/2)`.
+const ITSELF: f64 = 0.223_130_16;
+
+/// The distance at which two strips feel each other, m: from the middles of what is pressed of them.
+#[inline]
+fn between(rail: &RailStrips, numbers: &[usize], cuts: &[(f64, f64)], one: usize, other: usize) -> f64 {
+    let felt = rail.apart(numbers[one], numbers[other]);
+    let [(width, from), (far, to)] = [cuts[one], cuts[other]];
+    if width == 0.0 && far == 0.0 {
+        felt
+    } else if one == other {
+        ITSELF * width
+    } else {
+        let apart = rail.strip(numbers[other]).arc - rail.strip(numbers[one]).arc;
+        felt * ((apart + to - from) / apart).abs()
     }
 }
 

@@ -18,7 +18,8 @@
 //! a_i^2 = 2 e (d_i - e delta) / ((1 - e) kappa_i),    e = 1 / (1 + (A / B)^0.3)       0.013 from b/a = 1/20 to 20
 //! ```
 //!
-//! with A = kappa / 2, and B and delta of the parabola that has the same sums of d and d^2 over what is near (12 mm).
+//! with A = kappa / 2, and B and delta of the parabola that has the same sums of d and d^2 over what is near (12 mm) and not beyond a gap. d_i is the mean over the part of the
+//! strip's width that is above the edge, and the strip is as wide as that ([`cut`]): patches end within strips, and small ones lie within one or two.
 //!
 //! *What creep laws see* are parts of the patch ([`parts`]) with the ellipse of their moments, for which half lengths are taken from the loads:
 //! `a^2 = lambda q / (kappa E*)`, q the load over the strip's width, `E* = G / (1 - nu)`, lambda a function of the proportions,
@@ -32,6 +33,7 @@
 //! *Error* against half-space contact on a grid: docs/real_profiles.md. *What it leaves out:* pressure that is not semi-elliptic along the track; flat
 //! half-spaces over the arc length, as on the grid ([`super::patch`]). Forces are the gradient of the least value of Pi but for what half lengths are off their stationary ones: the energy of a lossless run swings by 1 % of what the contacts store.
 
+mod cut;
 mod influence;
 mod lengths;
 mod mixed;

@@ -68,7 +68,7 @@ impl<'a> Share<'a> {
         let (mut squares, mut work) = (0.0, 0.0);
         for (part, strip) in self.loads() {
             squares += part * strip.load * strip.load / strip.width;
-            work += part * strip.load * strip.strip.overlap;
+            work += part * strip.load * strip.depth;
         }
         let modulus = material.shear_modulus() / (1.0 - material.poisson_ratio);
         let length = proportion(squares / (modulus * work)) / modulus;
@@ -216,7 +216,7 @@ impl Part {
         let (mut force, mut arm, mut forward) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         let (mut arc, mut lengths, mut squares, mut mean_square) = (0.0, 0.0, 0.0, 0.0);
         let (mut work, mut height, mut radius) = (0.0, 0.0, 0.0);
-        for (part, Pressed { number, strip, load: own, width, half_length }) in share.loads() {
+        for (part, Pressed { number, strip, load: own, width, offset, depth, half_length }) in share.loads() {
             let at = rail.strip(*number);
             let density = own / width;
             let own = &(part * own);
@@ -226,20 +226,20 @@ impl Part {
             forward += strip.forward * *own;
             arm += (strip.point - strip.normal * strip.overlap) * *own;
             lead += own * strip.lead;
-            arc += own * at.arc;
+            arc += own * (at.arc + offset);
             lengths += own * density / strip.curvature;
             squares += own * density;
-            work += own * strip.overlap;
+            work += own * depth;
             mean_square += own * half_length * half_length;
             height += own * at.profile.value;
             radius += own * strip.radius;
-            overlap = overlap.max(if *own > 0.0 { part * strip.overlap } else { 0.0 });
+            overlap = overlap.max(if *own > 0.0 { part * depth } else { 0.0 });
         }
         let per_load = 1.0 / load;
         let modulus = material.shear_modulus() / (1.0 - material.poisson_ratio);
         lengths *= proportion(squares / (modulus * work)) / modulus;
         arc *= per_load;
-        let apart = |own: &Pressed| (rail.strip(own.number).arc - arc).powi(2) + own.width * own.width / 12.0;
+        let apart = |own: &Pressed| (rail.strip(own.number).arc + own.offset - arc).powi(2) + own.width * own.width / 12.0;
         let spread: f64 = share.loads().map(|(part, own)| part * own.load * apart(own)).sum();
         let size = force.norm();
         let (u, wheel_slope, wheel_bend) = line(share, load, |own| own.strip.slope, |own| own.strip.wheel);

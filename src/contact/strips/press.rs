@@ -15,6 +15,9 @@ const MOST_SETS: usize = 40;
 /// What the fit of the influence (see [`super::influence`]) leaves out on average.
 const FITTED: f64 = 0.996;
 
+/// A patch may lie between the middles of two strips that do not overlap there by so much, m.
+const BESIDE: f64 = 1e-6;
+
 /// What one wheel's strips are found in; holds the last that was pressed.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
@@ -101,7 +104,7 @@ pub fn press_anywhere<'s>(pair: &Pair, rail: &RailStrips, material: Material, sc
     let Scratch { pressed, inside, .. } = scratch;
     pressed.clear();
     pressed.extend((0..rail.len()).filter_map(|number| overlaps.strip(number, (0.0, 0.0))));
-    let kept = |k: usize| (k.saturating_sub(1)..=k + 1).filter_map(|beside| pressed.get(beside)).any(|own| own.strip.overlap > 0.0);
+    let kept = |k: usize| (k.saturating_sub(1)..=k + 1).filter_map(|beside| pressed.get(beside)).any(|own| own.strip.overlap > -BESIDE);
     inside.clear();
     inside.extend((0..pressed.len()).map(kept));
     let mut kept = inside.iter();
@@ -177,36 +180,18 @@ fn about(found: &[Pressed]) -> Option<(f64, f64)> {
     }
 }
 
-/// By how much the mean overlap over a strip's width w is more than that in its middle, m: `w^2 / 24 d''`, d'' of the parabola through the strip and its
-/// neighbours; 0 where there is none beside the rail's end.
-///
-/// What a strip feels of loads is a mean over widths too ([`super::rail`]). Without this a patch of five strips carried 2 % more.
-#[inline]
-fn sag(rail: &RailStrips, pressed: &[Pressed], k: usize) -> f64 {
-    let own = &pressed[k];
-    let beside = (k.checked_sub(1).and_then(|k| pressed.get(k)), pressed.get(k + 1));
-    let (Some(before), Some(after)) = beside else { return 0.0 };
-    if before.number + 1 != own.number || after.number != own.number + 1 {
-        return 0.0;
-    }
-    let [a, b, c] = [before, own, after].map(|strip| (rail.strip(strip.number).arc, strip.strip.overlap));
-    let slope = |from: (f64, f64), to: (f64, f64)| (to.1 - from.1) / (to.0 - from.0);
-    let bend = 2.0 * (slope(b, c) - slope(a, b)) / (c.0 - a.0);
-    own.width * own.width / 24.0 * bend
-}
-
 /// The loads: none pulls, and no strip without load overlaps.
 fn carry(rail: &RailStrips, scratch: &mut Scratch) {
-    let Scratch { pressed, feeling, matrix, filled, wanted, inside, touching, factor, loads, left, compliance, .. } = scratch;
+    let Scratch { pressed, lengths, feeling, matrix, filled, wanted, inside, touching, factor, loads, left, compliance, .. } = scratch;
     let count = pressed.len();
-    feeling.fill(pressed);
+    feeling.fill(rail, pressed);
     matrix.clear();
     matrix.resize(count * count, 0.0);
     filled.clear();
     filled.resize(count, false);
     wanted.clear();
     let less = |own: &Pressed| own.strip.curvature * own.half_length * own.half_length / 8.0;
-    wanted.extend((0..count).map(|k| (pressed[k].strip.overlap + sag(rail, pressed, k) - less(&pressed[k])) / *compliance));
+    wanted.extend((0..count).map(|k| (lengths.means[k] - less(&pressed[k])) / *compliance));
     for _ in 0..MOST_SETS {
         touching.clear();
         touching.extend((0..count).filter(|k| inside[*k]));
@@ -234,7 +219,7 @@ fn carry(rail: &RailStrips, scratch: &mut Scratch) {
         }
         let mut overlaps = false;
         for ((inside, left), own) in inside.iter_mut().zip(left.iter()).zip(pressed.iter()) {
-            if !*inside && *left > 0.0 && own.strip.overlap > 0.0 {
+            if !*inside && *left > 0.0 && own.depth > 0.0 {
                 (*inside, overlaps) = (true, true);
             }
         }

@@ -49,7 +49,7 @@ fn analytic_a_cylinder_on_an_arc_presses_as_hertz_says() {
             let [part] = parts[..] else { panic!("{} parts", parts.len()) };
             let off = [part.force / hertz.force, part.patch.a / hertz.patch.a, part.patch.b / hertz.patch.b].map(|ratio| ratio - 1.0);
             println!("radius {radius}, {penetration}: N, a, b off by {off:.4?}");
-            assert!(off[0].abs() < 0.03 && off[1].abs() < 0.05 && off[2].abs() < 0.07, "{off:?}");
+            assert!(off[0].abs() < 0.03 && off[1].abs() < 0.05 && off[2].abs() < 0.08, "{off:?}");
             assert!((part.overlap / penetration - 1.0).abs() < 0.02 && (part.arm.y - 0.75).abs() < 5e-5 && part.arm.x.abs() < 1e-9);
         }
     }

@@ -13,6 +13,7 @@ use crate::formulation::{
     Build, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, Parse, RIGHT_FRICTION, WHEELSET_INPUTS, Workspace, contact_index,
 };
 use crate::geometry::Side;
+use crate::mbs::body::Wrench;
 use crate::settings::{Entry, Section, SettingsError};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -49,16 +50,24 @@ impl Formulation for EcfA {
             let own = &inputs[index * WHEELSET_INPUTS..(index + 1) * WHEELSET_INPUTS];
             let applied = external_wrench(model, &workspace.system, wheelset.body, own);
             workspace.system.wrenches[wheelset.body] += applied;
+            let mut left = Wrench::default();
             for (side, friction) in [(Side::Left, own[LEFT_FRICTION]), (Side::Right, own[RIGHT_FRICTION])] {
                 let (contact, turning) = (contact_index(index, side), wheelset.turning[side.index()]);
+                if model.half.is_some() && side == Side::Right {
+                    model.mirror_wheel(workspace, [contact - 1, contact], turning, &left);
+                    continue;
+                }
                 let moved = model.against_rail(&workspace.system, (inputs, y), (wheelset.body, turning), contact);
-                let own = &workspace.system.motions[turning];
-                let (motion, climb) = moved.as_ref().map_or((own, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
+                let as_it_is = &workspace.system.motions[turning];
+                let (motion, climb) = moved.as_ref().map_or((as_it_is, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
                 let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
                 let wrench = &mut workspace.system.wrenches[turning];
+                let before = *wrench;
                 let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
                 points::elastic_wheel(&wheel, &mut memory.wheels[contact], &mut workspace.strips[contact], wrench, reports)
+                    .and_then(|()| if model.half.is_some() { model.check_half(&wheel, own) } else { Ok(()) })
                     .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
+                left = Wrench { force: wrench.force - before.force, moment: wrench.moment - before.moment };
                 workspace.work.search_iterations += workspace.contacts[contact].iterations as u64;
                 model.finish_wheel(workspace, moved.as_ref(), (contact, wheelset.body));
             }

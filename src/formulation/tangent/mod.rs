@@ -12,6 +12,7 @@ mod contact;
 mod patch;
 
 use super::elastic::points;
+use super::half::tangent_in_mirror;
 use super::loading::WheelAt;
 use super::memory::{ModelMemory, RidgeMemory};
 use super::model::factor_at;
@@ -27,7 +28,7 @@ use crate::contact::strips::Uneven;
 use crate::contact::transient::{self, LoadedPatch, TransientContact};
 use crate::geometry::Side;
 use crate::mbs::body::BodyMotion;
-use crate::mbs::tangent::{Follower, SingularTangent, StateCoupling, Tangent};
+use crate::mbs::tangent::{Follower, SingularTangent, StateCoupling, Tangent, WrenchTangent};
 pub(super) use contact::normal_slopes;
 use contact::{ByMotion, NormalSlopes, Touching, penetration_by_pose};
 use nalgebra::Vector3;
@@ -68,9 +69,15 @@ impl Model {
     pub fn linearise(&self, workspace: &mut Workspace, (y, memory): (&[f64], &ModelMemory), inputs: &[f64], forces: bool) {
         let Some(mut tangent) = workspace.tangent.take() else { return };
         tangent.clear();
+        let mut left = WrenchTangent::default();
         let mut strips = (std::mem::take(&mut workspace.strips), std::mem::take(&mut workspace.deeper));
         for WheelRef { contact, wheelset, side } in self.wheels() {
             let turning = wheelset.turning[side.index()];
+            if self.half.is_some() && side == Side::Right {
+                tangent.add_wrench(turning, turning, &tangent_in_mirror(&left, turning == wheelset.turning[0]));
+                continue;
+            }
+            let without = if self.half.is_some() { tangent.take_wrench(turning) } else { None };
             let moved = self.against_rail(&workspace.system, (inputs, y), (wheelset.body, turning), contact);
             let motion = moved.as_ref().map_or(&workspace.system.motions[turning], |moved| &moved.motion);
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
@@ -91,6 +98,12 @@ impl Model {
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
                 let scratch = (&mut strips.0[contact], &mut strips.1);
                 self.add_patch(&wheel, &rails[side.index()], workspace.reports(contact), travel, scratch, &mut tangent);
+            }
+            if self.half.is_some() {
+                left = tangent.take_wrench(turning).unwrap_or_default();
+                for wrench in without.iter().chain([&left]) {
+                    tangent.add_wrench(turning, turning, wrench);
+                }
             }
             if let Some(Under { first, axes, mass, stiffness, damping }) = under {
                 let own = tangent.take_wrench(wheelset.body).unwrap_or_default();

@@ -20,7 +20,7 @@ use nalgebra::{Vector3, Vector6};
 const OWN: usize = 4;
 
 /// A mass under a body's contact.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Follower {
     pub body: usize,
     /// Of its four states in the state vector: u, then u'.
@@ -37,6 +37,9 @@ pub struct Follower {
 #[derive(Clone, Debug)]
 pub(super) struct Block {
     pub body: usize,
+    mass: Follower,
+    /// Changes of E^T F with position and velocity of the body, in the world's terms.
+    pressed: [[Vector6<f64>; 2]; 2],
     /// In the state vector.
     states: Vec<usize>,
     /// S, by rows.
@@ -59,6 +62,8 @@ impl Block {
         let room = || Vec::with_capacity(most);
         Block {
             body: 0,
+            mass: Follower::default(),
+            pressed: Default::default(),
             states: Vec::with_capacity(most),
             own: Vec::with_capacity(most * most),
             by_position: room(),
@@ -91,12 +96,14 @@ impl Block {
     /// The mass itself; `wrench`: dW.
     fn take_mass(&mut self, follower: &Follower, wrench: &WrenchTangent) {
         let Follower { first, axes, mass, stiffness, damping, .. } = follower;
+        self.mass = *follower;
         for i in 0..2 {
             (self.states[i], self.states[2 + i]) = (first + i, first + 2 + i);
             *self.own_mut(i, 2 + i) = 1.0;
             // E^T dF, row i.
             let [of_position, of_velocity] =
                 [&wrench.by_position, &wrench.by_velocity].map(|part| part.fixed_rows::<3>(0).tr_mul(&axes[i]));
+            self.pressed[i] = [of_position, of_velocity];
             self.by_position[2 + i] = -of_position / mass[i];
             self.by_velocity[2 + i] = -of_velocity / mass[i];
             self.load[i] = -(wrench.by_position.fixed_columns::<3>(0) * axes[i]);
@@ -218,6 +225,22 @@ impl Tangent {
             block.take_state(OWN + place, state, follower);
         }
         self.sum.states.truncate(before);
+    }
+
+    /// Where a follower's states stand, u'' behind them, and how u'' changes with a motion of its body in world axes: displacement above rotation, velocity
+    /// above angular velocity; `known` is taken off the change of the contact's force.
+    pub fn follower_accelerations(
+        &self,
+        number: usize,
+        [displacement, velocity]: [&Vector6<f64>; 2],
+        known: &Vector3<f64>,
+    ) -> Option<(usize, [f64; 2])> {
+        let Block { mass: Follower { first, axes, mass, .. }, pressed, .. } = self.followers[..self.followed].get(number)?;
+        let change = |i: usize| {
+            let [by_position, by_velocity]: [Vector6<f64>; 2] = pressed[i];
+            -(by_position.dot(displacement) + by_velocity.dot(velocity) - axes[i].dot(known)) / mass[i]
+        };
+        Some((first + 2, [change(0), change(1)]))
     }
 
     /// Takes followers' states out of the bodies' blocks of I - a J.

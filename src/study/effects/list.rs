@@ -84,6 +84,9 @@ fn guards(scene: &Scene, model: &Model, list: &mut List) {
         || model.track.right.deviates()
         || scene.contact.transient.is_some()
         || (0..model.contacts()).any(|wheel| model.searches_contacts(wheel));
+    if scene.effects.half {
+        list.add("contacts of right wheels", Kind::Fuller, "computed", &["effects.symmetry=none"]);
+    }
     if guarded && !scene.effects.all {
         list.add("effects where they do nothing", Kind::Fuller, "computed", &["effects.mode=all"]);
     }

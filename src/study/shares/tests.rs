@@ -27,7 +27,8 @@ fn check(found: &Shares, absent: &[Part]) {
         let rest = matches!(part, Part::ContactSearch | Part::ContactAndEquations) && found.doubt.is_some();
         assert!(rest || (*share > 0.0) != absent.contains(part), "{part:?}: {share}");
     }
-    assert!(found.of(GROUPS[0].1) > 0.1 && found.seconds > 0.0 && found.watched > 0.0);
+    // Half on a quiet machine; a run of milliseconds may be interrupted anywhere.
+    assert!(found.of(GROUPS[0].1) > 0.01 && found.seconds > 0.0 && found.watched > 0.0);
 }
 
 const IMPLICIT: [Part; 4] = [Part::JacobianContacts, Part::JacobianForces, Part::Factorisation, Part::LinearSystems];

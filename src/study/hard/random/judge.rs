@@ -10,8 +10,8 @@
 //! Beyond a bound a run is wrong unless the scene itself is that sensitive: wheels that fly and strike again and again multiply any error. The
 //! tight method is then run again from starts that are moved aside by half of what y may be off by, in up to four ways. Where one of them moves the
 //! result as far as half the error, that error is one that these bounds allow, amplified by the scene ("beyond foresight", counted on its own). Where y holds and
-//! loads are off only after a wheel has left its rail and struck it, the run's own notes say that they are no more than orders of magnitude from there on
-//! ("struck, and says so", counted on its own too).
+//! loads are off only after a wheel has left its rail and struck it, or flutters, the run's own notes say that they are no more than orders of magnitude from there on
+//! ("struck or flutters, and says so", counted on its own too).
 
 use super::super::audit::Audit;
 use super::super::case::{Audited, Method};
@@ -92,7 +92,7 @@ impl Class {
             Class::GaveUp => "gave up",
             Class::Unjudged => "no reference",
             Class::Unforeseeable => "beyond foresight",
-            Class::Struck => "struck, and says so",
+            Class::Struck => "struck or flutters, and says so",
             Class::SilentlyWrong => "SILENTLY WRONG",
             Class::Panic => "PANIC",
             Class::Hang => "HANG",
@@ -207,13 +207,14 @@ fn judge_here(seed: u64, method: Option<Method>) -> Verdict {
         (End::Stopped { words, .. }, _) if drawn.fixed && words.contains("solver.step") => return say(Class::Refused, words),
         (_, _) => return say(Class::GaveUp, &words(&ran)),
     }
-    let (class, reason, strain) = weigh(&drawn, &look, (&ran, simulation.first_strike()), [&first, &second]);
+    let warned = simulation.first_strike().into_iter().chain(simulation.first_flutter()).reduce(f64::min);
+    let (class, reason, strain) = weigh(&drawn, &look, (&ran, warned), [&first, &second]);
     Verdict { strain, ..say(class, &reason) }
 }
 
-/// What a run is that ends as its references do: class, reason, and how many times its bound the worst error is. `strike`: when a wheel struck its
-/// rail in it, s.
-fn weigh(drawn: &RandomScene, look: &Look, (ran, strike): (&Ran, Option<f64>), right: [&Ran; 2]) -> (Class, String, f64) {
+/// What a run is that ends as its references do: class, reason, and how many times its bound the worst error is. `warned`: from when on its
+/// notes say that loads are orders of magnitude, s.
+fn weigh(drawn: &RandomScene, look: &Look, (ran, warned): (&Ran, Option<f64>), right: [&Ran; 2]) -> (Class, String, f64) {
     let books = booked(ran, right);
     let Some((reason, strain)) = distances(drawn, ran, right, None) else {
         return books.map_or((Class::Right, String::new(), 0.0), |(reason, strain)| (Class::SilentlyWrong, reason, strain));
@@ -222,12 +223,12 @@ fn weigh(drawn: &RandomScene, look: &Look, (ran, strike): (&Ran, Option<f64>), r
     if WAYS.into_iter().any(excused) {
         return (Class::Unforeseeable, reason, strain);
     }
-    // Loads alone, after an impact that the run's notes name.
-    let struck = |strike: f64| {
-        let after = |wrong: &(Quantity, f64)| wrong.0 == Quantity::Vertical && wrong.1 >= strike - RISE;
+    // Loads alone, after an impact or from a flutter on that the run's notes name.
+    let excused_from = |begin: f64| {
+        let after = |wrong: &(Quantity, f64)| wrong.0 == Quantity::Vertical && wrong.1 >= begin - RISE;
         wrong_at(drawn, ran, right).iter().all(after) && books.is_none()
     };
-    (if strike.is_some_and(struck) { Class::Struck } else { Class::SilentlyWrong }, reason, strain)
+    (if warned.is_some_and(excused_from) { Class::Struck } else { Class::SilentlyWrong }, reason, strain)
 }
 
 /// What the books say against a run. Impacts between two samples can't be booked; tight runs have them too.
