@@ -41,10 +41,12 @@ fn polynomial(by: &[f64; 6], x: f64) -> f64 {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Feeling {
     numbers: Vec<usize>,
+    /// m.
+    arcs: Vec<f64>,
     /// Squares of the half lengths, m^2, and leads, m.
     squares: Vec<f64>,
     leads: Vec<f64>,
-    /// Squares of the distances from the strip whose row is made, m^2.
+    /// Distances from the strip whose row is made, m, then their squares.
     apart: Vec<f64>,
     /// Of strips that are pressed over a part of their width: that width, and how far its middle lies from the strip's, m; else no width.
     cuts: Vec<(f64, f64)>,
@@ -53,7 +55,14 @@ pub(super) struct Feeling {
 impl Feeling {
     pub fn new(strips: usize) -> Feeling {
         let reals = || Vec::with_capacity(strips);
-        Feeling { numbers: Vec::with_capacity(strips), squares: reals(), leads: reals(), apart: reals(), cuts: Vec::with_capacity(strips) }
+        Feeling {
+            numbers: Vec::with_capacity(strips),
+            arcs: reals(),
+            squares: reals(),
+            leads: reals(),
+            apart: reals(),
+            cuts: Vec::with_capacity(strips),
+        }
     }
 
     pub fn fill(&mut self, rail: &RailStrips, pressed: &[Pressed]) {
@@ -62,6 +71,8 @@ impl Feeling {
         self.cuts.extend(pressed.iter().map(cut));
         self.numbers.clear();
         self.numbers.extend(pressed.iter().map(|own| own.number));
+        self.arcs.clear();
+        self.arcs.extend(pressed.iter().map(|own| rail.strip(own.number).arc));
         self.squares.clear();
         self.squares.extend(pressed.iter().map(|own| own.half_length * own.half_length));
         self.leads.clear();
@@ -70,7 +81,8 @@ impl Feeling {
 
     /// E, 1/m, of strip `own` with all strips, a row of the `matrix`; rows that are known are taken for their columns.
     pub fn row(&mut self, rail: &RailStrips, own: usize, matrix: &mut [f64], known: &[bool]) {
-        let Feeling { numbers, squares, leads, apart, cuts } = self;
+        self.distances(rail, own);
+        let Feeling { numbers, squares, leads, apart, cuts, .. } = self;
         let count = numbers.len();
         let (square, lead) = (squares[own], leads[own]);
         for other in 0..own {
@@ -81,16 +93,41 @@ impl Feeling {
             };
         }
         let (squares, leads, row) = (&squares[own..], &leads[own..], &mut matrix[own * count + own..(own + 1) * count]);
-        apart.clear();
-        apart.extend((own..count).map(|other| between(rail, numbers, cuts, own, other).powi(2)));
+        let mut shifted = false;
         for (((value, y2), other), ahead) in row.iter_mut().zip(apart.iter()).zip(squares).zip(leads) {
             *value = near(*y2, square, *other, ahead - lead);
+            shifted |= !small(ahead - lead, [square, *other]);
         }
-        for (((value, y2), other), ahead) in row.iter_mut().zip(apart.iter()).zip(squares).zip(leads) {
-            if !small(ahead - lead, [square, *other]) {
-                *value = far(*y2, square, *other, (ahead - lead).abs());
+        if shifted {
+            for (((value, y2), other), ahead) in row.iter_mut().zip(apart.iter()).zip(squares).zip(leads) {
+                if !small(ahead - lead, [square, *other]) {
+                    *value = far(*y2, square, *other, (ahead - lead).abs());
+                }
             }
         }
+    }
+
+    /// Squares of the distances at which a strip feels itself and those after it: [`between`], in numbers that run along.
+    fn distances(&mut self, rail: &RailStrips, own: usize) {
+        let Feeling { numbers, arcs, apart, cuts, .. } = self;
+        let (arcs, cuts) = (&arcs[own..], &cuts[own..]);
+        let (here, (width, from)) = (arcs[0], cuts[0]);
+        apart.clear();
+        apart.extend(arcs.iter().map(|arc| arc - here));
+        for (apart, number) in apart.iter_mut().zip(&numbers[own..]) {
+            let Some(felt) = rail.felt(numbers[own]).get(number - numbers[own]) else { break };
+            *apart = *felt;
+        }
+        for ((apart, arc), (far, to)) in apart.iter_mut().zip(arcs).zip(cuts).skip(1) {
+            if width != 0.0 || *far != 0.0 {
+                let gap = arc - here;
+                *apart *= ((gap + to - from) / gap).abs();
+            }
+        }
+        if width != 0.0 {
+            apart[0] = ITSELF * width;
+        }
+        apart.iter_mut().for_each(|apart| *apart *= *apart);
     }
 }
 

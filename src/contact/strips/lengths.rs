@@ -86,16 +86,20 @@ impl Lengths {
             }
             let width = 2.0 * over[k].half * whole.share;
             let (arc, area, moment) = (arcs[k], width * whole.mean, width * whole.square);
+            let sums = first.iter_mut().zip(second.iter_mut()).zip(arcs.iter());
             if several {
                 joined(overlaps, k, joints);
-            }
-            for (((first, second), own), joint) in first.iter_mut().zip(second.iter_mut()).zip(arcs.iter()).zip(joints.iter()) {
-                let part = (own - arc) * (1.0 / WINDOW);
-                let left = 1.0 - part * part;
-                let left = if left > 0.0 { left } else { 0.0 };
-                let weight = left * left * joint;
-                *first += weight * area;
-                *second += weight * moment;
+                for (((first, second), own), joint) in sums.zip(joints.iter()) {
+                    let weight = near(own - arc) * joint;
+                    *first += weight * area;
+                    *second += weight * moment;
+                }
+            } else {
+                for ((first, second), own) in sums {
+                    let weight = near(own - arc);
+                    *first += weight * area;
+                    *second += weight * moment;
+                }
             }
         }
         inside.clear();
@@ -142,16 +146,25 @@ fn humps(overlaps: &[f64]) -> usize {
 /// overlaps on the way they are of two; on one hump of the overlap it is 1.
 fn joined(overlaps: &[f64], from: usize, joints: &mut [f64]) {
     let own = overlaps[from];
-    let mut go = |ways: &mut dyn Iterator<Item = usize>| {
-        let mut least = own;
-        for k in ways {
-            least = least.min(overlaps[k]);
-            let smaller = own.min(overlaps[k]);
-            joints[k] = if smaller > 0.0 { least.max(0.0) / smaller } else { 1.0 };
-        }
+    let mut go = |k: usize, least: &mut f64| {
+        let there = overlaps[k];
+        *least = if there < *least { there } else { *least };
+        let smaller = if there < own { there } else { own };
+        joints[k] = if smaller > 0.0 && *least < smaller { least.max(0.0) / smaller } else { 1.0 };
     };
-    go(&mut (0..=from).rev());
-    go(&mut (from..overlaps.len()));
+    let mut least = own;
+    (0..=from).rev().for_each(|k| go(k, &mut least));
+    least = own;
+    (from..overlaps.len()).for_each(|k| go(k, &mut least));
+}
+
+/// Weight of what lies so far away, m.
+#[inline(always)]
+fn near(apart: f64) -> f64 {
+    let part = apart * (1.0 / WINDOW);
+    let left = 1.0 - part * part;
+    let left = if left > 0.0 { left } else { 0.0 };
+    left * left
 }
 
 #[cfg(test)]

@@ -185,7 +185,7 @@ fn carry(rail: &RailStrips, scratch: &mut Scratch) {
     let Scratch { pressed, lengths, feeling, matrix, filled, wanted, inside, touching, factor, loads, left, compliance, .. } = scratch;
     let count = pressed.len();
     feeling.fill(rail, pressed);
-    matrix.clear();
+    // What is left of another pose is not read: rows are filled first.
     matrix.resize(count * count, 0.0);
     filled.clear();
     filled.resize(count, false);

@@ -83,6 +83,12 @@ impl RailStrips {
         if eta - self.strips[after - 1].eta < self.strips[after].eta - eta { after - 1 } else { after }
     }
 
+    /// Distances at which a strip feels itself and those after it, m, as far as they are not those of the middles.
+    #[inline]
+    pub(super) fn felt(&self, own: usize) -> &[f64] {
+        &self.felt[own]
+    }
+
     /// The distance at which two strips feel each other, m.
     #[inline]
     pub(super) fn apart(&self, one: usize, other: usize) -> f64 {
