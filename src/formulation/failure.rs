@@ -89,8 +89,6 @@ pub enum Asymmetry {
     RailProfiles,
     #[error("at {distance:.2} m the rails are no mirror images: {lateral:.2e} m across, {vertical:.2e} m up")]
     Rails { distance: f64, lateral: f64, vertical: f64 },
-    #[error("friction factors of {0}'s wheels differ")]
-    Friction(String),
     #[error("{body} stands {y:.4} m beside the middle, and there is no body like it on the other side")]
     Alone { body: String, y: f64 },
     #[error("{body} begins with {coordinate} = {value:.2e}")]

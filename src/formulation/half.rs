@@ -136,28 +136,14 @@ impl Model {
         let velocities = COORDINATES * self.system.bodies.len();
         let largest = dy[velocities..2 * velocities].iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         let most = OF_LARGEST * largest + LEAST;
-        for (body, other) in partners.iter().enumerate() {
-            for first in [0, velocities] {
-                for (i, _) in NAMES {
-                    let (own, image) = (first + COORDINATES * body + i, first + COORDINATES * other + i);
-                    let apart = 0.5 * (dy[own] - sign(i) * dy[image]);
-                    if first > 0 && !(apart.abs() <= most) {
-                        let near = self.wheelsets.iter().find(|wheelset| wheelset.body == body).unwrap_or(&self.wheelsets[0]);
-                        let cause =
-                            ContactFailure::SymmetryLost { what: "an acceleration that favours a side, in m/s2 or rad/s2,", value: apart };
-                        return Err(EvaluationError::new(t, near, Side::Left, cause));
-                    }
-                    dy[own] = if body == *other {
-                        dy[own] - apart
-                    } else if body < *other {
-                        dy[own]
-                    } else {
-                        sign(i) * dy[image]
-                    };
-                }
+        make_symmetric(partners, dy, |body, of_velocities, _, [apart, _]| {
+            if !of_velocities || apart.abs() <= most {
+                return Ok(());
             }
-        }
-        Ok(())
+            let near = self.wheelsets.iter().find(|wheelset| wheelset.body == body).unwrap_or(&self.wheelsets[0]);
+            let what = "an acceleration that favours a side, in m/s2 or rad/s2,";
+            Err(EvaluationError::new(t, near, Side::Left, ContactFailure::SymmetryLost { what, value: apart }))
+        })
     }
 
     /// How far the rails at `s` [m] are from mirror images, across and up, m.
@@ -241,27 +227,12 @@ impl Model {
 
     /// Makes the bodies' coordinates and velocities symmetric where they are nearly so.
     fn level(&self, partners: &[usize], y: &mut [f64]) -> Result<(), Asymmetry> {
-        for (body, other) in partners.iter().enumerate() {
-            for first in [0, COORDINATES * self.system.bodies.len()] {
-                for (i, coordinate) in NAMES {
-                    let own = first + COORDINATES * body + i;
-                    let image = first + COORDINATES * other + i;
-                    let half = 0.5 * (y[own] - sign(i) * y[image]);
-                    if !(half.abs() <= NONE_AT_START) {
-                        return Err(Asymmetry::Start { body: self.system.bodies[body].name.clone(), coordinate, value: y[own] });
-                    }
-                    // Of a pair the second takes what the first one has.
-                    y[own] = if body == *other {
-                        y[own] - half
-                    } else if body < *other {
-                        y[own]
-                    } else {
-                        sign(i) * y[image]
-                    };
-                }
+        make_symmetric(partners, y, |body, _, coordinate, [apart, value]| {
+            if apart.abs() <= NONE_AT_START {
+                return Ok(());
             }
-        }
-        Ok(())
+            Err(Asymmetry::Start { body: self.system.bodies[body].name.clone(), coordinate, value })
+        })
     }
 
     /// In states that are displaced symmetrically, bodies are accelerated symmetrically.
@@ -304,6 +275,33 @@ impl Model {
         }
         Ok(())
     }
+}
+
+/// Makes bodies' coordinates and velocities, or their rates, symmetric to the bit. `check` is told of each value its body, whether it belongs to the velocities, its
+/// coordinate, half its distance from its mirror image, and the value itself.
+fn make_symmetric<E>(
+    partners: &[usize],
+    values: &mut [f64],
+    check: impl Fn(usize, bool, &'static str, [f64; 2]) -> Result<(), E>,
+) -> Result<(), E> {
+    for (body, other) in partners.iter().enumerate() {
+        for first in [0, COORDINATES * partners.len()] {
+            for (i, coordinate) in NAMES {
+                let (own, image) = (first + COORDINATES * body + i, first + COORDINATES * other + i);
+                let apart = 0.5 * (values[own] - sign(i) * values[image]);
+                check(body, first > 0, coordinate, [apart, values[own]])?;
+                // Of a pair the second takes what the first one has.
+                values[own] = if body == *other {
+                    values[own] - apart
+                } else if body < *other {
+                    values[own]
+                } else {
+                    sign(i) * values[image]
+                };
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Are two profiles the same surface?

@@ -1,10 +1,17 @@
-//! A step from 0 to 1 with three continuous derivatives: w(t) = t^4 (35 - 84 t + 70 t^2 - 20 t^3), 0 <= t <= 1.
+//! Steps from 0 to 1: [`cubic_step`] without a slope at either end, and one with three continuous derivatives: w(t) = t^4 (35 - 84 t + 70 t^2 - 20 t^3), 0 <= t <= 1.
 //!
 //! With u = t (1 - t): w' = 140 u^3, w'' = 420 u^2 (1 - 2 t), w''' = 840 u (1 - 5 u); all vanish at both ends. The
 //! steepest place is the middle: w' = 35/16.
 
 /// Largest w'.
 pub const LARGEST_RATE: f64 = 35.0 / 16.0;
+
+/// `3 t^2 - 2 t^3`, held outside 0 .. 1.
+#[inline(always)]
+pub fn cubic_step(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
 
 /// Value and first three derivatives at `t`; constant before 0 and after 1.
 #[inline]
@@ -45,6 +52,7 @@ mod tests {
             let [_, d1, d2, d3] = smooth_step(end);
             assert!(d1 < 1e-15 && d2.abs() < 1e-9 && d3.abs() < 1e-3, "{end}");
         }
+        assert_eq!([-1.0, 0.0, 0.5, 1.0, 2.0].map(cubic_step), [0.0, 0.0, 0.5, 1.0, 1.0]);
         let h = 1e-4;
         for t in [0.03, 0.2, 0.55, 0.9] {
             for d in 0..3 {

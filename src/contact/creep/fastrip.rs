@@ -34,6 +34,7 @@ use super::kalker::{Coefficients, LinearTheory};
 use super::strips::{Bundle, FEWEST, LANES, Lanes, Strips, count, sum};
 use super::{Build, CreepLaw, RollingContact};
 use crate::contact::creepage::CreepForce;
+use crate::math::smooth_step::cubic_step;
 use crate::settings::{Entry, Section, SettingsError};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -77,15 +78,9 @@ struct Shared {
 /// Height of the elliptic bound over the parabolic one's at the centre, `p0 / (2 N/(pi a b))`.
 const HEIGHT: f64 = 0.75;
 
-/// 0 to 1 over z from 0 to 1.
-fn step(z: f64) -> f64 {
-    let z = z.clamp(0.0, 1.0);
-    z * z * (3.0 - 2.0 * z)
-}
-
 /// Part of the stick length that is kept: 1 up to |psi| = 1, 0 from 1.2 on.
 fn fade(psi: f64) -> f64 {
-    1.0 - step((psi.abs() - 1.0) / 0.2)
+    1.0 - cubic_step((psi.abs() - 1.0) / 0.2)
 }
 
 /// Share of E^2 in which the root of w fades out.

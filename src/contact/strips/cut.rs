@@ -6,6 +6,7 @@
 
 use super::pressed::Pressed;
 use super::rail::RailStrips;
+use crate::math::smooth_step::cubic_step;
 
 /// Over one strip: d [m], s, q [1/m], and half the width, m.
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,10 +68,16 @@ impl Bowl {
 ///
 /// In the middle of a patch it goes through both neighbours. Beyond the first strip that does not overlap none is known, and at the edge of a patch (below a third of the
 /// greater neighbour, the more the lower) it goes on as it bends over the neighbours, weighted by their overlap: nothing jumps where strips come in or go out.
-pub(super) fn bowls(rail: &RailStrips, pressed: &[Pressed], bowls: &mut Vec<Bowl>, bends: &mut Vec<f64>) {
+/// `arcs` and `overlaps` are those of the strips, m.
+pub(super) fn bowls(
+    rail: &RailStrips,
+    pressed: &[Pressed],
+    (arcs, overlaps): (&[f64], &[f64]),
+    bowls: &mut Vec<Bowl>,
+    bends: &mut Vec<f64>,
+) {
     let count = pressed.len();
-    let arc = |k: usize| rail.strip(pressed[k].number).arc;
-    let overlap = |k: usize| pressed[k].strip.overlap;
+    let (arc, overlap) = (|k: usize| arcs[k], |k: usize| overlaps[k]);
     let beside = |k: usize| {
         [k.checked_sub(1), Some(k + 1).filter(|other| *other < count)]
             .map(|other| other.filter(|other| pressed[*other].number.abs_diff(pressed[k].number) == 1))
@@ -103,7 +110,7 @@ pub(super) fn bowls(rail: &RailStrips, pressed: &[Pressed], bowls: &mut Vec<Bowl
         if part == 1.0 {
             continue;
         }
-        let part = part * part * (3.0 - 2.0 * part);
+        let part = cubic_step(part);
         let (mut weight, mut slope, mut bend) = (0.0, 0.0, 0.0);
         for other in near.into_iter().flatten().filter(|other| overlap(*other) > 0.0) {
             let (own_weight, way) = (overlap(other), arc(other) - arc(k));

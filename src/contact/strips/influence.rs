@@ -41,8 +41,6 @@ fn polynomial(by: &[f64; 6], x: f64) -> f64 {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Feeling {
     numbers: Vec<usize>,
-    /// m.
-    arcs: Vec<f64>,
     /// Squares of the half lengths, m^2, and leads, m.
     squares: Vec<f64>,
     leads: Vec<f64>,
@@ -55,14 +53,7 @@ pub(super) struct Feeling {
 impl Feeling {
     pub fn new(strips: usize) -> Feeling {
         let reals = || Vec::with_capacity(strips);
-        Feeling {
-            numbers: Vec::with_capacity(strips),
-            arcs: reals(),
-            squares: reals(),
-            leads: reals(),
-            apart: reals(),
-            cuts: Vec::with_capacity(strips),
-        }
+        Feeling { numbers: Vec::with_capacity(strips), squares: reals(), leads: reals(), apart: reals(), cuts: Vec::with_capacity(strips) }
     }
 
     pub fn fill(&mut self, rail: &RailStrips, pressed: &[Pressed]) {
@@ -71,17 +62,15 @@ impl Feeling {
         self.cuts.extend(pressed.iter().map(cut));
         self.numbers.clear();
         self.numbers.extend(pressed.iter().map(|own| own.number));
-        self.arcs.clear();
-        self.arcs.extend(pressed.iter().map(|own| rail.strip(own.number).arc));
         self.squares.clear();
         self.squares.extend(pressed.iter().map(|own| own.half_length * own.half_length));
         self.leads.clear();
         self.leads.extend(pressed.iter().map(|own| own.strip.lead));
     }
 
-    /// E, 1/m, of strip `own` with all strips, a row of the `matrix`; rows that are known are taken for their columns.
-    pub fn row(&mut self, rail: &RailStrips, own: usize, matrix: &mut [f64], known: &[bool]) {
-        self.distances(rail, own);
+    /// E, 1/m, of strip `own` with all strips, whose middles lie at `arcs` [m], a row of the `matrix`; rows that are known are taken for their columns.
+    pub fn row(&mut self, rail: &RailStrips, arcs: &[f64], own: usize, matrix: &mut [f64], known: &[bool]) {
+        self.distances(rail, &arcs[own..], own);
         let Feeling { numbers, squares, leads, apart, cuts, .. } = self;
         let count = numbers.len();
         let (square, lead) = (squares[own], leads[own]);
@@ -89,7 +78,9 @@ impl Feeling {
             matrix[own * count + other] = if known[other] {
                 matrix[other * count + own]
             } else {
-                pair(between(rail, numbers, cuts, own, other).powi(2), [square, squares[other]], leads[other] - lead)
+                let felt = rail.apart(numbers[own], numbers[other]);
+                let apart = between(felt, arcs[other] - arcs[own], [cuts[own], cuts[other]]);
+                pair(apart * apart, [square, squares[other]], leads[other] - lead)
             };
         }
         let (squares, leads, row) = (&squares[own..], &leads[own..], &mut matrix[own * count + own..(own + 1) * count]);
@@ -107,25 +98,22 @@ impl Feeling {
         }
     }
 
-    /// Squares of the distances at which a strip feels itself and those after it: [`between`], in numbers that run along.
-    fn distances(&mut self, rail: &RailStrips, own: usize) {
-        let Feeling { numbers, arcs, apart, cuts, .. } = self;
-        let (arcs, cuts) = (&arcs[own..], &cuts[own..]);
-        let (here, (width, from)) = (arcs[0], cuts[0]);
+    /// Squares of the distances at which a strip feels itself and those after it, whose middles lie at `arcs` [m].
+    fn distances(&mut self, rail: &RailStrips, arcs: &[f64], own: usize) {
+        let Feeling { numbers, apart, cuts, .. } = self;
+        let (here, cuts) = (arcs[0], &cuts[own..]);
         apart.clear();
         apart.extend(arcs.iter().map(|arc| arc - here));
         for (apart, number) in apart.iter_mut().zip(&numbers[own..]) {
             let Some(felt) = rail.felt(numbers[own]).get(number - numbers[own]) else { break };
             *apart = *felt;
         }
-        for ((apart, arc), (far, to)) in apart.iter_mut().zip(arcs).zip(cuts).skip(1) {
-            if width != 0.0 || *far != 0.0 {
-                let gap = arc - here;
-                *apart *= ((gap + to - from) / gap).abs();
-            }
+        let (itself, others) = (cuts[0], apart.iter_mut().zip(arcs).zip(cuts).skip(1));
+        for ((apart, arc), cut) in others {
+            *apart = between(*apart, arc - here, [itself, *cut]);
         }
-        if width != 0.0 {
-            apart[0] = ITSELF * width;
+        if itself.0 != 0.0 {
+            apart[0] = ITSELF * itself.0;
         }
         apart.iter_mut().for_each(|apart| *apart *= *apart);
     }
@@ -134,19 +122,11 @@ impl Feeling {
 /// A strip feels itself at this part of its width: `exp(-3/2)`.
 const ITSELF: f64 = 0.223_130_16;
 
-/// The distance at which two strips feel each other, m: from the middles of what is pressed of them.
-#[inline]
-fn between(rail: &RailStrips, numbers: &[usize], cuts: &[(f64, f64)], one: usize, other: usize) -> f64 {
-    let felt = rail.apart(numbers[one], numbers[other]);
-    let [(width, from), (far, to)] = [cuts[one], cuts[other]];
-    if width == 0.0 && far == 0.0 {
-        felt
-    } else if one == other {
-        ITSELF * width
-    } else {
-        let apart = rail.strip(numbers[other]).arc - rail.strip(numbers[one]).arc;
-        felt * ((apart + to - from) / apart).abs()
-    }
+/// The distance at which two strips feel each other whose middles are `gap` apart and that feel each other at `felt` where both are pressed over their whole
+/// width, m: from the middles of what is pressed of them.
+#[inline(always)]
+fn between(felt: f64, gap: f64, [(width, from), (other, to)]: [(f64, f64); 2]) -> f64 {
+    if width == 0.0 && other == 0.0 { felt } else { felt * ((gap + to - from) / gap).abs() }
 }
 
 fn small(shift: f64, [one, other]: [f64; 2]) -> bool {

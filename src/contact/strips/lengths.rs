@@ -4,6 +4,7 @@ use super::cut::{Bowl, bowls};
 use super::pressed::Pressed;
 use super::rail::RailStrips;
 use crate::math::elementary::power;
+use crate::math::smooth_step::cubic_step;
 
 /// Strips within this distance make one patch whose proportions are taken together, m: their weights fall smoothly from 1 for a strip itself to 0 there, and
 /// where the overlap has several humps to 0 where a gap parts them (`joined`).
@@ -16,8 +17,8 @@ const SHORTEST: f64 = 1.5e-4;
 /// Numbers that run along the strips, for the vector instructions of the compiler.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lengths {
-    /// m.
-    arcs: Vec<f64>,
+    /// Places of the strips' middles, m.
+    pub arcs: Vec<f64>,
     overlaps: Vec<f64>,
     /// 1/m.
     curvatures: Vec<f64>,
@@ -71,13 +72,12 @@ impl Lengths {
             reals.clear();
             reals.extend(pressed.iter().map(|own| of(own, rail)));
         }
-        joints.clear();
         joints.resize(count, 1.0);
         for sum in [&mut *first, &mut *second] {
             sum.clear();
             sum.resize(count, 0.0);
         }
-        bowls(rail, pressed, over, bends);
+        bowls(rail, pressed, (arcs, overlaps), over, bends);
         let several = humps(overlaps) > 1;
         for k in 0..count {
             let whole = over[k].above(0.0);
@@ -115,8 +115,7 @@ impl Lengths {
             let square = if touches { 2.0 * edge * above.mean / ((1.0 - edge) * curvatures[k]) } else { 0.0 };
             own.half_length = square.max(SHORTEST * SHORTEST).sqrt();
             // A strip that is hardly above the edge counts as a whole, so that it comes into contact without a jump.
-            let part = (above.share / CUT).min(1.0);
-            let part = part * part * (3.0 - 2.0 * part);
+            let part = cubic_step(above.share / CUT);
             let mixed = |whole: f64, cut: f64| whole + part * (cut - whole);
             own.width = 2.0 * over[k].half * mixed(1.0, above.share);
             own.offset = part * above.offset;

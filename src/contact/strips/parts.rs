@@ -10,6 +10,7 @@ use super::pressed::Pressed;
 use super::rail::RailStrips;
 use crate::contact::{Material, Patch};
 use crate::geometry::profile::{Profile, ProfilePoint};
+use crate::math::smooth_step::cubic_step;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -176,8 +177,7 @@ impl Parts {
         let highest = |from: usize, to: usize| self.humps[from..=to].iter().map(|hump| hump.peak).fold(0.0, f64::max);
         let height = |k: usize| self.humps[k].valley / highest(first, k).min(highest(k + 1, last));
         let deepest = (first..last).min_by(|a, b| height(*a).total_cmp(&height(*b))).unwrap_or(first);
-        let depth = (1.0 - height(deepest) / SHALLOW).clamp(0.0, 1.0);
-        (deepest, depth * depth * (3.0 - 2.0 * depth))
+        (deepest, cubic_step(1.0 - height(deepest) / SHALLOW))
     }
 }
 

@@ -197,7 +197,7 @@ fn carry(rail: &RailStrips, scratch: &mut Scratch) {
         touching.extend((0..count).filter(|k| inside[*k]));
         for k in touching.iter() {
             if !filled[*k] {
-                feeling.row(rail, *k, matrix, filled);
+                feeling.row(rail, &lengths.arcs, *k, matrix, filled);
                 filled[*k] = true;
             }
         }

@@ -65,6 +65,7 @@ mod tests;
 use super::creep::{CreepLaw, RollingContact};
 use super::creepage::{CreepForce, Creepage, Slip};
 use super::{Material, Patch};
+use crate::math::smooth_step::cubic_step;
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
 use relaxation::{Elasticity, Relaxation};
@@ -252,7 +253,7 @@ impl TransientContact {
         let slide_from = self.sliding_load(contact, &elastic, spin_ratio);
         let load = elastic.stiffness * ux.hypot(uy);
         let slide_full = SLIDE_WIDTH * slide_from;
-        let alpha = if load > slide_from { smooth_step((load - slide_from) / (slide_full - slide_from)) } else { 0.0 };
+        let alpha = if load > slide_from { cubic_step((load - slide_from) / (slide_full - slide_from)) } else { 0.0 };
         let sliding = if alpha > 0.0 {
             let power = slip.longitudinal * ux + slip.lateral * uy;
             alpha * power.max(0.0) / (ux * ux / elastic.length[0] + uy * uy / elastic.length[1]).max(1e-60)
@@ -262,7 +263,7 @@ impl TransientContact {
         let excess = if load > slide_full { 1.0 - slide_full / load } else { 0.0 };
 
         // Deflection: what the slip brings less what rolling on, sliding and lost load take away.
-        let rolling = speed * smooth_step(2.0 * (p * slip.rolling.signum() - 0.25));
+        let rolling = speed * cubic_step(2.0 * (p * slip.rolling.signum() - 0.25));
         let relaxing = rolling + sliding;
         let rate = |u: f64, v: f64, length: f64| {
             let lambda = relaxing / length;
@@ -341,13 +342,6 @@ fn fall(x: f64) -> f64 {
     } else {
         1.0 - x * x * x * (10.0 - x * (15.0 - 6.0 * x))
     }
-}
-
-/// 3 x^2 - 2 x^3, held outside 0 .. 1.
-#[inline]
-fn smooth_step(x: f64) -> f64 {
-    let x = x.clamp(0.0, 1.0);
-    x * x * (3.0 - 2.0 * x)
 }
 
 /// The r = (linear force) / (mu N) from which on the law's force stays within 0.1 % of its value at r = 100; at most 20. Infinite

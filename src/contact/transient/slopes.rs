@@ -13,10 +13,11 @@
 //! The rolling speed, the direction p and the patch are held in the rates; left out is what is of the order of the creepage
 //! (1e-3 to 1e-2) against d v. With N the lengths L grow with the patch, like its cube root.
 
-use super::{Elasticity, LoadedPatch, SLIDE_WIDTH, STATES, SlipVelocity, TransientContact, law_speed, smooth_step};
+use super::{Elasticity, LoadedPatch, SLIDE_WIDTH, STATES, SlipVelocity, TransientContact, law_speed};
 use crate::contact::creep::slopes::CreepSlopes;
 use crate::contact::creep::{CreepLaw, RollingContact};
 use crate::contact::creepage::Creepage;
+use crate::math::smooth_step::cubic_step;
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
 
 /// Derivatives of force and rates.
@@ -129,7 +130,7 @@ impl TransientContact {
         let load_by_u = if size > 0.0 { u * (elastic.stiffness / size) } else { Vector2::zeros() };
         let (alpha, by_load) = if load > range.from {
             let x = ((load - range.from) / (range.full - range.from)).min(1.0);
-            (smooth_step(x), 6.0 * x * (1.0 - x) / (range.full - range.from))
+            (cubic_step(x), 6.0 * x * (1.0 - x) / (range.full - range.from))
         } else {
             (0.0, 0.0)
         };
@@ -143,7 +144,7 @@ impl TransientContact {
         }
         let (excess, excess_by_u) =
             if load > range.full { (1.0 - range.full / load, load_by_u * (range.full / (load * load))) } else { (0.0, Vector2::zeros()) };
-        let relaxing = slip.rolling.abs() * smooth_step(2.0 * (state[2] * slip.rolling.signum() - 0.25)) + sliding;
+        let relaxing = slip.rolling.abs() * cubic_step(2.0 * (state[2] * slip.rolling.signum() - 0.25)) + sliding;
         let mut found = Deflection {
             rates: Vector2::zeros(),
             by_slip: Matrix2::zeros(),

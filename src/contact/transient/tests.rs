@@ -1,6 +1,7 @@
 use super::*;
 use crate::contact::creep;
 use crate::contact::creepage::in_rolling_direction;
+use crate::math::smooth_step::cubic_step;
 use crate::settings::Source;
 use proptest::prelude::*;
 
@@ -308,7 +309,7 @@ fn hard_braked_wheel_stops_on_a_grade_stays_and_rolls_back_when_released() {
         let found = model.evaluate(law.as_ref(), &CONTACT, &slip(s[1] - RADIUS * s[2], 0.0, 0.0, s[1]), &[s[4], s[5], s[6]]);
         let force = found.force.longitudinal;
         let share = 2e6 * s[3] / torque_bound.max(1.0);
-        let slips = smooth_step((share.abs() - 0.8) / 0.2) * f64::from(u8::from(share * s[2] > 0.0));
+        let slips = cubic_step((share.abs() - 0.8) / 0.2) * f64::from(u8::from(share * s[2] > 0.0));
         let torsion_rate = if torque_bound > 0.0 { s[2] * (1.0 - slips * share.abs().max(1.0)) } else { -s[3] / 0.01 };
         let torque = if torque_bound > 0.0 { 2e6 * s[3] + 2e3 * torsion_rate } else { 0.0 };
         [s[1], (force - pull) / MASS, (-RADIUS * force - torque) / INERTIA, torsion_rate, found.rates[0], found.rates[1], found.rates[2]]
