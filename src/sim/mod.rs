@@ -128,6 +128,8 @@ pub struct Simulation {
     loads: WheelLoads,
     untuned: tuning::Untuned,
     extrapolation: directional::Extrapolation,
+    /// s.
+    start: f64,
 }
 
 /// Solution and everything computed from it at one time; outputs are read from it.
@@ -252,6 +254,7 @@ impl Simulation {
             loads: model.wheel_loads(),
             untuned: Vec::new(),
             extrapolation: Default::default(),
+            start,
             model,
         };
         if simulation.integrator.linearises() {
@@ -281,10 +284,12 @@ impl Simulation {
         Ok(())
     }
 
-    /// Lift-offs and landings since they were last taken, in the order in which they were met. The integrator runs ahead of the
-    /// simulation's time by up to a step.
+    /// What contacts did since this was last asked, in the order in which it was met. The integrator runs ahead of the simulation's time by up to a
+    /// step. Places that are pressed from the start on did not begin.
     pub fn take_events(&mut self) -> Vec<ContactEvent> {
-        std::mem::take(&mut self.workspace.events)
+        let mut events = std::mem::take(&mut self.workspace.events);
+        events.retain(|event| event.time > self.start || event.change.changes_mode());
+        events
     }
 
     pub fn model(&self) -> &Model {
