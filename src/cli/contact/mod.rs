@@ -83,7 +83,7 @@ pub(super) struct Arguments {
     /// Vertical load of each wheel with --patch and --elastic [default: the static one]
     #[arg(long, value_name = "Q")]
     load: Option<String>,
-    /// Cells of --patch each way
+    /// Cells of --patch each way; more where the wheel presses at several small places
     #[arg(long, value_name = "N", default_value = "32", requires = "patch")]
     cells: usize,
     /// Write every lateral shift (with --patch: every cell) as CSV ("-" for stdout)

@@ -100,7 +100,7 @@ fn text(scene: &Scene, poses: &Poses, rows: &[Row]) -> String {
     }
     let contact = &scene.contact;
     format!(
-        "{}\n\n  left wheel, y from {:.1} to {:.1} mm by {:.3} mm, in the poses in which half-space contact on {} x {} cells carries the load\n  rolling at {} m/s with the pitch rate of the tread circle, friction {}\n\n{}\nN, centre, area: at equal approach; creep: vector of the creep force\nellipse: contact.normal.law = \"{}\" at the deepest place; both with contact.creep.law = \"{}\"\n",
+        "{}\n\n  left wheel, y from {:.1} to {:.1} mm by {:.3} mm, in the poses in which half-space contact on {} x {} cells or more carries the load\n  rolling at {} m/s with the pitch rate of the tread circle, friction {}\n\n{}\nN, centre, area: at equal approach; creep: vector of the creep force\nellipse: contact.normal.law = \"{}\" at the deepest place; both with contact.creep.law = \"{}\"\n",
         scene.title,
         1e3 * poses.shifts[0],
         1e3 * poses.shifts[poses.shifts.len() - 1],

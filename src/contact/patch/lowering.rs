@@ -1,5 +1,6 @@
 //! How far a wheel must be lowered to carry its load.
 
+use super::surfaces::Domain;
 use super::{Pressed, Settings};
 use crate::contact::Material;
 use crate::contact::search::algebraic::Pair;
@@ -13,8 +14,16 @@ const CARRIED: f64 = 1e-7;
 
 /// By how much, m, the wheel must be lowered from the pose of `pair` until its normal pressures carry a vertical load [N], and the patch there.
 ///
-/// `near`: a depth that may be about right. `None` where no depth within 5 mm carries the load.
+/// `near`: a depth that may be about right. `None` where no depth within 5 mm carries the load. The grid is made finer than the settings say where the
+/// wheel presses at several places that are small beside the way between them.
 pub fn depth_under_load(pair: &Pair, load: f64, material: Material, settings: Settings, near: Option<f64>) -> Option<(f64, Pressed)> {
+    let found = search(pair, load, material, settings, near)?;
+    let centre = pair.centre - Vector3::z() * found.0;
+    let finer = Domain::find(&Pair { centre: &centre, ..*pair }).map_or(settings, |domain| domain.resolving(settings));
+    if finer == settings { Some(found) } else { search(pair, load, material, finer, Some(found.0)) }
+}
+
+fn search(pair: &Pair, load: f64, material: Material, settings: Settings, near: Option<f64>) -> Option<(f64, Pressed)> {
     let press = |depth: f64, settings| {
         let centre = pair.centre - Vector3::z() * depth;
         Pressed::new(&Pair { centre: &centre, ..*pair }, material, settings)

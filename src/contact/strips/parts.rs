@@ -197,10 +197,20 @@ fn cut(pressed: &[Pressed], rail: &RailStrips, k: usize) -> f64 {
 
 /// Mean of a coordinate by load, and the slope of `value` over it.
 fn line(share: Share, load: f64, value: impl Fn(&Pressed) -> f64, coordinate: impl Fn(&Pressed) -> f64) -> (f64, f64, f64) {
-    let mean = |of: &dyn Fn(&Pressed) -> f64| share.loads().map(|(share, strip)| share * strip.load * of(strip)).sum::<f64>() / load;
-    let (x, y) = (mean(&coordinate), mean(&value));
-    let square = mean(&|strip| (coordinate(strip) - x).powi(2));
-    let both = mean(&|strip| (coordinate(strip) - x) * (value(strip) - y));
+    let (mut x, mut y) = (0.0, 0.0);
+    for (share, strip) in share.loads() {
+        let own = share * strip.load;
+        x += own * coordinate(strip);
+        y += own * value(strip);
+    }
+    (x, y) = (x / load, y / load);
+    let (mut square, mut both) = (0.0, 0.0);
+    for (share, strip) in share.loads() {
+        let (own, apart) = (share * strip.load, coordinate(strip) - x);
+        square += own * (apart * apart);
+        both += own * (apart * (value(strip) - y));
+    }
+    (square, both) = (square / load, both / load);
     (x, y, if square > 0.0 { both / square } else { f64::NAN })
 }
 
