@@ -1,6 +1,5 @@
 //! How far a wheel must be lowered to carry its load.
 
-use super::surfaces::Domain;
 use super::{Pressed, Settings};
 use crate::contact::Material;
 use crate::contact::search::algebraic::Pair;
@@ -17,12 +16,12 @@ const CARRIED: f64 = 1e-7;
 /// `near`: a depth that may be about right. `None` where no depth within 5 mm carries the load. The grid is made finer than the settings say where the
 /// wheel presses at several places that are small beside the way between them.
 pub fn depth_under_load(pair: &Pair, load: f64, material: Material, settings: Settings, near: Option<f64>) -> Option<(f64, Pressed)> {
-    let found = search(pair, load, material, settings, near)?;
-    let centre = pair.centre - Vector3::z() * found.0;
-    let finer = Domain::find(&Pair { centre: &centre, ..*pair }).map_or(settings, |domain| domain.resolving(settings));
-    if finer == settings { Some(found) } else { search(pair, load, material, finer, Some(found.0)) }
+    let (depth, pressed) = search(pair, load, material, settings, near)?;
+    let finer = pressed.resolving(settings);
+    if finer == settings { Some((depth, pressed)) } else { search(pair, load, material, finer, Some(depth)) }
 }
 
+/// The same on the grid that the settings name.
 fn search(pair: &Pair, load: f64, material: Material, settings: Settings, near: Option<f64>) -> Option<(f64, Pressed)> {
     let press = |depth: f64, settings| {
         let centre = pair.centre - Vector3::z() * depth;

@@ -26,8 +26,7 @@ pub struct Pressed {
 
 #[derive(Clone, Debug)]
 struct Grids {
-    /// Lead, rail coordinate and overlap of the deepest place.
-    deepest: (f64, f64, f64),
+    domain: Domain,
     fine: Grid,
     /// With half as many cells each way, for the extrapolation of creep forces.
     coarse: Option<Grid>,
@@ -64,10 +63,16 @@ impl Pressed {
             Some(domain) => {
                 let grid = |columns, rows| Grid::press(pair, &domain, material.poisson_ratio, [columns, rows]);
                 let coarse = if extrapolate { Some(grid(columns / 2, rows / 2)?) } else { None };
-                Some(Grids { deepest: domain.deepest, fine: grid(columns, rows)?, coarse })
+                let fine = grid(columns, rows)?;
+                Some(Grids { domain, fine, coarse })
             }
         };
         Some(Pressed { centre: *pair.centre, axle: pair.axes.column(1).into_owned(), material, grids })
+    }
+
+    /// Settings whose grid resolves each place at which the wheel presses, and is no coarser than theirs.
+    pub fn resolving(&self, settings: Settings) -> Settings {
+        self.grids.as_ref().map_or(settings, |grids| grids.domain.resolving(settings))
     }
 
     /// The patch without tractions.
@@ -95,7 +100,7 @@ impl Pressed {
     fn solution(&self, grids: &Grids, grid: &Grid, rolled: &Rolled, friction: f64) -> PatchSolution {
         let shear_modulus = self.material.shear_modulus();
         let cells = grid.samples.iter().enumerate().map(|(k, at)| PatchCell {
-            place: [grid.places[k][0] - grids.deepest.0, grid.places[k][1]],
+            place: [grid.places[k][0] - grids.domain.deepest.0, grid.places[k][1]],
             point: at.between(),
             normal: at.normal,
             pressure: shear_modulus * grid.pressures[k],
@@ -105,8 +110,14 @@ impl Pressed {
         });
         let forward: Vec<Vector3<f64>> = grid.samples.iter().map(|sample| sample.forward).collect();
         let cells = cells.collect();
-        PatchSolution { cells, cell_size: grid.size, overlap: grids.deepest.2, residual: rolled.residual, ..PatchSolution::default() }
-            .summed(&forward)
+        PatchSolution {
+            cells,
+            cell_size: grid.size,
+            overlap: grids.domain.deepest.2,
+            residual: rolled.residual,
+            ..PatchSolution::default()
+        }
+        .summed(&forward)
     }
 
     /// Velocity of the wheel's material past the rail, in the rail's tangent plane, m/s.

@@ -71,7 +71,7 @@ impl Feeling {
     /// E, 1/m, of strip `own` with all strips, whose middles lie at `arcs` [m], a row of the `matrix`; rows that are known are taken for their columns.
     pub fn row(&mut self, rail: &RailStrips, arcs: &[f64], own: usize, matrix: &mut [f64], known: &[bool]) {
         self.distances(rail, &arcs[own..], own);
-        let Feeling { numbers, squares, leads, apart, cuts, .. } = self;
+        let Feeling { numbers, squares, leads, apart, cuts } = self;
         let count = numbers.len();
         let (square, lead) = (squares[own], leads[own]);
         for other in 0..own {

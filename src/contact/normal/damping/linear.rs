@@ -5,6 +5,7 @@
 //! multibody programs use for the same purpose (the IMPACT function of MSC Adams).
 
 use super::{Approach, DampingLaw, DampingSlopes};
+use crate::math::smooth_step::cubic_step;
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -27,8 +28,7 @@ pub(super) struct Linear {
 impl DampingLaw for Linear {
     #[inline]
     fn force(&self, at: &Approach) -> f64 {
-        let x = (at.penetration / self.full_at).clamp(0.0, 1.0);
-        self.coefficient * at.rate * (x * x * (3.0 - 2.0 * x))
+        self.coefficient * at.rate * cubic_step(at.penetration / self.full_at)
     }
 
     fn slopes(&self, at: &Approach) -> DampingSlopes {
@@ -36,7 +36,7 @@ impl DampingLaw for Linear {
         DampingSlopes {
             by_elastic: 0.0,
             by_penetration: self.coefficient * at.rate * (6.0 * x * (1.0 - x)) / self.full_at,
-            by_rate: self.coefficient * (x * x * (3.0 - 2.0 * x)),
+            by_rate: self.coefficient * cubic_step(x),
         }
     }
 
