@@ -224,6 +224,7 @@ pub fn main() -> ExitCode {
         Ok(parsed) => parsed,
         Err(words) => return said(&words),
     };
+    crate::scene::table_store::tell();
     let done = match parsed.command {
         Command::Export(arguments) => export::export(&arguments),
         Command::Run(arguments) => run::run(&arguments),

@@ -10,6 +10,7 @@ use super::variables::VariableTable;
 use super::version::Version;
 use crate::scene::load::{self, SceneError};
 use crate::scene::spec::Scene;
+use crate::scene::table_store;
 use crate::settings::Source;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Write};
@@ -76,6 +77,9 @@ pub fn pack_scene_as(scene: &Scene, version: Version) -> Result<PackedScene, Pac
     let scene = load::read(&scene.name, source, &[])?;
     let table =
         VariableTable::of_version(&scene, version).map_err(|error| SceneError::Assembly { file: scene.source.file.clone(), error })?;
+    for (key, table) in scene.tables.all() {
+        resources.insert(format!("{}/{}", table_store::FOLDER, table_store::file_name(&key)), table_store::to_bytes(&table));
+    }
     let description = description::describe(&scene, &table);
     Ok(PackedScene { scene, table, description, resources })
 }

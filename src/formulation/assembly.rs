@@ -3,6 +3,7 @@
 use super::frame_motion::MovingFrame;
 use super::memory::{Mode, ModelMemory, WheelMemory};
 use super::model::{ContactLaws, LOAD_TOLERANCE, Model};
+use super::patch_tables::PreparedTables;
 use super::rigid_scratch::RigidScratch;
 use super::sliding_mean::MeanMemory;
 use super::timers::Timers;
@@ -29,6 +30,8 @@ pub struct Parts {
     pub points: usize,
     /// Searches for them that other models of the same scene have prepared.
     pub prepared: PreparedSearches,
+    /// Tables of patches that are there already.
+    pub prepared_tables: PreparedTables,
 }
 
 /// Builds a formulation for the parts of a model.
@@ -76,6 +79,10 @@ pub enum AssemblyError {
     )]
     TransientPatch,
     #[error(
+        "contact.patch = \"table\" needs contact.formulation = \"ECF-A\", which knows every place where a flange comes near; expected contact.patch = \"strips\" with ECF-N"
+    )]
+    TabledNodes,
+    #[error(
         "vehicle.force: \"{}\" and \"{}\" both let the wheels of {axle} turn against each other; expected one flexible_axle or independent_wheels for each wheelset",
         elements[0],
         elements[1]
@@ -94,14 +101,19 @@ impl Model {
     /// [`AssemblyError`] when the formulation can't treat the parts.
     pub fn new(parts: Parts, build: &Build) -> Result<Model, AssemblyError> {
         let formulation = build(&parts)?;
-        let Parts { system, track, wheelsets, laws, points, prepared } = parts;
+        let Parts { system, track, wheelsets, laws, points, prepared, prepared_tables } = parts;
         let strips = match laws.patch {
             PatchLaw::Ellipse => None,
-            PatchLaw::Strips if formulation.constrains() => return Err(AssemblyError::RigidPatch),
-            PatchLaw::Strips if laws.transient.is_some() => return Err(AssemblyError::TransientPatch),
-            PatchLaw::Strips => {
+            _ if formulation.constrains() => return Err(AssemblyError::RigidPatch),
+            _ if laws.transient.is_some() => return Err(AssemblyError::TransientPatch),
+            PatchLaw::Table if formulation.points_per_wheel() != 1 => return Err(AssemblyError::TabledNodes),
+            PatchLaw::Strips | PatchLaw::Table => {
                 Some(Side::BOTH.map(|side| RailStrips::new(track.rail(side), wheelsets.iter().map(|wheelset| wheelset.wheel(side)))))
             }
+        };
+        let tables = match (&strips, laws.patch) {
+            (Some(rails), PatchLaw::Table) => prepared_tables.of(&wheelsets, &track, rails),
+            _ => Vec::new(),
         };
         let own = formulation.points_per_wheel();
         let searches = wheel_search::searches(&wheelsets, &track, own == 1, &prepared);
@@ -126,6 +138,7 @@ impl Model {
             out_of_round: Vec::new(),
             surfaces_move: false,
             strips,
+            tables,
         })
     }
 

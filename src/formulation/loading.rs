@@ -8,7 +8,7 @@ use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, in_rolling_dir
 use crate::contact::normal::damping::damped_force;
 use crate::contact::normal::{ConformalContact, ContactShape, ElasticContact};
 use crate::contact::search::algebraic::{ContactLocation, Pair};
-use crate::contact::strips::{Part, Share, Uneven};
+use crate::contact::strips::{Cells, Part, Uneven};
 use crate::contact::transient::{self, LoadedPatch, TransientContact};
 use crate::geometry::Side;
 use crate::math::newton::NewtonFailure;
@@ -81,9 +81,9 @@ impl WheelAt<'_> {
     }
 
     /// A part of its patch with what creep laws do not know of it.
-    pub fn uneven<'p>(&self, share: Share<'p>, part: &'p Part, axes: &ContactAxes) -> Uneven<'p> {
+    pub fn uneven<'p>(&self, cells: Cells<'p>, part: &'p Part, axes: &ContactAxes) -> Uneven<'p> {
         let BodyMotion { velocity, rotation, .. } = *self.motion;
-        Uneven { share, part, axes: axes.rolling(self.speed()), velocity, rotation, material: self.model.laws.material }
+        Uneven { cells, part, axes: axes.rolling(self.speed()), velocity, rotation, material: self.model.laws.material }
     }
 }
 

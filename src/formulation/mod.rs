@@ -33,6 +33,7 @@ mod moving_frame;
 pub mod one_wheel;
 mod out_of_round;
 pub mod partition;
+pub mod patch_tables;
 mod prediction;
 mod projection;
 mod rail_motion;

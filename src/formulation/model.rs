@@ -13,7 +13,7 @@ use crate::contact::friction::{FrictionFactor, FrictionMap};
 use crate::contact::normal::NormalLaw;
 use crate::contact::normal::damping::DampingLaw;
 use crate::contact::patch::PatchLaw;
-use crate::contact::strips::RailStrips;
+use crate::contact::strips::{PatchTable, RailStrips};
 use crate::contact::transient::{self, TransientContact};
 use crate::geometry::Side;
 use crate::geometry::out_of_round::OutOfRound;
@@ -77,6 +77,8 @@ pub struct Model {
     pub(super) searches: Vec<Option<Arc<WheelSearch>>>,
     /// The left and the right rail in strips, where patches are made of them.
     pub(super) strips: Option<[RailStrips; 2]>,
+    /// Their patches by wheel, where they are read from tables; else empty.
+    pub(super) tables: Vec<Arc<PatchTable>>,
 }
 
 impl Model {

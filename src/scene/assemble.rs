@@ -57,6 +57,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
         },
         points: scene.points,
         prepared: scene.prepared.clone(),
+        prepared_tables: scene.tables.clone(),
     };
     let window = scene.interface.outputs.contains(&SLIDING_MEANS).then_some(MEAN_WINDOW);
     let model = Model::new(parts, &contact.formulation)?;

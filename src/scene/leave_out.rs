@@ -21,7 +21,7 @@ impl Effects {
         if self.is_off(Switch::Spin) {
             if contact.patch.why.is_some() {
                 contact.patch = PatchSpec { law: PatchLaw::Ellipse, why: Some("effects.spin = \"off\" is known of ellipses alone") };
-            } else if contact.patch.law == PatchLaw::Strips {
+            } else if contact.patch.law.forms() {
                 let problem = "found \"off\", but each strip of contact.patch = \"strips\" has its own slip, of which spin is a part; expected contact.patch = \"ellipse\"";
                 return Err(section.error("spin", problem));
             }

@@ -23,4 +23,5 @@ pub mod solver_choice;
 pub mod spec;
 pub mod start;
 pub mod steady_state;
+pub mod table_store;
 pub mod vehicle;

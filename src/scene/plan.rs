@@ -7,7 +7,6 @@ use super::rough_track;
 use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
 use super::start::{self, Start};
-use crate::contact::patch::PatchLaw;
 use crate::formulation::inputs::{CENTRE_FORCES, ELEMENT_INPUTS, GROUPS, InputGroup, RAIL_MOTION};
 use crate::formulation::sliding_mean::CUT_OFF;
 use crate::formulation::sliding_mean::SlidingMean;
@@ -161,7 +160,7 @@ fn contact_effects(scene: &Scene, model: &Model, all: &mut Effects) {
         let why = if left == right { left } else { format!("left: {left}; right: {right}") };
         all.add(name, true, why, 0);
     }
-    let strips = contact.patch.law == PatchLaw::Strips;
+    let strips = contact.patch.law.forms();
     let patch = patch_choice::describe(&contact.patch);
     let why = match strips {
         true => format!("{patch}; all that overlaps presses, forces at the load's centre"),
@@ -339,7 +338,7 @@ fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
     }
     const CONVEX: &str = "only one place can touch (the profiles are strictly convex against each other)";
     let [left, right] = Side::BOTH.map(|side| model.searches_contacts(contact_index(0, side)));
-    if scene.contact.patch.law == PatchLaw::Strips {
+    if scene.contact.patch.law.forms() {
         return (true, format!("contact.patch = \"strips\": parts of patches, up to {points}"));
     }
     let points = match scene.contact.points {

@@ -4,6 +4,7 @@ use super::effects::Effects;
 use super::limits::{MOST_STEPS, SMALLEST_MODULUS};
 use super::profiles::read_profiles;
 use super::spec::*;
+use super::table_store::FileStore;
 use super::{assemble, patch_choice, solver_choice};
 use crate::contact::friction::FrictionMap;
 use crate::contact::patch::PatchLaw;
@@ -12,6 +13,7 @@ use crate::contact::{Material, creep, normal, patch};
 use crate::formulation::{
     self, LOAD_TOLERANCE,
     inputs::{GROUPS, RAIL_MOTION},
+    patch_tables::PreparedTables,
     travelling_track::TravellingTrack,
     wheel_search::{MOST_POINTS, PreparedSearches},
 };
@@ -73,12 +75,12 @@ impl Scene {
         }
         let (Some(solver), Some(interface), Some(run)) = (solver, interface, run) else { return Err(root.stop()) };
         root.keep(check_settling(root, &vehicle, &solver))?;
-        let prepared = PreparedSearches::default();
+        let (prepared, tables) = (PreparedSearches::default(), PreparedTables::stored(Arc::new(FileStore::of(source.folder.as_deref()))));
         let points = MOST_POINTS;
-        let mut scene = Scene { name, source, title, vehicle, track, contact, effects, solver, interface, run, prepared, points };
+        let mut scene = Scene { name, source, title, vehicle, track, contact, effects, solver, interface, run, prepared, tables, points };
         scene.points = match scene.contact.patch.law {
             // All places at which surfaces may overlap.
-            PatchLaw::Strips => MOST_POINTS,
+            PatchLaw::Strips | PatchLaw::Table => MOST_POINTS,
             PatchLaw::Ellipse => scene.contact.points.unwrap_or_else(|| assemble::points_needed(&scene)),
         };
         Ok(scene)

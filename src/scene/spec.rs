@@ -10,7 +10,7 @@ use crate::contact::friction::FrictionMap;
 use crate::contact::patch::PatchLaw;
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
-use crate::formulation::{self, travelling_track::TravellingTrack, wheel_search::PreparedSearches};
+use crate::formulation::{self, patch_tables::PreparedTables, travelling_track::TravellingTrack, wheel_search::PreparedSearches};
 use crate::geometry::file::SceneFile;
 use crate::geometry::profile::ProfileChoice;
 use crate::geometry::track::Deviation;
@@ -37,6 +37,8 @@ pub struct Scene {
     pub run: RunSpec,
     /// What the models that are assembled from it share.
     pub prepared: PreparedSearches,
+    /// Tables of its patches, where it reads them from tables.
+    pub tables: PreparedTables,
     /// Contacts that a wheel may have at once: `contact.points`, or as many as its profiles can need.
     pub points: usize,
 }

@@ -6,7 +6,7 @@
 
 use super::contact_geometry::{Attitude, WheelsetOnTrack};
 use super::ellipse_patch::ellipse_patch;
-use super::strip_patch::strip_patch;
+use super::strip_patch::{StripPatch, strip_patch, tabled_patch};
 use crate::contact::patch::{Motion, Settings, depth_under_load};
 use crate::geometry::Side;
 use crate::math::rotation::AxleFrame;
@@ -46,6 +46,8 @@ pub struct Row {
     /// Normal force of the half-space contact, N.
     pub normal_force: f64,
     pub strips: Difference,
+    /// `None` where the pose is not in the table.
+    pub table: Option<Difference>,
     /// `None` where the laws know none.
     pub ellipse: Option<Difference>,
 }
@@ -88,14 +90,16 @@ fn row(scene: &Scene, (y, yaw, load): (f64, f64, f64), cells: usize) -> Option<R
         area: said.area / exact.area() - 1.0,
         creep: (said.creep - exact.creep_force).norm() / (friction * force),
     };
-    let strips = strip_patch(scene, &pair, &motion)?;
-    let strips = Said { force: strips.pressing.norm(), centre: strips.centre, area: strips.area, creep: strips.creep_force };
+    let of =
+        |patch: StripPatch| less(Said { force: patch.pressing.norm(), centre: patch.centre, area: patch.area, creep: patch.creep_force });
+    let strips = of(strip_patch(scene, &pair, &motion)?);
+    let table = tabled_patch(scene, &pair, &motion).map(of);
     let touch = &stand.contacts[side.index()];
     let ellipse = ellipse_patch(scene, &pair, touch, None, &motion).map(|ellipse| {
         let creep = ellipse.axes.e1 * ellipse.creep.longitudinal + ellipse.axes.e2 * ellipse.creep.lateral;
         less(Said { force: ellipse.normal_force, centre: ellipse.place, area: PI * ellipse.patch.a * ellipse.patch.b, creep })
     });
-    Some(Row { y, yaw, load, normal_force: force, strips: less(strips), ellipse })
+    Some(Row { y, yaw, load, normal_force: force, strips, table, ellipse })
 }
 
 /// Mean and worst of the sizes of one figure over rows that have it.

@@ -1,10 +1,10 @@
 //! One wheel's patch as strips, beside the half-space contact of the same surfaces in the same pose.
 
-use crate::contact::creep::RollingContact;
+use crate::contact::creep::{CreepLaw, RollingContact};
 use crate::contact::creepage::{ContactAxes, in_rolling_direction};
 use crate::contact::patch::Motion;
 use crate::contact::search::algebraic::Pair;
-use crate::contact::strips::{Creep, MOST, Part, Parts, RailStrips, Scratch, Uneven, press_anywhere};
+use crate::contact::strips::{Cells, Creep, FLANK, MOST, Part, Parts, Pressed, RailStrips, Scratch, Section, Uneven, press_anywhere};
 use crate::scene::spec::Scene;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -25,7 +25,7 @@ pub struct StripPatch {
 
 /// `None` where nothing overlaps.
 pub fn strip_patch(scene: &Scene, pair: &Pair, motion: &Motion) -> Option<StripPatch> {
-    let (material, friction) = (scene.contact.material, scene.contact.friction);
+    let material = scene.contact.material;
     let rail = RailStrips::new(pair.rail, std::iter::once(pair.wheel));
     let mut scratch = Scratch::new(rail.len());
     let pressed = press_anywhere(pair, &rail, material, &mut scratch);
@@ -34,19 +34,8 @@ pub fn strip_patch(scene: &Scene, pair: &Pair, motion: &Motion) -> Option<StripP
     let last = parts.len().checked_sub(1)?;
     let law = (scene.contact.creep)(material);
     let creep = |first: usize, last: usize| {
-        let part = &part(first, last);
-        let axes = ContactAxes::new(part.normal, part.forward);
-        let velocity = motion.velocity + motion.rotation.cross(&part.arm);
-        let creepage = axes.slip(&velocity, &motion.rotation).creepage(motion.speed);
-        let contact = RollingContact { patch: part.patch, normal_force: part.load, friction, speed: motion.speed.abs(), creepage };
-        let share = parts.share(pressed, first, last);
-        let uneven =
-            Uneven { share, part, axes: axes.rolling(motion.speed), velocity: motion.velocity, rotation: motion.rotation, material };
-        let found = in_rolling_direction(motion.speed, creepage, |creepage| {
-            let contact = RollingContact { creepage, ..contact };
-            uneven.force(&law.force(&contact), &contact)
-        });
-        Creep { force: axes.e1 * found.longitudinal + axes.e2 * found.lateral, moment: found.spin_moment, bound: contact.bound() }
+        let cells = Cells::Strips(parts.share(pressed, first, last));
+        rolling(scene, law.as_ref(), motion, (cells, &part(first, last)))
     };
     let own: Vec<Part> = (0..=last).map(|k| part(k, k)).collect();
     let forces: Vec<f64> = own.iter().map(|part| part.load).collect();
@@ -61,4 +50,47 @@ pub fn strip_patch(scene: &Scene, pair: &Pair, motion: &Motion) -> Option<StripP
         parts: last + 1,
         creep_force: creeps.iter().map(|creep| creep.force).sum(),
     })
+}
+
+/// What the table of the pair says where it knows the pose wholly, and no flange presses.
+pub fn tabled_patch(scene: &Scene, pair: &Pair, motion: &Motion) -> Option<StripPatch> {
+    let material = scene.contact.material;
+    let rail = RailStrips::new(pair.rail, std::iter::once(pair.wheel));
+    let mut scratch = Scratch::new(rail.len());
+    let pressed = press_anywhere(pair, &rail, material, &mut scratch);
+    let flank = |own: &&Pressed| pair.rail.profile.at(rail.eta(own.number)).d1.abs() > FLANK;
+    if pressed.iter().filter(|own| own.load > 0.0).any(|own| flank(&own)) {
+        return None;
+    }
+    let looked = scene.tables.of_pair(pair.wheel, pair.rail, &rail).look(pair, &Section::new(pair), material)?;
+    if looked.weight < 1.0 {
+        return None;
+    }
+    let (law, part) = ((scene.contact.creep)(material), &looked.part);
+    let creep = match motion.speed == 0.0 {
+        true => Creep::default(),
+        false => rolling(scene, law.as_ref(), motion, (Cells::Fifths(&looked.fifths), part)),
+    };
+    Some(StripPatch {
+        pressing: part.normal * part.force,
+        centre: pair.centre + part.arm,
+        area: PI * part.patch.a * part.patch.b,
+        parts: 1,
+        creep_force: creep.force,
+    })
+}
+
+/// Creep of a part with the scene's law.
+fn rolling(scene: &Scene, law: &dyn CreepLaw, motion: &Motion, (cells, part): (Cells, &Part)) -> Creep {
+    let Motion { velocity, rotation, speed } = *motion;
+    let (material, friction) = (scene.contact.material, scene.contact.friction);
+    let axes = ContactAxes::new(part.normal, part.forward);
+    let creepage = axes.slip(&(velocity + rotation.cross(&part.arm)), &rotation).creepage(speed);
+    let contact = RollingContact { patch: part.patch, normal_force: part.load, friction, speed: speed.abs(), creepage };
+    let uneven = Uneven { cells, part, axes: axes.rolling(speed), velocity, rotation, material };
+    let found = in_rolling_direction(speed, creepage, |creepage| {
+        let contact = RollingContact { creepage, ..contact };
+        uneven.force(&law.force(&contact), &contact)
+    });
+    Creep { force: axes.e1 * found.longitudinal + axes.e2 * found.lateral, moment: found.spin_moment, bound: contact.bound() }
 }

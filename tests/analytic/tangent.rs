@@ -280,13 +280,17 @@ fn prop_linearising_and_solving_do_not_allocate_and_cost_little() {
 
 #[test]
 fn analytic_tangent_of_patches_of_strips() {
-    let strips = "contact.patch = \"strips\"";
+    let [strips, table] = ["contact.patch = \"strips\"", "contact.patch = \"table\""];
     check(
         &[
             ("wheelset_s1002", &[strips], 1.0),
             ("vehicle_manchester_1", &[strips], 1.0),
             ("vehicle_curve", &[strips], 2.0),
             ("vehicle_curve", &[strips], 4.9),
+            ("wheelset_s1002", &[table], 1.0),
+            ("vehicle_manchester_1", &[table], 1.0),
+            ("vehicle_curve", &[table], 2.0),
+            ("vehicle_curve", &[table], 4.9),
         ],
         // Of no meaning here: y at the tread and x in a curve have rows next to nothing. The radii are what counts.
         1.05,

@@ -1,5 +1,6 @@
 //! Patches of strips against half-space contact of the same surfaces.
 
+use crate::common;
 use nalgebra::Vector3;
 use wheelrail::contact::patch::{Pressed as HalfSpaces, Settings};
 use wheelrail::contact::search::algebraic::Pair;
@@ -53,6 +54,40 @@ fn equiv_strips_carry_what_half_spaces_do() {
         assert!(area[0] < 0.06, "area {area:?}");
         // Without what the strips add to the law of their ellipse the worst is beyond 0.045.
         assert!(creep[0] < 0.015 && creep[1] < 0.045, "creep {creep:?}");
+        // Their table knows treads alone.
+        let known = rows.iter().filter(|row| row.table.is_some()).count();
+        let [n, centre, area, creep] = figures.map(|figure| mean_and_worst(&rows, |row| row.table, figure));
+        println!("{changes:?}, table, {known} poses: N {n:.4?}, centre {centre:.6?}, area {area:.3?}, creep {creep:.4?}");
+        assert!(known >= 22, "{changes:?}: only {known} poses in the table");
+        assert!(n[0] < 0.012 && n[1] < 0.03 && centre[0] < 4e-5 && centre[1] < 3e-4 && area[0] < 0.08, "{n:?} {centre:?} {area:?}");
+        assert!(creep[0] < 0.015 && creep[1] < 0.06, "creep {creep:?}");
+    }
+}
+
+/// Runs whose wheels read their patches from a table, on the tread and between tread and flange, against the strips themselves, every 5 ms.
+#[test]
+fn equiv_runs_with_a_table_are_those_with_strips() {
+    for (name, stop) in [("vehicle_manchester_1", 2.5), ("vehicle_curve", 4.0)] {
+        let run = |patch: &str| {
+            let changes = [format!("contact.patch={patch}"), "solver.tolerance=1e-6".into(), "solver.load_tolerance=1e-3".into()];
+            let mut simulation = common::start(&load::open(name, &changes).unwrap_or_else(|error| panic!("{error}")));
+            let mut rows = Vec::new();
+            for k in 0..=(stop * 200.0) as usize {
+                simulation.advance(5e-3 * k as f64).unwrap_or_else(|error| panic!("{error}"));
+                let body = simulation.model().wheelsets[0].body;
+                let snapshot = simulation.snapshot().unwrap();
+                let at = |contact: usize| snapshot.workspace.reports(contact).map(|report| report.force).sum::<Vector3<f64>>();
+                rows.push((snapshot.workspace.system.motions[body].position.y, at(0), at(1)));
+            }
+            rows
+        };
+        let [strips, table] = ["strips", "table"].map(run);
+        let most = |of: &dyn Fn(&(f64, Vector3<f64>, Vector3<f64>)) -> f64| {
+            strips.iter().zip(&table).map(|(a, b)| (of(a) - of(b)).abs()).fold(0.0, f64::max)
+        };
+        let off = [most(&|row| row.0), most(&|row| row.1.z), most(&|row| row.2.z), most(&|row| row.1.y), most(&|row| row.2.y)];
+        println!("{name}: y off by {:.1e} m, Q by {:.1} and {:.1} N, Y by {:.1} and {:.1} N", off[0], off[1], off[2], off[3], off[4]);
+        assert!(off[0] < 4e-5 && off[1].max(off[2]) < 200.0 && off[3].max(off[4]) < 300.0, "{off:?}");
     }
 }
 

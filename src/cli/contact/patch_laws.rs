@@ -15,7 +15,7 @@ const MOST: f64 = 1e3;
 type Law = (&'static str, fn(&Row) -> Option<Difference>);
 type Figure = (&'static str, usize, fn(&Difference) -> f64);
 
-const LAWS: [Law; 2] = [("strips", |row| Some(row.strips)), ("ellipse", |row| row.ellipse)];
+const LAWS: [Law; 3] = [("strips", |row| Some(row.strips)), ("table", |row| row.table), ("ellipse", |row| row.ellipse)];
 const FIGURES: [Figure; 4] = [
     ("N [%]", 2, |d| 100.0 * d.normal_force),
     ("centre [mm]", 3, |d| 1e3 * d.centre),
@@ -46,8 +46,8 @@ pub(super) fn patch_laws(arguments: &Arguments, scene: &Scene, step: &str) -> Re
     if arguments.json {
         let of = |d: &Difference| json!({"normal_force": d.normal_force, "centre": d.centre, "area": d.area, "creep": d.creep});
         let row = |row: &Row| {
-            let ellipse = row.ellipse.as_ref().map(of);
-            json!({"y": row.y, "yaw": row.yaw, "load": row.load, "normal_force": row.normal_force, "strips": of(&row.strips), "ellipse": ellipse})
+            let [table, ellipse] = [&row.table, &row.ellipse].map(|law| law.as_ref().map(of));
+            json!({"y": row.y, "yaw": row.yaw, "load": row.load, "normal_force": row.normal_force, "strips": of(&row.strips), "table": table, "ellipse": ellipse})
         };
         let all = json!({"scene": scene.name, "title": scene.title, "rows": rows.iter().map(row).collect::<Vec<_>>()});
         return Ok(print(&format!("{all}\n"))?);

@@ -3,7 +3,6 @@
 use super::{Arguments, load, number};
 use crate::cli::{Failure, print, table};
 use crate::contact::creepage::Creepage;
-use crate::contact::patch::PatchLaw;
 use crate::scene::spec::Scene;
 use crate::settings::did_you_mean;
 use crate::study::pose::{Answer, Height, Place, Question, pose as evaluate};
@@ -229,7 +228,7 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
         table(&wheel_head, &wheels),
         table(&head, &LINES.iter().map(row).collect::<Vec<_>>())
     );
-    if contact.patch.law == PatchLaw::Strips {
+    if contact.patch.law.forms() {
         text += "\n  a, b, and so area and mean pressure: the ellipse of the patch's moments; N and highest pressure: of its strips\n";
     }
     text

@@ -9,9 +9,16 @@ pub enum PatchLaw {
     Ellipse,
     /// Strips along the track over all that overlaps ([`crate::contact::strips`]).
     Strips,
+    /// The same, read from a table of the pair of profiles where that knows it.
+    Table,
 }
 
 impl PatchLaw {
+    /// Is it the patch that really forms?
+    pub fn forms(self) -> bool {
+        self != PatchLaw::Ellipse
+    }
+
     /// As scenes call it.
     pub fn name(self) -> &'static str {
         REGISTRY.iter().find(|entry| entry.parse == self).map_or(AUTO, |entry| entry.name)
@@ -28,6 +35,12 @@ pub static REGISTRY: &[Entry<PatchLaw>] = &[
         summary: "half-space contact of the real profiles by strips: any shape, patches join and part, forces at the load's centre (default of ECF-A, ECF-N)",
         reference: "least potential of semi-elliptic strips, own derivation; 1 % of N against half-space contact on a grid",
         parse: PatchLaw::Strips,
+    },
+    Entry {
+        name: "table",
+        summary: "the same read from a table, made once for a pair of profiles: treads at the price of a formula; flanges and what else lies outside by strips (ECF-A)",
+        reference: "cubic convolution (Keys 1981) of the strips' patches over place, lean and load",
+        parse: PatchLaw::Table,
     },
     Entry {
         name: "ellipse",

@@ -34,6 +34,7 @@
 //! half-spaces over the arc length, as on the grid ([`super::patch`]). Forces are the gradient of the least value of Pi but for what half lengths are off their stationary ones: the energy of a lossless run swings by 1 % of what the contacts store.
 
 mod cut;
+mod fifths;
 mod influence;
 mod lengths;
 mod mixed;
@@ -42,14 +43,17 @@ mod press;
 mod pressed;
 mod rail;
 mod strip;
+mod table;
 #[cfg(test)]
 mod tests;
 mod uneven;
 
+pub use fifths::{Cells, Fifths};
 pub use mixed::Creep;
 pub use parts::{MOST, Part, Parts, Share};
 pub use press::{Near, Scratch, press, press_anywhere};
 pub use pressed::Pressed;
 pub use rail::RailStrips;
 pub use strip::Section;
+pub use table::{FLANK, Looked, PatchTable, Standing, ToTabulate};
 pub use uneven::Uneven;

@@ -77,6 +77,11 @@ impl RailStrips {
         &self.strips[number]
     }
 
+    /// Coordinate of a strip's middle, m.
+    pub fn eta(&self, number: usize) -> f64 {
+        self.strips[number].eta
+    }
+
     /// The strip that is nearest to a coordinate.
     pub(super) fn nearest(&self, eta: f64) -> usize {
         let after = self.strips.partition_point(|strip| strip.eta < eta).clamp(1, self.strips.len() - 1);

@@ -44,6 +44,17 @@ impl Section {
         Section { base, outward: from(at(1.0, 0.0)), up: from(at(0.0, 1.0)), side: pair.rail.side.sign() }
     }
 
+    /// Origin of the section x [m] ahead of the wheelset's centre, from there, tangent of the rail and direction outward, not unit.
+    pub fn at(&self, x: f64) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+        let [[place, tangent, bend], [outward, twist, _]] = [self.base, self.outward];
+        (place + (tangent + bend * (0.5 * x)) * x, tangent + bend * x, outward + twist * x)
+    }
+
+    /// How the rail is bent along the track, 1/m.
+    pub fn bend(&self) -> &Vector3<f64> {
+        &self.base[2]
+    }
+
     /// How the wheelset goes with the rail, for each metre along the track: by how much its centre moves, and turns, 1/m, if it turns with the rail's
     /// direction and its section.
     pub fn course(&self) -> (Vector3<f64>, Vector3<f64>) {

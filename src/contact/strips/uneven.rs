@@ -21,7 +21,8 @@
 //! *Bound.* The sum is not larger than mu N, or than what the law says where that is not bounded. *Left out:* Kalker factors and falling friction of the
 //! law, which would change the difference (a tenth of mu N at most on profiles of railways) in proportion.
 
-use super::parts::{Part, Share};
+use super::fifths::{Cells, FIFTHS, OF_ELLIPSE as FIFTHS_OF_ELLIPSE};
+use super::parts::Part;
 use super::pressed::Pressed;
 use crate::contact::creep::RollingContact;
 use crate::contact::creep::slopes::{CreepSlopes, loaded};
@@ -36,9 +37,23 @@ const STEP: f64 = 1e-3;
 /// Strips that the ellipse is cut into.
 const OF_ELLIPSE: usize = 8;
 
+/// Their middles over b, and the shares of the load that they carry.
+const STRETCHES: [(f64, f64); OF_ELLIPSE] = {
+    // Their number as it enters: the sum of 1 - e^2 over the middles of equal stretches is by 1 / (2 n^2) too large.
+    let count = OF_ELLIPSE as f64;
+    let mut places = [(0.0, 0.0); OF_ELLIPSE];
+    let mut k = 0;
+    while k < OF_ELLIPSE {
+        let e = (2.0 * k as f64 + 1.0) / count - 1.0;
+        places[k] = (e, 1.5 * (1.0 - e * e) / (count + 0.5 / count));
+        k += 1;
+    }
+    places
+};
+
 /// A part that rolls.
 pub struct Uneven<'a> {
-    pub share: Share<'a>,
+    pub cells: Cells<'a>,
     pub part: &'a Part,
     /// Along the direction of rolling, and the other two accordingly.
     pub axes: ContactAxes,
@@ -87,7 +102,11 @@ impl Uneven<'_> {
         let Patch { a, b } = contact.patch;
         let ratio = (a / b).min(20.0);
         let flexibility = 8.0 * a / (3.0 * self.material.shear_modulus() * (C11[0] + ratio * (C11[1] + ratio * C11[2])));
-        let total = law + self.of_strips(contact, flexibility, change) - of_ellipse(contact, flexibility, change);
+        let ellipse = match self.cells {
+            Cells::Strips(_) => of_ellipse(contact, flexibility, change, &STRETCHES),
+            Cells::Fifths(_) => of_ellipse(contact, flexibility, change, &FIFTHS_OF_ELLIPSE),
+        };
+        let total = law + self.of_strips(contact, flexibility, change) - ellipse;
         let (size, most) = (total.xy().norm(), bound.max(law.xy().norm()));
         let within = if size > most { most / size } else { 1.0 };
         Vector3::new(within * total.x, within * total.y, total.z)
@@ -99,15 +118,32 @@ impl Uneven<'_> {
         let strength = contact.friction * contact.normal_force / self.part.load;
         let lengthening = 0.8 * contact.patch.a * contact.patch.a / self.part.mean_square;
         let mut sum = Vector3::zeros();
-        for (part_of, Pressed { strip, width, load, half_length, .. }) in self.share.loads().filter(|(_, own)| own.load > 0.0) {
-            let arm = strip.point - strip.normal * strip.overlap;
-            let y = (arm - self.part.arm).dot(&e2);
-            let velocity = (self.velocity + self.rotation.cross(&arm)) / contact.speed;
+        let mut add = |arm: &Vector3<f64>, y: f64, reach: f64, bound: f64| {
+            let velocity = (self.velocity + self.rotation.cross(arm)) / contact.speed;
             let slip = Vector2::new(velocity.dot(&e1) + change.longitudinal - change.spin * y, velocity.dot(&e2) + change.lateral);
-            let own = strength * load;
-            let force =
-                yielding(&slip, 2.0 * lengthening * half_length * half_length * width / (3.0 * flexibility * own)) * (own * part_of);
+            let force = yielding(&slip, reach) * bound;
             sum += Vector3::new(force.x, force.y, -y * force.x);
+        };
+        match self.cells {
+            Cells::Strips(share) => {
+                for (part_of, Pressed { strip, width, load, half_length, .. }) in share.loads().filter(|(_, own)| own.load > 0.0) {
+                    let arm = strip.point - strip.normal * strip.overlap;
+                    let y = (arm - self.part.arm).dot(&e2);
+                    let own = strength * load;
+                    let reach = 2.0 * lengthening * half_length * half_length * width / (3.0 * flexibility * own);
+                    add(&arm, y, reach, own * part_of);
+                }
+            }
+            Cells::Fifths(fifths) => {
+                let Patch { a, b } = contact.patch;
+                let outward = e2.dot(&fifths.outward).signum();
+                let own = contact.bound() / FIFTHS as f64;
+                for cell in &fifths.each {
+                    let y = outward * cell.across;
+                    let arm = self.part.arm + e2 * y + self.axes.normal * cell.above;
+                    add(&arm, y, 2.0 * a * a * b * cell.size / (3.0 * flexibility * own), own);
+                }
+            }
         }
         sum
     }
@@ -117,18 +153,15 @@ fn vector(force: &CreepForce) -> Vector3<f64> {
     Vector3::new(force.longitudinal, force.lateral, force.spin_moment)
 }
 
-fn of_ellipse(contact: &RollingContact, flexibility: f64, change: &Creepage) -> Vector3<f64> {
-    /// Their number as it enters: the sum of 1 - e^2 over the middles of equal stretches is by 1 / (2 n^2) too large.
-    const STRETCHES: f64 = OF_ELLIPSE as f64;
+/// By places over the half width b and the shares of the load there.
+fn of_ellipse(contact: &RollingContact, flexibility: f64, change: &Creepage, places: &[(f64, f64)]) -> Vector3<f64> {
     let (Patch { a, b }, bound) = (contact.patch, contact.bound());
     let reach = 8.0 * b * a * a / (9.0 * flexibility * bound);
     let spin = contact.creepage.spin + change.spin;
     let (longitudinal, lateral) = (contact.creepage.longitudinal + change.longitudinal, contact.creepage.lateral + change.lateral);
     let mut sum = Vector3::zeros();
-    for k in 0..OF_ELLIPSE {
-        let e = (2.0 * k as f64 + 1.0) / STRETCHES - 1.0;
+    for (e, weight) in places {
         let y = e * b;
-        let weight = 1.5 * (1.0 - e * e) / (STRETCHES + 0.5 / STRETCHES);
         let force = yielding(&Vector2::new(longitudinal - spin * y, lateral), reach) * (bound * weight);
         sum += Vector3::new(force.x, force.y, -y * force.x);
     }

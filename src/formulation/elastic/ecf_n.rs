@@ -15,7 +15,7 @@
 //! State per contact: s of the section, m. Of what is remembered the place of the first contact is written, for whoever asks where
 //! the wheel stands; nothing is taken from it.
 
-use super::patch::{Located, press_wheel};
+use super::patch::{Located, Places, press_wheel};
 use super::{finish, points};
 use crate::contact::search::algebraic::ContactLocation;
 use crate::contact::search::nodal::{NodalSearch, arc_rate};
@@ -125,7 +125,7 @@ impl Formulation for EcfN {
                         self.check_ends(model, wheelset, side, found, motion).map_err(fail)?;
                     }
                     let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
-                    press_wheel(&wheel, &rails[side.index()], (&located, false), &mut workspace.strips[contact], wrench, reports)
+                    press_wheel(&wheel, &rails[side.index()], (&located, Places::Some), &mut workspace.strips[contact], wrench, reports)
                         .map_err(fail)?;
                     model.finish_wheel(workspace, moved.as_ref(), (contact, wheelset.body));
                     continue;

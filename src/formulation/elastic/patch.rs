@@ -7,10 +7,12 @@
 use super::super::loading::{Contact, WheelAt};
 use super::super::wheel_search::MOST_POINTS;
 use super::super::{ContactFailure, ContactReport};
+use super::carried::{Carried, creep_of, location};
+use super::tabled::TabledWheel;
 use crate::contact::normal::damping::damped_force;
-use crate::contact::search::algebraic::{ContactLocation, SurfaceParameters};
-use crate::contact::strips::{Creep, MOST, Near, Part, Parts, Pressed, RailStrips, Scratch, press, press_anywhere};
-use crate::mbs::body::{BodyMotion, Wrench};
+use crate::contact::search::algebraic::ContactLocation;
+use crate::contact::strips::{Cells, MOST, Near, Part, Parts, Pressed, RailStrips, Scratch, press, press_anywhere};
+use crate::mbs::body::Wrench;
 use nalgebra::Vector3;
 
 /// Places of least distance by number of the contact.
@@ -24,43 +26,53 @@ pub(in crate::formulation) struct PressedWheel<'a> {
     pub parts: Parts,
 }
 
-/// What the parts of a wheel carry, in the order of the strips.
-#[derive(Default)]
-pub(in crate::formulation) struct Carried {
-    pub reports: [ContactReport; MOST],
-    creeps: [Creep; MOST],
-    /// Sizes of the normal forces, N: the normal force of a report is the sum of pressures, which is more where a patch bends.
-    forces: [f64; MOST],
+/// A wheel's patch: pressed, read from a table, or both on the border of the table.
+pub(in crate::formulation) struct WheelPatch<'a> {
+    pub pressed: Option<PressedWheel<'a>>,
+    pub tabled: Option<TabledWheel<'a>>,
 }
 
-/// Finds the patches of a wheel, loads them and adds their forces to the wheelset's wrench. Do the places tell of `all` that may overlap? Reports of
+/// What is known of where a wheel overlaps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::formulation) enum Places {
+    /// All that may.
+    All,
+    /// All; and the scratch may hold what was pressed in the same pose.
+    AsPressed,
+    /// Some.
+    Some,
+}
+
+/// The same of pressed strips and of a table, with the table's weight.
+pub(in crate::formulation) struct Loaded {
+    pub pressed: Option<Carried>,
+    pub tabled: Option<(f64, Carried)>,
+}
+
+/// Finds the patches of a wheel, loads them and adds their forces to the wheelset's wrench. Reports of
 /// places that are not pressed tell where they are.
 pub(super) fn press_wheel(
     wheel: &WheelAt,
     rail: &RailStrips,
-    (located, all): (&Located, bool),
+    (located, known): (&Located, Places),
     scratch: &mut Scratch,
     wrench: &mut Wrench,
     (first, further): (&mut ContactReport, &mut [ContactReport]),
 ) -> Result<(), ContactFailure> {
-    let (pair, material) = (wheel.pair(), wheel.model.laws.material);
     let near = located.iter().flatten().filter(|place| place.penetration > -ABOUT).map(|place| {
         let ContactLocation { parameters, penetration, .. } = *place;
         Near { eta: parameters.rail, lead: parameters.lead, overlap: penetration }
     });
-    let pressed = match all {
-        true => press(&pair, rail, near, material, scratch),
-        false => press_anywhere(&pair, rail, material, scratch),
-    };
     let points = 1 + further.len();
-    let on = PressedWheel::new(wheel, rail, pressed);
-    let mut carried = on.load()?;
+    let flanks = located.iter().flatten().map(|place| (place.rail_profile.d1, place.penetration));
+    let on = WheelPatch::find(wheel, rail, near, known, flanks, scratch);
+    let mut loaded = on.load()?;
     for (slot, report) in std::iter::once(&mut *first).chain(&mut *further).enumerate() {
         *report = match located.get(slot).and_then(Option::as_ref) {
             Some(found) => {
                 let place = Contact { wheel, found, slot, share: 0.0 };
                 // Strips look no deeper than that.
-                if on.parts.is_empty() && found.penetration > 0.0 {
+                if on.is_empty() && found.penetration > 0.0 {
                     place.check_depth()?;
                 }
                 let mut report = place.report();
@@ -71,8 +83,9 @@ pub(super) fn press_wheel(
         };
     }
     let mut free = [true; MOST_POINTS];
-    carried.add_to(wrench, &wheel.motion.position);
-    for report in &mut carried.reports[..on.parts.len()] {
+    loaded.add_to(wrench, &wheel.motion.position);
+    let count = on.pressed.as_ref().map_or(1, |pressed| pressed.parts.len());
+    for report in &mut loaded.shown().reports[..count] {
         // Each part has the number of the place that is nearest to it.
         let distance =
             |slot: &usize| located[*slot].as_ref().map_or(f64::INFINITY, |place| (place.parameters.rail - report.parameters.rail).abs());
@@ -87,18 +100,77 @@ pub(super) fn press_wheel(
 /// Places that are further apart than this do not overlap beside it, m.
 const ABOUT: f64 = 1e-6;
 
-impl Carried {
+impl<'a> WheelPatch<'a> {
+    /// From where a wheel may overlap, and slopes of the rail and penetrations of the places that are known.
+    pub fn find(
+        wheel: &'a WheelAt<'a>,
+        rail: &'a RailStrips,
+        near: impl Iterator<Item = Near>,
+        looked: Places,
+        flanks: impl Iterator<Item = (f64, f64)>,
+        scratch: &'a mut Scratch,
+    ) -> WheelPatch<'a> {
+        let (pair, material) = (wheel.pair(), wheel.model.laws.material);
+        let tabled = TabledWheel::find(wheel, &pair, flanks);
+        if tabled.as_ref().is_some_and(|tabled| tabled.looked.weight == 1.0) {
+            return WheelPatch { pressed: None, tabled };
+        }
+        let pressed = match looked {
+            Places::AsPressed if scratch.is_of(&pair) => scratch.pressed(),
+            Places::AsPressed | Places::All => press(&pair, rail, near, material, scratch),
+            Places::Some => press_anywhere(&pair, rail, material, scratch),
+        };
+        WheelPatch { pressed: Some(PressedWheel::new(wheel, rail, pressed)), tabled }
+    }
+
+    /// Does nothing press?
+    pub fn is_empty(&self) -> bool {
+        self.pressed.as_ref().is_some_and(|pressed| pressed.parts.is_empty())
+    }
+
+    /// Loads all parts.
+    ///
+    /// # Errors
+    /// [`ContactFailure`] where the wheel is too deep in the rail.
+    pub fn load(&self) -> Result<Loaded, ContactFailure> {
+        let pressed = self.pressed.as_ref().map(PressedWheel::load).transpose()?;
+        let tabled = self.tabled.as_ref().map(|on| on.load().map(|carried| (on.looked.weight, carried))).transpose()?;
+        Ok(Loaded { pressed, tabled })
+    }
+}
+
+impl Loaded {
     /// Completes the reports of the parts and adds their forces to the wheelset's wrench about its centre, which is there.
     pub fn add_to(&mut self, wrench: &mut Wrench, centre: &Vector3<f64>) {
-        let carries = |all: &(&mut ContactReport, (&Creep, &f64))| all.0.normal_force > 0.0;
-        let parts = self.reports.iter_mut().zip(self.creeps.iter().zip(&self.forces));
-        for (report, (creep, force)) in parts.filter(carries) {
-            report.force = report.axes.normal * *force + creep.force;
-            let along = |axis: &Vector3<f64>| creep.force.dot(axis);
-            (report.creep_force.longitudinal, report.creep_force.lateral) = (along(&report.axes.e1), along(&report.axes.e2));
-            report.creep_force.spin_moment = creep.moment;
-            report.friction_bound = Some(creep.bound);
-            report.add_to(wrench, report.force, centre);
+        let (pressed, (weight, tabled)) = match (&mut self.pressed, &mut self.tabled) {
+            (Some(pressed), Some(tabled)) => (pressed, tabled),
+            (Some(pressed), None) => return pressed.add_to(wrench, centre),
+            (None, Some((_, tabled))) => return tabled.add_to(wrench, centre),
+            (None, None) => return,
+        };
+        let (mut of_strips, mut of_table) = (Wrench::default(), Wrench::default());
+        pressed.add_to(&mut of_strips, centre);
+        tabled.add_to(&mut of_table, centre);
+        wrench.force += of_strips.force * (1.0 - *weight) + of_table.force * *weight;
+        wrench.moment += of_strips.moment * (1.0 - *weight) + of_table.moment * *weight;
+        // What is shown adds up to what acts.
+        let load: f64 = pressed.reports.iter().map(|report| report.normal_force).sum();
+        if load > 0.0 {
+            let more = (of_table.force - of_strips.force) * *weight;
+            let grown = 1.0 + *weight * (tabled.reports[0].normal_force / load - 1.0);
+            for report in pressed.reports.iter_mut().filter(|report| report.normal_force > 0.0) {
+                report.force += more * (report.normal_force / load);
+                report.normal_force *= grown;
+            }
+        }
+    }
+
+    /// What is shown: the strips where they are pressed.
+    pub fn shown(&mut self) -> &mut Carried {
+        match (&mut self.pressed, &mut self.tabled) {
+            (Some(pressed), _) => pressed,
+            (None, Some((_, tabled))) => tabled,
+            (pressed, None) => pressed.get_or_insert_default(),
         }
     }
 }
@@ -166,37 +238,11 @@ impl<'a> PressedWheel<'a> {
             let contact = self.at(&found, first, 1.0);
             let mut report = if first == last { loaded[first] } else { contact.report() };
             (report.patch, report.normal_force) = (part.patch, loads[first..=last].iter().sum());
-            let uneven = self.wheel.uneven(self.parts.share(self.pressed, first, last), &part, &report.axes);
+            let uneven = self.wheel.uneven(Cells::Strips(self.parts.share(self.pressed, first, last)), &part, &report.axes);
             contact.creep_as(&mut report, |law, rolling| uneven.force(law, rolling));
             creep_of(&report, self.wheel.friction_at(&report))
         });
         Ok(Carried { reports: loaded, creeps, forces })
-    }
-}
-
-/// A part as a place where wheel and rail touch.
-pub(in crate::formulation) fn location(part: &Part, motion: &BodyMotion) -> ContactLocation {
-    let axes = &motion.frame.axes;
-    let angle = part.arm.dot(&axes.column(0)).atan2(-part.arm.dot(&axes.column(2)));
-    let [wheel, rail] = part.coordinates;
-    ContactLocation {
-        parameters: SurfaceParameters { wheel, angle, lead: part.lead, rail },
-        wheel_point: motion.position + part.arm,
-        normal: part.normal,
-        forward: part.forward,
-        penetration: part.overlap,
-        wheel_profile: part.profiles[0],
-        rail_profile: part.profiles[1],
-        iterations: 0,
-    }
-}
-
-fn creep_of(report: &ContactReport, friction: f64) -> Creep {
-    let (axes, creep) = (&report.axes, &report.creep_force);
-    Creep {
-        force: axes.e1 * creep.longitudinal + axes.e2 * creep.lateral,
-        moment: creep.spin_moment,
-        bound: friction * report.normal_force,
     }
 }
 

@@ -18,12 +18,14 @@
 //! *Left out:* by velocity, how parts that are partly one with several others share; irregularities' slopes along the track.
 
 use super::super::ContactReport;
-use super::super::elastic::patch::{Carried, PressedWheel, location};
+use super::super::elastic::carried::{Carried, location};
+use super::super::elastic::patch::{Places, PressedWheel, WheelPatch};
+use super::super::elastic::tabled::TabledWheel;
 use super::super::loading::{Contact, WheelAt};
 use super::contact::{ByMotion, NormalSlopes, Touching, normal_slopes};
 use super::{At, Model};
 use crate::contact::search::migration::row;
-use crate::contact::strips::{Part, RailStrips, Scratch, Section, press};
+use crate::contact::strips::{Cells, Part, RailStrips, Scratch, Section};
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::tangent::{Tangent, WrenchTangent};
 use nalgebra::{Rotation3, Vector3, Vector6};
@@ -46,18 +48,27 @@ impl Model {
     ) {
         let WheelAt { wheelset, side, motion, .. } = *wheel;
         let body = wheelset.turning[side.index()];
-        let seeds = reports.filter(|report| report.normal_force > 0.0).map(ContactReport::near);
+        let seeds = reports.clone().filter(|report| report.normal_force > 0.0).map(ContactReport::near);
         if seeds.clone().next().is_none() {
             return;
         }
-        let (pair, material) = (wheel.pair(), self.laws.material);
-        let pressed = if scratch.is_of(&pair) { scratch.pressed() } else { press(&pair, rail, seeds.clone(), material, scratch) };
-        let on = PressedWheel::new(wheel, rail, pressed);
-        let Ok(mut carried) = on.load() else { return };
+        let flanks = reports.map(|report| (report.profiles[1].d1, report.penetration));
+        let pair = wheel.pair();
+        let on = WheelPatch::find(wheel, rail, seeds.clone(), Places::AsPressed, flanks.clone(), scratch);
+        let Ok(mut loaded) = on.load() else { return };
         let mut change = WrenchTangent::default();
-        self.by_velocity(wheel, &on, &carried, travel, &mut change);
+        let weight = loaded.tabled.as_ref().map_or(0.0, |(weight, _)| *weight);
+        if let (Some(on), Some(carried)) = (&on.pressed, &loaded.pressed) {
+            self.by_velocity(wheel, on, carried, travel, &mut change);
+            change.by_velocity *= 1.0 - weight;
+        }
+        if let (Some(on), Some((weight, carried))) = (&on.tabled, &loaded.tabled) {
+            let mut of_table = WrenchTangent::default();
+            self.tabled_by_velocity(on, carried, travel, &mut of_table);
+            change.by_velocity += of_table.by_velocity * *weight;
+        }
         let mut here = Wrench::default();
-        carried.add_to(&mut here, &motion.position);
+        loaded.add_to(&mut here, &motion.position);
         let here = stacked(&here);
         let [ahead, across, up] = [0, 1, 2].map(|k| motion.frame.axes.column(k).into_owned());
         let none = Vector3::zeros();
@@ -68,11 +79,11 @@ impl Model {
             moved.position += translation * STEP;
             moved.frame.axes = Rotation3::new(rotation * TURN) * motion.frame.axes;
             let there = WheelAt { motion: &moved, ..*wheel };
-            let strips = press(&there.pair(), rail, seeds.clone(), material, tried);
+            let on = WheelPatch::find(&there, rail, seeds.clone(), Places::All, flanks.clone(), &mut *tried);
             // Where a neighbouring pose has no answer the patch counts as stiff as nothing that way.
-            let Ok(mut carried) = PressedWheel::new(&there, rail, strips).load() else { continue };
+            let Ok(mut loaded) = on.load() else { continue };
             let mut wrench = Wrench::default();
-            carried.add_to(&mut wrench, &moved.position);
+            loaded.add_to(&mut wrench, &moved.position);
             *known = (stacked(&wrench) - here) / if *rotation == none { STEP } else { TURN };
         }
         let (along, turning) = Section::new(&pair).course();
@@ -98,17 +109,8 @@ impl Model {
         let count = on.parts.len();
         let independence = if count > 1 { on.parts.divide(0, count - 1).1 } else { 1.0 };
         let mut add = |report: &ContactReport, (first, last): (usize, usize), part: &Part, share: f64, slopes: NormalSlopes| {
-            let WheelAt { wheelset, side, motion, contact, .. } = *wheel;
-            let mut law = *report;
-            Contact { wheel, found: &Contact::again(report), slot: 0, share: report.share }.creep(&mut law);
-            let at = At { wheelset, side, contact, slot: 0, motion, report: &law, friction: wheel.friction_at(report), travel };
-            let uneven = wheel.uneven(on.parts.share(on.pressed, first, last), part, &report.axes);
-            let touching = Touching::staying(&law, motion);
-            let mut normal = touching.normal_force(NormalSlopes { by_penetration: 0.0, ..slopes }, [0.0; 6]);
-            normal.position = [[0.0; 6]];
-            let creep = self.steady(&at, Some(&uneven), &touching, &normal).times(share);
-            let normal = if first == last { normal } else { ByMotion { position: [[0.0; 6]], velocity: [[0.0; 6]] } };
-            touching.add_wrench(&law, &normal, &creep, change);
+            let cells = Cells::Strips(on.parts.share(on.pressed, first, last));
+            self.rolling(wheel, report, (cells, part), (share, slopes, first == last), travel, change);
         };
         let slopes = carried.reports.each_ref().map(|report| normal_slopes(self.laws.damping.as_ref(), report));
         for (k, report) in carried.reports[..count].iter().enumerate().filter(|(_, report)| report.normal_force > 0.0) {
@@ -124,6 +126,40 @@ impl Model {
                 add(&report, (0, count - 1), &part, 1.0 - independence, rates);
             }
         }
+    }
+}
+
+impl Model {
+    /// The same of a patch that is read from a table.
+    fn tabled_by_velocity(&self, on: &TabledWheel, carried: &Carried, travel: Option<Vector3<f64>>, change: &mut WrenchTangent) {
+        let report = &carried.reports[0];
+        if report.normal_force > 0.0 {
+            let slopes = normal_slopes(self.laws.damping.as_ref(), report);
+            self.rolling(on.wheel, report, (Cells::Fifths(&on.looked.fifths), &on.looked.part), (1.0, slopes, true), travel, change);
+        }
+    }
+
+    /// What slip does at a part of which `share` is independent, and with `alone` the rate of its penetration.
+    fn rolling(
+        &self,
+        wheel: &WheelAt,
+        report: &ContactReport,
+        (cells, part): (Cells, &Part),
+        (share, slopes, alone): (f64, NormalSlopes, bool),
+        travel: Option<Vector3<f64>>,
+        change: &mut WrenchTangent,
+    ) {
+        let WheelAt { wheelset, side, motion, contact, .. } = *wheel;
+        let mut law = *report;
+        Contact { wheel, found: &Contact::again(report), slot: 0, share: report.share }.creep(&mut law);
+        let at = At { wheelset, side, contact, slot: 0, motion, report: &law, friction: wheel.friction_at(report), travel };
+        let uneven = wheel.uneven(cells, part, &report.axes);
+        let touching = Touching::staying(&law, motion);
+        let mut normal = touching.normal_force(NormalSlopes { by_penetration: 0.0, ..slopes }, [0.0; 6]);
+        normal.position = [[0.0; 6]];
+        let creep = self.steady(&at, Some(&uneven), &touching, &normal).times(share);
+        let normal = if alone { normal } else { ByMotion { position: [[0.0; 6]], velocity: [[0.0; 6]] } };
+        touching.add_wrench(&law, &normal, &creep, change);
     }
 }
 

@@ -134,6 +134,13 @@ impl Rail {
         }
     }
 
+    /// The same, straight and with nothing that displaces it.
+    pub fn undisturbed(&self) -> Self {
+        let Rail { side, profile, outward, up, offset, .. } = self.clone();
+        let waves = Waves::new(std::iter::empty());
+        Rail { side, profile, outward, up, offset, line: None, deviations: Vec::new(), deviated: NOWHERE, breaks: Vec::new(), waves }
+    }
+
     /// The rail laid along a centre line.
     pub fn along(mut self, line: Option<Arc<CentreLine>>) -> Self {
         self.breaks.extend(line.iter().flat_map(|line| line.breaks()));

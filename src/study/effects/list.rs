@@ -4,7 +4,6 @@
 //! not left out of the run but of the list alone (bodies, masses, profiles, the vertical load).
 
 use crate::contact::creep::{self, polach};
-use crate::contact::patch::PatchLaw;
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::geometry::profile::Flangeless;
@@ -95,7 +94,7 @@ fn guards(scene: &Scene, model: &Model, list: &mut List) {
 /// Places, patches and normal forces.
 fn contact(scene: &Scene, model: &Model, list: &mut List) {
     let contact = &scene.contact;
-    let (rigid, strips) = (model.formulation.constrains(), contact.patch.law == PatchLaw::Strips);
+    let (rigid, strips) = (model.formulation.constrains(), contact.patch.law.forms());
     match (rigid, strips) {
         (true, _) => {
             let alike = patch_choice::alike(scene, &[contact.formulation_name, "ECF-A"]);
@@ -173,7 +172,7 @@ fn creep_law(scene: &Scene, list: &mut List) {
             if falls && FALLING.contains(&name) { format!(", friction_ratio = {ratio}, friction_decay = {decay}") } else { String::new() };
         format!("contact.creep={{ law = \"{name}\"{}{friction} }}", factors.concat())
     };
-    if scene.contact.patch.law != PatchLaw::Strips {
+    if !scene.contact.patch.law.forms() {
         list.switch(scene, Switch::Spin);
     }
     if law != "kalker_linear" {

@@ -9,7 +9,6 @@ use super::Part;
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::in_rolling_direction;
 use crate::contact::normal::damping::damped_force;
-use crate::contact::patch::PatchLaw;
 use crate::contact::search::algebraic::Pair;
 use crate::contact::strips::{RailStrips, Scratch, press};
 use crate::formulation::memory::ModelMemory;
@@ -180,7 +179,7 @@ fn laws(model: &Model, workspace: &Workspace, loops: u64) -> (f64, f64) {
         let motion = &workspace.system.motions[wheelset.body];
         let (wheel, rail, speed) = (wheelset.wheel(side), model.track.rail(side), wheelset.speed(motion));
         let pair = Pair { wheel, rail, centre: &motion.position, axes: &motion.frame.axes, distance: motion.distance };
-        if model.laws.patch == PatchLaw::Strips {
+        if model.laws.patch.forms() {
             let rail = RailStrips::new(rail, model.wheelsets.iter().map(|wheelset| wheelset.wheel(side)));
             let mut scratch = Scratch::new(rail.len());
             let places = || reports(contact).map(ContactReport::near);
@@ -189,7 +188,7 @@ fn laws(model: &Model, workspace: &Workspace, loops: u64) -> (f64, f64) {
         for report in reports(contact) {
             let times = if report.constrained { again } else { 1.0 };
             creep += times * per_call(|| creep_force(model, report, speed));
-            if model.laws.patch == PatchLaw::Strips {
+            if model.laws.patch.forms() {
                 continue;
             }
             let Ok(found) = pair.locate(&report.parameters) else { continue };

@@ -35,7 +35,7 @@ use super::super::memory::{Allowance, WheelMemory};
 use super::super::prediction::{after, pose_of};
 use super::super::wheel_search::{FAR, MOST_POINTS, WheelSearch};
 use super::super::{ContactFailure, ContactReport, Model, Workspace};
-use super::patch::{Located, press_wheel};
+use super::patch::{Located, Places as Known, press_wheel};
 use crate::contact::search::algebraic::{ContactLocation, Pair, SurfaceParameters};
 use crate::contact::search::global::{MOST, Minima, Ridge, is_least};
 use crate::contact::strips::Scratch;
@@ -81,7 +81,7 @@ pub(in super::super) fn elastic_wheel(
         if let Some(rail) = rail {
             let mut located = Located::default();
             located[0] = Some(found);
-            return press_wheel(wheel, rail, (&located, true), strips, wrench, (first, further));
+            return press_wheel(wheel, rail, (&located, Known::All), strips, wrench, (first, further));
         }
         *first = Contact { wheel, found: &found, slot: 0, share: 1.0 }.elastic(wrench)?;
         return Ok(());
@@ -90,7 +90,7 @@ pub(in super::super) fn elastic_wheel(
     search.places(wheel, None, memory, &mut places)?;
     if let Some(rail) = rail {
         let located = std::array::from_fn(|slot| places[slot].map(|place: Place| place.location));
-        press_wheel(wheel, rail, (&located, true), strips, wrench, (&mut *first, &mut *further))?;
+        press_wheel(wheel, rail, (&located, Known::All), strips, wrench, (&mut *first, &mut *further))?;
         return search.check_tip(wheel, first, further);
     }
     for (slot, (place, report)) in places.iter().zip(std::iter::once(first).chain(further)).enumerate() {

@@ -1,0 +1,207 @@
+use super::super::{Part, Parts, RailStrips, Scratch, Section, press_anywhere};
+use super::*;
+use crate::contact::Material;
+use crate::contact::search::algebraic::Pair;
+use crate::geometry::Side;
+use crate::geometry::profile::{Part as Of, Profile, parse};
+use crate::geometry::surface::Wheel;
+use crate::geometry::track::waves::Stretch;
+use crate::geometry::track::{Deviation, Direction, Rail};
+use crate::math::rotation::AxleFrame;
+use crate::settings::{Section as Settings, Source};
+use nalgebra::{Matrix3, Vector3};
+use std::sync::{Arc, LazyLock};
+
+const E: Material = Material { youngs_modulus: 2.1e11, poisson_ratio: 0.28 };
+
+fn built_in(text: &str, part: Of) -> Arc<dyn Profile> {
+    let source = Source { file: "t.toml".into(), text: text.into(), overridden: vec![], folder: None };
+    let document = toml_edit::Document::parse(text.to_string()).unwrap();
+    parse(Settings::root(document.as_table(), &source), part).unwrap().profile
+}
+
+/// A pair of profiles and its table.
+struct Tabled {
+    wheel: Arc<dyn Profile>,
+    rail: Arc<dyn Profile>,
+    strips: RailStrips,
+    table: PatchTable,
+}
+
+const HALF: (f64, f64) = (0.75, 0.753);
+
+impl Tabled {
+    fn new(wheel: &str, rail: &str) -> Tabled {
+        let (wheel, rail) = (built_in(wheel, Of::Wheel), built_in(rail, Of::Rail));
+        let straight = Rail::new(Side::Left, rail.clone(), HALF.1, 1.0 / 40.0, &[]);
+        let own = Wheel { side: Side::Left, profile: wheel.clone(), half_spacing: HALF.0 };
+        let strips = RailStrips::new(&straight, std::iter::once(&own));
+        let (centre, axes) = (Vector3::z() * 0.46, Matrix3::identity());
+        let pair = Pair { wheel: &own, rail: &straight, centre: &centre, axes: &axes, distance: 0.0 };
+        let middle = Standing::new(&pair, &Section::new(&pair));
+        let table = PatchTable::make(&ToTabulate { strips: &strips, rail: &rail, wheel: &wheel, middle: (middle.across, middle.lean) });
+        Tabled { wheel, rail, strips, table }
+    }
+
+    fn wheel(&self, side: Side) -> Wheel {
+        Wheel { side, profile: self.wheel.clone(), half_spacing: HALF.0 }
+    }
+
+    fn rail(&self, side: Side, deviations: &[Deviation]) -> Rail {
+        Rail::new(side, self.rail.clone(), HALF.1, 1.0 / 40.0, deviations)
+    }
+
+    fn looked(&self, pair: &Pair, material: Material) -> Option<Looked> {
+        self.table.look(pair, &Section::new(pair), material)
+    }
+
+    /// What the strips make of it as one.
+    fn pressed(&self, pair: &Pair, scratch: &mut Scratch) -> Option<Part> {
+        let pressed = press_anywhere(pair, &self.strips, E, scratch);
+        let parts = Parts::new(pressed, &self.strips, 1);
+        (!parts.is_empty()).then(|| Part::new(parts.share(pressed, 0, 0), &self.strips, self.wheel.as_ref(), E))
+    }
+
+    /// Height of the wheelset's centre at which the left or right wheel carries about a load, N, and the pose.
+    fn under(
+        &self,
+        (wheel, rail): (&Wheel, &Rail),
+        (y, roll, yaw): (f64, f64, f64),
+        load: f64,
+        scratch: &mut Scratch,
+    ) -> (Vector3<f64>, Matrix3<f64>) {
+        let axes = AxleFrame::new(yaw, roll).axes;
+        let (mut low, mut high) = (0.44, 0.48);
+        for _ in 0..24 {
+            let middle = 0.5 * (low + high);
+            let centre = Vector3::new(0.0, y, middle);
+            let pair = Pair { wheel, rail, centre: &centre, axes: &axes, distance: 0.0 };
+            // Deeper than strips look nothing is found: too deep.
+            let deep = middle < 0.455;
+            let carries = self.pressed(&pair, scratch).map_or(if deep { f64::INFINITY } else { 0.0 }, |part| part.load);
+            if carries > load { low = middle } else { high = middle }
+        }
+        (Vector3::new(0.0, y, low), axes)
+    }
+}
+
+static S1002: LazyLock<Tabled> = LazyLock::new(|| Tabled::new("kind = \"s1002\"\nradius = 0.46\n", "kind = \"60e1\"\n"));
+
+/// Numbers from -1 to 1.
+fn random() -> impl FnMut() -> f64 {
+    let mut seed = 99u64;
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as f64 / (1u64 << 30) as f64 - 1.0
+    }
+}
+
+#[test]
+fn prop_between_its_nodes_a_table_says_what_strips_do() {
+    let apta = Tabled::new("kind = \"apta\"\ndesign = \"APTA140\"\nradius = 0.46\n", "kind = \"uic60\"\n");
+    for (name, own) in [("S1002 on 60E1", &*S1002), ("APTA140 on UIC60", &apta)] {
+        let (mut random, mut scratch) = (random(), Scratch::new(own.strips.len()));
+        let (mut sums, mut worst, mut count, mut all) = ([0.0f64; 6], [0.0f64; 6], 0, 0);
+        for k in 0..600 {
+            let side = Side::BOTH[k % 2];
+            let (wheel, rail) = (own.wheel(side), own.rail(side, &[]));
+            let pose = (6e-3 * random(), 3e-3 * random(), if k % 3 == 0 { 0.0 } else { 1e-2 * random() });
+            let load = 1e4 * 10f64.powf(0.5 + 0.5 * random());
+            let (centre, axes) = own.under((&wheel, &rail), pose, load, &mut scratch);
+            let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &axes, distance: 0.0 };
+            let pressed = press_anywhere(&pair, &own.strips, E, &mut scratch);
+            let flank =
+                pressed.iter().any(|own_strip| own_strip.load > 0.0 && own.rail.at(own.strips.eta(own_strip.number)).d1.abs() > FLANK);
+            all += 1;
+            let Some(looked) = own.looked(&pair, E).filter(|looked| looked.weight == 1.0 && !flank) else { continue };
+            let (said, part) = (looked.part, own.pressed(&pair, &mut scratch).unwrap());
+            let off = [
+                said.force / part.force - 1.0,
+                (said.arm - part.arm).norm(),
+                (said.normal - part.normal).norm(),
+                said.patch.a / part.patch.a - 1.0,
+                said.patch.b / part.patch.b - 1.0,
+                said.lead - part.lead,
+            ];
+            count += 1;
+            for (k, off) in off.into_iter().enumerate() {
+                sums[k] += off.abs();
+                worst[k] = worst[k].max(off.abs());
+            }
+        }
+        let mean = sums.map(|sum| sum / f64::from(count));
+        println!("{name}, {count} of {all} poses inside: N, centre [m], normal, a, b, lead [m]: {mean:.6?}, at worst {worst:.5?}");
+        assert!(count > 200);
+        assert!(mean[0] < 1e-3 && worst[0] < 0.025, "N");
+        assert!(mean[1] < 1e-5 && worst[1] < 2.5e-4 && worst[5] < 1e-5, "centre");
+        assert!(mean[2] < 4e-5 && worst[2] < 1e-3, "normal");
+        assert!(mean[3] < 2e-3 && mean[4] < 8e-3, "ellipse");
+    }
+}
+
+#[test]
+fn prop_sides_mirror_each_other_and_loads_go_with_the_modulus() {
+    let own = &*S1002;
+    let mut scratch = Scratch::new(own.strips.len());
+    let (left, right) = ((own.wheel(Side::Left), own.rail(Side::Left, &[])), (own.wheel(Side::Right), own.rail(Side::Right, &[])));
+    let (centre, axes) = own.under((&left.0, &left.1), (1.3e-3, 4e-4, 6e-3), 5e4, &mut scratch);
+    let mirrored = (Vector3::new(0.0, -centre.y, centre.z), AxleFrame::new(-6e-3, -4e-4).axes);
+    let look = |(wheel, rail): &(Wheel, Rail), centre: &Vector3<f64>, axes: &Matrix3<f64>, material: Material| {
+        own.looked(&Pair { wheel, rail, centre, axes, distance: 0.0 }, material).unwrap()
+    };
+    let (a, b) = (look(&left, &centre, &axes, E), look(&right, &mirrored.0, &mirrored.1, E));
+    let mirror = |v: Vector3<f64>| Vector3::new(v.x, -v.y, v.z);
+    assert!((a.part.load / b.part.load - 1.0).abs() < 1e-9);
+    assert!((a.part.arm - mirror(b.part.arm)).norm() < 1e-12 && (a.part.normal - mirror(b.part.normal)).norm() < 1e-12);
+    assert!((a.part.lead - b.part.lead).abs() < 1e-12 && a.part.lead.abs() > 1e-5);
+    let soft = look(&left, &centre, &axes, Material { youngs_modulus: 1.05e11, ..E });
+    assert!((2.0 * soft.part.load / a.part.load - 1.0).abs() < 1e-12 && soft.part.patch == a.part.patch);
+}
+
+/// A rail that bends upwards and to the side, and climbs.
+#[test]
+fn prop_a_rail_that_bends_along_the_track_is_in_it() {
+    #[derive(Debug)]
+    struct Bent {
+        slope: f64,
+        bend: f64,
+    }
+    impl crate::geometry::track::DeviationShape for Bent {
+        fn at(&self, s: f64) -> [f64; 4] {
+            [self.slope * s + 0.5 * self.bend * s * s, self.slope + self.bend * s, self.bend, 0.0]
+        }
+        fn breaks(&self) -> Vec<f64> {
+            Vec::new()
+        }
+        fn waves(&self) -> Vec<Stretch> {
+            vec![Stretch { from: -10.0, to: 10.0, wave: 20.0 }]
+        }
+        fn describe(&self) -> String {
+            "bent".into()
+        }
+    }
+    let own = &*S1002;
+    let mut scratch = Scratch::new(own.strips.len());
+    let bent = |direction, slope, bend| Deviation { side: Side::Left, direction, shape: Arc::new(Bent { slope, bend }) };
+    for (up, out) in [((0.0, 0.02), (0.0, 0.0)), ((4e-3, -0.02), (3e-3, 2e-3)), ((-6e-3, 0.0), (-5e-3, 0.0))] {
+        let rail = own.rail(Side::Left, &[bent(Direction::Vertical, up.0, up.1), bent(Direction::Lateral, out.0, out.1)]);
+        let wheel = own.wheel(Side::Left);
+        let (centre, axes) = own.under((&wheel, &rail), (2.1e-3, 2e-4, 2e-3), 5e4, &mut scratch);
+        let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &axes, distance: 0.0 };
+        let (said, part) = (own.looked(&pair, E).unwrap().part, own.pressed(&pair, &mut scratch).unwrap());
+        let off = (said.force / part.force - 1.0, (said.arm - part.arm).norm(), said.lead - part.lead, (said.normal - part.normal).norm());
+        println!("up {up:?}, out {out:?}: N, centre, lead, normal off by {off:.6?}");
+        assert!(off.0.abs() < 4e-3 && off.1 < 3e-5 && off.2.abs() < 6e-5 && off.3 < 1.5e-4, "{off:?}");
+    }
+}
+
+#[test]
+fn prop_saved_tables_are_the_same_and_damaged_ones_are_known() {
+    let table = &S1002.table;
+    let bytes = postcard::to_stdvec(table).unwrap();
+    let read: PatchTable = postcard::from_bytes(&bytes).unwrap();
+    assert!(read.is_whole() && read.tops == table.tops && read.fields == table.fields);
+    let cut = PatchTable { tops: table.tops[1..].to_vec(), ..read };
+    assert!(!cut.is_whole());
+    println!("{:.1} MB", bytes.len() as f64 * 1e-6);
+}
