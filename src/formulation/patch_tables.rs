@@ -23,10 +23,13 @@ pub trait TableStore: Debug + Send + Sync {
     fn keep(&self, key: &str, table: &PatchTable);
 }
 
+/// With their keys.
+type Known = Vec<(String, Arc<PatchTable>)>;
+
 /// The tables of a scene; its clones share them.
 #[derive(Clone, Debug, Default)]
 pub struct PreparedTables {
-    known: Arc<Mutex<Vec<(String, Arc<PatchTable>)>>>,
+    known: Arc<Mutex<Known>>,
     store: Option<Arc<dyn TableStore>>,
 }
 
@@ -37,7 +40,7 @@ impl PreparedTables {
     }
 
     /// All that are in use, with their keys.
-    pub fn all(&self) -> Vec<(String, Arc<PatchTable>)> {
+    pub fn all(&self) -> Known {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 

@@ -60,7 +60,8 @@ fn equiv_strips_carry_what_half_spaces_do() {
         println!("{changes:?}, table, {known} poses: N {n:.4?}, centre {centre:.6?}, area {area:.3?}, creep {creep:.4?}");
         assert!(known >= 22, "{changes:?}: only {known} poses in the table");
         assert!(n[0] < 0.012 && n[1] < 0.03 && centre[0] < 4e-5 && centre[1] < 3e-4 && area[0] < 0.08, "{n:?} {centre:?} {area:?}");
-        assert!(creep[0] < 0.015 && creep[1] < 0.06, "creep {creep:?}");
+        // Narrow humps with wide shoulders: two parts for the strips, one for the table.
+        assert!(creep[0] < 0.015 && creep[1] < 0.07, "creep {creep:?}");
     }
 }
 

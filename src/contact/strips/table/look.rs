@@ -122,9 +122,8 @@ impl PatchTable {
         let mut heights = [0.0; LEVELS];
         for (i, by_across) in across.weights.iter().enumerate() {
             let row = (across.first + i) * self.lean.count + lean.first;
-            let columns = &self.heights[row..row + 4];
-            for k in 0..4 {
-                add(&mut heights, &columns[k], by_across * lean.weights[k]);
+            for (column, by_lean) in self.heights[row..row + 4].iter().zip(&lean.weights) {
+                add(&mut heights, column, by_across * by_lean);
             }
         }
         // They fall.
