@@ -178,6 +178,7 @@ impl Model {
             timers: Timers::default(),
             events: Vec::new(),
             cached: Cached::No,
+            linearised: None,
             // Not copies of one: a copy has no room in front.
             strips: (0..self.contacts()).map(|_| Scratch::new(self.most_strips())).collect(),
             deeper: Scratch::new(self.most_strips()),

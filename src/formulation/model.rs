@@ -137,6 +137,11 @@ impl Model {
         self.books_begin() + self.books.as_ref().map_or(0, EnergyBooks::states)
     }
 
+    /// Do bodies and force elements alone have states, whole bodies? All of them are then in the Jacobian ([`Model::linearise`]).
+    pub fn is_bodies_alone(&self) -> bool {
+        self.contact_states_begin == self.dimension() && self.half.is_none()
+    }
+
     /// Where the books of energy begin; they stand at the end of the state vector.
     pub fn books_begin(&self) -> usize {
         self.mean_states(self.wheelsets.len()).start

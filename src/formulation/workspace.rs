@@ -87,6 +87,8 @@ pub struct Workspace {
     pub(super) deeper: Scratch,
     /// Does what the last evaluation found belong to the begin of the integrator's next step?
     pub cached: Cached,
+    /// When the integrator's step begins for which the system was linearised last, s; `None` where that may be another system's.
+    pub linearised: Option<f64>,
     /// The linearised model, for integrators that need it .
     pub(super) tangent: Option<Tangent>,
     /// How the track carries the bodies along from that state.

@@ -191,7 +191,7 @@ impl Simulation {
     }
 
     /// The wheelset that this input loads, and its number there, where accelerations are linear in it.
-    fn load_by(&self, input: usize) -> Option<(usize, usize)> {
+    pub(super) fn load_by(&self, input: usize) -> Option<(usize, usize)> {
         let (wheelset, number) = whose(self.model.wheelsets.len(), input);
         let own = input < self.model.first_element_input() && number < WHEELSET_INPUTS;
         let loads = own && WHEELSET_ROWS[number].unit != Unit::One;

@@ -27,15 +27,22 @@ const PASSED: f64 = 1e-9;
 pub struct Memories {
     pub accepted: ModelMemory,
     before: ModelMemory,
+    /// What the evaluation at the begin of the last step started from; of integrators that take changes of inputs up.
+    begin: Option<ModelMemory>,
 }
 
 impl Memories {
     pub fn new(memory: ModelMemory) -> Self {
-        Memories { before: memory.clone(), accepted: memory }
+        Memories { before: memory.clone(), accepted: memory, begin: None }
+    }
+
+    /// With what [`crate::solve::Integrator::take_up`] needs.
+    pub fn with_begin(self) -> Self {
+        Memories { begin: Some(self.before.clone()), ..self }
     }
 
     pub fn fits(&self, other: &Memories) -> bool {
-        self.accepted.fits(&other.accepted) && self.before.fits(&other.before)
+        self.accepted.fits(&other.accepted) && self.before.fits(&other.before) && self.begin.is_some() == other.begin.is_some()
     }
 
     fn take_over(&mut self, other: &Memories) {
@@ -65,6 +72,8 @@ pub struct ModelDynamics<'a> {
     trial: &'a mut Memories,
     watched: Watched<'a>,
     constant: bool,
+    /// Where a derivative that is known already is written ([`Implicit::linearise_again`]); empty where it is not asked for.
+    again: &'a mut [f64],
     /// Why the last failed evaluation failed.
     pub failure: Option<EvaluationError>,
 }
@@ -84,7 +93,12 @@ impl<'a> ModelDynamics<'a> {
             workspace.cached = Cached::No;
         }
         trial.take_over(memories);
-        ModelDynamics { model, workspace, signals, values, memories, trial, watched, constant, failure: None }
+        ModelDynamics { model, workspace, signals, values, memories, trial, watched, constant, again: &mut [], failure: None }
+    }
+
+    /// With room for a derivative.
+    pub fn again(self, again: &'a mut [f64]) -> Self {
+        ModelDynamics { again, ..self }
     }
 }
 
@@ -131,6 +145,12 @@ impl Dynamics for ModelDynamics<'_> {
             if self.workspace.cached == Cached::OfTrial {
                 self.workspace.cached = Cached::OfState;
             }
+        }
+    }
+
+    fn keep_begin(&mut self) {
+        if let Some(begin) = &mut self.memories.begin {
+            std::mem::swap(begin, &mut self.memories.before);
         }
     }
 
@@ -257,7 +277,28 @@ impl Implicit for ModelDynamics<'_> {
         self.workspace.timers.forces |= part == StiffPart::All;
         self.model.linearise(self.workspace, (y, &self.trial.accepted), self.values, part == StiffPart::All);
         self.model.note_flutter(self.workspace, t, self.watched.flutter);
+        self.workspace.linearised = Some(t);
         self.workspace.timers.stop(Call::Linearise, clock);
+        Ok(())
+    }
+
+    fn linearise_again(&mut self, t: f64, y: &[f64], part: StiffPart) -> Result<(), Undefined> {
+        if self.workspace.linearised == Some(t) {
+            return Ok(());
+        }
+        let Some(begin) = &self.memories.begin else { return Err(Undefined) };
+        self.workspace.linearised = None;
+        self.workspace.cached = Cached::No;
+        self.trial.accepted.clone_from(begin);
+        input::evaluate(self.signals, t, self.values);
+        let work = self.workspace.work;
+        let at = Evaluation { t, inputs: self.values, y, memory: &mut self.trial.accepted };
+        let done = self.model.derivative(self.workspace, at, self.again);
+        keep(&mut self.failure, done)?;
+        self.model.linearise(self.workspace, (y, &self.trial.accepted), self.values, part == StiffPart::All);
+        self.workspace.work = work;
+        self.workspace.linearised = Some(t);
+        self.rollback();
         Ok(())
     }
 

@@ -52,8 +52,8 @@ pub fn evaluate(signals: &[InputSignal], t: f64, values: &mut [f64]) {
 }
 
 impl Simulation {
-    /// Sets an input from now on to `value + first (t - now) + second (t - now)^2 / 2`. When that is a change, the integration restarts here as it goes on; a
-    /// polynomial that comes to just that, to rounding, is followed further.
+    /// Sets an input from now on to `value + first (t - now) + second (t - now)^2 / 2`. When that is a change, the integration restarts here as it goes on, or its
+    /// step in hand takes the change up (`taking_up`); a polynomial that comes to just that, to rounding, is followed further.
     pub fn set_input(&mut self, index: usize, value: f64, first: f64, second: f64) {
         let signal = InputSignal { since: self.state.time, value, first, second };
         if self.state.inputs[index].at(self.state.time) != signal.at(self.state.time) {
@@ -71,6 +71,7 @@ impl Simulation {
     /// Lets the integration follow the inputs that were set.
     pub(super) fn follow_inputs(&mut self) {
         let turns = self.turns();
+        let taken_up = turns && self.take_up();
         let SimulationState { time, integration, frame, inputs, followed, .. } = &mut self.state;
         for (followed, set) in followed.iter_mut().zip(inputs) {
             if followed.goes_on_as(set, *time) {
@@ -79,7 +80,7 @@ impl Simulation {
                 *followed = *set;
             }
         }
-        if turns {
+        if turns && !taken_up {
             integration.restart_at(*time, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
             self.workspace.cached = Cached::No;
         }

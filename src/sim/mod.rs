@@ -17,6 +17,7 @@ pub mod recording;
 pub mod serialized;
 pub mod statics;
 pub mod tables;
+mod taking_up;
 pub mod tuning;
 pub mod vehicle_outputs;
 
@@ -41,6 +42,7 @@ use input::InputSignal;
 use outputs::Needs;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+use taking_up::Push;
 
 /// Everything that a simulation remembers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,6 +56,8 @@ pub struct SimulationState {
     pub inputs: Vec<InputSignal>,
     /// Those that the integration follows; others take their place when it goes on.
     followed: Vec<InputSignal>,
+    /// Those under which the step in hand was made, where it has taken changes up.
+    began: Vec<InputSignal>,
     /// The motion beside which the last step was made; its continuous output is counted from it.
     pub frame: FrameMotion,
     /// How far wheelsets swing.
@@ -82,6 +86,7 @@ impl SimulationState {
             && self.flutter.fits(&other.flutter)
             && self.inputs.len() == other.inputs.len()
             && self.followed.len() == other.followed.len()
+            && self.began.len() == other.began.len()
     }
 }
 
@@ -124,6 +129,7 @@ pub struct Simulation {
     snapshot: Snapshot,
     /// What of the snapshot belongs to the present state.
     known: Option<Needs>,
+    push: Push,
     /// Over the run so far, for its notes alone.
     loads: WheelLoads,
     untuned: tuning::Untuned,
@@ -225,6 +231,7 @@ impl Simulation {
         model.note_means(start, &y, &mut memory);
         let inputs: Vec<InputSignal> = model.start_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
         let integration = integrator.start(start, &y);
+        let push = Push::new(y.len(), inputs.len());
         let snapshot = Snapshot {
             time: start,
             dy: vec![0.0; y.len()],
@@ -240,7 +247,8 @@ impl Simulation {
             state: SimulationState {
                 time: start,
                 integration,
-                memories: Memories::new(memory),
+                memories: if integrator.response_vectors() > 0 { Memories::new(memory).with_begin() } else { Memories::new(memory) },
+                began: inputs.clone(),
                 followed: inputs.clone(),
                 inputs,
                 frame: FrameMotion::default(),
@@ -251,6 +259,7 @@ impl Simulation {
             workspace,
             snapshot,
             known: None,
+            push,
             loads: model.wheel_loads(),
             untuned: Vec::new(),
             extrapolation: Default::default(),
@@ -310,7 +319,7 @@ impl Simulation {
         if fits {
             self.state.clone_from(state);
             self.workspace.events.clear();
-            self.workspace.cached = Cached::No;
+            (self.workspace.cached, self.workspace.linearised) = (Cached::No, None);
             self.known = None;
         }
         fits

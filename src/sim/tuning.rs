@@ -52,7 +52,7 @@ impl Simulation {
             }
             forces[place].set_constant(*number, *value);
         }
-        self.workspace.cached = Cached::No;
+        (self.workspace.cached, self.workspace.linearised) = (Cached::No, None);
         self.known = None;
     }
 }

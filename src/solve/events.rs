@@ -23,6 +23,7 @@ impl IntegrationState {
     /// jump of an input has brought about, and those that follow from them at the same time. Where the new form has no solution the state stays in the
     /// old one, in which it can be read.
     pub(super) fn begin(&mut self, dynamics: &mut dyn Implicit, scratch: &mut Scratch) -> Result<(), SolveError> {
+        self.settle(dynamics)?;
         dynamics.rollback();
         let mut changes = 0;
         loop {

@@ -18,6 +18,7 @@ mod local_error;
 mod looks;
 mod moving_frame;
 mod real_time;
+mod response;
 mod rk4;
 mod rk43;
 mod rosenbrock;
@@ -63,6 +64,10 @@ pub trait Dynamics {
     /// What the system remembers beside `y` belongs to the state from now on; with `evaluated` so does the last
     /// [`Dynamics::derivative_at_end`].
     fn accept(&mut self, _evaluated: bool) {}
+
+    /// A step from where the system was accepted with an evaluation last is about to be accepted: what that evaluation started from may be wanted again
+    /// ([`Implicit::linearise_again`]).
+    fn keep_begin(&mut self) {}
 
     /// Does the system still hold what that evaluation found? Not after another one, a change of the system, or in another system that took
     /// over the state.
@@ -173,6 +178,14 @@ pub trait Implicit: Dynamics {
     /// [`Undefined`] when it is not defined there.
     fn linearise(&mut self, _t: f64, _y: &[f64], _part: StiffPart) -> Result<(), Undefined> {
         Ok(())
+    }
+
+    /// Has J of the begin (t, y) of the last step there again, to the bit, where something else has taken its place. Does not count as work.
+    ///
+    /// # Errors
+    /// [`Undefined`] when it can't be had.
+    fn linearise_again(&mut self, _t: f64, _y: &[f64], _part: StiffPart) -> Result<(), Undefined> {
+        Err(Undefined)
     }
 
     /// Factorises I - a J, a in s.
@@ -291,6 +304,25 @@ pub trait Integrator: Send + Sync + Debug {
         0
     }
 
+    /// Number of vectors of length n that it needs for [`Integrator::take_up`]; 0 where it never does that.
+    fn response_vectors(&self) -> usize {
+        0
+    }
+
+    /// Takes a change of f from `time` within the last step on up into that step (see `response`): f becomes f + push, `push` as it is at `time` and at the end
+    /// of the step, linear between them, as far as the state stays what it is. True where that was done; else the step must be made anew
+    /// ([`IntegrationState::restart_at`]) and nothing that can be read has changed.
+    fn take_up(
+        &self,
+        _dynamics: &mut dyn Implicit,
+        _state: &mut IntegrationState,
+        _scratch: &mut Scratch,
+        _time: f64,
+        _push: [&[f64]; 2],
+    ) -> bool {
+        false
+    }
+
     /// Does it use Jacobians?
     fn linearises(&self) -> bool {
         false
@@ -319,7 +351,9 @@ pub trait Integrator: Send + Sync + Debug {
 
     /// A state at (t, y); the first step length is found when it is needed.
     fn start(&self, t: f64, y: &[f64]) -> IntegrationState {
-        IntegrationState::new(t, y, self.dense_vectors(), self.record_vectors())
+        let mut state = IntegrationState::new(t, y, self.dense_vectors(), self.record_vectors());
+        state.response = response::Response::new(self.response_vectors() * y.len());
+        state
     }
 
     /// One step, or a change of the system's form where it has no solution further on.

@@ -26,7 +26,9 @@
 
 use super::adaptive::{self, StepPair};
 use super::local_error::{END, LocalError, WORK};
-use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, parse_setting};
+use super::{
+    Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, parse_setting, response,
+};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -66,6 +68,21 @@ impl Integrator for Rosenbrock {
 
     fn dense_vectors(&self) -> usize {
         DENSE.len() + 1
+    }
+
+    fn response_vectors(&self) -> usize {
+        if self.part == StiffPart::All { response::VECTORS } else { 0 }
+    }
+
+    fn take_up(
+        &self,
+        dynamics: &mut dyn Implicit,
+        state: &mut IntegrationState,
+        scratch: &mut Scratch,
+        time: f64,
+        push: [&[f64]; 2],
+    ) -> bool {
+        self.respond(dynamics, state, scratch, (time, push)).unwrap_or(false)
     }
 
     fn linearises(&self) -> bool {
@@ -237,6 +254,8 @@ impl StepPair for Rosenbrock {
 fn combined(weights: &Row, stages: &[Vec<f64>], i: usize) -> f64 {
     weights.iter().zip(stages).map(|(weight, stage)| weight * stage[i]).sum()
 }
+
+mod respond;
 
 #[cfg(test)]
 mod tests;

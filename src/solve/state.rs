@@ -1,5 +1,6 @@
 //! All that an integration remembers: cloning it saves it.
 
+use super::response::Response;
 use super::{Doubts, Implicit, Scratch, SolveError, StiffPart, Undefined};
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +15,8 @@ pub struct Statistics {
     pub evaluations: u64,
     /// Restarts after a jump of an input.
     pub restarts: u64,
+    /// Changes of inputs that the step in hand has taken up: nothing restarted.
+    pub taken_up: u64,
     /// Steps whose end was moved onto the constraints.
     pub projections: u64,
     /// Changes of the system's form.
@@ -40,6 +43,8 @@ pub struct IntegrationState {
     pub(super) dense: Vec<f64>,
     /// Is a motion to be added to the continuous output ([`Implicit::add_frame_motion`])?
     pub(super) in_frame: bool,
+    /// What changes of the system within the last step add to it.
+    pub(super) response: Response,
     /// f(t, y), valid when `derivative_known`.
     pub(super) derivative: Vec<f64>,
     pub(super) derivative_known: bool,
@@ -70,6 +75,7 @@ impl IntegrationState {
             t_begin: t,
             dense: vec![0.0; dense_vectors * y.len()],
             in_frame: false,
+            response: Response::default(),
             derivative: vec![0.0; y.len()],
             derivative_known: false,
             switch_due: false,
@@ -99,12 +105,18 @@ impl IntegrationState {
     pub fn interpolate_beside(&self, time: f64, out: &mut [f64], frame: impl FnOnce(f64, &mut [f64])) {
         if time >= self.t || self.t_begin >= self.t {
             out.copy_from_slice(&self.y);
-            return;
+        } else {
+            self.polynomial(time, out);
+            if self.in_frame {
+                frame(time - self.t_begin, out);
+            }
         }
-        self.polynomial(time, out);
-        if self.in_frame {
-            frame(time - self.t_begin, out);
-        }
+        self.response.add(time, self.t, out);
+    }
+
+    /// Does `time` lie within a step that can take up changes of the system?
+    pub fn is_in_hand(&self, time: f64) -> bool {
+        self.t_begin <= time && time < self.t && self.response.has_room()
     }
 
     fn polynomial(&self, time: f64, out: &mut [f64]) {
@@ -117,6 +129,11 @@ impl IntegrationState {
                 *value = *value * theta + coefficient;
             }
         }
+    }
+
+    /// Has the last step taken up changes of the system?
+    pub fn has_taken_up(&self) -> bool {
+        self.response.is_there()
     }
 
     /// Evaluates f at the begin of a step where it is not known from the step before.
@@ -149,6 +166,7 @@ impl IntegrationState {
     /// Takes over the trial solution in `scratch`, and what the system remembers with it, as the solution at `end`; the stage `last` was
     /// evaluated there and serves as f of the next step.
     pub(super) fn accept(&mut self, dynamics: &mut dyn Implicit, end: f64, scratch: &Scratch, last: Option<usize>) {
+        dynamics.keep_begin();
         self.t_begin = self.t;
         self.t = end;
         self.y.copy_from_slice(&scratch.trial);
@@ -189,12 +207,13 @@ impl IntegrationState {
         if fresh {
             return;
         }
-        if time < self.t {
+        if time < self.t || self.response.is_there() {
             let mut y = std::mem::take(&mut self.derivative);
             self.interpolate_beside(time, &mut y, frame);
             std::mem::swap(&mut self.y, &mut y);
             self.derivative = y;
         }
+        self.response.clear();
         // An event here or beyond will be met again if it still takes place.
         self.switch_due = false;
         self.t = time;
@@ -210,6 +229,7 @@ impl IntegrationState {
     pub fn fits(&self, other: &IntegrationState) -> bool {
         self.y.len() == other.y.len()
             && self.dense.len() == other.dense.len()
+            && self.response.fits(&other.response)
             && self.derivative.len() == other.derivative.len()
             && self.record.len() == other.record.len()
     }

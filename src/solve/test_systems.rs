@@ -86,6 +86,10 @@ impl Implicit for Watched {
         self.begin = self.last.clone();
         Ok(())
     }
+    fn linearise_again(&mut self, t: f64, y: &[f64], part: StiffPart) -> Result<(), Undefined> {
+        self.last = (t, y.to_vec());
+        self.linearise(t, y, part)
+    }
     fn frame_at(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {
         let Some(motion) = self.motion else { return false };
         let [c, c1, _] = motion(self.begin.0, &self.begin.1, ahead);

@@ -22,5 +22,6 @@ mod static_preload;
 mod steady_curving;
 mod study;
 mod sweep;
+mod taking_up;
 mod tuning;
 mod vehicle;

@@ -156,13 +156,14 @@ impl Instance {
             Some(simulation) => {
                 let s = simulation.statistics();
                 format!(
-                    "{}: t = {} s, {} steps, {} rejected, {} evaluations, {} restarts",
+                    "{}: t = {} s, {} steps, {} rejected, {} evaluations, {} restarts, {} changes taken up",
                     self.scene.title,
                     simulation.time(),
                     s.steps,
                     s.rejected,
                     s.evaluations,
-                    s.restarts
+                    s.restarts,
+                    s.taken_up
                 )
             }
         }
