@@ -92,6 +92,7 @@ fn vehicle_effects(scene: &Scene, model: &Model, all: &mut Effects) {
         all.add("level of detail", true, away.describe(vehicle), 0);
     }
     let why = match vehicle.speed_imposed {
+        true if !vehicle.keeps_speed() => format!("{}: sets the acceleration along the track{}", vehicle.speed_in_words(), driven(scene)),
         true => format!("vehicle.speed = {} m/s: removes the acceleration along the track{}", vehicle.speed, driven(scene)),
         false => format!("vehicle.travel = \"free\": starts with {} m/s", vehicle.speed),
     };
