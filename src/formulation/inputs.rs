@@ -188,7 +188,7 @@ impl Model {
     /// Hands imposed speeds the time [s] and force elements their inputs.
     #[inline]
     pub fn take_inputs(&self, system: &mut SystemWorkspace, t: f64, inputs: &[f64]) {
-        system.pacing.time = t;
+        system.time = t;
         if !system.inputs.is_empty() {
             system.inputs.copy_from_slice(&inputs[self.first_element_input()..]);
         }

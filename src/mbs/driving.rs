@@ -6,8 +6,7 @@
 //! a . X = V' - v . X_s s' - (v . X - V) / T
 //! ```
 //!
-//! V is constant, or comes from a table over time or over the distance s of the leading driven body ([`SpeedProfile`], V' is then `dV/ds s'`), or it is what the body does and
-//! V' an input. The last term (in curves alone) is zero where the constraint holds; it takes back within T what integration leaves of it (1e-9 m/s or
+//! V is constant, or comes from a table over time or over the distance s of the leading driven body ([`SpeedProfile`]; V' is then `dV/ds s'`). The last term (in curves alone) is zero where the constraint holds; it takes back within T what integration leaves of it (1e-9 m/s or
 //! less, so that its force is below 1e-3 N). A speed from a table is also put right at the end of each step ([`System::keep_speeds`]).
 //!
 //! The constraint's force acts along X and is what the mass m of the body, and M of what it supports (it goes along the track alone), leave of all other
@@ -32,8 +31,6 @@ pub enum Course {
     #[default]
     Constant,
     Profile(Arc<SpeedProfile>),
-    /// Its rate is an input.
-    Accelerated,
 }
 
 /// A body whose centre travels with imposed speed.
@@ -47,15 +44,6 @@ pub struct DrivingConstraint {
     pub leader: usize,
 }
 
-/// What imposed speeds that change go by.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pacing {
-    /// s.
-    pub time: f64,
-    /// V' where it is an input, m/s2.
-    pub acceleration: f64,
-}
-
 impl DrivingConstraint {
     /// Of a body with constant speed [m/s].
     pub fn constant(body: usize, speed: f64) -> DrivingConstraint {
@@ -66,13 +54,12 @@ impl DrivingConstraint {
         matches!(self.course, Course::Constant)
     }
 
-    /// V and V' [m/s, m/s2] where V changes; V is NaN where it is what the body does.
+    /// V and V' at a time [s], m/s and m/s2.
     #[inline(never)]
-    fn pace(&self, pacing: &Pacing, motions: &[BodyMotion], stations: &Stations) -> [f64; 2] {
+    fn pace(&self, time: f64, motions: &[BodyMotion], stations: &Stations) -> [f64; 2] {
         match &self.course {
             Course::Constant => [self.speed, 0.0],
-            Course::Accelerated => [f64::NAN, pacing.acceleration],
-            Course::Profile(profile) if profile.over == Over::Time => profile.at(pacing.time),
+            Course::Profile(profile) if profile.over == Over::Time => profile.at(time),
             Course::Profile(profile) => {
                 let (leader, station) = (&motions[self.leader], stations.get(self.leader));
                 let (distance, travel) = station.map_or((leader.distance, leader.speed), |at| (at.frame.distance, at.travel));
@@ -84,20 +71,19 @@ impl DrivingConstraint {
 
     /// a . X on a curved track, m/s2.
     #[inline]
-    pub(super) fn demand(&self, station: &Station, motions: &[BodyMotion], stations: &Stations, pacing: &Pacing) -> f64 {
+    pub(super) fn demand(&self, station: &Station, motions: &[BodyMotion], stations: &Stations, time: f64) -> f64 {
         let motion = &motions[self.body];
         if self.is_constant() {
             return -station.swing_of_speed(&motion.velocity) - (station.speed - self.speed) / RETURN;
         }
-        let [speed, rate] = self.pace(pacing, motions, stations);
-        let off = if speed.is_nan() { 0.0 } else { station.speed - speed };
-        rate - station.swing_of_speed(&motion.velocity) - off / RETURN
+        let [speed, rate] = self.pace(time, motions, stations);
+        rate - station.swing_of_speed(&motion.velocity) - (station.speed - speed) / RETURN
     }
 
     /// a . X on straight track, m/s2.
     #[inline]
-    pub(super) fn straight_demand(&self, motions: &[BodyMotion], stations: &Stations, pacing: &Pacing) -> f64 {
-        if self.is_constant() { 0.0 } else { self.pace(pacing, motions, stations)[1] }
+    pub(super) fn straight_demand(&self, motions: &[BodyMotion], stations: &Stations, time: f64) -> f64 {
+        if self.is_constant() { 0.0 } else { self.pace(time, motions, stations)[1] }
     }
 
     /// Gives a linear acceleration [m/s2] the part along X that the constraint demands.
