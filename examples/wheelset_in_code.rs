@@ -12,9 +12,10 @@ use wheelrail::geometry::profile::{Arch, Cone};
 use wheelrail::geometry::surface::Wheel;
 use wheelrail::geometry::track::{Rail, Track};
 use wheelrail::mbs::body::Body;
+use wheelrail::mbs::driving::DrivingConstraint;
 use wheelrail::mbs::force::{Gravity, Guide, GuidedSpring};
 use wheelrail::mbs::inertia::Inertia;
-use wheelrail::mbs::system::{DrivingConstraint, System};
+use wheelrail::mbs::system::System;
 use wheelrail::solve::{Rosenbrock, StiffPart};
 use wheelrail::{ContactLaws, Integrator, Material, Model, Parts, Simulation, Wheelset};
 
@@ -32,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let system = System {
         bodies: vec![Body { name: "wheelset".into(), mass, inertia }],
         forces: vec![Box::new(Gravity { body: 0, mass, acceleration: gravity, grade: 0.0 }), Box::new(springs)],
-        drives: vec![DrivingConstraint { body: 0, speed }],
+        drives: vec![DrivingConstraint::constant(0, speed)],
         supported: Vec::new(),
         joints: Vec::new(),
         redundant: Vec::new(),

@@ -185,9 +185,10 @@ impl Model {
         first_of_elements(self.wheelsets.len(), self.rail_motion)
     }
 
-    /// Hands force elements their inputs.
+    /// Hands imposed speeds the time [s] and force elements their inputs.
     #[inline]
-    pub fn take_inputs(&self, system: &mut SystemWorkspace, inputs: &[f64]) {
+    pub fn take_inputs(&self, system: &mut SystemWorkspace, t: f64, inputs: &[f64]) {
+        system.time = t;
         if !system.inputs.is_empty() {
             system.inputs.copy_from_slice(&inputs[self.first_element_input()..]);
         }

@@ -68,7 +68,7 @@ impl Model {
     /// [`EvaluationError`] when a contact cannot be found or lies outside what the laws cover.
     #[inline]
     pub fn derivative(&self, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
-        self.take_inputs(&mut workspace.system, at.inputs);
+        self.take_inputs(&mut workspace.system, at.t, at.inputs);
         let (inputs, y) = (at.inputs, at.y);
         let t = at.t;
         self.formulation.derivative(self, workspace, at, dy)?;

@@ -11,8 +11,13 @@ use crate::geometry::Side;
 use crate::geometry::track::centre_line::CentreLine;
 use crate::geometry::track::station::{Station, Stations};
 use crate::mbs::body::BodyMotion;
+use crate::mbs::driving::{Course, DrivingConstraint};
+use crate::mbs::speed_profile::Over;
 use crate::mbs::system::SystemWorkspace;
 use nalgebra::{Matrix3, Vector3};
+
+/// A place that is nearer has been reached, m.
+const SAME_PLACE: f64 = 1e-6;
 
 impl Model {
     /// Number of bodies that are followed along the track: none where it is straight.
@@ -131,6 +136,28 @@ impl Model {
     }
 }
 
+impl Model {
+    /// When an imposed speed that comes from a table bends next, s.
+    pub fn next_change_of_speed(&self, t: f64, y: &[f64], memory: &ModelMemory) -> f64 {
+        let Some(DrivingConstraint { course: Course::Profile(profile), leader, .. }) = self.system.drives.first() else {
+            return f64::INFINITY;
+        };
+        if profile.over == Over::Time {
+            return profile.next_bend(t, 1.0, 0.0);
+        }
+        let (q, v) = (&y[self.system.coordinates(*leader)], &y[self.system.velocities(*leader)]);
+        let (distance, speed) = match self.track.line() {
+            None => (q[0], v[0]),
+            Some(line) => {
+                let motion = BodyMotion::new(q, v);
+                let station = Station::new(line, &motion.position, &motion.velocity, memory.distances[*leader]);
+                (station.frame.distance, station.travel)
+            }
+        };
+        t + (profile.next_bend(distance, speed.signum(), SAME_PLACE) - distance) / speed
+    }
+}
+
 impl Step<'_> {
     /// Moves positions and velocities onto the constraints ([`super::Formulation::project`]).
     ///
@@ -140,6 +167,8 @@ impl Step<'_> {
         if self.model.track.line().is_some() {
             self.move_bodies();
         }
-        self.model.formulation.project(self)
+        let Step { model, workspace, t, y, .. } = self;
+        let moved = !model.system.drives.is_empty() && model.system.keep_speeds(*t, y, &workspace.system);
+        Ok(self.model.formulation.project(self)? || moved)
     }
 }

@@ -13,7 +13,7 @@ pub struct Wheelset {
     pub turning: [usize; 2],
     pub left: Wheel,
     pub right: Wheel,
-    /// Imposed travelling speed [m/s], `None` when the wheelset is free along the track.
+    /// Imposed constant travelling speed [m/s], `None` when the wheelset is free along the track or its speed changes: it is then that of its motion.
     pub imposed_speed: Option<f64>,
     /// Vertical force of each wheel on level track at rest, N.
     pub static_wheel_load: f64,

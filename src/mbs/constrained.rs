@@ -27,7 +27,7 @@ impl System {
         }
         for drive in &self.drives {
             let mut mobility = *constraints.kkt.mobility(drive.body);
-            drive.immobilise(&mut mobility, &workspace.stations);
+            drive.immobilise(&self.bodies[drive.body], &workspace.motions, &mut mobility, &workspace.stations);
             constraints.kkt.set_mobility(drive.body, &mobility);
         }
         let mut row = 0;
@@ -55,13 +55,13 @@ impl System {
             let linear = &mut workspace.constraints.free[COORDINATES * body..][..3];
             supported.hold_back(own, workspace.stations.get(body), &workspace.motions[body], linear);
         }
+        let SystemWorkspace { constraints, stations, motions, time, .. } = workspace;
         for drive in &self.drives {
-            if let Some(station) = workspace.stations.get(drive.body) {
-                let linear = &mut workspace.constraints.free[COORDINATES * drive.body..][..3];
-                drive.hold(station, &workspace.motions[drive.body], linear);
-                continue;
+            let linear = &mut constraints.free[COORDINATES * drive.body..][..3];
+            match stations.get(drive.body) {
+                Some(station) => drive.hold(station, drive.demand(station, motions, stations, *time), linear),
+                None => linear[0] = drive.straight_demand(motions, stations, *time),
             }
-            workspace.constraints.free[COORDINATES * drive.body] = 0.0;
         }
     }
 
@@ -73,16 +73,18 @@ impl System {
         dy[..count].copy_from_slice(&y[count..2 * count]);
         dy[count..2 * count].copy_from_slice(&workspace.constraints.accelerations);
         workspace.copy_force_rates(count, dy);
-        let SystemWorkspace { constraints, wrenches, drive_forces, stations, motions, .. } = workspace;
+        let SystemWorkspace { constraints, wrenches, drive_forces, stations, motions, time, .. } = workspace;
         for (drive, force) in self.drives.iter().zip(drive_forces) {
             if let Some(station) = stations.get(drive.body) {
                 let held = |axis| constraints.kkt.constraint_force(drive.body, axis, &constraints.multipliers);
                 let other = wrenches[drive.body].force + nalgebra::Vector3::new(held(0), held(1), held(2));
-                let demand = drive.demand(station, &motions[drive.body]);
-                *force = self.bodies[drive.body].mass * demand - other.dot(&station.frame.along());
+                let demand = drive.demand(station, motions, stations, *time);
+                *force = self.force_in_curve(drive, demand, &other, &motions[drive.body], station);
                 continue;
             }
-            *force = -wrenches[drive.body].force.x - constraints.kkt.constraint_force(drive.body, 0, &constraints.multipliers);
+            let demand = drive.straight_demand(motions, stations, *time);
+            let held = constraints.kkt.constraint_force(drive.body, 0, &constraints.multipliers);
+            *force = self.force_on_straight(drive, demand, wrenches[drive.body].force.x) - held;
         }
     }
 

@@ -1,51 +1,166 @@
-//! The driving constraint on a curved track: `v . X = V` with X the track's tangent beside the body's centre.
+//! Imposed speed: `v . X = V` with X the track's tangent beside the body's centre (the world's x axis on straight level track).
 //!
 //! Differentiated, with the frame's travel s' and `X_s` its derivative along the track:
 //!
 //! ```text
-//! a . X = -(v . X_s) s' - (v . X - V) / T
+//! a . X = V' - v . X_s s' - (v . X - V) / T
 //! ```
 //!
-//! The last term is zero where the constraint holds; it takes back within T what integration leaves of it (1e-9 m/s or less, so that
-//! its force is below 1e-3 N). The constraint's force acts along X and is what `m a . X` leaves after all other forces.
+//! V is constant, or comes from a table over time or over the distance s of the leading driven body ([`SpeedProfile`]; V' is then `dV/ds s'`). The last term (in curves alone) is zero where the constraint holds; it takes back within T what integration leaves of it (1e-9 m/s or
+//! less, so that its force is below 1e-3 N). A speed from a table is also put right at the end of each step ([`System::keep_speeds`]).
+//!
+//! The constraint's force acts along X and is what the mass m of the body, and M of what it supports (it goes along the track alone), leave of all other
+//! forces F: `m a . X + M V' - F . X`. Where V is constant M takes nothing.
 
-use super::body::BodyMotion;
+use super::body::{Body, BodyMotion};
 use super::kkt::Mobility;
-use super::system::DrivingConstraint;
+use super::speed_profile::{Over, SpeedProfile};
+use super::system::{System, SystemWorkspace};
 use crate::geometry::track::station::{Station, Stations};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 /// T, s.
 const RETURN: f64 = 0.1;
+/// A speed that is off by less than this [m/s] stays as it is: rounding.
+const KEPT: f64 = 1e-12;
+
+/// How the imposed speed goes on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Course {
+    #[default]
+    Constant,
+    Profile(Arc<SpeedProfile>),
+}
+
+/// A body whose centre travels with imposed speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrivingConstraint {
+    pub body: usize,
+    /// V, m/s; that of the start where it changes.
+    pub speed: f64,
+    pub course: Course,
+    /// By whose distance a table over distance goes: all that are driven have one speed.
+    pub leader: usize,
+}
 
 impl DrivingConstraint {
-    /// a . X, m/s2.
-    #[inline]
-    pub(super) fn demand(&self, station: &Station, motion: &BodyMotion) -> f64 {
-        -station.swing_of_speed(&motion.velocity) - (station.speed - self.speed) / RETURN
+    /// Of a body with constant speed [m/s].
+    pub fn constant(body: usize, speed: f64) -> DrivingConstraint {
+        DrivingConstraint { body, speed, course: Course::Constant, leader: body }
     }
 
-    /// Gives a linear acceleration [m/s2] the part along X that the constraint demands, which is returned.
+    pub(super) fn is_constant(&self) -> bool {
+        matches!(self.course, Course::Constant)
+    }
+
+    /// V and V' at a time [s], m/s and m/s2.
+    #[inline(never)]
+    fn pace(&self, time: f64, motions: &[BodyMotion], stations: &Stations) -> [f64; 2] {
+        match &self.course {
+            Course::Constant => [self.speed, 0.0],
+            Course::Profile(profile) if profile.over == Over::Time => profile.at(time),
+            Course::Profile(profile) => {
+                let (leader, station) = (&motions[self.leader], stations.get(self.leader));
+                let (distance, travel) = station.map_or((leader.distance, leader.speed), |at| (at.frame.distance, at.travel));
+                let [speed, slope] = profile.at(distance);
+                [speed, slope * travel]
+            }
+        }
+    }
+
+    /// a . X on a curved track, m/s2.
     #[inline]
-    pub(super) fn hold(&self, station: &Station, motion: &BodyMotion, linear: &mut [f64]) -> f64 {
-        let (along, demand) = (station.frame.along(), self.demand(station, motion));
+    pub(super) fn demand(&self, station: &Station, motions: &[BodyMotion], stations: &Stations, time: f64) -> f64 {
+        let motion = &motions[self.body];
+        if self.is_constant() {
+            return -station.swing_of_speed(&motion.velocity) - (station.speed - self.speed) / RETURN;
+        }
+        let [speed, rate] = self.pace(time, motions, stations);
+        rate - station.swing_of_speed(&motion.velocity) - (station.speed - speed) / RETURN
+    }
+
+    /// a . X on straight track, m/s2.
+    #[inline]
+    pub(super) fn straight_demand(&self, motions: &[BodyMotion], stations: &Stations, time: f64) -> f64 {
+        if self.is_constant() { 0.0 } else { self.pace(time, motions, stations)[1] }
+    }
+
+    /// Gives a linear acceleration [m/s2] the part along X that the constraint demands.
+    #[inline]
+    pub(super) fn hold(&self, station: &Station, demand: f64, linear: &mut [f64]) {
+        let along = station.frame.along();
         let change = demand - linear.iter().zip(along.iter()).map(|(a, x)| a * x).sum::<f64>();
         for (a, x) in linear.iter_mut().zip(along.iter()) {
             *a += change * x;
         }
-        demand
     }
-}
 
-impl DrivingConstraint {
     /// Takes the held direction out of the body's mobility; no stations: straight track.
     #[inline]
-    pub(super) fn immobilise(&self, mobility: &mut Mobility, stations: &Stations) {
+    pub(super) fn immobilise(&self, body: &Body, motions: &[BodyMotion], mobility: &mut Mobility, stations: &Stations) {
+        // What is supported moves along the track alone.
+        if !self.is_constant() {
+            *mobility = body.mobility(&motions[self.body]);
+        }
         match stations.get(self.body) {
             Some(station) => without_travel(mobility, station),
             // The centre of mass is the origin: X is coupled to no other coordinate.
             None => mobility[(0, 0)] = 0.0,
         }
+    }
+}
+
+impl System {
+    /// Force of a driving constraint [N] on a curved track with what it demands [m/s2], where all else loads its body with `other` [N].
+    #[inline]
+    pub(super) fn force_in_curve(
+        &self,
+        drive: &DrivingConstraint,
+        demand: f64,
+        other: &Vector3<f64>,
+        motion: &BodyMotion,
+        station: &Station,
+    ) -> f64 {
+        let force = self.bodies[drive.body].mass * demand - other.dot(&station.frame.along());
+        if drive.is_constant() {
+            return force;
+        }
+        force + self.supported_by(drive.body) * (demand + station.swing_of_speed(&motion.velocity))
+    }
+
+    /// The same on straight track.
+    #[inline]
+    pub(super) fn force_on_straight(&self, drive: &DrivingConstraint, demand: f64, other: f64) -> f64 {
+        if drive.is_constant() {
+            return -other;
+        }
+        (self.bodies[drive.body].mass + self.supported_by(drive.body)) * demand - other
+    }
+
+    /// M, kg.
+    fn supported_by(&self, body: usize) -> f64 {
+        self.supported.iter().filter(|supported| supported.body == body).map(|supported| supported.mass).sum()
+    }
+
+    /// Gives bodies whose speed comes from a table just that speed. On a curved track the workspace holds motions and stations at `y`. Returns whether anything was changed.
+    pub fn keep_speeds(&self, t: f64, y: &mut [f64], workspace: &SystemWorkspace) -> bool {
+        let mut moved = false;
+        for drive in &self.drives {
+            let Course::Profile(profile) = &drive.course else { continue };
+            let stations = &workspace.stations;
+            let distance = stations.get(drive.leader).map_or(y[self.coordinates(drive.leader).start], |station| station.frame.distance);
+            let speed = profile.at(if profile.over == Over::Time { t } else { distance })[0];
+            let first = self.velocities(drive.body).start;
+            let along = stations.get(drive.body).map_or(Vector3::x(), |station| station.frame.along());
+            let linear = &mut y[first..first + 3];
+            let off = speed - linear.iter().zip(along.iter()).map(|(v, x)| v * x).sum::<f64>();
+            if off.abs() > KEPT {
+                linear.iter_mut().zip(along.iter()).for_each(|(v, x)| *v += off * x);
+                moved = true;
+            }
+        }
+        moved
     }
 }
 

@@ -3,7 +3,7 @@
 pub mod body;
 mod constrained;
 pub mod constraints;
-mod driving;
+pub mod driving;
 pub mod force;
 pub mod inertia;
 pub mod joint;
@@ -14,6 +14,7 @@ pub mod on_track;
 pub mod pair_tangent;
 pub mod projection;
 pub mod redundancy;
+pub mod speed_profile;
 pub mod supported;
 pub mod system;
 pub mod tangent;

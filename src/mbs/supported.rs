@@ -10,7 +10,7 @@
 //! ```
 //!
 //! F has all forces, also the load's weight and `-M S s' X_s`, which its force element applies. The body's mobility is
-//! `(1 - M / (m + M) X X^T) / m`. Where a body's speed is imposed S_dot is zero: nothing of this is there.
+//! `(1 - M / (m + M) X X^T) / m`. Where a body's speed is imposed and constant S_dot is zero: nothing of this is there. Where it changes the driving force moves M too ([`super::driving`]).
 
 use super::body::BodyMotion;
 use super::kkt::Mobility;

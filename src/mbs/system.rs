@@ -1,14 +1,15 @@
 //! Bodies, force elements, driving constraints and joints as one system: state layout and accelerations.
 //!
 //! The state vector holds the coordinates of all bodies (x, y, z, yaw, roll, pitch each), then their velocities in
-//! the same order, then the first-order states of the force elements that have some, in the elements' order. A driving constraint `x' = V` removes its coordinate's acceleration exactly: the centre of mass
-//! is the body's origin, so X is not coupled to other coordinates by inertia, the acceleration is zero and the
-//! constraint force is minus the sum of all other longitudinal forces. On a curved track the constraint holds the speed along the
+//! the same order, then the first-order states of the force elements that have some, in the elements' order. A driving constraint `x' = V` replaces its coordinate's acceleration exactly: the centre of mass
+//! is the body's origin, so X is not coupled to other coordinates by inertia, the acceleration is V' (zero where V is constant) and the
+//! constraint force is what mass times that leaves of the sum of all other longitudinal forces. On a curved track the constraint holds the speed along the
 //! track's tangent ([`super::driving`]). Joints and contact constraints are solved
 //! for together ([`super::constraints`]); a system that has none pays nothing for them.
 
 use super::body::{Body, BodyMotion, COORDINATES, Wrench};
 use super::constraints::Constraints;
+use super::driving::DrivingConstraint;
 use super::force::ForceElement;
 use super::joint::Joint;
 use super::kkt::RowBodies;
@@ -17,21 +18,13 @@ use super::supported::SupportedMass;
 use super::twist::TwistedAxle;
 use crate::geometry::track::station::Stations;
 
-/// A body whose centre travels with imposed constant speed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DrivingConstraint {
-    pub body: usize,
-    /// V, m/s.
-    pub speed: f64,
-}
-
 /// The constant part of a multibody system.
 #[derive(Debug)]
 pub struct System {
     pub bodies: Vec<Body>,
     pub forces: Vec<Box<dyn ForceElement>>,
     pub drives: Vec<DrivingConstraint>,
-    /// On bodies whose speed is not imposed.
+    /// On bodies whose speed is not imposed, or changes.
     pub supported: Vec<SupportedMass>,
     pub joints: Vec<Joint>,
     /// Rows of joints that repeat what others demand ([`System::find_redundant`]); they are left out.
@@ -53,6 +46,8 @@ pub struct SystemWorkspace {
     ends: Vec<[usize; 2]>,
     /// Force of each driving constraint, N, forward positive.
     pub drive_forces: Vec<f64>,
+    /// What imposed speeds that change over time go by, s.
+    pub time: f64,
     pub constraints: Constraints,
     /// By body, for the bodies that are followed along a curved track.
     pub stations: Stations,
@@ -135,6 +130,7 @@ impl System {
             inputs: vec![0.0; inputs],
             ends: if count + inputs == 0 { Vec::new() } else { ends.collect() },
             drive_forces: vec![0.0; self.drives.len()],
+            time: 0.0,
             constraints: Constraints::new(self.bodies.len(), self.joint_rows(), &self.redundant, contact_bodies),
             stations: Stations::default(),
         }
@@ -212,16 +208,18 @@ impl System {
             let linear = &mut dy[self.velocities(body).start..][..3];
             supported.hold_back(self.bodies[body].mass, workspace.stations.get(body), &workspace.motions[body], linear);
         }
-        for (drive, force) in self.drives.iter().zip(&mut workspace.drive_forces) {
-            if let Some(station) = workspace.stations.get(drive.body) {
-                let linear = &mut dy[self.velocities(drive.body).start..][..3];
-                let demand = drive.hold(station, &workspace.motions[drive.body], linear);
-                let other = workspace.wrenches[drive.body].force.dot(&station.frame.along());
-                *force = self.bodies[drive.body].mass * demand - other;
+        let SystemWorkspace { wrenches, drive_forces, stations, motions, time, .. } = workspace;
+        for (drive, force) in self.drives.iter().zip(drive_forces) {
+            let first = self.velocities(drive.body).start;
+            if let Some(station) = stations.get(drive.body) {
+                let demand = drive.demand(station, motions, stations, *time);
+                drive.hold(station, demand, &mut dy[first..first + 3]);
+                *force = self.force_in_curve(drive, demand, &wrenches[drive.body].force, &motions[drive.body], station);
                 continue;
             }
-            dy[self.velocities(drive.body).start] = 0.0;
-            *force = -workspace.wrenches[drive.body].force.x;
+            let demand = drive.straight_demand(motions, stations, *time);
+            dy[first] = demand;
+            *force = self.force_on_straight(drive, demand, wrenches[drive.body].force.x);
         }
     }
 

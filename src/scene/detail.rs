@@ -2,7 +2,7 @@
 //!
 //! The whole vehicle's steady running on ideal straight track says where each body is that will not be there. What stays is held by that: force elements by guides
 //! ([`Held`]), joints by the ground but for the direction along the track ([`Joint::held`]). In steady running on straight track the part therefore does what it does in
-//! the whole: same places, same wheel loads. Preloads that balance asks for are those of the whole. Where the speed is free, the mass of what was cut away, so far as the
+//! the whole: same places, same wheel loads. Preloads that balance asks for are those of the whole. Where the speed is free or changes, the mass of what was cut away, so far as the
 //! kept wheels carry it, goes along the track with the heaviest kept body.
 //!
 //! A vehicle that is a point mass stays as its heaviest body, with all mass, that moves along the track alone; wheels that turn are inertia beside it.
@@ -60,6 +60,7 @@ fn steady_scene(scene: &Scene) -> Scene {
     let mut whole = scene.clone();
     whole.track.deviations.clear();
     whole.interface = InterfaceSpec::default();
+    whole.vehicle = whole.vehicle.steady();
     let vehicle = &mut whole.vehicle;
     vehicle.speed = if vehicle.speed.abs() < LEAST_SPEED { LEAST_SPEED.copysign(vehicle.speed) } else { vehicle.speed };
     vehicle.speed_imposed = true;
@@ -157,7 +158,7 @@ impl Cutting<'_> {
         let mass = if vehicle.gravity > 0.0 { (weight / vehicle.gravity).max(0.0) } else { 0.0 };
         let carried = SupportedMass { body: heaviest.map_or(0, |body| vehicle.wheelsets.len() + body), mass };
         let turning = point_masses.iter().map(|(body, point)| SupportedMass { body: *body, mass: point.2 });
-        let along = Some(carried).filter(|_| mass > 0.0 && !vehicle.speed_imposed).into_iter().chain(turning).collect();
+        let along = Some(carried).filter(|_| mass > 0.0 && !vehicle.keeps_speed()).into_iter().chain(turning).collect();
         let names = |bodies: &mut dyn Iterator<Item = usize>| bodies.map(|body| self.name(body)).collect();
         vehicle.extent = Extent::Cut(Box::new(Away {
             level: self.asked.level,

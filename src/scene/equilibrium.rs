@@ -12,6 +12,10 @@ pub enum EquilibriumError {
     )]
     OnTransition { distance: f64 },
     #[error(
+        "the run begins at {place}, within a ramp of vehicle.speed, and there is no steady state under acceleration; begin it where the speed is constant (before the first node or behind the last one), or with vehicle.initial.from_equilibrium = false"
+    )]
+    Accelerates { place: String },
+    #[error(
         "no steady curving where the vehicle starts; it goes up to {percent:.0} % of the curvature and superelevation there: {cause}{advice}"
     )]
     Curving { percent: f64, cause: Box<EquilibriumError>, advice: &'static str },

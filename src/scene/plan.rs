@@ -7,6 +7,7 @@ use super::rough_track;
 use super::solver_choice;
 use super::spec::{Scene, VehicleSpec};
 use super::start::{self, Start};
+use crate::contact::patch::PatchLaw;
 use crate::formulation::inputs::{CENTRE_FORCES, ELEMENT_INPUTS, GROUPS, InputGroup, RAIL_MOTION};
 use crate::formulation::sliding_mean::CUT_OFF;
 use crate::formulation::sliding_mean::SlidingMean;
@@ -91,6 +92,7 @@ fn vehicle_effects(scene: &Scene, model: &Model, all: &mut Effects) {
         all.add("level of detail", true, away.describe(vehicle), 0);
     }
     let why = match vehicle.speed_imposed {
+        true if !vehicle.keeps_speed() => format!("{}: sets the acceleration along the track{}", vehicle.speed_in_words(), driven(scene)),
         true => format!("vehicle.speed = {} m/s: removes the acceleration along the track{}", vehicle.speed, driven(scene)),
         false => format!("vehicle.travel = \"free\": starts with {} m/s", vehicle.speed),
     };
@@ -163,6 +165,9 @@ fn contact_effects(scene: &Scene, model: &Model, all: &mut Effects) {
     let strips = contact.patch.law.forms();
     let patch = patch_choice::describe(&contact.patch);
     let why = match strips {
+        true if contact.patch.law == PatchLaw::Table => {
+            format!("{patch}: treads from a table, flanges and what else lies outside pressed as strips")
+        }
         true => format!("{patch}; all that overlaps presses, forces at the load's centre"),
         false => patch,
     };
@@ -339,7 +344,7 @@ fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
     const CONVEX: &str = "only one place can touch (the profiles are strictly convex against each other)";
     let [left, right] = Side::BOTH.map(|side| model.searches_contacts(contact_index(0, side)));
     if scene.contact.patch.law.forms() {
-        return (true, format!("contact.patch = \"strips\": parts of patches, up to {points}"));
+        return (true, format!("contact.patch = \"{}\": parts of patches, up to {points}", scene.contact.patch.law.name()));
     }
     let points = match scene.contact.points {
         Some(stated) => format!("contact.points = {stated}"),

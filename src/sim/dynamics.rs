@@ -263,11 +263,11 @@ impl Dynamics for ModelDynamics<'_> {
         keep(&mut self.failure, released)
     }
 
-    /// When a wheel's contact reaches a place where its rail is not smooth.
+    /// When a wheel's contact reaches a place where its rail is not smooth, or an imposed speed bends.
     fn next_break(&self, t: f64, y: &[f64]) -> f64 {
         let memory = &self.trial.accepted;
         let next = self.model.next_try(memory).min(self.model.formulation.next_break(self.model, t, y));
-        next.min(self.model.next_rough_place(t, y, memory))
+        next.min(self.model.next_rough_place(t, y, memory)).min(self.model.next_change_of_speed(t, y, memory))
     }
 }
 

@@ -172,6 +172,11 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`] when there is no equilibrium or the initial state cannot be evaluated.
     pub fn new(scene: &Scene, start: f64) -> Result<Self, SimulationError> {
+        if let Some(speed) = scene.vehicle.starts_with(start)?.filter(|speed| *speed != scene.vehicle.speed) {
+            let mut scene = scene.clone();
+            scene.vehicle.speed = speed;
+            return Self::new(&scene, start);
+        }
         let model = assemble::model(scene)?;
         let steady = scene.vehicle.initial.from_equilibrium.then(|| steady_state::steady_state(scene)).transpose()?;
         let model = model.with_static_wheel_loads(steady.as_ref().map_or(&[], |steady| &steady.wheel_loads));
@@ -481,8 +486,8 @@ impl Simulation {
     /// Solution, motions of bodies and inputs at the present time.
     fn find_motion(&mut self) -> Result<(), SimulationError> {
         self.find_state(false)?;
-        let Snapshot { y, workspace, memory, inputs, .. } = &mut self.snapshot;
-        self.model.take_inputs(&mut workspace.system, inputs);
+        let Snapshot { time, y, workspace, memory, inputs, .. } = &mut self.snapshot;
+        self.model.take_inputs(&mut workspace.system, *time, inputs);
         self.model.move_bodies(y, memory, &mut workspace.system);
         self.known = Some(Needs::Motion);
         Ok(())

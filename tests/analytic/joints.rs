@@ -5,6 +5,7 @@ use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::PI;
 use std::time::Instant;
 use wheelrail::mbs::body::{Body, BodyMotion, Wrench};
+use wheelrail::mbs::driving::DrivingConstraint;
 use wheelrail::mbs::force::{ForceElement, Gravity};
 use wheelrail::mbs::inertia::Inertia;
 use wheelrail::mbs::joint::{Joint, Level, Place, Prescribed, cylindrical, driven, prismatic, revolute, rigid, spherical, universal};
@@ -12,7 +13,7 @@ use wheelrail::mbs::kkt::RowBodies;
 use wheelrail::mbs::moving::Moving;
 use wheelrail::mbs::projection::{Projection, ProjectionError};
 use wheelrail::mbs::redundancy::AssemblyError;
-use wheelrail::mbs::system::{DrivingConstraint, System, SystemWorkspace};
+use wheelrail::mbs::system::{System, SystemWorkspace};
 use wheelrail::mbs::tangent::{Ends, PairTangent};
 use wheelrail::settings::Numbered;
 use wheelrail::solve::{DormandPrince, Dynamics, Implicit, IntegrationState, Integrator, RungeKutta4, Scratch, Undefined};
@@ -447,7 +448,7 @@ fn analytic_driving_force_carries_what_joints_hand_on() {
     // Body 0 travels with imposed speed and pulls body 1, which is pushed back.
     let bodies = vec![brick(2.0, 0.1, 0.1, 0.1), brick(3.0, 0.1, 0.1, 0.1)];
     let coupling = rigid("coupling", between(0, 1), &Place::at(Vector3::new(-1.0, 0.0, 0.0)), &Place::at(Vector3::new(1.0, 0.0, 0.0)));
-    let drives = vec![DrivingConstraint { body: 0, speed: 20.0 }];
+    let drives = vec![DrivingConstraint::constant(0, 20.0)];
     let forces: Vec<Box<dyn ForceElement>> = vec![Box::new(Push(1, -700.0)), Box::new(Push(0, 50.0))];
     let mut train = Mechanism::of(System { bodies, forces, drives, supported: vec![], joints: vec![coupling], redundant: vec![] });
     let mut y = at_rest(&[[0.0; 6], [-2.0, 0.0, 0.0, 0.0, 0.0, 0.0]]);

@@ -15,6 +15,7 @@ mod moving_frame;
 mod out_of_round;
 mod rail_motion;
 mod sliding_means;
+mod speed;
 mod tangent;
 mod traction;
 mod travelling_track;

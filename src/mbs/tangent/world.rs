@@ -115,7 +115,7 @@ impl Tangent {
             supported.slow_down(system.bodies[body].mass, workspace.stations.get(body), &mut self.mobility[body]);
         }
         for drive in &system.drives {
-            drive.immobilise(&mut self.mobility[drive.body], &workspace.stations);
+            drive.immobilise(&system.bodies[drive.body], motions, &mut self.mobility[drive.body], &workspace.stations);
         }
         for (spin, (body, motion)) in self.spin.iter_mut().zip(system.bodies.iter().zip(motions)) {
             *spin = gyroscopic(&body.inertia, motion);

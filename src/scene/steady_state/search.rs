@@ -102,6 +102,7 @@ impl<'a> Search<'a> {
     pub fn new(scene: &Scene, standing: &'a Standing, pattern: Pattern) -> Result<Self, AssemblyError> {
         let mut scene = scene.clone();
         // The balance is that at the speed of the pattern.
+        scene.vehicle = scene.vehicle.steady();
         scene.vehicle.speed = pattern.speed;
         let model = assemble::model(&scene)?.ideal();
         let place = |position: &Vector3<f64>| OnTrack {

@@ -7,10 +7,11 @@ use crate::formulation::{AssemblyError, Wheelset};
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
 use crate::mbs::body::Body;
+use crate::mbs::driving::DrivingConstraint;
 use crate::mbs::force::{ForceElement, Gravity, VerticalLoad};
 use crate::mbs::inertia::Inertia;
 use crate::mbs::supported::SupportedMass;
-use crate::mbs::system::{DrivingConstraint, System};
+use crate::mbs::system::System;
 use crate::mbs::twist::{Axles, Twist};
 
 fn body(spec: &WheelsetSpec) -> Body {
@@ -38,9 +39,9 @@ pub fn all_wheels(vehicle: &VehicleSpec) -> Vec<[Wheel; 2]> {
     vehicle.wheelsets.iter().map(|placed| wheels(&placed.spec)).collect()
 }
 
-/// The inertia along the track of what a load stands for; where the speed is imposed it makes no force.
-fn supported(load: &VerticalLoad, speed_imposed: bool) -> Option<SupportedMass> {
-    (load.mass != 0.0 && !speed_imposed).then_some(SupportedMass { body: load.body, mass: load.mass })
+/// The inertia along the track of what a load stands for; where the speed is constant it makes no force.
+fn supported(load: &VerticalLoad, constant: bool) -> Option<SupportedMass> {
+    (load.mass != 0.0 && !constant).then_some(SupportedMass { body: load.body, mass: load.mass })
 }
 
 /// The wheelsets that twist, in the order of the elements that let them.
@@ -71,7 +72,7 @@ pub fn parts(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<Wheelset>
         .wheelsets
         .iter()
         .enumerate()
-        .map(|(body, placed)| wheelset(&placed.spec, (body, turning[body]), driven(vehicle, placed), load))
+        .map(|(body, placed)| wheelset(&placed.spec, (body, turning[body]), constant(vehicle, placed), load))
         .collect();
     Ok((system, wheelsets))
 }
@@ -87,9 +88,16 @@ pub fn static_preloads(vehicle: &VehicleSpec, grade: f64) -> Result<Vec<(usize, 
     Ok(static_preload::found(vehicle, &system)?.into_iter().map(|(element, index, force)| (element - first, index, force)).collect())
 }
 
-/// The speed that is imposed on a wheelset, m/s.
-fn driven(vehicle: &VehicleSpec, wheelset: &PlacedWheelset) -> Option<f64> {
-    (vehicle.speed_imposed && wheelset.driven).then_some(vehicle.speed)
+/// The constant speed that is imposed on a wheelset, m/s.
+fn constant(vehicle: &VehicleSpec, wheelset: &PlacedWheelset) -> Option<f64> {
+    (vehicle.keeps_speed() && wheelset.driven).then_some(vehicle.speed)
+}
+
+/// What imposes speeds on wheelsets, the leading one first.
+fn drives(vehicle: &VehicleSpec) -> Vec<DrivingConstraint> {
+    let leader = vehicle.leader();
+    let driven = vehicle.wheelsets.iter().enumerate().filter(|(_, wheelset)| vehicle.speed_imposed && wheelset.driven);
+    driven.map(|(body, _)| DrivingConstraint { body, speed: vehicle.speed, course: vehicle.course.clone(), leader }).collect()
 }
 
 /// The system with preloads as they are given, and whose motions the wheels of each wheelset have.
@@ -104,8 +112,8 @@ fn unbalanced(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<[usize; 
     let loaded = vehicle.wheelsets.iter().enumerate().filter(|(_, wheelset)| wheelset.spec.vertical_load != 0.0);
     let loads = loaded.map(|(number, wheelset)| VerticalLoad::new(number, wheelset.spec.vertical_load, vehicle.gravity, grade));
     let loads: Vec<VerticalLoad> = loads.collect();
-    let imposed = |load: &VerticalLoad| vehicle.speed_imposed && vehicle.wheelsets[load.body].driven;
-    let mut supported: Vec<SupportedMass> = loads.iter().filter_map(|load| supported(load, imposed(load))).collect();
+    let steady = |load: &VerticalLoad| constant(vehicle, &vehicle.wheelsets[load.body]).is_some();
+    let mut supported: Vec<SupportedMass> = loads.iter().filter_map(|load| supported(load, steady(load))).collect();
     for carried in vehicle.away().map_or(&[][..], |away| &away.along) {
         match supported.iter_mut().find(|own| own.body == carried.body) {
             Some(own) => own.mass += carried.mass,
@@ -119,15 +127,7 @@ fn unbalanced(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<[usize; 
     forces.iter_mut().for_each(|force| force.fit(&axles));
     let turning = |body: usize| Side::BOTH.map(|side| axles.turning(body, side));
     let turning: Vec<[usize; 2]> = (0..vehicle.wheelsets.len()).map(turning).collect();
-    let drives = vehicle.wheelsets.iter().enumerate().filter_map(|(body, wheelset)| driven(vehicle, wheelset).map(|speed| (body, speed)));
-    let mut system = System {
-        bodies,
-        forces,
-        drives: drives.map(|(body, speed)| DrivingConstraint { body, speed }).collect(),
-        supported,
-        joints: vehicle.joints.clone(),
-        redundant: Vec::new(),
-    };
+    let mut system = System { bodies, forces, drives: drives(vehicle), supported, joints: vehicle.joints.clone(), redundant: Vec::new() };
     if !system.joints.is_empty() {
         let found = system.find_redundant(0.0, &design_state(vehicle, &system, vehicle.speed)).map_err(AssemblyError::Joints)?;
         system.redundant = found.into_iter().map(|row| row.row).collect();

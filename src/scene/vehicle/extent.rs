@@ -101,7 +101,7 @@ impl Away {
                 1e-3 * self.weight
             ),
         };
-        let along = match vehicle.speed_imposed {
+        let along = match vehicle.keeps_speed() {
             true => String::new(),
             false if self.carried == 0.0 => String::new(),
             false => format!("; {:.0} kg of it go along the track", self.carried),

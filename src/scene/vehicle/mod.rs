@@ -29,27 +29,31 @@ mod static_preload;
 pub mod templates;
 #[cfg(test)]
 mod tests;
+mod travel;
 pub mod wheelset;
 
 use crate::geometry::file::SceneFile;
 use crate::geometry::profile::ProfileChoice;
 use crate::mbs::body::Body;
+use crate::mbs::driving::Course;
 use crate::mbs::force::ForceElement;
 use crate::mbs::joint::Joint;
 use crate::settings::{Section, SettingsError, choose};
-use crate::units::Dimension;
 use extent::{Away, Extent, Level};
 use nalgebra::Vector3;
+pub use travel::FASTEST;
 use wheelset::{Initial, WheelsetSpec};
 
 /// `[vehicle]`.
 #[derive(Clone, Debug)]
 pub struct VehicleSpec {
     pub template: &'static str,
-    /// V, m/s; negative rolls backward.
+    /// V, m/s; negative rolls backward. That of the start where it changes.
     pub speed: f64,
     /// Is the speed imposed? Otherwise it is that at the start.
     pub speed_imposed: bool,
+    /// How the imposed speed goes on.
+    pub course: Course,
     /// g, m/s2.
     pub gravity: f64,
     pub initial: Initial,
@@ -187,36 +191,6 @@ impl VehicleSpec {
             }
         }
         files
-    }
-}
-
-/// `vehicle.gravity` where the scene does not say it, m/s2.
-const GRAVITY: f64 = 9.81;
-
-/// Greatest travelling speed, m/s: contact stresses are those of bodies at rest, which holds as long as the speed is small against that of waves along
-/// steel's surface (2900 m/s). At a sixth of it stresses of inertia, in the square of that ratio, reach 3 %; the fastest train so far
-/// did 160 m/s.
-pub const FASTEST: f64 = 500.0;
-/// The same in words.
-const FASTEST_WHY: &str = "contact is computed as at rest, which holds far below the speed of waves along steel's surface (2900 m/s)";
-
-/// What all vehicles have in common.
-struct Travel {
-    speed: f64,
-    speed_imposed: bool,
-    gravity: f64,
-}
-
-impl Travel {
-    fn read(section: &Section) -> Result<Self, SettingsError> {
-        section.refuse_beyond("speed", Dimension::Speed, FASTEST, FASTEST_WHY)?;
-        let speed = section.number("speed", Dimension::Speed)?;
-        let speed_imposed = section.word_or("travel", &["imposed", "free"], "imposed")? == "imposed";
-        if speed == 0.0 && speed_imposed {
-            return Err(section.error("speed", "found 0, but creepages are relative to the travelling speed; expected any other number"));
-        }
-        let gravity = section.not_negative_or("gravity", Dimension::Acceleration, GRAVITY)?;
-        Ok(Travel { speed, speed_imposed, gravity })
     }
 }
 

@@ -4,8 +4,9 @@ use super::expand::{BODY, Entry, FORCE, Flat, JOINT, SENSOR, WHEELSET, expand};
 use super::extent::Extent;
 use super::kept::{self, Entries};
 use super::places::{Bodies, ElementPlaces, Resolver};
+use super::travel::Travel;
 use super::wheelset::{WheelsetSpec, not_degrees, read_initial};
-use super::{Element, PlacedBody, PlacedWheelset, SUSPENSION, Sensor, Travel, VehicleSpec, joints};
+use super::{Element, PlacedBody, PlacedWheelset, SUSPENSION, Sensor, VehicleSpec, joints};
 use crate::geometry::Side;
 use crate::geometry::profile::Part;
 use crate::mbs::body::Body;
@@ -36,7 +37,7 @@ pub(super) fn vehicle<'a>(
         _ if lost => None,
         travel => travel,
     };
-    let (Some(Travel { speed, speed_imposed, gravity }), Some(initial)) = (travel, initial) else {
+    let (Some(Travel { speed, speed_imposed, course, gravity }), Some(initial)) = (travel, initial) else {
         return Err(section.stop());
     };
     // The entries are sorted by name, and this sort keeps their order where places are equal.
@@ -57,6 +58,7 @@ pub(super) fn vehicle<'a>(
         template,
         speed,
         speed_imposed,
+        course,
         gravity,
         initial,
         wheelsets,
@@ -68,6 +70,7 @@ pub(super) fn vehicle<'a>(
         coarser: None,
         followers: Vec::new(),
     };
+    vehicle.speed = vehicle.speed_at(0.0).unwrap_or(speed);
     let known = Bodies {
         names: vehicle.wheelsets.iter().map(|w| &w.spec.name).chain(vehicle.bodies.iter().map(|b| &b.body.name)).cloned().collect(),
         positions: (0..vehicle.body_count()).map(|body| vehicle.design_position(body)).collect(),

@@ -123,7 +123,7 @@ fn undisturbed(scene: &Scene, simulation: &Simulation, stop: f64) -> Option<f64>
     const LEAST: f64 = 1.0 / 3.0;
     const READINGS: usize = 2000;
     let (model, speed) = (simulation.model(), scene.vehicle.speed);
-    if model.track.line().is_some() || !scene.vehicle.speed_imposed {
+    if model.track.line().is_some() || !scene.vehicle.keeps_speed() {
         return None;
     }
     let origin = crate::scene::start::origin(scene);

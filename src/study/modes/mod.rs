@@ -118,6 +118,7 @@ pub fn undisturbed(scene: &Scene, speed: f64) -> Result<Scene, ModesError> {
         Start::Transition { .. } => return Err(ModesError::NotStraight { speed, place: "on a transition" }),
     }
     let mut scene = scene.clone();
+    scene.vehicle = scene.vehicle.steady();
     scene.vehicle.speed = speed;
     (scene.track.alignment, scene.track.line, scene.track.start_fade) = (None, None, None);
     scene.track.deviations.clear();

@@ -245,7 +245,7 @@ const ALWAYS: f64 = 1e4;
 fn choose(step: &mut Step, index: usize, jacobian: &Jacobian, crossing: bool) -> Result<(), EvaluationError> {
     let wheelset = &step.model.wheelsets[index];
     let mut free = *jacobian;
-    if wheelset.imposed_speed.is_some() {
+    if step.model.system.drives.iter().any(|drive| drive.body == wheelset.body) {
         // x is given: constraints must not change it. (Where an elastic contact's row holds x itself, that entry stays.)
         let held = free[(CONSTRAINTS + NORMAL, 0)];
         let holds = free.row(CONSTRAINTS + NORMAL).norm() == held.abs();
