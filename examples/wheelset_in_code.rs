@@ -64,6 +64,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         },
         points: 1,
         prepared: PreparedSearches::default(),
+        prepared_tables: Default::default(),
     };
     let model = Model::new(parts, &formulation::algebraic())?;
     // x, y, z, yaw, roll, pitch and their rates: 2 mm aside, pressed into the rails by a little less than it will be.
