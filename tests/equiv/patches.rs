@@ -82,11 +82,10 @@ fn equiv_runs_with_a_table_are_those_with_strips() {
             }
             rows
         };
+        type Now = (f64, Vector3<f64>, Vector3<f64>);
         let [strips, table] = ["strips", "table"].map(run);
-        let most = |of: &dyn Fn(&(f64, Vector3<f64>, Vector3<f64>)) -> f64| {
-            strips.iter().zip(&table).map(|(a, b)| (of(a) - of(b)).abs()).fold(0.0, f64::max)
-        };
-        let off = [most(&|row| row.0), most(&|row| row.1.z), most(&|row| row.2.z), most(&|row| row.1.y), most(&|row| row.2.y)];
+        let most = |of: fn(&Now) -> f64| strips.iter().zip(&table).map(|(a, b)| (of(a) - of(b)).abs()).fold(0.0, f64::max);
+        let off = [most(|row| row.0), most(|row| row.1.z), most(|row| row.2.z), most(|row| row.1.y), most(|row| row.2.y)];
         println!("{name}: y off by {:.1e} m, Q by {:.1} and {:.1} N, Y by {:.1} and {:.1} N", off[0], off[1], off[2], off[3], off[4]);
         assert!(off[0] < 4e-5 && off[1].max(off[2]) < 200.0 && off[3].max(off[4]) < 300.0, "{off:?}");
     }

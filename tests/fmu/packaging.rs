@@ -191,3 +191,39 @@ fn fmu_a_thousand_instances_on_sixteen_threads() {
     assert!(results.iter().all(|(bits, _)| *bits == results[0].0), "instances of different threads differ");
     println!("{} instances: {:.0} kB each", THREADS * EACH, (results[0].1 - before) / 1e3 / (THREADS * EACH) as f64);
 }
+
+/// An FMU whose wheels read their patches from a table brings it along: nothing is made, or looked for elsewhere, where it runs.
+#[test]
+fn fmu_carries_its_table_of_patches() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let with = |cache: &str, arguments: &[&str]| {
+        let done = Command::new(env!("CARGO_BIN_EXE_wheelrail")).args(arguments).env("WHEELRAIL_CACHE", path(cache)).output().unwrap();
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        String::from_utf8_lossy(&done.stderr).into_owned()
+    };
+    let (file, native, carried) = (path("tabled.fmu"), path("native.csv"), path("carried.csv"));
+    let [file, native, carried] = [&file, &native, &carried].map(|path| path.to_str().unwrap());
+    let made = with("first", &["export", "wheelset_s1002", "--set", "contact.patch=table", "-o", file]);
+    assert!(made.contains("making the table of patches"), "{made}");
+    let unzipped = path("unzipped");
+    zip::ZipArchive::new(std::fs::File::open(file).unwrap()).unwrap().extract(&unzipped).unwrap();
+    let tables: Vec<_> = std::fs::read_dir(unzipped.join("resources/tables")).unwrap().collect();
+    assert_eq!(tables.len(), 1, "one for both sides");
+    let scene = unzipped.join("resources/scene.toml");
+    with("first", &["run", "wheelset_s1002", "--set", "contact.patch=table", "--stop", "0.5", "-o", native]);
+    let said = with("second", &["run", scene.to_str().unwrap(), "--stop", "0.5", "-o", carried]);
+    assert!(!said.contains("making the table") && !path("second").exists(), "{said}");
+    assert_eq!(std::fs::read(native).unwrap(), std::fs::read(carried).unwrap());
+    // A damaged one is made anew.
+    for table in tables {
+        let path = table.unwrap().path();
+        let mut bytes = std::fs::read(&path).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        std::fs::write(&path, bytes).unwrap();
+    }
+    let said = with("third", &["run", scene.to_str().unwrap(), "--stop", "0.5", "-o", carried]);
+    assert!(said.contains("making the table"));
+    assert_eq!(std::fs::read(native).unwrap(), std::fs::read(carried).unwrap());
+}
