@@ -44,10 +44,10 @@ impl Section {
         Section { base, outward: from(at(1.0, 0.0)), up: from(at(0.0, 1.0)), side: pair.rail.side.sign() }
     }
 
-    /// Origin of the section x [m] ahead of the wheelset's centre, from there, tangent of the rail and direction outward, not unit.
-    pub fn at(&self, x: f64) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
-        let [[place, tangent, bend], [outward, twist, _]] = [self.base, self.outward];
-        (place + (tangent + bend * (0.5 * x)) * x, tangent + bend * x, outward + twist * x)
+    /// Origin of the section x [m] ahead of the wheelset's centre, from there, tangent of the rail, not unit, and directions outward and up.
+    pub fn at(&self, x: f64) -> [Vector3<f64>; 4] {
+        let [[place, tangent, bend], [outward, twist, _], [up, tilt, _]] = [self.base, self.outward, self.up];
+        [place + (tangent + bend * (0.5 * x)) * x, tangent + bend * x, outward + twist * x, up + tilt * x]
     }
 
     /// How the rail is bent along the track, 1/m.

@@ -210,7 +210,7 @@ impl Read {
             normal,
             forward: standing.along * standing.stretch,
             arm: standing.origin + standing.outward * across + standing.up * high + standing.along * ahead,
-            lead: standing.station + ahead / standing.stretch,
+            lead: standing.station + (ahead - across * standing.shear[0] - high * standing.shear[1]) / standing.stretch,
             overlap,
             coordinates: [u, across + MEAN_OVERLAP * overlap * sin],
             profiles: [

@@ -26,6 +26,8 @@ pub struct Standing {
     /// Where the section is, along the track ahead of the wheelset's centre, m, and how much rail lies on a metre of it, -.
     pub station: f64,
     pub stretch: f64,
+    /// How far the track's section leans along the rail, for a metre outward and up in it, -: where a rail runs aside or climbs they are not at right angles.
+    pub shear: [f64; 2],
 }
 
 impl Standing {
@@ -33,12 +35,13 @@ impl Standing {
     pub fn new(pair: &Pair, section: &Section) -> Standing {
         let axle = pair.axes.column(1) * pair.wheel.side.sign();
         let middle = axle * pair.wheel.half_spacing;
-        let (base, tangent, _) = section.at(0.0);
+        let [base, tangent, ..] = section.at(0.0);
         let station = (middle - base).dot(&tangent) / tangent.norm_squared();
-        let (origin, tangent, outward) = section.at(station);
+        let [origin, tangent, outward, upward] = section.at(station);
         let stretch = tangent.norm();
         let along = tangent / stretch;
-        let outward = (outward - along * along.dot(&outward)).normalize();
+        let shear = [along.dot(&outward), along.dot(&upward)];
+        let outward = (outward - along * shear[0]).normalize();
         let up = along.cross(&outward) * pair.wheel.side.sign();
         let from = middle - origin;
         let (out, rise) = (axle.dot(&outward), axle.dot(&up));
@@ -54,6 +57,7 @@ impl Standing {
             ahead: from.dot(&along),
             station,
             stretch,
+            shear,
         }
     }
 }
