@@ -5,6 +5,7 @@ mod constrained;
 pub mod constraints;
 pub mod driving;
 pub mod force;
+mod imposed;
 pub mod inertia;
 pub mod joint;
 pub mod kkt;

@@ -200,5 +200,7 @@ impl VehicleSpec {
 /// [`SettingsError`] with file (the scene's or the template's) and line.
 pub(super) fn read(section: Section) -> Result<VehicleSpec, SettingsError> {
     let template = choose(templates::REGISTRY, &section, "template")?;
-    templates::read(section, template.name)
+    let mut vehicle = templates::read(section, template.name)?;
+    vehicle.speed = vehicle.speed_at(0.0).unwrap_or(vehicle.speed);
+    Ok(vehicle)
 }

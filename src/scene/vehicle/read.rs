@@ -70,7 +70,6 @@ pub(super) fn vehicle<'a>(
         coarser: None,
         followers: Vec::new(),
     };
-    vehicle.speed = vehicle.speed_at(0.0).unwrap_or(speed);
     let known = Bodies {
         names: vehicle.wheelsets.iter().map(|w| &w.spec.name).chain(vehicle.bodies.iter().map(|b| &b.body.name)).cloned().collect(),
         positions: (0..vehicle.body_count()).map(|body| vehicle.design_position(body)).collect(),
