@@ -19,6 +19,21 @@ const MOST_CHANGES: usize = 100;
 pub(super) const SHORTEST_RETRY: f64 = 1e-9;
 
 impl IntegrationState {
+    /// Adds the response to the end of the last step, where the next one begins.
+    pub(super) fn settle(&mut self, dynamics: &mut dyn Implicit) -> Result<(), SolveError> {
+        if !self.response.is_there() {
+            return Ok(());
+        }
+        self.response.add(self.t, self.t, &mut self.y);
+        self.response.clear();
+        self.t_begin = self.t;
+        self.forget();
+        dynamics.rollback();
+        let done = dynamics.project(self.t, &mut self.y);
+        dynamics.rollback();
+        done.map(|_| ()).map_err(|Undefined| SolveError::Undefined { time: self.t })
+    }
+
     /// Changes the system's form as often as that is due before the next step: events that ended the last step, events that a
     /// jump of an input has brought about, and those that follow from them at the same time. Where the new form has no solution the state stays in the
     /// old one, in which it can be read.

@@ -14,7 +14,6 @@
 //!
 //! d is added to the step's end when the next step begins, which evaluates f there. Until then all that belongs to the step stays as it was made.
 
-use super::{Implicit, IntegrationState, SolveError, Undefined};
 use serde::{Deserialize, Serialize};
 
 /// Vectors that a response needs: coefficients of a cubic polynomial.
@@ -103,23 +102,6 @@ fn parts_mut(powers: &mut [f64]) -> [&mut [f64]; VECTORS] {
     let (low, high) = powers.split_at_mut(2 * count);
     let ((c0, c1), (c2, c3)) = (low.split_at_mut(count), high.split_at_mut(count));
     [c0, c1, c2, c3]
-}
-
-impl IntegrationState {
-    /// Adds the response to the end of the last step, where the next one begins.
-    pub(super) fn settle(&mut self, dynamics: &mut dyn Implicit) -> Result<(), SolveError> {
-        if !self.response.is_there() {
-            return Ok(());
-        }
-        self.response.add(self.t, self.t, &mut self.y);
-        self.response.clear();
-        self.t_begin = self.t;
-        self.forget();
-        dynamics.rollback();
-        let done = dynamics.project(self.t, &mut self.y);
-        dynamics.rollback();
-        done.map(|_| ()).map_err(|Undefined| SolveError::Undefined { time: self.t })
-    }
 }
 
 #[cfg(test)]
