@@ -24,6 +24,11 @@ impl Material {
     pub fn shear_modulus(&self) -> f64 {
         self.youngs_modulus / (2.0 * (1.0 + self.poisson_ratio))
     }
+
+    /// E* = G / (1 - nu) of two alike bodies, Pa.
+    pub fn contact_modulus(&self) -> f64 {
+        self.shear_modulus() / (1.0 - self.poisson_ratio)
+    }
 }
 
 /// Elliptic contact patch, axes along e1 (rolling direction) and e2.

@@ -71,13 +71,13 @@ pub enum AssemblyError {
     )]
     TwoMotions,
     #[error(
-        "contact.patch = \"strips\" needs elastic contact (contact.formulation = \"ECF-A\" or \"ECF-N\"): a constraint holds the deepest places of rigid surfaces; expected contact.patch = \"ellipse\""
+        "contact.patch = \"{0}\" needs elastic contact (contact.formulation = \"ECF-A\" or \"ECF-N\"): a constraint holds the deepest places of rigid surfaces; expected contact.patch = \"ellipse\""
     )]
-    RigidPatch,
+    RigidPatch(&'static str),
     #[error(
-        "contact.patch = \"strips\" has no tangential states: patches that join and part would have to hand them over; expected no [contact.transient], or contact.patch = \"ellipse\""
+        "contact.patch = \"{0}\" has no tangential states: patches that join and part would have to hand them over; expected no [contact.transient], or contact.patch = \"ellipse\""
     )]
-    TransientPatch,
+    TransientPatch(&'static str),
     #[error(
         "contact.patch = \"table\" needs contact.formulation = \"ECF-A\", which knows every place where a flange comes near; expected contact.patch = \"strips\" with ECF-N"
     )]
@@ -104,8 +104,8 @@ impl Model {
         let Parts { system, track, wheelsets, laws, points, prepared, prepared_tables } = parts;
         let strips = match laws.patch {
             PatchLaw::Ellipse => None,
-            _ if formulation.constrains() => return Err(AssemblyError::RigidPatch),
-            _ if laws.transient.is_some() => return Err(AssemblyError::TransientPatch),
+            law if formulation.constrains() => return Err(AssemblyError::RigidPatch(law.name())),
+            law if laws.transient.is_some() => return Err(AssemblyError::TransientPatch(law.name())),
             PatchLaw::Table if formulation.points_per_wheel() != 1 => return Err(AssemblyError::TabledNodes),
             PatchLaw::Strips | PatchLaw::Table => {
                 Some(Side::BOTH.map(|side| RailStrips::new(track.rail(side), wheelsets.iter().map(|wheelset| wheelset.wheel(side)))))

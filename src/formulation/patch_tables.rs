@@ -10,8 +10,9 @@ use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Rail, Track};
 use crate::math::rotation::AxleFrame;
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
 use std::fmt::Debug;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Where tables are kept.
 pub trait TableStore: Debug + Send + Sync {
@@ -23,13 +24,18 @@ pub trait TableStore: Debug + Send + Sync {
     fn keep(&self, key: &str, table: &PatchTable);
 }
 
-/// With their keys.
-type Known = Vec<(String, Arc<PatchTable>)>;
+/// A table that is in use.
+#[derive(Clone, Debug)]
+struct Known {
+    of: ToTabulate,
+    key: String,
+    table: Arc<PatchTable>,
+}
 
 /// The tables of a scene; its clones share them.
 #[derive(Clone, Debug, Default)]
 pub struct PreparedTables {
-    known: Arc<Mutex<Known>>,
+    known: Arc<Mutex<Vec<Known>>>,
     store: Option<Arc<dyn TableStore>>,
 }
 
@@ -40,22 +46,19 @@ impl PreparedTables {
     }
 
     /// All that are in use, with their keys.
-    pub fn all(&self) -> Known {
-        self.known.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    pub fn all(&self) -> BTreeMap<String, Arc<PatchTable>> {
+        self.lock().iter().map(|known| (known.key.clone(), known.table.clone())).collect()
+    }
+
+    // A list that another thread has left in the middle of `push` is whole all the same.
+    fn lock(&self) -> MutexGuard<'_, Vec<Known>> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Those of all wheels on their rails.
     pub(super) fn of(&self, wheelsets: &[Wheelset], track: &Track, rails: &[RailStrips; 2]) -> Vec<Arc<PatchTable>> {
-        let both = wheelsets.iter().flat_map(|wheelset| Side::BOTH.map(|side| (wheelset, side)));
-        let mut found: Vec<(&Wheel, Arc<PatchTable>)> = Vec::new();
-        let alike = |a: &Wheel, b: &Wheel| a.side == b.side && a.half_spacing == b.half_spacing && Arc::ptr_eq(&a.profile, &b.profile);
-        for (wheelset, side) in both {
-            let wheel = wheelset.wheel(side);
-            let known = found.iter().find(|(other, _)| alike(other, wheel)).map(|(_, table)| table.clone());
-            let table = known.unwrap_or_else(|| self.of_pair(wheel, track.rail(side), &rails[side.index()]));
-            found.push((wheel, table));
-        }
-        found.into_iter().map(|(_, table)| table).collect()
+        let both = wheelsets.iter().flat_map(|wheelset| Side::BOTH.map(|side| (wheelset.wheel(side), side)));
+        both.map(|(wheel, side)| self.of_pair(wheel, track.rail(side), &rails[side.index()])).collect()
     }
 
     /// That of a wheel on a rail that is cut into these strips.
@@ -65,25 +68,30 @@ impl PreparedTables {
         let (centre, axes) = (Vector3::z() * wheel.profile.at(0.0).value, AxleFrame::new(0.0, 0.0).axes);
         let pair = Pair { wheel, rail: &undisturbed, centre: &centre, axes: &axes, distance: 0.0 };
         let middle = Standing::new(&pair, &Section::new(&pair));
-        let pair = ToTabulate { strips, rail: &rail.profile, wheel: &wheel.profile, middle: (middle.across, middle.lean) };
-        let key = pair.key();
-        // Made under the lock: others that want it wait.
-        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, table)) = known.iter().find(|(own, _)| *own == key) {
-            return table.clone();
+        let of = ToTabulate {
+            strips: strips.clone(),
+            rail: rail.profile.clone(),
+            wheel: wheel.profile.clone(),
+            middle: (middle.across, middle.lean),
+        };
+        if let Some(known) = self.lock().iter().find(|known| known.of.is(&of)) {
+            return known.table.clone();
         }
-        let found = self.store.as_ref().and_then(|store| store.find(&key));
-        let table = Arc::new(found.unwrap_or_else(|| {
-            if let Some(store) = &self.store {
-                store.begin(&format!("{} on {}", wheel.profile.describe(), rail.profile.describe()));
-            }
-            let made = PatchTable::make(&pair);
-            if let Some(store) = &self.store {
-                store.keep(&key, &made);
-            }
-            made
-        }));
-        known.push((key, table.clone()));
+        let key = of.key();
+        let equal = self.lock().iter().find(|known| known.key == key).map(|known| known.table.clone());
+        // Not under the lock: threads that make a table take up other work while they wait for each other, which may want one too.
+        let table = equal.unwrap_or_else(|| Arc::new(self.found_or_made(wheel, rail, &of, &key)));
+        self.lock().push(Known { of, key, table: table.clone() });
         table
+    }
+
+    fn found_or_made(&self, wheel: &Wheel, rail: &Rail, of: &ToTabulate, key: &str) -> PatchTable {
+        let Some(store) = &self.store else { return PatchTable::make(of) };
+        store.find(key).unwrap_or_else(|| {
+            store.begin(&format!("{} on {}", wheel.profile.describe(), rail.profile.describe()));
+            let made = PatchTable::make(of);
+            store.keep(key, &made);
+            made
+        })
     }
 }

@@ -81,18 +81,12 @@ mod tests {
     use super::*;
     use crate::contact::search::global::{GlobalSearch, Minima};
     use crate::geometry::Side;
-    use crate::geometry::profile::{Part, parse};
+    use crate::geometry::profile::Part;
+    use crate::geometry::profile::test_profiles::built_in;
     use crate::geometry::surface::Wheel;
     use crate::geometry::track::Rail;
     use crate::math::rotation::AxleFrame;
-    use crate::settings::{Section, Source};
     use nalgebra::Vector3;
-
-    fn built_in(text: &str, part: Part) -> std::sync::Arc<dyn crate::geometry::profile::Profile> {
-        let source = Source { file: "t.toml".into(), text: text.into(), overridden: vec![], folder: None };
-        let document = toml_edit::Document::parse(text.to_string()).unwrap();
-        parse(Section::root(document.as_table(), &source), part).unwrap().profile
-    }
 
     #[test]
     fn order_what_is_left_to_the_iteration_is_of_second_order() {

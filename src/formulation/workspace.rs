@@ -117,6 +117,11 @@ pub struct Evaluation<'a> {
 }
 
 impl Workspace {
+    /// What it holds belongs to no step any more.
+    pub fn forget(&mut self) {
+        (self.cached, self.linearised) = (Cached::No, None);
+    }
+
     /// Reports of a wheel's contacts beyond the first.
     #[inline]
     fn further(&self, contact: usize) -> &[ContactReport] {

@@ -39,6 +39,11 @@ pub struct Wheel {
 }
 
 impl Wheel {
+    /// Has it the same profile as far from the middle, to whichever side?
+    pub fn is_like(&self, other: &Wheel) -> bool {
+        std::sync::Arc::ptr_eq(&self.profile, &other.profile) && self.half_spacing == other.half_spacing
+    }
+
     /// Wheel surface over (u, angle): coordinate along the axle from the tread circle, outward positive [m], and
     /// angle about the axle from the lowest point, forward positive [rad].
     ///

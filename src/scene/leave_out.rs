@@ -22,7 +22,10 @@ impl Effects {
             if contact.patch.why.is_some() {
                 contact.patch = PatchSpec { law: PatchLaw::Ellipse, why: Some("effects.spin = \"off\" is known of ellipses alone") };
             } else if contact.patch.law.forms() {
-                let problem = "found \"off\", but each strip of contact.patch = \"strips\" has its own slip, of which spin is a part; expected contact.patch = \"ellipse\"";
+                let law = contact.patch.law.name();
+                let problem = format!(
+                    "found \"off\", but each strip of contact.patch = \"{law}\" has its own slip, of which spin is a part; expected contact.patch = \"ellipse\""
+                );
                 return Err(section.error("spin", problem));
             }
             let build = contact.creep.clone();

@@ -24,8 +24,9 @@ const RIGID: &str = "constraints hold one place of each wheel";
 pub(super) fn choose(section: &Section, named: Option<PatchLaw>, constrains: bool) -> Result<PatchSpec, SettingsError> {
     let asked = ELLIPSES_ALONE.iter().find(|(key, _)| section.has(key)).map(|(_, why)| *why);
     match named {
-        Some(PatchLaw::Strips) if section.has("points") => {
-            Err(section.error("points", "stands beside contact.patch = \"strips\", which counts no places; expected one of them"))
+        Some(law) if law.forms() && section.has("points") => {
+            let problem = format!("stands beside contact.patch = \"{}\", which counts no places; expected one of them", law.name());
+            Err(section.error("points", problem))
         }
         Some(law) => Ok(PatchSpec { law, why: None }),
         None if constrains && asked.is_none() => Ok(PatchSpec { law: PatchLaw::Ellipse, why: Some(RIGID) }),

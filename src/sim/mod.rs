@@ -30,7 +30,7 @@ use crate::formulation::timers::Timers;
 use crate::formulation::transitions::Transition;
 use crate::formulation::wheel_loads::WheelLoads;
 use crate::formulation::work::Work;
-use crate::formulation::{AssemblyError, Cached, ContactFailure, Evaluation, EvaluationError, Model, Workspace};
+use crate::formulation::{AssemblyError, ContactFailure, Evaluation, EvaluationError, Model, Workspace};
 use crate::scene::assemble;
 use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
@@ -324,7 +324,7 @@ impl Simulation {
         if fits {
             self.state.clone_from(state);
             self.workspace.events.clear();
-            (self.workspace.cached, self.workspace.linearised) = (Cached::No, None);
+            self.workspace.forget();
             self.known = None;
         }
         fits

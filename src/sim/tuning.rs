@@ -5,7 +5,6 @@
 //! spring that grows stiffer is not hung up anew) and the static wheel loads by which errors are measured.
 
 use super::{Simulation, SimulationState};
-use crate::formulation::Cached;
 use crate::mbs::force::ForceElement;
 use crate::scene::spec::Scene;
 use crate::solve::Integrator;
@@ -52,7 +51,7 @@ impl Simulation {
             }
             forces[place].set_constant(*number, *value);
         }
-        (self.workspace.cached, self.workspace.linearised) = (Cached::No, None);
+        self.workspace.forget();
         self.known = None;
     }
 }

@@ -6,12 +6,12 @@
 
 use super::contact_geometry::{Attitude, WheelsetOnTrack};
 use super::ellipse_patch::ellipse_patch;
-use super::strip_patch::{StripPatch, strip_patch, tabled_patch};
+use super::strip_patch::{StripPatch, Strips};
 use crate::contact::patch::{Motion, Settings, depth_under_load};
 use crate::geometry::Side;
 use crate::math::rotation::AxleFrame;
 use crate::scene::spec::Scene;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -64,10 +64,12 @@ struct Said {
 pub fn rows(scene: &Scene, poses: &Poses) -> Vec<Row> {
     let all = poses.yaws.iter().flat_map(|yaw| poses.loads.iter().map(move |load| (*yaw, *load)));
     let all: Vec<(f64, f64, f64)> = all.flat_map(|(yaw, load)| poses.shifts.iter().map(move |y| (*y, yaw, load))).collect();
-    all.into_par_iter().filter_map(|(y, yaw, load)| row(scene, (y, yaw, load), poses.cells)).collect()
+    let wheelset = WheelsetOnTrack::new(scene, Attitude::default(), None);
+    let strips = Strips::new(scene, &wheelset.pair(Side::Left, &Vector3::zeros(), &Matrix3::identity()));
+    all.into_par_iter().filter_map(|(y, yaw, load)| row(scene, &strips, (y, yaw, load), poses.cells)).collect()
 }
 
-fn row(scene: &Scene, (y, yaw, load): (f64, f64, f64), cells: usize) -> Option<Row> {
+fn row(scene: &Scene, strips: &Strips, (y, yaw, load): (f64, f64, f64), cells: usize) -> Option<Row> {
     let wheelset = WheelsetOnTrack::new(scene, Attitude { yaw, ..Attitude::default() }, None);
     let stand = wheelset.stand(y, wheelset.start()).ok()?;
     let axes = AxleFrame::new(yaw, stand.roll).axes;
@@ -92,14 +94,13 @@ fn row(scene: &Scene, (y, yaw, load): (f64, f64, f64), cells: usize) -> Option<R
     };
     let of =
         |patch: StripPatch| less(Said { force: patch.pressing.norm(), centre: patch.centre, area: patch.area, creep: patch.creep_force });
-    let strips = of(strip_patch(scene, &pair, &motion)?);
-    let table = tabled_patch(scene, &pair, &motion).map(of);
+    let (strips, table) = strips.patches(&pair, &motion)?;
     let touch = &stand.contacts[side.index()];
     let ellipse = ellipse_patch(scene, &pair, touch, None, &motion).map(|ellipse| {
         let creep = ellipse.axes.e1 * ellipse.creep.longitudinal + ellipse.axes.e2 * ellipse.creep.lateral;
         less(Said { force: ellipse.normal_force, centre: ellipse.place, area: PI * ellipse.patch.a * ellipse.patch.b, creep })
     });
-    Some(Row { y, yaw, load, normal_force: force, strips, table, ellipse })
+    Some(Row { y, yaw, load, normal_force: force, strips: of(strips), table: table.map(of), ellipse })
 }
 
 /// Mean and worst of the sizes of one figure over rows that have it.

@@ -4,7 +4,6 @@
 //! lengths with the mean square of the patch's ellipse). Strips that lie across the border of two fifths belong to both in parts.
 
 use super::parts::{Part, Share};
-use super::pressed::Pressed;
 use nalgebra::Vector3;
 
 /// Cells of equal load.
@@ -45,28 +44,26 @@ impl Fifths {
         let forward = part.forward.normalize();
         let across = part.normal.cross(&forward);
         let across = across * across.dot(&outward).signum();
-        let (a, b) = (part.patch.a, part.patch.b);
-        let per_size = 0.8 / (part.mean_square * b);
+        // Half lengths whose mean square is the ellipse's, 4/5 a^2.
+        let per_size = 0.8 / (part.mean_square * part.patch.b);
         let mut each = [Fifth::default(); FIFTHS];
-        let (full, mut done) = (part.load / FIFTHS as f64, 0.0);
-        let reach = |own: &Pressed| per_size * own.half_length * own.half_length * own.width;
+        let mut begin = 0.0;
         for (part_of, own) in share.loads().filter(|(part_of, own)| part_of * own.load > 0.0) {
-            let (load, arm) = (part_of * own.load, own.strip.point - own.strip.normal * own.strip.overlap - part.arm);
-            let (mut left, mut at) = (load, done / full);
-            while left > 0.0 {
-                let k = (at as usize).min(FIFTHS - 1);
-                let room = if k + 1 < FIFTHS { (k + 1) as f64 * full - at * full } else { f64::INFINITY };
-                let taken = left.min(room);
-                let cell = &mut each[k];
-                cell.across += taken / full * arm.dot(&across);
-                cell.above += taken / full * arm.dot(&part.normal);
-                cell.size += reach(own) * part_of * taken / load;
-                left -= taken;
-                at = if taken < left + taken { (k + 1) as f64 } else { at + taken / full };
+            // In fifths of all load.
+            let load = FIFTHS as f64 * part_of * own.load / part.load;
+            let end = begin + load;
+            let arm = own.strip.point - own.strip.normal * own.strip.overlap - part.arm;
+            let size = part_of * per_size * own.half_length * own.half_length * own.width / load;
+            for (k, cell) in each.iter_mut().enumerate() {
+                let within = end.min((k + 1) as f64) - begin.max(k as f64);
+                if within > 0.0 {
+                    cell.across += within * arm.dot(&across);
+                    cell.above += within * arm.dot(&part.normal);
+                    cell.size += within * size;
+                }
             }
-            done += load;
+            begin = end;
         }
-        debug_assert!(a > 0.0);
         Fifths { each, outward: across }
     }
 }

@@ -71,7 +71,7 @@ impl<'a> Share<'a> {
             squares += part * strip.load * strip.load / strip.width;
             work += part * strip.load * strip.depth;
         }
-        let modulus = material.shear_modulus() / (1.0 - material.poisson_ratio);
+        let modulus = material.contact_modulus();
         let length = proportion(squares / (modulus * work)) / modulus;
         // a^2 = length q / kappa.
         let of = |strip: &Pressed| (strip.load / strip.width * strip.strip.curvature / length).sqrt() * 2.0 / PI;
@@ -246,7 +246,7 @@ impl Part {
             overlap = overlap.max(if *own > 0.0 { part * depth } else { 0.0 });
         }
         let per_load = 1.0 / load;
-        let modulus = material.shear_modulus() / (1.0 - material.poisson_ratio);
+        let modulus = material.contact_modulus();
         lengths *= proportion(squares / (modulus * work)) / modulus;
         arc *= per_load;
         let apart = |own: &Pressed| (rail.strip(own.number).arc + own.offset - arc).powi(2) + own.width * own.width / 12.0;

@@ -1,16 +1,16 @@
 //! The rail's head cut into strips along the track, once for all poses.
 
+use super::pressed::Pressed;
 use crate::geometry::profile::ProfilePoint;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::Rail;
-use std::sync::Arc;
 
 /// Widths of strips, m, where the head is bent more sharply than so [1/m], or the head against a wheel more sharply than that: patches are the narrower
 /// the sharper it is.
 const WIDTHS: [(f64, f64, f64); 3] = [(1.0 / 0.04, 1.0 / 0.033, 3.5e-4), (1.0 / 0.15, 2.0 / 0.15, 7e-4), (0.0, 0.0, 1.35e-3)];
 
 /// One strip of the rail.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RailStrip {
     /// Coordinate of its middle, m, and the profile there.
     pub eta: f64,
@@ -22,7 +22,7 @@ pub(super) struct RailStrip {
 }
 
 /// All strips of a rail, from the inner to the outer end.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RailStrips {
     strips: Vec<RailStrip>,
     /// Distances that each strip feels of itself and the next ones, m; beyond them it is that of the middles.
@@ -77,9 +77,9 @@ impl RailStrips {
         &self.strips[number]
     }
 
-    /// Coordinate of a strip's middle, m.
-    pub fn eta(&self, number: usize) -> f64 {
-        self.strips[number].eta
+    /// Does a strip carry where the rail is steeper than this?
+    pub fn carries_beyond(&self, slope: f64, pressed: &[Pressed]) -> bool {
+        pressed.iter().any(|own| own.load > 0.0 && self.strip(own.number).profile.d1.abs() > slope)
     }
 
     /// The strip that is nearest to a coordinate.
@@ -123,7 +123,7 @@ impl Opposite {
         let mut known: Vec<&Wheel> = Vec::new();
         let mut places = Vec::new();
         for wheel in wheels {
-            if known.iter().any(|other| Arc::ptr_eq(&other.profile, &wheel.profile) && other.half_spacing == wheel.half_spacing) {
+            if known.iter().any(|other| other.is_like(wheel)) {
                 continue;
             }
             known.push(wheel);
@@ -167,6 +167,7 @@ mod tests {
     use super::*;
     use crate::geometry::Side;
     use crate::geometry::profile::Arch;
+    use std::sync::Arc;
 
     #[test]
     fn analytic_distances_that_strips_feel() {

@@ -9,6 +9,8 @@ use nalgebra::Vector3;
 /// What the parts of a wheel carry, in the order of the strips.
 #[derive(Default)]
 pub(in crate::formulation) struct Carried {
+    /// Parts; reports beyond them are empty.
+    pub count: usize,
     pub reports: [ContactReport; MOST],
     pub(super) creeps: [Creep; MOST],
     /// Sizes of the normal forces, N: the normal force of a report is the sum of pressures, which is more where a patch bends.

@@ -26,10 +26,13 @@ pub(in crate::formulation) struct PressedWheel<'a> {
     pub parts: Parts,
 }
 
-/// A wheel's patch: pressed, read from a table, or both on the border of the table.
-pub(in crate::formulation) struct WheelPatch<'a> {
-    pub pressed: Option<PressedWheel<'a>>,
-    pub tabled: Option<TabledWheel<'a>>,
+/// A wheel's patch.
+#[allow(clippy::large_enum_variant)] // a box would allocate on the stepping path
+pub(in crate::formulation) enum WheelPatch<'a> {
+    Pressed(PressedWheel<'a>),
+    Tabled(TabledWheel<'a>),
+    /// On the border of the table: its weight is less than 1.
+    Both(PressedWheel<'a>, TabledWheel<'a>),
 }
 
 /// What is known of where a wheel overlaps.
@@ -43,10 +46,12 @@ pub(in crate::formulation) enum Places {
     Some,
 }
 
-/// The same of pressed strips and of a table, with the table's weight.
+/// What a wheel's patch carries.
 pub(in crate::formulation) struct Loaded {
-    pub pressed: Option<Carried>,
-    pub tabled: Option<(f64, Carried)>,
+    /// What is shown: of the strips where they are pressed, else of the table.
+    pub shown: Carried,
+    /// Of the table, with its weight, where both are asked.
+    pub beside: Option<(f64, Carried)>,
 }
 
 /// Finds the patches of a wheel, loads them and adds their forces to the wheelset's wrench. Reports of
@@ -72,7 +77,7 @@ pub(super) fn press_wheel(
             Some(found) => {
                 let place = Contact { wheel, found, slot, share: 0.0 };
                 // Strips look no deeper than that.
-                if on.is_empty() && found.penetration > 0.0 {
+                if loaded.shown.count == 0 && found.penetration > 0.0 {
                     place.check_depth()?;
                 }
                 let mut report = place.report();
@@ -84,8 +89,8 @@ pub(super) fn press_wheel(
     }
     let mut free = [true; MOST_POINTS];
     loaded.add_to(wrench, &wheel.motion.position);
-    let count = on.pressed.as_ref().map_or(1, |pressed| pressed.parts.len());
-    for report in &mut loaded.shown().reports[..count] {
+    let Carried { count, reports, .. } = &mut loaded.shown;
+    for report in &mut reports[..*count] {
         // Each part has the number of the place that is nearest to it.
         let distance =
             |slot: &usize| located[*slot].as_ref().map_or(f64::INFINITY, |place| (place.parameters.rail - report.parameters.rail).abs());
@@ -111,21 +116,20 @@ impl<'a> WheelPatch<'a> {
         scratch: &'a mut Scratch,
     ) -> WheelPatch<'a> {
         let (pair, material) = (wheel.pair(), wheel.model.laws.material);
-        let tabled = TabledWheel::find(wheel, &pair, flanks);
-        if tabled.as_ref().is_some_and(|tabled| tabled.looked.weight == 1.0) {
-            return WheelPatch { pressed: None, tabled };
-        }
+        let tabled = match TabledWheel::find(wheel, &pair, flanks) {
+            Some(tabled) if tabled.looked.weight == 1.0 => return WheelPatch::Tabled(tabled),
+            tabled => tabled,
+        };
         let pressed = match looked {
             Places::AsPressed if scratch.is_of(&pair) => scratch.pressed(),
             Places::AsPressed | Places::All => press(&pair, rail, near, material, scratch),
             Places::Some => press_anywhere(&pair, rail, material, scratch),
         };
-        WheelPatch { pressed: Some(PressedWheel::new(wheel, rail, pressed)), tabled }
-    }
-
-    /// Does nothing press?
-    pub fn is_empty(&self) -> bool {
-        self.pressed.as_ref().is_some_and(|pressed| pressed.parts.is_empty())
+        let pressed = PressedWheel::new(wheel, rail, pressed);
+        match tabled {
+            Some(tabled) => WheelPatch::Both(pressed, tabled),
+            None => WheelPatch::Pressed(pressed),
+        }
     }
 
     /// Loads all parts.
@@ -133,21 +137,18 @@ impl<'a> WheelPatch<'a> {
     /// # Errors
     /// [`ContactFailure`] where the wheel is too deep in the rail.
     pub fn load(&self) -> Result<Loaded, ContactFailure> {
-        let pressed = self.pressed.as_ref().map(PressedWheel::load).transpose()?;
-        let tabled = self.tabled.as_ref().map(|on| on.load().map(|carried| (on.looked.weight, carried))).transpose()?;
-        Ok(Loaded { pressed, tabled })
+        Ok(match self {
+            WheelPatch::Pressed(on) => Loaded { shown: on.load()?, beside: None },
+            WheelPatch::Tabled(on) => Loaded { shown: on.load()?, beside: None },
+            WheelPatch::Both(on, table) => Loaded { shown: on.load()?, beside: Some((table.looked.weight, table.load()?)) },
+        })
     }
 }
 
 impl Loaded {
     /// Completes the reports of the parts and adds their forces to the wheelset's wrench about its centre, which is there.
     pub fn add_to(&mut self, wrench: &mut Wrench, centre: &Vector3<f64>) {
-        let (pressed, (weight, tabled)) = match (&mut self.pressed, &mut self.tabled) {
-            (Some(pressed), Some(tabled)) => (pressed, tabled),
-            (Some(pressed), None) => return pressed.add_to(wrench, centre),
-            (None, Some((_, tabled))) => return tabled.add_to(wrench, centre),
-            (None, None) => return,
-        };
+        let (pressed, Some((weight, tabled))) = (&mut self.shown, &mut self.beside) else { return self.shown.add_to(wrench, centre) };
         let (mut of_strips, mut of_table) = (Wrench::default(), Wrench::default());
         pressed.add_to(&mut of_strips, centre);
         tabled.add_to(&mut of_table, centre);
@@ -162,15 +163,6 @@ impl Loaded {
                 report.force += more * (report.normal_force / load);
                 report.normal_force *= grown;
             }
-        }
-    }
-
-    /// What is shown: the strips where they are pressed.
-    pub fn shown(&mut self) -> &mut Carried {
-        match (&mut self.pressed, &mut self.tabled) {
-            (Some(pressed), _) => pressed,
-            (None, Some((_, tabled))) => tabled,
-            (pressed, None) => pressed.get_or_insert_default(),
         }
     }
 }
@@ -242,7 +234,7 @@ impl<'a> PressedWheel<'a> {
             contact.creep_as(&mut report, |law, rolling| uneven.force(law, rolling));
             creep_of(&report, self.wheel.friction_at(&report))
         });
-        Ok(Carried { reports: loaded, creeps, forces })
+        Ok(Carried { count: self.parts.len(), reports: loaded, creeps, forces })
     }
 }
 

@@ -49,7 +49,7 @@ impl<'a> TabledWheel<'a> {
         report.normal_force = damped_force(wheel.model.laws.damping.as_ref(), part.load, part.overlap, report.penetration_rate);
         let uneven = wheel.uneven(Cells::Fifths(&self.looked.fifths), part, &report.axes);
         contact.creep_as(&mut report, |law, rolling| uneven.force(law, rolling));
-        let mut carried = Carried::default();
+        let mut carried = Carried { count: 1, ..Carried::default() };
         carried.creeps[0] = creep_of(&report, wheel.friction_at(&report));
         carried.forces[0] = part.force * (report.normal_force / part.load);
         carried.reports[0] = report;

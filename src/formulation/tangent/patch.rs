@@ -57,15 +57,17 @@ impl Model {
         let on = WheelPatch::find(wheel, rail, seeds.clone(), Places::AsPressed, flanks.clone(), scratch);
         let Ok(mut loaded) = on.load() else { return };
         let mut change = WrenchTangent::default();
-        let weight = loaded.tabled.as_ref().map_or(0.0, |(weight, _)| *weight);
-        if let (Some(on), Some(carried)) = (&on.pressed, &loaded.pressed) {
-            self.by_velocity(wheel, on, carried, travel, &mut change);
-            change.by_velocity *= 1.0 - weight;
-        }
-        if let (Some(on), Some((weight, carried))) = (&on.tabled, &loaded.tabled) {
-            let mut of_table = WrenchTangent::default();
-            self.tabled_by_velocity(on, carried, travel, &mut of_table);
-            change.by_velocity += of_table.by_velocity * *weight;
+        match &on {
+            WheelPatch::Pressed(on) => self.by_velocity(wheel, on, &loaded.shown, travel, &mut change),
+            WheelPatch::Tabled(on) => self.tabled_by_velocity(on, &loaded.shown, travel, &mut change),
+            WheelPatch::Both(on, table) => {
+                self.by_velocity(wheel, on, &loaded.shown, travel, &mut change);
+                if let Some((weight, carried)) = &loaded.beside {
+                    let mut of_table = WrenchTangent::default();
+                    self.tabled_by_velocity(table, carried, travel, &mut of_table);
+                    change.by_velocity += (of_table.by_velocity - change.by_velocity) * *weight;
+                }
+            }
         }
         let mut here = Wrench::default();
         loaded.add_to(&mut here, &motion.position);
@@ -127,9 +129,7 @@ impl Model {
             }
         }
     }
-}
 
-impl Model {
     /// The same of a patch that is read from a table.
     fn tabled_by_velocity(&self, on: &TabledWheel, carried: &Carried, travel: Option<Vector3<f64>>, change: &mut WrenchTangent) {
         let report = &carried.reports[0];

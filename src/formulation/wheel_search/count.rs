@@ -11,7 +11,6 @@ use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Rail, Track};
 use crate::math::rotation::AxleFrame;
 use nalgebra::Vector3;
-use std::sync::Arc;
 
 /// Fewest that are asked for, so that scenes whose profiles differ little have the same variables.
 const FEWEST: usize = 2;
@@ -30,10 +29,7 @@ pub fn needed(wheels: &[Wheel], track: &Track, prepared: &PreparedSearches) -> u
     for (i, wheel) in wheels.iter().enumerate() {
         let rail = track.rail(wheel.side);
         // Wheelsets that are alike count once.
-        let same = |other: &Wheel| {
-            other.side == wheel.side && Arc::ptr_eq(&other.profile, &wheel.profile) && other.half_spacing == wheel.half_spacing
-        };
-        if wheels[..i].iter().any(same) {
+        if wheels[..i].iter().any(|other| other.side == wheel.side && other.is_like(wheel)) {
             continue;
         }
         if let Some(search) = prepared.of(&wheel.profile, &rail.profile) {

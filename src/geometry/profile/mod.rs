@@ -21,6 +21,8 @@ mod simpack;
 mod swinging;
 mod table;
 #[cfg(test)]
+pub(crate) mod test_profiles;
+#[cfg(test)]
 mod tests;
 
 use super::file::SceneFile;

@@ -4,12 +4,12 @@
 use super::*;
 use crate::contact::search::test_surfaces::Wave;
 use crate::geometry::Side;
-use crate::geometry::profile::{Part, Profile, ProfilePoint, parse};
+use crate::geometry::profile::test_profiles::built_in;
+use crate::geometry::profile::{Part, Profile, ProfilePoint};
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Deviation, Direction, Rail};
 use crate::math::rotation::AxleFrame;
 use crate::math::spline::CubicSpline;
-use crate::settings::{Section, Source};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use std::sync::Arc;
 use std::time::Instant;
@@ -31,12 +31,6 @@ impl Random {
 }
 
 const RELEASE: bool = !cfg!(debug_assertions);
-
-fn built_in(text: &str, part: Part) -> Arc<dyn Profile> {
-    let source = Source { file: "t.toml".into(), text: text.into(), overridden: vec![], folder: None };
-    let document = toml_edit::Document::parse(text.to_string()).unwrap();
-    parse(Section::root(document.as_table(), &source), part).unwrap().profile
-}
 
 fn s1002() -> Arc<dyn Profile> {
     built_in("kind = \"s1002\"\nradius = 0.46\n", Part::Wheel)

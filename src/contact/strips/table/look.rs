@@ -202,7 +202,7 @@ impl Read {
         let u = (out * upright + rise * leaning + radius * round * sideways) / turned;
         let ahead = standing.ahead + u * sideways + radius * round * turned;
         let sharper = 1.0 - section.bend().dot(&normal) * radius;
-        let load = load * (material.shear_modulus() / (1.0 - material.poisson_ratio) / STEEL) * sharper.powf(-0.25);
+        let load = load * (material.contact_modulus() / STEEL.contact_modulus()) * sharper.powf(-0.25);
         let a = a * sharper.powf(-0.5);
         let part = Part {
             load,

@@ -4,11 +4,10 @@ use super::super::fifths::{FIFTHS, Fifths};
 use super::super::parts::{Part, Parts};
 use super::super::pressed::Pressed;
 use super::super::{RailStrips, Scratch, press_anywhere};
-use super::{Axis, FEWEST, LEAN, LEVELS, MOST_LOAD, NUMBERS, OWN, PLACE, PatchTable, REACH, STEEPEST, STEP, TURN, load_of};
-use crate::contact::Material;
+use super::{Axis, FEWEST, LEAN, LEVELS, MOST_LOAD, NUMBERS, OWN, PLACE, PatchTable, REACH, STEEL, STEEPEST, STEP, TURN, load_of};
 use crate::contact::search::algebraic::Pair;
 use crate::geometry::Side;
-use crate::geometry::profile::Profile;
+use crate::geometry::profile::{Profile, ProfilePoint};
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::Rail;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -16,25 +15,33 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::sync::Arc;
 
-const STEEL: Material = Material { youngs_modulus: 2.1e11, poisson_ratio: 0.28 };
 /// Loads are met so well, in parts of them.
 const MET: f64 = 1e-5;
 const TRIES: usize = 30;
-/// Nodes around a place that must be known where it is read.
-const AROUND: usize = 3;
+/// Nodes around a node that must be known where it is read: two are read, and over the others the weight of what is read falls.
+const AROUND: usize = 4;
 /// Distance at which outlines are looked at to find how high a wheel just touches, m.
 const LOOKED: f64 = 5e-5;
 
 /// A pair whose patches are to be tabulated.
-pub struct ToTabulate<'a> {
-    pub strips: &'a RailStrips,
-    pub rail: &'a Arc<dyn Profile>,
-    pub wheel: &'a Arc<dyn Profile>,
+#[derive(Clone, Debug)]
+pub struct ToTabulate {
+    pub strips: RailStrips,
+    pub rail: Arc<dyn Profile>,
+    pub wheel: Arc<dyn Profile>,
     /// Where the wheel stands in the middle of the track: across and lean as in [`super::Standing`].
     pub middle: (f64, f64),
 }
 
-impl ToTabulate<'_> {
+impl ToTabulate {
+    /// Is it made of the same objects? (Others may be equal: [`ToTabulate::key`].)
+    pub fn is(&self, other: &ToTabulate) -> bool {
+        Arc::ptr_eq(&self.rail, &other.rail)
+            && Arc::ptr_eq(&self.wheel, &other.wheel)
+            && self.middle == other.middle
+            && self.strips == other.strips
+    }
+
     /// What the table depends on: outlines, strips, place and grid.
     pub fn key(&self) -> String {
         let mut hash = Sha256::new();
@@ -42,13 +49,8 @@ impl ToTabulate<'_> {
         let mut add = |value: f64| hash.update(((value / ROUNDED).round() as i64).to_le_bytes());
         [REACH, STEP, LEAN, TURN, FEWEST, MOST_LOAD, STEEPEST, VERSION, self.middle.0, self.middle.1].into_iter().for_each(&mut add);
         [LEVELS, NUMBERS].into_iter().for_each(|count| add(count as f64));
-        for profile in [self.rail, self.wheel] {
-            let (first, last) = profile.range();
-            let count = ((last - first) / LOOKED).ceil().max(1.0);
-            for k in 0..=count as usize {
-                let at = profile.at(first + (last - first) * k as f64 / count);
-                [at.value, at.d1].into_iter().for_each(&mut add);
-            }
+        for profile in [&self.rail, &self.wheel] {
+            outline(profile.as_ref()).for_each(|(_, at)| [at.value, at.d1].into_iter().for_each(&mut add));
         }
         for k in 0..self.strips.len() {
             let strip = self.strips.strip(k);
@@ -58,10 +60,20 @@ impl ToTabulate<'_> {
     }
 }
 
+/// A profile every [`LOOKED`].
+fn outline(profile: &dyn Profile) -> impl Iterator<Item = (f64, ProfilePoint)> {
+    let (first, last) = profile.range();
+    let count = ((last - first) / LOOKED).ceil().max(1.0);
+    (0..=count as usize).map(move |k| {
+        let at = first + (last - first) * k as f64 / count;
+        (at, profile.at(at))
+    })
+}
+
 /// Lengths [m] and slopes that differ by less are the same.
 const ROUNDED: f64 = 1e-9;
 /// Counted up where the strips say something else.
-const VERSION: f64 = 1.0;
+const VERSION: f64 = 2.0;
 
 #[derive(Clone)]
 struct Column {
@@ -86,26 +98,16 @@ impl PatchTable {
         let heights: Vec<_> = columns.iter().map(|column| column.heights).collect();
         let (places, fields) = columns.iter().flat_map(|column| column.nodes).unzip();
         let known: Vec<usize> = heights.iter().map(|levels| levels.iter().take_while(|height| height.is_finite()).count()).collect();
-        let around = |values: &dyn Fn(usize, usize) -> f64, reach: usize, k: usize, of: fn(f64, f64) -> f64, start: f64| {
-            let (i, j) = (k / lean.count, k % lean.count);
-            let rows = i.saturating_sub(reach)..=(i + reach).min(across.count - 1);
-            rows.flat_map(|i| (j.saturating_sub(reach)..=(j + reach).min(lean.count - 1)).map(move |j| (i, j)))
-                .fold(start, |sum, (i, j)| of(sum, values(i, j)))
-        };
-        let inside = |i: usize, j: usize, by: usize| i >= by && j >= by && i + by < across.count && j + by < lean.count;
         // Cubic convolution at level s reads the levels from floor(s) - 1 to floor(s) + 2.
-        let least: Vec<f64> = (0..heights.len())
-            .map(|k| match inside(k / lean.count, k % lean.count, AROUND) {
-                true => (around(&|i, j| known[i * lean.count + j] as f64, AROUND, k, f64::min, f64::INFINITY) - 2.0).max(0.0),
-                false => 0.0,
-            })
-            .collect();
-        let tops = (0..heights.len())
-            .map(|k| match inside(k / lean.count, k % lean.count, 1) {
-                true => around(&|i, j| least[i * lean.count + j], 1, k, f64::min, f64::INFINITY) as f32,
-                false => 0.0,
-            })
-            .collect();
+        let top = |k: usize| -> f32 {
+            let (i, j) = (k / lean.count, k % lean.count);
+            if i < AROUND || j < AROUND || i + AROUND >= across.count || j + AROUND >= lean.count {
+                return 0.0;
+            }
+            let near = (i - AROUND..=i + AROUND).flat_map(|i| (j - AROUND..=j + AROUND).map(move |j| i * lean.count + j));
+            near.map(|k| known[k]).min().unwrap_or(0).saturating_sub(2) as f32
+        };
+        let tops = (0..heights.len()).map(top).collect();
         let middle = |of: fn(&Node) -> f64| -> Vec<f32> {
             let node = |k: usize| columns[k].nodes[(LEVELS / 2).min(known[k].saturating_sub(1))];
             (0..columns.len()).map(|k| of(&node(k)) as f32).collect()
@@ -128,13 +130,10 @@ struct Flat<'a> {
 }
 
 impl Flat<'_> {
-    fn new<'a>(pair: &ToTabulate<'a>) -> Flat<'a> {
+    fn new(pair: &ToTabulate) -> Flat<'_> {
         let wheel = Wheel { side: Side::Left, profile: pair.wheel.clone(), half_spacing: 0.0 };
-        let (first, last) = pair.wheel.range();
-        let count = ((last - first) / LOOKED).ceil().max(1.0) as usize;
-        let at = |k: usize| first + (last - first) * k as f64 / count as f64;
-        let outline = (0..=count).map(|k| (at(k), pair.wheel.at(at(k)).value)).collect();
-        Flat { strips: pair.strips, rail: Rail::new(Side::Left, pair.rail.clone(), 0.0, 0.0, &[]), wheel, outline }
+        let outline = outline(pair.wheel.as_ref()).map(|(u, at)| (u, at.value)).collect();
+        Flat { strips: &pair.strips, rail: Rail::new(Side::Left, pair.rail.clone(), 0.0, 0.0, &[]), wheel, outline }
     }
 
     /// Height at which the wheel just touches.
@@ -202,8 +201,7 @@ impl Flat<'_> {
     }
 
     fn node(&self, pressed: &[Pressed], centre: &Vector3<f64>) -> Option<Node> {
-        let carrying = pressed.iter().filter(|own| own.load > 0.0);
-        if carrying.clone().any(|own| self.strips.strip(own.number).profile.d1.abs() > STEEPEST) {
+        if self.strips.carries_beyond(STEEPEST, pressed) {
             return None;
         }
         let parts = Parts::new(pressed, self.strips, 1);

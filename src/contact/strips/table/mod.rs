@@ -19,6 +19,7 @@ mod standing;
 mod tests;
 
 use super::fifths::FIFTHS;
+use crate::contact::Material;
 pub use look::Looked;
 pub use make::ToTabulate;
 pub use standing::Standing;
@@ -28,8 +29,8 @@ pub const LEVELS: usize = 10;
 /// Smallest and largest load in the table, N, on steel.
 pub const FEWEST: f64 = 500.0;
 pub const MOST_LOAD: f64 = 2e5;
-/// E* for which loads are those, Pa: 210 GPa, 0.28.
-const STEEL: f64 = 2.1e11 / (2.0 * 1.28 * 0.72);
+/// Of which loads are those.
+const STEEL: Material = Material { youngs_modulus: 2.1e11, poisson_ratio: 0.28 };
 /// Steepest slope of the rail's section that may carry, -.
 pub const STEEPEST: f64 = 0.35;
 /// Places of the rail that are steeper than this are a flange's, -.
@@ -77,7 +78,7 @@ pub struct PatchTable {
     /// Patches by place and load.
     places: Vec<[f64; PLACE]>,
     fields: Vec<[f32; NUMBERS]>,
-    /// Cube root of the load over FEWEST up to which all is known around a place, in levels; 0 where nothing is.
+    /// The level of load up to which all is known around a place; 0 where nothing is.
     tops: Vec<f32>,
     /// The patch under a middling load: where across the rail's section, m, angle, rad, bend of the wheel, 1/m.
     middles: [Vec<f32>; 3],

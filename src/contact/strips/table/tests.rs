@@ -1,24 +1,15 @@
 use super::super::{Part, Parts, RailStrips, Scratch, Section, press_anywhere};
 use super::*;
-use crate::contact::Material;
 use crate::contact::search::algebraic::Pair;
 use crate::geometry::Side;
-use crate::geometry::profile::{Part as Of, Profile, parse};
+use crate::geometry::profile::test_profiles::built_in;
+use crate::geometry::profile::{Part as Of, Profile};
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::waves::Stretch;
 use crate::geometry::track::{Deviation, Direction, Rail};
 use crate::math::rotation::AxleFrame;
-use crate::settings::{Section as Settings, Source};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::{Arc, LazyLock};
-
-const E: Material = Material { youngs_modulus: 2.1e11, poisson_ratio: 0.28 };
-
-fn built_in(text: &str, part: Of) -> Arc<dyn Profile> {
-    let source = Source { file: "t.toml".into(), text: text.into(), overridden: vec![], folder: None };
-    let document = toml_edit::Document::parse(text.to_string()).unwrap();
-    parse(Settings::root(document.as_table(), &source), part).unwrap().profile
-}
 
 /// A pair of profiles and its table.
 struct Tabled {
@@ -28,6 +19,7 @@ struct Tabled {
     table: PatchTable,
 }
 
+/// Of the wheel's tread circle and the rail's origin from the middle of the track, m.
 const HALF: (f64, f64) = (0.75, 0.753);
 
 impl Tabled {
@@ -39,7 +31,12 @@ impl Tabled {
         let (centre, axes) = (Vector3::z() * 0.46, Matrix3::identity());
         let pair = Pair { wheel: &own, rail: &straight, centre: &centre, axes: &axes, distance: 0.0 };
         let middle = Standing::new(&pair, &Section::new(&pair));
-        let table = PatchTable::make(&ToTabulate { strips: &strips, rail: &rail, wheel: &wheel, middle: (middle.across, middle.lean) });
+        let table = PatchTable::make(&ToTabulate {
+            strips: strips.clone(),
+            rail: rail.clone(),
+            wheel: wheel.clone(),
+            middle: (middle.across, middle.lean),
+        });
         Tabled { wheel, rail, strips, table }
     }
 
@@ -57,9 +54,9 @@ impl Tabled {
 
     /// What the strips make of it as one.
     fn pressed(&self, pair: &Pair, scratch: &mut Scratch) -> Option<Part> {
-        let pressed = press_anywhere(pair, &self.strips, E, scratch);
+        let pressed = press_anywhere(pair, &self.strips, STEEL, scratch);
         let parts = Parts::new(pressed, &self.strips, 1);
-        (!parts.is_empty()).then(|| Part::new(parts.share(pressed, 0, 0), &self.strips, self.wheel.as_ref(), E))
+        (!parts.is_empty()).then(|| Part::new(parts.share(pressed, 0, 0), &self.strips, self.wheel.as_ref(), STEEL))
     }
 
     /// Height of the wheelset's centre at which the left or right wheel carries about a load, N, and the pose.
@@ -109,11 +106,10 @@ fn prop_between_its_nodes_a_table_says_what_strips_do() {
             let load = 1e4 * 10f64.powf(0.5 + 0.5 * random());
             let (centre, axes) = own.under((&wheel, &rail), pose, load, &mut scratch);
             let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &axes, distance: 0.0 };
-            let pressed = press_anywhere(&pair, &own.strips, E, &mut scratch);
-            let flank =
-                pressed.iter().any(|own_strip| own_strip.load > 0.0 && own.rail.at(own.strips.eta(own_strip.number)).d1.abs() > FLANK);
+            let pressed = press_anywhere(&pair, &own.strips, STEEL, &mut scratch);
+            let flank = own.strips.carries_beyond(FLANK, pressed);
             all += 1;
-            let Some(looked) = own.looked(&pair, E).filter(|looked| looked.weight == 1.0 && !flank) else { continue };
+            let Some(looked) = own.looked(&pair, STEEL).filter(|looked| looked.weight == 1.0 && !flank) else { continue };
             let (said, part) = (looked.part, own.pressed(&pair, &mut scratch).unwrap());
             let off = [
                 said.force / part.force - 1.0,
@@ -149,12 +145,12 @@ fn prop_sides_mirror_each_other_and_loads_go_with_the_modulus() {
     let look = |(wheel, rail): &(Wheel, Rail), centre: &Vector3<f64>, axes: &Matrix3<f64>, material: Material| {
         own.looked(&Pair { wheel, rail, centre, axes, distance: 0.0 }, material).unwrap()
     };
-    let (a, b) = (look(&left, &centre, &axes, E), look(&right, &mirrored.0, &mirrored.1, E));
+    let (a, b) = (look(&left, &centre, &axes, STEEL), look(&right, &mirrored.0, &mirrored.1, STEEL));
     let mirror = |v: Vector3<f64>| Vector3::new(v.x, -v.y, v.z);
     assert!((a.part.load / b.part.load - 1.0).abs() < 1e-9);
     assert!((a.part.arm - mirror(b.part.arm)).norm() < 1e-12 && (a.part.normal - mirror(b.part.normal)).norm() < 1e-12);
     assert!((a.part.lead - b.part.lead).abs() < 1e-12 && a.part.lead.abs() > 1e-5);
-    let soft = look(&left, &centre, &axes, Material { youngs_modulus: 1.05e11, ..E });
+    let soft = look(&left, &centre, &axes, Material { youngs_modulus: 1.05e11, ..STEEL });
     assert!((2.0 * soft.part.load / a.part.load - 1.0).abs() < 1e-12 && soft.part.patch == a.part.patch);
 }
 
@@ -188,7 +184,7 @@ fn prop_a_rail_that_bends_along_the_track_is_in_it() {
         let wheel = own.wheel(Side::Left);
         let (centre, axes) = own.under((&wheel, &rail), (2.1e-3, 2e-4, 2e-3), 5e4, &mut scratch);
         let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &axes, distance: 0.0 };
-        let (said, part) = (own.looked(&pair, E).unwrap().part, own.pressed(&pair, &mut scratch).unwrap());
+        let (said, part) = (own.looked(&pair, STEEL).unwrap().part, own.pressed(&pair, &mut scratch).unwrap());
         let off = (said.force / part.force - 1.0, (said.arm - part.arm).norm(), said.lead - part.lead, (said.normal - part.normal).norm());
         println!("up {up:?}, out {out:?}: N, centre, lead, normal off by {off:.6?}");
         assert!(off.0.abs() < 4e-3 && off.1 < 3e-5 && off.2.abs() < 1e-5 && off.3 < 1.5e-4, "{off:?}");
