@@ -1,9 +1,11 @@
 //! Patches of strips (`contact.patch = "strips"`): continuous in the pose, conservative, and no chatter where places of contact join and part.
 
 use crate::common;
+use nalgebra::Vector3;
 use wheelrail::contact::strips::{RailStrips, Scratch, press_anywhere};
 use wheelrail::formulation::{Evaluation, Workspace};
 use wheelrail::geometry::Side;
+use wheelrail::mbs::body::BodyMotion;
 use wheelrail::scene::load;
 use wheelrail::scene::spec::Scene;
 use wheelrail::sim::Simulation;
@@ -45,14 +47,21 @@ impl Poses {
         Poses { simulation, start, inputs, way: (0..=count).map(stand).collect(), depth }
     }
 
-    /// Accelerations at a place on the way, 0 to its length, along which everything changes in straight lines; nothing is remembered.
-    fn at(&self, workspace: &mut Workspace, place: f64) -> [f64; 6] {
-        let model = self.simulation.model();
+    /// The state at a place on the way.
+    fn state(&self, place: f64) -> Vec<f64> {
         let k = (place as usize).min(self.way.len() - 2);
         let part = place - k as f64;
         let [y, z, roll] = [0, 1, 2].map(|i| self.way[k][i] + part * (self.way[k + 1][i] - self.way[k][i]));
-        let (mut state, mut memory, mut rates) = (self.start.clone(), model.blank_memory(), vec![0.0; self.start.len()]);
+        let mut state = self.start.clone();
         (state[1], state[2], state[4]) = (y, z - self.depth, roll);
+        state
+    }
+
+    /// Accelerations at a place on the way, 0 to its length, along which everything changes in straight lines; nothing is remembered.
+    fn at(&self, workspace: &mut Workspace, place: f64) -> [f64; 6] {
+        let model = self.simulation.model();
+        let (state, mut memory, mut rates) = (self.state(place), model.blank_memory(), vec![0.0; self.start.len()]);
+        let y = state[1];
         let at = Evaluation { t: 0.0, inputs: &self.inputs, y: &state, memory: &mut memory };
         model.derivative(workspace, at, &mut rates).unwrap_or_else(|error| panic!("y {y}: {error}"));
         std::array::from_fn(|i| rates[6 + i])
@@ -104,6 +113,42 @@ fn hard_forces_of_strips_do_not_jump() {
         println!("{patch}, {changes:?}, yaw {yaw}: largest change over 5e-15 m: {:.2e} g at y = {:.3} mm", worst.0, 1e3 * worst.1);
         // 3e-4 g of a wheelset are 5 N.
         assert!(worst.0 < 3e-4, "{patch}, {changes:?}: {worst:?}");
+    }
+}
+
+/// Where the table ends it says just what strips do: what a wheel's force is off by goes to nothing on the way there, on every border between tread and flange.
+#[test]
+fn hard_between_a_table_and_its_strips_nothing_jumps() {
+    for yaw in [0.0, 4e-3, 13e-3] {
+        let [table, strips] = [TABLE, STRIPS].map(|patch| {
+            let changes = ["track.deviation=[]", "contact.creep.law=\"usetab\""];
+            Poses::new(&scene("wheelset_s1002", patch, &changes), yaw, (-7e-3, 7e-3, 280), 6e-5)
+        });
+        let off = |place: f64| {
+            let state = table.state(place);
+            let motion = BodyMotion::new(&state[..6], &state[6..12]);
+            let [a, b] = [&table, &strips].map(|poses| {
+                let places = poses.simulation.model().places_on_wheel(0, Side::Left, &motion, 1.0).unwrap();
+                places.iter().map(|place| place.report.force).sum::<Vector3<f64>>()
+            });
+            (a - b).norm()
+        };
+        let values: Vec<f64> = (0..table.way.len() - 1).map(|k| off(k as f64)).collect();
+        let most = values.iter().copied().fold(0.0, f64::max);
+        let borders: Vec<usize> = (1..values.len()).filter(|k| (values[k - 1] == 0.0) != (values[*k] == 0.0)).collect();
+        let mut worst: f64 = 0.0;
+        for border in &borders {
+            let (mut low, mut high) = (*border as f64 - 1.0, *border as f64);
+            let (mut below, mut above) = (values[border - 1], values[*border]);
+            while high - low > 1e-9 {
+                let middle = 0.5 * (low + high);
+                let value = off(middle);
+                if (value == 0.0) == (below == 0.0) { (low, below) = (middle, value) } else { (high, above) = (middle, value) }
+            }
+            worst = worst.max((below - above).abs());
+        }
+        println!("yaw {yaw}: {} borders, off by {most:.1} N at most inside, by {worst:.1e} N where the table ends", borders.len());
+        assert!(!borders.is_empty() && most > 5.0 && worst < 0.05, "{borders:?} {most} {worst}");
     }
 }
 

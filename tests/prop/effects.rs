@@ -150,8 +150,18 @@ fn prop_without_spin_a_centred_wheelset_has_no_lateral_creep_force_and_no_moment
         assert!(with.lateral.abs() > 300.0, "{law}: {with:?}");
         assert!(without.lateral.abs() < 1e-4 * with.lateral.abs() && without.spin_moment == 0.0, "{law}: {without:?}");
     }
-    let refused = open("suspended_wheelset", &["contact.patch=strips", "effects.spin=off"]).err().unwrap();
-    assert!(refused.contains("each strip") && refused.contains("effects.spin"), "{refused}");
+    for patch in ["strips", "table"] {
+        let named = format!("contact.patch={patch}");
+        let refused = |other: &str| open("suspended_wheelset", &[&named, other]).err().unwrap();
+        let spin = refused("effects.spin=off");
+        assert!(spin.contains("each strip") && spin.contains("effects.spin") && spin.contains(patch), "{spin}");
+        for (other, why) in [("contact.points=2", "counts no places"), ("contact.formulation=ECCF", "needs elastic contact")] {
+            let text = refused(other);
+            assert!(text.contains(why) && text.contains(&format!("contact.patch = \"{patch}\"")), "{text}");
+        }
+    }
+    let nodes = open("suspended_wheelset", &["contact.patch=table", "contact.formulation=ECF-N"]).err().unwrap();
+    assert!(nodes.contains("needs contact.formulation = \"ECF-A\""), "{nodes}");
 }
 
 #[test]

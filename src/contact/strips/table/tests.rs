@@ -201,3 +201,42 @@ fn prop_saved_tables_are_the_same_and_damaged_ones_are_known() {
     assert!(!cut.is_whole());
     println!("{:.1} MB", bytes.len() as f64 * 1e-6);
 }
+
+/// Along ways out of the table, across, in lean, in load and in yaw.
+#[test]
+fn prop_its_weight_falls_without_a_jump() {
+    let own = &*S1002;
+    let mut scratch = Scratch::new(own.strips.len());
+    let (wheel, rail) = (own.wheel(Side::Left), own.rail(Side::Left, &[]));
+    let weight = |y: f64, roll: f64, yaw: f64, depth: f64, centre: &Vector3<f64>| {
+        let (place, axes) = (centre + Vector3::new(0.0, y, -depth), AxleFrame::new(yaw, roll).axes);
+        let pair = Pair { wheel: &wheel, rail: &rail, centre: &place, axes: &axes, distance: 0.0 };
+        own.looked(&pair, STEEL).map_or(0.0, |looked| looked.weight)
+    };
+    let (centre, _) = own.under((&wheel, &rail), (0.0, 0.0, 0.0), 5e4, &mut scratch);
+    // Wheels that go aside or lean stand on other heights: on the touching ones, so that the load stays in the table.
+    let on = |y: f64, roll: f64| own.under((&wheel, &rail), (y, roll, 0.0), 5e4, &mut Scratch::new(own.strips.len())).0 - Vector3::y() * y;
+    let ways: [(&str, &dyn Fn(f64) -> f64); 5] = [
+        ("outward", &|t| weight(9e-3 * t, 0.0, 0.0, 0.0, &on(9e-3 * t, 0.0))),
+        ("lean", &|t| weight(0.0, 9e-3 * t, 0.0, 0.0, &on(0.0, 9e-3 * t))),
+        ("lighter", &|t| weight(0.0, 0.0, 0.0, -9e-5 * t, &centre)),
+        ("heavier", &|t| weight(0.0, 0.0, 0.0, 2e-4 * t, &centre)),
+        ("yaw", &|t| weight(0.0, 0.0, 0.025 * t, 0.0, &centre)),
+    ];
+    for (name, at) in ways {
+        let count = 200;
+        let values: Vec<f64> = (0..=count).map(|k| at(f64::from(k) / f64::from(count))).collect();
+        assert!(values[0] == 1.0 && values[count as usize] == 0.0, "{name}: {values:?}");
+        let k =
+            (0..count as usize).max_by(|a, b| (values[*a] - values[a + 1]).abs().total_cmp(&(values[*b] - values[b + 1]).abs())).unwrap();
+        let (mut low, mut high) = (k as f64 / f64::from(count), (k + 1) as f64 / f64::from(count));
+        let (mut below, mut above) = (values[k], values[k + 1]);
+        while high - low > 1e-7 {
+            let middle = 0.5 * (low + high);
+            let value = at(middle);
+            if (value - below).abs() > (above - value).abs() { (high, above) = (middle, value) } else { (low, below) = (middle, value) }
+        }
+        println!("{name}: largest change over 1e-7 of the way {:.1e}", (above - below).abs());
+        assert!((above - below).abs() < 1e-4, "{name}: {below} {above}");
+    }
+}
