@@ -69,7 +69,8 @@ impl Tabled {
     ) -> (Vector3<f64>, Matrix3<f64>) {
         let axes = AxleFrame::new(yaw, roll).axes;
         let (mut low, mut high) = (0.44, 0.48);
-        for _ in 0..24 {
+        // To 1e-12 m: the weight goes with the height too.
+        for _ in 0..36 {
             let middle = 0.5 * (low + high);
             let centre = Vector3::new(0.0, y, middle);
             let pair = Pair { wheel, rail, centre: &centre, axes: &axes, distance: 0.0 };
