@@ -112,7 +112,7 @@ def main():
             ("torque on the axle, kN m", [("control", time, line(with_control, force)), ("none", time, line(without, force))], []),
             ("speed, m/s", [("control", time, line(with_control, lambda row: row[1])), ("none", time, line(without, lambda row: row[1]))], []),
         ])
-    report.finish()
+    report.finish(at_once=True)
 
 
 if __name__ == "__main__":

@@ -123,7 +123,7 @@ def main():
                                     ("unprotected", other, column(locked, lambda row: -row[4][3] / 1e3))], [("asked for", TORQUE / 1e3)]),
             ("distance, m", [("protected", time, column(free, lambda row: row[1])), ("locked", other, column(locked, lambda row: row[1]))], []),
         ])
-    report.finish()
+    report.finish(at_once=True)
 
 
 if __name__ == "__main__":
