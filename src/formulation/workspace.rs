@@ -122,6 +122,11 @@ impl Workspace {
         (self.cached, self.linearised) = (Cached::No, None);
     }
 
+    /// Rails stay where they are from now on (or no longer): a wheel whose pose is that of the last evaluation presses as it did then.
+    pub fn reuse_patches(&mut self, reuse: bool) {
+        self.strips.iter_mut().for_each(|strips| strips.rails_stay = reuse);
+    }
+
     /// Reports of a wheel's contacts beyond the first.
     #[inline]
     fn further(&self, contact: usize) -> &[ContactReport] {

@@ -188,7 +188,9 @@ fn read_half_distance(section: &Section, rails: &[ProfileChoice; 2], inclination
     const DEPTH: f64 = 14e-3;
     let depth = section.number_or("gauge_depth", Dimension::Length, DEPTH)?;
     let reach = |choice: &ProfileChoice| gauge::reach(choice.profile.as_ref(), inclination, depth);
-    Ok(0.5 * (section.positive("gauge", Dimension::Length)? + reach(&rails[0]) + reach(&rails[1])))
+    let left = reach(&rails[0]);
+    let right = if Arc::ptr_eq(&rails[0].profile, &rails[1].profile) { left } else { reach(&rails[1]) };
+    Ok(0.5 * (section.positive("gauge", Dimension::Length)? + left + right))
 }
 
 /// `"1:40"` is atan(1/40); otherwise an angle.

@@ -45,28 +45,38 @@ pub(super) fn curvature_ratio_of_axes(ratio: f64) -> f64 {
     if ratio >= 1.0 { curvature_ratio(1.0 / ratio) } else { 1.0 / curvature_ratio(ratio) }
 }
 
-/// `g = minor / major` for `ln(larger / smaller curvature) = x >= 0`, by Newton in `ln g` from `start`.
-fn axis_ratio(x: f64, start: f64) -> f64 {
-    let mut log_g = start.ln();
+/// `ln g`, g = minor / major, for `ln(larger / smaller curvature) = x >= 0`, by a chord method from `log_g`.
+///
+/// The ratio behaves like g^(-3/2) near the circle and like g^-2 for slender ellipses: the secant through a slightly smaller g is slope enough for steps below
+/// [`ALIKE`], each of which leaves 1e-4 of the one before; the fixed point is exact.
+fn log_axis_ratio(x: f64, mut log_g: f64) -> f64 {
+    let residual = |log_g: f64| curvature_ratio(log_g.exp().min(1.0)).ln() - x;
+    let mut slope = f64::NAN;
     for _ in 0..60 {
-        let g = log_g.exp().min(1.0);
-        let residual = curvature_ratio(g).ln() - x;
-        // The ratio behaves like g^(-3/2) near the circle and like g^-2 for slender ellipses: the secant through
-        // a slightly smaller g is slope enough, the fixed point is exact.
-        let h = 1e-4;
-        let slope = (curvature_ratio((log_g - h).exp().min(1.0)).ln() - residual - x) / -h;
-        let step = residual / slope;
+        let here = residual(log_g);
+        if slope.is_nan() {
+            const BESIDE: f64 = 1e-4;
+            slope = (here - residual(log_g - BESIDE)) / BESIDE;
+        }
+        let step = here / slope;
         log_g = (log_g - step).min(0.0);
-        if step.abs() < 1e-15 {
+        if step.abs() < LAST {
             break;
         }
+        if step.abs() > ALIKE {
+            slope = f64::NAN;
+        }
     }
-    log_g.exp()
+    log_g
 }
+
+/// Steps in ln g over which the slope is alike, and after which the next one would be less than rounding.
+const ALIKE: f64 = 1e-3;
+const LAST: f64 = 1e-12;
 
 /// The functions straight from the integrals, for `x = ln(B / A)`; used to fill and to check the table.
 pub fn ellipse_functions_exact(x: f64) -> EllipseFunctions {
-    from_axis_ratio(x, axis_ratio(x.abs(), (-0.6 * x.abs()).exp()))
+    from_axis_ratio(x, log_axis_ratio(x.abs(), -0.6 * x.abs()).exp())
 }
 
 fn from_axis_ratio(x: f64, g: f64) -> EllipseFunctions {
@@ -136,12 +146,14 @@ impl EllipseTable {
 
     fn fill() -> Self {
         let count = (REACH / STEP).round() as i64;
-        let mut g = 1.0;
+        // From where the parabola through the last three leads.
+        let mut last = [0.0f64; 3];
         let half: Vec<EllipseFunctions> = (0..=count)
             .map(|i| {
                 let x = i as f64 * STEP;
-                g = axis_ratio(x, g);
-                from_axis_ratio(x, g)
+                let log_g = log_axis_ratio(x, (3.0 * (last[2] - last[1]) + last[0]).min(0.0));
+                last = [last[1], last[2], log_g];
+                from_axis_ratio(x, log_g.exp())
             })
             .collect();
         // m_b(x) = m_a(-x) and xi is even: half the integrals are enough.

@@ -38,6 +38,8 @@ pub struct Scratch {
     compliance: f64,
     /// Where the wheelset was, and its distance.
     pose: Option<(Vector3<f64>, Matrix3<f64>, f64)>,
+    /// Do rails stay where they are, so that what was pressed in a pose still is in the same pose?
+    pub rails_stay: bool,
 }
 
 impl Scratch {
@@ -58,6 +60,7 @@ impl Scratch {
             left: reals(strips),
             compliance: 0.0,
             pose: None,
+            rails_stay: false,
         }
     }
 }

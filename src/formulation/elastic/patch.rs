@@ -122,6 +122,7 @@ impl<'a> WheelPatch<'a> {
         };
         let pressed = match looked {
             Places::AsPressed if scratch.is_of(&pair) => scratch.pressed(),
+            Places::All if scratch.rails_stay && scratch.is_of(&pair) => scratch.pressed(),
             Places::AsPressed | Places::All => press(&pair, rail, near, material, scratch),
             Places::Some => press_anywhere(&pair, rail, material, scratch),
         };

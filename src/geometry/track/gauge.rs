@@ -15,20 +15,23 @@ pub fn reach(profile: &dyn Profile, inclination: f64, depth: f64) -> f64 {
     let (first, last) = profile.range();
     let (sin, cos) = inclination.sin_cos();
     // Section axes: outward (cos, sin) and up (-sin, cos) in (outward, up) of the track, seen from the centre.
-    let inward = |eta: f64| -(eta * cos - profile.at(eta).value * sin);
-    let height = |eta: f64| eta * sin + profile.at(eta).value * cos;
+    let place = |eta: f64| {
+        let value = profile.at(eta).value;
+        (value * sin - eta * cos, eta * sin + value * cos)
+    };
+    let (inward, height) = (|eta: f64| place(eta).0, |eta: f64| place(eta).1);
     let at = |index: usize| first + (last - first) * index as f64 / STEPS as f64;
-    let top = (0..=STEPS).map(|index| height(at(index))).fold(f64::MIN, f64::max);
-    let inside = |eta: f64| height(eta) >= top - depth;
-    let highest = (0..=STEPS).max_by(|a, b| height(at(*a)).total_cmp(&height(at(*b)))).unwrap_or(0);
+    let places: Vec<(f64, f64)> = (0..=STEPS).map(|index| place(at(index))).collect();
+    let highest = (0..=STEPS).max_by(|a, b| places[*a].1.total_cmp(&places[*b].1)).unwrap_or(0);
+    let lowest = places[highest].1 - depth;
     // From the top inward to where the head is too deep.
-    let beyond = (0..highest).rev().find(|index| !inside(at(*index)));
-    let mut best = (0..=highest).filter(|index| inside(at(*index))).map(|index| inward(at(index))).fold(f64::MIN, f64::max);
+    let beyond = (0..highest).rev().find(|index| places[*index].1 < lowest);
+    let mut best = places[..=highest].iter().filter(|place| place.1 >= lowest).map(|place| place.0).fold(f64::MIN, f64::max);
     if let Some(index) = beyond {
         let (mut deep, mut high) = (at(index), at(index + 1));
         for _ in 0..60 {
             let middle = 0.5 * (deep + high);
-            if inside(middle) { high = middle } else { deep = middle }
+            if height(middle) >= lowest { high = middle } else { deep = middle }
         }
         best = best.max(inward(high));
     }

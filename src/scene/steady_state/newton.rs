@@ -77,8 +77,8 @@ impl Search<'_> {
             }) else {
                 break;
             };
-            if let Some(change) = self.better(&factors.step(&self.square, &rest), &rest) {
-                rest = self.residual(&change, true)?;
+            if let Some(found) = self.better(&factors.step(&self.square, &rest), &rest)? {
+                rest = found;
             }
             let after = largest(&rest).0;
             let stalls = !(after < 0.5 * before);
@@ -132,14 +132,23 @@ impl Search<'_> {
         Ok(Slopes { entries: &entries, rows, columns, square: &self.square }.whole().map(Factors::Whole))
     }
 
-    /// The step, shortened until it makes the sum of squares smaller.
-    fn better(&mut self, step: &[f64], rest: &[f64]) -> Option<Vec<f64>> {
+    /// Goes the step, shortened until it makes the sum of squares smaller; what is left there, `None` where no part of it helps.
+    fn better(&mut self, step: &[f64], rest: &[f64]) -> Result<Option<Vec<f64>>, EvaluationError> {
         // Along a step onto the constraints the moves are small of second order: only accelerations are compared.
         let count = self.square.len();
         let sum = |rest: &[f64]| rest[..count].iter().map(|r| r * r).sum::<f64>();
-        let parts = (0..HALVINGS).map(|halvings| 0.5f64.powi(halvings));
-        let changes = parts.map(|part| step.iter().map(|step| part * step).collect::<Vec<f64>>());
-        changes.into_iter().find(|change| self.residual(change, false).is_ok_and(|found| sum(&found) < sum(rest)))
+        let before = self.configuration();
+        for halvings in 0..HALVINGS {
+            let change: Vec<f64> = step.iter().map(|step| 0.5f64.powi(halvings) * step).collect();
+            // Without constraints a trial that is kept is what would be found there again.
+            let found = self.residual(&change, !self.constrained).ok().filter(|found| sum(found) < sum(rest));
+            match found {
+                Some(_) if self.constrained => return self.residual(&change, true).map(Some),
+                Some(found) => return Ok(Some(found)),
+                None => self.put(&before),
+            }
+        }
+        Ok(None)
     }
 
     /// Why there is no balance: the body that nothing holds, or the one that is off it most.

@@ -84,7 +84,7 @@ pub(super) struct Search<'a> {
     /// Do rails that can give way do so?
     pub rails_yield: bool,
     /// Are there constraints that coordinates must be moved onto?
-    constrained: bool,
+    pub constrained: bool,
     /// Rest of the equations that counts as none.
     pub tolerance: f64,
     /// Is a try given up early, because a nearer place is tried next?
@@ -411,6 +411,9 @@ impl<'a> Search<'a> {
                 .iter()
                 .map(|cluster| self.couplings.clusters[*cluster].iter().flat_map(|body| of_body[*body].iter().copied()).collect())
                 .collect();
+            // Wheels that stay where they are press on their rails as before.
+            let wheels_stay = clusters.iter().flat_map(|cluster| &self.couplings.clusters[*cluster]).all(|body| *body >= self.standing.wheelsets);
+            self.workspace.reuse_patches(wheels_stay && !self.constrained && self.model.travelling_track.is_none());
             for turn in 0..columns.iter().map(Vec::len).max().unwrap_or(0) {
                 let moved: Vec<(usize, usize)> =
                     clusters.iter().zip(&columns).filter_map(|(cluster, columns)| Some((*cluster, *columns.get(turn)?))).collect();
@@ -437,6 +440,7 @@ impl<'a> Search<'a> {
                 }
             }
         }
+        self.workspace.reuse_patches(false);
         Ok(entries)
     }
 
