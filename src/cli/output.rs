@@ -37,6 +37,8 @@ pub(super) enum Kind {
     Csv,
     /// Rows of a run: CSV, which may go to "-", a device or a pipe, or by the file's ending Parquet or MAT.
     Results,
+    /// Columns of a sweep, in a file and nothing else.
+    Parquet,
     /// Text of any ending.
     Text,
     /// A file and nothing else.
@@ -53,6 +55,7 @@ impl Kind {
         match self {
             Kind::Csv => Some((&["csv"], ".csv")),
             Kind::Results => Some((&["csv", "parquet", "mat"], ".csv, .parquet or .mat")),
+            Kind::Parquet => Some((&["parquet"], ".parquet")),
             Kind::Fmu => Some((&["fmu"], ".fmu")),
             Kind::Ssp => Some((&["ssp"], ".ssp")),
             Kind::Text | Kind::Binary => None,

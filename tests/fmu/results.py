@@ -76,3 +76,18 @@ for name, full, few in list(zip(names, columns, thin))[1:]:
     expected = np.convolve(np.pad(even, half, mode="reflect", reflect_type="odd"), taps, mode="valid")[::10]
     assert np.abs(few - expected).max() <= 1e-11 * max(1e-300, np.abs(even).max()), name
 print("read back:", len(names), "columns,", columns.shape[1], "rows")
+
+# The table of a sweep: the same as its CSV, nothing where a run has no number.
+with open(folder / "sweep.csv", newline="") as file:
+    head, *rows = csv.reader(file)
+frame = pd.read_parquet(folder / "sweep.parquet")
+assert frame.index.name == "run" and list(frame.index) == list(range(6))
+names = [name.rsplit(" [", 1)[0] for name in head]
+assert list(frame.columns) == names[1:-1]
+for place, name in enumerate(names[1:-1], start=1):
+    column = frame[name]
+    for row, value in zip(rows, column):
+        cell = row[place]
+        assert str(value) == cell if column.dtype.kind not in "f" else (np.isnan(value) if cell == "" else float(cell) == value), (name, cell, value)
+assert set(frame["state"]) == {"ok", "refused"} and frame["contact.friction"].dtype == float and set(frame["contact.creep.law"]) == {"kalker_linear", "usetab"}
+assert frame.attrs["units"]["max:*.verticalForce"] == "N"

@@ -23,5 +23,20 @@ fn validate_results_read_back_by_pyarrow_pandas_and_scipy() {
     write("distance.parquet", &["--index", "distance", "--columns", "*.y,*.distance"]);
     write("thin.parquet", &["--every", "20 ms"]);
     write("thin.csv", &["--every", "20 ms"]);
+    // One of these runs is refused (no friction coefficient is negative), and one key has words.
+    let sweep = [
+        "sweep",
+        "suspended_wheelset",
+        "--stop",
+        "0.05",
+        "--step",
+        "0.01",
+        "--set",
+        "contact.friction=0.3,0.4,-1",
+        "--set",
+        "contact.creep.law=kalker_linear,usetab",
+    ];
+    let [csv, columns] = ["sweep.csv", "sweep.parquet"].map(|name| folder.path().join(name));
+    run(Command::new(env!("CARGO_BIN_EXE_wheelrail")).args(sweep).arg("-o").arg(&csv).arg("--parquet").arg(&columns));
     run(Command::new(python()).arg(Path::new(ROOT).join("tests/fmu/results.py")).arg(folder.path()));
 }

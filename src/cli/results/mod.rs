@@ -3,7 +3,7 @@
 //! CSV is written row by row. The other two keep columns, which are written at the end.
 
 mod mat;
-mod parquet;
+pub(super) mod parquet;
 mod thin;
 
 use super::Failure;

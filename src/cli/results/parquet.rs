@@ -26,27 +26,54 @@ const LEVEL: u32 = 3;
 /// # Errors
 /// When `out` can't take it.
 pub(super) fn write<W: Write + Send>(out: &mut W, table: &Table) -> std::io::Result<()> {
-    written(out, table).map_err(|error| match error {
+    written(out, table).map_err(problem)
+}
+
+/// What became of writing, as files have it.
+pub(in crate::cli) fn problem(error: ParquetError) -> std::io::Error {
+    match error {
         ParquetError::External(inner) => match inner.downcast::<std::io::Error>() {
             Ok(problem) => *problem,
             Err(other) => std::io::Error::other(other.to_string()),
         },
         other => std::io::Error::other(other.to_string()),
-    })
+    }
+}
+
+/// How files of this program are written: by this version, columns deflated. Numbers stand in `encoding`.
+pub(in crate::cli) fn properties(metadata: Vec<KeyValue>, encoding: Encoding) -> Result<WriterProperties, ParquetError> {
+    let begun =
+        WriterProperties::builder().set_writer_version(WriterVersion::PARQUET_1_0).set_dictionary_enabled(false).set_encoding(encoding);
+    let named = begun.set_created_by(concat!("wheelrail ", env!("CARGO_PKG_VERSION")).into()).set_key_value_metadata(Some(metadata));
+    Ok(named.set_compression(Compression::GZIP(GzipLevel::try_new(LEVEL)?)).build())
+}
+
+/// A column as metadata name it: name, unit and type in the words of pandas (a number's, or `unicode`).
+pub(in crate::cli) type Described<'a> = (&'a str, &'a str, &'static str);
+
+/// `units`, the same as `PANDAS_ATTRS`, and `pandas`, which makes the first column the index.
+pub(in crate::cli) fn metadata(columns: &[Described]) -> Vec<KeyValue> {
+    let units: Map<String, Value> = columns.iter().map(|(name, unit, _)| ((*name).to_string(), (*unit).into())).collect();
+    let described = |(name, _, kind): &Described| {
+        let numpy = if *kind == "unicode" { "object" } else { kind };
+        json!({"name": name, "field_name": name, "pandas_type": kind, "numpy_type": numpy, "metadata": null})
+    };
+    let index: Vec<&str> = columns.first().map(|(name, ..)| *name).into_iter().collect();
+    let pandas = json!({
+        "index_columns": index, "column_indexes": [], "columns": columns.iter().map(described).collect::<Vec<_>>(),
+        "pandas_version": "2.0.0",
+    });
+    [("units", json!(units)), ("PANDAS_ATTRS", json!({"units": units})), ("pandas", pandas)]
+        .map(|(key, value)| KeyValue::new(key.to_string(), value.to_string()))
+        .into()
 }
 
 fn written<W: Write + Send>(out: &mut W, table: &Table) -> Result<(), ParquetError> {
     let field = |column: &Column| Type::primitive_type_builder(&column.name, kind(column)).with_repetition(Repetition::REQUIRED).build();
     let fields = table.columns.iter().map(|column| field(column).map(Arc::new)).collect::<Result<_, _>>()?;
     let schema = Type::group_type_builder("run").with_fields(fields).build()?;
-    let properties = WriterProperties::builder()
-        .set_writer_version(WriterVersion::PARQUET_1_0)
-        .set_created_by(concat!("wheelrail ", env!("CARGO_PKG_VERSION")).into())
-        .set_dictionary_enabled(false)
-        .set_encoding(Encoding::BYTE_STREAM_SPLIT)
-        .set_compression(Compression::GZIP(GzipLevel::try_new(LEVEL)?))
-        .set_key_value_metadata(Some(metadata(table)))
-        .build();
+    let described: Vec<Described> = table.columns.iter().map(|column| (column.name.as_str(), column.unit, words(column))).collect();
+    let properties = properties(metadata(&described), Encoding::BYTE_STREAM_SPLIT)?;
     let mut writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties))?;
     let rows = table.columns.first().map_or(0, Column::len);
     for first in (0..rows).step_by(GROUP) {
@@ -73,18 +100,9 @@ fn kind(column: &Column) -> PhysicalType {
     }
 }
 
-fn metadata(table: &Table) -> Vec<KeyValue> {
-    let units: Map<String, Value> = table.columns.iter().map(|column| (column.name.clone(), column.unit.into())).collect();
-    let described = |column: &Column| {
-        let kind = if matches!(column.values, Values::Single(_)) { "float32" } else { "float64" };
-        json!({"name": column.name, "field_name": column.name, "pandas_type": kind, "numpy_type": kind, "metadata": null})
-    };
-    let index: Vec<&str> = table.columns.first().map(|column| column.name.as_str()).into_iter().collect();
-    let pandas = json!({
-        "index_columns": index, "column_indexes": [], "columns": table.columns.iter().map(described).collect::<Vec<_>>(),
-        "pandas_version": "2.0.0",
-    });
-    [("units", json!(units)), ("PANDAS_ATTRS", json!({"units": units})), ("pandas", pandas)]
-        .map(|(key, value)| KeyValue::new(key.to_string(), value.to_string()))
-        .into()
+fn words(column: &Column) -> &'static str {
+    match column.values {
+        Values::Single(_) => "float32",
+        Values::Double(_) => "float64",
+    }
 }

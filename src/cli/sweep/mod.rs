@@ -1,5 +1,6 @@
 //! `wheelrail sweep SCENE --set KEY=FROM..TO:STEP ... -o FILE.csv`: many runs of a scene, one row each.
 
+mod parquet;
 mod picture;
 mod report;
 mod table;
@@ -52,6 +53,9 @@ pub(super) struct Arguments {
     /// Table of the runs
     #[arg(short, long, value_name = "FILE.csv")]
     output: PathBuf,
+    /// Write the table as Parquet too, once all runs have ended
+    #[arg(long, value_name = "FILE.parquet")]
+    parquet: Option<PathBuf>,
     /// Runs at the same time [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     parallel: Option<u16>,
@@ -92,6 +96,7 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
     if !target.is_plain_file() {
         return Err(Failure::Input(format!("{}: a sweep is written to a file, in which it can go on", arguments.output.display())));
     }
+    let columnar = arguments.parquet.as_ref().map(|file| Target::find(file, Kind::Parquet)).transpose().map_err(refused)?;
     if let Some(file) = &arguments.plot {
         Target::find(file, Kind::Text).map_err(refused)?;
     }
@@ -111,6 +116,13 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Interrupted(format!("interrupted: {done} of {all} runs are in {file}; the same command goes on"), code));
     }
     let (columns, rows) = results.finish(&target)?;
+    if let Some(target) = columnar {
+        let mut pending = target.begin()?;
+        match parquet::write(&mut pending, &columns, &rows) {
+            Ok(()) => pending.finish(),
+            Err(problem) => pending.fail(problem),
+        }?;
+    }
     if let Some(file) = &arguments.plot {
         picture::sheet(&sweep, &columns, &rows, arguments.latin.is_some()).draw(file).map_err(Failure::Run)?;
     }
@@ -119,7 +131,10 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
         print(&format!("{}\n", report::json(&sweep.scene, &arguments.output, &summary)))?;
     } else {
         print(&report::text(&sweep.scene, &sweep.title, &summary))?;
-        [Some(&arguments.output), arguments.plot.as_ref()].into_iter().flatten().for_each(|file| say(&format!("wrote {}", file.display())));
+        [Some(&arguments.output), arguments.parquet.as_ref(), arguments.plot.as_ref()]
+            .into_iter()
+            .flatten()
+            .for_each(|file| say(&format!("wrote {}", file.display())));
     }
     if summary.states[0].1 == 0 { Err(Failure::Run("no run is ok; the table says why".into())) } else { Ok(()) }
 }

@@ -412,7 +412,8 @@ impl<'a> Search<'a> {
                 .map(|cluster| self.couplings.clusters[*cluster].iter().flat_map(|body| of_body[*body].iter().copied()).collect())
                 .collect();
             // Wheels that stay where they are press on their rails as before.
-            let wheels_stay = clusters.iter().flat_map(|cluster| &self.couplings.clusters[*cluster]).all(|body| *body >= self.standing.wheelsets);
+            let wheels_stay =
+                clusters.iter().flat_map(|cluster| &self.couplings.clusters[*cluster]).all(|body| *body >= self.standing.wheelsets);
             self.workspace.reuse_patches(wheels_stay && !self.constrained && self.model.travelling_track.is_none());
             for turn in 0..columns.iter().map(Vec::len).max().unwrap_or(0) {
                 let moved: Vec<(usize, usize)> =
