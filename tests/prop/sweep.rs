@@ -70,6 +70,45 @@ fn prop_a_grid_is_the_same_table_whatever_runs_beside_what() {
 
 /// A table with some of its rows and half a line goes on to the same bytes, without the rows that are there.
 #[test]
+fn prop_own_expressions_are_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("table.csv");
+    let call = |scalars: &[&str]| {
+        let scalars: Vec<&str> = scalars.iter().flat_map(|text| ["--scalar", *text]).collect();
+        sweep(&[&SCENE[..], &GRID, &scalars, &["-o", file.to_str().unwrap()]].concat())
+    };
+    let spread = "spread [kN] = ({max:*.verticalForce} - {min:*.verticalForce}) / 1000";
+    let asked = [
+        "max:*.verticalForce",
+        spread,
+        "least = {min:*.verticalForce}",
+        "nothing = 1 / ({end:wheelset.distance} - {end:wheelset.distance})",
+    ];
+    let (words, said, code) = call(&asked);
+    assert!(code == 0 && words.contains("spread [kN]"), "{words}{said}");
+    for row in rows(&file) {
+        let number = |name: &str| row[name].parse::<f64>().unwrap();
+        assert_eq!(number("spread [kN]"), (number("max:*.verticalForce [N]") - number("least")) / 1000.0);
+        assert!(number("least") > 5e4 && row["nothing"].is_empty());
+    }
+    // The same names for other expressions are another sweep.
+    let other = spread.replace("1000", "1e6");
+    let (_, said, code) = call(&[asked[0], other.as_str(), asked[2], asked[3]]);
+    assert!(code == 2 && said.contains("a run of another scene, or with other times or expressions"), "{said}");
+    for (wrong, why) in [
+        ("x = {max:*.verticalForce", "braces do not pair"),
+        ("x = verticalForce + 1", "verticalForce is no number; expected scalars in braces"),
+        ("x = {most:*.verticalForce}", "expected KIND:OUTPUT"),
+        ("= {max:*.verticalForce}", "the expression has no name"),
+        ("x = {max:*.verticalForce} +", "the last element cannot be an operator"),
+        ("max:*.verticalForce", "is there twice"),
+    ] {
+        let (_, said, code) = call(&["max:*.verticalForce", wrong]);
+        assert!(code == 2 && said.contains(why), "{wrong}: {said}");
+    }
+}
+
+#[test]
 fn prop_a_broken_off_table_goes_on_to_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("runs.csv");

@@ -1,5 +1,6 @@
 //! `wheelrail sweep SCENE --set KEY=FROM..TO:STEP ... -o FILE.csv`: many runs of a scene, one row each.
 
+mod numbers;
 mod parquet;
 mod picture;
 mod report;
@@ -14,9 +15,9 @@ use crate::scene::spec::Scene;
 use crate::sim::vehicle_outputs::scene_outputs;
 use crate::study::variation::design::{self, Points};
 use crate::study::variation::parameter::Parameter;
-use crate::study::variation::scalar::{self, Scalar};
 use crate::study::variation::single::{self, Asked};
 use clap::Args;
+use numbers::Numbers;
 use sha2::{Digest, Sha256};
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -32,7 +33,8 @@ FILE.csv gets a row as each run ends: the values, how it ended (ok, derailed, fa
 wrong in a run is its row. The same command goes on where an interrupted or killed one ended: runs that have a row are not run again; at the end rows stand in order. \
 A file of another scene, other values or other scalars is refused.
 
-KIND:OUTPUT of --scalar: min, max, absmax, mean, rms, end, or a percentile (p0.15, p50, p99.85) of all outputs of that name (* any letters, ? one) together.
+KIND:OUTPUT of --scalar: min, max, absmax, mean, rms, end, or a percentile (p0.15, p50, p99.85) of all outputs of that name (* any letters, ? one) together. \
+Own expressions have a name, a unit if you like, and such numbers in braces: --scalar \"unloading = 1 - {min:*.verticalForce} / {mean:*.verticalForce}\".
 
 Exit code: 0 at least one run is ok, 1 none is, 2 bad input.")]
 pub(super) struct Arguments {
@@ -48,7 +50,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
     /// A number of each run, e.g. "max:*.verticalForce" [default: extremes of Q, Y/Q, sum of Y, displacement, wear, accelerations]
-    #[arg(long = "scalar", value_name = "KIND:OUTPUT")]
+    #[arg(long = "scalar", value_name = "[NAME=]KIND:OUTPUT")]
     scalars: Vec<String>,
     /// Table of the runs
     #[arg(short, long, value_name = "FILE.csv")]
@@ -75,7 +77,7 @@ struct Sweep {
     title: String,
     parameters: Vec<Parameter>,
     points: Points,
-    scalars: Vec<Scalar>,
+    numbers: Numbers,
     asked: Asked,
 }
 
@@ -103,11 +105,14 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
     let fixed: Vec<String> = changes(&parameters, &points[0], |parameter| !parameter.varies());
     let base = load::open(&arguments.scene, &fixed)?;
     arguments.times.read(&base)?;
-    let (scalars, units) = scalars(arguments, &base)?;
+    let numbers = {
+        let simulation = super::start(&base)?;
+        Numbers::new(&arguments.scalars, &base.vehicle.leading().name, &scene_outputs(&base, simulation.model()))?
+    };
     let asked = Asked { stop: arguments.times.stop, step: arguments.times.step };
-    let columns = Columns::new(&parameters, &scalars, &units, fingerprint(&base, asked));
+    let columns = Columns::new(&parameters, &numbers.shown, fingerprint(&base, asked, &arguments.scalars));
     let results = Results::open(&arguments.output, columns, &table::all_cells(&parameters, &points)).map_err(Failure::Input)?;
-    let sweep = Sweep { scene: arguments.scene.clone(), title: base.title.clone(), parameters, points, scalars, asked };
+    let sweep = Sweep { scene: arguments.scene.clone(), title: base.title.clone(), parameters, points, numbers, asked };
     let interrupt = Interrupt::watch();
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let results = run(&sweep, results, arguments.parallel.map_or_else(cores, usize::from), &interrupt)?;
@@ -145,34 +150,16 @@ fn changes(parameters: &[Parameter], point: &[String], wanted: impl Fn(&Paramete
     both.filter(|(parameter, _)| wanted(parameter)).map(|(parameter, value)| format!("{}={value}", parameter.key)).collect()
 }
 
-/// Scalars with their units.
-fn scalars(arguments: &Arguments, base: &Scene) -> Result<(Vec<Scalar>, Vec<&'static str>), Failure> {
-    let simulation = super::start(base)?;
-    let outputs = scene_outputs(base, simulation.model());
-    let scalars = match arguments.scalars.as_slice() {
-        [] => scalar::defaults(&base.vehicle.leading().name, &outputs),
-        some => {
-            let read = some.iter().map(|text| Scalar::parse(text)).collect::<Result<Vec<_>, _>>();
-            read.map_err(|error| Failure::Input(error.to_string()))?
-        }
-    };
-    if scalars.is_empty() {
-        return Err(Failure::Input(
-            "the scene shows no outputs that sweeps keep numbers of: --scalar KIND:OUTPUT, or more in interface.outputs".into(),
-        ));
-    }
-    let units = scalars.iter().map(|scalar| scalar.unit(&outputs)).collect::<Result<Vec<_>, _>>();
-    Ok((scalars, units.map_err(|error| Failure::Input(error.to_string()))?))
-}
-
-/// Eight digits that tell one scene from another: its text with the changes for all runs, its files, times.
-fn fingerprint(base: &Scene, asked: Asked) -> String {
+/// Eight digits that tell one scene from another: its text with the changes for all runs, its files, times, and expressions, of which
+/// columns have the name alone.
+fn fingerprint(base: &Scene, asked: Asked, scalars: &[String]) -> String {
     let mut hash = Sha256::new();
     hash.update(&base.source.text);
     base.files().for_each(|file| hash.update(&file.content));
     for time in [asked.stop.unwrap_or(base.run.stop), asked.step.unwrap_or(base.run.step)] {
         hash.update(time.to_bits().to_le_bytes());
     }
+    scalars.iter().filter(|text| text.contains('=')).for_each(|text| hash.update(text));
     hash.finalize()[..4].iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
@@ -189,8 +176,9 @@ fn run(sweep: &Sweep, results: Results, parallel: usize, interrupt: &Interrupt) 
         while let Some(index) = pending.get(next.fetch_add(1, Ordering::Relaxed)).copied().filter(|_| !ends()) {
             let point = &sweep.points[index];
             let changes = changes(&sweep.parameters, point, |_| true);
-            let outcome = single::run(&sweep.scene, &changes, sweep.asked, &sweep.scalars, || interrupt.code().is_none());
-            let Some(outcome) = outcome else { return };
+            let outcome = single::run(&sweep.scene, &changes, sweep.asked, &sweep.numbers.scalars, || interrupt.code().is_none());
+            let Some(mut outcome) = outcome else { return };
+            outcome.scalars = sweep.numbers.of(&outcome.scalars);
             let written = results.lock().map_err(|_| "a run broke off".to_string()).and_then(|mut results| {
                 let row = Row::new(index, &sweep.parameters, point, outcome);
                 results.add(row).map_err(|error| error.to_string())

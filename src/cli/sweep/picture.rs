@@ -1,7 +1,7 @@
 //! Scalars over the values: lines for one key, heat maps for two, points for more.
 
 use super::Sweep;
-use super::table::{Columns, Row};
+use super::table::{Columns, Row, with_unit};
 use crate::cli::plot::{Axis, Ink, Mark, Panel, Series, Sheet, Tile, shade};
 use crate::study::variation::parameter::{number, shown};
 use crate::study::variation::single::State;
@@ -44,7 +44,7 @@ pub(super) fn sheet(sweep: &Sweep, columns: &Columns, rows: &[Row], drawn: bool)
 /// A scalar with its unit, for an axis.
 fn label(columns: &Columns, scalar: usize) -> String {
     let (name, unit) = &columns.scalars[scalar];
-    format!("{name} [{}]", if *unit == "1" { "-" } else { unit })
+    with_unit(name, if *unit == "1" { "-" } else { unit })
 }
 
 fn place(columns: &Columns, row: &Row, scalar: usize, key: usize) -> Option<(f64, f64)> {

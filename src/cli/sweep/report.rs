@@ -1,6 +1,6 @@
 //! What a sweep found, in words and as JSON.
 
-use super::table::{Columns, Row};
+use super::table::{Columns, Row, with_unit};
 use crate::cli::table;
 use crate::study::variation::parameter::shown;
 use crate::study::variation::single::State;
@@ -10,7 +10,7 @@ use std::path::Path;
 /// Extremes of a scalar over the runs that are ok: value and run.
 pub(super) struct Extreme {
     pub name: String,
-    pub unit: &'static str,
+    pub unit: String,
     pub lowest: Option<(f64, usize)>,
     pub highest: Option<(f64, usize)>,
 }
@@ -32,7 +32,7 @@ pub(super) fn summary(columns: &Columns, rows: &[Row]) -> Summary {
     let extremes = columns.scalars.iter().enumerate().map(|(index, (name, unit))| {
         let values = || ok().filter_map(move |row| Some((row.scalars[index]?, row.run)));
         let lowest = values().min_by(|a, b| a.0.total_cmp(&b.0));
-        Extreme { name: name.clone(), unit, lowest, highest: values().max_by(|a, b| a.0.total_cmp(&b.0)) }
+        Extreme { name: name.clone(), unit: unit.clone(), lowest, highest: values().max_by(|a, b| a.0.total_cmp(&b.0)) }
     });
     let point = |row: &Row| {
         let parts = columns.keys.iter().zip(&row.values).map(|((key, unit), value)| match unit.as_deref() {
@@ -60,7 +60,7 @@ pub(super) fn text(scene: &str, title: &str, summary: &Summary) -> String {
         .iter()
         .map(|extreme| {
             let ([low, low_at], [high, high_at]) = (end(extreme.lowest), end(extreme.highest));
-            vec![format!("{} [{}]", extreme.name, extreme.unit), low, low_at, high, high_at]
+            vec![with_unit(&extreme.name, &extreme.unit), low, low_at, high, high_at]
         })
         .collect();
     text += &table(&["", "lowest", "at", "highest", "at"].map(String::from), &rows);

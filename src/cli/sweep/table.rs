@@ -2,8 +2,8 @@
 
 use crate::cli::Failure;
 use crate::cli::output::Target;
+use crate::cli::sweep::numbers::Number;
 use crate::study::variation::parameter::{Parameter, number};
-use crate::study::variation::scalar::Scalar;
 use crate::study::variation::single::{Outcome, State};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -15,7 +15,7 @@ pub(super) struct Columns {
     /// Keys that vary, with their unit where all values are numbers of one.
     pub keys: Vec<(String, Option<String>)>,
     /// Scalars as written, and units.
-    pub scalars: Vec<(String, &'static str)>,
+    pub scalars: Vec<(String, String)>,
     /// Of scene and times.
     fingerprint: String,
 }
@@ -52,12 +52,17 @@ impl Row {
     }
 }
 
+/// A name, and its unit where it has one.
+pub(super) fn with_unit(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.into() } else { format!("{name} [{unit}]") }
+}
+
 impl Columns {
-    pub(super) fn new(parameters: &[Parameter], scalars: &[Scalar], units: &[&'static str], fingerprint: String) -> Columns {
+    pub(super) fn new(parameters: &[Parameter], numbers: &[Number], fingerprint: String) -> Columns {
         let varying = parameters.iter().filter(|parameter| parameter.varies());
         Columns {
             keys: varying.map(|parameter| (parameter.key.clone(), parameter.unit().map(str::to_string))).collect(),
-            scalars: scalars.iter().zip(units).map(|(scalar, unit)| (scalar.text.clone(), *unit)).collect(),
+            scalars: numbers.iter().map(|number| (number.name.clone(), number.unit.clone())).collect(),
             fingerprint,
         }
     }
@@ -72,7 +77,7 @@ impl Columns {
 
     fn head(&self) -> Vec<String> {
         let keys = (0..self.keys.len()).map(|index| self.key(index));
-        let scalars = self.scalars.iter().map(|(text, unit)| format!("{text} [{unit}]"));
+        let scalars = self.scalars.iter().map(|(text, unit)| with_unit(text, unit));
         let own = |names: &[&str]| names.iter().map(ToString::to_string).collect::<Vec<_>>();
         [own(&["run"]), keys.collect(), own(&["state", "time [s]"]), scalars.collect(), own(&["reason", "scene"])].concat()
     }
@@ -158,7 +163,7 @@ impl Results {
         for (line, record) in csv.records().enumerate() {
             let record = record.map_err(|error| format!("{shown}: {error}"))?;
             if record.iter().next_back() != Some(self.columns.fingerprint.as_str()) {
-                return Err(format!("{shown}, line {}: a run of another scene, or with other times; {advice}", line + 2));
+                return Err(format!("{shown}, line {}: a run of another scene, or with other times or expressions; {advice}", line + 2));
             }
             match self.columns.row(&record).filter(own) {
                 Some(row) => self.rows.insert(row.run, row),
