@@ -10,7 +10,7 @@ use crate::mbs::tangent::{Tangent, WrenchTangent};
 use nalgebra::{Rotation3, Vector3, Vector6};
 
 /// Differences: m, rad, and velocities in parts of the travelling speed, or rad/m times it.
-const STEP: f64 = 1e-7;
+const STEP: f64 = 1e-8;
 const RATE: f64 = 1e-6;
 
 fn stacked(wrench: &Wrench) -> Vector6<f64> {
