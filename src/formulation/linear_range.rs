@@ -8,7 +8,7 @@ use super::elastic::linear::{LinearContact, Middle};
 use super::step::WheelRef;
 use super::{AssemblyError, Model, Workspace};
 use crate::contact::patch::PatchLaw;
-use crate::contact::strips::{Range, RailStrips, Section};
+use crate::contact::strips::{RailStrips, Range, Section};
 use crate::geometry::Side;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -180,7 +180,10 @@ impl Ranges {
             let (Beyond { contact, since, worst: (share, when), bound, .. }, others) = first(kind)?;
             let (mm, wheel) = (1e3 * bound, named(*contact));
             let what = match kind {
-                0 => format!("stands where its flange carries, {mm:.2} mm from the middle of its track, from {since:.4} s on: linear contact knows no flange, and lets it go on by {:.2} mm (at {when:.4} s)", (share - 1.0) * mm),
+                0 => format!(
+                    "stands where its flange carries, {mm:.2} mm from the middle of its track, from {since:.4} s on: linear contact knows no flange, and lets it go on by {:.2} mm (at {when:.4} s)",
+                    (share - 1.0) * mm
+                ),
                 1 => format!(
                     "is more than {mm:.2} mm from the middle of its track from {since:.4} s on, up to {:.2} mm (at {when:.4} s): there its rolling radius changes by {:.0} % more or less than linear contact says",
                     share * mm,

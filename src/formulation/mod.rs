@@ -56,8 +56,8 @@ mod workspace;
 mod yielding_rails;
 
 pub use assembly::{AssemblyError, Build, Parts};
-pub use failure::{Asymmetry, ContactFailure, EvaluationError};
 pub use elastic::linear::LinearContact;
+pub use failure::{Asymmetry, ContactFailure, EvaluationError};
 pub use inputs::{
     DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_SLOPE, RAIL_LATERAL_VELOCITY,
     RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, RAIL_VERTICAL_VELOCITY, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS, input_index, rail_input,

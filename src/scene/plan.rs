@@ -193,7 +193,13 @@ fn contact_effects(scene: &Scene, model: &Model, all: &mut Effects) {
     all.add(
         "creep forces",
         true,
-        format!("contact.creep.law = \"{}\"{}{}, friction {}", contact.creep_name, model.laws.creep.describe(), if contact.patch.law == PatchLaw::Linear { ": its slopes in steady rolling" } else { "" }, contact.friction),
+        format!(
+            "contact.creep.law = \"{}\"{}{}, friction {}",
+            contact.creep_name,
+            model.laws.creep.describe(),
+            if contact.patch.law == PatchLaw::Linear { ": its slopes in steady rolling" } else { "" },
+            contact.friction
+        ),
         0,
     );
     if let Some(map) = &contact.friction_map {

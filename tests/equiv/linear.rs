@@ -60,12 +60,21 @@ fn analytic_a_free_wheelset_with_linear_contact_rolls_in_klingels_wave() {
 /// others within one strip.
 #[test]
 fn equiv_linear_contact_has_the_modes_of_the_full_one() {
-    for (name, full, hunting, others) in
-        [("suspended_wheelset", "strips", 2e-3, 0.01), ("wheelset_s1002", "table", 0.02, 0.02), ("vehicle_manchester_1", "table", 0.03, 0.03)]
-    {
+    for (name, full, hunting, others) in [
+        ("suspended_wheelset", "strips", 2e-3, 0.01),
+        ("wheelset_s1002", "table", 0.02, 0.02),
+        ("vehicle_manchester_1", "table", 0.03, 0.03),
+    ] {
         let [linear, full] = ["linear", full].map(|patch| found(&open(name, patch, &[])));
         let [a, b] = [&linear, &full].map(|all| all.hunting().unwrap());
-        println!("{name}: hunting {:.4} Hz {:.4} 1/s for {:.4} Hz {:.4} 1/s: {:.1e}", a.frequency, a.growth, b.frequency, b.growth, apart(a, b));
+        println!(
+            "{name}: hunting {:.4} Hz {:.4} 1/s for {:.4} Hz {:.4} 1/s: {:.1e}",
+            a.frequency,
+            a.growth,
+            b.frequency,
+            b.growth,
+            apart(a, b)
+        );
         assert!(apart(a, b) < hunting, "{name}");
         for mode in full.modes.iter().filter(|mode| mode.frequency > 0.0 && mode.damping < 0.5) {
             let nearest = linear.modes.iter().map(|own| apart(own, mode)).fold(f64::INFINITY, f64::min);
@@ -97,7 +106,12 @@ fn equiv_small_motions_with_linear_contact_are_those_with_strips() {
         let most = |all: &[[f64; 3]], k: usize| all.iter().zip(&strips).map(|(a, b)| (a[k] - b[k]).abs()).fold(0.0, f64::max);
         let size = strips.iter().map(|row| row[0].abs()).fold(0.0, f64::max);
         let of = |all: &[[f64; 3]]| [(0, 1e6), (1, 1.0), (2, 1.0)].map(|(k, scale)| scale * most(all, k));
-        println!("{amplitude}: y up to {size:.2e}; off [y um, Q N, Y N] linear {:.2?}, table {:.2?}, ellipse {:.2?}", of(&linear), of(&table), of(&ellipse));
+        println!(
+            "{amplitude}: y up to {size:.2e}; off [y um, Q N, Y N] linear {:.2?}, table {:.2?}, ellipse {:.2?}",
+            of(&linear),
+            of(&table),
+            of(&ellipse)
+        );
         assert!(most(&linear, 0) < share * size, "{amplitude}");
         assert!(most(&linear, 0) < 0.4 * most(&ellipse, 0), "the ellipse has another conicity");
     }

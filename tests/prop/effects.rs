@@ -151,7 +151,12 @@ fn prop_without_spin_a_centred_wheelset_has_no_lateral_creep_force_and_no_moment
         assert!(without.lateral.abs() < 1e-4 * with.lateral.abs() && without.spin_moment == 0.0, "{law}: {without:?}");
     }
     // Levels of detail come from the registry, those that the formulation can have.
-    let levels = |changes: &[&str]| -> Vec<String> { names(&listed("vehicle_manchester_1", changes)).into_iter().filter(|name| name.contains("patches: ") || name.contains("linear contact")).collect() };
+    let levels = |changes: &[&str]| -> Vec<String> {
+        names(&listed("vehicle_manchester_1", changes))
+            .into_iter()
+            .filter(|name| name.contains("patches: ") || name.contains("linear contact"))
+            .collect()
+    };
     assert_eq!(levels(&["contact.patch=table"]), ["strips", "ellipse", "linear"].map(|level| format!("non-elliptic patches: {level}")));
     assert_eq!(levels(&["contact.patch=linear"]), ["strips", "ellipse"].map(|level| format!("linear contact: {level}")));
     assert_eq!(levels(&["contact.formulation=ECF-N"]), ["non-elliptic patches: ellipse"]);

@@ -82,7 +82,13 @@ impl Middle {
     }
 
     fn pair<'a>(&'a self, wheel: &'a WheelRef, motion: &'a BodyMotion) -> Pair<'a> {
-        Pair { wheel: wheel.wheelset.wheel(wheel.side), rail: &self.rail, centre: &motion.position, axes: &motion.frame.axes, distance: 0.0 }
+        Pair {
+            wheel: wheel.wheelset.wheel(wheel.side),
+            rail: &self.rail,
+            centre: &motion.position,
+            axes: &motion.frame.axes,
+            distance: 0.0,
+        }
     }
 }
 

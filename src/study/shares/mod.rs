@@ -6,6 +6,7 @@
 //! in parts (see [`anatomy`]), which is also what `wheelrail plan` shows of the initial state. The shortest of several runs counts.
 
 pub mod anatomy;
+pub mod counted;
 
 use crate::formulation::timers::{CALLS, Call, Timers};
 use crate::scene::spec::Scene;
