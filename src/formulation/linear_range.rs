@@ -4,7 +4,8 @@
 //! changes as the strips' does (to [`PART`] of the change), and against the shift at which a flange carries; its creep force against mu N; and its load
 //! against the one about which it is linear.
 
-use super::elastic::linear::{LinearContact, Middle};
+use super::elastic::linear::Middle;
+use super::linear_contact::LinearContact;
 use super::step::WheelRef;
 use super::{AssemblyError, Model, Workspace};
 use crate::contact::patch::PatchLaw;

@@ -2,8 +2,8 @@
 
 use super::ContactReport;
 use super::Formulation;
-use super::elastic::linear::LinearContact;
 use super::energy_books::EnergyBooks;
+use super::linear_contact::LinearContact;
 use super::sliding_mean::SlidingMean;
 use super::travelling_track::{RAIL_STATES, TravellingTrack};
 use super::wheel_search::WheelSearch;

@@ -3,7 +3,7 @@
 
 use super::Model;
 use crate::contact::strips::Section;
-use crate::formulation::elastic::linear::LinearContact;
+use crate::formulation::linear_contact::LinearContact;
 use crate::formulation::loading::WheelAt;
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::tangent::{Tangent, WrenchTangent};

@@ -39,7 +39,7 @@ const WHEEL: f64 = 500.0;
 const SEARCHED: f64 = 2000.0;
 const PLACE: f64 = 2400.0;
 const LOADED: f64 = 620.0;
-const NODES: f64 = 18.0;
+const NODES: f64 = 205.0;
 /// Of a constrained wheel's rows, and of one round of its balance beside the laws.
 const CONSTRAINED: f64 = 7800.0;
 const BALANCE: f64 = 700.0;
@@ -117,12 +117,15 @@ impl Wheels {
             self.normal += LINEAR;
             return;
         }
+        let constrained = of().any(|report| report.constrained);
         // A report without iterations belongs to no place.
         let places = of().filter(|report| report.iterations > 0 || report.penetration != 0.0).count() as f64;
-        if model.formulation.points_per_wheel() == 1 {
+        if model.formulation.points_per_wheel() == 1 && !constrained {
             self.search += PLACE * places + if model.searches_contacts(wheel.contact) { SEARCHED } else { 0.0 };
         }
-        self.search += LOADED * loaded;
+        if !constrained {
+            self.search += LOADED * loaded;
+        }
         if model.deflection_states() > 0 {
             self.creep += TRANSIENT * loaded;
         }

@@ -167,6 +167,11 @@ impl LinearPatch {
         (out * sin - rise * cos, [by(0), by(1) + out * cos + rise * sin])
     }
 
+    /// phi0, rad.
+    pub fn lean(&self) -> f64 {
+        self.about.y
+    }
+
     /// Angle of the force in the rail's section, rad, and its change across, rad/m.
     pub fn angle(&self) -> (f64, f64) {
         (self.place[2], self.by[2][0])
