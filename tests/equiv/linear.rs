@@ -43,8 +43,8 @@ fn analytic_a_free_wheelset_with_linear_contact_rolls_in_klingels_wave() {
         let model = assemble::model(&scene).unwrap();
         let (linear, half) = (model.linear_contact(0).unwrap(), model.wheelsets[0].wheel(Side::Left).half_spacing);
         let (radius, conicity) = (linear.patch.radius().0, linear.conicity(half));
-        // A cone's angle stays; on S1002 gravity and spin, whose shares grow with the way of the contact, make the wave longer than the formula.
-        let most = if known.is_some() { 3e-3 } else { 0.1 };
+        // Klingel leaves out roll, 0.8 % on a cone; on S1002 gravity and spin, whose shares grow with the way of the contact, make the wave longer than the formula.
+        let most = if known.is_some() { 0.01 } else { 0.1 };
         let (wavelength, klingel) = (all.speed / mode.frequency, 2.0 * PI * (radius * half / conicity).sqrt());
         println!("{name}: {wavelength:.5} m, Klingel {klingel:.5} m with conicity {conicity:.5}, growth {:.1e} 1/s", mode.growth);
         assert!((wavelength / klingel - 1.0).abs() < most, "{name}: {wavelength} {klingel}");
@@ -130,8 +130,7 @@ fn analytic_a_free_wheelset_with_linear_contact_stands_aside_in_a_curve() {
     let expected = -linear.patch.radius().0 * half / (linear.conicity(half) * 1e4);
     let y = simulation.solution()[1];
     println!("y = {y:e} m, expected {expected:e} m");
-    // Spin pushes the wheels aside too: the strips stand as far from the formula.
-    assert!((y / expected - 1.0).abs() < 0.05, "{y} {expected}");
+    assert!((y / expected - 1.0).abs() < 3e-3, "{y} {expected}");
     assert!((y / strips.solution()[1] - 1.0).abs() < 1e-3, "{y} {}", strips.solution()[1]);
 }
 
