@@ -44,6 +44,21 @@ impl LinearContact {
     }
 }
 
+impl LinearContact {
+    /// That of the other side of a symmetric pair: the patch counts outward, the creep force to the left.
+    pub(super) fn mirrored(&self) -> LinearContact {
+        let mirror = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0));
+        let LinearCreep { normal_force, slopes, rest, by_place } = &self.creep;
+        let creep = LinearCreep {
+            normal_force: *normal_force,
+            slopes: mirror * slopes * mirror,
+            rest: mirror * rest,
+            by_place: by_place.map(|by| mirror * by),
+        };
+        LinearContact { patch: self.patch.clone(), creep }
+    }
+}
+
 impl LinearCreep {
     /// In axes along the direction of rolling; which is that of the reference, or its mirror image.
     #[inline]

@@ -7,7 +7,7 @@
 use super::elastic::linear::Middle;
 use super::linear_contact::LinearContact;
 use super::step::WheelRef;
-use super::{AssemblyError, Model, Workspace};
+use super::{AssemblyError, Model, Workspace, contact_index};
 use crate::contact::patch::PatchLaw;
 use crate::contact::strips::{RailStrips, Range, Section};
 use crate::geometry::Side;
@@ -64,6 +64,17 @@ impl Model {
             })
         })?;
         self.linear = linear;
+        // Sides that are alike are so to the last digit, which what asks for symmetry wants.
+        let rails = self.track.rail(Side::Left).profile.clone();
+        if Arc::ptr_eq(&rails, &self.track.rail(Side::Right).profile) && strips[0] == strips[1] {
+            for (index, wheelset) in self.wheelsets.iter().enumerate() {
+                if Arc::ptr_eq(&wheelset.left.profile, &wheelset.right.profile) && wheelset.left.half_spacing == wheelset.right.half_spacing
+                {
+                    let [left, right] = Side::BOTH.map(|side| contact_index(index, side));
+                    self.linear[right] = Arc::new(self.linear[left].mirrored());
+                }
+            }
+        }
         Ok(self)
     }
 

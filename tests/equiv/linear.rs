@@ -168,6 +168,24 @@ fn prop_linear_contact_gives_back_what_it_takes() {
     }
 }
 
+/// Sides are alike to the last digit, and rolling backward is its mirror image in time.
+#[test]
+fn equiv_linear_contact_is_symmetric() {
+    let run = |changes: &[&str]| {
+        let mut simulation = common::start(&open("vehicle_manchester_1", "linear", &[&["track.deviation=[]"], changes].concat()));
+        simulation.advance(0.5).unwrap();
+        let snapshot = simulation.snapshot().unwrap();
+        [0, 1].map(|contact| snapshot.workspace.wheel_force(contact, 0))
+    };
+    let (whole, half, back) = (run(&[]), run(&["effects.symmetry=half"]), run(&["vehicle.speed=-20"]));
+    println!("{whole:?} {half:?} {back:?}");
+    for (side, mirror) in [(0, 1), (1, 0)] {
+        assert!((whole[side] - half[side]).norm() < 1.0);
+        assert!((whole[side].y + whole[mirror].y).abs() < 1.0 && (whole[side].z - whole[mirror].z).abs() < 1.0);
+        assert!((whole[side].y - back[side].y).abs() < 2.0 && (whole[side].z - back[side].z).abs() < 20.0);
+    }
+}
+
 fn notes(simulation: &Simulation) -> Vec<String> {
     simulation.notes().into_iter().filter(|note| note.contains("\"linear\"")).collect()
 }
