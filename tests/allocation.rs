@@ -18,6 +18,8 @@ fn prop_stepping_and_looking_do_not_allocate() {
         &["contact.formulation=ECCF"],
         &["contact.formulation=ACCF"],
         &["contact.formulation=ECF-N"],
+        &["contact.patch=linear"],
+        &["contact.patch=linear", "solver.integrator=rosenbrock"],
     ] {
         let scene = common::scene(changes);
         let mut simulation = common::start(&scene);

@@ -11,6 +11,8 @@ use wheelrail::formulation::memory::ModelMemory;
 use wheelrail::formulation::{Evaluation, Model, Workspace};
 use wheelrail::scene::load;
 use wheelrail::sim::{Simulation, Snapshot};
+use wheelrail::study::shares::anatomy::Sample;
+use wheelrail::study::shares::counted::Counted;
 
 /// Stages of the Dormand-Prince method as shares of a step, whose length is typical for these scenes, s.
 const STAGES: [f64; 6] = [0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
@@ -122,6 +124,42 @@ fn counts() -> bool {
 
 fn table(name: &str) -> String {
     std::fs::read_to_string(format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// What `wheelrail plan` counts, against whole evaluations under valgrind.
+#[test]
+fn validate_counted_pieces_add_up_to_the_instructions_of_an_evaluation() {
+    if !counts() {
+        return;
+    }
+    let mut wrong = Vec::new();
+    for (scene, time, changes, allowed) in [
+        ("suspended_wheelset", 0.6, "", 0.25),
+        ("wheelset_s1002", 0.6, "contact.patch=linear", 0.25),
+        ("wheelset_s1002", 0.6, "contact.patch=ellipse", 0.25),
+        ("wheelset_s1002", 0.6, "contact.patch=ellipse contact.creep.law=fastsim", 0.25),
+        ("wheelset_s1002", 0.6, "contact.formulation=ECF-N contact.patch=ellipse", 0.4),
+        ("vehicle_manchester_1", 0.2, "", 0.25),
+        ("vehicle_manchester_1", 0.2, "contact.patch=table", 0.25),
+        ("vehicle_manchester_1", 0.2, "contact.formulation=ECCF", 0.25),
+        ("vehicle_curve", 3.0, "contact.patch=ellipse", 0.25),
+        ("vehicle_curve", 3.0, "", 0.4),
+    ] {
+        let overrides: Vec<String> = changes.split(' ').filter(|change| !change.is_empty()).map(String::from).collect();
+        let scene_read = load::open(scene, &overrides).unwrap();
+        let mut simulation = Simulation::new(&scene_read, 0.0).unwrap();
+        simulation.advance(time).unwrap();
+        let sample = Sample::behind(&simulation.snapshot().unwrap().clone(), 6 * simulation.model().system.bodies.len(), STEP);
+        let told = Counted::of(simulation.model(), &sample, &scene_read.contact.creep_name).unwrap();
+        let again = Counted::of(simulation.model(), &sample, &scene_read.contact.creep_name).unwrap();
+        let found = count(&format!("right_hand_side {scene} {time} {changes}"));
+        let off = told.whole() / found - 1.0;
+        println!("{scene} {changes}: told {:.0} of {found:.0} instructions: {:+.1} %; {:?}", told.whole(), 100.0 * off, told.parts);
+        if off.abs() > allowed || told != again {
+            wrong.push(format!("{scene} {changes}: {:+.1} %", 100.0 * off));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("; "));
 }
 
 /// What a scene names but what does nothing yet, or never, costs next to nothing: half a second with it against one without.

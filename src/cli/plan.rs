@@ -1,4 +1,4 @@
-//! `wheelrail plan SCENE`: effects in and out, sizes, and where the time of one evaluation goes.
+//! `wheelrail plan SCENE`: effects in and out, sizes, and where the work of one evaluation goes.
 
 use super::{Failure, SceneArguments, print, table};
 use crate::mbs::body::COORDINATES;
@@ -8,7 +8,8 @@ use crate::sim::statics::{self, ElementForce, Statics};
 use crate::sim::tables::LeftTables;
 use crate::study::effects::neglect;
 use crate::study::shares::Part;
-use crate::study::shares::anatomy::{Anatomy, Sample};
+use crate::study::shares::anatomy::Sample;
+use crate::study::shares::counted::Counted;
 use clap::Args;
 
 #[derive(Args)]
@@ -23,8 +24,9 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-/// The effect of the plan to which a part of the time of an evaluation belongs.
-const SHARES: [(Part, &str); 7] = [
+/// The effects of the plan to which a part of an evaluation's work belongs: the one of them that is in.
+const SHARES: [(Part, &str); 8] = [
+    (Part::NormalLaw, "non-elliptic patches"),
     (Part::ContactSearch, "contact"),
     (Part::ContactAndEquations, "contact"),
     (Part::NormalLaw, "normal force"),
@@ -59,20 +61,20 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
         true => neglect::neglected(&scene, simulation.model(), simulation.last_snapshot()),
         false => Vec::new(),
     };
-    let anatomy = Anatomy::of(simulation.model(), sample.as_slice(), false);
+    let counted = sample.and_then(|sample| Counted::of(simulation.model(), &sample, &scene.contact.creep_name));
     let search = if simulation.model().formulation.constrains() { Part::ContactAndEquations } else { Part::ContactSearch };
-    let parts = anatomy.right_hand_side();
-    let whole: f64 = parts.iter().map(|part| part.1).sum();
+    let whole = counted.as_ref().map_or(0.0, Counted::whole);
+    let parts = counted.map_or(Vec::new(), |counted| counted.parts);
     let share = |effect: &str| {
         let own = SHARES.iter().filter(|one| one.1 == effect).flat_map(|one| parts.iter().filter(move |part| part.0 == one.0));
-        own.map(|part| part.1 / whole).reduce(|a, b| a + b)
+        own.map(|part| part.1 / whole).reduce(|a, b| a + b).filter(|part| *part > 0.0)
     };
-    let parts = parts.into_iter().filter(|(part, time)| *time > 0.0 || *part == search);
-    let costs: Vec<(&str, f64)> = parts.map(|(part, time)| (part.words(), time)).collect();
+    let shown = parts.iter().filter(|(part, count)| *count > 0.0 || *part == search);
+    let costs: Vec<(&str, f64)> = shown.map(|(part, count)| (part.words(), *count)).collect();
     if arguments.json {
         let shares: serde_json::Map<String, serde_json::Value> =
-            costs.iter().map(|(name, time)| (name.to_string(), (1e9 * time).into())).collect();
-        print(&format!("{}\n", serde_json::json!({"plan": plan, "neglected": neglected, "nanoseconds": shares})))?;
+            costs.iter().map(|(name, count)| (name.to_string(), (*count).into())).collect();
+        print(&format!("{}\n", serde_json::json!({"plan": plan, "neglected": neglected, "instructions": shares})))?;
         return Ok(());
     }
     print(&format!(
@@ -90,10 +92,12 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
     for note in &plan.notes {
         print(&format!("  note: {note}\n"))?;
     }
-    print(&format!("\nOne evaluation of the right-hand side, measured at the initial state: {:.2} us\n", 1e6 * anatomy.whole))?;
-    let total: f64 = costs.iter().map(|cost| cost.1).sum();
-    for (name, time) in &costs {
-        print(&format!("  {:4.0} %  {name}\n", 100.0 * time / total))?;
+    print(&format!(
+        "\nOne evaluation of the right-hand side at the initial state: {} thousand instructions, from what it does\n",
+        thousands(whole)
+    ))?;
+    for (name, count) in &costs {
+        print(&format!("  {:4.0} %  {name}\n", 100.0 * count / whole))?;
     }
     if !neglected.is_empty() {
         print("\nWhat leaving an effect out neglects, by formulas with this scene's numbers (`wheelrail effects` runs them)\n")?;
@@ -103,6 +107,12 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// Two digits, of thousands.
+fn thousands(count: f64) -> String {
+    let value: f64 = format!("{:.1e}", 1e-3 * count).parse().unwrap_or(count);
+    format!("{value}")
 }
 
 /// The static report as tables.

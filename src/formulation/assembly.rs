@@ -79,9 +79,15 @@ pub enum AssemblyError {
     )]
     TransientPatch(&'static str),
     #[error(
-        "contact.patch = \"table\" needs contact.formulation = \"ECF-A\", which knows every place where a flange comes near; expected contact.patch = \"strips\" with ECF-N"
+        "contact.patch = \"{0}\" needs contact.formulation = \"ECF-A\", which has no nodes and knows every place where a flange comes near; expected contact.patch = \"strips\" with ECF-N"
     )]
-    TabledNodes,
+    NodesAndPatch(&'static str),
+    #[error(
+        "contact.patch = \"linear\": in the middle of the track the {side} wheel of {wheelset} does not stand on its tread under {:.1} kN: there is nothing to linearise about; expected another \
+         contact.patch",
+        1e-3 * load
+    )]
+    NothingLinear { wheelset: String, side: &'static str, load: f64 },
     #[error(
         "vehicle.force: \"{}\" and \"{}\" both let the wheels of {axle} turn against each other; expected one flexible_axle or independent_wheels for each wheelset",
         elements[0],
@@ -106,7 +112,8 @@ impl Model {
             PatchLaw::Ellipse => None,
             law if formulation.constrains() => return Err(AssemblyError::RigidPatch(law.name())),
             law if laws.transient.is_some() => return Err(AssemblyError::TransientPatch(law.name())),
-            PatchLaw::Table if formulation.points_per_wheel() != 1 => return Err(AssemblyError::TabledNodes),
+            law if law.needs_all_places() && formulation.points_per_wheel() != 1 => return Err(AssemblyError::NodesAndPatch(law.name())),
+            PatchLaw::Linear => None,
             PatchLaw::Strips | PatchLaw::Table => {
                 Some(Side::BOTH.map(|side| RailStrips::new(track.rail(side), wheelsets.iter().map(|wheelset| wheelset.wheel(side)))))
             }
@@ -116,10 +123,10 @@ impl Model {
             _ => Vec::new(),
         };
         let own = formulation.points_per_wheel();
-        let searches = wheel_search::searches(&wheelsets, &track, own == 1, &prepared);
+        let searches = wheel_search::searches(&wheelsets, &track, own == 1 && laws.patch != PatchLaw::Linear, &prepared);
         let points = if searches.iter().any(Option::is_some) { points } else { own };
         let contact_states_begin = system.dimension();
-        Ok(Model {
+        Model {
             system,
             track,
             wheelsets,
@@ -139,7 +146,9 @@ impl Model {
             surfaces_move: false,
             strips,
             tables,
-        })
+            linear: Vec::new(),
+        }
+        .linear()
     }
 
     /// What is remembered of a state before anything has been evaluated.

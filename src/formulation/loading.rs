@@ -147,6 +147,12 @@ impl Contact<'_> {
     #[inline]
     pub fn check_depth(&self) -> Result<(), ContactFailure> {
         self.check_place()?;
+        self.check_overlap()
+    }
+
+    /// Checks the overlap alone.
+    #[inline]
+    pub fn check_overlap(&self) -> Result<(), ContactFailure> {
         let penetration = self.found.penetration;
         if penetration > DEEPEST {
             return Err(ContactFailure::TooDeep { penetration, z: self.wheel.model.beside(self.wheel.motion).1 });
@@ -237,11 +243,8 @@ impl Contact<'_> {
     /// A loaded contact must lie on both profiles, and roll fast enough for the laws of creepage.
     #[inline]
     pub fn check_place(&self) -> Result<(), ContactFailure> {
+        self.check_speed()?;
         let WheelAt { model, wheelset, side, motion, .. } = *self.wheel;
-        let speed = self.wheel.speed();
-        if !(speed.abs() >= SLOWEST) && model.laws.transient.is_none() {
-            return Err(ContactFailure::TooSlow { speed });
-        }
         let (wheel, rail) = (wheelset.wheel(side), model.track.rail(side));
         let places =
             [("wheel", self.found.parameters.wheel, wheel.profile.range()), ("rail", self.found.parameters.rail, rail.profile.range())];
@@ -249,6 +252,16 @@ impl Contact<'_> {
             if !(found >= first && found <= last) {
                 return Err(ContactFailure::OffProfile { part, found, first, last, y: model.beside(motion).0 });
             }
+        }
+        Ok(())
+    }
+
+    /// A loaded contact must roll fast enough for the laws of creepage.
+    #[inline]
+    pub fn check_speed(&self) -> Result<(), ContactFailure> {
+        let speed = self.wheel.speed();
+        if !(speed.abs() >= SLOWEST) && self.wheel.model.laws.transient.is_none() {
+            return Err(ContactFailure::TooSlow { speed });
         }
         Ok(())
     }

@@ -24,6 +24,8 @@ mod foresight;
 pub mod frame_motion;
 mod half;
 pub mod inputs;
+mod linear_contact;
+mod linear_range;
 mod loading;
 mod low_pass;
 mod means;
@@ -60,6 +62,7 @@ pub use inputs::{
     DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_SLOPE, RAIL_LATERAL_VELOCITY,
     RAIL_VERTICAL, RAIL_VERTICAL_SLOPE, RAIL_VERTICAL_VELOCITY, RIGHT_FRICTION, VERTICAL_FORCE, WHEELSET_INPUTS, input_index, rail_input,
 };
+pub use linear_contact::LinearContact;
 pub use means::derailment_quotient;
 pub use model::{ContactLaws, LOAD_TOLERANCE, Model, factor_at};
 pub use wheelset::{Wheelset, contact_index};

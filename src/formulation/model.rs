@@ -3,6 +3,7 @@
 use super::ContactReport;
 use super::Formulation;
 use super::energy_books::EnergyBooks;
+use super::linear_contact::LinearContact;
 use super::sliding_mean::SlidingMean;
 use super::travelling_track::{RAIL_STATES, TravellingTrack};
 use super::wheel_search::WheelSearch;
@@ -79,6 +80,8 @@ pub struct Model {
     pub(super) strips: Option<[RailStrips; 2]>,
     /// Their patches by wheel, where they are read from tables; else empty.
     pub(super) tables: Vec<Arc<PatchTable>>,
+    /// By wheel, where contact is linear; else empty.
+    pub(super) linear: Vec<Arc<LinearContact>>,
 }
 
 impl Model {

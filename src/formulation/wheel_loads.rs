@@ -2,6 +2,7 @@
 
 use super::beat::{Beat, Swing};
 use super::flange::{Flanges, Reach};
+use super::linear_range::{Beyond, Ranges};
 use super::step::WheelRef;
 use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
@@ -29,6 +30,8 @@ pub struct WheelLoads {
     beats: Vec<Beat>,
     /// Where flanges are left out.
     flanges: Option<Flanges>,
+    /// Where contact is linear.
+    linear: Option<Ranges>,
 }
 
 impl WheelLoads {
@@ -52,20 +55,23 @@ pub struct NotedLoads {
     strike: Option<(usize, f64)>,
     beats: Vec<Beat>,
     reached: Vec<Reach>,
+    beyond: Vec<Beyond>,
 }
 
 impl WheelLoads {
     /// What is noted so far.
     pub fn noted(&self) -> NotedLoads {
         let reached = self.flanges.as_ref().map_or(&[][..], Flanges::reached).to_vec();
-        NotedLoads { ranges: self.ranges.clone(), strike: self.strike, beats: self.beats.clone(), reached }
+        let beyond = self.linear.as_ref().map_or(&[][..], Ranges::beyond).to_vec();
+        NotedLoads { ranges: self.ranges.clone(), strike: self.strike, beats: self.beats.clone(), reached, beyond }
     }
 
     /// Goes on with what was noted before. Returns false and changes nothing when it is not of the same wheels.
     pub fn go_on(&mut self, noted: NotedLoads) -> bool {
         let wheels = self.ranges.len();
         let own = noted.ranges.len() == wheels && noted.beats.len() == wheels && noted.strike.is_none_or(|(contact, _)| contact < wheels);
-        let flanges = own && self.flanges.as_mut().map_or(noted.reached.is_empty(), |flanges| flanges.go_on(noted.reached));
+        let linear = own && self.linear.as_mut().map_or(noted.beyond.is_empty(), |linear| linear.go_on(noted.beyond));
+        let flanges = linear && self.flanges.as_mut().map_or(noted.reached.is_empty(), |flanges| flanges.go_on(noted.reached));
         if flanges {
             (self.ranges, self.strike, self.beats) = (noted.ranges, noted.strike, noted.beats);
         }
@@ -86,6 +92,7 @@ impl Model {
             strike: None,
             beats: vec![Beat::default(); self.contacts()],
             flanges: Flanges::of(self),
+            linear: Ranges::of(self),
         }
     }
 
@@ -93,6 +100,9 @@ impl Model {
     pub fn note_wheel_loads(&self, workspace: &Workspace, t: f64, loads: &mut WheelLoads) {
         if let Some(flanges) = &mut loads.flanges {
             flanges.look(self, workspace, t);
+        }
+        if let Some(linear) = &mut loads.linear {
+            linear.look(self, workspace, t);
         }
         for (WheelRef { contact, wheelset, .. }, range) in self.wheels().zip(&mut loads.ranges) {
             let share = workspace.wheel_force(contact, wheelset.body).z / wheelset.static_wheel_load;
@@ -120,6 +130,7 @@ impl Model {
         let named = |WheelRef { wheelset, side, .. }: WheelRef| format!("{}, {} wheel", wheelset.name, side.name());
         let all: Vec<(String, &Range)> = self.wheels().map(named).zip(&loads.ranges).collect();
         notes.extend(loads.flanges.as_ref().and_then(|flanges| flanges.note(|contact| all[contact].0.clone())));
+        notes.extend(loads.linear.iter().flat_map(|linear| linear.notes(|contact| all[contact].0.clone())));
         let light = all.iter().filter(|(_, range)| range.least.0 < LEAST);
         if let Some((wheel, range)) = light.clone().min_by(|a, b| a.1.least.0.total_cmp(&b.1.least.0)) {
             let load = if range.least.0 > 0.0 { format!("{:.1} % of the static load", 100.0 * range.least.0) } else { "nothing".into() };

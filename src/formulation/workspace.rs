@@ -8,7 +8,7 @@ use super::timers::Timers;
 use super::work::Work;
 use crate::contact::Patch;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
-use crate::contact::search::algebraic::SurfaceParameters;
+use crate::contact::search::algebraic::{Pair, SurfaceParameters};
 use crate::contact::strips::Near;
 use crate::contact::strips::Scratch;
 use crate::contact::transient;
@@ -149,6 +149,11 @@ impl Workspace {
     /// A vector of the world in the track frame beside a body.
     pub fn in_track(&self, body: usize, vector: Vector3<f64>) -> Vector3<f64> {
         self.system.stations.get(body).map_or(vector, |station| station.components(&vector))
+    }
+
+    /// How many strips a wheel was laid over in this pose; `None` where its patch was not made of strips.
+    pub fn pressed_strips(&self, contact: usize, pair: &Pair) -> Option<usize> {
+        self.strips.get(contact).filter(|scratch| scratch.is_of(pair)).map(|scratch| scratch.pressed().len())
     }
 
     /// Report of a wheel's contact `slot` (from 0).

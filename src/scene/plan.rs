@@ -168,6 +168,7 @@ fn contact_effects(scene: &Scene, model: &Model, all: &mut Effects) {
         true if contact.patch.law == PatchLaw::Table => {
             format!("{patch}: treads from a table, flanges and what else lies outside pressed as strips")
         }
+        true if contact.patch.law == PatchLaw::Linear => format!("{patch}: {}", linear_contact(model)),
         true => format!("{patch}; all that overlaps presses, forces at the load's centre"),
         false => patch,
     };
@@ -192,7 +193,13 @@ fn contact_effects(scene: &Scene, model: &Model, all: &mut Effects) {
     all.add(
         "creep forces",
         true,
-        format!("contact.creep.law = \"{}\"{}, friction {}", contact.creep_name, model.laws.creep.describe(), contact.friction),
+        format!(
+            "contact.creep.law = \"{}\"{}{}, friction {}",
+            contact.creep_name,
+            model.laws.creep.describe(),
+            if contact.patch.law == PatchLaw::Linear { ": its slopes in steady rolling" } else { "" },
+            contact.friction
+        ),
         0,
     );
     if let Some(map) = &contact.friction_map {
@@ -338,6 +345,9 @@ fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
     if own > 1 {
         return (true, format!("contact.formulation = \"{}\" finds up to {own} by itself", scene.contact.formulation_name));
     }
+    if scene.contact.patch.law == PatchLaw::Linear {
+        return (false, "contact.patch = \"linear\": one about the middle of the track".into());
+    }
     if points == 1 {
         return (false, "contact.points = 1: the deepest place alone".into());
     }
@@ -356,6 +366,21 @@ fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
         (true, false) => (true, format!("{points}: searched for on the left; on the right {CONVEX}")),
         (false, true) => (true, format!("{points}: searched for on the right; on the left {CONVEX}")),
     }
+}
+
+/// Numbers of linear contact: of the leading wheelset.
+fn linear_contact(model: &Model) -> String {
+    let Some(linear) = model.linear_contact(0) else { return "the strips' patch".into() };
+    let half = model.wheelsets[0].wheel(Side::Left).half_spacing;
+    let (conicity, (angle, by_place)) = (linear.conicity(half), linear.patch.angle());
+    format!(
+        "the strips' patch about the middle of the track under {:.1} kN, first order: conicity {conicity:.4}, force {:.2} deg from the rail's axis and by {:.3} deg/mm \
+         more outward, {:.0} MN/m",
+        1e-3 * model.wheelsets[0].static_wheel_load,
+        angle.to_degrees(),
+        1e-3 * by_place.to_degrees(),
+        1e-6 * linear.patch.stiffness(model.laws.material)
+    )
 }
 
 /// What was assumed when profiles were read, each once, and what is doubtful about them.

@@ -81,6 +81,7 @@ impl Scene {
         scene.points = match scene.contact.patch.law {
             // All places at which surfaces may overlap.
             PatchLaw::Strips | PatchLaw::Table => MOST_POINTS,
+            PatchLaw::Linear => 1,
             PatchLaw::Ellipse => scene.contact.points.unwrap_or_else(|| assemble::points_needed(&scene)),
         };
         Ok(scene)

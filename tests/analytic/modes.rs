@@ -148,8 +148,14 @@ fn equiv_constraint_formulations_have_the_same_modes() {
 /// hunting, where large parts cancel out, and nowhere else. Runs side with differences, see above.
 #[test]
 fn analytic_eigenvalues_of_the_tangent() {
-    for (name, limit, hunting) in [("suspended_wheelset", 2e-3, 1e-4), ("vehicle_manchester_1", 1e-2, 0.1)] {
-        let scene = open(name, &[]);
+    for (name, limit, hunting, changes) in [
+        ("suspended_wheelset", 2e-3, 1e-4, &[][..]),
+        ("vehicle_manchester_1", 1e-2, 0.1, &[]),
+        // Of linear contact nothing is left out.
+        ("wheelset_s1002", 1e-4, 1e-5, &["contact.patch=linear"]),
+        ("vehicle_manchester_1", 1e-4, 1e-5, &["contact.patch=linear"]),
+    ] {
+        let scene = open(name, changes);
         let all = found(&scene);
         let scene = undisturbed(&scene, scene.vehicle.speed).unwrap();
         let simulation = common::start(&scene);

@@ -6,5 +6,6 @@ mod common;
 mod assess;
 mod curves;
 mod formulations;
+mod linear;
 mod patches;
 mod rigid_places;

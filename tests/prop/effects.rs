@@ -29,7 +29,7 @@ fn names(variants: &[Variant]) -> Vec<String> {
 
 #[test]
 fn prop_the_list_holds_what_the_scene_holds_and_nothing_else() {
-    let contact = ["elastic contact: ECCF", "elliptic patches: strips"];
+    let contact = ["elastic contact: ECCF", "elliptic patches: strips", "elliptic patches: linear"];
     let law = ["spin creepage: off", "saturation of creep forces: kalker_linear", "creep law shen_hedrick_elkins: fastsim"];
     let over_patch = ["curvature at the patch: point", "several places per wheel: 1", "contact damping: none"];
     let suspension: &[&str] = &["anti_roll_bar", "lateral_stop", "primary", "secondary", "secondary_lateral_damper"];
@@ -54,8 +54,8 @@ fn prop_the_list_holds_what_the_scene_holds_and_nothing_else() {
     coach.extend(["rigid track: travelling".into(), "alignment of the rails: off".into(), COMPUTED.to_string()]);
     assert_eq!(found, coach);
     // Strips stand for places, curvatures and the law of ellipses, and each has its own spin.
-    let of_ellipses = ["elastic contact: ECCF", "elliptic patches: strips", over_patch[0], over_patch[1], "spin creepage: off"];
-    let mut strips = vec!["non-elliptic patches: ellipse".to_string()];
+    let of_ellipses = [contact[0], contact[1], contact[2], over_patch[0], over_patch[1], "spin creepage: off"];
+    let mut strips = ["table", "ellipse", "linear"].map(|level| format!("non-elliptic patches: {level}")).to_vec();
     strips.extend(coach.into_iter().filter(|name| !of_ellipses.contains(&name.as_str())));
     assert_eq!(names(&listed("vehicle_manchester_1", &[])), strips);
     // Trucks that do not reach the deviation in their time have none.
@@ -150,7 +150,17 @@ fn prop_without_spin_a_centred_wheelset_has_no_lateral_creep_force_and_no_moment
         assert!(with.lateral.abs() > 300.0, "{law}: {with:?}");
         assert!(without.lateral.abs() < 1e-4 * with.lateral.abs() && without.spin_moment == 0.0, "{law}: {without:?}");
     }
-    for patch in ["strips", "table"] {
+    // Levels of detail come from the registry, those that the formulation can have.
+    let levels = |changes: &[&str]| -> Vec<String> {
+        names(&listed("vehicle_manchester_1", changes))
+            .into_iter()
+            .filter(|name| name.contains("patches: ") || name.contains("linear contact"))
+            .collect()
+    };
+    assert_eq!(levels(&["contact.patch=table"]), ["strips", "ellipse", "linear"].map(|level| format!("non-elliptic patches: {level}")));
+    assert_eq!(levels(&["contact.patch=linear"]), ["strips", "ellipse"].map(|level| format!("linear contact: {level}")));
+    assert_eq!(levels(&["contact.formulation=ECF-N"]), ["non-elliptic patches: ellipse"]);
+    for patch in ["strips", "table", "linear"] {
         let named = format!("contact.patch={patch}");
         let refused = |other: &str| open("suspended_wheelset", &[&named, other]).err().unwrap();
         let spin = refused("effects.spin=off");
@@ -160,8 +170,10 @@ fn prop_without_spin_a_centred_wheelset_has_no_lateral_creep_force_and_no_moment
             assert!(text.contains(why) && text.contains(&format!("contact.patch = \"{patch}\"")), "{text}");
         }
     }
-    let nodes = open("suspended_wheelset", &["contact.patch=table", "contact.formulation=ECF-N"]).err().unwrap();
-    assert!(nodes.contains("needs contact.formulation = \"ECF-A\""), "{nodes}");
+    for patch in ["table", "linear"] {
+        let nodes = open("suspended_wheelset", &[&format!("contact.patch={patch}"), "contact.formulation=ECF-N"]).err().unwrap();
+        assert!(nodes.contains("needs contact.formulation = \"ECF-A\"") && nodes.contains(patch), "{nodes}");
+    }
 }
 
 #[test]

@@ -11,12 +11,19 @@ pub enum PatchLaw {
     Strips,
     /// The same, read from a table of the pair of profiles where that knows it.
     Table,
+    /// The first order of the strips' patch about the middle of the track.
+    Linear,
 }
 
 impl PatchLaw {
-    /// Is it the patch that really forms?
+    /// Is it the patch that really forms, or made of it?
     pub fn forms(self) -> bool {
         self != PatchLaw::Ellipse
+    }
+
+    /// Does it ask for a formulation that finds every place of a wheel by itself, without nodes?
+    pub fn needs_all_places(self) -> bool {
+        matches!(self, PatchLaw::Table | PatchLaw::Linear)
     }
 
     /// As scenes call it.
@@ -47,6 +54,12 @@ pub static REGISTRY: &[Entry<PatchLaw>] = &[
         summary: "an ellipse at each least distance of the undeformed surfaces (default of ECCF, ACCF, of low speed and where [contact.normal] is named)",
         reference: "Hertz 1881; paper, Eq. 28",
         parse: PatchLaw::Ellipse,
+    },
+    Entry {
+        name: "linear",
+        summary: "the strips' patch and creep force linear about the centred, loaded wheel: for eigenvalues and controls; the run says where it does not hold (ECF-A)",
+        reference: "Klingel 1883; Wickens 2003, 2.4; Kalker's linear theory",
+        parse: PatchLaw::Linear,
     },
 ];
 

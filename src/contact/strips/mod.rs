@@ -55,5 +55,5 @@ pub use press::{Near, Scratch, press, press_anywhere};
 pub use pressed::Pressed;
 pub use rail::RailStrips;
 pub use strip::Section;
-pub use table::{FLANK, Looked, PatchTable, Standing, ToTabulate};
+pub use table::{Expanded, FLANK, LinearPatch, Looked, PatchTable, Range, Standing, ToTabulate};
 pub use uneven::Uneven;

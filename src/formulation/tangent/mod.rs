@@ -9,6 +9,7 @@
 //! count as not stiff (J = 0).
 
 mod contact;
+mod linear;
 mod patch;
 
 use super::elastic::points;
@@ -85,13 +86,17 @@ impl Model {
             let under = self.under(&workspace.system, &WheelRef { contact, wheelset, side });
             let (before, others) = (tangent.states(), under.as_ref().and_then(|_| tangent.take_wrench(wheelset.body)));
             let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);
-            let places = if self.strips.is_some() { 0 } else { self.points };
+            let places = if self.strips.is_some() || !self.linear.is_empty() { 0 } else { self.points };
             for slot in 0..places {
                 let report = workspace.report(contact, slot);
                 let friction = self.friction_at(side, motion, report) * factor.max(0.0);
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
                 let at = At { wheelset, side, contact, slot, motion, report, friction, travel };
                 self.add_contact(&at, shares.get(slot), y, &mut tangent);
+            }
+            if let Some(linear) = self.linear.get(contact) {
+                let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Vector3::zeros(), friction: factor, y };
+                self.add_linear(&wheel, linear, wheelset.imposed_speed.is_none().then_some(along), &mut tangent);
             }
             if let Some(rails) = &self.strips {
                 let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Vector3::zeros(), friction: factor, y };

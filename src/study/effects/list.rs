@@ -4,6 +4,7 @@
 //! not left out of the run but of the list alone (bodies, masses, profiles, the vertical load).
 
 use crate::contact::creep::{self, polach};
+use crate::contact::patch::{self, PatchLaw};
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::geometry::profile::Flangeless;
@@ -106,10 +107,9 @@ fn contact(scene: &Scene, model: &Model, list: &mut List) {
     }
     match (rigid, strips) {
         (true, _) => {}
-        (false, true) => list.add("non-elliptic patches", Kind::Simpler, "ellipse", &["contact.patch=ellipse"]),
         // Patches that join and part have no states to hand over.
         (false, false) if contact.transient.is_some() => {}
-        (false, false) => list.add("elliptic patches", Kind::Fuller, "strips", &["contact.patch=strips"]),
+        (false, _) => levels(scene, model, list),
     }
     if !strips && contact.normal_name == "assumed" {
         list.add(
@@ -150,6 +150,24 @@ fn contact(scene: &Scene, model: &Model, list: &mut List) {
     }
 }
 
+/// Other levels of detail of the patch that the formulation can have, in the order of the registry, from the fullest on.
+fn levels(scene: &Scene, model: &Model, list: &mut List) {
+    let own = scene.contact.patch.law;
+    let place = |law: PatchLaw| patch::REGISTRY.iter().position(|entry| entry.parse == law).unwrap_or(0);
+    let possible = |law: PatchLaw| !law.needs_all_places() || model.formulation.points_per_wheel() == 1;
+    // A table says what strips say.
+    let other = |law: PatchLaw| law != own && (law != PatchLaw::Table || own == PatchLaw::Strips);
+    let name = match own {
+        PatchLaw::Strips | PatchLaw::Table => "non-elliptic patches",
+        PatchLaw::Ellipse => "elliptic patches",
+        PatchLaw::Linear => "linear contact",
+    };
+    for entry in patch::REGISTRY.iter().filter(|entry| other(entry.parse) && possible(entry.parse)) {
+        let kind = if place(entry.parse) < place(own) { Kind::Fuller } else { Kind::Simpler };
+        list.add(name, kind, entry.name, &[&format!("contact.patch={}", entry.name)]);
+    }
+}
+
 /// Laws whose friction may fall with the speed of sliding.
 const FALLING: [&str; 4] = ["polach", "fastsim", "fastrip", "usetab"];
 /// Laws of their own kind, between which and others nothing is simpler or fuller.
@@ -174,6 +192,10 @@ fn creep_law(scene: &Scene, list: &mut List) {
     };
     if !scene.contact.patch.law.forms() {
         list.switch(scene, Switch::Spin);
+    }
+    // Of a law that is linear nothing is left but its slopes.
+    if scene.contact.patch.law == PatchLaw::Linear {
+        return;
     }
     if law != "kalker_linear" {
         list.add("saturation of creep forces", Kind::Off, "kalker_linear", &[&table("kalker_linear")]);

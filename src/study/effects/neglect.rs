@@ -2,18 +2,21 @@
 
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::Creepage;
-use crate::formulation::{Model, contact_index};
+use crate::contact::patch::PatchLaw;
+use crate::formulation::{Model, algebraic, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::centre_line::Node;
 use crate::geometry::track::components;
 use crate::geometry::track::irregularity::Quantity;
+use crate::scene::assemble;
 use crate::scene::effects::QUANTITIES;
-use crate::scene::spec::Scene;
+use crate::scene::spec::{PatchSpec, Scene};
 use crate::scene::start;
 use crate::sim::Snapshot;
 use crate::study::contact_geometry::{Attitude, Start, WheelsetOnTrack};
 use crate::study::digits::sized;
 use serde::Serialize;
+use std::f64::consts::TAU;
 
 /// One number.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -37,7 +40,7 @@ fn plain(value: f64, unit: &str) -> String {
 /// All that formulas tell, at the state of a snapshot.
 pub fn neglected(scene: &Scene, model: &Model, snapshot: &Snapshot) -> Vec<Neglected> {
     let track = bends(scene).into_iter().chain(slopes(scene)).chain(displacements(scene));
-    track.chain(waves(scene)).chain(contacts(scene, model, snapshot)).collect()
+    track.chain(waves(scene)).chain(linear(scene)).chain(contacts(scene, model, snapshot)).collect()
 }
 
 /// Centrifugal force, what cant takes off it, and the moment that turns a spinning axle.
@@ -158,6 +161,37 @@ fn waves(scene: &Scene) -> Option<Neglected> {
         words: format!("{} long{against}: V/length = {}", sized(shortest, "m", 3), sized(frequency, "Hz", 3)),
         value: shortest,
     })
+}
+
+/// What contact is that is linear about the middle of the track: Klingel's wave, the way on which it holds, and where a curve's free rolling is beside it. `None` where it can't be had.
+fn linear(scene: &Scene) -> Option<Neglected> {
+    let mut scene = scene.clone();
+    (scene.contact.formulation, scene.contact.transient, scene.points) = (algebraic(), None, 1);
+    scene.contact.patch = PatchSpec { law: PatchLaw::Linear, why: None };
+    (scene.interface.inputs, scene.track.flexibility) = (Vec::new(), None);
+    let model = assemble::model(&scene).ok()?;
+    let contact = model.linear_contact(0)?;
+    let (half, radius) = (scene.vehicle.leading().half_tread_circle_distance, contact.patch.radius().0);
+    let conicity = contact.conicity(half);
+    let holds = model.linear_ranges().first()?.holds.into_iter().fold(f64::INFINITY, f64::min);
+    if !(conicity > 0.0) {
+        return None;
+    }
+    let wave = TAU * (radius * half / conicity).sqrt();
+    let sharpest = scene.track.alignment.iter().flat_map(|alignment| &alignment.nodes).map(|node| node.curvature.abs()).fold(0.0, f64::max);
+    let aside = radius * half * sharpest / conicity;
+    let curve = if sharpest > 0.0 {
+        format!("; free rolling in the curve, r b/(conicity R), stands {} aside", sized(aside, "m", 3))
+    } else {
+        String::new()
+    };
+    let words = format!(
+        "conicity {conicity:.3}, Klingel's wave {}: V/length = {}; holds to 20 % of the radius difference up to {} from the middle{curve}",
+        sized(wave, "m", 3),
+        sized(scene.vehicle.speed.abs() / wave, "Hz", 3),
+        sized(holds, "m", 3)
+    );
+    Some(Neglected { effect: "linear contact", words, value: holds })
 }
 
 /// Spin's force, and the time in which a patch is passed, of the most loaded contact.

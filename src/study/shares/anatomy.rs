@@ -9,6 +9,7 @@ use super::Part;
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::in_rolling_direction;
 use crate::contact::normal::damping::damped_force;
+use crate::contact::patch::PatchLaw;
 use crate::contact::search::algebraic::Pair;
 use crate::contact::strips::{RailStrips, Scratch, press};
 use crate::formulation::memory::ModelMemory;
@@ -179,6 +180,10 @@ fn laws(model: &Model, workspace: &Workspace, loops: u64) -> (f64, f64) {
         let motion = &workspace.system.motions[wheelset.body];
         let (wheel, rail, speed) = (wheelset.wheel(side), model.track.rail(side), wheelset.speed(motion));
         let pair = Pair { wheel, rail, centre: &motion.position, axes: &motion.frame.axes, distance: motion.distance };
+        if model.laws.patch == PatchLaw::Linear {
+            // One formula from pose to force: contact as a whole.
+            continue;
+        }
         if model.laws.patch.forms() {
             let rail = RailStrips::new(rail, model.wheelsets.iter().map(|wheelset| wheelset.wheel(side)));
             let mut scratch = Scratch::new(rail.len());

@@ -3,9 +3,10 @@
 //! The run is the scene's, with its integrator and all its outputs at equal intervals, and written as CSV (into memory). What the
 //! integrator asks of the model is timed by the workspace's [`Timers`], cleared of the clocks' own time; what is left of the time between
 //! two outputs is the integrator's own. What a right-hand side and a Jacobian consist of is measured on evaluations out of that run, made again
-//! in parts (see [`anatomy`]), which is also what `wheelrail plan` shows of the initial state. The shortest of several runs counts.
+//! in parts (see [`anatomy`]); what `wheelrail plan` shows of the initial state is counted ([`counted`]). The shortest of several runs counts.
 
 pub mod anatomy;
+pub mod counted;
 
 use crate::formulation::timers::{CALLS, Call, Timers};
 use crate::scene::spec::Scene;

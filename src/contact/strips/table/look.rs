@@ -179,15 +179,15 @@ const NEXT: f64 = 1e-8;
 const MEAN_OVERLAP: f64 = 0.67;
 
 /// A patch as the table has it, in the rail's section.
-struct Read {
-    place: [f64; PLACE],
-    fields: [f32; NUMBERS],
+pub(super) struct Read {
+    pub place: [f64; PLACE],
+    pub fields: [f32; NUMBERS],
 }
 
 impl Read {
     /// The part that it is.
     #[inline]
-    fn placed(&self, standing: &Standing, load: f64, weight: f64, section: &Section, material: Material) -> Looked {
+    pub fn placed(&self, standing: &Standing, load: f64, weight: f64, section: &Section, material: Material) -> Looked {
         let [across, high, angle] = self.place;
         let [less, a, b, overlap, wheel_bend, rail_bend] = std::array::from_fn(|k| f64::from(self.fields[k]));
         let (sin, cos) = angle.sin_cos();

@@ -81,7 +81,7 @@ struct Column {
     nodes: [Node; LEVELS],
 }
 
-type Node = ([f64; PLACE], [f32; NUMBERS]);
+pub(super) type Node = ([f64; PLACE], [f32; NUMBERS]);
 
 impl PatchTable {
     /// Makes it on all threads; the same bits on any number of them.
@@ -121,7 +121,7 @@ impl PatchTable {
 const WHEEL_BEND: usize = 4;
 
 /// The pair on straight track, the rail's section in the axes of its own.
-struct Flat<'a> {
+pub(super) struct Flat<'a> {
     strips: &'a RailStrips,
     rail: Rail,
     wheel: Wheel,
@@ -130,7 +130,7 @@ struct Flat<'a> {
 }
 
 impl Flat<'_> {
-    fn new(pair: &ToTabulate) -> Flat<'_> {
+    pub fn new(pair: &ToTabulate) -> Flat<'_> {
         let wheel = Wheel { side: Side::Left, profile: pair.wheel.clone(), half_spacing: 0.0 };
         let outline = outline(pair.wheel.as_ref()).map(|(u, at)| (u, at.value)).collect();
         Flat { strips: &pair.strips, rail: Rail::new(Side::Left, pair.rail.clone(), 0.0, 0.0, &[]), wheel, outline }
@@ -157,17 +157,25 @@ impl Flat<'_> {
         let mut depth = 5e-6;
         for k in 0..LEVELS {
             let wanted = load_of(k as f64);
-            let Some((found, node)) = self.under(wanted, (across, touching), &axes, depth, scratch) else { break };
+            let Some((found, node)) = self.under((wanted, MET), (across, touching), &axes, depth, scratch) else { break };
             (column.heights[k], column.nodes[k]) = (touching - found, node);
             depth = found * (load_of(k as f64 + 1.0) / wanted).powf(2.0 / 3.0);
         }
         column
     }
 
+    /// Height [m] at which a wheel that stands across and leans like this carries a load, met to a part of it, and its patch; about how deep that may be, m.
+    pub fn under_load(&self, load: f64, (across, lean): (f64, f64), met: f64, about: f64, scratch: &mut Scratch) -> Option<(f64, Node)> {
+        let axes = *Rotation3::from_axis_angle(&Vector3::x_axis(), lean).matrix();
+        let touching = Some(self.touching(across, lean)).filter(|height| height.is_finite())?;
+        let (depth, node) = self.under((load, met), (across, touching), &axes, about, scratch)?;
+        Some((touching - depth, node))
+    }
+
     /// The depth under which the wheel carries a load, and its patch; `None` where it is not for the table.
     fn under(
         &self,
-        wanted: f64,
+        (wanted, met): (f64, f64),
         (across, touching): (f64, f64),
         axes: &Matrix3<f64>,
         about: f64,
@@ -184,7 +192,7 @@ impl Flat<'_> {
                 depth += 1e-6;
                 continue;
             }
-            if (load / wanted - 1.0).abs() < MET {
+            if (load / wanted - 1.0).abs() < met {
                 let node = self.node(pressed, &centre)?;
                 return Some((depth * (wanted / load).powf(1.0 / power), node));
             }

@@ -12,6 +12,7 @@
 //! *What lies outside is computed*: by the strips themselves. Inside is a tread alone, with loads from [`FEWEST`] to [`MOST_LOAD`] newtons on steel; nothing
 //! that is steeper than [`STEEPEST`] (flanges) carries. Towards the border the table's weight falls smoothly to nothing, so that nothing jumps there.
 
+mod linear;
 mod look;
 mod make;
 mod standing;
@@ -20,6 +21,7 @@ mod tests;
 
 use super::fifths::FIFTHS;
 use crate::contact::Material;
+pub use linear::{Expanded, LinearPatch, Range};
 pub use look::Looked;
 pub use make::ToTabulate;
 pub use standing::Standing;

@@ -69,6 +69,9 @@ pub(in super::super) fn elastic_wheel(
     wrench: &mut Wrench,
     (first, further): (&mut ContactReport, &mut [ContactReport]),
 ) -> Result<(), ContactFailure> {
+    if let Some(linear) = wheel.model.linear.get(wheel.contact) {
+        return linear.load(wheel, memory, wrench, first);
+    }
     let rail = wheel.model.strips.as_ref().map(|rails| &rails[wheel.side.index()]);
     let Some(search) = &wheel.model.searches[wheel.contact] else {
         let pair = wheel.pair();
