@@ -1,5 +1,7 @@
 //! `wheelrail modes SCENE`: eigenvalues and shapes about steady running, root locus over speed, linear critical speed.
 
+mod cycles;
+mod diagram;
 mod picture;
 mod report;
 
@@ -7,6 +9,7 @@ use super::output::{Kind, Target};
 use super::progress::bar;
 use super::{Failure, SceneArguments, file_names, print, refused, say};
 use crate::scene::spec::Scene;
+use crate::study::hunting::{self, Diagram, HuntingError};
 use crate::study::modes::locus::{self, Locus};
 use crate::study::modes::{self, ModesError};
 use crate::units::Dimension;
@@ -32,7 +35,10 @@ pub(super) struct Arguments {
     /// Modes over speed and the critical speed
     #[arg(long, value_name = "vehicle.speed=FROM..TO:STEP")]
     sweep: Option<String>,
-    /// Draw the root locus of --sweep as SVG
+    /// Limit cycles within the speeds of --sweep: stable and unstable periodic motions, the nonlinear critical speed
+    #[arg(long, requires = "sweep")]
+    limit_cycle: bool,
+    /// Draw the root locus of --sweep as SVG, with --limit-cycle swings over speed
     #[arg(long, value_name = "FILE.svg", requires = "sweep")]
     plot: Option<PathBuf>,
     /// Print the result as JSON (SI units)
@@ -56,6 +62,9 @@ pub(super) fn modes(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(file) = &arguments.plot {
         Target::find(file, Kind::Text).map_err(refused)?;
     }
+    if arguments.limit_cycle {
+        return limit_cycles(arguments, &scene, &speeds);
+    }
     let found = run(&scene, &speeds)?;
     if let Some(file) = &arguments.plot {
         picture::draw(file, &scene, &found).map_err(Failure::Run)?;
@@ -68,6 +77,41 @@ pub(super) fn modes(arguments: &Arguments) -> Result<(), Failure> {
         files.iter().for_each(|file| say(&format!("wrote {}", file.display())));
     }
     Ok(())
+}
+
+fn limit_cycles(arguments: &Arguments, scene: &Scene, speeds: &[f64]) -> Result<(), Failure> {
+    let progress = Bar(bar(2 * speeds.len() as u64, "{msg}"));
+    let found = hunting::diagram(scene, speeds, &progress);
+    progress.0.finish_and_clear();
+    let found: Diagram = found.map_err(|error| match &error {
+        HuntingError::Modes(error) => failed(scene, error),
+        HuntingError::None(_) => Failure::Input(format!("{}: {error}", scene.source.file)),
+    })?;
+    if let Some(file) = &arguments.plot {
+        diagram::draw(file, scene, &found).map_err(Failure::Run)?;
+    }
+    let files: Vec<PathBuf> = arguments.plot.iter().cloned().collect();
+    if arguments.json {
+        print(&format!("{}\n", serde_json::json!({"limit_cycles": found, "pictures": file_names(&files)})))?;
+    } else {
+        print(&cycles::cycles(scene, &found))?;
+        files.iter().for_each(|file| say(&format!("wrote {}", file.display())));
+    }
+    Ok(())
+}
+
+/// Speeds of the sweep that are done, then motions of the branch, whose number is not known.
+struct Bar(indicatif::ProgressBar);
+
+impl hunting::Progress for Bar {
+    fn speed(&self) {
+        self.0.inc(1);
+    }
+
+    fn motion(&self, speed: f64, swing: f64) {
+        self.0.set_message(format!("{speed:.2} m/s: {:.2} mm", 1e3 * swing));
+        self.0.tick();
+    }
 }
 
 fn run(scene: &Scene, speeds: &[f64]) -> Result<Locus, Failure> {
