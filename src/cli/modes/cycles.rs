@@ -22,7 +22,7 @@ pub(super) fn cycles(scene: &Scene, found: &Diagram) -> String {
     } else {
         text += &table(&head(&["   m/s  motion", "mm", "+-", "Hz", "+-", "largest multiplier"]), &rows(found));
     }
-    text += &format!("\nRuns of up to {} turns, from the motion that the one at the highest speed came to\n", crate::study::hunting::settle::MOST);
+    text += &format!("\nRuns of up to {} turns, from the largest motion that was found\n", crate::study::hunting::settle::MOST);
     let row = |run: &Run| vec![format!("{:>6.2}  {}", run.speed, outcome(found, run)), run.turns.to_string()];
     text += &table(&head(&["   m/s  comes to", "turns"]), &found.runs.iter().map(row).collect::<Vec<_>>());
     text += &format!("\nThe branch from the linear critical speed: {} motions; {}\n", found.branch.len(), found.end);

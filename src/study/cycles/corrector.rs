@@ -9,6 +9,8 @@ const MOST: usize = 16;
 const SERVES: f64 = 0.3;
 /// A correction is at most this part of the place's size.
 const REACH: f64 = 0.25;
+/// Corrections below this part of the place's size that no longer shrink are the integration's error.
+const ROUGH: f64 = 4e-3;
 /// Halvings of a correction beyond which there is no turn.
 const HALVINGS: usize = 4;
 
@@ -49,42 +51,51 @@ pub fn correct(
     let mut place = guess.to_vec();
     let mut turned = turn(flow, &place)?;
     let mut kept = slopes.cloned();
-    let (mut before, mut fresh) = (f64::INFINITY, 0);
+    // Corrections since slopes were found, and the last one's length.
+    let (mut used, mut before) = (0, f64::INFINITY);
+    let mut fresh = slopes.is_none();
     for iterations in 1..=MOST {
         let (residual, gap) = missed(&place, &turned, condition);
         let slopes = match kept.take() {
             Some(slopes) => slopes,
             None => {
-                fresh = iterations;
+                (used, fresh, before) = (0, true, f64::INFINITY);
                 Slopes::find(flow, &place, &turned, vec![residual.clone(), condition.direction.clone(), place.clone()])?
             }
         };
         let mut change = slopes.step(&residual, condition, gap).ok_or(Missed::Singular)?;
         let length = norm(&change);
-        if length > 2.0 * SERVES * before && iterations > fresh + 2 || length > before && iterations > fresh && fresh == 0 {
-            before = f64::INFINITY;
+        let size_of_place = norm(&place[..size]);
+        // Corrections that no longer shrink are as small as the integration's error lets them be.
+        let stuck = length > 0.5 * before;
+        if stuck && length < ROUGH * size_of_place && fresh {
+            return Ok(Corrected { place, turn: turned, slopes, iterations, error: length });
+        }
+        if stuck && used > 1 {
             continue;
         }
-        let done = length < accuracy * norm(&place[..size]);
-        let limit = REACH * norm(&place[..size]);
-        if length > limit {
-            change.iter_mut().for_each(|part| *part *= limit / length);
-        }
+        shorten(&mut change, REACH * size_of_place);
         (place, turned) = step(flow, &place, &change)?;
         if norm(&place[..size]) < 0.1 * norm(&guess[..size]) {
             return Err(Missed::Vanished);
         }
-        if done {
-            let (residual, gap) = missed(&place, &turned, condition);
-            let error = slopes.step(&residual, condition, gap).map_or(f64::INFINITY, |change| norm(&change));
-            return Ok(Corrected { place, turn: turned, slopes, iterations, error });
+        if length < accuracy * size_of_place {
+            return Ok(Corrected { place, turn: turned, slopes, iterations, error: length });
         }
-        // Old slopes that converge slowly give way to new ones.
-        kept = (length < SERVES * before || before.is_infinite() || iterations < fresh + 2).then_some(slopes);
-        before = length;
+        kept = Some(slopes).filter(|_| length < SERVES * before || used < 1);
+        (used, before) = (used + 1, length);
     }
     let residual = norm(&missed(&place, &turned, condition).0) / norm(&place[..size]);
     Err(Missed::NotConverged { residual })
+}
+
+/// A change of the place is no longer than `reach`, one of the parameter no more than a unit.
+fn shorten(change: &mut [f64], reach: f64) {
+    let size = change.len() - 1;
+    let most = (norm(&change[..size]) / reach).max(change[size].abs());
+    if most > 1.0 {
+        change.iter_mut().for_each(|part| *part /= most);
+    }
 }
 
 /// The place after a change, less of it where there is no turn.

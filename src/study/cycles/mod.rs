@@ -16,6 +16,9 @@ pub mod slopes;
 
 use faer::c64;
 
+/// Multipliers come of differences: what is outside the unit circle by less than this is not told from what is inside.
+pub const MARGIN: f64 = 0.01;
+
 /// A system with a section.
 pub trait Flow: Sync {
     /// One turn: from a place on the section to where the motion passes it next in the same direction. Places are in units in which what matters is of order 1.
@@ -26,6 +29,9 @@ pub trait Flow: Sync {
 
     /// A change of the parameter that counts as much as a change of a place by 1.
     fn unit(&self) -> f64;
+
+    /// What the place at a turn's end may be off by, in units of places.
+    fn error(&self) -> f64;
 }
 
 /// What a turn comes to.
@@ -76,13 +82,13 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// Absolute value of the largest multiplier.
-    pub fn largest(&self) -> f64 {
-        self.multipliers.first().map_or(0.0, |value| value.norm())
+    /// Multipliers outside the unit circle by more than differences may be off.
+    pub fn unstable(&self) -> usize {
+        self.multipliers.iter().filter(|value| value.norm() > 1.0 + MARGIN).count()
     }
 
     pub fn is_stable(&self) -> bool {
-        self.largest() < 1.0
+        self.unstable() == 0
     }
 }
 
@@ -99,5 +105,3 @@ fn along(a: &[f64], factor: f64, b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + factor * b).collect()
 }
 
-#[cfg(test)]
-mod tests;

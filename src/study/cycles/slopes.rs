@@ -16,12 +16,15 @@ use faer::{Mat, c64};
 use rayon::prelude::*;
 
 /// Length of a difference in parts of the place's size, and of the parameter's unit.
-const LENGTH: f64 = 2e-3;
+const LENGTH: f64 = 1e-3;
 const PARAMETER: f64 = 1e-2;
+/// It is so many times the error of a turn at least, and this part of the place's size at most.
+const ABOVE: f64 = 200.0;
+const LONGEST: f64 = 0.05;
 /// An image brings nothing new where less than this is outside the basis.
-const NEW: f64 = 5e-3;
+const NEW: f64 = 2e-2;
 /// Most directions.
-const MOST: usize = 24;
+const MOST: usize = 36;
 
 #[derive(Clone, Debug)]
 pub struct Slopes {
@@ -64,7 +67,8 @@ impl Slopes {
         let beside = |to: Vec<f64>, step: f64| along(&to, -1.0, &turn.to).iter().map(|change| change / step).collect::<Vec<f64>>();
         let moved = flow.turn((parameter + PARAMETER) * flow.unit(), z)?;
         let by_parameter = beside(moved.to, PARAMETER);
-        let length = LENGTH * norm(z);
+        let size_of_place = norm(z);
+        let length = (LENGTH * size_of_place).max(ABOVE * flow.error()).min(LONGEST * size_of_place);
         let image = |direction: &Vec<f64>| Ok(beside(flow.turn(parameter * flow.unit(), &along(z, length, direction))?.to, length));
         let mut slopes = Slopes { basis: Vec::new(), images: Vec::new(), by_parameter };
         let mut front = vec![unit(&slopes.by_parameter)];

@@ -5,13 +5,12 @@ use super::{Motion, Progress, Turning, Value};
 use crate::study::cycles::branch::{self, ACCURACY, End, Reach};
 use crate::study::cycles::corrector::{correct, cycle};
 use crate::study::cycles::slopes::Condition;
-use crate::study::cycles::{Cycle, Missed, fold};
+use crate::study::cycles::{Cycle, Flow, Missed, fold};
 use crate::study::modes::Modes;
-use crate::study::modes::locus::Critical;
 use std::ops::Range;
 
 /// Swings of the first motions, m: the branch is extended to none from them.
-const SMALL: [f64; 2] = [1e-4, 2e-4];
+const SMALL: [f64; 3] = [0.5e-4, 1e-4, 2e-4];
 /// Swings at which a branch ends, m.
 const LEAST: f64 = 0.5e-4;
 const MOST: f64 = 20e-3;
@@ -31,11 +30,13 @@ pub(super) struct Followed {
     pub end: String,
     pub motions: Vec<Motion>,
     pub turnings: Vec<Turning>,
+    /// Of the motion that swings most, and its swing, m.
+    pub largest: Option<(Vec<f64>, f64)>,
 }
 
 impl Followed {
     pub fn none(reason: &str) -> Self {
-        Followed { begin: None, branch: Vec::new(), end: reason.into(), motions: Vec::new(), turnings: Vec::new() }
+        Followed { begin: None, branch: Vec::new(), end: reason.into(), motions: Vec::new(), turnings: Vec::new(), largest: None }
     }
 }
 
@@ -49,7 +50,7 @@ fn motion(cycle: &Cycle) -> Motion {
         frequency: Value { value: frequency, bound: ACCURACY * frequency },
         stable: cycle.is_stable(),
         multiplier: [largest.re, largest.im],
-        unstable: cycle.multipliers.iter().filter(|value| value.norm() >= 1.0).count(),
+        unstable: cycle.unstable(),
     }
 }
 
@@ -57,16 +58,15 @@ fn motion(cycle: &Cycle) -> Motion {
 pub(super) fn from_small(
     vehicle: &Vehicle,
     modes: &Modes,
-    critical: &Critical,
     range: Range<f64>,
     speeds: &[f64],
     progress: &dyn Progress,
 ) -> Followed {
     let first = match begin(vehicle, modes) {
         Ok(first) => first,
-        Err(missed) => return Followed::none(&format!("no motion with a swing of {} mm was found at the linear critical speed: {missed}", 1e3 * SMALL[1])),
+        Err(missed) => return Followed::none(&format!("no motion with a swing of {} mm was found at the linear critical speed: {missed}", 1e3 * SMALL[2])),
     };
-    let limit = begins_at(&first, critical);
+    let limit = begins_at(&first, modes.speed);
     let reach = Reach {
         parameters: range,
         step: FIRST,
@@ -75,10 +75,10 @@ pub(super) fn from_small(
         swings: LEAST..MOST,
         most: MOTIONS,
     };
-    let [small, start] = first;
+    let [smallest, small, start] = first;
     let seen = |cycle: &Cycle| progress.motion(cycle.parameter, cycle.swings.iter().copied().fold(0.0, f64::max));
     let mut followed = branch::follow(vehicle, start, &reach, &seen);
-    followed.cycles.insert(0, small);
+    followed.cycles.splice(0..0, [smallest, small]);
     let cycles = &followed.cycles;
     let finer = vehicle.finer();
     let motions = at_speeds(vehicle, &finer, cycles, speeds);
@@ -90,34 +90,34 @@ pub(super) fn from_small(
         End::TooLong => format!("{MOTIONS} motions were found on it"),
         End::Stopped(reason) => format!("it can't be followed further: {reason}"),
     };
-    Followed { begin: Some(limit), branch: cycles.iter().map(motion).collect(), end, motions, turnings }
+    let swing = |cycle: &Cycle| cycle.swings.iter().copied().fold(0.0, f64::max);
+    let largest = cycles.iter().max_by(|a, b| swing(a).total_cmp(&swing(b)));
+    let largest = largest.map(|cycle| (cycle.place[..cycle.place.len() - 1].to_vec(), swing(cycle)));
+    Followed { begin: Some(limit), branch: cycles.iter().map(motion).collect(), end, motions, turnings, largest }
 }
 
-/// The two smallest motions.
-fn begin(vehicle: &Vehicle, modes: &Modes) -> Result<[Cycle; 2], Missed> {
+/// The three smallest motions.
+fn begin(vehicle: &Vehicle, modes: &Modes) -> Result<[Cycle; 3], Missed> {
     let hunting = modes.hunting().ok_or(Missed::Vanished)?;
     let one = |swing: f64| {
         let mut guess = vehicle.section.place(&hunting.shape, swing);
         let size = guess.iter().map(|part| part * part).sum::<f64>().sqrt();
         let mut direction: Vec<f64> = guess.iter().map(|part| part / size).collect();
         direction.push(0.0);
-        guess.push(modes.speed / crate::study::cycles::Flow::unit(vehicle));
+        guess.push(modes.speed / vehicle.unit());
         let condition = Condition::across(direction.clone(), &guess);
         let found = correct(vehicle, &guess, &condition, None, ACCURACY)?;
         cycle(vehicle, &found, &direction)
     };
-    Ok([one(SMALL[0])?, one(SMALL[1])?])
+    Ok([one(SMALL[0])?, one(SMALL[1])?, one(SMALL[2])?])
 }
 
-/// Where the branch tends to as its motions become small: speed grows with the square of the swing. What a straight line says instead is the bound.
-fn begins_at([a, b]: &[Cycle; 2], critical: &Critical) -> Value {
-    let swing = |cycle: &Cycle| cycle.swings.iter().copied().fold(0.0, f64::max);
-    let extended = |power: i32| {
-        let (x, y) = (swing(a).powi(power), swing(b).powi(power));
-        a.parameter - x * (b.parameter - a.parameter) / (y - x)
-    };
-    let value = extended(2);
-    Value { value, bound: (extended(1) - value).abs() + ACCURACY * critical.speed }
+/// Where the branch tends to as its motions become small: speed changes with the square of the swing. What the next two motions say instead is the bound.
+fn begins_at([a, b, c]: &[Cycle; 3], speed: f64) -> Value {
+    let square = |cycle: &Cycle| cycle.swings.iter().copied().fold(0.0, f64::max).powi(2);
+    let extended = |a: &Cycle, b: &Cycle| a.parameter - square(a) * (b.parameter - a.parameter) / (square(b) - square(a));
+    let value = extended(a, b);
+    Value { value, bound: (extended(b, c) - value).abs() + ACCURACY * speed }
 }
 
 /// A motion with bounds: what a finer integration changes.
@@ -157,7 +157,7 @@ fn turnings(vehicle: &Vehicle, finer: &Vehicle, cycles: &[Cycle]) -> Vec<Turning
         let condition = Condition::across(turning.cycle.tangent.clone(), &turning.cycle.place);
         let speed = turning.cycle.parameter;
         let again = correct(finer, &turning.cycle.place, &condition, Some(&turning.cycle.slopes), 0.1 * ACCURACY);
-        let unit = crate::study::cycles::Flow::unit(vehicle);
+        let unit = vehicle.unit();
         let (value, off) = again.map_or((speed, f64::INFINITY), |again| {
             let value = again.place[again.place.len() - 1] * unit;
             (value, (value - speed).abs() + again.error * unit)

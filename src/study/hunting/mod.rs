@@ -12,7 +12,7 @@ mod station;
 pub mod vehicle;
 
 use crate::scene::spec::Scene;
-use crate::study::modes::ModesError;
+use crate::study::modes::{Modes, ModesError};
 use crate::study::modes::locus::{self, Critical, Locus};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -141,12 +141,12 @@ pub fn diagram(scene: &Scene, speeds: &[f64], progress: &dyn Progress) -> Result
     let unit = 0.05 * at.speed;
     let vehicle = Vehicle::new(scene, &at, unit).map_err(HuntingError::None)?;
     let range = lowest.speed..highest.speed;
-    let runs = runs(&vehicle, highest, speeds, progress);
     let wheelsets = station::steady(scene, at.speed)?.model().wheelsets.iter().map(|wheelset| wheelset.name.clone()).collect();
     let followed = match &locus.critical {
-        Some(critical) => follow::from_small(&vehicle, &at, critical, range, speeds, progress),
+        Some(_) => follow::from_small(&vehicle, &at, range, speeds, progress),
         None => follow::Followed::none("hunting begins to grow at no speed of the sweep"),
     };
+    let runs = runs(&vehicle, highest, speeds, followed.largest.as_ref(), progress);
     Ok(Diagram {
         locus,
         wheelsets,
@@ -161,18 +161,18 @@ pub fn diagram(scene: &Scene, speeds: &[f64], progress: &dyn Progress) -> Result
     })
 }
 
-/// The run at the highest speed begins in the shape of hunting, those at the others where that one ended.
-fn runs(vehicle: &Vehicle, highest: &crate::study::modes::Modes, speeds: &[f64], progress: &dyn Progress) -> Vec<Run> {
-    let Some((fastest, others)) = speeds.split_last() else { return Vec::new() };
-    let Some(hunting) = highest.hunting() else { return Vec::new() };
-    let first = settle(vehicle, *fastest, &vehicle.section.place(&hunting.shape, LARGE));
-    progress.speed();
+/// From the motion of the branch that swings most; where it does not get large, from what a large swing in the shape of hunting comes to at the highest speed.
+fn runs(vehicle: &Vehicle, highest: &Modes, speeds: &[f64], largest: Option<&(Vec<f64>, f64)>, progress: &dyn Progress) -> Vec<Run> {
+    let Some(fastest) = speeds.last() else { return Vec::new() };
+    let begin = match (largest, highest.hunting()) {
+        (Some((place, swing)), _) if *swing > 0.5 * LARGE => place.clone(),
+        (_, Some(hunting)) => settle(vehicle, *fastest, &vehicle.section.place(&hunting.shape, LARGE)).place,
+        _ => return Vec::new(),
+    };
     let run = |speed: &f64| {
-        let found = settle(vehicle, *speed, &first.place);
+        let found = settle(vehicle, *speed, &begin);
         progress.speed();
         Run { speed: *speed, turns: found.turns, outcome: found.outcome }
     };
-    let mut runs: Vec<Run> = others.par_iter().map(run).collect();
-    runs.push(Run { speed: *fastest, turns: first.turns, outcome: first.outcome.clone() });
-    runs
+    speeds.par_iter().map(run).collect()
 }

@@ -13,7 +13,7 @@ use crate::study::modes::{self, ModesError};
 use std::ops::ControlFlow;
 
 /// A displacement of this is a place of 1, m and rad; velocities count in parts of it, 1/s.
-const LENGTH: f64 = 1e-3;
+pub const LENGTH: f64 = 1e-3;
 const RATE: f64 = 30.0;
 /// A motion that swings less than this is at rest, m.
 const REST: f64 = 1e-7;
@@ -27,7 +27,8 @@ pub struct Section {
     pub lead: usize,
     /// Size of a place of 1 of each state.
     scales: Vec<f64>,
-    indifferent: Vec<usize>,
+    /// States of which a place has no part: they are imposed, or nothing depends on them.
+    left_out: Vec<usize>,
     /// The body whose travel is imposed.
     driven: usize,
     bodies: usize,
@@ -49,12 +50,14 @@ impl Section {
         let observed: Vec<usize> = simulation.model().wheelsets.iter().map(|wheelset| COORDINATES * wheelset.body + LATERAL).collect();
         let lead = observed.iter().copied().max_by(|a, b| size(*a).total_cmp(&size(*b))).ok_or("there is no wheelset")?;
         let driven = system.drives.first().ok_or("nothing imposes the speed: hunting takes its energy from the vehicle's own, and is not periodic")?.body;
-        let indifferent = modes::indifferent(simulation).map_err(|error| error.to_string())?;
+        let mut left_out = modes::indifferent(simulation).map_err(|error| error.to_string())?;
         for wheelset in &simulation.model().wheelsets {
-            if !indifferent.contains(&(COORDINATES * wheelset.body + COORDINATES - 1)) {
+            if !left_out.contains(&(COORDINATES * wheelset.body + COORDINATES - 1)) {
                 return Err(format!("{}: its turn about the axle is felt, so that no motion repeats itself", wheelset.name));
             }
         }
+        left_out.extend(system.drives.iter().flat_map(|drive| [0, COORDINATES * bodies].map(|first| first + COORDINATES * drive.body)));
+        left_out.push(lead);
         // Other states count as much as the largest of them moves beside the leading wheelset.
         let count = 2 * COORDINATES * bodies;
         let other = (count..shape.len()).map(|state| size(state) / size(lead)).fold(0.0, f64::max);
@@ -65,7 +68,7 @@ impl Section {
             _ => LENGTH,
         };
         let scales = (0..shape.len()).map(scale).collect();
-        Ok(Section { lead, scales, indifferent, driven, bodies, observed, longest: 6.0 * period })
+        Ok(Section { lead, scales, left_out, driven, bodies, observed, longest: 6.0 * period })
     }
 
     /// A mode's shape on the section, the leading wheelset swinging by so much, m.
@@ -82,8 +85,7 @@ impl Section {
 
     /// What a place has no part of.
     fn cut(&self, place: &mut [f64]) {
-        self.indifferent.iter().for_each(|state| place[*state] = 0.0);
-        place[self.lead] = 0.0;
+        self.left_out.iter().for_each(|state| place[*state] = 0.0);
     }
 
     /// Names of the observed wheelsets are in the order of the model's.
@@ -119,7 +121,9 @@ impl Station {
 
     fn begin(&mut self, section: &Section, from: &[f64]) {
         let mut state = self.steady.clone();
-        for ((y, part), scale) in state.integration.y.iter_mut().zip(from).zip(&section.scales) {
+        let mut from = from.to_vec();
+        section.cut(&mut from);
+        for ((y, part), scale) in state.integration.y.iter_mut().zip(&from).zip(&section.scales) {
             *y += part * scale;
         }
         self.simulation.restore(&state);
