@@ -90,10 +90,15 @@ fn analytic_branch_of_a_normal_form_with_both_ends_of_its_bistable_range() {
     for cycle in &branch.cycles {
         let square = cycle.place[0] * cycle.place[0];
         let period = TAU / (6.0 + square);
-        let multiplier = ((2.0 * square - 4.0 * square * square) * period).exp();
+        // That of the radius, or the third state's where it is larger.
+        let multiplier = ((2.0 * square - 4.0 * square * square) * period).exp().max((-3.0 * period).exp());
         assert!((cycle.parameter - (square * square - square)).abs() < 2e-3 * square, "{square}: {}", cycle.parameter);
-        assert!((cycle.period / period - 1.0).abs() < 1e-6);
-        assert!((cycle.multipliers[0].re - multiplier).abs() < 5e-3 + 0.02 * (multiplier - 1.0).abs(), "{square}: {multiplier} {}", cycle.multipliers[0]);
+        assert!((cycle.period / period - 1.0).abs() < 1e-4);
+        assert!(
+            (cycle.multipliers[0].re - multiplier).abs() < 5e-3 + 0.02 * (multiplier - 1.0).abs(),
+            "{square}: {multiplier} {}",
+            cycle.multipliers[0]
+        );
         assert!((multiplier - 1.0).abs() < 0.02 || cycle.is_stable() == (square > 0.5));
     }
     let folds: Vec<_> = branch.cycles.windows(3).filter(|trio| fold::turns(trio)).collect();

@@ -12,10 +12,8 @@ const SAME: f64 = 0.02;
 /// The diagram as tables and sentences.
 pub(super) fn cycles(scene: &Scene, found: &Diagram) -> String {
     let leading = found.wheelsets.get(found.leading).map_or("", String::as_str);
-    let mut text = format!(
-        "{}: {}\n  {}, straight track; turns by {}\n",
-        scene.name, scene.title, scene.contact.formulation_name, found.integration
-    );
+    let mut text =
+        format!("{}: {}\n  {}, straight track; turns by {}\n", scene.name, scene.title, scene.contact.formulation_name, found.integration);
     text += &format!("\nPeriodic motions at the speeds of the sweep: half the lateral swing of {leading}\n");
     if found.motions.is_empty() {
         text += "  none was found on the branch\n";
@@ -88,7 +86,11 @@ fn verdict(found: &Diagram) -> String {
         text += &format!("  small motions of the branch tend to {}\n", bounded(begin));
     }
     if let [first, second, ..] = found.branch.as_slice() {
-        let kind = if second.speed < first.speed { "subcritical: small unstable motions live below it" } else { "supercritical: small motions live above it" };
+        let kind = if second.speed < first.speed {
+            "subcritical: small unstable motions live below it"
+        } else {
+            "supercritical: small motions live above it"
+        };
         text += &format!("  the bifurcation is {kind}\n");
     }
     for turning in &found.turnings {
@@ -104,7 +106,10 @@ fn verdict(found: &Diagram) -> String {
     match found.fold() {
         Some(fold) if fold.speed.value < linear.speed - SAME => {
             text += &format!("Nonlinear critical speed: {}\n", bounded(&fold.speed));
-            text += &format!("Between {:.2} and {:.2} m/s the vehicle has two ways to run: centred, and hunting\n", fold.speed.value, linear.speed);
+            text += &format!(
+                "Between {:.2} and {:.2} m/s the vehicle has two ways to run: centred, and hunting\n",
+                fold.speed.value, linear.speed
+            );
         }
         _ => text += "No stable motion was found below the linear critical speed on this branch\n",
     }

@@ -22,7 +22,9 @@ pub(super) fn draw(file: &Path, scene: &Scene, found: &Diagram) -> Result<(), St
         Panel { height: 480.0, ..Panel::new("Half the lateral swing", ["speed [m/s]", "half swing [mm]"], swings) },
         Panel { height: 480.0, ..Panel::new("Frequency", ["speed [m/s]", "frequency [Hz]"], frequencies) },
     ];
-    let critical = |name: &str, speed: Option<f64>| speed.map_or(format!("no {name} critical speed found"), |speed| format!("{name} critical speed {speed:.2} m/s"));
+    let critical = |name: &str, speed: Option<f64>| {
+        speed.map_or(format!("no {name} critical speed found"), |speed| format!("{name} critical speed {speed:.2} m/s"))
+    };
     let subtitles = vec![format!(
         "{}; {leading}; {}, {}",
         scene.title,
@@ -44,7 +46,8 @@ fn lines(found: &Diagram, value: impl Fn(&Motion) -> f64) -> Vec<Series> {
     // Turning points belong to both sides.
     for turning in &found.turnings {
         let nearest = branch.windows(2).enumerate().min_by(|(_, a), (_, b)| {
-            let far = |pair: &[(bool, (f64, f64))]| (pair[0].1.1 - value(&turning.motion)).abs() + (pair[1].1.1 - value(&turning.motion)).abs();
+            let far =
+                |pair: &[(bool, (f64, f64))]| (pair[0].1.1 - value(&turning.motion)).abs() + (pair[1].1.1 - value(&turning.motion)).abs();
             far(a).total_cmp(&far(b))
         });
         if let Some((k, _)) = nearest {

@@ -40,13 +40,7 @@ fn turn(flow: &dyn Flow, place: &[f64]) -> Result<Turn, Lost> {
 ///
 /// # Errors
 /// [`Missed`].
-pub fn correct(
-    flow: &dyn Flow,
-    guess: &[f64],
-    condition: &Condition,
-    slopes: Option<&Slopes>,
-    accuracy: f64,
-) -> Result<Corrected, Missed> {
+pub fn correct(flow: &dyn Flow, guess: &[f64], condition: &Condition, slopes: Option<&Slopes>, accuracy: f64) -> Result<Corrected, Missed> {
     let size = guess.len() - 1;
     let mut place = guess.to_vec();
     let mut turned = turn(flow, &place)?;

@@ -104,4 +104,3 @@ fn norm(a: &[f64]) -> f64 {
 fn along(a: &[f64], factor: f64, b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + factor * b).collect()
 }
-

@@ -55,26 +55,18 @@ fn motion(cycle: &Cycle) -> Motion {
 }
 
 /// From the shape of hunting at the linear critical speed on, through a range of speeds.
-pub(super) fn from_small(
-    vehicle: &Vehicle,
-    modes: &Modes,
-    range: Range<f64>,
-    speeds: &[f64],
-    progress: &dyn Progress,
-) -> Followed {
+pub(super) fn from_small(vehicle: &Vehicle, modes: &Modes, range: Range<f64>, speeds: &[f64], progress: &dyn Progress) -> Followed {
     let first = match begin(vehicle, modes) {
         Ok(first) => first,
-        Err(missed) => return Followed::none(&format!("no motion with a swing of {} mm was found at the linear critical speed: {missed}", 1e3 * SMALL[2])),
+        Err(missed) => {
+            return Followed::none(&format!(
+                "no motion with a swing of {} mm was found at the linear critical speed: {missed}",
+                1e3 * SMALL[2]
+            ));
+        }
     };
     let limit = begins_at(&first, modes.speed);
-    let reach = Reach {
-        parameters: range,
-        step: FIRST,
-        shortest: SHORTEST,
-        longest: LONGEST,
-        swings: LEAST..MOST,
-        most: MOTIONS,
-    };
+    let reach = Reach { parameters: range, step: FIRST, shortest: SHORTEST, longest: LONGEST, swings: LEAST..MOST, most: MOTIONS };
     let [smallest, small, start] = first;
     let seen = |cycle: &Cycle| progress.motion(cycle.parameter, cycle.swings.iter().copied().fold(0.0, f64::max));
     let mut followed = branch::follow(vehicle, start, &reach, &seen);

@@ -12,8 +12,8 @@ mod station;
 pub mod vehicle;
 
 use crate::scene::spec::Scene;
-use crate::study::modes::{Modes, ModesError};
 use crate::study::modes::locus::{self, Critical, Locus};
+use crate::study::modes::{Modes, ModesError};
 use rayon::prelude::*;
 use serde::Serialize;
 use settle::{Outcome, settle};

@@ -49,7 +49,11 @@ impl Section {
         let size = |state: usize| f64::hypot(shape[state][0], shape[state][1]);
         let observed: Vec<usize> = simulation.model().wheelsets.iter().map(|wheelset| COORDINATES * wheelset.body + LATERAL).collect();
         let lead = observed.iter().copied().max_by(|a, b| size(*a).total_cmp(&size(*b))).ok_or("there is no wheelset")?;
-        let driven = system.drives.first().ok_or("nothing imposes the speed: hunting takes its energy from the vehicle's own, and is not periodic")?.body;
+        let driven = system
+            .drives
+            .first()
+            .ok_or("nothing imposes the speed: hunting takes its energy from the vehicle's own, and is not periodic")?
+            .body;
         let mut left_out = modes::indifferent(simulation).map_err(|error| error.to_string())?;
         for wheelset in &simulation.model().wheelsets {
             if !left_out.contains(&(COORDINATES * wheelset.body + COORDINATES - 1)) {
