@@ -92,7 +92,7 @@ impl Section {
         self.left_out.iter().for_each(|state| place[*state] = 0.0);
     }
 
-    /// Names of the observed wheelsets are in the order of the model's.
+    /// Number of the leading wheelset among the model's.
     pub fn leading(&self) -> usize {
         self.observed.iter().position(|state| *state == self.lead).unwrap_or(0)
     }
@@ -144,7 +144,7 @@ impl Station {
         let base = &self.steady.integration.y;
         let x = COORDINATES * section.driven;
         let travelled = y[x] - base[x];
-        let own = |state: usize| if state < COORDINATES * section.bodies && state % COORDINATES == 0 { travelled } else { 0.0 };
+        let own = |state: usize| if state < COORDINATES * section.bodies && state.is_multiple_of(COORDINATES) { travelled } else { 0.0 };
         let mut place: Vec<f64> = (0..y.len()).map(|state| (y[state] - own(state) - base[state]) / section.scales[state]).collect();
         section.cut(&mut place);
         place
