@@ -42,19 +42,16 @@ fn dots(label: &str, style: usize, marks: Vec<Mark>) -> Series {
 fn lines(found: &Diagram, value: impl Fn(&Motion) -> f64) -> Vec<Series> {
     let point = |motion: &Motion| (motion.speed, value(motion));
     let mut pieces: [Vec<Vec<(f64, f64)>>; 2] = [Vec::new(), Vec::new()];
-    let mut branch: Vec<(bool, (f64, f64))> = found.branch.iter().map(|motion| (motion.stable, point(motion))).collect();
-    // Turning points belong to both sides.
+    let mut branch: Vec<&Motion> = found.branch.iter().collect();
+    // Turning points stand between the motions whose swings are about theirs.
     for turning in &found.turnings {
-        let nearest = branch.windows(2).enumerate().min_by(|(_, a), (_, b)| {
-            let far =
-                |pair: &[(bool, (f64, f64))]| (pair[0].1.1 - value(&turning.motion)).abs() + (pair[1].1.1 - value(&turning.motion)).abs();
-            far(a).total_cmp(&far(b))
-        });
-        if let Some((k, _)) = nearest {
-            let stable = branch[k].0;
-            branch.insert(k + 1, (stable, point(&turning.motion)));
+        let swing = found.swing(&turning.motion);
+        let place = branch.windows(2).position(|pair| (found.swing(pair[0])..found.swing(pair[1])).contains(&swing));
+        if let Some(place) = place {
+            branch.insert(place + 1, &turning.motion);
         }
     }
+    let branch = branch.into_iter().map(|motion| (motion.stable, point(motion)));
     let mut last: Option<(bool, (f64, f64))> = None;
     for (stable, at) in branch {
         let own = &mut pieces[usize::from(stable)];

@@ -18,6 +18,8 @@ use faer::c64;
 
 /// Multipliers come of differences: what is outside the unit circle by less than this is not told from what is inside.
 pub const MARGIN: f64 = 0.01;
+/// A real multiplier as near to 1 as this may come out on the other side of it.
+const NEAR: f64 = 0.05;
 
 /// A system with a section.
 pub trait Flow: Sync {
@@ -82,9 +84,15 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// Multipliers outside the unit circle by more than differences may be off.
+    /// Multipliers outside the unit circle by more than differences may be off. On which side of 1 the nearest real one is tells the branch itself: where
+    /// it turns round one passes 1, and it begins with small motions of which one multiplier is above 1 if the parameter falls.
     pub fn unstable(&self) -> usize {
-        self.multipliers.iter().filter(|value| value.norm() > 1.0 + MARGIN).count()
+        let far = |value: &c64| (value.re - 1.0).abs();
+        let real = self.multipliers.iter().enumerate().filter(|(_, value)| value.im == 0.0 && far(value) < NEAR);
+        let nearest = real.min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b))).map(|(k, _)| k);
+        let falls = self.tangent.last().is_some_and(|part| *part < 0.0);
+        let outside = |(k, value): (usize, &c64)| if Some(k) == nearest { falls } else { value.norm() > 1.0 + MARGIN };
+        self.multipliers.iter().enumerate().filter(|entry| outside(*entry)).count()
     }
 
     pub fn is_stable(&self) -> bool {
