@@ -1,6 +1,7 @@
 //! The extremes of coordinates between two passages.
 
-use super::station::bisect;
+/// Halvings of a step in which a time is found.
+const HALVINGS: usize = 50;
 
 /// Those of some coordinates; their velocities stand `ahead` states later.
 pub(super) struct Extremes<'a> {
@@ -46,4 +47,17 @@ impl<'a> Extremes<'a> {
     pub fn take(&self) -> Vec<f64> {
         self.least.iter().zip(&self.most).map(|(least, most)| 0.5 * (most - least)).collect()
     }
+}
+
+/// The time from which on `before` no longer holds.
+pub(super) fn bisect(mut from: f64, mut to: f64, mut before: impl FnMut(f64) -> bool) -> f64 {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (from + to);
+        if before(middle) {
+            from = middle;
+        } else {
+            to = middle;
+        }
+    }
+    0.5 * (from + to)
 }

@@ -4,7 +4,7 @@
 //! and milliradians, velocities in parts of what such a swing has. Travel along the track and states on which nothing depends (the
 //! turn of wheelsets) grow from turn to turn; they are taken back, which changes nothing.
 
-use super::extremes::Extremes;
+use super::extremes::{Extremes, bisect};
 use crate::mbs::body::{COORDINATES, LATERAL};
 use crate::scene::spec::Scene;
 use crate::sim::{Simulation, SimulationError, SimulationState};
@@ -17,8 +17,6 @@ pub const LENGTH: f64 = 1e-3;
 const RATE: f64 = 30.0;
 /// A motion that swings less than this is at rest, m.
 const REST: f64 = 1e-7;
-/// How exactly a passage is found in time, in parts of a step.
-const HALVINGS: usize = 50;
 
 /// What is the same at all speeds.
 #[derive(Clone, Debug)]
@@ -194,17 +192,4 @@ impl Station {
             }
         }
     }
-}
-
-/// The time from which on `before` no longer holds.
-pub(super) fn bisect(mut from: f64, mut to: f64, mut before: impl FnMut(f64) -> bool) -> f64 {
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (from + to);
-        if before(middle) {
-            from = middle;
-        } else {
-            to = middle;
-        }
-    }
-    0.5 * (from + to)
 }
