@@ -10,6 +10,7 @@ mod directional;
 mod example_scenes;
 mod forces;
 mod joints;
+mod limit_cycles;
 mod modes;
 mod moving_frame;
 mod out_of_round;

@@ -1,5 +1,7 @@
 //! `wheelrail modes SCENE`: eigenvalues and shapes about steady running, root locus over speed, linear critical speed.
 
+mod cycles;
+mod diagram;
 mod picture;
 mod report;
 
@@ -7,6 +9,7 @@ use super::output::{Kind, Target};
 use super::progress::bar;
 use super::{Failure, SceneArguments, file_names, print, refused, say};
 use crate::scene::spec::Scene;
+use crate::study::hunting::{self, Diagram, HuntingError};
 use crate::study::modes::locus::{self, Locus};
 use crate::study::modes::{self, ModesError};
 use crate::units::Dimension;
@@ -25,14 +28,22 @@ wheelsets roll along their wave. What nothing depends on (a wheelset's turn abou
 (the travelling speed) is left out and named.
 
 --sweep vehicle.speed=20..120:5 finds the modes from 20 to 120 m/s every 5 m/s; numbers may carry units, such as \"72km/h..430km/h:18km/h\" (a unit at the end alone counts for all \
-three). The critical speed is the first one within the sweep from which on hunting grows, by bisection.")]
+three). The critical speed is the first one within the sweep from which on hunting grows, by bisection.
+
+--limit-cycle follows the periodic motions of hunting from the linear critical speed on within the range of the sweep, stable and unstable ones, by their arc length: motions are fixed points of \
+the map from one passage of a wheelset through its steady place to the next, and stable where all multipliers (eigenvalues of its slope) are inside the unit circle. Where the branch turns round \
+is the lowest speed of the motions that meet there: with a stable one the nonlinear critical speed. Beside it stands what long runs come to that begin with the largest motion found. Swings are half the way between \
+extremes; +- is what a tighter integration changes and Newton's method leaves. Takes seconds to minutes. See docs/modes.md.")]
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
     /// Modes over speed and the critical speed
     #[arg(long, value_name = "vehicle.speed=FROM..TO:STEP")]
     sweep: Option<String>,
-    /// Draw the root locus of --sweep as SVG
+    /// Limit cycles within the speeds of --sweep: stable and unstable periodic motions, the nonlinear critical speed
+    #[arg(long, requires = "sweep")]
+    limit_cycle: bool,
+    /// Draw the root locus of --sweep as SVG, with --limit-cycle swings over speed
     #[arg(long, value_name = "FILE.svg", requires = "sweep")]
     plot: Option<PathBuf>,
     /// Print the result as JSON (SI units)
@@ -56,6 +67,9 @@ pub(super) fn modes(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(file) = &arguments.plot {
         Target::find(file, Kind::Text).map_err(refused)?;
     }
+    if arguments.limit_cycle {
+        return limit_cycles(arguments, &scene, &speeds);
+    }
     let found = run(&scene, &speeds)?;
     if let Some(file) = &arguments.plot {
         picture::draw(file, &scene, &found).map_err(Failure::Run)?;
@@ -68,6 +82,41 @@ pub(super) fn modes(arguments: &Arguments) -> Result<(), Failure> {
         files.iter().for_each(|file| say(&format!("wrote {}", file.display())));
     }
     Ok(())
+}
+
+fn limit_cycles(arguments: &Arguments, scene: &Scene, speeds: &[f64]) -> Result<(), Failure> {
+    let progress = Bar(bar(2 * speeds.len() as u64, "{msg}"));
+    let found = hunting::diagram(scene, speeds, &progress);
+    progress.0.finish_and_clear();
+    let found: Diagram = found.map_err(|error| match &error {
+        HuntingError::Modes(error) => failed(scene, error),
+        HuntingError::None(_) => Failure::Input(format!("{}: {error}", scene.source.file)),
+    })?;
+    if let Some(file) = &arguments.plot {
+        diagram::draw(file, scene, &found).map_err(Failure::Run)?;
+    }
+    let files: Vec<PathBuf> = arguments.plot.iter().cloned().collect();
+    if arguments.json {
+        print(&format!("{}\n", serde_json::json!({"limit_cycles": found, "pictures": file_names(&files)})))?;
+    } else {
+        print(&cycles::cycles(scene, &found))?;
+        files.iter().for_each(|file| say(&format!("wrote {}", file.display())));
+    }
+    Ok(())
+}
+
+/// Speeds of the sweep that are done, then motions of the branch, whose number is not known.
+struct Bar(indicatif::ProgressBar);
+
+impl hunting::Progress for Bar {
+    fn speed(&self) {
+        self.0.inc(1);
+    }
+
+    fn motion(&self, speed: f64, swing: f64) {
+        self.0.set_message(format!("{speed:.2} m/s: {:.2} mm", 1e3 * swing));
+        self.0.tick();
+    }
 }
 
 fn run(scene: &Scene, speeds: &[f64]) -> Result<Locus, Failure> {

@@ -13,7 +13,7 @@ const LEAST_DAMPED: usize = 3;
 /// Contact modes beyond this are not told over speed unless they grow, Hz.
 const HIGHEST: f64 = 40.0;
 
-fn speed(speed: f64) -> String {
+pub(super) fn speed(speed: f64) -> String {
     format!("{speed:.1} m/s ({:.0} km/h)", 3.6 * speed)
 }
 
@@ -22,7 +22,7 @@ fn parts(mode: &Mode) -> String {
     told.map(|part| format!("{} {} {:.0} %", part.body, part.coordinate, 100.0 * part.share)).collect::<Vec<_>>().join(", ")
 }
 
-fn head(names: &[&str]) -> Vec<String> {
+pub(super) fn head(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| name.to_string()).collect()
 }
 

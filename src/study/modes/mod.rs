@@ -131,6 +131,15 @@ pub fn undisturbed(scene: &Scene, speed: f64) -> Result<Scene, ModesError> {
     Ok(scene)
 }
 
+/// States on which nothing depends in a simulation's present state: the turn of wheelsets about their axles, states that only count.
+///
+/// # Errors
+/// Where the model can't be evaluated.
+pub fn indifferent(simulation: &Simulation) -> Result<Vec<usize>, EvaluationError> {
+    let state = simulation.state();
+    reduction::indifferent(&mut Neighbourhood::new(simulation.model(), &state.integration.y, &state.memories.accepted))
+}
+
 /// Modes of a scene's vehicle at a speed [m/s].
 ///
 /// # Errors

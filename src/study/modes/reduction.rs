@@ -13,6 +13,7 @@
 
 use super::Dense;
 use super::slopes::{Linear, Neighbourhood};
+use crate::formulation::EvaluationError;
 use crate::mbs::body::COORDINATES;
 use faer::{Mat, c64};
 
@@ -51,8 +52,8 @@ impl Reduction {
             rows.extend([vec![(x, 1.0)], vec![(count + x, 1.0)]]);
             left_out.push(format!("{}: distance and speed along the track (imposed)", here.model.system.bodies[drive.body].name));
         }
-        for direction in candidates(here, linear) {
-            if changes_nothing(here, linear, &direction.parts) {
+        for direction in candidates(here) {
+            if changes_nothing(here, &linear.rates, &direction.parts) {
                 rows.push(direction.parts);
                 left_out.push(direction.words);
             }
@@ -84,8 +85,15 @@ impl Reduction {
     }
 }
 
+/// Single states on which nothing depends, near the state that `here` is about.
+pub(super) fn indifferent(here: &mut Neighbourhood) -> Result<Vec<usize>, EvaluationError> {
+    let usual = here.rates(here.y.clone())?.1;
+    let single = candidates(here).into_iter().filter(|direction| direction.parts.len() == 1);
+    Ok(single.filter(|direction| changes_nothing(here, &usual, &direction.parts)).map(|direction| direction.parts[0].0).collect())
+}
+
 /// Directions that may change nothing: the turn of each body of revolution, states beside bodies that only count, and travel where nothing imposes it.
-fn candidates(here: &Neighbourhood, linear: &Linear) -> Vec<Direction> {
+fn candidates(here: &Neighbourhood) -> Vec<Direction> {
     let system = &here.model.system;
     let bodies = system.bodies.len();
     let mut found = Vec::new();
@@ -94,7 +102,7 @@ fn candidates(here: &Neighbourhood, linear: &Linear) -> Vec<Direction> {
         let pitch = COORDINATES * wheelset.body + COORDINATES - 1;
         found.push(Direction { parts: vec![(pitch, 1.0)], words: format!("{name}: turn about the axle") });
     }
-    for state in 2 * COORDINATES * bodies..linear.size() {
+    for state in 2 * COORDINATES * bodies..here.y.len() {
         found.push(Direction { parts: vec![(state, 1.0)], words: format!("state {state}: nothing depends on it") });
     }
     if system.drives.is_empty() {
@@ -105,13 +113,13 @@ fn candidates(here: &Neighbourhood, linear: &Linear) -> Vec<Direction> {
 }
 
 /// Are rates and constraints the same after a finite shift?
-fn changes_nothing(here: &mut Neighbourhood, linear: &Linear, parts: &[(usize, f64)]) -> bool {
+fn changes_nothing(here: &mut Neighbourhood, usual: &[f64], parts: &[(usize, f64)]) -> bool {
     let mut y = here.y.clone();
     parts.iter().for_each(|(state, part)| y[*state] += SHIFT * part);
     // A state of an element or a contact may not be free to move so far.
     let Ok((found, rates)) = here.rates(y.clone()) else { return false };
     let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < NOTHING * SHIFT);
-    same(&found, &y) && same(&rates, &linear.rates)
+    same(&found, &y) && same(&rates, usual)
 }
 
 /// Orthonormal vectors that meet all conditions.
