@@ -10,6 +10,7 @@
 //! A pair `lambda = a +- i w` is a mode of frequency `w / 2 pi`, growth rate `a` and damping `-a / |lambda|` of critical. Shares of a shape are those
 //! of the kinetic energy ([`shape`]). Eigenvalues along a sweep of speeds and the speed from which on hunting grows stand in [`locus`].
 
+mod across;
 pub mod locus;
 mod reduction;
 pub mod shape;

@@ -8,9 +8,10 @@
 //! P = dp/dy,   J P = d f(p(y)) / dy
 //! ```
 //!
-//! with p the projection, which meets constraints to 1e-13 m; steps there are ten times as long.
+//! with p the projection, which meets constraints to 1e-13 m; steps there are ten times as long. Patches of strips are looked at over longer ways ([`super::across`]).
 
 use super::Dense;
+use super::across::Loads;
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::{Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::{COORDINATES, YAW};
@@ -84,7 +85,7 @@ impl<'a> Neighbourhood<'a> {
     }
 
     /// The state nearest to `y` that is on the constraints, and its rates.
-    pub fn rates(&mut self, mut y: Vec<f64>) -> Result<(Vec<f64>, Vec<f64>), EvaluationError> {
+    pub fn rates(&mut self, mut y: Vec<f64>) -> Result<Met, EvaluationError> {
         self.trial.clone_from(self.memory);
         if self.constrained {
             self.model.at(&mut self.workspace, 0.0, &mut y, &mut self.trial).project()?;
@@ -98,23 +99,52 @@ impl<'a> Neighbourhood<'a> {
     /// Slopes with steps of `length` times their usual length.
     pub fn linear(&mut self, length: f64) -> Result<Linear, EvaluationError> {
         let size = self.y.len();
-        let (mut projector, mut slopes) = (Mat::zeros(size, size), Mat::zeros(size, size));
+        let mut linear = Linear { projector: Mat::zeros(size, size), slopes: Mat::zeros(size, size), rates: Vec::new() };
+        let mut loads = Loads::new();
         for column in 0..size {
             let step = length * self.step(column);
             let mut beside = |sign: f64| {
                 let mut y = self.y.clone();
                 y[column] += sign * step;
-                self.rates(y)
+                self.rates(y).map(|found| (found, self.wheel_loads()))
             };
-            let (ahead, behind) = (beside(1.0)?, beside(-1.0)?);
+            let ((ahead, heavier), (behind, lighter)) = (beside(1.0)?, beside(-1.0)?);
             // What the state really moved by, after rounding.
             let moved = (self.y[column] + step) - (self.y[column] - step);
-            for row in 0..size {
-                projector[(row, column)] = (ahead.0[row] - behind.0[row]) / moved;
-                slopes[(row, column)] = (ahead.1[row] - behind.1[row]) / moved;
-            }
+            add_to_column(&mut linear, column, (&ahead, &behind), moved.recip());
+            loads.push(heavier.iter().zip(&lighter).map(|(a, b)| (a - b) / moved).collect());
         }
-        let rates = self.rates(self.y.clone())?.1;
-        Ok(Linear { projector, slopes, rates })
+        if let Some(step) = self.model.laws.patch.step_across() {
+            self.slopes_across(length * step, &loads, &mut linear)?;
+        }
+        linear.rates = self.rates(self.y.clone())?.1;
+        Ok(linear)
+    }
+
+    /// Normal force of each wheel as it was evaluated last, N.
+    fn wheel_loads(&self) -> Vec<f64> {
+        let of = |contact: usize| self.workspace.reports(contact).map(|report| report.normal_force).sum();
+        (0..self.model.contacts()).map(of).collect()
+    }
+}
+
+/// A state that was met, and its rates.
+type Met = (Vec<f64>, Vec<f64>);
+
+pub(super) fn clear_column(linear: &mut Linear, column: usize) {
+    scale_column(linear, column, 0.0);
+}
+
+/// Adds differences of states and rates, times a weight.
+pub(super) fn add_to_column(linear: &mut Linear, column: usize, (ahead, behind): (&Met, &Met), weight: f64) {
+    for row in 0..ahead.0.len() {
+        linear.projector[(row, column)] += (ahead.0[row] - behind.0[row]) * weight;
+        linear.slopes[(row, column)] += (ahead.1[row] - behind.1[row]) * weight;
+    }
+}
+
+pub(super) fn scale_column(linear: &mut Linear, column: usize, by: f64) {
+    for matrix in [&mut linear.projector, &mut linear.slopes] {
+        (0..matrix.nrows()).for_each(|row| matrix[(row, column)] *= by);
     }
 }
