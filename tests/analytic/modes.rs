@@ -7,7 +7,7 @@ use wheelrail::formulation::Evaluation;
 use wheelrail::scene::load;
 use wheelrail::scene::spec::Scene;
 use wheelrail::sim::Simulation;
-use wheelrail::study::modes::{Mode, Modes, locus, modes, undisturbed};
+use wheelrail::study::modes::{Mode, Modes, locus, modes, modes_over, undisturbed};
 
 fn open(name: &str, changes: &[&str]) -> Scene {
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
@@ -216,4 +216,24 @@ fn hard_a_scene_in_a_curve_is_refused() {
     let scene = open("vehicle_curve", &["vehicle.initial.distance=150"]);
     let error = modes(&scene, scene.vehicle.speed).unwrap_err().to_string();
     assert!(error.contains("straight track"), "{error}");
+}
+
+/// With an amplitude, strips have the hunting of their table, whose nodes are as far apart as slopes over them, and on cones nothing changes; at half a millimetre it is that of a wheelset that swings so.
+#[test]
+fn analytic_equivalent_slopes_are_those_over_some_strips() {
+    let frequency = |name: &str, patch: &str, amplitude: f64| {
+        let changes = [format!("contact.patch={patch}"), "track.deviation=[]".into()];
+        let scene = load::open(name, &changes).unwrap();
+        let found = modes_over(&scene, scene.vehicle.speed, amplitude).unwrap();
+        let mode = found.hunting().unwrap();
+        println!("{name}, {patch}, {:.2} mm: {:.4} Hz, {:.4} 1/s", 1e3 * amplitude, mode.frequency, mode.growth);
+        mode.frequency
+    };
+    for name in ["wheelset_s1002", "vehicle_manchester_1"] {
+        let [point, over, table] =
+            [("strips", 0.0), ("strips", 5e-4), ("table", 5e-4)].map(|(patch, amplitude)| frequency(name, patch, amplitude));
+        assert!((over / table - 1.0).abs() < 0.02 && (point / table - 1.0).abs() > 0.04, "{name}");
+    }
+    let [point, over] = [0.0, 5e-4].map(|amplitude| frequency("suspended_wheelset", "strips", amplitude));
+    assert!((over / point - 1.0).abs() < 1e-3);
 }

@@ -201,7 +201,7 @@ impl Conicities {
     }
 }
 
-fn number(name: &str, text: &str, dimension: Dimension) -> Result<f64, Failure> {
+pub(in crate::cli) fn number(name: &str, text: &str, dimension: Dimension) -> Result<f64, Failure> {
     let value = dimension.parse(text).filter(|value| value.is_finite());
     value.ok_or_else(|| Failure::Input(format!("--{name} {text}: expected {}", dimension.expectation())))
 }

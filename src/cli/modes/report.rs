@@ -26,6 +26,11 @@ pub(super) fn head(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| name.to_string()).collect()
 }
 
+/// That slopes are equivalent ones, where they are.
+fn swinging(amplitude: f64) -> String {
+    if amplitude == 0.0 { String::new() } else { format!("  equivalent slopes: wheelsets swing across by {:.3} mm\n", 1e3 * amplitude) }
+}
+
 /// Everything about one speed.
 pub(super) fn modes(scene: &Scene, found: &Modes) -> String {
     let mut text = format!(
@@ -37,6 +42,7 @@ pub(super) fn modes(scene: &Scene, found: &Modes) -> String {
         found.states,
         found.free
     );
+    text.push_str(&swinging(found.amplitude));
     if found.unbalanced > UNSTEADY {
         text += &format!("  not quite steady: accelerations up to {:.1e} m/s2 or rad/s2 remain\n", found.unbalanced);
     }
@@ -83,8 +89,11 @@ fn verdict(found: &Modes) -> String {
 /// The least damped modes by speed, and the critical speed.
 pub(super) fn locus(scene: &Scene, found: &Locus) -> String {
     let mut text = format!(
-        "{}: {}\n  {}, straight track\n\nHunting and the least damped modes below {HIGHEST} Hz by speed\n",
-        scene.name, scene.title, scene.contact.formulation_name
+        "{}: {}\n  {}, straight track\n{}\nHunting and the least damped modes below {HIGHEST} Hz by speed\n",
+        scene.name,
+        scene.title,
+        scene.contact.formulation_name,
+        found.points.first().map_or(String::new(), |point| swinging(point.amplitude))
     );
     let mut rows = Vec::new();
     for point in &found.points {

@@ -21,15 +21,6 @@ impl PatchLaw {
         self != PatchLaw::Ellipse
     }
 
-    /// Where it follows a wheel that moves across in steps, from strip to strip or from node to node of a table: their length, m.
-    pub fn step_across(self) -> Option<f64> {
-        match self {
-            PatchLaw::Strips => Some(3.5e-4),
-            PatchLaw::Table => Some(1e-4),
-            PatchLaw::Ellipse | PatchLaw::Linear => None,
-        }
-    }
-
     /// Does it ask for a formulation that finds every place of a wheel by itself, without nodes?
     pub fn needs_all_places(self) -> bool {
         matches!(self, PatchLaw::Table | PatchLaw::Linear)

@@ -1,6 +1,6 @@
 //! Modes over speed, and the speed from which on hunting grows.
 
-use super::{Modes, ModesError, modes};
+use super::{Modes, ModesError, modes_over};
 use crate::scene::spec::Scene;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -32,8 +32,16 @@ pub struct Critical {
 /// # Errors
 /// [`ModesError`] of the first speed that has no modes.
 pub fn locus(scene: &Scene, speeds: &[f64], done: impl Fn() + Sync) -> Result<Locus, ModesError> {
+    locus_over(scene, speeds, 0.0, done)
+}
+
+/// The same where wheelsets swing across by an `amplitude` [m] (equivalent slopes).
+///
+/// # Errors
+/// [`ModesError`] of the first speed that has no modes.
+pub fn locus_over(scene: &Scene, speeds: &[f64], amplitude: f64, done: impl Fn() + Sync) -> Result<Locus, ModesError> {
     let at = |speed: &f64| {
-        let found = modes(scene, *speed);
+        let found = modes_over(scene, *speed, amplitude);
         done();
         found
     };
@@ -51,7 +59,7 @@ pub fn locus(scene: &Scene, speeds: &[f64], done: impl Fn() + Sync) -> Result<Lo
 fn critical(scene: &Scene, mut stable: f64, unstable: &Modes) -> Result<Option<Critical>, ModesError> {
     let mut unstable = unstable.clone();
     while unstable.speed - stable > ACCURACY {
-        let middle = modes(scene, 0.5 * (stable + unstable.speed))?;
+        let middle = modes_over(scene, 0.5 * (stable + unstable.speed), unstable.amplitude)?;
         if middle.hunting().is_some_and(|mode| mode.growth > 0.0) {
             unstable = middle;
         } else {

@@ -75,6 +75,8 @@ pub struct Mode {
 pub struct Modes {
     /// V, m/s.
     pub speed: f64,
+    /// By which wheelsets swing across for equivalent slopes, m; 0: slopes at the steady state.
+    pub amplitude: f64,
     /// Modes by frequency, then aperiodic motions, the slowest first.
     pub modes: Vec<Mode>,
     /// What was left out because nothing depends on it or it is imposed, in words.
@@ -146,14 +148,22 @@ pub fn indifferent(simulation: &Simulation) -> Result<Vec<usize>, EvaluationErro
 /// # Errors
 /// [`ModesError`].
 pub fn modes(scene: &Scene, speed: f64) -> Result<Modes, ModesError> {
+    modes_over(scene, speed, 0.0)
+}
+
+/// The same where wheelsets swing across by an `amplitude` [m]: equivalent slopes, by harmonic linearisation.
+///
+/// # Errors
+/// [`ModesError`].
+pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, ModesError> {
     let scene = undisturbed(scene, speed)?;
     let simulation = Simulation::new(&scene, 0.0).map_err(|cause| ModesError::NoStart { speed, cause })?;
     let model = simulation.model();
     let state = simulation.state();
     let beside = |cause| ModesError::Beside { speed, cause };
     let mut here = Neighbourhood::new(model, &state.integration.y, &state.memories.accepted);
-    let linear = here.linear(1.0).map_err(beside)?;
-    let coarse = here.linear(2.0).map_err(beside)?;
+    let linear = here.linear(1.0, amplitude).map_err(beside)?;
+    let coarse = here.linear(2.0, amplitude).map_err(beside)?;
     let reduction = Reduction::new(&mut here, &linear).ok_or(ModesError::NoEigenvalues { speed, size: linear.size() })?;
     let matrix = reduction.matrix(&linear);
     let size = matrix.nrows();
@@ -174,7 +184,15 @@ pub fn modes(scene: &Scene, speed: f64) -> Result<Modes, ModesError> {
         let aperiodic = |mode: &Mode| mode.angular_frequency == 0.0;
         aperiodic(a).cmp(&aperiodic(b)).then(a.frequency.total_cmp(&b.frequency)).then(b.growth.total_cmp(&a.growth))
     });
-    Ok(Modes { speed, modes, states: linear.size(), free: size, unbalanced: unbalanced(model, &linear), left_out: reduction.left_out })
+    Ok(Modes {
+        speed,
+        amplitude,
+        modes,
+        states: linear.size(),
+        free: size,
+        unbalanced: unbalanced(model, &linear),
+        left_out: reduction.left_out,
+    })
 }
 
 fn mode(model: &Model, speed: f64, value: c64, others: &[c64], shape: Vec<c64>) -> Mode {

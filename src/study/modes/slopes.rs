@@ -8,7 +8,7 @@
 //! P = dp/dy,   J P = d f(p(y)) / dy
 //! ```
 //!
-//! with p the projection, which meets constraints to 1e-13 m; steps there are ten times as long. Patches of strips are looked at over longer ways ([`super::across`]).
+//! with p the projection, which meets constraints to 1e-13 m; steps there are ten times as long.
 
 use super::Dense;
 use super::across::Loads;
@@ -96,8 +96,8 @@ impl<'a> Neighbourhood<'a> {
         Ok((y, rates))
     }
 
-    /// Slopes with steps of `length` times their usual length.
-    pub fn linear(&mut self, length: f64) -> Result<Linear, EvaluationError> {
+    /// Slopes with steps of `length` times their usual length; where an `amplitude` [m] is above 0 those of displacements of wheelsets across are equivalent ones ([`super::across`]).
+    pub fn linear(&mut self, length: f64, amplitude: f64) -> Result<Linear, EvaluationError> {
         let size = self.y.len();
         let mut linear = Linear { projector: Mat::zeros(size, size), slopes: Mat::zeros(size, size), rates: Vec::new() };
         let mut loads = Loads::new();
@@ -114,26 +114,22 @@ impl<'a> Neighbourhood<'a> {
             add_to_column(&mut linear, column, (&ahead, &behind), moved.recip());
             loads.push(heavier.iter().zip(&lighter).map(|(a, b)| (a - b) / moved).collect());
         }
-        if let Some(step) = self.model.laws.patch.step_across() {
-            self.slopes_across(length * step, &loads, &mut linear)?;
+        if amplitude > 0.0 {
+            self.swing(amplitude, &loads, &mut linear)?;
         }
         linear.rates = self.rates(self.y.clone())?.1;
         Ok(linear)
     }
 
     /// Normal force of each wheel as it was evaluated last, N.
-    fn wheel_loads(&self) -> Vec<f64> {
+    pub fn wheel_loads(&self) -> Vec<f64> {
         let of = |contact: usize| self.workspace.reports(contact).map(|report| report.normal_force).sum();
         (0..self.model.contacts()).map(of).collect()
     }
 }
 
 /// A state that was met, and its rates.
-type Met = (Vec<f64>, Vec<f64>);
-
-pub(super) fn clear_column(linear: &mut Linear, column: usize) {
-    scale_column(linear, column, 0.0);
-}
+pub(super) type Met = (Vec<f64>, Vec<f64>);
 
 /// Adds differences of states and rates, times a weight.
 pub(super) fn add_to_column(linear: &mut Linear, column: usize, (ahead, behind): (&Met, &Met), weight: f64) {
