@@ -237,3 +237,15 @@ fn analytic_equivalent_slopes_are_those_over_some_strips() {
     let [point, over] = [0.0, 5e-4].map(|amplitude| frequency("suspended_wheelset", "strips", amplitude));
     assert!((over / point - 1.0).abs() < 1e-3);
 }
+
+/// At the amplitude of a limit cycle (docs/modes.md; found by continuation) hunting has its frequency and hardly grows or dies away: what saturation of creep forces does is left out.
+#[test]
+fn analytic_equivalent_slopes_are_neutral_at_a_limit_cycle() {
+    for (speed, amplitude, cycle) in [(36.0, 3.493e-4, 7.0861), (39.0, 2.611e-4, 7.5240), (42.0, 1.597e-4, 7.8439)] {
+        let changes = ["contact.patch=ellipse".to_string(), "track.deviation=[]".into()];
+        let found = modes_over(&load::open("wheelset_s1002", &changes).unwrap(), speed, amplitude).unwrap();
+        let mode = found.by_damping().into_iter().find(|mode| mode.hunting).unwrap();
+        println!("{speed} m/s, {:.3} mm: {:.4} Hz for {cycle} Hz, damping {:.2} %", 1e3 * amplitude, mode.frequency, 100.0 * mode.damping);
+        assert!((mode.frequency / cycle - 1.0).abs() < 6e-3 && mode.damping.abs() < 7e-3);
+    }
+}

@@ -8,13 +8,16 @@
 //! J e_y = <f(y0 + d)> - <z> J e_z - <phi> J e_phi
 //! ```
 //!
-//! (Equivalent conicity is the same for kinematics alone: UIC 519, EN 15302.) Wheels keep their loads on the way d, which a displacement alone would change by as much as they are;
-//! all other columns are slopes at the steady state. Left out: yaw and creepages of that size (creep laws saturate), and what even harmonics do.
+//! (Equivalent conicity is the same for kinematics alone: UIC 519, EN 15302.) Wheels keep their loads on the way d, which a displacement alone would change by as much as they are.
+//!
+//! Patches, and with them what creepages do, change on the way. Columns of the wheelset's yaw and velocities are means of the slopes beside it, by `cos^2 theta` where they are a quarter of a
+//! turn ahead of the displacement (yaw, lateral and roll velocity), by `sin^2 theta` where they go with it (yaw rate), by 1 for the others. Left out: creepages of that size (creep laws saturate), and
+//! what even harmonics do.
 
 use super::slopes::{Linear, Met, Neighbourhood, add_to_column, scale_column};
 use crate::formulation::{EvaluationError, contact_index};
 use crate::geometry::Side;
-use crate::mbs::body::COORDINATES;
+use crate::mbs::body::{COORDINATES, YAW};
 use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::FRAC_PI_2;
 
@@ -28,6 +31,28 @@ const Y: usize = 1;
 const Z: usize = 2;
 const ROLL: usize = 4;
 
+/// Columns of a wheelset that are taken as means.
+const BESIDE: usize = 7;
+
+/// Of a part of hunting against the displacement.
+#[derive(Clone, Copy)]
+enum Phase {
+    Ahead,
+    With,
+    None,
+}
+
+impl Phase {
+    /// Where the displacement is the amplitude times `sine`.
+    fn weight(self, sine: f64) -> f64 {
+        match self {
+            Phase::Ahead => 1.0 - sine * sine,
+            Phase::With => sine * sine,
+            Phase::None => 1.0,
+        }
+    }
+}
+
 /// How the wheels' loads change with each state, N per its unit, by state and contact.
 pub(super) type Loads = Vec<Vec<f64>>;
 
@@ -36,22 +61,31 @@ impl Neighbourhood<'_> {
     ///
     /// # Errors
     /// Where the model has no answer beside the steady state.
-    pub fn swing(&mut self, amplitude: f64, loads: &Loads, linear: &mut Linear) -> Result<(), EvaluationError> {
+    pub fn swing(&mut self, (length, amplitude): (f64, f64), loads: &Loads, linear: &mut Linear) -> Result<(), EvaluationError> {
         for (index, body) in self.model.wheelsets.iter().map(|wheelset| wheelset.body).enumerate() {
             let [y, z, roll] = [Y, Z, ROLL].map(|axis| COORDINATES * body + axis);
             let of = |column: usize| Vector2::from(Side::BOTH.map(|side| loads[column][contact_index(index, side)]));
             let Some(back) = Matrix2::from_columns(&[of(z), of(roll)]).try_inverse() else { continue };
-            scale_column(linear, y, 0.0);
-            let (mut way, mut sum) = (Vector2::zeros(), 0.0);
+            let beside = self.columns_beside(body);
+            [y].into_iter().chain(beside.iter().map(|own| own.0)).for_each(|column| scale_column(linear, column, 0.0));
+            let (mut way, mut sum, mut weights) = (Vector2::zeros(), 0.0, [0.0; BESIDE]);
             for node in 0..NODES {
                 let sine = (FRAC_PI_2 * (f64::from(node) + 0.5) / f64::from(NODES)).sin();
                 let mut at = |x: f64| self.displaced((index, [y, z, roll]), x, &back);
                 let ((ahead, left), (behind, right)) = (at(amplitude * sine)?, at(-amplitude * sine)?);
-                add_to_column(linear, y, (&ahead, &behind), sine);
+                add_to_column(linear, y, (&ahead.1, &behind.1), sine);
                 way += (left - right) * sine;
                 sum += 2.0 * amplitude * sine * sine;
+                for state in [&ahead.0, &behind.0] {
+                    for ((column, phase), sum) in beside.iter().zip(&mut weights) {
+                        let weight = phase.weight(sine);
+                        self.add_slope(state, *column, length, weight, linear)?;
+                        *sum += weight;
+                    }
+                }
             }
             scale_column(linear, y, sum.recip());
+            beside.iter().zip(weights).for_each(|((column, _), sum)| scale_column(linear, *column, sum.recip()));
             way /= sum;
             for matrix in [&mut linear.projector, &mut linear.slopes] {
                 for row in 0..matrix.nrows() {
@@ -63,13 +97,35 @@ impl Neighbourhood<'_> {
         Ok(())
     }
 
+    /// Yaw and velocities of a wheelset.
+    fn columns_beside(&self, body: usize) -> [(usize, Phase); BESIDE] {
+        let (places, velocities) = (COORDINATES * body, COORDINATES * (self.model.system.bodies.len() + body));
+        let ahead = [places + YAW, velocities + Y, velocities + ROLL].map(|column| (column, Phase::Ahead));
+        let others = [0, Z, COORDINATES - 1].map(|axis| (velocities + axis, Phase::None));
+        [ahead[0], ahead[1], ahead[2], (velocities + YAW, Phase::With), others[0], others[1], others[2]]
+    }
+
+    /// Adds the slope by one state beside another place.
+    fn add_slope(&mut self, state: &[f64], column: usize, length: f64, weight: f64, linear: &mut Linear) -> Result<(), EvaluationError> {
+        let step = length * self.step(column);
+        let mut beside = |sign: f64| {
+            let mut y = state.to_vec();
+            y[column] += sign * step;
+            self.rates(y)
+        };
+        let (ahead, behind) = (beside(1.0)?, beside(-1.0)?);
+        let moved = (state[column] + step) - (state[column] - step);
+        add_to_column(linear, column, (&ahead, &behind), weight / moved);
+        Ok(())
+    }
+
     /// The state with a wheelset (its number, and where its y, z and roll are) displaced by x, and by how much it rises and rolls there for its wheels to keep their loads.
     fn displaced(
         &mut self,
         (index, [y, z, roll]): (usize, [usize; 3]),
         x: f64,
         back: &Matrix2<f64>,
-    ) -> Result<(Met, Vector2<f64>), EvaluationError> {
+    ) -> Result<((Vec<f64>, Met), Vector2<f64>), EvaluationError> {
         let of = |all: &[f64]| Vector2::from(Side::BOTH.map(|side| all[contact_index(index, side)]));
         self.rates(self.y.clone())?;
         let kept = of(&self.wheel_loads());
@@ -80,9 +136,9 @@ impl Neighbourhood<'_> {
             for (place, moved) in [(y, x), (z, way.x), (roll, way.y)] {
                 state[place] += moved;
             }
-            let met = self.rates(state)?;
+            let met = self.rates(state.clone())?;
             let off = of(&self.wheel_loads()) - kept;
-            found = Some((met, way));
+            found = Some(((state, met), way));
             if off.amax() < KEPT * kept.amax() {
                 break;
             }
@@ -90,7 +146,7 @@ impl Neighbourhood<'_> {
         }
         match found {
             Some(found) => Ok(found),
-            None => self.rates(self.y.clone()).map(|met| (met, way)),
+            None => self.rates(self.y.clone()).map(|met| ((self.y.clone(), met), way)),
         }
     }
 }

@@ -71,7 +71,7 @@ impl<'a> Neighbourhood<'a> {
     }
 
     /// Step of a state.
-    fn step(&self, index: usize) -> f64 {
+    pub fn step(&self, index: usize) -> f64 {
         let count = COORDINATES * self.model.system.bodies.len();
         let own = match index {
             _ if index < count && index % COORDINATES == YAW => ANGLE,
@@ -115,7 +115,7 @@ impl<'a> Neighbourhood<'a> {
             loads.push(heavier.iter().zip(&lighter).map(|(a, b)| (a - b) / moved).collect());
         }
         if amplitude > 0.0 {
-            self.swing(amplitude, &loads, &mut linear)?;
+            self.swing((length, amplitude), &loads, &mut linear)?;
         }
         linear.rates = self.rates(self.y.clone())?.1;
         Ok(linear)
