@@ -149,7 +149,9 @@ fn run(scene: &Scene, speeds: &[f64], amplitude: f64) -> Result<Locus, Failure> 
 fn failed(scene: &Scene, error: &ModesError) -> Failure {
     let words = format!("{}: {error}", scene.source.file);
     match error {
-        ModesError::NotStraight { .. } | ModesError::NoStart { .. } => Failure::Input(words),
+        ModesError::NotStraight { .. } | ModesError::NoStart { .. } | ModesError::TooWide { .. } | ModesError::Rigid => {
+            Failure::Input(words)
+        }
         ModesError::Beside { .. } | ModesError::NoEigenvalues { .. } => Failure::Run(words),
     }
 }

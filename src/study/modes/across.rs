@@ -31,6 +31,15 @@ const Y: usize = 1;
 const Z: usize = 2;
 const ROLL: usize = 4;
 
+/// A wheelset aside of the steady state: the state that was asked for, what was met there, by how much the wheelset rises, m, and rolls, rad, and by how far
+/// its wheels' loads are then off, in parts of themselves.
+struct Displaced {
+    state: Vec<f64>,
+    met: Met,
+    way: Vector2<f64>,
+    off: f64,
+}
+
 /// Columns of a wheelset that are taken as means.
 const BESIDE: usize = 7;
 
@@ -72,11 +81,12 @@ impl Neighbourhood<'_> {
             for node in 0..NODES {
                 let sine = (FRAC_PI_2 * (f64::from(node) + 0.5) / f64::from(NODES)).sin();
                 let mut at = |x: f64| self.displaced((index, [y, z, roll]), x, &back);
-                let ((ahead, left), (behind, right)) = (at(amplitude * sine)?, at(-amplitude * sine)?);
-                add_to_column(linear, y, (&ahead.1, &behind.1), sine);
-                way += (left - right) * sine;
+                let (ahead, behind) = (at(amplitude * sine)?, at(-amplitude * sine)?);
+                add_to_column(linear, y, (&ahead.met, &behind.met), sine);
+                linear.off = linear.off.max(ahead.off).max(behind.off);
+                way += (ahead.way - behind.way) * sine;
                 sum += 2.0 * amplitude * sine * sine;
-                for state in [&ahead.0, &behind.0] {
+                for state in [&ahead.state, &behind.state] {
                     for ((column, phase), sum) in beside.iter().zip(&mut weights) {
                         let weight = phase.weight(sine);
                         self.add_slope(state, *column, length, weight, linear)?;
@@ -120,33 +130,28 @@ impl Neighbourhood<'_> {
     }
 
     /// The state with a wheelset (its number, and where its y, z and roll are) displaced by x, and by how much it rises and rolls there for its wheels to keep their loads.
-    fn displaced(
-        &mut self,
-        (index, [y, z, roll]): (usize, [usize; 3]),
-        x: f64,
-        back: &Matrix2<f64>,
-    ) -> Result<((Vec<f64>, Met), Vector2<f64>), EvaluationError> {
+    fn displaced(&mut self, (index, [y, z, roll]): (usize, [usize; 3]), x: f64, back: &Matrix2<f64>) -> Result<Displaced, EvaluationError> {
         let of = |all: &[f64]| Vector2::from(Side::BOTH.map(|side| all[contact_index(index, side)]));
         self.rates(self.y.clone())?;
         let kept = of(&self.wheel_loads());
         let mut way = Vector2::zeros();
-        let mut found = None;
-        for _ in 0..TRIES {
+        let mut at = |way: &Vector2<f64>| {
             let mut state = self.y.clone();
             for (place, moved) in [(y, x), (z, way.x), (roll, way.y)] {
                 state[place] += moved;
             }
             let met = self.rates(state.clone())?;
-            let off = of(&self.wheel_loads()) - kept;
-            found = Some(((state, met), way));
-            if off.amax() < KEPT * kept.amax() {
+            Ok((Displaced { state, met, way: *way, off: 0.0 }, of(&self.wheel_loads()) - kept))
+        };
+        let (mut found, mut more) = at(&way)?;
+        for _ in 0..TRIES {
+            if more.amax() < KEPT * kept.amax() {
                 break;
             }
-            way -= back * off;
+            way -= back * more;
+            (found, more) = at(&way)?;
         }
-        match found {
-            Some(found) => Ok(found),
-            None => self.rates(self.y.clone()).map(|met| ((self.y.clone(), met), way)),
-        }
+        found.off = more.amax() / kept.amax();
+        Ok(found)
     }
 }

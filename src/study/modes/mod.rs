@@ -40,6 +40,12 @@ pub enum ModesError {
     NoStart { speed: f64, cause: SimulationError },
     #[error("at {speed} m/s, beside the steady state: {cause}")]
     Beside { speed: f64, cause: EvaluationError },
+    #[error("at {speed} m/s: wheels of a wheelset that swings across by {} mm don't keep their loads (off by {:.0} %): a flange or the end of a profile carries; expected a smaller amplitude", 1e3 * amplitude, 100.0 * off)]
+    TooWide { speed: f64, amplitude: f64, off: f64 },
+    #[error(
+        "an amplitude needs elastic contact (contact.formulation = \"ECF-A\" or \"ECF-N\"): a rigid contact jumps from place to place on the way across; expected none"
+    )]
+    Rigid,
     #[error("at {speed} m/s: the eigenvalues of {size} equations were not found")]
     NoEigenvalues { speed: f64, size: usize },
 }
@@ -107,6 +113,9 @@ impl Modes {
 const NEUTRAL: f64 = 1e-3;
 const SWINGS: f64 = 1e-3;
 
+/// Part of their loads to which wheels must keep them where wheelsets swing.
+const KEPT: f64 = 0.01;
+
 /// The scene at a speed [m/s] on straight, undisturbed track, without what it adds to the steady state at its start.
 ///
 /// # Errors
@@ -159,11 +168,17 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
     let scene = undisturbed(scene, speed)?;
     let simulation = Simulation::new(&scene, 0.0).map_err(|cause| ModesError::NoStart { speed, cause })?;
     let model = simulation.model();
+    if amplitude > 0.0 && model.formulation.constrains() {
+        return Err(ModesError::Rigid);
+    }
     let state = simulation.state();
     let beside = |cause| ModesError::Beside { speed, cause };
     let mut here = Neighbourhood::new(model, &state.integration.y, &state.memories.accepted);
     let linear = here.linear(1.0, amplitude).map_err(beside)?;
     let coarse = here.linear(2.0, amplitude).map_err(beside)?;
+    if !(linear.off < KEPT) {
+        return Err(ModesError::TooWide { speed, amplitude, off: linear.off });
+    }
     let reduction = Reduction::new(&mut here, &linear).ok_or(ModesError::NoEigenvalues { speed, size: linear.size() })?;
     let matrix = reduction.matrix(&linear);
     let size = matrix.nrows();

@@ -35,6 +35,8 @@ pub(super) struct Linear {
     pub slopes: Dense,
     /// f(y).
     pub rates: Vec<f64>,
+    /// By how far wheels' loads are off on the ways of [`super::across`], in parts of themselves.
+    pub off: f64,
 }
 
 impl Linear {
@@ -99,7 +101,7 @@ impl<'a> Neighbourhood<'a> {
     /// Slopes with steps of `length` times their usual length; where an `amplitude` [m] is above 0 those of displacements of wheelsets across are equivalent ones ([`super::across`]).
     pub fn linear(&mut self, length: f64, amplitude: f64) -> Result<Linear, EvaluationError> {
         let size = self.y.len();
-        let mut linear = Linear { projector: Mat::zeros(size, size), slopes: Mat::zeros(size, size), rates: Vec::new() };
+        let mut linear = Linear { projector: Mat::zeros(size, size), slopes: Mat::zeros(size, size), rates: Vec::new(), off: 0.0 };
         let mut loads = Loads::new();
         for column in 0..size {
             let step = length * self.step(column);
