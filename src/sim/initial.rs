@@ -1,8 +1,6 @@
 //! The state that a scene begins with.
 
-use super::{Simulation, SimulationError, SimulationState};
 use crate::formulation::Model;
-use crate::formulation::transitions::Transition;
 use crate::geometry::track::centre_line::CentreLine;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::on_track::{self, OnTrack};
@@ -42,26 +40,5 @@ pub(super) fn on_the_line(model: &Model, line: &CentreLine, y: &mut [f64]) {
         let (coordinates, velocities) = on_track::place(&line.frame(at.coordinates[0]), &at);
         y[q].copy_from_slice(&coordinates);
         y[v].copy_from_slice(&velocities);
-    }
-}
-
-impl Simulation {
-    /// Contacts beside the first that are pressed from the start on: one after the other, each with an evaluation, they would come to the same. They move nothing.
-    pub(super) fn note_touching(&mut self) -> Result<(), SimulationError> {
-        let SimulationState { time, integration, memories, .. } = &mut self.state;
-        for _ in 0..self.model.event_functions() {
-            let Some(touch @ Transition::Touch { .. }) = self.model.due(*time, &memories.accepted) else { break };
-            self.model.at(&mut self.workspace, *time, &mut integration.y, &mut memories.accepted).carry_out(touch)?;
-        }
-        Ok(())
-    }
-
-    /// A contact that would be pulled on in the initial state changes its mode before the first step.
-    pub(super) fn switch_at_start(&mut self, transition: Transition) -> Result<(), SimulationError> {
-        let SimulationState { time, integration, memories, .. } = &mut self.state;
-        self.model.at(&mut self.workspace, *time, &mut integration.y, &mut memories.accepted).carry_out(transition)?;
-        self.known = None;
-        self.snapshot()?;
-        Ok(())
     }
 }

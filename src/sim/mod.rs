@@ -27,6 +27,7 @@ use crate::formulation::frame_motion::FrameMotion;
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::swing::Swings;
 use crate::formulation::timers::Timers;
+use crate::formulation::transitions::Transition;
 use crate::formulation::wheel_loads::WheelLoads;
 use crate::formulation::work::Work;
 use crate::formulation::{AssemblyError, ContactFailure, Evaluation, EvaluationError, Model, Workspace};
@@ -277,7 +278,6 @@ impl Simulation {
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
         simulation.look()?;
         simulation.state.memories.accepted.clone_from(&simulation.snapshot.memory);
-        simulation.note_touching()?;
         simulation.model.settle_deflections(&simulation.snapshot.workspace, &mut simulation.state.integration.y);
         simulation.settle_rails()?;
         // What is shown belongs to the state: a cold start differs in the last digits.
@@ -287,6 +287,15 @@ impl Simulation {
             simulation.switch_at_start(transition)?;
         }
         Ok(simulation)
+    }
+
+    /// A contact that would be pulled on in the initial state changes its mode before the first step.
+    fn switch_at_start(&mut self, transition: Transition) -> Result<(), SimulationError> {
+        let SimulationState { time, integration, memories, .. } = &mut self.state;
+        self.model.at(&mut self.workspace, *time, &mut integration.y, &mut memories.accepted).carry_out(transition)?;
+        self.known = None;
+        self.snapshot()?;
+        Ok(())
     }
 
     /// What contacts did since this was last asked, in the order in which it was met. The integrator runs ahead of the simulation's time by up to a
