@@ -20,6 +20,15 @@ pub(super) fn cycles(scene: &Scene, found: &Diagram) -> String {
     } else {
         text += &table(&head(&["   m/s  motion", "mm", "+-", "Hz", "+-", "largest multiplier"]), &rows(found));
     }
+    for unmet in &found.missed {
+        let [one, other] = unmet.swings.map(|swing| 1e3 * swing);
+        text += &format!(
+            "  {:.2} m/s: the branch has one more, between {:.3} and {:.3} mm, which was not met\n",
+            unmet.speed,
+            one.min(other),
+            one.max(other)
+        );
+    }
     text += &format!("\nRuns of up to {} turns, from the largest motion that was found\n", crate::study::hunting::settle::MOST);
     let row = |run: &Run| vec![format!("{:>6.2}  {}", run.speed, outcome(found, run)), run.turns.to_string()];
     text += &table(&head(&["   m/s  comes to", "turns"]), &found.runs.iter().map(row).collect::<Vec<_>>());

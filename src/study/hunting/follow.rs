@@ -1,7 +1,7 @@
 //! The branch of limit cycles that begins at the linear critical speed.
 
 use super::vehicle::Vehicle;
-use super::{Motion, Progress, Turning, Value};
+use super::{Motion, Progress, Turning, Unmet, Value};
 use crate::study::cycles::branch::{self, ACCURACY, End, Reach};
 use crate::study::cycles::corrector::{correct, cycle};
 use crate::study::cycles::slopes::Condition;
@@ -29,6 +29,7 @@ pub(super) struct Followed {
     pub branch: Vec<Motion>,
     pub end: String,
     pub motions: Vec<Motion>,
+    pub missed: Vec<Unmet>,
     pub turnings: Vec<Turning>,
     /// Of the motion that swings most, and its swing, m.
     pub largest: Option<(Vec<f64>, f64)>,
@@ -36,7 +37,15 @@ pub(super) struct Followed {
 
 impl Followed {
     pub fn none(reason: &str) -> Self {
-        Followed { begin: None, branch: Vec::new(), end: reason.into(), motions: Vec::new(), turnings: Vec::new(), largest: None }
+        Followed {
+            begin: None,
+            branch: Vec::new(),
+            end: reason.into(),
+            motions: Vec::new(),
+            missed: Vec::new(),
+            turnings: Vec::new(),
+            largest: None,
+        }
     }
 }
 
@@ -73,7 +82,7 @@ pub(super) fn from_small(vehicle: &Vehicle, modes: &Modes, range: Range<f64>, sp
     followed.cycles.splice(0..0, [smallest, small]);
     let cycles = &followed.cycles;
     let finer = vehicle.finer();
-    let motions = at_speeds(vehicle, &finer, cycles, speeds);
+    let (motions, missed) = at_speeds(vehicle, &finer, cycles, speeds);
     let turnings = turnings(vehicle, &finer, cycles);
     let end = match followed.end {
         End::Range => "it leaves the range of the sweep".into(),
@@ -85,7 +94,7 @@ pub(super) fn from_small(vehicle: &Vehicle, modes: &Modes, range: Range<f64>, sp
     let swing = |cycle: &Cycle| cycle.swings.iter().copied().fold(0.0, f64::max);
     let largest = cycles.iter().max_by(|a, b| swing(a).total_cmp(&swing(b)));
     let largest = largest.map(|cycle| (cycle.place[..cycle.place.len() - 1].to_vec(), swing(cycle)));
-    Followed { begin: Some(limit), branch: cycles.iter().map(motion).collect(), end, motions, turnings, largest }
+    Followed { begin: Some(limit), branch: cycles.iter().map(motion).collect(), end, motions, missed, turnings, largest }
 }
 
 /// The three smallest motions.
@@ -127,18 +136,39 @@ fn checked(finer: &Vehicle, cycle: &Cycle) -> Motion {
     found
 }
 
-fn at_speeds(vehicle: &Vehicle, finer: &Vehicle, cycles: &[Cycle], speeds: &[f64]) -> Vec<Motion> {
-    let mut motions = Vec::new();
+/// Motions at the speeds of a sweep, and where the branch passes one of them but none was met.
+fn at_speeds(vehicle: &Vehicle, finer: &Vehicle, cycles: &[Cycle], speeds: &[f64]) -> (Vec<Motion>, Vec<Unmet>) {
+    let (mut motions, mut missed) = (Vec::new(), Vec::new());
     for pair in cycles.windows(2) {
         let (from, to) = (pair[0].parameter.min(pair[1].parameter), pair[0].parameter.max(pair[1].parameter));
         for speed in speeds.iter().filter(|speed| (from..to).contains(speed)) {
-            if let Ok(found) = branch::between(vehicle, &pair[0], &pair[1], *speed) {
-                motions.push(checked(finer, &found));
+            match branch::between(vehicle, &pair[0], &pair[1], *speed) {
+                Ok(found) => motions.push(checked(finer, &found)),
+                Err(_) => missed.push(Unmet { speed: *speed, swings: [0, 1].map(|k| pair[k].swings.iter().copied().fold(0.0, f64::max)) }),
             }
         }
     }
     motions.sort_by(|a, b| a.speed.total_cmp(&b.speed).then(a.swings[0].total_cmp(&b.swings[0])));
-    motions
+    missed.sort_by(|a, b| a.speed.total_cmp(&b.speed));
+    (motions, missed)
+}
+
+/// Part of a swing by which turning points that are one may differ.
+const ALIKE: f64 = 0.05;
+
+/// Takes away pairs of neighbours that are no further apart than they are known: the branch may as well go straight on there.
+fn told_apart(mut all: Vec<Turning>) -> Vec<Turning> {
+    let swing = |turning: &Turning| turning.motion.swings.iter().copied().fold(0.0, f64::max);
+    let one = |pair: &[Turning]| {
+        let [a, b] = [&pair[0], &pair[1]];
+        a.lowest != b.lowest
+            && (a.speed.value - b.speed.value).abs() <= a.speed.bound + b.speed.bound
+            && (swing(a) - swing(b)).abs() <= ALIKE * swing(a)
+    };
+    while let Some(at) = all.windows(2).position(one) {
+        all.drain(at..at + 2);
+    }
+    all
 }
 
 fn turnings(vehicle: &Vehicle, finer: &Vehicle, cycles: &[Cycle]) -> Vec<Turning> {
@@ -161,5 +191,5 @@ fn turnings(vehicle: &Vehicle, finer: &Vehicle, cycles: &[Cycle]) -> Vec<Turning
             stable: trio[0].is_stable() || trio[2].is_stable(),
         });
     }
-    found
+    told_apart(found)
 }

@@ -56,6 +56,15 @@ pub struct Motion {
     pub unstable: usize,
 }
 
+/// Where the branch passes a speed of the sweep, but Newton's method met no motion.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Unmet {
+    /// m/s.
+    pub speed: f64,
+    /// Half swings of the motions before and behind it on the branch, m.
+    pub swings: [f64; 2],
+}
+
 /// Where two motions meet.
 #[derive(Clone, Debug, Serialize)]
 pub struct Turning {
@@ -94,6 +103,8 @@ pub struct Diagram {
     pub end: String,
     /// At the speeds of the sweep.
     pub motions: Vec<Motion>,
+    /// Motions that must be there and were not met.
+    pub missed: Vec<Unmet>,
     pub turnings: Vec<Turning>,
     /// From a developed motion.
     pub runs: Vec<Run>,
@@ -156,6 +167,7 @@ pub fn diagram(scene: &Scene, speeds: &[f64], progress: &dyn Progress) -> Result
         branch: followed.branch,
         end: followed.end,
         motions: followed.motions,
+        missed: followed.missed,
         turnings: followed.turnings,
         runs,
     })
