@@ -62,18 +62,15 @@ impl Phase {
     }
 }
 
-/// How the wheels' loads change with each state, N per its unit, by state and contact.
-pub(super) type Loads = Vec<Vec<f64>>;
-
 impl Neighbourhood<'_> {
     /// Puts equivalent slopes into the columns of the wheelsets' lateral displacements.
     ///
     /// # Errors
     /// Where the model has no answer beside the steady state.
-    pub fn swing(&mut self, (length, amplitude): (f64, f64), loads: &Loads, linear: &mut Linear) -> Result<(), EvaluationError> {
+    pub fn swing(&mut self, (length, amplitude): (f64, f64), linear: &mut Linear) -> Result<(), EvaluationError> {
         for (index, body) in self.model.wheelsets.iter().map(|wheelset| wheelset.body).enumerate() {
             let [y, z, roll] = [Y, Z, ROLL].map(|axis| COORDINATES * body + axis);
-            let of = |column: usize| Vector2::from(Side::BOTH.map(|side| loads[column][contact_index(index, side)]));
+            let of = |column: usize| Vector2::from(Side::BOTH.map(|side| linear.loads[column][contact_index(index, side)]));
             let Some(back) = Matrix2::from_columns(&[of(z), of(roll)]).try_inverse() else { continue };
             let beside = self.columns_beside(body);
             [y].into_iter().chain(beside.iter().map(|own| own.0)).for_each(|column| scale_column(linear, column, 0.0));

@@ -174,8 +174,14 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
     let state = simulation.state();
     let beside = |cause| ModesError::Beside { speed, cause };
     let mut here = Neighbourhood::new(model, &state.integration.y, &state.memories.accepted);
-    let linear = here.linear(1.0, amplitude).map_err(beside)?;
-    let coarse = here.linear(2.0, amplitude).map_err(beside)?;
+    let mut slopes = |length: f64| {
+        let mut linear = here.linear(length)?;
+        if amplitude > 0.0 {
+            here.swing((length, amplitude), &mut linear)?;
+        }
+        Ok(linear)
+    };
+    let (linear, coarse) = (slopes(1.0).map_err(beside)?, slopes(2.0).map_err(beside)?);
     if !(linear.off < KEPT) {
         return Err(ModesError::TooWide { speed, amplitude, off: linear.off });
     }

@@ -11,7 +11,6 @@
 //! with p the projection, which meets constraints to 1e-13 m; steps there are ten times as long.
 
 use super::Dense;
-use super::across::Loads;
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::{Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::{COORDINATES, YAW};
@@ -35,6 +34,8 @@ pub(super) struct Linear {
     pub slopes: Dense,
     /// f(y).
     pub rates: Vec<f64>,
+    /// How the wheels' loads change with each state, N per its unit, by state and contact.
+    pub loads: Vec<Vec<f64>>,
     /// By how far wheels' loads are off on the ways of [`super::across`], in parts of themselves.
     pub off: f64,
 }
@@ -98,11 +99,11 @@ impl<'a> Neighbourhood<'a> {
         Ok((y, rates))
     }
 
-    /// Slopes with steps of `length` times their usual length; where an `amplitude` [m] is above 0 those of displacements of wheelsets across are equivalent ones ([`super::across`]).
-    pub fn linear(&mut self, length: f64, amplitude: f64) -> Result<Linear, EvaluationError> {
+    /// Slopes with steps of `length` times their usual length.
+    pub fn linear(&mut self, length: f64) -> Result<Linear, EvaluationError> {
         let size = self.y.len();
-        let mut linear = Linear { projector: Mat::zeros(size, size), slopes: Mat::zeros(size, size), rates: Vec::new(), off: 0.0 };
-        let mut loads = Loads::new();
+        let mut linear =
+            Linear { projector: Mat::zeros(size, size), slopes: Mat::zeros(size, size), rates: Vec::new(), loads: Vec::new(), off: 0.0 };
         for column in 0..size {
             let step = length * self.step(column);
             let mut beside = |sign: f64| {
@@ -114,10 +115,7 @@ impl<'a> Neighbourhood<'a> {
             // What the state really moved by, after rounding.
             let moved = (self.y[column] + step) - (self.y[column] - step);
             add_to_column(&mut linear, column, (&ahead, &behind), moved.recip());
-            loads.push(heavier.iter().zip(&lighter).map(|(a, b)| (a - b) / moved).collect());
-        }
-        if amplitude > 0.0 {
-            self.swing((length, amplitude), &loads, &mut linear)?;
+            linear.loads.push(heavier.iter().zip(&lighter).map(|(a, b)| (a - b) / moved).collect());
         }
         linear.rates = self.rates(self.y.clone())?.1;
         Ok(linear)
