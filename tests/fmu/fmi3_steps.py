@@ -233,7 +233,8 @@ def discarded(report, fmu):
     for options in ({}, {"early": True, "events": True}):
         with fmu.instance(**options) as instance:
             status = OK
-            for time in grid(1.0, 0.02):
+            # The wheel lifts at 0.5 s to rounding: no communication point stands there.
+            for time in grid(1.0, 0.03):
                 before, begin, outputs = instance.bytes(), instance.time, instance.outputs()
                 status, messages = instance.try_step(time)
                 if status != OK:
