@@ -100,6 +100,11 @@ pub enum AssemblyError {
     StaticPreload { body: String, direction: &'static str, rest: f64, unit: &'static str },
 }
 
+/// Both rails in strips for patches with these wheelsets' wheels.
+pub(super) fn rail_strips(track: &Track, wheelsets: &[Wheelset]) -> [RailStrips; 2] {
+    Side::BOTH.map(|side| RailStrips::new(track.rail(side), wheelsets.iter().map(|wheelset| wheelset.wheel(side))))
+}
+
 impl Model {
     /// Completes the parts with a formulation.
     ///
@@ -114,9 +119,7 @@ impl Model {
             law if laws.transient.is_some() => return Err(AssemblyError::TransientPatch(law.name())),
             law if law.needs_all_places() && formulation.points_per_wheel() != 1 => return Err(AssemblyError::NodesAndPatch(law.name())),
             PatchLaw::Linear => None,
-            PatchLaw::Strips | PatchLaw::Table => {
-                Some(Side::BOTH.map(|side| RailStrips::new(track.rail(side), wheelsets.iter().map(|wheelset| wheelset.wheel(side)))))
-            }
+            PatchLaw::Strips | PatchLaw::Table => Some(rail_strips(&track, &wheelsets)),
         };
         let tables = match (&strips, laws.patch) {
             (Some(rails), PatchLaw::Table) => prepared_tables.of(&wheelsets, &track, rails),

@@ -4,12 +4,13 @@
 //! changes as the strips' does (to [`PART`] of the change), and against the shift at which a flange carries; its creep force against mu N; and its load
 //! against the one about which it is linear.
 
+use super::assembly::rail_strips;
 use super::elastic::linear::Middle;
 use super::linear_contact::LinearContact;
 use super::step::WheelRef;
 use super::{AssemblyError, Model, Workspace, contact_index};
 use crate::contact::patch::PatchLaw;
-use crate::contact::strips::{RailStrips, Range, Section};
+use crate::contact::strips::{Range, Section};
 use crate::geometry::Side;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -54,7 +55,7 @@ impl Model {
         if self.laws.patch != PatchLaw::Linear {
             return Ok(self);
         }
-        let strips = self.rail_strips();
+        let strips = rail_strips(&self.track, &self.wheelsets);
         let linear = self.alike_before(|model, wheel| {
             let found = LinearContact::new(model, wheel, &strips[wheel.side.index()]).map(Arc::new);
             found.ok_or_else(|| AssemblyError::NothingLinear {
@@ -81,10 +82,6 @@ impl Model {
     /// What linear contact is of a wheel, where it is.
     pub fn linear_contact(&self, contact: usize) -> Option<&LinearContact> {
         self.linear.get(contact).map(Arc::as_ref)
-    }
-
-    fn rail_strips(&self) -> [RailStrips; 2] {
-        Side::BOTH.map(|side| RailStrips::new(self.track.rail(side), self.wheelsets.iter().map(|wheelset| wheelset.wheel(side))))
     }
 
     /// Something of each wheel, made once for all that are alike.
@@ -114,7 +111,7 @@ impl Model {
         if self.linear.is_empty() {
             return Vec::new();
         }
-        let strips = self.rail_strips();
+        let strips = rail_strips(&self.track, &self.wheelsets);
         let found = self.alike_before(|model, wheel| {
             let middle = Middle::new(model, wheel, &strips[wheel.side.index()]).ok_or(())?;
             Ok::<_, ()>(model.linear[wheel.contact].patch.range(&middle.of, PART))

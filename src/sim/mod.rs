@@ -419,10 +419,15 @@ impl Simulation {
 
     /// The state vector at the present time.
     pub fn solution(&self) -> Vec<f64> {
-        let SimulationState { time, integration, frame, .. } = &self.state;
-        let mut y = integration.y.clone();
-        integration.interpolate_beside(*time, &mut y, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
+        let mut y = self.state.integration.y.clone();
+        self.solution_at(self.state.time, &mut y);
         y
+    }
+
+    /// The same at a time [s] within the integrator's last step.
+    pub fn solution_at(&self, time: f64, y: &mut [f64]) {
+        let SimulationState { integration, frame, .. } = &self.state;
+        integration.interpolate_beside(time, y, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
     }
 
     /// The snapshot that was taken last.

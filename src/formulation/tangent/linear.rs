@@ -2,6 +2,7 @@
 //! [`super::patch`]; turning about the axle changes nothing, going along with the rail only turns) and six velocities, which cost next to nothing.
 
 use super::Model;
+use super::patch::stacked;
 use crate::contact::strips::Section;
 use crate::formulation::linear_contact::LinearContact;
 use crate::formulation::loading::WheelAt;
@@ -12,11 +13,6 @@ use nalgebra::{Rotation3, Vector3, Vector6};
 /// Differences: m, rad, and velocities in parts of the travelling speed, or rad/m times it.
 const STEP: f64 = 1e-8;
 const RATE: f64 = 1e-6;
-
-fn stacked(wrench: &Wrench) -> Vector6<f64> {
-    let (force, moment) = (wrench.force, wrench.moment);
-    Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
-}
 
 impl Model {
     /// Adds a wheel with linear contact. `travel`: how its travelling speed changes with the velocity of its centre, where that is free.

@@ -164,7 +164,7 @@ impl Model {
 }
 
 /// Force and moment, or velocity and rotation, in one.
-fn stacked(wrench: &Wrench) -> Vector6<f64> {
+pub(super) fn stacked(wrench: &Wrench) -> Vector6<f64> {
     let (force, moment) = (wrench.force, wrench.moment);
     Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
 }

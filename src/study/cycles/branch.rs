@@ -10,7 +10,7 @@
 
 use super::corrector::{Corrected, correct, cycle};
 use super::slopes::{Condition, unit};
-use super::{Cycle, Flow, Missed, along, dot};
+use super::{Cycle, Flow, Missed, along, dot, largest};
 use std::ops::Range;
 
 /// Corrections end below this part of a motion's size.
@@ -83,7 +83,7 @@ pub fn follow(flow: &dyn Flow, start: Cycle, reach: &Reach, seen: &dyn Fn(&Cycle
             }
         }
         let last = &cycles[cycles.len() - 1];
-        let swing = last.swings.iter().copied().fold(0.0, f64::max);
+        let swing = largest(&last.swings);
         if !reach.parameters.contains(&last.parameter) {
             break End::Range;
         }

@@ -100,6 +100,11 @@ impl Cycle {
     }
 }
 
+/// The largest of some swings.
+pub fn largest(swings: &[f64]) -> f64 {
+    swings.iter().copied().fold(0.0, f64::max)
+}
+
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

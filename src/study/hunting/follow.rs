@@ -5,7 +5,7 @@ use super::{Motion, Progress, Turning, Unmet, Value};
 use crate::study::cycles::branch::{self, ACCURACY, End, Reach};
 use crate::study::cycles::corrector::{correct, cycle};
 use crate::study::cycles::slopes::Condition;
-use crate::study::cycles::{Cycle, Flow, Missed, fold};
+use crate::study::cycles::{Cycle, Flow, Missed, fold, largest};
 use crate::study::modes::Modes;
 use std::ops::Range;
 
@@ -77,7 +77,7 @@ pub(super) fn from_small(vehicle: &Vehicle, modes: &Modes, range: Range<f64>, sp
     let limit = begins_at(&first, modes.speed);
     let reach = Reach { parameters: range, step: FIRST, shortest: SHORTEST, longest: LONGEST, swings: LEAST..MOST, most: MOTIONS };
     let [smallest, small, start] = first;
-    let seen = |cycle: &Cycle| progress.motion(cycle.parameter, cycle.swings.iter().copied().fold(0.0, f64::max));
+    let seen = |cycle: &Cycle| progress.motion(cycle.parameter, largest(&cycle.swings));
     let mut followed = branch::follow(vehicle, start, &reach, &seen);
     followed.cycles.splice(0..0, [smallest, small]);
     let cycles = &followed.cycles;
@@ -91,7 +91,7 @@ pub(super) fn from_small(vehicle: &Vehicle, modes: &Modes, range: Range<f64>, sp
         End::TooLong => format!("{MOTIONS} motions were found on it"),
         End::Stopped(reason) => format!("it can't be followed further: {reason}"),
     };
-    let swing = |cycle: &Cycle| cycle.swings.iter().copied().fold(0.0, f64::max);
+    let swing = |cycle: &Cycle| largest(&cycle.swings);
     let largest = cycles.iter().max_by(|a, b| swing(a).total_cmp(&swing(b)));
     let largest = largest.map(|cycle| (cycle.place[..cycle.place.len() - 1].to_vec(), swing(cycle)));
     Followed { begin: Some(limit), branch: cycles.iter().map(motion).collect(), end, motions, missed, turnings, largest }
@@ -115,7 +115,7 @@ fn begin(vehicle: &Vehicle, modes: &Modes) -> Result<[Cycle; 3], Missed> {
 
 /// Where the branch tends to as its motions become small: speed changes with the square of the swing. What the next two motions say instead is the bound.
 fn begins_at([a, b, c]: &[Cycle; 3], speed: f64) -> Value {
-    let square = |cycle: &Cycle| cycle.swings.iter().copied().fold(0.0, f64::max).powi(2);
+    let square = |cycle: &Cycle| largest(&cycle.swings).powi(2);
     let extended = |a: &Cycle, b: &Cycle| a.parameter - square(a) * (b.parameter - a.parameter) / (square(b) - square(a));
     let value = extended(a, b);
     Value { value, bound: (extended(b, c) - value).abs() + ACCURACY * speed }
@@ -127,7 +127,7 @@ fn checked(finer: &Vehicle, cycle: &Cycle) -> Motion {
     if let Ok(again) = branch::again(finer, cycle) {
         let off = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let rest = again.error / again.place.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let largest = found.swings.iter().copied().fold(0.0, f64::max);
+        let largest = largest(&found.swings);
         found.bound = Some(off(&again.turn.swings, &found.swings) + rest * largest);
         let frequency = 1.0 / again.turn.period;
         found.frequency = Value { value: frequency, bound: (frequency - found.frequency.value).abs() + rest * frequency };
@@ -144,7 +144,7 @@ fn at_speeds(vehicle: &Vehicle, finer: &Vehicle, cycles: &[Cycle], speeds: &[f64
         for speed in speeds.iter().filter(|speed| (from..to).contains(speed)) {
             match branch::between(vehicle, &pair[0], &pair[1], *speed) {
                 Ok(found) => motions.push(checked(finer, &found)),
-                Err(_) => missed.push(Unmet { speed: *speed, swings: [0, 1].map(|k| pair[k].swings.iter().copied().fold(0.0, f64::max)) }),
+                Err(_) => missed.push(Unmet { speed: *speed, swings: [0, 1].map(|k| largest(&pair[k].swings)) }),
             }
         }
     }
@@ -158,7 +158,7 @@ const ALIKE: f64 = 0.05;
 
 /// Takes away pairs of neighbours that are no further apart than they are known: the branch may as well go straight on there.
 fn told_apart(mut all: Vec<Turning>) -> Vec<Turning> {
-    let swing = |turning: &Turning| turning.motion.swings.iter().copied().fold(0.0, f64::max);
+    let swing = |turning: &Turning| largest(&turning.motion.swings);
     let one = |pair: &[Turning]| {
         let [a, b] = [&pair[0], &pair[1]];
         a.lowest != b.lowest

@@ -131,12 +131,6 @@ impl Station {
         self.simulation.restore(&state);
     }
 
-    /// The solution at a time within the last step.
-    fn solution(&self, time: f64, y: &mut [f64]) {
-        let SimulationState { integration, frame, .. } = self.simulation.state();
-        integration.interpolate_beside(time, y, |ahead, y| self.simulation.model().add_frame_motion(frame, ahead, y));
-    }
-
     /// The place of a solution.
     fn place(&self, section: &Section, y: &[f64]) -> Vec<f64> {
         let base = &self.steady.integration.y;
@@ -166,14 +160,14 @@ impl Station {
             self.simulation.advance_to_stop(f64::INFINITY).map_err(failed)?;
             let (begin, end) = (self.simulation.state().integration.step_begin(), self.simulation.state().integration.t);
             y.copy_from_slice(&self.simulation.state().integration.y);
-            extremes.see(&last, &y, (begin, end), |time, y| self.solution(time, y));
+            extremes.see(&last, &y, (begin, end), |time, y| self.simulation.solution_at(time, y));
             if been_right && last[lead] < middle && y[lead] >= middle {
                 let mut at = vec![0.0; last.len()];
                 let time = bisect(begin, end, |time| {
-                    self.solution(time, &mut at);
+                    self.simulation.solution_at(time, &mut at);
                     at[lead] < middle
                 });
-                self.solution(time, &mut at);
+                self.simulation.solution_at(time, &mut at);
                 let swings = extremes.take();
                 if swings.iter().all(|swing| *swing < REST) {
                     return Err(Lost::NoReturn);

@@ -62,6 +62,11 @@ impl Phase {
     }
 }
 
+/// Of all contacts those of a wheelset's two wheels.
+fn both(index: usize, all: &[f64]) -> Vector2<f64> {
+    Vector2::from(Side::BOTH.map(|side| all[contact_index(index, side)]))
+}
+
 impl Neighbourhood<'_> {
     /// Puts equivalent slopes into the columns of the wheelsets' lateral displacements.
     ///
@@ -70,14 +75,15 @@ impl Neighbourhood<'_> {
     pub fn swing(&mut self, (length, amplitude): (f64, f64), linear: &mut Linear) -> Result<(), EvaluationError> {
         for (index, body) in self.model.wheelsets.iter().map(|wheelset| wheelset.body).enumerate() {
             let [y, z, roll] = [Y, Z, ROLL].map(|axis| COORDINATES * body + axis);
-            let of = |column: usize| Vector2::from(Side::BOTH.map(|side| linear.loads[column][contact_index(index, side)]));
-            let Some(back) = Matrix2::from_columns(&[of(z), of(roll)]).try_inverse() else { continue };
+            let of = |all: &[f64]| both(index, all);
+            let kept = of(&linear.carried);
+            let Some(back) = Matrix2::from_columns(&[of(&linear.loads[z]), of(&linear.loads[roll])]).try_inverse() else { continue };
             let beside = self.columns_beside(body);
             [y].into_iter().chain(beside.iter().map(|own| own.0)).for_each(|column| scale_column(linear, column, 0.0));
             let (mut way, mut sum, mut weights) = (Vector2::zeros(), 0.0, [0.0; BESIDE]);
             for node in 0..NODES {
                 let sine = (FRAC_PI_2 * (f64::from(node) + 0.5) / f64::from(NODES)).sin();
-                let mut at = |x: f64| self.displaced((index, [y, z, roll]), x, &back);
+                let mut at = |x: f64| self.displaced((index, [y, z, roll]), x, (&back, &kept));
                 let (ahead, behind) = (at(amplitude * sine)?, at(-amplitude * sine)?);
                 add_to_column(linear, y, (&ahead.met, &behind.met), sine);
                 linear.off = linear.off.max(ahead.off).max(behind.off);
@@ -112,25 +118,14 @@ impl Neighbourhood<'_> {
         [ahead[0], ahead[1], ahead[2], (velocities + YAW, Phase::With), others[0], others[1], others[2]]
     }
 
-    /// Adds the slope by one state beside another place.
-    fn add_slope(&mut self, state: &[f64], column: usize, length: f64, weight: f64, linear: &mut Linear) -> Result<(), EvaluationError> {
-        let step = length * self.step(column);
-        let mut beside = |sign: f64| {
-            let mut y = state.to_vec();
-            y[column] += sign * step;
-            self.rates(y)
-        };
-        let (ahead, behind) = (beside(1.0)?, beside(-1.0)?);
-        let moved = (state[column] + step) - (state[column] - step);
-        add_to_column(linear, column, (&ahead, &behind), weight / moved);
-        Ok(())
-    }
-
-    /// The state with a wheelset (its number, and where its y, z and roll are) displaced by x, and by how much it rises and rolls there for its wheels to keep their loads.
-    fn displaced(&mut self, (index, [y, z, roll]): (usize, [usize; 3]), x: f64, back: &Matrix2<f64>) -> Result<Displaced, EvaluationError> {
-        let of = |all: &[f64]| Vector2::from(Side::BOTH.map(|side| all[contact_index(index, side)]));
-        self.rates(self.y.clone())?;
-        let kept = of(&self.wheel_loads());
+    /// The state with a wheelset (its number, and where its y, z and roll are) displaced by x, and by how much it rises and rolls there for its wheels to keep their loads;
+    /// with how these change loads the other way round.
+    fn displaced(
+        &mut self,
+        (index, [y, z, roll]): (usize, [usize; 3]),
+        x: f64,
+        (back, kept): (&Matrix2<f64>, &Vector2<f64>),
+    ) -> Result<Displaced, EvaluationError> {
         let mut way = Vector2::zeros();
         let mut at = |way: &Vector2<f64>| {
             let mut state = self.y.clone();
@@ -138,7 +133,7 @@ impl Neighbourhood<'_> {
                 state[place] += moved;
             }
             let met = self.rates(state.clone())?;
-            Ok((Displaced { state, met, way: *way, off: 0.0 }, of(&self.wheel_loads()) - kept))
+            Ok((Displaced { state, met, way: *way, off: 0.0 }, both(index, &self.wheel_loads()) - kept))
         };
         let (mut found, mut more) = at(&way)?;
         for _ in 0..TRIES {

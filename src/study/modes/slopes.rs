@@ -36,6 +36,8 @@ pub(super) struct Linear {
     pub rates: Vec<f64>,
     /// How the wheels' loads change with each state, N per its unit, by state and contact.
     pub loads: Vec<Vec<f64>>,
+    /// Loads of the wheels at the state, N.
+    pub carried: Vec<f64>,
     /// By how far wheels' loads are off on the ways of [`super::across`], in parts of themselves.
     pub off: f64,
 }
@@ -102,23 +104,44 @@ impl<'a> Neighbourhood<'a> {
     /// Slopes with steps of `length` times their usual length.
     pub fn linear(&mut self, length: f64) -> Result<Linear, EvaluationError> {
         let size = self.y.len();
-        let mut linear =
-            Linear { projector: Mat::zeros(size, size), slopes: Mat::zeros(size, size), rates: Vec::new(), loads: Vec::new(), off: 0.0 };
+        let mut linear = Linear {
+            projector: Mat::zeros(size, size),
+            slopes: Mat::zeros(size, size),
+            rates: Vec::new(),
+            loads: Vec::new(),
+            carried: Vec::new(),
+            off: 0.0,
+        };
+        let here = self.y.clone();
         for column in 0..size {
-            let step = length * self.step(column);
-            let mut beside = |sign: f64| {
-                let mut y = self.y.clone();
-                y[column] += sign * step;
-                self.rates(y).map(|found| (found, self.wheel_loads()))
-            };
-            let ((ahead, heavier), (behind, lighter)) = (beside(1.0)?, beside(-1.0)?);
-            // What the state really moved by, after rounding.
-            let moved = (self.y[column] + step) - (self.y[column] - step);
-            add_to_column(&mut linear, column, (&ahead, &behind), moved.recip());
-            linear.loads.push(heavier.iter().zip(&lighter).map(|(a, b)| (a - b) / moved).collect());
+            let loads = self.add_slope(&here, column, length, 1.0, &mut linear)?;
+            linear.loads.push(loads);
         }
         linear.rates = self.rates(self.y.clone())?.1;
+        linear.carried = self.wheel_loads();
         Ok(linear)
+    }
+
+    /// Adds the slope by one state at a place, times a weight, to its column; returns how the wheels' loads change, N per its unit.
+    pub fn add_slope(
+        &mut self,
+        place: &[f64],
+        column: usize,
+        length: f64,
+        weight: f64,
+        linear: &mut Linear,
+    ) -> Result<Vec<f64>, EvaluationError> {
+        let step = length * self.step(column);
+        let mut beside = |sign: f64| {
+            let mut y = place.to_vec();
+            y[column] += sign * step;
+            self.rates(y).map(|found| (found, self.wheel_loads()))
+        };
+        let ((ahead, heavier), (behind, lighter)) = (beside(1.0)?, beside(-1.0)?);
+        // What the state really moved by, after rounding.
+        let moved = (place[column] + step) - (place[column] - step);
+        add_to_column(linear, column, (&ahead, &behind), weight / moved);
+        Ok(heavier.iter().zip(&lighter).map(|(a, b)| (a - b) / moved).collect())
     }
 
     /// Normal force of each wheel as it was evaluated last, N.
