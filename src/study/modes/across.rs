@@ -62,6 +62,11 @@ impl Phase {
     }
 }
 
+/// sin theta at a place of the quarter of a swing.
+fn sine(node: u32) -> f64 {
+    (FRAC_PI_2 * (f64::from(node) + 0.5) / f64::from(NODES)).sin()
+}
+
 /// Of all contacts those of a wheelset's two wheels.
 fn both(index: usize, all: &[f64]) -> Vector2<f64> {
     Vector2::from(Side::BOTH.map(|side| all[contact_index(index, side)]))
@@ -82,7 +87,7 @@ impl Neighbourhood<'_> {
             [y].into_iter().chain(beside.iter().map(|own| own.0)).for_each(|column| scale_column(linear, column, 0.0));
             let (mut way, mut sum, mut weights) = (Vector2::zeros(), 0.0, [0.0; BESIDE]);
             for node in 0..NODES {
-                let sine = (FRAC_PI_2 * (f64::from(node) + 0.5) / f64::from(NODES)).sin();
+                let sine = sine(node);
                 let mut at = |x: f64| self.displaced((index, [y, z, roll]), x, (&back, &kept));
                 let (ahead, behind) = (at(amplitude * sine)?, at(-amplitude * sine)?);
                 add_to_column(linear, y, (&ahead.met, &behind.met), sine);
@@ -145,5 +150,26 @@ impl Neighbourhood<'_> {
         }
         found.off = more.amax() / kept.amax();
         Ok(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a coefficient `C(y) = 1 + y^2` does, times something that goes ahead of or with y = a sin t: its first harmonic, `1 + a^2 / 4` or `1 + 3 a^2 / 4`; the mean is `1 + a^2 / 2`.
+    #[test]
+    fn analytic_weights_are_those_of_the_first_harmonic() {
+        let amplitude = 0.7;
+        for (phase, part) in [(Phase::Ahead, 0.25), (Phase::With, 0.75), (Phase::None, 0.5)] {
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for node in 0..NODES {
+                let sine = sine(node);
+                let weight = phase.weight(sine);
+                sum += weight * (1.0 + (amplitude * sine).powi(2));
+                weights += weight;
+            }
+            assert!((sum / weights - 1.0 - part * amplitude * amplitude).abs() < 1e-12, "{part}: {}", sum / weights);
+        }
     }
 }
