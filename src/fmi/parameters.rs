@@ -6,7 +6,8 @@
 
 use super::real_parameter::RealParameter;
 use super::variable::{Kind, Role, TUNABLE, Variable, WHEELSET};
-use crate::formulation::travelling_track::{DAMPINGS, MASSES, STIFFNESSES};
+use crate::formulation::flexibility::Flexibility;
+use crate::formulation::travelling_track::{DAMPINGS, MASSES, STIFFNESSES, Support};
 use crate::mbs::inertia::Inertia;
 use crate::scene::spec::{SMALLEST, SMALLEST_MODULUS, Scene};
 use crate::scene::vehicle::{FASTEST, PlacedBody, PlacedWheelset, Sensor};
@@ -51,11 +52,19 @@ const CONTACT: [Constant<Scene>; 4] = [
     constant!(6, "contact.poissonRatio", One, Some(0.0), "Poisson's ratio of wheel and rail", contact.material.poisson_ratio),
 ];
 
+fn vertical(track: &mut Flexibility) -> Option<&mut Support> {
+    track.vertical_mut()
+}
+
+fn lateral(track: &mut Flexibility) -> Option<&mut Support> {
+    Some(track.lateral_mut())
+}
+
 macro_rules! support {
     ($number:literal, $name:literal, $unit:ident, $range:expr, $text:literal, $way:ident, $field:ident) => {
-        constant!($number, $name, $unit, Some($range.0), $text, get: |scene| scene.track.flexibility.map(|track| track.$way.$field), set: |scene, value| {
-            if let Some(track) = &mut scene.track.flexibility {
-                track.$way.$field = value;
+        constant!($number, $name, $unit, Some($range.0), $text, get: |scene| scene.track.flexibility.and_then(|mut track| Some($way(&mut track)?.$field)), set: |scene, value| {
+            if let Some(way) = scene.track.flexibility.as_mut().and_then($way) {
+                way.$field = value;
             }
         })
     };

@@ -1,5 +1,6 @@
 //! A model from its parts, and what its evaluations need.
 
+use super::beam_rails::RailScratch;
 use super::frame_motion::MovingFrame;
 use super::memory::{Mode, ModelMemory, WheelMemory};
 use super::model::{ContactLaws, LOAD_TOLERANCE, Model};
@@ -53,9 +54,13 @@ pub enum AssemblyError {
     )]
     TravellingTrack,
     #[error(
-        "track.flexibility: {sag:.1} mm is how far the mean wheel load presses a rail on {stiffness:.2} MN/m; starts are found up to {most} mm: expected vertical_stiffness of at least {least:.1} MN/m"
+        "track.flexibility: {sag:.1} mm is how far the mean wheel load presses a rail on {stiffness:.2} MN/m; starts are found up to {most} mm: expected a track that is stiffer under a wheel, {least:.1} MN/m or more (vertical_stiffness, or ballast_stiffness and pad_stiffness)"
     )]
     SoftTrack { sag: f64, stiffness: f64, most: f64, least: f64 },
+    #[error(
+        "track.flexibility.bays: a ring of {bays} bays is too short for wheels that stand {longest:.1} m apart on it: expected at least {least}, or none for as many as the vehicle needs"
+    )]
+    ShortRing { bays: usize, longest: f64, least: usize },
     #[error("effects.symmetry = \"half\", but {0}")]
     Half(#[from] super::failure::Asymmetry),
     #[error(
@@ -145,6 +150,7 @@ impl Model {
             books: None,
             rail_motion: false,
             travelling_track: None,
+            beam: None,
             out_of_round: Vec::new(),
             surfaces_move: false,
             strips,
@@ -196,6 +202,7 @@ impl Model {
             deeper: Scratch::new(self.most_strips()),
             tangent: None,
             frame: MovingFrame::default(),
+            rails: RailScratch::new(self.beam.as_ref()),
         }
     }
 }

@@ -42,7 +42,8 @@ impl Model {
                 let contact = contact_index(index, side);
                 let friction = friction_power(workspace, contact);
                 rates[books.friction(index, side)] = friction;
-                rates[CONTACT] += wheel_power(workspace, contact, wheelset.body) + friction;
+                let climbing = self.climbing_power(workspace, contact, &workspace.system.motions[wheelset.body], wheelset.body);
+                rates[CONTACT] += wheel_power(workspace, contact, wheelset.body) + climbing + friction;
             }
             rates[books.inputs(index)] = input_power(workspace, inputs, index, wheelset.body);
         }

@@ -49,7 +49,7 @@ impl Model {
 
     /// The part of it that the track alone asks for, s.
     pub fn longest_known(&self, workspace: &Workspace) -> f64 {
-        let mut longest = self.longest_of_wheels(workspace);
+        let mut longest = self.longest_of_wheels(workspace).min(self.longest_on_sleepers(workspace));
         for WheelRef { wheelset, side, .. } in self.wheels() {
             let motion = &workspace.system.motions[wheelset.body];
             let travel = workspace.system.stations.get(wheelset.body).map_or(motion.speed, |Station { travel, .. }| *travel);
@@ -67,7 +67,7 @@ impl Model {
         let rates = &dy[self.system.velocities(wheelset.body)];
         let turning = Vector3::z() * rates[3] + motion.roll_axis() * rates[4];
         let mut acceleration = Vector3::new(rates[0], rates[1], rates[2]) + turning.cross(&(report.wheel_point - motion.position));
-        if let Some([_, rail]) = self.rail_change(&workspace.system, wheelset.body, contact, dy) {
+        if let Some([_, rail]) = self.rail_change(workspace, wheelset.body, contact, dy) {
             acceleration -= rail;
         }
         let normal = &report.axes.normal;
@@ -102,7 +102,7 @@ impl Model {
                 (Vector3::new(e[0], e[1], e[2]), turn, motion.axle() * e[5])
             };
             let ((mut moved, turned, _), (mut velocity, turning, spin)) = (part(0), part(velocities));
-            if let Some([displaced, displacing]) = self.rail_change(&workspace.system, wheelset.body, contact, error) {
+            if let Some([displaced, displacing]) = self.rail_change(workspace, wheelset.body, contact, error) {
                 (moved, velocity) = (moved - displaced, velocity - displacing);
             }
             for report in workspace.reports(contact).filter(|report| report.normal_force > 0.0) {

@@ -173,7 +173,7 @@ impl Model {
             (self.laws.transient.is_some(), "[contact.transient]"),
             (self.laws.friction_map.is_some(), "friction that varies along or across the rails"),
             (self.rail_motion, "\"rail_motion\" in interface.inputs"),
-            (self.travelling_track.is_some(), "track.flexibility"),
+            (self.gives_way(), "track.flexibility"),
             (self.out_of_round.iter().any(Option::is_some), "a wheel out of round"),
         ];
         if let Some((_, what)) = beside.into_iter().find(|(there, _)| *there) {

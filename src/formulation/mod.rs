@@ -11,6 +11,7 @@
 //! wheel: none in ECF-A and ECCF, the surface parameters and their rates in ACCF, the arc length in ECF-N.
 
 mod assembly;
+pub mod beam_rails;
 pub mod beat;
 mod deflections;
 pub mod elastic;
@@ -19,6 +20,7 @@ pub mod energy_books;
 pub mod events;
 mod failure;
 mod flange;
+pub mod flexibility;
 pub mod flutter;
 mod foresight;
 pub mod frame_motion;
@@ -38,6 +40,7 @@ pub mod partition;
 pub mod patch_tables;
 mod prediction;
 mod projection;
+pub mod rail_beam;
 mod rail_motion;
 mod rigid;
 mod rigid_scratch;

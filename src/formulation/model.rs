@@ -5,7 +5,8 @@ use super::Formulation;
 use super::energy_books::EnergyBooks;
 use super::linear_contact::LinearContact;
 use super::sliding_mean::SlidingMean;
-use super::travelling_track::{RAIL_STATES, TravellingTrack};
+use super::rail_beam::LaidRails;
+use super::travelling_track::TravellingTrack;
 use super::wheel_search::WheelSearch;
 use super::wheelset::Wheelset;
 use crate::contact::Material;
@@ -70,6 +71,8 @@ pub struct Model {
     pub rail_motion: bool,
     /// Track that gives way under each wheel; `None`: rigid.
     pub travelling_track: Option<TravellingTrack>,
+    /// Track that gives way as beams on sleepers; `None`: not so.
+    pub beam: Option<LaidRails>,
     /// By contact; empty where all wheels are round.
     pub out_of_round: Vec<Option<OutOfRound>>,
     /// Do rails, or surfaces of wheels, move by anything of this (see `rail_motion`)?
@@ -112,10 +115,14 @@ impl Model {
         self
     }
 
-    /// In steady rolling on ideal track: nothing displaces the rails, and the transient model of contact says what the creep law says.
+    /// In steady rolling on ideal track: nothing displaces the rails, sleepers are not felt one by one, and the transient model of contact says what the creep law says.
     pub fn ideal(mut self) -> Self {
         self.track = self.track.ideal();
         self.laws.transient = None;
+        // Rails on sleepers are what they are on the mean.
+        if let Some(beam) = self.beam.take() {
+            self.travelling_track = Some(beam.stand_in);
+        }
         self
     }
 
@@ -151,8 +158,7 @@ impl Model {
     }
 
     fn means_begin(&self) -> usize {
-        let rails = self.travelling_track.map_or(0, |_| RAIL_STATES * self.contacts());
-        self.rails_begin() + rails
+        self.rails_begin() + self.rail_state_count()
     }
 
     pub(super) fn rails_begin(&self) -> usize {

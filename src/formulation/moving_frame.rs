@@ -65,7 +65,7 @@ impl Model {
     }
 
     /// Notes how the bodies travel on from the state that was evaluated last and linearised as `tangent`.
-    pub(super) fn note_frame(&self, workspace: &mut Workspace, tangent: &Tangent) {
+    pub(super) fn note_frame(&self, workspace: &mut Workspace, y: &[f64], tangent: &Tangent) {
         let mut frame = std::mem::take(&mut workspace.frame);
         let SystemWorkspace { motions, stations, .. } = &workspace.system;
         let advance = |body: usize| stations.get(body).map_or(motions[body].speed, |station| station.travel);
@@ -96,7 +96,7 @@ impl Model {
                 ride.begin = self.ride(ride.tilt, ride.distance);
             }
         }
-        self.find_change(&mut frame, workspace, tangent);
+        self.find_change(&mut frame, workspace, y, tangent);
         workspace.frame = frame;
     }
 
@@ -154,7 +154,7 @@ impl Model {
     }
 
     /// Finds J c' - c''.
-    fn find_change(&self, frame: &mut MovingFrame, workspace: &Workspace, tangent: &Tangent) {
+    fn find_change(&self, frame: &mut MovingFrame, workspace: &Workspace, y: &[f64], tangent: &Tangent) {
         let MovingFrame { motion: FrameMotion { bodies, rides }, rate, change } = frame;
         let whole = Turn::new(bodies, &workspace.system);
         let velocities = COORDINATES * bodies.len();
@@ -181,7 +181,7 @@ impl Model {
                 *own += value;
             }
         }
-        self.add_turned_rails(workspace, tangent, &whole, change);
+        self.add_turned_rails((workspace, y), tangent, &whole, change);
         for (travel, own) in bodies.iter().zip(change[velocities..].chunks_exact_mut(COORDINATES)) {
             let winding = up_cross(&travel.velocity()) * travel.winding;
             (own[0], own[1]) = (own[0] - winding.x, own[1] - winding.y);
@@ -211,13 +211,25 @@ impl Model {
     }
 
     /// The same of rails that give way: a wheel that takes part in the motion of the whole rises with its rail's deviations, which J alone would take for pressing.
-    fn add_turned_rails(&self, workspace: &Workspace, tangent: &Tangent, whole: &Turn, change: &mut [f64]) {
-        if self.travelling_track.is_none() {
+    fn add_turned_rails(&self, (workspace, y): (&Workspace, &[f64]), tangent: &Tangent, whole: &Turn, change: &mut [f64]) {
+        if !self.gives_way() {
             return;
         }
-        for WheelRef { contact, wheelset, .. } in self.wheels() {
+        let velocities = COORDINATES * self.system.bodies.len();
+        for wheel in self.wheels() {
+            let WheelRef { contact, wheelset, .. } = wheel;
             let [displacement, velocity] = whole.motion(&workspace.system.motions[wheelset.body]);
             let force: Vector3<f64> = workspace.reports(contact).map(|report| report.force).sum();
+            if let Some(beam) = &self.beam {
+                let place = (self.rail_of(beam, contact), beam.seats[contact / 2].place);
+                let sunk = self.met_by_travel(beam, workspace, wheel, y);
+                let found = tangent.ring_accelerations(place, [&displacement, &velocity], &whole.turned(&force), sunk);
+                let Some((turned, load)) = found.zip(tangent.ring_load(place, sunk)) else { continue };
+                self.add_travel_on_beams(beam, workspace, wheel, &turned, change);
+                let own = &mut change[velocities + COORDINATES * wheelset.body..];
+                own.iter_mut().zip(load.iter()).for_each(|(own, load)| *own += load);
+                continue;
+            }
             let found = tangent.follower_accelerations(contact, [&displacement, &velocity], &whole.turned(&force));
             let Some((first, accelerations)) = found else { continue };
             for (own, value) in change[first..].iter_mut().zip(accelerations) {

@@ -33,9 +33,13 @@ impl AgainstRail {
 }
 
 impl Model {
-    /// Adds to the wrench of a wheel's contacts, taken about p*, what it is about p.
+    /// Adds to the wrench of a wheel's contacts, taken about p*, what it is about p, and with what a bent rail holds the wheel back.
     #[inline]
     pub(super) fn finish_wheel(&self, workspace: &mut Workspace, moved: Option<&AgainstRail>, (contact, body): (usize, usize)) {
+        if self.beam.is_some() {
+            let climbing = self.climbing_wrench(workspace, (contact, body));
+            workspace.system.wrenches[body] += climbing;
+        }
         let Some(Swollen { larger, growing, axle }) = moved.and_then(|moved| moved.round) else { return };
         let turned = |report: &ContactReport| larger.cross(&report.force) + axle * (report.normal_force * growing.dot(&report.axes.normal));
         let moment: Vector3<f64> = workspace.reports(contact).map(turned).sum();

@@ -1,4 +1,4 @@
-//! Rails that move under the wheels: their motion comes from outside, as of a model of track or bridge, or from track that gives way (`travelling_track`).
+//! Rails that move under the wheels: their motion comes from outside, as of a model of track or bridge, or from track that gives way (`travelling_track`, `rail_beam`).
 //!
 //! The rail under a wheel is displaced by `u = (0, u_y, u_z)` in the axes of the track frame beside the wheelset's centre (left and up
 //! positive), the same along and around the contact; its material there moves with the velocity w = (0, w_y, w_z), and it is bent
@@ -24,6 +24,7 @@
 //!
 //! Rigid contact (ACCF, ECCF) is refused: its constraints would need the rail's acceleration too.
 
+use super::beam_rails::RailScratch;
 use super::inputs::{RAIL_INPUTS, first_of_rail};
 use super::{AssemblyError, Model};
 use crate::mbs::body::BodyMotion;
@@ -67,7 +68,7 @@ impl Model {
     #[inline]
     pub(super) fn against_rail(
         &self,
-        system: &SystemWorkspace,
+        (system, rails): (&SystemWorkspace, &RailScratch),
         (inputs, y): (&[f64], &[f64]),
         (body, turning): (usize, usize),
         contact: usize,
@@ -75,7 +76,7 @@ impl Model {
         if !self.surfaces_move {
             return None;
         }
-        let [displacement, velocity, slope] = self.rail_under(inputs, y, contact)?;
+        let [displacement, velocity, slope] = self.rail_under(rails, inputs, y, contact)?;
         let mut motion = system.motions[turning];
         let (displacement, velocity, climb) = match system.stations.get(body) {
             None => (displacement, velocity, slope * motion.speed),
@@ -94,12 +95,15 @@ impl Model {
     }
 
     /// u, w and u_s of the rail under a wheel in the track frame.
-    fn rail_under(&self, inputs: &[f64], y: &[f64], contact: usize) -> Option<[Vector3<f64>; 3]> {
+    fn rail_under(&self, rails: &RailScratch, inputs: &[f64], y: &[f64], contact: usize) -> Option<[Vector3<f64>; 3]> {
         let across = |y: f64, z: f64| Vector3::new(0.0, y, z);
         if self.rail_motion {
             let start = first_of_rail(self.wheelsets.len(), contact);
             let &[y, z, vy, vz, slope_y, slope_z] = inputs.get(start..start + RAIL_INPUTS)? else { return None };
             return Some([across(y, z), across(vy, vz), across(slope_y, slope_z)]);
+        }
+        if self.beam.is_some() {
+            return self.beam_under(&rails.under, y, contact);
         }
         match &y[self.rail_states(contact)] {
             &[y, z, vy, vz] => Some([across(y, z), across(vy, vz), Vector3::zeros()]),

@@ -20,13 +20,11 @@
 //! turning of the rail's head under lateral force, the inertia of the travelling mass in curves, and the weight of the rail, which it carries before any wheel comes.
 //! Rigid contact (ACCF, ECCF) is refused: its constraints would need the rails' accelerations among their unknowns.
 
+use super::flexibility::{LATERAL, support};
 use crate::settings::{Section, SettingsError};
-use crate::units::Dimension;
 
 /// u_y, u_z [m], u_y', u_z' [m/s] of one rail under one wheel.
 pub const RAIL_STATES: usize = 4;
-/// The word that lays this track.
-const TRAVELLING: &str = "travelling";
 /// Least and greatest of what makes sense: kg, N/m, N s/m.
 pub const MASSES: (f64, f64) = (1.0, 1e5);
 pub const STIFFNESSES: (f64, f64) = (1e6, 1e12);
@@ -60,36 +58,16 @@ impl Default for TravellingTrack {
 }
 
 impl TravellingTrack {
-    /// Reads `flexibility` of `[track]`: the word, or a table with that word as its `model` and numbers that differ from the default; `None` where it is absent.
+    /// Reads the table `flexibility` with `model = "travelling"`.
     ///
     /// # Errors
     /// [`SettingsError`] with file and line.
-    pub fn parse(track: &Section) -> Result<Option<Self>, SettingsError> {
-        if !track.has("flexibility") {
-            return Ok(None);
-        }
-        if !track.has_table("flexibility") {
-            return track.word("flexibility", &[TRAVELLING]).map(|_| Some(Self::default()));
-        }
-        let section = track.section("flexibility")?;
-        section.word("model", &[TRAVELLING])?;
-        let number = |key, dimension, default: f64, range| {
-            if section.has(key) { section.within(key, dimension, range) } else { Ok(default) }
-        };
-        let TravellingTrack { lateral, vertical } = Self::default();
-        let support = |[mass, stiffness, damping]: [&'static str; 3], usual: Support| {
-            Ok(Support {
-                mass: number(mass, Dimension::Mass, usual.mass, MASSES)?,
-                stiffness: number(stiffness, Dimension::Stiffness, usual.stiffness, STIFFNESSES)?,
-                damping: number(damping, Dimension::Damping, usual.damping, DAMPINGS)?,
-            })
-        };
-        let read = TravellingTrack {
-            lateral: support(["lateral_mass", "lateral_stiffness", "lateral_damping"], lateral)?,
-            vertical: support(["vertical_mass", "vertical_stiffness", "vertical_damping"], vertical)?,
-        };
-        section.finish()?;
-        Ok(Some(read))
+    pub(super) fn read(section: &Section) -> Result<Self, SettingsError> {
+        let usual = Self::default();
+        Ok(TravellingTrack {
+            lateral: support(section, LATERAL, usual.lateral)?,
+            vertical: support(section, ["vertical_mass", "vertical_stiffness", "vertical_damping"], usual.vertical)?,
+        })
     }
 
     /// Numbers of the lateral and the vertical direction by what they are.

@@ -1,5 +1,6 @@
 //! The scratch of a model's evaluations, and what they find.
 
+use super::beam_rails::RailScratch;
 use super::events::ContactEvent;
 use super::frame_motion::MovingFrame;
 use super::memory::ModelMemory;
@@ -93,6 +94,8 @@ pub struct Workspace {
     pub(super) tangent: Option<Tangent>,
     /// How the track carries the bodies along from that state.
     pub(super) frame: MovingFrame,
+    /// What wheels feel of rails that are beams.
+    pub(super) rails: RailScratch,
 }
 
 /// Whose is the evaluation that a workspace holds?
@@ -154,6 +157,11 @@ impl Workspace {
     /// How many strips a wheel was laid over in this pose; `None` where its patch was not made of strips.
     pub fn pressed_strips(&self, contact: usize, pair: &Pair) -> Option<usize> {
         self.strips.get(contact).filter(|scratch| scratch.is_of(pair)).map(|scratch| scratch.pressed().len())
+    }
+
+    /// How far a rail that is a beam has gone up under a wheel, m.
+    pub fn rail_sunk(&self, contact: usize) -> f64 {
+        self.rails.under.get(contact).map_or(0.0, |under| under[0])
     }
 
     /// Report of a wheel's contact `slot` (from 0).

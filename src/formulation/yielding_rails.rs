@@ -1,5 +1,7 @@
-//! Rails on track that gives way (`travelling_track`): their states, rates, energy, weight in the error control, and where they rest.
+//! Rails on track that gives way (`travelling_track`; `beam_rails` has the rest of those that are beams): their states, rates, energy, weight in the error control, and where they rest.
 
+use super::beam_rails::LATERAL_STATES;
+use super::flexibility::Flexibility;
 use super::step::{Step, WheelRef};
 use super::travelling_track::{RAIL_STATES, TravellingTrack};
 use super::{AssemblyError, Evaluation, EvaluationError, Model, Wheelset, Workspace};
@@ -8,12 +10,12 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use std::ops::Range;
 
 /// What a lateral deflection counts beside a vertical one.
-const LATERAL_WEIGHT: f64 = 0.01;
+pub(super) const LATERAL_WEIGHT: f64 = 0.01;
 /// Corrections of rails at rest below this are none, m, and how often they are tried.
-const SETTLED: f64 = 1e-13;
-const ROUNDS: usize = 100;
+pub(super) const SETTLED: f64 = 1e-13;
+pub(super) const ROUNDS: usize = 100;
 /// Farthest that a rail is moved in one of them, m.
-const FARTHEST: f64 = 1e-3;
+pub(super) const FARTHEST: f64 = 1e-3;
 
 /// A mass under a wheel as the linearised system sees it.
 pub(super) struct Under {
@@ -28,32 +30,54 @@ pub(super) struct Under {
 const DEEPEST_SAG: f64 = 3e-3;
 
 impl Model {
-    /// The same model on track that gives way, where there is one.
+    /// The same model on track that gives way, where there is one, with its wheelsets at these places along the track [m] and at this speed [m/s].
     ///
     /// # Errors
     /// [`AssemblyError::TravellingTrack`] where contact is a constraint, [`AssemblyError::TwoMotions`] where rails move from outside too,
-    /// [`AssemblyError::TwistedAxle`] beside an axle that twists, [`AssemblyError::SoftTrack`] where rails sink further than a start is found.
-    pub fn with_travelling_track(mut self, track: Option<TravellingTrack>) -> Result<Self, AssemblyError> {
-        if track.is_some() && self.formulation.constrains() {
+    /// [`AssemblyError::TwistedAxle`] beside an axle that twists, [`AssemblyError::SoftTrack`] where rails sink further than a start is found,
+    /// [`AssemblyError::ShortRing`] where wheels would stand on both ends of a ring.
+    pub fn with_flexibility(mut self, track: Option<Flexibility>, places: &[f64], speed: f64) -> Result<Self, AssemblyError> {
+        let Some(laid) = track else { return Ok(self) };
+        if self.formulation.constrains() {
             return Err(AssemblyError::TravellingTrack);
         }
-        if track.is_some() && self.rail_motion {
+        if self.rail_motion {
             return Err(AssemblyError::TwoMotions);
         }
-        let Some(laid) = track else { return Ok(self) };
         if self.axles_twist() {
             return Err(AssemblyError::TwistedAxle);
         }
+        let vertical = match laid {
+            Flexibility::Travelling(track) => {
+                self.travelling_track = Some(track);
+                track.vertical.stiffness
+            }
+            Flexibility::Beam(beam) => {
+                let rails = beam.lay(places, speed);
+                if rails.longest >= 0.5 * rails.ring.length() {
+                    let least = 2.0 * (rails.longest / beam.bay.spacing).ceil() + 2.0;
+                    return Err(AssemblyError::ShortRing { bays: rails.ring.bays(), longest: rails.longest, least: least as usize });
+                }
+                let stiffness = rails.stand_in.vertical.stiffness;
+                self.beam = Some(rails);
+                stiffness
+            }
+        };
         const GRAVITY: f64 = 9.81;
         let load = self.system.bodies.iter().map(|body| body.mass).sum::<f64>() * GRAVITY / self.contacts() as f64;
-        let sag = load / laid.vertical.stiffness;
-        if sag > DEEPEST_SAG {
-            let (stiffness, least) = (1e-6 * laid.vertical.stiffness, 1e-6 * load / DEEPEST_SAG);
+        let sag = load / vertical;
+        // (Also where it is no number.)
+        if !(sag <= DEEPEST_SAG) {
+            let (stiffness, least) = (1e-6 * vertical, 1e-6 * load / DEEPEST_SAG);
             return Err(AssemblyError::SoftTrack { sag: 1e3 * sag, stiffness, most: 1e3 * DEEPEST_SAG, least });
         }
-        self.travelling_track = track;
         self.surfaces_move = true;
         Ok(self)
+    }
+
+    /// Does the track give way?
+    pub fn gives_way(&self) -> bool {
+        self.travelling_track.is_some() || self.beam.is_some()
     }
 
     /// Is there an axle whose wheels turn against each other?
@@ -61,9 +85,13 @@ impl Model {
         self.wheelsets.iter().any(|wheelset| wheelset.turning != [wheelset.body; 2])
     }
 
-    /// The states of the rail under the wheel of a contact in the state vector; empty where rails are rigid.
+    /// The states of the rail under the wheel of a contact in the state vector, only the lateral ones where it is a beam; empty where rails are rigid.
     pub fn rail_states(&self, contact: usize) -> Range<usize> {
-        let count = if self.travelling_track.is_some() { RAIL_STATES } else { 0 };
+        let count = match (&self.travelling_track, &self.beam) {
+            (Some(_), _) => RAIL_STATES,
+            (None, Some(_)) => LATERAL_STATES,
+            (None, None) => 0,
+        };
         let first = self.rails_begin() + contact * count;
         first..first + count
     }
@@ -79,6 +107,8 @@ impl Model {
     pub(super) fn rail_rates(&self, workspace: &Workspace, y: &[f64], dy: &mut [f64]) {
         if let Some(track) = &self.travelling_track {
             self.rail_rates_on(track, workspace, y, dy);
+        } else if let Some(beam) = &self.beam {
+            self.beam_rates(beam, workspace, y, dy);
         }
     }
 
@@ -97,7 +127,12 @@ impl Model {
 
     /// What the linearised system needs of the mass under a wheel; `None` where rails are rigid.
     pub(super) fn under(&self, system: &SystemWorkspace, wheel: &WheelRef) -> Option<Under> {
-        let [mass, stiffness, damping] = self.travelling_track.as_ref()?.pairs();
+        let [mass, stiffness, damping] = match (&self.travelling_track, &self.beam) {
+            (Some(track), _) => track.pairs(),
+            // Vertically the modes of the rail take its place.
+            (None, Some(beam)) => [[beam.lateral.mass, 1.0], [beam.lateral.stiffness, 0.0], [beam.lateral.damping, 0.0]],
+            (None, None) => return None,
+        };
         let axes = [[1.0, 0.0], [0.0, 1.0]].map(|parts| Self::across_track(system, wheel.wheelset.body, parts));
         Some(Under { first: self.rail_states(wheel.contact).start, axes, mass, stiffness, damping })
     }
@@ -105,6 +140,9 @@ impl Model {
     /// Weight of a rail's state in the error control, in parts of that of a wheelset's height: its deflections press wheels too, velocities
     /// count by the forces that they make. `None`: no state of a rail.
     pub fn weight_of_rail(&self, state: usize) -> Option<f64> {
+        if let Some(beam) = &self.beam {
+            return self.weight_of_beam(beam, state);
+        }
         self.travelling_track.as_ref()?;
         let own = state.checked_sub(self.rails_begin()).filter(|own| *own < RAIL_STATES * self.contacts())?;
         Some(if own % RAIL_STATES == 1 {
@@ -118,6 +156,9 @@ impl Model {
 
     /// Stored energy of all rails, J, and the power that their dampers turn into heat, W.
     pub fn rail_energy(&self, y: &[f64]) -> (f64, f64) {
+        if let Some(beam) = &self.beam {
+            return self.beam_energy(beam, y);
+        }
         let Some(track) = &self.travelling_track else { return (0.0, 0.0) };
         let [mass, stiffness, damping] = track.pairs();
         let (mut stored, mut heat) = (0.0, 0.0);
@@ -135,16 +176,27 @@ impl Model {
     #[inline]
     pub(super) fn bouncing_mass(&self, wheelset: &Wheelset) -> f64 {
         let half = 0.5 * self.system.bodies[wheelset.body].mass;
-        self.travelling_track.as_ref().map_or(half, |track| half * track.vertical.mass / (half + track.vertical.mass))
+        let under = |mass: f64| half * mass / (half + mass);
+        match (&self.travelling_track, &self.beam) {
+            (Some(track), _) => under(track.vertical.mass),
+            (None, Some(beam)) => under(beam.ring.struck_mass()),
+            (None, None) => half,
+        }
     }
 
     /// Displacement and velocity of a rail in the world from its states in a vector as long as the state vector (velocity and acceleration from their
     /// rates); `None` where rails are rigid.
     #[inline]
-    pub fn rail_change(&self, system: &SystemWorkspace, body: usize, contact: usize, change: &[f64]) -> Option<[Vector3<f64>; 2]> {
-        self.travelling_track.as_ref()?;
-        let own = &change[self.rail_states(contact)];
-        Some([[own[0], own[1]], [own[2], own[3]]].map(|parts| Self::across_track(system, body, parts)))
+    pub fn rail_change(&self, workspace: &Workspace, body: usize, contact: usize, change: &[f64]) -> Option<[Vector3<f64>; 2]> {
+        let parts = match (&self.travelling_track, &self.beam) {
+            (Some(_), _) => {
+                let own = &change[self.rail_states(contact)];
+                [[own[0], own[1]], [own[2], own[3]]]
+            }
+            (None, Some(beam)) => self.beam_change(beam, workspace, contact, change),
+            (None, None) => return None,
+        };
+        Some(parts.map(|parts| Self::across_track(&workspace.system, body, parts)))
     }
 }
 
@@ -157,6 +209,9 @@ impl Step<'_> {
     /// [`EvaluationError`] where contacts can't be evaluated on the way.
     pub fn settle_rails(&mut self, inputs: &[f64]) -> Result<(), EvaluationError> {
         let model = self.model;
+        if let Some(beam) = &model.beam {
+            return self.settle_beams(beam, inputs);
+        }
         let Some(track) = &model.travelling_track else { return Ok(()) };
         let [_, stiffness, _] = track.pairs();
         let mut dy = vec![0.0; self.y.len()];

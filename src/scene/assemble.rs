@@ -59,6 +59,7 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
         prepared: scene.prepared.clone(),
         prepared_tables: scene.tables.clone(),
     };
+    let places: Vec<f64> = scene.vehicle.wheelsets.iter().map(|placed| placed.x).collect();
     let window = scene.interface.outputs.contains(&SLIDING_MEANS).then_some(MEAN_WINDOW);
     let model = Model::new(parts, &contact.formulation)?;
     model
@@ -67,6 +68,6 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
         .with_load_tolerance(scene.solver.load_tolerance)
         .searching_always(scene.effects.all)
         .with_rail_motion(scene.interface.inputs.contains(&RAIL_MOTION.name))?
-        .with_travelling_track(track.flexibility)?
+        .with_flexibility(track.flexibility, &places, scene.vehicle.speed)?
         .with_out_of_round(scene.vehicle.wheelsets.iter().flat_map(|placed| placed.spec.out_of_round.clone()).collect())
 }

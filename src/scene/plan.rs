@@ -11,6 +11,8 @@ use crate::contact::patch::PatchLaw;
 use crate::formulation::inputs::{CENTRE_FORCES, ELEMENT_INPUTS, GROUPS, InputGroup, RAIL_MOTION};
 use crate::formulation::sliding_mean::CUT_OFF;
 use crate::formulation::sliding_mean::SlidingMean;
+use crate::formulation::beam_rails::LATERAL_STATES;
+use crate::formulation::flexibility::Flexibility;
 use crate::formulation::travelling_track::RAIL_STATES;
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
@@ -146,6 +148,18 @@ fn track_under_effects(scene: &Scene, model: &Model, all: &mut Effects) {
     if let Some(track) = &model.travelling_track {
         let why = format!("track.flexibility = \"travelling\": {}", track.describe());
         all.add("track that gives way", true, why, model.contacts() * RAIL_STATES);
+    }
+    if let (Some(rails), Some(Flexibility::Beam(beam))) = (&model.beam, &scene.track.flexibility) {
+        let (ring, groups) = (&rails.ring, rails.groups.len());
+        let why = format!(
+            "track.flexibility = \"beam\": {}; {} modes up to {} Hz in each rail of {groups} piece{} of {} bays",
+            beam.describe(),
+            ring.modes(),
+            beam.highest,
+            if groups == 1 { "" } else { "s" },
+            ring.bays()
+        );
+        all.add("track that gives way", true, why, model.contacts() * LATERAL_STATES + 4 * groups * ring.modes());
     }
 }
 

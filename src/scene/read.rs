@@ -14,7 +14,7 @@ use crate::formulation::{
     self, LOAD_TOLERANCE,
     inputs::{GROUPS, RAIL_MOTION},
     patch_tables::PreparedTables,
-    travelling_track::TravellingTrack,
+    flexibility::Flexibility,
     wheel_search::{MOST_POINTS, PreparedSearches},
 };
 use crate::geometry::profile::{Part, ProfileChoice};
@@ -172,7 +172,7 @@ fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
         files.extend(irregularity.file);
     }
     let start_fade = if section.has("start_fade") { Some(section.positive("start_fade", Dimension::Length)?) } else { None };
-    let flexibility = section.keep(TravellingTrack::parse(&section))?.flatten();
+    let flexibility = section.keep(Flexibility::parse(&section))?.flatten();
     section.clone().finish()?;
     let (Some(rails), Some(half_rail_distance), Some(inclination)) = (rails, half_rail_distance, given) else { return Err(section.stop()) };
     Ok(TrackSpec { half_rail_distance, inclination, grade, alignment, line, rails, deviations, start_fade, flexibility, files })

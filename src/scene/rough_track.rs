@@ -22,7 +22,7 @@ const MOST: usize = 20_000;
 
 /// What `wheelrail plan` recommends, if anything.
 pub fn note(scene: &Scene, model: &Model) -> Option<String> {
-    if model.travelling_track.is_some() || scene.track.deviations.is_empty() {
+    if model.gives_way() || scene.track.deviations.is_empty() {
         return None;
     }
     let speed = scene.vehicle.speed;

@@ -10,7 +10,7 @@ use crate::contact::friction::FrictionMap;
 use crate::contact::patch::PatchLaw;
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
-use crate::formulation::{self, patch_tables::PreparedTables, travelling_track::TravellingTrack, wheel_search::PreparedSearches};
+use crate::formulation::{self, patch_tables::PreparedTables, flexibility::Flexibility, wheel_search::PreparedSearches};
 use crate::geometry::file::SceneFile;
 use crate::geometry::profile::ProfileChoice;
 use crate::geometry::track::Deviation;
@@ -62,7 +62,7 @@ pub struct TrackSpec {
     /// Length in front of the starting vehicle over which they grow from nothing, m; `None`: they are what they are.
     pub start_fade: Option<f64>,
     /// Track that gives way; `None`: rigid.
-    pub flexibility: Option<TravellingTrack>,
+    pub flexibility: Option<Flexibility>,
     /// That irregularities were read from.
     pub files: Vec<SceneFile>,
 }

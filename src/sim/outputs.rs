@@ -293,9 +293,11 @@ fn wheel(c: &mut Collector, contact: usize, points: usize, side: Side, body: usi
     let text = "force of the wheel on the rail upward, as the rail's displacement: -Q, negative under load";
     c.add(8, "railVerticalForce", RAIL_FORCES, Unit::Newton, friction, text, move |s| -total(s).z);
 
-    if c.model.travelling_track.is_some() {
+    if c.model.gives_way() {
         let first = c.model.rail_states(contact).start;
-        let deflection = |axis: usize| move |s: &Snapshot| s.y[first + axis];
+        let beam = c.model.beam.is_some();
+        let deflection =
+            |axis: usize| move |s: &Snapshot| if beam && axis == 1 { s.workspace.rail_sunk(contact) } else { s.y[first + axis] };
         let text = "deflection of the rail under the wheel across the track (track.flexibility), left positive; 0 unloaded";
         c.add_of_motion((11, "railLateralDeflection"), g, Unit::Metre, text, deflection(0));
         let text = "deflection of the rail under the wheel (track.flexibility), up positive: -Q over stiffness at rest";

@@ -46,6 +46,7 @@ impl Formulation for EcfA {
     fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
         let Evaluation { t, inputs, y, memory } = at;
         model.apply_forces(y, memory, &mut workspace.system);
+        model.feel_rails(workspace, y);
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let own = &inputs[index * WHEELSET_INPUTS..(index + 1) * WHEELSET_INPUTS];
             let applied = external_wrench(model, &workspace.system, wheelset.body, own);
@@ -57,7 +58,7 @@ impl Formulation for EcfA {
                     model.mirror_wheel(workspace, [contact - 1, contact], turning, &left);
                     continue;
                 }
-                let moved = model.against_rail(&workspace.system, (inputs, y), (wheelset.body, turning), contact);
+                let moved = model.against_rail((&workspace.system, &workspace.rails), (inputs, y), (wheelset.body, turning), contact);
                 let as_it_is = &workspace.system.motions[turning];
                 let (motion, climb) = moved.as_ref().map_or((as_it_is, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
                 let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };

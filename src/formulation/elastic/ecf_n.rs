@@ -95,6 +95,7 @@ impl Formulation for EcfN {
     fn derivative(&self, model: &Model, workspace: &mut Workspace, at: Evaluation, dy: &mut [f64]) -> Result<(), EvaluationError> {
         let Evaluation { t, inputs, y, memory } = at;
         model.apply_forces(y, memory, &mut workspace.system);
+        model.feel_rails(workspace, y);
         for (index, wheelset) in model.wheelsets.iter().enumerate() {
             let own = &inputs[index * WHEELSET_INPUTS..(index + 1) * WHEELSET_INPUTS];
             let applied = external_wrench(model, &workspace.system, wheelset.body, own);
@@ -108,7 +109,7 @@ impl Formulation for EcfN {
                 let centre = search.centre_point(&motion.position, &motion.frame.axes);
                 dy[state] = arc_rate(&section, &centre, &motion.attachment_velocity(&centre));
                 // The section follows the wheelset along the track, whatever its rail does across.
-                let moved = model.against_rail(&workspace.system, (inputs, y), (wheelset.body, turning), contact);
+                let moved = model.against_rail((&workspace.system, &workspace.rails), (inputs, y), (wheelset.body, turning), contact);
                 let (motion, climb) = moved.as_ref().map_or((motion, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
                 let found = search.search(&motion.position, &motion.frame.axes, motion.distance, y[state], &section);
                 workspace.work.search_iterations += found.evaluated as u64;

@@ -58,7 +58,11 @@ impl Model {
     /// Gives the workspace what [`Model::linearise`] needs.
     pub fn prepare_tangent(&self, workspace: &mut Workspace) {
         let states = self.contacts() * self.points * self.deflection_states();
-        let mut tangent = Tangent::new(&self.system, &self.constrained_bodies(), states);
+        let (plans, pairs) = self.beam.as_ref().map_or_else(Default::default, |beam| self.ring_plans(beam));
+        let mut tangent = Tangent::joining(&self.system, &self.constrained_bodies(), states, &pairs);
+        if let Some(beam) = &self.beam {
+            tangent = tangent.with_rings(&beam.ring, &plans, self.points * self.deflection_states());
+        }
         if self.travelling_track.is_some() {
             tangent = tangent.with_followers(self.contacts(), self.points * self.deflection_states());
         }
@@ -79,7 +83,7 @@ impl Model {
                 continue;
             }
             let without = if self.half.is_some() { tangent.take_wrench(turning) } else { None };
-            let moved = self.against_rail(&workspace.system, (inputs, y), (wheelset.body, turning), contact);
+            let moved = self.against_rail((&workspace.system, &workspace.rails), (inputs, y), (wheelset.body, turning), contact);
             let motion = moved.as_ref().map_or(&workspace.system.motions[turning], |moved| &moved.motion);
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
             let along = workspace.system.stations.get(wheelset.body).map_or(Vector3::x(), |station| station.frame.along());
@@ -113,7 +117,14 @@ impl Model {
             if let Some(Under { first, axes, mass, stiffness, damping }) = under {
                 let own = tangent.take_wrench(wheelset.body).unwrap_or_default();
                 let follower = Follower { body: wheelset.body, first, axes, mass, stiffness, damping };
-                tangent.add_follower(&follower, &own, before);
+                match &self.beam {
+                    None => tangent.add_follower(&follower, &own, before),
+                    Some(beam) => {
+                        let place = (self.rail_of(beam, contact), beam.seats[contact / 2].place);
+                        let shape = workspace.rails.shape(contact / 2, beam.ring.modes());
+                        tangent.add_on_ring(place, &follower, &own, before, shape);
+                    }
+                }
                 for wrench in others.iter().chain([&own]) {
                     tangent.add_wrench(wheelset.body, wheelset.body, wrench);
                 }
@@ -124,7 +135,7 @@ impl Model {
             tangent.add_forces(&self.system, &workspace.system, y);
         }
         tangent.finish(&self.system, &workspace.system);
-        self.note_frame(workspace, &tangent);
+        self.note_frame(workspace, y, &tangent);
         workspace.tangent = Some(tangent);
     }
 

@@ -17,7 +17,7 @@ use crate::mbs::pair_tangent::{StateTangent, Terms};
 use nalgebra::{Vector3, Vector6};
 
 /// u, u' along both axes.
-const OWN: usize = 4;
+pub(super) const OWN: usize = 4;
 
 /// A mass under a body's contact.
 #[derive(Clone, Copy, Debug, Default)]
@@ -37,13 +37,13 @@ pub struct Follower {
 #[derive(Clone, Debug)]
 pub(super) struct Block {
     pub body: usize,
-    mass: Follower,
+    pub mass: Follower,
     /// Changes of E^T F with position and velocity of the body, in the world's terms.
-    pressed: [[Vector6<f64>; 2]; 2],
+    pub pressed: [[Vector6<f64>; 2]; 2],
     /// In the state vector.
-    states: Vec<usize>,
+    pub states: Vec<usize>,
     /// S, by rows.
-    own: Vec<f64>,
+    pub own: Vec<f64>,
     /// Changes of the states' rates, and of the body's acceleration with the states: in the world's terms until [`Tangent::finish`].
     pub by_position: Vec<Vector6<f64>>,
     pub by_velocity: Vec<Vector6<f64>>,
@@ -58,7 +58,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    fn new(most: usize) -> Block {
+    pub fn new(most: usize) -> Block {
         let room = || Vec::with_capacity(most);
         Block {
             body: 0,
@@ -76,7 +76,7 @@ impl Block {
         }
     }
 
-    fn begin(&mut self, body: usize, count: usize) {
+    pub fn begin(&mut self, body: usize, count: usize) {
         self.body = body;
         self.states.clear();
         self.states.resize(count, 0);
@@ -94,7 +94,7 @@ impl Block {
     }
 
     /// The mass itself; `wrench`: dW.
-    fn take_mass(&mut self, follower: &Follower, wrench: &WrenchTangent) {
+    pub fn take_mass(&mut self, follower: &Follower, wrench: &WrenchTangent) {
         let Follower { first, axes, mass, stiffness, damping, .. } = follower;
         self.mass = *follower;
         for i in 0..2 {
@@ -117,7 +117,7 @@ impl Block {
     }
 
     /// A state of the contact as number `place`.
-    fn take_state(&mut self, place: usize, state: &StateTangent, follower: &Follower) {
+    pub fn take_state(&mut self, place: usize, state: &StateTangent, follower: &Follower) {
         self.states[place] = state.first;
         *self.own_mut(place, place) = state.rate_by_state[(0, 0)];
         if state.ends[0].is_none() {
@@ -137,34 +137,14 @@ impl Block {
         let count = self.states.len();
         self.factors.clear();
         self.factors.extend(self.own.iter().map(|value| -a * value));
-        self.pivots.clear();
-        let m = &mut self.factors;
         for i in 0..count {
-            m[i * count + i] += 1.0;
+            self.factors[i * count + i] += 1.0;
         }
-        for k in 0..count {
-            let size = |row: usize| m[row * count + k].abs();
-            let pivot = (k..count).fold(k, |best, row| if size(row) > size(best) { row } else { best });
-            if !(size(pivot) > 0.0) {
-                return false;
-            }
-            self.pivots.push(pivot);
-            for j in 0..count {
-                m.swap(k * count + j, pivot * count + j);
-            }
-            for row in k + 1..count {
-                let factor = m[row * count + k] / m[k * count + k];
-                m[row * count + k] = factor;
-                for j in k + 1..count {
-                    m[row * count + j] -= factor * m[k * count + j];
-                }
-            }
-        }
-        true
+        factorise(&mut self.factors, count, &mut self.pivots)
     }
 
     /// Solves (1 - a S) x = x in place.
-    fn solve<T>(factors: &[f64], pivots: &[usize], x: &mut [T])
+    pub fn solve<T>(factors: &[f64], pivots: &[usize], x: &mut [T])
     where
         T: Copy + std::ops::Mul<f64, Output = T> + std::ops::SubAssign,
     {
@@ -197,6 +177,30 @@ impl Block {
         }
         acceleration
     }
+}
+
+/// L and U of a matrix by rows in its place, with the rows that were taken as pivots; `false` where it is singular.
+pub(super) fn factorise(m: &mut [f64], count: usize, pivots: &mut Vec<usize>) -> bool {
+    pivots.clear();
+    for k in 0..count {
+        let size = |row: usize| m[row * count + k].abs();
+        let pivot = (k..count).fold(k, |best, row| if size(row) > size(best) { row } else { best });
+        if !(size(pivot) > 0.0) {
+            return false;
+        }
+        pivots.push(pivot);
+        for j in 0..count {
+            m.swap(k * count + j, pivot * count + j);
+        }
+        for row in k + 1..count {
+            let factor = m[row * count + k] / m[k * count + k];
+            m[row * count + k] = factor;
+            for j in k + 1..count {
+                m[row * count + j] -= factor * m[k * count + j];
+            }
+        }
+    }
+    true
 }
 
 impl Tangent {

@@ -36,12 +36,14 @@ mod elimination;
 mod expand;
 mod follower;
 mod pattern;
+mod ring;
 mod solve;
 mod sum;
 mod twist;
 mod world;
 
 pub use follower::Follower;
+pub use ring::RingPlan;
 
 pub use super::pair_tangent::{Ends, PairTangent, StateTangent, pair};
 
@@ -141,6 +143,8 @@ pub struct Tangent {
     /// Room for followers, and how many there are.
     followers: Vec<follower::Block>,
     followed: usize,
+    /// Rails that several wheels press, where there are any.
+    rings: Option<ring::Rings>,
     /// a of the last factorisation, s.
     a: f64,
     /// Right-hand side and solution by node.
@@ -151,11 +155,17 @@ impl Tangent {
     /// Finds pattern and order of elimination. `contact_bodies` as in [`System::workspace`]: one row each. `further_states` is the
     /// largest number of states handed to [`Tangent::add_state`].
     pub fn new(system: &System, contact_bodies: &[usize], further_states: usize) -> Tangent {
+        Tangent::joining(system, contact_bodies, further_states, &[])
+    }
+
+    /// The same with pairs of bodies that something else joins than force elements.
+    pub fn joining(system: &System, contact_bodies: &[usize], further_states: usize, pairs: &[(usize, usize)]) -> Tangent {
         let bodies = system.bodies.len();
         let joined = system.forces.iter().flat_map(|force| {
             let [a, b, far] = force.reach();
             [(a, b), (a, far), (b, far)].into_iter().filter_map(|(a, b)| a.zip(b).filter(|(a, b)| a != b))
         });
+        let joined = joined.chain(pairs.iter().copied());
         let (mut twists, wheels) = twist::twists(system);
         let neighbours = Neighbours::new(bodies, joined.chain(twist::joined(system, &wheels)), wheels);
         let mut pairs: Vec<PairSum> = Vec::new();
@@ -220,6 +230,7 @@ impl Tangent {
             axles: twist::axles(system),
             followers: Vec::new(),
             followed: 0,
+            rings: None,
             a: 0.0,
         }
     }

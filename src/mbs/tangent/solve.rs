@@ -55,6 +55,7 @@ impl Tangent {
                 *result += part;
             }
         }
+        self.add_rings_times(x, result);
         for state in &self.sum.states {
             let own = Vector2::from_fn(|i, _| if i < state.count { x[state.index(i)] } else { 0.0 });
             let rates = state.rate_by_state * own;
@@ -110,6 +111,7 @@ impl Tangent {
             self.eliminate_onto_twists(a);
         }
         self.eliminate_followers(a)?;
+        self.eliminate_rings(a)?;
         self.add_rows(workspace);
         self.lu.factorise().map_err(|node| SingularTangent { node })
     }
@@ -244,6 +246,7 @@ impl Tangent {
             self.push_twists();
         }
         self.reduce_followers(positions, rest, count);
+        self.reduce_rings(positions, rest, count);
         self.lu.solve(&mut self.x);
         let velocities = &mut rest[..count];
         for (own, values) in self.x.iter().zip(velocities.chunks_exact_mut(COORDINATES)) {
@@ -265,6 +268,7 @@ impl Tangent {
         }
         self.end_twists(rest);
         self.restore_followers(rest, count);
+        self.restore_rings(positions, rest, count);
         for (position, velocity) in positions.iter_mut().zip(&rest[..count]) {
             *position += a * velocity;
         }

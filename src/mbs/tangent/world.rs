@@ -132,7 +132,8 @@ impl Tangent {
                 loads.iter_mut().for_each(|load| weigh(&self.mobility[*body], &mut load.data.0[0]));
             }
         }
-        for block in &mut self.followers[..self.followed] {
+        let on_rings = self.rings.iter_mut().flat_map(|rings| rings.wheels_mut());
+        for block in self.followers[..self.followed].iter_mut().chain(on_rings) {
             let axes = Axes::of(&motions[block.body]);
             for ((position, velocity), load) in block.by_position.iter_mut().zip(&mut block.by_velocity).zip(&mut block.load) {
                 (*position, *velocity) = axes.rates(position, velocity);

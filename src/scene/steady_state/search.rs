@@ -414,7 +414,7 @@ impl<'a> Search<'a> {
             // Wheels that stay where they are press on their rails as before.
             let wheels_stay =
                 clusters.iter().flat_map(|cluster| &self.couplings.clusters[*cluster]).all(|body| *body >= self.standing.wheelsets);
-            self.workspace.reuse_patches(wheels_stay && !self.constrained && self.model.travelling_track.is_none());
+            self.workspace.reuse_patches(wheels_stay && !self.constrained && !self.model.gives_way());
             for turn in 0..columns.iter().map(Vec::len).max().unwrap_or(0) {
                 let moved: Vec<(usize, usize)> =
                     clusters.iter().zip(&columns).filter_map(|(cluster, columns)| Some((*cluster, *columns.get(turn)?))).collect();

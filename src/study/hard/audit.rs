@@ -211,13 +211,14 @@ impl Audit {
                 if !model.out_of_round.is_empty() {
                     book(model.power_of_bumps(workspace, contact));
                 }
+                book(model.climbing_power(workspace, contact, motion, wheelset.body));
                 // Places are told as if a rail that has given way were where it was, and the wheel above it.
-                let [sunk, sinking] = model.rail_change(system, wheelset.body, contact, &snapshot.y).unwrap_or_default();
+                let [sunk, sinking] = model.rail_change(workspace, wheelset.body, contact, &snapshot.y).unwrap_or_default();
                 for report in workspace.reports(contact) {
                     let velocity = motion.material_velocity(&(report.wheel_point + sunk));
                     let spin = report.creep_force.spin_moment * report.axes.normal.dot(&motion.rotation);
                     book(report.force.dot(&velocity) + spin);
-                    if model.travelling_track.is_some() {
+                    if model.gives_way() {
                         book(-report.force.dot(&sinking));
                     }
                 }
@@ -256,7 +257,7 @@ impl Audit {
         }
         let (stored, heat) = model.rail_energy(&snapshot.y);
         now.stored += stored;
-        if model.travelling_track.is_some() {
+        if model.gives_way() {
             book(-heat);
         }
         now.speed = model.wheelsets.first().map_or(0.0, |wheelset| system.motions[wheelset.body].velocity.norm());

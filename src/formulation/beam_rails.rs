@@ -1,0 +1,303 @@
+//! Wheels on rails that are beams (`rail_beam`): what each wheel feels of them, their rates, energy and rest.
+//!
+//! Under a wheel at x the rail has sunk by `u_z = phi(x) . q`, its material moves with `w = phi . q'`, and it is bent with the slope `u_s = phi' . q`; wheel and rail then stand
+//! to each other as [`super::rail_motion`] says. A wheel that climbs the slope while it carries the force F_z is held back by `-F_z u_s` along the track, in the axle's height (the force
+//! stands on the bent rail, and its line goes through the axle). That is what keeps energy: `F_z (w + s' u_s)` goes in at the wheel, `F_z w` arrives at the rail.
+//!
+//! *At rest* rails lie as the wheels' forces, if they were constant, would have left them after travelling for ever (`Ring::carried`): a start has no transient but that which sleepers
+//! make of wheels that do not yet follow them.
+
+use super::rail_beam::LaidRails;
+use super::step::{Step, WheelRef};
+use super::yielding_rails::{FARTHEST, LATERAL_WEIGHT, ROUNDS, SETTLED};
+use super::{Evaluation, EvaluationError, Model, Workspace};
+use crate::mbs::body::{BodyMotion, Wrench};
+use crate::mbs::system::SystemWorkspace;
+use crate::mbs::tangent::RingPlan;
+use nalgebra::{Matrix2, Vector2, Vector3};
+use std::ops::Range;
+
+/// u and u' of the lateral spring under a wheel.
+pub const LATERAL_STATES: usize = 2;
+/// A step goes over at most this part of a bay.
+const PART_OF_BAY: f64 = 0.25;
+
+/// What wheels feel of their rails, found by each evaluation.
+#[derive(Clone, Debug, Default)]
+pub struct RailScratch {
+    /// phi and its slope, by wheelset.
+    shapes: Vec<f64>,
+    slopes: Vec<f64>,
+    /// u_z [m], w [m/s] and u_s [-] by contact.
+    pub(super) under: Vec<[f64; 3]>,
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// How fast a body goes along the track, m/s.
+fn travel(system: &SystemWorkspace, body: usize) -> f64 {
+    system.stations.get(body).map_or(system.motions[body].speed, |station| station.travel)
+}
+
+impl RailScratch {
+    pub(super) fn new(beam: Option<&LaidRails>) -> RailScratch {
+        let Some(beam) = beam else { return RailScratch::default() };
+        let (count, modes) = (beam.seats.len(), beam.ring.modes());
+        RailScratch { shapes: vec![0.0; count * modes], slopes: vec![0.0; count * modes], under: vec![[0.0; 3]; 2 * count] }
+    }
+
+    pub(super) fn shape(&self, wheelset: usize, modes: usize) -> &[f64] {
+        &self.shapes[wheelset * modes..(wheelset + 1) * modes]
+    }
+
+    pub(super) fn slope(&self, wheelset: usize, modes: usize) -> &[f64] {
+        &self.slopes[wheelset * modes..(wheelset + 1) * modes]
+    }
+}
+
+impl Model {
+    /// States of all rails that give way.
+    pub(super) fn rail_state_count(&self) -> usize {
+        match &self.beam {
+            Some(beam) => self.contacts() * LATERAL_STATES + 4 * beam.groups.len() * beam.ring.modes(),
+            None => self.contacts() * self.rail_states(0).len(),
+        }
+    }
+
+    /// q and q' of the rail under a contact in the state vector.
+    fn ring_states(&self, beam: &LaidRails, contact: usize) -> [Range<usize>; 2] {
+        let modes = beam.ring.modes();
+        let rail = self.rail_of(beam, contact);
+        let first = self.rails_begin() + self.contacts() * LATERAL_STATES + 2 * rail * modes;
+        [first..first + modes, first + modes..first + 2 * modes]
+    }
+
+    /// Rails are numbered as contacts are: group by group, left then right.
+    pub(super) fn rail_of(&self, beam: &LaidRails, contact: usize) -> usize {
+        2 * beam.seats[contact / 2].group + contact % 2
+    }
+
+    /// What the linearised system needs to know of all rails, and the pairs of bodies that they join.
+    pub(super) fn ring_plans(&self, beam: &LaidRails) -> (Vec<RingPlan>, Vec<(usize, usize)>) {
+        let (mut plans, mut pairs) = (Vec::new(), Vec::new());
+        for group in &beam.groups {
+            let bodies: Vec<usize> = group.iter().map(|wheelset| self.wheelsets[*wheelset].body).collect();
+            for side in 0..2 {
+                plans.push(RingPlan { first: self.ring_states(beam, 2 * group[0] + side)[0].start, bodies: bodies.clone() });
+            }
+            for (place, body) in bodies.iter().enumerate() {
+                pairs.extend(bodies[..place].iter().map(|other| (*other, *body)));
+            }
+        }
+        (plans, pairs)
+    }
+
+    /// Finds what the wheels feel of rails that are beams, with the bodies' motions in the workspace.
+    #[inline]
+    pub(super) fn feel_rails(&self, workspace: &mut Workspace, y: &[f64]) {
+        if let Some(beam) = &self.beam {
+            self.feel_beam(beam, workspace, y);
+        }
+    }
+
+    #[inline(never)]
+    fn feel_beam(&self, beam: &LaidRails, workspace: &mut Workspace, y: &[f64]) {
+        let modes = beam.ring.modes();
+        let RailScratch { shapes, slopes, under } = &mut workspace.rails;
+        for (index, wheelset) in self.wheelsets.iter().enumerate() {
+            let own = index * modes..(index + 1) * modes;
+            let (shape, slope) = (&mut shapes[own.clone()], &mut slopes[own]);
+            beam.ring.shapes(workspace.system.motions[wheelset.body].distance, shape, slope);
+            for contact in [2 * index, 2 * index + 1] {
+                let [q, v] = self.ring_states(beam, contact).map(|range| &y[range]);
+                under[contact] = [dot(shape, q), dot(shape, v), dot(slope, q)];
+            }
+        }
+    }
+
+    /// u, w and u_s of a rail that is a beam, in the track frame.
+    pub(super) fn beam_under(&self, under: &[[f64; 3]], y: &[f64], contact: usize) -> Option<[Vector3<f64>; 3]> {
+        let [sunk, sinking, slope] = *under.get(contact)?;
+        let lateral = &y[self.rail_states(contact)];
+        Some([Vector3::new(0.0, lateral[0], sunk), Vector3::new(0.0, lateral[1], sinking), Vector3::new(0.0, 0.0, slope)])
+    }
+
+    /// [`Model::rail_change`] where rails are beams: lateral and vertical displacement and velocity.
+    pub(super) fn beam_change(&self, beam: &LaidRails, workspace: &Workspace, contact: usize, change: &[f64]) -> [[f64; 2]; 2] {
+        let shape = workspace.rails.shape(contact / 2, beam.ring.modes());
+        let [q, v] = self.ring_states(beam, contact).map(|range| &change[range]);
+        let lateral = &change[self.rail_states(contact)];
+        [[lateral[0], dot(shape, q)], [lateral[1], dot(shape, v)]]
+    }
+
+    /// With what a wheel is held back on the slope of its rail, about the wheelset's centre.
+    pub(super) fn climbing_wrench(&self, workspace: &Workspace, (contact, body): (usize, usize)) -> Wrench {
+        let Some([_, _, slope]) = workspace.rails.under.get(contact) else { return Wrench::default() };
+        let motion = &workspace.system.motions[body];
+        let axes = workspace.system.stations.get(body).map_or(nalgebra::Matrix3::identity(), |station| station.frame.axes);
+        let (along, across) = (axes.column(0).into_owned(), axes.column(1).into_owned());
+        let mut wrench = Wrench::default();
+        for report in workspace.reports(contact) {
+            let force = along * (-report.force.dot(&axes.column(2)) * slope);
+            wrench.force += force;
+            wrench.moment += (across * (report.wheel_point - motion.position).dot(&across)).cross(&force);
+        }
+        wrench
+    }
+
+    /// Power of that on the wheelset, W; 0 where rails are no beams.
+    pub fn climbing_power(&self, workspace: &Workspace, contact: usize, motion: &BodyMotion, body: usize) -> f64 {
+        if self.beam.is_none() {
+            return 0.0;
+        }
+        let Wrench { force, moment } = self.climbing_wrench(workspace, (contact, body));
+        force.dot(&motion.velocity) + moment.dot(&motion.rotation)
+    }
+
+    /// Writes the rates of the states of rails that are beams.
+    #[inline(never)]
+    pub(super) fn beam_rates(&self, beam: &LaidRails, workspace: &Workspace, y: &[f64], dy: &mut [f64]) {
+        let (modes, lateral) = (beam.ring.modes(), &beam.lateral);
+        for group in &beam.groups {
+            for contact in [2 * group[0], 2 * group[0] + 1] {
+                let [q, v] = self.ring_states(beam, contact);
+                let (dq, dv) = dy[q.start..v.end].split_at_mut(modes);
+                beam.ring.rates(&y[q], &y[v], dq, dv);
+            }
+        }
+        for WheelRef { contact, wheelset, .. } in self.wheels() {
+            let force = workspace.wheel_force(contact, wheelset.body);
+            let own = self.rail_states(contact);
+            let (u, v) = (y[own.start], y[own.start + 1]);
+            dy[own.start] = v;
+            dy[own.start + 1] = -(force.y + lateral.stiffness * u + lateral.damping * v) / lateral.mass;
+            let [_, rates] = self.ring_states(beam, contact);
+            let shape = workspace.rails.shape(contact / 2, modes);
+            dy[rates].iter_mut().zip(shape).for_each(|(rate, phi)| *rate -= phi * force.z);
+        }
+    }
+
+    /// [`Model::weight_of_rail`] where rails are beams.
+    pub(super) fn weight_of_beam(&self, beam: &LaidRails, state: usize) -> Option<f64> {
+        let own = state.checked_sub(self.rails_begin()).filter(|own| *own < self.rail_state_count())?;
+        let (lateral, modes) = (self.contacts() * LATERAL_STATES, beam.ring.modes());
+        Some(match own.checked_sub(lateral) {
+            None if own % LATERAL_STATES == 0 => LATERAL_WEIGHT,
+            None => 0.0,
+            Some(own) if own % (2 * modes) < modes => beam.ring.largest(own % (2 * modes)),
+            Some(_) => 0.0,
+        })
+    }
+
+    /// [`Model::rail_energy`] where rails are beams.
+    pub(super) fn beam_energy(&self, beam: &LaidRails, y: &[f64]) -> (f64, f64) {
+        let lateral = &beam.lateral;
+        let (mut stored, mut heat) = (0.0, 0.0);
+        for contact in 0..self.contacts() {
+            let own = &y[self.rail_states(contact)];
+            stored += 0.5 * (lateral.stiffness * own[0] * own[0] + lateral.mass * own[1] * own[1]);
+            heat += lateral.damping * own[1] * own[1];
+        }
+        for group in &beam.groups {
+            for contact in [2 * group[0], 2 * group[0] + 1] {
+                let [q, v] = self.ring_states(beam, contact).map(|range| &y[range]);
+                let (own, lost) = beam.ring.energy(q, v);
+                (stored, heat) = (stored + own, heat + lost);
+            }
+        }
+        (stored, heat)
+    }
+
+    /// How long a step may last by the sleepers ahead, s.
+    pub(super) fn longest_on_sleepers(&self, workspace: &Workspace) -> f64 {
+        let Some(beam) = &self.beam else { return f64::INFINITY };
+        let fastest = self.wheelsets.iter().map(|wheelset| travel(&workspace.system, wheelset.body).abs()).fold(0.0, f64::max);
+        if fastest > 0.0 { PART_OF_BAY * beam.ring.bay().spacing / fastest } else { f64::INFINITY }
+    }
+
+    /// Adds to J c' - c'' what rails that are beams do as the vehicle travels on (see `moving_frame`): wheels turn with the whole (`motion`, `turned`: what that makes of forces),
+    /// and meet other parts of the rail.
+    pub(super) fn add_travel_on_beams(&self, beam: &LaidRails, workspace: &Workspace, place: WheelRef, turned: &[f64; 2], change: &mut [f64]) {
+        let WheelRef { contact, wheelset, .. } = place;
+        let modes = beam.ring.modes();
+        let [_, rates] = self.ring_states(beam, contact);
+        let [lateral, vertical] = *turned;
+        change[self.rail_states(contact).start + 1] += lateral;
+        let force = workspace.wheel_force(contact, wheelset.body).z * travel(&workspace.system, wheelset.body);
+        let (shape, slope) = (workspace.rails.shape(contact / 2, modes), workspace.rails.slope(contact / 2, modes));
+        for (own, (phi, slope)) in change[rates].iter_mut().zip(shape.iter().zip(slope)) {
+            *own += phi * vertical - slope * force;
+        }
+    }
+
+    /// How fast the rail under a wheel sinks, and that gets faster, by the wheel's travel alone: `s' u_s` and `s' w_s`.
+    pub(super) fn met_by_travel(&self, beam: &LaidRails, workspace: &Workspace, place: WheelRef, y: &[f64]) -> [f64; 2] {
+        let speed = travel(&workspace.system, place.wheelset.body);
+        let slope = workspace.rails.slope(place.contact / 2, beam.ring.modes());
+        self.ring_states(beam, place.contact).map(|range| speed * dot(slope, &y[range]))
+    }
+}
+
+impl Step<'_> {
+    /// [`Step::settle_rails`] where rails are beams: Newton's method wheel by wheel for the forces, with what a wheel's own force does to the rail under it.
+    pub(super) fn settle_beams(&mut self, beam: &LaidRails, inputs: &[f64]) -> Result<(), EvaluationError> {
+        let model = self.model;
+        let (modes, count) = (beam.ring.modes(), model.wheelsets.len());
+        let mut dy = vec![0.0; self.y.len()];
+        self.move_bodies();
+        model.feel_rails(self.workspace, self.y);
+        let mut carried = vec![vec![0.0; 2 * modes]; count];
+        for (wheelset, carried) in model.wheelsets.iter().zip(&mut carried) {
+            let distance = self.workspace.system.motions[wheelset.body].distance;
+            let (q, v) = carried.split_at_mut(modes);
+            beam.ring.carried(distance, travel(&self.workspace.system, wheelset.body), q, v);
+        }
+        let shapes: Vec<Vec<f64>> = (0..count).map(|index| self.workspace.rails.shape(index, modes).to_vec()).collect();
+        let own: Vec<f64> = (0..count).map(|index| dot(&shapes[index], &carried[index][..modes])).collect();
+        let mut loads: Vec<f64> = model.wheels().map(|wheel| wheel.wheelset.static_wheel_load).collect();
+        for contact in 0..model.contacts() {
+            self.y[model.rail_states(contact)][1] = 0.0;
+        }
+        for _ in 0..ROUNDS {
+            for contact in 0..model.contacts() {
+                let [q, v] = model.ring_states(beam, contact);
+                self.y[q.start..v.end].fill(0.0);
+            }
+            for (contact, load) in loads.iter().enumerate() {
+                let [q, v] = model.ring_states(beam, contact);
+                self.y[q.start..v.end].iter_mut().zip(&carried[contact / 2]).for_each(|(state, by)| *state -= load * by);
+            }
+            let at = Evaluation { t: self.t, inputs, y: self.y, memory: self.memory };
+            model.derivative(self.workspace, at, &mut dy)?;
+            let mut moved: f64 = 0.0;
+            let found: Vec<Vector3<f64>> =
+                model.wheels().map(|wheel| self.workspace.wheel_force(wheel.contact, wheel.wheelset.body)).collect();
+            for WheelRef { contact, wheelset, .. } in model.wheels() {
+                let (force, give) = (found[contact], own[contact / 2]);
+                let stiffness = Vector2::new(beam.lateral.stiffness, 1.0 / give);
+                let mut slope = Matrix2::from_diagonal(&stiffness);
+                for report in self.workspace.reports(contact).filter(|report| report.normal_force > 0.0) {
+                    let [normal, along] = [report.axes.normal, report.force / report.normal_force]
+                        .map(|vector| self.workspace.in_track(wheelset.body, vector));
+                    slope += Vector2::new(along.y, along.z)
+                        * Vector2::new(normal.y, normal.z).transpose()
+                        * (report.share * report.elastic_slope);
+                }
+                let lateral = model.rail_states(contact).start;
+                // Other wheels' forces are as they were taken: near their places they change by little.
+                let rest = Vector2::new(stiffness[0] * self.y[lateral] + force.y, force.z - loads[contact]);
+                let change = slope.try_inverse().map_or(Vector2::zeros(), |inverse| inverse * rest);
+                let change = change * (FARTHEST / change.norm()).min(1.0);
+                self.y[lateral] -= change.x;
+                loads[contact] += change.y / give;
+                moved = moved.max(change.amax());
+            }
+            if moved < SETTLED {
+                break;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,91 @@
+//! How a track gives way, as a scene says it: `flexibility` of `[track]`.
+
+use super::rail_beam::RailBeam;
+use super::travelling_track::{DAMPINGS, MASSES, STIFFNESSES, Support, TravellingTrack};
+use crate::settings::{Section, SettingsError};
+use crate::units::Dimension;
+
+/// Models by the word that lays them, coarser first.
+pub const TRAVELLING: &str = "travelling";
+pub const BEAM: &str = "beam";
+const MODELS: [&str; 2] = [TRAVELLING, BEAM];
+
+/// A track that gives way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Flexibility {
+    Travelling(TravellingTrack),
+    Beam(RailBeam),
+}
+
+impl Flexibility {
+    /// Reads `flexibility` of `[track]`: a model's word, or a table with that word as its `model` and numbers that differ from the default; `None` where it is absent.
+    ///
+    /// # Errors
+    /// [`SettingsError`] with file and line.
+    pub fn parse(track: &Section) -> Result<Option<Self>, SettingsError> {
+        if !track.has("flexibility") {
+            return Ok(None);
+        }
+        if !track.has_table("flexibility") {
+            let word = track.word("flexibility", &MODELS)?;
+            return Ok(Some(if word == BEAM { Self::Beam(RailBeam::default()) } else { Self::Travelling(TravellingTrack::default()) }));
+        }
+        let section = track.section("flexibility")?;
+        let read = match section.word("model", &MODELS)? {
+            BEAM => Self::Beam(RailBeam::read(&section)?),
+            _ => Self::Travelling(TravellingTrack::read(&section)?),
+        };
+        section.finish()?;
+        Ok(Some(read))
+    }
+
+    /// What carries a wheel laterally, in both models.
+    pub fn lateral_mut(&mut self) -> &mut Support {
+        match self {
+            Flexibility::Travelling(track) => &mut track.lateral,
+            Flexibility::Beam(beam) => &mut beam.lateral,
+        }
+    }
+
+    pub fn lateral(&self) -> Support {
+        match self {
+            Flexibility::Travelling(track) => track.lateral,
+            Flexibility::Beam(beam) => beam.lateral,
+        }
+    }
+
+    /// The mass that travels vertically; `None` where there is none.
+    pub fn vertical(&self) -> Option<Support> {
+        if let Flexibility::Travelling(track) = self { Some(track.vertical) } else { None }
+    }
+
+    pub fn vertical_mut(&mut self) -> Option<&mut Support> {
+        if let Flexibility::Travelling(track) = self { Some(&mut track.vertical) } else { None }
+    }
+}
+
+/// A number of the section, or `default` where it is absent.
+pub(super) fn number(
+    section: &Section,
+    key: &'static str,
+    dimension: Dimension,
+    default: f64,
+    range: (f64, f64),
+) -> Result<f64, SettingsError> {
+    if section.has(key) { section.within(key, dimension, range) } else { Ok(default) }
+}
+
+/// A mass on a spring and a damper by its three keys.
+pub(super) fn support(
+    section: &Section,
+    [mass, stiffness, damping]: [&'static str; 3],
+    usual: Support,
+) -> Result<Support, SettingsError> {
+    Ok(Support {
+        mass: number(section, mass, Dimension::Mass, usual.mass, MASSES)?,
+        stiffness: number(section, stiffness, Dimension::Stiffness, usual.stiffness, STIFFNESSES)?,
+        damping: number(section, damping, Dimension::Damping, usual.damping, DAMPINGS)?,
+    })
+}
+
+pub(super) const LATERAL: [&str; 3] = ["lateral_mass", "lateral_stiffness", "lateral_damping"];
