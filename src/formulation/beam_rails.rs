@@ -219,7 +219,14 @@ impl Model {
 
     /// Adds to J c' - c'' what rails that are beams do as the vehicle travels on (see `moving_frame`): wheels turn with the whole (`motion`, `turned`: what that makes of forces),
     /// and meet other parts of the rail.
-    pub(super) fn add_travel_on_beams(&self, beam: &LaidRails, workspace: &Workspace, place: WheelRef, turned: &[f64; 2], change: &mut [f64]) {
+    pub(super) fn add_travel_on_beams(
+        &self,
+        beam: &LaidRails,
+        workspace: &Workspace,
+        place: WheelRef,
+        turned: &[f64; 2],
+        change: &mut [f64],
+    ) {
         let WheelRef { contact, wheelset, .. } = place;
         let modes = beam.ring.modes();
         let [_, rates] = self.ring_states(beam, contact);

@@ -39,6 +39,14 @@ impl Flexibility {
         Ok(Some(read))
     }
 
+    /// The mean of the track along it, under wheelsets at these places [m] at this speed [m/s].
+    pub fn mean(self, places: &[f64], speed: f64) -> Self {
+        match self {
+            Flexibility::Travelling(_) => self,
+            Flexibility::Beam(beam) => Flexibility::Travelling(beam.lay(places, speed).stand_in),
+        }
+    }
+
     /// What carries a wheel laterally, in both models.
     pub fn lateral_mut(&mut self) -> &mut Support {
         match self {
@@ -76,11 +84,7 @@ pub(super) fn number(
 }
 
 /// A mass on a spring and a damper by its three keys.
-pub(super) fn support(
-    section: &Section,
-    [mass, stiffness, damping]: [&'static str; 3],
-    usual: Support,
-) -> Result<Support, SettingsError> {
+pub(super) fn support(section: &Section, [mass, stiffness, damping]: [&'static str; 3], usual: Support) -> Result<Support, SettingsError> {
     Ok(Support {
         mass: number(section, mass, Dimension::Mass, usual.mass, MASSES)?,
         stiffness: number(section, stiffness, Dimension::Stiffness, usual.stiffness, STIFFNESSES)?,

@@ -12,9 +12,9 @@ use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal, patch};
 use crate::formulation::{
     self, LOAD_TOLERANCE,
+    flexibility::Flexibility,
     inputs::{GROUPS, RAIL_MOTION},
     patch_tables::PreparedTables,
-    flexibility::Flexibility,
     wheel_search::{MOST_POINTS, PreparedSearches},
 };
 use crate::geometry::profile::{Part, ProfileChoice};

@@ -10,7 +10,7 @@ use crate::contact::friction::FrictionMap;
 use crate::contact::patch::PatchLaw;
 use crate::contact::transient::TransientSettings;
 use crate::contact::{Material, creep, normal};
-use crate::formulation::{self, patch_tables::PreparedTables, flexibility::Flexibility, wheel_search::PreparedSearches};
+use crate::formulation::{self, flexibility::Flexibility, patch_tables::PreparedTables, wheel_search::PreparedSearches};
 use crate::geometry::file::SceneFile;
 use crate::geometry::profile::ProfileChoice;
 use crate::geometry::track::Deviation;

@@ -14,6 +14,7 @@ mod limit_cycles;
 mod modes;
 mod moving_frame;
 mod out_of_round;
+mod rail_beam;
 mod rail_motion;
 mod sliding_means;
 mod speed;

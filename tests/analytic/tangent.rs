@@ -209,6 +209,22 @@ fn analytic_track_that_gives_way() {
     }
 }
 
+/// The same of rails on sleepers, with the wheels of a bogie on one rail.
+#[test]
+fn analytic_rails_on_sleepers() {
+    const BEAM: &str = "track.flexibility={model=\"beam\", highest_frequency=900, bays=24}";
+    check(
+        &[
+            ("suspended_wheelset", &[BEAM, "vehicle.initial.distance=18", "vehicle.initial.y=0.003", "vehicle.initial.yaw=0.002"], 0.08),
+            ("wheelset_s1002", &[BEAM, "vehicle.initial.y=0.006", "vehicle.initial.yaw=0.001"], 0.01),
+            ("wheelset_standstill", &[BEAM, "vehicle.speed=1.5"], 0.02),
+            ("vehicle_manchester_1", &["track.flexibility={model=\"beam\", highest_frequency=500, bays=12}"], 0.3),
+        ],
+        ROWS,
+        [0.1, 0.4],
+    );
+}
+
 #[test]
 fn analytic_vehicles() {
     check(

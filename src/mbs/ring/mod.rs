@@ -111,7 +111,8 @@ impl Ring {
             }
         }
         let table = Table::new(bay.spacing, families.iter().map(|placed| &placed.family));
-        let mut ring = Ring { bay: *bay, bays, blocks, damping, families, table, largest: vec![0.0; squares.len()], mobility: 0.0, squares };
+        let mut ring =
+            Ring { bay: *bay, bays, blocks, damping, families, table, largest: vec![0.0; squares.len()], mobility: 0.0, squares };
         ring.sample();
         ring
     }

@@ -56,7 +56,8 @@ pub(super) fn family(bay: &Bay, bays: usize, p: usize, parity: Parity, highest: 
     // Where a wave is its own mirror image, one of both directions says all.
     let alone = p == 0 || 2 * p == bays;
     let zones = if alone { 0..=ZONES } else { -ZONES..=ZONES };
-    let numbers: Vec<f64> = zones.map(|j| phase + TAU * f64::from(j) / bay.spacing).filter(|k| *k != 0.0 || parity == Parity::Even).collect();
+    let numbers: Vec<f64> =
+        zones.map(|j| phase + TAU * f64::from(j) / bay.spacing).filter(|k| *k != 0.0 || parity == Parity::Even).collect();
     let sleepers = match (alone, parity) {
         (true, Parity::Even) => 1.0,
         (true, Parity::Odd) => 0.0,

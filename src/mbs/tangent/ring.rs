@@ -221,7 +221,14 @@ impl Tangent {
     }
 
     /// Adds the wheel number `place` of a rail: like [`Tangent::add_follower`], its vertical part without mass, spring and damper; `shape`: phi at its place.
-    pub fn add_on_ring(&mut self, (rail, place): (usize, usize), follower: &Follower, wrench: &WrenchTangent, before: usize, shape: &[f64]) {
+    pub fn add_on_ring(
+        &mut self,
+        (rail, place): (usize, usize),
+        follower: &Follower,
+        wrench: &WrenchTangent,
+        before: usize,
+        shape: &[f64],
+    ) {
         let taken = self.sum.states.len() - before;
         let Some(rail) = self.rings.as_mut().and_then(|rings| rings.rails.get_mut(rail)) else { return };
         let block = &mut rail.wheels[place];

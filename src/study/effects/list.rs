@@ -5,6 +5,7 @@
 
 use crate::contact::creep::{self, polach};
 use crate::contact::patch::{self, PatchLaw};
+use crate::formulation::flexibility::{BEAM, Flexibility, TRAVELLING};
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::geometry::profile::Flangeless;
@@ -264,7 +265,19 @@ fn vehicle(scene: &Scene, list: &mut List) {
 /// What the rails do on the way.
 fn track(scene: &Scene, model: &Model, stop: f64, list: &mut List) {
     match scene.track.flexibility.is_some() || scene.effects.is_off(Switch::TrackFlexibility) {
-        true => list.switch(scene, Switch::TrackFlexibility),
+        true => {
+            list.switch(scene, Switch::TrackFlexibility);
+            // Levels of detail: a mass under each wheel, rails on sleepers.
+            match scene.track.flexibility {
+                Some(Flexibility::Travelling(_)) => {
+                    list.add("masses under wheels", Kind::Fuller, BEAM, &["track.flexibility=beam"]);
+                }
+                Some(Flexibility::Beam(_)) => {
+                    list.add("rails on sleepers", Kind::Simpler, TRAVELLING, &["track.flexibility=travelling"]);
+                }
+                None => {}
+            }
+        }
         // The usual track is laid where the formulation knows rails that move, and they are not moved already.
         false if !(model.formulation.constrains() || model.rail_motion || model.axles_twist() || scene.vehicle.is_lone()) => {
             list.add("rigid track", Kind::Fuller, "travelling", &["track.flexibility=travelling"]);

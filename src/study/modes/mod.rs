@@ -134,6 +134,9 @@ pub fn undisturbed(scene: &Scene, speed: f64) -> Result<Scene, ModesError> {
     scene.vehicle.speed = speed;
     (scene.track.alignment, scene.track.line, scene.track.start_fade) = (None, None, None);
     scene.track.deviations.clear();
+    // Over sleepers nothing is steady: the mean of the track is.
+    let places: Vec<f64> = scene.vehicle.wheelsets.iter().map(|placed| placed.x).collect();
+    scene.track.flexibility = scene.track.flexibility.map(|track| track.mean(&places, speed));
     // Friction that changes along the track is what it is at the start; else differences are more exact near the origin.
     let distance = if scene.contact.friction_map.is_some() { start::origin(&scene) } else { 0.0 };
     scene.vehicle.initial.from_equilibrium = true;
