@@ -94,6 +94,7 @@ fn prop_searches_for_contacts_and_transient_contact_do_not_allocate() {
         ("wheelset_s1002", 0.0, &[], &["ECF-A"], false),
         ("wheelset_s1002", 0.0, &["contact.patch=strips"], &["ECF-A", "ECF-N"], false),
         ("wheelset_s1002", 0.0, &["contact.patch=table"], &["ECF-A"], false),
+        ("wheelset_s1002", 0.0, &["track.flexibility=beam"], &["ECF-A", "ECF-N"], false),
         ("wheelset_standstill", 0.0, &[], BOTH, false),
         ("wheelset_standstill", 0.0, &["vehicle.speed=0"], BOTH, false),
         (apta, 25e3, &[], BOTH, true),

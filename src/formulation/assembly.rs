@@ -1,10 +1,10 @@
 //! A model from its parts, and what its evaluations need.
 
-use super::beam_rails::RailScratch;
 use super::frame_motion::MovingFrame;
 use super::memory::{Mode, ModelMemory, WheelMemory};
 use super::model::{ContactLaws, LOAD_TOLERANCE, Model};
 use super::patch_tables::PreparedTables;
+use super::rail_scratch::RailScratch;
 use super::rigid_scratch::RigidScratch;
 use super::sliding_mean::MeanMemory;
 use super::timers::Timers;

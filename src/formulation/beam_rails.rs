@@ -7,7 +7,8 @@
 //! *At rest* rails lie as the wheels' forces, if they were constant, would have left them after travelling for ever (`Ring::carried`): a start has no transient but that which sleepers
 //! make of wheels that do not yet follow them.
 
-use super::rail_beam::LaidRails;
+use super::rail_beam::{LATERAL_STATES, LaidRails};
+use super::rail_scratch::RailScratch;
 use super::step::{Step, WheelRef};
 use super::yielding_rails::{FARTHEST, LATERAL_WEIGHT, ROUNDS, SETTLED};
 use super::{Evaluation, EvaluationError, Model, Workspace};
@@ -17,20 +18,8 @@ use crate::mbs::tangent::RingPlan;
 use nalgebra::{Matrix2, Vector2, Vector3};
 use std::ops::Range;
 
-/// u and u' of the lateral spring under a wheel.
-pub const LATERAL_STATES: usize = 2;
 /// A step goes over at most this part of a bay.
 const PART_OF_BAY: f64 = 0.25;
-
-/// What wheels feel of their rails, found by each evaluation.
-#[derive(Clone, Debug, Default)]
-pub struct RailScratch {
-    /// phi and its slope, by wheelset.
-    shapes: Vec<f64>,
-    slopes: Vec<f64>,
-    /// u_z [m], w [m/s] and u_s [-] by contact.
-    pub(super) under: Vec<[f64; 3]>,
-}
 
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -39,22 +28,6 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// How fast a body goes along the track, m/s.
 fn travel(system: &SystemWorkspace, body: usize) -> f64 {
     system.stations.get(body).map_or(system.motions[body].speed, |station| station.travel)
-}
-
-impl RailScratch {
-    pub(super) fn new(beam: Option<&LaidRails>) -> RailScratch {
-        let Some(beam) = beam else { return RailScratch::default() };
-        let (count, modes) = (beam.seats.len(), beam.ring.modes());
-        RailScratch { shapes: vec![0.0; count * modes], slopes: vec![0.0; count * modes], under: vec![[0.0; 3]; 2 * count] }
-    }
-
-    pub(super) fn shape(&self, wheelset: usize, modes: usize) -> &[f64] {
-        &self.shapes[wheelset * modes..(wheelset + 1) * modes]
-    }
-
-    pub(super) fn slope(&self, wheelset: usize, modes: usize) -> &[f64] {
-        &self.slopes[wheelset * modes..(wheelset + 1) * modes]
-    }
 }
 
 impl Model {

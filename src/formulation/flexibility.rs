@@ -1,9 +1,8 @@
 //! How a track gives way, as a scene says it: `flexibility` of `[track]`.
 
 use super::rail_beam::RailBeam;
-use super::travelling_track::{DAMPINGS, MASSES, STIFFNESSES, Support, TravellingTrack};
+use super::travelling_track::{Support, TravellingTrack};
 use crate::settings::{Section, SettingsError};
-use crate::units::Dimension;
 
 /// Models by the word that lays them, coarser first.
 pub const TRAVELLING: &str = "travelling";
@@ -71,25 +70,3 @@ impl Flexibility {
         if let Flexibility::Travelling(track) = self { Some(&mut track.vertical) } else { None }
     }
 }
-
-/// A number of the section, or `default` where it is absent.
-pub(super) fn number(
-    section: &Section,
-    key: &'static str,
-    dimension: Dimension,
-    default: f64,
-    range: (f64, f64),
-) -> Result<f64, SettingsError> {
-    if section.has(key) { section.within(key, dimension, range) } else { Ok(default) }
-}
-
-/// A mass on a spring and a damper by its three keys.
-pub(super) fn support(section: &Section, [mass, stiffness, damping]: [&'static str; 3], usual: Support) -> Result<Support, SettingsError> {
-    Ok(Support {
-        mass: number(section, mass, Dimension::Mass, usual.mass, MASSES)?,
-        stiffness: number(section, stiffness, Dimension::Stiffness, usual.stiffness, STIFFNESSES)?,
-        damping: number(section, damping, Dimension::Damping, usual.damping, DAMPINGS)?,
-    })
-}
-
-pub(super) const LATERAL: [&str; 3] = ["lateral_mass", "lateral_stiffness", "lateral_damping"];

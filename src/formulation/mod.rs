@@ -11,7 +11,7 @@
 //! wheel: none in ECF-A and ECCF, the surface parameters and their rates in ACCF, the arc length in ECF-N.
 
 mod assembly;
-pub mod beam_rails;
+mod beam_rails;
 pub mod beat;
 mod deflections;
 pub mod elastic;
@@ -42,6 +42,7 @@ mod prediction;
 mod projection;
 pub mod rail_beam;
 mod rail_motion;
+pub mod rail_scratch;
 mod rigid;
 mod rigid_scratch;
 pub mod sliding_mean;

@@ -13,14 +13,15 @@
 //! *Left out:* left and right rail do not know each other (each has its half of the sleepers), pads have no length and hold no turn, ballast has no mass, supports never lift off;
 //! lateral bending, torsion and the turn of the head. Steady states (starts, `modes`) stand on the mean of this track over a bay: a mass that travels on its mean stiffness.
 
-use super::flexibility::{LATERAL, number, support};
-use super::travelling_track::{DAMPINGS, Support, TravellingTrack};
+use super::travelling_track::{DAMPINGS, LATERAL, Support, TravellingTrack, number, support};
 use crate::mbs::ring::{Bay, Ring};
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+/// u and u' of the lateral mass under a wheel.
+pub const LATERAL_STATES: usize = 2;
 /// Track before the first and behind the last wheel of a ring, together, m, and the distance from which on wheels do not share a ring, m.
 const BESIDE: f64 = 24.0;
 const APART: f64 = 12.0;

@@ -24,8 +24,8 @@
 //!
 //! Rigid contact (ACCF, ECCF) is refused: its constraints would need the rail's acceleration too.
 
-use super::beam_rails::RailScratch;
 use super::inputs::{RAIL_INPUTS, first_of_rail};
+use super::rail_scratch::RailScratch;
 use super::{AssemblyError, Model};
 use crate::mbs::body::BodyMotion;
 use crate::mbs::system::SystemWorkspace;

@@ -20,8 +20,8 @@
 //! turning of the rail's head under lateral force, the inertia of the travelling mass in curves, and the weight of the rail, which it carries before any wheel comes.
 //! Rigid contact (ACCF, ECCF) is refused: its constraints would need the rails' accelerations among their unknowns.
 
-use super::flexibility::{LATERAL, support};
 use crate::settings::{Section, SettingsError};
+use crate::units::Dimension;
 
 /// u_y, u_z [m], u_y', u_z' [m/s] of one rail under one wheel.
 pub const RAIL_STATES: usize = 4;
@@ -89,3 +89,25 @@ impl TravellingTrack {
         (stiffness / (0.5 * unsprung + mass)).sqrt() / std::f64::consts::TAU
     }
 }
+
+/// A number of the section, or `default` where it is absent.
+pub(super) fn number(
+    section: &Section,
+    key: &'static str,
+    dimension: Dimension,
+    default: f64,
+    range: (f64, f64),
+) -> Result<f64, SettingsError> {
+    if section.has(key) { section.within(key, dimension, range) } else { Ok(default) }
+}
+
+/// A mass on a spring and a damper by its three keys.
+pub(super) fn support(section: &Section, [mass, stiffness, damping]: [&'static str; 3], usual: Support) -> Result<Support, SettingsError> {
+    Ok(Support {
+        mass: number(section, mass, Dimension::Mass, usual.mass, MASSES)?,
+        stiffness: number(section, stiffness, Dimension::Stiffness, usual.stiffness, STIFFNESSES)?,
+        damping: number(section, damping, Dimension::Damping, usual.damping, DAMPINGS)?,
+    })
+}
+
+pub(super) const LATERAL: [&str; 3] = ["lateral_mass", "lateral_stiffness", "lateral_damping"];

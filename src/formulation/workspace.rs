@@ -1,9 +1,9 @@
 //! The scratch of a model's evaluations, and what they find.
 
-use super::beam_rails::RailScratch;
 use super::events::ContactEvent;
 use super::frame_motion::MovingFrame;
 use super::memory::ModelMemory;
+use super::rail_scratch::RailScratch;
 use super::rigid_scratch::RigidScratch;
 use super::timers::Timers;
 use super::work::Work;

@@ -1,7 +1,7 @@
 //! Rails on track that gives way (`travelling_track`; `beam_rails` has the rest of those that are beams): their states, rates, energy, weight in the error control, and where they rest.
 
-use super::beam_rails::LATERAL_STATES;
 use super::flexibility::Flexibility;
+use super::rail_beam::LATERAL_STATES;
 use super::step::{Step, WheelRef};
 use super::travelling_track::{RAIL_STATES, TravellingTrack};
 use super::{AssemblyError, Evaluation, EvaluationError, Model, Wheelset, Workspace};
@@ -64,7 +64,8 @@ impl Model {
             }
         };
         const GRAVITY: f64 = 9.81;
-        let load = self.system.bodies.iter().map(|body| body.mass).sum::<f64>() * GRAVITY / self.contacts() as f64;
+        let carried = self.wheelsets.iter().map(|wheelset| wheelset.static_wheel_load).sum::<f64>() / self.wheelsets.len() as f64;
+        let load = carried.max(self.system.bodies.iter().map(|body| body.mass).sum::<f64>() * GRAVITY / self.contacts() as f64);
         let sag = load / vertical;
         // (Also where it is no number.)
         if !(sag <= DEEPEST_SAG) {

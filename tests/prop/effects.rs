@@ -242,6 +242,10 @@ fn prop_left_out_curves_cant_grade_and_elements_are_not_there() {
     assert_eq!(open("wheelset_standstill", &["effects.grade=off"]).unwrap().track.grade, 0.0);
     let flexible = |switch: &str| open("bogie", &["track.flexibility=travelling", switch]).unwrap().track.flexibility.is_some();
     assert!(flexible("effects.track_flexibility=on") && !flexible("effects.track_flexibility=off"));
+    // Levels of detail.
+    let levels = |track: &str| names(&listed("bogie", &[track]));
+    assert!(levels("track.flexibility=travelling").contains(&"masses under wheels: beam".into()));
+    assert!(levels("track.flexibility=beam").contains(&"rails on sleepers: travelling".into()));
     let count = |changes: &[&str]| open("vehicle_manchester_1", changes).unwrap().vehicle.forces.len();
     assert_eq!(count(&[]) - count(&["effects.without=[\"truck.anti_roll_bar\"]"]), 2, "one per truck");
     assert_eq!(count(&[]) - count(&["effects.without=[\"truck[1].anti_roll_bar\"]"]), 1);
