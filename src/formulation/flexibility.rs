@@ -54,18 +54,7 @@ impl Flexibility {
         }
     }
 
-    pub fn lateral(&self) -> Support {
-        match self {
-            Flexibility::Travelling(track) => track.lateral,
-            Flexibility::Beam(beam) => beam.lateral,
-        }
-    }
-
     /// The mass that travels vertically; `None` where there is none.
-    pub fn vertical(&self) -> Option<Support> {
-        if let Flexibility::Travelling(track) = self { Some(track.vertical) } else { None }
-    }
-
     pub fn vertical_mut(&mut self) -> Option<&mut Support> {
         if let Flexibility::Travelling(track) = self { Some(&mut track.vertical) } else { None }
     }

@@ -69,7 +69,7 @@ impl Default for RailBeam {
             ballast_stiffness: 50e6,
             ballast_damping: 80e3,
         };
-        RailBeam { rail, bay: of_section(bay, section), lateral: TravellingTrack::default().lateral, highest: 1500.0, bays: None }
+        RailBeam { rail, bay: of_section(bay, section), lateral: TravellingTrack::default().lateral, highest: 3000.0, bays: None }
     }
 }
 

@@ -69,8 +69,9 @@ fn floquet(bay: &Bay, x: f64, w: f64) -> C {
 fn analytic_receptance_of_the_infinite_track() {
     let bay = bay();
     let sag = floquet(&bay, 0.0, TAU).norm();
-    for (highest, bays, (of_sag, of_itself)) in
-        [(1500.0, 40, (0.06, 10.0)), (1500.0, 160, (0.05, 10.0)), (3000.0, 40, (0.05, 10.0)), (20_000.0, 300, (0.01, 0.05))]
+    let mut wrong = Vec::new();
+    for (highest, bays, of_sag) in
+        [(1500.0, 40, 0.06), (1500.0, 160, 0.055), (3000.0, 40, 0.035), (3000.0, 160, 0.03), (20_000.0, 160, 0.008)]
     {
         let ring = Ring::new(&bay, bays, TAU * highest);
         let (mut worst, mut relative): (f64, f64) = (0.0, 0.0);
@@ -89,8 +90,11 @@ fn analytic_receptance_of_the_infinite_track() {
             }
         }
         println!("{highest} Hz, {bays} bays: worst {worst:.4} of the sag, {relative:.4} of itself");
-        assert!(worst < of_sag && relative < of_itself, "{highest} Hz, {bays} bays: {worst} {relative}");
+        if worst > of_sag {
+            wrong.push(format!("{highest} Hz, {bays} bays: {worst}"));
+        }
     }
+    assert!(wrong.is_empty(), "{wrong:?}");
 }
 
 /// Over the sleepers the pinned-pinned wave does not move them: a simply supported Timoshenko beam of one bay.
