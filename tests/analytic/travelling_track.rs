@@ -203,7 +203,7 @@ fn prop_senseless_track_is_refused_with_reasons() {
         load::open("suspended_wheelset", &changes).err().map(|error| error.to_string()).unwrap_or_default()
     };
     for (changes, expected) in [
-        (&["track.flexibility=soft"][..], "track.flexibility: found \"soft\", expected \"travelling\" or \"beam\""),
+        (&["track.flexibility=soft"][..], "track.flexibility: found \"soft\", expected one of \"travelling\", \"beam\""),
         (&["track.flexibility={model=\"travelling\",vertical_mass=0}"], "vertical_mass: found 0.0"),
         (&["track.flexibility={model=\"travelling\",lateral_stiffness=-1}"], "lateral_stiffness: found -1.0"),
         (&["track.flexibility={model=\"travelling\",stiffness=1}"], "stiffness"),
