@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn analytic_two_springs_carry_and_none_pulls() {
         for cut in [1e-9, 0.2, 0.7, 1.0 - 1e-9] {
-            for others in [-9e-6, -3e-6, -2e-6, -1.9e-6, 0.0, 0.9e-6] {
+            for others in [-9e-6f64, -3e-6, -2e-6, -1.9e-6, 0.0, 0.9e-6] {
                 let whole = (1.0 - cut) * (-2e-6 - others).max(0.0);
                 let pressed = cut * (1e-6 - others).max(0.0);
                 assert!((load(cut, others) - (whole + pressed) / 3.0).abs() < 1e-20, "{cut} {others}");
