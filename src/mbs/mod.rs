@@ -15,6 +15,7 @@ pub mod on_track;
 pub mod pair_tangent;
 pub mod projection;
 pub mod redundancy;
+pub mod speed_input;
 pub mod speed_profile;
 pub mod supported;
 pub mod system;

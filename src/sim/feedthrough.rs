@@ -211,6 +211,12 @@ impl Feedthrough {
         }
     }
 
+    /// Does the acceleration along the track change it that an input imposes on these bodies? What acts across it, alone on straight track, does not feel it.
+    pub fn by_speed(&self, driven: &[usize]) -> bool {
+        let along = self.inputs.contains(&LONGITUDINAL_FORCE) || !self.inputs.iter().any(|input| FORCES.contains(input));
+        self.acted_on == ActedOn::Loads && along && driven.iter().any(|body| self.reach.covers(*body))
+    }
+
     /// Is the factor of this input of a wheelset, on which it depends, a number that parameters alone say?
     pub fn is_fixed(&self, number: usize) -> bool {
         self.fixed == Some(number)

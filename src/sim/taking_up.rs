@@ -89,7 +89,7 @@ fn load(
     values: &mut [f64],
     (time, y, dy): (f64, &[f64], &mut [f64]),
 ) -> Result<(), SimulationError> {
-    input::evaluate(signals, at, values);
+    input::evaluate(model, signals, at, values);
     model.take_inputs(&mut workspace.system, time, values);
     model.system.load_bodies(y, &mut workspace.system);
     for (wheelset, own) in model.wheelsets.iter().zip(values.as_chunks::<WHEELSET_INPUTS>().0) {

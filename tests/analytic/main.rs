@@ -17,6 +17,7 @@ mod out_of_round;
 mod rail_motion;
 mod sliding_means;
 mod speed;
+mod speed_input;
 mod tangent;
 mod traction;
 mod travelling_track;
