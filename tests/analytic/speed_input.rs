@@ -94,8 +94,7 @@ fn equiv_an_input_like_a_table_gives_its_run() {
         let found = drive(&follows, 4.5, step, |simulation, t| want(simulation, jet(&profile, t, step)));
         let speed = off(&found, "wheelset.vx", |t| profile.at(t)[0]);
         let apart = |name: &str| largest_difference(&expected[name], &found[name]);
-        let [y, way, force, load] =
-            ["wheelset.y", "wheelset.distance", "wheelset.drivingForce", "wheelset.left.verticalForce"].map(apart);
+        let [y, way, force, load] = ["wheelset.y", "wheelset.distance", "wheelset.drivingForce", "wheelset.left.verticalForce"].map(apart);
         println!("{formulation} {method}: speed {speed:.1e} m/s, y {y:.1e} m, way {way:.1e} m, forces {force:.1e} N, {load:.1e} N");
         assert!(speed < most && y < most && way < most && force < 50.0 && load < 50.0, "{formulation} {method}");
     }
@@ -136,7 +135,10 @@ fn analytic_a_jump_is_followed_by_the_law() {
                 .try_into()
                 .unwrap();
             println!("{formulation} {method} {jump}: speed {speed:.1e}, acceleration {rate:.1e}, way {way:.1e}");
-            assert!(speed < 5.0 * most && rate < 10.0 * most && way < 5.0 * most, "{formulation} {method} {jump}: {speed:e} {rate:e} {way:e}");
+            assert!(
+                speed < 5.0 * most && rate < 10.0 * most && way < 5.0 * most,
+                "{formulation} {method} {jump}: {speed:e} {rate:e} {way:e}"
+            );
         }
     }
 }
@@ -269,13 +271,10 @@ fn prop_the_masters_step_does_not_matter_where_it_gives_derivatives() {
     let scene = open("suspended_wheelset", &[&input(38.0, 0.5, 3.0), "solver.integrator=rosenbrock", "solver.tolerance=1e-7"]);
     // A parabola: its derivatives at any instant are those of all others.
     let wanted = |t: f64| [38.0 + 0.9 * t - 0.2 * t * t, 0.9 - 0.4 * t, -0.4];
-    let runs: Vec<HashMap<String, Vec<f64>>> = [0.001, 0.01, 0.1]
-        .into_iter()
-        .map(|step| drive(&scene, 2.0, step, |simulation, t| want(simulation, wanted(t))))
-        .collect();
-    let thinned = |run: &HashMap<String, Vec<f64>>, name: &str, every: usize| -> Vec<f64> {
-        run[name].iter().step_by(every).copied().collect()
-    };
+    let runs: Vec<HashMap<String, Vec<f64>>> =
+        [0.001, 0.01, 0.1].into_iter().map(|step| drive(&scene, 2.0, step, |simulation, t| want(simulation, wanted(t)))).collect();
+    let thinned =
+        |run: &HashMap<String, Vec<f64>>, name: &str, every: usize| -> Vec<f64> { run[name].iter().step_by(every).copied().collect() };
     for (run, every) in runs.iter().zip([100, 10, 1]) {
         for (name, most) in [("wheelset.y", 2e-7), ("wheelset.distance", 2e-7), ("wheelset.vx", 1e-7)] {
             let apart = largest_difference(&thinned(run, name, every), &runs[2][name]);
@@ -284,4 +283,72 @@ fn prop_the_masters_step_does_not_matter_where_it_gives_derivatives() {
         }
         assert!(off(run, "wheelset.vx", |t| wanted(t)[0]) < 1e-7);
     }
+}
+
+/// With `[contact.transient]` a vehicle is brought to rest on a grade, stands, and starts again, backwards too; without it the run ends and says so.
+#[test]
+fn hard_to_rest_and_on_again() {
+    let changes = ["vehicle.travel=imposed", &input(3.0, 0.5, 1.0)];
+    for formulation in ["ECF-A", "ECCF"] {
+        let formulation = format!("contact.formulation={formulation}");
+        let scene = open("wheelset_standstill", &[changes[0], changes[1], &formulation]);
+        let found = drive(&scene, 26.0, 0.05, |simulation, t| {
+            for (at, speed) in [(1.0, 0.0), (14.0, 2.0), (20.0, -1.5)] {
+                if (t - at).abs() < 1e-9 {
+                    want(simulation, [speed, 0.0, 0.0]);
+                }
+            }
+        });
+        let at = |t: f64, name: &str| found[&format!("wheelset.{name}")][(t / 0.05).round() as usize];
+        let radius = 3.0 / at(0.5, "pitchRate");
+        println!(
+            "{formulation}: {:.1e} m/s at 14 s, {:.6} at 20 s, {:.6} at 26 s; wheels {:.1e}, {:.6}, {:.6}; force at rest {:.3} N",
+            at(14.0, "vx"),
+            at(20.0, "vx"),
+            at(26.0, "vx"),
+            at(14.0, "pitchRate"),
+            at(20.0, "pitchRate") * radius,
+            at(26.0, "pitchRate") * radius,
+            at(13.9, "drivingForce")
+        );
+        assert!(found.values().flatten().all(|value| value.is_finite()), "{formulation}");
+        assert!(at(14.0, "vx").abs() < 1e-7 && at(14.0, "pitchRate").abs() < 1e-5, "{formulation}");
+        for (t, speed) in [(20.0, 2.0), (26.0, -1.5)] {
+            assert!((at(t, "vx") - speed).abs() < 1e-3 && (at(t, "pitchRate") * radius - speed).abs() < 5e-3, "{formulation}: {t}");
+        }
+    }
+    let mut simulation = start(&open("suspended_wheelset", &[PLAIN, &input(3.0, 0.5, 1.0)]));
+    want(&mut simulation, [-3.0, 0.0, 0.0]);
+    let error = simulation.advance(10.0).unwrap_err().to_string();
+    println!("{error}");
+    assert!(
+        error.contains("the travelling speed has fallen to") && (simulation.time() - 2.95).abs() < 0.01,
+        "{error} {}",
+        simulation.time()
+    );
+    assert!(simulation.snapshot().unwrap().y.iter().all(|value| value.is_finite()));
+}
+
+/// What a scene may not say, where and why.
+#[test]
+fn prop_scenes_are_refused_with_a_reason() {
+    let said = |change: &str| match load::open("suspended_wheelset", &[change.to_string()]) {
+        Ok(_) => panic!("{change} was taken"),
+        Err(error) => error.to_string(),
+    };
+    for (change, words) in [
+        ("vehicle.speed={start=0}", "vehicle.speed.start: found 0, but creepages"),
+        ("vehicle.speed={time_constant=1}", "vehicle.speed.start: is missing"),
+        ("vehicle.speed={start=600}", "at most 500"),
+        ("vehicle.speed={start=nan}", "vehicle.speed.start"),
+        ("vehicle.speed={start=20,time_constant=0}", "vehicle.speed.time_constant: found 0"),
+        ("vehicle.speed={start=20,largest_acceleration=-1}", "vehicle.speed.largest_acceleration: found -1"),
+        ("vehicle.speed={start=20,time=1}", "vehicle.speed.time: unknown key"),
+    ] {
+        let said = said(change);
+        assert!(said.contains(words), "{change}: {said}");
+    }
+    let changes = ["vehicle.speed={start=20}", "vehicle.travel=free"].map(String::from);
+    let said = load::open("suspended_wheelset", &changes).map(|_| ()).unwrap_err().to_string();
+    assert!(said.contains("a speed that is an input") && said.contains("travel = \"imposed\""), "{said}");
 }
