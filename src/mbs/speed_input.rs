@@ -9,7 +9,7 @@
 //! - Where u' or a tell how u goes on (derivatives of the input; a master without them gives the slope as a) and |u'| stays within A, V is u once they are equal: the error dies as
 //!   exp(-t / T).
 //! - A jump of u is followed with the acceleration A until |u - V| < A T, then as exp(-t / T): without overshoot.
-//! - A staircase with steps of H and a slope k is followed with the lag k T (a = 0), or k H / 2 in the mean (a = k).
+//! - A staircase with steps of H and a slope k is followed with the lag k (T + H / 2) where a = 0, and k H / 2 where a = k: that of its mean.
 //!
 //! V is no state of its own: it is the speed of the leading driven body along the track, which all that are driven have. It is smooth in so far as
 //! its rate is bounded; the rate jumps with u by its jump over T at most.

@@ -146,9 +146,12 @@ fn analytic_a_jump_is_followed_by_the_law() {
 /// A master that knows no derivatives: with the slope as the input `acceleration` a staircase is followed to k H / 2, without it to k T.
 #[test]
 fn analytic_a_staircase_is_followed_to_its_lag() {
-    let (slope, step) = (0.8, 0.02);
-    for (tells, lag) in [(true, 0.5 * slope * step), (false, 0.5 * slope)] {
-        let scene = open("suspended_wheelset", &[PLAIN, &input(20.0, 0.5, 2.0), "solver.integrator=rosenbrock"]);
+    let (slope, step, constant) = (0.8, 0.02, 0.5);
+    // What is left of u - V at the end of a step comes again: e = (e + k H) q - a T (1 - q), q = exp(-H / T).
+    let q = f64::exp(-step / constant);
+    let end = slope * step * (1.0 + q / (1.0 - q));
+    for (tells, lag) in [(true, end - slope * constant), (false, end)] {
+        let scene = open("suspended_wheelset", &[PLAIN, &input(20.0, constant, 2.0), "solver.integrator=rosenbrock"]);
         let found = drive(&scene, 6.0, step, |simulation, t| {
             want(simulation, [20.0 + slope * t, 0.0, 0.0]);
             let place = place(simulation) + WANTED_RATE;
@@ -157,9 +160,9 @@ fn analytic_a_staircase_is_followed_to_its_lag() {
         let behind = |row: usize| 20.0 + slope * found["time"][row] - found["wheelset.vx"][row];
         let last = found["time"].len() - 1;
         println!("{tells}: {} of {lag} m/s behind", behind(last));
-        // The middle of a step is half of it behind its end.
-        let expected = if tells { lag } else { lag + 0.5 * slope * step };
-        assert!((behind(last) - expected).abs() < 2e-3 * expected.max(0.01) + 2e-5, "{tells}: {} {expected}", behind(last));
+        assert!((behind(last) - lag).abs() < 1e-5, "{tells}: {} {lag}", behind(last));
+        let about = if tells { 0.5 * slope * step } else { slope * (constant + 0.5 * step) };
+        assert!((lag - about).abs() < 0.01 * about, "{tells}: {lag} {about}");
     }
 }
 
@@ -185,7 +188,7 @@ fn analytic_vehicles_in_a_curve_and_their_energy() {
             want(simulation, [wanted(t), slope, 0.0]);
         });
         for (wheelset, _) in scene.vehicle.axles().iter().filter(|axle| axle.1) {
-            let expected = |t: f64| if t <= 4.0 { wanted(t) } else { speed_after_a_fall(t - 4.0) };
+            let expected = |t: f64| if t < 4.0 { wanted(t) } else { speed_after_a_fall(t - 4.0) };
             let worst = off(&found, &format!("{wheelset}.vx"), expected);
             println!("{name} {wheelset}: {worst:.1e} m/s");
             assert!(worst < 2e-5, "{name} {changes:?} {wheelset}: {worst:e}");
@@ -281,7 +284,9 @@ fn prop_the_masters_step_does_not_matter_where_it_gives_derivatives() {
             println!("{name} {every}: {apart:.1e}");
             assert!(apart < most, "{name} {every}: {apart:e}");
         }
-        assert!(off(run, "wheelset.vx", |t| wanted(t)[0]) < 1e-7);
+        let speed = off(run, "wheelset.vx", |t| wanted(t)[0]);
+        println!("{every}: {speed:.1e} m/s off");
+        assert!(speed < 1e-6, "{every}: {speed:e}");
     }
 }
 
@@ -292,7 +297,7 @@ fn hard_to_rest_and_on_again() {
     for formulation in ["ECF-A", "ECCF"] {
         let formulation = format!("contact.formulation={formulation}");
         let scene = open("wheelset_standstill", &[changes[0], changes[1], &formulation]);
-        let found = drive(&scene, 26.0, 0.05, |simulation, t| {
+        let found = drive(&scene, 30.0, 0.05, |simulation, t| {
             for (at, speed) in [(1.0, 0.0), (14.0, 2.0), (20.0, -1.5)] {
                 if (t - at).abs() < 1e-9 {
                     want(simulation, [speed, 0.0, 0.0]);
@@ -302,18 +307,18 @@ fn hard_to_rest_and_on_again() {
         let at = |t: f64, name: &str| found[&format!("wheelset.{name}")][(t / 0.05).round() as usize];
         let radius = 3.0 / at(0.5, "pitchRate");
         println!(
-            "{formulation}: {:.1e} m/s at 14 s, {:.6} at 20 s, {:.6} at 26 s; wheels {:.1e}, {:.6}, {:.6}; force at rest {:.3} N",
+            "{formulation}: {:.1e} m/s at 14 s, {:.6} at 20 s, {:.6} at 30 s; wheels {:.1e}, {:.6}, {:.6}; force at rest {:.3} N",
             at(14.0, "vx"),
             at(20.0, "vx"),
-            at(26.0, "vx"),
+            at(30.0, "vx"),
             at(14.0, "pitchRate"),
             at(20.0, "pitchRate") * radius,
-            at(26.0, "pitchRate") * radius,
+            at(30.0, "pitchRate") * radius,
             at(13.9, "drivingForce")
         );
         assert!(found.values().flatten().all(|value| value.is_finite()), "{formulation}");
         assert!(at(14.0, "vx").abs() < 1e-7 && at(14.0, "pitchRate").abs() < 1e-5, "{formulation}");
-        for (t, speed) in [(20.0, 2.0), (26.0, -1.5)] {
+        for (t, speed) in [(20.0, 2.0), (30.0, -1.5)] {
             assert!((at(t, "vx") - speed).abs() < 1e-3 && (at(t, "pitchRate") * radius - speed).abs() < 5e-3, "{formulation}: {t}");
         }
     }
