@@ -153,7 +153,7 @@ pub const TRAVEL_ROWS: [InputRow; TRAVEL_INPUTS] = [
         ..FORCE
     },
     InputRow {
-        id: 7,
+        id: 30,
         group: &TRAVEL,
         name: "acceleration",
         unit: Unit::MetrePerSecond2,
