@@ -357,3 +357,33 @@ fn prop_scenes_are_refused_with_a_reason() {
     let said = load::open("suspended_wheelset", &changes).map(|_| ()).unwrap_err().to_string();
     assert!(said.contains("a speed that is an input") && said.contains("travel = \"imposed\""), "{said}");
 }
+
+/// A set point anew each millisecond: the step in hand takes it up, and the run is that of an independent method with the same inputs.
+#[test]
+fn equiv_a_speed_set_each_millisecond_is_taken_up() {
+    let wanted = |t: f64| [20.0 + 0.3 * (3.0 * t).sin(), 0.9 * (3.0 * t).cos()];
+    for (name, changes) in [("suspended_wheelset", vec!["track.deviation=[]"]), ("vehicle_manchester_1", vec![PLAIN, "vehicle.drive=all"])]
+    {
+        let mut work = Vec::new();
+        let mut with = |method: &[&str]| {
+            let scene = open(name, &[&changes[..], &[&input(20.0, 0.5, 3.0)], method].concat());
+            drive(&scene, 1.0, 0.001, |simulation, t| {
+                let [speed, slope] = wanted(t);
+                want(simulation, [speed, 0.0, 0.0]);
+                let place = place(simulation) + WANTED_RATE;
+                simulation.set_input(place, slope, 0.0, 0.0);
+                if t > 0.9995 {
+                    work.push((simulation.statistics().steps, simulation.statistics().taken_up, simulation.statistics().restarts));
+                }
+            })
+        };
+        let reference = with(&["solver.integrator=dormand_prince", "solver.tolerance=1e-9"]);
+        let found = with(&["solver.integrator=rosenbrock", "solver.tolerance=1e-6"]);
+        println!("{name}: steps, changes taken up, restarts: {work:?}");
+        for column in reference.keys().filter(|column| [".vx", ".y", ".distance"].iter().any(|end| column.ends_with(end))) {
+            let apart = largest_difference(&reference[column], &found[column]);
+            println!("{name} {column}: {apart:.1e}");
+            assert!(apart < 2e-5, "{name} {column}: {apart:e}");
+        }
+    }
+}
