@@ -358,7 +358,8 @@ fn prop_scenes_are_refused_with_a_reason() {
     assert!(said.contains("a speed that is an input") && said.contains("travel = \"imposed\""), "{said}");
 }
 
-/// A set point anew each millisecond restarts, and the run is that of an independent method with the same inputs.
+/// A set point anew each millisecond restarts, and the run is that of an independent method with the same inputs. Each restart may leave what the tolerance allows of
+/// a step: at 1e-6 the way is 5e-5 m off after a second, the speed up to 1e-4 m/s.
 #[test]
 fn equiv_a_speed_set_each_millisecond_is_followed() {
     let wanted = |t: f64| [20.0 + 0.3 * (3.0 * t).sin(), 0.9 * (3.0 * t).cos()];
@@ -378,7 +379,7 @@ fn equiv_a_speed_set_each_millisecond_is_followed() {
             })
         };
         let reference = with(&["solver.integrator=dormand_prince", "solver.tolerance=1e-9"]);
-        let found = with(&["solver.integrator=rosenbrock", "solver.tolerance=1e-6"]);
+        let found = with(&["solver.integrator=rosenbrock", "solver.tolerance=1e-8"]);
         println!("{name}: steps, changes taken up, restarts: {work:?}");
         assert!(work.iter().all(|(_, taken_up, restarts)| *taken_up == 0 && *restarts > 900), "{name}: {work:?}");
         for column in reference.keys().filter(|column| [".vx", ".y", ".distance"].iter().any(|end| column.ends_with(end))) {
