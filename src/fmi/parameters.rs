@@ -18,7 +18,7 @@ use crate::units::Unit;
 
 const VEHICLE: [Constant<Scene>; 2] = [
     Constant {
-        get: |scene| (scene.vehicle.speed_imposed && scene.vehicle.speed_profile().is_none()).then_some(scene.vehicle.speed),
+        get: |scene| scene.vehicle.keeps_speed().then_some(scene.vehicle.speed),
         ..constant!(
             1,
             "speed",

@@ -7,10 +7,11 @@ use super::variable::WHEELSET;
 pub use super::variable::{Kind, Role, Variable};
 use super::version::Version;
 use crate::formulation::AssemblyError;
-use crate::formulation::inputs::{ELEMENT_INPUTS, InputRow, RAIL_ROWS, WHEELSET_ROWS, input_index, rail_input};
+use crate::formulation::inputs::{ELEMENT_INPUTS, InputRow, RAIL_ROWS, TRAVEL_ROWS, WANTED_SPEED, WHEELSET_ROWS, input_index, rail_input};
 use crate::geometry::Side;
 use crate::scene::assemble;
 use crate::scene::spec::Scene;
+use crate::scene::vehicle::FASTEST;
 use crate::sim::SimulationState;
 use crate::sim::feedthrough::whose;
 use crate::sim::outputs::{Output, integral};
@@ -30,6 +31,10 @@ pub struct VariableTable {
     /// Values of all inputs of the model, shown or not, before a master sets any.
     pub start_inputs: Vec<f64>,
     wheelsets: usize,
+    /// Place of the wanted speed in the input vector, where the speed is an input.
+    pub speed_input: Option<usize>,
+    /// The bodies whose speed is imposed.
+    driven: Vec<usize>,
     /// By input of force elements: the element's number among the vehicle's, and its bodies.
     elements: Vec<(usize, [Option<usize>; 3])>,
     first_element_input: usize,
@@ -55,6 +60,9 @@ impl VariableTable {
         let outputs = scene_outputs(scene, &model);
         let mut variables = inputs(scene);
         variables.extend(element_inputs(scene, model.first_element_input()));
+        let start_inputs = model.start_inputs();
+        let travel = model.first_travel_input(start_inputs.len());
+        variables.extend(travel.map(|first| travel_inputs(scene, first)).unwrap_or_default());
         variables.extend(outputs.iter().enumerate().map(|(index, output)| Variable {
             reference: output.reference,
             name: output.name.clone(),
@@ -79,7 +87,9 @@ impl VariableTable {
             additions: if version == Version::Three { Additions::new(scene, &outputs) } else { Additions::default() },
             version,
             outputs,
-            start_inputs: model.start_inputs(),
+            start_inputs,
+            speed_input: travel.map(|first| first + WANTED_SPEED),
+            driven: model.system.drives.iter().map(|drive| drive.body).collect(),
             wheelsets: model.wheelsets.len(),
             elements,
             first_element_input: model.first_element_input(),
@@ -150,8 +160,11 @@ impl VariableTable {
 
     /// Does an output depend at the same instant on the input at this place of the input vector?
     pub fn depends(&self, output: &Output, input: usize) -> bool {
-        if let Some((element, ends)) = input.checked_sub(self.first_element_input).map(|place| &self.elements[place]) {
-            return output.feedthrough.by_element(*element, ends);
+        if let Some(place) = input.checked_sub(self.first_element_input) {
+            return match self.elements.get(place) {
+                Some((element, ends)) => output.feedthrough.by_element(*element, ends),
+                None => output.feedthrough.by_speed(&self.driven),
+            };
         }
         let (wheelset, number) = whose(self.wheelsets, input);
         output.feedthrough.by_wheelset(wheelset, number)
@@ -217,6 +230,18 @@ fn element_inputs(scene: &Scene, first: usize) -> Vec<Variable> {
         }
     }
     variables
+}
+
+/// The inputs of a speed that is one, from `first` on in the input vector.
+fn travel_inputs(scene: &Scene, first: usize) -> Vec<Variable> {
+    let of_row = |(number, row): (usize, &InputRow)| {
+        let mut variable = input(row, row.id, row.name.into(), first + number);
+        if number == WANTED_SPEED {
+            (variable.start, variable.min, variable.max) = (Some(scene.vehicle.speed), Some(-FASTEST), Some(FASTEST));
+        }
+        variable
+    };
+    TRAVEL_ROWS.iter().enumerate().map(of_row).collect()
 }
 
 /// The input at `place` in the input vector.

@@ -1,11 +1,13 @@
 //! What a master may apply to a model: one row per input, which the input vector, the FMU and the plan read.
 //!
 //! The vector holds the inputs of each wheelset ([`WHEELSET_ROWS`]), then, where rails move, those of the rail under each wheel ([`RAIL_ROWS`]), then those
-//! that force elements have (`ForceElement::inputs`), in their order.
+//! that force elements have (`ForceElement::inputs`), in their order, then those of a speed that is an input ([`TRAVEL_ROWS`]).
 //! A new input is a row here and what it does in the equations.
 
 use super::{Model, contact_index};
 use crate::geometry::Side;
+use crate::mbs::driving::{Course, DrivingConstraint};
+use crate::mbs::speed_input::Wanted;
 use crate::mbs::system::SystemWorkspace;
 use crate::units::Unit;
 
@@ -26,6 +28,11 @@ pub const RAIL_VERTICAL_VELOCITY: usize = 3;
 pub const RAIL_LATERAL_SLOPE: usize = 4;
 pub const RAIL_VERTICAL_SLOPE: usize = 5;
 pub const RAIL_INPUTS: usize = 6;
+
+/// Places among the inputs of the travelling speed.
+pub const WANTED_SPEED: usize = 0;
+pub const WANTED_RATE: usize = 1;
+pub const TRAVEL_INPUTS: usize = 2;
 
 /// Inputs that a scene shows together: `interface.inputs`.
 #[derive(Debug, PartialEq, Eq)]
@@ -48,7 +55,10 @@ pub const ELEMENT_INPUTS: InputGroup = InputGroup { name: "elements", effect: "i
 
 pub const GROUPS: [&InputGroup; 5] = [&DRIVE_TORQUES, &CENTRE_FORCES, &FRICTION_FACTORS, &RAIL_MOTION, &ELEMENT_INPUTS];
 
-/// One input: of a wheelset, or of the rail under a wheel.
+/// Of `vehicle.speed`, which asks for them itself.
+pub const TRAVEL: InputGroup = InputGroup { name: "speed", effect: "speed input", on_request: true };
+
+/// One input: of a wheelset, of the rail under a wheel, or of the whole vehicle.
 #[derive(Debug)]
 pub struct InputRow {
     /// Local number of the variable: that of the left wheel, where each wheel has one.
@@ -132,6 +142,26 @@ pub const RAIL_ROWS: [InputRow; RAIL_INPUTS] = [
     },
 ];
 
+/// By place; the first begins with the speed of the scene, its bound is there too.
+pub const TRAVEL_ROWS: [InputRow; TRAVEL_INPUTS] = [
+    InputRow {
+        id: 1,
+        group: &TRAVEL,
+        name: "speed",
+        unit: Unit::TravelSpeed,
+        text: "wanted travelling speed of the leading driven wheelset, forward positive; the run begins with it, and later changes are followed with a bounded acceleration",
+        ..FORCE
+    },
+    InputRow {
+        id: 30,
+        group: &TRAVEL,
+        name: "acceleration",
+        unit: Unit::MetrePerSecond2,
+        text: "acceleration that goes with the wanted speed: its slope, from a master that gives no derivatives of the input speed",
+        ..FORCE
+    },
+];
+
 /// Place of a wheelset's input in the input vector of a model.
 pub fn input_index(wheelset: usize, input: usize) -> usize {
     wheelset * WHEELSET_INPUTS + input
@@ -164,6 +194,9 @@ impl Model {
             values.extend(RAIL_ROWS.iter().map(|row| row.neutral));
         }
         values.resize(values.len() + self.system.force_inputs(), 0.0);
+        if self.speed_is_input() {
+            values.extend([self.system.drives[0].speed, 0.0]);
+        }
         values
     }
 
@@ -185,12 +218,29 @@ impl Model {
         first_of_elements(self.wheelsets.len(), self.rail_motion)
     }
 
-    /// Hands imposed speeds the time [s] and force elements their inputs.
+    /// Does the imposed speed follow an input?
+    #[inline]
+    pub fn speed_is_input(&self) -> bool {
+        matches!(self.system.drives.first(), Some(DrivingConstraint { course: Course::Input(_), .. }))
+    }
+
+    /// Where the inputs of the travelling speed begin in an input vector of `count`: they stand last.
+    #[inline]
+    pub fn first_travel_input(&self, count: usize) -> Option<usize> {
+        self.speed_is_input().then(|| count - TRAVEL_INPUTS)
+    }
+
+    /// Hands imposed speeds the time [s] and what inputs want of them, and force elements their inputs.
     #[inline]
     pub fn take_inputs(&self, system: &mut SystemWorkspace, t: f64, inputs: &[f64]) {
-        system.time = t;
+        system.orders.time = t;
         if !system.inputs.is_empty() {
-            system.inputs.copy_from_slice(&inputs[self.first_element_input()..]);
+            let first = self.first_element_input();
+            let end = first + system.inputs.len();
+            system.inputs.copy_from_slice(&inputs[first..end]);
+        }
+        if let Some(first) = self.first_travel_input(inputs.len()) {
+            system.orders.wanted = Wanted { speed: inputs[first + WANTED_SPEED], rate: inputs[first + WANTED_RATE] };
         }
     }
 }

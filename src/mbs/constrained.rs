@@ -55,12 +55,12 @@ impl System {
             let linear = &mut workspace.constraints.free[COORDINATES * body..][..3];
             supported.hold_back(own, workspace.stations.get(body), &workspace.motions[body], linear);
         }
-        let SystemWorkspace { constraints, stations, motions, time, .. } = workspace;
+        let SystemWorkspace { constraints, stations, motions, orders, .. } = workspace;
         for drive in &self.drives {
             let linear = &mut constraints.free[COORDINATES * drive.body..][..3];
             match stations.get(drive.body) {
-                Some(station) => drive.hold(station, drive.demand(station, motions, stations, *time), linear),
-                None => linear[0] = drive.straight_demand(motions, stations, *time),
+                Some(station) => drive.hold(station, drive.demand(station, motions, stations, orders), linear),
+                None => linear[0] = drive.straight_demand(motions, stations, orders),
             }
         }
     }
@@ -73,16 +73,16 @@ impl System {
         dy[..count].copy_from_slice(&y[count..2 * count]);
         dy[count..2 * count].copy_from_slice(&workspace.constraints.accelerations);
         workspace.copy_force_rates(count, dy);
-        let SystemWorkspace { constraints, wrenches, drive_forces, stations, motions, time, .. } = workspace;
+        let SystemWorkspace { constraints, wrenches, drive_forces, stations, motions, orders, .. } = workspace;
         for (drive, force) in self.drives.iter().zip(drive_forces) {
             if let Some(station) = stations.get(drive.body) {
                 let held = |axis| constraints.kkt.constraint_force(drive.body, axis, &constraints.multipliers);
                 let other = wrenches[drive.body].force + nalgebra::Vector3::new(held(0), held(1), held(2));
-                let demand = drive.demand(station, motions, stations, *time);
+                let demand = drive.demand(station, motions, stations, orders);
                 *force = self.force_in_curve(drive, demand, &other, &motions[drive.body], station);
                 continue;
             }
-            let demand = drive.straight_demand(motions, stations, *time);
+            let demand = drive.straight_demand(motions, stations, orders);
             let held = constraints.kkt.constraint_force(drive.body, 0, &constraints.multipliers);
             *force = self.force_on_straight(drive, demand, wrenches[drive.body].force.x) - held;
         }

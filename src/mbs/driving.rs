@@ -6,14 +6,16 @@
 //! a . X = V' - v . X_s s' - (v . X - V) / T
 //! ```
 //!
-//! V is constant, or comes from a table over time or over the distance s of the leading driven body ([`SpeedProfile`]; V' is then `dV/ds s'`). The last term (in curves alone) is zero where the constraint holds; it takes back within T what integration leaves of it (1e-9 m/s or
-//! less, so that its force is below 1e-3 N). A speed from a table is also put right at the end of each step (`System::keep_speeds`).
+//! V is constant, or comes from a table over time or over the distance s of the leading driven body ([`SpeedProfile`]; V' is then `dV/ds s'`), or is the
+//! speed of that body, which follows an input ([`SpeedInput`]). The last term (in curves alone) is zero where the constraint holds; it takes back within T what integration leaves of it (1e-9 m/s or
+//! less, so that its force is below 1e-3 N). A speed that changes is also put right at the end of each step (`System::keep_speeds`).
 //!
 //! The constraint's force acts along X and is what the mass m of the body, and M of what it supports (it goes along the track alone), leave of all other
 //! forces F: `m a . X + M V' - F . X`. Where V is constant M takes nothing.
 
 use super::body::{Body, BodyMotion};
 use super::kkt::Mobility;
+use super::speed_input::{SpeedInput, Wanted};
 use super::speed_profile::{Over, SpeedProfile};
 use crate::geometry::track::station::{Station, Stations};
 use nalgebra::Matrix3;
@@ -28,6 +30,17 @@ pub enum Course {
     #[default]
     Constant,
     Profile(Arc<SpeedProfile>),
+    /// Of the master.
+    Input(SpeedInput),
+}
+
+/// What imposed speeds that change go by.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Orders {
+    /// s.
+    pub time: f64,
+    /// By inputs.
+    pub wanted: Wanted,
 }
 
 /// A body whose centre travels with imposed speed.
@@ -37,7 +50,7 @@ pub struct DrivingConstraint {
     /// V, m/s; that of the start where it changes.
     pub speed: f64,
     pub course: Course,
-    /// By whose distance a table over distance goes: all that are driven have one speed.
+    /// By whose distance a table over distance goes, and whose speed follows an input: all that are driven have one speed.
     pub leader: usize,
 }
 
@@ -51,36 +64,40 @@ impl DrivingConstraint {
         matches!(self.course, Course::Constant)
     }
 
-    /// V and V' at a time [s], m/s and m/s2.
+    /// V and V', m/s and m/s2.
     #[inline(never)]
-    fn pace(&self, time: f64, motions: &[BodyMotion], stations: &Stations) -> [f64; 2] {
+    fn pace(&self, orders: &Orders, motions: &[BodyMotion], stations: &Stations) -> [f64; 2] {
         match &self.course {
             Course::Constant => [self.speed, 0.0],
-            Course::Profile(profile) if profile.over == Over::Time => profile.at(time),
+            Course::Profile(profile) if profile.over == Over::Time => profile.at(orders.time),
             Course::Profile(profile) => {
                 let (leader, station) = (&motions[self.leader], stations.get(self.leader));
                 let (distance, travel) = station.map_or((leader.distance, leader.speed), |at| (at.frame.distance, at.travel));
                 let [speed, slope] = profile.at(distance);
                 [speed, slope * travel]
             }
+            Course::Input(input) => {
+                let speed = stations.get(self.leader).map_or(motions[self.leader].speed, |at| at.speed);
+                [speed, input.acceleration(&orders.wanted, speed)]
+            }
         }
     }
 
     /// a . X on a curved track, m/s2.
     #[inline]
-    pub(super) fn demand(&self, station: &Station, motions: &[BodyMotion], stations: &Stations, time: f64) -> f64 {
+    pub(super) fn demand(&self, station: &Station, motions: &[BodyMotion], stations: &Stations, orders: &Orders) -> f64 {
         let motion = &motions[self.body];
         if self.is_constant() {
             return -station.swing_of_speed(&motion.velocity) - (station.speed - self.speed) / RETURN;
         }
-        let [speed, rate] = self.pace(time, motions, stations);
+        let [speed, rate] = self.pace(orders, motions, stations);
         rate - station.swing_of_speed(&motion.velocity) - (station.speed - speed) / RETURN
     }
 
     /// a . X on straight track, m/s2.
     #[inline]
-    pub(super) fn straight_demand(&self, motions: &[BodyMotion], stations: &Stations, time: f64) -> f64 {
-        if self.is_constant() { 0.0 } else { self.pace(time, motions, stations)[1] }
+    pub(super) fn straight_demand(&self, motions: &[BodyMotion], stations: &Stations, orders: &Orders) -> f64 {
+        if self.is_constant() { 0.0 } else { self.pace(orders, motions, stations)[1] }
     }
 
     /// Gives a linear acceleration [m/s2] the part along X that the constraint demands.

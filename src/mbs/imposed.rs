@@ -1,4 +1,4 @@
-//! What imposed speeds ([`super::driving`]) take of a system: the forces of driving constraints, and speeds that are kept to their tables.
+//! What imposed speeds ([`super::driving`]) take of a system: the forces of driving constraints, and speeds that are kept to their tables, or to that of the leading body.
 
 use super::body::BodyMotion;
 use super::driving::{Course, DrivingConstraint};
@@ -42,14 +42,21 @@ impl System {
         self.supported.iter().filter(|supported| supported.body == body).map(|supported| supported.mass).sum()
     }
 
-    /// Gives bodies whose speed comes from a table just that speed. On a curved track the workspace holds motions and stations at `y`. Returns whether anything was changed.
+    /// Gives bodies whose speed comes from a table just that speed, and where it follows an input that of the leading one. On a curved track the workspace holds motions and stations at `y`. Returns whether anything was changed.
     pub fn keep_speeds(&self, t: f64, y: &mut [f64], workspace: &SystemWorkspace) -> bool {
         let mut moved = false;
         for drive in &self.drives {
-            let Course::Profile(profile) = &drive.course else { continue };
             let stations = &workspace.stations;
-            let distance = stations.get(drive.leader).map_or(y[self.coordinates(drive.leader).start], |station| station.frame.distance);
-            let speed = profile.at(if profile.over == Over::Time { t } else { distance })[0];
+            let leader = stations.get(drive.leader);
+            let speed = match &drive.course {
+                Course::Constant => continue,
+                Course::Input(_) if drive.body == drive.leader => continue,
+                Course::Input(_) => leader.map_or(y[self.velocities(drive.leader).start], |station| station.speed),
+                Course::Profile(profile) if profile.over == Over::Time => profile.at(t)[0],
+                Course::Profile(profile) => {
+                    profile.at(leader.map_or(y[self.coordinates(drive.leader).start], |station| station.frame.distance))[0]
+                }
+            };
             let first = self.velocities(drive.body).start;
             let along = stations.get(drive.body).map_or(Vector3::x(), |station| station.frame.along());
             let linear = &mut y[first..first + 3];

@@ -16,6 +16,7 @@ pub mod pair_tangent;
 pub mod projection;
 pub mod redundancy;
 pub mod ring;
+pub mod speed_input;
 pub mod speed_profile;
 pub mod supported;
 pub mod system;

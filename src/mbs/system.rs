@@ -9,7 +9,7 @@
 
 use super::body::{Body, BodyMotion, COORDINATES, Wrench};
 use super::constraints::Constraints;
-use super::driving::DrivingConstraint;
+use super::driving::{DrivingConstraint, Orders};
 use super::force::ForceElement;
 use super::joint::Joint;
 use super::kkt::RowBodies;
@@ -46,8 +46,7 @@ pub struct SystemWorkspace {
     ends: Vec<[usize; 2]>,
     /// Force of each driving constraint, N, forward positive.
     pub drive_forces: Vec<f64>,
-    /// What imposed speeds that change over time go by, s.
-    pub time: f64,
+    pub orders: Orders,
     pub constraints: Constraints,
     /// By body, for the bodies that are followed along a curved track.
     pub stations: Stations,
@@ -130,7 +129,7 @@ impl System {
             inputs: vec![0.0; inputs],
             ends: if count + inputs == 0 { Vec::new() } else { ends.collect() },
             drive_forces: vec![0.0; self.drives.len()],
-            time: 0.0,
+            orders: Orders::default(),
             constraints: Constraints::new(self.bodies.len(), self.joint_rows(), &self.redundant, contact_bodies),
             stations: Stations::default(),
         }
@@ -208,16 +207,16 @@ impl System {
             let linear = &mut dy[self.velocities(body).start..][..3];
             supported.hold_back(self.bodies[body].mass, workspace.stations.get(body), &workspace.motions[body], linear);
         }
-        let SystemWorkspace { wrenches, drive_forces, stations, motions, time, .. } = workspace;
+        let SystemWorkspace { wrenches, drive_forces, stations, motions, orders, .. } = workspace;
         for (drive, force) in self.drives.iter().zip(drive_forces) {
             let first = self.velocities(drive.body).start;
             if let Some(station) = stations.get(drive.body) {
-                let demand = drive.demand(station, motions, stations, *time);
+                let demand = drive.demand(station, motions, stations, orders);
                 drive.hold(station, demand, &mut dy[first..first + 3]);
                 *force = self.force_in_curve(drive, demand, &wrenches[drive.body].force, &motions[drive.body], station);
                 continue;
             }
-            let demand = drive.straight_demand(motions, stations, *time);
+            let demand = drive.straight_demand(motions, stations, orders);
             dy[first] = demand;
             *force = self.force_on_straight(drive, demand, wrenches[drive.body].force.x);
         }

@@ -18,7 +18,7 @@
 use super::feedthrough::whose;
 use super::outputs::Output;
 use super::{Simulation, SimulationError, Snapshot};
-use crate::formulation::inputs::{RAIL_ROWS, WHEELSET_ROWS};
+use crate::formulation::inputs::{RAIL_ROWS, TRAVEL_ROWS, WHEELSET_ROWS};
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::{Evaluation, Model, WHEELSET_INPUTS};
 use crate::mbs::body::Wrench;
@@ -127,6 +127,8 @@ fn size(model: &Model, input: usize, value: f64) -> (f64, Option<f64>) {
                 None => place -= force.inputs().len(),
             }
         }
+        // Of a wanted speed and its rate, which are bounded soon.
+        return (1.0, TRAVEL_ROWS.get(place).and_then(|row| row.least));
     }
     let (wheelset, number) = whose(model.wheelsets.len(), input);
     let row = match number.checked_sub(WHEELSET_INPUTS) {

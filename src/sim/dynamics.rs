@@ -87,7 +87,7 @@ impl<'a> ModelDynamics<'a> {
         watched: Watched<'a>,
     ) -> Self {
         let constant = signals.iter().all(|signal| signal.first == 0.0 && signal.second == 0.0);
-        input::evaluate(signals, 0.0, values);
+        input::evaluate(model, signals, 0.0, values);
         // Inputs are those of the evaluation that found them.
         if !constant {
             workspace.cached = Cached::No;
@@ -115,7 +115,7 @@ impl Dynamics for ModelDynamics<'_> {
     fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), Undefined> {
         let clock = self.workspace.timers.start();
         if !self.constant {
-            input::evaluate(self.signals, t, self.values);
+            input::evaluate(self.model, self.signals, t, self.values);
         }
         self.workspace.cached = Cached::No;
         let at = Evaluation { t, inputs: self.values, y, memory: &mut self.trial.accepted };
@@ -290,7 +290,7 @@ impl Implicit for ModelDynamics<'_> {
         self.workspace.linearised = None;
         self.workspace.cached = Cached::No;
         self.trial.accepted.clone_from(begin);
-        input::evaluate(self.signals, t, self.values);
+        input::evaluate(self.model, self.signals, t, self.values);
         let work = self.workspace.work;
         let at = Evaluation { t, inputs: self.values, y, memory: &mut self.trial.accepted };
         let done = self.model.derivative(self.workspace, at, self.again);

@@ -22,6 +22,8 @@ pub(super) enum Depends {
     /// bodies, what acts on any of them; on a curved track, where axes turn with the travel, every force on it; where contact is a constraint,
     /// every input.
     Acceleration(&'static [usize]),
+    /// The acceleration that an input of the speed imposes, and nothing else.
+    Imposed,
 }
 
 /// Where the inputs of the rail under each wheel begin; its displacements stand before its velocities and slopes.
@@ -137,6 +139,8 @@ pub enum ActedOn {
     Loads,
     /// Those of the vehicle's force element of this number: what it reports.
     Element(usize),
+    /// Of none, but those of the speed.
+    Speed,
 }
 
 /// The inputs that an output depends on at the same instant.
@@ -169,6 +173,7 @@ impl Feedthrough {
         let own = |inputs| Feedthrough { inputs, reach: Reach::Bodies(Arc::new([body])), ..Feedthrough::none() };
         match depends {
             Depends::Only(inputs) => own(inputs),
+            Depends::Imposed => Feedthrough { acted_on: ActedOn::Speed, ..own(&[]) },
             Depends::Contact(_) | Depends::Acceleration(_) if model.formulation.constrains() => Feedthrough::every(),
             Depends::Contact(inputs) => own(inputs),
             Depends::Acceleration(inputs) => {
@@ -205,10 +210,17 @@ impl Feedthrough {
     /// Does an input of this element, between these bodies, change it?
     pub fn by_element(&self, element: usize, bodies: &[Option<usize>]) -> bool {
         match self.acted_on {
-            ActedOn::Nothing => false,
+            ActedOn::Nothing | ActedOn::Speed => false,
             ActedOn::Loads => bodies.iter().flatten().any(|body| self.reach.covers(*body)),
             ActedOn::Element(own) => own == element,
         }
+    }
+
+    /// Does the acceleration along the track change it that an input imposes on these bodies? What acts across it, alone on straight track, does not feel it.
+    pub fn by_speed(&self, driven: &[usize]) -> bool {
+        let along = self.inputs.contains(&LONGITUDINAL_FORCE) || !self.inputs.iter().any(|input| FORCES.contains(input));
+        let reacts = self.acted_on == ActedOn::Speed || self.acted_on == ActedOn::Loads && along;
+        reacts && driven.iter().any(|body| self.reach.covers(*body))
     }
 
     /// Is the factor of this input of a wheelset, on which it depends, a number that parameters alone say?

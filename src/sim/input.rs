@@ -1,7 +1,8 @@
 //! Inputs as polynomials in time.
 
 use super::{Simulation, SimulationState};
-use crate::formulation::Cached;
+use crate::formulation::inputs::{WANTED_RATE, WANTED_SPEED};
+use crate::formulation::{Cached, Model};
 use serde::{Deserialize, Serialize};
 
 /// `value + first (t - since) + second (t - since)^2 / 2`.
@@ -43,11 +44,14 @@ impl InputSignal {
 /// By how much of its size a number that is set may be off.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Values of all inputs at time `t`.
+/// Values of all inputs of the model at time `t`. The acceleration that a wanted speed goes with has the slope of that speed in it.
 #[inline]
-pub fn evaluate(signals: &[InputSignal], t: f64, values: &mut [f64]) {
+pub fn evaluate(model: &Model, signals: &[InputSignal], t: f64, values: &mut [f64]) {
     for (value, signal) in values.iter_mut().zip(signals) {
         *value = signal.at(t)[0];
+    }
+    if let Some(first) = model.first_travel_input(signals.len()) {
+        values[first + WANTED_RATE] += signals[first + WANTED_SPEED].at(t)[1];
     }
 }
 

@@ -509,7 +509,7 @@ impl Simulation {
         } else {
             memory.take_paths(&memories.accepted);
         }
-        input::evaluate(&self.state.inputs, *time, inputs);
+        input::evaluate(&self.model, &self.state.inputs, *time, inputs);
         // The continuous output leaves constraints by its error.
         self.model.at(workspace, *time, y, memory).project()?;
         Ok(())
@@ -542,7 +542,7 @@ impl Simulation {
             *value += offset * slope;
         }
         *time += offset;
-        input::evaluate(&self.state.inputs, *time, inputs);
+        input::evaluate(&self.model, &self.state.inputs, *time, inputs);
         self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
         Ok(&self.snapshot)
     }

@@ -145,7 +145,11 @@ pub fn outputs(model: &Model, groups: &[&'static str]) -> Vec<Output> {
             outputs: &mut outputs,
         };
         let drive = model.system.drives.iter().position(|drive| drive.body == wheelset.body);
-        let along = if drive.is_some() { STATE } else { ALONG };
+        let along = match drive {
+            None => ALONG,
+            Some(_) if model.speed_is_input() => Depends::Imposed,
+            Some(_) => STATE,
+        };
         motion(&mut collector, wheelset.body, bodies, along);
         if let Some(drive) = drive {
             let text = "force of the driving constraint, forward positive: what a locomotive must supply to keep the imposed speed";

@@ -1,7 +1,8 @@
 //! Changes of inputs that the integrator's step in hand takes up (`solve::response`): forces and torques under elastic contact.
 //!
 //! What such an input changes of the derivative follows from the equations of motion alone, without a look at any contact. All else (friction, rails that
-//! move, contact as a constraint, states that the Jacobian does not know) restarts the integration.
+//! move, contact as a constraint, states that the Jacobian does not know, a wanted speed, whose return by 1 / T the Jacobian does not know either) restarts
+//! the integration.
 
 use super::dynamics::{ModelDynamics, Watched};
 use super::input::{self, InputSignal};
@@ -48,9 +49,10 @@ impl Simulation {
     /// Do the inputs that have turned load bodies alone, by values that differ linearly in time?
     fn changes_loads_alone(&self) -> bool {
         let SimulationState { time, inputs, followed, .. } = &self.state;
+        let elements = self.model.first_element_input()..self.model.first_travel_input(inputs.len()).unwrap_or(inputs.len());
         followed.iter().zip(inputs).enumerate().filter(|(_, (followed, set))| !followed.goes_on_as(set, *time)).all(
             |(input, (followed, set))| {
-                let loads = input >= self.model.first_element_input() || self.load_by(input).is_some();
+                let loads = elements.contains(&input) || self.load_by(input).is_some();
                 loads && !self.model.formulation.constrains() && followed.second == set.second
             },
         )
@@ -89,7 +91,7 @@ fn load(
     values: &mut [f64],
     (time, y, dy): (f64, &[f64], &mut [f64]),
 ) -> Result<(), SimulationError> {
-    input::evaluate(signals, at, values);
+    input::evaluate(model, signals, at, values);
     model.take_inputs(&mut workspace.system, time, values);
     model.system.load_bodies(y, &mut workspace.system);
     for (wheelset, own) in model.wheelsets.iter().zip(values.as_chunks::<WHEELSET_INPUTS>().0) {

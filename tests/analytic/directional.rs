@@ -28,6 +28,7 @@ fn distance(name: &str) -> f64 {
         _ if name.contains(".rail") && name.ends_with("Slope") => 2e-5,
         _ if name.contains(".rail") => 4e-4,
         _ if name.ends_with("headWind") => 1e-2,
+        "speed" | "acceleration" => 1e-1,
         _ if name.contains(".largest") => 2.0,
         _ => 1e3,
     }
@@ -103,6 +104,8 @@ fn compare(what: &str, scene: &Scene, times: &[f64], noise: f64) {
                 -0.1
             } else if name.contains(".rail") {
                 0.0
+            } else if matches!(name.as_str(), "speed" | "acceleration") {
+                0.3
             } else {
                 300.0
             };
@@ -151,6 +154,25 @@ fn analytic_directional_derivatives_of_motors_and_brakes() {
     let root = env!("CARGO_MANIFEST_DIR");
     compare("braked_coach", &opened(&format!("{root}/examples/braked_coach.toml"), &[]), &[0.5], 2e-16);
     compare("driven_truck", &opened(&format!("{root}/examples/driven_truck.toml"), &[]), &[0.5], 2e-16);
+}
+
+#[test]
+fn analytic_directional_derivatives_by_a_speed() {
+    let speed = "vehicle.speed={start=20}";
+    compare("speed ECF-A", &opened("suspended_wheelset", &[speed]), &[0.3, 0.6], 2e-16);
+    compare("speed, curve", &opened("vehicle_curve", &[speed]), &[0.1, 3.0], 2e-16);
+    compare("speed ECCF", &opened("bogie", &[speed, "contact.formulation=ECCF"]), &[0.2], 1e-11);
+    // Beyond the bound nothing changes, at it half as much as within.
+    let scene = opened("suspended_wheelset", &["vehicle.speed={start=20,time_constant=0.5,largest_acceleration=2}"]);
+    let table = VariableTable::new(&scene).unwrap();
+    let mut simulation = Simulation::new(&scene, 0.0).unwrap();
+    let place = table.outputs.iter().position(|output| output.name == "wheelset.ax").unwrap();
+    let speed = table.speed_input.unwrap();
+    for (wanted, expected) in [(20.5, 2.0), (22.0, 0.0), (21.0, 1.0), (18.0, 0.0)] {
+        simulation.set_input(speed, wanted, 0.0, 0.0);
+        let told = slopes(&mut simulation, &table, &[(speed, 1.0)])[place];
+        assert!((told - expected).abs() < 1e-9, "{wanted}: {told}");
+    }
 }
 
 #[test]

@@ -18,6 +18,7 @@ mod rail_beam;
 mod rail_motion;
 mod sliding_means;
 mod speed;
+mod speed_input;
 mod tangent;
 mod traction;
 mod travelling_track;

@@ -1,6 +1,6 @@
 //! FMI 3.0: the same model through the other interface.
 
-use super::{FMU, ROOT, changed, common, dip, flange_scene, python, run, script, unpacked};
+use super::{FMU, ROOT, changed, changed_fmu, common, dip, flange_scene, python, run, script, unpacked};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
@@ -59,6 +59,15 @@ fn fmu_three_under_another_master() {
 #[test]
 fn fmu_three_bad_calls() {
     script("fmi3_calls.py", &[FOLDER.path().as_os_str()]);
+}
+
+#[test]
+fn fmu_both_follow_a_speed_that_a_master_imposes() {
+    let folder = tempfile::tempdir().unwrap();
+    let changes = ["vehicle.speed={start=20,time_constant=0.5,largest_acceleration=2}", "solver.tolerance=1e-7"];
+    let two = changed_fmu(folder.path(), "two", &changes);
+    let three = export(folder.path(), "three", "suspended_wheelset", &changes);
+    script("speed.py", &[two.file.as_os_str(), three.as_os_str()]);
 }
 
 /// Steps of uneven length with inputs that change, natively and as FMU.

@@ -21,6 +21,7 @@ fn change(name: &str, value: f64) -> f64 {
         _ if name.contains(".rail") && name.ends_with("Displacement") => value + 2e-6,
         _ if name.contains(".rail") => value + 1e-4,
         _ if name.ends_with("headWind") => value + 1.0,
+        "speed" | "acceleration" => value + 0.3,
         _ => value + 1e3,
     }
 }
@@ -120,7 +121,8 @@ fn prop_no_output_reacts_to_an_input_that_it_does_not_name() {
     let rails = "interface.inputs=[\"rail_motion\", \"centre_forces\", \"drive_torque\", \"friction\"]";
     let books = "interface.outputs=[\"adhesion\",\"power\",\"energy\"]";
     let all_inputs = "interface.inputs=[\"drive_torque\",\"centre_forces\",\"friction\",\"elements\"]";
-    let cases: [(&str, &[&str], f64); 20] = [
+    let speed = "vehicle.speed={start=20}";
+    let cases: [(&str, &[&str], f64); 26] = [
         ("suspended_wheelset", &[], 1.0),
         ("suspended_wheelset", &["contact.formulation=ECF-N"], 1.0),
         ("suspended_wheelset", &["contact.formulation=ECCF"], 1.0),
@@ -145,6 +147,12 @@ fn prop_no_output_reacts_to_an_input_that_it_does_not_name() {
         (&driven, &[books, all_inputs], 1.0),
         ("suspended_wheelset", &[books, "contact.formulation=ECCF"], 1.0),
         ("suspended_wheelset", &[books, rails], 0.3),
+        ("suspended_wheelset", &[books, speed], 1.0),
+        ("suspended_wheelset", &["contact.formulation=ACCF", speed], 0.5),
+        ("bogie", &["track.deviation=[]", CURVE, speed], 3.0),
+        ("bogie", &["contact.formulation=ECCF", speed], 0.5),
+        ("vehicle_curve", &[speed], 3.0),
+        ("train", &[speed], 0.2),
     ];
     let mut all = Vec::new();
     for (file, changes, stop) in cases {

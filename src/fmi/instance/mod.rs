@@ -75,6 +75,8 @@ pub struct Instance {
     phase: Phase,
     experiment: Experiment,
     inputs: Vec<[f64; 3]>,
+    /// With which the run began where that is an input, m/s; `None` before initialization ends.
+    begun_speed: Option<f64>,
     simulation: Option<Simulation>,
     last_read: values::LastRead,
     /// Held while the instance lives: models that it makes one after the other share it.
@@ -123,6 +125,7 @@ impl Instance {
             phase: Phase::Instantiated,
             experiment: Experiment { start: 0.0, stop: None, tolerance: None },
             inputs,
+            begun_speed: None,
             simulation: None,
             last_read: values::LastRead::default(),
             _ellipses: ellipses,
@@ -224,6 +227,7 @@ impl Instance {
         self.require("leaving initialization mode", &[Phase::Initialization])?;
         let events = self.started()?.take_events();
         self.begun = self.parameter_values();
+        self.begun_speed = self.start_speed();
         self.phase = if self.event_mode { Phase::Event } else { Phase::Stepping };
         Ok(events)
     }
@@ -249,6 +253,7 @@ impl Instance {
         self.phase = Phase::Instantiated;
         self.experiment = Experiment { start: 0.0, stop: None, tolerance: None };
         self.inputs = start_inputs(&self.table);
+        self.begun_speed = None;
         self.simulation = None;
         self.begun.clear();
         self.tuned.clear();
@@ -268,11 +273,17 @@ impl Instance {
         }
     }
 
+    /// With which the run began, or would begin now, where the speed is an input, m/s.
+    fn start_speed(&self) -> Option<f64> {
+        self.begun_speed.or_else(|| Some(self.inputs[self.table.speed_input?][0]))
+    }
+
     /// A simulation of the present parameters; made when it is first needed.
     fn started(&mut self) -> Result<&mut Simulation, CallError> {
         if self.simulation.is_none() {
             let mut scene = self.scene.clone();
             scene.solver.integrator = self.effective_integrator();
+            scene.vehicle.speed = self.start_speed().unwrap_or(scene.vehicle.speed);
             let mut simulation = Simulation::new(&scene, self.experiment.start).map_err(CallError::Start)?;
             for (index, [value, first, second]) in self.inputs.iter().enumerate() {
                 simulation.set_input(index, *value, *first, *second);

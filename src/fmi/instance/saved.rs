@@ -19,6 +19,8 @@ pub struct SavedState {
     tuned: Vec<(u32, f64)>,
     /// Inputs as they were set last: value, first and second derivative.
     inputs: Vec<[f64; 3]>,
+    /// With which the run began or will begin, where that is an input.
+    speed: Option<f64>,
     simulation: Option<SimulationState>,
     /// What discrete outputs show, by wheel; empty without event mode.
     shown: Vec<i32>,
@@ -33,6 +35,11 @@ impl SavedState {
     /// [`Instance::begun`] of an instance in this state.
     fn begun(&self) -> Vec<f64> {
         if self.has_begun() { self.parameters.clone() } else { Vec::new() }
+    }
+
+    /// [`Instance::begun_speed`] of an instance in this state.
+    fn begun_speed(&self) -> Option<f64> {
+        self.speed.filter(|_| self.has_begun())
     }
 }
 
@@ -50,6 +57,7 @@ impl Instance {
             parameters: self.start_values(),
             tuned: self.tuned.clone(),
             inputs: self.inputs.clone(),
+            speed: self.start_speed(),
             simulation: self.simulation.as_ref().map(|simulation| simulation.state().clone()),
             shown: self.shown.clone(),
         }
@@ -61,7 +69,8 @@ impl Instance {
     /// [`CallError`] when the state is not one of this FMU; nothing is changed then.
     pub fn restore(&mut self, saved: &SavedState) -> Result<(), CallError> {
         self.check_whole(saved)?;
-        let same_start = self.experiment == saved.experiment && self.start_values() == saved.parameters;
+        let same_start =
+            self.experiment == saved.experiment && self.start_values() == saved.parameters && self.start_speed() == saved.speed;
         let (Some(state), Some(simulation), true) = (&saved.simulation, &self.simulation, same_start) else {
             return self.become_instance_of(saved);
         };
@@ -75,6 +84,7 @@ impl Instance {
             self.scene = scene;
             self.adopt_tuning();
         }
+        self.begun_speed = saved.begun_speed();
         if let Some(simulation) = &mut self.simulation {
             simulation.restore(state);
         }
@@ -92,6 +102,7 @@ impl Instance {
             phase: self.phase_of(saved),
             experiment: saved.experiment,
             inputs: saved.inputs.clone(),
+            begun_speed: saved.begun_speed(),
             simulation: None,
             last_read: Default::default(),
             _ellipses: EllipseTable::shared(),
@@ -128,11 +139,12 @@ impl Instance {
     /// Is a saved state of this FMU's form, and made of numbers?
     fn check_whole(&self, saved: &SavedState) -> Result<(), CallError> {
         let Experiment { start, stop, tolerance } = saved.experiment;
-        let numbers = saved.inputs.iter().flatten().chain([&start]).chain(&stop).chain(&tolerance);
+        let numbers = saved.inputs.iter().flatten().chain([&start]).chain(&stop).chain(&tolerance).chain(&saved.speed);
         let sound = numbers.copied().all(f64::is_finite) && saved.simulation.as_ref().is_none_or(SimulationState::is_sound);
         // A run has a simulation; before it nothing has been tuned.
         let whole = if saved.has_begun() { saved.simulation.is_some() } else { saved.tuned.is_empty() };
         let fits = self.parameters().count() == saved.parameters.len() && self.inputs.len() == saved.inputs.len();
+        let fits = fits && self.table.speed_input.is_some() == saved.speed.is_some();
         let wheels = self.simulation.as_ref().map_or(saved.shown.len(), |simulation| simulation.model().contacts());
         let fits = fits && (saved.shown.is_empty() || saved.shown.len() == wheels);
         if sound && whole && fits { Ok(()) } else { Err(CallError::ForeignState) }

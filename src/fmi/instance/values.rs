@@ -148,12 +148,17 @@ impl Instance {
             format!("the smallest value is {}", variable.min.unwrap_or_default())
         } else if variable.max.is_some_and(|max| value > max) {
             format!("the largest value is {}", variable.max.unwrap_or_default())
-        } else if value == 0.0 && variable.name == "speed" && self.scene.vehicle.speed_imposed {
+        } else if value == 0.0 && variable.name == "speed" && self.scene.vehicle.speed_imposed && !self.may_stop() {
             "creepages are relative to the travelling speed".to_string()
         } else {
             return Ok(());
         };
         Err(CallError::Value { name: variable.name.clone(), value, problem })
+    }
+
+    /// May the speed be 0? Low speed calls for its own model of contact, and steady running at the start for any speed.
+    fn may_stop(&self) -> bool {
+        self.has_begun() && self.table.speed_input.is_some() && self.scene.contact.transient.is_some()
     }
 
     /// fmi2SetReal. Setting an input ends its derivatives; setting a tunable parameter restarts the integration, as a jump of an input does.
@@ -176,6 +181,9 @@ impl Instance {
     }
 
     fn set_input(&mut self, input: usize, signal: [f64; 3]) {
+        if !self.has_begun() && self.table.speed_input == Some(input) && self.inputs[input][0] != signal[0] {
+            self.simulation = None;
+        }
         if let Some(simulation) = &mut self.simulation {
             simulation.set_input(input, signal[0], signal[1], signal[2]);
         }

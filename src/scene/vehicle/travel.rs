@@ -1,10 +1,12 @@
 //! How fast a vehicle travels, and what holds its speed: `vehicle.speed`, `travel`, `gravity`.
 //!
 //! `speed` is a number, or a list of nodes `{time = ..., speed = ...}` or `{distance = ..., speed = ...}`: a table that the imposed speed follows
-//! ([`SpeedProfile`]). A run that begins from equilibrium begins where the table's slope is zero, because steady running knows no acceleration.
+//! ([`SpeedProfile`]), or a table `{start = ..., time_constant = ..., largest_acceleration = ...}`: a speed that an input gives and the vehicle follows
+//! ([`SpeedInput`]). A run that begins from equilibrium begins where the table's slope is zero, because steady running knows no acceleration.
 
 use super::VehicleSpec;
 use crate::mbs::driving::Course;
+use crate::mbs::speed_input::SpeedInput;
 use crate::mbs::speed_profile::{Over, SpeedProfile};
 use crate::scene::equilibrium::EquilibriumError;
 use crate::settings::{Section, SettingsError};
@@ -20,6 +22,13 @@ const GRAVITY: f64 = 9.81;
 pub const FASTEST: f64 = 500.0;
 /// The same in words.
 const FASTEST_WHY: &str = "contact is computed as at rest, which holds far below the speed of waves along steel's surface (2900 m/s)";
+
+/// Of a speed that is an input, where the scene does not say it: T [s] and A [m/s2]. The second is beyond what rails hold of most brakes.
+const TIME_CONSTANT: f64 = 0.5;
+const LARGEST_ACCELERATION: f64 = 3.0;
+/// Their ranges: a time constant of a few steps of a wheelset and longer; an acceleration that is not 0, up to what stops no train.
+const TIME_CONSTANTS: (f64, f64) = (0.02, 1000.0);
+const ACCELERATIONS: (f64, f64) = (1e-6, 20.0);
 
 /// What all vehicles have in common.
 pub(super) struct Travel {
@@ -37,10 +46,20 @@ impl Travel {
             let problem = "found a list of nodes, but with travel = \"free\" forces along the track change the speed; expected one number, that at the start, or travel = \"imposed\"";
             return Err(section.error("speed", problem));
         }
+        let follows = if section.has_table("speed") { section.optional_section("speed")? } else { None };
+        if follows.is_some() && !speed_imposed {
+            let problem = "found a table (a speed that is an input), but with travel = \"free\" forces along the track change the speed; expected one number, that at the start, or travel = \"imposed\"";
+            return Err(section.error("speed", problem));
+        }
         let gravity = section.not_negative_or("gravity", Dimension::Acceleration, GRAVITY)?;
         if !nodes.is_empty() {
             let profile = Arc::new(read_profile(section, nodes)?);
             return Ok(Travel { speed: profile.nodes()[0][1], speed_imposed, course: Course::Profile(profile), gravity });
+        }
+        if let Some(own) = follows {
+            let (speed, input) = read_input(&own)?;
+            own.finish()?;
+            return Ok(Travel { speed, speed_imposed, course: Course::Input(input), gravity });
         }
         section.refuse_beyond("speed", Dimension::Speed, FASTEST, FASTEST_WHY)?;
         let speed = section.number("speed", Dimension::Speed)?;
@@ -49,6 +68,22 @@ impl Travel {
         }
         Ok(Travel { speed, speed_imposed, course: Course::Constant, gravity })
     }
+}
+
+/// A speed that is an input: that at the start, and how it is followed.
+fn read_input(section: &Section) -> Result<(f64, SpeedInput), SettingsError> {
+    section.refuse_beyond("start", Dimension::Speed, FASTEST, FASTEST_WHY)?;
+    let speed = section.number("start", Dimension::Speed)?;
+    if speed == 0.0 {
+        return Err(section.error("start", "found 0, but creepages are relative to the travelling speed; expected any other number"));
+    }
+    let or = |key, dimension, default, range| if section.has(key) { section.within(key, dimension, range) } else { Ok(default) };
+    let input = SpeedInput {
+        time_constant: or("time_constant", Dimension::Time, TIME_CONSTANT, TIME_CONSTANTS)?,
+        largest_acceleration: or("largest_acceleration", Dimension::Acceleration, LARGEST_ACCELERATION, ACCELERATIONS)?,
+        fastest: FASTEST,
+    };
+    Ok((speed, input))
 }
 
 /// The table; never empty.
@@ -98,6 +133,11 @@ impl VehicleSpec {
         if let Course::Profile(profile) = &self.course { Some(profile) } else { None }
     }
 
+    /// How the imposed speed follows an input, if it does.
+    pub fn speed_input(&self) -> Option<&SpeedInput> {
+        if let Course::Input(input) = &self.course { Some(input) } else { None }
+    }
+
     /// Is the speed imposed, and constant?
     pub fn keeps_speed(&self) -> bool {
         self.speed_imposed && self.course == Course::Constant
@@ -105,6 +145,12 @@ impl VehicleSpec {
 
     /// What an imposed speed that changes follows, for the plan.
     pub fn speed_in_words(&self) -> String {
+        if let Some(SpeedInput { time_constant, largest_acceleration, .. }) = self.speed_input() {
+            let begin = self.speed;
+            return format!(
+                "vehicle.speed is an input: begins with {begin} m/s, followed with a time constant of {time_constant} s and up to {largest_acceleration} m/s2"
+            );
+        }
         let Some((profile, [[from, first], .., [to, last]])) = self.speed_profile().map(|profile| (profile, profile.nodes())) else {
             return format!("vehicle.speed = {} m/s", self.speed);
         };
