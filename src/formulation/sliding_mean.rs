@@ -139,6 +139,17 @@ impl MeanMemory {
         }
     }
 
+    /// Forgets what was noted beyond time `t`: the end of a step that was cut afterwards, or over which the integration restarts.
+    fn take_back(&mut self, t: f64) {
+        if self.last.as_ref().is_some_and(|last| last.time > t) && self.before.is_some() {
+            self.last = self.before.take();
+            let end = self.last.as_ref().map_or(f64::NEG_INFINITY, |last| last.states[0]);
+            while self.newest().is_some_and(|newest| newest.distance > end) {
+                self.count -= 1;
+            }
+        }
+    }
+
     /// The filters begin where the newest entry is: settled on their first inputs.
     fn settle(&mut self, inputs: [f64; QUANTITIES]) {
         if let Some(newest) = self.count.checked_sub(1) {
@@ -199,8 +210,9 @@ impl SlidingMean {
     /// States: S [m] and the integrals.
     pub const STATES: usize = 1 + QUANTITIES;
 
-    /// Notes time and states at the end of an accepted step.
+    /// Notes time and states at the end of an accepted step, which may lie before the end that was noted last: that step was cut.
     pub fn note(&self, t: f64, states: &[f64], memory: &mut MeanMemory) {
+        memory.take_back(t);
         let mut now = End { time: t, ..End::default() };
         now.states.copy_from_slice(states);
         if let Some(last) = &memory.last {
@@ -387,6 +399,32 @@ mod tests {
         println!("off by at most {worst:.1e}");
         // With a constant input over each step and a polynomial through four entries: 4.3e-3.
         assert!(worst < 3.5e-3, "{worst}");
+    }
+
+    /// A step that ended at B is cut at C: readings before C, and all that follow, are those of a run that never saw B.
+    #[test]
+    fn regress_steps_that_are_cut_leave_nothing_behind() {
+        let filter = SlidingMean::new(2.0);
+        let integral = |s: f64| [s, (3.0 * s).sin() / 3.0, 0.0, 0.0];
+        let [mut plain, mut cut] = [(); 2].map(|()| MeanMemory::default());
+        let mut s = 0.0;
+        for k in 0..400 {
+            let step = [0.02, 0.3, 0.11, 0.05][k % 4];
+            s += step;
+            if k % 3 == 1 {
+                // Beyond C q is another one.
+                let beyond = [s + 0.2, integral(s)[1] + 7.0, 0.0, 0.0];
+                filter.note((s + 0.2) / SPEED, &beyond, &mut cut);
+            }
+            for memory in [&mut plain, &mut cut] {
+                filter.note(s / SPEED, &integral(s), memory);
+            }
+            for at in [s - 0.6 * step, s] {
+                let [plain, cut] =
+                    [&plain, &cut].map(|memory| filter.mean(0, Averaged::Filtered, at / SPEED, &integral(at), memory));
+                assert_eq!(plain, cut, "{at}");
+            }
+        }
     }
 
     #[test]

@@ -154,6 +154,10 @@ impl Dynamics for ModelDynamics<'_> {
         }
     }
 
+    fn note_cut(&mut self, t: f64, y: &[f64]) {
+        self.model.note_means(t, y, &mut self.memories.accepted);
+    }
+
     fn is_cached(&self) -> bool {
         self.workspace.cached == Cached::OfState
     }

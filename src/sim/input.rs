@@ -76,7 +76,7 @@ impl Simulation {
     pub(super) fn follow_inputs(&mut self) {
         let turns = self.turns();
         let taken_up = turns && self.take_up();
-        let SimulationState { time, integration, frame, inputs, followed, .. } = &mut self.state;
+        let SimulationState { time, inputs, followed, .. } = &mut self.state;
         for (followed, set) in followed.iter_mut().zip(inputs) {
             if followed.goes_on_as(set, *time) {
                 *set = *followed;
@@ -85,9 +85,16 @@ impl Simulation {
             }
         }
         if turns && !taken_up {
-            integration.restart_at(*time, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
+            self.restart();
             self.workspace.cached = Cached::No;
         }
+    }
+
+    /// The integration starts anew from the present time. What means noted at the end of the step in hand, beyond it, does not take place.
+    pub(super) fn restart(&mut self) {
+        let SimulationState { time, integration, frame, memories, .. } = &mut self.state;
+        integration.restart_at(*time, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
+        self.model.note_means(*time, &integration.y, &mut memories.accepted);
     }
 
     /// Value and derivatives of an input now.

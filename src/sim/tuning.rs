@@ -4,7 +4,7 @@
 //! start each time, so that a state that is put back meets the same model to the bit. What the start has found stays: preloads from balance (a
 //! spring that grows stiffer is not hung up anew) and the static wheel loads by which errors are measured.
 
-use super::{Simulation, SimulationState};
+use super::Simulation;
 use crate::mbs::force::ForceElement;
 use crate::scene::spec::Scene;
 use crate::solve::Integrator;
@@ -27,8 +27,7 @@ pub(super) type Untuned = Vec<(usize, Box<dyn ForceElement>)>;
 impl Simulation {
     /// Puts other numbers in force from the present time on. The integration restarts here, as after a jump of an input.
     pub fn tune(&mut self, tuning: &Tuning) {
-        let SimulationState { time, integration, frame, .. } = &mut self.state;
-        integration.restart_at(*time, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
+        self.restart();
         self.adopt(tuning);
     }
 

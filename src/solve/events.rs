@@ -195,6 +195,7 @@ impl IntegrationState {
         }
         if high < 1.0 {
             self.cut(dynamics, high);
+            dynamics.note_cut(self.t, &self.y);
         }
         self.switch_due = true;
         dynamics.rollback();

@@ -69,6 +69,9 @@ pub trait Dynamics {
     /// ([`Implicit::linearise_again`]).
     fn keep_begin(&mut self) {}
 
+    /// The step that was accepted last has been cut: it ends at `t` in the state `y`, and what it left beyond is to be forgotten.
+    fn note_cut(&mut self, _t: f64, _y: &[f64]) {}
+
     /// Does the system still hold what that evaluation found? Not after another one, a change of the system, or in another system that took
     /// over the state.
     fn is_cached(&self) -> bool {
