@@ -420,8 +420,7 @@ mod tests {
                 filter.note(s / SPEED, &integral(s), memory);
             }
             for at in [s - 0.6 * step, s] {
-                let [plain, cut] =
-                    [&plain, &cut].map(|memory| filter.mean(0, Averaged::Filtered, at / SPEED, &integral(at), memory));
+                let [plain, cut] = [&plain, &cut].map(|memory| filter.mean(0, Averaged::Filtered, at / SPEED, &integral(at), memory));
                 assert_eq!(plain, cut, "{at}");
             }
         }
