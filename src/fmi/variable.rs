@@ -61,6 +61,22 @@ impl Variable {
         self.variability == TUNABLE
     }
 
+    /// May a Real have that value?
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn check(&self, value: f64) -> Result<(), String> {
+        if !value.is_finite() {
+            Err("it must be a finite number".into())
+        } else if let Some(min) = self.min.filter(|min| value < *min) {
+            Err(format!("the smallest value is {min}"))
+        } else if let Some(max) = self.max.filter(|max| value > *max) {
+            Err(format!("the largest value is {max}"))
+        } else {
+            Ok(())
+        }
+    }
+
     /// As force element, number and `value` of a constant where it is one.
     pub fn constant_of_force(&self, value: f64) -> Option<(usize, u32, f64)> {
         match self.role {

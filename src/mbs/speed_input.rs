@@ -41,6 +41,12 @@ impl SpeedInput {
         let behind = wanted.speed.clamp(-self.fastest, self.fastest) - speed;
         (wanted.rate + behind / self.time_constant).clamp(-self.largest_acceleration, self.largest_acceleration)
     }
+
+    /// dV'/dV where the speed is `speed` [m/s], 1/s: -1 / T, 0 at the bound.
+    #[inline]
+    pub fn slope(&self, wanted: &Wanted, speed: f64) -> f64 {
+        if self.acceleration(wanted, speed).abs() < self.largest_acceleration { -1.0 / self.time_constant } else { 0.0 }
+    }
 }
 
 #[cfg(test)]
@@ -54,5 +60,7 @@ mod tests {
         let at = |speed: f64, rate: f64| INPUT.acceleration(&Wanted { speed, rate }, 20.0);
         assert_eq!([at(20.0, 0.0), at(20.0, 1.5), at(20.5, 0.0), at(19.5, 0.25)], [0.0, 1.5, 1.0, -0.75]);
         assert_eq!([at(30.0, 0.0), at(-30.0, 0.0), at(20.0, 7.0), at(f64::INFINITY, 0.0)], [2.0, -2.0, 2.0, 2.0]);
+        let slope = |speed: f64, rate: f64| INPUT.slope(&Wanted { speed, rate }, 20.0);
+        assert_eq!([slope(20.0, 0.0), slope(20.5, 0.5), slope(30.0, 0.0), slope(19.5, -7.0)], [-2.0, -2.0, 0.0, 0.0]);
     }
 }

@@ -30,7 +30,7 @@ pub enum CheckpointError {
     Foreign { path: PathBuf, problem: BlobError },
     #[error("{}: these checkpoints are of another version of the program; only the same one goes on with the same bits: begin the run anew", path.display())]
     OtherProgram { path: PathBuf },
-    #[error("{}: these checkpoints are of another scene (\"{was}\"): they go on with the same text, files and --set alone", path.display())]
+    #[error("{}: these checkpoints are of another scene (\"{was}\"): they go on with the same text, files, --set and --inputs alone", path.display())]
     OtherScene { path: PathBuf, was: String },
     #[error("{}: this run writes a row every {was} s, not every {asked} s; go on with that --step", path.display())]
     OtherStep { path: PathBuf, was: f64, asked: f64 },
@@ -58,9 +58,16 @@ pub struct Origin {
     /// Name of the scene, and the hash of its text and files.
     name: String,
     scene: [u8; 32],
+    /// Hash of a table of inputs.
+    inputs: Option<[u8; 32]>,
 }
 
 impl Origin {
+    /// With inputs by a table, `text` as it stands in its file.
+    pub fn with_inputs(self, text: Option<&str>) -> Origin {
+        Origin { inputs: text.map(|text| Sha256::digest(text).into()), ..self }
+    }
+
     /// Of a scene in this program.
     pub fn of(scene: &Scene) -> Origin {
         let mut hash = Sha256::new();
@@ -74,7 +81,7 @@ impl Origin {
             add(file.key.as_bytes());
             add(&file.content);
         }
-        Origin { program: env!("WHEELRAIL_BUILD_ID").into(), name: scene.name.clone(), scene: hash.finalize().into() }
+        Origin { inputs: None, program: env!("WHEELRAIL_BUILD_ID").into(), name: scene.name.clone(), scene: hash.finalize().into() }
     }
 }
 

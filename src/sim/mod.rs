@@ -11,6 +11,7 @@ pub mod energy;
 pub mod feedthrough;
 mod initial;
 pub mod input;
+pub mod input_table;
 pub mod outputs;
 pub mod pattern;
 pub mod recording;

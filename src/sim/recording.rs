@@ -1,5 +1,6 @@
 //! Runs a scene natively and keeps its outputs at equal intervals.
 
+use super::input_table::InputTable;
 use super::outputs::{Needs, Output, needs};
 use super::tables::LeftTables;
 use super::{Simulation, SimulationError};
@@ -178,13 +179,15 @@ pub struct Run {
     pub recording: Recording,
     /// Lift-offs and landings that were taken from the simulation so far.
     pub events: Vec<ContactEvent>,
+    /// By which inputs are set on the way, if any.
+    pub inputs: Option<InputTable>,
     pub(super) left: LeftTables,
 }
 
 impl Run {
     /// Before its first row.
     pub fn new(simulation: &Simulation, outputs: &[Output]) -> Run {
-        Run { recording: Recording::new(outputs), events: Vec::new(), left: LeftTables::new(simulation.model()) }
+        Run { recording: Recording::new(outputs), events: Vec::new(), inputs: None, left: LeftTables::new(simulation.model()) }
     }
 
     /// Goes on from the last row, where the simulation stands (from the first one where there is none), to the stop; each new row is shown to `watch`, which
@@ -206,12 +209,20 @@ impl Run {
             }
             Ok(watch(simulation, run))
         };
-        if self.recording.rows.is_empty() && row(self, simulation)?.is_break() {
-            return Ok(());
+        if self.recording.rows.is_empty() {
+            if let Some(inputs) = &self.inputs {
+                inputs.set(simulation);
+            }
+            if row(self, simulation)?.is_break() {
+                return Ok(());
+            }
         }
         let start = self.recording.rows.first().map_or(simulation.time(), |row| row[0]);
         for time in communication_points(start, stop, step).skip(self.recording.rows.len() - 1) {
-            simulation.advance(time)?;
+            match &self.inputs {
+                Some(inputs) => inputs.advance(simulation, time)?,
+                None => simulation.advance(time)?,
+            }
             if row(self, simulation)?.is_break() {
                 return Ok(());
             }

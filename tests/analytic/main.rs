@@ -9,6 +9,7 @@ mod contact_geometry;
 mod directional;
 mod example_scenes;
 mod forces;
+mod input_table;
 mod joints;
 mod limit_cycles;
 mod modes;

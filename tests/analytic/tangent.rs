@@ -39,13 +39,16 @@ fn linearised(simulation: &Simulation) -> Linearised {
 
 /// The same with differences over `reach` [m or rad].
 fn linearised_over(simulation: &Simulation, reach: f64) -> Linearised {
+    linearised_for(simulation, reach, &simulation.model().neutral_inputs())
+}
+
+fn linearised_for(simulation: &Simulation, reach: f64, inputs: &[f64]) -> Linearised {
     let model = simulation.model();
     let (y, memory) = (&simulation.state().integration.y, &simulation.state().memories.accepted);
-    let inputs = model.neutral_inputs();
     let mut workspace = model.workspace();
     model.prepare_tangent(&mut workspace);
-    derivative(model, &mut workspace, y, memory, &inputs);
-    model.linearise(&mut workspace, (y, memory), &inputs, true);
+    derivative(model, &mut workspace, y, memory, inputs);
+    model.linearise(&mut workspace, (y, memory), inputs, true);
     let (n, a) = (y.len(), 1e-3);
     model.factorise(&mut workspace, a).unwrap_or_else(|error| panic!("{error}"));
     let mut inverse = DMatrix::zeros(n, n);
@@ -69,7 +72,7 @@ fn linearised_over(simulation: &Simulation, reach: f64) -> Linearised {
         let mut at = |sign: f64| {
             let mut y = y.clone();
             y[j] += sign * h;
-            derivative(model, &mut workspace, &y, memory, &inputs)
+            derivative(model, &mut workspace, &y, memory, inputs)
         };
         let (ahead, behind) = (at(1.0), at(-1.0));
         for i in 0..n {
@@ -383,6 +386,39 @@ fn fastest(linearised: &Linearised, matrix: &DMatrix<f64>) -> (f64, f64) {
     own.view_mut((6, 0), (6, 6)).scale_mut(1e-3);
     let values = own.complex_eigenvalues();
     values.iter().map(|value| (value.re, value.im)).filter(|value| value.1 > FAST).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+}
+
+/// All that are driven go faster by the same: -1 / T of it comes back, nothing where the acceleration is at its bound.
+#[test]
+fn analytic_a_speed_that_follows_an_input_comes_back() {
+    for (name, detail) in
+        [("suspended_wheelset", "track.deviation=[]"), ("vehicle_curve", "vehicle.drive=all"), ("bogie", "vehicle.drive=all")]
+    {
+        for (wanted, expected) in [(0.3, -4.0), (5.0, 0.0)] {
+            let changes = ["vehicle.speed={start=20,time_constant=0.25,largest_acceleration=2}", detail].map(String::from);
+            let mut simulation = common::start(&load::open(name, &changes).unwrap_or_else(|error| panic!("{error}")));
+            simulation.advance(0.05).unwrap();
+            let mut inputs = simulation.model().neutral_inputs();
+            let place = simulation.model().first_travel_input(inputs.len()).unwrap();
+            inputs[place] = 20.0 + wanted;
+            let Linearised { exact, found, bodies, .. } = linearised_for(&simulation, 1e-6, &inputs);
+            let y = &simulation.state().integration.y;
+            let mut along = nalgebra::DVector::zeros(y.len());
+            for drive in &simulation.model().system.drives {
+                for i in (6 * (bodies + drive.body)..).take(3) {
+                    along[i] = y[i] / 20.0;
+                }
+            }
+            for (told, matrix) in [("differences", exact), ("J", found)] {
+                let back = matrix * &along;
+                for drive in &simulation.model().system.drives {
+                    let back: f64 = (6 * (bodies + drive.body)..).take(3).map(|i| back[i] * along[i]).sum();
+                    println!("{name}, {told}, body {}: {back}", drive.body);
+                    assert!((back - expected).abs() < 2e-3, "{name}, {told}, body {}: {back}, {expected}", drive.body);
+                }
+            }
+        }
+    }
 }
 
 /// Two parts of a patch on the flange root: told from the strips that are in contact alone, their stiffness hid a growth of 43 1/s.

@@ -70,6 +70,31 @@ fn fmu_both_follow_a_speed_that_a_master_imposes() {
     script("speed.py", &[two.file.as_os_str(), three.as_os_str()]);
 }
 
+#[test]
+fn fmu_a_run_with_a_table_of_inputs_is_that_of_a_driven_fmu() {
+    let folder = tempfile::tempdir().unwrap();
+    let changes = ["vehicle.speed={start=20,time_constant=0.5,largest_acceleration=2}", "solver.tolerance=1e-7", "run.step=0.01"];
+    let fmu = changed_fmu(folder.path(), "table", &changes);
+    let [table, native] = ["inputs.csv", "native.csv"].map(|name| folder.path().join(name));
+    // Bends between output times, a jump at one and a jump between two.
+    let text = "# of the test\ntime,speed,wheelset.driveTorque,wheelset.left.frictionFactor\n0,21,0,1\n0.3137,21,0,1\n1.2,23,1500,0.6\n1.2,23,-800,0.6\n1.6043,22,100,0.9\n1.6043,24,0,1\n";
+    std::fs::write(&table, text).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_wheelrail"));
+    command.args([
+        "run",
+        "suspended_wheelset",
+        "--stop",
+        "2",
+        "--columns",
+        "*.vx,*.y,*.vy,*.yaw,*.distance,*.left.verticalForce,*.left.lateralForce,*.drivingForce",
+    ]);
+    command.args(changes.iter().flat_map(|change| ["--set", change])).arg("--inputs").arg(&table).arg("-o").arg(&native);
+    run(&mut command);
+    // The same rows for a master that knows no comments.
+    std::fs::write(&table, text.split_once('\n').unwrap().1).unwrap();
+    script("input_table.py", &[fmu.file.as_os_str(), table.as_os_str(), native.as_os_str()]);
+}
+
 /// Steps of uneven length with inputs that change, natively and as FMU.
 fn native_run_is_the_same(scene: &Scene, fmu: &Path, stop: f64) {
     let packed = package::pack_scene_as(scene, Version::Three).unwrap();

@@ -3,7 +3,7 @@
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{CreepForce, Creepage};
 use crate::contact::{Material, Patch};
-use crate::settings::did_you_mean;
+use crate::settings::{did_you_mean, line_of};
 
 /// Column, unit, smallest and largest value, value if the column is absent.
 struct Column {
@@ -91,7 +91,7 @@ pub(super) fn read(text: &str, file: &str) -> Result<Vec<Case>, String> {
     let mut cases = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|error| format!("{file}: {error}"))?;
-        let line = record.position().map_or(0, csv::Position::line);
+        let line = line_of(text, &record);
         let mut values = [0.0; 10];
         for ((value, column), place) in values.iter_mut().zip(&COLUMNS).zip(&places) {
             let Some(place) = place else {

@@ -1,7 +1,6 @@
 //! Checkpoints of a run: when they are due, where they stand, and how a run goes on from one.
 
 use super::super::{Failure, say, seconds};
-use crate::scene::spec::Scene;
 use crate::sim::Simulation;
 use crate::sim::checkpoint::{CheckpointError, Checkpoints, Found, Origin};
 use crate::sim::outputs::Output;
@@ -47,9 +46,9 @@ fn refused(error: CheckpointError) -> Failure {
 
 impl CheckpointArguments {
     /// The run to go on with, if any.
-    pub(super) fn found(&self, scene: &Scene, times: Times) -> Result<Option<Found>, Failure> {
+    pub(super) fn found(&self, origin: &Origin, times: Times) -> Result<Option<Found>, Failure> {
         let Some(path) = &self.resume else { return Ok(None) };
-        let found = Found::read(path, &Origin::of(scene)).map_err(refused)?;
+        let found = Found::read(path, origin).map_err(refused)?;
         found.check(times).map_err(refused)?;
         Ok(Some(found))
     }
@@ -57,7 +56,7 @@ impl CheckpointArguments {
     /// What keeps the run, if it is to be kept.
     pub(super) fn keeper(
         &self,
-        scene: &Scene,
+        (name, origin): (&str, &Origin),
         times: Times,
         (outputs, output): (&[Output], Option<&Path>),
         found: Option<&Found>,
@@ -68,13 +67,13 @@ impl CheckpointArguments {
         let Some(every) = self.checkpoint else { return Ok(keeper) };
         let beside = || match output.filter(|path| *path != Path::new("-")) {
             Some(path) => path.with_extension("checkpoints"),
-            None => PathBuf::from(format!("{}.checkpoints", scene.name)),
+            None => PathBuf::from(format!("{name}.checkpoints")),
         };
         keeper.path = self.resume.clone().or_else(|| self.checkpoint_file.clone()).unwrap_or_else(beside);
         let names: Vec<String> = outputs.iter().map(|output| output.name.clone()).collect();
         let file = match found {
             Some(found) => Checkpoints::go_on(found),
-            None => Checkpoints::begin(&keeper.path, &Origin::of(scene), times, &names),
+            None => Checkpoints::begin(&keeper.path, origin, times, &names),
         };
         keeper.kept = Some((file.map_err(refused)?, every));
         Ok(keeper)

@@ -1,6 +1,7 @@
 //! `wheelrail run SCENE`: a native simulation with CSV, Parquet or MAT, pictures, a summary, and checkpoints to go on from.
 
 mod checkpoints;
+mod inputs;
 mod words;
 
 use super::interrupt::Interrupt;
@@ -10,6 +11,7 @@ use super::results::{Format, Layout, Precision, Results, Thinned};
 use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, overview, print, seconds};
 use crate::settings::did_you_mean;
 use crate::sim::Simulation;
+use crate::sim::checkpoint::Origin;
 use crate::sim::outputs::Output;
 use crate::sim::pattern::matches;
 use crate::sim::recording::{Recording, Run, Times};
@@ -32,6 +34,10 @@ A run with --checkpoint can go on after a kill: the same command with --resume F
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
+    /// Inputs over time: a CSV with a column "time" (s) and columns of the FMU's inputs by name, straight between rows, held before and after;
+    /// two rows of one time are a jump
+    #[arg(long, value_name = "FILE.csv")]
+    inputs: Option<PathBuf>,
     #[command(flatten)]
     results: ResultArguments,
     /// Draw the run over distance as SVG into a folder: motions, forces, bodies, contact places, spectra
@@ -92,7 +98,12 @@ const SHOWN: [(&str, &str, &str, f64); 9] = [
 ];
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let scene = arguments.scene.open()?;
+    let mut scene = arguments.scene.open()?;
+    let inputs = arguments.inputs.as_deref().map(|path| inputs::read(path, &scene)).transpose()?;
+    if let Some(speed) = inputs.as_ref().and_then(|inputs| inputs.start_speed) {
+        scene.vehicle.speed = speed;
+    }
+    let origin = Origin::of(&scene).with_inputs(inputs.as_ref().map(|inputs| inputs.text.as_str()));
     let (stop, step) = arguments.times.read(&scene)?;
     let times = Times { stop, step };
     let wheelset = arguments.wheelset.choose(&scene)?;
@@ -101,7 +112,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let target = super::target(&asked.output, Kind::Results, arguments.json)?;
     let to_stdout = target.as_ref().is_some_and(Target::is_stdout);
     asked.check(times)?;
-    let found = arguments.checkpoints.found(&scene, times)?;
+    let found = arguments.checkpoints.found(&origin, times)?;
     let mut simulation = super::start(&scene)?;
     if let Some(folder) = &arguments.plot {
         overview::prepare(folder, &scene.interface.outputs)?;
@@ -123,7 +134,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut notes = statics::statics(&scene, &mut simulation).map(|found| found.notes()).unwrap_or_default();
     notes.extend(scene.effects.describe().into_iter().map(|(name, why)| format!("left out: {name}, {why}")));
     let mut run = Run::new(&simulation, &outputs);
-    let mut keeper = arguments.checkpoints.keeper(&scene, times, (&outputs, asked.output.as_deref()), found.as_ref())?;
+    run.inputs = inputs.map(|inputs| inputs.table);
+    let mut keeper = arguments.checkpoints.keeper((&scene.name, &origin), times, (&outputs, asked.output.as_deref()), found.as_ref())?;
     if let Some(found) = &found {
         checkpoints::go_on(found, &mut simulation, &mut run)?;
     }

@@ -142,12 +142,8 @@ impl Instance {
     }
 
     pub(super) fn check_value(&self, variable: &Variable, value: f64) -> Result<(), CallError> {
-        let problem = if !value.is_finite() {
-            "it must be a finite number".to_string()
-        } else if variable.min.is_some_and(|min| value < min) {
-            format!("the smallest value is {}", variable.min.unwrap_or_default())
-        } else if variable.max.is_some_and(|max| value > max) {
-            format!("the largest value is {}", variable.max.unwrap_or_default())
+        let problem = if let Err(problem) = variable.check(value) {
+            problem
         } else if value == 0.0 && variable.name == "speed" && self.scene.vehicle.speed_imposed && !self.may_stop() {
             "creepages are relative to the travelling speed".to_string()
         } else {

@@ -9,7 +9,7 @@ use super::super::file::OpenFile;
 use super::cleaning::Sample;
 use super::measured::{self, Level, Order, Reading};
 use super::{FOLDER, Part, ProfileChoice};
-use crate::settings::{Entry, Section, SettingsError};
+use crate::settings::{Entry, Section, SettingsError, line_of};
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
     name: "points",
@@ -52,14 +52,14 @@ fn read(file: &OpenFile, part: Part) -> Result<Reading, SettingsError> {
     };
     let Some((&(_, columns, level), x_unit, z_unit)) = known else {
         let found = header.iter().collect::<Vec<_>>().join(",");
-        let line = header.position().map_or(1, |position| position.line() as usize);
+        let line = line_of(&file.text, &header);
         let problem = format!("found the header \"{found}\", expected {expected} (metres, or with [mm])");
         return Err(file.error(line, choices[0].1, problem));
     };
     let mut samples = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|error| file.error(error.position().map_or(0, |p| p.line() as usize), columns, error.to_string()))?;
-        let line = record.position().map_or(0, |p| p.line() as usize);
+        let line = line_of(&file.text, &record);
         if record.len() != header.len() {
             return Err(file.error(line, columns, format!("found {} columns, expected {}", record.len(), header.len())));
         }

@@ -28,7 +28,7 @@
 //!
 //! (left out: how P and the right-hand side of the constraints change, multipliers times the constraints' curvature over the mass: a
 //! joint loaded with 50 kN at 1 m and 1 t gives 50 1/s2). A driving constraint has no mobility in its direction, so that rows and
-//! columns vanish; its return to the imposed speed (10 1/s) is left out.
+//! columns vanish, but for db/dv of a speed that follows an input ([`crate::mbs::speed_input`]); its return to the imposed speed (10 1/s) is left out.
 //!
 //! Blocks are eliminated in an order of minimum degree that is found once ([`elimination`]); the cost grows linearly along a train.
 
@@ -131,6 +131,8 @@ pub struct Tangent {
     mobility: Vec<Matrix6<f64>>,
     /// Gyroscopic db/dv on the angles, by body, 1/s.
     spin: Vec<Matrix3<f64>>,
+    /// db/dv on the displacements of driven bodies whose speed follows an input, 1/s.
+    follow: Vec<(usize, Matrix3<f64>)>,
     frames: Vec<PairFrames>,
     lu: BlockLu,
     /// By slot of the sum.
@@ -221,6 +223,7 @@ impl Tangent {
             far_of_force,
             mobility: vec![Matrix6::zeros(); bodies],
             spin: vec![Matrix3::zeros(); bodies],
+            follow: Vec::with_capacity(system.drives.len()),
             x: vec![Vector6::zeros(); graph.nodes],
             lu,
             places,

@@ -6,7 +6,7 @@ use crate::mbs::body::COORDINATES;
 use crate::mbs::pair_tangent::Gradient;
 use crate::mbs::pair_tangent::pair::add_outer;
 use crate::mbs::system::SystemWorkspace;
-use nalgebra::{Matrix2, Matrix6, Vector2, Vector6};
+use nalgebra::{Matrix2, Matrix6, Vector2, Vector3, Vector6};
 
 /// First-order states after their elimination.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,6 +44,13 @@ impl Tangent {
                 angles += self.spin[row] * velocity.fixed_rows::<3>(3);
             }
             for (result, part) in result[count..][at(row)].iter_mut().zip(part.iter()) {
+                *result += part;
+            }
+        }
+        for (body, follow) in &self.follow {
+            let first = COORDINATES * body;
+            let part = follow * Vector3::from_column_slice(&velocities[first..first + 3]);
+            for (result, part) in result[count..][first..].iter_mut().zip(part.iter()) {
                 *result += part;
             }
         }
@@ -104,6 +111,11 @@ impl Tangent {
                 let mut angles = block.fixed_view_mut::<3, 3>(3, 3);
                 angles -= self.spin[row] * a;
             }
+        }
+        for (body, follow) in &self.follow {
+            let Some(slot) = self.sum.neighbours.slot(*body, *body) else { continue };
+            let mut displacements = self.lu.block_mut(self.places[slot]).fixed_view_mut::<3, 3>(0, 0);
+            displacements -= follow * a;
         }
         self.add_twist_blocks(a);
         self.eliminate_states(a)?;

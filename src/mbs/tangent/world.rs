@@ -117,6 +117,10 @@ impl Tangent {
         for drive in &system.drives {
             drive.immobilise(&system.bodies[drive.body], motions, &mut self.mobility[drive.body], &workspace.stations);
         }
+        self.follow.clear();
+        for drive in &system.drives {
+            self.follow.extend(drive.follow(motions, &workspace.stations, &workspace.orders).map(|follow| (drive.body, follow)));
+        }
         for (spin, (body, motion)) in self.spin.iter_mut().zip(system.bodies.iter().zip(motions)) {
             *spin = gyroscopic(&body.inertia, motion);
         }

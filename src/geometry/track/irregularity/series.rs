@@ -19,7 +19,7 @@ use crate::geometry::file::OpenFile;
 use crate::geometry::track::DeviationShape;
 use crate::math::smoothing::{Reach, smooth};
 use crate::math::spline::CubicSpline;
-use crate::settings::{Entry, Section, SettingsError, did_you_mean};
+use crate::settings::{Entry, Section, SettingsError, did_you_mean, line_of};
 use crate::units::Dimension;
 use std::sync::Arc;
 
@@ -144,7 +144,7 @@ fn read(file: &OpenFile) -> Result<Table, SettingsError> {
         .delimiter(if semicolons { b';' } else { b',' })
         .from_reader(file.text.as_bytes());
     let header = reader.headers().map_err(|error| file.error(1, COLUMNS[0], error.to_string()))?.clone();
-    let wrong_header = |problem: String| file.error(header.position().map_or(1, |p| p.line() as usize), "header", problem);
+    let wrong_header = |problem: String| file.error(line_of(&file.text, &header), "header", problem);
     let titles = header.iter().map(title).collect::<Result<Vec<_>, _>>().map_err(wrong_header)?;
     check_titles(&titles).map_err(wrong_header)?;
 
@@ -154,7 +154,7 @@ fn read(file: &OpenFile) -> Result<Table, SettingsError> {
     for record in reader.records() {
         let record =
             record.map_err(|error| file.error(error.position().map_or(0, |p| p.line() as usize), COLUMNS[0], error.to_string()))?;
-        let line = record.position().map_or(0, |p| p.line() as usize);
+        let line = line_of(&file.text, &record);
         if record.len() != titles.len() {
             return Err(file.error(line, COLUMNS[0], format!("found {} columns, expected {}", record.len(), titles.len())));
         }
