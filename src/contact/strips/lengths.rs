@@ -135,7 +135,8 @@ impl Lengths {
             let whole = over[k].mean();
             // The level of a strip without overlaps near it is not a number.
             let pressed = if touches { level + above.mean } else { whole };
-            own.depth = own.strip.overlap.max(mixed(whole, pressed));
+            // Not the mean over the whole: at the edge of a patch that is a gap.
+            own.depth = own.strip.overlap.max(pressed);
             covers.push(Cover { whole, pressed, cut: part, above: whole > level });
         }
     }

@@ -234,8 +234,8 @@ fn carry(rail: &RailStrips, scratch: &mut Scratch) {
             }
         }
         let mut overlaps = false;
-        for (((inside, left), own), cover) in inside.iter_mut().zip(left.iter()).zip(pressed.iter()).zip(&lengths.covers) {
-            if !*inside && *left > 0.0 && own.depth.max(cover.pressed) > 0.0 {
+        for ((inside, left), own) in inside.iter_mut().zip(left.iter()).zip(pressed.iter()) {
+            if !*inside && *left > 0.0 && own.depth > 0.0 {
                 (*inside, overlaps) = (true, true);
             }
         }
