@@ -85,7 +85,8 @@ fn prop_rows_and_stops_change_nothing() {
         assert!(apart < 1e-9, "{name}: {apart:e}");
     }
     // V is what the table wants: straight lines with their slopes.
-    let off = coarse.column("time").unwrap().iter().zip(coarse.column("wheelset.vx").unwrap()).map(|(t, v)| v - table.value(speed, *t).unwrap());
+    let off =
+        coarse.column("time").unwrap().iter().zip(coarse.column("wheelset.vx").unwrap()).map(|(t, v)| v - table.value(speed, *t).unwrap());
     let worst = off.fold(0.0f64, |worst, off| worst.max(off.abs()));
     assert!(worst < 1e-6, "{worst:e} m/s");
 }
