@@ -26,7 +26,7 @@ fn run(scene: &Scene, table: &InputTable, stop: f64, step: f64) -> Recording {
 /// A wheelset that is pulled by a force F(t) of lines and jumps has the momentum of F's integral; what rolls with it counts as mass.
 #[test]
 fn analytic_momentum_of_a_force_by_a_table() {
-    let times = vec![0.1003, 0.3, 0.3, 0.4507, 0.4507, 0.52];
+    let times: Vec<f64> = vec![0.1003, 0.3, 0.3, 0.4507, 0.4507, 0.52];
     let forces = vec![0.0, 900.0, -600.0, -600.0, 300.0, 0.0];
     let momentum = |t: f64| -> f64 {
         let mut sum = 0.0;
@@ -85,8 +85,7 @@ fn prop_rows_and_stops_change_nothing() {
         assert!(apart < 1e-9, "{name}: {apart:e}");
     }
     // V is what the table wants: straight lines with their slopes.
-    let off =
-        coarse.column("time").unwrap().iter().zip(coarse.column("wheelset.vx").unwrap()).map(|(t, v)| v - table.value(speed, *t).unwrap());
-    let worst = off.fold(0.0f64, |worst, off| worst.max(off.abs()));
+    let (times, found) = (coarse.column("time").unwrap(), coarse.column("wheelset.vx").unwrap());
+    let worst = times.iter().zip(&found).map(|(t, v)| (v - table.value(speed, *t).unwrap()).abs()).fold(0.0, f64::max);
     assert!(worst < 1e-6, "{worst:e} m/s");
 }
