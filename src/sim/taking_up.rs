@@ -1,8 +1,7 @@
 //! Changes of inputs that the integrator's step in hand takes up (`solve::response`): forces and torques under elastic contact.
 //!
 //! What such an input changes of the derivative follows from the equations of motion alone, without a look at any contact. All else (friction, rails that
-//! move, contact as a constraint, states that the Jacobian does not know, a wanted speed, whose return by 1 / T the Jacobian does not know either) restarts
-//! the integration.
+//! move, contact as a constraint, states that the Jacobian does not know, a wanted speed, whose bound is a kink) restarts the integration.
 
 use super::dynamics::{ModelDynamics, Watched};
 use super::input::{self, InputSignal};

@@ -188,7 +188,7 @@ mod tests {
     fn prop_wrong_files_are_refused_with_line_and_reason() {
         let scene = scene(&["vehicle.speed={start=20}"]);
         for (text, words) in [
-            ("", "in.csv: found \"\" as the first column, expected \"time\" in s"),
+            ("", "in.csv:1: found \"\" as the first column, expected \"time\" in s"),
             ("time\n0\n", "in.csv:1: expected the column \"time\" and at least one input"),
             (
                 "time,wheelset.driveTorqe\n0,1\n",
