@@ -24,8 +24,14 @@ struct Column<'a> {
     factor: f64,
 }
 
-/// Reads and checks a file.
-pub(super) fn read(path: &Path, scene: &Scene) -> Result<Inputs, Failure> {
+/// Reads and checks a file; the scene begins with its speed.
+pub(super) fn read_for(scene: &mut Scene, path: &Path) -> Result<Inputs, Failure> {
+    let inputs = read(path, scene)?;
+    scene.vehicle.speed = inputs.start_speed.unwrap_or(scene.vehicle.speed);
+    Ok(inputs)
+}
+
+fn read(path: &Path, scene: &Scene) -> Result<Inputs, Failure> {
     let shown = path.display();
     let text = std::fs::read_to_string(path).map_err(|error| Failure::Input(format!("--inputs {shown}: {error}")))?;
     let variables = VariableTable::new(scene).map_err(|error| Failure::Input(format!("{}: {error}", scene.source.file)))?;

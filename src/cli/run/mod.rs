@@ -99,10 +99,7 @@ const SHOWN: [(&str, &str, &str, f64); 9] = [
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut scene = arguments.scene.open()?;
-    let inputs = arguments.inputs.as_deref().map(|path| inputs::read(path, &scene)).transpose()?;
-    if let Some(speed) = inputs.as_ref().and_then(|inputs| inputs.start_speed) {
-        scene.vehicle.speed = speed;
-    }
+    let inputs = arguments.inputs.as_deref().map(|path| inputs::read_for(&mut scene, path)).transpose()?;
     let origin = Origin::of(&scene).with_inputs(inputs.as_ref().map(|inputs| inputs.text.as_str()));
     let (stop, step) = arguments.times.read(&scene)?;
     let times = Times { stop, step };
