@@ -3,7 +3,7 @@
 //! docs all take the names that a scene may use.
 
 mod constant;
-mod csv_line;
+mod csv_text;
 mod defaults;
 mod faults;
 mod nearest;
@@ -11,7 +11,7 @@ mod nearest;
 use crate::units::Dimension;
 pub(crate) use constant::constant;
 pub use constant::{Constant, Number, Numbered};
-pub(crate) use csv_line::line_of;
+pub(crate) use csv_text::{csv_reader, line_of, title};
 use faults::Faults;
 pub use nearest::did_you_mean;
 use nearest::{nearest, slip};

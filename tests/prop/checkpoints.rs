@@ -43,6 +43,11 @@ fn equiv_a_run_that_goes_on_is_the_one_that_was_not_ended() {
         }
     }
     cases.push(vec!["vehicle_bumps".into(), "--set".into(), "interface.outputs=[\"motion\", \"wheels\", \"sliding_means\"]".into()]);
+    // Bends between rows and checkpoints, a jump at one.
+    let table = file("inputs.csv");
+    std::fs::write(&table, "time,wheelset.driveTorque [kN m],wheelset.left.frictionFactor\n0.05,0,1\n0.6,2,0.7\n0.6,-1,0.7\n0.9713,0,1\n")
+        .unwrap();
+    cases.push(vec!["suspended_wheelset".into(), "--inputs".into(), table.to_str().unwrap().into()]);
     for case in &cases {
         let scene: Vec<&str> = case.iter().map(String::as_str).collect();
         let kept = file("kept.checkpoints");

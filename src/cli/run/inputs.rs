@@ -3,18 +3,17 @@
 use super::super::Failure;
 use crate::fmi::variables::{Role, Variable, VariableTable};
 use crate::scene::spec::Scene;
-use crate::settings::{did_you_mean, line_of};
+use crate::settings::{csv_reader, did_you_mean, line_of, title};
 use crate::sim::input_table::InputTable;
 use crate::units::{Dimension, Unit};
 use std::path::Path;
 
 const TIME: &str = "time";
 
-/// What a file says: the table, its text (a run goes on with the same one alone), and the speed at time 0 where that is an input.
+/// What a file says: the table, and its text (a run goes on with the same one alone).
 pub(super) struct Inputs {
     pub table: InputTable,
     pub text: String,
-    pub start_speed: Option<f64>,
 }
 
 /// A column: the input, and what its numbers are multiplied by.
@@ -24,14 +23,8 @@ struct Column<'a> {
     factor: f64,
 }
 
-/// Reads and checks a file; the scene begins with its speed.
-pub(super) fn read_for(scene: &mut Scene, path: &Path) -> Result<Inputs, Failure> {
-    let inputs = read(path, scene)?;
-    scene.vehicle.speed = inputs.start_speed.unwrap_or(scene.vehicle.speed);
-    Ok(inputs)
-}
-
-fn read(path: &Path, scene: &Scene) -> Result<Inputs, Failure> {
+/// Reads and checks a file. Where the speed is an input the scene begins with that of the file.
+pub(super) fn read(path: &Path, scene: &mut Scene) -> Result<Inputs, Failure> {
     let shown = path.display();
     let text = std::fs::read_to_string(path).map_err(|error| Failure::Input(format!("--inputs {shown}: {error}")))?;
     let variables = VariableTable::new(scene).map_err(|error| Failure::Input(format!("{}: {error}", scene.source.file)))?;
@@ -39,23 +32,29 @@ fn read(path: &Path, scene: &Scene) -> Result<Inputs, Failure> {
         let place = if line == 0 { String::new() } else { format!(":{line}") };
         Failure::Input(format!("{shown}{place}: {problem}"))
     })?;
-    let start_speed = variables.speed_input.and_then(|speed| table.value(speed, 0.0));
-    if start_speed == Some(0.0) {
-        let problem = "speed: found 0 m/s at time 0, expected another one: a run begins with steady running";
-        return Err(Failure::Input(format!("{shown}: {problem}")));
+    if let Some(speed) = variables.speed_input.and_then(|speed| table.value(speed, 0.0)) {
+        if speed == 0.0 {
+            let problem = "speed: found 0 m/s at time 0, expected another one: a run begins with steady running";
+            return Err(Failure::Input(format!("{shown}: {problem}")));
+        }
+        scene.vehicle.speed = speed;
     }
-    Ok(Inputs { table, text, start_speed })
+    Ok(Inputs { table, text })
 }
 
 /// Errors with the line, 0 for the file.
 fn parse(text: &str, variables: &VariableTable, scene: &Scene) -> Result<InputTable, (usize, String)> {
-    let head = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
-    let delimiter = if head.contains(';') { b';' } else { b',' };
-    let mut reader =
-        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).delimiter(delimiter).from_reader(text.as_bytes());
+    let mut reader = csv_reader(text);
     let header = reader.headers().map_err(|error| (1, error.to_string()))?.clone();
     let wrong_header = |problem: String| (line_of(text, &header), problem);
-    let inputs: Vec<&Variable> = variables.variables.iter().filter(|variable| place(variable).is_some()).collect();
+    let inputs: Vec<(usize, &Variable)> = variables
+        .variables
+        .iter()
+        .filter_map(|variable| match variable.role {
+            Role::Input(place) => Some((place, variable)),
+            _ => None,
+        })
+        .collect();
     let (time, columns) = titles(&header, &inputs).map_err(wrong_header)?;
     let mut times = Vec::new();
     let mut lines = Vec::new();
@@ -88,37 +87,23 @@ fn parse(text: &str, variables: &VariableTable, scene: &Scene) -> Result<InputTa
     InputTable::new(times, columns).map_err(|error| (error.row().map_or(0, |row| lines[row]), format!("{TIME}: {error}")))
 }
 
-fn place(variable: &Variable) -> Option<usize> {
-    match variable.role {
-        Role::Input(place) => Some(place),
-        _ => None,
-    }
-}
-
 /// Factor of the times, and the columns behind them.
-fn titles<'a>(header: &csv::StringRecord, inputs: &[&'a Variable]) -> Result<(f64, Vec<Column<'a>>), String> {
-    let split = |text: &str| match text.rsplit_once('[') {
-        // Names have brackets of their own: truck[1].wheelset[1].driveTorque.
-        Some((name, unit)) if text.ends_with(']') && (name.ends_with(' ') || inputs.iter().all(|input| input.name != text)) => {
-            (name.trim().to_string(), Some(unit.trim_end_matches(']').trim().to_string()))
-        }
-        _ => (text.to_string(), None),
-    };
+fn titles<'a>(header: &csv::StringRecord, inputs: &[(usize, &'a Variable)]) -> Result<(f64, Vec<Column<'a>>), String> {
     let mut names = header.iter();
-    let (first, unit) = split(names.next().unwrap_or_default());
+    let (first, unit) = title(names.next().unwrap_or_default());
     if first != TIME {
         return Err(format!("found \"{first}\" as the first column, expected \"{TIME}\" in s"));
     }
     let time = match unit {
         None => 1.0,
-        Some(unit) => factor(Unit::Second, &unit).ok_or_else(|| format!("{TIME}: found the unit \"{unit}\", expected s"))?,
+        Some(unit) => factor(Unit::Second, unit).ok_or_else(|| format!("{TIME}: found the unit \"{unit}\", expected s"))?,
     };
     let mut columns: Vec<Column> = Vec::new();
     for text in names {
-        let (name, unit) = split(text);
-        let Some(variable) = inputs.iter().find(|input| input.name == name) else {
-            let known: Vec<&str> = inputs.iter().map(|input| input.name.as_str()).collect();
-            let hint = did_you_mean(&name, &known);
+        let (name, unit) = title(text);
+        let Some(&(place, variable)) = inputs.iter().find(|(_, input)| input.name == name) else {
+            let known: Vec<&str> = inputs.iter().map(|(_, input)| input.name.as_str()).collect();
+            let hint = did_you_mean(name, &known);
             let expected = match known.len() {
                 0 => "the scene has none (interface.inputs)".to_string(),
                 1..=12 => format!("expected some of {}", known.join(", ")),
@@ -131,10 +116,9 @@ fn titles<'a>(header: &csv::StringRecord, inputs: &[&'a Variable]) -> Result<(f6
         }
         let factor = match unit {
             None => 1.0,
-            Some(unit) => factor(variable.unit, &unit)
+            Some(unit) => factor(variable.unit, unit)
                 .ok_or_else(|| format!("{name}: found the unit \"{unit}\", expected {}", variable.unit.name()))?,
         };
-        let place = place(variable).unwrap_or_default();
         columns.push(Column { variable, place, factor });
     }
     if columns.is_empty() {
@@ -168,7 +152,7 @@ mod tests {
         load::open("suspended_wheelset", &changes).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    fn read_text(scene: &Scene, text: &str) -> Result<Inputs, String> {
+    fn read_text(scene: &mut Scene, text: &str) -> Result<Inputs, String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("in.csv");
         std::fs::write(&path, text).unwrap();
@@ -180,19 +164,22 @@ mod tests {
 
     #[test]
     fn prop_units_and_comments_are_read() {
-        let scene = scene(&["vehicle.speed={start=20}"]);
+        let mut scene = scene(&["vehicle.speed={start=20}"]);
         let text = "# a run\ntime [ms];speed [km/h];wheelset.driveTorque [kN m]\n\n0;36;1\n# then\n500;72;2\n";
-        let found = read_text(&scene, text).unwrap_or_else(|words| panic!("{words}"));
+        let found = read_text(&mut scene, text).unwrap_or_else(|words| panic!("{words}"));
         let variables = VariableTable::new(&scene).unwrap();
-        let place = |name: &str| place(variables.variables.iter().find(|variable| variable.name == name).unwrap()).unwrap();
+        let place = |name: &str| match variables.variables.iter().find(|variable| variable.name == name).unwrap().role {
+            Role::Input(place) => place,
+            _ => panic!("{name} is no input"),
+        };
         let at = |name: &str| found.table.value(place(name), 0.25).unwrap();
         assert!((at("speed") - 15.0).abs() < 1e-12 && (at("wheelset.driveTorque") - 1500.0).abs() < 1e-9);
-        assert_eq!(found.start_speed, Some(10.0));
+        assert_eq!(scene.vehicle.speed, 10.0);
     }
 
     #[test]
     fn prop_wrong_files_are_refused_with_line_and_reason() {
-        let scene = scene(&["vehicle.speed={start=20}"]);
+        let mut scene = scene(&["vehicle.speed={start=20}"]);
         for (text, words) in [
             ("", "in.csv:1: found \"\" as the first column, expected \"time\" in s"),
             ("time\n0\n", "in.csv:1: expected the column \"time\" and at least one input"),
@@ -211,7 +198,7 @@ mod tests {
             ("time,speed\n0,1\n1,0\n", "in.csv:3: speed: found 0 m/s, which needs [contact.transient]"),
             ("time,wheelset.left.frictionFactor\n0,-1\n", "in.csv:2: wheelset.left.frictionFactor: the smallest value is 0"),
         ] {
-            match read_text(&scene, text) {
+            match read_text(&mut scene, text) {
                 Err(found) => assert!(found.starts_with(words), "{text:?}: {found}"),
                 Ok(_) => panic!("{text:?} was read"),
             }

@@ -99,7 +99,7 @@ const SHOWN: [(&str, &str, &str, f64); 9] = [
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut scene = arguments.scene.open()?;
-    let inputs = arguments.inputs.as_deref().map(|path| inputs::read_for(&mut scene, path)).transpose()?;
+    let inputs = arguments.inputs.as_deref().map(|path| inputs::read(path, &mut scene)).transpose()?;
     let origin = Origin::of(&scene).with_inputs(inputs.as_ref().map(|inputs| inputs.text.as_str()));
     let (stop, step) = arguments.times.read(&scene)?;
     let times = Times { stop, step };

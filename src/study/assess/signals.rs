@@ -3,6 +3,7 @@
 //! Samples at uneven times are resampled at their mean distance by a natural cubic spline; even ones are taken as they are.
 
 use crate::math::spline::CubicSpline;
+use crate::settings::title;
 use crate::sim::recording::Recording;
 use crate::units::Dimension;
 use std::io::Read;
@@ -140,7 +141,7 @@ impl Signals {
 
 /// Name of a column, and what makes SI of its unit (1 where the unit is unknown or one of SI).
 fn head(text: &str) -> (String, f64) {
-    let Some((name, unit)) = text.strip_suffix(']').and_then(|text| text.rsplit_once(" [")) else { return (text.into(), 1.0) };
+    let (name, Some(unit)) = title(text) else { return (text.into(), 1.0) };
     let known = [Dimension::Force, Dimension::Length, Dimension::Speed, Dimension::Acceleration, Dimension::Angle, Dimension::Time];
     let factor = known.into_iter().find_map(|dimension| dimension.parse(&format!("1 {unit}")));
     (name.into(), factor.unwrap_or(1.0))

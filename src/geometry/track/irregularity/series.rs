@@ -19,7 +19,7 @@ use crate::geometry::file::OpenFile;
 use crate::geometry::track::DeviationShape;
 use crate::math::smoothing::{Reach, smooth};
 use crate::math::spline::CubicSpline;
-use crate::settings::{Entry, Section, SettingsError, did_you_mean, line_of};
+use crate::settings::{Entry, Section, SettingsError, csv_reader, did_you_mean, line_of};
 use crate::units::Dimension;
 use std::sync::Arc;
 
@@ -136,13 +136,7 @@ fn title(text: &str) -> Result<(usize, f64), String> {
 
 /// Reads and checks the columns; each message names file and line.
 fn read(file: &OpenFile) -> Result<Table, SettingsError> {
-    let semicolons = file.text.lines().find(|line| !line.trim_start().starts_with('#')).is_some_and(|line| line.contains(';'));
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .flexible(true)
-        .delimiter(if semicolons { b';' } else { b',' })
-        .from_reader(file.text.as_bytes());
+    let mut reader = csv_reader(&file.text);
     let header = reader.headers().map_err(|error| file.error(1, COLUMNS[0], error.to_string()))?.clone();
     let wrong_header = |problem: String| file.error(line_of(&file.text, &header), "header", problem);
     let titles = header.iter().map(title).collect::<Result<Vec<_>, _>>().map_err(wrong_header)?;
