@@ -76,7 +76,8 @@ pub fn friction_power(workspace: &Workspace, contact: usize) -> f64 {
 pub fn wheel_power(workspace: &Workspace, contact: usize, body: usize) -> f64 {
     let motion = &workspace.system.motions[body];
     let of = |k: &ContactReport| {
-        k.force.dot(&motion.material_velocity(&k.wheel_point)) + k.creep_force.spin_moment * k.axes.normal.dot(&motion.rotation)
+        let moment = k.axes.normal * k.creep_force.spin_moment + k.couple;
+        k.force.dot(&motion.material_velocity(&k.wheel_point)) + moment.dot(&motion.rotation)
     };
     workspace.reports(contact).map(of).sum()
 }

@@ -76,6 +76,7 @@ impl ContactReport {
             creep_force: CreepForce { lateral: -force.lateral, spin_moment: -force.spin_moment, ..force },
             slip: Slip { lateral: -slip.lateral, spin: -slip.spin, ..slip },
             force: mirrored(&self.force),
+            couple: -mirrored(&self.couple),
             iterations: 0,
             ..*self
         }

@@ -47,6 +47,8 @@ pub struct ContactReport {
     pub deflection_rates: [f64; transient::STATES],
     /// Force on the wheelset in the world (on straight track the track frame), N.
     pub force: Vector3<f64>,
+    /// Moment of the normal forces of a part of a patch of strips about its centre, N m.
+    pub couple: Vector3<f64>,
     /// mu N of a part of a patch of strips, N: where parts are partly one, friction that varies across the head is mixed as their forces are.
     pub friction_bound: Option<f64>,
     pub iterations: usize,
@@ -64,7 +66,7 @@ impl ContactReport {
     #[inline]
     pub(super) fn add_to(&self, wrench: &mut Wrench, force: Vector3<f64>, centre: &Vector3<f64>) {
         wrench.add_at(force, &self.wheel_point, centre);
-        wrench.moment += self.axes.normal * self.creep_force.spin_moment;
+        wrench.moment += self.axes.normal * self.creep_force.spin_moment + self.couple;
     }
 }
 

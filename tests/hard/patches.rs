@@ -10,6 +10,7 @@ use wheelrail::scene::load;
 use wheelrail::scene::spec::Scene;
 use wheelrail::sim::Simulation;
 use wheelrail::study::contact_geometry::{Attitude, WheelsetOnTrack};
+use wheelrail::study::pose::{Height, Question, pose};
 
 const STRIPS: &str = "contact.patch=strips";
 /// Strips read from a table, and pressed where that ends.
@@ -80,6 +81,7 @@ fn hard_forces_of_strips_do_not_jump() {
     let from_tread_to_flange = (-7e-3, 7e-3, 280);
     for (patch, changes, yaw) in [
         (STRIPS, &[][..], 0.0),
+        (STRIPS, &[], 4e-3),
         (STRIPS, &["track.rail={kind=\"uic60\"}"], 4e-3),
         (STRIPS, &["vehicle.wheelset.profile={kind=\"apta\",design=\"APTA140\",radius=0.46}"], 0.0),
         (TABLE, &[], 0.0),
@@ -111,9 +113,60 @@ fn hard_forces_of_strips_do_not_jump() {
             worst = if jump > worst.0 { (jump, poses.way[low as usize][0]) } else { worst };
         }
         println!("{patch}, {changes:?}, yaw {yaw}: largest change over 5e-15 m: {:.2e} g at y = {:.3} mm", worst.0, 1e3 * worst.1);
-        // 3e-4 g of a wheelset are 5 N.
-        assert!(worst.0 < 3e-4, "{patch}, {changes:?}: {worst:?}");
+        // 3e-5 g of a wheelset are 0.5 N. Without the moment of normal forces about the centres of parts it was 6e-4 g where one became two.
+        assert!(worst.0 < 3e-5, "{patch}, {changes:?}: {worst:?}");
     }
+}
+
+/// A wheel that comes down touches first with the edges of single strips, whose mean overlap is still a gap: forces were not a number for 0.1 um there.
+#[test]
+fn hard_first_touch_on_edges_of_strips() {
+    let scene = scene("wheelset_s1002", STRIPS, &["track.deviation=[]"]);
+    let mut poses = Poses::new(&scene, 0.0, (-7e-3, 7e-3, 280), 0.0);
+    let mut workspace = poses.simulation.model().workspace();
+    let mut worst: f64 = 0.0;
+    for k in (0..280).step_by(3) {
+        let mut before: Option<[f64; 6]> = None;
+        for step in 0..250 {
+            poses.depth = 1e-8 * f64::from(step) - 5e-7;
+            let now = poses.at(&mut workspace, k as f64 + 0.37);
+            assert!(now.iter().all(|value| value.is_finite()), "place {k}, depth {:e} m: {now:?}", poses.depth);
+            if let Some(before) = before {
+                worst = worst.max(change(&before, &now));
+            }
+            before = Some(now);
+        }
+    }
+    println!("largest change over 10 nm: {worst:.1e} g");
+    assert!(worst < 2e-3, "{worst:e}");
+}
+
+/// What hunting is made of: how the force along the rail changes as a wheel moves across, over hundredths and over tenths of a millimetre. On S1002 and 60E1 two
+/// humps of one patch exchange their load there. With humps by their highest strips, and strips at the edge that came in as a whole, the one was up to 14 % off
+/// the other, 4.5 % on average, and eigenvalues with them.
+#[test]
+fn hard_slopes_of_strips_go_with_the_wheel_from_strip_to_strip() {
+    let scene = scene("vehicle_manchester_1", STRIPS, &["contact.creep.law=\"usetab\""]);
+    let at = |k: i32| {
+        let question = Question {
+            y: 1e-5 * f64::from(k),
+            yaw: 0.0,
+            roll: None,
+            height: Height::Load(55e3),
+            station: None,
+            speed: 20.0,
+            pitch_rate: Some(43.4755),
+            creepage: None,
+        };
+        pose(&scene, &question).unwrap_or_else(|error| panic!("{error}")).wheels[0].force.x
+    };
+    let forces: Vec<f64> = (-55..=55).map(at).collect();
+    let slope = |k: usize, reach: usize| (forces[k + reach] - forces[k - reach]) / reach as f64;
+    let off: Vec<f64> = (10..forces.len() - 10).map(|k| slope(k, 1) / slope(k, 10) - 1.0).collect();
+    let worst = off.iter().fold(0.0f64, |worst, off| worst.max(off.abs()));
+    let rms = (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt();
+    println!("slopes over 0.02 mm are off those over 0.2 mm by {rms:.3}, at worst {worst:.3}");
+    assert!(rms < 0.025 && worst < 0.07, "{rms} {worst}");
 }
 
 /// Where the table ends it says just what strips do: what a wheel's force is off by goes to nothing on the way there, on every border between tread and flange.

@@ -24,7 +24,7 @@ linearised by central differences; constraints of joints and of ECCF and ACCF le
 twice the length.
 
 --amplitude 0.5mm takes slopes that wheelsets feel which swing across by so much, at equal loads of their wheels (harmonic linearisation; conicity by amplitude, as EN 15302 has it): \
-profiles are not linear, and a patch of strips follows a wheel from strip to strip (0.35 mm), between which slopes at a point make 5 to 10 % of the frequency. Saturation of creep forces is left out.
+profiles are not linear, and where two humps of one patch exchange their load slopes at a point are others by 3 to 5 % of the frequency. Saturation of creep forces is left out.
 
 A mode grows where its growth is above 0. Damping is in percent of critical. Hunting are lateral motions in which \
 wheelsets roll along their wave. What nothing depends on (a wheelset's turn about its axle, the place along the track) or what is imposed \

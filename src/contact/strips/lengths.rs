@@ -1,6 +1,6 @@
 //! Half lengths of the strips of one wheel, before their loads are known.
 
-use super::cut::{Bowl, bowls};
+use super::cut::{Bowl, Cut, bowls};
 use super::pressed::Pressed;
 use super::rail::RailStrips;
 use crate::math::elementary::power;
@@ -9,8 +9,8 @@ use crate::math::smooth_step::cubic_step;
 /// Strips within this distance make one patch whose proportions are taken together, m: their weights fall smoothly from 1 for a strip itself to 0 there, and
 /// where the overlap has several humps to 0 where a gap parts them (`joined`).
 const WINDOW: f64 = 12e-3;
-/// Strips that are in contact over this part of their width are cut there; over less, by less.
-const CUT: f64 = 0.4;
+/// Strips that are in contact over this part of their width are cut there; over less, by less: a patch that ends within the strip, and one that lies within it.
+const CUT: (f64, f64) = (0.8, 0.4);
 /// Half lengths are at least this, m: at the edge of a patch they go to nothing.
 const SHORTEST: f64 = 1.5e-4;
 
@@ -30,8 +30,20 @@ pub(super) struct Lengths {
     /// The overlap over the width of each strip.
     bowls: Vec<Bowl>,
     bends: Vec<f64>,
-    /// Mean of it over the part that is in contact, m; over the whole width where none is.
-    pub means: Vec<f64>,
+    /// How far the patch covers each strip.
+    pub covers: Vec<Cover>,
+}
+
+/// How far the patch covers a strip.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cover {
+    /// Mean overlap over the strip's whole width, and over what of it is in contact, m; the same where nothing is.
+    pub whole: f64,
+    pub pressed: f64,
+    /// How far it is cut to what is in contact, 0 to 1.
+    pub cut: f64,
+    /// Is the mean over the whole above the edge of the patch?
+    pub above: bool,
 }
 
 impl Lengths {
@@ -46,7 +58,7 @@ impl Lengths {
             joints: reals(),
             bowls: Vec::with_capacity(strips),
             bends: reals(),
-            means: reals(),
+            covers: Vec::with_capacity(strips),
         }
     }
 
@@ -62,7 +74,7 @@ impl Lengths {
     /// 10 um counted as its edge. They were 0.15 mm long and carried a fifth of what half-spaces do, until 2 um more made them ten times as stiff: a tram's leading
     /// wheel swung between the two at 173 Hz.
     pub fn find(&mut self, rail: &RailStrips, pressed: &mut [Pressed], inside: &mut Vec<bool>) {
-        let Lengths { arcs, overlaps, curvatures, first, second, joints, bowls: over, bends, means } = self;
+        let Lengths { arcs, overlaps, curvatures, first, second, joints, bowls: over, bends, covers } = self;
         let count = pressed.len();
         for (reals, of) in [
             (&mut *arcs, (|own, rail| rail.strip(own.number).arc) as fn(&Pressed, &RailStrips) -> f64),
@@ -103,7 +115,7 @@ impl Lengths {
             }
         }
         inside.clear();
-        means.clear();
+        covers.clear();
         for (k, own) in pressed.iter_mut().enumerate() {
             // 5/4 of the ratio is delta, and 4/3 delta sqrt(delta / B) the first sum.
             let deepest = 1.25 * second[k] / first[k];
@@ -115,17 +127,26 @@ impl Lengths {
             let square = if touches { 2.0 * edge * above.mean / ((1.0 - edge) * curvatures[k]) } else { 0.0 };
             own.half_length = square.max(SHORTEST * SHORTEST).sqrt();
             // A strip that is hardly above the edge counts as a whole, so that it comes into contact without a jump.
-            let part = cubic_step(above.share / CUT);
+            let part = cubic_step(above.share / most_uncut(&above, over[k].half));
             let mixed = |whole: f64, cut: f64| whole + part * (cut - whole);
             own.width = 2.0 * over[k].half * mixed(1.0, above.share);
             own.offset = part * above.offset;
             inside.push(touches);
+            let whole = over[k].mean();
             // The level of a strip without overlaps near it is not a number.
-            let mean = if touches { mixed(over[k].mean(), level + above.mean) } else { over[k].mean() };
-            own.depth = own.strip.overlap.max(mean);
-            means.push(mean);
+            let pressed = if touches { level + above.mean } else { whole };
+            // Not the mean over the whole: at the edge of a patch that is a gap.
+            own.depth = own.strip.overlap.max(pressed);
+            covers.push(Cover { whole, pressed, cut: part, above: whole > level });
         }
     }
+}
+
+/// Up to which part of its width a strip that is in contact over a part is cut by less: more where the patch goes on in the next strip than where it lies within this one.
+fn most_uncut(above: &Cut, half: f64) -> f64 {
+    let beside = half * (1.0 - above.share);
+    let ends = if beside > 0.0 { (above.offset.abs() / beside).min(1.0) } else { 1.0 };
+    CUT.1 + (CUT.0 - CUT.1) * ends
 }
 
 /// How often the overlap rises and falls along the strips.

@@ -33,6 +33,7 @@
 //! *Error* against half-space contact on a grid: docs/real_profiles.md. *What it leaves out:* pressure that is not semi-elliptic along the track; flat
 //! half-spaces over the arc length, as on the grid ([`super::patch`]). Forces are the gradient of the least value of Pi but for what half lengths are off their stationary ones: the energy of a lossless run swings by 1 % of what the contacts store.
 
+mod bearing;
 mod cut;
 mod fifths;
 mod influence;

@@ -1,6 +1,7 @@
 //! Loads and half lengths of the strips of one wheel.
 
 use super::RailStrips;
+use super::bearing::Bearing;
 use super::influence::Feeling;
 use super::lengths::Lengths;
 use super::pressed::Pressed;
@@ -29,6 +30,8 @@ pub struct Scratch {
     filled: Vec<bool>,
     /// Overlaps less what the lengths take, over the compliance, N/m.
     wanted: Vec<f64>,
+    /// How strips carry that are pressed over a part of their width.
+    bearings: Vec<Bearing>,
     inside: Vec<bool>,
     touching: Vec<usize>,
     factor: Vec<f64>,
@@ -53,6 +56,7 @@ impl Scratch {
             matrix: reals(strips * strips),
             filled: Vec::with_capacity(strips),
             wanted: reals(strips),
+            bearings: Vec::with_capacity(strips),
             inside: Vec::with_capacity(strips),
             touching: Vec::with_capacity(strips),
             factor: reals(strips * strips),
@@ -185,16 +189,18 @@ fn about(found: &[Pressed]) -> Option<(f64, f64)> {
 
 /// The loads: none pulls, and no strip without load overlaps.
 fn carry(rail: &RailStrips, scratch: &mut Scratch) {
-    let Scratch { pressed, lengths, feeling, matrix, filled, wanted, inside, touching, factor, loads, left, compliance, .. } = scratch;
+    let Scratch { pressed, lengths, feeling, matrix, filled, wanted, bearings, inside, touching, factor, loads, left, compliance, .. } =
+        scratch;
     let count = pressed.len();
     feeling.fill(rail, pressed);
     // What is left of another pose is not read: rows are filled first.
     matrix.resize(count * count, 0.0);
     filled.clear();
     filled.resize(count, false);
+    bearings.clear();
+    bearings.extend(pressed.iter().zip(&lengths.covers).map(|(own, cover)| Bearing::new(own, cover, *compliance)));
     wanted.clear();
-    let less = |own: &Pressed| own.strip.curvature * own.half_length * own.half_length / 8.0;
-    wanted.extend((0..count).map(|k| (lengths.means[k] - less(&pressed[k])) / *compliance));
+    wanted.extend(bearings.iter().map(Bearing::wanted));
     for _ in 0..MOST_SETS {
         touching.clear();
         touching.extend((0..count).filter(|k| inside[*k]));
@@ -204,12 +210,19 @@ fn carry(rail: &RailStrips, scratch: &mut Scratch) {
                 filled[*k] = true;
             }
         }
-        solve(matrix, count, touching, wanted, factor, loads);
-        let pulls = loads.iter().any(|load| *load < 0.0);
+        solve(matrix, count, touching, (wanted, bearings), factor, loads);
+        let mut others = false;
         for (k, load) in touching.iter().zip(loads.iter()) {
-            inside[*k] = *load >= 0.0;
+            let bearing = &mut bearings[*k];
+            let settled = bearing.settle(*load, matrix[k * count + k]);
+            inside[*k] = settled || *load >= 0.0;
+            if !inside[*k] {
+                bearing.leave();
+            }
+            wanted[*k] = bearing.wanted();
+            others |= settled || *load < 0.0;
         }
-        if pulls {
+        if others {
             continue;
         }
         // What is left of each overlap: rows are added, since columns of strips without load are not known.
@@ -237,13 +250,21 @@ fn carry(rail: &RailStrips, scratch: &mut Scratch) {
 }
 
 /// Solves K Q = wanted for the strips that touch: Cholesky's upper factor, row by row, so that the inner loops run along rows.
-fn solve(matrix: &[f64], count: usize, touching: &[usize], wanted: &[f64], factor: &mut Vec<f64>, loads: &mut Vec<f64>) {
+fn solve(
+    matrix: &[f64],
+    count: usize,
+    touching: &[usize],
+    (wanted, bearings): (&[f64], &[Bearing]),
+    factor: &mut Vec<f64>,
+    loads: &mut Vec<f64>,
+) {
     let n = touching.len();
     factor.clear();
     for (i, k) in touching.iter().enumerate() {
         let row = &matrix[k * count..(k + 1) * count];
         factor.extend(std::iter::repeat_n(0.0, i));
-        factor.extend(touching[i..].iter().map(|j| row[*j]));
+        factor.push(row[*k] / bearings[*k].stiffness());
+        factor.extend(touching[i + 1..].iter().map(|j| row[*j]));
     }
     for i in 0..n {
         let (above, below) = factor.split_at_mut((i + 1) * n);

@@ -15,14 +15,17 @@ pub(in crate::formulation) struct Carried {
     pub(super) creeps: [Creep; MOST],
     /// Sizes of the normal forces, N: the normal force of a report is the sum of pressures, which is more where a patch bends.
     pub(super) forces: [f64; MOST],
+    /// Moments of these forces about the centres of the parts, N m.
+    pub(super) couples: [Vector3<f64>; MOST],
 }
 
 impl Carried {
     /// Completes the reports of the parts and adds their forces to the wheelset's wrench about its centre, which is there.
     pub fn add_to(&mut self, wrench: &mut Wrench, centre: &Vector3<f64>) {
         let carries = |all: &(&mut ContactReport, (&Creep, &f64))| all.0.normal_force > 0.0;
-        let parts = self.reports.iter_mut().zip(self.creeps.iter().zip(&self.forces));
-        for (report, (creep, force)) in parts.filter(carries) {
+        let parts = self.reports.iter_mut().zip(self.creeps.iter().zip(&self.forces)).zip(&self.couples);
+        for ((report, (creep, force)), couple) in parts.filter(|(part, _)| carries(part)) {
+            report.couple = *couple;
             report.force = report.axes.normal * *force + creep.force;
             let along = |axis: &Vector3<f64>| creep.force.dot(axis);
             (report.creep_force.longitudinal, report.creep_force.lateral) = (along(&report.axes.e1), along(&report.axes.e2));

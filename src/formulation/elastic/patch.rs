@@ -193,7 +193,7 @@ impl<'a> PressedWheel<'a> {
         let mut alone: [Option<(Part, ContactLocation)>; MOST] = [None; MOST];
         // What friction is bounded by, and the sizes of the forces.
         let mut loads = [0.0; MOST];
-        let Carried { reports: mut loaded, mut forces, .. } = Carried::default();
+        let Carried { reports: mut loaded, mut forces, mut couples, .. } = Carried::default();
         for k in 0..self.parts.len() {
             let part = self.part(k, k);
             let found = location(&part, self.wheel.motion);
@@ -204,7 +204,7 @@ impl<'a> PressedWheel<'a> {
             let whole = part.force / shares[k];
             report.stiffness = whole / (part.overlap * part.overlap.sqrt());
             (report.elastic_slope, report.patch) = (1.5 * whole / part.overlap, part.patch);
-            (loads[k], forces[k], alone[k]) = (part.load, part.force, Some((part, found)));
+            (loads[k], forces[k], couples[k], alone[k]) = (part.load, part.force, part.couple, Some((part, found)));
         }
         let of = |first: usize, last: usize| match alone[first].filter(|_| first == last) {
             Some(known) => known,
@@ -223,6 +223,7 @@ impl<'a> PressedWheel<'a> {
             // Shares of a force that damping has taken away add up to nothing but for rounding.
             let more = (1.0 + damped[k] / loads[k]).max(0.0);
             forces[k] *= more;
+            couples[k] *= more;
             loads[k] *= more;
             report.normal_force = loads[k];
         }
@@ -235,7 +236,7 @@ impl<'a> PressedWheel<'a> {
             contact.creep_as(&mut report, |law, rolling| uneven.force(law, rolling));
             creep_of(&report, self.wheel.friction_at(&report))
         });
-        Ok(Carried { count: self.parts.len(), reports: loaded, creeps, forces })
+        Ok(Carried { count: self.parts.len(), reports: loaded, creeps, forces, couples })
     }
 }
 

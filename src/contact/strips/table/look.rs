@@ -219,6 +219,7 @@ impl Read {
             ],
             patch: Patch { a, b },
             mean_square: 0.8 * a * a,
+            couple: nalgebra::Vector3::zeros(),
         };
         let cell = |k: usize| {
             let [across, above, size] = std::array::from_fn(|i| f64::from(self.fields[OWN + i * FIFTHS + k]));
