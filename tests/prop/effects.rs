@@ -426,7 +426,9 @@ fn equiv_embedded_scenes_run_as_with_every_effect_computed_everywhere() {
             let scene = open(name, &[&format!("effects.mode={mode}")]).unwrap();
             let mut simulation = Simulation::new(&scene, 0.0).unwrap();
             let outputs = wheelrail::sim::vehicle_outputs::scene_outputs(&scene, simulation.model());
-            wheelrail::sim::recording::record(&mut simulation, &outputs, stop, 3.1e-3, |_| ()).unwrap()
+            // No row lies where a bump begins: there the load jumps with the rail's curvature (vehicle_bumps at 30 m: by 107 N), and the last digit of the
+            // distance tells on which side a row is.
+            wheelrail::sim::recording::record(&mut simulation, &outputs, stop, 3.07e-3, |_| ()).unwrap()
         });
         for (quantity, allowed) in [(".y", 1e-7), (".yaw", 1e-7), (".verticalForce", 50.0), (".lateralForce", 2.0)] {
             let columns = auto.columns.iter().map(|column| column.0.as_str()).filter(|column| column.ends_with(quantity));
