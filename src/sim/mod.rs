@@ -102,6 +102,8 @@ pub enum SimulationError {
     Evaluation(#[from] EvaluationError),
     #[error("{0}")]
     Solve(#[from] SolveError),
+    #[error("\"{name}\" is not a finite number at t = {time} s; the inputs or the scene are beyond what the model can follow")]
+    NotFinite { name: String, time: f64 },
 }
 
 impl SimulationError {

@@ -29,7 +29,7 @@ impl Recording {
     /// Adds a row at the simulation's present time.
     ///
     /// # Errors
-    /// When the model cannot be evaluated here.
+    /// When the model cannot be evaluated here, or an output is not a finite number; there is no row then.
     pub fn sample(&mut self, simulation: &mut Simulation, outputs: &[Output]) -> Result<(), SimulationError> {
         let mut row = Vec::with_capacity(outputs.len() + 1);
         row.push(simulation.time());
@@ -39,6 +39,9 @@ impl Recording {
         };
         let snapshot = simulation.snapshot_with(needs)?;
         row.extend(outputs.iter().map(|output| output.value(snapshot)));
+        if let Some(column) = row.iter().position(|value| !value.is_finite()) {
+            return Err(SimulationError::NotFinite { name: self.columns[column].0.clone(), time: row[0] });
+        }
         self.rows.push(row);
         Ok(())
     }
@@ -233,5 +236,24 @@ impl Run {
     /// What was recorded, with notes.
     pub fn end(self) -> Recording {
         Recording { notes: self.left.notes(), ..self.recording }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load::open;
+    use crate::sim::vehicle_outputs::scene_outputs;
+
+    #[test]
+    fn unit_no_row_holds_what_is_not_a_number() {
+        let scene = open("wheelset_s1002", &[]).unwrap();
+        let mut simulation = Simulation::new(&scene, 0.0).unwrap();
+        let mut outputs = scene_outputs(&scene, simulation.model());
+        outputs[1].read_by(Box::new(|snapshot| if snapshot.time > 0.025 { f64::NAN } else { 0.0 }));
+        let Interrupted { recording, error } = record(&mut simulation, &outputs, 0.1, 0.01, |_| ()).unwrap_err();
+        assert_eq!(recording.rows.len(), 3);
+        let message = error.to_string();
+        assert!(message.contains(&outputs[1].name) && message.contains("0.03 s"), "{message}");
     }
 }

@@ -8,6 +8,9 @@ use super::pressed::Pressed;
 use super::rail::RailStrips;
 use crate::math::smooth_step::cubic_step;
 
+/// A patch may lie between the middles of two strips that do not overlap there by so much, m: wide strips under a wheel that curves like a tread.
+pub(super) const BESIDE: f64 = 1e-6;
+
 /// Over one strip: d [m], s, q [1/m], and half the width, m.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Bowl {
@@ -66,9 +69,10 @@ impl Bowl {
 
 /// The overlap over each strip.
 ///
-/// In the middle of a patch it goes through both neighbours. Beyond the first strip that does not overlap none is known, and at the edge of a patch (below a third of the
-/// greater neighbour, the more the lower) it goes on as it bends over the neighbours, weighted by their overlap: nothing jumps where strips come in or go out.
-/// `arcs` and `overlaps` are those of the strips, m.
+/// In the middle of a patch it goes through both neighbours. Beyond the first strip whose overlap is below -[`BESIDE`] none is known, and at the edge of a patch (below a
+/// third of the greater neighbour, the more the lower; all counted from -[`BESIDE`] up) it goes on as it bends over the neighbours, weighted by their overlap:
+/// nothing jumps where strips come in or go out. Counted from 0, the half of a patch that lay beyond the border of a strip came in when the strip's middle touched,
+/// and a load of 28 N became one of 40 N. `arcs` and `overlaps` are those of the strips, m.
 pub(super) fn bowls(
     rail: &RailStrips,
     pressed: &[Pressed],
@@ -99,12 +103,12 @@ pub(super) fn bowls(
     }
     for (k, bowl) in bowls.iter_mut().enumerate() {
         let own = *bowl;
-        let near = beside(k);
-        let greatest = near.iter().flatten().map(|other| overlap(*other)).fold(0.0, f64::max);
+        let (near, reach) = (beside(k), |k: usize| overlap(k) + BESIDE);
+        let greatest = near.iter().flatten().map(|other| reach(*other)).fold(0.0, f64::max);
         let part = match near {
-            _ if !(own.middle > 0.0) => 0.0,
-            [Some(_), Some(_)] if !(greatest > 1.5 * own.middle) => 1.0,
-            [Some(_), Some(_)] => (2.0 * own.middle / (greatest - own.middle)).min(1.0),
+            _ if !(reach(k) > 0.0) => 0.0,
+            [Some(_), Some(_)] if !(greatest > 1.5 * reach(k)) => 1.0,
+            [Some(_), Some(_)] => (2.0 * reach(k) / (greatest - reach(k))).min(1.0),
             _ => 0.0,
         };
         if part == 1.0 {
@@ -112,8 +116,8 @@ pub(super) fn bowls(
         }
         let part = cubic_step(part);
         let (mut weight, mut slope, mut bend) = (0.0, 0.0, 0.0);
-        for other in near.into_iter().flatten().filter(|other| overlap(*other) > 0.0) {
-            let (own_weight, way) = (overlap(other), arc(other) - arc(k));
+        for other in near.into_iter().flatten().filter(|other| reach(*other) > 0.0) {
+            let (own_weight, way) = (reach(other), arc(other) - arc(k));
             weight += own_weight;
             slope += own_weight * ((overlap(other) - own.middle) / way - 0.5 * bends[other] * way);
             bend += own_weight * bends[other];

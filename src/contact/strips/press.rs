@@ -2,6 +2,7 @@
 
 use super::RailStrips;
 use super::bearing::Bearing;
+use super::cut::BESIDE;
 use super::influence::Feeling;
 use super::lengths::Lengths;
 use super::pressed::Pressed;
@@ -15,9 +16,6 @@ use std::f64::consts::PI;
 const MOST_SETS: usize = 40;
 /// What the fit of the influence (see [`super::influence`]) leaves out on average.
 const FITTED: f64 = 0.996;
-
-/// A patch may lie between the middles of two strips that do not overlap there by so much, m.
-const BESIDE: f64 = 1e-6;
 
 /// What one wheel's strips are found in; holds the last that was pressed.
 #[derive(Clone, Debug, Default)]
@@ -79,7 +77,7 @@ pub struct Near {
 
 /// Finds the strips over which the wheel overlaps, around the `places` at which it may, and what they carry.
 ///
-/// The strips come in the order of their numbers, those without load among them, and on each side of those that overlap one that does not.
+/// The strips come in the order of their numbers, those without load among them, and on each side of those that overlap (or nearly do, by [`BESIDE`]) one that does not.
 pub fn press<'s>(
     pair: &Pair,
     rail: &RailStrips,
@@ -96,7 +94,7 @@ pub fn press<'s>(
         match pressed.iter().find(|known| known.number == nearest) {
             None => overlaps.join(nearest, near, pressed),
             // The place lies beside the end of an earlier one.
-            Some(end) if !(end.strip.overlap > 0.0) => {
+            Some(end) if !(end.strip.overlap > -BESIDE) => {
                 [nearest.wrapping_sub(1), nearest + 1].iter().for_each(|start| overlaps.join(*start, near, pressed))
             }
             Some(_) => {}
@@ -146,7 +144,7 @@ impl Overlaps<'_> {
         pressed[before..].rotate_left(known - before);
     }
 
-    /// Adds the strips on both sides of one up to the first over which the wheel does not overlap, in the order of their numbers.
+    /// Adds the strips on both sides of one up to the first over which the wheel is well off the rail, in the order of their numbers.
     fn around(&self, start: usize, near: (f64, f64), pressed: &mut Vec<Pressed>) {
         let first = pressed.len();
         let here = self.strip(start, near);
@@ -157,7 +155,7 @@ impl Overlaps<'_> {
         self.along(start + 1..self.rail.len(), near, first, pressed);
     }
 
-    /// Adds strips after those from `first` on, up to one over which the wheel does not overlap, or one which stands before.
+    /// Adds strips after those from `first` on, up to one over which the wheel is well off the rail, or one which stands before.
     #[inline]
     fn along(&self, numbers: impl Iterator<Item = usize>, near: (f64, f64), first: usize, pressed: &mut Vec<Pressed>) {
         for number in numbers {
@@ -166,7 +164,7 @@ impl Overlaps<'_> {
             }
             let Some(found) = self.strip(number, about(&pressed[first..]).unwrap_or(near)) else { break };
             pressed.push(found);
-            if !(found.strip.overlap > 0.0) {
+            if !(found.strip.overlap > -BESIDE) {
                 break;
             }
         }

@@ -73,7 +73,7 @@ fn outline(profile: &dyn Profile) -> impl Iterator<Item = (f64, ProfilePoint)> {
 /// Lengths [m] and slopes that differ by less are the same.
 const ROUNDED: f64 = 1e-9;
 /// Counted up where the strips say something else.
-const VERSION: f64 = 3.0;
+const VERSION: f64 = 4.0;
 
 #[derive(Clone)]
 struct Column {
