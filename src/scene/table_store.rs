@@ -5,7 +5,6 @@
 
 use crate::contact::strips::PatchTable;
 use crate::formulation::patch_tables::TableStore;
-use std::hash::{DefaultHasher, Hasher};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Folder of an FMU's resources in which its tables are.
 pub const FOLDER: &str = "tables";
 /// Bytes of the sum at the end.
-const SUM: usize = 8;
+const SUM: usize = 4;
 
 /// Is somebody at the terminal who wants to know what takes seconds?
 static TELL: AtomicBool = AtomicBool::new(false);
@@ -59,9 +58,7 @@ pub fn to_bytes(table: &PatchTable) -> Vec<u8> {
 
 /// Against damage, not against malice; a hash of 10 MB that is any safer takes longer than a run.
 fn sum_of(content: &[u8]) -> [u8; SUM] {
-    let mut hasher = DefaultHasher::new();
-    hasher.write(content);
-    hasher.finish().to_le_bytes()
+    crc32fast::hash(content).to_le_bytes()
 }
 
 fn from_file(path: &Path) -> Option<PatchTable> {

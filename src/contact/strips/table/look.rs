@@ -10,7 +10,7 @@
 use super::super::fifths::{FIFTHS, Fifth, Fifths};
 use super::super::parts::Part;
 use super::super::strip::Section;
-use super::{Axis, LEVELS, NUMBERS, OWN, PLACE, PatchTable, STEEL, Standing, load_of};
+use super::{Axis, EXCESS, LEVELS, NUMBERS, OWN, PLACE, PatchTable, STEEL, Standing, load_of};
 use crate::contact::search::algebraic::Pair;
 use crate::contact::{Material, Patch};
 use crate::geometry::profile::ProfilePoint;
@@ -20,6 +20,8 @@ use crate::math::smooth_step::cubic_step;
 const FADE: f64 = 1.0;
 /// Yaw beyond which outlines are not those of the table, rad, and where that begins.
 const YAWED: (f64, f64) = (0.015, 0.02);
+/// Where the ellipse of its moments is larger than a patch by such a part of it the strips begin to be asked, and are asked alone, -.
+const HOLLOW: (f64, f64) = (0.3, 0.6);
 /// Iterations for the load; three are enough.
 const ITERATIONS: usize = 8;
 
@@ -84,6 +86,10 @@ impl PatchTable {
             return None;
         }
         let patch = self.patch(&across, &lean, level - 1, &convolution(within));
+        let weight = weight * cubic_step((HOLLOW.1 - f64::from(patch.fields[EXCESS])) / (HOLLOW.1 - HOLLOW.0));
+        if !(weight > 0.0) {
+            return None;
+        }
         Some(patch.placed(&standing, load_of(at), weight, section, material))
     }
 

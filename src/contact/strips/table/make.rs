@@ -13,6 +13,7 @@ use crate::geometry::track::Rail;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Loads are met so well, in parts of them.
@@ -73,7 +74,7 @@ fn outline(profile: &dyn Profile) -> impl Iterator<Item = (f64, ProfilePoint)> {
 /// Lengths [m] and slopes that differ by less are the same.
 const ROUNDED: f64 = 1e-9;
 /// Counted up where the strips say something else.
-const VERSION: f64 = 4.0;
+const VERSION: f64 = 5.0;
 
 #[derive(Clone)]
 struct Column {
@@ -217,7 +218,12 @@ impl Flat<'_> {
         let part = Part::new(share, self.strips, self.wheel.profile.as_ref(), STEEL);
         let fifths = Fifths::new(share, &part, Vector3::y());
         let mut fields = [0.0f32; NUMBERS];
-        let own = [1.0 - part.force / part.load, part.patch.a, part.patch.b, part.overlap, part.profiles[0].d2, part.profiles[1].d2];
+        // Half lengths with the mean square of the ellipse's.
+        let lengthening = (0.8 / part.mean_square).sqrt() * part.patch.a;
+        let presses: f64 = pressed.iter().filter(|own| own.load > 0.0).map(|own| 2.0 * own.half_length * lengthening * own.width).sum();
+        let excess = PI * part.patch.a * part.patch.b / presses - 1.0;
+        let own =
+            [1.0 - part.force / part.load, part.patch.a, part.patch.b, part.overlap, part.profiles[0].d2, part.profiles[1].d2, excess];
         for (field, value) in fields.iter_mut().zip(own) {
             *field = value as f32;
         }

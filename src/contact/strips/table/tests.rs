@@ -3,7 +3,7 @@ use super::*;
 use crate::contact::search::algebraic::Pair;
 use crate::geometry::Side;
 use crate::geometry::profile::test_profiles::built_in;
-use crate::geometry::profile::{Part as Of, Profile};
+use crate::geometry::profile::{Part as Of, Profile, ProfilePoint};
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::waves::Stretch;
 use crate::geometry::track::{Deviation, Direction, Rail};
@@ -24,7 +24,10 @@ const HALF: (f64, f64) = (0.75, 0.753);
 
 impl Tabled {
     fn new(wheel: &str, rail: &str) -> Tabled {
-        let (wheel, rail) = (built_in(wheel, Of::Wheel), built_in(rail, Of::Rail));
+        Tabled::of(built_in(wheel, Of::Wheel), built_in(rail, Of::Rail))
+    }
+
+    fn of(wheel: Arc<dyn Profile>, rail: Arc<dyn Profile>) -> Tabled {
         let straight = Rail::new(Side::Left, rail.clone(), HALF.1, 1.0 / 40.0, &[]);
         let own = Wheel { side: Side::Left, profile: wheel.clone(), half_spacing: HALF.0 };
         let strips = RailStrips::new(&straight, std::iter::once(&own));
@@ -190,6 +193,60 @@ fn prop_a_rail_that_bends_along_the_track_is_in_it() {
         println!("up {up:?}, out {out:?}: N, centre, lead, normal off by {off:.6?}");
         assert!(off.0.abs() < 4e-3 && off.1 < 3e-5 && off.2.abs() < 1e-5 && off.3 < 1.5e-4, "{off:?}");
     }
+}
+
+/// A rail that is worn hollow.
+#[derive(Debug)]
+struct Hollow {
+    whole: Arc<dyn Profile>,
+    middle: f64,
+}
+
+impl Profile for Hollow {
+    fn at(&self, x: f64) -> ProfilePoint {
+        let (depth, width) = (1.5e-4, 4e-3);
+        let (at, t) = (self.whole.at(x), (x - self.middle) / width);
+        let value = depth * (-t * t).exp();
+        let d1 = -2.0 * t / width * value;
+        let d2 = (4.0 * t * t - 2.0) / (width * width) * value;
+        ProfilePoint { value: at.value - value, d1: at.d1 - d1, d2: at.d2 - d2, d3: at.d3 }
+    }
+    fn range(&self) -> (f64, f64) {
+        self.whole.range()
+    }
+    fn describe(&self) -> String {
+        format!("{} hollow at {}", self.whole.describe(), self.middle)
+    }
+}
+
+/// One ellipse over two lobes is no patch: strips are asked there, and where the lobes have become one the table says it.
+#[test]
+fn prop_where_a_patch_has_two_lobes_strips_are_asked() {
+    let mut scratch = Scratch::new(S1002.strips.len());
+    let (wheel, rail) = (S1002.wheel(Side::Left), S1002.rail(Side::Left, &[]));
+    let (centre, axes) = S1002.under((&wheel, &rail), (2e-3, 0.0, 0.0), 5e4, &mut scratch);
+    let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &axes, distance: 0.0 };
+    let middle = S1002.pressed(&pair, &mut scratch).unwrap().coordinates[1];
+    let own = Tabled::of(S1002.wheel.clone(), Arc::new(Hollow { whole: S1002.rail.clone(), middle }));
+    let (mut scratch, rail) = (Scratch::new(own.strips.len()), own.rail(Side::Left, &[]));
+    let (mut asked, mut said) = (0, 0);
+    for y in [0.0, 1e-3, 2e-3, 3e-3] {
+        for load in [2e3, 5e3, 1e4, 3e4, 6e4, 1e5, 1.4e5] {
+            let (centre, axes) = own.under((&wheel, &rail), (y, 0.0, 0.0), load, &mut scratch);
+            let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &axes, distance: 0.0 };
+            let part = own.pressed(&pair, &mut scratch).unwrap();
+            // The area that presses: half lengths as wide as the ellipse's.
+            let sum: f64 = scratch.pressed().iter().filter(|own| own.load > 0.0).map(|own| 2.0 * own.half_length * own.width).sum();
+            let presses = sum * (0.8f64 * part.patch.a * part.patch.a / part.mean_square).sqrt();
+            let (larger, weight) =
+                (std::f64::consts::PI * part.patch.a * part.patch.b / presses, own.looked(&pair, STEEL).map_or(0.0, |found| found.weight));
+            println!("y {y}, {load} N: {larger:.2} of what presses, weight {weight:.2}");
+            assert!(larger < 1.7 || weight == 0.0, "y {y}, {load} N");
+            asked += i32::from(larger > 1.7);
+            said += i32::from(weight == 1.0);
+        }
+    }
+    assert!(asked > 3 && said > 3, "{asked} {said}");
 }
 
 #[test]
