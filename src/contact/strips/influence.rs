@@ -20,6 +20,7 @@
 use super::pressed::Pressed;
 use super::rail::RailStrips;
 use crate::math::elementary::logarithm;
+use crate::math::smooth_step::cubic_step;
 
 /// p0 by powers of the squared ratio of the half lengths, the smaller over the larger: fits the convolution of both pressures to 4e-5. 0.4502 is
 /// `sqrt(2) / pi`, 0.5404 at equal lengths `16 / (3 pi^2)`.
@@ -28,7 +29,7 @@ const MIDDLE: [f64; 6] = [0.450_146_75, 0.169_474_58, -0.096_090_9, 0.037_861_78
 const NARROWER: [f64; 6] = [0.812_479_16, -0.918_749_79, 1.185_709_95, -1.206_323_55, 0.804_771_86, -0.216_100_44];
 const WIDER: [f64; 6] = [1.408_964_31, 0.084_917_05, -0.424_432_04, 0.670_884_61, -0.511_847_05, 0.160_214_29];
 
-/// Shifts below this part of s enter by their square: E is then right to 1e-4.
+/// Shifts below this part of s enter by their square: E is then right to 1e-4. From 0.7 of it on the full formula comes in smoothly.
 const SMALL_SHIFT: f64 = 0.1;
 
 /// Written out: the compiler then finds several at once.
@@ -91,9 +92,7 @@ impl Feeling {
         }
         if shifted {
             for (((value, y2), other), ahead) in row.iter_mut().zip(apart.iter()).zip(squares).zip(leads) {
-                if !small(ahead - lead, [square, *other]) {
-                    *value = far(*y2, square, *other, (ahead - lead).abs());
-                }
+                *value = shifted_by(*value, *y2, [square, *other], ahead - lead);
             }
         }
     }
@@ -129,13 +128,27 @@ fn between(felt: f64, gap: f64, [(width, from), (other, to)]: [(f64, f64); 2]) -
     if width == 0.0 && other == 0.0 { felt } else { felt * ((gap + to - from) / gap).abs() }
 }
 
+/// Half the square of [`SMALL_SHIFT`]: over the sum of two squared half lengths, so much of the square of a shift is large, and half of it still small.
+const LARGE: f64 = 0.5 * SMALL_SHIFT * SMALL_SHIFT;
+
+#[inline(always)]
 fn small(shift: f64, [one, other]: [f64; 2]) -> bool {
-    shift * shift < SMALL_SHIFT * SMALL_SHIFT * 0.5 * (one + other)
+    shift * shift <= 0.5 * LARGE * (one + other)
+}
+
+/// E from that of a small shift.
+#[inline]
+fn shifted_by(of_small: f64, y2: f64, [one, other]: [f64; 2], shift: f64) -> f64 {
+    if small(shift, [one, other]) {
+        return of_small;
+    }
+    let part = cubic_step(shift * shift / (0.5 * LARGE * (one + other)) - 1.0);
+    of_small + part * (far(y2, one, other, shift.abs()) - of_small)
 }
 
 /// E, 1/m, of two strips with squares of their distance and of their half lengths, m^2.
 fn pair(y2: f64, [one, other]: [f64; 2], shift: f64) -> f64 {
-    if small(shift, [one, other]) { near(y2, one, other, shift) } else { far(y2, one, other, shift.abs()) }
+    shifted_by(near(y2, one, other, shift), y2, [one, other], shift)
 }
 
 /// What two strips have in common: k, and c of both boxes, from the squares of their half lengths.
@@ -209,11 +222,15 @@ mod tests {
     #[test]
     fn prop_small_and_large_shifts_meet() {
         for (apart, lengths) in [(4e-5, [5e-3f64, 4e-3f64]), (4e-4, [5e-3, 4e-3]), (4e-3, [1e-3, 4e-3])] {
-            let s = (0.5 * (lengths[0] * lengths[0] + lengths[1] * lengths[1])).sqrt();
-            let at = |shift: f64| of_pair(apart, lengths, SMALL_SHIFT * s * shift);
-            let jump = at(1.0 - 1e-9) / at(1.0 + 1e-9) - 1.0;
-            println!("{apart} {lengths:?}: {jump:e}");
-            assert!(jump.abs() < 1e-4);
+            let [one, other] = lengths.map(|length| length * length);
+            let s = (0.5 * (one + other)).sqrt();
+            let off = |shift: f64| near(apart * apart, one, other, shift * s) / far(apart * apart, one, other, shift * s) - 1.0;
+            println!("{apart} {lengths:?}: {:e}", off(SMALL_SHIFT));
+            assert!(off(SMALL_SHIFT).abs() < 1e-4);
+            for meets in [SMALL_SHIFT, SMALL_SHIFT * 0.5f64.sqrt()] {
+                let at = |shift: f64| of_pair(apart, lengths, meets * s * shift);
+                assert!((at(1.0 - 1e-9) / at(1.0 + 1e-9) - 1.0).abs() < 1e-9);
+            }
         }
     }
 }
