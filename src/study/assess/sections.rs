@@ -90,6 +90,8 @@ const LOOK: f64 = 1.0;
 const SAME: [f64; 2] = [2e-8, 2e-7];
 /// Least part of a section that still is one.
 const PART: f64 = 0.8;
+/// Radii are known so well, in parts of them: a curve of just 600 m is one of 400 to 600 m whatever the last digits of its curvature.
+const ROUNDING: f64 = 1e-6;
 /// Cant deficiency up to which a curve counts as straight, m.
 const SLIGHT: f64 = 0.04;
 
@@ -106,10 +108,10 @@ impl Track {
         let deficiency = self.base * (speed * speed * curvature / self.gravity + cant).abs();
         let radius = 1.0 / curvature.abs().max(1e-9);
         match radius {
-            radius if radius > 600.0 && deficiency <= SLIGHT => Zone::Straight,
-            radius if radius > 600.0 => Zone::LargeRadius,
-            radius if radius >= 400.0 => Zone::SmallRadius,
-            radius if radius >= 250.0 => Zone::VerySmallRadius,
+            radius if radius > 600.0 * (1.0 + ROUNDING) && deficiency <= SLIGHT => Zone::Straight,
+            radius if radius > 600.0 * (1.0 + ROUNDING) => Zone::LargeRadius,
+            radius if radius > 400.0 * (1.0 - ROUNDING) => Zone::SmallRadius,
+            radius if radius > 250.0 * (1.0 - ROUNDING) => Zone::VerySmallRadius,
             _ => Zone::Tighter,
         }
     }
@@ -183,6 +185,12 @@ mod tests {
         // v^2/R/g x 1.5 m: 153 mm at 40 m/s on 1600 m; 120 mm of cant (left-hand curve: right rail higher) leave 33 mm.
         assert_eq!([zone(1600.0, 0.0, 40.0), zone(1600.0, -0.12, 40.0)], [Zone::LargeRadius, Zone::Straight]);
         assert_eq!([500.0, -300.0, 200.0].map(|r| zone(r, 0.0, 20.0)), [Zone::SmallRadius, Zone::VerySmallRadius, Zone::Tighter]);
+        // Design radii on a border, with what differences of headings leave of them.
+        for last in [-1e-9, 0.0, 1e-9] {
+            let zones = [600.0, 400.0, -250.0].map(|r: f64| zone(r * (1.0 + last), 0.0, 20.0));
+            assert_eq!(zones, [Zone::SmallRadius, Zone::SmallRadius, Zone::VerySmallRadius]);
+        }
+        assert_eq!([600.1, 399.9, 249.9].map(|r| zone(r, 0.0, 25.0)), [Zone::LargeRadius, Zone::VerySmallRadius, Zone::Tighter]);
         assert_eq!([30.0, 50.0, 70.0].map(|v| Zone::LargeRadius.length(v)), [100.0, 250.0, 500.0]);
         assert_eq!([30.0, 70.0].map(|v| Zone::Straight.length(v)), [250.0, 500.0]);
         let stretch = |to: f64| cut(&[Section { zone: Zone::Straight, from: 0.0, to }], 30.0).iter().map(|s| s.to).collect::<Vec<_>>();
