@@ -50,6 +50,12 @@ impl Bearing {
         self.both != before
     }
 
+    /// Twice what both springs hold beyond half of their load times the overlap that they share, over the compliance, N^2/m: each is pressed by its own.
+    pub fn apart(&self, influence: f64) -> f64 {
+        let (apart, cut) = (self.pressed - self.whole, self.cut);
+        if self.both { cut * (1.0 - cut) * apart * apart / influence } else { 0.0 }
+    }
+
     /// A strip that comes back does so over the part that is in contact.
     pub fn leave(&mut self) {
         self.both = !(self.cut > 0.0);
@@ -72,6 +78,15 @@ mod tests {
             }
         }
         load
+    }
+
+    #[test]
+    fn analytic_each_spring_holds_half_of_its_load_times_its_overlap() {
+        let cover = Cover { whole: 2e-6, pressed: 5e-6, cut: 0.3, above: true };
+        let own = Bearing::new(&Pressed::default(), &cover, 1.0);
+        let [whole, pressed] = [0.7 * 2e-6 / 3.0, 0.3 * 5e-6 / 3.0];
+        let held = (whole + pressed) * own.wanted() + own.apart(3.0);
+        assert!((held / (whole * 2e-6 + pressed * 5e-6) - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -325,8 +325,13 @@ impl Scratch {
         &self.pressed
     }
 
-    /// Elastic energy of the patch that was pressed last, J: `1/2 sum Q (d - kappa a^2 / 8)`, the least value of Pi with the other sign.
+    /// Elastic energy of the patch that was pressed last, J: `1/2 sum Q (d - kappa a^2 / 8)`, each spring of a strip by its own overlap; the least value of Pi with the other sign.
     pub fn energy(&self) -> f64 {
-        0.5 * self.compliance * self.pressed.iter().zip(&self.wanted).map(|(own, wanted)| own.load * wanted).sum::<f64>()
+        let count = self.pressed.len();
+        let of = |k: usize| {
+            let load = self.pressed[k].load;
+            if load > 0.0 { load * self.wanted[k] + self.bearings[k].apart(self.matrix[k * count + k]) } else { 0.0 }
+        };
+        0.5 * self.compliance * (0..count).map(of).sum::<f64>()
     }
 }
