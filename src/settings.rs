@@ -71,6 +71,8 @@ pub struct Section<'a> {
     base: Option<Box<Section<'a>>>,
     /// Where faults are collected; `None`: the first one is returned.
     faults: Option<Rc<RefCell<Faults>>>,
+    /// What is said where a key is missing: which entry of the template this one may have been meant to change.
+    meant: Option<Rc<str>>,
 }
 
 /// What stands for a table that may be left out.
@@ -79,7 +81,7 @@ static EMPTY: LazyLock<Table> = LazyLock::new(Table::new);
 impl<'a> Section<'a> {
     /// The whole document.
     pub fn root(table: &'a dyn TableLike, source: &'a Source) -> Self {
-        Section { table, path: String::new(), source, known: RefCell::default(), span: None, base: None, faults: None }
+        Section { table, path: String::new(), source, known: RefCell::default(), span: None, base: None, faults: None, meant: None }
     }
 
     /// This table on top of another one, whose keys hold where this one is silent. Tables below are laid on each other in the
@@ -129,7 +131,8 @@ impl<'a> Section<'a> {
     }
 
     fn missing(&self, key: &str, expected: &str) -> SettingsError {
-        self.error(key, format!("is missing; expected {expected}"))
+        let meant = self.meant.as_deref().unwrap_or_default();
+        self.error(key, format!("is missing; expected {expected}{meant}"))
     }
 
     fn wrong(&self, key: &str, item: &Item, expected: &str) -> SettingsError {
@@ -139,8 +142,8 @@ impl<'a> Section<'a> {
     /// The same of a key that decides how its table is read on: a key of a like name that nobody asked for yet may be a slip of the pen.
     fn missing_word(&self, key: &str, expected: &str) -> SettingsError {
         let others: Vec<&str> = self.table.iter().map(|(other, _)| other).filter(|other| !self.known.borrow().contains(other)).collect();
-        let slip = slip(key, &others).map(|other| format!(" (there is \"{other}\")")).unwrap_or_default();
-        self.error(key, format!("is missing{slip}; expected {expected}"))
+        let slip = slip(key, &others, &[]).map(|other| format!(" (there is \"{other}\")")).unwrap_or_default();
+        self.error(key, format!("is missing{slip}; expected {expected}{}", self.meant.as_deref().unwrap_or_default()))
     }
 
     /// The same of a number: a unit may be written otherwise.
@@ -202,6 +205,11 @@ impl<'a> Section<'a> {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Is `key` a number with a unit of its own?
+    pub fn has_unit(&self, key: &'static str, dimension: Dimension) -> bool {
+        self.find(key).and_then(Item::as_str).is_some_and(|text| dimension.has_unit(text))
     }
 
     /// A number greater than zero.
@@ -376,15 +384,24 @@ impl<'a> Section<'a> {
         let own = self.sections_here(key)?;
         let Some(base) = &self.base else { return Ok(own) };
         let mut all = base.sections(key)?;
-        for section in own {
-            let name = section.table.get("name").and_then(Item::as_str);
-            let same = all.iter().position(|other| name.is_some() && other.table.get("name").and_then(Item::as_str) == name);
+        let named = |section: &Section| section.table.get("name").and_then(Item::as_str).map(String::from);
+        // Entries of one list don't change each other: two of one name are told as such by who reads the names.
+        let below: Vec<Option<String>> = all.iter().map(named).collect();
+        let mut taken = vec![false; below.len()];
+        for mut section in own {
+            let name = named(&section);
+            let same = (0..below.len()).find(|place| name.is_some() && below[*place] == name && !taken[*place]);
             match same {
                 Some(place) => {
-                    let below = all.remove(place);
-                    all.insert(place, section.over(below));
+                    taken[place] = true;
+                    let lower = all.remove(place);
+                    all.insert(place, section.over(lower));
                 }
-                None => all.push(section),
+                None => {
+                    let known: Vec<&str> = below.iter().flatten().map(String::as_str).collect();
+                    section.meant = name.filter(|_| !known.is_empty()).map(|name| not_of_template(&name, &known).into());
+                    all.push(section);
+                }
             }
         }
         Ok(all)
@@ -429,7 +446,7 @@ impl<'a> Section<'a> {
 
     fn child(&self, name: String, table: &'a dyn TableLike, span: Option<Range<usize>>) -> Section<'a> {
         let faults = self.faults.clone();
-        Section { table, path: self.full_key(&name), source: self.source, known: RefCell::default(), span, base: None, faults }
+        Section { table, path: self.full_key(&name), source: self.source, known: RefCell::default(), span, base: None, faults, meant: None }
     }
 
     /// Refuses keys that nobody asked for.
@@ -438,10 +455,14 @@ impl<'a> Section<'a> {
         let allowed: Vec<&str> = known.iter().copied().collect();
         // Of a table that was not read to its end not all keys are known: only slips of the pen are sure.
         let unread = self.faults.as_ref().is_some_and(|faults| faults.borrow().gave_up(&self.path));
-        // A key that is absent is what was meant rather than one that is there.
+        // A key that is absent is what was meant rather than one that is there and as near; with `--set` it may be the one that is there.
         let absent: Vec<&str> = allowed.iter().copied().filter(|known| !self.has_key(known)).collect();
         for (key, _) in self.table.iter().filter(|(key, _)| !known.contains(key)) {
-            let meant = if unread { slip(key, &absent) } else { nearest(key, &absent).or(nearest(key, &allowed)) };
+            let meant = if unread {
+                slip(key, &absent, &[])
+            } else {
+                slip(key, &allowed, &absent).or(nearest(key, &absent)).or(nearest(key, &allowed))
+            };
             if unread && meant.is_none() {
                 continue;
             }
@@ -481,6 +502,13 @@ fn expected(value: Option<&Value>, dimension: Dimension) -> String {
         _ => String::new(),
     };
     format!("{}{limit}", dimension.expectation())
+}
+
+/// What is said of an entry that lacks a key and changes none of the template's.
+fn not_of_template(name: &str, known: &[&str]) -> String {
+    let some = known.iter().take(8).copied().collect::<Vec<_>>().join(", ");
+    let more = if known.len() > 8 { ", ..." } else { "" };
+    format!("; no entry of the template is called \"{name}\"{}: it has {some}{more}", did_you_mean(name, known))
 }
 
 fn one_of(words: &[&str]) -> String {

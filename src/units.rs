@@ -95,11 +95,16 @@ impl Dimension {
         if name.is_empty() { String::new() } else { format!(" {name}") }
     }
 
+    /// Is it a number with a unit of this dimension?
+    pub fn has_unit(self, text: &str) -> bool {
+        self.parse(text).is_some() && !parts(text).1.is_empty()
+    }
+
     /// What to write instead, for error messages: `a length in m (also mm, um, ...)`.
     pub fn expectation(self) -> String {
         let names: Vec<_> = self.units().iter().map(|unit| unit.0).collect();
         if self == Dimension::None {
-            return "a plain number".into();
+            return "a plain number, or a string with %".into();
         }
         let more = if names.len() > 1 { format!("; a string may carry {}", names[1..].join(", ")) } else { String::new() };
         format!("a number in {}{more}", names[0])
@@ -119,7 +124,9 @@ impl Dimension {
         // Capitals tell milli from mega; without any that fit the first one will do.
         let exact = |known: &&str| known.chars().find(char::is_ascii_alphabetic) == name.chars().find(char::is_ascii_alphabetic);
         let found = known().find(exact).or(known().next())?;
-        Some(format!("{number} {found}"))
+        let meant = format!("{number} {found}");
+        // A number of another size than allowed was written as it should be.
+        (meant != text.trim()).then_some(meant)
     }
 
     /// Reads `"10 mm"` as 0.01. `None` when number or unit is not understood.

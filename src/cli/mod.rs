@@ -94,12 +94,12 @@ impl SceneArguments {
     }
 
     /// The overrides with which all of these formulations have the same patch; says so where that is another one than the scene's.
-    fn alike(&self, scene: &Scene, formulations: &[&str]) -> Vec<String> {
+    fn alike(&self, scene: &Scene, formulations: &[&str]) -> (Vec<String>, Option<String>) {
         let change = patch_choice::alike(scene, formulations);
-        if let Some(change) = &change {
-            say(&format!("{change} for all, so that formulations differ in nothing else; name contact.patch to have another one"));
-        }
-        self.overrides.iter().cloned().chain(change).collect()
+        let words = change.as_ref().map(|change| {
+            format!("{change} for all, so that formulations differ in nothing else: not the contact that `run` has, which takes longer; name contact.patch to have another one")
+        });
+        (self.overrides.iter().cloned().chain(change).collect(), words)
     }
 }
 

@@ -10,16 +10,19 @@ pub fn did_you_mean(word: &str, allowed: &[&str]) -> String {
 
 /// The allowed word that is closest, if one is close; the first of equals.
 pub(super) fn nearest<'a>(word: &str, allowed: &[&'a str]) -> Option<&'a str> {
-    closest(word, allowed, LIKE)
+    closest(word, allowed, LIKE, &[])
 }
 
-/// The word that is `word` but for a slip of the pen, if there is one.
-pub(super) fn slip<'a>(word: &str, others: &[&'a str]) -> Option<&'a str> {
+/// The word that is `word` but for a slip of the pen, if there is one; the `likely` ones among them are preferred where nearly as close.
+pub(super) fn slip<'a>(word: &str, others: &[&'a str], likely: &[&str]) -> Option<&'a str> {
     const SLIP: f64 = 0.87;
-    closest(word, others, SLIP)
+    closest(word, others, SLIP, likely)
 }
 
-fn closest<'a>(word: &str, allowed: &[&'a str], least: f64) -> Option<&'a str> {
+/// So much nearer is a word that is likely.
+const LIKELY: f64 = 0.02;
+
+fn closest<'a>(word: &str, allowed: &[&'a str], least: f64, likely: &[&str]) -> Option<&'a str> {
     let (whole, bare) = (word.to_lowercase(), bare(word));
     let likeness = |known: &str| {
         let same = strsim::jaro_winkler(&whole, &known.to_lowercase());
@@ -28,7 +31,7 @@ fn closest<'a>(word: &str, allowed: &[&'a str], least: f64) -> Option<&'a str> {
     };
     let mut best: Option<(&str, f64)> = None;
     for known in allowed {
-        let found = likeness(known);
+        let found = likeness(known) + if likely.contains(known) { LIKELY } else { 0.0 };
         if found > least && best.is_none_or(|best| found > best.1) {
             best = Some((known, found));
         }
@@ -58,6 +61,8 @@ mod tests {
         for (word, allowed, meant) in cases {
             assert_eq!(nearest(word, allowed), Some(meant), "{word}");
         }
+        assert_eq!(slip("frction", &["friction", "friction_along"], &["friction_along"]), Some("friction"));
+        assert_eq!(slip("guage", &["gauge", "gauge_depth"], &["gauge_depth"]), Some("gauge"));
         assert_eq!(nearest("xyz", &["friction"]), None);
         assert_eq!(did_you_mean("hertzz", &["hertz"]), " (did you mean \"hertz\"?)");
     }

@@ -7,6 +7,7 @@ mod report;
 use super::interrupt::Interrupt;
 use super::output::{Kind, Target, write_whole};
 use super::progress::Progress;
+use super::run::words;
 use super::{Failure, TimeArguments, print, refused, say};
 use crate::scene::load;
 use crate::scene::spec::Scene;
@@ -14,6 +15,8 @@ use crate::settings::did_you_mean;
 use crate::sim::Simulation;
 use crate::sim::recording::{self, Recording, Times};
 use crate::sim::vehicle_outputs::scene_outputs;
+use crate::solve::Doubts;
+use crate::study::assess::aliased::aliased;
 use crate::study::assess::known::{Known, Vehicle};
 use crate::study::assess::quantity::{self, VehicleKind};
 use crate::study::assess::signals::Signals;
@@ -26,7 +29,8 @@ use std::path::{Path, PathBuf};
 
 #[derive(Args)]
 #[command(after_long_help = "\
-A SCENE is run with the outputs that are needed (motion, wheels, sensors; every 2 ms with sensors on a car body, else every 5 ms). Of a RESULT.csv \
+A SCENE is run with the outputs that are needed (motion, wheels, sensors; every 2 ms, and once more every 0.4 ms where forces of every other row say \
+something else: impacts between rows). What a run notes (wheels that unload or strike their rail) is on stderr. Of a RESULT.csv \
 the limits that depend on axle loads, curves, profiles or friction need its scene, --scene SCENE. What can't be assessed says why and what to record.
 
 Exit code: 0 no limit is exceeded, 1 the run failed, 2 bad input or nothing to assess, 3 a limit is exceeded (or the vehicle derailed). What \
@@ -80,8 +84,10 @@ impl From<Kinds> for VehicleKind {
     }
 }
 
-/// Output intervals of a run, s: with accelerations of a car body (comfort reaches to 100 Hz), and without.
-const STEPS: [f64; 2] = [2e-3, 5e-3];
+/// Output intervals of a run, s (comfort reaches to 100 Hz), and where forces hang on them.
+const STEPS: [f64; 2] = [2e-3, 0.4e-3];
+/// Values that hang on the rows that are told.
+const HANGING_SHOWN: usize = 3;
 /// Outputs that a run records.
 const GROUPS: [&str; 3] = ["motion", "wheels", "sensors"];
 
@@ -92,6 +98,11 @@ struct Subject {
     vehicle: Option<Vehicle>,
     /// Why a run ended early.
     ended: Option<Ended>,
+    /// What a run says beside its results.
+    notes: Vec<String>,
+    doubts: Doubts,
+    /// Of a run, whose rows may be made nearer.
+    recording: Option<Recording>,
 }
 
 struct Ended {
@@ -107,11 +118,25 @@ pub(super) fn assess(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(file) = &arguments.html {
         Target::find(file, Kind::Text).map_err(refused)?;
     }
+    let target = super::csv_target(&arguments.output, arguments.json)?;
     let is_result = Path::new(&arguments.input).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
-    let subject = if is_result { result(arguments)? } else { run(arguments)? };
-    let kind = VehicleKind::from(arguments.vehicle);
-    let known = Known { kind, admissible_speed: arguments.admissible_speed, vehicle: subject.vehicle, limits };
-    let mut found = Assessment::of(&subject.signals, &known).map_err(|error| Failure::Input(format!("{}: {error}", arguments.input)))?;
+    let mut subject = if is_result { result(arguments)? } else { run(arguments, STEPS[0])? };
+    let (mut known, mut found) = of(&subject, arguments, &limits)?;
+    let mut hanging = aliased(&subject.signals, &known, &found);
+    if !hanging.is_empty() && subject.recording.is_some() && arguments.times.step.is_none() {
+        say(&format!("note: forces hang on the rows ({}): run again with rows every {} ms", hanging[0], rounded(1e3 * STEPS[1])));
+        subject = run(arguments, STEPS[1])?;
+        (known, found) = of(&subject, arguments, &limits)?;
+        hanging = aliased(&subject.signals, &known, &found);
+    }
+    if let (Some(target), Some(recording)) = (&target, &subject.recording) {
+        write(target, recording)?;
+    }
+    words::messages(&subject.notes, &[], subject.doubts);
+    for one in hanging.iter().take(HANGING_SHOWN) {
+        let how = if subject.recording.is_some() { "--step" } else { "run.step" };
+        say(&format!("warning: {one}: rows every {} ms are too far apart for it, {how} makes them nearer", rounded(1e3 * found.interval)));
+    }
     if let Some(ended) = &subject.ended {
         found.rows.insert(0, early(ended));
     }
@@ -133,6 +158,14 @@ pub(super) fn assess(arguments: &Arguments) -> Result<(), Failure> {
         _ if !found.says_something() => Err(Failure::Input(format!("{}: nothing could be assessed; the table says why", arguments.input))),
         _ => Ok(()),
     }
+}
+
+/// What is known of a subject, and its assessment.
+fn of(subject: &Subject, arguments: &Arguments, limits: &[(String, f64)]) -> Result<(Known, Assessment), Failure> {
+    let (kind, admissible_speed) = (VehicleKind::from(arguments.vehicle), arguments.admissible_speed);
+    let known = Known { kind, admissible_speed, vehicle: subject.vehicle.clone(), limits: limits.into() };
+    let found = Assessment::of(&subject.signals, &known).map_err(|error| Failure::Input(format!("{}: {error}", arguments.input)))?;
+    Ok((known, found))
 }
 
 /// The row of a run that did not come to its end.
@@ -171,16 +204,15 @@ fn result(arguments: &Arguments) -> Result<Subject, Failure> {
         Some((scene, _, vehicle)) => (scene.title, Some(vehicle)),
         None => (arguments.input.clone(), None),
     };
-    Ok(Subject { title, signals, vehicle, ended: None })
+    Ok(Subject { title, signals, vehicle, ended: None, notes: Vec::new(), doubts: Doubts::default(), recording: None })
 }
 
-fn run(arguments: &Arguments) -> Result<Subject, Failure> {
+fn run(arguments: &Arguments, step: f64) -> Result<Subject, Failure> {
     if arguments.scene.is_some() {
         return Err(Failure::Input("--scene belongs to a RESULT.csv; found a scene to run".into()));
     }
-    let target = super::csv_target(&arguments.output, arguments.json)?;
     let (mut scene, mut simulation, vehicle) = start(&arguments.input, &arguments.overrides)?;
-    scene.run.step = STEPS[usize::from(vehicle.body_sensors.is_empty())];
+    scene.run.step = step;
     let (stop, step) = arguments.times.read(&scene)?;
     let outputs = scene_outputs(&scene, simulation.model());
     let (progress, interrupt) = (Progress::new(stop), Interrupt::watch());
@@ -199,7 +231,6 @@ fn run(arguments: &Arguments) -> Result<Subject, Failure> {
             (early.recording, Some(Ended { reason, time: simulation.time(), stop, derailed }))
         }
     };
-    write(target.as_ref(), &recording)?;
     let words = |error: &dyn std::fmt::Display| match &ended {
         Some(ended) => format!("{}: {}; {error}", arguments.input, ended.reason),
         None => format!("{}: {error}", arguments.input),
@@ -208,11 +239,19 @@ fn run(arguments: &Arguments) -> Result<Subject, Failure> {
         Some(_) => Failure::Run(words(&error)),
         None => Failure::Input(words(&error)),
     })?;
-    Ok(Subject { title: scene.title, signals, vehicle: Some(vehicle), ended })
+    let notes = recording.notes.iter().cloned().chain(simulation.notes()).collect();
+    Ok(Subject {
+        title: scene.title,
+        signals,
+        vehicle: Some(vehicle),
+        ended,
+        notes,
+        doubts: simulation.doubts(),
+        recording: Some(recording),
+    })
 }
 
-fn write(target: Option<&Target>, recording: &Recording) -> Result<(), Failure> {
-    let Some(target) = target else { return Ok(()) };
+fn write(target: &Target, recording: &Recording) -> Result<(), Failure> {
     let mut text = Vec::new();
     recording.write_csv(&mut text).map_err(|error| Failure::Run(error.to_string()))?;
     Ok(target.write(&text)?)

@@ -65,7 +65,10 @@ pub(super) fn compare(arguments: &Arguments) -> Result<(), Failure> {
     let folder = arguments.output.as_deref().unwrap_or(Path::new("."));
     make_folder(folder)?;
     let formulations = chosen("--formulations", &arguments.formulations, names(formulation::REGISTRY))?;
-    let overrides = arguments.scene.alike(&scene, &formulations);
+    let (overrides, alike) = arguments.scene.alike(&scene, &formulations);
+    if let Some(words) = alike {
+        say(&words);
+    }
     let runs = run_all(&arguments.scene.scene, &overrides, &formulations, Times { stop, step });
     let comparison = Comparison {
         scene: &scene,

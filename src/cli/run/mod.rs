@@ -2,7 +2,7 @@
 
 mod checkpoints;
 mod inputs;
-mod words;
+pub(super) mod words;
 
 use super::interrupt::Interrupt;
 use super::output::{Kind, Target};
@@ -168,7 +168,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let value = words::json(&scene.name, (&simulation, elapsed), (&recording, &shown), (&events, &notes), error);
         print(&format!("{value}\n"))?;
     } else if !to_stdout {
-        print(&summary(&scene.title, wheelset, &recording))?;
+        print(&summary(&scene.title, (wheelset, scene.vehicle.axles().len() == 1), &recording))?;
         print(&work(&scene, &simulation, elapsed, times.step))?;
     }
     match (failure, ended) {

@@ -11,8 +11,8 @@ use crate::study::digits::rounded;
 /// Most lift-offs and landings that are printed.
 const EVENTS_SHOWN: usize = 20;
 
-/// Tells of a run what its results do not show.
-pub(super) fn messages(notes: &[String], events: &[String], doubts: Doubts) {
+/// Says what the results of a run do not show.
+pub(in crate::cli) fn messages(notes: &[String], events: &[String], doubts: Doubts) {
     for note in notes {
         say(&format!("note: {note}"));
     }
@@ -102,7 +102,8 @@ fn times(factor: f64) -> String {
 }
 
 /// Extremes of the outputs that people look at first.
-pub(super) fn summary(title: &str, wheelset: &str, recording: &Recording) -> String {
+/// Extremes are those of the rows; of several wheelsets it names the one.
+pub(super) fn summary(title: &str, (wheelset, alone): (&str, bool), recording: &Recording) -> String {
     let found = extremes(recording);
     let rows: Vec<Vec<String>> = SHOWN
         .iter()
@@ -113,6 +114,6 @@ pub(super) fn summary(title: &str, wheelset: &str, recording: &Recording) -> Str
             Some(vec![format!("{label} [{unit}]"), cell(extreme.min), cell(extreme.max), cell(extreme.end)])
         })
         .collect();
-    let head = ["", "smallest", "largest", "at the end"].map(String::from);
+    let head = [if alone { "" } else { wheelset }, "smallest", "largest", "at the end"].map(String::from);
     format!("{title}\n\n{}", table(&head, &rows))
 }

@@ -113,7 +113,7 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.shares {
         return where_time_goes(arguments, &scene);
     }
-    let overrides = arguments.scene.alike(&scene, &formulations);
+    let (overrides, alike) = arguments.scene.alike(&scene, &formulations);
     let request = request(arguments, scene.run.step, formulations, &overrides)?;
     if let Some(stop) = arguments.stop.or((scene.run.stop == 0.0).then_some(0.0))
         && !(stop.is_finite() && stop >= request.step)
@@ -125,7 +125,8 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.plot {
         make_folder(folder)?;
     }
-    let study = run(&request)?;
+    let mut study = run(&request)?;
+    study.notes.splice(0..0, alike);
     if let Some(target) = &target {
         let mut text = Vec::new();
         csv::write(&mut text, &study).map_err(|error| Failure::Run(error.to_string()))?;

@@ -29,7 +29,7 @@ use table::{Columns, Results, Row};
 VALUES: a list (x,y,z), a range with a step (20..40:5, \"72..144:18 km/h\"), with --latin a range without one (0.1..0.5), or one value for all runs. \
 Seeds of irregularities are values like others: --set \"track.irregularity[1].seed=1..20:1\".
 
-FILE.csv gets a row as each run ends: the values, how it ended (ok, derailed, failed, refused, with time and reason), the scalars of its rows. What goes \
+FILE.csv gets a row as each run ends: the values, how it ended (ok, derailed, failed, refused, with time and reason; of runs that are ok what they note, such as a wheel that unloads), the scalars of its rows. What goes \
 wrong in a run is its row. The same command goes on where an interrupted or killed one ended: runs that have a row are not run again; at the end rows stand in order. \
 A file of another scene, other values or other scalars is refused.
 

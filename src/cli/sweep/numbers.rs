@@ -94,7 +94,7 @@ impl Numbers {
         if expression.matches('{').count() != expression.matches('}').count() {
             return Err(wrong("braces do not pair; expected {KIND:OUTPUT}"));
         }
-        let parsed = Expression::parse(expression).map_err(|error| wrong(&error.to_string()))?;
+        let parsed = Expression::parse(expression).map_err(|error| wrong(problem(&error.to_string())))?;
         let mut of = Vec::new();
         for variable in parsed.var_names() {
             if !expression.contains(&format!("{{{variable}}}")) {
@@ -117,6 +117,12 @@ impl Numbers {
         };
         self.shown.iter().map(value).collect()
     }
+}
+
+/// The first line of a message without what the parser held in its hands.
+fn problem(message: &str) -> &str {
+    let first = message.lines().next().unwrap_or_default();
+    first.split(", Operator {").next().unwrap_or(first).trim()
 }
 
 fn parse(text: &str) -> Result<Scalar, Failure> {

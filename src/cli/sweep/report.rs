@@ -22,10 +22,15 @@ pub(super) struct Summary {
     points: Vec<String>,
     /// The first few runs that are not ok: run, state, reason.
     faults: Vec<(usize, &'static str, String)>,
+    /// Runs that are ok, but of which something is noted, and the first few of them.
+    noted: usize,
+    notes: Vec<(usize, String)>,
 }
 
 /// Most runs that are told why they are not ok.
 const MOST: usize = 5;
+/// Most runs that are ok whose notes are told.
+const NOTED: usize = 3;
 
 pub(super) fn summary(columns: &Columns, rows: &[Row]) -> Summary {
     let ok = || rows.iter().filter(|row| row.state == State::Ok);
@@ -41,11 +46,14 @@ pub(super) fn summary(columns: &Columns, rows: &[Row]) -> Summary {
         });
         parts.collect::<Vec<_>>().join(", ")
     };
+    let noted = || ok().filter(|row| !row.reason.is_empty());
     let faults = rows.iter().filter(|row| row.state != State::Ok).take(MOST);
     Summary {
         states: State::ALL.map(|state| (state.word(), rows.iter().filter(|row| row.state == state).count())).into(),
         extremes: extremes.collect(),
         faults: faults.map(|row| (row.run, row.state.word(), row.reason.clone())).collect(),
+        noted: noted().count(),
+        notes: noted().take(NOTED).map(|row| (row.run, row.reason.clone())).collect(),
         points: rows.iter().map(point).collect(),
     }
 }
@@ -66,6 +74,12 @@ pub(super) fn text(scene: &str, title: &str, summary: &Summary) -> String {
     text += &table(&["", "lowest", "at", "highest", "at"].map(String::from), &rows);
     for (run, state, reason) in &summary.faults {
         text += &format!("  {state}: {}: {reason}\n", summary.points[*run]);
+    }
+    for (run, note) in &summary.notes {
+        text += &format!("  ok, but: {}: {note}\n", summary.points[*run]);
+    }
+    if summary.noted > NOTED {
+        text += &format!("  ... and {} more that are ok, but noted; the table has the notes\n", summary.noted - NOTED);
     }
     let told = summary.states[1..].iter().map(|state| state.1).sum::<usize>();
     if told > MOST {

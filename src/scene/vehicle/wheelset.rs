@@ -107,8 +107,8 @@ pub(super) fn not_degrees(section: &Section, key: &'static str, angle: f64) -> R
     if angle.abs() <= LARGEST {
         return Ok(());
     }
-    Err(section
-        .error(key, format!("found {angle:?} rad, expected at most {LARGEST} rad either way; degrees are written \"{angle:?} deg\"")))
+    let degrees = if section.has_unit(key, Dimension::Angle) { String::new() } else { format!("; degrees are written \"{angle:?} deg\"") };
+    Err(section.error(key, format!("found {angle:?} rad, expected at most {LARGEST} rad either way{degrees}")))
 }
 
 /// Reads `[vehicle.initial]` of a lone wheelset, or of a vehicle of several bodies.

@@ -5,6 +5,7 @@
 //! where it is defined. docs/assess.md has the same for who reads the table.
 
 mod accelerations;
+pub mod aliased;
 mod comfort;
 pub mod filter;
 mod forces;

@@ -103,6 +103,13 @@ impl Signals {
         Ok(Signals { interval, start, coarsest: if even { interval } else { coarsest }, names, columns })
     }
 
+    /// Every other row; `None` where that leaves too few. [`Signals::coarsest`] stays that of all rows.
+    pub fn every_other(&self) -> Option<Signals> {
+        let columns: Vec<Vec<f64>> = self.columns.iter().map(|column| column.iter().step_by(2).copied().collect()).collect();
+        let half = Signals { interval: 2.0 * self.interval, columns, names: self.names.clone(), ..*self };
+        (half.len() >= 4).then_some(half)
+    }
+
     /// Sampling rate, Hz.
     pub fn rate(&self) -> f64 {
         1.0 / self.interval

@@ -40,7 +40,7 @@ pub struct Outcome {
     pub state: State,
     /// Time that was reached, s.
     pub time: Option<f64>,
-    /// Why it did not come to its end.
+    /// Why it did not come to its end; of a run that did, what is noted of it.
     pub reason: String,
     /// Of the rows until then.
     pub scalars: Vec<Option<f64>>,
@@ -97,10 +97,17 @@ fn attempt(scene: &str, changes: &[String], asked: Asked, scalars: &[Scalar], go
     let values = |recording: &Recording| scalars.iter().map(|scalar| scalar.of(recording)).collect();
     let time = Some(simulation.time());
     Some(match done {
-        Ok(recording) => Outcome { state: State::Ok, time, reason: String::new(), scalars: values(&recording) },
+        Ok(recording) => Outcome { state: State::Ok, time, reason: remarks(&simulation, &recording), scalars: values(&recording) },
         Err(early) => {
             let state = if early.error.is_derailed() { State::Derailed } else { State::Failed };
             Outcome { state, time, reason: early.error.to_string(), scalars: values(&early.recording) }
         }
     })
+}
+
+/// What a run that came to its end notes: wheels that unload or strike their rail, steps that are doubtful.
+fn remarks(simulation: &Simulation, recording: &Recording) -> String {
+    let doubts = Some(simulation.doubts()).filter(|doubts| doubts.steps > 0).map(|doubts| doubts.to_string());
+    let all: Vec<String> = recording.notes.iter().cloned().chain(simulation.notes()).chain(doubts).collect();
+    all.join("; ")
 }
