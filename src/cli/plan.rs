@@ -152,7 +152,8 @@ fn report(scene: &Scene, found: &Statics) -> String {
     text += &table(&head(&["wheelset", "left [kN]", "right [kN]", "both [kN]"]), &wheels.collect::<Vec<_>>());
     text += &format!("  all wheels: {:.3} kN\n", 1e-3 * total);
     if !rows.is_empty() {
-        text += "\nForce elements: tension and elongation positive; displacements count from the drawn configuration\n\n";
+        text += "\nForce elements: along a line tension and elongation positive; along an axis displacements of \"to\" against \"from\" and what pulls it back\n\
+             (a compressed spring that goes down to its axle is positive along z); from the drawn configuration\n\n";
         text += &table(&head(&["element", "force", "", "displacement", "", "free travel [mm]", "used"]), &rows);
     }
     if hidden > 0 {

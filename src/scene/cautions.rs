@@ -1,6 +1,7 @@
 //! Where a scene asks for more than its model means: rigid rails that are too rough for the speed, measured points that are not smooth,
-//! explicit methods at low speed.
+//! explicit methods at low speed, slips of units.
 
+use super::improbable::improbable;
 use super::spec::Scene;
 use crate::formulation::Model;
 use crate::geometry::Side;
@@ -8,7 +9,12 @@ use crate::geometry::profile::{Part, Profile};
 
 /// All of them.
 pub(super) fn cautions(scene: &Scene, model: &Model) -> Vec<String> {
-    rough_track(scene, model).into_iter().chain(scattered_points(scene)).chain(slow_and_explicit(scene)).collect()
+    improbable(scene, model)
+        .into_iter()
+        .chain(rough_track(scene, model))
+        .chain(scattered_points(scene))
+        .chain(slow_and_explicit(scene))
+        .collect()
 }
 
 /// Share of the static load that unsprung masses on rigid rails may add (rms) without a word.

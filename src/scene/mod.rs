@@ -9,6 +9,7 @@ pub mod equilibrium;
 mod error;
 mod fade;
 mod identifier;
+pub mod improbable;
 mod leave_out;
 mod limits;
 pub mod load;

@@ -112,7 +112,7 @@ fn changes(report: &Report, rms: bool) -> String {
 /// Evaluations and CPU time over those of the scene's run.
 fn relative(cost: &Cost, own: &Cost) -> [String; 2] {
     let evaluations = cost.statistics.evaluations as f64 / own.statistics.evaluations.max(1) as f64;
-    [format!("x {evaluations:.2}"), format!("x {:.1}", cost.cpu / own.cpu.max(1e-9))]
+    [format!("x {evaluations:.2}"), format!("x {}", factor(cost.cpu / own.cpu.max(1e-9)))]
 }
 
 /// CPU times that differ by less are the same, in parts.
@@ -170,6 +170,15 @@ fn told(changes: &[Changed]) -> Vec<String> {
     told.iter().take(2).map(words).collect()
 }
 
+/// How many times as much: no 0.0.
+fn factor(times: f64) -> String {
+    match times {
+        _ if times < 0.1 => format!("{times:.3}"),
+        _ if times < 10.0 => format!("{times:.1}"),
+        _ => format!("{times:.0}"),
+    }
+}
+
 fn sentence(row: &Row, told: &[String], growth: Option<(f64, f64)>, time: f64) -> String {
     let variant = &row.variant;
     let mut parts = Vec::new();
@@ -180,7 +189,7 @@ fn sentence(row: &Row, told: &[String], growth: Option<(f64, f64)>, time: f64) -
         parts.push(format!("turns growth of hunting from {} to {} 1/s", two(own), two(other)));
     }
     let changes = parts.join(", ");
-    let takes = if time < 10.0 { format!("{time:.1}") } else { format!("{time:.0}") };
+    let takes = factor(time);
     let same = (time - 1.0).abs() < NOISE;
     let stands = variant.effect.trim_start_matches("creep law ");
     match variant.kind {

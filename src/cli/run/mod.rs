@@ -9,6 +9,7 @@ use super::output::{Kind, Target};
 use super::progress::Progress;
 use super::results::{Format, Layout, Precision, Results, Thinned};
 use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, overview, print, seconds};
+use crate::scene::improbable::improbable;
 use crate::settings::did_you_mean;
 use crate::sim::Simulation;
 use crate::sim::checkpoint::Origin;
@@ -129,6 +130,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let layout = asked.layout(&outputs, wanted, wheelset, times)?;
     let mut notes = statics::statics(&scene, &mut simulation).map(|found| found.notes()).unwrap_or_default();
+    notes.splice(0..0, improbable(&scene, simulation.model()));
     notes.extend(scene.effects.describe().into_iter().map(|(name, why)| format!("left out: {name}, {why}")));
     let mut run = Run::new(&simulation, &outputs);
     run.inputs = inputs.map(|inputs| inputs.table);

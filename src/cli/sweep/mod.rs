@@ -105,6 +105,7 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
     let fixed: Vec<String> = changes(&parameters, &points[0], |parameter| !parameter.varies());
     let base = load::open(&arguments.scene, &fixed)?;
     arguments.times.read(&base)?;
+    refuse_if_all_are(arguments, &parameters, &points)?;
     let numbers = {
         let simulation = super::start(&base)?;
         Numbers::new(&arguments.scalars, &base.vehicle.leading().name, &scene_outputs(&base, simulation.model()))?
@@ -200,4 +201,16 @@ fn run(sweep: &Sweep, results: Results, parallel: usize, interrupt: &Interrupt) 
         Ok(Some(error)) => Err(Failure::Run(error)),
         _ => results.into_inner().map_err(|_| Failure::Run("a run broke off".into())),
     }
+}
+
+/// The first refusal, where no point of the sweep makes a scene: a key that does not exist is told once, before the sweep.
+fn refuse_if_all_are(arguments: &Arguments, parameters: &[Parameter], points: &Points) -> Result<(), Failure> {
+    let mut first = None;
+    for point in points {
+        match load::open(&arguments.scene, &changes(parameters, point, |_| true)) {
+            Ok(_) => return Ok(()),
+            Err(error) => first = first.or(Some(error)),
+        }
+    }
+    first.map_or(Ok(()), |error| Err(error.into()))
 }

@@ -278,6 +278,9 @@ fn downward(samples: &[Sample], middle: f64, part: Part) -> bool {
     }
 }
 
+/// A wheel without flange does not fall so far on the flange's side, m.
+const UPSIDE_DOWN: f64 = 15e-3;
+
 /// Is it the part that it should be, the right way round? An error names the line of the point that shows it.
 fn check_shape(samples: &[Sample], middle: f64, part: Part) -> Result<(), (usize, String)> {
     let highest = |keep: &dyn Fn(f64) -> bool| {
@@ -294,6 +297,16 @@ fn check_shape(samples: &[Sample], middle: f64, part: Part) -> Result<(), (usize
             (None, Some(top)) => {
                 Err((top.line, format!("the flange stands at u = {:.1} mm, on the outer side: set mirror, or tread_circle", 1e3 * top.x)))
             }
+            (None, None) => match samples.iter().find(|sample| sample.x < -0.02 && sample.z - middle < -UPSIDE_DOWN) {
+                Some(low) => Err((
+                    low.line,
+                    format!(
+                        "falls {:.1} mm below the tread where a flange rises: are heights, or radii, upside down?",
+                        1e3 * (middle - low.z)
+                    ),
+                )),
+                None => Ok(()),
+            },
             _ => Ok(()),
         },
     }

@@ -120,7 +120,11 @@ pub fn grade(section: &Section) -> Result<f64, SettingsError> {
     }
     Err(section.error(
         KEY,
-        format!("found {angle:?} rad, expected at most {STEEPEST_TRACK} rad, a slope (0.01, \"1 %\") or an angle (\"0.5 deg\")"),
+        format!(
+            "found {:.3} % ({angle:.4} rad), expected at most {STEEPEST_TRACK} rad ({:.0} %), a slope (0.01, \"1 %\") or an angle (\"0.5 deg\")",
+            100.0 * angle.tan(),
+            100.0 * STEEPEST_TRACK.tan()
+        ),
     ))
 }
 

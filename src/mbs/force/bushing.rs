@@ -90,7 +90,7 @@ const fn quantity(number: u32, name: &'static str, kind: QuantityKind, descripti
     Quantity { number, name, kind, description }
 }
 
-const FORCE: &str = "force of the bushing along an axis of its first body, tension positive";
+const FORCE: &str = "force of the bushing along an axis of its first body, positive where the second body has moved along the axis";
 const MOMENT: &str = "moment of the bushing on its first body about one of that body's axes";
 const DISPLACEMENT: &str = "displacement of the second body's place along an axis of the first body, from the design configuration";
 const ANGLE: &str = "rotation of the second body about an axis of the first (component of the rotation vector)";

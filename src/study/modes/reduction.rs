@@ -12,6 +12,7 @@
 //! has all other eigenvalues, exactly. Whether a direction changes nothing is tried with a finite shift, not assumed. A mode's shape is found up to its part along n.
 
 use super::Dense;
+use super::shape::owner;
 use super::slopes::{Linear, Neighbourhood};
 use crate::formulation::EvaluationError;
 use crate::mbs::body::COORDINATES;
@@ -58,6 +59,7 @@ impl Reduction {
                 left_out.push(direction.words);
             }
         }
+        let left_out = counted(left_out);
         let mut conditions = Mat::<f64>::zeros(size + rows.len(), size);
         for i in 0..size {
             for j in 0..size {
@@ -103,13 +105,25 @@ fn candidates(here: &Neighbourhood) -> Vec<Direction> {
         found.push(Direction { parts: vec![(pitch, 1.0)], words: format!("{name}: turn about the axle") });
     }
     for state in 2 * COORDINATES * bodies..here.y.len() {
-        found.push(Direction { parts: vec![(state, 1.0)], words: format!("state {state}: nothing depends on it") });
+        found.push(Direction { parts: vec![(state, 1.0)], words: format!("{}, on which nothing depends", owner(here.model, state)) });
     }
     if system.drives.is_empty() {
         let parts = (0..bodies).map(|body| (COORDINATES * body, 1.0)).collect();
         found.push(Direction { parts, words: "travel of the whole along the track".into() });
     }
     found
+}
+
+/// The same words once, with how often they come.
+fn counted(words: Vec<String>) -> Vec<String> {
+    let mut all: Vec<(String, usize)> = Vec::new();
+    for word in words {
+        match all.iter_mut().find(|known| known.0 == word) {
+            Some(known) => known.1 += 1,
+            None => all.push((word, 1)),
+        }
+    }
+    all.into_iter().map(|(word, count)| if count > 1 { format!("{count} x {word}") } else { word }).collect()
 }
 
 /// Are rates and constraints the same after a finite shift?

@@ -46,6 +46,8 @@ const SWAYS: f64 = 0.03;
 const ROLLS: f64 = 0.5;
 /// Squares of velocities that are none, in parts of those of displacements, 1/s2.
 const AT_REST: f64 = 1e-6;
+/// Bodies that move by this part of a state, SI, only do so by rounding: states are lengths and forces (up to 1e7 times a motion).
+const ROUNDING: f64 = 1e-10;
 /// Share of the wheelsets' sway and yaw, taken together, from which on they hunt and are not only shaken.
 const TAKES_PART: f64 = 0.05;
 
@@ -92,8 +94,25 @@ pub(super) fn describe(model: &Model, speed: f64, value: c64, mut shape: Vec<c64
     let part_of = |wheelset: &Wheelset| [LATERAL, YAW].map(|axis| shares[COORDINATES * wheelset.body + axis]).iter().sum::<f64>();
     let takes_part = model.wheelsets.iter().map(part_of).sum::<f64>() > TAKES_PART;
     let hunting = value.im > 0.0 && lateral && takes_part && rolls_along(model, speed, moves, value);
+    let own = largest_beside(&shape[2 * count..], shape[..2 * count].iter().map(|part| part.norm()).fold(0.0, f64::max));
+    if let Some(state) = own {
+        return Described { name: owner(model, 2 * count + state), parts: Vec::new(), hunting: false, shape };
+    }
     let name = if total > 0.0 { name(model, &shares, moves, largest) } else { "states beside the bodies".into() };
     Described { name: if hunting { format!("hunting, {name}") } else { name }, parts, hunting, shape }
+}
+
+/// The largest of the states beside the bodies, where bodies' displacements and velocities (at most `moves`) are rounding beside it.
+fn largest_beside(states: &[c64], moves: f64) -> Option<usize> {
+    let largest = (0..states.len()).max_by(|a, b| states[*a].norm().total_cmp(&states[*b].norm()))?;
+    (moves < ROUNDING * states[largest].norm()).then_some(largest)
+}
+
+/// What has a state that no body has.
+pub(super) fn owner(model: &Model, state: usize) -> String {
+    let system = &model.system;
+    let element = (0..system.forces.len()).find(|element| system.states_of_force(*element).contains(&state));
+    element.map_or("contacts: own state".into(), |element| format!("{}: own state", system.forces[element].name()))
 }
 
 /// Does the wheelset that moves most roll along its wave? `v` are velocities, of which yaw angles are the `value`th part.

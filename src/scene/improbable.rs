@@ -1,0 +1,94 @@
+//! Values that are allowed but that no railway vehicle has: mostly another unit than was meant.
+
+use super::spec::Scene;
+use crate::formulation::Model;
+use crate::geometry::Side;
+use crate::mbs::inertia::Inertia;
+
+/// Radii of wheels from trolleys to steam locomotives, m.
+const RADII: [f64; 2] = [0.1, 1.2];
+/// Coefficients of friction of steel on steel end below this, sanded rails among them.
+const FRICTION: f64 = 1.0;
+/// The largest principal moment of inertia is at most the sum of the two others; by this part more is rounding of data.
+const ROUNDING: f64 = 0.02;
+
+/// All of them.
+pub fn improbable(scene: &Scene, model: &Model) -> Vec<String> {
+    wheels(model).into_iter().chain(friction(scene)).chain(moments(scene)).chain(distances(scene, model)).collect()
+}
+
+fn radius(model: &Model, wheelset: usize) -> f64 {
+    Side::BOTH.iter().map(|side| model.wheelsets[wheelset].wheel(*side).profile.at(0.0).value).fold(0.0, f64::max)
+}
+
+fn wheels(model: &Model) -> Option<String> {
+    let found = (0..model.wheelsets.len()).map(|index| (index, radius(model, index)));
+    let (index, radius) = found.into_iter().find(|(_, radius)| !(RADII[0]..=RADII[1]).contains(radius))?;
+    let [least, most] = RADII;
+    Some(format!(
+        "wheels of {} have a radius of {radius} m; those of railways have {least} to {most} m: was another unit meant?",
+        model.wheelsets[index].name
+    ))
+}
+
+fn friction(scene: &Scene) -> Option<String> {
+    let found = scene.contact.friction;
+    (found > FRICTION).then(|| format!("contact.friction = {found}: steel on steel has 0.05 to 0.6; per cent are written \"{found} %\""))
+}
+
+/// `J1 <= J2 + J3` of any distribution of mass.
+fn moments(scene: &Scene) -> Vec<String> {
+    let of = |(name, inertia): (&str, &Inertia)| {
+        let all = match *inertia {
+            Inertia::Revolution { transverse, axial } | Inertia::NotGyroscopic { transverse, axial } => [transverse, axial, transverse],
+            Inertia::General { principal } => principal.into(),
+        };
+        let (largest, sum) = (all.into_iter().fold(0.0, f64::max), all.iter().sum::<f64>());
+        let others = sum - largest;
+        (largest > (1.0 + ROUNDING) * others).then(|| {
+            format!(
+                "{name}: a moment of inertia of {largest} kg m2 is more than the sum of the two others, {others} kg m2: no body has that"
+            )
+        })
+    };
+    let bodies = scene.vehicle.bodies.iter().map(|placed| (placed.body.name.as_str(), &placed.body.inertia));
+    bodies.filter_map(of).collect()
+}
+
+/// Wheelsets that stand in each other.
+fn distances(scene: &Scene, model: &Model) -> Option<String> {
+    let all = &scene.vehicle.wheelsets;
+    let radius = (0..model.wheelsets.len()).map(|index| radius(model, index)).fold(0.0, f64::max).min(RADII[1]);
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    order.sort_by(|a, b| all[*a].x.total_cmp(&all[*b].x));
+    let near = order.windows(2).find(|pair| all[pair[1]].x - all[pair[0]].x < radius)?;
+    let [a, b] = [near[0], near[1]].map(|index| &all[index].spec.name);
+    Some(format!("{a} and {b} are {} m apart: their wheels stand in each other", all[near[1]].x - all[near[0]].x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{assemble, load};
+
+    fn of(scene: &str, change: &str) -> Vec<String> {
+        let changes: Vec<String> = if change.is_empty() { Vec::new() } else { vec![change.into()] };
+        let scene = load::open(scene, &changes).unwrap_or_else(|error| panic!("{error}"));
+        improbable(&scene, &assemble::model(&scene).unwrap())
+    }
+
+    #[test]
+    fn prop_slips_of_units_are_named_and_embedded_scenes_are_not() {
+        for (scene, change, words) in [
+            ("wheelset_s1002", "vehicle.wheelset.profile.radius=460", "radius of 460 m"),
+            ("wheelset_s1002", "contact.friction=35", "\"35 %\""),
+            ("vehicle_manchester_1", "vehicle.body[car].inertia_xx=6e6", "no body has that"),
+        ] {
+            let found = of(scene, change);
+            assert!(found.len() == 1 && found[0].contains(words), "{change}: {found:?}");
+        }
+        for scene in crate::scene::embedded::SCENES.iter().map(|scene| scene.name) {
+            assert_eq!(of(scene, ""), Vec::<String>::new(), "{scene}");
+        }
+    }
+}
