@@ -46,7 +46,7 @@ pub enum ContactFailure {
     #[error("{0}")]
     Conformal(#[from] ConformalContact),
     #[error(
-        "penetration of {penetration:.4} m is beyond elastic contact (wheelset at z = {z:.4} m): an initial position that is too low, an impact, or with a fixed step one that is too long (solver.step)"
+        "penetration of {penetration:.4} m is beyond elastic contact (wheelset at z = {z:.4} m): an initial position that is too low, dimensions or masses in another unit, an impact, or with a fixed step one that is too long (solver.step)"
     )]
     TooDeep { penetration: f64, z: f64 },
     #[error(
@@ -59,7 +59,9 @@ pub enum ContactFailure {
          to cease, or friction is too large for a contact this steep; contact.on_lift = \"elastic\" goes on with elastic forces"
     )]
     NotSettled { iterations: usize, residual: f64 },
-    #[error("the constraints of the contact are not independent: the surfaces touch along a line or are conformal here")]
+    #[error(
+        "the constraints of the contact are not independent: the surfaces touch along a line or are conformal here; an elastic formulation (contact.formulation = \"ECF-A\") goes on"
+    )]
     Dependent,
     #[error("the constraints do not determine their forces (row {row}; wheelset at y = {y:.4} m)")]
     Singular { row: usize, y: f64 },

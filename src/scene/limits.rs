@@ -6,3 +6,5 @@ pub const SMALLEST: f64 = 1e-6;
 pub const SMALLEST_MODULUS: f64 = 1e6;
 /// Largest number of output steps in a run.
 pub const MOST_STEPS: f64 = 1e8;
+/// Distance of rails, or of a wheelset's tread circles, beyond which another unit was meant, m: the widest gauge that ran was 3 m.
+pub const WIDEST: f64 = 4.0;

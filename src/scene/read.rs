@@ -1,7 +1,7 @@
 //! Reads a scene.
 
 use super::effects::Effects;
-use super::limits::{MOST_STEPS, SMALLEST_MODULUS};
+use super::limits::{MOST_STEPS, SMALLEST_MODULUS, WIDEST};
 use super::profiles::read_profiles;
 use super::spec::*;
 use super::table_store::FileStore;
@@ -180,6 +180,9 @@ fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
 
 /// Half of `rail_distance`, or what `gauge` makes of it.
 fn read_half_distance(section: &Section, rails: &[ProfileChoice; 2], inclination: f64) -> Result<f64, SettingsError> {
+    for key in ["gauge", "rail_distance"] {
+        section.refuse_beyond(key, Dimension::Length, WIDEST, "a distance in millimetres is written \"1435 mm\"")?;
+    }
     if !section.has("gauge") {
         return Ok(0.5 * section.positive("rail_distance", Dimension::Length)?);
     }

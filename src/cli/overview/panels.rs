@@ -5,6 +5,7 @@ use super::track;
 use crate::cli::plot::{BLUE, DARK, Ink, ORANGE, Panel, Series};
 use crate::sim::recording::Recording;
 use crate::study::spectrum::welch;
+use plotters::style::RGBColor;
 
 const DISTANCE: &str = "distance [m]";
 
@@ -13,9 +14,25 @@ fn ink(k: usize, count: usize) -> Ink {
     Ink::part(if count == 1 { 2 } else { k })
 }
 
-/// Of the reference, on the curves of the run.
-fn other() -> Ink {
-    Ink { width: 1.25, ..Ink::dashed(DARK) }
+/// Of the reference, on the curve of the run: alone in a panel it is dark, else a darker shade of the colour it belongs to.
+fn other(own: Ink, alone: bool) -> Ink {
+    let darker = |part: u8| (f64::from(part) * SHADE) as u8;
+    let color = if alone { DARK } else { RGBColor(darker(own.color.0), darker(own.color.1), darker(own.color.2)) };
+    Ink { width: 1.5, ..Ink::dashed(color) }
+}
+
+/// Brightness that a shade keeps.
+const SHADE: f64 = 0.55;
+
+/// Is it a curve of the reference?
+fn is_other(drawn: &Drawn, series: &Series) -> bool {
+    drawn.against.is_some_and(|reference| reference.name == series.label)
+}
+
+/// What a curve is called: nothing where there is but one that the title names.
+fn label<'a>(drawn: &Drawn, parts: &'a [String], k: usize) -> &'a str {
+    let alone = parts.len() == 1 && drawn.against.is_none() && drawn.scene.vehicle.bodies.is_empty();
+    if alone { "" } else { &parts[k] }
 }
 
 /// Names of parts of which an output is recorded, in order.
@@ -30,13 +47,13 @@ fn wheelsets(drawn: &Drawn) -> Vec<String> {
 }
 
 /// An output of a part over the part's distance, and that of the reference below a label of its own.
-fn curves(drawn: &Drawn, part: &str, output: &str, factor: f64, (label, ink): (&str, Ink)) -> Vec<Series> {
+fn curves(drawn: &Drawn, part: &str, output: &str, factor: f64, (label, ink, alone): (&str, Ink, bool)) -> Vec<Series> {
     let [along, name] = ["distance", output].map(|end| format!("{part}.{end}"));
     let points = |x: &[f64], y: &[f64]| x.iter().copied().zip(y.iter().map(|value| factor * value)).collect();
     let own = drawn.recording.column(&along).zip(drawn.recording.column(&name)).map(|(x, y)| Series::line(label, ink, points(&x, &y)));
     let reference = drawn.against.and_then(|reference| {
         let (x, y) = reference.signals.column(&along).zip(reference.signals.column(&name))?;
-        Some(Series::line(&reference.name, other(), points(x, y)))
+        Some(Series::line(&reference.name, other(ink, alone), points(x, y)))
     });
     // A reference of what is not recorded is none.
     if own.is_none() { vec![] } else { own.into_iter().chain(reference).collect() }
@@ -44,13 +61,11 @@ fn curves(drawn: &Drawn, part: &str, output: &str, factor: f64, (label, ink): (&
 
 /// One panel with an output of several parts; `None` where none has it.
 fn panel(drawn: &Drawn, parts: &[String], (title, axis): (&str, &str), output: &str, factor: f64) -> Option<Panel> {
-    let of = |(k, part): (usize, &String)| {
-        let label = if parts.len() > 1 { part.as_str() } else { "" };
-        curves(drawn, part, output, factor, (label, ink(k, parts.len())))
-    };
+    let of =
+        |(k, part): (usize, &String)| curves(drawn, part, output, factor, (label(drawn, parts, k), ink(k, parts.len()), parts.len() == 1));
     let mut series: Vec<Series> = parts.iter().enumerate().flat_map(of).collect();
     // The reference lies on top.
-    series.sort_by_key(|series| series.ink == other());
+    series.sort_by_key(|series| is_other(drawn, series));
     (!series.is_empty()).then(|| Panel { height: 270.0, ..Panel::new(title, [DISTANCE, axis], series) })
 }
 
@@ -60,9 +75,9 @@ fn wheels(drawn: &Drawn, parts: &[String], (title, axis): (&str, &str), output: 
         let both = [("left", "left wheel", BLUE), ("right", "right wheel", ORANGE)];
         let mut series: Vec<Series> = both
             .into_iter()
-            .flat_map(|(side, label, color)| curves(drawn, only, &format!("{side}.{output}"), factor, (label, Ink::line(color))))
+            .flat_map(|(side, label, color)| curves(drawn, only, &format!("{side}.{output}"), factor, (label, Ink::line(color), false)))
             .collect();
-        series.sort_by_key(|series| series.ink == other());
+        series.sort_by_key(|series| is_other(drawn, series));
         let panel = Panel { height: 270.0, ..Panel::new(title, [DISTANCE, axis], series) };
         return if panel.series.is_empty() { vec![] } else { vec![panel] };
     }
@@ -77,7 +92,7 @@ fn on_track(drawn: &Drawn, mut panels: Vec<Panel>) -> Vec<Panel> {
     let ends = panels
         .iter()
         .flat_map(|panel| &panel.series)
-        .filter(|series| series.ink != other())
+        .filter(|series| !is_other(drawn, series))
         .flat_map(|series| series.branches.iter().flatten());
     let range = ends.map(|point| (point.0, point.0)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     if let Some(range) = range {
@@ -182,20 +197,20 @@ pub(super) fn spectra(drawn: &Drawn) -> Vec<Panel> {
         for (output, word, _) in DIRECTIONS {
             let of = |(k, part): (usize, &String)| {
                 let name = format!("{part}.{output}");
-                let label = if parts.len() > 1 { part.as_str() } else { "" };
+                let ink = ink(k, parts.len());
                 let own = drawn
                     .recording
                     .column(&name)
-                    .map(|values| Series::line(label, ink(k, parts.len()), spectrum(&values[..even], interval)));
+                    .map(|values| Series::line(label(drawn, &parts, k), ink, spectrum(&values[..even], interval)));
                 let reference = drawn.against.filter(|_| own.is_some()).and_then(|reference| {
                     let values = reference.signals.column(&name)?;
-                    Some(Series::line(&reference.name, other(), spectrum(values, reference.signals.interval)))
+                    Some(Series::line(&reference.name, other(ink, parts.len() == 1), spectrum(values, reference.signals.interval)))
                 });
                 own.into_iter().chain(reference).collect::<Vec<_>>()
             };
             let mut series: Vec<Series> = parts.iter().enumerate().flat_map(of).collect();
             series.retain(|series| series.branches.iter().any(|branch| !branch.is_empty()));
-            series.sort_by_key(|series| series.ink == other());
+            series.sort_by_key(|series| is_other(drawn, series));
             if series.is_empty() {
                 continue;
             }

@@ -2,7 +2,7 @@
 
 use crate::geometry::out_of_round::OutOfRound;
 use crate::geometry::profile::ProfileChoice;
-use crate::scene::limits::SMALLEST;
+use crate::scene::limits::{SMALLEST, WIDEST};
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
 
@@ -72,6 +72,7 @@ impl WheelsetSpec {
     ) -> Result<Self, SettingsError> {
         let mass = section.at_least("mass", Dimension::Mass, SMALLEST)?;
         let axial_inertia = section.at_least("inertia_yy", Dimension::Inertia, SMALLEST)?;
+        section.refuse_beyond("tread_circle_distance", Dimension::Length, WIDEST, "a distance in millimetres is written \"1500 mm\"")?;
         let half_tread_circle_distance = 0.5 * section.positive("tread_circle_distance", Dimension::Length)?;
         let transverse_inertia = section.at_least("inertia_xx", Dimension::Inertia, SMALLEST)?;
         let zz = section.at_least("inertia_zz", Dimension::Inertia, SMALLEST)?;
