@@ -25,6 +25,10 @@ pub enum EquilibriumError {
     OnRails { percent: f64, cause: Box<EquilibriumError> },
     #[error("no equilibrium: nothing holds {body} {motion}; a force element or a joint must carry it there")]
     Unsupported { body: String, motion: &'static str },
+    #[error(
+        "no equilibrium: {wheelset} does not press on its rails, so that not even its spin is held: is the centre of mass of what it carries beyond the wheelbase, or does a preload lift it?"
+    )]
+    Lifted { wheelset: String },
     #[error("no equilibrium was found: {body} is left with {acceleration:.3e} m/s2 (or rad/s2); check stiffnesses, preloads and positions")]
     Unbalanced { body: String, acceleration: f64 },
     #[error("no steady rolling equilibrium: {0}")]

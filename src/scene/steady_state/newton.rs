@@ -153,8 +153,7 @@ impl Search<'_> {
 
     /// Why there is no balance: the body that nothing holds, or the one that is off it most.
     fn unsupported(&mut self, rest: &[f64]) -> EquilibriumError {
-        const MOTIONS: [&str; COORDINATES] =
-            ["along x", "along y", "along z", "about z (yaw)", "about x (roll)", "about y (pitch, of a wheelset its spin)"];
+        const MOTIONS: [&str; COORDINATES] = ["along x", "along y", "along z", "about z (yaw)", "about x (roll)", "about y (pitch)"];
         let (rows, columns) = (rest.len(), self.unknowns.len());
         let entries = self.differences(rest, true).unwrap_or_default();
         let slopes = Slopes { entries: &entries, rows, columns, square: &self.square }.whole();
@@ -175,6 +174,11 @@ impl Search<'_> {
             }
         }
         let (most, place) = largest(&moved);
+        // A wheelset that rolls on its rails has its spin held by friction.
+        let rolls = |body: usize| self.model.wheelsets.iter().any(|wheelset| wheelset.body == body);
+        if most > BALANCED && place % COORDINATES == PITCH && rolls(place / COORDINATES) {
+            return EquilibriumError::Lifted { wheelset: name(place / COORDINATES) };
+        }
         if most > BALANCED {
             return EquilibriumError::Unsupported { body: name(place / COORDINATES), motion: MOTIONS[place % COORDINATES] };
         }

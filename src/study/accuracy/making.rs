@@ -158,7 +158,10 @@ impl<'a> Making<'a> {
         self.study
             .points
             .sort_by(|a, b| (a.variant, method(a)).cmp(&(b.variant, method(b))).then(b.setting.value.total_cmp(&a.setting.value)));
-        let skipped = self.study.points.iter().filter(|point| matches!(point.outcome, Outcome::Skipped(_))).count();
+        // Of a model without a reference no budget makes errors.
+        let measured =
+            |point: &&Point| self.study.models.iter().any(|model| model.reference.is_ok() && model.variants.contains(&point.variant));
+        let skipped = self.study.points.iter().filter(measured).filter(|point| matches!(point.outcome, Outcome::Skipped(_))).count();
         if skipped > 0 {
             let words = format!("{skipped} of {} points were not run (a larger --budget has room for more)", self.study.points.len());
             self.study.notes.push(words);
