@@ -73,7 +73,7 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
         bodies: model.system.bodies.len(),
         contacts: model.contacts(),
         points: model.points,
-        force_elements: model.system.forces.len(),
+        force_elements: scene.vehicle.forces.len(),
         states: model.dimension(),
         effects,
         notes: profile_notes(scene)

@@ -76,6 +76,7 @@ fn hard_messages_say_what_is_wrong_with_a_vehicle() {
     let joint = "[[vehicle.joint]]\nname = \"j\"\nkind = \"universal\"\nfirst = \"w\"\nsecond = \"b\"\nat = [0, 0, 0]\naxis = [1, 0, 0]\nsecond_axis = [1, 1, 0]\n";
     let body = format!("[[vehicle.body]]\nname = \"b\"\nposition = [0, 0, 1]\n{BRICK}");
     let force = "[[vehicle.force]]\nname = \"f\"\nkind = \"bushing\"\nfrom = \"w\"\nto = \"b\"\nstiffness = [1, 1, 1]\n";
+    let template = "[vehicle]\ntemplate = \"vehicle_manchester_1\"\nspeed = 20.0\ngravity = 9.81\n";
     let cases = [
         (HEAD.to_string(), "vehicle.wheelset: is missing; expected at least one"),
         (format!("{HEAD}{}", wheelset.replace("driven = true", "")), "vehicle.travel: the imposed speed acts on no wheelset"),
@@ -86,6 +87,18 @@ fn hard_messages_say_what_is_wrong_with_a_vehicle() {
         ),
         (format!("{HEAD}{}", wheelset.replace("\"w\"", "\"1 w\"")), "vehicle.wheelset[1].name: found \"1 w\", expected letters"),
         (format!("{HEAD}{wheelset}{body}{joint}"), "vehicle.joint[1].second_axis: is not across axis"),
+        (format!("{HEAD}{wheelset}{body}{body}"), "vehicle.body[2].name: \"b\" names something else already"),
+        // What a template leaves out for the scene's entries to change is changed once.
+        (
+            format!(
+                "{template}[[vehicle.body]]\nname = \"car\"\nmass = 4e4\n[[vehicle.body]]\nname = \"car\"\nposition = [0, 0, 1]\n{BRICK}"
+            ),
+            "\"car\" names something else already",
+        ),
+        (
+            format!("{template}[[vehicle.body]]\nname = \"carr\"\nmass = 4e4\n"),
+            "no entry of the template is called \"carr\" (did you mean \"car\"?)",
+        ),
         (format!("{HEAD}{wheelset}{body}{force}"), "vehicle.force[1].from: has no place; expected { body"),
     ];
     for (text, words) in cases {
