@@ -93,7 +93,7 @@ impl SceneArguments {
         load::open(&self.scene, &self.overrides)
     }
 
-    /// The overrides with which all of these formulations have the same patch; says so where that is another one than the scene's.
+    /// The overrides with which all of these formulations have the same patch, and words where that is another one than the scene's.
     fn alike(&self, scene: &Scene, formulations: &[&str]) -> (Vec<String>, Option<String>) {
         let change = patch_choice::alike(scene, formulations);
         let words = change.as_ref().map(|change| {

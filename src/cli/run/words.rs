@@ -101,8 +101,7 @@ fn times(factor: f64) -> String {
     if factor < 10.0 { format!("{factor:.2}") } else { format!("{factor:.0}") }
 }
 
-/// Extremes of the outputs that people look at first.
-/// Extremes are those of the rows; of several wheelsets it names the one.
+/// Extremes, over the rows, of the outputs that people look at first; of several wheelsets it names the one.
 pub(super) fn summary(title: &str, (wheelset, alone): (&str, bool), recording: &Recording) -> String {
     let found = extremes(recording);
     let rows: Vec<Vec<String>> = SHOWN

@@ -297,16 +297,18 @@ fn check_shape(samples: &[Sample], middle: f64, part: Part) -> Result<(), (usize
             (None, Some(top)) => {
                 Err((top.line, format!("the flange stands at u = {:.1} mm, on the outer side: set mirror, or tread_circle", 1e3 * top.x)))
             }
-            (None, None) => match samples.iter().find(|sample| sample.x < -0.02 && sample.z - middle < -UPSIDE_DOWN) {
-                Some(low) => Err((
-                    low.line,
-                    format!(
-                        "falls {:.1} mm below the tread where a flange rises: are heights, or radii, upside down?",
-                        1e3 * (middle - low.z)
-                    ),
-                )),
-                None => Ok(()),
-            },
+            (None, None) => {
+                match samples.iter().find(|sample| (FLANGE.0..FLANGE.1).contains(&sample.x) && sample.z - middle < -UPSIDE_DOWN) {
+                    Some(low) => Err((
+                        low.line,
+                        format!(
+                            "falls {:.1} mm below the tread where a flange rises: are heights, or radii, upside down?",
+                            1e3 * (middle - low.z)
+                        ),
+                    )),
+                    None => Ok(()),
+                }
+            }
             _ => Ok(()),
         },
     }

@@ -65,6 +65,10 @@ fn inertias(model: &Model) -> Vec<f64> {
 
 pub(super) fn describe(model: &Model, speed: f64, value: c64, mut shape: Vec<c64>) -> Described {
     let count = COORDINATES * model.system.bodies.len();
+    let own = largest_beside(&shape[2 * count..], shape[..2 * count].iter().map(|part| part.norm()).fold(0.0, f64::max));
+    if let Some(state) = own {
+        return Described { name: owner(model, 2 * count + state), parts: Vec::new(), hunting: false, shape };
+    }
     let inertias = inertias(model);
     let weighed =
         |begin: usize| -> Vec<f64> { inertias.iter().zip(&shape[begin..]).map(|(inertia, part)| inertia * part.norm_sqr()).collect() };
@@ -94,10 +98,6 @@ pub(super) fn describe(model: &Model, speed: f64, value: c64, mut shape: Vec<c64
     let part_of = |wheelset: &Wheelset| [LATERAL, YAW].map(|axis| shares[COORDINATES * wheelset.body + axis]).iter().sum::<f64>();
     let takes_part = model.wheelsets.iter().map(part_of).sum::<f64>() > TAKES_PART;
     let hunting = value.im > 0.0 && lateral && takes_part && rolls_along(model, speed, moves, value);
-    let own = largest_beside(&shape[2 * count..], shape[..2 * count].iter().map(|part| part.norm()).fold(0.0, f64::max));
-    if let Some(state) = own {
-        return Described { name: owner(model, 2 * count + state), parts: Vec::new(), hunting: false, shape };
-    }
     let name = if total > 0.0 { name(model, &shares, moves, largest) } else { "states beside the bodies".into() };
     Described { name: if hunting { format!("hunting, {name}") } else { name }, parts, hunting, shape }
 }
@@ -112,7 +112,7 @@ fn largest_beside(states: &[c64], moves: f64) -> Option<usize> {
 pub(super) fn owner(model: &Model, state: usize) -> String {
     let system = &model.system;
     let element = (0..system.forces.len()).find(|element| system.states_of_force(*element).contains(&state));
-    element.map_or("contacts: own state".into(), |element| format!("{}: own state", system.forces[element].name()))
+    element.map_or("contacts or track: own state".into(), |element| format!("{}: own state", system.forces[element].name()))
 }
 
 /// Does the wheelset that moves most roll along its wave? `v` are velocities, of which yaw angles are the `value`th part.
