@@ -77,6 +77,16 @@ mod tests {
         improbable(&scene, &assemble::model(&scene).unwrap())
     }
 
+    /// What no slip of a unit explains away is refused, with its key.
+    #[test]
+    fn prop_gauges_in_millimetres_are_refused() {
+        for key in ["track.gauge=1435", "vehicle.wheelset.tread_circle_distance=1500"] {
+            let error = load::open("wheelset_s1002", &[key.into()]).err().map(|error| error.to_string()).unwrap_or_default();
+            let (name, _) = key.split_once('=').unwrap();
+            assert!(error.contains(name) && error.contains("a distance in millimetres"), "{error}");
+        }
+    }
+
     #[test]
     fn prop_slips_of_units_are_named_and_embedded_scenes_are_not() {
         for (scene, change, words) in [

@@ -46,6 +46,11 @@ impl Recording {
         Ok(())
     }
 
+    /// What the rows do not show: its own notes and those of the simulation that made it.
+    pub fn all_notes(&self, simulation: &Simulation) -> Vec<String> {
+        self.notes.iter().cloned().chain(simulation.notes()).collect()
+    }
+
     /// The values of one column; `None` when there is no such column.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
         let index = self.columns.iter().position(|column| column.0 == name)?;

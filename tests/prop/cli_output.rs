@@ -212,8 +212,8 @@ fn prop_columns_are_chosen_by_pattern_and_hold_the_same_numbers() {
     }
     assert_eq!(few.lines().count(), all.lines().count());
     // The summary does not depend on what is written.
-    let (stdout, _, _) = run(&[&BRIEF[..], &["--columns", "*.ay"]].concat());
-    assert!(stdout.contains("Q left [kN]"), "{stdout}");
+    let (stdout, stderr, _) = run(&[&BRIEF[..], &["--columns", "*.ay"]].concat());
+    assert!(stdout.contains("Q left [kN]") && stderr.contains("--columns: about rows that are written"), "{stdout}{stderr}");
     let (_, stderr, code) = run(&[&BRIEF[..], &["--columns", "whelset.y"]].concat());
     assert!(code == 2 && stderr.contains("--columns whelset.y (did you mean \"wheelset.y\"?): no output of that name"), "{stderr}");
 }

@@ -9,6 +9,7 @@ use super::output::{Kind, Target, write_whole};
 use super::progress::Progress;
 use super::run::words;
 use super::{Failure, TimeArguments, print, refused, say};
+use crate::scene::improbable::improbable;
 use crate::scene::load;
 use crate::scene::spec::Scene;
 use crate::settings::did_you_mean;
@@ -239,7 +240,8 @@ fn run(arguments: &Arguments, step: f64) -> Result<Subject, Failure> {
         Some(_) => Failure::Run(words(&error)),
         None => Failure::Input(words(&error)),
     })?;
-    let notes = recording.notes.iter().cloned().chain(simulation.notes()).collect();
+    let mut notes = improbable(&scene, simulation.model());
+    notes.extend(recording.all_notes(&simulation));
     Ok(Subject {
         title: scene.title,
         signals,

@@ -55,6 +55,11 @@ impl Run {
         self.failure.is_none()
     }
 
+    /// That it ended early, and why; `None` where it ran to its end.
+    pub(super) fn broken_off(&self) -> Option<String> {
+        self.failure.as_ref().map(|failure| format!("{} ended early: {failure}", self.name))
+    }
+
     /// A run without outputs, for its cost.
     fn time(&mut self, stop: f64) -> Result<(), String> {
         let Some(scene) = self.scene.as_ref().filter(|_| self.failure.is_none()) else { return Ok(()) };

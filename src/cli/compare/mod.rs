@@ -172,6 +172,7 @@ fn picture(folder: &Path, comparison: &Comparison, runs: [&Run; 2], quantity: &Q
         Panel { aside, height: 260.0, ..Panel::new(&format!("{} minus {}", names[0], names[1]), ["distance [m]", &unit], apart) },
     ];
     let title = format!("{}: {} and {}", quantity.title, names[0], names[1]);
-    Sheet { title, subtitles: vec![scene.title.clone()], columns: 1, panels }.draw(&file)?;
+    let subtitles = std::iter::once(scene.title.clone()).chain(runs.iter().filter_map(|run| run.broken_off())).collect();
+    Sheet { title, subtitles, columns: 1, panels }.draw(&file)?;
     Ok(Some(file))
 }

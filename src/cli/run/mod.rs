@@ -131,6 +131,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let layout = asked.layout(&outputs, wanted, wheelset, times)?;
     let mut notes = statics::statics(&scene, &mut simulation).map(|found| found.notes()).unwrap_or_default();
     notes.splice(0..0, improbable(&scene, simulation.model()));
+    notes.extend(asked.unread(arguments.json));
     notes.extend(scene.effects.describe().into_iter().map(|(name, why)| format!("left out: {name}, {why}")));
     let mut run = Run::new(&simulation, &outputs);
     run.inputs = inputs.map(|inputs| inputs.table);
@@ -161,8 +162,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             Err(error) => failure = failure.or(Some(error)),
         }
     }
-    notes.extend(recording.notes.iter().cloned());
-    notes.extend(simulation.notes());
+    notes.extend(recording.all_notes(&simulation));
     messages(&notes, &events, simulation.doubts());
     if arguments.json {
         let error = failure.as_ref().or(ended.as_ref().map(|ended| &ended.0));
@@ -225,6 +225,17 @@ fn integrate(
 impl ResultArguments {
     fn wants(&self, name: &str) -> bool {
         self.columns.is_empty() || self.columns.iter().any(|pattern| matches(pattern, name))
+    }
+
+    /// Options about a file where none is written.
+    fn unread(&self, json: bool) -> Option<String> {
+        let given = [
+            ("--columns", !self.columns.is_empty() && !json),
+            ("--precision", self.precision != Precision::default()),
+            ("--index", self.index != Index::default()),
+        ];
+        let names: Vec<&str> = given.iter().filter(|(_, given)| *given && self.output.is_none()).map(|(name, _)| *name).collect();
+        (!names.is_empty()).then(|| format!("{}: about rows that are written; -o FILE writes them", names.join(", ")))
     }
 
     /// How many output steps lie between two rows of the file.

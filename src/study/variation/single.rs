@@ -1,7 +1,9 @@
 //! One run of a sweep: how it ended, and its scalars. Whatever goes wrong is its result.
 
 use super::scalar::Scalar;
+use crate::scene::improbable::improbable;
 use crate::scene::load;
+use crate::scene::spec::Scene;
 use crate::sim::Simulation;
 use crate::sim::pattern::matches;
 use crate::sim::recording::{self, Recording, Times};
@@ -97,7 +99,7 @@ fn attempt(scene: &str, changes: &[String], asked: Asked, scalars: &[Scalar], go
     let values = |recording: &Recording| scalars.iter().map(|scalar| scalar.of(recording)).collect();
     let time = Some(simulation.time());
     Some(match done {
-        Ok(recording) => Outcome { state: State::Ok, time, reason: remarks(&simulation, &recording), scalars: values(&recording) },
+        Ok(recording) => Outcome { state: State::Ok, time, reason: remarks(&scene, &simulation, &recording), scalars: values(&recording) },
         Err(early) => {
             let state = if early.error.is_derailed() { State::Derailed } else { State::Failed };
             Outcome { state, time, reason: early.error.to_string(), scalars: values(&early.recording) }
@@ -105,9 +107,11 @@ fn attempt(scene: &str, changes: &[String], asked: Asked, scalars: &[Scalar], go
     })
 }
 
-/// What a run that came to its end notes: wheels that unload or strike their rail, steps that are doubtful.
-fn remarks(simulation: &Simulation, recording: &Recording) -> String {
-    let doubts = Some(simulation.doubts()).filter(|doubts| doubts.steps > 0).map(|doubts| doubts.to_string());
-    let all: Vec<String> = recording.notes.iter().cloned().chain(simulation.notes()).chain(doubts).collect();
+/// What a run that came to its end notes: sizes that look like slips of units, wheels that unload or strike their rail, steps that are
+/// doubtful.
+fn remarks(scene: &Scene, simulation: &Simulation, recording: &Recording) -> String {
+    let mut all = improbable(scene, simulation.model());
+    all.extend(recording.all_notes(simulation));
+    all.extend(Some(simulation.doubts()).filter(|doubts| doubts.steps > 0).map(|doubts| doubts.to_string()));
     all.join("; ")
 }
