@@ -24,7 +24,7 @@ pub const LOG_CATEGORIES: &[(&str, &str)] = &[
 
 /// The orders of derivatives that the FMU takes and gives.
 pub const INPUT_DERIVATIVE_ORDER: i32 = 2;
-pub const OUTPUT_DERIVATIVE_ORDER: i32 = 1;
+pub const OUTPUT_DERIVATIVE_ORDER: i32 = 2;
 
 /// The document and its GUID.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,7 +14,7 @@ use crate::scene::spec::Scene;
 use crate::scene::vehicle::FASTEST;
 use crate::sim::SimulationState;
 use crate::sim::feedthrough::whose;
-use crate::sim::outputs::{Output, integral};
+use crate::sim::outputs::{Output, integral, rate};
 use crate::sim::vehicle_outputs::{BODY, FORCE_INPUT, STRIDE, scene_outputs};
 use crate::units::Unit;
 use std::collections::HashMap;
@@ -156,6 +156,14 @@ impl VariableTable {
         let shown = matches!(variable.role, Role::Output(_)) && (WHEELSET..BODY).contains(&reference);
         let number = integral(reference % WHEELSET).filter(|_| shown)?;
         self.place(reference - reference % WHEELSET + number)
+    }
+
+    /// The output that is the derivative by time of this variable, if the FMU shows it.
+    pub fn rate(&self, variable: &Variable) -> Option<&Variable> {
+        let reference = variable.reference;
+        let shown = matches!(variable.role, Role::Output(_)) && (WHEELSET..BODY).contains(&reference);
+        let number = rate(reference % WHEELSET).filter(|_| shown)?;
+        self.variables.get(self.place(reference - reference % WHEELSET + number)?)
     }
 
     /// Does an output depend at the same instant on the input at this place of the input vector?

@@ -532,21 +532,28 @@ impl Simulation {
         Ok(&self.snapshot)
     }
 
-    /// Moves a snapshot along the solution by `offset` [s] (for derivatives of outputs): y and inputs go along their
-    /// tangents.
+    /// Moves the snapshot along the solution by `offset` [s] (for derivatives of outputs): y along its tangent, or along the parabola with these second
+    /// derivatives; inputs by their polynomials.
     ///
     /// # Errors
     /// [`SimulationError`] when the model cannot be evaluated there.
-    pub fn displaced_snapshot(&mut self, offset: f64) -> Result<&Snapshot, SimulationError> {
+    pub fn displace(&mut self, offset: f64, bend: Option<&[f64]>) -> Result<(), SimulationError> {
         self.snapshot()?;
         self.known = None;
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
         for (value, slope) in y.iter_mut().zip(dy.iter()) {
             *value += offset * slope;
         }
+        for (value, bend) in y.iter_mut().zip(bend.unwrap_or_default()) {
+            *value += 0.5 * offset * offset * bend;
+        }
         *time += offset;
         input::evaluate(&self.model, &self.state.inputs, *time, inputs);
-        self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
-        Ok(&self.snapshot)
+        Ok(self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?)
+    }
+
+    /// What was looked at last.
+    pub fn seen(&self) -> &Snapshot {
+        &self.snapshot
     }
 }

@@ -214,6 +214,11 @@ pub fn integral(number: u32) -> Option<u32> {
     }
 }
 
+/// The other way round: the number of the output that is its derivative by time.
+pub fn rate(number: u32) -> Option<u32> {
+    (15..=26).find(|other| integral(*other) == Some(number))
+}
+
 /// Means over the last stretch of travel.
 fn means(c: &mut Collector, model: &Model, wheelset: usize) {
     let Some(mean) = model.means else { return };

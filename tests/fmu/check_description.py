@@ -314,7 +314,7 @@ def header(report, root):
         report.check(slave.get(key) in ("true", "1"), key, str(slave.get(key)))
     for key in ("needsExecutionTool", "canRunAsynchronuously", "canBeInstantiatedOnlyOncePerProcess"):
         report.check(slave.get(key, "false") in ("false", "0"), f"not {key}", str(slave.get(key)))
-    report.check(slave.get("maxOutputDerivativeOrder") == "1", "maxOutputDerivativeOrder",
+    report.check(slave.get("maxOutputDerivativeOrder") == "2", "maxOutputDerivativeOrder",
                  str(slave.get("maxOutputDerivativeOrder")))
     experiment = root.find("DefaultExperiment")
     experiment = {} if experiment is None else experiment.attrib

@@ -170,8 +170,8 @@ class Instance:
         references = self.fmu.references([name]) * len(derivatives)
         self.slave.setRealInputDerivatives(references, range(1, len(derivatives) + 1), derivatives)
 
-    def derivatives(self, *names):
-        return np.array(self.slave.getRealOutputDerivatives(self.fmu.references(names), [1] * len(names)))
+    def derivatives(self, *names, order=1):
+        return np.array(self.slave.getRealOutputDerivatives(self.fmu.references(names), [order] * len(names)))
 
     def step_to(self, time):
         """One communication step. The state may be set back later, so the FMU must keep what it needs for that."""

@@ -72,8 +72,8 @@ class Instance3(Instance):
     def outputs(self):
         return np.array(self.slave.getFloat64(self.fmu.references(self.fmu.outputs)))
 
-    def derivatives(self, *names):
-        return np.array(self.slave.getOutputDerivatives(self.fmu.references(names), [1] * len(names)))
+    def derivatives(self, *names, order=1):
+        return np.array(self.slave.getOutputDerivatives(self.fmu.references(names), [order] * len(names)))
 
     def step(self, time):
         """fmi3DoStep up to `time`: (event, terminate, early); keeps the time reached."""

@@ -1,6 +1,6 @@
 """derivatives.py FMU
 
-Output derivatives of order 1 against central differences of the outputs, and against outputs that are derivatives.
+Output derivatives of order 1 and 2 against central differences of the outputs, and against outputs that are derivatives.
 """
 
 import numpy as np
@@ -32,6 +32,36 @@ def sample(fmu, names, times, values, drive):
             narrow = (around[1] - around[-1]) / SMALL
             differences.append((4 * narrow - wide) / 3)  # fourth order
     return np.array(told), np.array(differences), outputs
+
+
+def second(report, fmu):
+    """Order 2 against central differences of order 1, and against accelerations."""
+    report.section("order 2")
+    names, moments = MOTION + FORCES, [0.1, 0.53, 0.58, 0.63, 0.68, 0.72, 0.93]
+    accelerations = {f"{W}.y": f"{W}.ay", f"{W}.z": f"{W}.az", f"{W}.yaw": f"{W}.yawAcceleration"}
+    told, differences = [], []
+    with fmu.instance({"solver.tolerance": 1e-13}) as instance:
+        for time in moments:
+            around = {}
+            for offset in (-2, -1, 0, 1, 2):
+                instance.step_to(time + offset * SMALL / 2)
+                around[offset] = instance.derivatives(*names)
+                if offset == 0:
+                    before = instance.outputs()
+                    told.append(instance.derivatives(*names, order=2))
+                    report.same_bits(instance.outputs(), before, "asking for them changes nothing")
+                    for name, acceleration in accelerations.items():
+                        report.check(told[-1][names.index(name)] == instance.get(acceleration), f"d2 {name} / dt2 is {acceleration}")
+            wide, narrow = (around[2] - around[-2]) / (2 * SMALL), (around[1] - around[-1]) / SMALL
+            differences.append((4 * narrow - wide) / 3)
+        mixed = instance.slave.getRealOutputDerivatives(fmu.references([f"{W}.vy", f"{W}.vy"]), [2, 1])
+        report.check(mixed[0] == instance.derivatives(f"{W}.vy", order=2)[0] and mixed[1] == instance.get(f"{W}.ay"), "orders may be mixed in one call")
+    told, differences = np.array(told), np.array(differences)
+    for i, name in enumerate(names):
+        scale = np.max(np.abs(differences[:, i]))
+        floor = 1e4 if name in FORCES else 1.0
+        limit = (5e-3 if name in FORCES else 5e-4) * max(scale, floor)
+        report.below(np.max(np.abs(told[:, i] - differences[:, i])), limit, f"{name}, second derivative up to {scale:.3e}")
 
 
 def compare(report, fmu, what, times, values, drive):
@@ -98,6 +128,7 @@ def script(report, path):
         compare(report, fmu, "1 mm off the centre, with rising torque and lateral force",
                 [0.06, 0.11, 0.17, 0.23, 0.31], {f"{W}.initial.distance": 100.0, f"{W}.initial.y": 0.001}, drive)
 
+        second(report, fmu)
         directional(report, fmu)
 
         report.section("all outputs")

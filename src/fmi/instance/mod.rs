@@ -5,6 +5,7 @@
 mod directional;
 mod errors;
 mod events;
+mod output_derivatives;
 mod saved;
 mod stepping;
 mod tuning;

@@ -1,7 +1,7 @@
 //! Getting and setting variables of an instance.
 
 use super::{CallError, Instance, Phase};
-use crate::fmi::description::{INPUT_DERIVATIVE_ORDER, OUTPUT_DERIVATIVE_ORDER};
+use crate::fmi::description::INPUT_DERIVATIVE_ORDER;
 use crate::fmi::variables::{Kind, Role, Variable};
 use crate::sim::outputs::needs;
 
@@ -243,38 +243,6 @@ impl Instance {
         }
         for (input, signal) in changes {
             self.set_input(input, signal);
-        }
-        Ok(())
-    }
-
-    /// fmi2GetRealOutputDerivatives, order 1: the outputs' change along the solution's tangent by a central difference
-    /// over two microseconds (relative error about 1e-7 for the stiffest motion, the contact's 200 Hz).
-    ///
-    /// # Errors
-    /// [`CallError`]; `values` is then unchanged.
-    pub fn get_output_derivatives(&mut self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Result<(), CallError> {
-        const REACH: f64 = 1e-6;
-        let mut outputs = Vec::with_capacity(references.len());
-        for (reference, order) in references.iter().zip(orders) {
-            let variable = self.lookup(*reference, Kind::Real)?;
-            let Role::Output(output) = variable.role else { return Err(CallError::NotAnOutput { name: variable.name.clone() }) };
-            if !(1..=OUTPUT_DERIVATIVE_ORDER).contains(order) {
-                return Err(CallError::Order { name: variable.name.clone(), order: *order, largest: OUTPUT_DERIVATIVE_ORDER });
-            }
-            outputs.push(output);
-        }
-        if outputs.is_empty() {
-            return Ok(());
-        }
-        self.started()?;
-        let (Some(simulation), table) = (&mut self.simulation, &self.table) else { return Ok(()) };
-        let mut read = |offset: f64| -> Result<Vec<f64>, CallError> {
-            let snapshot = simulation.displaced_snapshot(offset).map_err(CallError::Evaluation)?;
-            Ok(outputs.iter().map(|output| table.outputs[*output].value(snapshot)).collect())
-        };
-        let (ahead, behind) = (read(REACH)?, read(-REACH)?);
-        for ((value, ahead), behind) in values.iter_mut().zip(ahead).zip(behind) {
-            *value = (ahead - behind) / (2.0 * REACH);
         }
         Ok(())
     }

@@ -167,7 +167,11 @@ fn hard_bad_csv_files_are_refused_with_file_and_line() {
     let wheel = "u,radius\n-0.05,0.46\n0,0.46\n0.03,0.46\n0.05,0.487\n";
     assert!(message(wheel).starts_with("w.csv:5: u,radius: the flange stands at u = 50.0 mm, on the outer side"));
     let inverted = "u,radius\n-0.06,0.45\n-0.045,0.433\n-0.03,0.46\n0,0.46\n0.05,0.461\n";
-    assert!(message(inverted).starts_with("w.csv:3: u,radius: falls 27.0 mm below the tread where a flange rises"), "{}", message(inverted));
+    assert!(
+        message(inverted).starts_with("w.csv:3: u,radius: falls 27.0 mm below the tread where a flange rises"),
+        "{}",
+        message(inverted)
+    );
     assert!(refusal("r.csv", "eta,height\n-0.05,0.027\n0,0\n0.05,0\n", "", Part::Rail).starts_with("r.csv:2: eta,height: rises 27.0 mm"));
 }
 
