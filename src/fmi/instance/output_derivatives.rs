@@ -7,7 +7,7 @@
 //! order 1: (g(k) - g(-k)) / 2k,    order 2: (g(h) - 2 g(0) + g(-h)) / h^2
 //! ```
 //!
-//! k = 1 us leaves out 1e-7 of the stiffest motion (the contact's 200 Hz), h = 50 us 4e-4 (over less, the 1e-10 to which a contact is found is noise). They are those of the smooth motion: at a jump (a joint of the track's curvature, a contact
+//! k = 1 us leaves out 1e-7 of the stiffest motion (the contact's 200 Hz), h = 20 us 5e-5. They are those of the smooth motion: at a jump (a joint of the track's curvature, a contact
 //! that begins) none exist.
 
 use super::{CallError, Instance};
@@ -17,7 +17,7 @@ use crate::sim::{Simulation, SimulationError};
 
 /// How far the solution is followed for a first and for a second difference, s.
 const FIRST: f64 = 1e-6;
-const SECOND: f64 = 5e-5;
+const SECOND: f64 = 2e-5;
 
 /// A derivative: of which output a difference is taken, and of which order.
 type Asked = (usize, i32);
