@@ -13,6 +13,12 @@ use crate::study::shares::counted::Counted;
 use clap::Args;
 
 #[derive(Args)]
+#[command(after_long_help = "\
+One line per effect: in (computed), out (the scene does not name it, or it is switched off) or guarded (looked at only where it may act, by a bound \
+that is named), its states, its share of the work of one evaluation at the initial state, and the line of the scene or the reason.
+
+Below: the work of that evaluation by parts, from counted operations (an estimate of instructions, not a time), and what leaving an effect out would \
+neglect, by formulas with this scene's numbers. `wheelrail effects` runs the scene without each of them instead.")]
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,

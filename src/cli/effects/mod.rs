@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1)]
     parallel: usize,
     /// Time for all runs together, s or with a unit, e.g. "60s"
-    #[arg(long, value_name = "T", default_value = "100 s", value_parser = seconds)]
+    #[arg(long, value_name = "T", default_value = "100s", value_parser = seconds)]
     budget: f64,
     /// Print root mean squares of the changes instead of their largest values
     #[arg(long)]
