@@ -98,10 +98,7 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
         let points: Vec<(f64, f64)> = positions.iter().zip(values).map(|(&position, value)| (position, scale * value)).collect();
         let spline = CubicSpline::natural(&points).map_err(|error| file.error(0, COLUMNS[0], error.to_string()))?;
         let mut shape = Windowed { spline, window, description: description.clone(), waves: Vec::new() };
-        shape.waves = resolved(&shape, window.from, window.to, |s| {
-            let behind = positions.partition_point(|position| *position <= s).clamp(1, positions.len() - 1);
-            positions[behind] - positions[behind - 1]
-        });
+        shape.waves = resolved(&shape, window.from, window.to, &positions);
         Ok(Arc::new(shape) as Arc<dyn DeviationShape>)
     })?;
     Ok(Irregularity { deviations, file: Some(file.kept) })
