@@ -328,3 +328,37 @@ fn locals(constrains: bool, linearises: bool) -> Vec<Variable> {
     }
     locals
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::embedded::SCENES;
+    use crate::scene::load;
+    use crate::scene::spec::OUTPUT_GROUPS;
+
+    /// One number, one variable: whatever groups a scene shows, on rails that give way too.
+    #[test]
+    fn prop_no_two_variables_have_one_reference() {
+        let all = OUTPUT_GROUPS.iter().filter(|group| **group != crate::scene::spec::RAIL_FORCES).map(|group| format!("\"{group}\""));
+        let shown = format!("interface.outputs=[{}]", all.collect::<Vec<_>>().join(","));
+        let mut counted = 0;
+        for scene in SCENES {
+            for flexibility in [None, Some("track.flexibility=travelling"), Some("track.flexibility=beam")] {
+                let changes: Vec<String> = std::iter::once(shown.clone()).chain(flexibility.map(str::to_string)).collect();
+                // Not every scene goes with every track.
+                let Ok(scene) = load::open(scene.name, &changes) else { continue };
+                for version in [Version::Two, Version::Three] {
+                    let Ok(table) = VariableTable::of_version(&scene, version) else { continue };
+                    let own = table.variables.iter().chain(&table.additions.variables).map(|variable| (variable.reference, &variable.name));
+                    let mut all: Vec<(u32, &String)> =
+                        own.chain(table.additions.arrays.iter().map(|array| (array.reference, &array.name))).collect();
+                    all.sort_unstable();
+                    let twice = all.windows(2).find(|pair| pair[0].0 == pair[1].0);
+                    assert!(twice.is_none(), "{} {flexibility:?}: {twice:?}", scene.name);
+                    counted += 1;
+                }
+            }
+        }
+        assert!(counted > 3 * SCENES.len(), "{counted}");
+    }
+}

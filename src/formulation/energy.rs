@@ -43,7 +43,7 @@ impl Model {
                 let friction = friction_power(workspace, contact);
                 rates[books.friction(index, side)] = friction;
                 let climbing = self.climbing_power(workspace, contact, &workspace.system.motions[wheelset.body], wheelset.body);
-                rates[CONTACT] += wheel_power(workspace, contact, wheelset.body) + climbing + friction;
+                rates[CONTACT] += self.wheel_power(workspace, (inputs, y), (index, side)) + climbing + friction;
             }
             rates[books.inputs(index)] = input_power(workspace, inputs, index, wheelset.body);
         }
@@ -63,21 +63,29 @@ impl Model {
     }
 }
 
+impl Model {
+    /// Power of all contacts of a wheel on it, W: their wrench on what turns (the wheel itself, where the axle twists), with arms from where the wheel stands against a rail that has
+    /// moved, and with what turns a wheel that is not round (`out_of_round`).
+    pub fn wheel_power(&self, workspace: &Workspace, (inputs, y): (&[f64], &[f64]), (wheelset, side): (usize, Side)) -> f64 {
+        let (contact, own) = (contact_index(wheelset, side), &self.wheelsets[wheelset]);
+        let turning = own.turning[side.index()];
+        let motion = &workspace.system.motions[turning];
+        let moved = self.against_rail((&workspace.system, &workspace.rails), (inputs, y), (own.body, turning), contact);
+        let stands = moved.as_ref().map_or(motion.position, |moved| moved.motion.position);
+        let of = |k: &ContactReport| {
+            let moment = (k.wheel_point - stands).cross(&k.force) + k.axes.normal * k.creep_force.spin_moment + k.couple;
+            k.force.dot(&motion.velocity) + moment.dot(&motion.rotation)
+        };
+        let bumps = moved.map_or(0.0, |moved| self.turned_by_bumps(workspace, &moved, contact).dot(&motion.rotation));
+        workspace.reports(contact).map(of).sum::<f64>() - bumps
+    }
+}
+
 /// Power that slip takes at all contacts of a wheel, W.
 pub fn friction_power(workspace: &Workspace, contact: usize) -> f64 {
     let of = |k: &ContactReport| {
         let (force, slip) = (&k.creep_force, &k.slip);
         -(force.longitudinal * slip.longitudinal + force.lateral * slip.lateral + force.spin_moment * slip.spin)
-    };
-    workspace.reports(contact).map(of).sum()
-}
-
-/// Power of all contacts of a wheel of `body` on it, W.
-pub fn wheel_power(workspace: &Workspace, contact: usize, body: usize) -> f64 {
-    let motion = &workspace.system.motions[body];
-    let of = |k: &ContactReport| {
-        let moment = k.axes.normal * k.creep_force.spin_moment + k.couple;
-        k.force.dot(&motion.material_velocity(&k.wheel_point)) + moment.dot(&motion.rotation)
     };
     workspace.reports(contact).map(of).sum()
 }

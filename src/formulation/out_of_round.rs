@@ -40,10 +40,16 @@ impl Model {
             let climbing = self.climbing_wrench(workspace, (contact, body));
             workspace.system.wrenches[body] += climbing;
         }
-        let Some(Swollen { larger, growing, axle }) = moved.and_then(|moved| moved.round) else { return };
-        let turned = |report: &ContactReport| larger.cross(&report.force) + axle * (report.normal_force * growing.dot(&report.axes.normal));
-        let moment: Vector3<f64> = workspace.reports(contact).map(turned).sum();
+        let Some(moved) = moved.filter(|moved| moved.round.is_some()) else { return };
+        let moment = self.turned_by_bumps(workspace, moved, contact);
         workspace.system.wrenches[body].moment -= moment;
+    }
+
+    /// The moment by which those about p* are larger than those about p, N m; 0 of a round wheel.
+    pub(super) fn turned_by_bumps(&self, workspace: &Workspace, moved: &AgainstRail, contact: usize) -> Vector3<f64> {
+        let Some(Swollen { larger, growing, axle }) = moved.round else { return Vector3::zeros() };
+        let turned = |report: &ContactReport| larger.cross(&report.force) + axle * (report.normal_force * growing.dot(&report.axes.normal));
+        workspace.reports(contact).map(turned).sum()
     }
 
     /// Power of the moment with which a wheel's contacts turn it because it is not round, W.

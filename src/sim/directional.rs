@@ -5,7 +5,7 @@
 //!
 //! - *A force or torque on a wheelset, elastic contact.* Accelerations are linear in it: its wrench is added to the loads that the evaluation has
 //!   left, and the equations of motion are solved for loads to both sides, about as large as the weight. That is exact to rounding, and no contact
-//!   is looked at again. (An output that is not linear in accelerations would be off; there is none.)
+//!   is looked at again. (An output that is not linear in accelerations and the input itself would be off; there is none.)
 //! - *All others*: friction, motion of the rails, inputs of force elements; every input where contact is a constraint, whose normal forces follow
 //!   from a loop. The model is evaluated at values of the input to both sides (to one where its least value is near), and the differences are
 //!   extrapolated to distance zero (Richardson). Of all that the extrapolation gives, each output takes what is nearest to its neighbours (Ridders,
@@ -214,8 +214,12 @@ impl Simulation {
         own[number] = size;
         let load = self.model.input_wrench(&self.snapshot.workspace.system, body, &own);
         let before = self.snapshot.workspace.system.wrenches[body];
+        let place = WHEELSET_INPUTS * wheelset + number;
+        let set = self.snapshot.inputs[place];
         for side in [1.0, -1.0, 0.0] {
-            let Snapshot { time, y, dy, workspace, .. } = &mut self.snapshot;
+            let Snapshot { time, y, dy, workspace, inputs, .. } = &mut self.snapshot;
+            // Powers are read with the input itself.
+            inputs[place] = if side == 0.0 { set } else { set + size * side };
             let mut wrench = before;
             if side != 0.0 {
                 wrench += Wrench { force: load.force * side, moment: load.moment * side };

@@ -1,6 +1,6 @@
 //! Outputs of power (group `power`) and of energy (group `energy`, which costs states: `formulation::energy`), each shown where a scene names it.
 //!
-//! Numbers: of a wheelset 38 (`inputPower`), 39 (`inputWork`), 40 (`drivingPower`), 41 (`drivingWork`); of a wheel 11 (`frictionPower`) and 12 (`frictionHeat`); of a force
+//! Numbers: of a wheelset 38 (`inputPower`), 39 (`inputWork`), 40 (`drivingPower`), 41 (`drivingWork`); of a wheel 15 (`frictionPower`) and 16 (`frictionHeat`); of a force
 //! element 60 (`work`), 61 (`heat`); of the vehicle as a whole 6000000 and what follows.
 
 use super::Snapshot;
@@ -47,7 +47,7 @@ fn powers(model: &Model, all: &mut Vec<Output>) {
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
         let (base, body, name) = ((index as u32 + 1) * 1000, wheelset.body, &wheelset.name);
         let on = |depends| Feedthrough::of_wheelset(model, &ties, body, depends);
-        for (side, number) in Side::BOTH.into_iter().zip([111, 211]) {
+        for (side, number) in Side::BOTH.into_iter().zip([115, 215]) {
             let text = "power that slip takes at all contacts of the wheel: heat and wear (with contact.transient also what the patch stores and gives back)";
             let contact = contact_index(index, side);
             let read = Box::new(move |s: &Snapshot| friction_power(&s.workspace, contact));
@@ -105,7 +105,7 @@ fn booked(scene: &Scene, model: &Model, books: &EnergyBooks, begin: impl Fn(usiz
     };
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
         let (base, name) = ((index as u32 + 1) * 1000, &wheelset.name);
-        for (side, number) in Side::BOTH.into_iter().zip([112, 212]) {
+        for (side, number) in Side::BOTH.into_iter().zip([116, 216]) {
             let label = format!("{name}.{}.frictionHeat", side.name());
             add(base + number, label, "what slip has taken at the wheel since the start", books.friction(index, side));
         }

@@ -198,8 +198,24 @@ fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
     c.add_of_motion((19, "yawRate"), g, Unit::RadianPerSecond, "time derivative of the yaw angle", y(v + 3));
     c.add_of_motion((20, "pitchRate"), g, Unit::RadianPerSecond, "time derivative of the pitch angle, rolling forward positive", y(v + 5));
     c.add(21, "ax", g, Unit::MetrePerSecond2, along, "acceleration of the centre along the track (zero under an imposed speed)", dy(v));
-    c.add(22, "ay", g, Unit::MetrePerSecond2, ACROSS, "lateral acceleration of the centre, left positive", dy(v + 1));
-    c.add(23, "az", g, Unit::MetrePerSecond2, UPWARD, "vertical acceleration of the centre, up positive", dy(v + 2));
+    c.add(
+        22,
+        "ay",
+        g,
+        Unit::MetrePerSecond2,
+        ACROSS,
+        "lateral acceleration of the centre, left positive; in a curve with the centripetal part",
+        dy(v + 1),
+    );
+    c.add(
+        23,
+        "az",
+        g,
+        Unit::MetrePerSecond2,
+        UPWARD,
+        "vertical acceleration of the centre, up positive; in a canted curve with the centripetal part",
+        dy(v + 2),
+    );
     c.add(24, "rollAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the roll angle", dy(v + 4));
     c.add(25, "yawAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the yaw angle", dy(v + 3));
     c.add(26, "pitchAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the pitch angle", dy(v + 5));
@@ -209,7 +225,8 @@ fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
 pub fn integral(number: u32) -> Option<u32> {
     match number {
         15..=19 => Some(number - 5),
-        21..=26 => Some([15, 16, 17, 18, 19, 20][number as usize - 21]),
+        // Not `ax`, `ay` and `az`: in a curve they hold the centripetal part, which is no change of a speed along or across the track.
+        24..=26 => Some(number - 6),
         _ => None,
     }
 }

@@ -145,6 +145,7 @@ fn compare(what: &str, scene: &Scene, times: &[f64], noise: f64) {
 fn analytic_directional_derivatives_of_elastic_contact() {
     compare("suspended_wheelset ECF-A", &opened("suspended_wheelset", &[]), &[0.3, 0.6], 2e-16);
     compare("suspended_wheelset ECF-N", &opened("suspended_wheelset", &["contact.formulation=ECF-N"]), &[0.6], 2e-16);
+    compare("power", &opened("suspended_wheelset", &["interface.outputs=[\"motion\",\"power\"]"]), &[0.3], 2e-16);
     compare("vehicle_curve", &opened("vehicle_curve", &[]), &[0.1, 3.0], 2e-16);
     compare("coach", &opened("vehicle_manchester_1", &[]), &[0.5], 2e-16);
 }

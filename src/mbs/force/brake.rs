@@ -28,7 +28,7 @@ const DAMPING_TIME: f64 = 5e-3;
 pub struct Brake {
     pub name: String,
     pub pair: AxlePair,
-    /// Of a tread brake: from the block to the axle, in the carrier's axes.
+    /// Of a tread brake: from the block to the axle, in the carrier's axes, where everything stands as designed.
     pub press: Option<Vector3<f64>>,
     /// Friction coefficient and radius [m]; `None`: the input is the torque.
     pub friction: Option<(f64, f64)>,
@@ -69,10 +69,14 @@ impl Brake {
         (self.grip(self.most(bodies), state[0], speed), unit, speed)
     }
 
-    /// Force of the block on the wheel, world axes, N.
+    /// Force of the block on the wheel, world axes, N: a tread takes it toward its axle, wherever the carrier has moved to. In a direction fixed in the carrier it turned the wheel.
     #[inline]
     fn pressing(&self, bodies: &Moving) -> Option<Vector3<f64>> {
-        self.press.map(|press| bodies[self.pair.carrier].frame.axes * press * self.applied(bodies))
+        let press = self.press?;
+        let (toward, axle) = (bodies[self.pair.turning].position - self.pair.point(bodies), bodies[self.pair.turning].axle());
+        let radial = toward - axle * axle.dot(&toward);
+        let direction = radial.try_normalize(NEAREST_BLOCK * 0.1).unwrap_or_else(|| bodies[self.pair.carrier].frame.axes * press);
+        Some(direction * self.applied(bodies))
     }
 }
 
