@@ -51,11 +51,14 @@ def second(report, fmu):
                     told.append(instance.derivatives(*names, order=2))
                     report.same_bits(instance.outputs(), before, "asking for them changes nothing")
                     for name, acceleration in accelerations.items():
-                        report.check(told[-1][names.index(name)] == instance.get(acceleration), f"d2 {name} / dt2 is {acceleration}")
+                        off = abs(told[-1][names.index(name)] - instance.get(acceleration))
+                        # Of yaw it is that output; those across and upward hold the centripetal part in a curve and are no derivatives.
+                        report.below(off, 0.0 if acceleration == f"{W}.yawAcceleration" else 1e-6, f"d2 {name} / dt2 is {acceleration}")
             wide, narrow = (around[2] - around[-2]) / (2 * SMALL), (around[1] - around[-1]) / SMALL
             differences.append((4 * narrow - wide) / 3)
         mixed = instance.slave.getRealOutputDerivatives(fmu.references([f"{W}.vy", f"{W}.vy"]), [2, 1])
-        report.check(mixed[0] == instance.derivatives(f"{W}.vy", order=2)[0] and mixed[1] == instance.get(f"{W}.ay"), "orders may be mixed in one call")
+        alone = [instance.derivatives(f"{W}.vy", order=order)[0] for order in (2, 1)]
+        report.same_bits(mixed, alone, "orders may be mixed in one call")
     told, differences = np.array(told), np.array(differences)
     for i, name in enumerate(names):
         scale = np.max(np.abs(differences[:, i]))
