@@ -39,6 +39,13 @@ pub struct Beat {
 }
 
 impl Beat {
+    /// Forgets what came after `time` [s]; turns are then counted anew.
+    pub fn take_back(&mut self, time: f64) {
+        if self.begun && self.turn.1 > time {
+            *self = Beat { swing: self.swing.filter(|swing| swing.since <= time), ..Beat::default() };
+        }
+    }
+
     /// Takes the wheel's load, in parts of its static one, at `t` [s].
     pub fn note(&mut self, share: f64, t: f64) {
         if !share.is_finite() {

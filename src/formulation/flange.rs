@@ -84,6 +84,14 @@ impl Flanges {
         }
     }
 
+    /// Forgets what came after `time` [s].
+    pub fn take_back(&mut self, time: f64) {
+        self.reached.retain(|reach| reach.since <= time);
+        for reach in self.reached.iter_mut().filter(|reach| reach.deepest.1 > time) {
+            reach.deepest = (0.0, reach.since);
+        }
+    }
+
     /// Wheels that would have reached the rail.
     pub fn reached(&self) -> &[Reach] {
         &self.reached

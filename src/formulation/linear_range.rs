@@ -160,6 +160,14 @@ impl Ranges {
         }
     }
 
+    /// Forgets what came after `time` [s].
+    pub fn take_back(&mut self, time: f64) {
+        self.beyond.retain(|known| known.since <= time);
+        for known in self.beyond.iter_mut().filter(|known| known.worst.1 > time) {
+            known.worst = (1.0, known.since);
+        }
+    }
+
     /// Bounds that were passed.
     pub fn beyond(&self) -> &[Beyond] {
         &self.beyond

@@ -21,6 +21,10 @@ struct Range {
     most: (f64, f64),
 }
 
+impl Range {
+    const NONE: Range = Range { least: (f64::INFINITY, f64::NAN), most: (0.0, f64::NAN) };
+}
+
 /// Those of all wheels, the left one of each wheelset first.
 #[derive(Clone, Debug, Default)]
 pub struct WheelLoads {
@@ -78,6 +82,22 @@ impl WheelLoads {
         flanges
     }
 
+    /// Forgets what was noted after `time` [s], where a state of that time is taken up again: what an abandoned course did has not happened.
+    pub fn take_back(&mut self, time: f64) {
+        for range in &mut self.ranges {
+            if range.least.1 > time {
+                range.least = Range::NONE.least;
+            }
+            if range.most.1 > time {
+                range.most = Range::NONE.most;
+            }
+        }
+        self.strike = self.strike.filter(|strike| strike.1 <= time);
+        self.beats.iter_mut().for_each(|beat| beat.take_back(time));
+        self.flanges.iter_mut().for_each(|flanges| flanges.take_back(time));
+        self.linear.iter_mut().for_each(|linear| linear.take_back(time));
+    }
+
     /// When a wheel first struck its rail, s.
     pub fn first_strike(&self) -> Option<f64> {
         self.strike.map(|(_, time)| time)
@@ -88,7 +108,7 @@ impl Model {
     /// Before a run.
     pub fn wheel_loads(&self) -> WheelLoads {
         WheelLoads {
-            ranges: vec![Range { least: (f64::INFINITY, f64::NAN), most: (0.0, f64::NAN) }; self.contacts()],
+            ranges: vec![Range::NONE; self.contacts()],
             strike: None,
             beats: vec![Beat::default(); self.contacts()],
             flanges: Flanges::of(self),

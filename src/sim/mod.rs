@@ -326,6 +326,7 @@ impl Simulation {
         let fits = self.state.fits(state);
         if fits {
             self.state.clone_from(state);
+            self.loads.take_back(self.state.integration.t);
             self.workspace.events.clear();
             self.workspace.forget();
             self.known = None;

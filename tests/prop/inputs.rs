@@ -103,3 +103,22 @@ fn prop_a_state_saved_with_an_input_just_set_goes_on_the_same() {
         assert!(simulation.restore(&saved));
     }
 }
+
+/// A master tries a step, takes the state back and goes another way: nothing is told of the course that it gave up.
+#[test]
+fn prop_notes_of_an_abandoned_course_are_forgotten() {
+    let scene = wheelrail::scene::load::open("wheelset_s1002", &[]).unwrap();
+    let mut simulation = Simulation::new(&scene, 0.0).unwrap();
+    simulation.advance(0.1).unwrap();
+    let told = simulation.notes();
+    let state = simulation.state().clone();
+    simulation.set_input(LATERAL_FORCE, 3e5, 0.0, 0.0);
+    let _ = simulation.advance(0.2);
+    assert!(simulation.notes() != told, "the wheelset was meant to be thrown off");
+    assert!(simulation.restore(&state));
+    assert_eq!(simulation.notes(), told);
+    simulation.advance(0.2).unwrap();
+    let mut other = Simulation::new(&scene, 0.0).unwrap();
+    other.advance(0.2).unwrap();
+    assert_eq!(simulation.notes(), other.notes());
+}
