@@ -2,12 +2,13 @@
 //!
 //! - `type = "disc"`: a couple between axle and carrier ([`AxlePair`]). The input is the largest friction torque, or with `friction` and `radius` the clamping
 //!   force N (both pads' friction together): `M = friction N radius`.
-//! - `type = "tread"`: a block at the place `from` of the carrier presses with the input N [N] toward the axle; its friction acts at that place across the radius r to
+//! - `type = "tread"`: a block at the place `from` of the carrier presses with the input N [N] toward the axle, wherever that stands (in a direction fixed in the carrier, N turned the wheel where the carrier had moved); its friction acts at that place across the radius r to
 //!   it, `M = friction N r`. The wheel gets both forces, the carrier the opposite ones. One element is one block.
 //!
 //! M [N m] is the largest friction torque. The state is the brake's elastic deflection theta [rad at the axle], k its stiffness (caliper, hangers), and rho the
 //! speed of the axle against its carrier; [`super::sticking`] has the law of theta and of the torque T.
 
+use super::attachment::Attachment;
 use super::axle_pair::{AxlePair, read_ends};
 use super::sticking::{Grip, STICKING, Sticking};
 use super::{ElementInput, ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
@@ -28,8 +29,8 @@ const DAMPING_TIME: f64 = 5e-3;
 pub struct Brake {
     pub name: String,
     pub pair: AxlePair,
-    /// Of a tread brake: from the block to the axle, in the carrier's axes, where everything stands as designed.
-    pub press: Option<Vector3<f64>>,
+    /// Of a tread brake: the place on the axle, beside the block, toward which it presses.
+    pub press: Option<Attachment>,
     /// Friction coefficient and radius [m]; `None`: the input is the torque.
     pub friction: Option<(f64, f64)>,
     /// k, N m/rad.
@@ -69,14 +70,26 @@ impl Brake {
         (self.grip(self.most(bodies), state[0], speed), unit, speed)
     }
 
-    /// Force of the block on the wheel, world axes, N: a tread takes it toward its axle, wherever the carrier has moved to. In a direction fixed in the carrier it turned the wheel.
+    /// How the block presses: with N along the line from the axle's middle beside it to its place; `None` where nothing presses.
     #[inline]
-    fn pressing(&self, bodies: &Moving) -> Option<Vector3<f64>> {
-        let press = self.press?;
-        let (toward, axle) = (bodies[self.pair.turning].position - self.pair.point(bodies), bodies[self.pair.turning].axle());
-        let radial = toward - axle * axle.dot(&toward);
-        let direction = radial.try_normalize(NEAREST_BLOCK * 0.1).unwrap_or_else(|| bodies[self.pair.carrier].frame.axes * press);
-        Some(direction * self.applied(bodies))
+    fn pressing(&self, bodies: &Moving) -> Option<Pressing> {
+        let across = self.pair.point(bodies) - self.press?.point(bodies);
+        let length = across.norm();
+        (length > 0.0).then(|| Pressing { unit: across / length, length, force: self.applied(bodies) })
+    }
+}
+
+/// A block's force on the axle: N, opposite to the unit vector from the axle to the block.
+struct Pressing {
+    unit: Vector3<f64>,
+    /// m.
+    length: f64,
+    force: f64,
+}
+
+impl Pressing {
+    fn on_axle(&self) -> Vector3<f64> {
+        self.unit * -self.force
     }
 }
 
@@ -163,7 +176,7 @@ impl ForceElement for Brake {
     /// Of the cylinder that presses a block; a clamp moves nothing.
     fn supplied_power(&self, bodies: &Moving, _: &[f64]) -> f64 {
         let pressing = self.pressing(bodies);
-        pressing.map_or(0.0, |force| self.pair.power(bodies, &self.pair.opposite(bodies, &force, &Vector3::zeros())))
+        pressing.map_or(0.0, |pressing| self.pair.power(bodies, &self.pair.opposite(bodies, &pressing.on_axle(), &Vector3::zeros())))
     }
 
     /// Without deflection: what a brake at rest holds depends on how it came to rest.
@@ -176,8 +189,8 @@ impl ForceElement for Brake {
         let (grip, unit, _) = self.now(bodies, state);
         rates[0] = grip.rate;
         self.pair.load(&unit, -grip.torque, wrenches);
-        if let Some(force) = self.pressing(bodies) {
-            self.pair.load(&self.pair.opposite(bodies, &force, &Vector3::zeros()), 1.0, wrenches);
+        if let Some(pressing) = self.pressing(bodies) {
+            self.pair.load(&self.pair.opposite(bodies, &pressing.on_axle(), &Vector3::zeros()), 1.0, wrenches);
         }
     }
 
@@ -188,8 +201,13 @@ impl ForceElement for Brake {
     fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
         let (grip, unit, _) = self.now(bodies, state);
         self.pair.turning(bodies, -grip.torque, sum);
-        if let Some(force) = self.pressing(bodies) {
-            sum.add_force_of_to(&self.pair.point(bodies), &force);
+        if let Some(Pressing { unit, length, force }) = self.pressing(bodies) {
+            // A push along a line that turns with its ends.
+            let (point, tension) = (self.pair.point(bodies), -force);
+            let line = sum.line(&point, &unit);
+            sum.add_uniform_spring(&point, tension / length);
+            sum.add_spring(&line, &line, -tension / length);
+            sum.add_force(&point, &(unit * tension));
         }
         let axle = self.pair.gradient(bodies, &unit);
         sum.add_rates(&axle, &axle, -grip.torque_by_speed);
@@ -252,10 +270,11 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
         "torque"
     };
     let dimension = if friction.is_some() { Dimension::Force } else { Dimension::Torque };
+    let press = tread.then(|| Attachment::on(pair.axle, Vector3::y() * arm.y));
     Ok(Box::new(Brake {
         name: places.name(section)?,
         pair,
-        press: tread.then(|| -radial / radius),
+        press,
         friction,
         stiffness: section.positive("stiffness", Dimension::RotationalStiffness)?,
         relaxation: section.positive_or("relaxation", Dimension::Time, RELAXATION)?,
