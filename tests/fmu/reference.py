@@ -44,20 +44,27 @@ def results(report, fmu, what):
 
 
 def derivatives(report, fmu, what, least):
-    """Each variable with the attribute `derivative` against the FMU's own derivatives of the output that it names, at rest in steps of a run."""
+    """Each variable with the attribute `derivative` against central differences of the output that it names, and against what the FMU says its derivative is."""
     pairs = [(v.derivative, v) for v in fmu.description.modelVariables if v.derivative is not None]
     pairs = [(i.name if hasattr(i, "name") else fmu.description.modelVariables[int(i) - 1].name, v.name) for i, v in pairs]
     report.check(len(pairs) >= least, f"{what}: derivatives", f"{len(pairs)} such as {pairs[0][1]} of {pairs[0][0]}")
-    worst, where = 0.0, ""
+    worst, where, h = 0.0, "", 5e-5
     with fmu.instance({"wheelset.lateralForceInput": 2e3} if "wheelset.lateralForceInput" in fmu.variables else {}) as instance:
         for time in np.arange(1, 24) * 0.02:
+            def integrals():
+                return np.atleast_1d(instance.get(*(integral for integral, _ in pairs)))
+
+            instance.step_to(time - h)
+            before = integrals()
             instance.step_to(time)
-            slopes = instance.derivatives(*(integral for integral, _ in pairs))
+            told = instance.derivatives(*(integral for integral, _ in pairs))
             values = np.atleast_1d(instance.get(*(name for _, name in pairs)))
-            error = np.abs(slopes - values) / np.maximum(np.abs(values), 1.0)
+            report.same_bits(told, values, f"{what}: the FMU's derivatives at {time:.2f} s")
+            instance.step_to(time + h)
+            error = np.abs((integrals() - before) / (2 * h) - values) / np.maximum(np.abs(values), 1.0)
             if error.max() > worst:
                 worst, where = error.max(), pairs[error.argmax()][1]
-    report.below(worst, 2e-6, f"{what}: d/dt of the variable that is named, worst {where}", "relative, from 1 SI unit on")
+    report.below(worst, 5e-3, f"{what}: d/dt of the variable that is named, worst {where}", "relative, from 1 SI unit on")
 
 
 def script(report, path, curve, three):
@@ -72,10 +79,10 @@ def script(report, path, curve, three):
         report.same_bits(rows[at[:len(common)]], fewer[at[len(common):]], f"both versions at {len(common)} common times")
 
         report.section("derivatives")
-        derivatives(report, fmu, "wheelset", 11)
-        derivatives(report, coach, "coach in a curve", 44)
+        derivatives(report, fmu, "wheelset", 8)
+        derivatives(report, coach, "coach in a curve", 32)
         named = [v for v in other.description.modelVariables if v.derivative is not None]
-        report.check(len(named) >= 11, "FMI 3.0 names them by reference", f"{len(named)}; {fmpy.__version__} reads them")
+        report.check(len(named) >= 8, "FMI 3.0 names them by reference", f"{len(named)}; {fmpy.__version__} reads them")
 
 
 main(script, "CURVE", "THREE")
