@@ -31,7 +31,10 @@ const NEAR: f64 = 7.0 / 6.0;
 fn slow_at_most(row: &Judged) -> bool {
     match &row.outcome {
         Outcome::Broken { findings, reason } => {
-            reason.is_empty() && findings.iter().all(|finding| finding.holds() || finding.unit == Unit::Second)
+            // A refusal in the right words, which are its reason, may be slow too; one that panics or says something else is wrong.
+            let slow = findings.iter().any(|finding| finding.what == "time to be refused" && !finding.holds());
+            let wrong = ["panic", "makes no sense", "does not say"].iter().any(|words| reason.contains(words));
+            (reason.is_empty() || slow && !wrong) && findings.iter().all(|finding| finding.holds() || finding.unit == Unit::Second)
         }
         _ => false,
     }
