@@ -15,22 +15,31 @@ RATES = {f"{W}.y": f"{W}.vy", f"{W}.z": f"{W}.vz", f"{W}.yaw": f"{W}.yawRate", f
 SMALL = 1e-4  # s
 
 
+def difference(instance, time, read, look):
+    """How what `read` gives changes by time: differences over SMALL and SMALL/2 on both sides, of fourth order; `look` is called at the time itself."""
+    around = {}
+    for offset in (-2, -1, 0, 1, 2):
+        instance.step_to(time + offset * SMALL / 2)
+        around[offset] = read()
+        if offset == 0:
+            look()
+    wide = (around[2] - around[-2]) / (2 * SMALL)
+    narrow = (around[1] - around[-1]) / SMALL
+    return (4 * narrow - wide) / 3
+
+
 def sample(fmu, names, times, values, drive):
     """Derivatives told by the FMU, and differences over SMALL and SMALL/2 on both sides, at the given times."""
     told, differences, outputs = [], [], []
     with fmu.instance(values) as instance:
         drive(instance)
+
+        def look():
+            told.append(instance.derivatives(*names))
+            outputs.append(dict(zip(fmu.outputs, instance.outputs())))
+
         for time in times:
-            around = {}
-            for offset in (-2, -1, 0, 1, 2):
-                instance.step_to(time + offset * SMALL / 2)
-                around[offset] = instance.get(*names)
-                if offset == 0:
-                    told.append(instance.derivatives(*names))
-                    outputs.append(dict(zip(fmu.outputs, instance.outputs())))
-            wide = (around[2] - around[-2]) / (2 * SMALL)
-            narrow = (around[1] - around[-1]) / SMALL
-            differences.append((4 * narrow - wide) / 3)  # fourth order
+            differences.append(difference(instance, time, lambda: instance.get(*names), look))
     return np.array(told), np.array(differences), outputs
 
 
@@ -41,21 +50,18 @@ def second(report, fmu):
     accelerations = {f"{W}.y": f"{W}.ay", f"{W}.z": f"{W}.az", f"{W}.yaw": f"{W}.yawAcceleration"}
     told, differences = [], []
     with fmu.instance({"solver.tolerance": 1e-13}) as instance:
+
+        def look():
+            before = instance.outputs()
+            told.append(instance.derivatives(*names, order=2))
+            report.same_bits(instance.outputs(), before, "asking for them changes nothing")
+            for name, acceleration in accelerations.items():
+                off = abs(told[-1][names.index(name)] - instance.get(acceleration))
+                # Of yaw it is that output; those across and upward hold the centripetal part in a curve and are no derivatives.
+                report.below(off, 0.0 if acceleration == f"{W}.yawAcceleration" else 1e-6, f"d2 {name} / dt2 is {acceleration}")
+
         for time in moments:
-            around = {}
-            for offset in (-2, -1, 0, 1, 2):
-                instance.step_to(time + offset * SMALL / 2)
-                around[offset] = instance.derivatives(*names)
-                if offset == 0:
-                    before = instance.outputs()
-                    told.append(instance.derivatives(*names, order=2))
-                    report.same_bits(instance.outputs(), before, "asking for them changes nothing")
-                    for name, acceleration in accelerations.items():
-                        off = abs(told[-1][names.index(name)] - instance.get(acceleration))
-                        # Of yaw it is that output; those across and upward hold the centripetal part in a curve and are no derivatives.
-                        report.below(off, 0.0 if acceleration == f"{W}.yawAcceleration" else 1e-6, f"d2 {name} / dt2 is {acceleration}")
-            wide, narrow = (around[2] - around[-2]) / (2 * SMALL), (around[1] - around[-1]) / SMALL
-            differences.append((4 * narrow - wide) / 3)
+            differences.append(difference(instance, time, lambda: instance.derivatives(*names), look))
         mixed = instance.slave.getRealOutputDerivatives(fmu.references([f"{W}.vy", f"{W}.vy"]), [2, 1])
         alone = [instance.derivatives(f"{W}.vy", order=order)[0] for order in (2, 1)]
         report.same_bits(mixed, alone, "orders may be mixed in one call")

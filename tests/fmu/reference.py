@@ -64,7 +64,7 @@ def derivatives(report, fmu, what, least):
             error = np.abs((integrals() - before) / (2 * h) - values) / np.maximum(np.abs(values), 1.0)
             if error.max() > worst:
                 worst, where = error.max(), pairs[error.argmax()][1]
-    report.below(worst, 5e-3, f"{what}: d/dt of the variable that is named, worst {where}", "relative, from 1 SI unit on")
+    report.below(worst, 1e-4, f"{what}: d/dt of the variable that is named, worst {where}", "relative, from 1 SI unit on")
 
 
 def script(report, path, curve, three):
