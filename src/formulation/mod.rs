@@ -25,6 +25,7 @@ pub mod flutter;
 mod foresight;
 pub mod frame_motion;
 mod half;
+mod hand_overs;
 pub mod inputs;
 mod linear_contact;
 mod linear_range;

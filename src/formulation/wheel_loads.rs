@@ -2,6 +2,7 @@
 
 use super::beat::{Beat, Swing};
 use super::flange::{Flanges, Reach};
+use super::hand_overs::{self, Phases};
 use super::linear_range::{Beyond, Ranges};
 use super::step::WheelRef;
 use super::{Model, Workspace, contact_index};
@@ -36,6 +37,8 @@ pub struct WheelLoads {
     flanges: Option<Flanges>,
     /// Where contact is linear.
     linear: Option<Ranges>,
+    /// Where constraints may become elastic.
+    phases: Vec<Phases>,
 }
 
 impl WheelLoads {
@@ -60,6 +63,7 @@ pub struct NotedLoads {
     beats: Vec<Beat>,
     reached: Vec<Reach>,
     beyond: Vec<Beyond>,
+    phases: Vec<Phases>,
 }
 
 impl WheelLoads {
@@ -67,17 +71,25 @@ impl WheelLoads {
     pub fn noted(&self) -> NotedLoads {
         let reached = self.flanges.as_ref().map_or(&[][..], Flanges::reached).to_vec();
         let beyond = self.linear.as_ref().map_or(&[][..], Ranges::beyond).to_vec();
-        NotedLoads { ranges: self.ranges.clone(), strike: self.strike, beats: self.beats.clone(), reached, beyond }
+        NotedLoads {
+            ranges: self.ranges.clone(),
+            strike: self.strike,
+            beats: self.beats.clone(),
+            reached,
+            beyond,
+            phases: self.phases.clone(),
+        }
     }
 
     /// Goes on with what was noted before. Returns false and changes nothing when it is not of the same wheels.
     pub fn go_on(&mut self, noted: NotedLoads) -> bool {
         let wheels = self.ranges.len();
-        let own = noted.ranges.len() == wheels && noted.beats.len() == wheels && noted.strike.is_none_or(|(contact, _)| contact < wheels);
+        let counts = noted.ranges.len() == wheels && noted.beats.len() == wheels && noted.phases.len() == self.phases.len();
+        let own = counts && noted.strike.is_none_or(|(contact, _)| contact < wheels);
         let linear = own && self.linear.as_mut().map_or(noted.beyond.is_empty(), |linear| linear.go_on(noted.beyond));
         let flanges = linear && self.flanges.as_mut().map_or(noted.reached.is_empty(), |flanges| flanges.go_on(noted.reached));
         if flanges {
-            (self.ranges, self.strike, self.beats) = (noted.ranges, noted.strike, noted.beats);
+            (self.ranges, self.strike, self.beats, self.phases) = (noted.ranges, noted.strike, noted.beats, noted.phases);
         }
         flanges
     }
@@ -94,6 +106,7 @@ impl WheelLoads {
         }
         self.strike = self.strike.filter(|strike| strike.1 <= time);
         self.beats.iter_mut().for_each(|beat| beat.take_back(time));
+        hand_overs::take_back(&mut self.phases, time);
         self.flanges.iter_mut().for_each(|flanges| flanges.take_back(time));
         self.linear.iter_mut().for_each(|linear| linear.take_back(time));
     }
@@ -113,6 +126,7 @@ impl Model {
             beats: vec![Beat::default(); self.contacts()],
             flanges: Flanges::of(self),
             linear: Ranges::of(self),
+            phases: hand_overs::of(self),
         }
     }
 
@@ -124,6 +138,7 @@ impl Model {
         if let Some(linear) = &mut loads.linear {
             linear.look(self, workspace, t);
         }
+        hand_overs::look(self, workspace, t, &mut loads.phases);
         for (WheelRef { contact, wheelset, .. }, range) in self.wheels().zip(&mut loads.ranges) {
             let share = workspace.wheel_force(contact, wheelset.body).z / wheelset.static_wheel_load;
             loads.beats[contact].note(share, t);
@@ -151,6 +166,7 @@ impl Model {
         let all: Vec<(String, &Range)> = self.wheels().map(named).zip(&loads.ranges).collect();
         notes.extend(loads.flanges.as_ref().and_then(|flanges| flanges.note(|contact| all[contact].0.clone())));
         notes.extend(loads.linear.iter().flat_map(|linear| linear.notes(|contact| all[contact].0.clone())));
+        notes.extend(hand_overs::note(&loads.phases, |contact| all[contact].0.clone()));
         let light = all.iter().filter(|(_, range)| range.least.0 < LEAST);
         if let Some((wheel, range)) = light.clone().min_by(|a, b| a.1.least.0.total_cmp(&b.1.least.0)) {
             let load = if range.least.0 > 0.0 { format!("{:.1} % of the static load", 100.0 * range.least.0) } else { "nothing".into() };
