@@ -52,7 +52,6 @@ impl Scene {
             root.keep(root.section_or_empty("effects").and_then(|section| effects.leave_out_of_contact(contact, &section)))?;
         }
         let transient = contact.as_ref().is_some_and(|contact| contact.transient.is_some());
-        let solver = root.keep(root.section_or_empty("solver").and_then(|section| read_solver(section, transient)))?;
         let interface = match (root.keep(root.optional_section("interface"))?.flatten(), &vehicle) {
             (Some(section), Some(vehicle)) => root.keep(read_interface(section, vehicle))?,
             _ => Some(InterfaceSpec {
@@ -62,6 +61,8 @@ impl Scene {
                 only: None,
             }),
         };
+        let read_solver = |section| read_solver(section, transient, interface.as_ref());
+        let solver = root.keep(root.section_or_empty("solver").and_then(read_solver))?;
         let run = root.keep(root.section("run").and_then(read_run))?;
         // Behind the interface: what is left out has a name all the same.
         vehicle.iter_mut().for_each(|vehicle| effects.leave_out_of_vehicle(vehicle));
@@ -101,8 +102,8 @@ fn read_head(name: &str, root: &Section) -> Result<(String, String), SettingsErr
     Ok((name, title))
 }
 
-fn read_solver(solver: Section, transient: bool) -> Result<SolverSpec, SettingsError> {
-    let facts = solver_choice::facts(&solver, transient)?;
+fn read_solver(solver: Section, transient: bool, interface: Option<&InterfaceSpec>) -> Result<SolverSpec, SettingsError> {
+    let facts = solver_choice::facts(&solver, transient, interface)?;
     let (automatic, why) = solver_choice::choose(&facts);
     let read = solve::parse(&solver, automatic)?;
     let load_tolerance = read_load_tolerance(&solver)?;

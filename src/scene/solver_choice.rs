@@ -1,8 +1,9 @@
 //! What `solver.integrator = "auto"` stands for, and what a plan says about a scene's integrator.
 
-use super::spec::Scene;
+use super::spec::{ENERGY, InterfaceSpec, Scene};
 use crate::contact::search::algebraic;
 use crate::formulation::Model;
+use crate::formulation::inputs::RAIL_MOTION;
 use crate::mbs::projection;
 use crate::settings::{Section, SettingsError};
 use crate::solve::{AUTO, DEFAULT_TOLERANCE, SettingKind};
@@ -15,6 +16,8 @@ pub struct Facts {
     pub transient: bool,
     /// Bound of the local error, m; `None` where the scene gives a step alone.
     pub tolerance: Option<f64>,
+    /// Are works to be integrated over rails that move from outside?
+    pub moving_books: bool,
 }
 
 /// One line of the rule: the first that fits holds.
@@ -53,6 +56,11 @@ const RULES: &[Rule] = &[
         why: "tolerance below 1e-7: accuracy limits the step, and high order pays",
     },
     Rule {
+        integrator: "dormand_prince",
+        fits: |facts| facts.moving_books,
+        why: "works (outputs \"energy\") over rails that move from outside: stages of implicit steps lag behind the rails, and works with them",
+    },
+    Rule {
         integrator: "rosenbrock",
         fits: |_| true,
         why: "tolerance of 1e-7 or more: vibrations of contacts and suspensions would limit an explicit method's step",
@@ -66,11 +74,12 @@ pub fn choose(facts: &Facts) -> (&'static str, &'static str) {
 }
 
 /// The facts of a scene that is being read.
-pub(super) fn facts(solver: &Section, transient: bool) -> Result<Facts, SettingsError> {
+pub(super) fn facts(solver: &Section, transient: bool, interface: Option<&InterfaceSpec>) -> Result<Facts, SettingsError> {
     let given = solver.optional("tolerance", Dimension::Length)?;
     // A scene that gives neither a tolerance nor a step leaves both to the program.
     let tolerance = if solver.has("tolerance") || solver.has("step") { given } else { Some(DEFAULT_TOLERANCE) };
-    Ok(Facts { transient, tolerance })
+    let asks = |interface: &InterfaceSpec| interface.inputs.contains(&RAIL_MOTION.name) && interface.outputs.contains(&ENERGY);
+    Ok(Facts { transient, tolerance, moving_books: interface.is_some_and(asks) })
 }
 
 /// Lines for the plan: the choice where the scene leaves it open, and the worst case where the method has one.
@@ -101,10 +110,11 @@ mod tests {
     #[test]
     fn prop_each_rule_is_reached_and_names_a_method() {
         let cases = [
-            (Facts { transient: true, tolerance: None }, 0),
-            (Facts { transient: true, tolerance: Some(1e-9) }, 1),
-            (Facts { transient: false, tolerance: Some(1e-8) }, 2),
-            (Facts { transient: false, tolerance: Some(1e-7) }, 3),
+            (Facts { transient: true, tolerance: None, moving_books: false }, 0),
+            (Facts { transient: true, tolerance: Some(1e-9), moving_books: false }, 1),
+            (Facts { transient: false, tolerance: Some(1e-8), moving_books: false }, 2),
+            (Facts { transient: false, tolerance: Some(1e-7), moving_books: true }, 3),
+            (Facts { transient: false, tolerance: Some(1e-7), moving_books: false }, 4),
         ];
         for (facts, rule) in cases {
             assert_eq!(choose(&facts), (RULES[rule].integrator, RULES[rule].why), "{facts:?}");
@@ -125,6 +135,9 @@ mod tests {
         assert_eq!(scene.solver.name, "dormand_prince");
         assert!(notes(&scene)[0].starts_with("solver.integrator = \"auto\" is dormand_prince: "), "{:?}", notes(&scene));
         assert_eq!(open(&["solver.integrator=auto", "solver.tolerance=1e-5"]).solver.name, "rosenbrock");
+        let moving =
+            ["solver.integrator=auto", "solver.tolerance=1e-5", "interface.inputs=[\"rail_motion\"]", "interface.outputs=[\"energy\"]"];
+        assert_eq!([open(&moving).solver.name, open(&moving[..3]).solver.name], ["dormand_prince", "rosenbrock"]);
         let bounded = open(&["solver.integrator=real_time", "solver.step=1 ms"]);
         assert!(notes(&bounded)[0].contains("2 evaluations, 1 Jacobian"), "{:?}", notes(&bounded));
     }

@@ -360,12 +360,13 @@ impl Simulation {
     }
 
     /// What a user should know about the run so far: wheels that unload, loads no real track would meet, wheelsets that flutter, loads
-    /// that swing fast of themselves.
+    /// that swing fast of themselves, works that lag.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.model.load_notes(&self.loads);
         let fixed = self.integrator.setting().kind == SettingKind::Step;
         let flutter = self.model.flutter_note(&self.state.flutter, &self.loads, fixed);
         notes.extend(flutter.or_else(|| self.model.swing_note(&self.loads)));
+        notes.extend(self.integrator.linearises().then(|| self.model.books_note()).flatten());
         notes
     }
 
