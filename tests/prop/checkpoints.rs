@@ -113,6 +113,22 @@ fn hard_a_killed_run_goes_on_with_the_same_bits() {
 }
 
 #[test]
+fn prop_a_run_goes_on_from_an_end_that_is_a_row_but_for_rounding() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
+    assert!(600.0_f64 * 0.0013 != 0.78);
+    let steps = ["suspended_wheelset", "--step", "0.0013"];
+    let whole = results(Path::new(&path("whole.csv")), &[&steps[..], &["--stop", "1"]].concat());
+    let kept = path("kept.checkpoints");
+    results(Path::new(&path("first.csv")), &[&steps[..], &["--stop", "0.78", "--checkpoint", "0.3 s", "--checkpoint-file", &kept]].concat());
+    let on = results(Path::new(&path("on.csv")), &[&steps[..], &["--stop", "1", "--resume", &kept]].concat());
+    let text = |rows: &[u8]| String::from_utf8(rows.to_vec()).unwrap();
+    let [whole, on] = [text(&whole.0), text(&on.0)];
+    let differ: Vec<usize> = whole.lines().zip(on.lines()).enumerate().filter(|(_, (a, b))| a != b).map(|(row, _)| row).collect();
+    assert!(whole.lines().count() == on.lines().count() && differ == [601], "all rows but that end are the same bits: {differ:?}");
+}
+
+#[test]
 fn prop_checkpoints_of_other_runs_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
