@@ -120,7 +120,10 @@ fn prop_a_run_goes_on_from_an_end_that_is_a_row_but_for_rounding() {
     let steps = ["suspended_wheelset", "--step", "0.0013"];
     let whole = results(Path::new(&path("whole.csv")), &[&steps[..], &["--stop", "1"]].concat());
     let kept = path("kept.checkpoints");
-    results(Path::new(&path("first.csv")), &[&steps[..], &["--stop", "0.78", "--checkpoint", "0.3 s", "--checkpoint-file", &kept]].concat());
+    results(
+        Path::new(&path("first.csv")),
+        &[&steps[..], &["--stop", "0.78", "--checkpoint", "0.3 s", "--checkpoint-file", &kept]].concat(),
+    );
     let on = results(Path::new(&path("on.csv")), &[&steps[..], &["--stop", "1", "--resume", &kept]].concat());
     let text = |rows: &[u8]| String::from_utf8(rows.to_vec()).unwrap();
     let [whole, on] = [text(&whole.0), text(&on.0)];
