@@ -109,6 +109,18 @@ mod tests {
     }
 
     #[test]
+    fn prop_attachments_in_millimetres_are_refused() {
+        let element = |at: &str| {
+            format!(
+                "vehicle.force=[{{kind=\"spring_damper\",name=\"s\",from={{body=\"car\",at=[0,{at},1.0]}},to={{body=\"frame\",at=[0,{at},0.5]}},stiffness=1e6}}]"
+            )
+        };
+        let opened = |at: &str| load::open("bogie", &[element(at)]).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(opened("900").contains("900 m from the centre of") && opened("900").contains("\"900 mm\""), "{}", opened("900"));
+        assert!(!opened("0.9").contains("from the centre"), "{}", opened("0.9"));
+    }
+
+    #[test]
     fn prop_slips_of_units_are_named_and_embedded_scenes_are_not() {
         for (scene, change, words) in [
             ("wheelset_s1002", "vehicle.wheelset.profile.radius=460", "radius of 460 m"),

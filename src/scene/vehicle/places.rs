@@ -97,6 +97,8 @@ pub(super) struct ElementPlaces<'r> {
     pub name: &'r str,
 }
 
+/// No body of a railway vehicle reaches further from its centre than this, m.
+const FARTHEST: f64 = 60.0;
 /// The place that is no body.
 const WORLD: &str = "world";
 
@@ -121,7 +123,16 @@ impl Places for ElementPlaces<'_> {
             return Err(section.error(key, problem));
         };
         let centre = body.map_or_else(Vector3::zeros, |body| resolver.position(body));
-        Ok(Attachment { body, local: point - centre })
+        let local = point - centre;
+        if let Some(body) = body.filter(|_| !(local.norm() <= FARTHEST)) {
+            let problem = format!(
+                "stands {:.0} m from the centre of {}; expected at most {FARTHEST} m: lengths are metres here, a distance in millimetres is written \"900 mm\"",
+                local.norm(),
+                self.resolver.bodies.names[body]
+            );
+            return Err(section.error(key, problem));
+        }
+        Ok(Attachment { body, local })
     }
 
     fn body(&self, section: &Section, key: &'static str) -> Result<usize, SettingsError> {
