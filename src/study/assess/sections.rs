@@ -108,7 +108,7 @@ impl Track {
         let deficiency = self.base * (speed * speed * curvature / self.gravity + cant).abs();
         let radius = 1.0 / curvature.abs().max(1e-9);
         match radius {
-            radius if radius > 600.0 * (1.0 + ROUNDING) && deficiency <= SLIGHT => Zone::Straight,
+            radius if radius > 600.0 * (1.0 + ROUNDING) && deficiency <= SLIGHT * (1.0 + ROUNDING) => Zone::Straight,
             radius if radius > 600.0 * (1.0 + ROUNDING) => Zone::LargeRadius,
             radius if radius > 400.0 * (1.0 - ROUNDING) => Zone::SmallRadius,
             radius if radius > 250.0 * (1.0 - ROUNDING) => Zone::VerySmallRadius,
@@ -189,6 +189,8 @@ mod tests {
         for last in [-1e-9, 0.0, 1e-9] {
             let zones = [600.0, 400.0, -250.0].map(|r: f64| zone(r * (1.0 + last), 0.0, 20.0));
             assert_eq!(zones, [Zone::SmallRadius, Zone::SmallRadius, Zone::VerySmallRadius]);
+            // A cant deficiency of just 40 mm.
+            assert_eq!(zone(1.5 * 40.0 * 40.0 / (9.81 * 0.04) * (1.0 + last), 0.0, 40.0), Zone::Straight);
         }
         assert_eq!([600.1, 399.9, 249.9].map(|r| zone(r, 0.0, 25.0)), [Zone::LargeRadius, Zone::VerySmallRadius, Zone::Tighter]);
         assert_eq!([30.0, 50.0, 70.0].map(|v| Zone::LargeRadius.length(v)), [100.0, 250.0, 500.0]);
