@@ -1,6 +1,6 @@
 //! Limit cycles in words.
 
-use super::report::{head, speed};
+use super::report::{head, onsets, speed};
 use crate::cli::table;
 use crate::scene::spec::Scene;
 use crate::study::hunting::settle::Outcome;
@@ -87,7 +87,7 @@ fn bounded(value: &Value) -> String {
 fn verdict(found: &Diagram) -> String {
     let mut text = String::new();
     let Some(linear) = found.linear() else {
-        return "\nNo linear critical speed within the sweep: hunting begins to grow at none of its speeds\n".into();
+        return onsets(&found.locus);
     };
     let bound = crate::study::modes::locus::ACCURACY;
     text += &format!("\nLinear critical speed: {} at {:.3} Hz\n", bounded(&Value { value: linear.speed, bound }), linear.frequency);

@@ -31,9 +31,9 @@ wheelsets roll along their wave. What nothing depends on (a wheelset's turn abou
 (the travelling speed) is left out and named.
 
 --sweep vehicle.speed=20..120:5 finds the modes from 20 to 120 m/s every 5 m/s; numbers may carry units, such as \"72km/h..430km/h:18km/h\" (a unit at the end alone counts for all \
-three). The critical speed is the first one within the sweep from which on hunting grows, by bisection.
+three). The critical speed is the first one within the sweep from which on any motion grows, by bisection; others that begin to grow beyond it are named too.
 
---limit-cycle follows the periodic motions of hunting from the linear critical speed on within the range of the sweep, stable and unstable ones, by their arc length: motions are fixed points of \
+--limit-cycle follows the periodic motions from the speed on at which the first swinging motion begins to grow within the range of the sweep, stable and unstable ones, by their arc length: motions are fixed points of \
 the map from one passage of a wheelset through its steady place to the next, and stable where all multipliers (eigenvalues of its slope) are inside the unit circle. Where the branch turns round \
 is the lowest speed of the motions that meet there: with a stable one the nonlinear critical speed. Beside it stands what long runs come to that begin with the largest motion found. Swings are half the way between \
 extremes; +- is what a tighter integration changes and Newton's method leaves. Takes seconds to minutes. See docs/modes.md.")]

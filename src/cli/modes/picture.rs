@@ -10,6 +10,12 @@ use std::path::Path;
 const HIGHEST: f64 = 15.0;
 const DAMPED: f64 = 0.6;
 
+/// Why there is no critical speed.
+fn without(found: &Locus) -> &'static str {
+    let grows = found.points.first().is_some_and(|lowest| lowest.growing().next().is_some());
+    if grows { "unstable at the lowest speed already" } else { "no critical speed within the sweep" }
+}
+
 /// Draws both.
 pub(super) fn draw(file: &Path, scene: &Scene, found: &Locus) -> Result<(), String> {
     let shown = |mode: &&Mode| mode.frequency > 0.0 && mode.frequency < HIGHEST && mode.damping < DAMPED;
@@ -35,10 +41,8 @@ pub(super) fn draw(file: &Path, scene: &Scene, found: &Locus) -> Result<(), Stri
     growth.levels = vec![0.0];
     let speeds = found.points.iter().map(|point| point.speed);
     let range = speeds.clone().fold(f64::INFINITY, f64::min)..speeds.fold(0.0, f64::max);
-    let critical = found
-        .critical
-        .as_ref()
-        .map_or("no critical speed within the sweep".into(), |critical| format!("critical speed {:.1} m/s", critical.speed));
+    let critical =
+        found.critical.as_ref().map_or_else(|| without(found).into(), |critical| format!("critical speed {:.1} m/s", critical.speed));
     let subtitles = vec![format!(
         "{}; {:.0} to {:.0} m/s, {critical}; modes below {HIGHEST:.0} Hz and {:.0} % of critical damping",
         scene.title,

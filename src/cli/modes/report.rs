@@ -2,7 +2,7 @@
 
 use crate::cli::table;
 use crate::scene::spec::Scene;
-use crate::study::modes::locus::Locus;
+use crate::study::modes::locus::{Critical, Locus};
 use crate::study::modes::{Mode, Modes};
 
 /// An acceleration above this, m/s2, means that the state is not steady.
@@ -78,7 +78,7 @@ pub(super) fn modes(scene: &Scene, found: &Modes) -> String {
 
 /// What grows.
 fn verdict(found: &Modes) -> String {
-    let growing: Vec<&Mode> = found.modes.iter().filter(|mode| mode.growth > mode.uncertainty && !mode.neutral).collect();
+    let growing: Vec<&Mode> = found.growing().collect();
     if growing.is_empty() {
         return "\nStable: every motion dies away or is neutral\n".into();
     }
@@ -114,18 +114,34 @@ pub(super) fn locus(scene: &Scene, found: &Locus) -> String {
         }
     }
     text += &table(&head(&["   m/s  what moves most", "Hz", "damping %", "growth 1/s"]), &rows);
-    text += &match &found.critical {
-        Some(critical) => format!(
-            "\nLinear critical speed: {:.2} m/s ({:.1} km/h): {} at {:.3} Hz\n",
-            critical.speed,
-            3.6 * critical.speed,
-            critical.mode,
-            critical.frequency
+    text + &onsets(found)
+}
+
+/// Onsets that are named beside the first.
+const ONSETS: usize = 4;
+
+/// The critical speed, and what begins to grow beside it.
+pub(super) fn onsets(found: &Locus) -> String {
+    let growing: Vec<&Mode> = found.points.first().iter().flat_map(|lowest| lowest.growing()).collect();
+    let (mut text, others) = match &found.critical {
+        Some(Critical { speed, frequency, mode }) => (
+            format!("\nLinear critical speed: {speed:.2} m/s ({:.1} km/h): {mode} at {frequency:.3} Hz\n", 3.6 * speed),
+            &found.onsets[1..],
         ),
-        None => "\nNo critical speed within the sweep: hunting begins to grow at none of its speeds\n".into(),
+        None if growing.is_empty() => {
+            ("\nNo critical speed within the sweep: nothing grows at any of its speeds\n".into(), &found.onsets[..])
+        }
+        None => {
+            let words = growing.iter().map(|mode| format!("{} at {:.3} Hz by {:+.4} 1/s", mode.name, mode.frequency, mode.growth));
+            let words = words.collect::<Vec<_>>().join("; ");
+            (format!("\nUnstable at the lowest speed already, the critical one lies below it; begin lower: {words}\n"), &found.onsets[..])
+        }
     };
-    if found.points.first().and_then(Modes::hunting).is_some_and(|mode| mode.growth > 0.0) {
-        text += "Hunting grows at the lowest speed already; begin lower\n";
+    if !others.is_empty() {
+        let words = others.iter().take(ONSETS).map(|onset| format!("{} at {:.2} m/s ({:.3} Hz)", onset.mode, onset.speed, onset.frequency));
+        let more = others.len().saturating_sub(ONSETS);
+        let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+        text += &format!("Beyond also begin to grow: {}{more}\n", words.collect::<Vec<_>>().join("; "));
     }
     text
 }

@@ -99,7 +99,7 @@ pub(super) fn from_small(vehicle: &Vehicle, modes: &Modes, range: Range<f64>, sp
 
 /// The three smallest motions.
 fn begin(vehicle: &Vehicle, modes: &Modes) -> Result<[Cycle; 3], Missed> {
-    let hunting = modes.hunting().ok_or(Missed::Vanished)?;
+    let hunting = modes.begins().ok_or(Missed::Vanished)?;
     let one = |swing: f64| {
         let mut guess = vehicle.section.place(&hunting.shape, swing);
         let size = guess.iter().map(|part| part * part).sum::<f64>().sqrt();

@@ -111,9 +111,9 @@ pub struct Diagram {
 }
 
 impl Diagram {
-    /// Where hunting begins to grow.
+    /// Where the first swinging motion begins to grow.
     pub fn linear(&self) -> Option<&Critical> {
-        self.locus.critical.as_ref()
+        self.locus.hopf()
     }
 
     /// The turning point with the lowest speed at which a stable motion lives.
@@ -145,7 +145,7 @@ pub fn diagram(scene: &Scene, speeds: &[f64], progress: &dyn Progress) -> Result
     let (Some(lowest), Some(highest)) = (locus.points.first(), locus.points.last()) else {
         return Err(HuntingError::None("no speed was given".into()));
     };
-    let at = match &locus.critical {
+    let at = match locus.hopf() {
         Some(critical) => crate::study::modes::modes(scene, critical.speed)?,
         None => highest.clone(),
     };
@@ -153,9 +153,9 @@ pub fn diagram(scene: &Scene, speeds: &[f64], progress: &dyn Progress) -> Result
     let vehicle = Vehicle::new(scene, &at, unit).map_err(HuntingError::None)?;
     let range = lowest.speed..highest.speed;
     let wheelsets = station::steady(scene, at.speed)?.model().wheelsets.iter().map(|wheelset| wheelset.name.clone()).collect();
-    let followed = match &locus.critical {
+    let followed = match locus.hopf() {
         Some(_) => follow::from_small(&vehicle, &at, range, speeds, progress),
-        None => follow::Followed::none("hunting begins to grow at no speed of the sweep"),
+        None => follow::Followed::none("no swinging motion begins to grow at any speed of the sweep"),
     };
     let runs = runs(&vehicle, highest, speeds, followed.largest.as_ref(), progress);
     Ok(Diagram {
@@ -176,7 +176,7 @@ pub fn diagram(scene: &Scene, speeds: &[f64], progress: &dyn Progress) -> Result
 /// From the motion of the branch that swings most; where it does not get large, from what a large swing in the shape of hunting comes to at the highest speed.
 fn runs(vehicle: &Vehicle, highest: &Modes, speeds: &[f64], largest: Option<&(Vec<f64>, f64)>, progress: &dyn Progress) -> Vec<Run> {
     let Some(fastest) = speeds.last() else { return Vec::new() };
-    let begin = match (largest, highest.hunting()) {
+    let begin = match (largest, highest.leads()) {
         (Some((place, swing)), _) if *swing > 0.5 * LARGE => place.clone(),
         (_, Some(hunting)) => settle(vehicle, *fastest, &vehicle.section.place(&hunting.shape, LARGE)).place,
         _ => return Vec::new(),

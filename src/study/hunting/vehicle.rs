@@ -42,13 +42,13 @@ fn with(scene: &Scene, setting: f64, finer: f64) -> Scene {
 }
 
 impl Vehicle {
-    /// About hunting as `modes` have it; a change of speed by `unit` [m/s] counts as much as one of a swing by 1 mm.
+    /// About the swinging motion that begins to grow, or hunting, as `modes` have it; a change of speed by `unit` [m/s] counts as much as one of a swing by 1 mm.
     ///
     /// # Errors
     /// Why it has no limit cycles, in words.
     pub fn new(scene: &Scene, modes: &Modes, unit: f64) -> Result<Self, String> {
         let scene = exact(scene);
-        let hunting = modes.hunting().ok_or("no mode is one of hunting")?;
+        let hunting = modes.begins().ok_or("no mode grows, and none is one of hunting")?;
         let simulation = steady(&scene, modes.speed).map_err(|error| error.to_string())?;
         let section = Section::new(&simulation, &hunting.shape, 1.0 / hunting.frequency)?;
         Ok(Vehicle { scene, section, unit, kept: Mutex::default() })

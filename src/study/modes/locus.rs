@@ -1,4 +1,7 @@
-//! Modes over speed, and the speed from which on hunting grows.
+//! Modes over speed, and the speeds from which on motions grow.
+//!
+//! Any motion counts, by the number of those that grow: a mode changes its kind with speed (one of hunting on 5.9 Hz of a locomotive was one of its trucks' yaw and roll
+//! where it began to grow), and cars on long suspensions sway before their wheelsets hunt. Named is what has just begun to: of the motions that grow the one that does so least.
 
 use super::{Modes, ModesError, modes_over};
 use crate::scene::spec::Scene;
@@ -13,11 +16,20 @@ pub const ACCURACY: f64 = 0.01;
 pub struct Locus {
     /// By growing speed.
     pub points: Vec<Modes>,
-    /// Where hunting begins to grow.
+    /// The linear critical speed: where the first motion begins to grow, of whatever kind; `None` where one grows at the lowest speed already.
     pub critical: Option<Critical>,
+    /// Where motions begin to grow, by speed; the critical one is the first of them.
+    pub onsets: Vec<Critical>,
 }
 
-/// The linear critical speed.
+impl Locus {
+    /// Where the first swinging motion begins to grow within the sweep (a Hopf bifurcation).
+    pub fn hopf(&self) -> Option<&Critical> {
+        self.onsets.iter().find(|onset| onset.frequency > 0.0)
+    }
+}
+
+/// A speed from which on a motion grows.
 #[derive(Clone, Debug, Serialize)]
 pub struct Critical {
     /// m/s.
@@ -27,7 +39,7 @@ pub struct Critical {
     pub mode: String,
 }
 
-/// Modes at speeds [m/s], which must grow, and the first speed between two of them at which the largest growth rate of hunting passes zero upward.
+/// Modes at speeds [m/s], which must grow, and the speeds between two of them from which on one more motion grows.
 ///
 /// # Errors
 /// [`ModesError`] of the first speed that has no modes.
@@ -46,26 +58,37 @@ pub fn locus_over(scene: &Scene, speeds: &[f64], amplitude: f64, done: impl Fn()
         found
     };
     let points: Vec<Modes> = speeds.par_iter().map(at).collect::<Result<_, _>>()?;
-    let growth = |modes: &Modes| modes.hunting().map(|mode| mode.growth);
-    let crossing = points.windows(2).find(|pair| growth(&pair[0]).is_none_or(|a| a <= 0.0) && growth(&pair[1]).is_some_and(|b| b > 0.0));
-    let critical = match crossing {
-        Some(pair) => critical(scene, pair[0].speed, &pair[1])?,
-        None => None,
-    };
-    Ok(Locus { points, critical })
+    let mut onsets = Vec::new();
+    for pair in points.windows(2) {
+        let mut below = pair[0].clone();
+        while count(&pair[1]) > count(&below) {
+            below = onset(scene, &below, &pair[1])?;
+            onsets.extend(named(&below));
+        }
+    }
+    let critical = onsets.first().filter(|_| points.first().is_some_and(|lowest| count(lowest) == 0)).cloned();
+    Ok(Locus { points, critical, onsets })
 }
 
-/// By bisection: which mode hunts most may change on the way, and growth rates then have kinks.
-fn critical(scene: &Scene, mut stable: f64, unstable: &Modes) -> Result<Option<Critical>, ModesError> {
-    let mut unstable = unstable.clone();
+fn count(modes: &Modes) -> usize {
+    modes.growing().count()
+}
+
+fn named(modes: &Modes) -> Option<Critical> {
+    let found = |mode: &super::Mode| Critical { speed: modes.speed, frequency: mode.frequency, mode: mode.name.clone() };
+    modes.growing().min_by(|a, b| a.growth.total_cmp(&b.growth)).map(found)
+}
+
+/// Modes where more of them grow than `below`, as near to it as [`ACCURACY`], by bisection: growth rates have kinks where modes cross.
+fn onset(scene: &Scene, below: &Modes, beyond: &Modes) -> Result<Modes, ModesError> {
+    let (mut stable, mut unstable) = (below.speed, beyond.clone());
     while unstable.speed - stable > ACCURACY {
         let middle = modes_over(scene, 0.5 * (stable + unstable.speed), unstable.amplitude)?;
-        if middle.hunting().is_some_and(|mode| mode.growth > 0.0) {
+        if count(&middle) > count(below) {
             unstable = middle;
         } else {
             stable = middle.speed;
         }
     }
-    let found = |mode: &super::Mode| Critical { speed: unstable.speed, frequency: mode.frequency, mode: mode.name.clone() };
-    Ok(unstable.hunting().map(found))
+    Ok(unstable)
 }

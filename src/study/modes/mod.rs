@@ -8,7 +8,7 @@
 //! ```
 //!
 //! A pair `lambda = a +- i w` is a mode of frequency `w / 2 pi`, growth rate `a` and damping `-a / |lambda|` of critical. Shares of a shape are those
-//! of the kinetic energy ([`shape`]). Eigenvalues along a sweep of speeds and the speed from which on hunting grows stand in [`locus`].
+//! of the kinetic energy ([`shape`]). Eigenvalues along a sweep of speeds and the speeds from which on motions grow stand in [`locus`].
 
 mod across;
 pub mod locus;
@@ -94,7 +94,29 @@ pub struct Modes {
     pub unbalanced: f64,
 }
 
+impl Mode {
+    /// Does it grow, by more than it may be off?
+    pub fn grows(&self) -> bool {
+        self.growth > self.uncertainty && !self.neutral
+    }
+}
+
 impl Modes {
+    /// Those that grow.
+    pub fn growing(&self) -> impl Iterator<Item = &Mode> {
+        self.modes.iter().filter(|mode| mode.grows())
+    }
+
+    /// The swinging mode that has just begun to grow: of those that grow the one that does so least; where none does, that of hunting.
+    pub fn begins(&self) -> Option<&Mode> {
+        self.growing().filter(|mode| mode.frequency > 0.0).min_by(|a, b| a.growth.total_cmp(&b.growth)).or_else(|| self.hunting())
+    }
+
+    /// The swinging mode that grows most; where none does, that of hunting.
+    pub fn leads(&self) -> Option<&Mode> {
+        self.growing().filter(|mode| mode.frequency > 0.0).max_by(|a, b| a.growth.total_cmp(&b.growth)).or_else(|| self.hunting())
+    }
+
     /// The mode that grows most, or dies away most slowly, among those of hunting.
     pub fn hunting(&self) -> Option<&Mode> {
         self.modes.iter().filter(|mode| mode.hunting).max_by(|a, b| a.growth.total_cmp(&b.growth))

@@ -20,7 +20,8 @@ use crate::math::smooth_step::cubic_step;
 const FADE: f64 = 1.0;
 /// Yaw beyond which outlines are not those of the table, rad, and where that begins.
 const YAWED: (f64, f64) = (0.015, 0.02);
-/// Where the ellipse of its moments is larger than a patch by such a part of it the strips begin to be asked, and are asked alone, -.
+/// Where the ellipse of its moments is larger than a patch by such a part of it, or numbers bend so much from node to node ([`super::trust`]), the strips begin to be asked, and are
+/// asked alone, -.
 const HOLLOW: (f64, f64) = (0.3, 0.6);
 /// Iterations for the load; three are enough.
 const ITERATIONS: usize = 8;

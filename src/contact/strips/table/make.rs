@@ -4,6 +4,7 @@ use super::super::fifths::{FIFTHS, Fifths};
 use super::super::parts::{Part, Parts};
 use super::super::pressed::Pressed;
 use super::super::{RailStrips, Scratch, press_anywhere};
+use super::trust;
 use super::{Axis, FEWEST, LEAN, LEVELS, MOST_LOAD, NUMBERS, OWN, PLACE, PatchTable, REACH, STEEL, STEEPEST, STEP, TURN, load_of};
 use crate::contact::search::algebraic::Pair;
 use crate::geometry::Side;
@@ -74,12 +75,12 @@ fn outline(profile: &dyn Profile) -> impl Iterator<Item = (f64, ProfilePoint)> {
 /// Lengths [m] and slopes that differ by less are the same.
 const ROUNDED: f64 = 1e-9;
 /// Counted up where the strips say something else.
-const VERSION: f64 = 5.0;
+const VERSION: f64 = 7.0;
 
 #[derive(Clone)]
-struct Column {
-    heights: [f64; LEVELS],
-    nodes: [Node; LEVELS],
+pub(super) struct Column {
+    pub heights: [f64; LEVELS],
+    pub nodes: [Node; LEVELS],
 }
 
 pub(super) type Node = ([f64; PLACE], [f32; NUMBERS]);
@@ -89,7 +90,7 @@ impl PatchTable {
     pub fn make(pair: &ToTabulate) -> PatchTable {
         let (across, lean) = (Axis::around(pair.middle.0, REACH, STEP), Axis::around(pair.middle.1, LEAN, TURN));
         let flat = Flat::new(pair);
-        let columns: Vec<Column> = (0..across.count * lean.count)
+        let mut columns: Vec<Column> = (0..across.count * lean.count)
             .into_par_iter()
             .map_init(
                 || Scratch::new(pair.strips.len()),
@@ -97,8 +98,9 @@ impl PatchTable {
             )
             .collect();
         let heights: Vec<_> = columns.iter().map(|column| column.heights).collect();
-        let (places, fields) = columns.iter().flat_map(|column| column.nodes).unzip();
         let known: Vec<usize> = heights.iter().map(|levels| levels.iter().take_while(|height| height.is_finite()).count()).collect();
+        trust::note(&mut columns, &across, &lean, &known);
+        let (places, fields) = columns.iter().flat_map(|column| column.nodes).unzip();
         // Cubic convolution at level s reads the levels from floor(s) - 1 to floor(s) + 2.
         let top = |k: usize| -> f32 {
             let (i, j) = (k / lean.count, k % lean.count);

@@ -19,6 +19,7 @@ mod make;
 mod standing;
 #[cfg(test)]
 mod tests;
+mod trust;
 
 use super::fifths::FIFTHS;
 use crate::contact::Material;
@@ -47,8 +48,8 @@ const LEAN: f64 = 6e-3;
 
 /// Numbers of a patch that are interpolated: its centre on the wheel across and high in the rail's section, m, and the angle of its force there, rad ...
 const PLACE: usize = 3;
-/// ... and what needs fewer digits: what the force lacks of the load, half axes, overlap, bends of wheel and rail, by what part the
-/// ellipse is larger than what presses, and the fifths.
+/// ... and what needs fewer digits: what the force lacks of the load, half axes, overlap, bends of wheel and rail, how little it
+/// may be read between nodes ([`trust`]), and the fifths.
 const OWN: usize = 7;
 const EXCESS: usize = OWN - 1;
 const NUMBERS: usize = OWN + 3 * FIFTHS;
