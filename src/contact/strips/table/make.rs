@@ -75,7 +75,7 @@ fn outline(profile: &dyn Profile) -> impl Iterator<Item = (f64, ProfilePoint)> {
 /// Lengths [m] and slopes that differ by less are the same.
 const ROUNDED: f64 = 1e-9;
 /// Counted up where the strips say something else.
-const VERSION: f64 = 7.0;
+const VERSION: f64 = 8.0;
 
 #[derive(Clone)]
 pub(super) struct Column {

@@ -249,6 +249,77 @@ fn prop_where_a_patch_has_two_lobes_strips_are_asked() {
     assert!(asked > 3 && said > 3, "{asked} {said}");
 }
 
+/// A profile less what is worn off it, m, with two derivatives.
+#[derive(Debug)]
+struct Worn {
+    whole: Arc<dyn Profile>,
+    off: fn(f64) -> [f64; 3],
+}
+
+impl Profile for Worn {
+    fn at(&self, x: f64) -> ProfilePoint {
+        let (at, off) = (self.whole.at(x), (self.off)(x));
+        ProfilePoint { value: at.value - off[0], d1: at.d1 - off[1], d2: at.d2 - off[2], d3: at.d3 }
+    }
+    fn range(&self) -> (f64, f64) {
+        self.whole.range()
+    }
+    fn describe(&self) -> String {
+        format!("{} worn", self.whole.describe())
+    }
+}
+
+/// 1.5 mm from the tread.
+fn hollow(u: f64) -> [f64; 3] {
+    const WIDTH: f64 = 18e-3;
+    let (t, value) = (u / WIDTH, 1.5e-3 * (-(u / WIDTH).powi(4)).exp());
+    let slope = 4.0 * t.powi(3) / WIDTH;
+    [value, -slope * value, (slope * slope - 12.0 * t * t / (WIDTH * WIDTH)) * value]
+}
+
+/// 1.2 mm from the gauge side of a rail and 0.5 mm from its head.
+fn planed(eta: f64) -> [f64; 3] {
+    let s = 1.0 / (1.0 + ((eta + 22e-3) / 4e-3).exp());
+    let (t, head) = (eta / 20e-3, 0.5e-3 * (-(eta / 20e-3).powi(2)).exp());
+    let [side, by] = [1.2e-3, 4e-3];
+    [
+        side * s + head,
+        -side * s * (1.0 - s) / by - 2.0 * t / 20e-3 * head,
+        side * s * (1.0 - s) * (1.0 - 2.0 * s) / (by * by) + (4.0 * t * t - 2.0) / (20e-3 * 20e-3) * head,
+    ]
+}
+
+/// Where a load passes from one hump to another within a node's distance the table says nothing that is far from strips (a half axis of -0.36 mm for 1.8, a creep force of nothing).
+#[test]
+fn prop_where_a_load_passes_from_hump_to_hump_strips_are_asked() {
+    let worn = |whole: &Arc<dyn Profile>, off| -> Arc<dyn Profile> { Arc::new(Worn { whole: whole.clone(), off }) };
+    let own = Tabled::of(worn(&S1002.wheel, hollow), worn(&S1002.rail, planed));
+    let mut scratch = Scratch::new(own.strips.len());
+    let (wheel, rail) = (own.wheel(Side::Left), own.rail(Side::Left, &[]));
+    let (mut worst, mut said, mut asked) = ([0.0_f64; 2], 0, 0);
+    for load in [1e4, 5e4, 1e5] {
+        for k in 0..160 {
+            let y = 0.8e-3 + 1.25e-5 * f64::from(k);
+            let (centre, axes) = own.under((&wheel, &rail), (y, 0.0, 0.0), load, &mut scratch);
+            let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &axes, distance: 0.0 };
+            let strips = own.pressed(&pair, &mut scratch).unwrap();
+            let Some(found) = own.looked(&pair, STEEL) else {
+                asked += 1;
+                continue;
+            };
+            said += i32::from(found.weight == 1.0);
+            let [a, b] = [&found.part, &strips].map(|part| part.patch.a * part.patch.b);
+            let off = [a / b - 1.0, (found.part.coordinates[1] - strips.coordinates[1]) / strips.patch.b];
+            assert!(found.part.patch.b > 0.0, "y {y}, {load} N: {:?}", found.part.patch);
+            for (worst, off) in worst.iter_mut().zip(off) {
+                *worst = worst.max(found.weight * off.abs());
+            }
+        }
+    }
+    println!("area {:.3}, centre {:.3} of b; {said} said, {asked} asked", worst[0], worst[1]);
+    assert!(worst[0] < 0.1 && worst[1] < 0.1 && said > 50 && asked > 50, "{worst:?} {said} {asked}");
+}
+
 #[test]
 fn prop_saved_tables_are_the_same_and_damaged_ones_are_known() {
     let table = &S1002.table;

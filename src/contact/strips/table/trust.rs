@@ -5,10 +5,10 @@
 //! themselves the half axes, and by how much of b its place across, differ from that over the nodes around it,
 //!
 //! ```text
-//! D = 1/2 max over the three directions of ( |v(k+2) - 3 v(k+1) + 3 v(k) - v(k-1)| / b,  v the place across and b;  the same of a over a )
+//! D = 1/4 max over the three directions of ( |v(k+2) - 3 v(k+1) + 3 v(k) - v(k-1)| / b,  v the place across and b;  the same of a over a )
 //! ```
 //!
-//! and the larger of D (also of the neighbours') and of how far the ellipse of the moments goes beyond the patch decides how much the strips are asked: from an error of 1 % of b on.
+//! and the larger of D (also of the neighbours') and of how far the ellipse of the moments goes beyond the patch decides how much the strips are asked: from an error of 2 % of b on.
 
 use super::make::Column;
 use super::{Axis, EXCESS, LEVELS};
@@ -17,7 +17,7 @@ use super::{Axis, EXCESS, LEVELS};
 const A: usize = 1;
 const B: usize = 2;
 /// D in parts of the third difference.
-const PART: f64 = 0.5;
+const PART: f64 = 0.25;
 
 /// Puts into each node's excess what it must be read with.
 pub(super) fn note(columns: &mut [Column], across: &Axis, lean: &Axis, known: &[usize]) {
