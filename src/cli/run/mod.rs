@@ -123,7 +123,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let wanted = |name: &str| read && asked.wants(name);
     let shown = |name: &str| name.strip_prefix(wheelset).is_some_and(|rest| SHOWN.iter().any(|one| rest.strip_prefix('.') == Some(one.0)));
     let drawn = |output: &Output| arguments.plot.is_some() && overview::needs(output, wheelset);
-    let needed = |output: &Output| wanted(&output.name) || shown(&output.name) || drawn(output);
+    let index = |name: &str| asked.index == Index::Distance && name.strip_prefix(wheelset) == Some(".distance");
+    let needed = |output: &Output| wanted(&output.name) || shown(&output.name) || drawn(output) || index(&output.name);
     let outputs: Vec<Output> = match &found {
         None => all.into_iter().filter(needed).collect(),
         Some(found) => checkpoints::columns(found, all, needed)?,

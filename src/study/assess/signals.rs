@@ -99,7 +99,10 @@ impl Signals {
             return Err(SignalsError::Gap { gap: coarsest, time: times[widest], times: coarsest / interval });
         }
         let even = times.iter().enumerate().all(|(k, t)| (t - start - interval * k as f64).abs() < EVEN * interval.max(1e-3 * t.abs()));
-        let columns = if even { columns } else { columns.iter().map(|column| resampled(&times, column, start, interval)).collect() };
+        let mut columns: Vec<Vec<f64>> =
+            if even { columns } else { columns.iter().map(|column| resampled(&times, column, start, interval)).collect() };
+        let distances = columns.iter_mut().zip(&names).filter(|(_, name)| name.ends_with(DISTANCE));
+        distances.for_each(|(column, _)| hold(column));
         Ok(Signals { interval, start, coarsest: if even { interval } else { coarsest }, names, columns })
     }
 
@@ -146,6 +149,22 @@ impl Signals {
     }
 }
 
+/// Distances along the track.
+const DISTANCE: &str = ".distance";
+/// A vehicle that is braked to rest swings back on its brakes and springs, or rolls back a little until they hold, m.
+const SWINGS_BACK: f64 = 0.05;
+
+/// Where a distance falls by [`SWINGS_BACK`] or less below what has been reached, it stays there: quantities over distance count it once. What falls further runs backward.
+fn hold(distance: &mut [f64]) {
+    let mut reached = f64::NEG_INFINITY;
+    for value in distance {
+        reached = reached.max(*value);
+        if reached - *value <= SWINGS_BACK {
+            *value = reached;
+        }
+    }
+}
+
 /// Name of a column, and what makes SI of its unit (1 where the unit is unknown or one of SI).
 fn head(text: &str) -> (String, f64) {
     let (name, Some(unit)) = title(text) else { return (text.into(), 1.0) };
@@ -178,6 +197,16 @@ pub fn refined(values: &[f64], own: f64, rate: f64) -> (Vec<f64>, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn analytic_a_distance_that_swings_back_at_the_stop_stays_and_one_that_runs_backward_does_not() {
+        let mut stops = [0.0, 1.0, 1.5, 1.49, 1.48, 1.495];
+        hold(&mut stops);
+        assert_eq!(stops, [0.0, 1.0, 1.5, 1.5, 1.5, 1.5]);
+        let mut back = [0.0, -0.2, -0.4];
+        hold(&mut back);
+        assert_eq!(back, [0.0, -0.2, -0.4]);
+    }
 
     #[test]
     fn prop_units_of_a_foreign_file_become_si() {
