@@ -16,9 +16,8 @@ use super::gaps::{self, Gap};
 use super::resolved::resolved;
 use super::window::{Window, Windowed};
 use super::{Irregularity, Quantity, deviations};
-use crate::geometry::Side;
 use crate::geometry::file::OpenFile;
-use crate::geometry::track::{DeviationShape, Direction};
+use crate::geometry::track::DeviationShape;
 use crate::math::smoothing::{Reach, smooth};
 use crate::math::spline::CubicSpline;
 use crate::settings::{Entry, Section, SettingsError, csv_reader, did_you_mean, line_of};
@@ -96,12 +95,18 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     let window = Window::read(section, from, to, FADE)?;
     let name = file.kept.path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let description = format!("series of {} points in {name}{smoothed}, {}", positions.len(), window.describe());
-    let deviations = deviations(&quantities(table), |side, direction, values| {
-        let points: Vec<(f64, f64)> = positions.iter().zip(values).map(|(&position, value)| (position, scale * value)).collect();
+    let quantities = quantities(table);
+    for (name, values) in Quantity::NAMES.iter().zip(&quantities) {
+        let Some(values) = values else { continue };
+        let points: Vec<(f64, f64)> = positions.iter().copied().zip(values.iter().copied()).collect();
         let spline = CubicSpline::natural(&points).map_err(|error| file.error(0, COLUMNS[0], error.to_string()))?;
         if let Some(gap) = gaps::worst(&points, &spline, (window.from, window.to)) {
-            return Err(file.error(0, COLUMNS[0], invented(&gap, side, direction)));
+            return Err(file.error(0, COLUMNS[0], invented(&gap, name)));
         }
+    }
+    let deviations = deviations(&quantities, |_, _, values| {
+        let points: Vec<(f64, f64)> = positions.iter().zip(values).map(|(&position, value)| (position, scale * value)).collect();
+        let spline = CubicSpline::natural(&points).map_err(|error| file.error(0, COLUMNS[0], error.to_string()))?;
         let mut shape = Windowed { spline, window, description: description.clone(), waves: Vec::new() };
         shape.waves = resolved(&shape, window.from, window.to, &positions);
         Ok(Arc::new(shape) as Arc<dyn DeviationShape>)
@@ -110,14 +115,12 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
 }
 
 /// Why a series with a gap is refused.
-fn invented(gap: &Gap, side: Side, direction: Direction) -> String {
+fn invented(gap: &Gap, quantity: &str) -> String {
     let Gap { from, to, usual, invented, measured } = gap;
-    let way = if direction == Direction::Lateral { "lateral" } else { "vertical" };
     format!(
-        "has no points between {from} m and {to} m, where they mostly stand {usual:.3} m apart, and a spline over the gap would make {:.2} mm of {way} displacement of the {} rail where up to {:.2} mm were measured; \
-         give points there, or take the parts before and behind as a series each (`from`, `to`)",
+        "has no points between {from} m and {to} m, where they mostly stand {usual:.3} m apart, and a spline over the gap would make {:.2} mm of {quantity} where up to {:.2} mm were measured; give \
+         points there, or take the parts before and behind as a series each (`from`, `to`)",
         1e3 * invented,
-        side.name(),
         1e3 * measured
     )
 }
@@ -227,6 +230,8 @@ fn check_row(columns: &[Option<Vec<f64>>; 9], row: usize) -> Result<(), (usize, 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Side;
+    use crate::geometry::track::Direction;
     use crate::settings::Source;
 
     /// Reads a series with these settings and this file.
