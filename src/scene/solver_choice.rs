@@ -86,7 +86,7 @@ pub(super) fn facts(solver: &Section, transient: bool, interface: Option<&Interf
 pub(super) fn notes(scene: &Scene, model: &Model) -> Vec<String> {
     let solver = &scene.solver;
     let assumed = (solver.assumed && solver.integrator.setting().kind == SettingKind::Tolerance)
-        .then(|| format!("solver.tolerance is {DEFAULT_TOLERANCE:e} m, the default: displacements come out to some micrometres"));
+        .then(|| format!("solver.tolerance is {DEFAULT_TOLERANCE:e} m, the default: displacements come out to some micrometres, where dry friction, slack or flange impacts do not make more of them (a run with 1e-6 tells)"));
     let chosen = solver.why.map(|why| format!("solver.integrator = \"{}\" is {}: {why}", AUTO.name, solver.name));
     let bounded = solver.integrator.worst_case().map(|worst| {
         let search = algebraic::LIMITS.iterations;

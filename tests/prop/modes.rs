@@ -50,7 +50,101 @@ fn prop_a_sweep_has_a_locus_a_critical_speed_and_a_picture() {
     let (words, _, _) = modes(&["suspended_wheelset", "--sweep", "vehicle.speed=20..40:10"]);
     assert!(words.contains("No critical speed within the sweep"), "{words}");
     let (words, _, _) = modes(&["suspended_wheelset", "--sweep", "vehicle.speed=70..90:10"]);
-    assert!(words.contains("grows at the lowest speed already"), "{words}");
+    assert!(words.contains("Unstable at the lowest speed already") && words.contains("hunting"), "{words}");
+}
+
+/// A two-axle wagon on leaf springs: its car sways and yaws long before its wheelsets hunt.
+const WAGON: &str = r#"
+[vehicle]
+template = "free"
+speed = 15.0
+wheel_profile = { kind = "s1002", radius = 0.46 }
+
+[[vehicle.body]]
+name = "car"
+mass = 24000.0
+inertia_xx = 32000.0
+inertia_yy = 420000.0
+inertia_zz = 410000.0
+position = [0.0, 0.0, 1.5]
+
+[[vehicle.wheelset]]
+name = "leading"
+x = 4.5
+mass = 1300.0
+inertia_xx = 800.0
+inertia_yy = 100.0
+inertia_zz = 800.0
+tread_circle_distance = 1.5
+driven = true
+
+[[vehicle.wheelset]]
+name = "trailing"
+x = -4.5
+mass = 1300.0
+inertia_xx = 800.0
+inertia_yy = 100.0
+inertia_zz = 800.0
+tread_circle_distance = 1.5
+
+[[vehicle.force]]
+name = "leaf[1]"
+kind = "bushing"
+mirrored = true
+from = "car"
+to = "leading"
+at = [4.5, 1.0, 0.46]
+stiffness = [3.4e6, 3.2e6, 0.9e6]
+damping = [3e3, 3e3, 2.0e3]
+preload = "static"
+
+[[vehicle.force]]
+name = "leaf[2]"
+kind = "bushing"
+mirrored = true
+from = "car"
+to = "trailing"
+at = [-4.5, 1.0, 0.46]
+stiffness = [3.4e6, 3.2e6, 0.9e6]
+damping = [3e3, 3e3, 2.0e3]
+preload = "static"
+
+[track]
+gauge = "1435 mm"
+inclination = "1:40"
+rail = { kind = "60e1" }
+
+[contact]
+formulation = "ECF-A"
+friction = 0.35
+material = { youngs_modulus = 2.1e11, poisson_ratio = 0.28 }
+creep = { law = "usetab" }
+
+[run]
+stop = 10.0
+step = "5 ms"
+"#;
+
+#[test]
+fn hard_a_car_that_sways_before_wheelsets_hunt_makes_the_critical_speed() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("wagon.toml");
+    std::fs::write(&scene, WAGON).unwrap();
+    let (words, said, code) = modes(&[scene.to_str().unwrap(), "--sweep", "vehicle.speed=15..45:10", "--json"]);
+    assert_eq!(code, 0, "{said}");
+    let found = &serde_json::from_str::<serde_json::Value>(&words).unwrap()["locus"];
+    let (critical, onsets) = (&found["critical"], found["onsets"].as_array().unwrap());
+    let growing = |point: &serde_json::Value| {
+        point["modes"].as_array().unwrap().iter().filter(|mode| mode["growth"].as_f64().unwrap() > 1e-4).count()
+    };
+    let points: Vec<usize> = found["points"].as_array().unwrap().iter().map(growing).collect();
+    println!("{critical} {onsets:?} {points:?}");
+    let speed = critical["speed"].as_f64().unwrap();
+    assert!(points[0] == 0 && points[3] > 0 && (15.0..45.0).contains(&speed) && onsets.len() >= points[3], "{words}");
+    // From 25 to 35 m/s it changes from one of hunting to one of the car.
+    assert!(critical["mode"].as_str().unwrap().contains("car: yaw"), "{critical}");
+    let text = modes(&[scene.to_str().unwrap(), "--sweep", "vehicle.speed=15..45:10"]).0;
+    assert!(text.contains(&format!("Linear critical speed: {speed:.2} m/s")) && text.contains("car: "), "{text}");
 }
 
 #[test]

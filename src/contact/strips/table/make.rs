@@ -4,6 +4,7 @@ use super::super::fifths::{FIFTHS, Fifths};
 use super::super::parts::{Part, Parts};
 use super::super::pressed::Pressed;
 use super::super::{RailStrips, Scratch, press_anywhere};
+use super::column::{Column, Node};
 use super::trust;
 use super::{Axis, FEWEST, LEAN, LEVELS, MOST_LOAD, NUMBERS, OWN, PLACE, PatchTable, REACH, STEEL, STEEPEST, STEP, TURN, load_of};
 use crate::contact::search::algebraic::Pair;
@@ -76,14 +77,6 @@ fn outline(profile: &dyn Profile) -> impl Iterator<Item = (f64, ProfilePoint)> {
 const ROUNDED: f64 = 1e-9;
 /// Counted up where the strips say something else.
 const VERSION: f64 = 8.0;
-
-#[derive(Clone)]
-pub(super) struct Column {
-    pub heights: [f64; LEVELS],
-    pub nodes: [Node; LEVELS],
-}
-
-pub(super) type Node = ([f64; PLACE], [f32; NUMBERS]);
 
 impl PatchTable {
     /// Makes it on all threads; the same bits on any number of them.

@@ -13,6 +13,7 @@
 //! that is steeper than [`STEEPEST`] (flanges) carries, and the patch is one: where it divides, the ellipse of all its moments would reach over the gap (two
 //! lobes on a worn tread: an area of five times theirs, creep forces off by 0.1 mu N). Towards the border the table's weight falls smoothly to nothing, so that nothing jumps there.
 
+mod column;
 mod linear;
 mod look;
 mod make;

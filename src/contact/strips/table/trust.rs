@@ -10,7 +10,7 @@
 //!
 //! and the larger of D (also of the neighbours') and of how far the ellipse of the moments goes beyond the patch decides how much the strips are asked: from an error of 2 % of b on.
 
-use super::make::Column;
+use super::column::Column;
 use super::{Axis, EXCESS, LEVELS};
 
 /// Half axes a and b among a node's fields.
