@@ -12,8 +12,7 @@ const DAMPED: f64 = 0.6;
 
 /// Why there is no critical speed.
 fn without(found: &Locus) -> &'static str {
-    let grows = found.points.first().is_some_and(|lowest| lowest.growing().next().is_some());
-    if grows { "unstable at the lowest speed already" } else { "no critical speed within the sweep" }
+    if found.growing_at_lowest().next().is_some() { "unstable at the lowest speed already" } else { "no critical speed within the sweep" }
 }
 
 /// Draws both.

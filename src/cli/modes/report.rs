@@ -122,7 +122,7 @@ const ONSETS: usize = 4;
 
 /// The critical speed, and what begins to grow beside it.
 pub(super) fn onsets(found: &Locus) -> String {
-    let growing: Vec<&Mode> = found.points.first().iter().flat_map(|lowest| lowest.growing()).collect();
+    let growing: Vec<&Mode> = found.growing_at_lowest().collect();
     let (mut text, others) = match &found.critical {
         Some(Critical { speed, frequency, mode }) => (
             format!("\nLinear critical speed: {speed:.2} m/s ({:.1} km/h): {mode} at {frequency:.3} Hz\n", 3.6 * speed),

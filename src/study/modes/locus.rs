@@ -3,7 +3,7 @@
 //! Any motion counts, by the number of those that grow: a mode changes its kind with speed (one of hunting on 5.9 Hz of a locomotive was one of its trucks' yaw and roll
 //! where it began to grow), and cars on long suspensions sway before their wheelsets hunt. Named is what has just begun to: of the motions that grow the one that does so least.
 
-use super::{Modes, ModesError, modes_over};
+use super::{Mode, Modes, ModesError, modes_over};
 use crate::scene::spec::Scene;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -26,6 +26,11 @@ impl Locus {
     /// Where the first swinging motion begins to grow within the sweep (a Hopf bifurcation).
     pub fn hopf(&self) -> Option<&Critical> {
         self.onsets.iter().find(|onset| onset.frequency > 0.0)
+    }
+
+    /// What grows at the lowest speed already.
+    pub fn growing_at_lowest(&self) -> impl Iterator<Item = &Mode> {
+        self.points.first().into_iter().flat_map(Modes::growing)
     }
 }
 
@@ -66,8 +71,9 @@ pub fn locus_over(scene: &Scene, speeds: &[f64], amplitude: f64, done: impl Fn()
             onsets.extend(named(&below));
         }
     }
-    let critical = onsets.first().filter(|_| points.first().is_some_and(|lowest| count(lowest) == 0)).cloned();
-    Ok(Locus { points, critical, onsets })
+    let mut found = Locus { points, critical: None, onsets };
+    found.critical = found.onsets.first().filter(|_| found.growing_at_lowest().next().is_none()).cloned();
+    Ok(found)
 }
 
 fn count(modes: &Modes) -> usize {
@@ -75,7 +81,7 @@ fn count(modes: &Modes) -> usize {
 }
 
 fn named(modes: &Modes) -> Option<Critical> {
-    let found = |mode: &super::Mode| Critical { speed: modes.speed, frequency: mode.frequency, mode: mode.name.clone() };
+    let found = |mode: &Mode| Critical { speed: modes.speed, frequency: mode.frequency, mode: mode.name.clone() };
     modes.growing().min_by(|a, b| a.growth.total_cmp(&b.growth)).map(found)
 }
 

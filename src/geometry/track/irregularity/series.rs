@@ -96,12 +96,12 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     let name = file.kept.path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let description = format!("series of {} points in {name}{smoothed}, {}", positions.len(), window.describe());
     let quantities = quantities(table);
-    for (name, values) in Quantity::NAMES.iter().zip(&quantities) {
-        let Some(values) = values else { continue };
-        let points: Vec<(f64, f64)> = positions.iter().copied().zip(values.iter().copied()).collect();
-        let spline = CubicSpline::natural(&points).map_err(|error| file.error(0, COLUMNS[0], error.to_string()))?;
-        if let Some(gap) = gaps::worst(&points, &spline, (window.from, window.to)) {
-            return Err(file.error(0, COLUMNS[0], invented(&gap, name)));
+    if let Some(long) = gaps::long(&positions, (window.from, window.to)) {
+        for (name, values) in Quantity::NAMES.iter().zip(&quantities) {
+            let points: Vec<(f64, f64)> = positions.iter().copied().zip(values.iter().flatten().copied()).collect();
+            if let Some(gap) = long.worst(&points) {
+                return Err(file.error(0, COLUMNS[0], invented(&gap, name)));
+            }
         }
     }
     let deviations = deviations(&quantities, |_, _, values| {
@@ -246,6 +246,16 @@ mod tests {
 
     fn at(irregularity: &Irregularity, side: Side, direction: Direction, s: f64) -> [f64; 4] {
         irregularity.deviations.iter().find(|d| d.side == side && d.direction == direction).unwrap().shape.at(s)
+    }
+
+    #[test]
+    fn hard_a_series_with_a_hole_is_refused_unless_it_lies_outside() {
+        let rows = (0..400).map(|k| 0.25 * f64::from(k)).filter(|s| !(40.1..70.1).contains(s));
+        let lines = rows.map(|s| format!("{s},{}\n", 2.0 * (0.9 * s).sin() + (0.31 * s).cos()));
+        let content = format!("distance [m],cross_level [mm]\n{}", lines.collect::<String>());
+        let refused = read_series("", &content).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(refused.contains("between 40 m and 70.25 m") && refused.contains("cross_level"), "{refused}");
+        assert!(read_series("to = 39.0\n", &content).is_ok());
     }
 
     /// Uneven positions between 0 and 100 m.
