@@ -1,8 +1,8 @@
 //! Tangential contact at low speed and standstill: an elastic deflection between wheel and rail that relaxes while
 //! the patch rolls on.
 //!
-//! The steady creepage v/V has no meaning at V = 0. Each contact gets three first-order states: the tangential
-//! deflection u_x, u_y [m] and the rolled-in direction p [-] (1: rolled forward by several patch lengths, -1: backward).
+//! The steady creepage v/V has no meaning at V = 0. Each contact gets four first-order states: the tangential
+//! deflection u_x, u_y [m], the rolled-in direction p [-] (1: rolled forward by several patch lengths, -1: backward) and the rolled-in spin phi [1/m].
 //! With the slip velocity v [m/s] of the wheel's material point and the signed rolling speed V:
 //!
 //! ```text
@@ -10,7 +10,8 @@
 //! u_i'   = (v_i - V_r zeta_i) / D - (1 - r_2/r)_+ u_i / T
 //! V_r    = |V| psi(p sign V) + alpha(r) (v . u)_+ / sum(u_i^2 / L_i)
 //! p'     = (V - |V| p) / (l D_p),   l = a / 2
-//! F      = law(w (zeta + tau u'/L) + (1 - w) v/|V|,  spin omega_n / V,  speed V_F)
+//! phi'   = |V| psi (omega_n / V - phi) / (a D_phi)
+//! F      = law(w (zeta + tau u'/L) + (1 - w) v/|V|,  spin w phi + (1 - w) omega_n / V,  speed V_F)
 //! V_F    = (w V_r |zeta| + (1 - w) |v|) / (w |zeta| + (1 - w) |v| / |V|)
 //! ```
 //!
@@ -39,10 +40,13 @@
 //!   w leaves 0: some hundred relaxation lengths, in which u forgets where it stood.
 //! * tau: material damping (Kelvin-Voigt) of the deflection, inside the law and so under its bound; it vanishes in steady
 //!   states. The ratio of damping at the circular frequency f is tau f / 2.
-//! * Spin has no state. omega_n / V has the sign of V: with it the in-plane law is the same for both rolling directions
+//! * Spin builds up as the patch rolls on. In a brush whose bristles all stick, of length 2 a, the lateral force a way s after a step of spin is
+//!   3/4 (s/a)^2 - 1/4 (s/a)^3 of the steady one up to s = 2 a (that of creepage s/a - (s/a)^2/4): it comes a way of a late, and the lag's length is that.
+//!   (Without it a wheelset that trembled in yaw while it rolled at 10 mm/s was pushed sideways by omega_n / V at once, 0.1 1/m and 1.5 kN, and its
+//!   lateral swing grew at 112 Hz.) omega_n / V has the sign of V: with it the in-plane law is the same for both rolling directions
 //!   (see below) and a wheel on an inclined contact, whose omega_n changes sign with V, passes V = 0 without any jump.
-//!   For |V| < v_0 = below/100, 1/V is replaced by an odd polynomial and the moment's sign by another: no spin at
-//!   rest. What is left out is the twisting spring of a resting patch, of the order G (ab)^1.5, 1e-5 of what the two
+//!   For |V| < v_0 = below/100, 1/V is replaced by an odd polynomial and the moment's sign by another.
+//!   What is left out is the twisting spring of a resting patch, of the order G (ab)^1.5, 1e-5 of what the two
 //!   wheels' longitudinal springs do to yaw.
 //! * Unloaded (N = 0 or an empty patch): u' = -u/T, p' = -p/T. A falling N leads there continuously.
 //! * Without friction (mu N = 0; a law without bound aside) nothing holds a deflection: u' = -u/T, which is where u goes for mu to 0,
@@ -70,8 +74,8 @@ use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
 use relaxation::{Elasticity, Relaxation};
 
-/// States of one contact: deflection along e1 and e2 [m], rolled-in direction [-].
-pub const STATES: usize = 3;
+/// States of one contact: deflection along e1 and e2 [m], rolled-in direction [-], rolled-in spin [1/m].
+pub const STATES: usize = 4;
 
 impl Slip {
     /// The slip of a wheel that rolls with a signed speed [m/s].
@@ -141,7 +145,7 @@ pub struct SlipVelocity {
 pub struct Evaluation {
     /// On the wheel, along e1, e2, n.
     pub force: CreepForce,
-    /// Time derivatives of the states, m/s, m/s, 1/s.
+    /// Time derivatives of the states, m/s, m/s, 1/s, 1/(m s).
     pub rates: [f64; STATES],
     /// Effective creepage; v/|V|, omega_n/|V| in steady rolling.
     pub creepage: Creepage,
@@ -229,13 +233,13 @@ impl TransientContact {
         let ratio = elastic.stiffness * u[0].hypot(u[1]);
         let scale = (SLIDE_WIDTH * self.slide_from * bound / ratio).min(1.0);
         let scale = if scale.is_finite() { scale } else { 0.0 };
-        [scale * u[0], scale * u[1], slip.rolling.signum()]
+        [scale * u[0], scale * u[1], slip.rolling.signum(), slip.spin * self.inverse_speed(slip.rolling)]
     }
 
     /// Force and rates. Finite for every finite input; allocates nothing.
     pub fn evaluate(&self, law: &dyn CreepLaw, contact: &LoadedPatch, slip: &SlipVelocity, state: &[f64; STATES]) -> Evaluation {
         let floor = self.settings.time_floor;
-        let [ux, uy, p] = *state;
+        let [ux, uy, p, phi] = *state;
         let speed = slip.rolling.abs();
         let elastic = match self.relaxation.of(contact.patch) {
             Some(elastic) if contact.normal_force > 0.0 => elastic,
@@ -243,14 +247,18 @@ impl TransientContact {
         };
         let lively = self.liveliness(speed);
         let spin_ratio = slip.spin * self.inverse_speed(slip.rolling);
+        let rate_phi = self.spin_lag(contact, slip, p) * (spin_ratio - phi);
         let way = 0.5 * contact.patch.a;
         let rate_p = (slip.rolling - speed * p) / way / (1.0 + (floor * speed / way).powi(2)).sqrt();
         if !self.holds(contact) {
-            return Evaluation { rates: [-ux / floor, -uy / floor, rate_p].map(|rate| lively * rate), ..Evaluation::default() };
+            return Evaluation { rates: [-ux / floor, -uy / floor, rate_p, rate_phi].map(|rate| lively * rate), ..Evaluation::default() };
         }
 
         // How far the deflection has gone towards sliding.
-        let slide_from = self.sliding_load(contact, &elastic, spin_ratio);
+        let weight = self.transient_weight(speed);
+        let rolled_spin = weight * phi;
+        let direct_spin = (1.0 - weight) * spin_ratio;
+        let slide_from = self.sliding_load(contact, &elastic, rolled_spin + direct_spin);
         let load = elastic.stiffness * ux.hypot(uy);
         let slide_full = SLIDE_WIDTH * slide_from;
         let alpha = if load > slide_from { cubic_step((load - slide_from) / (slide_full - slide_from)) } else { 0.0 };
@@ -263,8 +271,7 @@ impl TransientContact {
         let excess = if load > slide_full { 1.0 - slide_full / load } else { 0.0 };
 
         // Deflection: what the slip brings less what rolling on, sliding and lost load take away.
-        let rolling = speed * cubic_step(2.0 * (p * slip.rolling.signum() - 0.25));
-        let relaxing = rolling + sliding;
+        let relaxing = ahead(slip, p) + sliding;
         let rate = |u: f64, v: f64, length: f64| {
             let lambda = relaxing / length;
             (v - lambda * u) / (1.0 + (floor * lambda).powi(2)).sqrt() - excess * u / floor
@@ -272,14 +279,13 @@ impl TransientContact {
         let rates_xy = [rate(ux, slip.longitudinal, elastic.length[0]), rate(uy, slip.lateral, elastic.length[1])];
 
         // Creepage for the law: the deflection's below, v/V above.
-        let weight = self.transient_weight(speed);
         let deflected = |u: f64, u_rate: f64, length: f64| (u + self.settings.damping_time * u_rate) / length;
         let zeta = [deflected(ux, rates_xy[0], elastic.length[0]), deflected(uy, rates_xy[1], elastic.length[1])];
         let blend = |zeta: f64, v: f64| if weight == 1.0 { zeta } else { weight * zeta + (1.0 - weight) * v / speed };
         let (longitudinal, lateral) = (blend(zeta[0], slip.longitudinal), blend(zeta[1], slip.lateral));
         // Sliding shrinks the whole creepage vector, spin included, so that its direction is kept.
         let shrink = if sliding > 0.0 { speed / (speed + sliding) } else { 1.0 };
-        let spin = spin_ratio * (1.0 - weight + weight * shrink);
+        let spin = direct_spin + shrink * rolled_spin;
         let law_speed = law_speed(weight, zeta[0].hypot(zeta[1]), slip, relaxing);
         let found = law.force(&RollingContact {
             patch: contact.patch,
@@ -291,7 +297,7 @@ impl TransientContact {
         let turn = self.smooth_sign(slip.rolling);
         Evaluation {
             force: CreepForce { spin_moment: turn * found.spin_moment, ..found },
-            rates: [rates_xy[0], rates_xy[1], rate_p].map(|rate| lively * rate),
+            rates: [rates_xy[0], rates_xy[1], rate_p, rate_phi].map(|rate| lively * rate),
             creepage: Creepage { longitudinal, lateral, spin: turn * spin },
         }
     }
@@ -302,10 +308,16 @@ impl TransientContact {
     }
 
     /// k |u| from which on the contact slides, N.
-    fn sliding_load(&self, contact: &LoadedPatch, elastic: &Elasticity, spin_ratio: f64) -> f64 {
+    fn sliding_load(&self, contact: &LoadedPatch, elastic: &Elasticity, spin: f64) -> f64 {
         // Without bound and without friction the product would be none.
         let bound = (contact.friction * contact.normal_force).max(LEAST_BOUND);
-        self.slide_from * bound + elastic.spin_coupling * spin_ratio.abs()
+        self.slide_from * bound + elastic.spin_coupling * spin.abs()
+    }
+
+    /// How fast phi goes to omega_n / V, 1/s.
+    fn spin_lag(&self, contact: &LoadedPatch, slip: &SlipVelocity, direction: f64) -> f64 {
+        let lambda = ahead(slip, direction) / contact.patch.a;
+        lambda / (1.0 + (self.settings.time_floor * lambda).powi(2)).sqrt()
     }
 
     /// w(|V|).
@@ -330,6 +342,12 @@ impl TransientContact {
         let x = v / (0.01 * self.settings.below);
         if x.abs() >= 1.0 { x.signum() } else { x * (15.0 - x * x * (10.0 - 3.0 * x * x)) / 8.0 }
     }
+}
+
+/// |V| psi, m/s: how fast the patch rolls on over material that is new to it.
+#[inline]
+fn ahead(slip: &SlipVelocity, direction: f64) -> f64 {
+    slip.rolling.abs() * cubic_step(2.0 * (direction * slip.rolling.signum() - 0.25))
 }
 
 /// From 1 at 0 to 0 at 1, held outside, twice continuously differentiable.

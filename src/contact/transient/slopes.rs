@@ -7,26 +7,27 @@
 //! dg/dlambda  = -u / D - (v - lambda u) T^2 lambda / D^3,            d lambda_i = d sliding / L_i
 //! d sliding   = alpha (u . dv) / S + (alpha v . du + P d alpha) / S - alpha P dS / S^2      where P > 0, else 0
 //! d zeta_i    = w (du_i + tau du_i') / L_i + (1 - w) dv_i / |V|
-//! d F         = dF/d zeta . d zeta + dF/d spin omega_n / V + (dF/dN along a growing patch) dN
+//! d phi'      = lag (d omega_n / V - d phi)
+//! d F         = dF/d zeta . d zeta + dF/d spin (w d phi + (1 - w) d omega_n / V) + (dF/dN along a growing patch) dN
 //! ```
 //!
 //! The rolling speed, the direction p and the patch are held in the rates; left out is what is of the order of the creepage
 //! (1e-3 to 1e-2) against d v. With N the lengths L grow with the patch, like its cube root.
 
-use super::{Elasticity, LoadedPatch, SLIDE_WIDTH, STATES, SlipVelocity, TransientContact, law_speed};
+use super::{Elasticity, LoadedPatch, SLIDE_WIDTH, STATES, SlipVelocity, TransientContact, ahead, law_speed};
 use crate::contact::creep::slopes::CreepSlopes;
 use crate::contact::creep::{CreepLaw, RollingContact};
 use crate::contact::creepage::Creepage;
 use crate::math::smooth_step::cubic_step;
-use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 /// Derivatives of force and rates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TransientSlopes {
     /// Force along e1, e2 and moment about n by slip velocities along e1, e2 [m/s] and spin [rad/s].
     pub force_by_slip: Matrix3<f64>,
-    /// The same by the deflections, 1/m.
-    pub force_by_deflection: Matrix3x2<f64>,
+    /// The same by the deflections, 1/m, and by the rolled-in spin, m.
+    pub force_by_state: Matrix3<f64>,
     /// The same by the normal force, -.
     pub force_by_normal_force: Vector3<f64>,
     /// u' by slip velocity, -.
@@ -35,6 +36,9 @@ pub struct TransientSlopes {
     pub rate_by_deflection: Matrix2<f64>,
     /// p' by p, 1/s.
     pub direction_rate: f64,
+    /// phi' by phi, 1/s, and by the spin velocity, 1/m.
+    pub spin_rate: f64,
+    pub spin_rate_by_spin: f64,
 }
 
 /// Rates of the deflection with their derivatives.
@@ -61,34 +65,37 @@ impl TransientContact {
         let (lively, fading) = (self.liveliness(slip.rolling.abs()), self.fading(slip.rolling));
         let Some(elastic) = self.relaxation.of(contact.patch).filter(|_| contact.normal_force > 0.0) else {
             let by_deflection = Matrix2::identity() * -fading;
-            return TransientSlopes { rate_by_deflection: by_deflection, direction_rate: -fading, ..TransientSlopes::default() };
+            let (direction_rate, spin_rate) = (-fading, -fading);
+            return TransientSlopes { rate_by_deflection: by_deflection, direction_rate, spin_rate, ..TransientSlopes::default() };
         };
         let (speed, inverse, turn) = (slip.rolling.abs(), self.inverse_speed(slip.rolling), self.smooth_sign(slip.rolling));
         let spin_ratio = slip.spin * inverse;
         let way = 0.5 * contact.patch.a;
         let direction_rate = -lively * speed / way / (1.0 + (self.settings.time_floor * speed / way).powi(2)).sqrt();
+        let spin_lag = lively * self.spin_lag(contact, slip, state[2]);
+        let rolled = TransientSlopes { direction_rate, spin_rate: -spin_lag, spin_rate_by_spin: spin_lag * inverse, ..TransientSlopes::default() };
         if !self.holds(contact) {
-            let by_deflection = Matrix2::identity() * -fading;
-            return TransientSlopes { rate_by_deflection: by_deflection, direction_rate, ..TransientSlopes::default() };
+            return TransientSlopes { rate_by_deflection: Matrix2::identity() * -fading, ..rolled };
         }
-        let from = self.sliding_load(contact, &elastic, spin_ratio);
+        let weight = self.transient_weight(speed);
+        let (rolled_spin, direct_spin) = (weight * state[3], (1.0 - weight) * spin_ratio);
+        let from = self.sliding_load(contact, &elastic, rolled_spin + direct_spin);
         let deflection = self.deflection(&elastic, &Range { from, full: SLIDE_WIDTH * from }, slip, state);
         let Deflection { rates, by_slip, by_deflection, relaxing, sliding, .. } = deflection;
 
-        let (weight, tau) = (self.transient_weight(speed), self.settings.damping_time);
+        let tau = self.settings.damping_time;
         let per_length = Vector2::from(elastic.length).map(|length| weight / length);
         let (u, v) = (Vector2::new(state[0], state[1]), Vector2::new(slip.longitudinal, slip.lateral));
         let direct = if weight == 1.0 { 0.0 } else { (1.0 - weight) / speed };
         let zeta = (u + rates * tau).component_div(&Vector2::from(elastic.length));
         let deflected = zeta * weight;
         let shrink = if sliding > 0.0 { speed / (speed + sliding) } else { 1.0 };
-        let spin_factor = 1.0 - weight + weight * shrink;
         let creepage = deflected + v * direct;
         let loaded = RollingContact {
             patch: contact.patch,
             normal_force: contact.normal_force,
             friction: contact.friction,
-            creepage: Creepage { longitudinal: creepage.x, lateral: creepage.y, spin: spin_ratio * spin_factor },
+            creepage: Creepage { longitudinal: creepage.x, lateral: creepage.y, spin: direct_spin + shrink * rolled_spin },
             speed: law_speed(weight, zeta.norm(), slip, relaxing),
         };
         let CreepSlopes { by_creepage, by_normal_force } = law.slopes(&loaded, &law.force(&loaded));
@@ -98,25 +105,26 @@ impl TransientContact {
         let mut creepage_by_slip = Matrix3::zeros();
         let in_plane = scaled * by_slip * tau + Matrix2::identity() * direct;
         creepage_by_slip.fixed_view_mut::<2, 2>(0, 0).copy_from(&in_plane);
-        creepage_by_slip[(2, 2)] = inverse * spin_factor;
-        let mut creepage_by_deflection = Matrix3x2::zeros();
+        creepage_by_slip[(2, 2)] = inverse * (1.0 - weight);
+        let mut creepage_by_state = Matrix3::zeros();
         let in_plane = scaled * (Matrix2::identity() + by_deflection * tau);
-        creepage_by_deflection.fixed_view_mut::<2, 2>(0, 0).copy_from(&in_plane);
+        creepage_by_state.fixed_view_mut::<2, 2>(0, 0).copy_from(&in_plane);
+        creepage_by_state[(2, 2)] = weight * shrink;
         if sliding > 0.0 {
-            let by_sliding = -spin_ratio * weight * speed / (speed + sliding).powi(2);
+            let by_sliding = -rolled_spin * speed / (speed + sliding).powi(2);
             for j in 0..2 {
                 creepage_by_slip[(2, j)] = by_sliding * deflection.sliding_by_slip[j];
-                creepage_by_deflection[(2, j)] = by_sliding * deflection.sliding_by_deflection[j];
+                creepage_by_state[(2, j)] = by_sliding * deflection.sliding_by_deflection[j];
             }
         }
         let in_plane = by_creepage.fixed_columns::<2>(0).into_owned();
         TransientSlopes {
             force_by_slip: by_creepage * creepage_by_slip,
-            force_by_deflection: by_creepage * creepage_by_deflection,
+            force_by_state: by_creepage * creepage_by_state,
             force_by_normal_force: turned * by_normal_force - in_plane * deflected / (3.0 * contact.normal_force),
             rate_by_slip: by_slip * lively,
             rate_by_deflection: by_deflection * lively,
-            direction_rate,
+            ..rolled
         }
     }
 
@@ -144,7 +152,7 @@ impl TransientContact {
         }
         let (excess, excess_by_u) =
             if load > range.full { (1.0 - range.full / load, load_by_u * (range.full / (load * load))) } else { (0.0, Vector2::zeros()) };
-        let relaxing = slip.rolling.abs() * cubic_step(2.0 * (state[2] * slip.rolling.signum() - 0.25)) + sliding;
+        let relaxing = ahead(slip, state[2]) + sliding;
         let mut found = Deflection {
             rates: Vector2::zeros(),
             by_slip: Matrix2::zeros(),
@@ -199,40 +207,49 @@ mod tests {
         assert!(full > from);
         for (rolling, v, u) in cases {
             let slip = |d: [f64; 3]| SlipVelocity { longitudinal: v[0] + d[0], lateral: v[1] + d[1], spin: v[2] + d[2], rolling };
-            let state = |d: [f64; 2]| [from * u[0] + d[0], from * u[1] + d[1], 0.6];
-            let evaluate = |dv: [f64; 3], du: [f64; 2], dn: f64| {
+            let state = |d: [f64; 3]| [from * u[0] + d[0], from * u[1] + d[1], 0.6, 0.05 + d[2]];
+            let evaluate = |dv: [f64; 3], du: [f64; 3], dn: f64| {
                 let growth = (1.0 + dn / loaded.normal_force).cbrt();
                 let patch = Patch { a: growth * loaded.patch.a, b: growth * loaded.patch.b };
                 let loaded = LoadedPatch { patch, normal_force: loaded.normal_force + dn, ..loaded };
                 let found = transient.evaluate(law.as_ref(), &loaded, &slip(dv), &state(du));
                 (Vector3::new(found.force.longitudinal, found.force.lateral, found.force.spin_moment), found.rates)
             };
-            let slopes = transient.slopes(law.as_ref(), &loaded, &slip([0.0; 3]), &state([0.0; 2]));
+            let slopes = transient.slopes(law.as_ref(), &loaded, &slip([0.0; 3]), &state([0.0; 3]));
             let sliding = u[0].hypot(u[1]) > 1.0;
             for j in 0..3 {
                 let h = 1e-6;
                 let d = |sign: f64| std::array::from_fn(|i| if i == j { sign * h } else { 0.0 });
-                let (ahead, behind) = (evaluate(d(1.0), [0.0; 2], 0.0), evaluate(d(-1.0), [0.0; 2], 0.0));
+                let (ahead, behind) = (evaluate(d(1.0), [0.0; 3], 0.0), evaluate(d(-1.0), [0.0; 3], 0.0));
                 let (found, exact) = ((ahead.0 - behind.0) / (2.0 * h), slopes.force_by_slip.column(j).into_owned());
                 // Spin also moves the bound of sliding, which is left out.
                 if !(sliding && j == 2) {
                     let allowed = if sliding { 0.02 } else { 1e-4 };
                     assert!((found - exact).norm() <= allowed * exact.norm() + 1e-3, "{u:?}: force by slip {j}: {found} {exact}");
                 }
+                let rate = |i: usize| (ahead.1[i] - behind.1[i]) / (2.0 * h);
                 if j < 2 {
                     for i in 0..2 {
-                        let found = (ahead.1[i] - behind.1[i]) / (2.0 * h);
-                        assert!((found - slopes.rate_by_slip[(i, j)]).abs() < 1e-6, "{found} {}", slopes.rate_by_slip);
+                        assert!((rate(i) - slopes.rate_by_slip[(i, j)]).abs() < 1e-6, "{} {}", rate(i), slopes.rate_by_slip);
                     }
+                } else {
+                    assert!((rate(3) - slopes.spin_rate_by_spin).abs() < 1e-6 * (1.0 + slopes.spin_rate_by_spin.abs()), "{}", rate(3));
                 }
             }
-            for j in 0..2 {
-                let h = 1e-6 * from;
+            for j in 0..3 {
+                let h = if j < 2 { 1e-6 * from } else { 1e-6 };
                 let d = |sign: f64| std::array::from_fn(|i| if i == j { sign * h } else { 0.0 });
                 let (ahead, behind) = (evaluate([0.0; 3], d(1.0), 0.0), evaluate([0.0; 3], d(-1.0), 0.0));
-                let (found, exact) = ((ahead.0 - behind.0) / (2.0 * h), slopes.force_by_deflection.column(j).into_owned());
+                let (found, exact) = ((ahead.0 - behind.0) / (2.0 * h), slopes.force_by_state.column(j).into_owned());
+                if j == 2 {
+                    let rate = (ahead.1[3] - behind.1[3]) / (2.0 * h);
+                    assert!((rate - slopes.spin_rate).abs() < 1e-6 * (1.0 + slopes.spin_rate.abs()), "{rate} {}", slopes.spin_rate);
+                    // While it slides, spin also moves the bound of sliding, which is left out.
+                    assert!(sliding || (found - exact).norm() <= 1e-4 * exact.norm() + 1e-3, "force by spin: {found} {exact}");
+                    continue;
+                }
                 let allowed = if sliding { 0.05 } else { 1e-4 };
-                let scale = slopes.force_by_deflection.norm();
+                let scale = slopes.force_by_state.fixed_columns::<2>(0).norm();
                 assert!((found - exact).norm() <= allowed * scale + 1.0, "force by deflection {j}: {found} {exact}");
                 for i in 0..2 {
                     let found = (ahead.1[i] - behind.1[i]) / (2.0 * h);
@@ -242,7 +259,7 @@ mod tests {
             }
             if !sliding {
                 let h = 1.0;
-                let (ahead, behind) = (evaluate([0.0; 3], [0.0; 2], h), evaluate([0.0; 3], [0.0; 2], -h));
+                let (ahead, behind) = (evaluate([0.0; 3], [0.0; 3], h), evaluate([0.0; 3], [0.0; 3], -h));
                 let (found, exact) = ((ahead.0 - behind.0) / (2.0 * h), slopes.force_by_normal_force);
                 // The rates' own change with the load is left out: it comes in by the damping time.
                 assert!((found - exact).norm() < 1e-2 * exact.norm() + 1e-4, "force by load: {found} {exact}");
@@ -263,10 +280,10 @@ mod tests {
                 for rolling in [0.0, 0.01, -1.5, 30.0] {
                     for u in [0.0, 1e-300, 1e-12, 1e-5] {
                         let slip = SlipVelocity { longitudinal: 1e-3, lateral: -2e-3, spin: 0.1 * rolling, rolling };
-                        let state = [u, -0.5 * u, 0.3];
+                        let state = [u, -0.5 * u, 0.3, 0.02];
                         let found = transient.evaluate(law.as_ref(), &loaded, &slip, &state);
                         let slopes = transient.slopes(law.as_ref(), &loaded, &slip, &state);
-                        let numbers = slopes.rate_by_deflection.iter().chain(&slopes.rate_by_slip).chain(&slopes.force_by_deflection);
+                        let numbers = slopes.rate_by_deflection.iter().chain(&slopes.rate_by_slip).chain(&slopes.force_by_state);
                         let numbers = numbers.chain(&slopes.force_by_slip).chain(&slopes.force_by_normal_force).chain(&found.rates);
                         assert!(numbers.copied().all(f64::is_finite), "{friction} {rolling} {u}: {slopes:?}");
                         assert!(found.force.longitudinal.hypot(found.force.lateral) <= 1.001 * friction * 6e4 + 1e-300);

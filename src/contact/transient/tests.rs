@@ -38,7 +38,7 @@ fn step<const S: usize>(state: [f64; S], t: f64, h: f64, mut f: impl FnMut(f64, 
 }
 
 /// Constant slip for `time`.
-fn hold(model: &TransientContact, law: &dyn CreepLaw, contact: &LoadedPatch, slip: &SlipVelocity, time: f64, state: [f64; 3]) -> [f64; 3] {
+fn hold(model: &TransientContact, law: &dyn CreepLaw, contact: &LoadedPatch, slip: &SlipVelocity, time: f64, state: [f64; STATES]) -> [f64; STATES] {
     let h = 2e-4;
     (0..(time / h).ceil() as usize).fold(state, |s, _| step(s, 0.0, h, |_, s| model.evaluate(law, contact, slip, s).rates))
 }
@@ -63,7 +63,7 @@ fn analytic_steady_state_of_every_law_is_kept() {
                 ] {
                     let rolling = direction * speed;
                     let slip = slip(x * speed, y * speed, spin * speed, rolling);
-                    let state = hold(&model, law.as_ref(), &CONTACT, &slip, 0.05 + 0.4 / speed, [0.0; 3]);
+                    let state = hold(&model, law.as_ref(), &CONTACT, &slip, 0.05 + 0.4 / speed, [0.0; STATES]);
                     let found = model.evaluate(law.as_ref(), &CONTACT, &slip, &state);
                     let steady = in_rolling_direction(rolling, Creepage { longitudinal: x, lateral: y, spin }, |creepage| {
                         let LoadedPatch { patch, normal_force, friction } = CONTACT;
@@ -82,6 +82,7 @@ fn analytic_steady_state_of_every_law_is_kept() {
                     let start = model.steady_state(&CONTACT, &slip);
                     if kind == 0 && speed < SETTINGS.below {
                         assert!((start[0] - state[0]).hypot(start[1] - state[1]) < 1e-10 && (start[2] - state[2]).abs() < 1e-6);
+                        assert!((start[3] - state[3]).abs() < 1e-9);
                     }
                 }
             }
@@ -106,15 +107,15 @@ fn analytic_rest_is_a_spring_with_coulombs_limit() {
     for (x, y) in [(1.0, 0.0), (0.0, -1.0), (0.6, 0.8)] {
         // 1 nm of shift: Mindlin's spring (the law's own slope, so Kalker's coefficients cancel).
         let still = slip(0.0, 0.0, 0.0, 0.0);
-        let small = model.evaluate(law.as_ref(), &CONTACT, &still, &[1e-9 * x, 1e-9 * y, 0.0]);
+        let small = model.evaluate(law.as_ref(), &CONTACT, &still, &[1e-9 * x, 1e-9 * y, 0.0, 0.0]);
         assert!(
             (small.force.longitudinal + stiffness * 1e-9 * x).hypot(small.force.lateral + stiffness * 1e-9 * y) < 1e-3 * stiffness * 1e-9
         );
-        assert_eq!(small.rates, [0.0; 3], "a resting contact keeps its deflection");
+        assert_eq!(small.rates, [0.0; STATES], "a resting contact keeps its deflection");
         // Sliding for long at 1 mm/s and at 1 m/s: mu N against the slip, deflection bounded.
         for speed in [1e-3, 1.0] {
             let sliding = slip(speed * x, speed * y, 0.0, 0.0);
-            let state = hold(&model, law.as_ref(), &CONTACT, &sliding, 1.0, [0.0; 3]);
+            let state = hold(&model, law.as_ref(), &CONTACT, &sliding, 1.0, [0.0; STATES]);
             let force = model.evaluate(law.as_ref(), &CONTACT, &sliding, &state).force;
             assert!((force.longitudinal.hypot(force.lateral) / BOUND - 1.0).abs() < 1e-9);
             let cosine = -(force.longitudinal * x + force.lateral * y) / BOUND;
@@ -183,11 +184,11 @@ proptest! {
     #[test]
     fn prop_turned_by_180_degrees_nothing_changes(
         v in (-0.1..0.1f64, -0.1..0.1f64, -1.0..1.0f64), rolling in -3.0..3.0f64,
-        u in (-1e-4..1e-4f64, -1e-4..1e-4f64), p in -1.0..1.0f64,
+        u in (-1e-4..1e-4f64, -1e-4..1e-4f64), p in -1.0..1.0f64, phi in -1.0..1.0f64,
     ) {
         let (law, model) = model();
-        let ahead = model.evaluate(law.as_ref(), &CONTACT, &slip(v.0, v.1, v.2, rolling), &[u.0, u.1, p]);
-        let turned = model.evaluate(law.as_ref(), &CONTACT, &slip(-v.0, -v.1, v.2, -rolling), &[-u.0, -u.1, -p]);
+        let ahead = model.evaluate(law.as_ref(), &CONTACT, &slip(v.0, v.1, v.2, rolling), &[u.0, u.1, p, phi]);
+        let turned = model.evaluate(law.as_ref(), &CONTACT, &slip(-v.0, -v.1, v.2, -rolling), &[-u.0, -u.1, -p, -phi]);
         prop_assert!(turned.rates == ahead.rates.map(|r| -r));
         prop_assert!(turned.force.longitudinal == -ahead.force.longitudinal && turned.force.lateral == -ahead.force.lateral);
         prop_assert!(turned.force.spin_moment == ahead.force.spin_moment);
@@ -215,7 +216,7 @@ proptest! {
             for i in 0..4 * steps {
                 state = step(state, i as f64 * h, h, |t, s| {
                     let motion = motion(t);
-                    let found = model.evaluate(law.as_ref(), &CONTACT, &motion, &[s[0], s[1], s[2]]);
+                    let found = model.evaluate(law.as_ref(), &CONTACT, &motion, &[s[0], s[1], s[2], 0.0]);
                     let work = -found.force.longitudinal * motion.longitudinal - found.force.lateral * motion.lateral;
                     [found.rates[0], found.rates[1], found.rates[2], work]
                 });
@@ -259,7 +260,7 @@ fn analytic_an_oscillating_force_below_the_bound_makes_no_drift() {
     let start = [0.0, 0.0, 0.5 * BOUND / stiffness];
     // Contact that doesn't roll: exactly elastic.
     let elastic = |v: f64, u: f64| {
-        let found = model.evaluate(law.as_ref(), &CONTACT, &slip(v, 0.0, 0.0, 0.0), &[u, 0.0, 0.0]);
+        let found = model.evaluate(law.as_ref(), &CONTACT, &slip(v, 0.0, 0.0, 0.0), &[u, 0.0, 0.0, 0.0]);
         (found.force.longitudinal, found.rates[0])
     };
     // Dahl's model of the same stiffness and bound, for contrast.
@@ -288,7 +289,7 @@ fn analytic_a_trembling_braked_wheel_leaks_a_bounded_way_and_then_nothing() {
             at.push(state[0]);
         }
         state = step(state, i as f64 * h, h, |t, s| {
-            let found = model.evaluate(law.as_ref(), &CONTACT, &slip(s[1], 0.0, 0.0, s[1]), &[s[2], 0.0, s[3]]);
+            let found = model.evaluate(law.as_ref(), &CONTACT, &slip(s[1], 0.0, 0.0, s[1]), &[s[2], 0.0, s[3], 0.0]);
             let pull = BOUND * (0.5 + 0.3 * (2.0 * std::f64::consts::PI * frequency * t).sin());
             [s[1], (pull + found.force.longitudinal - 2e4 * s[1]) / mass, found.rates[0], found.rates[2]]
         });
@@ -306,7 +307,7 @@ fn hard_braked_wheel_stops_on_a_grade_stays_and_rolls_back_when_released() {
     let pull = MASS * 9.81 * 0.04;
     // x, V, wheel speed, brake's torsion (elastic until it slips), u_x, u_y, p.
     let rates = |s: &[f64; 7], torque_bound: f64| -> [f64; 7] {
-        let found = model.evaluate(law.as_ref(), &CONTACT, &slip(s[1] - RADIUS * s[2], 0.0, 0.0, s[1]), &[s[4], s[5], s[6]]);
+        let found = model.evaluate(law.as_ref(), &CONTACT, &slip(s[1] - RADIUS * s[2], 0.0, 0.0, s[1]), &[s[4], s[5], s[6], 0.0]);
         let force = found.force.longitudinal;
         let share = 2e6 * s[3] / torque_bound.max(1.0);
         let slips = cubic_step((share.abs() - 0.8) / 0.2) * f64::from(u8::from(share * s[2] > 0.0));
@@ -335,7 +336,7 @@ fn hard_braked_wheel_stops_on_a_grade_stays_and_rolls_back_when_released() {
     );
     assert!((state[0] - stop).abs() < 1e-6 && state[1].abs() < 1e-9);
     // Held by the grade force alone: the deflection carries it.
-    let held = model.evaluate(law.as_ref(), &CONTACT, &slip(0.0, 0.0, 0.0, 0.0), &[state[4], state[5], state[6]]).force.longitudinal;
+    let held = model.evaluate(law.as_ref(), &CONTACT, &slip(0.0, 0.0, 0.0, 0.0), &[state[4], state[5], state[6], 0.0]).force.longitudinal;
     assert!((held / pull - 1.0).abs() < 1e-6, "{held} {pull}");
     // Released: rolls back with the acceleration of a rolling wheel, then is braked to a stand again.
     let before = state[1];
@@ -361,7 +362,7 @@ fn analytic_fastest_time_constant_of_lasting_motion_is_bounded() {
         for speed in [1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0] {
             let motion = slip(0.8 * speed, 0.6 * speed, 0.0, rolling);
             let state = hold(&model, law.as_ref(), &CONTACT, &motion, 3.0, model.steady_state(&CONTACT, &motion));
-            let rates = |s: &[f64; 3]| model.evaluate(law.as_ref(), &CONTACT, &motion, s).rates;
+            let rates = |s: &[f64; STATES]| model.evaluate(law.as_ref(), &CONTACT, &motion, s).rates;
             // Norm of the Jacobian of the deflection's rates by differences of 1e-10 m.
             let mut norm: f64 = 0.0;
             for j in 0..2 {
@@ -385,7 +386,7 @@ fn analytic_fastest_time_constant_of_lasting_motion_is_bounded() {
 fn hard_explicit_steps_through_sliding_reversal_and_lift_stay_bounded() {
     let (law, model) = model();
     let limit = model.sliding_range()[1] * BOUND / model.elasticity(CONTACT.patch).unwrap().stiffness;
-    let mut state = [0.0; 3];
+    let mut state = [0.0; STATES];
     let h = 2.5e-4;
     let mut worst: f64 = 0.0;
     for i in 0..16000 {
@@ -440,7 +441,7 @@ fn validate_against_transient_rolling_of_elastic_half_spaces() {
             let motion = if across { slip(0.0, creepage * speed, 0.0, speed) } else { slip(creepage * speed, 0.0, 0.0, speed) };
             let h = patch.a / 3.0 / speed / steps as f64;
             let full = creepage * elastic.stiffness * elastic.length[usize::from(across)];
-            let mut state = [0.0, 0.0, p];
+            let mut state = [0.0, 0.0, p, 0.0];
             let mut worst: f64 = 0.0;
             for exact in exact {
                 let force = model.evaluate(law.as_ref(), &contact, &motion, &state).force;
@@ -463,14 +464,14 @@ fn validate_against_transient_rolling_of_elastic_half_spaces() {
 #[test]
 fn prop_states_stand_still_at_speed_and_are_taken_up_without_a_jump() {
     let (law, model) = model();
-    let stale = [4e-5, -3e-5, -1.0];
+    let stale = [4e-5, -3e-5, -1.0, 0.5];
     for speed in [4.0, 20.0, -4.0] {
         let slip = slip(2e-3 * speed, 1e-3 * speed, 0.1, speed);
         let found = model.evaluate(law.as_ref(), &CONTACT, &slip, &stale);
-        assert!(model.is_idle(speed) && found.rates == [0.0; 3]);
-        assert_eq!(found.force, model.evaluate(law.as_ref(), &CONTACT, &slip, &[0.0; 3]).force);
+        assert!(model.is_idle(speed) && found.rates == [0.0; STATES]);
+        assert_eq!(found.force, model.evaluate(law.as_ref(), &CONTACT, &slip, &[0.0; STATES]).force);
     }
-    assert!(!model.is_idle(3.999) && model.unloaded_rates(4.0, &stale) == [0.0; 3]);
+    assert!(!model.is_idle(3.999) && model.unloaded_rates(4.0, &stale) == [0.0; STATES]);
     // At 3 m/s2 from 4.5 m/s on, from the steady state and from another: the same forces all the way to 0.5 m/s.
     let at = |t: f64| slip(2e-3 * (4.5 - 3.0 * t), 1e-3 * (4.5 - 3.0 * t), 0.1, 4.5 - 3.0 * t);
     let (mut worst, mut states) = (0f64, [model.steady_state(&CONTACT, &at(0.0)), stale]);
@@ -505,4 +506,37 @@ fn analytic_falling_friction_of_a_sliding_wheel_is_that_of_its_sliding_speed() {
             assert!((found / expected - 1.0).abs() < 0.01, "{speed} {part}: {found} {expected}");
         }
     }
+}
+
+/// Spin builds up over the way of a patch, as in a brush whose bristles all stick; a wheelset that trembles in yaw while it hardly rolls is not pushed sideways.
+#[test]
+fn analytic_spin_builds_up_as_the_patch_rolls_on() {
+    let (law, model) = model();
+    let (speed, spin) = (0.1, 0.02);
+    let motion = slip(0.0, 0.0, spin * speed, speed);
+    let lateral = |state: &[f64; STATES], motion: &SlipVelocity| model.evaluate(law.as_ref(), &CONTACT, motion, state).force.lateral;
+    let full = lateral(&[0.0, 0.0, 1.0, spin], &motion);
+    let (mut state, mut missing, h) = ([0.0, 0.0, 1.0, 0.0], 0.0, 1e-4);
+    for i in 0..8_000 {
+        let part = lateral(&state, &motion) / full;
+        let way = (i as f64 * h * speed / CONTACT.patch.a).min(2.0);
+        let brush = 0.75 * way.powi(2) - 0.25 * way.powi(3);
+        assert!((part - brush).abs() < 0.26, "{way}: {part} {brush}");
+        missing += (1.0 - part) * h * speed / CONTACT.patch.a;
+        state = step(state, 0.0, h, |_, s| model.evaluate(law.as_ref(), &CONTACT, &motion, s).rates);
+    }
+    // The mean way by which it comes late: a of the brush. The law bends by 2e-3.
+    assert!((missing - 1.0).abs() < 0.02, "{missing}");
+    // 112 Hz and 3.5 mrad/s, rolling at 10 mm/s: steady creepage would make 0.35 1/m of it.
+    let omega = 2.0 * std::f64::consts::PI * 112.0;
+    let trembling = |t: f64| slip(0.0, 0.0, 3.5e-3 * (omega * t).sin(), 0.01);
+    let (mut state, mut largest) = ([0.0, 0.0, 1.0, 0.0], 0f64);
+    for i in 0..20_000 {
+        let t = i as f64 * 1e-5;
+        state = step(state, t, 1e-5, |t, s| model.evaluate(law.as_ref(), &CONTACT, &trembling(t), s).rates);
+        largest = largest.max(lateral(&state, &trembling(t)).abs());
+    }
+    let steady = lateral(&[0.0, 0.0, 1.0, 0.175], &trembling(0.0)).abs();
+    println!("trembling in yaw: {largest:.2} N sideways, at once {steady:.0} N");
+    assert!(largest < 0.02 * steady, "{largest} {steady}");
 }

@@ -37,10 +37,11 @@ use crate::contact::creepage::ContactAxes;
 use crate::contact::normal::damping::{Approach, DampingLaw};
 use crate::contact::search::algebraic::Pair;
 use crate::contact::search::migration::{Migration, Row, Touch, add, material, row, sum};
+use crate::contact::transient::slopes::TransientSlopes;
 use crate::formulation::ContactReport;
 use crate::mbs::body::BodyMotion;
 use crate::mbs::tangent::WrenchTangent;
-use nalgebra::{Matrix2, Matrix3, Vector3, Vector6};
+use nalgebra::{Matrix3, Vector3, Vector6};
 
 /// Something linear in displacement and velocity.
 #[derive(Clone, Copy, Debug)]
@@ -228,10 +229,15 @@ impl<'a> Touching<'a> {
         sum(creep, [one, two, &self.turn]).into()
     }
 
-    /// Rates of the deflections by displacement and velocity.
-    pub fn deflection_rates(&self, by_slip: &Matrix2<f64>) -> ByMotion<2> {
+    /// Rates of the deflections and of the rolled-in spin by displacement and velocity.
+    pub fn state_rates(&self, slopes: &TransientSlopes) -> ByMotion<3> {
         let [one, two, _] = &self.migration.material;
+        let [along, across, spin] = &self.slip;
+        let (by_slip, by_spin) = (&slopes.rate_by_slip, slopes.spin_rate_by_spin);
         let part = |i: usize, rows: [&Row; 2]| sum([by_slip[(i, 0)], by_slip[(i, 1)]], rows);
-        ByMotion { position: [0, 1].map(|i| part(i, [&self.slip[0], &self.slip[1]])), velocity: [0, 1].map(|i| part(i, [one, two])) }
+        ByMotion {
+            position: [part(0, [along, across]), part(1, [along, across]), sum([by_spin], [spin])],
+            velocity: [part(0, [one, two]), part(1, [one, two]), sum([by_spin], [&self.turn])],
+        }
     }
 }

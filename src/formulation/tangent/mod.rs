@@ -266,15 +266,16 @@ impl Model {
         let loaded = LoadedPatch { patch: report.patch, normal_force: report.normal_force, friction: at.friction };
         let slip = report.slip.rolling(at.wheelset.speed(at.motion));
         let slopes = transient.slopes(self.laws.creep.as_ref(), &loaded, &slip, &state);
-        let rates = touching.deflection_rates(&slopes.rate_by_slip);
-        for i in 0..2 {
+        let rates = touching.state_rates(&slopes);
+        let own = [slopes.rate_by_deflection[(0, 0)], slopes.rate_by_deflection[(1, 1)], slopes.spin_rate];
+        for (i, state) in [0, 1, 3].into_iter().enumerate() {
             let coupling = StateCoupling {
                 body,
                 rate_by_position: rates.position[i].into(),
                 rate_by_velocity: rates.velocity[i].into(),
-                wrench_by_state: touching.wrench_of(slopes.force_by_deflection.column(i).into_owned().into()),
+                wrench_by_state: touching.wrench_of(slopes.force_by_state.column(i).into_owned().into()),
             };
-            tangent.add_state(states.start + i, slopes.rate_by_deflection[(i, i)], &[coupling]);
+            tangent.add_state(states.start + state, own[i], &[coupling]);
         }
         tangent.add_state(states.start + 2, slopes.direction_rate, &[]);
         let mut change = touching.creep(&slopes.force_by_slip, &slopes.force_by_normal_force, normal);
