@@ -32,6 +32,8 @@ pub struct MovingFrame {
     /// c' in part, and J c' - c'', as long as the state.
     pub(super) rate: Vec<f64>,
     pub(super) change: Vec<f64>,
+    /// Scratch of [`super::drift`].
+    pub(super) drift: [Vec<f64>; 2],
 }
 
 /// A body along the track.

@@ -50,6 +50,7 @@ impl Model {
             },
             rate: vec![0.0; self.dimension()],
             change: vec![0.0; self.dimension()],
+            drift: [0; 2].map(|_| vec![0.0; self.dimension()]),
         }
     }
 
@@ -148,14 +149,14 @@ impl Model {
         }
     }
 
-    /// J c' - c'' at the state that was linearised last.
+    /// J c' - c'', and what inputs do to f, at the state that was linearised last.
     pub fn frame_change(&self, workspace: &Workspace, change: &mut [f64]) {
         change.copy_from_slice(&workspace.frame.change);
     }
 
     /// Finds J c' - c''.
     fn find_change(&self, frame: &mut MovingFrame, workspace: &Workspace, y: &[f64], tangent: &Tangent) {
-        let MovingFrame { motion: FrameMotion { bodies, rides }, rate, change } = frame;
+        let MovingFrame { motion: FrameMotion { bodies, rides }, rate, change, .. } = frame;
         let whole = Turn::new(bodies, &workspace.system);
         let velocities = COORDINATES * bodies.len();
         rate.fill(0.0);

@@ -102,6 +102,19 @@ impl<'a> ModelDynamics<'a> {
     }
 }
 
+impl ModelDynamics<'_> {
+    /// What inputs with a slope do to f, beside J.
+    fn find_drift(&mut self, t: f64, y: &[f64], part: StiffPart) {
+        // Where J leaves force elements out, df/dt alone would lead astray.
+        if self.constant || part != StiffPart::All {
+            return;
+        }
+        let (model, signals) = (self.model, self.signals);
+        model.find_drift(self.workspace, (t, y), self.values, |time, values| input::evaluate(model, signals, time, values));
+        self.workspace.cached = Cached::No;
+    }
+}
+
 /// Keeps the reason of a failure for whoever advanced the simulation.
 fn keep<T>(failure: &mut Option<EvaluationError>, result: Result<T, EvaluationError>) -> Result<T, Undefined> {
     result.map_err(|error| {
@@ -281,6 +294,7 @@ impl Implicit for ModelDynamics<'_> {
         self.workspace.timers.forces |= part == StiffPart::All;
         self.model.linearise(self.workspace, (y, &self.trial.accepted), self.values, part == StiffPart::All);
         self.model.note_flutter(self.workspace, t, self.watched.flutter);
+        self.find_drift(t, y, part);
         self.workspace.linearised = Some(t);
         self.workspace.timers.stop(Call::Linearise, clock);
         Ok(())
@@ -300,6 +314,7 @@ impl Implicit for ModelDynamics<'_> {
         let done = self.model.derivative(self.workspace, at, self.again);
         keep(&mut self.failure, done)?;
         self.model.linearise(self.workspace, (y, &self.trial.accepted), self.values, part == StiffPart::All);
+        self.find_drift(t, y, part);
         self.workspace.work = work;
         self.workspace.linearised = Some(t);
         self.rollback();

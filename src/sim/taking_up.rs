@@ -4,9 +4,8 @@
 //! move, contact as a constraint, states that the Jacobian does not know, a wanted speed, whose bound is a kink) restarts the integration.
 
 use super::dynamics::{ModelDynamics, Watched};
-use super::input::{self, InputSignal};
+use super::input;
 use super::{Simulation, SimulationError, SimulationState, Snapshot};
-use crate::formulation::{Model, WHEELSET_INPUTS, Workspace};
 
 /// Change of the derivative at the present time and at the end of the step in hand.
 #[derive(Debug)]
@@ -70,9 +69,11 @@ impl Simulation {
             if steady && at > *time {
                 break;
             }
-            load(model, workspace, (inputs, at), &mut push.inputs, (*time, y, dy))?;
+            input::evaluate(model, inputs, at, &mut push.inputs);
+            model.loaded_alone(workspace, &push.inputs, (*time, y), dy)?;
             change.clone_from(dy);
-            load(model, workspace, (followed, at), &mut push.inputs, (*time, y, dy))?;
+            input::evaluate(model, followed, at, &mut push.inputs);
+            model.loaded_alone(workspace, &push.inputs, (*time, y), dy)?;
             change.iter_mut().zip(&*dy).for_each(|(change, before)| *change -= before);
         }
         if steady {
@@ -80,22 +81,4 @@ impl Simulation {
         }
         Ok(())
     }
-}
-
-/// Derivative of the bodies' and force elements' states under the inputs at `at` [s], without contact, where motions are known; the rest is left as it is.
-fn load(
-    model: &Model,
-    workspace: &mut Workspace,
-    (signals, at): (&[InputSignal], f64),
-    values: &mut [f64],
-    (time, y, dy): (f64, &[f64], &mut [f64]),
-) -> Result<(), SimulationError> {
-    input::evaluate(model, signals, at, values);
-    model.take_inputs(&mut workspace.system, time, values);
-    model.system.load_bodies(y, &mut workspace.system);
-    for (wheelset, own) in model.wheelsets.iter().zip(values.as_chunks::<WHEELSET_INPUTS>().0) {
-        let applied = model.input_wrench(&workspace.system, wheelset.body, own);
-        workspace.system.wrenches[wheelset.body] += applied;
-    }
-    Ok(model.accelerate(workspace, time, y, dy)?)
 }

@@ -220,7 +220,7 @@ pub trait Implicit: Dynamics {
     /// Adds that motion, as it was kept, to the state: `ahead` [s] after the begin of the last step.
     fn add_frame_motion(&self, _ahead: f64, _y: &mut [f64]) {}
 
-    /// J c' - c'' of that motion c at its begin.
+    /// df/dt + J c' - c'' of that motion c at its begin; df/dt as far as it is known.
     fn frame_change(&mut self, change: &mut [f64]) {
         change.fill(0.0);
     }

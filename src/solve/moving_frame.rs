@@ -9,7 +9,7 @@
 //! ```
 //!
 //! is solved for z by the same method in its form for systems that depend on time: a stage at a_i h evaluates f at y0 + c(a_i h) + .., takes
-//! c'(a_i h) off, and adds `gamma_i h^2 dF/dtau`, gamma_i the sum of its row of gammas. That f itself may depend on t counts in dF/dtau as little as in J.
+//! c'(a_i h) off, and adds `gamma_i h^2 dF/dtau`, gamma_i the sum of its row of gammas. Where f itself depends on t and the system knows how, that is part of dF/dtau too.
 //!
 //! A W-method keeps its order whatever c is. With the exact J a motion that is linear in tau changes nothing at all: what c is for is its
 //! curvature. Continuous output: that of z, plus c itself, which the system keeps for the step that was accepted last.

@@ -2,7 +2,7 @@
 //!
 //! The stages of `d' = J d + g` need no product with J: what a stage r becomes by `(I - gamma h J) u = r` says that `gamma h J u = u - r`.
 
-use super::{A, AT_END, C, D, E, GAMMA, INVERSE, M, Rosenbrock, STAGES, combined};
+use super::{A, AT_END, C, D, E, GAMMA, GAMMAS, INVERSE, M, Rosenbrock, STAGES, combined, sum};
 use crate::solve::local_error::{END, LocalError, WORK};
 use crate::solve::response::{MOST, MOST_ERROR};
 use crate::solve::{Implicit, IntegrationState, Scratch, Undefined};
@@ -65,12 +65,14 @@ impl Rosenbrock {
         let (stages, rest) = scratch.stages.split_at_mut(STAGES);
         let (turned, work) = rest.split_at_mut(WORK - STAGES);
         let work = &mut work[0];
+        let slopes = GAMMAS.map(sum);
         for stage in 0..STAGES {
             let (done, own) = stages.split_at_mut(stage);
             let u = &mut own[0];
             let coupling = INVERSE[stage].map(|inverse| -GAMMA * inverse);
             for (i, value) in u.iter_mut().enumerate() {
-                let pushed = push[0][i] + C[stage] * (push[1][i] - push[0][i]);
+                // With its slope in time.
+                let pushed = push[0][i] + (C[stage] + slopes[stage]) * (push[1][i] - push[0][i]);
                 *value = GAMMA * h * pushed + combined(&A[stage], &turned[..stage], i) + combined(&coupling, done, i);
             }
             // gamma h J u.
