@@ -73,7 +73,8 @@ impl TransientContact {
         let way = 0.5 * contact.patch.a;
         let direction_rate = -lively * speed / way / (1.0 + (self.settings.time_floor * speed / way).powi(2)).sqrt();
         let spin_lag = lively * self.spin_lag(contact, slip, state[2]);
-        let rolled = TransientSlopes { direction_rate, spin_rate: -spin_lag, spin_rate_by_spin: spin_lag * inverse, ..TransientSlopes::default() };
+        let rolled =
+            TransientSlopes { direction_rate, spin_rate: -spin_lag, spin_rate_by_spin: spin_lag * inverse, ..TransientSlopes::default() };
         if !self.holds(contact) {
             return TransientSlopes { rate_by_deflection: Matrix2::identity() * -fading, ..rolled };
         }

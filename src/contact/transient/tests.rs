@@ -38,7 +38,14 @@ fn step<const S: usize>(state: [f64; S], t: f64, h: f64, mut f: impl FnMut(f64, 
 }
 
 /// Constant slip for `time`.
-fn hold(model: &TransientContact, law: &dyn CreepLaw, contact: &LoadedPatch, slip: &SlipVelocity, time: f64, state: [f64; STATES]) -> [f64; STATES] {
+fn hold(
+    model: &TransientContact,
+    law: &dyn CreepLaw,
+    contact: &LoadedPatch,
+    slip: &SlipVelocity,
+    time: f64,
+    state: [f64; STATES],
+) -> [f64; STATES] {
     let h = 2e-4;
     (0..(time / h).ceil() as usize).fold(state, |s, _| step(s, 0.0, h, |_, s| model.evaluate(law, contact, slip, s).rates))
 }
