@@ -208,7 +208,7 @@ fn analytic_track_that_gives_way() {
             ("wheelset_standstill", &[LIGHT, "vehicle.speed=1.5"], 0.02),
         ],
         ROWS,
-        // At a standstill the rate of rolled-in spin bends with the rolling speed, which J holds: 0.029 and 0.044.
+        // 0.029 and 0.044 at the standstill since spin is rolled in: not by how its rate follows the rolling speed (tried), which J holds beside p.
         [0.035, 0.05],
     );
     // All wheels of a vehicle, on rails that are nowhere plain.

@@ -303,7 +303,8 @@ impl Model {
 
     /// The states of a contact that changes them on their own: how fast they fade, 1/s.
     fn add_own_rates(&self, at: &At, rates: [f64; transient::STATES], tangent: &mut Tangent) {
-        for (state, rate) in self.deflection(at.contact, at.slot).zip(rates) {
+        // What stands still has no part in J.
+        for (state, rate) in self.deflection(at.contact, at.slot).zip(rates).filter(|(_, rate)| *rate != 0.0) {
             tangent.add_state(state, -rate, &[]);
         }
     }
