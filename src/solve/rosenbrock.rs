@@ -6,8 +6,8 @@
 //!   k_i = h f(t + a_i h, y + sum_j<i alpha_ij k_j) + h J sum_j<=i gamma_ij k_j,    y1 = y + sum b_i k_i .
 //!
 //! The coefficients fulfil the order conditions of W-methods to order 3, so J may be anything (a part of df/dy, nothing at all) as
-//! far as order goes: it serves stability. This holds for f that depends on t too without df/dt: time is one more state whose row
-//! and column of J are left zero. With J = df/dy the method is L-stable, R(z) -> 0, and stiffly accurate (the b are the last row
+//! far as order goes: it serves stability. Time is one more state: what is known of df/dt comes in with a moving frame
+//! (below), what is not is left zero. With J = df/dy the method is L-stable, R(z) -> 0, and stiffly accurate (the b are the last row
 //! of alpha + gamma). The embedded weights are of order 2 with J arbitrary, and |R(infinity)| = 0.48: the difference of the two, the
 //! estimate of the local error, needs no further filter in stiff components.
 //!
