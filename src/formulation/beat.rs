@@ -2,13 +2,23 @@
 
 use serde::{Deserialize, Serialize};
 
-/// In parts of the static load: what is no turn yet, and the least swing from turn to turn that counts.
-const WIGGLE: f64 = 0.02;
-const LEAST: f64 = 0.1;
 /// Longest time between two turns, s: 40 Hz.
 const LONGEST: f64 = 0.0125;
-/// So many turns one after the other are no echo of a single blow: contact damping ends that within some periods.
-const TURNS: u32 = 30;
+
+/// What counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// In parts of the static load: what is no turn yet, and the least swing from turn to turn that counts.
+    wiggle: f64,
+    least: f64,
+    /// So many turns one after the other.
+    turns: u32,
+}
+
+/// A swing of which nothing else is known: so many turns are no echo of a single blow, since contact damping ends that within some periods.
+pub const GREAT: Limits = Limits { wiggle: 0.02, least: 0.1, turns: 30 };
+/// A swing of a wheelset that is known to flutter.
+pub const SMALL: Limits = Limits { wiggle: 0.004, least: 0.01, turns: 6 };
 
 /// Swings that went on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,8 +56,8 @@ impl Beat {
         }
     }
 
-    /// Takes the wheel's load, in parts of its static one, at `t` [s].
-    pub fn note(&mut self, share: f64, t: f64) {
+    /// Takes the wheel's force, in parts of its static load, at `t` [s].
+    pub fn note(&mut self, share: f64, t: f64, limits: &Limits) {
         if !share.is_finite() {
             return;
         }
@@ -58,16 +68,16 @@ impl Beat {
         let back = if self.rising { self.farthest.0 - share } else { share - self.farthest.0 };
         if back <= 0.0 {
             self.farthest = (share, t);
-        } else if back > WIGGLE {
-            self.note_turn();
+        } else if back > limits.wiggle {
+            self.note_turn(limits);
             (self.turn, self.farthest, self.rising) = (self.farthest, (share, t), !self.rising);
         }
     }
 
     /// The farthest place was a turn.
-    fn note_turn(&mut self) {
+    fn note_turn(&mut self, limits: &Limits) {
         let size = (self.farthest.0 - self.turn.0).abs();
-        if !(size >= LEAST && self.farthest.1 - self.turn.1 <= LONGEST) {
+        if !(size >= limits.least && self.farthest.1 - self.turn.1 <= LONGEST) {
             (self.turns, self.largest) = (0, 0.0);
             return;
         }
@@ -75,7 +85,7 @@ impl Beat {
             self.begin = self.turn.1;
         }
         (self.turns, self.largest) = (self.turns.saturating_add(1), self.largest.max(size));
-        if self.turns >= TURNS && self.swing.is_none_or(|swing| self.turns >= swing.turns) {
+        if self.turns >= limits.turns && self.swing.is_none_or(|swing| self.turns >= swing.turns) {
             let since = self.swing.map_or(self.begin, |swing| swing.since);
             let frequency = 0.5 * f64::from(self.turns) / (self.farthest.1 - self.begin);
             self.swing = Some(Swing { since, frequency, size: self.largest, turns: self.turns });
@@ -88,8 +98,12 @@ mod tests {
     use super::*;
 
     fn swing(load: impl Fn(f64) -> f64) -> Option<Swing> {
+        counted(load, &GREAT)
+    }
+
+    fn counted(load: impl Fn(f64) -> f64, limits: &Limits) -> Option<Swing> {
         let mut beat = Beat::default();
-        (0..2000).for_each(|k| beat.note(load(5e-4 * f64::from(k)), 5e-4 * f64::from(k)));
+        (0..2000).for_each(|k| beat.note(load(5e-4 * f64::from(k)), 5e-4 * f64::from(k), limits));
         beat.swing
     }
 
@@ -105,5 +119,9 @@ mod tests {
         // A slow swing of curves and rails beside it changes nothing.
         let found = swing(|t| 1.2 + 0.3 * sine(5.0, t) + 0.2 * sine(110.0, t)).unwrap();
         assert!((found.frequency - 110.0).abs() < 2.0, "{found:?}");
+        // What grows for five periods and fades again counts where flutter is known, and not otherwise.
+        let burst = |t: f64| 1.0 + 0.03 * (-(50.0 * (t - 0.5)).powi(2)).exp() * sine(120.0, t);
+        let found = counted(burst, &SMALL).unwrap();
+        assert!(swing(burst).is_none() && (found.frequency - 120.0).abs() < 6.0 && (found.size - 0.06).abs() < 0.006, "{found:?}");
     }
 }

@@ -13,7 +13,7 @@
 //! x'' = M^-1 (dW/dx x + dW/dx' x'),   x = displacement and rotation, W = wrench of all its contacts,
 //! ```
 //!
-//! is asked for eigenvalues with a real part above zero; while it has one, steps follow it: `h <= 1/2 / |lambda|`. (Suspensions are a
+//! is asked for eigenvalues with a real part above zero; while it has one, steps follow it: `h <= 1/4 / |lambda|`. (Suspensions are a
 //! hundred times softer, and gyroscopic moments 2 % of the frequency at 60 m/s: both are left out.)
 
 use super::beat::Swing;
@@ -26,16 +26,14 @@ use nalgebra::linalg::Schur;
 use nalgebra::{Matrix3, SMatrix};
 use serde::{Deserialize, Serialize};
 
-/// Linearisations between two looks, and wheelsets take turns: about 1 % of a coach's steps (estimated); more where steps are long ([`UNSEEN`]).
-const EVERY: u32 = 4;
 /// Below this share of friction nothing flutters.
 const LEAST_USE: f64 = 0.7;
 /// Least growth [1/s], the same by |lambda|, and least frequency [rad/s] of what counts: below, hunting of a wheelset without its suspension grows too.
 const GROWS: f64 = 1.0;
 const GROWS_BY: f64 = 2e-3;
 const FAST: f64 = 300.0;
-/// Steps are at most this long, 1 / |lambda|.
-const FOLLOWED: f64 = 0.5;
+/// Steps are at most this long, 1 / |lambda|: what the method itself damps at 0.5 (some 1/s) hid slow growth.
+const FOLLOWED: f64 = 0.25;
 /// What the eigenvalues' iteration may cost.
 const ITERATIONS: usize = 400;
 
@@ -43,8 +41,6 @@ const ITERATIONS: usize = 400;
 /// this rate, 1/s, while nothing grows.
 const TOLD: f64 = 1.0;
 const FADES: f64 = 5.0;
-/// Longest time between two looks, s. (Steps of 25 ms, 16 of which passed between two looks at a wheelset, hid the begin of a flutter for 0.2 s.)
-const UNSEEN: f64 = 0.02;
 /// A wheel's load swings because of it where its frequency is so near, by a factor: in a large swing contacts come and go.
 const NEAR: f64 = 1.6;
 
@@ -80,7 +76,6 @@ struct Growing {
 /// What is known of a model's wheelsets; part of a simulation's state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Flutter {
-    count: u32,
     wheelsets: Vec<Growing>,
 }
 
@@ -104,17 +99,13 @@ impl Flutter {
 impl Model {
     /// Before the first step.
     pub fn flutter(&self) -> Flutter {
-        Flutter { count: 0, wheelsets: vec![Growing::default(); self.wheelsets.len()] }
+        Flutter { wheelsets: vec![Growing::default(); self.wheelsets.len()] }
     }
 
-    /// Looks at wheelsets' linearisations, which were made at `t` [s]: in turns, and at each that was not looked at for long.
+    /// Looks at the linearisations of wheelsets that slide, which were made at `t` [s]: at each, since growth of 100 1/s hidden for 20 ms is a swing of a tenth.
     pub fn note_flutter(&self, workspace: &Workspace, t: f64, flutter: &mut Flutter) {
-        flutter.count = flutter.count.wrapping_add(1);
-        let turn = flutter.count.is_multiple_of(EVERY).then(|| (flutter.count / EVERY) as usize % flutter.wheelsets.len().max(1));
         for wheelset in 0..flutter.wheelsets.len() {
-            if turn == Some(wheelset) || t - flutter.wheelsets[wheelset].time > UNSEEN {
-                self.look_at(workspace, t, wheelset, flutter);
-            }
+            self.look_at(workspace, t, wheelset, flutter);
         }
     }
 
@@ -122,7 +113,7 @@ impl Model {
         let found = if self.slides(workspace, wheelset) { self.grows(workspace, wheelset) } else { None };
         let growing = &mut flutter.wheelsets[wheelset];
         let Some((growth, rate)) = found else {
-            let exponent = (growing.exponent - FADES * (t - growing.time).clamp(0.0, UNSEEN)).max(0.0);
+            let exponent = (growing.exponent - FADES * (t - growing.time).max(0.0)).max(0.0);
             *growing = Growing { rate: 0.0, time: t, exponent, ..*growing };
             return;
         };
@@ -138,16 +129,15 @@ impl Model {
         }
     }
 
-    /// Flutters that are told, with the swing of a load: once loads show it, where steps follow it; with `fixed` steps always.
+    /// Flutters that are told, with the swing of a force (is it the lateral one?): once forces show it, where steps follow it; with `fixed` steps always.
     fn told<'a>(
         &self,
         flutter: &'a Flutter,
         loads: &'a WheelLoads,
         fixed: bool,
-    ) -> impl Iterator<Item = (Fluttering, Option<(Side, Swing)>)> + 'a {
+    ) -> impl Iterator<Item = (Fluttering, Option<(Side, bool, Swing)>)> + 'a {
         flutter.found().filter_map(move |found| {
-            let near = |swing: &Swing| (swing.frequency / found.frequency).ln().abs() < NEAR.ln();
-            let swing = loads.fast_swing(found.wheelset).filter(|(_, swing)| near(swing));
+            let swing = loads.trembles(found.wheelset, found.frequency, NEAR);
             (fixed || swing.is_some() || loads.swings(found.wheelset)).then_some((*found, swing))
         })
     }
@@ -155,7 +145,7 @@ impl Model {
     /// When the first flutter that is told began, s.
     pub fn first_flutter(&self, flutter: &Flutter, loads: &WheelLoads, fixed: bool) -> Option<f64> {
         self.told(flutter, loads, fixed)
-            .map(|(found, swing)| swing.map_or(found.since, |(_, swing)| swing.since.min(found.since)))
+            .map(|(found, swing)| swing.map_or(found.since, |(.., swing)| swing.since.min(found.since)))
             .reduce(f64::min)
     }
 
@@ -168,10 +158,11 @@ impl Model {
             None => format!(
                 "{name} flutters on its contacts from {since:.3} s on, at {frequency:.0} Hz (a small swing grows by {growth:.0} 1/s)"
             ),
-            Some((side, Swing { since, frequency, size, .. })) => format!(
-                "{name}, {} wheel flutters on its contacts from {since:.3} s on, at {frequency:.0} Hz: its load swings by up to {:.0} % of the static one, up and \
-                 down (a small swing grows by {growth:.0} 1/s)",
+            Some((side, lateral, Swing { since, frequency, size, .. })) => format!(
+                "{name}, {} wheel flutters on its contacts from {since:.3} s on, at {frequency:.0} Hz: its {} swings by up to {:.0} % of the static load, to \
+                 and fro (a small swing grows by {growth:.0} 1/s)",
                 side.name(),
+                if lateral { "lateral force" } else { "load" },
                 100.0 * size
             ),
         };

@@ -1,6 +1,6 @@
 //! Wheel loads over a run, for what its user should know: wheels that unload, wheels that strike, and loads that no rigid track would meet.
 
-use super::beat::{Beat, Swing};
+use super::beat::{self, Beat, Swing};
 use super::flange::{Flanges, Reach};
 use super::hand_overs::{self, Phases};
 use super::linear_range::{Beyond, Ranges};
@@ -33,6 +33,8 @@ pub struct WheelLoads {
     /// The first wheel that struck its rail (its contact), and when, s.
     strike: Option<(usize, f64)>,
     beats: Vec<Beat>,
+    /// Small swings of each wheel's load and lateral force.
+    trembles: Vec<[Beat; 2]>,
     /// Where flanges are left out.
     flanges: Option<Flanges>,
     /// Where contact is linear.
@@ -48,6 +50,16 @@ impl WheelLoads {
         ranges.any(|range| range.least.0 < 0.5 && range.most.0 > 1.5)
     }
 
+    /// The wheel of a wheelset whose load or lateral force has swung most, and fast, for a short while and by little too, and which force, near a frequency [Hz] by a factor.
+    pub fn trembles(&self, wheelset: usize, frequency: f64, factor: f64) -> Option<(Side, bool, Swing)> {
+        let all = Side::BOTH.into_iter().flat_map(|side| {
+            let both = self.trembles.get(contact_index(wheelset, side)).into_iter().flatten().zip([false, true]);
+            both.filter_map(move |(beat, lateral)| Some((side, lateral, beat.swing?)))
+        });
+        let near = all.filter(|(.., swing)| (swing.frequency / frequency).ln().abs() < factor.ln());
+        near.max_by(|a, b| a.2.size.total_cmp(&b.2.size))
+    }
+
     /// The wheel of a wheelset whose load has swung most, and fast, and how.
     pub fn fast_swing(&self, wheelset: usize) -> Option<(Side, Swing)> {
         let both = Side::BOTH.into_iter().filter_map(|side| Some((side, self.beats.get(contact_index(wheelset, side))?.swing?)));
@@ -61,6 +73,7 @@ pub struct NotedLoads {
     ranges: Vec<Range>,
     strike: Option<(usize, f64)>,
     beats: Vec<Beat>,
+    trembles: Vec<[Beat; 2]>,
     reached: Vec<Reach>,
     beyond: Vec<Beyond>,
     phases: Vec<Phases>,
@@ -75,6 +88,7 @@ impl WheelLoads {
             ranges: self.ranges.clone(),
             strike: self.strike,
             beats: self.beats.clone(),
+            trembles: self.trembles.clone(),
             reached,
             beyond,
             phases: self.phases.clone(),
@@ -84,12 +98,13 @@ impl WheelLoads {
     /// Goes on with what was noted before. Returns false and changes nothing when it is not of the same wheels.
     pub fn go_on(&mut self, noted: NotedLoads) -> bool {
         let wheels = self.ranges.len();
-        let counts = noted.ranges.len() == wheels && noted.beats.len() == wheels && noted.phases.len() == self.phases.len();
+        let counts = noted.ranges.len() == wheels && noted.beats.len() == wheels && noted.trembles.len() == wheels && noted.phases.len() == self.phases.len();
         let own = counts && noted.strike.is_none_or(|(contact, _)| contact < wheels);
         let linear = own && self.linear.as_mut().map_or(noted.beyond.is_empty(), |linear| linear.go_on(noted.beyond));
         let flanges = linear && self.flanges.as_mut().map_or(noted.reached.is_empty(), |flanges| flanges.go_on(noted.reached));
         if flanges {
             (self.ranges, self.strike, self.beats, self.phases) = (noted.ranges, noted.strike, noted.beats, noted.phases);
+            self.trembles = noted.trembles;
         }
         flanges
     }
@@ -105,7 +120,7 @@ impl WheelLoads {
             }
         }
         self.strike = self.strike.filter(|strike| strike.1 <= time);
-        self.beats.iter_mut().for_each(|beat| beat.take_back(time));
+        self.beats.iter_mut().chain(self.trembles.iter_mut().flatten()).for_each(|beat| beat.take_back(time));
         hand_overs::take_back(&mut self.phases, time);
         self.flanges.iter_mut().for_each(|flanges| flanges.take_back(time));
         self.linear.iter_mut().for_each(|linear| linear.take_back(time));
@@ -124,6 +139,7 @@ impl Model {
             ranges: vec![Range::NONE; self.contacts()],
             strike: None,
             beats: vec![Beat::default(); self.contacts()],
+            trembles: vec![Default::default(); self.contacts()],
             flanges: Flanges::of(self),
             linear: Ranges::of(self),
             phases: hand_overs::of(self),
@@ -140,8 +156,12 @@ impl Model {
         }
         hand_overs::look(self, workspace, t, &mut loads.phases);
         for (WheelRef { contact, wheelset, .. }, range) in self.wheels().zip(&mut loads.ranges) {
-            let share = workspace.wheel_force(contact, wheelset.body).z / wheelset.static_wheel_load;
-            loads.beats[contact].note(share, t);
+            let force = workspace.wheel_force(contact, wheelset.body) / wheelset.static_wheel_load;
+            let share = force.z;
+            loads.beats[contact].note(share, t, &beat::GREAT);
+            for (tremble, share) in loads.trembles[contact].iter_mut().zip([force.z, force.y]) {
+                tremble.note(share, t, &beat::SMALL);
+            }
             if share < range.least.0 {
                 range.least = (share, t);
             }

@@ -14,7 +14,7 @@
 //! The rolling speed, the direction p and the patch are held in the rates; left out is what is of the order of the creepage
 //! (1e-3 to 1e-2) against d v. With N the lengths L grow with the patch, like its cube root.
 
-use super::{Elasticity, LoadedPatch, SLIDE_WIDTH, STATES, SlipVelocity, TransientContact, ahead, law_speed};
+use super::{Elasticity, LoadedPatch, SLIDE_WIDTH, STATES, SlipVelocity, TransientContact, ahead, held, law_speed};
 use crate::contact::creep::slopes::CreepSlopes;
 use crate::contact::creep::{CreepLaw, RollingContact};
 use crate::contact::creepage::Creepage;
@@ -62,6 +62,21 @@ struct Range {
 impl TransientContact {
     /// Derivatives at the same place as [`TransientContact::evaluate`].
     pub fn slopes(&self, law: &dyn CreepLaw, contact: &LoadedPatch, slip: &SlipVelocity, state: &[f64; STATES]) -> TransientSlopes {
+        let mut found = self.pressed_slopes(law, contact, slip, state);
+        let held = held(contact);
+        if held < 1.0 {
+            let fading = (1.0 - held) * self.fading(slip.rolling);
+            found.rate_by_slip *= held;
+            found.rate_by_deflection = found.rate_by_deflection * held - Matrix2::identity() * fading;
+            found.direction_rate = held * found.direction_rate - fading;
+            found.spin_rate = held * found.spin_rate - fading;
+            found.spin_rate_by_spin *= held;
+        }
+        found
+    }
+
+    /// The same of a contact that is pressed in earnest.
+    fn pressed_slopes(&self, law: &dyn CreepLaw, contact: &LoadedPatch, slip: &SlipVelocity, state: &[f64; STATES]) -> TransientSlopes {
         let (lively, fading) = (self.liveliness(slip.rolling.abs()), self.fading(slip.rolling));
         let Some(elastic) = self.relaxation.of(contact.patch).filter(|_| contact.normal_force > 0.0) else {
             let by_deflection = Matrix2::identity() * -fading;

@@ -87,19 +87,34 @@ pub(super) fn press_wheel(
             None => ContactReport::default(),
         };
     }
-    let mut free = [true; MOST_POINTS];
     loaded.add_to(wrench, &wheel.motion.position);
     let Carried { count, reports, .. } = &mut loaded.shown;
-    for report in &mut reports[..*count] {
-        // Each part has the number of the place that is nearest to it.
-        let distance =
-            |slot: &usize| located[*slot].as_ref().map_or(f64::INFINITY, |place| (place.parameters.rail - report.parameters.rail).abs());
-        let Some(slot) = (0..points).filter(|slot| free[*slot]).min_by(|a, b| distance(a).total_cmp(&distance(b))) else { break };
-        free[slot] = false;
+    let reports = &mut reports[..*count];
+    let numbers = numbers(reports, located, points);
+    for (report, slot) in reports.iter_mut().zip(numbers) {
+        let Some(slot) = slot else { continue };
         report.iterations = located[slot].as_ref().map_or(0, |place| place.iterations);
         *(if slot == 0 { &mut *first } else { &mut further[slot - 1] }) = *report;
     }
     Ok(())
+}
+
+/// The number of each part, the most loaded first: the lowest of the places that lie in it, which keep theirs while they exist; else that of the nearest place
+/// that is left. (The nearest one alone changed to and fro where two least distances lie in one patch.)
+fn numbers(reports: &[ContactReport], located: &Located, points: usize) -> [Option<usize>; MOST] {
+    let (mut numbers, mut free) = ([None; MOST], [true; MOST_POINTS]);
+    for _ in reports {
+        let left = (0..reports.len()).filter(|k| numbers[*k].is_none());
+        let Some(k) = left.max_by(|a, b| reports[*a].normal_force.total_cmp(&reports[*b].normal_force)) else { break };
+        let ContactReport { parameters, patch, .. } = &reports[k];
+        let distance =
+            |slot: &usize| located[*slot].as_ref().map_or(f64::INFINITY, |place| (place.parameters.rail - parameters.rail).abs());
+        let untaken = (0..points).filter(|slot| free[*slot]);
+        let within = untaken.clone().find(|slot| distance(slot) <= patch.b);
+        let Some(slot) = within.or_else(|| untaken.min_by(|a, b| distance(a).total_cmp(&distance(b)))) else { break };
+        (numbers[k], free[slot]) = (Some(slot), false);
+    }
+    numbers
 }
 
 /// Places that are further apart than this do not overlap beside it, m.

@@ -75,14 +75,17 @@ impl WheelMemory {
         }
     }
 
-    /// Gives each chosen minimum the number of the contact that was in its basin, or else the lowest that is free, the deepest
-    /// first. With `constrained` the first number is taken.
+    /// Gives each chosen minimum the number of the contact that was in its basin, of the deepest one where two have merged (it has the patch's load, and its
+    /// tangential states), or else the lowest that is free, the deepest first. With `constrained` the first number is taken.
     pub(super) fn assign(&mut self, minima: &[Minimum], chosen: &[bool], constrained: bool, points: usize) -> [Option<usize>; MOST] {
         let mut numbers = [None; MOST];
         let mut taken = [false; MOST_POINTS];
         taken[0] = constrained;
         let free = usize::from(constrained)..points;
-        for slot in free.clone() {
+        let mut known: [usize; MOST_POINTS] = std::array::from_fn(|slot| slot);
+        let known = &mut known[free.clone()];
+        known.sort_unstable_by(|a, b| self.places[*b].penetration.total_cmp(&self.places[*a].penetration).then(a.cmp(b)));
+        for slot in known.iter().copied() {
             let place = &self.places[slot];
             let here = |i: &usize| {
                 let within = (minima[*i].basin.0..=minima[*i].basin.1).contains(&place.parameters.wheel);
