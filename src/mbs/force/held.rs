@@ -20,7 +20,7 @@
 //!
 //! The element itself is any other: it sees its bodies in an order of their own ([`Held::new`]).
 
-use super::{ElementInput, ForceElement, Part, Quantity, Table};
+use super::{ElementInput, ForceElement, Part, Quantity, Strike, Table};
 use crate::geometry::Side;
 use crate::geometry::track::station::Stations;
 use crate::mbs::body::{Body, BodyMotion, COORDINATES, Wrench};
@@ -302,6 +302,10 @@ impl ForceElement for Held {
 
     fn free_travel(&self) -> Option<[f64; 2]> {
         self.element.free_travel()
+    }
+
+    fn strike(&self, bodies: &Moving) -> Option<Strike> {
+        self.seen(bodies, |element, moving| element.strike(moving))
     }
 
     /// Preloads are those of the whole vehicle.

@@ -16,7 +16,7 @@
 
 use super::attachment::{Attachment, Places, axis};
 use super::curve::Table;
-use super::{ForceElement, Quantity, QuantityKind};
+use super::{ForceElement, Quantity, QuantityKind, Strike};
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::mbs::pair_tangent::{Ends, PairTangent};
@@ -174,6 +174,11 @@ pub trait LineLaw: Numbered + Clone + Send + Sync + std::fmt::Debug + 'static {
         None
     }
 
+    /// Of a stop: its stiffness at the displacement x [m], or where it would touch next, N/m.
+    fn striking_stiffness(&self, _x: f64) -> Option<f64> {
+        None
+    }
+
     /// See [`ForceElement::static_stiffness`].
     fn static_stiffness(&self) -> Option<f64> {
         None
@@ -285,6 +290,12 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
 
     fn free_travel(&self) -> Option<[f64; 2]> {
         self.law.free_travel()
+    }
+
+    fn strike(&self, bodies: &Moving) -> Option<Strike> {
+        let Stretch { displacement, unit, point, .. } = self.span.stretch(bodies);
+        let stiffness = self.law.striking_stiffness(displacement)?;
+        Some(Strike { stiffness, unit, point, ends: self.bodies() })
     }
 
     fn static_stiffness(&self) -> Vec<f64> {

@@ -174,6 +174,11 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
         None
     }
 
+    /// Of a stop: what it meets.
+    fn strike(&self, _bodies: &Moving) -> Option<Strike> {
+        None
+    }
+
     /// Stiffness along each preload that balance is to find (`preload = "static"`), N/m; empty where the preload is given.
     fn static_stiffness(&self) -> Vec<f64> {
         Vec::new()
@@ -213,6 +218,17 @@ impl<E: ForceElement + Numbered + Clone> Part for E {
     fn clone_box(&self) -> Box<dyn ForceElement> {
         Box::new(self.clone())
     }
+}
+
+/// What a stop meets: how its force answers to relative motion of its ends where it is pressed, or will be when it touches.
+#[derive(Clone, Copy, Debug)]
+pub struct Strike {
+    /// N/m.
+    pub stiffness: f64,
+    /// Its line's direction, and a point on it, m; world axes.
+    pub unit: Vector3<f64>,
+    pub point: Vector3<f64>,
+    pub ends: Ends,
 }
 
 /// One scalar that an element reports.

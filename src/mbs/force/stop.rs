@@ -66,6 +66,9 @@ fn slope(stiffness: f64) -> Vec<[f64; 2]> {
     vec![[0.0, 0.0], [1.0, stiffness]]
 }
 
+/// How far behind the place where it touches a stop's stiffness is looked up, m.
+const TOUCH: f64 = 1e-6;
+
 impl Stop {
     fn buffers(&mut self) -> impl Iterator<Item = &mut Buffer> {
         self.extension.iter_mut().chain(&mut self.compression)
@@ -139,6 +142,16 @@ impl LineLaw for Stop {
     fn free_travel(&self) -> Option<[f64; 2]> {
         let free = |side: &Option<Buffer>| side.as_ref().and_then(|side| side.curve.first_corner()).unwrap_or(f64::INFINITY);
         Some([-free(&self.compression), free(&self.extension)])
+    }
+
+    fn striking_stiffness(&self, x: f64) -> Option<f64> {
+        let behind = |side: &Option<Buffer>, u: f64| {
+            let corner = |side: &Buffer| side.curve.first_corner().unwrap_or(0.0) + side.rounding + TOUCH;
+            side.as_ref().map_or(0.0, |side| side.curve.slope(u.max(corner(side))))
+        };
+        let (longer, shorter) = (behind(&self.extension, x), behind(&self.compression, -x));
+        let (free, pressed) = (longer.max(shorter), self.side(x, 0.0).0 > 0.0);
+        Some(if !pressed { free } else if x > 0.0 { longer } else { shorter })
     }
 
     fn dissipated_power(&self, x: f64, rate: f64, _: &[f64]) -> f64 {

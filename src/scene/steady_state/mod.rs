@@ -47,6 +47,7 @@ mod newton;
 mod rails;
 mod riding;
 mod search;
+mod slack;
 mod slopes;
 mod standing;
 mod twists;
@@ -275,7 +276,7 @@ fn balanced<'a>(scene: &Scene, standing: &'a Standing, pattern: Pattern, node: &
     let mut search = Search::new(scene, standing, pattern)?;
     search.lay(&Node { curvature: 0.0, superelevation: 0.0, ..*node }, None);
     search.stand(load)?;
-    search.balance()?;
+    search.balance_with_slack()?;
     let wheel_loads = search.wheel_loads();
     if node.curvature != 0.0 || node.superelevation != 0.0 {
         into_the_curve(&mut search, node)?;
