@@ -1,6 +1,6 @@
 //! How wheelsets are set onto the rails before the first balance is looked for.
 
-use super::search::Search;
+use super::search::{PITCH, Search};
 use crate::formulation::contact_index;
 use crate::geometry::Side;
 use crate::scene::equilibrium::EquilibriumError;
@@ -41,6 +41,13 @@ impl Search<'_> {
         self.follow_pattern(true);
         self.evaluate().map_err(EquilibriumError::Evaluation)?;
         for wheelset in 0..count {
+            // Worn wheels roll on radii that are millimetres off the nominal one: with that they would slide.
+            let motion = &self.workspace.system.motions[wheelset];
+            let [left, right] = Side::BOTH.map(|side| {
+                let arm = self.workspace.contacts[contact_index(wheelset, side)].wheel_point - motion.position;
+                motion.axle().cross(&arm).norm()
+            });
+            self.now.at[wheelset].velocities[PITCH] *= 2.0 * self.model.wheelsets[wheelset].left.profile.at(0.0).value / (left + right);
             let stiffness = both(self, wheelset, |report| report.stiffness);
             let sunk = self.model.travelling_track.map_or(0.0, |track| wheel_load / track.vertical.stiffness);
             self.now.at[wheelset].coordinates[2] += TOUCH - (wheel_load / stiffness[0].max(stiffness[1])).powf(2.0 / 3.0) - sunk;
