@@ -192,9 +192,11 @@ fn read_half_distance(section: &Section, rails: &[ProfileChoice; 2], inclination
     }
     const DEPTH: f64 = 14e-3;
     let depth = section.number_or("gauge_depth", Dimension::Length, DEPTH)?;
-    let reach = |choice: &ProfileChoice| gauge::reach(choice.profile.as_ref(), inclination, depth);
-    let left = reach(&rails[0]);
-    let right = if Arc::ptr_eq(&rails[0].profile, &rails[1].profile) { left } else { reach(&rails[1]) };
+    let reach = |choice: &ProfileChoice| {
+        gauge::reach(choice.profile.as_ref(), inclination, depth).map_err(|early| section.error("gauge", early.to_string()))
+    };
+    let left = reach(&rails[0])?;
+    let right = if Arc::ptr_eq(&rails[0].profile, &rails[1].profile) { left } else { reach(&rails[1])? };
     Ok(0.5 * (section.positive("gauge", Dimension::Length)? + left + right))
 }
 

@@ -8,6 +8,7 @@ mod continuity;
 mod flange;
 mod flutter;
 mod friction;
+mod merging;
 mod nodes;
 mod patches;
 mod points;

@@ -19,6 +19,7 @@ mod irregularities;
 mod licenses;
 mod modes;
 mod scene_keys;
+mod slack;
 mod static_preload;
 mod steady_curving;
 mod study;

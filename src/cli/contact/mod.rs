@@ -83,9 +83,9 @@ pub(super) struct Arguments {
     /// Vertical load of each wheel with --patch and --elastic [default: the static one]
     #[arg(long, value_name = "Q")]
     load: Option<String>,
-    /// Cells of --patch each way; more where the wheel presses at several small places
-    #[arg(long, value_name = "N", default_value = "32", requires = "patch")]
-    cells: usize,
+    /// Cells of --patch each way [default: 64; with --sweep 32]; more where the wheel presses at several small places
+    #[arg(long, value_name = "N", requires = "patch")]
+    cells: Option<usize>,
     /// Write every lateral shift (with --patch: every cell) as CSV ("-" for stdout)
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
@@ -171,15 +171,19 @@ fn pair_in_force(scene: &Scene) -> String {
     const DEPTH: f64 = 14e-3;
     let (track, wheels) = (&scene.track, &scene.vehicle.leading().profiles);
     let reach = |side: usize| gauge::reach(track.rails[side].profile.as_ref(), track.inclination, DEPTH);
-    let gauge = 2.0 * track.half_rail_distance - reach(0) - reach(1);
+    // Profiles that end early tell no gauge.
+    let gauge = match (reach(0), reach(1)) {
+        (Ok(left), Ok(right)) => format!("gauge {:.1} mm", 1e3 * (2.0 * track.half_rail_distance - left - right)),
+        _ => format!("rail_distance {:.1} mm", 2e3 * track.half_rail_distance),
+    };
     let named = |names: [String; 2]| if names[0] == names[1] { names[0].clone() } else { names.join(" and ") };
     let radii = [0, 1].map(|side| format!("{:.1} mm", 1e3 * wheels[side].profile.at(0.0).value));
     format!(
-        "{} on {}; radius {}, gauge {:.1} mm, rails inclined {:.2} deg",
+        "{} on {}; radius {}, {}, rails inclined {:.2} deg",
         named([0, 1].map(|side| wheels[side].profile.describe())),
         named([0, 1].map(|side| track.rails[side].profile.describe())),
         named(radii),
-        1e3 * gauge,
+        gauge,
         track.inclination.to_degrees()
     )
 }

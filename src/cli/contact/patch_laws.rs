@@ -23,6 +23,9 @@ const FIGURES: [Figure; 4] = [
     ("creep [mu N]", 3, |d| d.creep),
 ];
 
+/// Cells each way, for hundreds of patches.
+const CELLS: usize = 32;
+
 pub(super) fn patch_laws(arguments: &Arguments, scene: &Scene, step: &str) -> Result<(), Failure> {
     let (range, step) = (positive("range", &arguments.range)?, positive("sweep", step)?);
     if range / step > MOST {
@@ -33,7 +36,7 @@ pub(super) fn patch_laws(arguments: &Arguments, scene: &Scene, step: &str) -> Re
         shifts: (-count..=count).map(|k| f64::from(k) * step).collect(),
         yaws: if arguments.yaw == "0" { YAWS.to_vec() } else { vec![number("yaw", &arguments.yaw, Dimension::Angle)?] },
         loads: if arguments.load.is_some() { vec![load(arguments, scene)?] } else { LOADS.to_vec() },
-        cells: arguments.cells,
+        cells: arguments.cells.unwrap_or(CELLS),
     };
     let target = csv_target(&arguments.output, arguments.json)?;
     let rows = rows(scene, &poses);

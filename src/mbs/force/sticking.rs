@@ -6,13 +6,14 @@
 //! ```text
 //! theta' = v (1 - s) - (1 - |v| / rho_M) max(0, |theta| - theta_M) / tau sign(theta)
 //! s = 0 up to |theta| = a theta_M,  (|theta|/theta_M - a) / (1 - a) beyond;   only while the brake is loaded: theta rho > 0
-//! T = k theta + c v (1 - s) / sqrt(1 + (c v (1 - s) / (b M))^2),   against the motion;   unloading: k theta v / rho in place of k theta
+//! T = k theta + c v (1 - s) / sqrt(1 + (c v (1 - s) / B)^2),   B = b M max(0, 1 - (theta / theta_M)^2),
+//!     against the motion;   unloading: k theta v / rho in place of k theta
 //! ```
 //!
 //! Below a M (a = 0.7) nothing slips: what is at rest stays where it is, without creep; at speed theta rests at theta_M and T = M. The bound of v keeps
 //! the equation's rate below 3.4 / tau at any speed, so that no integrator must follow rho / theta_M; while the brake slides it is the same on both sides of theta_M (a rate that
 //! changed there made long implicit steps go to and fro across it, and T 0.4 % too large). c = k x `damping_time` lets a stopped vehicle come to rest on its
-//! brakes (b = 0.5). Without M there is no torque. Heat, `T rho - k theta theta'`, is never negative: loading it is `k theta (rho - v (1 - s))` and
+//! brakes; b = 0.5 is the largest with which no T is above M (x + b (1 - x^2) has its largest value, 1, at x = 1), but for what a falling M leaves. Without M there is no torque. Heat, `T rho - k theta theta'`, is never negative: loading it is `k theta (rho - v (1 - s))` and
 //! what c takes, unloading what c takes, and where M falls `k |theta| (|theta| - theta_M) / tau`.
 
 /// a.
@@ -73,13 +74,53 @@ impl Sticking {
         grip.rate = elastic - resting * excess / self.relaxation;
         grip.rate_by_angle = by_angle - if excess != 0.0 { resting / self.relaxation } else { 0.0 };
         grip.rate_by_speed = by_speed - by_speed_of_resting * excess / self.relaxation;
-        let (c, bend) = (k * self.damping_time, DAMPED * most);
+        let (c, x) = (k * self.damping_time, if reach < LEAST_REACH { 1.0 } else { angle / reach });
+        let bend = DAMPED * most * (1.0 - x * x);
         if bend > 0.0 {
-            let softer = bend / bend.hypot(c * elastic);
+            let size = bend.hypot(c * elastic);
+            let (softer, used) = (bend / size, c * elastic / size);
             grip.torque += c * elastic * softer;
-            grip.torque_by_angle += c * by_angle * softer.powi(3);
+            // B falls by 2 b k x with theta.
+            grip.torque_by_angle += c * by_angle * softer.powi(3) - 2.0 * DAMPED * k * x * used.powi(3);
             grip.torque_by_speed += c * by_speed * softer.powi(3);
         }
         grip
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BRAKE: Sticking = Sticking { stiffness: 6e6, relaxation: 2e-3, damping_time: 4e-3 };
+    const MOST: f64 = 5000.0;
+
+    /// A braking torque is never above the bound, whatever the speed with which a deflection builds up, and never drives.
+    #[test]
+    fn prop_no_torque_is_above_the_bound() {
+        let mut largest: f64 = 0.0;
+        for x in -100..=100 {
+            for speed in [0.0, 1e-6, 1e-4, 0.01, 0.1, 0.4, 1.0, 30.0].into_iter().flat_map(|speed| [-speed, speed]) {
+                let grip = BRAKE.grip(MOST, 0.01 * f64::from(x) * MOST / BRAKE.stiffness, speed);
+                largest = largest.max(grip.torque.abs());
+            }
+        }
+        assert!(largest <= MOST * (1.0 + 1e-12) && largest > 0.99 * MOST, "{largest}");
+    }
+
+    #[test]
+    fn analytic_slopes_are_those_of_differences() {
+        let reach = MOST / BRAKE.stiffness;
+        for x in [-1.2, -0.93, -0.5, -0.1, 0.05, 0.3, 0.6, 0.75, 0.97, 1.1] {
+            for speed in [-5.0, -0.2, -1e-3, 2e-4, 0.05, 0.3, 8.0] {
+                let (angle, step) = (x * reach, 1e-6);
+                let at = |angle: f64, speed: f64| BRAKE.grip(MOST, angle, speed);
+                let grip = at(angle, speed);
+                let by_angle = (at(angle + step * reach, speed).torque - at(angle - step * reach, speed).torque) / (2.0 * step * reach);
+                let by_speed = (at(angle, speed * (1.0 + step)).torque - at(angle, speed * (1.0 - step)).torque) / (2.0 * step * speed);
+                assert!((grip.torque_by_angle - by_angle).abs() < 1e-4 * BRAKE.stiffness, "{x} {speed}: {} {by_angle}", grip.torque_by_angle);
+                assert!((grip.torque_by_speed - by_speed).abs() < 1e-4 * (MOST / speed.abs()), "{x} {speed}: {} {by_speed}", grip.torque_by_speed);
+            }
+        }
     }
 }

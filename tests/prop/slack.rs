@@ -1,0 +1,162 @@
+//! Trains whose couplers have slack: where they start, and what their couplers carry.
+
+use wheelrail::formulation::Model;
+use wheelrail::scene::load;
+use wheelrail::scene::spec::Scene;
+use wheelrail::settings::Source;
+use wheelrail::sim::{Simulation, statics};
+
+/// Coaches of the Manchester benchmarks with 30 mm of slack between them.
+const TRAIN: &str = r#"
+name = "slack"
+[vehicle]
+template = "free"
+speed = 20.0
+travel = "free"
+[vehicle.module.coach]
+template = "vehicle_manchester_1"
+[[vehicle.module.coach.force]]
+name = "load"
+kind = "external_load"
+on = { body = "car", at = [0.0, 0.0, 1.8] }
+[[vehicle.place]]
+name = "coach"
+module = "coach"
+position = [0.0, 0.0, 0.0]
+count = 3
+spacing = [-26.0, 0.0, 0.0]
+[[vehicle.place.between]]
+name = "coupler"
+kind = "coupler"
+from = { body = "car", at = [-12.5, 0.0, 1.0] }
+to = { body = "car", at = [12.5, 0.0, 1.0] }
+slack = "30 mm"
+draw_stiffness = 5.0e6
+buffer_stiffness = 10.0e6
+damping = 0.5
+[track]
+gauge = "1435 mm"
+inclination = "1:40"
+[track.rail]
+kind = "60e1"
+[contact]
+formulation = "ECF-A"
+friction = 0.35
+damping = 2.0e9
+patch = "ellipse"
+[contact.material]
+youngs_modulus = 2.1e11
+poisson_ratio = 0.28
+[contact.creep]
+law = "shen_hedrick_elkins"
+[interface]
+outputs = ["motion", "forces"]
+inputs = ["elements"]
+[run]
+stop = 8.0
+step = "2 ms"
+"#;
+
+fn scene(changes: &[String]) -> Scene {
+    let source = Source { file: "slack.toml".into(), text: TRAIN.into(), overridden: vec![], folder: None };
+    load::read("slack", source, changes).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Force [N] and displacement [m] of each coupler in the balance that a run begins with.
+fn couplers(scene: &Scene) -> Vec<(f64, f64)> {
+    let mut simulation = Simulation::new(scene, 0.0).unwrap_or_else(|error| panic!("{error}"));
+    let statics = statics::statics(scene, &mut simulation).unwrap();
+    statics.elements.iter().filter(|row| row.name.starts_with("coupler")).map(|row| (row.force, row.displacement)).collect()
+}
+
+/// On a grade a train that its leading wheelset pulls has each coupler carry the coaches behind it. Newton's method knew no stiffness in the middle of the slack and gave up from
+/// five coaches on: "nothing holds coach[6].car along x".
+#[test]
+fn prop_trains_with_slack_start_whatever_their_length() {
+    for (count, grade) in [(2, 0.01), (6, 0.01), (6, -0.01), (9, 0.01), (6, 0.0)] {
+        let changes = [
+            "vehicle.travel=imposed".to_string(),
+            "vehicle.drive=leading".into(),
+            format!("vehicle.place[coach].count={count}"),
+            format!("track.grade={grade:?}"),
+        ];
+        let found = couplers(&scene(&changes));
+        assert_eq!(found.len(), count - 1);
+        // Weight of a coach along the grade; rolling asks for 20 N each.
+        let last = found[count - 2].0;
+        for (k, (force, displacement)) in found.iter().enumerate() {
+            let behind = (count - 1 - k) as f64;
+            println!("{count} coaches, grade {grade}: coupler {k} {force:.1} N, {:.3} mm", 1e3 * displacement);
+            assert!((force / last - behind).abs() < 1e-3 * behind, "{count} {grade}: {force} of {last}");
+            let stiffness = if *force > 0.0 { 5e6 } else { 10e6 };
+            let expected = 0.015f64.copysign(*force) + force / stiffness;
+            assert!((displacement - expected).abs() < 1e-6, "{displacement} {expected}");
+        }
+        let of_coach = 44_482.0 * 9.81 * grade / f64::sqrt(1.0 + grade * grade);
+        assert!((last - of_coach).abs() < 40.0, "{last} {of_coach}");
+    }
+}
+
+/// The same where running resistance strains the couplers, and where coaches are points of mass.
+#[test]
+fn prop_trains_with_slack_start_under_unlike_forces() {
+    let points = "vehicle.point_masses=[\"coach[2]\",\"coach[3]\",\"coach[4]\"]".to_string();
+    for grade in ["0.001", "-0.01", "0.02"] {
+        let changes = [points.clone(), "vehicle.place[coach].count=4".into(), format!("track.grade={grade}")];
+        for (force, displacement) in couplers(&scene(&changes)) {
+            println!("grade {grade}: {force:.1} N, {:.3} mm", 1e3 * displacement);
+            // All roll down alike.
+            assert!(force.abs() < 100.0 && displacement.abs() < 0.0151, "{grade}: {force} {displacement}");
+        }
+    }
+}
+
+/// Forces of both couplers each 2 ms, N, of three coaches that are braked one after the other and then pulled by the first one.
+fn braked(tolerance: &str, integrator: &str) -> Vec<[f64; 2]> {
+    let changes = [format!("solver.tolerance={tolerance}"), format!("solver.integrator={integrator}")];
+    let scene = scene(&changes);
+    let mut simulation = Simulation::new(&scene, 0.0).unwrap_or_else(|error| panic!("{error}"));
+    let loads: Vec<usize> = {
+        let model: &Model = simulation.model();
+        let mut first = model.first_element_input();
+        let inputs = model.system.forces.iter().map(|force| {
+            let own = first;
+            first += force.inputs().len();
+            (force.name().ends_with("load"), own)
+        });
+        inputs.filter(|(is_load, _)| *is_load).map(|(_, own)| own).collect()
+    };
+    assert_eq!(loads.len(), 3);
+    let mut forces = Vec::new();
+    // From when on, s, which coach, from what, to what, N, in 0.3 s.
+    let ramps = [(0.5, 0, 0.0, -40e3), (0.8, 1, 0.0, -40e3), (1.1, 2, 0.0, -40e3), (3.0, 0, -40e3, 60e3), (3.1, 1, -40e3, 0.0), (3.2, 2, -40e3, 0.0)];
+    for k in 0..3500 {
+        let t = 2e-3 * f64::from(k);
+        for (from, coach, first, last) in ramps {
+            if (t - from).abs() < 1e-6 {
+                simulation.set_input(loads[coach], first, (last - first) / 0.3, 0.0);
+            } else if (t - from - 0.3).abs() < 1e-6 {
+                simulation.set_input(loads[coach], last, 0.0, 0.0);
+            }
+        }
+        simulation.advance(2e-3 * f64::from(k + 1)).unwrap();
+        let rows = statics::statics(&scene, &mut simulation).unwrap().elements;
+        let of = |name: &str| rows.iter().find(|row| row.name == name).map_or(f64::NAN, |row| row.force);
+        forces.push([of("coupler[1]"), of("coupler[2]")]);
+    }
+    forces
+}
+
+/// An error of a speed is an error of the next strike's force, and each strike hands it on: coupler forces of 90 kN were off by 45 kN at the default tolerance.
+#[test]
+fn hard_coupler_forces_are_right_at_the_default_tolerance() {
+    let right = braked("1e-8", "dormand_prince");
+    let largest = right.iter().flatten().fold(0.0, |most: f64, force| most.max(force.abs()));
+    for integrator in ["rosenbrock", "imex"] {
+        let found = braked("1e-5", integrator);
+        let off = |k: usize| (0..2).map(|i| (found[k][i] - right[k][i]).abs()).fold(0.0, f64::max);
+        let off = (0..right.len()).map(off).fold(0.0, f64::max);
+        println!("{integrator}: off by {:.2} kN of {:.1}", 1e-3 * off, 1e-3 * largest);
+        assert!(largest > 5e4 && off < 0.05 * largest, "{integrator}: {off} of {largest}");
+    }
+}
