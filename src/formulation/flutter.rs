@@ -174,7 +174,7 @@ impl Model {
         let hidden = if fixed { "; steps of a fixed length may hide it, and loads are then those of an unstable balance" } else { "" };
         Some(format!(
             "{what}{others}: friction at its bound couples its bouncing and rolling on rigid rails. That is the model's own motion, not an error of \
-             steps{hidden}; small differences grow by it, so that from there on loads at an instant are known to their order of magnitude alone; less friction or more contact.damping calms it"
+             steps{hidden}; small differences grow by it, so that from there on loads at an instant are known to their order of magnitude alone; rails that yield (track.flexibility = \"travelling\") or less friction calm it"
         ))
     }
 
@@ -189,7 +189,7 @@ impl Model {
         Some(format!(
             "{}, {} wheel: its load swings by up to {:.0} % of the static one, up and down, at {frequency:.0} Hz, first at {since:.3} s, though neither track nor \
              wheels excite it. That is the model's own motion, not an error of steps: contact that passes between two places of the wheel, or friction near its \
-             bound; more contact.damping or another contact.patch may calm it",
+             bound; rails that yield (track.flexibility = \"travelling\") may calm it",
             self.wheelsets[wheelset].name,
             side.name(),
             100.0 * size

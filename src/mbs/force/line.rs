@@ -196,12 +196,12 @@ pub struct LineElement<L> {
 }
 
 const QUANTITIES: [Quantity; 2] = [
-    Quantity { number: 0, name: "force", kind: QuantityKind::Force, description: "force of the element, tension positive" },
+    Quantity { number: 0, name: "force", kind: QuantityKind::Force, description: "force of the element, tension positive; along an axis that on \"from\"" },
     Quantity {
         number: 1,
         name: "displacement",
         kind: QuantityKind::Displacement,
-        description: "elongation of the element from the design configuration",
+        description: "elongation of the element from the design configuration; along an axis how far \"to\" has moved against \"from\"",
     },
 ];
 
