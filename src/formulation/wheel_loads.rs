@@ -98,7 +98,10 @@ impl WheelLoads {
     /// Goes on with what was noted before. Returns false and changes nothing when it is not of the same wheels.
     pub fn go_on(&mut self, noted: NotedLoads) -> bool {
         let wheels = self.ranges.len();
-        let counts = noted.ranges.len() == wheels && noted.beats.len() == wheels && noted.trembles.len() == wheels && noted.phases.len() == self.phases.len();
+        let counts = noted.ranges.len() == wheels
+            && noted.beats.len() == wheels
+            && noted.trembles.len() == wheels
+            && noted.phases.len() == self.phases.len();
         let own = counts && noted.strike.is_none_or(|(contact, _)| contact < wheels);
         let linear = own && self.linear.as_mut().map_or(noted.beyond.is_empty(), |linear| linear.go_on(noted.beyond));
         let flanges = linear && self.flanges.as_mut().map_or(noted.reached.is_empty(), |flanges| flanges.go_on(noted.reached));

@@ -129,7 +129,14 @@ fn braked(tolerance: &str, integrator: &str) -> Vec<[f64; 2]> {
     assert_eq!(loads.len(), 3);
     let mut forces = Vec::new();
     // From when on, s, which coach, from what, to what, N, in 0.3 s.
-    let ramps = [(0.5, 0, 0.0, -40e3), (0.8, 1, 0.0, -40e3), (1.1, 2, 0.0, -40e3), (3.0, 0, -40e3, 60e3), (3.1, 1, -40e3, 0.0), (3.2, 2, -40e3, 0.0)];
+    let ramps = [
+        (0.5, 0, 0.0, -40e3),
+        (0.8, 1, 0.0, -40e3),
+        (1.1, 2, 0.0, -40e3),
+        (3.0, 0, -40e3, 60e3),
+        (3.1, 1, -40e3, 0.0),
+        (3.2, 2, -40e3, 0.0),
+    ];
     for k in 0..3500 {
         let t = 2e-3 * f64::from(k);
         for (from, coach, first, last) in ramps {

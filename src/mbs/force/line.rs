@@ -196,7 +196,12 @@ pub struct LineElement<L> {
 }
 
 const QUANTITIES: [Quantity; 2] = [
-    Quantity { number: 0, name: "force", kind: QuantityKind::Force, description: "force of the element, tension positive; along an axis that on \"from\"" },
+    Quantity {
+        number: 0,
+        name: "force",
+        kind: QuantityKind::Force,
+        description: "force of the element, tension positive; along an axis that on \"from\"",
+    },
     Quantity {
         number: 1,
         name: "displacement",

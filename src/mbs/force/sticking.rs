@@ -118,8 +118,16 @@ mod tests {
                 let grip = at(angle, speed);
                 let by_angle = (at(angle + step * reach, speed).torque - at(angle - step * reach, speed).torque) / (2.0 * step * reach);
                 let by_speed = (at(angle, speed * (1.0 + step)).torque - at(angle, speed * (1.0 - step)).torque) / (2.0 * step * speed);
-                assert!((grip.torque_by_angle - by_angle).abs() < 1e-4 * BRAKE.stiffness, "{x} {speed}: {} {by_angle}", grip.torque_by_angle);
-                assert!((grip.torque_by_speed - by_speed).abs() < 1e-4 * (MOST / speed.abs()), "{x} {speed}: {} {by_speed}", grip.torque_by_speed);
+                assert!(
+                    (grip.torque_by_angle - by_angle).abs() < 1e-4 * BRAKE.stiffness,
+                    "{x} {speed}: {} {by_angle}",
+                    grip.torque_by_angle
+                );
+                assert!(
+                    (grip.torque_by_speed - by_speed).abs() < 1e-4 * (MOST / speed.abs()),
+                    "{x} {speed}: {} {by_speed}",
+                    grip.torque_by_speed
+                );
             }
         }
     }

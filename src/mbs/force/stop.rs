@@ -151,7 +151,13 @@ impl LineLaw for Stop {
         };
         let (longer, shorter) = (behind(&self.extension, x), behind(&self.compression, -x));
         let (free, pressed) = (longer.max(shorter), self.side(x, 0.0).0 > 0.0);
-        Some(if !pressed { free } else if x > 0.0 { longer } else { shorter })
+        Some(if !pressed {
+            free
+        } else if x > 0.0 {
+            longer
+        } else {
+            shorter
+        })
     }
 
     fn dissipated_power(&self, x: f64, rate: f64, _: &[f64]) -> f64 {
