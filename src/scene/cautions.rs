@@ -14,7 +14,43 @@ pub(super) fn cautions(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(rough_track(scene, model))
         .chain(scattered_points(scene))
         .chain(slow_and_explicit(scene))
+        .chain(lasting_displacement(scene, model))
         .collect()
+}
+
+/// Length over which the rails' displacements are averaged, m: longer than any vehicle's own base.
+const BASE: f64 = 40.0;
+/// What of that goes without a word, m: a primary spring of 1 kN/mm takes 2 % of a wheel's load from it.
+const LASTING: f64 = 1e-3;
+
+/// Where a body is cut away (`vehicle.detail`) its guide keeps the height and the roll of ideal track. Rails that stay higher, lower or twisted strain what hangs on it, as the body,
+/// which would follow, does not.
+fn lasting_displacement(scene: &Scene, model: &Model) -> Option<String> {
+    let guides = &scene.vehicle.away()?.guides;
+    let begin = super::start::origin(scene);
+    let count = (AHEAD.min(scene.run.stop * scene.vehicle.speed.abs()) / SPACING) as usize;
+    let window = (BASE / SPACING) as usize;
+    if guides.is_empty() || count == 0 {
+        return None;
+    }
+    let heights = |i: usize| {
+        let place = begin + scene.vehicle.speed.signum() * SPACING * i as f64;
+        Side::BOTH.map(|side| model.track.rail(side).deviation(place)[1][0])
+    };
+    let of = |window: &[[f64; 2]]| {
+        let mean = [0, 1].map(|side| window.iter().map(|heights| heights[side]).sum::<f64>() / window.len() as f64);
+        mean.iter().fold(0.0, |most: f64, height| most.max(height.abs()))
+    };
+    let all: Vec<[f64; 2]> = (0..count).map(heights).collect();
+    let lasting = all.windows(window.min(count)).step_by(window / 8).map(of).fold(0.0, f64::max);
+    (lasting > LASTING).then(|| {
+        format!(
+            "a rail stays {:.1} mm beside its ideal height over {BASE:.0} m, and {} is cut away by vehicle.detail: it keeps its height and roll where it would follow the rails, so that \
+             wheel loads change by its springs' stiffness times that; a fuller vehicle.detail is right there",
+            1e3 * lasting,
+            guides[0]
+        )
+    })
 }
 
 /// Share of the static load that unsprung masses on rigid rails may add (rms) without a word.
@@ -133,6 +169,19 @@ mod tests {
         assert!(noisy.len() == 1 && noisy[0].contains("curvature of the rail profile scatters"), "{noisy:?}");
         let smooth = with(&format!("{{kind=\"miniprof\",file=\"{file}\",smoothing=\"0.02 mm\"}}"));
         assert!(smooth.is_empty() && with("{kind=\"60e1\"}").is_empty(), "{smooth:?}");
+    }
+
+    #[test]
+    fn prop_rails_that_stay_displaced_are_named_where_bodies_are_cut_away() {
+        let ramp = |to: &str| {
+            format!("track.deviation=[{{rail=\"left\",direction=\"vertical\",shape=\"ramp\",amplitude=\"{to}\",from=10,to=20}}]")
+        };
+        let with =
+            |detail: &str, deviation: &str| of("vehicle_manchester_1", &[&format!("vehicle.detail={detail}"), deviation, "run.stop=6"]);
+        let found = with("wheelset", &ramp("20 mm"));
+        assert!(found.len() == 1 && found[0].contains("a rail stays 20.0 mm") && found[0].contains("truck[1].frame"), "{found:?}");
+        let bump = "track.deviation=[{rail=\"left\",direction=\"vertical\",shape=\"cosine\",amplitude=\"5 mm\",from=10,to=12},{rail=\"left\",direction=\"vertical\",shape=\"cosine\",amplitude=\"-5 mm\",from=12,to=14}]";
+        assert!(with("vehicle", &ramp("20 mm")).is_empty() && with("wheelset", bump).is_empty());
     }
 
     #[test]

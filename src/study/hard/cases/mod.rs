@@ -55,7 +55,7 @@ const EVERY: &[Method] = &[
 /// bounds, for which these are short enough.
 const TIGHT: [Method; 2] = [Method::new("dormand_prince", "tolerance=1e-9"), Method::new("rk4", "step=0.08 ms")];
 /// Where flanges strike.
-const TIGHT_STRIKES: [Method; 2] = [Method::new("dormand_prince", "tolerance=1e-10"), Method::new("rk4", "step=0.08 ms")];
+const TIGHT_STRIKES: [Method; 2] = [Method::new("dormand_prince", "tolerance=1e-10"), Method::new("rk4", "step=0.02 ms")];
 /// For impacts.
 const TIGHTER: [Method; 2] = [Method::new("dormand_prince", "tolerance=1e-11"), Method::new("rk4", "step=0.02 ms")];
 
