@@ -107,6 +107,25 @@ fn prop_a_tread_brake_under_a_lowered_frame_brakes_with_its_torque() {
     }
 }
 
+/// A block that is put on pushes its axle forward against the springs: what its cylinder does there is its work (a train that was braked at rest had 141 J in no book).
+#[test]
+fn prop_what_a_block_does_on_its_axle_is_in_the_books() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/scenes/tread_brake.toml");
+    let scene = load::open(path, &[GROUPS.to_string(), "solver.tolerance=1e-8".into()]).unwrap_or_else(|error| panic!("{error}"));
+    let mut simulation = Simulation::new(&scene, 0.0).unwrap();
+    let outputs = scene_outputs(&scene, simulation.model());
+    let block = simulation.model().first_element_input();
+    simulation.set_input(block, 0.0, 0.0, 0.0);
+    simulation.advance(0.5).unwrap();
+    simulation.set_input(block, 50e3, 0.0, 0.0);
+    let recording = record(&mut simulation, &outputs, 1.5, 0.01, |_| ()).unwrap();
+    let columns: Columns = recording.columns.iter().map(|(name, _)| (name.clone(), recording.column(name).unwrap())).collect();
+    let work = sum(&columns, ".work").iter().fold(0.0, |most: f64, work| most.max(work.abs()));
+    let [worst, exchanged] = left_over(&columns);
+    println!("{worst:.3e} J of {exchanged:.3e} J, work of the block {work:.2} J");
+    assert!(work > 1.0 && worst < 0.02 * work, "{worst} J, {work} J");
+}
+
 /// The other outputs are the same to the bit: the books' states have no part in the error control and act on nothing.
 #[test]
 fn prop_keeping_the_books_changes_nothing() {

@@ -1,10 +1,9 @@
 //! From the points of a file to a profile: datum, directions, cleaning, smoothing, a natural cubic spline.
 //!
 //! Scene keys, the same for every format: `mirror` (the file's lateral axis is reversed), `shift_y`, `shift_z`
-//! (added after mirroring), `smoothing` (root-mean-square distance by which the points may move) or `fit_within` (the largest such distance; neither by
+//! (added after mirroring), `tread_circle` of wheels (the file's lateral coordinate of u = 0), `smoothing` (root-mean-square distance by which the points may move) or `fit_within` (the largest such distance; neither by
 //! default: the spline interpolates), `drop_outliers` (otherwise an outlier is an error that names its line). A wheel whose
-//! file gives heights only needs `radius`, at the tread circle, and takes `tread_circle`, the file's lateral
-//! coordinate of u = 0. Which way is up is seen from the shape where the format leaves it open: a rail's head is
+//! file gives heights only needs `radius`, at the tread circle. Which way is up is seen from the shape where the format leaves it open: a rail's head is
 //! convex, a wheel's flange (u = -62 .. -42 mm) stands above its tread. Where the file has a radius the scene's key is not needed, and goes before it.
 
 use super::super::file::OpenFile;
@@ -110,9 +109,8 @@ impl Profile for SplineProfile {
 /// Cleans, places and smooths the points, and carries them by a spline.
 pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Reading) -> Result<ProfileChoice, SettingsError> {
     let Reading { mut samples, order, level, tread_circle, radius, inward, columns, mut notes } = reading;
-    let wheel_of_heights = part == Part::Wheel && level != Level::Absolute;
     let radius = radius_in_force(section, part, level, (&file, radius), &mut notes)?;
-    let tread_circle = if wheel_of_heights { section.number_or("tread_circle", Dimension::Length, tread_circle)? } else { 0.0 };
+    let tread_circle = if part == Part::Wheel { section.number_or("tread_circle", Dimension::Length, tread_circle)? } else { 0.0 };
     let mirrored = section.flag_or("mirror", false)? != inward;
     let shift = (section.number_or("shift_y", Dimension::Length, 0.0)?, section.number_or("shift_z", Dimension::Length, 0.0)?);
     let drop_outliers = section.flag_or("drop_outliers", false)?;
@@ -125,7 +123,7 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     enough(&samples).map_err(|problem| wrong(0, problem))?;
     let off_origin = |samples: &[Sample]| {
         let (low, high) = extent(samples);
-        let keys = if wheel_of_heights { "tread_circle, shift_y or mirror" } else { "shift_y or mirror" };
+        let keys = if part == Part::Wheel { "tread_circle, shift_y or mirror" } else { "shift_y or mirror" };
         wrong(0, format!("the points reach from {:.2} mm to {:.2} mm: not over the origin; see {keys}", 1e3 * low, 1e3 * high))
     };
     // Cleaning works from the origin outward.
@@ -159,7 +157,7 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     check_shape(&samples, middle, part).map_err(|(line, problem)| wrong(line, problem))?;
     let datum = match radius {
         Some(radius) => {
-            if !wheel_of_heights {
+            if part == Part::Rail || level == Level::Absolute {
                 notes.push(format!("radius {:.3} mm of the scene instead of the file's {:.3} mm", 1e3 * radius, 1e3 * middle));
             } else if middle.abs() > 0.05e-3 {
                 notes.push(format!("height {:.3} mm at the tread circle taken off: the radius is given there", 1e3 * middle));

@@ -107,6 +107,26 @@ fn equiv_noisy_miniprof_rail_follows_60e1_and_smoothing_helps() {
 }
 
 #[test]
+fn equiv_points_of_a_wheel_may_count_from_the_flange_back() {
+    let wanted = read("kind = \"s1002\"\nradius = 0.46\n", Part::Wheel);
+    let folder = tempfile::tempdir().unwrap();
+    for (columns, datum) in [("u,radius", 0.0), ("u,height", 0.46)] {
+        let rows: String = (0..1000)
+            .map(|k| -0.068 + 1.26e-4 * f64::from(k))
+            .map(|u| {
+                let radius = wanted.profile.at(u).value;
+                format!("{:.7},{:.9}\n", u + 0.07, if datum == 0.0 { radius } else { radius - datum })
+            })
+            .collect();
+        std::fs::write(folder.path().join("w.csv"), format!("{columns}\n{rows}")).unwrap();
+        let text = "kind = \"points\"\nfile = \"w.csv\"\nradius = 0.46\ntread_circle = \"70 mm\"\n";
+        let found = read_in(folder.path(), text, Part::Wheel).unwrap();
+        let (largest, ..) = distances(&found, &wanted, -0.06, 0.05);
+        assert!(largest < 2e-6, "{columns}: {largest}");
+    }
+}
+
+#[test]
 fn equiv_noisy_miniprof_wheel_follows_s1002() {
     let wanted = read("kind = \"s1002\"\nradius = 0.46\n", Part::Wheel);
     let text = "kind = \"miniprof\"\nfile = \"wheel_s1002.whl\"\nradius = 0.46\n";

@@ -173,6 +173,10 @@ impl ForceElement for Brake {
         self.pair.fit(axles);
     }
 
+    fn is_supplied(&self) -> bool {
+        self.press.is_some()
+    }
+
     /// Of the cylinder that presses a block; a clamp moves nothing.
     fn supplied_power(&self, bodies: &Moving, _: &[f64]) -> f64 {
         let pressing = self.pressing(bodies);
