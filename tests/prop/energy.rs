@@ -115,15 +115,13 @@ fn prop_what_a_block_does_on_its_axle_is_in_the_books() {
     let mut simulation = Simulation::new(&scene, 0.0).unwrap();
     let outputs = scene_outputs(&scene, simulation.model());
     let block = simulation.model().first_element_input();
-    simulation.set_input(block, 0.0, 0.0, 0.0);
-    simulation.advance(0.5).unwrap();
     simulation.set_input(block, 50e3, 0.0, 0.0);
-    let recording = record(&mut simulation, &outputs, 1.5, 0.01, |_| ()).unwrap();
+    let recording = record(&mut simulation, &outputs, 1.0, 0.01, |_| ()).unwrap();
     let columns: Columns = recording.columns.iter().map(|(name, _)| (name.clone(), recording.column(name).unwrap())).collect();
     let work = sum(&columns, ".work").iter().fold(0.0, |most: f64, work| most.max(work.abs()));
     let [worst, exchanged] = left_over(&columns);
     println!("{worst:.3e} J of {exchanged:.3e} J, work of the block {work:.2} J");
-    assert!(work > 1.0 && worst < 0.02 * work, "{worst} J, {work} J");
+    assert!(work > 10.0 && worst < 0.02 * work, "{worst} J, {work} J");
 }
 
 /// The other outputs are the same to the bit: the books' states have no part in the error control and act on nothing.
