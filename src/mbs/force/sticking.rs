@@ -7,7 +7,7 @@
 //! theta' = v (1 - s) - (1 - |v| / rho_M) max(0, |theta| - theta_M) / tau sign(theta)
 //! s = 0 up to |theta| = a theta_M,  (|theta|/theta_M - a) / (1 - a) beyond;   only while the brake is loaded: theta rho > 0
 //! T = k theta + c v (1 - s) / sqrt(1 + (c v (1 - s) / B)^2),   B = b M max(0, 1 - (theta / theta_M)^2),
-//!     against the motion;   unloading: k theta v / rho in place of k theta
+//!     against the motion;   unloading: k theta v / rho in place of k theta, and B = b M
 //! ```
 //!
 //! Below a M (a = 0.7) nothing slips: what is at rest stays where it is, without creep; at speed theta rests at theta_M and T = M. The bound of v keeps
@@ -74,7 +74,17 @@ impl Sticking {
         grip.rate = elastic - resting * excess / self.relaxation;
         grip.rate_by_angle = by_angle - if excess != 0.0 { resting / self.relaxation } else { 0.0 };
         grip.rate_by_speed = by_speed - by_speed_of_resting * excess / self.relaxation;
-        let (c, x) = (k * self.damping_time, if reach < LEAST_REACH { 1.0 } else { angle / reach });
+        // Unloading takes from the deflection's part.
+        let (c, x) = (
+            k * self.damping_time,
+            if reach < LEAST_REACH {
+                1.0
+            } else if loaded {
+                angle / reach
+            } else {
+                0.0
+            },
+        );
         let bend = DAMPED * most * (1.0 - x * x);
         if bend > 0.0 {
             let size = bend.hypot(c * elastic);
