@@ -187,12 +187,6 @@ impl Model {
         start..start + self.deflection_states()
     }
 
-    /// Which of the tangential states of its contact a number of the state vector is.
-    pub fn deflection_state(&self, i: usize) -> Option<usize> {
-        let own = i.checked_sub(self.deflections_begin()).filter(|_| i < self.rails_begin())?;
-        Some(own % self.deflection_states())
-    }
-
     /// A contact's own states in the state vector.
     pub fn contact_states(&self, contact: usize) -> Range<usize> {
         let count = self.formulation.states_per_contact();

@@ -1,7 +1,6 @@
 //! The model with its inputs as a system that an integrator can advance.
 
 use super::input::{self, InputSignal};
-use crate::contact::transient;
 use crate::formulation::flutter::Flutter;
 use crate::formulation::frame_motion::FrameMotion;
 use crate::formulation::memory::ModelMemory;
@@ -193,8 +192,6 @@ impl Dynamics for ModelDynamics<'_> {
         let velocities = COORDINATES * system.bodies.len();
         let plain = if (velocities..2 * velocities).contains(&i) || i >= self.model.mean_states(0).start {
             0.0
-        } else if let Some(state) = self.model.deflection_state(i) {
-            transient::ERROR_WEIGHTS[state]
         } else if let Some(weight) = self.model.weight_of_rail(i) {
             weight * PRESSING
         } else if i < velocities

@@ -180,10 +180,6 @@ fn held(contact: &LoadedPatch) -> f64 {
     if contact.normal_force >= PRESSED { 1.0 } else { cubic_step(contact.normal_force / PRESSED) }
 }
 
-/// What an error of each state counts as, m: a direction that is off by 1e-3 changes how fast a patch rolls on by 0.3 % while that begins, a spin that is off by
-/// 1e-4 1/m the lateral force by some newtons.
-pub const ERROR_WEIGHTS: [f64; STATES] = [1.0, 1.0, 0.01, 0.1];
-
 impl TransientContact {
     /// Do the states stand still and have no part in the force, when a wheel rolls this fast [m/s]?
     #[inline]
