@@ -22,6 +22,8 @@ pub(super) struct Swing {
     /// Largest swing of the curvature, 1/m, and points that swing.
     pub most: f64,
     pub points: usize,
+    /// How far they stand beside a smooth curve, by the median, m.
+    pub noise: f64,
 }
 
 /// 1/m, and the share.
@@ -31,6 +33,13 @@ const SHARE: f64 = 0.05;
 const NARROWEST: f64 = 4e-3;
 const OF_POINTS: usize = 5;
 const SWINGING: usize = 3;
+
+/// Widths of a fit that are recommended, m, and how much wider than that they must be: points of a normal distribution go to and fro by half of its deviation, and
+/// the largest of some hundreds is three deviations.
+const WIDTHS: [f64; 6] = [5e-6, 10e-6, 20e-6, 30e-6, 60e-6, 100e-6];
+const WIDER: f64 = 6.0;
+/// Points further apart than this make a spline ring without any noise, m.
+const COARSE: f64 = 1.5e-3;
 
 /// All such parts of a profile through points with these coordinates.
 pub(super) fn swings(profile: &dyn Profile, coordinates: &[f64]) -> Vec<Swing> {
@@ -46,6 +55,11 @@ pub(super) fn swings(profile: &dyn Profile, coordinates: &[f64]) -> Vec<Swing> {
     };
     // Of the inner points.
     let sizes: Vec<f64> = bends.windows(3).map(swing).collect();
+    // Points that stand +-e beside a smooth curve by turns, h apart, have it bend by +-12 e / h^2 more.
+    let beside = |i: usize| {
+        let apart = 0.5 * (coordinates[i + 2] - coordinates[i]);
+        if apart < COARSE { sizes[i] * apart * apart / 24.0 } else { 0.0 }
+    };
     let mut found: Vec<(usize, usize)> = Vec::new();
     for (first, some) in sizes.windows(OF_POINTS).enumerate() {
         if some.iter().filter(|size| **size > 0.0).count() < SWINGING {
@@ -59,7 +73,10 @@ pub(super) fn swings(profile: &dyn Profile, coordinates: &[f64]) -> Vec<Swing> {
     let part = |(first, end): (usize, usize)| {
         let own = &sizes[first..end];
         let most = own.iter().copied().fold(0.0, f64::max);
-        Swing { from: coordinates[first + 1], to: coordinates[end], most, points: own.iter().filter(|size| **size > 0.0).count() }
+        let mut noise: Vec<f64> = (first..end).map(beside).filter(|e| *e > 0.0).collect();
+        noise.sort_by(f64::total_cmp);
+        let noise = noise.get(noise.len() / 2).copied().unwrap_or_default();
+        Swing { noise, from: coordinates[first + 1], to: coordinates[end], most, points: own.iter().filter(|size| **size > 0.0).count() }
     };
     found.into_iter().map(part).filter(|swing| swing.to - swing.from >= NARROWEST).collect()
 }
@@ -72,10 +89,13 @@ pub(super) fn describe(swings: &[Swing]) -> Option<String> {
         swings.iter().take(SHOWN).map(|swing| format!("{:.1} .. {:.1} mm", 1e3 * swing.from, 1e3 * swing.to)).collect();
     let more = if swings.len() > SHOWN { format!(" and {} more", swings.len() - SHOWN) } else { String::new() };
     let points: usize = swings.iter().map(|swing| swing.points).sum();
+    let noise = swings.iter().map(|swing| swing.noise).fold(0.0, f64::max);
+    let fit = WIDTHS.into_iter().find(|width| *width >= WIDER * noise).unwrap_or(WIDTHS[WIDTHS.len() - 1]);
     Some(format!(
         "the spline swings between coarse or noisy points: its curvature goes to and fro by up to {worst:.1} 1/m at {points} points ({}{more}); contacts may jump there that \
-         do not on the real surface. fit_within = \"5 um\" lays a smooth curve within so much of all points",
-        places.join(", ")
+         do not on the real surface. fit_within = \"{:.0} um\" lays a smooth curve within so much of all points",
+        places.join(", "),
+        1e6 * fit
     ))
 }
 
@@ -96,6 +116,9 @@ mod tests {
             x.enumerate().map(|(k, x)| (x, (0.09 - x * x).sqrt() + noise * if k % 2 == 0 { 1.0 } else { -1.0 })).collect()
         };
         assert!(found(&arc(0.0)).is_empty());
+        // The width that is recommended goes with the noise; what coarse points ring by is none.
+        let width = |noise: f64| describe(&found(&arc(noise))).unwrap();
+        assert!(width(2e-6).contains("\"20 um\"") && width(8e-6).contains("\"60 um\""), "{} {}", width(2e-6), width(8e-6));
         // Where arcs of 300 and 13 mm meet the spline rings: over 3 mm with a point every 0.5 mm, over 9 mm with one every 1.5 mm.
         let joined = |h: f64| -> Vec<(f64, f64)> {
             let count = (0.02 / h) as i32;
