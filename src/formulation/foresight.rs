@@ -17,7 +17,7 @@ use super::step::WheelRef;
 use super::tangent::normal_slopes;
 use super::{ContactReport, Model, Wheelset, Workspace};
 use crate::geometry::track::station::Station;
-use crate::mbs::body::COORDINATES;
+use crate::mbs::body::{BodyMotion, COORDINATES};
 use crate::mbs::force::Strike;
 use nalgebra::Vector3;
 
@@ -34,8 +34,6 @@ const LONGEST_FADING: f64 = 2.0;
 /// (Three coaches with 30 mm of slack, braked one after the other: coupler forces of 93 kN were off by 45 kN without a bound, by 26, 9, 5 and 2 kN with parts of 0.2,
 /// 0.07, 0.02, 0.007.)
 const STRIKING: f64 = 0.007;
-/// Least cosine between a stop's line and the track of one that acts along it.
-const ALONG: f64 = 0.7;
 
 impl Model {
     /// The longest step that may begin at the state `y` with derivative `dy`, s, whose evaluation the workspace holds.
@@ -72,8 +70,8 @@ impl Model {
     fn time_to_touch(&self, (wheelset, contact): (&Wheelset, usize), workspace: &Workspace, report: &ContactReport, dy: &[f64]) -> f64 {
         let motion = &workspace.system.motions[wheelset.body];
         let rates = &dy[self.system.velocities(wheelset.body)];
-        let turning = Vector3::z() * rates[3] + motion.roll_axis() * rates[4];
-        let mut acceleration = Vector3::new(rates[0], rates[1], rates[2]) + turning.cross(&(report.wheel_point - motion.position));
+        let (moved, turned) = without_pitch(motion, rates);
+        let mut acceleration = moved + turned.cross(&(report.wheel_point - motion.position));
         if let Some([_, rail]) = self.rail_change(workspace, wheelset.body, contact, dy) {
             acceleration -= rail;
         }
@@ -105,8 +103,8 @@ impl Model {
             let motion = &workspace.system.motions[wheelset.body];
             let part = |first: usize| {
                 let e = &error[first + COORDINATES * wheelset.body..first + COORDINATES * (wheelset.body + 1)];
-                let turn = Vector3::z() * e[3] + motion.roll_axis() * e[4];
-                (Vector3::new(e[0], e[1], e[2]), turn, motion.axle() * e[5])
+                let (moved, turned) = without_pitch(motion, e);
+                (moved, turned, motion.axle() * e[5])
             };
             let ((mut moved, turned, _), (mut velocity, turning, spin)) = (part(0), part(velocities));
             if let Some([displaced, displacing]) = self.rail_change(workspace, wheelset.body, contact, error) {
@@ -144,20 +142,19 @@ impl Model {
         let bodies = workspace.system.moving();
         let velocities = COORDINATES * self.system.bodies.len();
         let mut largest: f64 = 0.0;
-        for Strike { stiffness, unit, point, ends } in self.system.forces.iter().filter_map(|element| element.strike(&bodies)) {
-            let Some(any) = ends.into_iter().flatten().next() else { continue };
-            let ahead = workspace.system.stations.get(any).map_or(Vector3::x(), |station| station.frame.along());
-            if unit.dot(&ahead).abs() < ALONG {
-                continue;
-            }
+        let along = |strike: &Strike| {
+            let body = strike.ends.into_iter().flatten().next()?;
+            strike.along(&workspace.system.stations.along(body))
+        };
+        let strikes = self.system.forces.iter().filter_map(|element| element.strike(&bodies));
+        for Strike { stiffness, unit, point, ends } in strikes.filter(|strike| along(strike).is_some()) {
             let (mut moved, mut moving, mut lightness) = (0.0, 0.0, 0.0);
             for (end, sign) in ends.into_iter().zip([-1.0, 1.0]) {
                 let Some(body) = end else { continue };
                 let motion = &workspace.system.motions[body];
                 let along = |first: usize| {
-                    let e = &error[first + COORDINATES * body..first + COORDINATES * (body + 1)];
-                    let turn = Vector3::z() * e[3] + motion.roll_axis() * e[4];
-                    sign * (Vector3::new(e[0], e[1], e[2]) + turn.cross(&(point - motion.position))).dot(&unit)
+                    let (moved, turned) = without_pitch(motion, &error[first + COORDINATES * body..first + COORDINATES * (body + 1)]);
+                    sign * (moved + turned.cross(&(point - motion.position))).dot(&unit)
                 };
                 moved += along(0);
                 moving += along(velocities);
@@ -176,4 +173,10 @@ impl Model {
         let fading = 2.0 * self.bouncing_mass(wheelset) / damping;
         (fading.min(LONGEST_FADING) / FADING).max(1.0)
     }
+}
+
+/// Translation and rotation of six changes of a body's coordinates or velocities, without that of its pitch.
+#[inline]
+fn without_pitch(motion: &BodyMotion, changes: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+    (Vector3::new(changes[0], changes[1], changes[2]), Vector3::z() * changes[3] + motion.roll_axis() * changes[4])
 }

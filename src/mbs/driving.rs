@@ -18,7 +18,7 @@ use super::kkt::Mobility;
 use super::speed_input::{SpeedInput, Wanted};
 use super::speed_profile::{Over, SpeedProfile};
 use crate::geometry::track::station::{Station, Stations};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 use std::sync::Arc;
 
 /// T, s.
@@ -89,7 +89,7 @@ impl DrivingConstraint {
     pub(super) fn follow(&self, motions: &[BodyMotion], stations: &Stations, orders: &Orders) -> Option<Matrix3<f64>> {
         let Course::Input(input) = &self.course else { return None };
         let [speed, _] = self.pace(orders, motions, stations);
-        let along = stations.get(self.body).map_or(Vector3::x(), |at| at.frame.along());
+        let along = stations.along(self.body);
         Some(along * along.transpose() * input.slope(&orders.wanted, speed))
     }
 

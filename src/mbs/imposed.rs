@@ -58,7 +58,7 @@ impl System {
                 }
             };
             let first = self.velocities(drive.body).start;
-            let along = stations.get(drive.body).map_or(Vector3::x(), |station| station.frame.along());
+            let along = stations.along(drive.body);
             let linear = &mut y[first..first + 3];
             let off = speed - linear.iter().zip(along.iter()).map(|(v, x)| v * x).sum::<f64>();
             if off.abs() > KEPT {

@@ -27,22 +27,16 @@ const LASTING: f64 = 1e-3;
 /// which would follow, does not.
 fn lasting_displacement(scene: &Scene, model: &Model) -> Option<String> {
     let guides = &scene.vehicle.away()?.guides;
-    let begin = super::start::origin(scene);
-    let count = (AHEAD.min(scene.run.stop * scene.vehicle.speed.abs()) / SPACING) as usize;
-    let window = (BASE / SPACING) as usize;
-    if guides.is_empty() || count == 0 {
+    if guides.is_empty() {
         return None;
     }
-    let heights = |i: usize| {
-        let place = begin + scene.vehicle.speed.signum() * SPACING * i as f64;
-        Side::BOTH.map(|side| model.track.rail(side).deviation(place)[1][0])
-    };
+    let heights = |place: f64| Side::BOTH.map(|side| model.track.rail(side).deviation(place)[1][0]);
     let of = |window: &[[f64; 2]]| {
         let mean = [0, 1].map(|side| window.iter().map(|heights| heights[side]).sum::<f64>() / window.len() as f64);
         mean.iter().fold(0.0, |most: f64, height| most.max(height.abs()))
     };
-    let all: Vec<[f64; 2]> = (0..count).map(heights).collect();
-    let lasting = all.windows(window.min(count)).step_by(window / 8).map(of).fold(0.0, f64::max);
+    let (all, window): (Vec<[f64; 2]>, usize) = (places_ahead(scene).map(heights).collect(), (BASE / SPACING) as usize);
+    let lasting = all.windows(window.min(all.len()).max(1)).step_by(window / 8).map(of).fold(0.0, f64::max);
     (lasting > LASTING).then(|| {
         format!(
             "a rail stays {:.1} mm beside its ideal height over {BASE:.0} m, and {} is cut away by vehicle.detail: it keeps its height and roll where it would follow the rails, so that \
@@ -60,20 +54,22 @@ const AHEAD: f64 = 500.0;
 const SPACING: f64 = 0.1;
 const STRETCH: usize = 500;
 
+/// Distances along the track that are looked at, m, from where the run begins.
+fn places_ahead(scene: &Scene) -> impl ExactSizeIterator<Item = f64> {
+    let (speed, begin) = (scene.vehicle.speed, super::start::origin(scene));
+    let count = (AHEAD.min(scene.run.stop * speed.abs()) / SPACING) as usize;
+    (0..count).map(move |i| begin + speed.signum() * SPACING * i as f64)
+}
+
 /// A rail of the height l(s) under a wheel at speed V accelerates it by `V^2 l''`; half the wheelset's mass times that adds to the wheel's load,
 /// where nothing yields.
 fn rough_track(scene: &Scene, model: &Model) -> Option<String> {
     let speed = scene.vehicle.speed;
-    let begin = super::start::origin(scene);
-    let count = (AHEAD.min(scene.run.stop * speed.abs()) / SPACING) as usize;
-    if count < 10 || Side::BOTH.iter().all(|side| !model.track.rail(*side).deviates()) {
+    if places_ahead(scene).len() < 10 || Side::BOTH.iter().all(|side| !model.track.rail(*side).deviates()) {
         return None;
     }
-    let squared = |i: usize| {
-        let place = begin + speed.signum() * SPACING * i as f64;
-        0.5 * Side::BOTH.iter().map(|side| model.track.rail(*side).deviation(place)[1][2].powi(2)).sum::<f64>()
-    };
-    let all: Vec<f64> = (0..count).map(squared).collect();
+    let squared = |place: f64| 0.5 * Side::BOTH.iter().map(|side| model.track.rail(*side).deviation(place)[1][2].powi(2)).sum::<f64>();
+    let all: Vec<f64> = places_ahead(scene).map(squared).collect();
     // The roughest stretch: others may be smooth.
     let roughest = all.chunks(STRETCH).map(|some| some.iter().sum::<f64>() / some.len().max(STRETCH / 2) as f64).fold(0.0, f64::max);
     let acceleration = speed * speed * roughest.sqrt();

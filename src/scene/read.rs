@@ -190,8 +190,7 @@ fn read_half_distance(section: &Section, rails: &[ProfileChoice; 2], inclination
     if section.has("rail_distance") {
         return Err(section.error("gauge", "stands beside rail_distance; expected one of them"));
     }
-    const DEPTH: f64 = 14e-3;
-    let depth = section.number_or("gauge_depth", Dimension::Length, DEPTH)?;
+    let depth = section.number_or("gauge_depth", Dimension::Length, gauge::DEPTH)?;
     let reach = |choice: &ProfileChoice| {
         gauge::reach(choice.profile.as_ref(), inclination, depth).map_err(|early| section.error("gauge", early.to_string()))
     };

@@ -1,6 +1,7 @@
 //! Trains whose couplers have slack: where they start, and what their couplers carry.
 
 use wheelrail::formulation::Model;
+use wheelrail::mbs::body::COORDINATES;
 use wheelrail::scene::load;
 use wheelrail::scene::spec::Scene;
 use wheelrail::settings::Source;
@@ -109,6 +110,44 @@ fn prop_trains_with_slack_start_under_unlike_forces() {
             assert!(force.abs() < 100.0 && displacement.abs() < 0.0151, "{grade}: {force} {displacement}");
         }
     }
+}
+
+/// A wagon that is pushed uphill by the one behind it: the wheelset with the imposed speed, the third, stands where the scene puts it, and it is the others that move by
+/// the slack.
+#[test]
+fn prop_slack_moves_no_wheelset_with_an_imposed_speed() {
+    let mut text = String::from(
+        "name = \"pushed\"\n[vehicle]\ntemplate = \"free\"\nspeed = 10.0\ndrive = \"leading\"\n[vehicle.wheel_profile]\nkind = \"s1002\"\nradius = 0.46\n",
+    );
+    for (name, x) in [("front", 0.0), ("rear", -14.0)] {
+        text += &format!(
+            "[[vehicle.body]]\nname = \"{name}\"\nmass = 20000.0\ninertia_xx = 24000.0\ninertia_yy = 180000.0\ninertia_zz = 180000.0\n\
+             position = [{x:?}, 0.0, 1.4]\n"
+        );
+        for (axle, ahead) in [(1, 3.0), (2, -3.0)] {
+            let at: f64 = x + ahead;
+            text += &format!(
+                "[[vehicle.wheelset]]\nname = \"{name}_axle[{axle}]\"\nx = {at:?}\nmass = 1400.0\ninertia_xx = 900.0\ninertia_yy = 120.0\n\
+                 inertia_zz = 900.0\ntread_circle_distance = 1.5\ndriven = {}\n[[vehicle.force]]\nname = \"{name}_primary[{axle}]\"\n\
+                 kind = \"bushing\"\nmirrored = true\nfrom = \"{name}\"\nto = \"{name}_axle[{axle}]\"\nat = [{at:?}, 1.0, 0.46]\n\
+                 stiffness = [8e6, 4e6, 1.5e6]\ndamping = [2e4, 2e4, 2e4]\npreload = \"static\"\n",
+                name == "rear"
+            );
+        }
+    }
+    text += "[[vehicle.force]]\nname = \"coupler\"\nkind = \"coupler\"\nfrom = { body = \"front\", at = [-6.5, 0.0, 1.0] }\nto = { body = \"rear\", at = [-7.5, 0.0, 1.0] }\n\
+             slack = \"30 mm\"\ndraw_stiffness = 5e6\nbuffer_stiffness = 10e6\n[track]\ngauge = \"1435 mm\"\ninclination = \"1:40\"\ngrade = 0.01\n\
+             rail = { kind = \"60e1\" }\n[contact]\nformulation = \"ECF-A\"\nfriction = 0.35\nmaterial = { youngs_modulus = 2.1e11, poisson_ratio = 0.28 }\n\
+             creep = { law = \"polach\" }\n[run]\nstop = 1.0\nstep = \"10 ms\"\n";
+    let source = Source { file: "pushed.toml".into(), text, overridden: vec![], folder: None };
+    let scene = load::read("pushed", source, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let mut simulation = Simulation::new(&scene, 0.0).unwrap_or_else(|error| panic!("{error}"));
+    let drives: Vec<usize> = simulation.model().system.drives.iter().map(|drive| drive.body).collect();
+    let y = simulation.snapshot().unwrap().y.clone();
+    let forward = |body: usize| y[COORDINATES * body] - scene.vehicle.design_position(body).x;
+    let [front, rear] = [0, 2].map(forward);
+    println!("driven {drives:?}: front wagon {front:.6} m, rear {rear:.3e} m");
+    assert!(drives == [2] && rear.abs() < 1e-9 && (0.014..0.017).contains(&-front), "{drives:?} {front} {rear}");
 }
 
 /// Forces of both couplers each 2 ms, N, of three coaches that are braked one after the other and then pulled by the first one.

@@ -168,9 +168,8 @@ impl Elastic {
 
 /// Wheel and rail, radius at the tread circle, gauge and inclination, for the subtitle of a picture.
 fn pair_in_force(scene: &Scene) -> String {
-    const DEPTH: f64 = 14e-3;
     let (track, wheels) = (&scene.track, &scene.vehicle.leading().profiles);
-    let reach = |side: usize| gauge::reach(track.rails[side].profile.as_ref(), track.inclination, DEPTH);
+    let reach = |side: usize| gauge::reach(track.rails[side].profile.as_ref(), track.inclination, gauge::DEPTH);
     // Profiles that end early tell no gauge.
     let gauge = match (reach(0), reach(1)) {
         (Ok(left), Ok(right)) => format!("gauge {:.1} mm", 1e3 * (2.0 * track.half_rail_distance - left - right)),

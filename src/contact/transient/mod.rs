@@ -177,7 +177,7 @@ const PRESSED: f64 = 10.0;
 /// How far the states are those of a pressed contact, 0 to 1.
 #[inline]
 fn held(contact: &LoadedPatch) -> f64 {
-    if contact.normal_force >= PRESSED { 1.0 } else { cubic_step(contact.normal_force / PRESSED) }
+    cubic_step(contact.normal_force / PRESSED)
 }
 
 impl TransientContact {

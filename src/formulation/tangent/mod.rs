@@ -86,7 +86,7 @@ impl Model {
             let moved = self.against_rail((&workspace.system, &workspace.rails), (inputs, y), (wheelset.body, turning), contact);
             let motion = moved.as_ref().map_or(&workspace.system.motions[turning], |moved| &moved.motion);
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
-            let along = workspace.system.stations.get(wheelset.body).map_or(Vector3::x(), |station| station.frame.along());
+            let along = workspace.system.stations.along(wheelset.body);
             let under = self.under(&workspace.system, &WheelRef { contact, wheelset, side });
             let (before, others) = (tangent.states(), under.as_ref().and_then(|_| tangent.take_wrench(wheelset.body)));
             let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);

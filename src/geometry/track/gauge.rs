@@ -8,6 +8,9 @@
 
 use crate::geometry::profile::Profile;
 
+/// Where the gauge is measured below the heads' highest points, unless a scene says otherwise, m (EN 13848-1).
+pub const DEPTH: f64 = 14e-3;
+
 /// Steps along the profile in which top and innermost point are looked for; both are then refined by bisection.
 const STEPS: usize = 4000;
 

@@ -71,6 +71,12 @@ impl Stations {
         self.0.get(body).filter(|station| !station.on_x)
     }
 
+    /// The track's direction beside a body.
+    #[inline]
+    pub fn along(&self, body: usize) -> Vector3<f64> {
+        self.get(body).map_or(Vector3::x(), |station| station.frame.along())
+    }
+
     /// All of them, to be found anew.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Station> {
         self.0.iter_mut()

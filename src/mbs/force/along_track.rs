@@ -33,7 +33,7 @@ pub(super) fn read_place_of_body(section: &Section, places: &dyn Places) -> Resu
 impl AlongTrack {
     #[inline]
     fn along(&self, bodies: &Moving) -> Vector3<f64> {
-        bodies.station(self.body).map_or(Vector3::x(), |station| station.frame.along())
+        bodies.stations.along(self.body)
     }
 
     /// v, m/s.

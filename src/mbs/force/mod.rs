@@ -231,6 +231,17 @@ pub struct Strike {
     pub ends: Ends,
 }
 
+impl Strike {
+    /// Least cosine between the lines of a stop and the track where it acts along the track.
+    const ALONG: f64 = 0.7;
+
+    /// Cosine between its line and the track's direction, `None` where it acts across.
+    pub fn along(&self, track: &Vector3<f64>) -> Option<f64> {
+        let cosine = self.unit.dot(track);
+        (cosine.abs() >= Self::ALONG).then_some(cosine)
+    }
+}
+
 /// One scalar that an element reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantity {

@@ -6,13 +6,10 @@
 //! stand moved by that, and Newton's method begins there.
 
 use super::search::Search;
-use crate::mbs::force::{ForceElement, Strike};
+use crate::mbs::force::ForceElement;
 use crate::mbs::system::System;
 use crate::scene::equilibrium::EquilibriumError;
-use nalgebra::Vector3;
 
-/// Least cosine between a coupler's line and the track.
-const ALONG: f64 = 0.7;
 /// Forces below this leave a coupler in the middle of its slack, N.
 const LEAST: f64 = 1e-3;
 /// Name of the slack among an element's numbers.
@@ -32,10 +29,10 @@ struct Slack {
 
 fn slack_of(search: &Search, element: usize, force: &dyn ForceElement) -> Option<Slack> {
     let clearance = force.constants().into_iter().find(|number| number.name == CLEARANCE && number.value > 0.0)?;
-    let Strike { unit, ends: [Some(first), Some(second)], .. } = force.strike(&search.workspace.system.moving())? else { return None };
-    let cosine = unit.dot(&(search.axes(first) * Vector3::x()));
-    let slack = Slack { element, number: clearance.number, clearance: clearance.value, ends: [first, second], sign: cosine.signum() };
-    (cosine.abs() > ALONG).then_some(slack)
+    let strike = force.strike(&search.workspace.system.moving())?;
+    let [Some(first), Some(second)] = strike.ends else { return None };
+    let sign = strike.along(&search.axes(first).column(0).into_owned())?.signum();
+    Some(Slack { element, number: clearance.number, clearance: clearance.value, ends: [first, second], sign })
 }
 
 impl Search<'_> {
@@ -49,15 +46,11 @@ impl Search<'_> {
         self.rest(true, false).map_err(EquilibriumError::Evaluation)?;
         let slacks: Vec<Slack> =
             self.model.system.forces.iter().enumerate().filter_map(|(i, force)| slack_of(self, i, force.as_ref())).collect();
-        if slacks.is_empty() {
-            self.put(&before);
-            return self.balance();
+        if !slacks.is_empty() && self.balance_without(&slacks) && self.balance().is_ok() {
+            return Ok(());
         }
-        if !self.balance_without(&slacks) || self.balance().is_err() {
-            self.put(&before);
-            return self.balance();
-        }
-        Ok(())
+        self.put(&before);
+        self.balance()
     }
 
     /// Balances without slack and puts the bodies where they stand with it.
@@ -80,8 +73,7 @@ impl Search<'_> {
         let longer: Vec<f64> = slacks.iter().map(|slack| slack.sign * slack.clearance * pulls(slack)).collect();
         set(self, 1.0);
         if found {
-            let leading = self.model.system.drives.iter().map(|drive| drive.body).chain([0]).min().unwrap_or(0);
-            for (at, forward) in self.now.at.iter_mut().zip(moves(&self.model.system, slacks, &longer, leading)) {
+            for (at, forward) in self.now.at.iter_mut().zip(moves(&self.model.system, slacks, &longer)) {
                 at.coordinates[0] += forward;
             }
         }
@@ -89,8 +81,9 @@ impl Search<'_> {
     }
 }
 
-/// How far each body moves forward when the second ends of the slacks move by these lengths [m] from the first ones, and the leading body stays.
-fn moves(system: &System, slacks: &[Slack], longer: &[f64], leading: usize) -> Vec<f64> {
+/// How far each body moves forward when the second ends of the slacks move by these lengths [m] from the first ones. Wheelsets with an imposed speed stay where
+/// they are; where there are none, the first does.
+fn moves(system: &System, slacks: &[Slack], longer: &[f64]) -> Vec<f64> {
     let is_slack = |element: usize| slacks.iter().any(|slack| slack.element == element);
     let fixed = system.forces.iter().enumerate().filter(|(i, _)| !is_slack(*i)).map(|(_, force)| force.reach());
     let fixed = fixed.chain(system.joints.iter().map(|joint| [Some(joint.bodies.first), joint.bodies.second, None]));
@@ -103,7 +96,8 @@ fn moves(system: &System, slacks: &[Slack], longer: &[f64], leading: usize) -> V
     // Bodies without slack between them move together, so they are looked at first.
     ties.extend(slacks.iter().zip(longer).map(|(slack, longer)| (slack.ends[0], slack.ends[1], *longer)));
     let mut moved: Vec<Option<f64>> = vec![None; system.bodies.len()];
-    moved[leading] = Some(0.0);
+    let stay = if system.drives.is_empty() { vec![0] } else { system.drives.iter().map(|drive| drive.body).collect() };
+    stay.into_iter().for_each(|body| moved[body] = Some(0.0));
     while let Some((body, by)) = ties.iter().find_map(|(a, b, longer)| match (moved[*a], moved[*b]) {
         (Some(known), None) => Some((*b, known + longer)),
         (None, Some(known)) => Some((*a, known - longer)),

@@ -231,7 +231,7 @@ impl Audit {
         }
         for (drive, force) in model.system.drives.iter().zip(&system.drive_forces) {
             let motion = &system.motions[drive.body];
-            let along = system.stations.get(drive.body).map_or(Vector3::x(), |station| station.frame.along());
+            let along = system.stations.along(drive.body);
             book(force * along.dot(&motion.velocity));
             now.lift += force * along.z;
         }
