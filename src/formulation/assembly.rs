@@ -132,7 +132,8 @@ impl Model {
         };
         let own = formulation.points_per_wheel();
         let searches = wheel_search::searches(&wheelsets, &track, own == 1 && laws.patch != PatchLaw::Linear, &prepared);
-        let points = if searches.iter().any(Option::is_some) { points } else { own };
+        // Parts of a patch are found by the strips, whoever looks for places.
+        let points = if searches.iter().any(Option::is_some) || (own > 1 && strips.is_some()) { points } else { own };
         let contact_states_begin = system.dimension();
         Model {
             system,

@@ -1,73 +1,134 @@
-//! The two humps of a row of depths: where an overlap is deepest, and where it is deepest beside that.
+//! Humps of a row of depths: where an overlap is deepest, and where it is deepest beside that.
 //!
-//! A hump is told by its prominence, its depth less that of the saddle between it and the deepest place: what is left of a second one is
-//! small where it merges with its saddle, whatever its depth.
+//! A hump is told by its prominence, its depth less that of the saddle between it and a deeper one: what is left of one is small where it merges
+//! with its saddle, whatever its depth.
+
+/// Humps that are told apart; of more, the one that stands out least is filled.
+const MOST: usize = 16;
 
 /// Depths, passed in their order along a profile, each with its place.
 #[derive(Clone, Copy, Debug)]
 pub struct Humps<P> {
-    deepest: Option<(f64, P)>,
-    beside: Option<Hump<P>>,
-    /// Least depth since the deepest one, m.
+    /// In the order of the row: depth, m, and place.
+    humps: [Option<(f64, P)>; MOST],
+    count: usize,
+    /// Depth of the saddle behind each, m.
+    saddles: [f64; MOST],
+    /// Least depth since the last hump's top, m.
     valley: f64,
 }
 
-/// A hump beside the deepest one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hump<P> {
-    pub place: P,
-    /// m.
-    pub depth: f64,
-    /// Least depth between both, m.
-    pub saddle: f64,
-}
-
-impl<P> Hump<P> {
-    fn prominence(&self) -> f64 {
-        self.depth - self.saddle
+impl<P: Copy> Default for Humps<P> {
+    fn default() -> Self {
+        Humps { humps: [None; MOST], count: 0, saddles: [f64::INFINITY; MOST], valley: f64::INFINITY }
     }
 }
 
 impl<P: Copy> Humps<P> {
-    pub fn new() -> Self {
-        Humps { deepest: None, beside: None, valley: f64::INFINITY }
-    }
-
     /// Takes the next depth [m].
     #[inline]
     pub fn pass(&mut self, depth: f64, place: P) {
-        self.valley = self.valley.min(depth);
-        match self.deepest {
-            Some((deepest, _)) if depth <= deepest => {
-                self.take(Hump { place, depth, saddle: self.valley });
-            }
-            before => {
-                if let Some(beside) = &mut self.beside {
-                    beside.saddle = beside.saddle.min(self.valley);
+        let top = self.humps[..self.count].last().and_then(|hump| hump.map(|hump| hump.0));
+        match top {
+            Some(top) if self.valley < top => {
+                // On its way down, or up again.
+                if depth > self.valley {
+                    self.begin(depth, place);
+                } else {
+                    self.valley = depth;
                 }
-                if let Some((depth, place)) = before {
-                    self.take(Hump { place, depth, saddle: self.valley });
-                }
-                (self.deepest, self.valley) = (Some((depth, place)), depth);
             }
+            Some(top) if depth > top => {
+                self.humps[self.count - 1] = Some((depth, place));
+                self.valley = depth;
+            }
+            Some(_) => self.valley = self.valley.min(depth),
+            None => self.begin(depth, place),
         }
     }
 
+    /// Nothing overlaps here.
     #[inline]
-    fn take(&mut self, hump: Hump<P>) {
-        if hump.prominence() > self.beside.as_ref().map_or(0.0, Hump::prominence) {
-            self.beside = Some(hump);
+    pub fn part(&mut self) {
+        self.valley(0.0);
+    }
+
+    /// It is no deeper than this [m] here.
+    #[inline]
+    pub fn valley(&mut self, depth: f64) {
+        self.valley = self.valley.min(depth);
+    }
+
+    fn begin(&mut self, depth: f64, place: P) {
+        if self.count == MOST {
+            self.fill(self.least_prominent().0);
+        }
+        if let Some(before) = self.count.checked_sub(1) {
+            self.saddles[before] = self.valley;
+        }
+        self.humps[self.count] = Some((depth, place));
+        self.count += 1;
+        self.valley = depth;
+    }
+
+    fn depth(&self, k: usize) -> f64 {
+        self.humps[k].map_or(f64::NEG_INFINITY, |hump| hump.0)
+    }
+
+    /// Of the saddles the one over which the lower hump beside it stands out least, and by how much, m.
+    fn least_prominent(&self) -> (usize, f64) {
+        let prominence = |k: usize| self.depth(k).min(self.depth(k + 1)) - self.saddles[k];
+        let least = (0..self.count.saturating_sub(1)).min_by(|a, b| prominence(*a).total_cmp(&prominence(*b)));
+        least.map_or((0, f64::INFINITY), |k| (k, prominence(k)))
+    }
+
+    /// Joins the humps on both sides of a saddle.
+    fn fill(&mut self, k: usize) {
+        let (lower, deepest) = if self.depth(k) > self.depth(k + 1) { (k + 1, self.humps[k]) } else { (k, self.humps[k + 1]) };
+        // The saddle on the other side of the lower one now belongs to the deeper one.
+        if lower > k && lower + 1 < self.count {
+            self.saddles[lower] = self.saddles[lower].min(self.saddles[k]);
+        } else if lower == k && k > 0 {
+            self.saddles[k - 1] = self.saddles[k - 1].min(self.saddles[k]);
+        }
+        self.humps[k] = deepest;
+        self.humps[k + 1..self.count].rotate_left(1);
+        self.saddles[k..self.count].rotate_left(1);
+        self.count -= 1;
+    }
+
+    /// Fills saddles until at most `most` humps are left, each of which stands out by more than the share `least` of the greatest depth where it
+    /// overlaps with its neighbour. So that they rise from there, saddles are then taken to be higher by so much.
+    pub fn settle(&mut self, most: usize, least: f64) {
+        let least = least * self.deepest();
+        loop {
+            let shared = |k: &usize| self.saddles[*k] > 0.0 && self.depth(*k).min(self.depth(k + 1)) <= self.saddles[*k] + least;
+            let small = (0..self.count.saturating_sub(1)).find(shared);
+            let Some(k) = small.or_else(|| (self.count > most).then(|| self.least_prominent().0)) else { break };
+            self.fill(k);
+        }
+        for saddle in self.saddles.iter_mut().take(self.count).filter(|saddle| **saddle > 0.0) {
+            *saddle += least;
         }
     }
 
-    /// The deepest place with its depth [m].
-    pub fn deepest(&self) -> Option<(f64, P)> {
-        self.deepest
+    /// Greatest depth, m; negative infinity where nothing was passed.
+    fn deepest(&self) -> f64 {
+        (0..self.count).map(|k| self.depth(k)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The most prominent hump beside it.
-    pub fn beside(&self) -> Option<Hump<P>> {
-        self.beside
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Depths [m] and places in the order of the row.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = (f64, P)> + '_ {
+        self.humps[..self.count].iter().filter_map(|hump| *hump)
+    }
+
+    /// Depths of the saddles between them, m; not positive where they are apart.
+    pub fn saddles(&self) -> &[f64] {
+        &self.saddles[..self.count.saturating_sub(1)]
     }
 }
 
@@ -75,25 +136,45 @@ impl<P: Copy> Humps<P> {
 mod tests {
     use super::*;
 
-    fn of(depths: &[f64]) -> Humps<usize> {
-        let mut humps = Humps::new();
+    fn of(depths: &[f64], most: usize) -> (Vec<usize>, Vec<f64>) {
+        let mut humps = Humps::default();
         for (place, depth) in depths.iter().enumerate() {
-            humps.pass(*depth, place);
+            if *depth > 0.0 {
+                humps.pass(*depth, place);
+            } else {
+                humps.part();
+            }
         }
-        humps
+        humps.settle(most, 0.0);
+        (humps.iter().map(|hump| hump.1).collect(), humps.saddles().to_vec())
     }
 
     #[test]
     fn analytic_humps_of_rows() {
-        let beside = |depths: &[f64]| of(depths).beside().map(|hump| (hump.place, hump.saddle));
-        assert_eq!(beside(&[1.0, 2.0, 5.0, 4.0, 1.0]), None);
-        assert_eq!(beside(&[1.0, 5.0, 2.0, 4.0, 1.0]), Some((3, 2.0)));
-        assert_eq!(beside(&[1.0, 4.0, 2.0, 5.0, 1.0]), Some((1, 2.0)));
-        // The one between two higher ones is told by the saddle to the deepest.
-        assert_eq!(beside(&[4.0, 1.0, 3.0, 2.0, 5.0]), Some((0, 1.0)));
-        assert_eq!(beside(&[4.0, 3.5, 3.9, 2.0, 5.0, 1.0, 3.0]), Some((0, 2.0)));
-        assert_eq!(of(&[3.0, 5.0, 2.0, 4.0]).deepest(), Some((5.0, 1)));
-        assert_eq!(of(&[]).deepest(), None);
+        assert_eq!(of(&[1.0, 2.0, 5.0, 4.0, 1.0], 2), (vec![2], vec![]));
+        assert_eq!(of(&[1.0, 5.0, 2.0, 4.0, 1.0], 2), (vec![1, 3], vec![2.0]));
+        assert_eq!(of(&[4.0, 1.0, 3.0, 2.0, 5.0], 3), (vec![0, 2, 4], vec![1.0, 2.0]));
+        assert_eq!(of(&[4.0, 1.0, 3.0, 2.0, 5.0], 2), (vec![0, 4], vec![1.0]));
+        assert_eq!(of(&[4.0, 3.5, 3.9, 2.0, 5.0, 1.0, 3.0], 3), (vec![0, 4, 6], vec![2.0, 1.0]));
+        assert_eq!(of(&[4.0, 4.0, 3.0, 3.0, 3.5, 3.5, 3.0], 4), (vec![0, 4], vec![3.0]));
+        // Apart.
+        assert_eq!(of(&[2.0, 0.0, 0.0, 1.0, 3.0, 1.0, 0.0], 4), (vec![0, 4], vec![0.0]));
+        assert_eq!(of(&[], 4), (vec![], vec![]));
+        // More than there is room for: the small ones go.
+        let waves: Vec<f64> = (0..200).map(|k| if k % 2 == 0 { 5.0 } else { 4.0 - if k == 99 { 2.0 } else { 0.0 } }).collect();
+        assert_eq!(of(&waves, 2).1, vec![2.0]);
+    }
+
+    #[test]
+    fn analytic_small_humps_are_none_and_rise_from_there() {
+        let of = |depths: &[f64]| {
+            let mut humps = Humps::default();
+            depths.iter().enumerate().for_each(|(place, depth)| humps.pass(*depth, place));
+            humps.settle(4, 1e-3);
+            (humps.iter().count(), humps.saddles().first().copied())
+        };
+        assert_eq!(of(&[10.0, 5.0, 5.009]), (1, None));
+        assert_eq!(of(&[10.0, 5.0, 5.011]), (2, Some(5.01)));
     }
 
     #[test]
@@ -107,8 +188,12 @@ mod tests {
                 })
                 .collect();
             let mirrored: Vec<f64> = row.iter().rev().copied().collect();
-            let [one, other] = [of(&row), of(&mirrored)].map(|humps| humps.beside().map(|hump| (hump.depth, hump.saddle)));
-            assert_eq!(one, other, "{row:?}");
+            let (one, mut other) = (of(&row, 3), of(&mirrored, 3));
+            other.1.reverse();
+            let depths = |row: &[f64], places: &[usize]| places.iter().map(|place| row[*place]).collect::<Vec<_>>();
+            let mut seen = depths(&mirrored, &other.0);
+            seen.reverse();
+            assert_eq!((depths(&row, &one.0), one.1), (seen, other.1), "{row:?}");
         }
     }
 }

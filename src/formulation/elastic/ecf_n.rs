@@ -1,7 +1,7 @@
 //! ECF-N: elastic contact found among nodes of the profiles (section 4.2 of the paper).
 //!
 //! The wheel has six degrees of freedom relative to the rail. The rail's section in which a wheel is searched follows the wheel's
-//! centre by Eq. 29, a first-order state per wheel; in the section, penetrating pairs of nodes form batches, at most two, and
+//! centre by Eq. 29, a first-order state per wheel; in the section, penetrating pairs of nodes form batches, and
 //! the deepest pair of each is loaded as in ECF-A (Eq. 28). See `contact::search::nodal` for the rules that the paper leaves
 //! open and the slips that are corrected.
 //!
@@ -9,18 +9,20 @@
 //! through three nodes leaves (see `contact::search::nodal`): on S1002 and 60E1 up to 120 kN N jumps by 2e-4 of itself with nodes every 0.1 mm
 //! (0.4 mm: 0.5 %), on cones not to be seen (tests/hard/nodes.rs, tests/equiv/formulations.rs). Where two places of one batch are nearly as deep
 //! they share the force as ECF-A's do (`points::share`): the paper has one contact for each batch, which would jump from one to the other,
-//! and N with it from one stiffness to the other (10 mm aside, 2 % of 68 kN). Only while a second batch (the flange) touches too the
-//! deepest of a batch has it all.
+//! and N with it from one stiffness to the other (10 mm aside, 2 % of 68 kN). The paper has two batches at most; a wheel on two places of its tread
+//! that touches with its flange too has three, and up to four are loaded here (with two, Y fell by 4 kN under 90 kN when the flange came).
 //!
-//! State per contact: s of the section, m. Of what is remembered the place of the first contact is written, for whoever asks where
-//! the wheel stands; nothing is taken from it.
+//! State per contact: s of the section, m. Of what is remembered only the numbers of the contacts are taken, so that their tangential states stay
+//! theirs.
 
 use super::patch::{Located, Places, press_wheel};
 use super::{finish, points};
 use crate::contact::search::algebraic::ContactLocation;
-use crate::contact::search::nodal::{NodalSearch, arc_rate};
+use crate::contact::search::nodal::{MOST, NodalContacts, NodalSearch, arc_rate};
 use crate::formulation::loading::{Contact, WheelAt, external_wrench};
+use crate::formulation::memory::WheelMemory;
 use crate::formulation::step::Step;
+use crate::formulation::wheel_search::MOST_POINTS;
 use crate::formulation::{
     AssemblyError, Build, ContactFailure, ContactReport, Evaluation, EvaluationError, Formulation, LEFT_FRICTION, Model, Parse, Parts,
     RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset, Workspace, contact_index,
@@ -35,7 +37,7 @@ use std::sync::Arc;
 
 pub(in crate::formulation) const ENTRY: Entry<Parse> = Entry {
     name: "ECF-N",
-    summary: "elastic contact, points found among nodes of the profiles (`contact.node_spacing`), up to two per wheel",
+    summary: "elastic contact, points found among nodes of the profiles (`contact.node_spacing`), up to four per wheel",
     reference: "paper, section 4.2, Eq. 29",
     parse,
 };
@@ -71,7 +73,7 @@ struct EcfN {
 
 impl Formulation for EcfN {
     fn describe(&self) -> String {
-        format!("elastic, up to two points per wheel among nodes every {} mm (contact.node_spacing)", 1e3 * self.spacing)
+        format!("elastic, up to four points per wheel among nodes every {} mm (contact.node_spacing)", 1e3 * self.spacing)
     }
 
     fn states_per_contact(&self) -> usize {
@@ -79,7 +81,7 @@ impl Formulation for EcfN {
     }
 
     fn points_per_wheel(&self) -> usize {
-        2
+        MOST
     }
 
     fn start(&self, step: &mut Step) -> Result<(), EvaluationError> {
@@ -114,43 +116,76 @@ impl Formulation for EcfN {
                 let found = search.search(&motion.position, &motion.frame.axes, motion.distance, y[state], &section);
                 workspace.work.search_iterations += found.evaluated as u64;
                 let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
-                let [first, second] = &found.contacts;
-                let first = first.as_ref().ok_or_else(|| fail(ContactFailure::OffRail { y: model.beside(motion).0 }))?;
-                memory.wheels[contact].set_start(first.parameters);
+                if found.contacts[0].is_none() {
+                    return Err(fail(ContactFailure::OffRail { y: model.beside(motion).0 }));
+                }
+                for place in found.contacts.iter().flatten() {
+                    self.check_ends(model, wheelset, side, place, motion).map_err(fail)?;
+                }
+                let (located, shares) = numbered(&found, &mut memory.wheels[contact]);
                 let wheel = WheelAt { model, wheelset, side, contact, motion, climb, friction, y };
+                let wrench = &mut workspace.system.wrenches[turning];
+                let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
                 if let Some(rails) = &model.strips {
-                    let wrench = &mut workspace.system.wrenches[turning];
-                    let mut located = Located::default();
-                    (located[0], located[1]) = (Some(*first), *second);
-                    for found in located.iter().flatten() {
-                        self.check_ends(model, wheelset, side, found, motion).map_err(fail)?;
-                    }
-                    let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
                     press_wheel(&wheel, &rails[side.index()], (&located, Places::Some), &mut workspace.strips[contact], wrench, reports)
                         .map_err(fail)?;
-                    model.finish_wheel(workspace, moved.as_ref(), (contact, wheelset.body));
-                    continue;
+                } else {
+                    for (slot, report) in std::iter::once(reports.0).chain(reports.1).enumerate() {
+                        *report = match &located[slot] {
+                            Some(found) => Contact { wheel: &wheel, found, slot, share: shares[slot] }.elastic(wrench).map_err(fail)?,
+                            None => ContactReport::default(),
+                        };
+                    }
                 }
-                // Humps of one batch share a patch, as ECF-A's places do.
-                let share = |own: usize| match (found.saddle, [first, second.as_ref().unwrap_or(first)]) {
-                    (Some(saddle), both) => points::share_beside(both[own].penetration, saddle, both[1 - own].penetration),
-                    (None, _) => 1.0,
-                };
-                let mut load = |(slot, found): (usize, &ContactLocation)| {
-                    self.check_ends(model, wheelset, side, found, motion)?;
-                    let wrench = &mut workspace.system.wrenches[turning];
-                    Contact { wheel: &wheel, found, slot, share: share(slot) }.elastic(wrench)
-                };
-                let found = [Some((0, first)), second.as_ref().map(|second| (1, second))];
-                let reports = found.map(|found| found.map_or(Ok(ContactReport::default()), &mut load));
-                let [first, second] = reports;
-                workspace.contacts[contact] = first.map_err(fail)?;
-                workspace.further_contacts[contact] = second.map_err(fail)?;
                 model.finish_wheel(workspace, moved.as_ref(), (contact, wheelset.body));
             }
         }
         finish(model, workspace, t, y, dy)
     }
+}
+
+/// A contact that has moved by more than this between two evaluations is another one, m.
+const NEAR: f64 = 5e-3;
+
+/// The contacts by their numbers, and the share of its Hertzian force that each carries. Each keeps its number; where two have merged the deeper one's is kept.
+fn numbered(found: &NodalContacts, memory: &mut WheelMemory) -> (Located, [f64; MOST_POINTS]) {
+    let depths = found.contacts.map(|place| place.map_or(f64::NEG_INFINITY, |place| place.penetration));
+    let count = found.contacts.iter().flatten().count();
+    let mut row = [1.0; MOST];
+    points::share_row(&depths[..count], &found.saddles[..count - 1], &mut row[..count]);
+    let mut number: [Option<usize>; MOST] = [None; MOST];
+    let mut known: [usize; MOST_POINTS] = std::array::from_fn(|slot| slot);
+    known.sort_unstable_by(|a, b| memory.places[*b].penetration.total_cmp(&memory.places[*a].penetration).then(a.cmp(b)));
+    for slot in known.into_iter().filter(|slot| memory.places[*slot].followed) {
+        let was = memory.places[slot].parameters.wheel;
+        let moved = |i: &usize| found.contacts[*i].map_or(f64::INFINITY, |place| (place.parameters.wheel - was).abs());
+        let free = (0..count).filter(|i| number[*i].is_none() && moved(i) < NEAR);
+        if let Some(i) = free.min_by(|a, b| moved(a).total_cmp(&moved(b))) {
+            number[i] = Some(slot);
+        }
+    }
+    let taken = |number: &[Option<usize>], slot: usize| number.contains(&Some(slot));
+    let mut deep: [usize; MOST] = std::array::from_fn(|i| i);
+    deep.sort_unstable_by(|a, b| depths[*b].total_cmp(&depths[*a]).then(a.cmp(b)));
+    for i in deep.into_iter().filter(|i| *i < count) {
+        if number[i].is_none() {
+            number[i] = (0..MOST_POINTS).find(|slot| !taken(&number, *slot));
+        }
+    }
+    if !taken(&number, 0) {
+        // There is always a first.
+        number[deep[0]] = Some(0);
+    }
+    let (mut located, mut shares) = (Located::default(), [1.0; MOST_POINTS]);
+    for (i, slot) in number.iter().enumerate().filter_map(|(i, slot)| Some((i, (*slot)?))) {
+        (located[slot], shares[slot]) = (found.contacts[i], row[i]);
+    }
+    for (place, located) in memory.places.iter_mut().zip(&located) {
+        let known = |found: &ContactLocation| (found.parameters, found.penetration);
+        place.followed = located.is_some();
+        (place.parameters, place.penetration) = located.as_ref().map(known).unwrap_or_default();
+    }
+    (located, shares)
 }
 
 impl EcfN {

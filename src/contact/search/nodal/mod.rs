@@ -43,26 +43,23 @@
 //! aside costs at most `curvature (1 + f'^2) d^2 / 8` in delta. A wheel node without a rail node within half a spacing in
 //! eta has no partner; a node that does not touch is paired with i.
 //!
-//! *Between nodes.* The contact is where the overlap is deepest: at the vertex of the parabola through the depths of three wheel nodes (each
-//! under the rail's parabola at its partner), and at its foot on the rail. There the profiles are read, for rolling radius, normal and
-//! stiffness. With those of the nodes themselves a contact would jump by a spacing, its normal by the spacing times the curvature (0.1 mm in
-//! a corner of 13 mm: 8 mrad, 0.5 kN of lateral force), its stiffness by what the curvatures change by (S1002 on 60E1 under 70 kN: by 10 %
-//! where R80 begins).
+//! *Between nodes.* The contact is where the overlap is deepest (see `between`): nodes tell which humps there are, the profiles where they are.
 //!
-//! *Batches.* Consecutive wheel nodes with delta > 0; the deepest pair of each is its contact. The two deepest batches
-//! are returned, the one further out (greater u) first: the flange is the inner end of the profile, so a tread contact
-//! stays in place 0 when a flange contact comes and goes, whichever is deeper. A contact that is alone is in place 0.
+//! *Batches.* Consecutive wheel nodes with delta > 0; the deepest pair of each is its contact. The paper has two of them at most; here up to four
+//! are returned, so that none loses its force where a wheel touches on two places of its tread and on its flange. The one further out (greater u)
+//! is first.
 //!
-//! *Humps.* Where one batch is all there is and its depth has two humps (S1002 on 60E1: 10 mm apart, equally deep at y = 0.2 mm), the
-//! second is a contact too, with the saddle between them: with the deepest alone the contact would jump from one to the other. A hump that
-//! stands out by less than 1e-3 of the greatest depth is none (the surfaces of nodes are rough by less), and it rises from there: the
-//! saddle is taken to be higher by so much.
+//! *Humps.* Where the depth of a batch has several humps (S1002 on 60E1: 10 mm apart, equally deep at y = 0.2 mm), each is a contact, with the
+//! saddles between them: with the deepest alone the contact would jump from one to the other. A hump that
+//! stands out by less than 1e-3 of the greatest depth is none among nodes (their surfaces are rough by less), and it rises from there: the
+//! saddle is taken to be higher by so much. What lies within that flat a top is told by the profiles.
 //!
 //! *Passing over nodes.* From node to node G changes by at least `-D` (see `Section::fall`), so from a gap G > 0 the
 //! next `G / D` nodes cannot touch. Both profiles' bounds enter, so D is the closing slope of the surfaces and not
 //! the slope of either.
 
 mod arc_rate;
+mod between;
 mod plane;
 #[cfg(test)]
 mod tests;
@@ -71,7 +68,6 @@ mod walk;
 pub use arc_rate::arc_rate;
 
 use super::algebraic::{ContactLocation, SurfaceParameters};
-use super::humps::Humps;
 use super::nodes::{Bounds, NodeError, NodeTable};
 use crate::geometry::profile::Profile;
 use crate::geometry::surface::Wheel;
@@ -79,7 +75,8 @@ use crate::geometry::track::{Rail, RailSection};
 use nalgebra::{Matrix3, Vector3};
 use plane::Section;
 use std::sync::Arc;
-use walk::{Batch, NodePair, Walk};
+use between::{Place, Row};
+use walk::{LEAST_HUMP, NodePair, Walk};
 
 /// Rounding of G, m, with a wide margin: a node passed over is at least this far from touching.
 const MARGIN: f64 = 1e-12;
@@ -87,8 +84,8 @@ const MARGIN: f64 = 1e-12;
 /// Wheel nodes without bounds asked for after bounds have gained nothing.
 const PATIENCE: usize = 4;
 
-/// A hump of a batch's depth stands out by more than so much of its greatest depth.
-const LEAST_HUMP: f64 = 1e-3;
+/// Most contacts of one wheel.
+pub const MOST: usize = 4;
 
 /// Projections on tangents in search of the foot; each leaves about `curvature delta` of the error before it.
 const PROJECTIONS: usize = 4;
@@ -98,11 +95,11 @@ const PROJECTIONS: usize = 4;
 pub struct NodalContacts {
     /// The contacts, outer one first. With `count == 0` place 0 holds the pair that comes closest, its penetration not
     /// positive; it is empty only when no wheel node stands above a rail node.
-    pub contacts: [Option<ContactLocation>; 2],
-    /// Number of contacts, 0 to 2.
+    pub contacts: [Option<ContactLocation>; MOST],
+    /// Number of contacts, 0 to [`MOST`].
     pub count: usize,
-    /// Where both belong to one batch: penetration at the saddle between them, m.
-    pub saddle: Option<f64>,
+    /// Penetration at the saddle between each and the next, m, 0 where they belong to different batches.
+    pub saddles: [f64; MOST - 1],
     /// Pairs whose gap was evaluated.
     pub evaluated: usize,
     /// Bounds of stretches of nodes that were looked up.
@@ -126,14 +123,6 @@ struct Node {
     height: f64,
     place: f64,
     rail: Option<usize>,
-}
-
-/// What [`NodalContacts`] is made of.
-struct Pairs {
-    found: [Option<NodePair>; 2],
-    saddle: Option<f64>,
-    evaluated: usize,
-    looked_up: usize,
 }
 
 /// Bounds over a stretch of wheel nodes and the rail below it.
@@ -172,35 +161,28 @@ impl NodalSearch {
     /// along the track (leads count from there), `arc` [m] the rail's distance s and `section` the rail there.
     pub fn search(&self, centre: &Vector3<f64>, axes: &Matrix3<f64>, distance: f64, arc: f64, section: &RailSection) -> NodalContacts {
         let plane = self.section(centre, axes, section);
-        let Pairs { found, saddle, evaluated, looked_up } = self.pairs(&plane);
+        let walk = self.walked(&plane);
+        let Row { places, saddles } = self.row(&walk, &plane);
         NodalContacts {
-            count: found.iter().flatten().filter(|pair| pair.touches()).count(),
-            contacts: found.map(|pair| pair.map(|pair| self.location(&pair, &plane, centre, axes, (distance, arc), section))),
-            saddle,
-            evaluated,
-            looked_up,
+            count: places.iter().flatten().filter(|place| place[2] > 0.0).count(),
+            contacts: places.map(|place| place.map(|place| self.location(place, &plane, centre, axes, (distance, arc), section))),
+            saddles,
+            evaluated: walk.evaluated,
+            looked_up: walk.looked_up,
         }
     }
 
-    /// The pairs of nodes that are contacts, outer one first; where nothing touches the one that comes closest.
-    fn pairs(&self, plane: &Section) -> Pairs {
+    /// The humps of nodes that touch; where nothing touches the pair that comes closest.
+    fn walked(&self, plane: &Section) -> Walk {
         let mut walk = Walk::default();
         self.walk(plane, &mut walk);
-        if walk.deepest.is_none() {
+        if walk.humps.is_empty() {
             // Nothing touches: once more, for the pair that comes closest.
             walk.closest_wanted = true;
             self.walk(plane, &mut walk);
         }
-        let (mut found, saddle) = walk.found();
-        if let [Some(first), Some(second)] = found
-            && second.wheel > first.wheel
-        {
-            found.swap(0, 1);
-        }
-        if found[0].is_none() {
-            found[0] = walk.closest;
-        }
-        Pairs { found, saddle, evaluated: walk.evaluated, looked_up: walk.looked_up }
+        walk.humps.settle(MOST, LEAST_HUMP);
+        walk
     }
 
     /// Axes, angle and normals of the rail's section as this wheel sees it.
@@ -298,7 +280,7 @@ impl NodalSearch {
 
     /// Takes the batch that begins at the wheel node `begin`; returns the node after its last.
     fn batch(&self, plane: &Section, walk: &mut Walk, begin: usize) -> usize {
-        let mut humps = Humps::new();
+        walk.humps.part();
         let mut index = begin;
         while index < self.wheel.count()
             && let Some(node) = self.node(plane, index)
@@ -311,19 +293,11 @@ impl NodalSearch {
             let (foot, below) = self.foot(nearest, gap, &node);
             // Between two nodes the two tangents may differ in their last digits about whether anything touches.
             if below > 0.0 {
-                humps.pass(below / plane.norm2(self.rail.point(foot).d1).sqrt(), (index, foot));
+                walk.humps.pass(below / plane.norm2(self.rail.point(foot).d1).sqrt(), (index, foot));
             }
             index += 1;
         }
         walk.evaluated += index - begin;
-        let pair = |(penetration, (wheel, rail))| NodePair { wheel, rail, penetration };
-        if let Some(deepest) = humps.deepest() {
-            let beside = humps.beside().and_then(|hump| {
-                let saddle = hump.saddle + LEAST_HUMP * deepest.0;
-                (hump.depth > saddle).then(|| (pair((hump.depth, hump.place)), saddle))
-            });
-            walk.keep(Batch { deepest: pair(deepest), beside });
-        }
         index
     }
 
@@ -376,49 +350,16 @@ impl NodalSearch {
         }
     }
 
-    /// Depth of a wheel node, m (negative: apart), the partner and the node. Against the parabola of the rail at the partner: its tangent
-    /// alone is `curvature d^2 / 8` off half a spacing d aside, which is felt where a contact is stiff.
-    fn depth(&self, plane: &Section, index: usize) -> Option<(f64, usize, Node)> {
-        let node = self.node(plane, index)?;
-        let nearest = node.rail?;
-        let (foot, below) = self.foot(nearest, self.gap(nearest, &node), &node);
-        let rail = self.rail.point(foot);
-        let norm2 = plane.norm2(rail.d1);
-        // The projections may end before they have found the foot where a rail is steep and its nodes are far apart.
-        let aside = (node.eta - rail.d1 * below / norm2 - self.rail.coordinate(foot)).clamp(-self.rail.spacing, self.rail.spacing);
-        Some(((below + 0.5 * rail.d2 * aside * aside) / norm2.sqrt(), foot, node))
-    }
-
-    /// Where the surfaces' overlap is deepest near a pair: u and eta, m, and the penetration there, m. The vertex of the parabola through the
-    /// depths of the wheel node and its neighbours.
-    fn between(&self, pair: &NodePair, plane: &Section) -> [f64; 3] {
-        let [u, eta] = [self.wheel.coordinate(pair.wheel), self.rail.coordinate(pair.rail)];
-        let at = |index: usize| self.depth(plane, index);
-        let next = Some(pair.wheel + 1).filter(|next| *next < self.wheel.count());
-        let around = (pair.wheel.checked_sub(1).and_then(at), at(pair.wheel), next.and_then(at));
-        let (true, (Some((before, _, a)), Some((depth, foot, node)), Some((behind, _, b)))) = (pair.touches(), around) else {
-            return [u, eta, pair.penetration];
-        };
-        let bend = before - 2.0 * depth + behind;
-        // Neighbours that are as deep, or a kink between them: the node itself.
-        let share = if bend < 0.0 { (0.5 * (before - behind) / bend).clamp(-1.0, 1.0) } else { 0.0 };
-        let slope = self.rail.point(foot).d1;
-        let above = node.eta + 0.5 * share * (b.eta - a.eta);
-        let deepest = depth + 0.5 * share * (behind - before + share * bend);
-        [u + share * self.wheel.spacing, above - slope * deepest / plane.norm2(slope).sqrt(), deepest]
-    }
-
-    /// Everything that the laws of contact need from a pair.
+    /// Everything that the laws of contact need from a place.
     fn location(
         &self,
-        pair: &NodePair,
+        [u, eta, penetration]: Place,
         plane: &Section,
         centre: &Vector3<f64>,
         axes: &Matrix3<f64>,
         (distance, arc): (f64, f64),
         section: &RailSection,
     ) -> ContactLocation {
-        let [u, eta, penetration] = self.between(pair, plane);
         let [wheel, rail] = [self.profiles[0].at(u), self.profiles[1].at(eta)];
         let angle = plane.angle + (plane.turn * wheel.d1).asin();
         let (sin, cos) = angle.sin_cos();

@@ -1,6 +1,7 @@
 //! The rail's section as one wheel's nodes come into it.
 
 use crate::contact::search::nodes::Bounds;
+use crate::geometry::profile::ProfilePoint;
 
 /// Largest `(k R')^2` with which nodes are passed over: beyond, a yawed steep flank moves too fast along u.
 const TURNED: f64 = 0.5;
@@ -45,6 +46,16 @@ impl Section {
         let down = under.sqrt();
         let (base, axle, inward) = (self.base, self.axle, self.down);
         (under > 0.0).then_some((base.0 + axle.0 * across + inward.0 * down, base.1 + axle.1 * across + inward.1 * down))
+    }
+
+    /// Derivatives of (eta, h) of [`Section::place`] by u.
+    #[inline]
+    pub fn moves(&self, wheel: &ProfilePoint) -> (f64, f64) {
+        let ProfilePoint { value: radius, d1: slope, d2: bend, .. } = *wheel;
+        let (lever, by) = (radius * slope, slope * slope + radius * bend);
+        let across = 1.0 - self.turn2 * by;
+        let down = (lever - self.turn2 * lever * by) / (radius * radius - self.turn2 * lever * lever).sqrt();
+        (self.axle.0 * across + self.down.0 * down, self.axle.1 * across + self.down.1 * down)
     }
 
     /// Least and greatest changes of `u - k^2 R R'` and of `sqrt(R^2 - (k R R')^2)` per spacing, -; `None` when the

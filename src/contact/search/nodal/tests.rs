@@ -358,8 +358,6 @@ fn all_pairs(stand: &Stand, centre: &Vector3<f64>, axes: &Matrix3<f64>) -> (Vec<
         }
     }
     batches.extend(open);
-    batches.sort_by(|a, b| b.0.total_cmp(&a.0));
-    batches.truncate(2);
     batches.sort_by(|a, b| b.1.total_cmp(&a.1));
     (batches, closest)
 }
@@ -368,7 +366,7 @@ fn all_pairs(stand: &Stand, centre: &Vector3<f64>, axes: &Matrix3<f64>) -> (Vec<
 fn prop_search_finds_what_all_pairs_give() {
     let wheels: Vec<Arc<dyn Profile>> = vec![cone(0.025), hollow(), flanged(), cone(-0.2)];
     let rails: Vec<Arc<dyn Profile>> = vec![arc(0.3), head(), arc(0.08), arc_over(0.02, (-0.0199, 0.02))];
-    let counts = [const { Cell::new(0u32) }; 3];
+    let counts = [const { Cell::new(0u32) }; 5];
     let flange = Cell::new(0u32);
     let nodes = Cell::new((0usize, 0usize));
     let poses = (
@@ -393,41 +391,52 @@ fn prop_search_finds_what_all_pairs_give() {
             let search = &stand.search;
             let arc = project(&stand.rail, &search.centre_point(&centre, &axes));
             let plane = search.section(&centre, &axes, &stand.rail.section(arc));
-            let Pairs { found: mut pairs, saddle, evaluated, .. } = search.pairs(&plane);
+            let walk = search.walked(&plane);
             let found = stand.search(&centre, &axes);
-            for (pair, contact) in pairs.iter().flatten().zip(found.contacts.iter().flatten()) {
-                let aside = contact.parameters.wheel - search.wheel.coordinate(pair.wheel);
-                let lost = pair.penetration - contact.penetration;
-                prop_assert!(aside.abs() <= 1.0001 * spacing, "{aside}");
-                prop_assert!(lost < 100.0 * spacing * spacing, "{lost:e} of {:e} on {}", pair.penetration, contact.rail_profile.d1);
+            // Each hump of nodes has a contact near it that is no less deep.
+            for (penetration, (node, _)) in walk.humps.iter() {
+                let aside = |contact: &&ContactLocation| (contact.parameters.wheel - search.wheel.coordinate(node)).abs();
+                let nearest = found.contacts.iter().flatten().min_by(|a, b| aside(a).total_cmp(&aside(b))).unwrap();
+                let lost = penetration - nearest.penetration;
+                prop_assert!(lost < 100.0 * spacing * spacing, "{lost:e} of {penetration:e} on {}", nearest.rail_profile.d1);
             }
-            if let (Some(_), [Some(one), Some(other)]) = (saddle, pairs) {
-                // Humps of one batch.
-                pairs = [Some(if one.penetration > other.penetration { one } else { other }), None];
+            // The deepest hump of each batch.
+            let mut pairs: Vec<NodePair> = Vec::new();
+            for (k, (penetration, (wheel, rail))) in walk.humps.iter().enumerate() {
+                let pair = NodePair { wheel, rail, penetration };
+                match pairs.last_mut() {
+                    Some(last) if walk.humps.saddles()[k - 1] > 0.0 => {
+                        if pair.penetration > last.penetration {
+                            *last = pair;
+                        }
+                    }
+                    _ => pairs.push(pair),
+                }
             }
-            let count = pairs.iter().flatten().filter(|pair| pair.touches()).count();
+            pairs.reverse();
+            let count = pairs.len();
             let (batches, closest) = all_pairs(&stand, &centre, &axes);
             prop_assert_eq!(count, batches.len());
             counts[count].set(counts[count].get() + 1);
-            for (pair, batch) in pairs.iter().flatten().zip(&batches) {
+            for (pair, batch) in pairs.iter().zip(&batches) {
                 prop_assert!((pair.penetration - batch.0).abs() < 1e-12, "{} {}", pair.penetration, batch.0);
                 let place = (search.wheel.coordinate(pair.wheel), search.rail.coordinate(pair.rail));
                 prop_assert_eq!(place, (batch.1, batch.2));
                 flange.set(flange.get() + u32::from(search.rail.point(pair.rail).d1.abs() > 0.8));
             }
-            match (count, pairs[0]) {
+            match (count, walk.closest) {
                 (0, Some(pair)) => prop_assert!((pair.penetration - closest.unwrap()).abs() < 1e-12),
                 (0, None) => prop_assert!(closest.is_none()),
-                _ => nodes.set((nodes.get().0 + evaluated, nodes.get().1 + search.wheel.count())),
+                _ => nodes.set((nodes.get().0 + walk.evaluated, nodes.get().1 + search.wheel.count())),
             }
             Ok(())
         })
         .unwrap();
     let counts = counts.map(|c| c.get());
     let (evaluated, all) = nodes.get();
-    println!("poses with 0, 1, 2 contacts: {counts:?}; contacts on a slope above 0.8: {}", flange.get());
+    println!("poses with 0 to 4 contacts: {counts:?}; contacts on a slope above 0.8: {}", flange.get());
     println!("evaluated {evaluated} of {all} wheel nodes");
-    assert!(counts.iter().all(|&count| count > 30) && flange.get() > 30 && evaluated < all / 2);
+    assert!(counts[..3].iter().all(|&count| count > 30) && flange.get() > 30 && evaluated < all / 2);
 }
 
 #[test]
@@ -511,10 +520,9 @@ fn regress_tread_stays_in_place_0_when_the_flange_touches() {
 // Accuracy.
 
 #[test]
-fn order_contact_converges_to_the_algebraic_search() {
+fn equiv_contact_is_that_of_the_algebraic_search() {
     for (name, lateral, vertical) in [("straight", 0.0, 0.0), ("deviated", 0.01, 0.01)] {
         for side in Side::BOTH {
-            let mut depth = Vec::new();
             for spacing in [4e-4, 2e-4, 1e-4, 5e-5] {
                 let stand = tread(side, spacing, lateral, vertical);
                 let mut worst = [0.0f64; 4];
@@ -532,13 +540,9 @@ fn order_contact_converges_to_the_algebraic_search() {
                 }
                 let [u, eta, lead, penetration] = worst;
                 println!("{name} {side:?} {spacing:.0e}: u {u:.2e}, eta {eta:.2e}, lead {lead:.2e}, penetration {penetration:.2e} m");
-                assert!(u < 1e-5 * spacing + 3e-9 && eta < 1e-3 * spacing && lead < 4e-7, "{worst:?}");
-                depth.push(penetration);
+                // What replacing a deviated rail by its tangent costs is left, at any spacing.
+                assert!(u < 4e-9 && eta < 4e-7 && lead < 4e-7 && penetration < 6e-11, "{worst:?}");
             }
-            // On a deviated rail what replacing it by its tangent costs is left at any spacing.
-            let order = (depth[0] / depth[2]).log2() / 2.0;
-            println!("  order of the penetration {order:.2}");
-            assert!(depth[0] < 2e-10 && ((order - 2.0).abs() < 0.5 || lateral > 0.0), "{depth:?}");
         }
     }
 }
@@ -641,11 +645,10 @@ fn prop_penetration_is_continuous_while_the_deepest_node_changes() {
         }
         println!("{name} {spacing:.0e}: {changes} changes, {depth:?} m deep, on slopes {steepness:?};");
         println!("  largest jump of the penetration {jump:.1e} m, of the rolling radius {radius_jump:.1e} m");
-        assert!(changes > 5 && depth.0 > 0.0 && radius_jump < 1.1 * spacing * steepness.1.max(0.025));
+        assert!(changes > 5 && depth.0 > 0.0 && radius_jump < 1e-7);
         jumps.push(jump);
     }
-    // On the tread nothing; on the flank third order.
-    assert!(jumps[0] < 1e-10 && jumps[2] < 5e-7 && jumps[3] < jumps[1] / 16.0, "{jumps:?}");
+    assert!(jumps.iter().all(|jump| *jump < 1e-12), "{jumps:?}");
 }
 
 // Cost.

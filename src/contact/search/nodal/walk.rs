@@ -1,6 +1,7 @@
-//! What is met on the way along the wheel's nodes: pairs, batches, the deepest of them.
+//! What is met on the way along the wheel's nodes: pairs, and the humps of their depths.
 
 use super::plane::Section;
+use crate::contact::search::humps::Humps;
 use crate::contact::search::nodes::Bounds;
 
 /// A wheel node and its partner.
@@ -12,26 +13,14 @@ pub struct NodePair {
     pub penetration: f64,
 }
 
-impl NodePair {
-    pub fn touches(&self) -> bool {
-        self.penetration > 0.0
-    }
-}
-
-/// Consecutive nodes that touch.
-#[derive(Clone, Copy)]
-pub struct Batch {
-    pub deepest: NodePair,
-    /// A second hump with the penetration at the saddle, m.
-    pub beside: Option<(NodePair, f64)>,
-}
+/// A hump of a batch's depth stands out by more than so much of the greatest depth.
+pub const LEAST_HUMP: f64 = 1e-3;
 
 /// What has been seen on the way along the wheel's profile.
 #[derive(Default)]
 pub struct Walk {
-    /// The deepest batch and the next.
-    pub deepest: Option<Batch>,
-    second: Option<Batch>,
+    /// Depths of nodes that touch, with wheel and rail node.
+    pub humps: Humps<(usize, usize)>,
     /// NodePair with the greatest penetration, touching or not.
     pub closest: Option<NodePair>,
     /// Only pairs that cannot come closer than `closest` may be passed over.
@@ -45,26 +34,6 @@ impl Walk {
     pub fn apart(&mut self, pair: NodePair) {
         if self.closest.is_none_or(|closest| pair.penetration > closest.penetration) {
             self.closest = Some(pair);
-        }
-    }
-
-    /// Keeps a batch if it is one of the two deepest so far.
-    pub fn keep(&mut self, batch: Batch) {
-        let deeper = |other: Option<Batch>| other.is_none_or(|other| batch.deepest.penetration > other.deepest.penetration);
-        if deeper(self.deepest) {
-            self.second = self.deepest;
-            self.deepest = Some(batch);
-        } else if deeper(self.second) {
-            self.second = Some(batch);
-        }
-    }
-
-    /// The contacts, and the penetration at the saddle between them where they are humps of one batch.
-    pub fn found(&self) -> ([Option<NodePair>; 2], Option<f64>) {
-        let deepest = |batch: Option<Batch>| batch.map(|batch| batch.deepest);
-        match (self.second, self.deepest.and_then(|batch| batch.beside)) {
-            (None, Some((beside, saddle))) => ([deepest(self.deepest), Some(beside)], Some(saddle)),
-            _ => ([deepest(self.deepest), deepest(self.second)], None),
         }
     }
 

@@ -41,7 +41,7 @@ use crate::contact::search::global::{MOST, Minima, Ridge, is_least};
 use crate::contact::strips::Scratch;
 use crate::mbs::body::Wrench;
 use share::{Saddle, Saddles, share_out};
-pub(in super::super) use share::{beside as share_beside, share_slopes};
+pub(in super::super) use share::{share_row, share_slopes};
 use stand::Stand;
 pub(in super::super) use touch::{event_value, switch};
 

@@ -70,11 +70,26 @@ pub(super) fn share_out(places: &mut Places, saddles: &Saddles) {
 
 /// Share of a place of penetration `own` beside a `neighbour` over a pressed `ridge`, m.
 #[inline]
-pub(in crate::formulation) fn beside(own: f64, ridge: f64, neighbour: f64) -> f64 {
+fn beside(own: f64, ridge: f64, neighbour: f64) -> f64 {
     let (p, other) = ((own - ridge).max(0.0), (neighbour - ridge).max(0.0));
     let sum = p + other;
     // Rounding may put a ridge below the contact.
     if own > 0.0 { (1.0 - ridge / own * if sum > 0.0 { other / sum } else { 0.5 }).max(0.0) } else { 1.0 }
+}
+
+/// Shares of places in a row, from their penetrations and those of the saddles between neighbours, m, 0 where they are apart. The row is divided at
+/// its deepest saddle, over which the deeper of each side's places stand as two would, and so on on each side.
+pub(in crate::formulation) fn share_row(penetrations: &[f64], saddles: &[f64], shares: &mut [f64]) {
+    let deepest = (0..saddles.len()).min_by(|a, b| saddles[*a].total_cmp(&saddles[*b]));
+    let Some(k) = deepest else { return };
+    let highest = |side: &[f64]| side.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (before, behind) = penetrations.split_at(k + 1);
+    let (left, right) = shares.split_at_mut(k + 1);
+    let (one, other) = (highest(before), highest(behind));
+    left.iter_mut().for_each(|share| *share *= beside(one, saddles[k], other));
+    right.iter_mut().for_each(|share| *share *= beside(other, saddles[k], one));
+    share_row(before, &saddles[..k], left);
+    share_row(behind, &saddles[k + 1..], right);
 }
 
 /// Two places that melt together are taken for apart by this part of their penetration: slopes grow without bound there.
@@ -109,6 +124,22 @@ mod tests {
                 assert!((found - exact).abs() < 1e-4 * (1.0 + exact.abs()), "{at:?} {j}: {found} {exact}");
             }
         }
+    }
+
+    #[test]
+    fn analytic_shares_of_a_row() {
+        let of = |penetrations: &[f64], saddles: &[f64]| {
+            let mut shares = vec![1.0; penetrations.len()];
+            share_row(penetrations, saddles, &mut shares);
+            shares
+        };
+        let (one, other, ridge) = (7e-5, 4e-5, 2e-5);
+        let two = [beside(one, ridge, other), beside(other, ridge, one)];
+        assert_eq!(of(&[one], &[]), [1.0]);
+        assert_eq!(of(&[one, other], &[ridge]), two);
+        // A third that is apart changes nothing, and neither does one that melts into its neighbour.
+        assert_eq!(of(&[one, other, 3e-5], &[ridge, 0.0]), [two[0], two[1], 1.0]);
+        assert_eq!(of(&[one, 3e-5, other], &[3e-5, ridge]), [two[0], 0.0, two[1]]);
     }
 
     #[test]
