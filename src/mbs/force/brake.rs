@@ -2,8 +2,8 @@
 //!
 //! - `type = "disc"`: a couple between axle and carrier ([`AxlePair`]). The input is the largest friction torque, or with `friction` and `radius` the clamping
 //!   force N (both pads' friction together): `M = friction N radius`.
-//! - `type = "tread"`: a block at the place `from` of the carrier presses with the input N [N] toward the axle, wherever that stands (in a direction fixed in the carrier, N turned the wheel where the carrier had moved); its friction acts at that place across the radius r to
-//!   it, `M = friction N r`. The wheel gets both forces, the carrier the opposite ones. One element is one block.
+//! - `type = "tread"`: a block at the place `from` of the carrier presses with the input N [N] toward the axle, wherever that stands (in a direction fixed in the carrier, N turned the wheel where the carrier had moved); its friction acts across the radius r to
+//!   that place, `M = friction N r`, r that of the design configuration: the block follows its tread. The wheel gets both forces, the carrier the opposite ones. One element is one block.
 //!
 //! M [N m] is the largest friction torque. The state is the brake's elastic deflection theta [rad at the axle], k its stiffness (caliper, hangers), and rho the
 //! speed of the axle against its carrier; [`super::sticking`] has the law of theta and of the torque T.
@@ -180,7 +180,7 @@ impl ForceElement for Brake {
     /// Of the cylinder that presses a block; a clamp moves nothing.
     fn supplied_power(&self, bodies: &Moving, _: &[f64]) -> f64 {
         let pressing = self.pressing(bodies);
-        pressing.map_or(0.0, |pressing| self.pair.power(bodies, &self.pair.opposite(bodies, &pressing.on_axle(), &Vector3::zeros())))
+        pressing.map_or(0.0, |pressing| self.pair.power(bodies, &self.pair.opposite(bodies, &pressing.on_axle())))
     }
 
     /// Without deflection: what a brake at rest holds depends on how it came to rest.
@@ -194,7 +194,7 @@ impl ForceElement for Brake {
         rates[0] = grip.rate;
         self.pair.load(&unit, -grip.torque, wrenches);
         if let Some(pressing) = self.pressing(bodies) {
-            self.pair.load(&self.pair.opposite(bodies, &pressing.on_axle(), &Vector3::zeros()), 1.0, wrenches);
+            self.pair.load(&self.pair.opposite(bodies, &pressing.on_axle()), 1.0, wrenches);
         }
     }
 
@@ -258,7 +258,7 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
         return Err(section.error("from", format!("is {radius:.3} m from the axle; expected the block's place on the tread")));
     }
     // Across the radius, so that forward is that of the axle.
-    let pair = if tread { pair.along(Vector3::y().cross(&radial) / (radius * radius)) } else { pair };
+    let pair = if tread { pair.on_tread(Vector3::y().cross(&radial) / (radius * radius)) } else { pair };
     let friction = match tread {
         true => Some((section.positive("friction", Dimension::None)?, radius)),
         false if section.has("friction") || section.has("radius") => {

@@ -40,8 +40,6 @@ pub struct CardanDrive {
     pub name: String,
     /// The axle, and the frame with the torque arm.
     pub pair: AxlePair,
-    /// 1 / L, 1/m, of the force on the frame for a torque forward on the axle, up positive.
-    pub per_torque: f64,
     pub car: usize,
     /// 1: seen forward the shaft turns clockwise when the vehicle goes forward; -1.
     pub sense: f64,
@@ -241,7 +239,7 @@ impl ForceElement for CardanDrive {
             3 => self.supplied_power(bodies, state),
             4 => state[0],
             5 => shaft.torque,
-            6 => shaft.gear * shaft.torque * self.per_torque,
+            6 => shaft.gear * shaft.torque * shaft.arm[1].force.dot(&bodies[self.pair.carrier].frame.axes.column(2)),
             _ => 0.0,
         }
     }
@@ -272,8 +270,7 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     let sense = if section.word_or("turns", &["clockwise", "anticlockwise"], "clockwise")? == "clockwise" { 1.0 } else { -1.0 };
     Ok(Box::new(CardanDrive {
         name: places.name(section)?,
-        pair: pair.along(Vector3::new(0.0, 0.0, -1.0 / arm.x)),
-        per_torque: 1.0 / arm.x,
+        pair: pair.by_link(Vector3::new(0.0, 0.0, -1.0 / arm.x)),
         car,
         sense: sense * places.mirror(),
         ratio: section.positive("ratio", Dimension::None)?,

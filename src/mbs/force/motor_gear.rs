@@ -357,7 +357,7 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
         );
     }
     // e_y . (arm x F) = arm_z F_x - arm_x F_z.
-    let pair = if nose { pair.along(Vector3::new(0.0, 0.0, -1.0 / arm.x)) } else { pair };
+    let pair = if nose { pair.by_link(Vector3::new(0.0, 0.0, -1.0 / arm.x)) } else { pair };
     let sense = if section.word_or("gear", &["opposite", "same"], "opposite")? == "same" { 1.0 } else { -1.0 };
     Ok(Box::new(MotorGear {
         name: places.name(section)?,
