@@ -10,12 +10,13 @@
 use super::rail_beam::{LATERAL_STATES, LaidRails};
 use super::rail_scratch::RailScratch;
 use super::step::{Step, WheelRef};
-use super::yielding_rails::{FARTHEST, LATERAL_WEIGHT, ROUNDS, SETTLED};
+use super::resting_rails::{ROUNDS, RestingRail, SETTLED};
+use super::yielding_rails::LATERAL_WEIGHT;
 use super::{Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::system::SystemWorkspace;
 use crate::mbs::tangent::RingPlan;
-use nalgebra::{Matrix2, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 use std::ops::Range;
 
 /// A step goes over at most this part of a bay.
@@ -222,7 +223,7 @@ impl Model {
 
 impl Step<'_> {
     /// [`Step::settle_rails`] where rails are beams: Newton's method wheel by wheel for the forces, with what a wheel's own force does to the rail under it.
-    pub(super) fn settle_beams(&mut self, beam: &LaidRails, inputs: &[f64]) -> Result<(), EvaluationError> {
+    pub(super) fn settle_beams(&mut self, beam: &LaidRails, inputs: &[f64]) -> Result<usize, EvaluationError> {
         let model = self.model;
         let (modes, count) = (beam.ring.modes(), model.wheelsets.len());
         let mut dy = vec![0.0; self.y.len()];
@@ -240,7 +241,8 @@ impl Step<'_> {
         for contact in 0..model.contacts() {
             self.y[model.rail_states(contact)][1] = 0.0;
         }
-        for _ in 0..ROUNDS {
+        let mut rails = vec![RestingRail::default(); model.contacts()];
+        for round in 1..=ROUNDS {
             for contact in 0..model.contacts() {
                 let [q, v] = model.ring_states(beam, contact);
                 self.y[q.start..v.end].fill(0.0);
@@ -257,27 +259,19 @@ impl Step<'_> {
             for WheelRef { contact, wheelset, .. } in model.wheels() {
                 let (force, give) = (found[contact], own[contact / 2]);
                 let stiffness = Vector2::new(beam.lateral.stiffness, 1.0 / give);
-                let mut slope = Matrix2::from_diagonal(&stiffness);
-                for report in self.workspace.reports(contact).filter(|report| report.normal_force > 0.0) {
-                    let [normal, along] = [report.axes.normal, report.force / report.normal_force]
-                        .map(|vector| self.workspace.in_track(wheelset.body, vector));
-                    slope += Vector2::new(along.y, along.z)
-                        * Vector2::new(normal.y, normal.z).transpose()
-                        * (report.share * report.elastic_slope);
-                }
                 let lateral = model.rail_states(contact).start;
                 // Other wheels' forces are as they were taken: near their places they change by little.
                 let rest = Vector2::new(stiffness[0] * self.y[lateral] + force.y, force.z - loads[contact]);
-                let change = slope.try_inverse().map_or(Vector2::zeros(), |inverse| inverse * rest);
-                let change = change * (FARTHEST / change.norm()).min(1.0);
-                self.y[lateral] -= change.x;
-                loads[contact] += change.y / give;
+                let slope = || self.workspace.pressed_slope(contact, wheelset.body, &stiffness);
+                let change = rails[contact].next_move(rest, slope);
+                self.y[lateral] += change.x;
+                loads[contact] -= change.y / give;
                 moved = moved.max(change.amax());
             }
             if moved < SETTLED {
-                break;
+                return Ok(round);
             }
         }
-        Ok(())
+        Ok(ROUNDS)
     }
 }

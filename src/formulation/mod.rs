@@ -46,6 +46,7 @@ pub mod rail_beam;
 mod rail_motion;
 pub mod rail_scratch;
 mod rigid;
+mod resting_rails;
 mod rigid_scratch;
 pub mod sliding_mean;
 pub mod step;

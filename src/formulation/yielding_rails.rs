@@ -2,6 +2,7 @@
 
 use super::flexibility::Flexibility;
 use super::rail_beam::LATERAL_STATES;
+use super::resting_rails::{ROUNDS, RestingRail, SETTLED};
 use super::step::{Step, WheelRef};
 use super::travelling_track::{RAIL_STATES, TravellingTrack};
 use super::{AssemblyError, Evaluation, EvaluationError, Model, Wheelset, Workspace};
@@ -11,12 +12,6 @@ use std::ops::Range;
 
 /// What a lateral deflection counts beside a vertical one.
 pub(super) const LATERAL_WEIGHT: f64 = 0.01;
-/// Corrections of rails at rest below this are none, m, and how often they are tried.
-pub(super) const SETTLED: f64 = 1e-13;
-pub(super) const ROUNDS: usize = 100;
-/// Farthest that a rail is moved in one of them, m.
-pub(super) const FARTHEST: f64 = 1e-3;
-
 /// A mass under a wheel as the linearised system sees it.
 pub(super) struct Under {
     pub first: usize,
@@ -202,49 +197,52 @@ impl Model {
 }
 
 impl Step<'_> {
-    /// Puts the rails where they rest under the wheels as they stand.
-    ///
-    /// Newton's method wheel by wheel, with the slope of the elastic force, which creep forces follow, in place of all of the contact's.
+    /// Puts the rails where they rest under the wheels as they stand, wheel by wheel ([`RestingRail`]); returns how many evaluations that took.
     ///
     /// # Errors
     /// [`EvaluationError`] where contacts can't be evaluated on the way.
-    pub fn settle_rails(&mut self, inputs: &[f64]) -> Result<(), EvaluationError> {
+    pub fn settle_rails(&mut self, inputs: &[f64]) -> Result<usize, EvaluationError> {
         let model = self.model;
         if let Some(beam) = &model.beam {
             return self.settle_beams(beam, inputs);
         }
-        let Some(track) = &model.travelling_track else { return Ok(()) };
+        let Some(track) = &model.travelling_track else { return Ok(0) };
         let [_, stiffness, _] = track.pairs();
         let mut dy = vec![0.0; self.y.len()];
         for contact in 0..model.contacts() {
             self.y[model.rail_states(contact)][2..].fill(0.0);
         }
-        for _ in 0..ROUNDS {
+        let mut rails = vec![RestingRail::default(); model.contacts()];
+        for round in 1..=ROUNDS {
             let at = Evaluation { t: self.t, inputs, y: self.y, memory: self.memory };
             model.derivative(self.workspace, at, &mut dy)?;
             let mut moved: f64 = 0.0;
             for WheelRef { contact, wheelset, .. } in model.wheels() {
                 let force = self.workspace.wheel_force(contact, wheelset.body);
                 let own = &mut self.y[model.rail_states(contact)];
-                let mut slope = Matrix2::from_diagonal(&Vector2::from(stiffness));
-                for report in self.workspace.reports(contact).filter(|report| report.normal_force > 0.0) {
-                    // Creep forces go with the normal force: left out, they would push rails far aside, where those are soft.
-                    let [normal, force] = [report.axes.normal, report.force / report.normal_force]
-                        .map(|vector| self.workspace.in_track(wheelset.body, vector));
-                    slope += Vector2::new(force.y, force.z)
-                        * Vector2::new(normal.y, normal.z).transpose()
-                        * (report.share * report.elastic_slope);
-                }
                 let rest = Vector2::new(stiffness[0] * own[0] + force.y, stiffness[1] * own[1] + force.z);
-                let change = slope.try_inverse().map_or(Vector2::zeros(), |inverse| inverse * rest);
-                let change = change * (FARTHEST / change.norm()).min(1.0);
-                (own[0], own[1]) = (own[0] - change.x, own[1] - change.y);
+                let slope = || self.workspace.pressed_slope(contact, wheelset.body, &Vector2::from(stiffness));
+                let change = rails[contact].next_move(rest, slope);
+                (own[0], own[1]) = (own[0] + change.x, own[1] + change.y);
                 moved = moved.max(change.amax());
             }
             if moved < SETTLED {
-                break;
+                return Ok(round);
             }
         }
-        Ok(())
+        Ok(ROUNDS)
+    }
+}
+
+impl Workspace {
+    /// How the force of a wheel's contacts on its rail, and what holds the rail, change with the rail's place across the track, N/m. Creep forces go with the
+    /// normal force: left out, they would push rails far aside, where those are soft.
+    pub(super) fn pressed_slope(&self, contact: usize, body: usize, stiffness: &Vector2<f64>) -> Matrix2<f64> {
+        let mut slope = Matrix2::from_diagonal(stiffness);
+        for report in self.reports(contact).filter(|report| report.normal_force > 0.0) {
+            let [normal, force] = [report.axes.normal, report.force / report.normal_force].map(|vector| self.in_track(body, vector));
+            slope += Vector2::new(force.y, force.z) * Vector2::new(normal.y, normal.z).transpose() * (report.share * report.elastic_slope);
+        }
+        slope
     }
 }

@@ -279,7 +279,12 @@ fn balanced<'a>(scene: &Scene, standing: &'a Standing, pattern: Pattern, node: &
     search.balance_with_slack()?;
     let wheel_loads = search.wheel_loads();
     if node.curvature != 0.0 || node.superelevation != 0.0 {
+        search.rails_yield = false;
         into_the_curve(&mut search, node)?;
+        search.rails_yield = true;
+        if search.model.gives_way() {
+            search.balance()?;
+        }
     }
     Ok((search, wheel_loads))
 }

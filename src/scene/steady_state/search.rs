@@ -258,7 +258,7 @@ impl<'a> Search<'a> {
 
     /// Accelerations at `y`, which is moved onto the constraints first.
     pub fn evaluate(&mut self) -> Result<(), EvaluationError> {
-        let Search { model, workspace, y, dy, inputs, now: Configuration { at, memory, .. }, following, twists, rails_yield, .. } = self;
+        let Search { model, workspace, y, dy, inputs, now: Configuration { at, memory, .. }, following, twists, .. } = self;
         model.set_distances(|body| at[body].coordinates[0], memory);
         let mut step = model.at(workspace, 0.0, y, memory);
         if model.formulation.constrains() && *following {
@@ -271,8 +271,9 @@ impl<'a> Search<'a> {
         }
         model.system.settle_forces(y, &mut workspace.system);
         twists.put(&workspace.system, y);
-        if *rails_yield {
-            model.at(workspace, 0.0, y, memory).settle_rails(inputs)?;
+        if self.rails_yield {
+            let rounds = model.at(workspace, 0.0, y, memory).settle_rails(inputs)?;
+            self.effort += (rounds * model.contacts()) as u64;
         }
         model.derivative(workspace, Evaluation { t: 0.0, inputs, y, memory }, dy)?;
         twists.settle(model, workspace, inputs, (y, dy), memory)
