@@ -276,7 +276,9 @@ impl<'a> Search<'a> {
             self.effort += (rounds * model.contacts()) as u64;
         }
         model.derivative(workspace, Evaluation { t: 0.0, inputs, y, memory }, dy)?;
-        twists.settle(model, workspace, inputs, (y, dy), memory)
+        let rounds = twists.settle(model, workspace, inputs, (y, dy), memory)?;
+        self.effort += (rounds * model.contacts()) as u64;
+        Ok(())
     }
 
     /// Has the search done all the work that it may?

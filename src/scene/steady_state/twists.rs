@@ -1,8 +1,8 @@
 //! Axles that twist, in steady running: what their wheels get about the axle is in balance.
 //!
 //! A flexible axle does not go on twisting: `tau' = 0`, and tau is what M asks for, M = f_l M_l + f_r M_r ([`crate::mbs::twist`]); no force on a body depends on it. Independent wheels
-//! have the rate tau' for which `M = c tau'`, found by Newton's method in each evaluation of the balance: its first step is that which makes both wheels slip alike, the others
-//! take the slope from the last two, and the next evaluation starts with what was found.
+//! have the rate tau' for which `M = c tau'`, found in each evaluation of the balance from what was found last. M falls with tau', steeply where wheels roll and hardly where they
+//! slide: steps are those of Newton's method, no longer than so much creep, until the root lies between two rates; from there on false position.
 
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::{Evaluation, EvaluationError, Model, Workspace, contact_index};
@@ -13,7 +13,12 @@ use crate::mbs::twist::Twist;
 
 /// N m; a wheel that carries a load rolls against more than this.
 const BALANCED: f64 = 1e-6;
-const ROUNDS: usize = 12;
+/// What is kept for the next evaluation leaves less than this.
+const NEAR: f64 = 1.0;
+const ROUNDS: usize = 30;
+/// Longest step, and the largest rate, in parts of the axle's speed of rotation: there is none in a trial state that is no rolling.
+const LONGEST: f64 = 0.05;
+const LARGEST: f64 = 0.5;
 
 /// What is known of each axle that twists.
 #[derive(Clone, Debug)]
@@ -37,7 +42,7 @@ impl Twists {
         }
     }
 
-    /// Balances all of them at the state that was evaluated last, whose rates are in `dy`.
+    /// Balances all of them at the state that was evaluated last, whose rates are in `dy`; returns how many evaluations that took.
     pub fn settle(
         &mut self,
         model: &Model,
@@ -45,13 +50,14 @@ impl Twists {
         inputs: &[f64],
         (y, dy): (&mut [f64], &mut [f64]),
         memory: &mut ModelMemory,
-    ) -> Result<(), EvaluationError> {
+    ) -> Result<usize, EvaluationError> {
         if self.slopes.is_empty() {
-            return Ok(());
+            return Ok(0);
         }
         let first = 2 * COORDINATES * model.system.bodies.len();
         let axles = workspace.system.twists.clone();
-        let mut before = vec![(0.0, f64::INFINITY); axles.len()];
+        let mut roots = vec![Root::default(); axles.len()];
+        let mut rounds = 0;
         for _ in 0..ROUNDS {
             let mut moved = false;
             for (number, axle) in axles.iter().enumerate() {
@@ -63,32 +69,37 @@ impl Twists {
                     (dy[tau], dy[rate]) = (0.0, 0.0);
                     continue;
                 }
+                let slope = &mut self.slopes[number];
                 let now = y[rate] / Twist::TIME;
-                let (last, was) = before[number];
-                // NaN and what gains nothing any more stay.
-                if !(rest.abs() > BALANCED && rest.abs() < was.abs()) {
+                if let Some((last, was)) = roots[number].last.filter(|(last, _)| *last != now) {
+                    *slope = Some((rest - was) / (now - last)).filter(|slope| *slope < 0.0).or(*slope);
+                }
+                if !(rest.abs() > BALANCED) {
+                    roots[number].last = Some((now, rest));
                     continue;
                 }
-                if was.is_finite() && now != last {
-                    self.slopes[number] = Some((rest - was) / (now - last)).filter(|slope| *slope < 0.0).or(self.slopes[number]);
+                let motion = &workspace.system.motions[axle.body];
+                let speed = motion.rotation.dot(&motion.axle()).abs();
+                let step = || slope.map_or_else(|| alike(model, workspace, axle.body), |slope| -rest / slope).clamp(-LONGEST * speed, LONGEST * speed);
+                if let Some(next) = roots[number].next(now, rest, step).filter(|next| next.abs() < LARGEST * speed) {
+                    y[rate] = next * Twist::TIME;
+                    moved = true;
                 }
-                let step = match self.slopes[number] {
-                    Some(slope) => -rest / slope,
-                    None => alike(model, workspace, axle.body),
-                };
-                before[number] = (now, rest);
-                y[rate] = (now + step) * Twist::TIME;
-                moved = true;
             }
             if !moved {
                 break;
             }
             model.derivative(workspace, Evaluation { t: 0.0, inputs, y, memory }, dy)?;
+            rounds += 1;
         }
-        for (axle, found) in axles.iter().zip(&mut self.found) {
-            found.copy_from_slice(&y[first + axle.state..][..2]);
+        for (number, (axle, found)) in axles.iter().zip(&mut self.found).enumerate() {
+            // What was found in a trial state that has no balance is no start for the next one.
+            let own = &y[first + axle.state..][..2];
+            if roots[number].last.is_none_or(|(_, rest)| rest.abs() < NEAR) && own.iter().all(|state| state.is_finite()) {
+                found.copy_from_slice(own);
+            }
         }
-        Ok(())
+        Ok(rounds)
     }
 
     /// Scales all speeds.
@@ -96,6 +107,34 @@ impl Twists {
         for axle in &system.twists {
             y[2 * COORDINATES * system.bodies() + axle.state + 1] *= scale;
         }
+    }
+}
+
+/// Where M - c tau' vanishes.
+#[derive(Clone, Debug, Default)]
+struct Root {
+    /// tau', rad/s, and what was left there, N m: the last one; the one where the rest was positive, the root above it, and the one below which the root lies.
+    last: Option<(f64, f64)>,
+    below: Option<(f64, f64)>,
+    above: Option<(f64, f64)>,
+}
+
+impl Root {
+    /// Where to look next; `None` where nothing lies between.
+    fn next(&mut self, now: f64, rest: f64, step: impl FnOnce() -> f64) -> Option<f64> {
+        let again = self.last.is_some_and(|(_, was)| was * rest > 0.0);
+        self.last = Some((now, rest));
+        let (own, other) = if rest > 0.0 { (&mut self.below, &mut self.above) } else { (&mut self.above, &mut self.below) };
+        *own = Some((now, rest));
+        // Illinois: an end that stays counts half.
+        if let Some(other) = other.as_mut().filter(|_| again) {
+            other.1 *= 0.5;
+        }
+        let next = match (self.below, self.above) {
+            (Some(below), Some(above)) => (below.0 * above.1 - above.0 * below.1) / (above.1 - below.1),
+            _ => now + step(),
+        };
+        (next.is_finite() && next != now).then_some(next)
     }
 }
 
