@@ -9,8 +9,8 @@
 
 use super::rail_beam::{LATERAL_STATES, LaidRails};
 use super::rail_scratch::RailScratch;
-use super::step::{Step, WheelRef};
 use super::resting_rails::{ROUNDS, RestingRail, SETTLED};
+use super::step::{Step, WheelRef};
 use super::yielding_rails::LATERAL_WEIGHT;
 use super::{Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::{BodyMotion, Wrench};

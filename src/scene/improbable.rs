@@ -1,6 +1,8 @@
 //! Values that are allowed but that no railway vehicle has, mostly another unit than was meant, or that make a run mean little.
 
 use super::assemble::points_needed;
+use super::oversights::oversights;
+use super::profile_notes::profile_doubts;
 use super::spec::Scene;
 use crate::contact::patch::PatchLaw;
 use crate::formulation::Model;
@@ -22,6 +24,8 @@ pub fn improbable(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(moments(scene))
         .chain(distances(scene, model))
         .chain(few_places(scene, model))
+        .chain(oversights(scene, model))
+        .chain(profile_doubts(scene))
         .collect()
 }
 

@@ -2,6 +2,7 @@
 
 use super::cautions::cautions;
 use super::patch_choice;
+use super::profile_notes::profile_notes;
 use super::remarks::remarks;
 use super::rough_track;
 use super::solver_choice;
@@ -16,7 +17,6 @@ use crate::formulation::sliding_mean::SlidingMean;
 use crate::formulation::travelling_track::RAIL_STATES;
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
-use crate::geometry::profile::ProfileChoice;
 use crate::geometry::track::centre_line::{LEAST_ROUNDING, Node, Pivot};
 use crate::mbs::joint::Joint;
 use serde::Serialize;
@@ -395,29 +395,4 @@ fn linear_contact(model: &Model) -> String {
         1e-3 * by_place.to_degrees(),
         1e-6 * linear.patch.stiffness(model.laws.material)
     )
-}
-
-/// What was assumed when profiles were read, each once, and what is doubtful about them.
-fn profile_notes(scene: &Scene) -> Vec<String> {
-    let mut all = of_profiles(scene, |choice| choice.notes.clone());
-    all.extend(profile_doubts(scene));
-    all
-}
-
-/// Where the curvature of profiles is doubtful.
-pub fn profile_doubts(scene: &Scene) -> Vec<String> {
-    of_profiles(scene, |choice| choice.doubt.iter().cloned().collect())
-}
-
-fn of_profiles(scene: &Scene, notes: impl Fn(&ProfileChoice) -> Vec<String>) -> Vec<String> {
-    let parts = [("wheel", &scene.vehicle.leading().profiles), ("rail", &scene.track.rails)];
-    let mut all = Vec::new();
-    for (part, sides) in parts {
-        let [left, right] = sides.each_ref().map(&notes);
-        let right = if left == right { Vec::new() } else { right };
-        for (side, notes) in Side::BOTH.into_iter().zip([left, right]) {
-            all.extend(notes.into_iter().map(|note| format!("{} {part} profile: {note}", side.name())));
-        }
-    }
-    all
 }

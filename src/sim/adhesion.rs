@@ -28,7 +28,7 @@ pub(super) fn adhesion_outputs(model: &Model) -> Vec<Output> {
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
         let (body, radius) = (wheelset.body, wheelset.left.profile.at(0.0).value);
         let label = |id: u32, name: &str| ((index as u32 + 1) * 1000 + id, format!("{}.{name}", wheelset.name));
-        let text = "slip: rolling speed of the tread circle less the speed along the track, positive when driving";
+        let text = "slip: rolling speed of the tread circle less the speed along the track, forward positive (driving forward or braking backward); the axle's, where wheels turn apart the mean of both";
         let mut slip = Output::new(
             label(34, "slipSpeed"),
             ADHESION,

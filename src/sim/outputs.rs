@@ -197,7 +197,15 @@ fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
     c.add_of_motion((18, "rollRate"), g, Unit::RadianPerSecond, "time derivative of the roll angle", y(v + 4));
     c.add_of_motion((19, "yawRate"), g, Unit::RadianPerSecond, "time derivative of the yaw angle", y(v + 3));
     c.add_of_motion((20, "pitchRate"), g, Unit::RadianPerSecond, "time derivative of the pitch angle, rolling forward positive", y(v + 5));
-    c.add(21, "ax", g, Unit::MetrePerSecond2, along, "acceleration of the centre along the track (zero under an imposed speed)", dy(v));
+    c.add(
+        21,
+        "ax",
+        g,
+        Unit::MetrePerSecond2,
+        along,
+        "acceleration of the centre along the track (where an imposed speed acts, that of the speed: 0 where it stays)",
+        dy(v),
+    );
     c.add(
         22,
         "ay",

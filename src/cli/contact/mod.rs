@@ -10,7 +10,7 @@ use super::{Failure, SceneArguments, csv_target, make_folder, print, say};
 use crate::contact::patch::Settings;
 use crate::geometry::track::gauge;
 use crate::scene::assemble;
-use crate::scene::plan::profile_doubts;
+use crate::scene::profile_notes::profile_doubts;
 use crate::scene::spec::Scene;
 use crate::study::conicity::{Conicity, NoConicity, RadiusDifference, RollingPose};
 use crate::study::contact_geometry::{Attitude, NoStand, Stand, WheelsetOnTrack};

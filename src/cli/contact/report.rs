@@ -3,7 +3,7 @@
 use super::{Conicities, Study};
 use crate::cli::{file_names, table};
 use crate::geometry::Side;
-use crate::scene::plan::profile_doubts;
+use crate::scene::profile_notes::profile_doubts;
 use crate::study::conicity::{Conicity, NoConicity, wavelength};
 use crate::study::contact_geometry::{Stand, Touch};
 use serde_json::{Value, json};

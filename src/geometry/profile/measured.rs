@@ -186,8 +186,29 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     }
     let profile = SplineProfile::through(&points).map_err(|error| section.error("file", format!("\"{}\": {error}", file.path)))?;
     let coordinates: Vec<f64> = points.iter().map(|point| point.0).collect();
-    let doubt = swinging::describe(&swinging::swings(&profile, &coordinates));
+    let swings = swinging::describe(&swinging::swings(&profile, &coordinates));
+    let doubt = hole(&coordinates).into_iter().chain(swings).reduce(|all, more| format!("{all}; {more}"));
     Ok(ProfileChoice { profile: Arc::new(profile), file: Some(file.kept), notes, doubt })
+}
+
+/// A stretch without points, m, and how much longer it is than the usual spacing, beyond which one is missing rather than left out.
+const HOLE: f64 = 5e-3;
+const TIMES: f64 = 10.0;
+
+/// The widest stretch without points: the spline across it is a guess.
+fn hole(coordinates: &[f64]) -> Option<String> {
+    let mut spacings: Vec<f64> = coordinates.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let widest = coordinates.windows(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+    spacings.sort_by(f64::total_cmp);
+    let usual = spacings[spacings.len() / 2];
+    (widest[1] - widest[0] > HOLE.max(TIMES * usual)).then(|| {
+        format!(
+            "there are no points from {:.1} to {:.1} mm (elsewhere every {:.2} mm): what lies between is a guess; measure it, or give points on it",
+            1e3 * widest[0],
+            1e3 * widest[1],
+            1e3 * usual
+        )
+    })
 }
 
 /// The radius at a wheel's tread circle, m: that of the scene, or of the file. `None` where the points themselves give it, and of rails.

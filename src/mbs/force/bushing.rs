@@ -176,6 +176,10 @@ impl ForceElement for Bushing {
         [self.from.body, self.to.body]
     }
 
+    fn holds(&self) -> [Option<Attachment>; 2] {
+        [Some(self.from), Some(self.to)]
+    }
+
     fn tangent(&self, bodies: &Moving, _: &[f64], _: usize, sum: &mut PairTangent) {
         let point = self.to.point(bodies);
         let at = self.deflection(bodies, &point);

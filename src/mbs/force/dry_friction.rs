@@ -213,6 +213,10 @@ impl ForceElement for DryFriction {
         [self.from.body, self.to.body]
     }
 
+    fn holds(&self) -> [Option<Attachment>; 2] {
+        [Some(self.from), Some(self.to)]
+    }
+
     fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
         let (now, z) = (self.pair(bodies), self.deflection(state));
         let slopes = self.slip_slopes(&now, &z);

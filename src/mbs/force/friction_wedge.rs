@@ -17,7 +17,7 @@
 //!
 //! *Left out:* the wedge's mass, friction on its slope (about a tenth of the force where both faces have the same), its toe in and turning, wear.
 
-use super::attachment::axis;
+use super::attachment::{Attachment, axis};
 use super::dry_friction::{DryFriction, RELAXATION, Surfaces};
 use super::line::ends;
 use super::{ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
@@ -118,6 +118,10 @@ impl ForceElement for FrictionWedge {
 
     fn bodies(&self) -> Ends {
         self.column.bodies()
+    }
+
+    fn holds(&self) -> [Option<Attachment>; 2] {
+        self.column.holds()
     }
 
     fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {

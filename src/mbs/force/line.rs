@@ -257,6 +257,10 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
         [self.span.from.body, self.span.to.body]
     }
 
+    fn holds(&self) -> [Option<Attachment>; 2] {
+        [Some(self.span.from), Some(self.span.to)]
+    }
+
     fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
         let Stretch { displacement, rate, unit, point } = self.span.stretch(bodies);
         let tension = self.law.tension(displacement, rate, state);

@@ -139,6 +139,11 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
     /// The bodies that the element acts between and loads; it follows the motion of no others but its [`ForceElement::rotor_carrier`]. `None`: the world or the track.
     fn bodies(&self) -> Ends;
 
+    /// Where it holds on to its bodies, of elements that hold on to two places.
+    fn holds(&self) -> [Option<Attachment>; 2] {
+        [None; 2]
+    }
+
     /// All bodies that it loads or follows; one may be named twice.
     fn reach(&self) -> [Option<usize>; 3] {
         let [from, to] = self.bodies();

@@ -57,7 +57,7 @@ const INPUTS: [ElementInput; 1] = [ElementInput {
     name: "headWind",
     unit: Unit::MetrePerSecond,
     least: None,
-    description: "speed of the air against forward running",
+    description: "speed of the air against forward running, added to the speed in C v^2 alone",
 }];
 
 const QUANTITIES: [Quantity; 2] = [
@@ -65,13 +65,13 @@ const QUANTITIES: [Quantity; 2] = [
         number: 0,
         name: "force",
         kind: QuantityKind::Force,
-        description: "running resistance on the body, forward positive: negative while it runs forward",
+        description: "running resistance on the body, forward positive: negative while it runs forward, but for a strong tail wind",
     },
     Quantity {
         number: 1,
         name: "power",
         kind: QuantityKind::Power,
-        description: "power of the resistance on the body: negative while it runs forward",
+        description: "power of the resistance on the body, negative where it brakes",
     },
 ];
 

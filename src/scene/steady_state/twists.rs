@@ -80,7 +80,9 @@ impl Twists {
                 }
                 let motion = &workspace.system.motions[axle.body];
                 let speed = motion.rotation.dot(&motion.axle()).abs();
-                let step = || slope.map_or_else(|| alike(model, workspace, axle.body), |slope| -rest / slope).clamp(-LONGEST * speed, LONGEST * speed);
+                let step = || {
+                    slope.map_or_else(|| alike(model, workspace, axle.body), |slope| -rest / slope).clamp(-LONGEST * speed, LONGEST * speed)
+                };
                 if let Some(next) = roots[number].next(now, rest, step).filter(|next| next.abs() < LARGEST * speed) {
                     y[rate] = next * Twist::TIME;
                     moved = true;

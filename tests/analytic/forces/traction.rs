@@ -56,6 +56,29 @@ fn analytic_a_motor_pushes_its_carrier_back() {
     assert!((nose.supplied_power(&under(&bodies, &inputs), &[]) - whole * 30.0).abs() < 1e-9);
 }
 
+/// An axle that has come 20 mm along in its guides has the gear's torque and its ratio as before, and a block keeps its radius: links and blocks go with the axle's bearings.
+#[test]
+fn analytic_an_axle_that_has_moved_in_its_guides_keeps_torque_and_ratio() {
+    let (torque, ratio, spin) = (1022.0, 4.5, 30.0);
+    let mut q = stage().design();
+    (q[6], q[8]) = (q[6] + 0.02, q[8] + 0.01);
+    let bodies = vec![BodyMotion::general(&q[..6], &[0.0; 6]), BodyMotion::new(&q[6..], &[0.0, 0.0, 0.0, 0.0, 0.0, spin])];
+    let inputs = [torque];
+    let moving = under(&bodies, &inputs);
+    let nose = element("nose", "kind = \"motor_gear\"\nmount = \"nose\"\nratio = 4.5");
+    let (on, _) = apply_under(nose.as_ref(), &bodies, &[], &inputs);
+    assert!((on[1].moment.y - ratio * torque).abs() < 1e-9, "{:?}", on[1]);
+    assert!((nose.quantity(2, &moving, &[]) - ratio * spin).abs() < 1e-9 && (nose.quantity(1, &moving, &[]) - spin).abs() < 1e-12);
+    assert!((nose.supplied_power(&moving, &[]) - ratio * torque * spin).abs() < 1e-8);
+    // The block's brake turns as fast as the axle, and its friction acts at the tread's radius.
+    let block = element("block", "kind = \"brake\"\ntype = \"tread\"\nblock_force = 0\nfriction = 0.3\nstiffness = 1e6");
+    let deflected = [1e-4];
+    let (on, _) = apply_under(block.as_ref(), &bodies, &deflected, &[1e5]);
+    let (sliding, held) = (block.quantity(1, &under(&bodies, &[1e5]), &deflected), block.quantity(0, &under(&bodies, &[1e5]), &deflected));
+    assert!((sliding - spin).abs() < 1e-12 && held < 0.0, "{sliding} {held}");
+    assert!((on[1].moment.y - held).abs() < 1e-6 * held.abs(), "{} {held}", on[1].moment.y);
+}
+
 /// Driven from rest, an axle with the rotor behind an elastic drive swings about the motion with the inertia I + i^2 J: after whole periods of
 /// sqrt(k (1/I + 1/(i^2 J))) its speed is i M t / (I + i^2 J), and the carrier has been turned by what the rotor's own momentum leaves.
 #[test]

@@ -67,7 +67,11 @@ impl NodalSearch {
                 if own.u <= last {
                     return;
                 }
-                if is_place { exact.pass(own.depth, [own.u, own.eta]) } else { exact.valley(own.depth) }
+                if is_place {
+                    exact.pass(own.depth, [own.u, own.eta])
+                } else {
+                    exact.valley(own.depth)
+                }
                 last = own.u;
             });
         }
@@ -80,8 +84,7 @@ impl NodalSearch {
             *own = saddle.max(0.0);
         }
         if row.places[0].is_none() {
-            row.places[0] =
-                walk.closest.map(|pair| [self.wheel.coordinate(pair.wheel), self.rail.coordinate(pair.rail), pair.penetration]);
+            row.places[0] = walk.closest.map(|pair| [self.wheel.coordinate(pair.wheel), self.rail.coordinate(pair.rail), pair.penetration]);
         }
         row
     }

@@ -72,10 +72,10 @@ use super::nodes::{Bounds, NodeError, NodeTable};
 use crate::geometry::profile::Profile;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Rail, RailSection};
+use between::{Place, Row};
 use nalgebra::{Matrix3, Vector3};
 use plane::Section;
 use std::sync::Arc;
-use between::{Place, Row};
 use walk::{LEAST_HUMP, NodePair, Walk};
 
 /// Rounding of G, m, with a wide margin: a node passed over is at least this far from touching.

@@ -1,0 +1,114 @@
+//! What a scene says that does nothing, or something else than was meant: found by looking where the vehicle goes and at what it is made of.
+
+use super::spec::Scene;
+use super::start::origin;
+use crate::formulation::Model;
+use crate::mbs::body::Body;
+use crate::mbs::inertia::Inertia;
+
+/// All of them.
+pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
+    unreached(scene).into_iter().chain(off_the_axle(scene, model)).chain(extents(scene, model)).chain(adverse(scene)).collect()
+}
+
+/// Spacing of the places that are looked at, and how far beyond its way, m.
+const SPACING: f64 = 0.1;
+const BESIDE: f64 = 10.0;
+/// Places of a displacement that is not reached, which are looked at.
+const MIDDLES: usize = 16;
+
+/// Displacements of the rails that no wheel comes to; asked where the speed is imposed and stays, so that the way is known.
+fn unreached(scene: &Scene) -> Option<String> {
+    let vehicle = &scene.vehicle;
+    if !vehicle.speed_imposed || vehicle.speed_profile().is_some() {
+        return None;
+    }
+    let way = vehicle.speed * scene.run.stop;
+    let wheels = vehicle.wheelsets.iter().map(|wheelset| wheelset.x);
+    let (rear, front) = wheels.fold((f64::INFINITY, f64::NEG_INFINITY), |(rear, front), x| (rear.min(x), front.max(x)));
+    let (first, last) = (origin(scene) + rear + way.min(0.0) - BESIDE, origin(scene) + front + way.max(0.0) + BESIDE);
+    let mut missed = scene.track.deviations.iter().filter(|deviation| {
+        let places = (0..=((last - first) / SPACING) as usize).map(|k| first + SPACING * k as f64);
+        let acts = |s: f64| deviation.shape.at(s)[0] != 0.0;
+        let begins = deviation.shape.waves().iter().map(|stretch| stretch.from).fold(f64::INFINITY, f64::min);
+        let ends = deviation.shape.waves().iter().map(|stretch| stretch.to).fold(f64::NEG_INFINITY, f64::max);
+        // One of amplitude 0 is none.
+        let somewhere = (1..MIDDLES).any(|k| acts(begins + (ends - begins) * k as f64 / MIDDLES as f64));
+        (ends < first || begins > last) && somewhere && !places.into_iter().any(acts)
+    });
+    let one = missed.next()?;
+    Some(format!(
+        "track: {} acts nowhere where the vehicle goes (its wheels stand between {:.0} and {:.0} m in this run): see from, to and offset, vehicle.initial.distance, run.stop",
+        one.shape.describe(),
+        first + BESIDE,
+        last - BESIDE
+    ))
+}
+
+/// An attachment to an axle may be so far off its line, m: 0.1 kN m of a static spring force of 10 kN.
+const OFF_AXLE: f64 = 0.01;
+
+/// Elements whose moment about the axle is lost ([`crate::mbs::force::Attachment`]).
+fn off_the_axle(scene: &Scene, model: &Model) -> Option<String> {
+    let of = |element: &super::vehicle::Element| {
+        let on_wheelset = |body: usize| model.wheelsets.iter().find(|wheelset| wheelset.body == body);
+        element.0.holds().into_iter().flatten().find_map(|place| {
+            let wheelset = on_wheelset(place.body?)?;
+            let off = place.local.x.hypot(place.local.z);
+            (off > OFF_AXLE).then(|| (element.0.name().to_string(), wheelset.name.clone(), off))
+        })
+    };
+    let mut found = scene.vehicle.forces.iter().filter_map(of);
+    let (name, wheelset, off) = found.next()?;
+    let others = match found.count() {
+        0 => String::new(),
+        more => format!(" (and {more} more)"),
+    };
+    Some(format!(
+        "{name}{others} holds on to {wheelset} {:.0} mm off the axle's line: bearings hand no moment about the axle over, so that its force times that distance is lost and wheel loads \
+         of a bogie no longer add up about its middle; attach it on the axle's line, or to a body of its own (axle box, swing arm) that a joint holds on the axle",
+        1e3 * off
+    ))
+}
+
+/// Radii of gyration beyond which no vehicle's body, and no wheelset, is, m.
+const EXTENT: f64 = 20.0;
+const EXTENT_OF_WHEELSETS: f64 = 3.0;
+
+/// Moments of inertia of another unit than the mass.
+fn extents(scene: &Scene, model: &Model) -> Option<String> {
+    let far = |body: &Body, most: f64| {
+        let largest = match body.inertia {
+            Inertia::Revolution { transverse, axial } | Inertia::NotGyroscopic { transverse, axial } => transverse.max(axial),
+            Inertia::General { principal } => principal.max(),
+        };
+        let radius = (largest / body.mass).sqrt();
+        (radius > most).then(|| {
+            format!(
+                "{}: {largest} kg m2 of {} kg are a radius of gyration of {radius:.0} m, which no such body has: was another unit meant?",
+                body.name, body.mass
+            )
+        })
+    };
+    let wheelsets = model.wheelsets.iter().find_map(|wheelset| far(&model.system.bodies[wheelset.body], EXTENT_OF_WHEELSETS));
+    wheelsets.or_else(|| scene.vehicle.bodies.iter().find_map(|placed| far(&placed.body, EXTENT)))
+}
+
+/// Adverse cant without a word, rad: 13 mm.
+const ADVERSE: f64 = 9e-3;
+
+/// Cant that lifts the inner rail, and rails that lean outward.
+fn adverse(scene: &Scene) -> Vec<String> {
+    let nodes = scene.track.alignment.iter().flat_map(|alignment| &alignment.nodes);
+    let wrong = nodes.into_iter().find(|node| node.curvature != 0.0 && node.superelevation * node.curvature.signum() > ADVERSE);
+    let cant = wrong.map(|node| {
+        format!(
+            "track.node at {} m: the inner rail of the curve stands higher (superelevation is positive where the left rail is up, radius where the curve goes left): adverse cant",
+            node.distance
+        )
+    });
+    let inclination = scene.track.inclination;
+    let outward = (inclination < 0.0)
+        .then(|| format!("track.inclination = {inclination}: rails that lean outward; rails of railways lean inward by 1:20 or 1:40"));
+    cant.into_iter().chain(outward).collect()
+}
