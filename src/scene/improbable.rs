@@ -130,6 +130,19 @@ mod tests {
             ("wheelset_s1002", "vehicle.wheelset.profile.radius=460", "radius of 460 m"),
             ("wheelset_s1002", "contact.friction=35", "\"35 %\""),
             ("vehicle_manchester_1", "vehicle.body[car].inertia_xx=6e6", "no body has that"),
+            ("vehicle_manchester_1", "vehicle.body[car].mass=32", "radius of gyration of"),
+            ("wheelset_s1002", "track.inclination=-0.025", "lean outward"),
+            ("vehicle_manchester_1", "track.node=[{distance=20},{distance=80,radius=\"500 m\",superelevation=\"60 mm\"}]", "inner rail"),
+            (
+                "vehicle_manchester_1",
+                "track.deviation=[{rail=\"left\",direction=\"vertical\",shape=\"cosine\",amplitude=\"3 mm\",from=9000,to=9010}]",
+                "acts nowhere",
+            ),
+            (
+                "vehicle_manchester_1",
+                "vehicle.module.truck.force=[{name=\"arm\",kind=\"spring_damper\",from={body=\"frame\",at=[0.9,1.0,0.9]},to={body=\"wheelset[1]\",at=[0.9,1.0,0.46]},stiffness=1e5}]",
+                "off the axle's line",
+            ),
         ] {
             let found = of(scene, change);
             assert!(found.len() == 1 && found[0].contains(words), "{change}: {found:?}");

@@ -56,8 +56,7 @@ impl NodalSearch {
     pub(super) fn row(&self, walk: &Walk, plane: &Section) -> Row {
         let mut exact = Humps::default();
         let mut last = f64::NEG_INFINITY;
-        let mut humps = walk.humps.iter().enumerate();
-        while let Some((k, (penetration, (wheel, rail)))) = humps.next() {
+        for (k, (penetration, (wheel, rail))) in walk.humps.iter().enumerate() {
             if let Some(saddle) = k.checked_sub(1).map(|before| walk.humps.saddles()[before]) {
                 // Nodes tell saddles only roughly.
                 if saddle > 0.0 { exact.valley(saddle) } else { exact.part() }
