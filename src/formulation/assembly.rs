@@ -8,7 +8,7 @@ use super::rail_scratch::RailScratch;
 use super::rigid_scratch::RigidScratch;
 use super::sliding_mean::MeanMemory;
 use super::timers::Timers;
-use super::wheel_search::{self, PreparedSearches};
+use super::wheel_search::{self, FEWEST, PreparedSearches};
 use super::wheelset::Wheelset;
 use super::work::Work;
 use super::{Cached, ContactReport, Formulation, Workspace};
@@ -131,9 +131,18 @@ impl Model {
             _ => Vec::new(),
         };
         let own = formulation.points_per_wheel();
-        let searches = wheel_search::searches(&wheelsets, &track, own == 1 && laws.patch != PatchLaw::Linear, &prepared);
-        // Parts of a patch are found by the strips, whoever looks for places.
-        let points = if searches.iter().any(Option::is_some) || (own > 1 && strips.is_some()) { points } else { own };
+        let mut searches = wheel_search::searches(&wheelsets, &track, laws.patch != PatchLaw::Linear, &prepared);
+        let several = searches.iter().any(Option::is_some);
+        // As many as the profiles can need; parts of a patch are found by the strips, whoever looks for places.
+        let points = match own {
+            1 if several => points,
+            1 => 1,
+            most if several => points.clamp(FEWEST, most),
+            _ => FEWEST,
+        };
+        if own > 1 {
+            searches.fill_with(|| None);
+        }
         let contact_states_begin = system.dimension();
         Model {
             system,

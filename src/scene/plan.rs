@@ -357,7 +357,7 @@ fn several_contacts(scene: &Scene, model: &Model) -> (bool, String) {
     let points = scene.points;
     let own = model.formulation.points_per_wheel();
     if own > 1 {
-        return (true, format!("contact.formulation = \"{}\" finds up to {own} by itself", scene.contact.formulation_name));
+        return (true, format!("contact.formulation = \"{}\" finds up to {} by itself", scene.contact.formulation_name, model.points));
     }
     if scene.contact.patch.law == PatchLaw::Linear {
         return (false, "contact.patch = \"linear\": one about the middle of the track".into());

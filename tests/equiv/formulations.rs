@@ -152,9 +152,8 @@ fn equiv_elastic_contact_tends_to_the_constraint_with_stiffness() {
 }
 
 #[test]
-fn equiv_nodal_search_tends_to_algebraic_equations_with_spacing() {
+fn equiv_nodal_search_solves_the_algebraic_equations_at_any_spacing() {
     let algebraic = with("ECF-A", &["solver.tolerance=1e-10"]);
-    let mut last = f64::INFINITY;
     for spacing in ["1.6 mm", "0.4 mm", "0.1 mm", "0.025 mm"] {
         let nodal = with("ECF-N", &[&format!("contact.node_spacing={spacing}"), "solver.tolerance=1e-8"]);
         let differences = ["y", "z", "left.normalForce"].map(|name| largest_difference(&column(&algebraic, name), &column(&nodal, name)));
@@ -162,10 +161,9 @@ fn equiv_nodal_search_tends_to_algebraic_equations_with_spacing() {
             "ECF-N, nodes every {spacing}: y {:.1e} m, z {:.1e} m, normal force {:.1e} N",
             differences[0], differences[1], differences[2]
         );
-        assert!(differences[0] < 0.5 * last, "a quarter of the spacing must at least halve the difference: {} {last}", differences[0]);
-        last = differences[0];
+        // The profiles tell where the contact is, at any spacing.
+        assert!(differences[0] < 1e-9 && differences[1] < 5e-9 && differences[2] < 1.0, "{differences:?}");
     }
-    assert!(last < 1e-8, "{last}");
 }
 
 #[test]

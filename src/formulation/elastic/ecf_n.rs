@@ -113,7 +113,7 @@ impl Formulation for EcfN {
                 // The section follows the wheelset along the track, whatever its rail does across.
                 let moved = model.against_rail((&workspace.system, &workspace.rails), (inputs, y), (wheelset.body, turning), contact);
                 let (motion, climb) = moved.as_ref().map_or((motion, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
-                let found = search.search(&motion.position, &motion.frame.axes, motion.distance, y[state], &section);
+                let found = search.search(&motion.position, &motion.frame.axes, (motion.distance, y[state]), &section, model.points);
                 workspace.work.search_iterations += found.evaluated as u64;
                 let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
                 if found.contacts[0].is_none() {

@@ -13,7 +13,7 @@ use crate::math::rotation::AxleFrame;
 use nalgebra::Vector3;
 
 /// Fewest that are asked for, so that scenes whose profiles differ little have the same variables.
-const FEWEST: usize = 2;
+pub const FEWEST: usize = 2;
 /// How far to each side [m], and in which steps.
 const WIDEST: f64 = 15e-3;
 const STEP: f64 = 0.1e-3;

@@ -8,7 +8,7 @@ use crate::contact::search::global::GlobalSearch;
 use crate::geometry::Side;
 use crate::geometry::profile::Profile;
 use crate::geometry::track::Track;
-pub use count::needed;
+pub use count::{FEWEST, needed};
 pub use prepared::PreparedSearches;
 use std::sync::Arc;
 

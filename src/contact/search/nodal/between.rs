@@ -52,8 +52,8 @@ pub(super) struct Row {
 }
 
 impl NodalSearch {
-    /// The contacts that a walk has met; where nothing touches the pair that comes closest.
-    pub(super) fn row(&self, walk: &Walk, plane: &Section) -> Row {
+    /// At most `most` contacts that a walk has met; where nothing touches the pair that comes closest.
+    pub(super) fn row(&self, walk: &Walk, plane: &Section, most: usize) -> Row {
         let mut exact = Humps::default();
         let mut last = f64::NEG_INFINITY;
         for (k, (penetration, (wheel, rail))) in walk.humps.iter().enumerate() {
@@ -74,7 +74,7 @@ impl NodalSearch {
                 last = own.u;
             });
         }
-        exact.settle(MOST, 0.0);
+        exact.settle(most.min(MOST), 0.0);
         let mut row = Row::default();
         for (place, (depth, [u, eta])) in row.places.iter_mut().zip(exact.iter().rev()) {
             *place = Some([u, eta, depth]);

@@ -155,14 +155,21 @@ impl NodalSearch {
         centre + axes.column(1) * (self.sign * self.half_spacing)
     }
 
-    /// Contacts of one wheel.
+    /// At most `most` contacts of one wheel.
     ///
     /// `centre` [m] and `axes` are the wheelset's position and its frame that does not spin, `distance` [m] its place
     /// along the track (leads count from there), `arc` [m] the rail's distance s and `section` the rail there.
-    pub fn search(&self, centre: &Vector3<f64>, axes: &Matrix3<f64>, distance: f64, arc: f64, section: &RailSection) -> NodalContacts {
+    pub fn search(
+        &self,
+        centre: &Vector3<f64>,
+        axes: &Matrix3<f64>,
+        (distance, arc): (f64, f64),
+        section: &RailSection,
+        most: usize,
+    ) -> NodalContacts {
         let plane = self.section(centre, axes, section);
         let walk = self.walked(&plane);
-        let Row { places, saddles } = self.row(&walk, &plane);
+        let Row { places, saddles } = self.row(&walk, &plane, most);
         NodalContacts {
             count: places.iter().flatten().filter(|place| place[2] > 0.0).count(),
             contacts: places.map(|place| place.map(|place| self.location(place, &plane, centre, axes, (distance, arc), section))),

@@ -169,7 +169,7 @@ impl Stand {
 
     fn search(&self, centre: &Vector3<f64>, axes: &Matrix3<f64>) -> NodalContacts {
         let arc = project(&self.rail, &self.search.centre_point(centre, axes));
-        self.search.search(centre, axes, centre.x, arc, &self.rail.section(arc))
+        self.search.search(centre, axes, (centre.x, arc), &self.rail.section(arc), MOST)
     }
 
     /// The one contact, or the closest pair.
