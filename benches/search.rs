@@ -128,7 +128,7 @@ fn nodal_searches(criterion: &mut Criterion) {
                     bencher.iter(|| {
                         at = (at + 1) % POSES;
                         let centre = poses[at] + Vector3::new(0.0, 0.0, lift);
-                        search.search(black_box(&centre), &stand.axes, 0.0, 0.0, &section)
+                        search.search(black_box(&centre), &stand.axes, (0.0, 0.0), &section, 4)
                     });
                 });
             }
