@@ -114,7 +114,7 @@ impl Formulation for EcfN {
                 let moved = model.against_rail((&workspace.system, &workspace.rails), (inputs, y), (wheelset.body, turning), contact);
                 let (motion, climb) = moved.as_ref().map_or((motion, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
                 let found = search.search(&motion.position, &motion.frame.axes, (motion.distance, y[state]), &section, model.points);
-                workspace.work.search_iterations += found.evaluated as u64;
+                workspace.work.search_iterations += (found.evaluated + BETWEEN * found.looked_at) as u64;
                 let fail = |cause| EvaluationError::new(t, wheelset, side, cause);
                 if found.contacts[0].is_none() {
                     return Err(fail(ContactFailure::OffRail { y: model.beside(motion).0 }));
@@ -144,6 +144,8 @@ impl Formulation for EcfN {
     }
 }
 
+/// Pairs of nodes that cost as much as a place on the profiles.
+const BETWEEN: usize = 4;
 /// A contact that has moved by more than this between two evaluations is another one, m.
 const NEAR: f64 = 5e-3;
 

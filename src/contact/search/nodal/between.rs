@@ -25,9 +25,13 @@ use crate::math::bracket::root;
 /// Of the place on the wheel, m.
 const ACCURACY: f64 = 1e-11;
 /// Nodes to each side of a top that are looked at, at least and at most.
-const REACH: [usize; 2] = [4, 40];
-/// Newton's steps to the foot; each squares what is left but for the third derivative times the depth.
-const STEPS: usize = 4;
+const LEAST_NODES: usize = 4;
+const MOST_NODES: usize = 40;
+/// Newton's steps to the foot, each of which squares what is left but for the third derivative times the depth; the last is shorter than this, m.
+const STEPS: usize = 6;
+const FOOT: f64 = 1e-12;
+/// Usual evaluations for a root.
+const ROUNDS: usize = 7;
 
 /// A place of the wheel's curve over its foot.
 #[derive(Clone, Copy)]
@@ -49,20 +53,22 @@ pub(super) type Place = [f64; 3];
 pub(super) struct Row {
     pub places: [Option<Place>; MOST],
     pub saddles: [f64; MOST - 1],
+    /// Places of the profiles that were looked at.
+    pub looked_at: usize,
 }
 
 impl NodalSearch {
     /// At most `most` contacts that a walk has met; where nothing touches the pair that comes closest.
     pub(super) fn row(&self, walk: &Walk, plane: &Section, most: usize) -> Row {
         let mut exact = Humps::default();
-        let mut last = f64::NEG_INFINITY;
+        let (mut last, mut looked_at) = (f64::NEG_INFINITY, 0);
         for (k, (penetration, (wheel, rail))) in walk.humps.iter().enumerate() {
             if let Some(saddle) = k.checked_sub(1).map(|before| walk.humps.saddles()[before]) {
                 // Nodes tell saddles only roughly.
                 if saddle > 0.0 { exact.valley(saddle) } else { exact.part() }
             }
             let pair = NodePair { wheel, rail, penetration };
-            self.top(&pair, plane, |own, is_place| {
+            looked_at += self.top(&pair, plane, |own, is_place| {
                 if own.u <= last {
                     return;
                 }
@@ -75,7 +81,7 @@ impl NodalSearch {
             });
         }
         exact.settle(most.min(MOST), 0.0);
-        let mut row = Row::default();
+        let mut row = Row { looked_at, ..Row::default() };
         for (place, (depth, [u, eta])) in row.places.iter_mut().zip(exact.iter().rev()) {
             *place = Some([u, eta, depth]);
         }
@@ -89,39 +95,43 @@ impl NodalSearch {
     }
 
     /// Tells the places (`true`) and the saddles between them about the deepest node of a hump, in their order. The node itself where it is the
-    /// last one that has a partner.
-    fn top(&self, pair: &NodePair, plane: &Section, mut tell: impl FnMut(&Over, bool)) {
+    /// last one that has a partner. Returns how many places were looked at.
+    fn top(&self, pair: &NodePair, plane: &Section, mut tell: impl FnMut(&Over, bool)) -> usize {
         let (u, eta) = (self.wheel.coordinate(pair.wheel), self.rail.coordinate(pair.rail));
         let node = Over { u, eta, depth: pair.penetration, rise: 0.0 };
-        let Some(own) = self.over(plane, u, eta) else { return tell(&node, true) };
+        let Some(own) = self.over(plane, u, eta) else {
+            tell(&node, true);
+            return 1;
+        };
+        let mut looked_at = 1;
         let (first, last) = self.profiles[0].range();
         let flat = own.depth * (1.0 - LEAST_HUMP);
-        let at = |k: isize| {
-            let u = u + k as f64 * self.wheel.spacing;
-            self.over(plane, u, own.eta).filter(|_| (first..=last).contains(&u))
-        };
-        // The nodes at which the top ends: beyond, the depth falls.
-        let end = |side: isize| {
-            let mut k = 0;
-            while let Some(next) = at(side * (k + 1)).filter(|_| k < REACH[1] as isize) {
-                k += 1;
-                if next.depth < flat && (k >= REACH[0] as isize || side as f64 * next.rise < 0.0) {
+        // Nodes of the top in their order, its own in the middle; on both sides the depth falls where they end.
+        let mut seen: [Option<Over>; 2 * MOST_NODES + 1] = [None; 2 * MOST_NODES + 1];
+        seen[MOST_NODES] = Some(own);
+        let mut ends = [MOST_NODES; 2];
+        for (side, end) in [-1isize, 1].into_iter().zip(&mut ends) {
+            let mut before = own;
+            for k in 1..=MOST_NODES {
+                let next = u + (side * k as isize) as f64 * self.wheel.spacing;
+                let over = |next: f64| self.over(plane, next, before.eta);
+                let Some(next) = Some(next).filter(|next| (first..=last).contains(next)).and_then(over) else { break };
+                *end = MOST_NODES.wrapping_add_signed(side * k as isize);
+                (seen[*end], before) = (Some(next), next);
+                looked_at += 1;
+                if next.depth < flat && (k >= LEAST_NODES || side as f64 * next.rise < 0.0) {
                     break;
                 }
             }
-            side * k
-        };
-        let (begin, end) = (end(-1), end(1));
-        let mut before: Option<Over> = None;
+        }
         let mut told = false;
-        for k in begin..=end {
-            let Some(here) = at(k) else { continue };
-            if let Some(before) = before.replace(here)
-                && (before.rise > 0.0) != (here.rise > 0.0)
-            {
-                let rise = |u: f64| self.over(plane, u, own.eta).map_or(f64::NAN, |over| over.rise);
-                let u = root((before.u, before.rise), (here.u, here.rise), ACCURACY, rise);
-                if let Some(found) = self.over(plane, u, own.eta) {
+        for k in ends[0]..ends[1] {
+            let (Some(before), Some(here)) = (seen[k], seen[k + 1]) else { continue };
+            if (before.rise > 0.0) != (here.rise > 0.0) {
+                let over = |u: f64| self.over(plane, u, before.eta);
+                let u = root((before.u, before.rise), (here.u, here.rise), ACCURACY, |u| over(u).map_or(f64::NAN, |over| over.rise));
+                looked_at += ROUNDS;
+                if let Some(found) = over(u) {
                     let is_place = before.rise > 0.0;
                     // A saddle parts two places.
                     if is_place || told {
@@ -134,6 +144,7 @@ impl NodalSearch {
         if !told {
             tell(&node, true);
         }
+        looked_at
     }
 
     /// The wheel's curve at `u` over its foot, which is sought from `eta` [m] on; `None` where no point of its circle has its normal in the section.
@@ -144,8 +155,12 @@ impl NodalSearch {
         let mut rail = self.profiles[1].at(x);
         for _ in 0..STEPS {
             let (aside, above) = (across - x, height - rail.value);
-            x += (aside + rail.d1 * above) / (1.0 + rail.d1 * rail.d1 - rail.d2 * above);
+            let step = (aside + rail.d1 * above) / (1.0 + rail.d1 * rail.d1 - rail.d2 * above);
+            x += step;
             rail = self.profiles[1].at(x);
+            if step.abs() < FOOT {
+                break;
+            }
         }
         let (by_across, by_height) = plane.moves(&wheel);
         let norm = plane.norm2(rail.d1).sqrt();

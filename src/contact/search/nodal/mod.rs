@@ -102,6 +102,8 @@ pub struct NodalContacts {
     pub saddles: [f64; MOST - 1],
     /// Pairs whose gap was evaluated.
     pub evaluated: usize,
+    /// Places of the profiles between nodes that were looked at.
+    pub looked_at: usize,
     /// Bounds of stretches of nodes that were looked up.
     pub looked_up: usize,
 }
@@ -169,12 +171,13 @@ impl NodalSearch {
     ) -> NodalContacts {
         let plane = self.section(centre, axes, section);
         let walk = self.walked(&plane);
-        let Row { places, saddles } = self.row(&walk, &plane, most);
+        let Row { places, saddles, looked_at } = self.row(&walk, &plane, most);
         NodalContacts {
             count: places.iter().flatten().filter(|place| place[2] > 0.0).count(),
             contacts: places.map(|place| place.map(|place| self.location(place, &plane, centre, axes, (distance, arc), section))),
             saddles,
             evaluated: walk.evaluated,
+            looked_at,
             looked_up: walk.looked_up,
         }
     }
