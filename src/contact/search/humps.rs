@@ -61,7 +61,7 @@ impl<P: Copy> Humps<P> {
 
     fn begin(&mut self, depth: f64, place: P) {
         if self.count == MOST {
-            self.fill(self.least_prominent().0);
+            self.fill(self.least_prominent());
         }
         if let Some(before) = self.count.checked_sub(1) {
             self.saddles[before] = self.valley;
@@ -75,11 +75,10 @@ impl<P: Copy> Humps<P> {
         self.humps[k].map_or(f64::NEG_INFINITY, |hump| hump.0)
     }
 
-    /// Of the saddles the one over which the lower hump beside it stands out least, and by how much, m.
-    fn least_prominent(&self) -> (usize, f64) {
+    /// Of the saddles the one over which the lower hump beside it stands out least.
+    fn least_prominent(&self) -> usize {
         let prominence = |k: usize| self.depth(k).min(self.depth(k + 1)) - self.saddles[k];
-        let least = (0..self.count.saturating_sub(1)).min_by(|a, b| prominence(*a).total_cmp(&prominence(*b)));
-        least.map_or((0, f64::INFINITY), |k| (k, prominence(k)))
+        (0..self.count.saturating_sub(1)).min_by(|a, b| prominence(*a).total_cmp(&prominence(*b))).unwrap_or(0)
     }
 
     /// Joins the humps on both sides of a saddle.
@@ -104,7 +103,7 @@ impl<P: Copy> Humps<P> {
         loop {
             let shared = |k: &usize| self.saddles[*k] > 0.0 && self.depth(*k).min(self.depth(k + 1)) <= self.saddles[*k] + least;
             let small = (0..self.count.saturating_sub(1)).find(shared);
-            let Some(k) = small.or_else(|| (self.count > most).then(|| self.least_prominent().0)) else { break };
+            let Some(k) = small.or_else(|| (self.count > most).then(|| self.least_prominent())) else { break };
             self.fill(k);
         }
         for saddle in self.saddles.iter_mut().take(self.count).filter(|saddle| **saddle > 0.0) {

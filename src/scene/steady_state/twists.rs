@@ -7,6 +7,7 @@
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::{Evaluation, EvaluationError, Model, Workspace, contact_index};
 use crate::geometry::Side;
+use crate::math::bracket::Bracket;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::system::SystemWorkspace;
 use crate::mbs::twist::Twist;
@@ -115,27 +116,21 @@ impl Twists {
 /// Where M - c tau' vanishes.
 #[derive(Clone, Debug, Default)]
 struct Root {
-    /// tau', rad/s, and what was left there, N m: the last one; the one where the rest was positive, the root above it, and the one below which the root lies.
+    /// tau', rad/s, and what was left there, N m: the last one, and, once its sign has changed, the two between which the root lies.
     last: Option<(f64, f64)>,
-    below: Option<(f64, f64)>,
-    above: Option<(f64, f64)>,
+    between: Option<Bracket>,
 }
 
 impl Root {
     /// Where to look next; `None` where nothing lies between.
     fn next(&mut self, now: f64, rest: f64, step: impl FnOnce() -> f64) -> Option<f64> {
-        let again = self.last.is_some_and(|(_, was)| was * rest > 0.0);
-        self.last = Some((now, rest));
-        let (own, other) = if rest > 0.0 { (&mut self.below, &mut self.above) } else { (&mut self.above, &mut self.below) };
-        *own = Some((now, rest));
-        // Illinois: an end that stays counts half.
-        if let Some(other) = other.as_mut().filter(|_| again) {
-            other.1 *= 0.5;
+        let here = (now, rest);
+        match (&mut self.between, self.last.replace(here)) {
+            (Some(between), _) => between.take(here),
+            (None, Some(last)) if last.1 * rest < 0.0 => self.between = Some(Bracket { a: last, b: here }),
+            _ => {}
         }
-        let next = match (self.below, self.above) {
-            (Some(below), Some(above)) => (below.0 * above.1 - above.0 * below.1) / (above.1 - below.1),
-            _ => now + step(),
-        };
+        let next = self.between.map_or_else(|| now + step(), |between| between.place());
         (next.is_finite() && next != now).then_some(next)
     }
 }
