@@ -1,5 +1,6 @@
 //! A model from its parts, and what its evaluations need.
 
+use super::flank;
 use super::frame_motion::MovingFrame;
 use super::memory::{Mode, ModelMemory, WheelMemory};
 use super::model::{ContactLaws, LOAD_TOLERANCE, Model};
@@ -144,6 +145,7 @@ impl Model {
             searches.fill_with(|| None);
         }
         let contact_states_begin = system.dimension();
+        let flanks = flank::ways_to_flanges(&wheelsets, &track);
         Model {
             system,
             track,
@@ -153,6 +155,7 @@ impl Model {
             points,
             contact_states_begin,
             searches,
+            flanks,
             load_tolerance: LOAD_TOLERANCE,
             half: None,
             search_always: false,

@@ -177,6 +177,6 @@ impl Model {
 
 /// Translation and rotation of six changes of a body's coordinates or velocities, without that of its pitch.
 #[inline]
-fn without_pitch(motion: &BodyMotion, changes: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
+pub(super) fn without_pitch(motion: &BodyMotion, changes: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
     (Vector3::new(changes[0], changes[1], changes[2]), Vector3::z() * changes[3] + motion.roll_axis() * changes[4])
 }

@@ -79,6 +79,8 @@ pub struct Model {
     pub(super) surfaces_move: bool,
     /// Per wheel: the search for all of them; `None` where one place alone can touch.
     pub(super) searches: Vec<Option<Arc<WheelSearch>>>,
+    /// By wheel, how far it may go outward until its flange meets its rail, m; infinity without one.
+    pub(super) flanks: Vec<f64>,
     /// The left and the right rail in strips, where patches are made of them.
     pub(super) strips: Option<[RailStrips; 2]>,
     /// Their patches by wheel, where they are read from tables; else empty.

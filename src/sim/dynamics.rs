@@ -4,6 +4,7 @@ use super::input::{self, InputSignal};
 use crate::formulation::flutter::Flutter;
 use crate::formulation::frame_motion::FrameMotion;
 use crate::formulation::memory::ModelMemory;
+use crate::formulation::strikes::Strikes;
 use crate::formulation::swing::Swings;
 use crate::formulation::timers::Call;
 use crate::formulation::transitions::Transition;
@@ -57,6 +58,7 @@ pub struct Watched<'a> {
     /// Beside which the last accepted step was made.
     pub frame: &'a mut FrameMotion,
     pub swings: &'a mut Swings,
+    pub strikes: &'a mut Strikes,
     pub flutter: &'a mut Flutter,
     pub loads: &'a mut WheelLoads,
 }
@@ -218,7 +220,7 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn load_error(&self, error: &[f64]) -> f64 {
-        self.model.load_error(self.workspace, error)
+        self.model.load_error(self.workspace, error).max(self.model.error_at_strikes(self.workspace, self.watched.strikes, error))
     }
 
     fn doubtful_error(&self) -> f64 {
@@ -231,6 +233,7 @@ impl Dynamics for ModelDynamics<'_> {
 
     fn note_step(&mut self, t: f64) {
         self.model.note_swings(self.workspace, t, self.watched.swings);
+        self.model.note_strikes(self.workspace, t, self.watched.strikes);
         self.model.note_wheel_loads(self.workspace, t, self.watched.loads);
     }
 

@@ -27,6 +27,7 @@ use crate::formulation::events::ContactEvent;
 use crate::formulation::flutter::Flutter;
 use crate::formulation::frame_motion::FrameMotion;
 use crate::formulation::memory::ModelMemory;
+use crate::formulation::strikes::Strikes;
 use crate::formulation::swing::Swings;
 use crate::formulation::timers::Timers;
 use crate::formulation::transitions::Transition;
@@ -64,6 +65,8 @@ pub struct SimulationState {
     pub frame: FrameMotion,
     /// How far wheelsets swing.
     pub swings: Swings,
+    /// Wheelsets whose flanges strike.
+    pub strikes: Strikes,
     /// Wheelsets that flutter on their contacts.
     pub flutter: Flutter,
     /// Work of the formulation on the stepping path.
@@ -85,6 +88,7 @@ impl SimulationState {
             && self.memories.fits(&other.memories)
             && self.frame.fits(&other.frame)
             && self.swings.fits(&other.swings)
+            && self.strikes.fits(&other.strikes)
             && self.flutter.fits(&other.flutter)
             && self.inputs.len() == other.inputs.len()
             && self.followed.len() == other.followed.len()
@@ -262,6 +266,7 @@ impl Simulation {
                 inputs,
                 frame: FrameMotion::default(),
                 swings: model.swings(),
+                strikes: model.strikes(),
                 flutter: model.flutter(),
                 work: Work::default(),
             },
@@ -407,8 +412,8 @@ impl Simulation {
         self.known = None;
         self.follow_inputs();
         self.workspace.work = Work::default();
-        let SimulationState { inputs, frame, swings, flutter, integration, memories, .. } = &mut self.state;
-        let watched = Watched { frame, swings, flutter, loads: &mut self.loads };
+        let SimulationState { inputs, frame, swings, strikes, flutter, integration, memories, .. } = &mut self.state;
+        let watched = Watched { frame, swings, strikes, flutter, loads: &mut self.loads };
         let inputs = (&inputs[..], &mut self.snapshot.inputs[..]);
         let mut dynamics = ModelDynamics::new(&self.model, &mut self.workspace, inputs, (memories, &mut self.trial), watched);
         let advanced = run(&*self.integrator, &mut dynamics, integration, &mut self.scratch);

@@ -32,11 +32,11 @@ impl Simulation {
             return false;
         }
         let fresh = !self.state.integration.has_taken_up();
-        let SimulationState { time, followed, began, frame, swings, flutter, integration, memories, .. } = &mut self.state;
+        let SimulationState { time, followed, began, frame, swings, strikes, flutter, integration, memories, .. } = &mut self.state;
         if fresh {
             began.clone_from(followed);
         }
-        let watched = Watched { frame, swings, flutter, loads: &mut self.loads };
+        let watched = Watched { frame, swings, strikes, flutter, loads: &mut self.loads };
         let inputs = (&began[..], &mut self.push.inputs[..]);
         let mut dynamics =
             ModelDynamics::new(&self.model, &mut self.workspace, inputs, (memories, &mut self.trial), watched).again(&mut self.snapshot.dy);

@@ -15,5 +15,6 @@ mod points;
 mod robustness;
 mod standstill;
 mod start_on_track;
+mod strikes;
 mod vehicles;
 mod wheelset;
