@@ -88,6 +88,10 @@ mod tests {
         fn range(&self) -> (f64, f64) {
             (-0.06, 0.04)
         }
+
+        fn describe(&self) -> String {
+            "straight flank".into()
+        }
     }
 
     /// A flange that begins at 40 mm beside a gauge face at 35 mm, steeper than the flange: both wheels' middles 1 mm apart, they meet at the rail's top after 5 - 1 mm.
