@@ -63,6 +63,7 @@ use nalgebra::Vector3;
 use rails::Riding;
 use search::{Pattern, Search};
 use std::sync::Arc;
+use twists::Twists;
 
 /// A state of steady running.
 #[derive(Clone, Debug, PartialEq)]
@@ -280,13 +281,68 @@ fn balanced<'a>(scene: &Scene, standing: &'a Standing, pattern: Pattern, node: &
     let wheel_loads = search.wheel_loads();
     if node.curvature != 0.0 || node.superelevation != 0.0 {
         search.rails_yield = false;
-        into_the_curve(&mut search, node)?;
+        if Twists::independent(&search.model) {
+            on_independent_wheels(&mut search, node)?;
+        } else {
+            into_the_curve(&mut search, node)?;
+        }
         search.rails_yield = true;
         if search.model.gives_way() {
             search.balance()?;
         }
     }
     Ok((search, wheel_loads))
+}
+
+/// From wheels that turn together to wheels that turn on their own: what resists that goes down from the first of these to the last, N m s, then away.
+const HOLDING: [f64; 2] = [1e8, 1.0];
+
+/// Into the curve on independent wheels: from those that turn together, or, as rigid contacts rather have it, from straight track; the other way where one fails.
+fn on_independent_wheels(search: &mut Search, node: &Node) -> Result<(), EquilibriumError> {
+    let together = !search.model.formulation.constrains();
+    let straight = search.configuration();
+    let mut go = |together: bool| {
+        search.put(&straight);
+        (search.effort, search.twists.held_by) = (0, if together { f64::INFINITY } else { 0.0 });
+        search.lay(&Node { curvature: 0.0, superelevation: 0.0, ..*node }, None);
+        into_the_curve(search, node)?;
+        if together { release(search) } else { Ok(()) }
+    };
+    go(together).or_else(|cause| go(!together).map_err(|_| cause))
+}
+
+/// From the balance in a curve with independent wheels that turn together, which creep leads to their place, to that of wheels that turn on their own: what
+/// holds them on each other falls off by decades. (From straight track nothing would lead them: the balance jumps from flange to flange.)
+fn release(search: &mut Search) -> Result<(), EquilibriumError> {
+    let [most, least] = HOLDING.map(f64::ln);
+    let (mut done, mut step) = (most, 0.5 * (most - least));
+    let mut last = search.configuration();
+    let mut before: Option<(f64, search::Configuration)> = None;
+    while done > least {
+        let next = f64::max(done - step, least);
+        search.twists.held_by = if next == least { 0.0 } else { next.exp() };
+        if let Some((share, configuration)) = &before {
+            search.go_on(configuration, (next - done) / (done - share));
+        }
+        search.hasty = done - next > SHORTEST * (most - least);
+        let found = search.balance();
+        search.hasty = false;
+        match found {
+            Ok(()) => {
+                let here = search.configuration();
+                before = Some((done, std::mem::replace(&mut last, here)));
+                (done, step) = (next, 1.5 * step);
+            }
+            Err(cause) => {
+                search.put(&last);
+                step = 0.5 * (done - next);
+                if step < SHORTEST * (most - least) || search.exhausted() {
+                    return Err(cause);
+                }
+            }
+        }
+    }
+    Ok(())
 }
 
 /// From the balance on straight track to that in the curve.

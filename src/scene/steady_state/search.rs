@@ -95,7 +95,7 @@ pub(super) struct Search<'a> {
     /// Row of the square system for each coordinate; `None` where the speed is imposed.
     pub square: Vec<Option<usize>>,
     couplings: Couplings,
-    twists: Twists,
+    pub twists: Twists,
 }
 
 impl<'a> Search<'a> {

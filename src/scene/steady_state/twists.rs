@@ -28,12 +28,19 @@ pub(super) struct Twists {
     slopes: Vec<Option<f64>>,
     /// Both states as they were found last.
     found: Vec<[f64; 2]>,
+    /// What resists the turning of independent wheels on each other beside their bearings, N m s; infinite: they turn together.
+    pub held_by: f64,
 }
 
 impl Twists {
     pub fn new(model: &Model) -> Twists {
         let count = model.system.forces.iter().filter(|force| force.twist().is_some()).count();
-        Twists { slopes: vec![None; count], found: vec![[0.0; 2]; count] }
+        Twists { slopes: vec![None; count], found: vec![[0.0; 2]; count], held_by: 0.0 }
+    }
+
+    /// Are there wheels that turn on their own?
+    pub fn independent(model: &Model) -> bool {
+        model.system.forces.iter().filter_map(|force| force.twist()).any(|twist| twist.stiffness == 0.0)
     }
 
     /// Puts them as they were found last.
@@ -64,7 +71,11 @@ impl Twists {
             for (number, axle) in axles.iter().enumerate() {
                 let Some(twist) = model.system.forces[axle.element].twist() else { continue };
                 let (tau, rate) = (first + axle.state, first + axle.state + 1);
-                let rest = dy[rate] * twist.inertia() / Twist::TIME;
+                let mut rest = dy[rate] * twist.inertia() / Twist::TIME;
+                if twist.stiffness == 0.0 && self.held_by == f64::INFINITY {
+                    (dy[tau], dy[rate]) = (0.0, 0.0);
+                    continue;
+                }
                 if twist.stiffness > 0.0 {
                     y[tau] += rest / twist.stiffness;
                     (dy[tau], dy[rate]) = (0.0, 0.0);
@@ -72,6 +83,7 @@ impl Twists {
                 }
                 let slope = &mut self.slopes[number];
                 let now = y[rate] / Twist::TIME;
+                rest -= self.held_by * now;
                 if let Some((last, was)) = roots[number].last.filter(|(last, _)| *last != now) {
                     *slope = Some((rest - was) / (now - last)).filter(|slope| *slope < 0.0).or(*slope);
                 }
