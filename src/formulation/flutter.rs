@@ -172,9 +172,13 @@ impl Model {
             more => format!("; so do {more} more wheelsets"),
         };
         let hidden = if fixed { "; steps of a fixed length may hide it, and loads are then those of an unstable balance" } else { "" };
+        let (on, calmer) = match self.gives_way() {
+            true => ("", "less friction calms it"),
+            false => (" on rigid rails", "rails that yield (track.flexibility = \"travelling\") or less friction calm it"),
+        };
         Some(format!(
-            "{what}{others}: friction at its bound couples its bouncing and rolling on rigid rails. That is the model's own motion, not an error of \
-             steps{hidden}; small differences grow by it, so that from there on loads at an instant are known to their order of magnitude alone; rails that yield (track.flexibility = \"travelling\") or less friction calm it"
+            "{what}{others}: friction at its bound couples its bouncing and rolling{on}. That is the model's own motion, not an error of \
+             steps{hidden}; small differences grow by it, so that from there on loads at an instant are known to their order of magnitude alone; {calmer}"
         ))
     }
 
@@ -189,10 +193,11 @@ impl Model {
         Some(format!(
             "{}, {} wheel: its load swings by up to {:.0} % of the static one, up and down, at {frequency:.0} Hz, first at {since:.3} s, though neither track nor \
              wheels excite it. That is the model's own motion, not an error of steps: contact that passes between two places of the wheel, or friction near its \
-             bound; rails that yield (track.flexibility = \"travelling\") may calm it",
+             bound{}",
             self.wheelsets[wheelset].name,
             side.name(),
-            100.0 * size
+            100.0 * size,
+            if self.gives_way() { "" } else { "; rails that yield (track.flexibility = \"travelling\") may calm it" }
         ))
     }
 

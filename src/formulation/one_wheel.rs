@@ -44,17 +44,23 @@ impl Model {
         let (mut memory, mut wrench) = (WheelMemory::new(Mode::ELASTIC), Wrench::default());
         points::elastic_wheel(&wheel, &mut memory, &mut strips, &mut wrench, (&mut first, &mut further))?;
         let highest = self.strips.as_ref().map(|rails| highest_pressures(&wheel, &rails[side.index()], &mut strips));
-        let place = |report: ContactReport| {
-            let found = Contact::again(&report);
-            let shape = found.shape(wheelset.wheel(side), self.track.rail(side));
-            let hertzian = 1.5 * report.normal_force / (PI * report.patch.a * report.patch.b);
-            let apart = |at: &&(f64, f64)| (at.0 - report.parameters.rail).abs();
-            let of_strips = highest.iter().flatten().min_by(|a, b| apart(a).total_cmp(&apart(b))).map(|(_, pressure)| *pressure);
-            let highest_pressure = if report.normal_force > 0.0 { of_strips.unwrap_or(hertzian) } else { 0.0 };
-            PlaceOnWheel { report, half_curvatures: [shape.rolling, shape.across], highest_pressure }
-        };
         // A report without a place belongs to none.
         let is_place = |report: &ContactReport| report.iterations > 0 || report.penetration != 0.0;
-        Ok(std::iter::once(first).chain(further).filter(is_place).map(place).collect())
+        let found: Vec<ContactReport> = std::iter::once(first).chain(further).filter(is_place).collect();
+        // A place of a table may hold several parts of the strips' patch: the highest pressure is that of the part that has most.
+        let nearest = |eta: f64| {
+            let off = |report: &ContactReport| (report.parameters.rail - eta).abs();
+            let pressed = found.iter().enumerate().filter(|(_, report)| report.normal_force > 0.0);
+            pressed.min_by(|a, b| off(a.1).total_cmp(&off(b.1))).map(|(number, _)| number)
+        };
+        let place = |(number, report): (usize, &ContactReport)| {
+            let again = Contact::again(report);
+            let shape = again.shape(wheelset.wheel(side), self.track.rail(side));
+            let hertzian = 1.5 * report.normal_force / (PI * report.patch.a * report.patch.b);
+            let own = highest.iter().flatten().filter(|part| nearest(part.0) == Some(number)).map(|part| part.1);
+            let highest_pressure = if report.normal_force > 0.0 { own.reduce(f64::max).unwrap_or(hertzian) } else { 0.0 };
+            PlaceOnWheel { report: *report, half_curvatures: [shape.rolling, shape.across], highest_pressure }
+        };
+        Ok(found.iter().enumerate().map(place).collect())
     }
 }

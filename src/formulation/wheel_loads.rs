@@ -210,9 +210,14 @@ impl Model {
         let heavy = all.iter().filter(|(_, range)| range.most.0 > MOST);
         if let Some((wheel, range)) = heavy.clone().max_by(|a, b| a.1.most.0.total_cmp(&b.1.most.0)) {
             notes.push(format!(
-                "{wheel} carries {:.1} times its static load at {:.4} s: rails are rigid here and a real track would yield; the force is an upper bound{}",
+                "{wheel} carries {:.1} times its static load at {:.4} s{}{}",
                 range.most.0,
                 range.most.1,
+                if self.gives_way() {
+                    ""
+                } else {
+                    ": rails are rigid here; a real track yields and has mass, and an impact on it is another one, mostly a smaller one"
+                },
                 others(heavy.count())
             ));
         }

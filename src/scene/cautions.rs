@@ -78,7 +78,7 @@ fn rough_track(scene: &Scene, model: &Model) -> Option<String> {
     (added > ROUGH && added.is_finite()).then(|| {
         format!(
             "the rails accelerate wheels by {acceleration:.1} m/s2 (rms over {:.0} m at {speed} m/s): on rigid rails that adds {:.0} % of the static load (rms), \
-             and wheels lift at peaks. Real track yields; such loads are upper bounds",
+             and wheels lift at peaks. Real track yields; such loads are mostly too high",
             SPACING * STRETCH as f64,
             100.0 * added
         )

@@ -124,6 +124,9 @@ const STEP: f64 = 1e-12;
 const ITERATIONS: usize = 60;
 /// Places that have entered their rail by more are not those of a wheelset that stands, m.
 const ENTERED: f64 = 1e-9;
+/// On rounded or noisy points many places lie within nanometres of each other, and each step brings another one: after so many steps a stand to this is one, m.
+const CROWDED: usize = 20;
+const ROUNDED: f64 = 2e-7;
 /// Longest steps of height [m] and roll [rad].
 const LONGEST: (f64, f64) = (0.05, 0.02);
 
@@ -183,7 +186,7 @@ impl WheelsetOnTrack {
     pub fn stand(&self, y: f64, start: Start) -> Result<Stand, NoStand> {
         let Start { mut height, mut roll } = start;
         let mut minima = Minima::default();
-        for _ in 0..ITERATIONS {
+        for round in 0..ITERATIONS {
             let mut touches: [Vec<Touch>; 2] = Default::default();
             for side in Side::BOTH {
                 touches[side.index()] = self.touches(side, y, height[side.index()], roll, &mut minima)?;
@@ -197,7 +200,11 @@ impl WheelsetOnTrack {
                 ([step; 2], turn, chosen)
             };
             if step.iter().all(|step| step.abs() < STEP) && turn.abs() < STEP {
-                return self.finish(y, height, roll, &touches, chosen);
+                return self.finish((y, height, roll), &touches, chosen, ENTERED);
+            }
+            let touching = |side: Side| touches[side.index()][chosen[side.index()]].distance.abs() < ROUNDED;
+            if round >= CROWDED && Side::BOTH.into_iter().all(touching) && touches.iter().flatten().all(|touch| touch.distance > -ROUNDED) {
+                return self.finish((y, height, roll), &touches, chosen, ROUNDED);
             }
             let shorter = step.iter().map(|step| step.abs() / LONGEST.0).fold(turn.abs() / LONGEST.1, f64::max).max(1.0);
             height = [height[0] + step[0] / shorter, height[1] + step[1] / shorter];
@@ -206,10 +213,16 @@ impl WheelsetOnTrack {
         Err(NoStand::NotFound { y })
     }
 
-    fn finish(&self, y: f64, height: [f64; 2], roll: f64, touches: &[Vec<Touch>; 2], chosen: [usize; 2]) -> Result<Stand, NoStand> {
+    fn finish(
+        &self,
+        (y, height, roll): (f64, [f64; 2], f64),
+        touches: &[Vec<Touch>; 2],
+        chosen: [usize; 2],
+        entered: f64,
+    ) -> Result<Stand, NoStand> {
         let contacts = [touches[0][chosen[0]], touches[1][chosen[1]]];
         // On a steep flank neither height nor roll brings a wheel out of its rail.
-        if touches.iter().flatten().any(|touch| touch.distance < -ENTERED) {
+        if touches.iter().flatten().any(|touch| touch.distance < -entered) {
             return Err(NoStand::NotFound { y });
         }
         if let Some(side) = Side::BOTH.into_iter().find(|side| contacts[side.index()].at_edge) {

@@ -110,7 +110,7 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
     };
     let rows: Vec<Vec<String>> = LINES.iter().map(row).collect();
     format!(
-        "{}\n\n  {}\n  rolling freely at {} m/s (pitch rate {:.4} rad/s), friction {}{}\n\n{}\nellipse: contact.normal.law = \"{}\" and contact.creep.law = \"{}\" at the deepest place\n",
+        "{}\n\n  {}\n  rolling freely at {} m/s (pitch rate {:.4} rad/s), friction {}{}\n\n{}\nellipse: contact.normal.law = \"{}\" and contact.creep.law = \"{}\" at the deepest place; the other column: half-spaces, with the friction alone (no kalker_factor, no falling friction)\n",
         scene.title,
         heading(question),
         scene.vehicle.speed,

@@ -3,6 +3,7 @@
 use super::{Arguments, load, number};
 use crate::cli::{Failure, print, table};
 use crate::contact::creepage::Creepage;
+use crate::scene::profile_notes::profile_doubts;
 use crate::scene::spec::Scene;
 use crate::settings::did_you_mean;
 use crate::study::pose::{Answer, Height, Place, Question, pose as evaluate};
@@ -231,6 +232,9 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
     if contact.patch.law.forms() {
         text += "\n  a, b, and so area and mean pressure: the ellipse of the patch's moments; N and highest pressure: of its strips\n";
     }
+    for doubt in profile_doubts(scene) {
+        text += &format!("\n  note: {doubt}\n");
+    }
     text
 }
 
@@ -246,6 +250,6 @@ fn as_json(scene: &Scene, question: &Question, answer: &Answer) -> Value {
     json!({
         "scene": scene.name, "title": scene.title, "y": question.y, "yaw": question.yaw, "roll": answer.roll, "speed": question.speed,
         "pitch_rate": answer.pitch_rate, "patch": scene.contact.patch.law.name(), "normal_law": scene.contact.normal_name,
-        "creep_law": scene.contact.creep_name, "wheels": answer.wheels.each_ref().map(wheel),
+        "creep_law": scene.contact.creep_name, "doubts": profile_doubts(scene), "wheels": answer.wheels.each_ref().map(wheel),
     })
 }

@@ -53,10 +53,10 @@ pub(super) struct Bracket {
     pub basin: (f64, f64),
 }
 
-/// Most roots that are looked into; no pair of profiles in use has more than nine.
+/// Most roots that are looked into; no pair of smooth profiles in use has more than nine. Where measured points are noisy there are more: then a crowd is made room for, and
+/// the reach is lowered where even that is too little ([`Scan::crowded`]).
 pub(super) const MOST: usize = 24;
-/// Brackets by growing u.
-pub(super) type Brackets = [Option<Bracket>; MOST];
+pub(super) const CROWD: usize = 2048;
 /// Halvings of a single stretch at most, and the difference in depth, m, of a pair of minimum and maximum that may be missed.
 const DEPTH: usize = 6;
 const SHALLOW: f64 = 2e-10;
@@ -80,8 +80,10 @@ pub(super) struct Scan<'a> {
     pub view: View,
     pub reach: f64,
     /// Where brackets are kept, if they are asked for: otherwise they are only counted.
-    brackets: Option<&'a mut Brackets>,
+    brackets: Option<&'a mut [Option<Bracket>]>,
     pub count: usize,
+    /// Were there more roots than brackets?
+    pub overflow: bool,
     /// Last place known to be above the reach, u.
     above: f64,
     pub clearance: f64,
@@ -116,6 +118,7 @@ impl<'a> Scan<'a> {
             reach,
             brackets: None,
             count: 0,
+            overflow: false,
             above: search.wheel.knots[0].x,
             clearance: f64::INFINITY,
             certificates: Certificates::NONE,
@@ -123,7 +126,7 @@ impl<'a> Scan<'a> {
         }
     }
 
-    pub fn run(search: &'a GlobalSearch, pair: &'a Pair<'a>, view: View, reach: f64, brackets: &'a mut Brackets) -> Self {
+    pub fn run(search: &'a GlobalSearch, pair: &'a Pair<'a>, view: View, reach: f64, brackets: &'a mut [Option<Bracket>]) -> Self {
         let knots = &search.wheel.knots;
         let mut scan = Scan { brackets: Some(brackets), ..Scan::seen(search, pair, view, reach) };
         let last = knots.len() - 1;
@@ -195,13 +198,29 @@ impl<'a> Scan<'a> {
 
     /// Notes a change of sign.
     fn found(&mut self, a: State, b: State, knots: (usize, usize), minimum: bool) {
-        if self.count < MOST {
-            let basin = (self.above, f64::INFINITY);
-            if let Some(brackets) = &mut self.brackets {
-                brackets[self.count] = Some(Bracket { a, b, knots, minimum, basin });
+        let basin = (self.above, f64::INFINITY);
+        match &mut self.brackets {
+            Some(brackets) if self.count < brackets.len() => brackets[self.count] = Some(Bracket { a, b, knots, minimum, basin }),
+            Some(_) => {
+                self.overflow = true;
+                return;
             }
-            self.count += 1;
+            None => {}
         }
+        self.count += 1;
+    }
+
+    /// A lower reach, where there was no room for all roots below this one: the middle one of the least distances that were seen. The deepest of all lie below it.
+    #[cold]
+    pub fn crowded(&self) -> Option<f64> {
+        if !self.overflow {
+            return None;
+        }
+        let brackets = self.brackets.as_ref()?.iter().flatten().filter(|bracket| bracket.minimum);
+        let mut depths: Vec<f64> = brackets.map(|bracket| bracket.a.distance.min(bracket.b.distance)).collect();
+        depths.sort_unstable_by(f64::total_cmp);
+        let middle = depths.get(depths.len() / 2)?;
+        (*middle < self.reach).then_some(*middle)
     }
 
     /// The search has come to `u`, where the distance is above the reach.

@@ -41,6 +41,9 @@ pub use watch::{Extreme, POINTS, Point, Watch};
 /// Most minima of one wheel that are returned.
 pub const MOST: usize = 8;
 
+/// How often the reach is lowered where minima are many.
+const ROUNDS: usize = 24;
+
 /// Greatest slope at which a wheel is looked at.
 const STEEPEST_WHEEL_SEEN: f64 = 12.0;
 
@@ -182,7 +185,34 @@ impl GlobalSearch {
     /// All minima with a distance below `reach` [m], by growing u; of more than [`MOST`] the deepest.
     pub fn find(&self, pair: &Pair, reach: f64, found: &mut Minima) {
         let mut brackets = [None; branch::MOST];
-        let scan = Scan::run(self, pair, View::new(pair, None), reach, &mut brackets);
+        let view = View::new(pair, None);
+        let scan = Scan::run(self, pair, view, reach, &mut brackets);
+        if scan.overflow {
+            return self.find_in_a_crowd(pair, view, reach, found);
+        }
+        self.refine(pair, &scan, found);
+    }
+
+    /// Of a crowd of minima, as noisy points have them, the deepest ones. (This takes memory, and a hundred times as long.)
+    #[cold]
+    fn find_in_a_crowd(&self, pair: &Pair, view: View, mut reach: f64, found: &mut Minima) {
+        let mut brackets = vec![None; branch::CROWD];
+        for round in 0..ROUNDS {
+            brackets.fill(None);
+            let scan = Scan::run(self, pair, view, reach, &mut brackets);
+            match if scan.overflow && round + 1 < ROUNDS { scan.crowded() } else { None } {
+                Some(lower) => reach = lower,
+                None => {
+                    self.refine(pair, &scan, found);
+                    break;
+                }
+            }
+        }
+        found.clearance = found.clearance.min(reach);
+    }
+
+    fn refine(&self, pair: &Pair, scan: &Scan, found: &mut Minima) {
+        let reach = scan.reach;
         found.count = 0;
         found.clearance = scan.clearance;
         found.steady = scan.certificates.steady;
