@@ -168,6 +168,9 @@ pub fn effects(scene: &Scene, request: &Request) -> Result<Report, String> {
             Ended::Refused(reason) | Ended::Failed { reason, .. } => {
                 format!("the run {what} failed, so there is nothing to compare with: {reason}")
             }
+            Ended::Left { .. } => {
+                format!("the run {what} had not ended when its time was over; expected a shorter --stop or more --budget")
+            }
             Ended::GivenUp { time, .. } => {
                 format!("the run {what} had reached t = {time:.3} s when its time was over; expected a shorter --stop or more --budget")
             }
@@ -220,14 +223,15 @@ struct Limit<'a> {
 }
 
 impl Limit<'_> {
-    fn crawls(&self, cpu: f64) -> bool {
-        cpu > (CRAWLS * self.own).max(LEAST)
+    /// CPU time from which a run crawls, s.
+    fn longest(&self) -> f64 {
+        (CRAWLS * self.own).max(LEAST)
     }
 
     /// Why a run of so many seconds was given up.
     fn words(&self, cpu: f64) -> String {
         match () {
-            () if self.crawls(cpu) => format!("given up after {:.0} times the time of the scene's own run", cpu / self.own.max(1e-9)),
+            () if cpu > self.longest() => format!("given up after {:.0} times the time of the scene's own run", cpu / self.own.max(1e-9)),
             () if (self.late)() => "the budget is spent".into(),
             () => "interrupted".into(),
         }
@@ -246,13 +250,13 @@ fn changed(
     if (limit.give_up)() {
         return Outcome::NotRun { reason: limit.words(0.0) };
     }
-    let give_up = |cpu: f64| (limit.give_up)() || limit.crawls(cpu);
+    let longest = limit.longest();
     let overrides: Vec<String> = request.overrides.iter().chain(&variant.overrides).cloned().collect();
     let scene = match load::open(request.scene, &overrides) {
         Ok(scene) => scene,
         Err(error) => return Outcome::Refused { reason: error.to_string() },
     };
-    match run::run(&scene, request.span, &give_up) {
+    match run::run_unless(scene, request.span, move |cpu| cpu > longest, limit.give_up) {
         Ok(Ran { observed, cost, notes }) => Outcome::Ran {
             changes: change::changes(reference, &observed, errors),
             growth: from.and_then(|begin| change::growth(&observed, begin)),
@@ -261,6 +265,7 @@ fn changed(
         },
         Err(Ended::Refused(reason)) => Outcome::Refused { reason },
         Err(Ended::Failed { time, derailed, reason }) => Outcome::Failed { time, derailed, reason },
+        Err(Ended::Left { cpu }) => Outcome::NotRun { reason: format!("{}, within a step", limit.words(0.5 * cpu)) },
         Err(Ended::GivenUp { time, cpu }) => Outcome::NotRun { reason: format!("{} at t = {time:.3} s", limit.words(cpu)) },
     }
 }

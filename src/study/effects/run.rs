@@ -8,6 +8,10 @@ use crate::sim::{Simulation, SimulationError};
 use crate::solve::Statistics;
 use crate::study::accuracy::cpu_time;
 use serde::Serialize;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
 
 /// What a run took. Counters are the same in every run of a scene, CPU time is not.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -35,6 +39,10 @@ pub(super) enum Ended {
         time: f64,
         cpu: f64,
     },
+    /// The same within an output step, after so many seconds.
+    Left {
+        cpu: f64,
+    },
 }
 
 /// A run that came to its end.
@@ -47,6 +55,44 @@ pub(super) struct Ran {
 
 /// A run this short is timed twice, s.
 const SHORT: f64 = 0.5;
+
+/// How often a run that is under way is looked at.
+const LOOK: Duration = Duration::from_millis(50);
+/// A run whose CPU time is not known yet crawls when this many times that has passed: it may have had half a core.
+const WAITED: f64 = 2.0;
+
+/// The same in a thread of its own, which is left to itself when it is given up: one step, or the search for the start, may take minutes where a law solves
+/// half-spaces. What was left ends at its next output time, or with the process. `crawls` is told CPU time so far [s]; `give_up` is whether others want it to end.
+pub(super) fn run_unless(
+    scene: Scene,
+    span: Times,
+    crawls: impl Fn(f64) -> bool + Send + Copy + 'static,
+    give_up: &dyn Fn() -> bool,
+) -> Result<Ran, Ended> {
+    let left = Arc::new(AtomicBool::new(false));
+    let (given_up, (tell, told)) = (left.clone(), mpsc::channel());
+    let begin = Instant::now();
+    let spawned = std::thread::Builder::new().spawn(move || {
+        let ended = run(&scene, span, &|cpu| given_up.load(Ordering::Relaxed) || crawls(cpu));
+        // Nobody listens to a run that was left.
+        let _ = tell.send(ended);
+    });
+    if let Err(error) = spawned {
+        return Err(Ended::Refused(error.to_string()));
+    }
+    loop {
+        match told.recv_timeout(LOOK) {
+            Ok(ended) => return ended,
+            Err(RecvTimeoutError::Disconnected) => return Err(Ended::Refused("it broke off".into())),
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+        let waited = begin.elapsed().as_secs_f64();
+        if give_up() || crawls(waited / WAITED) {
+            left.store(true, Ordering::Relaxed);
+            return Err(Ended::Left { cpu: waited });
+        }
+    }
+}
 
 /// Runs a scene to the end; `give_up` is asked at each output time, and told the CPU time so far [s].
 pub(super) fn run(scene: &Scene, span: Times, give_up: &dyn Fn(f64) -> bool) -> Result<Ran, Ended> {
