@@ -220,7 +220,7 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn load_error(&self, error: &[f64]) -> f64 {
-        self.model.load_error(self.workspace, error).max(self.model.error_at_strikes(self.workspace, self.watched.strikes, error))
+        self.model.load_error(self.workspace, error)
     }
 
     fn doubtful_error(&self) -> f64 {
@@ -228,7 +228,8 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn swing_error(&self, error: &[f64]) -> f64 {
-        self.model.swing_error(self.workspace, self.watched.swings, error)
+        let strikes = self.model.error_at_strikes(self.workspace, self.watched.strikes, error);
+        self.model.swing_error(self.workspace, self.watched.swings, error).max(strikes)
     }
 
     fn note_step(&mut self, t: f64) {

@@ -6,7 +6,7 @@ use super::Implicit;
 pub(super) const END: usize = 7;
 pub(super) const WORK: usize = 8;
 
-/// An error of the state as it counts: of controlled components; of forces, and against the motion's own size, in parts of what is allowed.
+/// An error of the state as it counts: of controlled components; of forces, and against the motion's own size and strikes to come, in parts of what is allowed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LocalError {
     pub state: f64,

@@ -110,7 +110,7 @@ pub trait Dynamics {
         0.0
     }
 
-    /// The same for what is held against the motion itself, whatever the tolerance.
+    /// The same for what is held against the motion itself or against what is to come of it, whatever the tolerance: it chooses steps, and is no measure of one that is given.
     fn swing_error(&self, _error: &[f64]) -> f64 {
         0.0
     }
