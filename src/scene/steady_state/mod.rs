@@ -42,6 +42,7 @@
 //! A direction in which nothing pushes a body back has a vanishing singular value: neutral ones (a cylinder across its rail) stay
 //! where they are, and if no balance exists the body that moves most in such a direction is named.
 
+mod continuation;
 mod couplings;
 mod newton;
 mod rails;
@@ -59,6 +60,7 @@ use crate::geometry::track::centre_line::Node;
 use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
 use crate::scene::start::{self, Start};
+use continuation::{Before, Steps};
 use nalgebra::Vector3;
 use rails::Riding;
 use search::{Pattern, Search};
@@ -233,14 +235,11 @@ fn on_displaced_rails(
 fn onto_the_rails(search: &mut Search, node: &Node, riding: &Riding) -> Result<(), EquilibriumError> {
     (search.following, search.tolerance) = (true, ON_RAILS);
     // The first approximation is a poor one, but the balance at the first share shows the way.
-    let (mut done, mut step) = (0.0, FIRST_SHARE);
-    let mut last = search.configuration();
-    let mut before: Option<(f64, search::Configuration)> = None;
-    while done < 1.0 {
-        let next = f64::min(done + step, 1.0);
+    let steps = Steps { from: 0.0, to: 1.0, first: FIRST_SHARE, growth: 4.0, shortest: LEAST_SHARE };
+    let balance = |search: &mut Search, done: f64, next: f64, before: Option<&Before>| {
         search.lay(node, Some((riding, next)));
-        match &before {
-            Some((share, configuration)) => search.go_on(configuration, (next - done) / (done - share)),
+        match before {
+            Some(before) => search.go_on(&before.1, before.ahead(done, next)),
             None => search.move_along(riding, next - done),
         }
         search.ride(riding, next);
@@ -253,22 +252,10 @@ fn onto_the_rails(search: &mut Search, node: &Node, riding: &Riding) -> Result<(
                 search.balance()
             });
         }
-        match found {
-            Ok(()) => {
-                let here = search.configuration();
-                before = Some((done, std::mem::replace(&mut last, here)));
-                (done, step) = (next, 4.0 * step);
-            }
-            Err(cause) => {
-                search.put(&last);
-                step = 0.5 * (next - done);
-                if step < LEAST_SHARE || search.exhausted() {
-                    return Err(EquilibriumError::OnRails { percent: 100.0 * next, cause: Box::new(cause) });
-                }
-            }
-        }
-    }
-    Ok(())
+        found
+    };
+    let failed = |(next, cause)| EquilibriumError::OnRails { percent: 100.0 * next, cause: Box::new(cause) };
+    steps.follow(search, balance).map_err(failed)
 }
 
 /// The balance on a track of that node all the way, and the wheel loads of straight track, N.
@@ -315,50 +302,32 @@ fn on_independent_wheels(search: &mut Search, node: &Node) -> Result<(), Equilib
 /// holds them on each other falls off by decades. (From straight track nothing would lead them: the balance jumps from flange to flange.)
 fn release(search: &mut Search) -> Result<(), EquilibriumError> {
     let [most, least] = HOLDING.map(f64::ln);
-    let (mut done, mut step) = (most, 0.5 * (most - least));
-    let mut last = search.configuration();
-    let mut before: Option<(f64, search::Configuration)> = None;
-    while done > least {
-        let next = f64::max(done - step, least);
+    let shortest = SHORTEST * (most - least);
+    let steps = Steps { from: most, to: least, first: 0.5 * (most - least), growth: 1.5, shortest };
+    let balance = |search: &mut Search, done: f64, next: f64, before: Option<&Before>| {
         search.twists.held_by = if next == least { 0.0 } else { next.exp() };
-        if let Some((share, configuration)) = &before {
-            search.go_on(configuration, (next - done) / (done - share));
+        if let Some(before) = before {
+            search.go_on(&before.1, before.ahead(done, next));
         }
-        search.hasty = done - next > SHORTEST * (most - least);
+        search.hasty = done - next > shortest;
         let found = search.balance();
         search.hasty = false;
-        match found {
-            Ok(()) => {
-                let here = search.configuration();
-                before = Some((done, std::mem::replace(&mut last, here)));
-                (done, step) = (next, 1.5 * step);
-            }
-            Err(cause) => {
-                search.put(&last);
-                step = 0.5 * (done - next);
-                if step < SHORTEST * (most - least) || search.exhausted() {
-                    return Err(cause);
-                }
-            }
-        }
-    }
-    Ok(())
+        found
+    };
+    steps.follow(search, balance).map_err(|(_, cause)| cause)
 }
 
 /// From the balance on straight track to that in the curve.
 fn into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumError> {
     (search.following, search.tolerance) = (true, IN_CURVE);
-    let (mut done, mut step) = (0.0, FIRST);
-    let mut last = search.configuration();
-    let mut before: Option<(f64, search::Configuration)> = None;
-    while done < 1.0 {
-        let next = f64::min(done + step, 1.0);
+    let steps = Steps { from: 0.0, to: 1.0, first: FIRST, growth: 2.0, shortest: SHORTEST };
+    let balance = |search: &mut Search, done: f64, next: f64, before: Option<&Before>| {
         search.lay(&Node { curvature: next * node.curvature, superelevation: next * node.superelevation, ..*node }, None);
-        if let Some((share, configuration)) = &before {
-            search.go_on(configuration, (next - done) / (done - share));
+        if let Some(before) = before {
+            search.go_on(&before.1, before.ahead(done, next));
         }
         let predicted = search.configuration();
-        let found = search.balance().or_else(|cause| {
+        search.balance().or_else(|cause| {
             // The contact that is a constraint may have come to its end: another one takes its place.
             if !search.model.formulation.constrains() {
                 return Err(cause);
@@ -366,27 +335,15 @@ fn into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumErr
             search.put(&predicted);
             search.choose_anew()?;
             search.balance()
-        });
-        match found {
-            Ok(()) => {
-                let here = search.configuration();
-                before = Some((done, std::mem::replace(&mut last, here)));
-                (done, step) = (next, 2.0 * step);
-            }
-            Err(cause) => {
-                search.put(&last);
-                step = 0.5 * (next - done);
-                if step < SHORTEST || search.exhausted() {
-                    let rigid = search.model.formulation.constrains() && !search.model.may_be_elastic();
-                    let advice = match (rigid, search.exhausted()) {
-                        (true, _) => "; contact.on_lift = \"elastic\" lets contacts begin elastic",
-                        (false, true) => "; the search was given up there (its work is bounded): start before the curve, or on a wider one",
-                        (false, false) => "",
-                    };
-                    return Err(EquilibriumError::Curving { percent: 100.0 * next, cause: Box::new(cause), advice });
-                }
-            }
-        }
-    }
-    Ok(())
+        })
+    };
+    steps.follow(search, balance).map_err(|(next, cause)| {
+        let rigid = search.model.formulation.constrains() && !search.model.may_be_elastic();
+        let advice = match (rigid, search.exhausted()) {
+            (true, _) => "; contact.on_lift = \"elastic\" lets contacts begin elastic",
+            (false, true) => "; the search was given up there (its work is bounded): start before the curve, or on a wider one",
+            (false, false) => "",
+        };
+        EquilibriumError::Curving { percent: 100.0 * next, cause: Box::new(cause), advice }
+    })
 }

@@ -200,7 +200,7 @@ impl GlobalSearch {
         for round in 0..ROUNDS {
             brackets.fill(None);
             let scan = Scan::run(self, pair, view, reach, &mut brackets);
-            match if scan.overflow && round + 1 < ROUNDS { scan.crowded() } else { None } {
+            match scan.crowded().filter(|_| round + 1 < ROUNDS) {
                 Some(lower) => reach = lower,
                 None => {
                     self.refine(pair, &scan, found);
