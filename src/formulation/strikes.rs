@@ -59,7 +59,7 @@ impl Model {
     pub fn note_strikes(&self, workspace: &Workspace, t: f64, strikes: &mut Strikes) {
         strikes.now = t;
         for WheelRef { contact, wheelset, side } in self.wheels() {
-            let mut carrying = workspace.reports(contact).filter(|report| report.constrained || report.normal_force > 0.0).peekable();
+            let mut carrying = workspace.reports(contact).filter(|report| report.carries()).peekable();
             let flies = carrying.peek().is_none();
             if flies
                 || self.way_to_flange(workspace, (wheelset, side, contact)) < NEAR
@@ -85,10 +85,7 @@ impl Model {
     fn way_to_flange(&self, workspace: &Workspace, (wheelset, side, contact): (&Wheelset, Side, usize)) -> f64 {
         let Some(way) = self.flanks.get(contact).copied().filter(|way| way.is_finite()) else { return f64::INFINITY };
         let motion = &workspace.system.motions[wheelset.body];
-        let y = match workspace.system.stations.get(wheelset.body) {
-            None => motion.position.y,
-            Some(station) => station.frame.components(&(motion.position - station.frame.origin)).y,
-        };
+        let [y, _] = workspace.beside_track(wheelset.body);
         let [[rail, ..], _] = self.track.rail(side).deviation(motion.distance);
         way - side.sign() * (y - rail)
     }
@@ -109,7 +106,7 @@ impl Model {
         let impedance = (stiffness * self.bouncing_mass(wheelset)).sqrt();
         let mut largest: f64 = 0.0;
         for contact in Side::BOTH.map(|side| contact_index(index, side)) {
-            if carries(workspace, contact) {
+            if workspace.reports(contact).any(|report| report.carries()) {
                 continue;
             }
             for report in workspace.reports(contact).filter(|report| report.penetration < 0.0) {
@@ -129,11 +126,6 @@ impl Model {
         let modulus = self.laws.material.contact_modulus();
         (6.0 * modulus * modulus * radius(&wheelset.left) * wheelset.static_wheel_load).cbrt()
     }
-}
-
-/// Does any of a wheel's contacts carry?
-fn carries(workspace: &Workspace, contact: usize) -> bool {
-    workspace.reports(contact).any(|report| report.constrained || report.normal_force > 0.0)
 }
 
 /// r, m.

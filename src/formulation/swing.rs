@@ -5,7 +5,7 @@
 //! nothing but its own stability decides what becomes of a swing, a step's error is also held against the swing's amplitude:
 //!
 //! ```text
-//! |e_y| <= r A_y,   |e_yaw| <= r A_yaw,   r = 2e-4,   A_y >= 1 um
+//! |e_y| <= r A_y,   |e_yaw| <= r A_yaw,   r = 1.5e-4,   A_y >= 1 um
 //! ```
 //!
 //! A is an envelope: the largest distance from a slow mean, which fades with the mean's own time. Where a rail or the centre line changes
@@ -58,15 +58,7 @@ impl Model {
     pub fn note_swings(&self, workspace: &Workspace, t: f64, swings: &mut Swings) {
         let fading = swings.time.map_or(1.0, |before| 1.0 - (-(t - before).max(0.0) / TIME).exp());
         for (envelopes, wheelset) in swings.wheelsets.iter_mut().zip(&self.wheelsets) {
-            let motion = &workspace.system.motions[wheelset.body];
-            let station = workspace.system.stations.get(wheelset.body);
-            let now = match station {
-                None => [motion.position.y, motion.yaw],
-                Some(station) => {
-                    let frame = &station.frame;
-                    [frame.components(&(motion.position - frame.origin)).y, frame.components(&motion.frame.axes.column(0).into_owned()).y]
-                }
-            };
+            let now = workspace.beside_track(wheelset.body);
             for (envelope, now) in envelopes.iter_mut().zip(now) {
                 if swings.time.is_none() {
                     envelope.mean = now;

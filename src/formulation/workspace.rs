@@ -57,6 +57,11 @@ pub struct ContactReport {
 }
 
 impl ContactReport {
+    /// Is it pressed, or a constraint that holds?
+    pub fn carries(&self) -> bool {
+        self.constrained || self.normal_force > 0.0
+    }
+
     /// Where it is, for strips that are to be pressed there again.
     pub fn near(&self) -> Near {
         Near { eta: self.parameters.rail, lead: self.parameters.lead, overlap: self.penetration }
@@ -154,6 +159,18 @@ impl Workspace {
     /// A vector of the world in the track frame beside a body.
     pub fn in_track(&self, body: usize, vector: Vector3<f64>) -> Vector3<f64> {
         self.system.stations.get(body).map_or(vector, |station| station.components(&vector))
+    }
+
+    /// A body's lateral displacement [m] and yaw [rad, its sine] relative to the centre line beside it.
+    pub fn beside_track(&self, body: usize) -> [f64; 2] {
+        let motion = &self.system.motions[body];
+        match self.system.stations.get(body) {
+            None => [motion.position.y, motion.yaw],
+            Some(station) => {
+                let frame = &station.frame;
+                [frame.components(&(motion.position - frame.origin)).y, frame.components(&motion.frame.axes.column(0).into_owned()).y]
+            }
+        }
     }
 
     /// How many strips a wheel was laid over in this pose; `None` where its patch was not made of strips.

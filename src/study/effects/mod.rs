@@ -168,11 +168,8 @@ pub fn effects(scene: &Scene, request: &Request) -> Result<Report, String> {
             Ended::Refused(reason) | Ended::Failed { reason, .. } => {
                 format!("the run {what} failed, so there is nothing to compare with: {reason}")
             }
-            Ended::Left { .. } => {
-                format!("the run {what} had not ended when its time was over; expected a shorter --stop or more --budget")
-            }
-            Ended::GivenUp { time, .. } => {
-                format!("the run {what} had reached t = {time:.3} s when its time was over; expected a shorter --stop or more --budget")
+            Ended::GivenUp { at, .. } => {
+                format!("the run {what} was {at} when its time was over; expected a shorter --stop or more --budget")
             }
         });
         tell(what);
@@ -265,7 +262,6 @@ fn changed(
         },
         Err(Ended::Refused(reason)) => Outcome::Refused { reason },
         Err(Ended::Failed { time, derailed, reason }) => Outcome::Failed { time, derailed, reason },
-        Err(Ended::Left { cpu }) => Outcome::NotRun { reason: format!("{}, within a step", limit.words(0.5 * cpu)) },
-        Err(Ended::GivenUp { time, cpu }) => Outcome::NotRun { reason: format!("{} at t = {time:.3} s", limit.words(cpu)) },
+        Err(Ended::GivenUp { at, cpu }) => Outcome::NotRun { reason: format!("{} {at}", limit.words(cpu)) },
     }
 }

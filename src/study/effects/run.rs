@@ -34,13 +34,9 @@ pub(super) enum Ended {
         derailed: bool,
         reason: String,
     },
-    /// The caller wants no more after so many seconds of CPU time.
+    /// The caller wants no more after so many seconds of CPU time; where it was then, in words.
     GivenUp {
-        time: f64,
-        cpu: f64,
-    },
-    /// The same within an output step, after so many seconds.
-    Left {
+        at: String,
         cpu: f64,
     },
 }
@@ -89,7 +85,7 @@ pub(super) fn run_unless(
         let waited = begin.elapsed().as_secs_f64();
         if give_up() || crawls(waited / WAITED) {
             left.store(true, Ordering::Relaxed);
-            return Err(Ended::Left { cpu: waited });
+            return Err(Ended::GivenUp { at: "within a step".into(), cpu: waited / WAITED });
         }
     }
 }
@@ -112,7 +108,7 @@ pub(super) fn run(scene: &Scene, span: Times, give_up: &dyn Fn(f64) -> bool) -> 
         advanced.map_err(|error| failed(&simulation, error))?;
         recording.sample(&mut simulation, &outputs).map_err(|error| failed(&simulation, error))?;
         if give_up(cpu) {
-            return Err(Ended::GivenUp { time, cpu });
+            return Err(Ended::GivenUp { at: format!("at t = {time:.3} s"), cpu });
         }
     }
     let (observed, notes) = (Observed::new(&recording, simulation.model()), simulation.notes());
