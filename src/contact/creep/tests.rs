@@ -250,6 +250,27 @@ fn validate_fastrip() {
     assert!(worst < 0.025 && mean < 0.004, "{worst} {mean}");
 }
 
+/// Small pure spin by simplified theory: `-(8/15) a^2 b^3 phi / L3` with `L3 = pi a sqrt(a/b) / (4 G c23)`, so that `32/(15 pi) c23 (b/a)^1.5` stands for
+/// Kalker's c33; FaStrip's elliptic bound makes it a fifth more.
+#[test]
+fn analytic_spin_moments_of_simplified_theory() {
+    for (ratio, off_fastsim, off_fastrip) in
+        [(0.1, 24.0, 49.5), (1.0 / 3.0, -2.0, 18.0), (1.0, -15.0, 2.5), (3.0, -23.0, -7.5), (10.0, -34.5, -21.5)]
+    {
+        let patch = Patch { a: 5e-3 * f64::sqrt(ratio), b: 5e-3 / f64::sqrt(ratio) };
+        let creepage = Creepage { spin: 1e-5, ..Creepage::default() };
+        let contact = RollingContact { patch, normal_force: 5e4, friction: 0.35, creepage, speed: 1.0 };
+        let kalker = kalker::KalkerTable::new(STEEL.poisson_ratio).at(ratio);
+        let c33 = |name: &str| -law(name).force(&contact).spin_moment / (STEEL.shear_modulus() * (patch.a * patch.b).powi(2) * creepage.spin);
+        let simplified = 32.0 / (15.0 * PI) * kalker.c23 * ratio.powf(-1.5);
+        let [fastsim, fastrip] = ["fastsim", "fastrip"].map(c33);
+        let off = [fastsim, fastrip].map(|found| 100.0 * (found / kalker.c33 - 1.0));
+        println!("a/b {ratio:.2}: fastsim {fastsim:.4}, fastrip {fastrip:.4}, simplified theory {simplified:.4}; {off:.1?} % off Kalker's c33");
+        assert!((fastsim / simplified - 1.0).abs() < 2e-3 && (fastrip / simplified - 1.204).abs() < 5e-3);
+        assert!((off[0] - off_fastsim).abs() < 1.0 && (off[1] - off_fastrip).abs() < 1.0, "{off:?}");
+    }
+}
+
 /// Distance from the exact half-space theory (CONTACT): published for these theories is 0.014 (FaStrip) and 0.024 (FASTSIM) on
 /// average over a wider set.
 #[test]
