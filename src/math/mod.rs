@@ -2,6 +2,7 @@
 
 pub mod bracket;
 pub mod elementary;
+pub mod monotone_spline;
 pub mod newton;
 pub mod rotation;
 pub mod smooth_step;

@@ -11,6 +11,25 @@ pub enum SplineError {
     NotFinite { index: usize },
 }
 
+/// Three or more finite points with increasing positions?
+///
+/// # Errors
+/// [`SplineError`], the first thing that is wrong.
+pub(super) fn check(points: &[(f64, f64)]) -> Result<(), SplineError> {
+    if points.len() < 3 {
+        return Err(SplineError::TooFew(points.len()));
+    }
+    for (index, point) in points.iter().enumerate() {
+        if !(point.0.is_finite() && point.1.is_finite()) {
+            return Err(SplineError::NotFinite { index });
+        }
+        if index > 0 && point.0 <= points[index - 1].0 {
+            return Err(SplineError::NotIncreasing { index, position: point.0, previous: points[index - 1].0 });
+        }
+    }
+    Ok(())
+}
+
 /// Interpolates points `(x_i, y_i)` with zero second derivative at both ends; beyond the ends it goes on as
 /// the straight line that continues it (value, slope and curvature stay continuous).
 #[derive(Clone, Debug)]
@@ -29,18 +48,8 @@ impl CubicSpline {
     /// # Errors
     /// [`SplineError`] unless there are three or more finite points with increasing positions.
     pub fn natural(points: &[(f64, f64)]) -> Result<Self, SplineError> {
+        check(points)?;
         let n = points.len();
-        if n < 3 {
-            return Err(SplineError::TooFew(n));
-        }
-        for (index, point) in points.iter().enumerate() {
-            if !(point.0.is_finite() && point.1.is_finite()) {
-                return Err(SplineError::NotFinite { index });
-            }
-            if index > 0 && point.0 <= points[index - 1].0 {
-                return Err(SplineError::NotIncreasing { index, position: point.0, previous: points[index - 1].0 });
-            }
-        }
         let width: Vec<f64> = points.windows(2).map(|p| p[1].0 - p[0].0).collect();
         let slope: Vec<f64> = points.windows(2).map(|p| (p[1].1 - p[0].1) / (p[1].0 - p[0].0)).collect();
 

@@ -261,11 +261,14 @@ fn analytic_spin_moments_of_simplified_theory() {
         let creepage = Creepage { spin: 1e-5, ..Creepage::default() };
         let contact = RollingContact { patch, normal_force: 5e4, friction: 0.35, creepage, speed: 1.0 };
         let kalker = kalker::KalkerTable::new(STEEL.poisson_ratio).at(ratio);
-        let c33 = |name: &str| -law(name).force(&contact).spin_moment / (STEEL.shear_modulus() * (patch.a * patch.b).powi(2) * creepage.spin);
+        let c33 =
+            |name: &str| -law(name).force(&contact).spin_moment / (STEEL.shear_modulus() * (patch.a * patch.b).powi(2) * creepage.spin);
         let simplified = 32.0 / (15.0 * PI) * kalker.c23 * ratio.powf(-1.5);
         let [fastsim, fastrip] = ["fastsim", "fastrip"].map(c33);
         let off = [fastsim, fastrip].map(|found| 100.0 * (found / kalker.c33 - 1.0));
-        println!("a/b {ratio:.2}: fastsim {fastsim:.4}, fastrip {fastrip:.4}, simplified theory {simplified:.4}; {off:.1?} % off Kalker's c33");
+        println!(
+            "a/b {ratio:.2}: fastsim {fastsim:.4}, fastrip {fastrip:.4}, simplified theory {simplified:.4}; {off:.1?} % off Kalker's c33"
+        );
         assert!((fastsim / simplified - 1.0).abs() < 2e-3 && (fastrip / simplified - 1.204).abs() < 5e-3);
         assert!((off[0] - off_fastsim).abs() < 1.0 && (off[1] - off_fastrip).abs() < 1.0, "{off:?}");
     }

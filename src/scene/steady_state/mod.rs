@@ -201,19 +201,20 @@ fn on_displaced_rails(
 ) -> Result<SteadyState, EquilibriumError> {
     let mut smooth = scene.clone();
     smooth.contact.formulation = formulation::algebraic();
-    let (mut search, wheel_loads) = balanced(&smooth, standing, pattern, node)?;
+    let with_bends = on_rails_with(&smooth, standing, pattern, node, riding);
     let mut level = None;
-    if onto_the_rails(&mut search, node, riding).is_err() {
+    let (search, wheel_loads) = match with_bends {
+        Ok(found) => found,
         // Rails may demand more than contacts between wheels and rails can give, or the search lost its way: then with static loads alone.
-        search = balanced(&smooth, standing, pattern, node)?.0;
-        onto_the_rails(&mut search, node, level.insert(riding.without_bends()))?;
-    }
+        Err(_) => on_rails_with(&smooth, standing, pattern, node, level.insert(riding.without_bends()))?,
+    };
     let riding = level.as_ref().unwrap_or(riding);
     let mut own = Search::new(scene, standing, pattern)?;
     own.lay(node, Some((riding, 1.0)));
     own.effort = search.effort;
     own.put_bodies(&search.now);
     own.ride_as(&search);
+    own.twists = search.twists.clone();
     let scale = scene.vehicle.speed / pattern.speed;
     own.tolerance = ON_RAILS;
     if !own.model.formulation.constrains() {
@@ -229,6 +230,31 @@ fn on_displaced_rails(
     let several = (0..own.model.contacts()).any(|contact| own.model.searches_contacts(contact));
     let contacts = if own.model.may_be_elastic() && several { Contacts::Elastic } else { Contacts::Any };
     Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts })
+}
+
+/// The balance with elastic contacts on displaced rails, and the wheel loads of straight track, N. Independent wheels, which nothing but their weight leads, may need to be led there together.
+fn on_rails_with<'a>(
+    smooth: &Scene,
+    standing: &'a Standing,
+    pattern: Pattern,
+    node: &Node,
+    riding: &Riding,
+) -> Result<(Search<'a>, Vec<f64>), EquilibriumError> {
+    let (mut search, wheel_loads) = balanced(smooth, standing, pattern, node)?;
+    let Err(cause) = onto_the_rails(&mut search, node, riding) else { return Ok((search, wheel_loads)) };
+    if !Twists::independent(&search.model) {
+        return Err(cause);
+    }
+    let mut together = || {
+        (search, _) = balanced(smooth, standing, pattern, node)?;
+        search.twists.held_by = f64::INFINITY;
+        search.balance()?;
+        onto_the_rails(&mut search, node, riding)?;
+        release(&mut search)
+    };
+    // What went wrong without that tells more.
+    together().map_err(|_| cause)?;
+    Ok((search, wheel_loads))
 }
 
 /// From the balance on ideal rails to that on displaced ones, by parts of the displacements where need be.

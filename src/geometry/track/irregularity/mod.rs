@@ -9,7 +9,7 @@
 //! 25 mrad of 1:40). One `[[track.irregularity]]` becomes up to four [`Deviation`]s. They are smooth: no breaks, steps are
 //! limited by the integrator's control of its error alone.
 
-mod gaps;
+mod overshoot;
 mod resolved;
 mod series;
 pub mod spectrum;

@@ -7,19 +7,21 @@
 //! comment line; a header with `;` separates by `;`.
 //!
 //! Natural cubic splines carry the rails' displacements: value, slope and second derivative are continuous, the third jumps at the
-//! points. A [`Window`] takes them to zero at both ends. `smoothing` is the root-mean-square distance by which a cubic smoothing
+//! points. Where they would leave the points too far the series is refused (`overshoot`); with `interpolation = "monotone"` lines go from point to point
+//! ([`MonotoneSpline`]), for tables made by hand. A [`Window`] takes them to zero at both ends. `smoothing` is the root-mean-square distance by which a cubic smoothing
 //! spline may move the values of each column; without it they are interpolated. Lookup takes constant time where positions are
 //! about even (an index table with a cell for each point, up to 65536).
 
 use super::super::deviation::STEEPEST_RAIL;
-use super::gaps::{self, Gap};
+use super::overshoot::{self, Overshoot};
 use super::resolved::resolved;
-use super::window::{Window, Windowed};
+use super::window::{Spline, Window, Windowed};
 use super::{Irregularity, Quantity, deviations};
 use crate::geometry::file::OpenFile;
 use crate::geometry::track::DeviationShape;
+use crate::math::monotone_spline::MonotoneSpline;
 use crate::math::smoothing::{Reach, smooth};
-use crate::math::spline::CubicSpline;
+use crate::math::spline::{CubicSpline, SplineError};
 use crate::settings::{Entry, Section, SettingsError, csv_reader, did_you_mean, line_of};
 use crate::units::Dimension;
 use std::sync::Arc;
@@ -95,31 +97,57 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     let window = Window::read(section, from, to, FADE)?;
     let name = file.kept.path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let description = format!("series of {} points in {name}{smoothed}, {}", positions.len(), window.describe());
-    let quantities = quantities(table);
-    if let Some(long) = gaps::long(&positions, (window.from, window.to)) {
-        for (name, values) in Quantity::NAMES.iter().zip(&quantities) {
-            let points: Vec<(f64, f64)> = positions.iter().copied().zip(values.iter().flatten().copied()).collect();
-            if let Some(gap) = long.worst(&points) {
-                return Err(file.error(0, COLUMNS[0], invented(&gap, name)));
-            }
-        }
+    let monotone = section.has("interpolation") && section.word("interpolation", &["spline", "monotone"])? == "monotone";
+    let description = if monotone { format!("{description}, monotone between points") } else { description };
+    if !monotone {
+        no_inventions(&file, &positions, &table, &window)?;
     }
+    let quantities = quantities(table);
     let deviations = deviations(&quantities, |_, _, values| {
         let points: Vec<(f64, f64)> = positions.iter().zip(values).map(|(&position, value)| (position, scale * value)).collect();
-        let spline = CubicSpline::natural(&points).map_err(|error| file.error(0, COLUMNS[0], error.to_string()))?;
-        let mut shape = Windowed { spline, window, description: description.clone(), waves: Vec::new() };
-        shape.waves = resolved(&shape, window.from, window.to, &positions);
-        Ok(Arc::new(shape) as Arc<dyn DeviationShape>)
+        let wrong = |error: SplineError| file.error(0, COLUMNS[0], error.to_string());
+        let laid = (window, description.clone());
+        Ok(if monotone {
+            // A quintic does more between two points than a cubic.
+            let finer: Vec<f64> = positions
+                .windows(2)
+                .flat_map(|pair| [0.0, 0.25, 0.5, 0.75].map(|x| pair[0] + x * (pair[1] - pair[0])))
+                .chain([last])
+                .collect();
+            lay(MonotoneSpline::new(&points).map_err(wrong)?, laid, &finer)
+        } else {
+            lay(CubicSpline::natural(&points).map_err(wrong)?, laid, &positions)
+        })
     })?;
     Ok(Irregularity { deviations, file: Some(file.kept) })
 }
 
-/// Why a series with a gap is refused.
-fn invented(gap: &Gap, quantity: &str) -> String {
-    let Gap { from, to, usual, invented, measured } = gap;
+/// Does the spline of each column stay near its points?
+fn no_inventions(file: &OpenFile, positions: &[f64], table: &Table, window: &Window) -> Result<(), SettingsError> {
+    for (name, values) in COLUMNS.iter().zip(&table.columns) {
+        let Some(values) = values else { continue };
+        let points: Vec<(f64, f64)> = positions.iter().copied().zip(values.iter().copied()).collect();
+        let spline = CubicSpline::natural(&points).map_err(|error| file.error(0, COLUMNS[0], error.to_string()))?;
+        if let Some(found) = overshoot::worst(&spline, &points, (window.from, window.to)).filter(|found| found.part > 1.0) {
+            return Err(file.error(0, name, invented(&found)));
+        }
+    }
+    Ok(())
+}
+
+/// A line under its window.
+fn lay<S: Spline + 'static>(spline: S, (window, description): (Window, String), knots: &[f64]) -> Arc<dyn DeviationShape> {
+    let mut shape = Windowed { spline, window, description, waves: Vec::new() };
+    shape.waves = resolved(&shape, window.from, window.to, knots);
+    Arc::new(shape)
+}
+
+/// Why a series is refused between whose points a spline makes something else.
+fn invented(found: &Overshoot) -> String {
+    let Overshoot { from, to, invented, measured, .. } = found;
     format!(
-        "has no points between {from} m and {to} m, where they mostly stand {usual:.3} m apart, and a spline over the gap would make {:.2} mm of {quantity} where up to {:.2} mm were measured; give \
-         points there, or take the parts before and behind as a series each (`from`, `to`)",
+        "a cubic spline would make {:.2} mm between the points at {from} m and {to} m, where those around reach {:.2} mm; expected points that stand more evenly, or interpolation = \"monotone\", \
+         which goes from point to point, or the parts before and behind as a series each (`from`, `to`)",
         1e3 * invented,
         1e3 * measured
     )
@@ -249,12 +277,33 @@ mod tests {
     }
 
     #[test]
+    fn hard_a_table_made_by_hand_is_refused_or_goes_from_point_to_point() {
+        let content = "distance [m],gauge [mm]\n0,0\n30,0\n60,0\n60.5,8\n70,8\n70.5,0\n100,0\n130,0\n";
+        let refused = read_series("", content).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(
+            refused.contains("m.csv: gauge: a cubic spline would make") && refused.contains("interpolation = \"monotone\""),
+            "{refused}"
+        );
+        let track = read_series("interpolation = \"monotone\"\n", content).unwrap();
+        let left = |s: f64| at(&track, Side::Left, Direction::Lateral, s)[0];
+        assert!(
+            (0..1300).all(|k| (-1e-15..4e-3 + 1e-15).contains(&left(0.1 * f64::from(k))))
+                && (left(65.0) - 4e-3).abs() < 1e-15
+                && left(50.0) == 0.0
+        );
+        // Steps see the half metre over which it widens.
+        let shape = &track.deviations[0].shape;
+        let waves = crate::geometry::track::waves::Waves::new(shape.waves());
+        assert!(waves.reach(40.0, 1.0) < 20.5 && waves.reach(60.1, 1.0) < 0.3, "{} {}", waves.reach(40.0, 1.0), waves.reach(60.1, 1.0));
+    }
+
+    #[test]
     fn hard_a_series_with_a_hole_is_refused_unless_it_lies_outside() {
         let rows = (0..400).map(|k| 0.25 * f64::from(k)).filter(|s| !(40.1..70.1).contains(s));
         let lines = rows.map(|s| format!("{s},{}\n", 2.0 * (0.9 * s).sin() + (0.31 * s).cos()));
         let content = format!("distance [m],cross_level [mm]\n{}", lines.collect::<String>());
         let refused = read_series("", &content).err().map(|error| error.to_string()).unwrap_or_default();
-        assert!(refused.contains("between 40 m and 70.25 m") && refused.contains("cross_level"), "{refused}");
+        assert!(refused.contains("between the points at 40 m and 70.25 m") && refused.contains("cross_level"), "{refused}");
         assert!(read_series("to = 39.0\n", &content).is_ok());
     }
 

@@ -5,6 +5,7 @@
 
 use crate::geometry::track::DeviationShape;
 use crate::geometry::track::waves::Stretch;
+use crate::math::monotone_spline::MonotoneSpline;
 use crate::math::smooth_step::{smooth_step, weighted};
 use crate::math::spline::CubicSpline;
 use crate::math::uniform_spline::UniformSpline;
@@ -77,6 +78,16 @@ impl Spline for CubicSpline {
 
     fn is_zero(&self) -> bool {
         CubicSpline::is_zero(self)
+    }
+}
+
+impl Spline for MonotoneSpline {
+    fn at(&self, s: f64) -> [f64; 4] {
+        MonotoneSpline::at(self, s)
+    }
+
+    fn is_zero(&self) -> bool {
+        MonotoneSpline::is_zero(self)
     }
 }
 
