@@ -5,17 +5,28 @@
 //! asks for. Back in the scene's slack the same balance has each coupler longer (T > 0) or shorter by its free travel, so that all vehicles behind it
 //! stand moved by that, and Newton's method begins there.
 
-use super::search::Search;
+use super::search::{Search, Unknown};
+use crate::formulation::EvaluationError;
 use crate::mbs::force::ForceElement;
 use crate::mbs::system::System;
 use crate::scene::equilibrium::EquilibriumError;
 
 /// Forces below this leave a coupler in the middle of its slack, N.
 const LEAST: f64 = 1e-3;
+/// Lengths are right to this, m, and after so many rounds at most.
+const EXACT: f64 = 1e-13;
+const ROUNDS: usize = 8;
+/// Numbers of a coupler's quantities.
+const TENSION: usize = 0;
+const DISPLACEMENT: usize = 1;
 /// Name of the slack among an element's numbers.
 const CLEARANCE: &str = "clearance";
 
-/// A coupler with slack.
+/// How far a vehicle is moved along the track for a difference, m. A coupler that holds a newton or less is pulled or pushed by less than a micrometre, and beyond lies
+/// its slack, or its other stiffness: with steps of 1e-6 m trains that hang together by such forces had no balance.
+const STEP: f64 = 1e-8;
+
+/// A coupler; its slack may be none.
 struct Slack {
     element: usize,
     /// Number of its clearance, and the clearance, m.
@@ -28,7 +39,7 @@ struct Slack {
 }
 
 fn slack_of(search: &Search, element: usize, force: &dyn ForceElement) -> Option<Slack> {
-    let clearance = force.constants().into_iter().find(|number| number.name == CLEARANCE && number.value > 0.0)?;
+    let clearance = force.constants().into_iter().find(|number| number.name == CLEARANCE)?;
     let strike = force.strike(&search.workspace.system.moving())?;
     let [Some(first), Some(second)] = strike.ends else { return None };
     let sign = strike.along(&search.axes(first).column(0).into_owned())?.signum();
@@ -46,7 +57,15 @@ impl Search<'_> {
         self.rest(true, false).map_err(EquilibriumError::Evaluation)?;
         let slacks: Vec<Slack> =
             self.model.system.forces.iter().enumerate().filter_map(|(i, force)| slack_of(self, i, force.as_ref())).collect();
-        if !slacks.is_empty() && self.balance_without(&slacks) && self.balance().is_ok() {
+        let joined = |body: usize| slacks.iter().any(|slack| slack.ends.contains(&body));
+        for unknown in &mut self.unknowns {
+            if let Unknown::Coordinate { body, axis: 0, step } = unknown
+                && joined(*body)
+            {
+                *step = STEP;
+            }
+        }
+        if slacks.iter().any(|slack| slack.clearance > 0.0) && self.balance_without(&slacks) && self.balance().is_ok() {
             return Ok(());
         }
         self.put(&before);
@@ -62,22 +81,37 @@ impl Search<'_> {
         };
         set(self, 0.0);
         let found = self.balance().is_ok();
-        let bodies = self.workspace.system.moving();
-        // What pulls is longer than in the middle.
-        let pulls = |slack: &Slack| {
-            let element = &self.model.system.forces[slack.element];
-            let states = self.model.system.states_of_force(slack.element);
-            let tension = element.quantity(0, &bodies, &self.y[states]);
-            if tension.abs() < LEAST { 0.0 } else { tension.signum() }
+        // What pulls is longer by its free travel than without.
+        let longer = |slack: &Slack| {
+            let tension = self.quantity_of(slack, TENSION);
+            self.quantity_of(slack, DISPLACEMENT) + if tension.abs() < LEAST { 0.0 } else { tension.signum() * slack.clearance }
         };
-        let longer: Vec<f64> = slacks.iter().map(|slack| slack.sign * slack.clearance * pulls(slack)).collect();
+        let wanted: Vec<f64> = slacks.iter().map(longer).collect();
         set(self, 1.0);
-        if found {
+        found && self.put_apart(slacks, &wanted).is_ok()
+    }
+
+    /// Moves vehicles along the track until their couplers are as long as wanted [m]: one that is inclined grows by less than its ends move.
+    fn put_apart(&mut self, slacks: &[Slack], wanted: &[f64]) -> Result<(), EvaluationError> {
+        for _ in 0..ROUNDS {
+            self.rest(true, false)?;
+            let missing = |(slack, wanted): (&Slack, &f64)| wanted - self.quantity_of(slack, DISPLACEMENT);
+            let missing: Vec<f64> = slacks.iter().zip(wanted).map(missing).collect();
+            if missing.iter().all(|missing| missing.abs() < EXACT) {
+                break;
+            }
+            let longer: Vec<f64> = slacks.iter().zip(missing).map(|(slack, missing)| slack.sign * missing).collect();
             for (at, forward) in self.now.at.iter_mut().zip(moves(&self.model.system, slacks, &longer)) {
                 at.coordinates[0] += forward;
             }
         }
-        found
+        Ok(())
+    }
+
+    /// Of a coupler where the bodies were evaluated.
+    fn quantity_of(&self, slack: &Slack, index: usize) -> f64 {
+        let states = self.model.system.states_of_force(slack.element);
+        self.model.system.forces[slack.element].quantity(index, &self.workspace.system.moving(), &self.y[states])
     }
 }
 
