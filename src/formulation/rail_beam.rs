@@ -38,7 +38,7 @@ const PADS: (f64, f64) = (1e6, 1e11);
 const SLEEPERS: (f64, f64) = (1.0, 1e4);
 const LOSSES: (f64, f64) = (0.0, 0.5);
 /// Hz. The rail below it is what a contact and a sleeper feel; above it a section is no beam.
-const FREQUENCIES: (f64, f64) = (300.0, 6000.0);
+const FREQUENCIES: (f64, f64) = (300.0, 20000.0);
 const BAYS: (f64, f64) = (8.0, 2000.0);
 
 /// Rails on sleepers.

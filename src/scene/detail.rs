@@ -150,6 +150,11 @@ impl Cutting<'_> {
         let named = whole.sensors.iter().map(|sensor| sensor.name.as_str());
         let with_inputs = whole.forces.iter().filter(|force| !force.0.inputs().is_empty()).map(|force| force.0.name());
         let lost = named.chain(with_inputs).filter(|name| !stays(name)).map(str::to_string).collect();
+        let acts = |force: &dyn ForceElement| {
+            (0..force.inputs().len()).any(|index| force.start_input(index) != 0.0) || force.bodies().iter().flatten().count() == 1
+        };
+        let acting = whole.forces.iter().filter(|force| acts(force.0.as_ref()) && !stays(force.0.name()));
+        let acting = acting.map(|force| force.0.name().to_string()).collect();
         let mut vehicle = VehicleSpec { wheelsets, bodies, joints, forces, sensors, extent: Extent::Whole, ..whole.clone() };
         // On the rails, less what is there.
         let loads = self.loads.iter().enumerate().filter(|(body, _)| self.kept(*body)).map(|(_, load)| 2.0 * load).sum::<f64>();
@@ -165,6 +170,7 @@ impl Cutting<'_> {
             bodies: names(&mut (0..whole.body_count()).filter(|body| !self.kept(*body))),
             guides: names(&mut guides.into_iter()),
             lost,
+            acting,
             weight,
             carried: mass,
             along,

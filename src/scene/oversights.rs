@@ -2,13 +2,21 @@
 
 use super::spec::Scene;
 use super::start::origin;
+use super::vehicle::extent::Away;
 use crate::formulation::Model;
 use crate::mbs::body::Body;
 use crate::mbs::inertia::Inertia;
 
 /// All of them.
 pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
-    unreached(scene).into_iter().chain(off_the_axle(scene, model)).chain(extents(scene, model)).chain(adverse(scene)).collect()
+    let missed = scene.vehicle.away().and_then(Away::missed);
+    unreached(scene)
+        .into_iter()
+        .chain(off_the_axle(scene, model))
+        .chain(extents(scene, model))
+        .chain(adverse(scene))
+        .chain(missed)
+        .collect()
 }
 
 /// Spacing of the places that are looked at, and how far beyond its way, m.

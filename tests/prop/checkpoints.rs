@@ -123,7 +123,11 @@ fn prop_a_run_goes_on_from_an_end_that_is_a_row_but_for_rounding() {
         Path::new(&path("first.csv")),
         &[&steps[..], &["--stop", "0.78", "--checkpoint", "0.3 s", "--checkpoint-file", &kept]].concat(),
     );
-    let on = results(Path::new(&path("on.csv")), &[&steps[..], &["--stop", "1", "--resume", &kept]].concat());
+    // The same command as before, with --resume; another file is another place.
+    let again = [&steps[..], &["--stop", "1", "--resume", &kept, "--checkpoint", "0.3 s", "--checkpoint-file"]].concat();
+    let (_, stderr, code) = run(&[&again[..], &[&path("other.checkpoints")]].concat());
+    assert!(code == 2 && stderr.contains("keeps its checkpoints in"), "{stderr}");
+    let on = results(Path::new(&path("on.csv")), &[&again[..], &[&kept]].concat());
     let text = |rows: &[u8]| String::from_utf8(rows.to_vec()).unwrap();
     let [whole, on] = [text(&whole.0), text(&on.0)];
     let differ: Vec<usize> = whole.lines().zip(on.lines()).enumerate().filter(|(_, (a, b))| a != b).map(|(row, _)| row).collect();

@@ -294,6 +294,25 @@ fn equiv_a_train_of_point_masses_is_braked_as_the_train() {
 }
 
 #[test]
+fn prop_brakes_and_motors_that_are_cut_away_are_told_where_they_would_act() {
+    let missed = |changes: &[&str]| {
+        let scene = open("train", &[&[STRAIGHT[0]], changes].concat()).unwrap();
+        let notes = wheelrail::scene::improbable::improbable(&scene, start(&scene).model());
+        notes.into_iter().find(|note| note.contains("drive, brake or resist no more"))
+    };
+    let brake = |torque: &str| {
+        format!(
+            "vehicle.module.coach.force=[{{name=\"brake\",kind=\"brake\",type=\"disc\",from={{body=\"truck[1].frame\",at=[9.0,0.0,0.6]}},to={{body=\"truck[1].wheelset[1]\",at=[10.78,0.0,0.46]}},\
+             stiffness=6e6,torque={torque}}}]"
+        )
+    };
+    let (acting, idle) = (brake("2e3"), brake("0.0"));
+    let found = missed(&[&acting, POINTS]).unwrap();
+    assert!(found.starts_with("vehicle.point_masses: coach[2].brake, coach[3].brake went with what is cut away"), "{found}");
+    assert_eq!((missed(&[&idle, POINTS]), missed(&[&acting]), missed(&[POINTS])), (None, None, None));
+}
+
+#[test]
 fn hard_what_cannot_be_cut_says_why() {
     let telescope = format!(
         "{}[[vehicle.joint]]\nname = \"post\"\nkind = \"prismatic\"\nfirst = \"box\"\nsecond = \"frame1\"\nat = [8.0, 0.0, 0.8]\naxis = [0, 0, 1]\n",

@@ -44,7 +44,8 @@ pub(super) fn modes(scene: &Scene, found: &Modes) -> String {
     );
     text.push_str(&swinging(found.amplitude));
     if found.unbalanced > UNSTEADY {
-        text += &format!("  not quite steady: accelerations up to {:.1e} m/s2 or rad/s2 remain\n", found.unbalanced);
+        let by = if found.driven { " (torques and forces that elements begin with are not in the balance)" } else { "" };
+        text += &format!("  not quite steady: accelerations up to {:.1e} m/s2 or rad/s2 remain{by}\n", found.unbalanced);
     }
     let row = |mode: &Mode| {
         vec![

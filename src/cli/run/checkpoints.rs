@@ -16,7 +16,7 @@ pub(super) struct CheckpointArguments {
     #[arg(long, value_name = "EVERY", value_parser = interval)]
     checkpoint: Option<Interval>,
     /// File of checkpoints [default: the output's name, or the scene's, with .checkpoints]
-    #[arg(long, value_name = "FILE", requires = "checkpoint", conflicts_with = "resume")]
+    #[arg(long, value_name = "FILE", requires = "checkpoint")]
     checkpoint_file: Option<PathBuf>,
     /// Go on from the last checkpoint in a file: same scene, --set, --step and program; --stop may be later
     #[arg(long, value_name = "FILE")]
@@ -48,6 +48,12 @@ impl CheckpointArguments {
     /// The run to go on with, if any.
     pub(super) fn found(&self, origin: &Origin, times: Times) -> Result<Option<Found>, Failure> {
         let Some(path) = &self.resume else { return Ok(None) };
+        if let Some(other) = self.checkpoint_file.as_ref().filter(|other| *other != path) {
+            let (path, other) = (path.display(), other.display());
+            return Err(Failure::Input(format!(
+                "--checkpoint-file {other}: a run that goes on keeps its checkpoints in {path}; expected that file, or none"
+            )));
+        }
         let found = Found::read(path, origin).map_err(refused)?;
         found.check(times).map_err(refused)?;
         Ok(Some(found))

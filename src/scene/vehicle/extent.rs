@@ -74,6 +74,8 @@ pub struct Away {
     pub guides: Vec<String>,
     /// Elements and sensors that went with them, inputs of elements among them.
     pub lost: Vec<String>,
+    /// Elements that went with them and would drive, brake or resist: by a value in the scene of one of their inputs, or by what holds on to the world.
+    pub acting: Vec<String>,
     /// Part of their weight that the wheels carry in steady running, N.
     pub weight: f64,
     /// The mass of that, kg, which goes along the track with the heaviest kept body where the speed is free.
@@ -87,12 +89,6 @@ pub struct Away {
 impl Away {
     /// In a sentence, for the plan.
     pub fn describe(&self, vehicle: &VehicleSpec) -> String {
-        const NAMED: usize = 4;
-        let list = |names: &[String]| {
-            let more = names.len().saturating_sub(NAMED);
-            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-            format!("{}{more}", names.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", "))
-        };
         let held = match self.guides.len() {
             0 => String::new(),
             _ => format!(
@@ -110,8 +106,30 @@ impl Away {
         let masses: Vec<String> = self.masses.iter().map(mass).collect();
         let masses = if masses.is_empty() { String::new() } else { format!("; point masses along the track: {}", list(&masses)) };
         let lost = if self.lost.is_empty() { String::new() } else { format!("; gone with them: {}", list(&self.lost)) };
-        let key =
-            if self.masses.is_empty() { format!("vehicle.detail = \"{}\"", self.level.word()) } else { "vehicle.point_masses".into() };
-        format!("{key}: without {}{held}{along}{masses}{lost}", list(&self.bodies))
+        format!("{}: without {}{held}{along}{masses}{lost}", self.key(), list(&self.bodies))
     }
+
+    /// What of the forces along the track is missed, in a sentence; `None` where nothing is.
+    pub fn missed(&self) -> Option<String> {
+        (!self.acting.is_empty()).then(|| {
+            format!(
+                "{}: {} went with what is cut away: they drive, brake or resist no more, and the rest of the vehicle does so alone. kind = \"external_load\" on a body that stays can take their place",
+                self.key(),
+                list(&self.acting)
+            )
+        })
+    }
+
+    /// The key that asks for it.
+    fn key(&self) -> String {
+        if self.masses.is_empty() { format!("vehicle.detail = \"{}\"", self.level.word()) } else { "vehicle.point_masses".into() }
+    }
+}
+
+/// The first few names.
+fn list(names: &[String]) -> String {
+    const NAMED: usize = 4;
+    let more = names.len().saturating_sub(NAMED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    format!("{}{more}", names.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", "))
 }

@@ -92,6 +92,8 @@ pub struct Modes {
     pub free: usize,
     /// Largest acceleration in the steady state that should be none, m/s2 or rad/s2.
     pub unbalanced: f64,
+    /// Do inputs of elements begin with values that the steady state does not know?
+    pub driven: bool,
 }
 
 impl Mode {
@@ -237,6 +239,7 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         states: linear.size(),
         free: size,
         unbalanced: unbalanced(model, &linear),
+        driven: model.start_inputs() != model.neutral_inputs(),
         left_out: reduction.left_out,
     })
 }
