@@ -7,11 +7,11 @@
 //! *At rest* rails lie as the wheels' forces, if they were constant, would have left them after travelling for ever (`Ring::carried`): a start has no transient but that which sleepers
 //! make of wheels that do not yet follow them.
 
-use super::rail_beam::{LATERAL_STATES, LaidRails};
+use super::rail_beam::LaidRails;
 use super::rail_scratch::RailScratch;
 use super::resting_rails::{ROUNDS, RestingRail, SETTLED};
 use super::step::{Step, WheelRef};
-use super::yielding_rails::LATERAL_WEIGHT;
+use super::travelling_track::RAIL_STATES;
 use super::{Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::system::SystemWorkspace;
@@ -35,7 +35,7 @@ impl Model {
     /// States of all rails that give way.
     pub(super) fn rail_state_count(&self) -> usize {
         match &self.beam {
-            Some(beam) => self.contacts() * LATERAL_STATES + 4 * beam.groups.len() * beam.ring.modes(),
+            Some(beam) => self.contacts() * RAIL_STATES + 4 * beam.groups.len() * beam.ring.modes(),
             None => self.contacts() * self.rail_states(0).len(),
         }
     }
@@ -44,7 +44,7 @@ impl Model {
     fn ring_states(&self, beam: &LaidRails, contact: usize) -> [Range<usize>; 2] {
         let modes = beam.ring.modes();
         let rail = self.rail_of(beam, contact);
-        let first = self.rails_begin() + self.contacts() * LATERAL_STATES + 2 * rail * modes;
+        let first = self.rails_begin() + self.contacts() * RAIL_STATES + 2 * rail * modes;
         [first..first + modes, first + modes..first + 2 * modes]
     }
 
@@ -86,7 +86,8 @@ impl Model {
             beam.ring.shapes(workspace.system.motions[wheelset.body].distance, shape, slope);
             for contact in [2 * index, 2 * index + 1] {
                 let [q, v] = self.ring_states(beam, contact).map(|range| &y[range]);
-                under[contact] = [dot(shape, q), dot(shape, v), dot(slope, q)];
+                let own = self.rail_states(contact).start;
+                under[contact] = [dot(shape, q) + y[own + 1], dot(shape, v) + y[own + 3], dot(slope, q)];
             }
         }
     }
@@ -94,16 +95,16 @@ impl Model {
     /// u, w and u_s of a rail that is a beam, in the track frame.
     pub(super) fn beam_under(&self, under: &[[f64; 3]], y: &[f64], contact: usize) -> Option<[Vector3<f64>; 3]> {
         let [sunk, sinking, slope] = *under.get(contact)?;
-        let lateral = &y[self.rail_states(contact)];
-        Some([Vector3::new(0.0, lateral[0], sunk), Vector3::new(0.0, lateral[1], sinking), Vector3::new(0.0, 0.0, slope)])
+        let own = &y[self.rail_states(contact)];
+        Some([Vector3::new(0.0, own[0], sunk), Vector3::new(0.0, own[2], sinking), Vector3::new(0.0, 0.0, slope)])
     }
 
     /// [`Model::rail_change`] where rails are beams: lateral and vertical displacement and velocity.
     pub(super) fn beam_change(&self, beam: &LaidRails, workspace: &Workspace, contact: usize, change: &[f64]) -> [[f64; 2]; 2] {
         let shape = workspace.rails.shape(contact / 2, beam.ring.modes());
         let [q, v] = self.ring_states(beam, contact).map(|range| &change[range]);
-        let lateral = &change[self.rail_states(contact)];
-        [[lateral[0], dot(shape, q)], [lateral[1], dot(shape, v)]]
+        let own = &change[self.rail_states(contact)];
+        [[own[0], own[1] + dot(shape, q)], [own[2], own[3] + dot(shape, v)]]
     }
 
     /// With what a wheel is held back on the slope of its rail, about the wheelset's centre.
@@ -130,10 +131,10 @@ impl Model {
         force.dot(&motion.velocity) + moment.dot(&motion.rotation)
     }
 
-    /// Writes the rates of the states of rails that are beams.
+    /// Writes the rates of the modes of rails that are beams.
     #[inline(never)]
     pub(super) fn beam_rates(&self, beam: &LaidRails, workspace: &Workspace, y: &[f64], dy: &mut [f64]) {
-        let (modes, lateral) = (beam.ring.modes(), &beam.lateral);
+        let modes = beam.ring.modes();
         for group in &beam.groups {
             for contact in [2 * group[0], 2 * group[0] + 1] {
                 let [q, v] = self.ring_states(beam, contact);
@@ -143,37 +144,21 @@ impl Model {
         }
         for WheelRef { contact, wheelset, .. } in self.wheels() {
             let force = workspace.wheel_force(contact, wheelset.body);
-            let own = self.rail_states(contact);
-            let (u, v) = (y[own.start], y[own.start + 1]);
-            dy[own.start] = v;
-            dy[own.start + 1] = -(force.y + lateral.stiffness * u + lateral.damping * v) / lateral.mass;
             let [_, rates] = self.ring_states(beam, contact);
             let shape = workspace.rails.shape(contact / 2, modes);
             dy[rates].iter_mut().zip(shape).for_each(|(rate, phi)| *rate -= phi * force.z);
         }
     }
 
-    /// [`Model::weight_of_rail`] where rails are beams.
-    pub(super) fn weight_of_beam(&self, beam: &LaidRails, state: usize) -> Option<f64> {
-        let own = state.checked_sub(self.rails_begin()).filter(|own| *own < self.rail_state_count())?;
-        let (lateral, modes) = (self.contacts() * LATERAL_STATES, beam.ring.modes());
-        Some(match own.checked_sub(lateral) {
-            None if own % LATERAL_STATES == 0 => LATERAL_WEIGHT,
-            None => 0.0,
-            Some(own) if own % (2 * modes) < modes => beam.ring.largest(own % (2 * modes)),
-            Some(_) => 0.0,
-        })
+    /// [`Model::weight_of_rail`] of the modes of rails that are beams: of their state number `own`.
+    pub(super) fn weight_of_mode(&self, beam: &LaidRails, own: usize) -> f64 {
+        let modes = beam.ring.modes();
+        if own % (2 * modes) < modes { beam.ring.largest(own % (2 * modes)) } else { 0.0 }
     }
 
-    /// [`Model::rail_energy`] where rails are beams.
+    /// Stored energy of the modes of all rails, J, and the power that becomes heat, W.
     pub(super) fn beam_energy(&self, beam: &LaidRails, y: &[f64]) -> (f64, f64) {
-        let lateral = &beam.lateral;
         let (mut stored, mut heat) = (0.0, 0.0);
-        for contact in 0..self.contacts() {
-            let own = &y[self.rail_states(contact)];
-            stored += 0.5 * (lateral.stiffness * own[0] * own[0] + lateral.mass * own[1] * own[1]);
-            heat += lateral.damping * own[1] * own[1];
-        }
         for group in &beam.groups {
             for contact in [2 * group[0], 2 * group[0] + 1] {
                 let [q, v] = self.ring_states(beam, contact).map(|range| &y[range]);
@@ -204,8 +189,9 @@ impl Model {
         let WheelRef { contact, wheelset, .. } = place;
         let modes = beam.ring.modes();
         let [_, rates] = self.ring_states(beam, contact);
-        let [lateral, vertical] = *turned;
-        change[self.rail_states(contact).start + 1] += lateral;
+        let own = self.rail_states(contact);
+        change[own.start + 2..own.end].iter_mut().zip(turned).for_each(|(own, turned)| *own += turned);
+        let vertical = beam.under.vertical.mass * turned[1];
         let force = workspace.wheel_force(contact, wheelset.body).z * travel(&workspace.system, wheelset.body);
         let (shape, slope) = (workspace.rails.shape(contact / 2, modes), workspace.rails.slope(contact / 2, modes));
         for (own, (phi, slope)) in change[rates].iter_mut().zip(shape.iter().zip(slope)) {
@@ -236,11 +222,13 @@ impl Step<'_> {
             beam.ring.carried(distance, travel(&self.workspace.system, wheelset.body), q, v);
         }
         let shapes: Vec<Vec<f64>> = (0..count).map(|index| self.workspace.rails.shape(index, modes).to_vec()).collect();
-        let own: Vec<f64> = (0..count).map(|index| dot(&shapes[index], &carried[index][..modes])).collect();
+        let give = |index: usize| dot(&shapes[index], &carried[index][..modes]) + 1.0 / beam.under.vertical.stiffness;
+        let own: Vec<f64> = (0..count).map(give).collect();
         let mut loads: Vec<f64> = model.wheels().map(|wheel| wheel.wheelset.static_wheel_load).collect();
         for contact in 0..model.contacts() {
-            self.y[model.rail_states(contact)][1] = 0.0;
+            self.y[model.rail_states(contact)][2..].fill(0.0);
         }
+        let local = beam.under.vertical.stiffness;
         let mut rails = vec![RestingRail::default(); model.contacts()];
         for round in 1..=ROUNDS {
             for contact in 0..model.contacts() {
@@ -248,6 +236,7 @@ impl Step<'_> {
                 self.y[q.start..v.end].fill(0.0);
             }
             for (contact, load) in loads.iter().enumerate() {
+                self.y[model.rail_states(contact)][1] = -load / local;
                 let [q, v] = model.ring_states(beam, contact);
                 self.y[q.start..v.end].iter_mut().zip(&carried[contact / 2]).for_each(|(state, by)| *state -= load * by);
             }
@@ -258,7 +247,7 @@ impl Step<'_> {
                 model.wheels().map(|wheel| self.workspace.wheel_force(wheel.contact, wheel.wheelset.body)).collect();
             for WheelRef { contact, wheelset, .. } in model.wheels() {
                 let (force, give) = (found[contact], own[contact / 2]);
-                let stiffness = Vector2::new(beam.lateral.stiffness, 1.0 / give);
+                let stiffness = Vector2::new(beam.under.lateral.stiffness, 1.0 / give);
                 let lateral = model.rail_states(contact).start;
                 // Other wheels' forces are as they were taken: near their places they change by little.
                 let rest = Vector2::new(stiffness[0] * self.y[lateral] + force.y, force.z - loads[contact]);

@@ -1,7 +1,7 @@
 //! Track that gives way as rails on sleepers (`track.flexibility = "beam"`): its numbers, and the rails that a vehicle needs.
 //!
 //! Vertically each rail is a Timoshenko beam on pads, sleepers and ballast, which the wheels run along: sleepers pass under them (V / L), waves go ahead and behind, and couple
-//! the wheels of a bogie. The track has no end: it is a ring (`mbs::ring` has the equations) of [`BESIDE`] before and behind the wheels that stand on it. Wheels more than
+//! the wheels of a bogie. Modes up to a highest frequency are kept; what the others give way stands for itself under each wheel ([`LeftOut`]). The track has no end: it is a ring (`mbs::ring` has the equations) of [`BESIDE`] before and behind the wheels that stand on it. Wheels more than
 //! [`APART`] from the next have a ring of their own, so that a vehicle has one per bogie and side, all alike. Laterally a mass travels under each wheel as in
 //! [`super::travelling_track`].
 //!
@@ -14,14 +14,12 @@
 //! lateral bending, torsion and the turn of the head. Steady states (starts, `modes`) stand on the mean of this track over a bay: a mass that travels on its mean stiffness.
 
 use super::travelling_track::{DAMPINGS, LATERAL, Support, TravellingTrack, number, support};
-use crate::mbs::ring::{Bay, Ring};
+use crate::mbs::ring::{Bay, LeftOut, Ring};
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// u and u' of the lateral mass under a wheel.
-pub const LATERAL_STATES: usize = 2;
 /// Track before the first and behind the last wheel of a ring, together, m, and the distance from which on wheels do not share a ring, m.
 const BESIDE: f64 = 24.0;
 const APART: f64 = 12.0;
@@ -30,6 +28,8 @@ const YOUNGS_MODULUS: f64 = 210e9;
 const SHEAR_MODULUS: f64 = 81e9;
 const DENSITY: f64 = 7850.0;
 const SHEAR_COEFFICIENT: f64 = 0.4;
+/// Of what stands for the modes that are left out: far above what they are asked, so that it does not ring.
+const LOCAL_DAMPING: f64 = 0.1;
 /// By name: kg/m, area in m2 and vertical second moment in m4.
 const RAILS: [(&str, [f64; 3]); 2] = [("60E1", [60.21, 76.70e-4, 3038.3e-8]), ("54E1", [54.77, 69.77e-4, 2337.9e-8])];
 /// Least and greatest of what makes sense.
@@ -133,8 +133,12 @@ impl RailBeam {
             group.iter().enumerate().for_each(|(place, index)| seats[*index] = Seat { group: number, place });
         }
         let ring = Arc::new(Ring::new(&self.bay, bays, TAU * self.highest));
+        let LeftOut { compliance, square } = ring.left_out();
+        let mass = 1.0 / (compliance * square);
+        let local = Support { mass, stiffness: 1.0 / compliance, damping: 2.0 * LOCAL_DAMPING * mass * square.sqrt() };
         let stand_in = TravellingTrack { lateral: self.lateral, ..TravellingTrack::default() };
-        let mut rails = LaidRails { ring, lateral: self.lateral, groups, seats, longest, stand_in };
+        let under = TravellingTrack { lateral: self.lateral, vertical: local };
+        let mut rails = LaidRails { ring, under, groups, seats, longest, stand_in };
         rails.stand_in.vertical.stiffness = 1.0 / rails.mean_sag(places, speed);
         rails
     }
@@ -158,7 +162,8 @@ pub struct Seat {
 #[derive(Clone, Debug)]
 pub struct LaidRails {
     pub ring: Arc<Ring>,
-    pub lateral: Support,
+    /// What travels under each wheel: the lateral mass, and on the ring what its modes leave out.
+    pub under: TravellingTrack,
     /// Wheelsets that share rails, foremost first.
     pub groups: Vec<Vec<usize>>,
     /// By wheelset.
@@ -176,6 +181,6 @@ impl LaidRails {
             let all = &self.groups[self.seats[own].group];
             all.iter().map(|other| self.ring.mean_compliance(places[own] - places[*other], speed)).sum::<f64>()
         };
-        (0..places.len()).map(sag).sum::<f64>() / places.len().max(1) as f64
+        (0..places.len()).map(sag).sum::<f64>() / places.len().max(1) as f64 + self.ring.left_out().compliance
     }
 }

@@ -1,7 +1,6 @@
 //! Rails on track that gives way (`travelling_track`; `beam_rails` has the rest of those that are beams): their states, rates, energy, weight in the error control, and where they rest.
 
 use super::flexibility::Flexibility;
-use super::rail_beam::LATERAL_STATES;
 use super::resting_rails::{ROUNDS, RestingRail, SETTLED};
 use super::step::{Step, WheelRef};
 use super::travelling_track::{RAIL_STATES, TravellingTrack};
@@ -81,13 +80,14 @@ impl Model {
         self.wheelsets.iter().any(|wheelset| wheelset.turning != [wheelset.body; 2])
     }
 
-    /// The states of the rail under the wheel of a contact in the state vector, only the lateral ones where it is a beam; empty where rails are rigid.
+    /// What travels under each wheel: the track, or what stands on rails that are beams; `None` where rails are rigid.
+    fn under_wheels(&self) -> Option<&TravellingTrack> {
+        self.travelling_track.as_ref().or(self.beam.as_ref().map(|beam| &beam.under))
+    }
+
+    /// The states of what travels under the wheel of a contact in the state vector; empty where rails are rigid.
     pub fn rail_states(&self, contact: usize) -> Range<usize> {
-        let count = match (&self.travelling_track, &self.beam) {
-            (Some(_), _) => RAIL_STATES,
-            (None, Some(_)) => LATERAL_STATES,
-            (None, None) => 0,
-        };
+        let count = if self.gives_way() { RAIL_STATES } else { 0 };
         let first = self.rails_begin() + contact * count;
         first..first + count
     }
@@ -101,9 +101,10 @@ impl Model {
     /// Writes the rates of all rails' states under the forces of the contacts in the workspace.
     #[inline]
     pub(super) fn rail_rates(&self, workspace: &Workspace, y: &[f64], dy: &mut [f64]) {
-        if let Some(track) = &self.travelling_track {
+        if let Some(track) = self.under_wheels() {
             self.rail_rates_on(track, workspace, y, dy);
-        } else if let Some(beam) = &self.beam {
+        }
+        if let Some(beam) = &self.beam {
             self.beam_rates(beam, workspace, y, dy);
         }
     }
@@ -123,12 +124,7 @@ impl Model {
 
     /// What the linearised system needs of the mass under a wheel; `None` where rails are rigid.
     pub(super) fn under(&self, system: &SystemWorkspace, wheel: &WheelRef) -> Option<Under> {
-        let [mass, stiffness, damping] = match (&self.travelling_track, &self.beam) {
-            (Some(track), _) => track.pairs(),
-            // Vertically the modes of the rail take its place.
-            (None, Some(beam)) => [[beam.lateral.mass, 1.0], [beam.lateral.stiffness, 0.0], [beam.lateral.damping, 0.0]],
-            (None, None) => return None,
-        };
+        let [mass, stiffness, damping] = self.under_wheels()?.pairs();
         let axes = [[1.0, 0.0], [0.0, 1.0]].map(|parts| Self::across_track(system, wheel.wheelset.body, parts));
         Some(Under { first: self.rail_states(wheel.contact).start, axes, mass, stiffness, damping })
     }
@@ -136,11 +132,10 @@ impl Model {
     /// Weight of a rail's state in the error control, in parts of that of a wheelset's height: its deflections press wheels too, velocities
     /// count by the forces that they make. `None`: no state of a rail.
     pub fn weight_of_rail(&self, state: usize) -> Option<f64> {
-        if let Some(beam) = &self.beam {
-            return self.weight_of_beam(beam, state);
+        let own = state.checked_sub(self.rails_begin()).filter(|own| *own < self.rail_state_count())?;
+        if let (Some(beam), Some(own)) = (&self.beam, own.checked_sub(RAIL_STATES * self.contacts())) {
+            return Some(self.weight_of_mode(beam, own));
         }
-        self.travelling_track.as_ref()?;
-        let own = state.checked_sub(self.rails_begin()).filter(|own| *own < RAIL_STATES * self.contacts())?;
         Some(if own % RAIL_STATES == 1 {
             1.0
         } else if own % RAIL_STATES == 0 {
@@ -152,12 +147,9 @@ impl Model {
 
     /// Stored energy of all rails, J, and the power that their dampers turn into heat, W.
     pub fn rail_energy(&self, y: &[f64]) -> (f64, f64) {
-        if let Some(beam) = &self.beam {
-            return self.beam_energy(beam, y);
-        }
-        let Some(track) = &self.travelling_track else { return (0.0, 0.0) };
+        let Some(track) = self.under_wheels() else { return (0.0, 0.0) };
         let [mass, stiffness, damping] = track.pairs();
-        let (mut stored, mut heat) = (0.0, 0.0);
+        let (mut stored, mut heat) = self.beam.as_ref().map_or((0.0, 0.0), |beam| self.beam_energy(beam, y));
         for contact in 0..self.contacts() {
             let own = &y[self.rail_states(contact)];
             for i in 0..2 {

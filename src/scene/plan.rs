@@ -11,7 +11,6 @@ use super::start::{self, Start};
 use crate::contact::patch::PatchLaw;
 use crate::formulation::flexibility::Flexibility;
 use crate::formulation::inputs::{CENTRE_FORCES, ELEMENT_INPUTS, GROUPS, InputGroup, RAIL_MOTION};
-use crate::formulation::rail_beam::LATERAL_STATES;
 use crate::formulation::sliding_mean::CUT_OFF;
 use crate::formulation::sliding_mean::SlidingMean;
 use crate::formulation::travelling_track::RAIL_STATES;
@@ -159,7 +158,7 @@ fn track_under_effects(scene: &Scene, model: &Model, all: &mut Effects) {
             if groups == 1 { "" } else { "s" },
             ring.bays()
         );
-        all.add("track that gives way", true, why, model.contacts() * LATERAL_STATES + 4 * groups * ring.modes());
+        all.add("track that gives way", true, why, model.contacts() * RAIL_STATES + 4 * groups * ring.modes());
     }
 }
 

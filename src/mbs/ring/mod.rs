@@ -17,13 +17,15 @@
 //!
 //! The same phi takes the force and gives the displacement, so that energy is kept whatever was left out. *Damping:* that of pads and ballast is viscous; a rail's own
 //! loss factor eta adds `eta omega_i` to C_ii in proportion to the energy that the mode stores in the rail.
-//! *Left out:* modes above the highest frequency, thus also what they give way at rest.
+//! *Modes above the highest frequency* give way where a force stands, mostly by shear; what they do there far below their own frequencies is that of one mass on a spring
+//! ([`LeftOut`]), the same all along the rail. Zones beyond those that are kept (`waves`) add `1 / (pi kappa G A k)` at rest.
 
 mod response;
 mod shapes;
 mod waves;
 
 use shapes::Table;
+use std::f64::consts::{PI, TAU};
 use waves::{Family, Parity};
 
 /// One bay of one rail.
@@ -73,6 +75,16 @@ pub struct Ring {
     /// Largest |phi| by mode, and the mean of sum phi^2 along the rail, 1/kg.
     largest: Vec<f64>,
     mobility: f64,
+    left_out: LeftOut,
+}
+
+/// What modes above the highest frequency give way where a force stands: a spring, and the mass with which it answers as they do up to the second power of the frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeftOut {
+    /// Sum of phi^2 / omega^2, m/N.
+    pub compliance: f64,
+    /// Sum of phi^2 / omega^2 over that of phi^2 / omega^4, 1/s2.
+    pub square: f64,
 }
 
 /// A family and where its modes stand.
@@ -87,6 +99,7 @@ impl Ring {
     /// The modes of a ring of `bays`, an even number, up to a frequency [rad/s].
     pub fn new(bay: &Bay, bays: usize, highest: f64) -> Ring {
         let (mut squares, mut blocks, mut damping, mut families) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut above = [0.0; 2];
         let mut put = |family: &Family, matrix: usize| {
             let (first, count) = (squares.len(), family.waves.len());
             squares.extend(family.waves.iter().map(|wave| wave.square));
@@ -100,6 +113,8 @@ impl Ring {
                     continue;
                 }
                 let family = waves::family(bay, bays, p, parity, highest);
+                let both = if alone { 1.0 } else { 2.0 };
+                above.iter_mut().zip(family.above).for_each(|(sum, own)| *sum += both * own);
                 if family.waves.is_empty() {
                     continue;
                 }
@@ -111,8 +126,11 @@ impl Ring {
             }
         }
         let table = Table::new(bay.spacing, families.iter().map(|placed| &placed.family));
-        let mut ring =
-            Ring { bay: *bay, bays, blocks, damping, families, table, largest: vec![0.0; squares.len()], mobility: 0.0, squares };
+        let beyond = TAU * (f64::from(waves::ZONES) + 0.5) / bay.spacing;
+        let compliance = above[0] + 1.0 / (PI * bay.shear * beyond);
+        let left_out = LeftOut { compliance, square: compliance / above[1] };
+        let largest = vec![0.0; squares.len()];
+        let mut ring = Ring { bay: *bay, bays, blocks, damping, families, table, largest, mobility: 0.0, left_out, squares };
         ring.sample();
         ring
     }
@@ -127,6 +145,10 @@ impl Ring {
             self.mobility += shape.iter().map(|phi| phi * phi).sum::<f64>() / count as f64;
             self.largest.iter_mut().zip(&shape).for_each(|(largest, phi)| *largest = largest.max(phi.abs()));
         }
+    }
+
+    pub fn left_out(&self) -> LeftOut {
+        self.left_out
     }
 
     pub fn bay(&self) -> &Bay {

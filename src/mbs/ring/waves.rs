@@ -17,7 +17,7 @@ use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
 /// Zones on either side of the first.
-const ZONES: i32 = 12;
+pub(super) const ZONES: i32 = 12;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Parity {
@@ -48,6 +48,8 @@ pub(super) struct Family {
     pub waves: Vec<Wave>,
     /// Damping matrix by rows, 1/s.
     pub damping: Vec<f64>,
+    /// Of those above: sums along the rail of the mean of phi^2 over omega^2 and over omega^4, m/N and m s2/N.
+    pub above: [f64; 2],
 }
 
 /// The modes of class `p` of a ring of `bays` whose frequencies are at most `highest` [rad/s].
@@ -104,8 +106,14 @@ pub(super) fn family(bay: &Bay, bays: usize, p: usize, parity: Parity, highest: 
     };
     // A turn of all sections that bends nothing (k = 0) and a sleeper that nothing holds are no waves of the rail.
     let moves = |wave: &Wave| wave.square > 1.0 && wave.amplitudes.iter().any(|amplitude| amplitude.abs() * whole > 1e-9);
-    let within = order.into_iter().filter(|index| found.eigenvalues[*index] <= highest * highest);
-    let waves: Vec<Wave> = within.map(mode).filter(moves).collect();
+    let (waves, others): (Vec<Wave>, Vec<Wave>) =
+        order.into_iter().map(mode).filter(moves).partition(|wave| wave.square <= highest * highest);
+    let mut above = [0.0; 2];
+    for wave in &others {
+        let size: f64 = wave.amplitudes.iter().zip(&numbers).map(|(amplitude, k)| mean(*k) * amplitude * amplitude).sum();
+        above[0] += size / wave.square;
+        above[1] += size / (wave.square * wave.square);
+    }
     let damping = waves.iter().enumerate().flat_map(|(i, own)| {
         waves.iter().enumerate().map(move |(j, other)| {
             let supports = bay.pad_damping * own.pad * other.pad + bay.ballast_damping * own.sleeper * other.sleeper;
@@ -113,5 +121,5 @@ pub(super) fn family(bay: &Bay, bays: usize, p: usize, parity: Parity, highest: 
             bays as f64 * sleepers * supports + rail
         })
     });
-    Family { phase, damping: damping.collect(), numbers, waves }
+    Family { phase, damping: damping.collect(), numbers, waves, above }
 }

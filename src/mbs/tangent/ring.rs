@@ -1,6 +1,6 @@
 //! Wheels on a common rail, a ring of modes (`mbs::ring`): modes, what is under each wheel, and tangential states are eliminated together, before the bodies.
 //!
-//! A wheel c feels d = phi_c . q and s = phi_c . q' vertically, and a mass on a spring sideways as [`super::follower`] says. With `H = (1 + a C + a^2 omega^2)^-1`, phi_c held,
+//! A wheel c stands on a mass on springs as [`super::follower`] says, which vertically stands on the rail: it feels d = phi_c . q and s = phi_c . q' more. With `H = (1 + a C + a^2 omega^2)^-1`, phi_c held,
 //! and R_c the change of the vertical force that it presses down with less (so on the wheel, up)
 //!
 //! ```text
@@ -8,7 +8,7 @@
 //! s_c + a sum_e G_ce R_e = phi_c . h,   d_c - a s_c = phi_c . r,   G_ce = phi_c . H phi_e
 //! ```
 //!
-//! so that each wheel has the states of a follower whose mass is 1 and stands on nothing, and those of all wheels of a ring are one dense block, coupled by G.
+//! so that each wheel has those of its follower and d and s as states, and those of all wheels of a ring are one dense block, coupled by G.
 //! Left out of J: that shapes change as the wheels travel (the moving frame brings it, see `formulation::moving_frame`), and how the climb along a bent rail changes with q.
 
 use super::follower::{Block, Follower, OWN, factorise};
@@ -18,9 +18,13 @@ use crate::mbs::ring::Ring;
 use nalgebra::{Vector3, Vector6};
 use std::sync::Arc;
 
-/// Places of d and s among the states of a wheel.
-const SUNK: usize = 1;
-const SINKING: usize = 3;
+/// Places of d and s among the states of a wheel, behind those of its mass, and number of all these.
+const SUNK: usize = OWN;
+const SINKING: usize = OWN + 1;
+const BEFORE: usize = OWN + 2;
+/// Those of the mass's vertical deflection and its rate.
+const VERTICAL: usize = 1;
+const VERTICAL_RATE: usize = 3;
 
 /// One rail and the bodies whose wheels stand on it; its states q and q' begin at `first` in the state vector.
 #[derive(Clone, Debug)]
@@ -212,15 +216,37 @@ impl Rail {
     }
 }
 
+/// The contact feels the rail under its mass as it feels the mass, and the rail takes what presses the mass, but not what holds that.
+fn feel_rail(block: &mut Block) {
+    let (count, follower) = (block.states.len(), block.mass);
+    let [mass, stiffness, damping] = [follower.mass[1], follower.stiffness[1], follower.damping[1]];
+    const FELT: [(usize, usize); 2] = [(VERTICAL, SUNK), (VERTICAL_RATE, SINKING)];
+    block.own[SUNK * count + SINKING] = 1.0;
+    for (own, felt) in FELT {
+        block.load[felt] = block.load[own];
+        for row in (0..count).filter(|row| ![VERTICAL, SUNK, SINKING].contains(row)) {
+            block.own[row * count + felt] = block.own[row * count + own];
+        }
+    }
+    block.own[VERTICAL_RATE * count + SUNK] += stiffness / mass;
+    block.own[VERTICAL_RATE * count + SINKING] += damping / mass;
+    for column in 0..count {
+        let felt = FELT.iter().find(|(own, _)| *own == column).map_or(column, |(_, felt)| *felt);
+        block.own[SINKING * count + column] = mass * block.own[VERTICAL_RATE * count + felt];
+    }
+    block.by_position[SINKING] = block.by_position[VERTICAL_RATE] * mass;
+    block.by_velocity[SINKING] = block.by_velocity[VERTICAL_RATE] * mass;
+}
+
 impl Tangent {
     /// Makes room for rails that are all like `ring`, with at most `further` states of each wheel's contacts.
     pub fn with_rings(mut self, ring: &Arc<Ring>, plans: &[RingPlan], further: usize) -> Tangent {
-        let rails = plans.iter().map(|plan| Rail::new(plan, ring.modes(), OWN + further)).collect();
+        let rails = plans.iter().map(|plan| Rail::new(plan, ring.modes(), BEFORE + further)).collect();
         self.rings = Some(Rings { ring: ring.clone(), factors: Vec::with_capacity(ring.factor_room()), rails });
         self
     }
 
-    /// Adds the wheel number `place` of a rail: like [`Tangent::add_follower`], its vertical part without mass, spring and damper; `shape`: phi at its place.
+    /// Adds the wheel number `place` of a rail: like [`Tangent::add_follower`], its mass on what the rail is of; `shape`: phi at its place.
     pub fn add_on_ring(
         &mut self,
         (rail, place): (usize, usize),
@@ -232,19 +258,17 @@ impl Tangent {
         let taken = self.sum.states.len() - before;
         let Some(rail) = self.rings.as_mut().and_then(|rings| rings.rails.get_mut(rail)) else { return };
         let block = &mut rail.wheels[place];
-        block.begin(follower.body, OWN + taken);
+        block.begin(follower.body, BEFORE + taken);
         block.take_mass(follower, wrench);
         for (own, state) in self.sum.states[before..].iter().enumerate() {
-            block.take_state(OWN + own, state, follower);
+            block.take_state(BEFORE + own, state, follower);
         }
-        // A lateral follower has two states, one behind the other.
-        (block.states[0], block.states[2]) = (follower.first, follower.first + 1);
         self.sum.states.truncate(before);
+        feel_rail(block);
         rail.shapes[place * shape.len()..(place + 1) * shape.len()].copy_from_slice(shape);
     }
 
-    /// How a lateral follower's u'' and the vertical force on the rail under a wheel change with a motion of its body, as in [`Tangent::follower_accelerations`],
-    /// and with sinking of the rail by `sunk` [m] and its rate.
+    /// How u'' of the mass under a wheel changes with a motion of its body, as in [`Tangent::follower_accelerations`], and with sinking of the rail by `sunk` [m] and its rate.
     pub fn ring_accelerations(
         &self,
         (rail, place): (usize, usize),
