@@ -79,15 +79,18 @@ impl Model {
     #[inline(never)]
     fn feel_beam(&self, beam: &LaidRails, workspace: &mut Workspace, y: &[f64]) {
         let modes = beam.ring.modes();
-        let RailScratch { shapes, slopes, under } = &mut workspace.rails;
+        let RailScratch { shapes, slopes, under, local } = &mut workspace.rails;
         for (index, wheelset) in self.wheelsets.iter().enumerate() {
             let own = index * modes..(index + 1) * modes;
             let (shape, slope) = (&mut shapes[own.clone()], &mut slopes[own]);
-            beam.ring.shapes(workspace.system.motions[wheelset.body].distance, shape, slope);
+            let distance = workspace.system.motions[wheelset.body].distance;
+            beam.ring.shapes(distance, shape, slope);
+            local[index] = beam.ring.left_out().shape(distance);
+            let [phi, turn] = local[index];
             for contact in [2 * index, 2 * index + 1] {
                 let [q, v] = self.ring_states(beam, contact).map(|range| &y[range]);
                 let own = self.rail_states(contact).start;
-                under[contact] = [dot(shape, q) + y[own + 1], dot(shape, v) + y[own + 3], dot(slope, q)];
+                under[contact] = [dot(shape, q) + phi * y[own + 1], dot(shape, v) + phi * y[own + 3], dot(slope, q) + turn * y[own + 1]];
             }
         }
     }
@@ -104,7 +107,8 @@ impl Model {
         let shape = workspace.rails.shape(contact / 2, beam.ring.modes());
         let [q, v] = self.ring_states(beam, contact).map(|range| &change[range]);
         let own = &change[self.rail_states(contact)];
-        [[own[0], own[1] + dot(shape, q)], [own[2], own[3] + dot(shape, v)]]
+        let [phi, _] = workspace.rails.local[contact / 2];
+        [[own[0], phi * own[1] + dot(shape, q)], [own[2], phi * own[3] + dot(shape, v)]]
     }
 
     /// With what a wheel is held back on the slope of its rail, about the wheelset's centre.
@@ -191,8 +195,10 @@ impl Model {
         let [_, rates] = self.ring_states(beam, contact);
         let own = self.rail_states(contact);
         change[own.start + 2..own.end].iter_mut().zip(turned).for_each(|(own, turned)| *own += turned);
-        let vertical = beam.under.vertical.mass * turned[1];
+        let [phi, turn] = workspace.rails.local[contact / 2];
+        let vertical = beam.under.vertical.mass * turned[1] / phi;
         let force = workspace.wheel_force(contact, wheelset.body).z * travel(&workspace.system, wheelset.body);
+        change[own.start + 3] -= turn * force / beam.under.vertical.mass;
         let (shape, slope) = (workspace.rails.shape(contact / 2, modes), workspace.rails.slope(contact / 2, modes));
         for (own, (phi, slope)) in change[rates].iter_mut().zip(shape.iter().zip(slope)) {
             *own += phi * vertical - slope * force;
@@ -203,7 +209,9 @@ impl Model {
     pub(super) fn met_by_travel(&self, beam: &LaidRails, workspace: &Workspace, place: WheelRef, y: &[f64]) -> [f64; 2] {
         let speed = travel(&workspace.system, place.wheelset.body);
         let slope = workspace.rails.slope(place.contact / 2, beam.ring.modes());
-        self.ring_states(beam, place.contact).map(|range| speed * dot(slope, &y[range]))
+        let (own, turn) = (self.rail_states(place.contact).start, workspace.rails.local[place.contact / 2][1]);
+        let [q, v] = self.ring_states(beam, place.contact).map(|range| dot(slope, &y[range]));
+        [speed * (q + turn * y[own + 1]), speed * (v + turn * y[own + 3])]
     }
 }
 
@@ -222,13 +230,15 @@ impl Step<'_> {
             beam.ring.carried(distance, travel(&self.workspace.system, wheelset.body), q, v);
         }
         let shapes: Vec<Vec<f64>> = (0..count).map(|index| self.workspace.rails.shape(index, modes).to_vec()).collect();
-        let give = |index: usize| dot(&shapes[index], &carried[index][..modes]) + 1.0 / beam.under.vertical.stiffness;
+        let local = beam.under.vertical.stiffness;
+        let shape = |index: usize| self.workspace.rails.local[index][0];
+        let shaped: Vec<f64> = (0..count).map(shape).collect();
+        let give = |index: usize| dot(&shapes[index], &carried[index][..modes]) + shaped[index] * shaped[index] / local;
         let own: Vec<f64> = (0..count).map(give).collect();
         let mut loads: Vec<f64> = model.wheels().map(|wheel| wheel.wheelset.static_wheel_load).collect();
         for contact in 0..model.contacts() {
             self.y[model.rail_states(contact)][2..].fill(0.0);
         }
-        let local = beam.under.vertical.stiffness;
         let mut rails = vec![RestingRail::default(); model.contacts()];
         for round in 1..=ROUNDS {
             for contact in 0..model.contacts() {
@@ -236,7 +246,7 @@ impl Step<'_> {
                 self.y[q.start..v.end].fill(0.0);
             }
             for (contact, load) in loads.iter().enumerate() {
-                self.y[model.rail_states(contact)][1] = -load / local;
+                self.y[model.rail_states(contact)][1] = -load * shaped[contact / 2] / local;
                 let [q, v] = model.ring_states(beam, contact);
                 self.y[q.start..v.end].iter_mut().zip(&carried[contact / 2]).for_each(|(state, by)| *state -= load * by);
             }

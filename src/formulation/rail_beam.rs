@@ -133,7 +133,7 @@ impl RailBeam {
             group.iter().enumerate().for_each(|(place, index)| seats[*index] = Seat { group: number, place });
         }
         let ring = Arc::new(Ring::new(&self.bay, bays, TAU * self.highest));
-        let LeftOut { compliance, square } = ring.left_out();
+        let LeftOut { compliance, square, .. } = ring.left_out();
         let mass = 1.0 / (compliance * square);
         let local = Support { mass, stiffness: 1.0 / compliance, damping: 2.0 * LOCAL_DAMPING * mass * square.sqrt() };
         let stand_in = TravellingTrack { lateral: self.lateral, ..TravellingTrack::default() };

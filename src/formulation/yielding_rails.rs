@@ -1,6 +1,7 @@
 //! Rails on track that gives way (`travelling_track`; `beam_rails` has the rest of those that are beams): their states, rates, energy, weight in the error control, and where they rest.
 
 use super::flexibility::Flexibility;
+use super::rail_scratch::RailScratch;
 use super::resting_rails::{ROUNDS, RestingRail, SETTLED};
 use super::step::{Step, WheelRef};
 use super::travelling_track::{RAIL_STATES, TravellingTrack};
@@ -115,7 +116,8 @@ impl Model {
         for WheelRef { contact, wheelset, .. } in self.wheels() {
             let force = workspace.wheel_force(contact, wheelset.body);
             let (own, states) = (&y[self.rail_states(contact)], self.rail_states(contact));
-            for (i, force) in [force.y, force.z].into_iter().enumerate() {
+            let shape = workspace.rails.local.get(contact / 2).map_or(1.0, |local| local[0]);
+            for (i, force) in [force.y, shape * force.z].into_iter().enumerate() {
                 dy[states.start + i] = own[2 + i];
                 dy[states.start + 2 + i] = -(force + stiffness[i] * own[i] + damping[i] * own[2 + i]) / mass[i];
             }
@@ -123,9 +125,10 @@ impl Model {
     }
 
     /// What the linearised system needs of the mass under a wheel; `None` where rails are rigid.
-    pub(super) fn under(&self, system: &SystemWorkspace, wheel: &WheelRef) -> Option<Under> {
+    pub(super) fn under(&self, (system, rails): (&SystemWorkspace, &RailScratch), wheel: &WheelRef) -> Option<Under> {
         let [mass, stiffness, damping] = self.under_wheels()?.pairs();
-        let axes = [[1.0, 0.0], [0.0, 1.0]].map(|parts| Self::across_track(system, wheel.wheelset.body, parts));
+        let shape = rails.local.get(wheel.contact / 2).map_or(1.0, |local| local[0]);
+        let axes = [[1.0, 0.0], [0.0, shape]].map(|parts| Self::across_track(system, wheel.wheelset.body, parts));
         Some(Under { first: self.rail_states(wheel.contact).start, axes, mass, stiffness, damping })
     }
 

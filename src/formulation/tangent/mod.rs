@@ -87,7 +87,7 @@ impl Model {
             let motion = moved.as_ref().map_or(&workspace.system.motions[turning], |moved| &moved.motion);
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
             let along = workspace.system.stations.along(wheelset.body);
-            let under = self.under(&workspace.system, &WheelRef { contact, wheelset, side });
+            let under = self.under((&workspace.system, &workspace.rails), &WheelRef { contact, wheelset, side });
             let (before, others) = (tangent.states(), under.as_ref().and_then(|_| tangent.take_wrench(wheelset.body)));
             let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);
             let places = if self.strips.is_some() || !self.linear.is_empty() { 0 } else { self.points };

@@ -18,7 +18,7 @@
 //! The same phi takes the force and gives the displacement, so that energy is kept whatever was left out. *Damping:* that of pads and ballast is viscous; a rail's own
 //! loss factor eta adds `eta omega_i` to C_ii in proportion to the energy that the mode stores in the rail.
 //! *Modes above the highest frequency* give way where a force stands, mostly by shear; what they do there far below their own frequencies is that of one mass on a spring
-//! ([`LeftOut`]), the same all along the rail. Zones beyond those that are kept (`waves`) add `1 / (pi kappa G A k)` at rest.
+//! ([`LeftOut`]), with a shape of its own along the bay. Zones beyond those that are kept (`waves`) add `1 / (pi kappa G A k)` at rest.
 
 mod response;
 mod shapes;
@@ -27,6 +27,9 @@ mod waves;
 use shapes::Table;
 use std::f64::consts::{PI, TAU};
 use waves::{Family, Parity};
+
+/// The least that its shape may be, in parts of its mean.
+const LEAST_SHAPE: f64 = 1e-3;
 
 /// One bay of one rail.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,10 +84,28 @@ pub struct Ring {
 /// What modes above the highest frequency give way where a force stands: a spring, and the mass with which it answers as they do up to the second power of the frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeftOut {
-    /// Sum of phi^2 / omega^2, m/N.
+    /// Sum of phi^2 / omega^2, mean along the rail, m/N.
     pub compliance: f64,
+    /// The same by harmonics of a bay, in parts of that.
+    along: [f64; waves::HARMONICS],
+    /// 2 pi / L, rad/m.
+    number: f64,
     /// Sum of phi^2 / omega^2 over that of phi^2 / omega^4, 1/s2.
     pub square: f64,
+}
+
+impl LeftOut {
+    /// The shape, 1 on average, and its slope, 1/m, at a place [m]: the root of what gives way there over the mean of that.
+    pub fn shape(&self, x: f64) -> [f64; 2] {
+        let (mut value, mut slope) = (0.0, 0.0);
+        for (n, part) in self.along.iter().enumerate() {
+            let k = n as f64 * self.number;
+            let (sin, cos) = (k * x).sin_cos();
+            (value, slope) = (value + part * cos, slope - k * part * sin);
+        }
+        let root = value.max(0.0).sqrt().max(LEAST_SHAPE);
+        [root, 0.5 * slope / root]
+    }
 }
 
 /// A family and where its modes stand.
@@ -99,7 +120,7 @@ impl Ring {
     /// The modes of a ring of `bays`, an even number, up to a frequency [rad/s].
     pub fn new(bay: &Bay, bays: usize, highest: f64) -> Ring {
         let (mut squares, mut blocks, mut damping, mut families) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut above = [0.0; 2];
+        let mut above = ([0.0; waves::HARMONICS], 0.0);
         let mut put = |family: &Family, matrix: usize| {
             let (first, count) = (squares.len(), family.waves.len());
             squares.extend(family.waves.iter().map(|wave| wave.square));
@@ -113,8 +134,8 @@ impl Ring {
                     continue;
                 }
                 let family = waves::family(bay, bays, p, parity, highest);
-                let both = if alone { 1.0 } else { 2.0 };
-                above.iter_mut().zip(family.above).for_each(|(sum, own)| *sum += both * own);
+                above.0.iter_mut().zip(family.above.0).for_each(|(sum, own)| *sum += own);
+                above.1 += family.above.1;
                 if family.waves.is_empty() {
                     continue;
                 }
@@ -127,8 +148,10 @@ impl Ring {
         }
         let table = Table::new(bay.spacing, families.iter().map(|placed| &placed.family));
         let beyond = TAU * (f64::from(waves::ZONES) + 0.5) / bay.spacing;
-        let compliance = above[0] + 1.0 / (PI * bay.shear * beyond);
-        let left_out = LeftOut { compliance, square: compliance / above[1] };
+        above.0[0] += 1.0 / (PI * bay.shear * beyond);
+        let compliance = above.0[0];
+        let left_out =
+            LeftOut { compliance, along: above.0.map(|part| part / compliance), number: TAU / bay.spacing, square: compliance / above.1 };
         let largest = vec![0.0; squares.len()];
         let mut ring = Ring { bay: *bay, bays, blocks, damping, families, table, largest, mobility: 0.0, left_out, squares };
         ring.sample();

@@ -16,6 +16,8 @@ use super::Bay;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
+/// Harmonics of a bay, the mean among them, by which what is left out changes along the rail.
+pub(super) const HARMONICS: usize = 4;
 /// Zones on either side of the first.
 pub(super) const ZONES: i32 = 12;
 
@@ -48,8 +50,8 @@ pub(super) struct Family {
     pub waves: Vec<Wave>,
     /// Damping matrix by rows, 1/s.
     pub damping: Vec<f64>,
-    /// Of those above: sums along the rail of the mean of phi^2 over omega^2 and over omega^4, m/N and m s2/N.
-    pub above: [f64; 2],
+    /// Of those above, even and odd ones: phi^2 / omega^2 as a sum of cosines of n 2 pi x / L, m/N, and the mean of phi^2 / omega^4, m s2/N.
+    pub above: ([f64; HARMONICS], f64),
 }
 
 /// The modes of class `p` of a ring of `bays` whose frequencies are at most `highest` [rad/s].
@@ -108,11 +110,11 @@ pub(super) fn family(bay: &Bay, bays: usize, p: usize, parity: Parity, highest: 
     let moves = |wave: &Wave| wave.square > 1.0 && wave.amplitudes.iter().any(|amplitude| amplitude.abs() * whole > 1e-9);
     let (waves, others): (Vec<Wave>, Vec<Wave>) =
         order.into_iter().map(mode).filter(moves).partition(|wave| wave.square <= highest * highest);
-    let mut above = [0.0; 2];
+    let mut above = ([0.0; HARMONICS], 0.0);
     for wave in &others {
-        let size: f64 = wave.amplitudes.iter().zip(&numbers).map(|(amplitude, k)| mean(*k) * amplitude * amplitude).sum();
-        above[0] += size / wave.square;
-        above[1] += size / (wave.square * wave.square);
+        let size = squared(&wave.amplitudes, &numbers, (bay.spacing, alone.then_some(parity)));
+        above.0.iter_mut().zip(size).for_each(|(sum, size)| *sum += size / wave.square);
+        above.1 += size[0] / (wave.square * wave.square);
     }
     let damping = waves.iter().enumerate().flat_map(|(i, own)| {
         waves.iter().enumerate().map(move |(j, other)| {
@@ -122,4 +124,28 @@ pub(super) fn family(bay: &Bay, bays: usize, p: usize, parity: Parity, highest: 
         })
     });
     Family { phase, damping: damping.collect(), numbers, waves, above }
+}
+
+/// phi^2 as a sum of cosines of n 2 pi x / L, with that of the other parity where the family has both: `cos a cos b = (cos(a - b) + cos(a + b)) / 2`, and for sines the sum counts less.
+fn squared(amplitudes: &[f64], numbers: &[f64], (spacing, alone): (f64, Option<Parity>)) -> [f64; HARMONICS] {
+    let mut sum = [0.0; HARMONICS];
+    let mut add = |k: f64, value: f64| {
+        let harmonic = (k * spacing / TAU).round().abs() as usize;
+        if let Some(sum) = sum.get_mut(harmonic) {
+            *sum += value;
+        }
+    };
+    for (k, own) in numbers.iter().zip(amplitudes) {
+        for (l, other) in numbers.iter().zip(amplitudes) {
+            let product = own * other;
+            match alone {
+                None => add(k - l, product),
+                Some(parity) => {
+                    add(k - l, 0.5 * product);
+                    add(k + l, if parity == Parity::Even { 0.5 * product } else { -0.5 * product });
+                }
+            }
+        }
+    }
+    sum
 }

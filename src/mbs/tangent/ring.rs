@@ -220,22 +220,23 @@ impl Rail {
 fn feel_rail(block: &mut Block) {
     let (count, follower) = (block.states.len(), block.mass);
     let [mass, stiffness, damping] = [follower.mass[1], follower.stiffness[1], follower.damping[1]];
+    // The mass may count by a shape.
+    let shape = follower.axes[1].norm();
     const FELT: [(usize, usize); 2] = [(VERTICAL, SUNK), (VERTICAL_RATE, SINKING)];
     block.own[SUNK * count + SINKING] = 1.0;
     for (own, felt) in FELT {
-        block.load[felt] = block.load[own];
+        block.load[felt] = block.load[own] / shape;
         for row in (0..count).filter(|row| ![VERTICAL, SUNK, SINKING].contains(row)) {
-            block.own[row * count + felt] = block.own[row * count + own];
+            let held = if row == VERTICAL_RATE { [stiffness, damping][felt - SUNK] / mass } else { 0.0 };
+            block.own[row * count + felt] = (block.own[row * count + own] + held) / shape;
         }
     }
-    block.own[VERTICAL_RATE * count + SUNK] += stiffness / mass;
-    block.own[VERTICAL_RATE * count + SINKING] += damping / mass;
     for column in 0..count {
-        let felt = FELT.iter().find(|(own, _)| *own == column).map_or(column, |(_, felt)| *felt);
-        block.own[SINKING * count + column] = mass * block.own[VERTICAL_RATE * count + felt];
+        let (felt, by) = FELT.iter().find(|(own, _)| *own == column).map_or((column, 1.0), |(_, felt)| (*felt, shape));
+        block.own[SINKING * count + column] = mass / shape * by * block.own[VERTICAL_RATE * count + felt];
     }
-    block.by_position[SINKING] = block.by_position[VERTICAL_RATE] * mass;
-    block.by_velocity[SINKING] = block.by_velocity[VERTICAL_RATE] * mass;
+    block.by_position[SINKING] = block.by_position[VERTICAL_RATE] * (mass / shape);
+    block.by_velocity[SINKING] = block.by_velocity[VERTICAL_RATE] * (mass / shape);
 }
 
 impl Tangent {
