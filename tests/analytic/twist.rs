@@ -115,6 +115,41 @@ fn equiv_independent_wheels_start_in_a_curve_where_they_settle() {
     assert!(begin["truck[1].wheelset[1].y"] < -6e-3 && begin["truck[1].wheelset[2].y"] > 6e-3, "on opposite flanges");
 }
 
+/// On straight track nothing but their weight leads independent wheels, and where rails are displaced there mostly is no balance of them ("it goes up to 6 % of their displacements", for
+/// each of these). They start as wheels that turn together: without a blow.
+#[test]
+fn hard_independent_wheels_start_on_displaced_straight_rails() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes/tram_independent_wheels.toml");
+    for (seed, scale, patch) in [(1, 0.3, "strips"), (1, 0.3, "ellipse"), (2, 1.0, "ellipse"), (3, 1.0, "strips"), (4, 0.3, "ellipse")] {
+        let irregular = format!(
+            "track.irregularity=[{{kind=\"spectrum\",spectrum=\"ore_b176_low\",seed={seed},from=-100,to=900,shortest=1,scale={scale}}}]"
+        );
+        let changes =
+            [&irregular, "track.node=[{distance=800},{distance=810,radius=50}]", "vehicle.speed=10", &format!("contact.patch={patch}")]
+                .map(String::from);
+        let scene = load::open_file(&path, "tram", &changes).unwrap_or_else(|error| panic!("{error}"));
+        let mut simulation = start(&scene);
+        let outputs = table(&simulation, &scene);
+        let mut first = [f64::INFINITY, 0.0f64, 0.0f64];
+        for millisecond in 0..60 {
+            simulation.advance(1e-3 * f64::from(millisecond)).unwrap();
+            for (name, value) in read(&mut simulation, &outputs) {
+                if name.ends_with("t.verticalForce") {
+                    first = [first[0].min(value), first[1].max(value), first[2]];
+                } else if name.ends_with("t.lateralForce") {
+                    first[2] = first[2].max(value.abs());
+                }
+            }
+        }
+        let of = |part: f64| part / (0.5 * (first[0] + first[1]));
+        println!(
+            "seed {seed}, scale {scale}, {patch}: Q from {:.0} to {:.0} N, Y up to {:.0} N in the first 60 ms",
+            first[0], first[1], first[2]
+        );
+        assert!(of(first[1] - first[0]) < 0.25 && of(first[2]) < 0.1, "{first:?}");
+    }
+}
+
 /// A very stiff axle is a rigid one, a very soft one no axle, in all formulations.
 #[test]
 fn equiv_an_axle_between_rigid_and_none() {

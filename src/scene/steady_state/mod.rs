@@ -232,7 +232,10 @@ fn on_displaced_rails(
     Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts })
 }
 
-/// The balance with elastic contacts on displaced rails, and the wheel loads of straight track, N. Independent wheels, which nothing but their weight leads, may need to be led there together.
+/// The balance with elastic contacts on displaced rails, and the wheel loads of straight track, N.
+///
+/// Independent wheels are led by their weight alone. In a curve a flange holds them; on straight track they mostly have no balance where rails are displaced (at speed they would not come to
+/// it either), and start as wheels do that turn together.
 fn on_rails_with<'a>(
     smooth: &Scene,
     standing: &'a Standing,
@@ -241,19 +244,22 @@ fn on_rails_with<'a>(
     riding: &Riding,
 ) -> Result<(Search<'a>, Vec<f64>), EquilibriumError> {
     let (mut search, wheel_loads) = balanced(smooth, standing, pattern, node)?;
-    let Err(cause) = onto_the_rails(&mut search, node, riding) else { return Ok((search, wheel_loads)) };
-    if !Twists::independent(&search.model) {
-        return Err(cause);
+    let independent = Twists::independent(&search.model);
+    if !independent || node.curvature != 0.0 {
+        match onto_the_rails(&mut search, node, riding) {
+            Err(_) if independent => search = balanced(smooth, standing, pattern, node)?.0,
+            found => return found.map(|()| (search, wheel_loads)),
+        }
     }
-    let mut together = || {
-        (search, _) = balanced(smooth, standing, pattern, node)?;
-        search.twists.held_by = f64::INFINITY;
+    search.twists.held_by = f64::INFINITY;
+    search.balance()?;
+    onto_the_rails(&mut search, node, riding)?;
+    let together = (search.configuration(), search.twists.clone());
+    if release(&mut search).is_err() {
+        search.put(&together.0);
+        (search.effort, search.twists) = (0, together.1);
         search.balance()?;
-        onto_the_rails(&mut search, node, riding)?;
-        release(&mut search)
-    };
-    // What went wrong without that tells more.
-    together().map_err(|_| cause)?;
+    }
     Ok((search, wheel_loads))
 }
 
