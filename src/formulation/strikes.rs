@@ -11,8 +11,8 @@
 //! k = (6 E*^2 r Q)^(1/3)   of a sphere of the wheel's radius r under its static load Q (Hertz), E* of two equal bodies: 1.2e9 N/m for 0.46 m and 60 kN
 //! ```
 //!
-//! in parts of a fifth of what the scene allows of the static load, from 3 mm before its flange until a second after it touched with it or flew. A wheelset that runs on its treads is
-//! not held so: its steps may be longer by half and its loads are as right.
+//! in parts of a fifth of what the scene allows of the static load, from 3 mm before its flange until a second after it touched with it or flew; twice as far away in parts of eight times that,
+//! and between by the cube of the way. A wheelset that runs on its treads is not held so: its steps may be longer by half and its loads are as right.
 
 use super::foresight::without_pitch;
 use super::step::WheelRef;
@@ -29,15 +29,26 @@ const PART: f64 = 0.2;
 const LASTING: f64 = 1.0;
 /// Nearer than this to its flange a wheel may strike, m.
 const NEAR: f64 = 3e-3;
+/// Farther than this many times that it will not soon.
+const FAR: f64 = 2.0;
 /// A contact is on a flange where its normal leans as much across the track (sine): 30 degrees.
 const FLANGE: f64 = 0.5;
 /// gamma in L, -.
 const CONICITY: f64 = 0.15;
 
-/// Until when each wheelset counts as one that strikes, s; part of a simulation's state.
+/// What is known of one wheelset.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Striking {
+    /// Until when it counts as one that strikes, s.
+    until: Option<f64>,
+    /// Its nearest flange's way in parts of [`NEAR`], where it is nearer than [`FAR`].
+    apart: Option<f64>,
+}
+
+/// Which wheelsets strike, or may soon; part of a simulation's state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Strikes {
-    until: Vec<Option<f64>>,
+    wheelsets: Vec<Striking>,
     /// End of the last step, s.
     now: f64,
 }
@@ -45,38 +56,50 @@ pub struct Strikes {
 impl Strikes {
     /// Could these have come from the same model as `other`?
     pub fn fits(&self, other: &Strikes) -> bool {
-        self.until.len() == other.until.len()
+        self.wheelsets.len() == other.wheelsets.len()
+    }
+
+    /// By how much more the error of a wheelset may be than that of one that strikes; `None`: it does not count.
+    fn eased(&self, wheelset: usize) -> Option<f64> {
+        let Striking { until, apart } = self.wheelsets.get(wheelset)?;
+        if until.is_some_and(|until| until > self.now) {
+            return Some(1.0);
+        }
+        apart.map(|apart| (apart * apart * apart).max(1.0))
     }
 }
 
 impl Model {
     /// Before the first step.
     pub fn strikes(&self) -> Strikes {
-        Strikes { until: vec![None; self.wheelsets.len()], now: 0.0 }
+        Strikes { wheelsets: vec![Striking::default(); self.wheelsets.len()], now: 0.0 }
     }
 
     /// Notes the end of a step at time `t` [s], at which the workspace's evaluation was made.
     pub fn note_strikes(&self, workspace: &Workspace, t: f64, strikes: &mut Strikes) {
         strikes.now = t;
+        strikes.wheelsets.iter_mut().for_each(|own| own.apart = None);
         for WheelRef { contact, wheelset, side } in self.wheels() {
             let mut carrying = workspace.reports(contact).filter(|report| report.carries()).peekable();
             let flies = carrying.peek().is_none();
-            if flies
-                || self.way_to_flange(workspace, (wheelset, side, contact)) < NEAR
-                || carrying.any(|report| workspace.in_track(wheelset.body, report.axes.normal).y.abs() > FLANGE)
-            {
-                strikes.until[contact / Side::BOTH.len()] = Some(t + LASTING);
+            let apart = self.way_to_flange(workspace, (wheelset, side, contact)) / NEAR;
+            let own = &mut strikes.wheelsets[contact / Side::BOTH.len()];
+            if flies || apart < 1.0 || carrying.any(|report| workspace.in_track(wheelset.body, report.axes.normal).y.abs() > FLANGE) {
+                own.until = Some(t + LASTING);
+            }
+            if apart < FAR {
+                own.apart = Some(own.apart.map_or(apart, |other| other.min(apart)));
             }
         }
     }
 
     /// An error of the state in parts of what strikes to come allow; the workspace holds an evaluation nearby.
     pub fn error_at_strikes(&self, workspace: &Workspace, strikes: &Strikes, error: &[f64]) -> f64 {
-        let struck = |wheelset: usize| strikes.until.get(wheelset).copied().flatten().is_some_and(|until| until > strikes.now);
         let mut largest: f64 = 0.0;
-        for (index, wheelset) in self.wheelsets.iter().enumerate().filter(|(index, _)| struck(*index)) {
+        for (index, wheelset) in self.wheelsets.iter().enumerate() {
+            let Some(eased) = strikes.eased(index) else { continue };
             let flying = self.force_of_landing(workspace, (index, wheelset), error);
-            largest = largest.max(self.force_on_flange(workspace, wheelset, error).max(flying) / (PART * self.load_tolerance));
+            largest = largest.max(self.force_on_flange(workspace, wheelset, error).max(flying) / (eased * PART * self.load_tolerance));
         }
         if largest.is_nan() { f64::INFINITY } else { largest }
     }
