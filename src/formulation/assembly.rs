@@ -145,7 +145,7 @@ impl Model {
             searches.fill_with(|| None);
         }
         let contact_states_begin = system.dimension();
-        let flanks = flank::ways_to_flanges(&wheelsets, &track);
+        let flanks = flank::flanks(&wheelsets, &track);
         Model {
             system,
             track,

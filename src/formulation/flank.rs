@@ -5,6 +5,7 @@
 //! S1002 on 60E1. It says which wheels are near a strike; where they touch the search finds.
 
 use super::Wheelset;
+use super::wheel_search::flange_tip;
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::{Rail, Track};
@@ -14,17 +15,26 @@ const POINTS: usize = 200;
 /// A flange begins where the wheel's profile is so steep, -: 30 degrees.
 const STEEP: f64 = 0.577;
 
+/// Of one wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Flank {
+    /// How far it may move outward, m; infinity without a flange, or where it would not meet the rail.
+    pub way: f64,
+    /// Wheel coordinate of the flange's tip, m; minus infinity without a flange.
+    pub tip: f64,
+}
+
 /// By wheel, the left one of each wheelset first. Wheels that are like the one before on the same side are not looked at anew.
-pub(super) fn ways_to_flanges(wheelsets: &[Wheelset], track: &Track) -> Vec<f64> {
-    let mut known: [Option<(&Wheel, f64)>; 2] = [None; 2];
+pub(super) fn flanks(wheelsets: &[Wheelset], track: &Track) -> Vec<Flank> {
+    let mut known: [Option<(&Wheel, Flank)>; 2] = [None; 2];
     let both = wheelsets.iter().flat_map(|wheelset| Side::BOTH.map(|side| wheelset.wheel(side)));
     both.map(|wheel| {
-        let way = match known[usize::from(wheel.side == Side::Right)] {
-            Some((other, way)) if wheel.is_like(other) => way,
-            _ => way_to_flange(wheel, track.rail(wheel.side)),
+        let flank = match known[usize::from(wheel.side == Side::Right)] {
+            Some((other, flank)) if wheel.is_like(other) => flank,
+            _ => Flank { way: way_to_flange(wheel, track.rail(wheel.side)), tip: flange_tip(wheel.profile.as_ref()) },
         };
-        known[usize::from(wheel.side == Side::Right)] = Some((wheel, way));
-        way
+        known[usize::from(wheel.side == Side::Right)] = Some((wheel, flank));
+        flank
     })
     .collect()
 }

@@ -14,6 +14,7 @@ mod assembly;
 mod beam_rails;
 pub mod beat;
 mod deflections;
+mod derailment;
 mod drift;
 pub mod elastic;
 pub mod energy;

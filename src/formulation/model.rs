@@ -3,6 +3,7 @@
 use super::ContactReport;
 use super::Formulation;
 use super::energy_books::EnergyBooks;
+use super::flank::Flank;
 use super::linear_contact::LinearContact;
 use super::rail_beam::LaidRails;
 use super::sliding_mean::SlidingMean;
@@ -79,8 +80,8 @@ pub struct Model {
     pub(super) surfaces_move: bool,
     /// Per wheel: the search for all of them; `None` where one place alone can touch.
     pub(super) searches: Vec<Option<Arc<WheelSearch>>>,
-    /// By wheel, how far it may go outward until its flange meets its rail, m; infinity without one.
-    pub(super) flanks: Vec<f64>,
+    /// By wheel.
+    pub(super) flanks: Vec<Flank>,
     /// The left and the right rail in strips, where patches are made of them.
     pub(super) strips: Option<[RailStrips; 2]>,
     /// Their patches by wheel, where they are read from tables; else empty.

@@ -106,7 +106,7 @@ impl Model {
 
     /// How far a wheel may go outward until its flange meets its rail, m.
     fn way_to_flange(&self, workspace: &Workspace, (wheelset, side, contact): (&Wheelset, Side, usize)) -> f64 {
-        let Some(way) = self.flanks.get(contact).copied().filter(|way| way.is_finite()) else { return f64::INFINITY };
+        let Some(way) = self.flanks.get(contact).map(|flank| flank.way).filter(|way| way.is_finite()) else { return f64::INFINITY };
         let motion = &workspace.system.motions[wheelset.body];
         let [y, _] = workspace.beside_track(wheelset.body);
         let [[rail, ..], _] = self.track.rail(side).deviation(motion.distance);

@@ -114,7 +114,10 @@ pub enum SimulationError {
 impl SimulationError {
     /// Has a wheel left its rail? (Not a failure of the program: the run ends there.)
     pub fn is_derailed(&self) -> bool {
-        matches!(self, SimulationError::Evaluation(EvaluationError { cause: ContactFailure::Derailed { .. }, .. }))
+        matches!(
+            self,
+            SimulationError::Evaluation(EvaluationError { cause: ContactFailure::Derailed { .. } | ContactFailure::OffRail { .. }, .. })
+        )
     }
 }
 

@@ -47,6 +47,11 @@ pub(super) fn modes(scene: &Scene, found: &Modes) -> String {
         let by = if found.driven { " (torques and forces that elements begin with are not in the balance)" } else { "" };
         text += &format!("  not quite steady: accelerations up to {:.1e} m/s2 or rad/s2 remain{by}\n", found.unbalanced);
     }
+    if let Some(first) = found.at_ends.first() {
+        let more = found.at_ends.len() - 1;
+        let others = if more > 0 { format!(" (and {more} more)") } else { String::new() };
+        text += &format!("  {first}{others} stands at the end of its free travel: modes are a mean of those on both sides of it\n");
+    }
     let row = |mode: &Mode| {
         vec![
             mode.name.clone(),

@@ -37,7 +37,7 @@ impl WheelSearch {
 }
 
 /// Where a wheel's radius is greatest, if that is on a flange.
-fn flange_tip(profile: &dyn Profile) -> f64 {
+pub(super) fn flange_tip(profile: &dyn Profile) -> f64 {
     const STEPS: usize = 2000;
     let (first, last) = profile.range();
     let at = |index: usize| first + (last - first) * index as f64 / STEPS as f64;

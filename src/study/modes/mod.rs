@@ -20,6 +20,7 @@ use crate::formulation::{EvaluationError, Model};
 use crate::mbs::body::COORDINATES;
 use crate::scene::spec::Scene;
 use crate::scene::start::{self, Start};
+use crate::sim::statics::{ElementForce, statics};
 use crate::sim::{Simulation, SimulationError};
 use faer::{Mat, c64};
 use reduction::Reduction;
@@ -94,6 +95,8 @@ pub struct Modes {
     pub unbalanced: f64,
     /// Do inputs of elements begin with values that the steady state does not know?
     pub driven: bool,
+    /// Stops that stand at an end of their free travel: motions on both sides of it are others.
+    pub at_ends: Vec<String>,
 }
 
 impl Mode {
@@ -240,6 +243,7 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         free: size,
         unbalanced: unbalanced(model, &linear),
         driven: model.start_inputs() != model.neutral_inputs(),
+        at_ends: at_ends(&scene).map_err(|cause| ModesError::NoStart { speed, cause })?,
         left_out: reduction.left_out,
     })
 }
@@ -261,6 +265,19 @@ fn mode(model: &Model, speed: f64, value: c64, others: &[c64], shape: Vec<c64>) 
         parts: found.parts,
         shape: found.shape.iter().map(|part| [part.re, part.im]).collect(),
     }
+}
+
+/// Nearer than this to an end of its free travel a stop is at it, m: some lengths of differences.
+const AT_END: f64 = 1e-6;
+
+/// Names of the stops that stand at an end of their free travel.
+fn at_ends(scene: &Scene) -> Result<Vec<String>, SimulationError> {
+    let found = statics(scene, &mut Simulation::new(scene, 0.0)?)?;
+    let stands = |element: &&ElementForce| {
+        let ends = element.free_travel.iter().flatten().flatten();
+        !element.turns && ends.into_iter().any(|end| (element.displacement - end).abs() < AT_END)
+    };
+    Ok(found.elements.iter().filter(stands).map(|element| element.name.clone()).collect())
 }
 
 /// Largest acceleration of a body at the steady state.
