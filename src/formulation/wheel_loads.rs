@@ -23,7 +23,7 @@ struct Range {
 }
 
 impl Range {
-    const NONE: Range = Range { least: (f64::INFINITY, f64::NAN), most: (0.0, f64::NAN) };
+    const NONE: Range = Range { least: (f64::INFINITY, f64::NEG_INFINITY), most: (0.0, f64::NEG_INFINITY) };
 }
 
 /// Those of all wheels, the left one of each wheelset first.
@@ -93,6 +93,17 @@ impl WheelLoads {
             beyond,
             phases: self.phases.clone(),
         }
+    }
+
+    /// Becomes a copy of another's notes on the same wheels, in the memory that it has.
+    pub fn copy_from(&mut self, other: &WheelLoads) {
+        self.ranges.clone_from(&other.ranges);
+        self.beats.clone_from(&other.beats);
+        self.trembles.clone_from(&other.trembles);
+        self.phases.clone_from(&other.phases);
+        self.strike = other.strike;
+        self.flanges.clone_from(&other.flanges);
+        self.linear.clone_from(&other.linear);
     }
 
     /// Goes on with what was noted before. Returns false and changes nothing when it is not of the same wheels.

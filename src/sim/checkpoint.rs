@@ -199,7 +199,7 @@ impl Found {
         if !self.last.state.is_sound() || !simulation.restore(&self.last.state) {
             return Err(damaged("its state"));
         }
-        if !simulation.loads.go_on(self.last.loads.clone()) || !run.left.go_on(&self.last.left) {
+        if !simulation.go_on_noting(self.last.loads.clone()) || !run.left.go_on(&self.last.left) {
             return Err(damaged("its notes"));
         }
         run.recording.rows.clone_from(&self.rows);

@@ -31,7 +31,7 @@ use crate::formulation::strikes::Strikes;
 use crate::formulation::swing::Swings;
 use crate::formulation::timers::Timers;
 use crate::formulation::transitions::Transition;
-use crate::formulation::wheel_loads::WheelLoads;
+use crate::formulation::wheel_loads::{NotedLoads, WheelLoads};
 use crate::formulation::work::Work;
 use crate::formulation::{AssemblyError, ContactFailure, Evaluation, EvaluationError, Model, Workspace};
 use crate::scene::assemble;
@@ -328,6 +328,21 @@ impl Simulation {
 
     pub fn state(&self) -> &SimulationState {
         &self.state
+    }
+
+    /// What was noted of the wheels' loads; no part of the state, which goes on the same without.
+    pub fn loads(&self) -> &WheelLoads {
+        &self.loads
+    }
+
+    /// Puts back what had been noted when a state was saved.
+    pub fn put_loads(&mut self, loads: &WheelLoads) {
+        self.loads.copy_from(loads);
+    }
+
+    /// The same of what was serialised; `false`, and nothing is changed, where it is of another model.
+    pub fn go_on_noting(&mut self, noted: NotedLoads) -> bool {
+        self.loads.go_on(noted)
     }
 
     /// Puts a saved state back. Returns false and changes nothing when it is not a state of this model.

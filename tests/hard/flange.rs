@@ -81,6 +81,32 @@ fn equiv_constrained_tread_with_elastic_flange_and_all_elastic_in_steady_flange_
     }
 }
 
+/// A wheelset that is thrown off its track has derailed 150 mm above it, whatever finds its contacts. (Cones and nodes followed it to 60 m, and back onto its rails, and the run ended well.)
+#[test]
+fn hard_derailment_is_noticed_whatever_finds_the_contacts() {
+    for (name, changes) in [
+        ("suspended_wheelset", &["contact.formulation=ECF-A"][..]),
+        ("suspended_wheelset", &["contact.formulation=ECF-N"]),
+        ("suspended_wheelset", &["contact.formulation=ECCF", "contact.on_lift=elastic"]),
+        ("suspended_wheelset", &["contact.formulation=ACCF", "contact.on_lift=elastic"]),
+        ("suspended_wheelset", &["track.flexibility=travelling"]),
+        ("wheelset_s1002", &["contact.formulation=ECF-N"]),
+        ("wheelset_s1002", &["contact.patch=linear"]),
+        ("wheelset_s1002", &["contact.patch=strips"]),
+        ("wheelset_s1002", &["contact.patch=ellipse", "contact.points=1"]),
+    ] {
+        let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+        let scene = load::open(name, &changes).unwrap_or_else(|error| panic!("{error}"));
+        let mut simulation = start(&scene);
+        simulation.advance(0.1).unwrap();
+        simulation.set_input(input_index(0, VERTICAL_FORCE), 3e5, 0.0, 0.0);
+        let ended = simulation.advance(1.5).expect_err("no track holds it");
+        println!("{name} {changes:?}: {ended}");
+        let height = simulation.state().integration.y[2];
+        assert!(ended.is_derailed() && (0.58..0.66).contains(&height), "{name} {changes:?}: {ended}, {height}");
+    }
+}
+
 #[test]
 fn hard_flange_contact_begins_and_ends_without_a_jump() {
     let scene = scene(&["solver.tolerance=1e-9"]);

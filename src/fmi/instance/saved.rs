@@ -3,9 +3,10 @@
 use super::{CallError, Experiment, Instance, Phase};
 use crate::contact::normal::hertz_table::EllipseTable;
 use crate::fmi::variables::{Role, Variable, VariableTable};
+use crate::formulation::wheel_loads::NotedLoads;
 use crate::scene::spec::Scene;
-use crate::sim::SimulationState;
 use crate::sim::serialized;
+use crate::sim::{Simulation, SimulationState};
 use serde::{Deserialize, Serialize};
 
 /// All memory of an instance; what fmi2GetFMUstate keeps.
@@ -22,6 +23,8 @@ pub struct SavedState {
     /// With which the run began or will begin, where that is an input.
     speed: Option<f64>,
     simulation: Option<SimulationState>,
+    /// What was noted of loads until then: a course that is taken back leaves no warning.
+    noted: Option<NotedLoads>,
     /// What discrete outputs show, by wheel; empty without event mode.
     shown: Vec<i32>,
 }
@@ -43,6 +46,13 @@ impl SavedState {
     }
 }
 
+/// Notes go on from those of the state that was put back; those that do not fit are forgotten.
+fn note_on(simulation: &mut Simulation, saved: &SavedState) {
+    if let Some(noted) = &saved.noted {
+        simulation.go_on_noting(noted.clone());
+    }
+}
+
 impl Instance {
     /// Values of the parameters from which a simulation is started, in table order.
     fn start_values(&self) -> Vec<f64> {
@@ -59,6 +69,7 @@ impl Instance {
             inputs: self.inputs.clone(),
             speed: self.start_speed(),
             simulation: self.simulation.as_ref().map(|simulation| simulation.state().clone()),
+            noted: self.simulation.as_ref().map(|simulation| simulation.loads().noted()),
             shown: self.shown.clone(),
         }
     }
@@ -87,6 +98,7 @@ impl Instance {
         self.begun_speed = saved.begun_speed();
         if let Some(simulation) = &mut self.simulation {
             simulation.restore(state);
+            note_on(simulation, saved);
         }
         Ok(())
     }
@@ -122,6 +134,7 @@ impl Instance {
             if !simulation.restore(state) {
                 return Err(CallError::ForeignState);
             }
+            note_on(simulation, saved);
             // Lift-offs of its own start say nothing about the state that was put back, unless that is still to start.
             if saved.phase != Phase::Initialization {
                 simulation.take_events();

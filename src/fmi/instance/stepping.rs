@@ -2,6 +2,7 @@
 
 use super::{CallError, Instance, Phase};
 use crate::formulation::events::ContactEvent;
+use crate::formulation::wheel_loads::WheelLoads;
 use crate::sim::{SimulationError, SimulationState};
 
 /// How a step ended.
@@ -24,7 +25,7 @@ pub enum Pace {
 }
 
 /// What a step changes: the simulation's state and the inputs as they were set.
-pub(super) type Before = (SimulationState, Vec<[f64; 3]>);
+pub(super) type Before = (SimulationState, Vec<[f64; 3]>, WheelLoads);
 
 /// By how much two communication times may differ and still be the same: 1e-9 of their size (at least of 1 s), but no more
 /// than a thousandth of the step, lest a master far from t = 0 skips time unnoticed, and no less than rounding.
@@ -105,8 +106,9 @@ impl Instance {
             Some(before) => {
                 before.0.clone_from(simulation.state());
                 before.1.clone_from(&self.inputs);
+                before.2.copy_from(simulation.loads());
             }
-            None => self.before = Some(Box::new((simulation.state().clone(), self.inputs.clone()))),
+            None => self.before = Some(Box::new((simulation.state().clone(), self.inputs.clone(), simulation.loads().clone()))),
         }
     }
 
@@ -114,6 +116,7 @@ impl Instance {
     pub fn take_back(&mut self) {
         let (Some(before), Some(simulation)) = (&self.before, &mut self.simulation) else { return };
         simulation.restore(&before.0);
+        simulation.put_loads(&before.2);
         self.inputs.clone_from(&before.1);
     }
 }
