@@ -13,6 +13,7 @@ pub mod feedthrough;
 mod initial;
 pub mod input;
 pub mod input_table;
+mod notes;
 pub mod outputs;
 pub mod pattern;
 pub mod recording;
@@ -31,14 +32,14 @@ use crate::formulation::strikes::Strikes;
 use crate::formulation::swing::Swings;
 use crate::formulation::timers::Timers;
 use crate::formulation::transitions::Transition;
-use crate::formulation::wheel_loads::{NotedLoads, WheelLoads};
+use crate::formulation::wheel_loads::WheelLoads;
 use crate::formulation::work::Work;
 use crate::formulation::{AssemblyError, ContactFailure, Evaluation, EvaluationError, Model, Workspace};
 use crate::scene::assemble;
 use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
 use crate::scene::steady_state::{self, Contacts};
-use crate::solve::{Doubts, IntegrationState, Integrator, Scratch, SettingKind, SolveError, Statistics};
+use crate::solve::{Doubts, IntegrationState, Integrator, Scratch, SolveError, Statistics};
 use dynamics::{Memories, ModelDynamics, Watched};
 use initial::{initial_state, on_the_line};
 use input::InputSignal;
@@ -330,21 +331,6 @@ impl Simulation {
         &self.state
     }
 
-    /// What was noted of the wheels' loads; no part of the state, which goes on the same without.
-    pub fn loads(&self) -> &WheelLoads {
-        &self.loads
-    }
-
-    /// Puts back what had been noted when a state was saved.
-    pub fn put_loads(&mut self, loads: &WheelLoads) {
-        self.loads.copy_from(loads);
-    }
-
-    /// The same of what was serialised; `false`, and nothing is changed, where it is of another model.
-    pub fn go_on_noting(&mut self, noted: NotedLoads) -> bool {
-        self.loads.go_on(noted)
-    }
-
     /// Puts a saved state back. Returns false and changes nothing when it is not a state of this model.
     pub fn restore(&mut self, state: &SimulationState) -> bool {
         let fits = self.state.fits(state);
@@ -375,22 +361,6 @@ impl Simulation {
     /// When a wheel that had left its rail first struck it, s.
     pub fn first_strike(&self) -> Option<f64> {
         self.loads.first_strike()
-    }
-
-    /// When a flutter began that notes tell of, s.
-    pub fn first_flutter(&self) -> Option<f64> {
-        self.model.first_flutter(&self.state.flutter, &self.loads, self.integrator.setting().kind == SettingKind::Step)
-    }
-
-    /// What a user should know about the run so far: wheels that unload, loads no real track would meet, wheelsets that flutter, loads
-    /// that swing fast of themselves, works that lag.
-    pub fn notes(&self) -> Vec<String> {
-        let mut notes = self.model.load_notes(&self.loads);
-        let fixed = self.integrator.setting().kind == SettingKind::Step;
-        let flutter = self.model.flutter_note(&self.state.flutter, &self.loads, fixed);
-        notes.extend(flutter.or_else(|| self.model.swing_note(&self.loads)));
-        notes.extend(self.integrator.linearises().then(|| self.model.books_note()).flatten());
-        notes
     }
 
     /// Advances to `target` [s].
