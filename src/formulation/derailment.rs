@@ -15,16 +15,15 @@ impl Model {
     #[inline]
     pub(super) fn on_the_rails(&self, workspace: &Workspace, t: f64) -> Result<(), EvaluationError> {
         for (contact, flank) in self.flanks.iter().enumerate() {
-            let (mut nearest, mut on_tip) = (f64::NEG_INFINITY, false);
+            let (mut nearest, mut carries, mut on_tip) = (f64::NEG_INFINITY, false, false);
             for report in workspace.reports(contact) {
-                let pressed = report.normal_force > 0.0;
+                carries |= report.carries();
+                on_tip |= report.normal_force > 0.0 && !report.constrained && report.parameters.wheel < flank.tip;
                 // Where there is no place there is no overlap either, to the bit.
-                let depth = if pressed || report.constrained || report.penetration == 0.0 { 0.0 } else { report.penetration };
-                let none = depth == 0.0 && !report.carries();
-                nearest = if none { nearest } else { nearest.max(depth) };
-                on_tip |= pressed && !report.constrained && report.parameters.wheel < flank.tip;
+                nearest = if report.penetration == 0.0 { nearest } else { nearest.max(report.penetration) };
             }
-            let gone = nearest < 0.0 && (nearest > f64::NEG_INFINITY && nearest < -FAR || self.height(workspace, contact) > FAR);
+            let far = nearest > f64::NEG_INFINITY && nearest < -FAR;
+            let gone = !carries && nearest < 0.0 && (far || self.height(workspace, contact) > FAR);
             if gone || on_tip {
                 return Err(self.derailed(
                     workspace,

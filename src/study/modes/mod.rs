@@ -196,7 +196,9 @@ pub fn modes(scene: &Scene, speed: f64) -> Result<Modes, ModesError> {
 /// [`ModesError`].
 pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, ModesError> {
     let scene = undisturbed(scene, speed)?;
-    let simulation = Simulation::new(&scene, 0.0).map_err(|cause| ModesError::NoStart { speed, cause })?;
+    let no_start = |cause| ModesError::NoStart { speed, cause };
+    let mut simulation = Simulation::new(&scene, 0.0).map_err(no_start)?;
+    let at_ends = at_ends(&scene, &mut simulation).map_err(no_start)?;
     let model = simulation.model();
     if amplitude > 0.0 && model.formulation.constrains() {
         return Err(ModesError::Rigid);
@@ -243,7 +245,7 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         free: size,
         unbalanced: unbalanced(model, &linear),
         driven: model.start_inputs() != model.neutral_inputs(),
-        at_ends: at_ends(&scene).map_err(|cause| ModesError::NoStart { speed, cause })?,
+        at_ends,
         left_out: reduction.left_out,
     })
 }
@@ -271,8 +273,8 @@ fn mode(model: &Model, speed: f64, value: c64, others: &[c64], shape: Vec<c64>) 
 const AT_END: f64 = 1e-6;
 
 /// Names of the stops that stand at an end of their free travel.
-fn at_ends(scene: &Scene) -> Result<Vec<String>, SimulationError> {
-    let found = statics(scene, &mut Simulation::new(scene, 0.0)?)?;
+fn at_ends(scene: &Scene, simulation: &mut Simulation) -> Result<Vec<String>, SimulationError> {
+    let found = statics(scene, simulation)?;
     let stands = |element: &&ElementForce| {
         let ends = element.free_travel.iter().flatten().flatten();
         !element.turns && ends.into_iter().any(|end| (element.displacement - end).abs() < AT_END)
