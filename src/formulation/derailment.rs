@@ -1,7 +1,7 @@
 //! Wheels that have left their rails, whatever finds their contacts.
 //!
 //! A wheel that carries nothing and whose nearest place is further than [`FAR`] from its rail has left it, and one that is pressed on the tip of its flange has derailed: the run ends there. The
-//! search for all places says so itself; pairs that touch at one place only, nodes (ECF-N) and linear contact followed a wheel to any height (60 m, and back onto its rail).
+//! search for all places says so itself; pairs that touch at one place only, nodes (ECF-N) and linear contact followed a wheel to any height (60 m, and back onto its rail). Linear contact knows no tips.
 
 use super::step::WheelRef;
 use super::wheel_search::FAR;
@@ -14,11 +14,13 @@ impl Model {
     /// [`ContactFailure::Derailed`].
     #[inline]
     pub(super) fn on_the_rails(&self, workspace: &Workspace, t: f64) -> Result<(), EvaluationError> {
+        // The place of linear contact is a straight line of y, and passes the tip long before the wheel does.
+        let has_tips = self.linear.is_empty();
         for (contact, flank) in self.flanks.iter().enumerate() {
             let (mut nearest, mut carries, mut on_tip) = (f64::NEG_INFINITY, false, false);
             for report in workspace.reports(contact) {
                 carries |= report.carries();
-                on_tip |= report.normal_force > 0.0 && !report.constrained && report.parameters.wheel < flank.tip;
+                on_tip |= has_tips && report.normal_force > 0.0 && !report.constrained && report.parameters.wheel < flank.tip;
                 // Where there is no place there is no overlap either, to the bit.
                 nearest = if report.penetration == 0.0 { nearest } else { nearest.max(report.penetration) };
             }
