@@ -131,3 +131,29 @@ fn equiv_accf_frees_the_wheel_that_loses_its_place() {
         assert!(apart < 1e-6 && order.len() >= 4, "{solver:?}: {apart:e}");
     }
 }
+
+/// A place may cease to exist between an accepted step's end and the next step: what can be read there is what the run goes on with.
+#[test]
+fn hard_every_end_of_a_step_can_be_read_where_places_cease() {
+    for (scene, until) in [("wheelset_s1002", 1.6), ("vehicle_manchester_1", 2.2)] {
+        let deviations = ["left", "right"].map(|rail| {
+            format!("{{rail=\"{rail}\", direction=\"lateral\", shape=\"cosine\", amplitude=\"8 mm\", from=\"10 m\", to=\"30 m\"}}")
+        });
+        let changes =
+            ["contact.formulation=ACCF".into(), "contact.on_lift=elastic".into(), format!("track.deviation=[{}]", deviations.join(", "))];
+        let scene = load::open(scene, &changes).unwrap_or_else(|error| panic!("{error}"));
+        let mut simulation = Simulation::new(&scene, 0.0).unwrap_or_else(|error| panic!("{error}"));
+        let (mut stops, mut ceased) = (0, 0);
+        while simulation.time() < until {
+            simulation.advance_to_stop(until).unwrap_or_else(|error| panic!("{error}"));
+            let time = simulation.time();
+            let snapshot = simulation.snapshot().unwrap_or_else(|error| panic!("stop {stops} at {time}: {error}"));
+            assert!(snapshot.dy.iter().all(|rate| rate.is_finite()));
+            let events = simulation.take_events();
+            ceased += events.iter().filter(|event| event.change == ContactChange::Vanished).count();
+            stops += 1;
+        }
+        println!("{stops} stops, {ceased} places ceased");
+        assert!(ceased > 0);
+    }
+}
