@@ -122,6 +122,8 @@ const FARTHEST: f64 = 0.16;
 /// Steps of height [m] and roll [rad] that are taken for nothing.
 const STEP: f64 = 1e-12;
 const ITERATIONS: usize = 60;
+/// Part of their way that shorter steps go.
+const SHORTER: f64 = 0.5;
 /// Places that have entered their rail by more are not those of a wheelset that stands, m.
 const ENTERED: f64 = 1e-9;
 /// On rounded or noisy points many places lie within nanometres of each other, and each step brings another one: after so many steps a stand to this is one, m.
@@ -179,11 +181,22 @@ impl WheelsetOnTrack {
         self.wheels[0].half_spacing + self.wheels[1].half_spacing
     }
 
-    /// Sets the wheelset down at the lateral shift `y` [m].
+    /// Sets the wheelset down at the lateral shift `y` [m]. From one start steps may go round between places of a wheel for ever: shorter ones, then another start, find where it
+    /// stands.
     ///
     /// # Errors
     /// [`NoStand`].
     pub fn stand(&self, y: f64, start: Start) -> Result<Stand, NoStand> {
+        let first = self.stand_from(y, start, 1.0);
+        if !matches!(first, Err(NoStand::NotFound { .. })) {
+            return first;
+        }
+        let again = [(start, SHORTER), (self.start(), 1.0), (self.start(), SHORTER)];
+        again.into_iter().find_map(|(start, part)| self.stand_from(y, start, part).ok()).map_or(first, Ok)
+    }
+
+    /// The same by steps that go this `part` of their way.
+    fn stand_from(&self, y: f64, start: Start, part: f64) -> Result<Stand, NoStand> {
         let Start { mut height, mut roll } = start;
         let mut minima = Minima::default();
         for round in 0..ITERATIONS {
@@ -206,7 +219,7 @@ impl WheelsetOnTrack {
             if round >= CROWDED && Side::BOTH.into_iter().all(touching) && touches.iter().flatten().all(|touch| touch.distance > -ROUNDED) {
                 return self.finish((y, height, roll), &touches, chosen, ROUNDED);
             }
-            let shorter = step.iter().map(|step| step.abs() / LONGEST.0).fold(turn.abs() / LONGEST.1, f64::max).max(1.0);
+            let shorter = step.iter().map(|step| step.abs() / LONGEST.0).fold(turn.abs() / LONGEST.1, f64::max).max(1.0) / part;
             height = [height[0] + step[0] / shorter, height[1] + step[1] / shorter];
             roll += turn / shorter;
         }

@@ -34,6 +34,13 @@ fn equiv_a_scene_and_its_results_are_assessed_alike() {
     assert_eq!(code, 0);
     let (of_file, code) = assess(&[file, "--scene", CURVE[0], CURVE[1], CURVE[2]]);
     assert_eq!((code, &of_run["assessment"]["rows"]), (0, &of_file["assessment"]["rows"]));
+    let said = |arguments: &[&str]| wheelrail(&[&["assess", file, "--scene"], arguments].concat()).1;
+    assert_eq!(said(&CURVE), "");
+    assert!(
+        said(&["bogie"]).contains("may come from another scene: the scene has no wheelset \"truck[1].wheelset[1]\""),
+        "{}",
+        said(&["bogie"])
+    );
     // Without the scene: no limits by loads, no curves, no Nadal.
     let (alone, code) = assess(&[file]);
     assert_eq!((code, rows(&alone, "nadal")[0]["verdict"].as_str()), (0, Some("not_assessable")));

@@ -19,6 +19,7 @@ use crate::sim::vehicle_outputs::scene_outputs;
 use crate::solve::Doubts;
 use crate::study::assess::aliased::aliased;
 use crate::study::assess::known::{Known, Vehicle};
+use crate::study::assess::origin::misfits;
 use crate::study::assess::quantity::{self, VehicleKind};
 use crate::study::assess::signals::Signals;
 use crate::study::assess::{Assessment, Row, Verdict};
@@ -205,7 +206,11 @@ fn result(arguments: &Arguments) -> Result<Subject, Failure> {
         Some((scene, _, vehicle)) => (scene.title, Some(vehicle)),
         None => (arguments.input.clone(), None),
     };
-    Ok(Subject { title, signals, vehicle, ended: None, notes: Vec::new(), doubts: Doubts::default(), recording: None })
+    let notes = vehicle.iter().flat_map(|vehicle| misfits(&signals, vehicle));
+    let notes = notes
+        .map(|what| format!("{} may come from another scene: {what}; limits and sections are those of --scene", arguments.input))
+        .collect();
+    Ok(Subject { title, signals, vehicle, ended: None, notes, doubts: Doubts::default(), recording: None })
 }
 
 fn run(arguments: &Arguments, step: f64) -> Result<Subject, Failure> {

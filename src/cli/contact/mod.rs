@@ -41,7 +41,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "Y", default_value = "8 mm")]
     range: String,
     /// Distance of lateral shifts
-    #[arg(long, value_name = "H", default_value = "0.1 mm")]
+    #[arg(long, value_name = "H", default_value = "0.1 mm", allow_hyphen_values = true)]
     step: String,
     /// Yaw of the wheelset, left positive
     #[arg(long, value_name = "ANGLE", default_value = "0", allow_hyphen_values = true)]
@@ -81,7 +81,7 @@ pub(super) struct Arguments {
     )]
     pose: Option<String>,
     /// Vertical load of each wheel with --patch and --elastic [default: the static one]
-    #[arg(long, value_name = "Q")]
+    #[arg(long, value_name = "Q", allow_hyphen_values = true)]
     load: Option<String>,
     /// Cells of --patch each way [default: 64; with --sweep 32]; more where the wheel presses at several small places
     #[arg(long, value_name = "N", requires = "patch")]
@@ -224,7 +224,7 @@ fn load(arguments: &Arguments, scene: &Scene) -> Result<f64, Failure> {
     if load > 0.0 && load <= HEAVIEST {
         Ok(load)
     } else {
-        Err(Failure::Input(format!("a wheel load of {load} N: expected one from 0 to {HEAVIEST:.0e} N, e.g. --load \"50 kN\"")))
+        Err(Failure::Input(format!("a wheel load of {load} N: expected one above 0, up to {HEAVIEST:.0e} N, e.g. --load \"50 kN\"")))
     }
 }
 

@@ -4,6 +4,7 @@ use super::{Arguments, attitude, load, number, pair_in_force};
 use crate::cli::plot::{Axis, Ink, Mark, Panel, Series, Sheet, inside, width};
 use crate::cli::{Failure, csv_target, file_names, make_folder, print, say, table};
 use crate::contact::patch::{PatchCell, Settings};
+use crate::scene::profile_notes::profile_doubts;
 use crate::scene::spec::Scene;
 use crate::study::patch::{Answer, Question, WheelPatch, patches};
 use crate::units::Dimension;
@@ -110,7 +111,7 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
     };
     let rows: Vec<Vec<String>> = LINES.iter().map(row).collect();
     format!(
-        "{}\n\n  {}\n  rolling freely at {} m/s (pitch rate {:.4} rad/s), friction {}{}\n\n{}\nellipse: contact.normal.law = \"{}\" and contact.creep.law = \"{}\" at the deepest place; the other column: half-spaces, with the friction alone (no kalker_factor, no falling friction)\n",
+        "{}\n\n  {}\n  rolling freely at {} m/s (pitch rate {:.4} rad/s), friction {}{}\n\n{}\nellipse: contact.normal.law = \"{}\" and contact.creep.law = \"{}\" at the deepest place; the other column: half-spaces, with the friction alone (no kalker_factor, no falling friction)\n{}",
         scene.title,
         heading(question),
         scene.vehicle.speed,
@@ -119,7 +120,8 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
         if contact.friction_map.is_some() { " everywhere (its factors by place are left out)" } else { "" },
         table(&head, &rows),
         contact.normal_name,
-        contact.creep_name
+        contact.creep_name,
+        profile_doubts(scene).into_iter().map(|doubt| format!("\n  note: {doubt}\n")).collect::<String>()
     )
 }
 
@@ -134,7 +136,8 @@ fn as_json(scene: &Scene, question: &Question, answer: &Answer, files: &[PathBuf
     };
     json!({
         "scene": scene.name, "title": scene.title, "y": question.y, "yaw": question.attitude.yaw, "load": question.load,
-        "roll": answer.stand.roll, "pitch_rate": answer.pitch_rate, "wheels": answer.wheels.each_ref().map(wheel), "pictures": file_names(files),
+        "roll": answer.stand.roll, "pitch_rate": answer.pitch_rate, "doubts": profile_doubts(scene), "wheels": answer.wheels.each_ref().map(wheel),
+        "pictures": file_names(files),
     })
 }
 

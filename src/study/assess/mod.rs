@@ -10,6 +10,7 @@ mod comfort;
 pub mod filter;
 mod forces;
 pub mod known;
+pub mod origin;
 pub mod quantity;
 pub mod sections;
 pub mod signals;

@@ -97,7 +97,7 @@ const SLIGHT: f64 = 0.04;
 
 impl Track {
     /// Curvature [1/m], left-hand positive, and sine of the cant angle, left rail up positive.
-    fn at(&self, s: f64) -> (f64, f64) {
+    pub(super) fn at(&self, s: f64) -> (f64, f64) {
         const REACH: f64 = 0.05;
         let Some(line) = &self.line else { return (0.0, 0.0) };
         let turn = line.frame(s + REACH).heading - line.frame(s - REACH).heading;
