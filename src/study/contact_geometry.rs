@@ -9,8 +9,8 @@
 //! ```
 //!
 //! A wheel may have several minima of the distance (tread, flange root, flange). A step goes to the height and roll at which
-//! one minimum of each wheel touches to first order and no other one enters its rail: so it does not matter which minimum
-//! is the least one on the way.
+//! one minimum of each wheel touches to first order and no other one enters its rail, the lowest of them (a wheelset could also be
+//! lifted until a flange stands in place of the tread): so it does not matter which minimum is the least one on the way.
 //!
 //! A *level* axle has no roll; each wheel then has a height of its own at which it touches, as in EN 15302.
 //!
@@ -122,10 +122,10 @@ const FARTHEST: f64 = 0.16;
 /// Steps of height [m] and roll [rad] that are taken for nothing.
 const STEP: f64 = 1e-12;
 const ITERATIONS: usize = 60;
-/// Part of their way that shorter steps go.
-const SHORTER: f64 = 0.5;
 /// Places that have entered their rail by more are not those of a wheelset that stands, m.
 const ENTERED: f64 = 1e-9;
+/// A place that enters its rail by less is free of it: rounding of a step, m.
+const FREE: f64 = 1e-13;
 /// On rounded or noisy points many places lie within nanometres of each other, and each step brings another one: after so many steps a stand to this is one, m.
 const CROWDED: usize = 20;
 const ROUNDED: f64 = 2e-7;
@@ -181,22 +181,11 @@ impl WheelsetOnTrack {
         self.wheels[0].half_spacing + self.wheels[1].half_spacing
     }
 
-    /// Sets the wheelset down at the lateral shift `y` [m]. From one start steps may go round between places of a wheel for ever: shorter ones, then another start, find where it
-    /// stands.
+    /// Sets the wheelset down at the lateral shift `y` [m].
     ///
     /// # Errors
     /// [`NoStand`].
     pub fn stand(&self, y: f64, start: Start) -> Result<Stand, NoStand> {
-        let first = self.stand_from(y, start, 1.0);
-        if !matches!(first, Err(NoStand::NotFound { .. })) {
-            return first;
-        }
-        let again = [(start, SHORTER), (self.start(), 1.0), (self.start(), SHORTER)];
-        again.into_iter().find_map(|(start, part)| self.stand_from(y, start, part).ok()).map_or(first, Ok)
-    }
-
-    /// The same by steps that go this `part` of their way.
-    fn stand_from(&self, y: f64, start: Start, part: f64) -> Result<Stand, NoStand> {
         let Start { mut height, mut roll } = start;
         let mut minima = Minima::default();
         for round in 0..ITERATIONS {
@@ -219,7 +208,7 @@ impl WheelsetOnTrack {
             if round >= CROWDED && Side::BOTH.into_iter().all(touching) && touches.iter().flatten().all(|touch| touch.distance > -ROUNDED) {
                 return self.finish((y, height, roll), &touches, chosen, ROUNDED);
             }
-            let shorter = step.iter().map(|step| step.abs() / LONGEST.0).fold(turn.abs() / LONGEST.1, f64::max).max(1.0) / part;
+            let shorter = step.iter().map(|step| step.abs() / LONGEST.0).fold(turn.abs() / LONGEST.1, f64::max).max(1.0);
             height = [height[0] + step[0] / shorter, height[1] + step[1] / shorter];
             roll += turn / shorter;
         }
@@ -280,7 +269,10 @@ impl WheelsetOnTrack {
                 let turn = (left.0 * right.1 - right.0 * left.1) / determinant;
                 let entering = |row: &(f64, f64, f64)| row.0 + row.1 * step + row.2 * turn;
                 let worst = rows.iter().flatten().map(entering).fold(f64::INFINITY, f64::min);
-                if worst.is_finite() && best.is_none_or(|best| worst > best.0) {
+                // Of those that free all places the one that stands lowest; the two that touch are free but for rounding.
+                let worst = if worst > -FREE { 0.0 } else { worst };
+                let is_better = |best: (f64, f64, f64, [usize; 2])| worst > best.0 || (worst == best.0 && step < best.1);
+                if worst.is_finite() && best.is_none_or(is_better) {
                     best = Some((worst, step, turn, [i, j]));
                 }
             }

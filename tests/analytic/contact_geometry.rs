@@ -633,10 +633,9 @@ fn hard_false_jumps_of_rounded_points_are_told_and_a_fit_takes_them_away() {
 /// left wheel. It stands there as well as beside it.
 #[test]
 fn hard_a_stand_is_found_wherever_the_search_begins() {
-    let file = |name: &str| format!("file={:?}", format!("{}/tests/data/profiles/{name}.csv", env!("CARGO_MANIFEST_DIR")));
-    let wheel = format!("vehicle.wheelset.profile={{kind=\"points\", radius=0.46, {}}}", file("wheel_tread_1_20").replacen('=', " = ", 1));
-    let rail = format!("track.rail={{kind=\"points\", {}}}", file("rail_worn").replacen('=', " = ", 1));
-    let wheelset = s1002(&[&wheel, &rail], FREE);
+    let scene = load::open(&format!("{}/tests/data/scenes/worn_rail.toml", env!("CARGO_MANIFEST_DIR")), &[])
+        .unwrap_or_else(|error| panic!("{error}"));
+    let wheelset = WheelsetOnTrack::new(&scene, FREE, None);
     for (range, step) in [(7e-3, 1e-4), (8e-3, 1e-4), (7e-3, 5e-5), (6.95e-3, 3.3e-4)] {
         let sweep = Sweep::new(&wheelset, range, step).unwrap_or_else(|error| panic!("{range}, {step}: {error}"));
         assert!(sweep.samples.last().is_some_and(|sample| sample.stand.y > 6.9e-3 - step));
