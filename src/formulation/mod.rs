@@ -29,6 +29,7 @@ mod foresight;
 pub mod frame_motion;
 mod half;
 mod hand_overs;
+mod hunting;
 pub mod inputs;
 mod linear_contact;
 mod linear_range;

@@ -3,6 +3,7 @@
 use super::beat::{self, Beat, Swing};
 use super::flange::{Flanges, Reach};
 use super::hand_overs::{self, Phases};
+use super::hunting::{self, Turns};
 use super::linear_range::{Beyond, Ranges};
 use super::step::WheelRef;
 use super::{Model, Workspace, contact_index};
@@ -41,6 +42,8 @@ pub struct WheelLoads {
     linear: Option<Ranges>,
     /// Where constraints may become elastic.
     phases: Vec<Phases>,
+    /// Flanges of each wheelset in turn.
+    turns: Vec<Turns>,
 }
 
 impl WheelLoads {
@@ -77,6 +80,7 @@ pub struct NotedLoads {
     reached: Vec<Reach>,
     beyond: Vec<Beyond>,
     phases: Vec<Phases>,
+    turns: Vec<Turns>,
 }
 
 impl WheelLoads {
@@ -92,6 +96,7 @@ impl WheelLoads {
             reached,
             beyond,
             phases: self.phases.clone(),
+            turns: self.turns.clone(),
         }
     }
 
@@ -101,6 +106,7 @@ impl WheelLoads {
         self.beats.clone_from(&other.beats);
         self.trembles.clone_from(&other.trembles);
         self.phases.clone_from(&other.phases);
+        self.turns.clone_from(&other.turns);
         self.strike = other.strike;
         self.flanges.clone_from(&other.flanges);
         self.linear.clone_from(&other.linear);
@@ -112,13 +118,14 @@ impl WheelLoads {
         let counts = noted.ranges.len() == wheels
             && noted.beats.len() == wheels
             && noted.trembles.len() == wheels
-            && noted.phases.len() == self.phases.len();
+            && noted.phases.len() == self.phases.len()
+            && noted.turns.len() == self.turns.len();
         let own = counts && noted.strike.is_none_or(|(contact, _)| contact < wheels);
         let linear = own && self.linear.as_mut().map_or(noted.beyond.is_empty(), |linear| linear.go_on(noted.beyond));
         let flanges = linear && self.flanges.as_mut().map_or(noted.reached.is_empty(), |flanges| flanges.go_on(noted.reached));
         if flanges {
             (self.ranges, self.strike, self.beats, self.phases) = (noted.ranges, noted.strike, noted.beats, noted.phases);
-            self.trembles = noted.trembles;
+            (self.trembles, self.turns) = (noted.trembles, noted.turns);
         }
         flanges
     }
@@ -136,6 +143,7 @@ impl WheelLoads {
         self.strike = self.strike.filter(|strike| strike.1 <= time);
         self.beats.iter_mut().chain(self.trembles.iter_mut().flatten()).for_each(|beat| beat.take_back(time));
         hand_overs::take_back(&mut self.phases, time);
+        hunting::take_back(&mut self.turns, time);
         self.flanges.iter_mut().for_each(|flanges| flanges.take_back(time));
         self.linear.iter_mut().for_each(|linear| linear.take_back(time));
     }
@@ -157,6 +165,7 @@ impl Model {
             flanges: Flanges::of(self),
             linear: Ranges::of(self),
             phases: hand_overs::of(self),
+            turns: vec![Turns::default(); self.wheelsets.len()],
         }
     }
 
@@ -169,6 +178,7 @@ impl Model {
             linear.look(self, workspace, t);
         }
         hand_overs::look(self, workspace, t, &mut loads.phases);
+        hunting::look(self, workspace, t, &mut loads.turns);
         for (WheelRef { contact, wheelset, .. }, range) in self.wheels().zip(&mut loads.ranges) {
             let force = workspace.wheel_force(contact, wheelset.body) / wheelset.static_wheel_load;
             let share = force.z;
@@ -201,6 +211,7 @@ impl Model {
         notes.extend(loads.flanges.as_ref().and_then(|flanges| flanges.note(|contact| all[contact].0.clone())));
         notes.extend(loads.linear.iter().flat_map(|linear| linear.notes(|contact| all[contact].0.clone())));
         notes.extend(hand_overs::note(&loads.phases, |contact| all[contact].0.clone()));
+        notes.extend(if loads.strike.is_none() { hunting::note(self, &loads.turns) } else { None });
         let light = all.iter().filter(|(_, range)| range.least.0 < LEAST);
         if let Some((wheel, range)) = light.clone().min_by(|a, b| a.1.least.0.total_cmp(&b.1.least.0)) {
             let load = if range.least.0 > 0.0 { format!("{:.1} % of the static load", 100.0 * range.least.0) } else { "nothing".into() };
