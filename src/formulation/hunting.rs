@@ -9,8 +9,9 @@ use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
 use serde::{Deserialize, Serialize};
 
-/// A contact is on a flange where its normal leans as much across the track (sine): 30 degrees.
+/// A contact is on a flange where its normal leans as much across the track (sine): 30 degrees; on plain track, where nothing but itself moves the wheelset, its root (17 degrees) counts too.
 const FLANGE: f64 = 0.5;
+const ROOT: f64 = 0.3;
 /// The other flange has to be met within this time for it to be one swing, s: half a wave at 0.5 Hz.
 const WITHIN: f64 = 1.0;
 /// Changes from side to side after which a wheelset hunts.
@@ -32,7 +33,8 @@ impl Turns {
             && before != left
         {
             if t - at > WITHIN {
-                self.count = 0;
+                // What has been seen stays.
+                self.count = if self.hunts() { self.count } else { 0 };
             } else {
                 self.first = if self.count == 0 { t } else { self.first };
                 self.count = self.count.saturating_add(1);
@@ -58,14 +60,13 @@ pub(super) fn take_back(turns: &mut [Turns], time: f64) {
 /// Notes which flanges carry in the evaluation that the workspace holds, at `t` [s].
 pub(super) fn look(model: &Model, workspace: &Workspace, t: f64, turns: &mut [Turns]) {
     for (index, (wheelset, own)) in model.wheelsets.iter().zip(turns).enumerate() {
-        let on_flange = Side::BOTH.map(|side| {
-            let mut carrying = workspace.reports(contact_index(index, side)).filter(|report| report.carries());
-            carrying.any(|report| workspace.in_track(wheelset.body, report.axes.normal).y.abs() > FLANGE)
+        let [left, right] = Side::BOTH.map(|side| {
+            let carrying = workspace.reports(contact_index(index, side)).filter(|report| report.carries());
+            carrying.map(|report| workspace.in_track(wheelset.body, report.axes.normal).y.abs()).fold(0.0, f64::max)
         });
-        match on_flange {
-            [true, false] => own.note(true, t),
-            [false, true] => own.note(false, t),
-            _ => {}
+        let (more, less) = if left > right { (left, right) } else { (right, left) };
+        if less < ROOT && more > ROOT && (more > FLANGE || model.is_plain(workspace)) {
+            own.note(left > right, t);
         }
     }
 }
@@ -101,6 +102,7 @@ mod tests {
         assert!(swung(&[(true, 0.1), (true, 0.11), (false, 0.2), (true, 0.3), (false, 0.4)]).hunts());
         assert!(!swung(&[(true, 0.1), (true, 0.2), (true, 0.3), (true, 0.4)]).hunts(), "a curve");
         assert!(!swung(&[(true, 1.0), (false, 10.0), (true, 20.0), (false, 30.0)]).hunts(), "curves in turn");
+        assert!(swung(&[(true, 0.1), (false, 0.2), (true, 0.3), (false, 0.4), (true, 9.0)]).hunts(), "forgotten");
         let mut back = [swung(&[(true, 0.1), (false, 0.2), (true, 0.3), (false, 0.4)])];
         assert_eq!(back[0].first, 0.2);
         take_back(&mut back, 0.15);

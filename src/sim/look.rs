@@ -1,12 +1,22 @@
 //! What is read of a simulation at its present time: the model is evaluated there, and the state is not touched.
 
-use super::outputs::Needs;
 use super::{Simulation, SimulationError, SimulationState, input};
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::{Evaluation, Workspace};
 
 /// Contacts that may change their form one after the other at one instant.
 const MOST_CHANGES: usize = 16;
+
+/// What an output is read from; each has what those before it have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Needs {
+    /// Positions, velocities, states and inputs of force elements.
+    Motion,
+    /// Accelerations of bodies that no force of contact reaches at once.
+    Bodies,
+    /// Contacts and all accelerations.
+    Contacts,
+}
 
 /// Solution and everything computed from it at one time; outputs are read from it.
 #[derive(Clone, Debug)]

@@ -43,8 +43,8 @@ use crate::solve::{Doubts, IntegrationState, Integrator, Scratch, SolveError, St
 use dynamics::{Memories, ModelDynamics, Watched};
 use initial::{initial_state, on_the_line};
 use input::InputSignal;
+use look::Needs;
 pub use look::Snapshot;
-use outputs::Needs;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use taking_up::Push;

@@ -2,6 +2,7 @@
 
 use super::Snapshot;
 use super::feedthrough::{ACROSS, ALONG, DRIVING, Depends, Feedthrough, STATE, TURNING, Ties, UPWARD, of_wheel};
+pub use super::look::Needs;
 use crate::formulation::derailment_quotient;
 use crate::formulation::sliding_mean::{Averaged, CUT_OFF};
 use crate::formulation::{ContactReport, Model, contact_index};
@@ -31,17 +32,6 @@ pub struct Output {
     /// Of what a force element reports: the element's number among the vehicle's, and which of its quantities it is.
     pub quantity: Option<(usize, usize)>,
     read: Read,
-}
-
-/// What an output is read from; each has what those before it have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Needs {
-    /// Positions, velocities, states and inputs of force elements.
-    Motion,
-    /// Accelerations of bodies that no force of contact reaches at once.
-    Bodies,
-    /// Contacts and all accelerations.
-    Contacts,
 }
 
 impl Output {

@@ -208,3 +208,20 @@ fn hard_energy_is_conserved_in_flange_impacts_without_friction_and_damping() {
     assert!(touched > 0 || pressed, "the flange must touch");
     assert!(worst < 1e-3 * disturbance, "{worst} {disturbance}");
 }
+
+/// What an unstable wheelset does at one instant holds less than its tolerances say, and the run says so; at a speed at which it is stable there is nothing to say.
+#[test]
+fn hard_a_hunting_wheelset_says_what_its_instants_are_worth() {
+    let notes = |speed: &str| {
+        let wave = "track.deviation=[{rail=\"both\", direction=\"lateral\", shape=\"cosine\", amplitude=\"1.824 mm\", from=4.0, to=22.2}]";
+        let soft =
+            ["vehicle.suspension.longitudinal_stiffness=3.61e5", "vehicle.suspension.lateral_stiffness=3.472e5", "contact.friction=0.25"];
+        let changes: Vec<String> = [speed, wave].iter().chain(&soft).map(ToString::to_string).collect();
+        let mut simulation = start(&load::open("wheelset_s1002", &changes).unwrap_or_else(|error| panic!("{error}")));
+        simulation.advance(2.8).unwrap_or_else(|error| panic!("{error}"));
+        simulation.notes()
+    };
+    let told = notes("vehicle.speed=45");
+    assert!(told.len() == 1 && told[0].contains("wheelset swings from flange to flange from 2."), "{told:?}");
+    assert_eq!(notes("vehicle.speed=30"), Vec::<String>::new());
+}

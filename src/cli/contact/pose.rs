@@ -232,10 +232,17 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
     if contact.patch.law.forms() {
         text += "\n  a, b, and so area and mean pressure: the ellipse of the patch's moments; N and highest pressure: of its strips\n";
     }
-    for doubt in profile_doubts(scene) {
+    for doubt in doubts(scene, answer) {
         text += &format!("\n  note: {doubt}\n");
     }
     text
+}
+
+/// What a user should know of profiles and pose.
+fn doubts(scene: &Scene, answer: &Answer) -> Vec<String> {
+    let fallen = answer.wheels.iter().filter(|wheel| wheel.on_tip);
+    let fallen = fallen.map(|wheel| format!("the {} wheel stands on the top of its flange: it has derailed", wheel.side.name()));
+    fallen.chain(profile_doubts(scene)).collect()
 }
 
 fn as_json(scene: &Scene, question: &Question, answer: &Answer) -> Value {
@@ -250,6 +257,6 @@ fn as_json(scene: &Scene, question: &Question, answer: &Answer) -> Value {
     json!({
         "scene": scene.name, "title": scene.title, "y": question.y, "yaw": question.yaw, "roll": answer.roll, "speed": question.speed,
         "pitch_rate": answer.pitch_rate, "patch": scene.contact.patch.law.name(), "normal_law": scene.contact.normal_name,
-        "creep_law": scene.contact.creep_name, "doubts": profile_doubts(scene), "wheels": answer.wheels.each_ref().map(wheel),
+        "creep_law": scene.contact.creep_name, "doubts": doubts(scene, answer), "wheels": answer.wheels.each_ref().map(wheel),
     })
 }
