@@ -218,7 +218,7 @@ fn hard_a_hunting_wheelset_says_what_its_instants_are_worth() {
             ["vehicle.suspension.longitudinal_stiffness=3.61e5", "vehicle.suspension.lateral_stiffness=3.472e5", "contact.friction=0.25"];
         let changes: Vec<String> = [speed, wave].iter().chain(&soft).map(ToString::to_string).collect();
         let mut simulation = start(&load::open("wheelset_s1002", &changes).unwrap_or_else(|error| panic!("{error}")));
-        simulation.advance(2.8).unwrap_or_else(|error| panic!("{error}"));
+        simulation.advance(2.6).unwrap_or_else(|error| panic!("{error}"));
         simulation.notes()
     };
     let told = notes("vehicle.speed=45");
