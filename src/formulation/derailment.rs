@@ -38,6 +38,11 @@ impl Model {
         Ok(())
     }
 
+    /// Where a wheel's radius is greatest on its flange, m (wheel coordinate); `None` without a flange.
+    pub fn flange_tip(&self, contact: usize) -> Option<f64> {
+        self.flanks.get(contact).map(|flank| flank.tip).filter(|tip| tip.is_finite())
+    }
+
     /// How high a wheel's tread is above where it stands on ideal rails, m. (Nodes measure along the normal of the rail's end where nothing is below them.)
     fn height(&self, workspace: &Workspace, contact: usize) -> f64 {
         let WheelRef { wheelset, side, .. } = self.wheel(contact);

@@ -4,13 +4,12 @@
 //! millimetre of y when it has reached the flanges, and shifts each strike by a millisecond, in which the force of a strike changes by most of itself. Largest values and the frequency hold;
 //! the instants do not.
 
-use super::step::WheelRef;
+use super::strikes::FLANGE;
 use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
 use serde::{Deserialize, Serialize};
 
-/// A contact is on a flange where its normal leans as much across the track (sine): 30 degrees; on plain track, where nothing but itself moves the wheelset, its root (17 degrees) counts too.
-const FLANGE: f64 = 0.5;
+/// On plain track, where nothing but itself moves the wheelset, the root of a flange counts as one (sine of the normal's angle across the track): 17 degrees.
 const ROOT: f64 = 0.3;
 /// The other flange has to be met within this time for it to be one swing, s: half a wave at 0.5 Hz.
 const WITHIN: f64 = 1.0;
@@ -22,9 +21,11 @@ const MANY: u32 = 3;
 pub(super) struct Turns {
     /// Which flange carried last (the left one?), and when, s.
     last: Option<(bool, f64)>,
-    /// Changes of side, and when the first was, s.
+    /// Changes of side without a pause, and when the first was, s.
     count: u32,
     first: f64,
+    /// Since when it hunts, and when that was clear, s.
+    found: Option<(f64, f64)>,
 }
 
 impl Turns {
@@ -32,40 +33,35 @@ impl Turns {
         if let Some((before, at)) = self.last
             && before != left
         {
-            if t - at > WITHIN {
-                // What has been seen stays.
-                self.count = if self.hunts() { self.count } else { 0 };
-            } else {
-                self.first = if self.count == 0 { t } else { self.first };
-                self.count = self.count.saturating_add(1);
+            self.count = if t - at > WITHIN { 0 } else { self.count.saturating_add(1) };
+            if self.count == 1 {
+                self.first = t;
+            }
+            if self.count >= MANY && self.found.is_none() {
+                self.found = Some((self.first, t));
             }
         }
         self.last = Some((left, t));
     }
 
-    fn hunts(&self) -> bool {
-        self.count >= MANY
+    fn take_back(&mut self, time: f64) {
+        if self.last.is_some_and(|last| last.1 > time) {
+            *self = Turns { found: self.found.filter(|found| found.1 <= time), ..Turns::default() };
+        }
     }
 }
 
 /// Forgets what was noted after `time` [s].
 pub(super) fn take_back(turns: &mut [Turns], time: f64) {
-    for own in turns {
-        if own.last.is_some_and(|last| last.1 > time) {
-            *own = if own.count > 0 && own.first <= time { Turns { last: None, ..*own } } else { Turns::default() };
-        }
-    }
+    turns.iter_mut().for_each(|own| own.take_back(time));
 }
 
-/// Notes which flanges carry in the evaluation that the workspace holds, at `t` [s].
-pub(super) fn look(model: &Model, workspace: &Workspace, t: f64, turns: &mut [Turns]) {
+/// Notes which flanges carry in the evaluation that the workspace holds, at `t` [s], on plain track or not.
+pub(super) fn look(model: &Model, workspace: &Workspace, (t, plain): (f64, bool), turns: &mut [Turns]) {
+    let least = if plain { ROOT } else { FLANGE };
     for (index, (wheelset, own)) in model.wheelsets.iter().zip(turns).enumerate() {
-        let [left, right] = Side::BOTH.map(|side| {
-            let carrying = workspace.reports(contact_index(index, side)).filter(|report| report.carries());
-            carrying.map(|report| workspace.in_track(wheelset.body, report.axes.normal).y.abs()).fold(0.0, f64::max)
-        });
-        let (more, less) = if left > right { (left, right) } else { (right, left) };
-        if less < ROOT && more > ROOT && (more > FLANGE || model.is_plain(workspace)) {
+        let [left, right] = Side::BOTH.map(|side| workspace.lean(contact_index(index, side), wheelset.body).unwrap_or(0.0));
+        if left.max(right) > least && left.min(right) < ROOT {
             own.note(left > right, t);
         }
     }
@@ -73,17 +69,16 @@ pub(super) fn look(model: &Model, workspace: &Workspace, t: f64, turns: &mut [Tu
 
 /// What a user should know of the wheelset that has swung longest.
 pub(super) fn note(model: &Model, turns: &[Turns]) -> Option<String> {
-    let hunting = || turns.iter().enumerate().filter(|(_, own)| own.hunts());
-    let (index, own) = hunting().min_by(|a, b| a.1.first.total_cmp(&b.1.first))?;
-    let WheelRef { wheelset, .. } = model.wheel(contact_index(index, Side::Left));
+    let hunting = || model.wheelsets.iter().zip(turns).filter_map(|(wheelset, own)| Some((wheelset, own.found?.0)));
+    let (wheelset, since) = hunting().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let others = match hunting().count() {
         1 => String::new(),
         more => format!(" (so do {} more)", more - 1),
     };
     Some(format!(
-        "{} swings from flange to flange from {:.3} s on{others}: small errors grow with such a swing and shift its strikes, so that forces and y at one instant hold less than the \
+        "{} swings from flange to flange from {since:.3} s on{others}: small errors grow with such a swing and shift its strikes, so that forces and y at one instant hold less than the \
          tolerances say, largest values and frequencies do; a run with a tenth of solver.tolerance and of solver.load_tolerance shows how far both hold",
-        wheelset.name, own.first
+        wheelset.name
     ))
 }
 
@@ -99,13 +94,15 @@ mod tests {
 
     #[test]
     fn prop_flanges_in_turn_are_hunting_and_one_flange_is_not() {
-        assert!(swung(&[(true, 0.1), (true, 0.11), (false, 0.2), (true, 0.3), (false, 0.4)]).hunts());
-        assert!(!swung(&[(true, 0.1), (true, 0.2), (true, 0.3), (true, 0.4)]).hunts(), "a curve");
-        assert!(!swung(&[(true, 1.0), (false, 10.0), (true, 20.0), (false, 30.0)]).hunts(), "curves in turn");
-        assert!(swung(&[(true, 0.1), (false, 0.2), (true, 0.3), (false, 0.4), (true, 9.0)]).hunts(), "forgotten");
+        assert!(swung(&[(true, 0.1), (true, 0.11), (false, 0.2), (true, 0.3), (false, 0.4)]).found.is_some());
+        assert!(!swung(&[(true, 0.1), (true, 0.2), (true, 0.3), (true, 0.4)]).found.is_some(), "a curve");
+        assert!(!swung(&[(true, 1.0), (false, 10.0), (true, 20.0), (false, 30.0)]).found.is_some(), "curves in turn");
+        assert!(swung(&[(true, 0.1), (false, 0.2), (true, 0.3), (false, 0.4), (true, 9.0)]).found.is_some(), "forgotten");
         let mut back = [swung(&[(true, 0.1), (false, 0.2), (true, 0.3), (false, 0.4)])];
-        assert_eq!(back[0].first, 0.2);
-        take_back(&mut back, 0.15);
+        assert_eq!(back[0].found, Some((0.2, 0.4)));
+        take_back(&mut back, 0.4);
+        assert!(back[0].found.is_some());
+        take_back(&mut back, 0.35);
         assert_eq!(back[0], Turns::default());
     }
 }

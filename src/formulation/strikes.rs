@@ -32,7 +32,7 @@ const NEAR: f64 = 3e-3;
 /// Farther than this many times that it will not soon.
 const FAR: f64 = 2.0;
 /// A contact is on a flange where its normal leans as much across the track (sine): 30 degrees.
-const FLANGE: f64 = 0.5;
+pub(super) const FLANGE: f64 = 0.5;
 /// gamma in L, -.
 const CONICITY: f64 = 0.15;
 
@@ -80,11 +80,10 @@ impl Model {
         strikes.now = t;
         strikes.wheelsets.iter_mut().for_each(|own| own.apart = None);
         for WheelRef { contact, wheelset, side } in self.wheels() {
-            let mut carrying = workspace.reports(contact).filter(|report| report.carries()).peekable();
-            let flies = carrying.peek().is_none();
+            let lean = workspace.lean(contact, wheelset.body);
             let apart = self.way_to_flange(workspace, (wheelset, side, contact)) / NEAR;
             let own = &mut strikes.wheelsets[contact / Side::BOTH.len()];
-            if flies || apart < 1.0 || carrying.any(|report| workspace.in_track(wheelset.body, report.axes.normal).y.abs() > FLANGE) {
+            if apart < 1.0 || lean.is_none_or(|lean| lean > FLANGE) {
                 own.until = Some(t + LASTING);
             }
             if apart < FAR {

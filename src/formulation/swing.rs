@@ -46,6 +46,11 @@ impl Swings {
     pub fn fits(&self, other: &Swings) -> bool {
         self.wheelsets.len() == other.wheelsets.len()
     }
+
+    /// Does nothing but its own stability decide what becomes of a swing?
+    pub fn is_plain(&self) -> bool {
+        self.plain
+    }
 }
 
 impl Model {
@@ -69,15 +74,10 @@ impl Model {
             }
         }
         swings.time = Some(t);
-        swings.plain = self.is_plain(workspace);
-    }
-
-    /// Does nothing excite wheelsets where they are?
-    pub(super) fn is_plain(&self, workspace: &Workspace) -> bool {
-        self.out_of_round.is_empty()
+        swings.plain = self.out_of_round.is_empty()
             && self.wheels().all(|WheelRef { wheelset, side, .. }| {
                 self.track.rail(side).waves().shortest_at(workspace.system.motions[wheelset.body].distance).is_none()
-            })
+            });
     }
 
     /// An error of the state in parts of what the swings allow; the workspace holds an evaluation nearby.

@@ -169,8 +169,8 @@ impl Model {
         }
     }
 
-    /// Notes the loads that the workspace's evaluation found at `t` [s].
-    pub fn note_wheel_loads(&self, workspace: &Workspace, t: f64, loads: &mut WheelLoads) {
+    /// Notes the loads that the workspace's evaluation found at `t` [s]; on plain track nothing excites wheelsets.
+    pub fn note_wheel_loads(&self, workspace: &Workspace, t: f64, plain: bool, loads: &mut WheelLoads) {
         if let Some(flanges) = &mut loads.flanges {
             flanges.look(self, workspace, t);
         }
@@ -178,7 +178,7 @@ impl Model {
             linear.look(self, workspace, t);
         }
         hand_overs::look(self, workspace, t, &mut loads.phases);
-        hunting::look(self, workspace, t, &mut loads.turns);
+        hunting::look(self, workspace, (t, plain), &mut loads.turns);
         for (WheelRef { contact, wheelset, .. }, range) in self.wheels().zip(&mut loads.ranges) {
             let force = workspace.wheel_force(contact, wheelset.body) / wheelset.static_wheel_load;
             let share = force.z;

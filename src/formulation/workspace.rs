@@ -161,6 +161,12 @@ impl Workspace {
         self.system.stations.get(body).map_or(vector, |station| station.components(&vector))
     }
 
+    /// How much the carrying contacts of a wheel on `body` lean across the track at most (sine of the normal's angle); `None` where nothing carries.
+    pub fn lean(&self, contact: usize, body: usize) -> Option<f64> {
+        let carrying = self.reports(contact).filter(|report| report.carries());
+        carrying.map(|report| self.in_track(body, report.axes.normal).y.abs()).reduce(f64::max)
+    }
+
     /// A body's lateral displacement [m] and yaw [rad, its sine] relative to the centre line beside it.
     pub fn beside_track(&self, body: usize) -> [f64; 2] {
         let motion = &self.system.motions[body];

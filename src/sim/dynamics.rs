@@ -235,7 +235,7 @@ impl Dynamics for ModelDynamics<'_> {
     fn note_step(&mut self, t: f64) {
         self.model.note_swings(self.workspace, t, self.watched.swings);
         self.model.note_strikes(self.workspace, t, self.watched.strikes);
-        self.model.note_wheel_loads(self.workspace, t, self.watched.loads);
+        self.model.note_wheel_loads(self.workspace, t, self.watched.swings.is_plain(), self.watched.loads);
     }
 
     fn project(&mut self, t: f64, y: &mut [f64]) -> Result<bool, Undefined> {

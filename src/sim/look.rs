@@ -61,9 +61,7 @@ impl Simulation {
         if self.known == Some(Needs::Contacts) {
             return Ok(&self.snapshot);
         }
-        if let Err(failure) = self.look() {
-            self.look_beyond(failure)?;
-        }
+        self.look_and_beyond()?;
         let stands = self.state.integration.t == self.state.time || self.turns();
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
         for _ in 0..if stands { MOST_CHANGES } else { 0 } {
@@ -75,7 +73,7 @@ impl Simulation {
             if self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy).is_err() {
                 // The new form has no solution, which ends the next step: what can be read is the old one.
                 self.known = None;
-                self.look()?;
+                self.look_and_beyond()?;
                 break;
             }
         }
@@ -83,10 +81,14 @@ impl Simulation {
         Ok(&self.snapshot)
     }
 
-    /// Where a constraint's place ceases to exist just beyond a step its equations have no solution at the step's end any more: the next step goes on
-    /// without it, and that is what can be read.
-    fn look_beyond(&mut self, failure: SimulationError) -> Result<(), SimulationError> {
-        let SimulationError::Evaluation(mut failure) = failure else { return Err(failure) };
+    /// The evaluation. Where a constraint's place ceases to exist just beyond a step its equations have no solution at the step's end any more: the next
+    /// step goes on without it, and that is what can be read.
+    fn look_and_beyond(&mut self) -> Result<(), SimulationError> {
+        let mut failure = match self.look() {
+            Ok(_) => return Ok(()),
+            Err(SimulationError::Evaluation(failure)) => failure,
+            Err(other) => return Err(other),
+        };
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
         for _ in 0..MOST_CHANGES {
             if !self.model.at(workspace, *time, y, memory).release(&failure)? {

@@ -82,8 +82,8 @@ pub struct WheelInPose {
     pub places: Vec<Place>,
     /// Sum of all forces on the wheel in the track frame, N.
     pub force: Vector3<f64>,
-    /// Does the tip of its flange stand on the rail? It has derailed then.
-    pub on_tip: bool,
+    /// Does the top of its flange stand on the rail? It has derailed then.
+    pub on_top: bool,
 }
 
 /// Both wheels.
@@ -106,9 +106,8 @@ struct Laid<'a> {
 /// Accuracy of an approach under a load, m, and of the free pitch rate, in parts of it.
 const SETTLED: f64 = 1e-13;
 const SETTLED_RATE: f64 = 1e-13;
-/// Part of its flange's height above which a wheel stands on the flange's top, and least height of a flange, m.
+/// Part of its flange's height above which a wheel stands on the flange's top.
 const NEAR_TOP: f64 = 0.9;
-const FLANGE: f64 = 0.01;
 /// First guess of an approach, m, and first change of the pitch rate by which the free one is bracketed.
 const GUESS: f64 = 2e-5;
 const STEP: f64 = 1e-4;
@@ -149,8 +148,8 @@ pub fn pose(scene: &Scene, question: &Question) -> Result<Answer, NoPose> {
         let places = laid.places(side, height, rate, 1.0)?;
         let places: Vec<Place> = places.into_iter().map(|found| laid.place(side, (height, rate), found)).collect();
         let force = places.iter().map(|place| place.found.report.force).sum();
-        let on_tip = places.iter().any(|place| laid.is_on_tip(side, place));
-        Ok(WheelInPose { side, approach: stand.height[side.index()] - height, height, places, force, on_tip })
+        let on_top = places.iter().any(|place| laid.is_on_top(side, place));
+        Ok(WheelInPose { side, approach: stand.height[side.index()] - height, height, places, force, on_top })
     };
     let wheels = [wheel(Side::Left)?, wheel(Side::Right)?];
     Ok(Answer { roll: stand.roll, pitch_rate: question.creepage.is_none().then_some(rate), wheels })
@@ -163,12 +162,10 @@ impl Laid<'_> {
     }
 
     /// Is the wheel pressed near the top of its flange there?
-    fn is_on_tip(&self, side: Side, place: &Place) -> bool {
-        const LOOKS: usize = 200;
-        let profile = &self.wheelset.wheels[side.index()].profile;
-        let (tread, inner) = (profile.at(0.0).value, profile.range().0.min(0.0));
-        let top = (0..=LOOKS).map(|k| profile.at(inner * k as f64 / LOOKS as f64).value).fold(tread, f64::max);
-        place.found.report.normal_force > 0.0 && place.rolling_radius - tread > NEAR_TOP * (top - tread) && top - tread > FLANGE
+    fn is_on_top(&self, side: Side, place: &Place) -> bool {
+        let (profile, tip) = (&self.wheelset.wheels[side.index()].profile, self.model.flange_tip(side.index()));
+        let (tread, pressed) = (profile.at(0.0).value, place.found.report.normal_force > 0.0);
+        pressed && tip.is_some_and(|tip| place.rolling_radius - tread > NEAR_TOP * (profile.at(tip).value - tread))
     }
 
     fn places(&self, side: Side, height: f64, rate: f64, friction: f64) -> Result<Vec<PlaceOnWheel>, NoPose> {

@@ -594,6 +594,9 @@ fn prop_poses_that_make_no_sense_are_refused() {
     }
     assert_eq!(contact(&["wheelset_s1002", "--pose", "z=0.3"]).2, 1);
     assert_eq!(contact(&["wheelset_s1002", "--pose", "y=0", "--patch"]).2, 2);
+    // A flange on the rail's top has derailed; one on its flank has not.
+    let fallen = |pose: &str| contact(&["wheelset_s1002", "--pose", pose]).0.contains("the left wheel stands on the top of its flange");
+    assert!(fallen("y=20mm") && !fallen("y=7mm") && !fallen("y=-20mm"));
 }
 
 #[test]
@@ -625,6 +628,9 @@ fn hard_false_jumps_of_rounded_points_are_told_and_a_fit_takes_them_away() {
     let (through, fitted) = (run(""), run(",fit_within=\"5 um\""));
     println!("through the points {through:?}, within 5 um {fitted:?}");
     assert!(through.0 >= 16 && through.1 == 2, "{through:?}");
+    let patch = ["--patch", "--cells", "8", "--set", "vehicle.wheelset.profile={kind=\"points\",file=\"w.csv\"}"];
+    let (said, _, _) = contact(&[&[path.as_str()], &patch[..]].concat());
+    assert_eq!(said.matches("note: ").count(), 1, "{said}");
     assert!(fitted.0 <= 6 && fitted.1 == 0, "{fitted:?}");
     assert!((fitted.2 - 0.1724).abs() < 5e-4, "{fitted:?}");
 }

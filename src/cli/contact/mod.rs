@@ -240,6 +240,11 @@ fn attitude(arguments: &Arguments) -> Result<(Attitude, Option<f64>), Failure> {
     Ok((Attitude { yaw, level: arguments.no_roll, near }, station))
 }
 
+/// What a user should know, below a table.
+fn notes(doubts: Vec<String>) -> String {
+    doubts.into_iter().map(|doubt| format!("\n  note: {doubt}\n")).collect()
+}
+
 /// Why there is nothing to show, and what in the profiles may be the cause.
 fn no_sweep(scene: &Scene, error: &NoStand) -> Failure {
     let doubts = profile_doubts(scene).into_iter().map(|doubt| format!("\n  note: {doubt}"));

@@ -1,6 +1,6 @@
 //! `wheelrail contact SCENE --patch`: the patches that really form at one lateral shift, beside the scene's ellipse.
 
-use super::{Arguments, attitude, load, number, pair_in_force};
+use super::{Arguments, attitude, load, notes, number, pair_in_force};
 use crate::cli::plot::{Axis, Ink, Mark, Panel, Series, Sheet, inside, width};
 use crate::cli::{Failure, csv_target, file_names, make_folder, print, say, table};
 use crate::contact::patch::{PatchCell, Settings};
@@ -121,7 +121,7 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
         table(&head, &rows),
         contact.normal_name,
         contact.creep_name,
-        profile_doubts(scene).into_iter().map(|doubt| format!("\n  note: {doubt}\n")).collect::<String>()
+        notes(profile_doubts(scene))
     )
 }
 

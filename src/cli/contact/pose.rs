@@ -1,6 +1,6 @@
 //! `wheelrail contact SCENE --pose "y=3mm,load=50kN"`: one pose with all that the scene's laws say of it.
 
-use super::{Arguments, load, number};
+use super::{Arguments, load, notes, number};
 use crate::cli::{Failure, print, table};
 use crate::contact::creepage::Creepage;
 use crate::scene::profile_notes::profile_doubts;
@@ -232,15 +232,12 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
     if contact.patch.law.forms() {
         text += "\n  a, b, and so area and mean pressure: the ellipse of the patch's moments; N and highest pressure: of its strips\n";
     }
-    for doubt in doubts(scene, answer) {
-        text += &format!("\n  note: {doubt}\n");
-    }
-    text
+    text + &notes(doubts(scene, answer))
 }
 
 /// What a user should know of profiles and pose.
 fn doubts(scene: &Scene, answer: &Answer) -> Vec<String> {
-    let fallen = answer.wheels.iter().filter(|wheel| wheel.on_tip);
+    let fallen = answer.wheels.iter().filter(|wheel| wheel.on_top);
     let fallen = fallen.map(|wheel| format!("the {} wheel stands on the top of its flange: it has derailed", wheel.side.name()));
     fallen.chain(profile_doubts(scene)).collect()
 }

@@ -89,9 +89,7 @@ pub(super) fn text(study: &Study) -> String {
     );
     text += &shifts(study);
     text += &jumps(study);
-    for doubt in profile_doubts(scene) {
-        text += &format!("\n  note: {doubt}\n");
-    }
+    text += &super::notes(profile_doubts(scene));
     text += &conicities(study);
     text
 }

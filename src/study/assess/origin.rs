@@ -27,18 +27,13 @@ pub fn misfits(signals: &Signals, vehicle: &Vehicle) -> Vec<String> {
     if let Some(first) = strange.first() {
         return vec![format!("the scene has no wheelset \"{first}\" ({} such in the result)", strange.len())];
     }
-    let mut found = Vec::new();
-    for axle in &vehicle.axles {
-        let Some([left, right]) = loads(signals, &axle.name) else { continue };
+    let load = vehicle.axles.iter().find_map(|axle| {
+        let [left, right] = loads(signals, &axle.name)?;
         let mean = left.iter().chain(right).sum::<f64>() / left.len().max(1) as f64;
-        if (mean - axle.load).abs() > LOAD * axle.load {
-            let what = "in the result, in the scene";
-            found.push(format!("mean load of {}: {:.1} kN {what} {:.1} kN", axle.name, 1e-3 * mean, 1e-3 * axle.load));
-        }
-    }
-    found.truncate(1);
-    found.extend(across(signals, vehicle));
-    found
+        let differs = (mean - axle.load).abs() > LOAD * axle.load;
+        differs.then(|| format!("mean load of {}: {:.1} kN in the result, in the scene {:.1} kN", axle.name, 1e-3 * mean, 1e-3 * axle.load))
+    });
+    load.into_iter().chain(across(signals, vehicle)).collect()
 }
 
 fn loads<'a>(signals: &'a Signals, name: &str) -> Option<[&'a [f64]; 2]> {
