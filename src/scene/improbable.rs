@@ -146,7 +146,7 @@ mod tests {
             ("vehicle_manchester_1", "vehicle.body[car].inertia_xx=6e6", "no body has that"),
             ("vehicle_manchester_1", "vehicle.body[car].mass=32", "radius of gyration of"),
             ("wheelset_s1002", "track.inclination=-0.025", "lean outward"),
-            ("wheelset_s1002", "contact.damping={law=\"none\"}", "implicit steps take its swing away"),
+            ("vehicle_manchester_1", "contact.damping={law=\"none\"}", "implicit steps take its swing away"),
             ("vehicle_manchester_1", "track.node=[{distance=20},{distance=80,radius=\"500 m\",superelevation=\"60 mm\"}]", "inner rail"),
             (
                 "vehicle_manchester_1",
