@@ -1,15 +1,17 @@
 //! How far wheelsets swing at present, so that growth and decay of small swings are right at loose tolerances too.
 //!
 //! A tolerance in metres says nothing of a swing that is not much larger: a hunting motion of 1 mm at 4 Hz gets seven steps in a period at 1e-5 m,
-//! and loses in each of them more than it gains by its instability (growth of -0.02 1/s for 0.062, at 1e-4 -1.2). So on plain track, where
-//! nothing but its own stability decides what becomes of a swing, a step's error is also held against the swing's amplitude:
+//! and loses in each of them more than it gains by its instability (growth of -0.02 1/s for 0.062, at 1e-4 -1.2). So a step's error is also held
+//! against the swing's amplitude:
 //!
 //! ```text
-//! |e_y| <= r A_y,   |e_yaw| <= r A_yaw,   r = 1.5e-4,   A_y >= 1 um
+//! |e_y| <= r A_y,   |e_yaw| <= r A_yaw,   A_y >= 1 um, 0.2 mm on a track's waves
+//! r = 1.5e-4 where it fades on plain track, where nothing but its own stability decides what becomes of it; 5e-5 elsewhere
 //! ```
 //!
-//! A is an envelope: the largest distance from a slow mean, which fades with the mean's own time. Where a rail or the centre line changes
-//! with distance, wheels follow that, and the tolerance alone counts.
+//! What a step loses of a swing that fades, fades with it. In one that grows, an error grows as well, from 2 um on the wave that set it going to a tenth
+//! of a millimetre when its flanges strike; on a track's waves nobody knows yet what the swing will do. A is an envelope: the largest distance from a slow
+//! mean, which fades with the mean's own time. A swing fades when its peaks on either side do.
 
 use super::step::WheelRef;
 use super::{Model, Workspace};
@@ -17,10 +19,16 @@ use crate::mbs::body::{COORDINATES, YAW};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// r, -.
-const SHARE: f64 = 1.5e-4;
+/// r of a swing that fades, -.
+const FADING_SHARE: f64 = 1.5e-4;
+/// r of any other, -.
+const SHARE: f64 = 5e-5;
+/// A peak that is not below this part of the one before on its side has not faded, -.
+const FADED: f64 = 0.98;
 /// Swings below this do not matter, m; the same in yaw, rad: that of a wave of 60 m.
 const SMALLEST: [f64; 2] = [1e-6, 1e-7];
+/// The same where a track's waves move wheelsets anyhow.
+const SMALLEST_ON_WAVES: [f64; 2] = [2e-4, 2e-5];
 /// Time of mean and envelope, s: a few periods of slow hunting.
 const TIME: f64 = 2.0;
 
@@ -31,12 +39,44 @@ struct Envelope {
     amplitude: f64,
 }
 
+/// Half swings of one quantity about its mean: peaks on either side (above: second).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Halves {
+    above: bool,
+    /// Of the present half swing.
+    peak: f64,
+    /// Of the last whole one on each side.
+    last: [Option<f64>; 2],
+    fades: [bool; 2],
+}
+
+impl Halves {
+    fn note(&mut self, from_mean: f64) {
+        let above = from_mean > 0.0;
+        if above != self.above {
+            let side = usize::from(self.above);
+            self.fades[side] = self.last[side].is_some_and(|last| self.peak < FADED * last);
+            self.last[side] = Some(self.peak);
+            *self = Halves { above, peak: 0.0, ..*self };
+        }
+        let side = usize::from(above);
+        self.peak = self.peak.max(from_mean.abs());
+        self.fades[side] &= self.last[side].is_some_and(|last| self.peak < FADED * last);
+    }
+
+    fn fade(&self) -> bool {
+        self.fades[0] && self.fades[1]
+    }
+}
+
 /// Those of lateral displacement [m] and yaw [rad] of each wheelset relative to the track; part of a simulation's state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Swings {
     /// End of the last step, s; not a number before the first one.
     time: Option<f64>,
     wheelsets: Vec<[Envelope; 2]>,
+    /// Of lateral displacement.
+    halves: Vec<Halves>,
     /// Does nothing but its own stability decide what becomes of it?
     plain: bool,
 }
@@ -44,7 +84,7 @@ pub struct Swings {
 impl Swings {
     /// Could these have come from the same model as `other`?
     pub fn fits(&self, other: &Swings) -> bool {
-        self.wheelsets.len() == other.wheelsets.len()
+        self.wheelsets.len() == other.wheelsets.len() && self.halves.len() == other.halves.len()
     }
 
     /// Does nothing but its own stability decide what becomes of a swing?
@@ -56,13 +96,18 @@ impl Swings {
 impl Model {
     /// Before the first step.
     pub fn swings(&self) -> Swings {
-        Swings { time: None, wheelsets: vec![Default::default(); self.wheelsets.len()], plain: false }
+        Swings {
+            time: None,
+            wheelsets: vec![Default::default(); self.wheelsets.len()],
+            halves: vec![Default::default(); self.wheelsets.len()],
+            plain: false,
+        }
     }
 
     /// Notes the end of a step at time `t` [s], at which the workspace's evaluation was made.
     pub fn note_swings(&self, workspace: &Workspace, t: f64, swings: &mut Swings) {
         let fading = swings.time.map_or(1.0, |before| 1.0 - (-(t - before).max(0.0) / TIME).exp());
-        for (envelopes, wheelset) in swings.wheelsets.iter_mut().zip(&self.wheelsets) {
+        for ((envelopes, halves), wheelset) in swings.wheelsets.iter_mut().zip(&mut swings.halves).zip(&self.wheelsets) {
             let now = workspace.beside_track(wheelset.body);
             for (envelope, now) in envelopes.iter_mut().zip(now) {
                 if swings.time.is_none() {
@@ -72,6 +117,7 @@ impl Model {
                 let faded = if swings.time.is_none() { 0.0 } else { (1.0 - fading) * envelope.amplitude };
                 envelope.amplitude = faded.max((now - envelope.mean).abs());
             }
+            halves.note(now[0] - envelopes[0].mean);
         }
         swings.time = Some(t);
         swings.plain = self.out_of_round.is_empty()
@@ -82,17 +128,39 @@ impl Model {
 
     /// An error of the state in parts of what the swings allow; the workspace holds an evaluation nearby.
     pub fn swing_error(&self, workspace: &Workspace, swings: &Swings, error: &[f64]) -> f64 {
-        if !swings.plain {
-            return 0.0;
-        }
+        let smallest = if swings.plain { SMALLEST } else { SMALLEST_ON_WAVES };
         // The same for all wheelsets: those of a vehicle swing together, one more, one less.
-        let amplitude = |i: usize| swings.wheelsets.iter().map(|envelopes| envelopes[i].amplitude).fold(SMALLEST[i], f64::max);
-        let allowed = [SHARE * amplitude(0), SHARE * amplitude(1)];
+        let amplitude = |i: usize| swings.wheelsets.iter().map(|envelopes| envelopes[i].amplitude).fold(smallest[i], f64::max);
+        let share = if swings.plain && swings.halves.iter().all(Halves::fade) { FADING_SHARE } else { SHARE };
+        let allowed = [share * amplitude(0), share * amplitude(1)];
         let of = |body: usize| {
             let own = &error[COORDINATES * body..COORDINATES * (body + 1)];
             let across = workspace.in_track(body, Vector3::new(own[0], own[1], own[2])).y;
             (across.abs() / allowed[0]).max(own[YAW].abs() / allowed[1])
         };
         self.wheelsets.iter().map(|wheelset| of(wheelset.body)).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Does a swing that grows by `rate` [1/s], 4 Hz about `mean`, fade after three seconds?
+    fn fades(rate: f64, mean: f64) -> bool {
+        let mut halves = Halves::default();
+        (0..600).for_each(|i| {
+            let t = 0.005 * f64::from(i);
+            halves.note(mean + (rate * t).exp() * (std::f64::consts::TAU * 4.0 * t).sin());
+        });
+        halves.fade()
+    }
+
+    #[test]
+    fn analytic_a_swing_fades_when_its_peaks_do() {
+        assert!(fades(-0.2, 0.0) && fades(-1.0, 0.02) && fades(-1.0, -0.02));
+        assert!(!fades(0.2, 0.0) && !fades(1.0, 0.5), "grows");
+        assert!(!fades(0.0, 0.0), "a limit cycle");
+        assert!(!fades(-1.0, 2.0), "it never came back");
     }
 }
