@@ -21,7 +21,7 @@ common times, of the worst wheelset, wheel or car body; one that is less than tw
 Evaluations of the right-hand side are counted and the same in each run; CPU time is measured (without outputs, the shorter of two short runs) and is not, \
 least of all with --parallel.
 
-Runs that fail or are refused are told with their reason. What is not run when the budget is spent, or after Ctrl-C, is named; the rest is printed.")]
+Runs that fail or are refused are reported with their reason. What is not run when the budget is spent, or after Ctrl-C, is named; the rest is printed.")]
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,

@@ -42,7 +42,7 @@ pub(super) fn draw(file: &Path, report: &Report) -> Result<(), String> {
     Sheet {
         title: format!("What effects change and cost: {}", report.scene),
         subtitles: vec![format!(
-            "{}; {} s; dashed: twice the integration's error, below which nothing is told",
+            "{}; {} s; dashed: twice the integration's error, below which nothing is resolved",
             report.title,
             rounded(report.stop)
         )],

@@ -157,7 +157,7 @@ fn notes(study: &Study) -> Vec<(&'static str, String)> {
         let [first, second] = [difference.first, difference.second].map(|model| study.models[model].name.as_str());
         let part = |quantity: Quantity| match study.apart(difference, quantity)? {
             Apart::Told(apart) => Some(format!("{} {apart:.3e} {}", quantity.key(), quantity.unit()).trim_end().to_string()),
-            Apart::Untold => Some(format!("{} not to be told from the references", quantity.key())),
+            Apart::Untold => Some(format!("{} not to be resolved from the references", quantity.key())),
         };
         let parts: Vec<String> = Quantity::ALL.into_iter().filter_map(part).collect();
         all.push(("models", format!("{first} against {second}: {}: no numerical error", parts.join(", "))));

@@ -66,7 +66,7 @@ fn references(study: &Study) -> String {
         }
     }
     let table = table(&head, &rows);
-    format!("\nReferences: distance of two methods, {methods}; errors below {FACTOR} times that are not told\n\n{table}{missing}")
+    format!("\nReferences: distance of two methods, {methods}; errors below {FACTOR} times that are not resolved\n\n{table}{missing}")
 }
 
 /// A table of the cheapest points for a quantity.
