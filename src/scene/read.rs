@@ -51,7 +51,7 @@ impl Scene {
         if let Some(contact) = &mut contact {
             root.keep(root.section_or_empty("effects").and_then(|section| effects.leave_out_of_contact(contact, &section)))?;
         }
-        let transient = contact.as_ref().is_some_and(|contact| contact.transient.is_some());
+        let [transient, rings] = contact.as_ref().map_or([false; 2], |contact| [contact.transient.is_some(), contact.rings()]);
         let interface = match (root.keep(root.optional_section("interface"))?.flatten(), &vehicle) {
             (Some(section), Some(vehicle)) => root.keep(read_interface(section, vehicle))?,
             _ => Some(InterfaceSpec {
@@ -61,7 +61,7 @@ impl Scene {
                 only: None,
             }),
         };
-        let read_solver = |section| read_solver(section, transient, interface.as_ref());
+        let read_solver = |section| read_solver(section, (transient, rings), interface.as_ref());
         let solver = root.keep(root.section_or_empty("solver").and_then(read_solver))?;
         let run = root.keep(root.section("run").and_then(read_run))?;
         // Behind the interface: what is left out has a name all the same.
@@ -102,8 +102,8 @@ fn read_head(name: &str, root: &Section) -> Result<(String, String), SettingsErr
     Ok((name, title))
 }
 
-fn read_solver(solver: Section, transient: bool, interface: Option<&InterfaceSpec>) -> Result<SolverSpec, SettingsError> {
-    let facts = solver_choice::facts(&solver, transient, interface)?;
+fn read_solver(solver: Section, contact: (bool, bool), interface: Option<&InterfaceSpec>) -> Result<SolverSpec, SettingsError> {
+    let facts = solver_choice::facts(&solver, contact, interface)?;
     let (automatic, why) = solver_choice::choose(&facts);
     let read = solve::parse(&solver, automatic)?;
     let load_tolerance = read_load_tolerance(&solver)?;

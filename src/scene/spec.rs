@@ -90,6 +90,13 @@ pub struct ContactSpec {
     pub patch: PatchSpec,
 }
 
+impl ContactSpec {
+    /// Are contacts elastic, and does nothing damp them?
+    pub fn rings(&self) -> bool {
+        !self.damping_law.damps(self.damping) && !formulation::CONSTRAINTS.contains(&self.formulation_name)
+    }
+}
+
 /// `contact.patch`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PatchSpec {

@@ -65,6 +65,13 @@ pub struct Choice {
     pub build: Build,
 }
 
+impl Choice {
+    /// Does it take anything, with that C [N s/m2]?
+    pub fn damps(&self, coefficient: f64) -> bool {
+        self.name != none::ENTRY.name && (self.name != proportional::ENTRY.name || coefficient > 0.0)
+    }
+}
+
 /// Every damping law that a scene can name.
 pub static REGISTRY: &[Entry<Parse>] = &[proportional::ENTRY, hunt_crossley::ENTRY, lankarani_nikravesh::ENTRY, linear::ENTRY, none::ENTRY];
 
