@@ -2,16 +2,13 @@
 
 use super::assemble::points_needed;
 use super::oversights::oversights;
-use super::profile_notes::profile_doubts;
+use super::profile_notes::{RADII, profile_doubts, radius};
 use super::spec::Scene;
 use crate::contact::patch::PatchLaw;
 use crate::formulation::Model;
-use crate::geometry::Side;
 use crate::mbs::inertia::Inertia;
 use crate::solve::SettingKind;
 
-/// Radii of wheels from trolleys to steam locomotives, m.
-const RADII: [f64; 2] = [0.1, 1.2];
 /// Coefficients of friction of steel on steel end below this, sanded rails among them.
 const FRICTION: f64 = 1.0;
 /// The largest principal moment of inertia is at most the sum of the two others; by this part more is rounding of data.
@@ -19,30 +16,15 @@ const ROUNDING: f64 = 0.02;
 
 /// All of them.
 pub fn improbable(scene: &Scene, model: &Model) -> Vec<String> {
-    wheels(model)
+    friction(scene)
         .into_iter()
-        .chain(friction(scene))
         .chain(moments(scene))
-        .chain(distances(scene, model))
+        .chain(distances(scene))
         .chain(few_places(scene, model))
         .chain(undamped(scene))
         .chain(oversights(scene, model))
         .chain(profile_doubts(scene))
         .collect()
-}
-
-fn radius(model: &Model, wheelset: usize) -> f64 {
-    Side::BOTH.iter().map(|side| model.wheelsets[wheelset].wheel(*side).profile.at(0.0).value).fold(0.0, f64::max)
-}
-
-fn wheels(model: &Model) -> Option<String> {
-    let found = (0..model.wheelsets.len()).map(|index| (index, radius(model, index)));
-    let (index, radius) = found.into_iter().find(|(_, radius)| !(RADII[0]..=RADII[1]).contains(radius))?;
-    let [least, most] = RADII;
-    Some(format!(
-        "wheels of {} have a radius of {radius} m; those of railways have {least} to {most} m: was another unit meant?",
-        model.wheelsets[index].name
-    ))
 }
 
 fn friction(scene: &Scene) -> Option<String> {
@@ -70,9 +52,9 @@ fn moments(scene: &Scene) -> Vec<String> {
 }
 
 /// Wheelsets that stand in each other.
-fn distances(scene: &Scene, model: &Model) -> Option<String> {
+fn distances(scene: &Scene) -> Option<String> {
     let all = &scene.vehicle.wheelsets;
-    let radius = (0..model.wheelsets.len()).map(|index| radius(model, index)).fold(0.0, f64::max).min(RADII[1]);
+    let radius = all.iter().flat_map(|wheelset| wheelset.spec.profiles.iter().map(radius)).fold(0.0, f64::max).min(RADII[1]);
     let mut order: Vec<usize> = (0..all.len()).collect();
     order.sort_by(|a, b| all[*a].x.total_cmp(&all[*b].x));
     let near = order.windows(2).find(|pair| all[pair[1]].x - all[pair[0]].x < radius)?;
@@ -141,7 +123,7 @@ mod tests {
     #[test]
     fn prop_slips_of_units_are_named_and_embedded_scenes_are_not() {
         for (scene, change, words) in [
-            ("wheelset_s1002", "vehicle.wheelset.profile.radius=460", "radius of 460 m"),
+            ("wheelset_s1002", "vehicle.wheelset.profile.radius=2", "radius of 2 m"),
             ("wheelset_s1002", "contact.friction=35", "\"35 %\""),
             ("vehicle_manchester_1", "vehicle.body[car].inertia_xx=6e6", "no body has that"),
             ("vehicle_manchester_1", "vehicle.body[car].mass=32", "radius of gyration of"),

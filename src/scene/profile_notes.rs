@@ -9,20 +9,45 @@ pub fn profile_notes(scene: &Scene) -> Vec<String> {
     of_profiles(scene, |choice| choice.notes.clone())
 }
 
-/// Where the curvature of profiles is doubtful.
-pub fn profile_doubts(scene: &Scene) -> Vec<String> {
-    of_profiles(scene, |choice| choice.doubt.iter().cloned().collect())
+/// Radii of wheels from trolleys to steam locomotives, m.
+pub(super) const RADII: [f64; 2] = [0.1, 1.2];
+
+/// Of a wheel at its tread circle, m.
+pub(super) fn radius(wheel: &ProfileChoice) -> f64 {
+    wheel.profile.at(0.0).value
 }
 
+/// Where profiles are doubtful: points of their files, radii.
+pub fn profile_doubts(scene: &Scene) -> Vec<String> {
+    let wheels = scene
+        .vehicle
+        .wheelsets
+        .iter()
+        .flat_map(|wheelset| wheelset.spec.profiles.iter().map(|choice| (&wheelset.spec.name, radius(choice))));
+    let odd = wheels.filter(|(_, radius)| !(RADII[0]..=RADII[1]).contains(radius)).take(1).map(|(name, radius)| {
+        let [least, most] = RADII;
+        format!("wheels of {name} have a radius of {radius} m; those of railways have {least} to {most} m: was another unit meant?")
+    });
+    odd.chain(of_profiles(scene, |choice| choice.doubt.iter().cloned().collect())).collect()
+}
+
+/// Of every wheelset and of the rails, each text of a wheelset once.
 fn of_profiles(scene: &Scene, notes: impl Fn(&ProfileChoice) -> Vec<String>) -> Vec<String> {
-    let parts = [("wheel", &scene.vehicle.leading().profiles), ("rail", &scene.track.rails)];
-    let mut all = Vec::new();
-    for (part, sides) in parts {
+    let both = |sides: &[ProfileChoice; 2], of: &str| {
         let [left, right] = sides.each_ref().map(&notes);
         let right = if left == right { Vec::new() } else { right };
-        for (side, notes) in Side::BOTH.into_iter().zip([left, right]) {
-            all.extend(notes.into_iter().map(|note| format!("{} {part} profile: {note}", side.name())));
-        }
+        let sides = Side::BOTH.into_iter().zip([left, right]);
+        sides
+            .flat_map(|(side, notes)| notes.into_iter().map(move |note| (side, note)))
+            .map(|(side, note)| format!("{} {of} profile: {note}", side.name()))
+            .collect::<Vec<_>>()
+    };
+    let mut all: Vec<String> = Vec::new();
+    for (index, wheelset) in scene.vehicle.wheelsets.iter().enumerate() {
+        let fresh: Vec<String> =
+            both(&wheelset.spec.profiles, "wheel").into_iter().filter(|text| !all.iter().any(|before| before.ends_with(text))).collect();
+        all.extend(fresh.into_iter().map(|text| if index == 0 { text } else { format!("{}, {text}", wheelset.spec.name) }));
     }
+    all.extend(both(&scene.track.rails, "rail"));
     all
 }

@@ -48,6 +48,14 @@ impl Sweep {
     /// # Errors
     /// [`NoStand`] when the wheelset does not stand at y = 0; where it does not stand elsewhere the sweep ends.
     pub fn new(wheelset: &WheelsetOnTrack, range: f64, step: f64) -> Result<Sweep, NoStand> {
+        Self::watched(wheelset, range, step, &mut |_| {})
+    }
+
+    /// The same; `reached` hears of each shift [m] that was asked for, or added between two.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn watched(wheelset: &WheelsetOnTrack, range: f64, step: f64, reached: &mut dyn FnMut(f64)) -> Result<Sweep, NoStand> {
         let centred = wheelset.stand(0.0, wheelset.start())?;
         let count = (range / step + 1e-9).floor() as usize;
         let mut ended = [None; 2];
@@ -57,6 +65,7 @@ impl Sweep {
             for k in 1..=count {
                 match wheelset.stand(sign * step * k as f64, Start::from(&last)) {
                     Ok(stand) => {
+                        reached(stand.y);
                         halves[half].push(stand.clone());
                         last = stand;
                     }
@@ -73,7 +82,7 @@ impl Sweep {
         for (index, stand) in asked.iter().enumerate() {
             samples.push(Sample { stand: stand.clone(), asked: true, jumps_after: false });
             if let Some(next) = asked.get(index + 1) {
-                follow(wheelset, stand, next, &mut samples)?;
+                follow(wheelset, [stand, next], &mut samples, reached)?;
             }
         }
         Ok(Sweep { samples, ended })
@@ -127,7 +136,12 @@ fn moves(before: &Stand, after: &Stand, side: Side) -> bool {
 }
 
 /// Adds stands between `first` and `last` to `samples`, of which the last one is `first`.
-fn follow(wheelset: &WheelsetOnTrack, first: &Stand, last: &Stand, samples: &mut Vec<Sample>) -> Result<(), NoStand> {
+fn follow(
+    wheelset: &WheelsetOnTrack,
+    [first, last]: [&Stand; 2],
+    samples: &mut Vec<Sample>,
+    reached: &mut dyn FnMut(f64),
+) -> Result<(), NoStand> {
     // What is still to be reached, the nearest on top.
     let mut ahead = vec![last.clone()];
     let mut here = first.clone();
@@ -138,6 +152,7 @@ fn follow(wheelset: &WheelsetOnTrack, first: &Stand, last: &Stand, samples: &mut
             }
         } else {
             let middle = wheelset.stand(0.5 * (here.y + next.y), Start::from(&here))?;
+            reached(middle.y);
             if !straight(&here, &middle, next) {
                 ahead.push(middle);
                 continue;

@@ -20,6 +20,7 @@ use crate::units::Dimension;
 use clap::Args;
 use rayon::prelude::*;
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 #[derive(Args)]
 #[command(after_long_help = "\
@@ -245,6 +246,23 @@ fn notes(doubts: Vec<String>) -> String {
     doubts.into_iter().map(|doubt| format!("\n  note: {doubt}\n")).collect()
 }
 
+/// Says after some seconds what takes so long, once: noisy points, mostly, on which contacts jump from one to the next.
+fn patience(scene: &Scene) -> impl FnMut(f64) {
+    const LONG: Duration = Duration::from_secs(3);
+    let begin = Instant::now();
+    let mut words = Some(notes(profile_doubts(scene)));
+    move |y| {
+        if begin.elapsed() > LONG
+            && let Some(words) = words.take()
+        {
+            let y = 1e3 * y;
+            say(&format!(
+                "contact geometry is at y = {y:.3} mm; wherever a contact jumps, the jump is closed in to a nanometre, which may take minutes{words}"
+            ));
+        }
+    }
+}
+
 /// Why there is nothing to show, and what in the profiles may be the cause.
 fn no_sweep(scene: &Scene, error: &NoStand) -> Failure {
     let doubts = profile_doubts(scene).into_iter().map(|doubt| format!("\n  note: {doubt}"));
@@ -278,7 +296,7 @@ pub(super) fn contact(arguments: &Arguments) -> Result<(), Failure> {
         make_folder(folder)?;
     }
     let wheelset = WheelsetOnTrack::new(&scene, attitude, station);
-    let sweep = Sweep::new(&wheelset, range, step).map_err(|error| no_sweep(&scene, &error))?;
+    let sweep = Sweep::watched(&wheelset, range, step, &mut patience(&scene)).map_err(|error| no_sweep(&scene, &error))?;
     for error in sweep.ended.iter().flatten() {
         say(&format!("the lateral shifts end early: {error}"));
     }

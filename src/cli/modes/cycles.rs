@@ -122,6 +122,18 @@ fn verdict(found: &Diagram) -> String {
         }
         _ => text += "No stable motion was found below the linear critical speed on this branch\n",
     }
+    // Beyond the linear critical speed it may be stable again, beside motions that live on.
+    let beyond = |motion: &&Motion| motion.stable && motion.speed > linear.speed && found.locus.is_calm(motion.speed);
+    for motion in found.motions.iter().filter(beyond) {
+        text += &format!(
+            "At {} too the vehicle has two ways to run: small motions fade, and {:.3} mm live on\n",
+            speed(motion.speed),
+            1e3 * found.swing(motion)
+        );
+    }
+    for [last, first] in found.locus.calmed() {
+        text += &format!("Between {last:.2} and {first:.2} m/s the linear instability ends\n");
+    }
     let below = found.fold().map_or(linear.speed, |fold| fold.speed.value - fold.speed.bound);
     let others = found.runs.iter().filter(|run| run.speed < below && !matches!(run.outcome, Outcome::Dies));
     for run in others {

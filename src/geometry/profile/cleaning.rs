@@ -3,10 +3,10 @@
 //! Points are taken along the profile, as instruments write them; from the point nearest the origin outward, each
 //! must lie further out than all before it. Points that run backward are left out; those after the last one that
 //! does not form an overhang (flange back, rail flank) and are cut, as are ends steeper than [`STEEPEST_END`] over
-//! 0.5 mm. An outlier is a point that stands off the cubic through its four neighbours by more than 0.05 mm, more
-//! than 0.6 times the spacing there, and more than eight times the median of all such distances; or, along a
-//! profile, a spike out and back. (A corner of the profile stands off by 2/3 of spacing times angle: one of 45
-//! degrees is no outlier.) The two points at each end are not judged.
+//! 0.5 mm. An outlier is a point that stands off the cubic through its four neighbours by more than 0.05 mm and more
+//! than eight times the median of all such distances, and either by more than 0.6 times the spacing there or while its neighbours lie on a smooth
+//! curve without it; or, along a profile, a spike out and back. (A corner of the profile stands off by 1/3 of spacing times angle, and without its tip
+//! its neighbours still do.) The two points at each end are not judged.
 
 /// A point of a profile, m, and its line in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +31,22 @@ const OUTLIER_MEDIANS: f64 = 8.0;
 
 fn distance(a: &Sample, b: &Sample) -> f64 {
     (a.x - b.x).hypot(a.z - b.z)
+}
+
+/// Of fewer points than these nobody can say, -.
+const LEAST_ALONG: usize = 20;
+
+/// Do points follow the section, though they run backward in places (flanks that lean inward)? Then the way along them is shorter than that by ascending coordinate,
+/// which jumps to and fro between what lies above each other.
+pub(super) fn come_along(samples: &[Sample]) -> bool {
+    let way = |points: &[Sample]| points.windows(2).map(|pair| distance(&pair[0], &pair[1])).sum::<f64>();
+    let monotone = |sign: f64| samples.windows(2).all(|pair| sign * (pair[1].x - pair[0].x) >= 0.0);
+    if samples.len() < LEAST_ALONG || monotone(1.0) || monotone(-1.0) {
+        return false;
+    }
+    let mut sorted = samples.to_vec();
+    sorted.sort_by(|a, b| a.x.total_cmp(&b.x));
+    way(samples) < way(&sorted)
 }
 
 /// Sorts points that come in any order; an error names the two lines that give one coordinate two values.
@@ -148,6 +164,19 @@ fn standing_off(samples: &[Sample], i: usize) -> (f64, f64) {
     (off, 0.5 * distance(b, c))
 }
 
+/// Do the neighbours of point `i` lie on a smooth curve without it? Those of a spike do, those of a corner don't: without its tip they stand off by 0.3 of what it does.
+fn smooth_without(samples: &[Sample], i: usize, off: f64) -> bool {
+    const REST: f64 = 0.15;
+    let from = i.saturating_sub(4);
+    let own = i - from;
+    let mut near = samples[from..samples.len().min(i + 5)].to_vec();
+    near.remove(own);
+    // Where the two on either side went.
+    let sides = [own.checked_sub(2), own.checked_sub(1), Some(own), Some(own + 1)];
+    let judged = |j: &usize| *j >= 2 && j + 2 < near.len();
+    sides.into_iter().flatten().filter(judged).all(|j| standing_off(&near, j).0 < REST * off)
+}
+
 /// Takes the outliers out of points with increasing coordinates.
 pub(super) fn take_outliers(samples: &mut Vec<Sample>) -> Vec<Sample> {
     let mut found = Vec::new();
@@ -160,7 +189,7 @@ pub(super) fn take_outliers(samples: &mut Vec<Sample>) -> Vec<Sample> {
         let worst = off
             .iter()
             .enumerate()
-            .filter(|(_, (off, spacing))| *off > least && *off > OUTLIER_SHARE * spacing)
+            .filter(|(index, (off, spacing))| *off > least && (*off > OUTLIER_SHARE * spacing || smooth_without(samples, index + 2, *off)))
             .max_by(|a, b| a.1.0.total_cmp(&b.1.0));
         let Some((index, _)) = worst else { break };
         found.push(samples.remove(index + 2));

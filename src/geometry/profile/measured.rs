@@ -8,6 +8,8 @@
 
 use super::super::file::OpenFile;
 use super::cleaning::{self, Sample};
+use super::doubts::doubts;
+use super::orientation::{check_shape, downward};
 use super::s1002::wheel_radius;
 use super::{Part, Profile, ProfileChoice, ProfilePoint, swinging};
 use crate::math::smoothing::{Reach, smooth};
@@ -66,11 +68,6 @@ const RADII: (f64, f64) = (0.1, 1.0);
 const LEAST_POINTS: usize = 3;
 /// Widths that a profile can have, m.
 const WIDTHS: (f64, f64) = (0.01, 0.5);
-/// Where a wheel's flange is, m.
-const FLANGE: (f64, f64) = (-0.062, -0.042);
-/// A flange is higher over the tread than this; a rail never rises this much over its middle, m.
-const FLANGE_HEIGHT: f64 = 0.01;
-
 /// A natural cubic spline through points.
 #[derive(Debug, Clone)]
 pub struct SplineProfile {
@@ -174,6 +171,7 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
         return Err(wrong(sample.line, format!("found radius {}, expected more than 0", sample.z)));
     }
 
+    let doubts = doubts(&samples, part);
     let mut points: Vec<(f64, f64)> = samples.iter().map(|sample| (sample.x, sample.z)).collect();
     if let Some((key, reach)) = reach {
         points = smoothed(&points, reach, &mut notes).map_err(|problem| section.error(key, problem))?;
@@ -187,28 +185,8 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     let profile = SplineProfile::through(&points).map_err(|error| section.error("file", format!("\"{}\": {error}", file.path)))?;
     let coordinates: Vec<f64> = points.iter().map(|point| point.0).collect();
     let swings = swinging::describe(&swinging::swings(&profile, &coordinates));
-    let doubt = hole(&coordinates).into_iter().chain(swings).reduce(|all, more| format!("{all}; {more}"));
+    let doubt = doubts.into_iter().chain(swings).reduce(|all, more| format!("{all}; {more}"));
     Ok(ProfileChoice { profile: Arc::new(profile), file: Some(file.kept), notes, doubt })
-}
-
-/// A stretch without points, m, and how much longer it is than the usual spacing, beyond which one is missing rather than left out.
-const HOLE: f64 = 5e-3;
-const TIMES: f64 = 10.0;
-
-/// The widest stretch without points: the spline across it is a guess.
-fn hole(coordinates: &[f64]) -> Option<String> {
-    let mut spacings: Vec<f64> = coordinates.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let widest = coordinates.windows(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
-    spacings.sort_by(f64::total_cmp);
-    let usual = spacings[spacings.len() / 2];
-    (widest[1] - widest[0] > HOLE.max(TIMES * usual)).then(|| {
-        format!(
-            "there are no points from {:.1} to {:.1} mm (elsewhere every {:.2} mm): what lies between is a guess; measure it, or give points on it",
-            1e3 * widest[0],
-            1e3 * widest[1],
-            1e3 * usual
-        )
-    })
 }
 
 /// The radius at a wheel's tread circle, m: that of the scene, or of the file. `None` where the points themselves give it, and of rails.
@@ -284,53 +262,6 @@ fn judge_outliers(
 fn value_at(samples: &[Sample], x: f64) -> Option<f64> {
     let pair = samples.windows(2).find(|pair| pair[0].x <= x && x <= pair[1].x)?;
     Some(pair[0].z + (x - pair[0].x) / (pair[1].x - pair[0].x) * (pair[1].z - pair[0].z))
-}
-
-/// Do heights grow downward (rail), or away from the flange tip (wheel)?
-fn downward(samples: &[Sample], middle: f64, part: Part) -> bool {
-    match part {
-        Part::Rail => 0.5 * (samples[0].z + samples[samples.len() - 1].z) > middle,
-        Part::Wheel => {
-            let flange = samples.iter().filter(|sample| (FLANGE.0..FLANGE.1).contains(&sample.x)).map(|sample| sample.z - middle);
-            flange.sum::<f64>() < 0.0
-        }
-    }
-}
-
-/// A wheel without flange does not fall so far on the flange's side, m.
-const UPSIDE_DOWN: f64 = 15e-3;
-
-/// Is it the part that it should be, the right way round? An error names the line of the point that shows it.
-fn check_shape(samples: &[Sample], middle: f64, part: Part) -> Result<(), (usize, String)> {
-    let highest = |keep: &dyn Fn(f64) -> bool| {
-        samples.iter().filter(|sample| keep(sample.x)).max_by(|a, b| a.z.total_cmp(&b.z)).filter(|top| top.z - middle > FLANGE_HEIGHT)
-    };
-    match part {
-        Part::Rail => match highest(&|_| true) {
-            Some(top) => {
-                Err((top.line, format!("rises {:.1} mm over the middle: a rail does not; is this a wheel?", 1e3 * (top.z - middle))))
-            }
-            None => Ok(()),
-        },
-        Part::Wheel => match (highest(&|x| x < -0.02), highest(&|x| x > 0.02)) {
-            (None, Some(top)) => {
-                Err((top.line, format!("the flange stands at u = {:.1} mm, on the outer side: set mirror, or tread_circle", 1e3 * top.x)))
-            }
-            (None, None) => {
-                match samples.iter().find(|sample| (FLANGE.0..FLANGE.1).contains(&sample.x) && sample.z - middle < -UPSIDE_DOWN) {
-                    Some(low) => Err((
-                        low.line,
-                        format!(
-                            "falls {:.1} mm below the tread where a flange rises: are heights, or radii, upside down?",
-                            1e3 * (middle - low.z)
-                        ),
-                    )),
-                    None => Ok(()),
-                }
-            }
-            _ => Ok(()),
-        },
-    }
 }
 
 /// How far smoothing may move the points, as the scene says; `None`: a spline through the points.

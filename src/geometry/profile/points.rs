@@ -2,11 +2,12 @@
 //!
 //! Header `u,radius` or `u,height` (wheel; heights toward the flange tip need the scene's `radius`) or `eta,height`
 //! (rail). Metres, or each name followed by its unit: `u [mm],radius [mm]`. Further columns `slope`, `curvature`
-//! ... are passed over, so that `wheelrail profile -o` is read back. Points may come in any order. `#` starts a
+//! ... are passed over, so that `wheelrail profile -o` is read back. Points may come in any order; where they run backward in places
+//! and yet follow the section (undercut flanks), they are taken along it. `#` starts a
 //! comment line.
 
 use super::super::file::OpenFile;
-use super::cleaning::Sample;
+use super::cleaning::{self, Sample};
 use super::measured::{self, Level, Order, Reading};
 use super::{FOLDER, Part, ProfileChoice};
 use crate::settings::{Entry, Section, SettingsError, line_of};
@@ -69,5 +70,6 @@ fn read(file: &OpenFile, part: Part) -> Result<Reading, SettingsError> {
         };
         samples.push(Sample { x: x_unit * number(0)?, z: z_unit * number(1)?, line });
     }
-    Ok(Reading { samples, order: Order::Any, level, tread_circle: 0.0, radius: None, inward: false, columns, notes: Vec::new() })
+    let order = if cleaning::come_along(&samples) { Order::Along } else { Order::Any };
+    Ok(Reading { samples, order, level, tread_circle: 0.0, radius: None, inward: false, columns, notes: Vec::new() })
 }

@@ -70,9 +70,17 @@ fn profile(section: &Section, radius: f64) -> Result<(Piecewise, Changes), Setti
     Ok((profile.ok_or_else(|| broken(section))?, changes))
 }
 
+/// No wheel is larger, m.
+const LARGEST: f64 = 3.0;
+
 /// Radius at the tread circle; `deepest` [m] is how far the profile reaches below it.
 pub(super) fn wheel_radius(section: &Section, deepest: f64) -> Result<f64, SettingsError> {
     let radius = section.positive("radius", Dimension::Length)?;
+    if radius > LARGEST {
+        return Err(
+            section.error("radius", format!("found {radius} m, expected that of a wheel, at most {LARGEST} m: another unit of length?"))
+        );
+    }
     if radius > deepest {
         return Ok(radius);
     }

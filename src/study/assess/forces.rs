@@ -6,7 +6,7 @@
 //! | Y/Q (outward positive) | the same | the same | 99.85 % percentile |
 //! | Q | low pass 20 Hz | | 99.85 % percentile |
 //! | Y_qst, Q_qst | low pass 20 Hz | | 50 % percentile, outward positive, in full curves |
-//! | instability | band pass f0 - 2 Hz .. f0 + 2 Hz of the sum of Y | rms over 100 m every 10 m | largest of the run; f0: the largest line of its spectrum from 2.4 to 10 Hz |
+//! | instability | band pass f0 - 2 Hz .. f0 + 2 Hz of the sum of Y | rms over 100 m every 10 m | largest of the run; f0: the largest line of its spectrum from 2.4 to 10 Hz, or a larger one from 0.4 Hz on that has half of the signal's power |
 //! | Nadal | Y/Q as above | largest of the whole run | over `(tan g - mu) / (1 + mu tan g)` |
 //! | dQ/Q0 | low pass 20 Hz of Q | means over 2 m | `1 - smallest / Q0`, whole run |
 //!
@@ -34,6 +34,10 @@ const HALF_BAND: f64 = 2.0;
 const RMS_WINDOW: f64 = 100.0;
 const RMS_STEP: f64 = 10.0;
 const UNSTABLE: [f64; 2] = [2.4, 10.0];
+/// Slower hunting (wagons, worn wheels at low speed) is a line from here on, Hz, that has a share of the signal's power; track that leads wheelsets aside spreads over the band.
+const SLOWEST: f64 = 0.4;
+const LINE_WIDTH: f64 = 0.2;
+const LINE_SHARE: f64 = 0.5;
 
 /// Forces of a wheelset, filtered.
 struct Wheelset<'a> {
@@ -204,33 +208,46 @@ fn instability(made: &mut Made, wheelsets: &[Wheelset]) {
     let run = made.run;
     let found = wheelsets.iter().filter_map(|wheelset| {
         let travelled = wheelset.distance.last()? - wheelset.distance.first()?;
-        let f0 = (travelled >= RMS_WINDOW).then(|| dominant(&wheelset.raw_sum, run.signals.rate()))??;
-        let band = [f0 - HALF_BAND, f0 + HALF_BAND];
+        let (f0, slower) = (travelled >= RMS_WINDOW).then(|| dominant(&wheelset.raw_sum, run.signals.rate()))??;
+        let band = [(f0 - HALF_BAND).max(SLOWEST), f0 + HALF_BAND];
         let squares: Vec<f64> = Filter::band_pass(band, run.signals.rate()).of(&wheelset.raw_sum).iter().map(|y| y * y).collect();
         let means = sliding_means(wheelset.distance, &squares, RMS_WINDOW, RMS_STEP);
         let largest = means.iter().map(|mean| mean.1.max(0.0).sqrt()).reduce(f64::max)?;
         let limit = wheelset.axle.map(|axle| 0.5 * q::sum_of_guiding_forces(axle.load, run.known.kind));
-        Some((wheelset, largest, limit, f0))
+        Some((wheelset, largest, limit, (f0, slower)))
     });
-    let of_limit = |found: &(&Wheelset, f64, Option<f64>, f64)| found.1 / found.2.unwrap_or(1.0);
+    let of_limit = |found: &(&Wheelset, f64, Option<f64>, _)| found.1 / found.2.unwrap_or(1.0);
     match found.max_by(|a, b| of_limit(a).total_cmp(&of_limit(b))) {
-        Some((wheelset, value, limit, f0)) => {
-            made.value(&q::INSTABILITY, None, &wheelset.name, value, limit, format!("band about {f0:.2} Hz"));
+        Some((wheelset, value, limit, (f0, slower))) => {
+            let beside = slower.map_or(String::new(), |line| format!("; a larger line at {line:.2} Hz is left out: not one motion's own"));
+            made.value(&q::INSTABILITY, None, &wheelset.name, value, limit, format!("band about {f0:.2} Hz{beside}"));
         }
         None => made.nothing(&q::INSTABILITY, "rms over 100 m: longer run.stop"),
     }
 }
 
-/// Frequency of the largest line of a spectrum, Hz: Hann's window over the whole signal; `None` without a line in the band.
-fn dominant(values: &[f64], rate: f64) -> Option<f64> {
+/// Frequency of an unstable motion, Hz: that of the largest line of the spectrum from 2.4 to 10 Hz (Hann's window over the whole signal), or of a larger and slower one that
+/// is the motion's own; and that of a larger and slower one that is not. `None` without a line in the band.
+fn dominant(values: &[f64], rate: f64) -> Option<(f64, Option<f64>)> {
     let count = values.len();
     let mean = values.iter().sum::<f64>() / count as f64;
     let hann = |k: usize| 0.5 - 0.5 * (std::f64::consts::TAU * k as f64 / count as f64).cos();
     let mut line: Vec<Complex<f64>> = values.iter().enumerate().map(|(k, y)| Complex::new((y - mean) * hann(k), 0.0)).collect();
     FftPlannerScalar::new().plan_fft_forward(count).process(&mut line);
     let frequency = |k: usize| k as f64 * rate / count as f64;
-    let inside = (0..count / 2).filter(|k| (UNSTABLE[0]..=UNSTABLE[1]).contains(&frequency(*k)));
-    inside.max_by(|a, b| line[*a].norm_sqr().total_cmp(&line[*b].norm_sqr())).map(frequency)
+    let power = |k: usize| line[k].norm_sqr();
+    let within = |[from, to]: [f64; 2]| (0..count / 2).filter(move |k| (from..=to).contains(&frequency(*k)));
+    let largest = |band: [f64; 2]| within(band).max_by(|a, b| power(*a).total_cmp(&power(*b)));
+    let fast = largest(UNSTABLE)?;
+    let Some(slow) = largest([SLOWEST, UNSTABLE[0]]).filter(|slow| power(*slow) > power(fast)) else {
+        return Some((frequency(fast), None));
+    };
+    let own = frequency(slow);
+    let sum = |band: [f64; 2]| within(band).map(power).sum::<f64>();
+    match sum([own - LINE_WIDTH, own + LINE_WIDTH]) > LINE_SHARE * sum([SLOWEST, CUT_OFF]) {
+        true => Some((own, None)),
+        false => Some((frequency(fast), Some(own))),
+    }
 }
 
 /// Y/Q against Nadal's limit of each wheel's own flange.
@@ -320,4 +337,34 @@ pub(super) fn wear(made: &mut Made) {
     };
     made.value(&q::WEAR_WHEEL, None, name, *largest, None, String::new());
     made.value(&q::WEAR_ALL, None, "", means.iter().map(|mean| mean.1).sum(), None, format!("{} wheels", means.len()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of 60 s at 200 Hz.
+    fn signal(of: impl Fn(f64) -> f64) -> Vec<f64> {
+        (0..12_000).map(|k| of(f64::from(k) / 200.0)).collect()
+    }
+
+    fn wave(amplitude: f64, frequency: f64, t: f64) -> f64 {
+        amplitude * (std::f64::consts::TAU * frequency * t + frequency).sin()
+    }
+
+    #[test]
+    fn analytic_a_wagon_that_hunts_slowly_is_judged_at_its_own_frequency() {
+        // A harmonic of a twelfth alone lies in the band of the fast ones.
+        let (f0, slower) = dominant(&signal(|t| wave(52e3, 1.42, t) + wave(4.3e3, 7.1, t)), 200.0).unwrap();
+        assert!((f0 - 1.42).abs() < 0.02 && slower.is_none(), "{f0} {slower:?}");
+        let (f0, slower) = dominant(&signal(|t| wave(1e3, 1.42, t) + wave(4e3, 5.0, t)), 200.0).unwrap();
+        assert!((f0 - 5.0).abs() < 0.02 && slower.is_none(), "{f0} {slower:?}");
+    }
+
+    #[test]
+    fn analytic_what_track_does_over_a_band_is_no_slow_hunting() {
+        let rough = |t: f64| (0..30).map(|k| wave(4e3, 0.45 + 0.061 * f64::from(k), t)).sum::<f64>();
+        let (f0, slower) = dominant(&signal(|t| rough(t) + wave(3e3, 5.0, t)), 200.0).unwrap();
+        assert!((f0 - 5.0).abs() < 0.02 && slower.is_some_and(|line| line < 2.4), "{f0} {slower:?}");
+    }
 }

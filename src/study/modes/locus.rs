@@ -28,6 +28,16 @@ impl Locus {
         self.onsets.iter().find(|onset| onset.frequency > 0.0)
     }
 
+    /// Neighbouring speeds between which everything that grew has ceased to grow, m/s.
+    pub fn calmed(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.points.windows(2).filter(|pair| count(&pair[0]) > 0 && count(&pair[1]) == 0).map(|pair| [pair[0].speed, pair[1].speed])
+    }
+
+    /// Does nothing grow at that speed of the sweep?
+    pub fn is_calm(&self, speed: f64) -> bool {
+        self.points.iter().any(|modes| (modes.speed - speed).abs() < 1e-9 && count(modes) == 0)
+    }
+
     /// What grows at the lowest speed already.
     pub fn growing_at_lowest(&self) -> impl Iterator<Item = &Mode> {
         self.points.first().into_iter().flat_map(Modes::growing)
