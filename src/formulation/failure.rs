@@ -46,7 +46,7 @@ pub enum ContactFailure {
     #[error("{0}")]
     Conformal(#[from] ConformalContact),
     #[error(
-        "penetration of {penetration:.4} m is beyond elastic contact (wheelset at z = {z:.4} m): an initial position that is too low, dimensions or masses in another unit, an impact, or with a fixed step one that is too long (solver.step)"
+        "penetration of {penetration:.4} m is beyond elastic contact (wheelset at z = {z:.4} m): an initial position that is too low, a gauge too narrow for the flanges, dimensions or masses in another unit, an impact, or with a fixed step one that is too long (solver.step)"
     )]
     TooDeep { penetration: f64, z: f64 },
     #[error(

@@ -276,8 +276,8 @@ fn limit(text: &str) -> Result<(String, f64), Failure> {
         "m/s2" => Dimension::Acceleration,
         _ => Dimension::None,
     };
-    let number = dimension.parse(value).filter(|number| number.is_finite());
-    Ok((found.key.into(), number.ok_or_else(|| wrong(format!("{value}: expected {}", dimension.expectation())))?))
+    let number = dimension.parse(value).filter(|number| number.is_finite() && *number > 0.0);
+    Ok((found.key.into(), number.ok_or_else(|| wrong(format!("{value}: expected {}, greater than 0", dimension.expectation())))?))
 }
 
 /// Reads a speed above 0.

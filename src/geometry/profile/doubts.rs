@@ -15,6 +15,8 @@ const STEP_SLOPE: f64 = 0.3;
 const RUNNING: [f64; 2] = [0.03, 0.02];
 /// A tread or head that leans more than this at its middle belongs to a section that is turned (a cone of 1:10 and a rail canted by 1:20 lean less), -.
 const LEAN: f64 = 0.12;
+/// Seen over so much to either side, m: wider than hollows.
+const MIDDLE: f64 = 0.015;
 /// A flange is 25 to 40 mm high, m.
 const FLANGE_HEIGHT: f64 = 0.045;
 
@@ -73,7 +75,7 @@ fn step(samples: &[Sample], part: Part) -> Option<String> {
 
 /// Does the section seem turned?
 fn lean(samples: &[Sample], part: Part) -> Option<String> {
-    let near: Vec<&Sample> = samples.iter().filter(|sample| sample.x.abs() < 5e-3).collect();
+    let near: Vec<&Sample> = samples.iter().filter(|sample| sample.x.abs() < MIDDLE).collect();
     let (first, last) = (near.first()?, near.last()?);
     let slope = (last.z - first.z) / (last.x - first.x);
     let (what, axis) = if part == Part::Wheel { ("tread", "u") } else { ("head", "eta") };

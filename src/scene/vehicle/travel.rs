@@ -64,18 +64,21 @@ impl Travel {
         section.refuse_beyond("speed", Dimension::Speed, FASTEST, FASTEST_WHY)?;
         let speed = section.number("speed", Dimension::Speed)?;
         if speed == 0.0 && speed_imposed {
-            return Err(section.error("speed", "found 0, but creepages are relative to the travelling speed; expected any other number"));
+            return Err(section.error("speed", STANDING));
         }
         Ok(Travel { speed, speed_imposed, course: Course::Constant, gravity })
     }
 }
+
+/// Why an imposed speed is not 0.
+const STANDING: &str = "found 0, but creepages are relative to the travelling speed; expected any other number (a vehicle that stands, or stops, takes travel = \"free\" and [contact.transient])";
 
 /// A speed that is an input: that at the start, and how it is followed.
 fn read_input(section: &Section) -> Result<(f64, SpeedInput), SettingsError> {
     section.refuse_beyond("start", Dimension::Speed, FASTEST, FASTEST_WHY)?;
     let speed = section.number("start", Dimension::Speed)?;
     if speed == 0.0 {
-        return Err(section.error("start", "found 0, but creepages are relative to the travelling speed; expected any other number"));
+        return Err(section.error("start", STANDING));
     }
     let or = |key, dimension, default, range| if section.has(key) { section.within(key, dimension, range) } else { Ok(default) };
     let input = SpeedInput {
@@ -109,7 +112,7 @@ fn read_profile(section: &Section, nodes: Vec<Section>) -> Result<SpeedProfile, 
         node.refuse_beyond("speed", Dimension::Speed, FASTEST, FASTEST_WHY)?;
         let speed = node.number("speed", Dimension::Speed)?;
         if speed == 0.0 {
-            return Err(node.error("speed", "found 0, but creepages are relative to the travelling speed; expected any other number"));
+            return Err(node.error("speed", STANDING));
         }
         if let Some([before, first]) = table.last() {
             if place <= *before {
