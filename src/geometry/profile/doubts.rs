@@ -124,6 +124,6 @@ mod tests {
         let short: Vec<Sample> = tread(good).into_iter().filter(|sample| sample.x > -0.0195).collect();
         assert!(doubts(&short, Part::Wheel)[0].contains("before a flange") && doubts(&short, Part::Rail).is_empty());
         // A kink is no step.
-        assert_eq!(found(|u| good(u) - if u > 5e-3 { 0.5 * (u - 5e-3) } else { 0.0 }), Vec::<String>::new());
+        assert_eq!(found(|u| good(u) - if u > 12e-3 { 0.5 * (u - 12e-3) } else { 0.0 }), Vec::<String>::new());
     }
 }
