@@ -4,6 +4,7 @@
 //! equal bit for bit when they are advanced to the same times.
 
 pub mod adhesion;
+pub mod balance;
 pub mod checkpoint;
 mod directional;
 mod displaced;

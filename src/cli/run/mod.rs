@@ -12,6 +12,7 @@ use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, overview, 
 use crate::scene::improbable::improbable;
 use crate::settings::did_you_mean;
 use crate::sim::Simulation;
+use crate::sim::balance::open_books;
 use crate::sim::checkpoint::Origin;
 use crate::sim::outputs::Output;
 use crate::sim::pattern::matches;
@@ -164,6 +165,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     notes.extend(recording.all_notes(&simulation));
+    notes.extend(scene.interface.only.is_none().then(|| open_books(&recording)).flatten());
     messages(&notes, &events, simulation.doubts());
     if arguments.json {
         let error = failure.as_ref().or(ended.as_ref().map(|ended| &ended.0));
