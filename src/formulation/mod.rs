@@ -57,6 +57,7 @@ pub mod strikes;
 pub mod swing;
 mod tangent;
 pub mod timers;
+mod torsion;
 pub mod transitions;
 mod travel;
 pub mod travelling_track;

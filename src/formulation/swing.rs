@@ -14,6 +14,7 @@
 //! mean, which fades with the mean's own time. A swing fades when its peaks on either side do.
 
 use super::step::WheelRef;
+use super::torsion::Torsion;
 use super::{Model, Workspace};
 use crate::mbs::body::{COORDINATES, YAW};
 use nalgebra::Vector3;
@@ -34,9 +35,20 @@ const TIME: f64 = 2.0;
 
 /// Mean and envelope of one quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Envelope {
+pub(super) struct Envelope {
     mean: f64,
-    amplitude: f64,
+    pub amplitude: f64,
+}
+
+impl Envelope {
+    /// Takes the next value; `fading` is the part of itself by which mean and envelope go to it, `first` where there was none before.
+    pub fn note(&mut self, now: f64, fading: f64, first: bool) {
+        if first {
+            *self = Envelope { mean: now, amplitude: 0.0 };
+        }
+        self.mean += fading * (now - self.mean);
+        self.amplitude = ((1.0 - fading) * self.amplitude).max((now - self.mean).abs());
+    }
 }
 
 /// Half swings of one quantity about its mean: peaks on either side (above: second).
@@ -77,6 +89,7 @@ pub struct Swings {
     wheelsets: Vec<[Envelope; 2]>,
     /// Of lateral displacement.
     halves: Vec<Halves>,
+    torsions: Vec<Torsion>,
     /// Does nothing but its own stability decide what becomes of it?
     plain: bool,
 }
@@ -84,7 +97,9 @@ pub struct Swings {
 impl Swings {
     /// Could these have come from the same model as `other`?
     pub fn fits(&self, other: &Swings) -> bool {
-        self.wheelsets.len() == other.wheelsets.len() && self.halves.len() == other.halves.len()
+        self.wheelsets.len() == other.wheelsets.len()
+            && self.halves.len() == other.halves.len()
+            && self.torsions.len() == other.torsions.len()
     }
 
     /// Does nothing but its own stability decide what becomes of a swing?
@@ -100,25 +115,22 @@ impl Model {
             time: None,
             wheelsets: vec![Default::default(); self.wheelsets.len()],
             halves: vec![Default::default(); self.wheelsets.len()],
+            torsions: self.torsions(),
             plain: false,
         }
     }
 
     /// Notes the end of a step at time `t` [s], at which the workspace's evaluation was made.
-    pub fn note_swings(&self, workspace: &Workspace, t: f64, swings: &mut Swings) {
+    pub fn note_swings(&self, workspace: &Workspace, (t, y): (f64, &[f64]), swings: &mut Swings) {
         let fading = swings.time.map_or(1.0, |before| 1.0 - (-(t - before).max(0.0) / TIME).exp());
         for ((envelopes, halves), wheelset) in swings.wheelsets.iter_mut().zip(&mut swings.halves).zip(&self.wheelsets) {
             let now = workspace.beside_track(wheelset.body);
             for (envelope, now) in envelopes.iter_mut().zip(now) {
-                if swings.time.is_none() {
-                    envelope.mean = now;
-                }
-                envelope.mean += fading * (now - envelope.mean);
-                let faded = if swings.time.is_none() { 0.0 } else { (1.0 - fading) * envelope.amplitude };
-                envelope.amplitude = faded.max((now - envelope.mean).abs());
+                envelope.note(now, fading, swings.time.is_none());
             }
             halves.note(now[0] - envelopes[0].mean);
         }
+        self.note_torsions(workspace, (swings.time, t), y, &mut swings.torsions);
         swings.time = Some(t);
         swings.plain = self.out_of_round.is_empty()
             && self.wheels().all(|WheelRef { wheelset, side, .. }| {
@@ -138,7 +150,8 @@ impl Model {
             let across = workspace.in_track(body, Vector3::new(own[0], own[1], own[2])).y;
             (across.abs() / allowed[0]).max(own[YAW].abs() / allowed[1])
         };
-        self.wheelsets.iter().map(|wheelset| of(wheelset.body)).fold(0.0, f64::max)
+        let torsion = self.torsion_error(swings.time.unwrap_or(0.0), &swings.torsions, error);
+        self.wheelsets.iter().map(|wheelset| of(wheelset.body)).fold(torsion, f64::max)
     }
 }
 

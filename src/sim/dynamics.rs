@@ -232,8 +232,8 @@ impl Dynamics for ModelDynamics<'_> {
         self.model.swing_error(self.workspace, self.watched.swings, error).max(strikes)
     }
 
-    fn note_step(&mut self, t: f64) {
-        self.model.note_swings(self.workspace, t, self.watched.swings);
+    fn note_step(&mut self, t: f64, y: &[f64]) {
+        self.model.note_swings(self.workspace, (t, y), self.watched.swings);
         self.model.note_strikes(self.workspace, t, self.watched.strikes);
         self.model.note_wheel_loads(self.workspace, t, self.watched.swings.is_plain(), self.watched.loads);
     }

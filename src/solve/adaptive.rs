@@ -161,7 +161,7 @@ fn end_of_step(t: f64, h: f64, limit: f64) -> f64 {
 /// Looks at a step that has just been accepted: does an event end it?
 fn look_back(dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch, ending: &End) -> Result<(), SolveError> {
     state.statistics.projections += u64::from(ending.moved);
-    dynamics.note_step(state.t);
+    dynamics.note_step(state.t, &state.y);
     scratch.frame.keep(dynamics, state);
     let found = if ending.beyond { state.cut_at_event(dynamics, scratch, 1.0) } else { state.look_within(dynamics, scratch) };
     if found.is_err() {

@@ -113,7 +113,7 @@ impl FixedStep {
             return Ok(false);
         }
         state.evaluate_begin(dynamics)?;
-        dynamics.note_step(state.t);
+        dynamics.note_step(state.t, &state.y);
         scratch.stages[END].copy_from_slice(&state.derivative);
         Ok(true)
     }

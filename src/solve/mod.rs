@@ -116,7 +116,7 @@ pub trait Dynamics {
     }
 
     /// Notes that a step has been accepted; f was evaluated last at its end.
-    fn note_step(&mut self, _t: f64) {}
+    fn note_step(&mut self, _t: f64, _y: &[f64]) {}
 
     /// Error of a controlled component from which a fixed step is doubtful, in that component's own unit.
     fn doubtful_error(&self) -> f64 {

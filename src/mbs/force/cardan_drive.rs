@@ -160,6 +160,10 @@ impl ForceElement for CardanDrive {
         true
     }
 
+    fn torsion(&self) -> Option<usize> {
+        Some(0)
+    }
+
     fn rotor_carrier(&self) -> Option<usize> {
         Some(self.car)
     }

@@ -191,6 +191,10 @@ impl ForceElement for Held {
         self.element.turns_axle()
     }
 
+    fn torsion(&self) -> Option<usize> {
+        self.element.torsion()
+    }
+
     fn rotor_carrier(&self) -> Option<usize> {
         self.outside(self.element.rotor_carrier())
     }

@@ -107,6 +107,11 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
         None
     }
 
+    /// Of an element with a shaft that twists elastically: which of its states is the twist.
+    fn torsion(&self) -> Option<usize> {
+        None
+    }
+
     /// Takes from the vehicle, which is complete now, what it needs to know of axles.
     fn fit(&mut self, _axles: &Axles) {}
 

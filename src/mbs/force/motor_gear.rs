@@ -212,6 +212,10 @@ impl ForceElement for MotorGear {
         self.pair.wheel()
     }
 
+    fn torsion(&self) -> Option<usize> {
+        self.rotor.map(|_| 0)
+    }
+
     fn fit(&mut self, axles: &Axles) {
         self.pair.fit(axles);
     }

@@ -93,6 +93,10 @@ impl ForceElement for TwistingAxle {
         Some(self.twist)
     }
 
+    fn torsion(&self) -> Option<usize> {
+        self.elastic.then_some(0)
+    }
+
     fn fit(&mut self, axles: &Axles) {
         if let Inertia::Revolution { axial, .. } | Inertia::NotGyroscopic { axial, .. } = axles.bodies[self.twist.body].inertia {
             self.twist.axial_inertia = axial;

@@ -34,10 +34,12 @@ const HALF_BAND: f64 = 2.0;
 const RMS_WINDOW: f64 = 100.0;
 const RMS_STEP: f64 = 10.0;
 const UNSTABLE: [f64; 2] = [2.4, 10.0];
-/// Slower hunting (wagons, worn wheels at low speed) is a line from here on, Hz, that has a share of the signal's power; track that leads wheelsets aside spreads over the band.
+/// Slower hunting (wagons, worn wheels at low speed) is a line from here on, Hz: within so much of its frequency it has a share of the signal's power, and next to nothing is slower. Track that
+/// leads wheelsets aside spreads over the band, and a curve has most of its power in what is slowest.
 const SLOWEST: f64 = 0.4;
-const LINE_WIDTH: f64 = 0.2;
+const LINE_WIDTH: f64 = 0.15;
 const LINE_SHARE: f64 = 0.5;
+const SLOWER_SHARE: f64 = 0.2;
 
 /// Forces of a wheelset, filtered.
 struct Wheelset<'a> {
@@ -244,7 +246,8 @@ fn dominant(values: &[f64], rate: f64) -> Option<(f64, Option<f64>)> {
     };
     let own = frequency(slow);
     let sum = |band: [f64; 2]| within(band).map(power).sum::<f64>();
-    match sum([own - LINE_WIDTH, own + LINE_WIDTH]) > LINE_SHARE * sum([SLOWEST, CUT_OFF]) {
+    let line = sum([(1.0 - LINE_WIDTH) * own, (1.0 + LINE_WIDTH) * own]);
+    match line > LINE_SHARE * sum([SLOWEST, CUT_OFF]) && sum([0.5 * own, (1.0 - LINE_WIDTH) * own]) < SLOWER_SHARE * line {
         true => Some((own, None)),
         false => Some((frequency(fast), Some(own))),
     }
@@ -366,5 +369,9 @@ mod tests {
         let rough = |t: f64| (0..30).map(|k| wave(4e3, 0.45 + 0.061 * f64::from(k), t)).sum::<f64>();
         let (f0, slower) = dominant(&signal(|t| rough(t) + wave(3e3, 5.0, t)), 200.0).unwrap();
         assert!((f0 - 5.0).abs() < 0.02 && slower.is_some_and(|line| line < 2.4), "{f0} {slower:?}");
+        // One curve of 12 s between transitions of 3 s.
+        let curve = |t: f64| 20e3 * (((t - 20.0) / 3.0).clamp(0.0, 1.0) - ((t - 35.0) / 3.0).clamp(0.0, 1.0));
+        let (f0, slower) = dominant(&signal(|t| curve(t) + wave(300.0, 2.56, t)), 200.0).unwrap();
+        assert!((f0 - 2.56).abs() < 0.02, "{f0} {slower:?}");
     }
 }
