@@ -41,6 +41,10 @@ pub(super) enum Kind {
     Parquet,
     /// Text of any ending.
     Text,
+    /// A picture.
+    Svg,
+    /// A page for a browser.
+    Html,
     /// A file and nothing else.
     Fmu,
     /// A system of FMUs: the same.
@@ -58,12 +62,14 @@ impl Kind {
             Kind::Parquet => Some((&["parquet"], ".parquet")),
             Kind::Fmu => Some((&["fmu"], ".fmu")),
             Kind::Ssp => Some((&["ssp"], ".ssp")),
+            Kind::Svg => Some((&["svg"], ".svg")),
+            Kind::Html => Some((&["html", "htm"], ".html")),
             Kind::Text | Kind::Binary => None,
         }
     }
 
     fn may_stream(self) -> bool {
-        matches!(self, Kind::Csv | Kind::Results | Kind::Text)
+        matches!(self, Kind::Csv | Kind::Results | Kind::Text | Kind::Svg | Kind::Html)
     }
 }
 
@@ -159,6 +165,11 @@ impl Target {
             Err(error) => pending.fail(error),
         }
     }
+}
+
+/// Do both names lead to the same file that is there?
+pub(super) fn same_file(one: &Path, other: &Path) -> bool {
+    one.canonicalize().ok().is_some_and(|one| other.canonicalize().ok() == Some(one))
 }
 
 /// Writes a whole file of any ending.

@@ -55,6 +55,9 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Input(format!("--points {}: expected {} to {}", arguments.points, POINTS.0, POINTS.1)));
     }
     let (part, choice) = open(arguments)?;
+    if let Some(path) = &arguments.plot {
+        Target::find(path, Kind::Svg).map_err(refused)?;
+    }
     let samples = sample(choice.profile.as_ref(), arguments.points);
     if let Some(path) = &arguments.output {
         Target::find(path, Kind::Csv).map_err(refused)?.write(csv(&samples, part, arguments.bare).as_bytes())?;

@@ -5,6 +5,7 @@ use super::start::origin;
 use super::vehicle::extent::Away;
 use crate::formulation::Model;
 use crate::mbs::body::Body;
+use crate::mbs::force::ForceElement;
 use crate::mbs::inertia::Inertia;
 
 /// All of them.
@@ -13,6 +14,7 @@ pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
     unreached(scene)
         .into_iter()
         .chain(off_the_axle(scene, model))
+        .chain(off_the_tread(model))
         .chain(extents(scene, model))
         .chain(adverse(scene))
         .chain(missed)
@@ -77,6 +79,26 @@ fn off_the_axle(scene: &Scene, model: &Model) -> Option<String> {
          of a bogie no longer add up about its middle; attach it on the axle's line, or to a body of its own (axle box, swing arm) that a joint holds on the axle",
         1e3 * off
     ))
+}
+
+/// A block's place may be off its tread by so much, in parts of the radius: what is worn, and where on the tread it presses.
+const OFF_TREAD: f64 = 0.08;
+
+/// Blocks of tread brakes that are not where a tread is: their distance from the axle is the lever of their friction.
+fn off_the_tread(model: &Model) -> Option<String> {
+    let of = |force: &dyn ForceElement| {
+        let (body, lever) = force.block()?;
+        let wheelset = model.wheelsets.iter().find(|wheelset| wheelset.body == body)?;
+        let radius = wheelset.left.profile.at(0.0).value;
+        ((lever / radius - 1.0).abs() > OFF_TREAD).then(|| {
+            format!(
+                "{}: its block is {lever:.3} m from the axle, and wheels of {} have a radius of {radius:.3} m: that distance is the lever of its friction; put \"from\" on the tread",
+                force.name(),
+                wheelset.name
+            )
+        })
+    };
+    model.system.forces.iter().find_map(|force| of(force.as_ref()))
 }
 
 /// Radii of gyration beyond which no vehicle's body, and no wheelset, is, m.

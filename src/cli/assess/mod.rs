@@ -118,7 +118,7 @@ pub(super) fn assess(arguments: &Arguments) -> Result<(), Failure> {
     let limits = arguments.limits.iter().map(|text| limit(text)).collect::<Result<Vec<_>, _>>()?;
     // Whatever can't be written is better known before the work.
     if let Some(file) = &arguments.html {
-        Target::find(file, Kind::Text).map_err(refused)?;
+        Target::find(file, Kind::Html).map_err(refused)?;
     }
     let target = super::csv_target(&arguments.output, arguments.json)?;
     let is_result = Path::new(&arguments.input).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));

@@ -4,7 +4,8 @@ mod picture;
 mod words;
 
 use super::interrupt::Interrupt;
-use super::{Failure, SceneArguments, TimeArguments, print, say, seconds};
+use super::output::{Kind, Target};
+use super::{Failure, SceneArguments, TimeArguments, print, refused, say, seconds};
 use crate::sim::recording::Times;
 use crate::study::effects::{self, Request};
 use clap::Args;
@@ -65,6 +66,9 @@ pub(super) fn effects(arguments: &Arguments) -> Result<(), Failure> {
     }
     if !(arguments.budget > 0.0 && arguments.budget.is_finite()) {
         return Err(Failure::Input(format!("--budget {}: expected a time greater than 0 s", arguments.budget)));
+    }
+    if let Some(file) = &arguments.plot {
+        Target::find(file, Kind::Svg).map_err(refused)?;
     }
     let interrupt = Interrupt::watch();
     let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg:30!}").unwrap_or_else(|_| ProgressStyle::default_bar());

@@ -72,7 +72,7 @@ pub(super) fn modes(arguments: &Arguments) -> Result<(), Failure> {
     };
     // Whatever can't be written is better known before the work.
     if let Some(file) = &arguments.plot {
-        Target::find(file, Kind::Text).map_err(refused)?;
+        Target::find(file, Kind::Svg).map_err(refused)?;
     }
     if arguments.limit_cycle {
         return limit_cycles(arguments, &scene, &speeds);

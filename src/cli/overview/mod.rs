@@ -11,7 +11,7 @@ use crate::formulation::Model;
 use crate::scene::spec::Scene;
 use crate::sim::outputs::Output;
 use crate::sim::recording::Recording;
-use crate::study::assess::signals::Signals;
+use crate::study::assess::signals::{Signals, foreign_unit};
 use std::path::{Path, PathBuf};
 
 const NEEDS: &str = "the plot needs the output group \"motion\"; add it to interface.outputs";
@@ -44,8 +44,19 @@ impl Reference {
     /// Reads it; it must hold something that is drawn.
     pub(super) fn read(path: &Path, outputs: &[Output], wheelset: &str) -> Result<Reference, Failure> {
         let failed = |error: &dyn std::fmt::Display| Failure::Input(format!("--against {}: {error}", path.display()));
-        let file = std::fs::File::open(path).map_err(|error| failed(&error))?;
-        let signals = Signals::read(std::io::BufReader::new(file)).map_err(|error| failed(&error))?;
+        let text = std::fs::read_to_string(path).map_err(|error| failed(&error))?;
+        let signals = Signals::read(text.as_bytes()).map_err(|error| failed(&error))?;
+        let titles: Vec<&str> = text.lines().next().unwrap_or_default().split(',').map(str::trim).collect();
+        let drawn = outputs.iter().filter(|output| needs(output, wheelset) && signals.column(&output.name).is_some());
+        for output in drawn.clone() {
+            let own = titles.iter().find(|title| title.split('[').next().is_some_and(|name| name.trim() == output.name));
+            if let Some(unit) = own.and_then(|title| foreign_unit(title, output.unit.name())) {
+                return Err(failed(&format!("{} has the unit {unit}, expected {}", output.name, output.unit.name())));
+            }
+        }
+        if drawn.clone().all(|output| output.name.ends_with(".distance")) && drawn.count() > 0 {
+            return Err(failed(&"no column beside distances is one that the pictures of this scene show"));
+        }
         let distances = |output: &&Output| output.name.ends_with(".distance") && needs(output, wheelset);
         if !outputs.iter().filter(distances).any(|output| signals.column(&output.name).is_some()) {
             let some = format!("{wheelset}.distance");

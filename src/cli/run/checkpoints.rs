@@ -47,6 +47,16 @@ fn refused(error: CheckpointError) -> Failure {
 impl CheckpointArguments {
     /// The run to go on with, if any.
     pub(super) fn found(&self, origin: &Origin, times: Times) -> Result<Option<Found>, Failure> {
+        const OTHERS: [&str; 4] = ["csv", "parquet", "mat", "toml"];
+        let ending = |path: &PathBuf| path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        if let Some(path) =
+            self.checkpoint_file.as_ref().filter(|path| ending(path).is_some_and(|ending| OTHERS.contains(&ending.as_str())))
+        {
+            return Err(Failure::Input(format!(
+                "--checkpoint-file {}: expected a name that does not end like a result or a scene",
+                path.display()
+            )));
+        }
         let Some(path) = &self.resume else { return Ok(None) };
         if let Some(other) = self.checkpoint_file.as_ref().filter(|other| *other != path) {
             let (path, other) = (path.display(), other.display());

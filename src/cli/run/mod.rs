@@ -5,7 +5,7 @@ mod inputs;
 pub(super) mod words;
 
 use super::interrupt::Interrupt;
-use super::output::{Kind, Target};
+use super::output::{Kind, Target, same_file};
 use super::progress::Progress;
 use super::results::{Format, Layout, Precision, Results, Thinned};
 use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, overview, print, seconds};
@@ -111,6 +111,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let target = super::target(&asked.output, Kind::Results, arguments.json)?;
     let to_stdout = target.as_ref().is_some_and(Target::is_stdout);
     asked.check(times)?;
+    if let Some((given, output)) = arguments.inputs.as_ref().zip(asked.output.as_ref()).filter(|(given, output)| same_file(given, output)) {
+        return Err(Failure::Input(format!("-o {}: --inputs reads {}; expected another file", output.display(), given.display())));
+    }
     let found = arguments.checkpoints.found(&origin, times)?;
     let mut simulation = super::start(&scene)?;
     if let Some(folder) = &arguments.plot {

@@ -100,7 +100,7 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
     }
     let columnar = arguments.parquet.as_ref().map(|file| Target::find(file, Kind::Parquet)).transpose().map_err(refused)?;
     if let Some(file) = &arguments.plot {
-        Target::find(file, Kind::Text).map_err(refused)?;
+        Target::find(file, Kind::Svg).map_err(refused)?;
     }
     let fixed: Vec<String> = changes(&parameters, &points[0], |parameter| !parameter.varies());
     let base = load::open(&arguments.scene, &fixed)?;

@@ -239,6 +239,11 @@ impl ForceElement for Brake {
         0.5 * self.stiffness * state[0].powi(2)
     }
 
+    fn block(&self) -> Option<(usize, f64)> {
+        let (_, radius) = self.friction.filter(|_| self.press.is_some())?;
+        Some((self.pair.axle, radius))
+    }
+
     fn dissipated_power(&self, bodies: &Moving, state: &[f64]) -> f64 {
         let (grip, _, speed) = self.now(bodies, state);
         // Rounding of two equal numbers is no heat.

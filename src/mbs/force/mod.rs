@@ -107,6 +107,11 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
         None
     }
 
+    /// Of a block on a wheel's tread: the axle's body, and its distance from the axle, m.
+    fn block(&self) -> Option<(usize, f64)> {
+        None
+    }
+
     /// Of an element with a shaft that twists elastically: which of its states is the twist.
     fn torsion(&self) -> Option<usize> {
         None

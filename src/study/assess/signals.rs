@@ -165,11 +165,21 @@ fn hold(distance: &mut [f64]) {
     }
 }
 
+/// Quantities whose units are known.
+const KNOWN: [Dimension; 6] =
+    [Dimension::Force, Dimension::Length, Dimension::Speed, Dimension::Acceleration, Dimension::Angle, Dimension::Time];
+
+/// The unit of a column's title, where it is none of the quantity that has the unit `expected`.
+pub fn foreign_unit<'a>(text: &'a str, expected: &str) -> Option<&'a str> {
+    let unit = title(text).1?;
+    let of = |dimension: &Dimension, unit: &str| dimension.parse(&format!("1 {unit}")).is_some();
+    (unit != expected && !KNOWN.iter().any(|dimension| of(dimension, unit) && of(dimension, expected))).then_some(unit)
+}
+
 /// Name of a column, and what makes SI of its unit (1 where the unit is unknown or one of SI).
 fn head(text: &str) -> (String, f64) {
     let (name, Some(unit)) = title(text) else { return (text.into(), 1.0) };
-    let known = [Dimension::Force, Dimension::Length, Dimension::Speed, Dimension::Acceleration, Dimension::Angle, Dimension::Time];
-    let factor = known.into_iter().find_map(|dimension| dimension.parse(&format!("1 {unit}")));
+    let factor = KNOWN.into_iter().find_map(|dimension| dimension.parse(&format!("1 {unit}")));
     (name.into(), factor.unwrap_or(1.0))
 }
 
