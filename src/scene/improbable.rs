@@ -22,7 +22,6 @@ pub fn improbable(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(distances(scene))
         .chain(few_places(scene, model))
         .chain(undamped(scene))
-        .chain(short_of_friction(model))
         .chain(oversights(scene, model))
         .chain(profile_doubts(scene))
         .collect()
@@ -72,21 +71,6 @@ fn few_places(scene: &Scene, model: &Model) -> Option<String> {
         format!(
             "contact.points = {given}, but these profiles touch at up to {needed} places: where places share a load, it jumps between them there; loads at single times \
              then mean little, and steps are short"
-        )
-    })
-}
-
-/// Share of friction that may be missing at low speed without a word.
-const MISSING: f64 = 0.01;
-
-/// Transient contact with a creep law that nears its bound slowly: the deflection of a wheel that slides, or stands, is bounded before the law has reached it.
-fn short_of_friction(model: &Model) -> Option<String> {
-    let missing = model.laws.transient.as_ref()?.shortfall();
-    (missing > MISSING).then(|| {
-        format!(
-            "[contact.transient] with this creep law: it nears its bound so slowly (its surface is less stiff than a clean one) that wheels which slide or stand get {:.0} % less than the friction \
-             there is while they roll slower than \"below\"; stopping distances there and what brakes hold on a grade are worse by as much; \"ideal\" or another law has all of it",
-            100.0 * missing
         )
     })
 }

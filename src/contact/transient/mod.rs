@@ -6,12 +6,12 @@
 //! With the slip velocity v [m/s] of the wheel's material point and the signed rolling speed V:
 //!
 //! ```text
-//! zeta_i = u_i / L_i                                   creepage that the deflection amounts to
+//! zeta_i = s(r) u_i / L_i                              creepage that the deflection amounts to
 //! u_i'   = (v_i - V_r zeta_i) / D - (1 - r_2/r)_+ u_i / T
-//! V_r    = |V| psi(p sign V) + alpha(r) (v . u)_+ / sum(u_i^2 / L_i)
+//! V_r    = |V| psi(p sign V) + alpha(r) (v . u)_+ / (s sum(u_i^2 / L_i))
 //! p'     = (V - |V| p) / (l D_p),   l = a / 2
 //! phi'   = |V| psi (omega_n / V - phi) / (a D_phi)
-//! F      = law(w (zeta + tau u'/L) + (1 - w) v/|V|,  spin w phi + (1 - w) omega_n / V,  speed V_F)
+//! F      = law(w s (u + tau u') / L + (1 - w) v/|V|,  spin w phi + (1 - w) omega_n / V,  speed V_F)
 //! V_F    = (w V_r |zeta| + (1 - w) |v|) / (w |zeta| + (1 - w) |v| / |V|)
 //! ```
 //!
@@ -27,6 +27,9 @@
 //!   Armstrong, Altpeter, IEEE Trans. Autom. Control 47 (2002) 787. r_1 is measured from the law when the model is
 //!   made: 1.12 times the r from which on the force stays within 0.1 % of its full-slip value; r_2 = 1.25 r_1. The spin's
 //!   share of the linear force is added to both, so that spin can't hide the bound.
+//! * s is 1 for a law that is at its bound there. One that nears it slowly (Polach on wet rails: 0.8 mu N at r_1) would never get to it: a sliding wheel had 16 % less
+//!   than its friction, and a braked one slid down a grade that it can hold. So from 0.3 r_1 on the deflection counts for ever more creepage, up to Sigma times at r_1, where the law is within 0.1 %
+//!   of its bound: s goes from 1 to Sigma by a cubic step. As V_r zeta has it too, steady rolling stays exact.
 //! * psi is 0 for p sign V < 1/4 and 1 above 3/4: relaxation needs a net way in one direction (1.4 l from p = 0).
 //!   A braked wheel that trembles rolls by micrometres to and fro; the material inside its patch is the same all the time,
 //!   and |V| alone would let its force leak away. Only ways count here, no speed is "small".
@@ -60,7 +63,7 @@
 //!
 //! Limits: with the law as the force-deflection curve, full sliding at rest begins after r = 3 (Shen, Hedrick, Elkins) where
 //! the exact theory has 1.5 (Cattaneo, Mindlin); micro-slip makes no hysteresis below r_1; a law that nears its
-//!   bound slowly is not there yet at r_2 (Polach on wet rails: 16 % of mu N are missing while |V| < below, on dry ones 3 %: [`TransientContact::shortfall`]). At |V| between below/2 and below the force
+//!   bound slowly gets there sooner, at r_1, while the wheel stands. At |V| between below/2 and below the force
 //! depends on v directly, as that of the steady law does.
 
 pub mod relaxation;
@@ -162,12 +165,14 @@ pub struct TransientContact {
     slide_from: f64,
     /// |V| over `below` from which on the states stand still.
     idle: f64,
-    /// By how much the force in full sliding stays below the law's, -.
-    shortfall: f64,
+    /// Sigma, -: 1 for a law that is at its bound where the wheel slides.
+    stretch: f64,
 }
 
 /// |V| over `below` from which on the states stand still.
 const IDLE: f64 = 2.0;
+/// Where s begins to rise, in parts of r_1.
+const STRETCH_FROM: f64 = 0.3;
 /// r_2 / r_1.
 const SLIDE_WIDTH: f64 = 1.25;
 /// Friction bound, N, below which nothing holds: the deflection under it is smaller than a picometre.
@@ -205,9 +210,8 @@ impl TransientContact {
     pub fn new(settings: TransientSettings, material: Material, law: &dyn CreepLaw) -> Self {
         let relaxation = Relaxation::new(material);
         let slide_from = 1.12 * saturation_ratio(&relaxation, law);
-        let shortfall = 1.0 - force_at(&relaxation, law, SLIDE_WIDTH * slide_from) / force_at(&relaxation, law, ENDLESS);
-        let shortfall = if slide_from.is_finite() { shortfall } else { 0.0 };
-        TransientContact { settings, relaxation, slide_from, idle: IDLE, shortfall }
+        let stretch = stretch(&relaxation, law, slide_from);
+        TransientContact { settings, relaxation, slide_from, idle: IDLE, stretch }
     }
 
     /// The same where spin has no part in the forces, and so none in what is needed to slide.
@@ -226,10 +230,18 @@ impl TransientContact {
         &self.settings
     }
 
-    /// By how much the force of a wheel that slides stays below the law's (constant friction) while |V| < `below`, in parts of it: laws that near their bound slowly
-    /// (Polach on wet rails) are not there yet where the deflection ends.
-    pub fn shortfall(&self) -> f64 {
-        self.shortfall
+    /// s at k |u| = `load` [N] where sliding begins at `from` [N], and its slope by `load` over `from`.
+    #[inline]
+    fn stretched(&self, load: f64, from: f64) -> (f64, f64) {
+        let x = (load / from - STRETCH_FROM) / (1.0 - STRETCH_FROM);
+        if self.stretch == 1.0 || !(x > 0.0) {
+            return (1.0, 0.0);
+        }
+        if x >= 1.0 {
+            return (self.stretch, 0.0);
+        }
+        let most = self.stretch - 1.0;
+        (1.0 + most * cubic_step(x), most * 6.0 * x * (1.0 - x) / (1.0 - STRETCH_FROM))
     }
 
     /// r_1 and r_2 without spin, -: deflection over mu N / k at which sliding begins and is complete.
@@ -253,8 +265,23 @@ impl TransientContact {
         let bound = contact.friction * contact.normal_force;
         let ratio = elastic.stiffness * u[0].hypot(u[1]);
         let scale = (SLIDE_WIDTH * self.slide_from * bound / ratio).min(1.0);
-        let scale = if scale.is_finite() { scale } else { 0.0 };
+        let scale = if scale.is_finite() { self.steady_scale(scale, ratio, self.slide_from * bound) } else { 0.0 };
         [scale * u[0], scale * u[1], slip.rolling.signum(), slip.spin * self.inverse_speed(slip.rolling)]
+    }
+
+    /// The part of u = L v/|V|, with k |u| = `load`, that amounts to the creepage v/|V|; at most `most`.
+    fn steady_scale(&self, most: f64, load: f64, from: f64) -> f64 {
+        const HALVINGS: usize = 60;
+        let enough = |scale: f64| scale * self.stretched(scale * load, from).0 >= 1.0;
+        if self.stretch == 1.0 || !enough(most) {
+            return most;
+        }
+        let (mut low, mut high) = (0.0, most);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            (low, high) = if enough(middle) { (low, middle) } else { (middle, high) };
+        }
+        high
     }
 
     /// Force and rates. Finite for every finite input; allocates nothing.
@@ -303,15 +330,17 @@ impl TransientContact {
         let excess = if load > slide_full { 1.0 - slide_full / load } else { 0.0 };
 
         // Deflection: what the slip brings less what rolling on, sliding and lost load take away.
+        let (stretch, _) = self.stretched(load, slide_from);
+        let sliding = sliding / stretch;
         let relaxing = ahead(slip, p) + sliding;
         let rate = |u: f64, v: f64, length: f64| {
-            let lambda = relaxing / length;
+            let lambda = stretch * relaxing / length;
             (v - lambda * u) / (1.0 + (floor * lambda).powi(2)).sqrt() - excess * u / floor
         };
         let rates_xy = [rate(ux, slip.longitudinal, elastic.length[0]), rate(uy, slip.lateral, elastic.length[1])];
 
         // Creepage for the law: the deflection's below, v/V above.
-        let deflected = |u: f64, u_rate: f64, length: f64| (u + self.settings.damping_time * u_rate) / length;
+        let deflected = |u: f64, u_rate: f64, length: f64| stretch * (u + self.settings.damping_time * u_rate) / length;
         let zeta = [deflected(ux, rates_xy[0], elastic.length[0]), deflected(uy, rates_xy[1], elastic.length[1])];
         let blend = |zeta: f64, v: f64| if weight == 1.0 { zeta } else { weight * zeta + (1.0 - weight) * v / speed };
         let (longitudinal, lateral) = (blend(zeta[0], slip.longitudinal), blend(zeta[1], slip.lateral));
@@ -420,6 +449,22 @@ fn force_at(relaxation: &Relaxation, law: &dyn CreepLaw, r: f64) -> f64 {
     let longitudinal = r * BOUND / (elastic.stiffness * elastic.length[0]);
     let creepage = Creepage { longitudinal, ..Creepage::default() };
     law.force(&RollingContact { patch: PATCH, normal_force: BOUND / 0.3, friction: 0.3, creepage, speed: 0.0 }).longitudinal.abs()
+}
+
+/// Sigma: how many times r_1 has to be taken for the law to be within 0.1 % of its bound.
+fn stretch(relaxation: &Relaxation, law: &dyn CreepLaw, slide_from: f64) -> f64 {
+    const STEP: f64 = 1.05;
+    const MOST: f64 = 1e3;
+    if !slide_from.is_finite() {
+        return 1.0;
+    }
+    let full = force_at(relaxation, law, ENDLESS);
+    let reaches = |times: f64| (force_at(relaxation, law, times * slide_from) / full - 1.0).abs() <= 1e-3;
+    let mut times = 1.0;
+    while times < MOST && !reaches(times) {
+        times *= STEP;
+    }
+    times
 }
 
 /// V_F, m/s, from w, the size of zeta and V_r.

@@ -6,7 +6,7 @@
 //! ```text
 //! dg/dlambda  = -u / D - (v - lambda u) T^2 lambda / D^3,            d lambda_i = d sliding / L_i
 //! d sliding   = alpha (u . dv) / S + (alpha v . du + P d alpha) / S - alpha P dS / S^2      where P > 0, else 0
-//! d zeta_i    = w (du_i + tau du_i') / L_i + (1 - w) dv_i / |V|
+//! d zeta_i    = w s (du_i + tau du_i') / L_i + w ds (u_i + tau u_i') / L_i + (1 - w) dv_i / |V|,   ds by k |u| and by N (k |u| over mu N falls by two thirds as N grows)
 //! d phi'      = lag (d omega_n / V - d phi)
 //! d F         = dF/d zeta . d zeta + dF/d spin (w d phi + (1 - w) d omega_n / V) + (dF/dN along a growing patch) dN
 //! ```
@@ -46,9 +46,14 @@ struct Deflection {
     rates: Vector2<f64>,
     by_slip: Matrix2<f64>,
     by_deflection: Matrix2<f64>,
-    /// V_r L / u of the parent module: |V| psi + sliding, m/s.
+    /// V_r of the parent module: |V| psi + sliding, m/s.
     relaxing: f64,
+    /// Over s, as its slopes.
     sliding: f64,
+    /// s, its slopes by u, 1/m, and that by k |u| over the load at which sliding begins, with that ratio.
+    stretch: f64,
+    stretch_by_deflection: Vector2<f64>,
+    stretch_by_share: [f64; 2],
     sliding_by_slip: Vector2<f64>,
     sliding_by_deflection: Vector2<f64>,
 }
@@ -97,13 +102,15 @@ impl TransientContact {
         let (rolled_spin, direct_spin) = (weight * state[3], (1.0 - weight) * spin_ratio);
         let from = self.sliding_load(contact, &elastic, rolled_spin + direct_spin);
         let deflection = self.deflection(&elastic, &Range { from, full: SLIDE_WIDTH * from }, slip, state);
-        let Deflection { rates, by_slip, by_deflection, relaxing, sliding, .. } = deflection;
+        let Deflection { rates, by_slip, by_deflection, relaxing, sliding, stretch, stretch_by_deflection, stretch_by_share, .. } =
+            deflection;
 
         let tau = self.settings.damping_time;
         let per_length = Vector2::from(elastic.length).map(|length| weight / length);
         let (u, v) = (Vector2::new(state[0], state[1]), Vector2::new(slip.longitudinal, slip.lateral));
         let direct = if weight == 1.0 { 0.0 } else { (1.0 - weight) / speed };
-        let zeta = (u + rates * tau).component_div(&Vector2::from(elastic.length));
+        let plain = (u + rates * tau).component_div(&Vector2::from(elastic.length));
+        let zeta = plain * stretch;
         let deflected = zeta * weight;
         let shrink = if sliding > 0.0 { speed / (speed + sliding) } else { 1.0 };
         let creepage = deflected + v * direct;
@@ -117,13 +124,13 @@ impl TransientContact {
         let CreepSlopes { by_creepage, by_normal_force } = law.slopes(&loaded, &law.force(&loaded));
         let turned = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, turn));
         let by_creepage = turned * by_creepage;
-        let scaled = Matrix2::from_diagonal(&per_length);
+        let scaled = Matrix2::from_diagonal(&per_length) * stretch;
         let mut creepage_by_slip = Matrix3::zeros();
         let in_plane = scaled * by_slip * tau + Matrix2::identity() * direct;
         creepage_by_slip.fixed_view_mut::<2, 2>(0, 0).copy_from(&in_plane);
         creepage_by_slip[(2, 2)] = inverse * (1.0 - weight);
         let mut creepage_by_state = Matrix3::zeros();
-        let in_plane = scaled * (Matrix2::identity() + by_deflection * tau);
+        let in_plane = scaled * (Matrix2::identity() + by_deflection * tau) + plain * stretch_by_deflection.transpose() * weight;
         creepage_by_state.fixed_view_mut::<2, 2>(0, 0).copy_from(&in_plane);
         creepage_by_state[(2, 2)] = weight * shrink;
         if sliding > 0.0 {
@@ -134,10 +141,12 @@ impl TransientContact {
             }
         }
         let in_plane = by_creepage.fixed_columns::<2>(0).into_owned();
+        let [by_share, share] = stretch_by_share;
         TransientSlopes {
             force_by_slip: by_creepage * creepage_by_slip,
             force_by_state: by_creepage * creepage_by_state,
-            force_by_normal_force: turned * by_normal_force - in_plane * deflected / (3.0 * contact.normal_force),
+            force_by_normal_force: turned * by_normal_force
+                - in_plane * (deflected / 3.0 + plain * (weight * share * by_share / 1.5)) / contact.normal_force,
             rate_by_slip: by_slip * lively,
             rate_by_deflection: by_deflection * lively,
             ..rolled
@@ -168,25 +177,33 @@ impl TransientContact {
         }
         let (excess, excess_by_u) =
             if load > range.full { (1.0 - range.full / load, load_by_u * (range.full / (load * load))) } else { (0.0, Vector2::zeros()) };
-        let relaxing = ahead(slip, state[2]) + sliding;
+        let share = load / range.from;
+        let (stretch, by_share) = self.stretched(load, range.from);
+        let stretch_by_u = load_by_u * (by_share / range.from);
+        let (ahead, whole) = (ahead(slip, state[2]), sliding);
+        sliding = whole / stretch;
+        let relaxing = ahead + sliding;
         let mut found = Deflection {
             rates: Vector2::zeros(),
             by_slip: Matrix2::zeros(),
             by_deflection: Matrix2::zeros(),
             relaxing,
             sliding,
-            sliding_by_slip: by_v,
-            sliding_by_deflection: by_u,
+            sliding_by_slip: by_v / stretch,
+            sliding_by_deflection: by_u / stretch - stretch_by_u * (sliding / stretch),
+            stretch,
+            stretch_by_deflection: stretch_by_u,
+            stretch_by_share: [by_share, share],
         };
         for i in 0..2 {
-            let lambda = relaxing / lengths[i];
+            let lambda = stretch * relaxing / lengths[i];
             let d = (1.0 + (floor * lambda).powi(2)).sqrt();
             let own = v[i] - lambda * u[i];
             let by_lambda = -u[i] / d - own * floor * floor * lambda / (d * d * d);
             found.rates[i] = own / d - excess * u[i] / floor;
             for j in 0..2 {
                 found.by_slip[(i, j)] = by_lambda * by_v[j] / lengths[i];
-                found.by_deflection[(i, j)] = by_lambda * by_u[j] / lengths[i] - excess_by_u[j] * u[i] / floor;
+                found.by_deflection[(i, j)] = by_lambda * (by_u[j] + ahead * stretch_by_u[j]) / lengths[i] - excess_by_u[j] * u[i] / floor;
             }
             found.by_slip[(i, i)] += 1.0 / d;
             found.by_deflection[(i, i)] -= lambda / d + excess / floor;
@@ -197,15 +214,23 @@ impl TransientContact {
 
 #[cfg(test)]
 mod tests {
-    use super::super::TransientSettings;
+    use super::super::{STRETCH_FROM, TransientSettings};
     use super::*;
     use crate::contact::creep::inline;
     use crate::contact::{Material, Patch};
 
     #[test]
     fn analytic_slopes_match_differences_in_stick_slip_rolling_and_blending() {
+        slopes_match("shen_hedrick_elkins");
+        // From 0.3 of its range on a deflection counts for more.
+        slopes_match("polach{surface=\"wet\", friction_ratio=1.0}");
+    }
+
+    fn slopes_match(name: &str) {
         let material = Material { youngs_modulus: 2.1e11, poisson_ratio: 0.28 };
-        let law = inline::law("shen_hedrick_elkins", "test").unwrap()(material);
+        let law = inline::law(name, "test").unwrap()(material);
+        // Polach's own slopes are differences.
+        let near = if name.starts_with("polach") { 3e-3 } else { 1e-4 };
         let settings = TransientSettings { below: 2.0, time_floor: 2e-3, damping_time: 5e-5 };
         let transient = TransientContact::new(settings, material, law.as_ref());
         let loaded = LoadedPatch { patch: Patch { a: 6e-3, b: 4e-3 }, normal_force: 6e4, friction: 0.3 };
@@ -215,6 +240,7 @@ mod tests {
         let cases = [
             (0.0, [1e-4, -2e-4, 0.01], [0.3, 0.2]),
             (0.3, [1e-3, -2e-3, 0.02], [0.3, -0.4]),
+            (0.4, [2e-3, 1e-3, 0.02], [0.5, 0.4]),
             (1.4, [1e-3, 2e-3, 0.02], [0.1, 0.2]),
             (0.2, [3e-3, 2e-3, 0.01], [0.8, 0.75]),
             (0.0, [3e-3, 2e-3, 0.0], [1.1, 0.9]),
@@ -240,7 +266,7 @@ mod tests {
                 let (found, exact) = ((ahead.0 - behind.0) / (2.0 * h), slopes.force_by_slip.column(j).into_owned());
                 // Spin also moves the bound of sliding, which is left out.
                 if !(sliding && j == 2) {
-                    let allowed = if sliding { 0.02 } else { 1e-4 };
+                    let allowed = if sliding { 0.02 } else { near };
                     assert!((found - exact).norm() <= allowed * exact.norm() + 1e-3, "{u:?}: force by slip {j}: {found} {exact}");
                 }
                 let rate = |i: usize| (ahead.1[i] - behind.1[i]) / (2.0 * h);
@@ -260,11 +286,12 @@ mod tests {
                 if j == 2 {
                     let rate = (ahead.1[3] - behind.1[3]) / (2.0 * h);
                     assert!((rate - slopes.spin_rate).abs() < 1e-6 * (1.0 + slopes.spin_rate.abs()), "{rate} {}", slopes.spin_rate);
-                    // While it slides, spin also moves the bound of sliding, which is left out.
-                    assert!(sliding || (found - exact).norm() <= 1e-4 * exact.norm() + 1e-3, "force by spin: {found} {exact}");
+                    // While it slides, or counts for more, spin also moves the bound of sliding, which is left out.
+                    let bent = sliding || transient.stretch > 1.0 && u[0].hypot(u[1]) > STRETCH_FROM;
+                    assert!(bent || (found - exact).norm() <= near * exact.norm() + 1e-3, "force by spin: {found} {exact}");
                     continue;
                 }
-                let allowed = if sliding { 0.05 } else { 1e-4 };
+                let allowed = if sliding { 0.05 } else { near };
                 let scale = slopes.force_by_state.fixed_columns::<2>(0).norm();
                 assert!((found - exact).norm() <= allowed * scale + 1.0, "force by deflection {j}: {found} {exact}");
                 for i in 0..2 {

@@ -10,11 +10,8 @@ const SETTINGS: TransientSettings = TransientSettings { below: 2.0, time_floor: 
 const CONTACT: LoadedPatch = LoadedPatch { patch: Patch { a: 6e-3, b: 4.5e-3 }, normal_force: 6e4, friction: 0.3 };
 const BOUND: f64 = 1.8e4;
 
-fn law(name: &str) -> Box<dyn CreepLaw> {
-    let source = Source { file: "law.toml".into(), text: format!("law = \"{name}\"\n"), overridden: vec![], folder: None };
-    let document = toml_edit::Document::parse(source.text.clone()).unwrap();
-    let section = Section::root(document.as_table(), &source);
-    creep::parse(&section).unwrap_or_else(|error| panic!("{error}: a creep law's own keys must have defaults"))(STEEL)
+fn law(text: &str) -> Box<dyn CreepLaw> {
+    creep::inline::law(text, "test").unwrap_or_else(|error| panic!("{error}: a creep law's own keys must have defaults"))(STEEL)
 }
 
 fn model() -> (Box<dyn CreepLaw>, TransientContact) {
@@ -53,8 +50,9 @@ fn hold(
 #[test]
 fn analytic_steady_state_of_every_law_is_kept() {
     // Integrating with the exact law would take an hour; nothing here looks inside a law.
-    for entry in creep::REGISTRY.iter().filter(|entry| entry.name != "exact") {
-        let law = law(entry.name);
+    let plain = creep::REGISTRY.iter().map(|entry| entry.name).filter(|name| *name != "exact");
+    for name in plain.chain(["polach{surface=\"wet\", friction_ratio=1.0}", "polach{surface=\"dry\", friction_ratio=1.0}"]) {
+        let law = law(name);
         let model = TransientContact::new(SETTINGS, STEEL, law.as_ref());
         let mut worst = [0f64; 2];
         for speed in [0.3, 0.9, 1.5, 3.0, 20.0] {
@@ -81,10 +79,20 @@ fn analytic_steady_state_of_every_law_is_kept() {
                     // Below `below` the law beyond r_1 is held at its full slip value within 0.1 % of the bound.
                     let kind = usize::from(speed < SETTINGS.below && x.hypot(y) > 0.01);
                     worst[kind] = worst[kind].max(off);
-                    // Laws that near their bound slowly (Polach's like 1/r, spin on a grid) miss by what they still gain.
-                    let slow = if ["kalker_linear", "shen_hedrick_elkins"].contains(&entry.name) { 3e-3 } else { 0.04 };
+                    // Spin goes on losing its part.
+                    let slow = match name {
+                        "kalker_linear" | "shen_hedrick_elkins" => 3e-3,
+                        polach if polach.starts_with("polach") => {
+                            if spin == 0.0 || x.hypot(y) > 0.1 {
+                                3e-3
+                            } else {
+                                0.02
+                            }
+                        }
+                        _ => 0.04,
+                    };
                     let allowed = if kind == 1 { slow } else { 1e-9 };
-                    assert!(off < allowed, "{} {rolling} {x} {y} {spin}: {off:e} {found:?} {steady:?}", entry.name);
+                    assert!(off < allowed, "{} {rolling} {x} {y} {spin}: {off:e} {found:?} {steady:?}", name);
                     // The states that a run may start from are these.
                     let start = model.steady_state(&CONTACT, &slip);
                     if kind == 0 && speed < SETTINGS.below {
@@ -96,12 +104,12 @@ fn analytic_steady_state_of_every_law_is_kept() {
         }
         println!(
             "{}: off the steady law by {:.1e} of mu N, {:.1e} far beyond saturation; r_1, r_2 {:.3?}",
-            entry.name,
+            name,
             worst[0],
             worst[1],
             model.sliding_range()
         );
-        if entry.name == "shen_hedrick_elkins" {
+        if name == "shen_hedrick_elkins" {
             assert!(worst[1] < 1e-8, "this law's force is constant beyond r = 3: no deviation at all");
         }
     }
