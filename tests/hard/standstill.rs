@@ -159,3 +159,50 @@ fn hard_starts_from_rest() {
     println!("after 2 s of 1500 N m: {:.4} m/s, rolling body {expected:.4} m/s", going["vx"]);
     assert!((going["vx"] / expected - 1.0).abs() < 0.01);
 }
+
+/// Polach's law on wet rails nears its bound slowly: the deflection of a sliding wheel was bounded where the law is at 0.84 of it.
+#[test]
+fn hard_a_spinning_wheel_on_a_wet_rail_has_all_of_its_friction_at_low_speed() {
+    let wet = "contact.creep={ law=\"polach\", surface=\"wet\", friction_ratio=1.0 }";
+    let scene = straight(&[TRANSIENT, "vehicle.speed=0.5", "contact.friction=0.3", wet, "solver.integrator=auto", "solver.tolerance=1e-5"]);
+    let mut simulation = start(&scene);
+    let outputs = table(&simulation, &scene);
+    simulation.set_input(input_index(0, DRIVE_TORQUE), 20e3, 0.0, 0.0);
+    simulation.advance(1.0).unwrap();
+    let found = read(&mut simulation, &outputs);
+    for side in ["left", "right"] {
+        let used = found[&format!("{side}.longitudinalForce")].abs() / (0.3 * found[&format!("{side}.normalForce")]);
+        println!("{side}: {used:.4} of mu N at {:.1} rad/s", found["pitchRate"]);
+        assert!(used > 0.99 && used < 1.0001 && found["pitchRate"] > 10.0, "{used}");
+    }
+}
+
+/// An axle whose wheels spin rings against next to no damping; steps of milliseconds took its swing away within some tenths of a second.
+#[test]
+fn hard_the_axle_of_spinning_wheels_rings_as_long_as_it_does() {
+    let swings = |solver: &str| {
+        let axle =
+            "vehicle.force=[{ name=\"axle\", kind=\"flexible_axle\", body=\"wheelset\", stiffness=6e6, damping=100, left_share=0.45 }]";
+        let dry = "contact.creep={ law=\"polach\", surface=\"dry\" }";
+        let scene = straight(&[FREE, "vehicle.speed=10", axle, dry, "contact.friction=0.55", solver]);
+        let mut simulation = start(&scene);
+        let outputs = table(&simulation, &scene);
+        simulation.advance(0.1).unwrap();
+        simulation.set_input(input_index(0, DRIVE_TORQUE), 36e3, 0.0, 0.0);
+        let mut torque = |from: u32| {
+            let rows = (0..100).map(|k| {
+                simulation.advance(1e-3 * f64::from(from + k)).unwrap();
+                read(&mut simulation, &outputs)["axle.torque"]
+            });
+            let (low, high) = rows.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), now| (low.min(now), high.max(now)));
+            high - low
+        };
+        [300, 600, 900].map(&mut torque)
+    };
+    let default = swings("solver={ integrator=\"auto\", tolerance=1e-5 }");
+    let exact = swings("solver={ integrator=\"dormand_prince\", tolerance=1e-9, load_tolerance=1e-5 }");
+    println!("{default:.1?} N m, {exact:.1?} N m");
+    for (found, expected) in default.iter().zip(exact) {
+        assert!(expected > 50.0 && (found / expected - 1.0).abs() < 0.05, "{found} {expected}");
+    }
+}

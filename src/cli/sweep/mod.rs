@@ -85,6 +85,11 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
     let input = |error: &dyn std::fmt::Display| Failure::Input(error.to_string());
     let parameters: Vec<Parameter> =
         arguments.parameters.iter().map(|text| Parameter::parse(text)).collect::<Result<_, _>>().map_err(|error| input(&error))?;
+    for (key, given) in [("run.stop", &arguments.times.stop), ("run.step", &arguments.times.step)] {
+        if given.is_some() && parameters.iter().any(|parameter| parameter.key == key) {
+            return Err(Failure::Input(format!("--set {key}: --{} goes before it; expected one of them", key.trim_start_matches("run."))));
+        }
+    }
     if !parameters.iter().any(Parameter::varies) {
         return Err(Failure::Input("--set: nothing varies; give a key a list (x,y) or a range (20..40:5)".into()));
     }

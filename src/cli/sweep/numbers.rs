@@ -34,6 +34,9 @@ pub(super) struct Numbers {
     pub shown: Vec<Number>,
 }
 
+/// Columns that every table of a sweep has.
+const FIXED: [&str; 5] = ["run", "state", "time", "reason", "scene"];
+
 impl Numbers {
     /// From what `--scalar` says; without it the usual ones of a vehicle with this leading wheelset.
     ///
@@ -90,6 +93,16 @@ impl Numbers {
         };
         if name.is_empty() {
             return Err(wrong("the expression has no name; expected NAME = EXPRESSION"));
+        }
+        if FIXED.contains(&name) {
+            return Err(wrong(&format!("\"{name}\" is a column of every sweep; expected another name")));
+        }
+        // A scalar alone needs no braces.
+        if let Ok(scalar) = Scalar::parse(expression.trim()) {
+            let (place, own) = self.place(scalar, outputs)?;
+            let unit = if unit.is_empty() { own } else { unit };
+            self.shown.push(Number { name: name.into(), unit: unit.into(), made: Made::Scalar(place) });
+            return Ok(());
         }
         if expression.matches('{').count() != expression.matches('}').count() {
             return Err(wrong("braces do not pair; expected {KIND:OUTPUT}"));
