@@ -175,5 +175,6 @@ fn regress_irregular_track_takes_few_steps() {
         "{} steps, {} rejected, {} evaluations; y within {worst:.1e} m",
         statistics.steps, statistics.rejected, statistics.evaluations
     );
-    assert!(statistics.steps < 430 && worst < 4e-6);
+    // 581 and 0.24 um since swings are followed by their own size on displaced rails too (415 and 3 um before, 1e-5 takes 3 % more than that).
+    assert!(statistics.steps < 610 && worst < 5e-7);
 }
