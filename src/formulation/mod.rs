@@ -19,6 +19,7 @@ mod drift;
 pub mod elastic;
 pub mod energy;
 pub mod energy_books;
+mod envelope;
 pub mod events;
 mod failure;
 mod flange;

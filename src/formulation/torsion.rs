@@ -10,7 +10,7 @@
 //!
 //! A is an envelope as in [`super::swing`], of a few periods.
 
-use super::swing::Envelope;
+use super::envelope::Envelope;
 use super::{Model, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;

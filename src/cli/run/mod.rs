@@ -10,6 +10,7 @@ use super::progress::Progress;
 use super::results::{Format, Layout, Precision, Results, Thinned};
 use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, overview, print, seconds};
 use crate::scene::improbable::improbable;
+use crate::scene::spec::Scene;
 use crate::settings::did_you_mean;
 use crate::sim::Simulation;
 use crate::sim::balance::open_books;
@@ -99,6 +100,24 @@ const SHOWN: [(&str, &str, &str, f64); 9] = [
     ("right.derailmentQuotient", "Y/Q right", "-", 1.0),
 ];
 
+/// Results do not go over the table of inputs that made them.
+fn not_over_inputs(arguments: &Arguments) -> Result<(), Failure> {
+    match arguments.inputs.as_ref().zip(arguments.results.output.as_ref()).filter(|(given, output)| same_file(given, output)) {
+        None => Ok(()),
+        Some((given, output)) => {
+            Err(Failure::Input(format!("-o {}: --inputs reads {}; expected another file", output.display(), given.display())))
+        }
+    }
+}
+
+/// What is known of scene and start before the run.
+fn first_notes(scene: &Scene, simulation: &mut Simulation) -> Vec<String> {
+    let mut notes = improbable(scene, simulation.model());
+    notes.extend(statics::statics(scene, simulation).map(|found| found.notes()).unwrap_or_default());
+    notes.extend(scene.effects.describe().into_iter().map(|(name, why)| format!("left out: {name}, {why}")));
+    notes
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut scene = arguments.scene.open()?;
     let inputs = arguments.inputs.as_deref().map(|path| inputs::read(path, &mut scene)).transpose()?;
@@ -111,9 +130,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let target = super::target(&asked.output, Kind::Results, arguments.json)?;
     let to_stdout = target.as_ref().is_some_and(Target::is_stdout);
     asked.check(times)?;
-    if let Some((given, output)) = arguments.inputs.as_ref().zip(asked.output.as_ref()).filter(|(given, output)| same_file(given, output)) {
-        return Err(Failure::Input(format!("-o {}: --inputs reads {}; expected another file", output.display(), given.display())));
-    }
+    not_over_inputs(arguments)?;
     let found = arguments.checkpoints.found(&origin, times)?;
     let mut simulation = super::start(&scene)?;
     if let Some(folder) = &arguments.plot {
@@ -134,10 +151,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(found) => checkpoints::columns(found, all, needed)?,
     };
     let layout = asked.layout(&outputs, wanted, wheelset, times)?;
-    let mut notes = statics::statics(&scene, &mut simulation).map(|found| found.notes()).unwrap_or_default();
-    notes.splice(0..0, improbable(&scene, simulation.model()));
+    let mut notes = first_notes(&scene, &mut simulation);
     notes.extend(asked.unread(arguments.json));
-    notes.extend(scene.effects.describe().into_iter().map(|(name, why)| format!("left out: {name}, {why}")));
     let mut run = Run::new(&simulation, &outputs);
     run.inputs = inputs.map(|inputs| inputs.table);
     let mut keeper = arguments.checkpoints.keeper((&scene.name, &origin), times, (&outputs, asked.output.as_deref()), found.as_ref())?;
@@ -168,7 +183,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     notes.extend(recording.all_notes(&simulation));
-    notes.extend(scene.interface.only.is_none().then(|| open_books(&recording)).flatten());
+    // Books are whole where all outputs were recorded.
+    notes.extend((scene.interface.only.is_none() && asked.columns.is_empty()).then(|| open_books(&recording)).flatten());
     messages(&notes, &events, simulation.doubts());
     if arguments.json {
         let error = failure.as_ref().or(ended.as_ref().map(|ended| &ended.0));
