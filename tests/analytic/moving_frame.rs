@@ -175,5 +175,6 @@ fn regress_irregular_track_takes_few_steps() {
         "{} steps, {} rejected, {} evaluations; y within {worst:.1e} m",
         statistics.steps, statistics.rejected, statistics.evaluations
     );
-    assert!(statistics.steps < 430 && worst < 4e-6);
+    // 454 and 0.48 um: swings are followed by their own size too, which this tolerance alone would not ask for.
+    assert!(statistics.steps < 480 && worst < 1e-6);
 }
