@@ -102,9 +102,9 @@ fn equiv_inputs_that_are_taken_up_act_as_those_that_restart() {
 fn regress_inputs_that_change_cost_no_step_each() {
     for (name, changes, told, most) in [
         ("vehicle_manchester_1", &[] as &[&str], lateral as Told, [300, 30, 1500]),
-        ("vehicle_manchester_1", &[], torque, [300, 180, 1500]),
-        ("vehicle_curve", &["vehicle.initial.distance=15"], lateral, [400, 90, 2200]),
-        ("vehicle_curve", &["vehicle.initial.distance=15"], torque, [400, 170, 2200]),
+        ("vehicle_manchester_1", &[], torque, [200, 180, 1000]),
+        ("vehicle_curve", &["vehicle.initial.distance=15"], lateral, [300, 90, 1700]),
+        ("vehicle_curve", &["vehicle.initial.distance=15"], torque, [300, 170, 1700]),
     ] {
         let scene = open(name, changes).unwrap();
         let [alone, own, plain] =
