@@ -188,6 +188,11 @@ fn refused(error: OutputError) -> Failure {
     Failure::Input(error.to_string())
 }
 
+/// Can a picture be written there?
+fn check_picture(plot: &Option<PathBuf>) -> Result<(), Failure> {
+    plot.as_ref().map_or(Ok(()), |file| Target::find(file, Kind::Svg).map(|_| ()).map_err(refused))
+}
+
 /// Where a table goes, if anywhere; known before the work.
 fn csv_target(path: &Option<PathBuf>, json: bool) -> Result<Option<Target>, Failure> {
     target(path, Kind::Csv, json)

@@ -2,7 +2,7 @@
 
 use super::output::{Kind, Target};
 use super::plot::{BLUE, Ink, Panel, Series, Sheet};
-use super::{Failure, print, refused, say, table};
+use super::{Failure, check_picture, print, refused, say, table};
 use crate::geometry::profile::{self, Part, Profile, ProfileChoice, ProfilePoint};
 use crate::settings::{Section, SettingsError, Source};
 use clap::{Args, ValueEnum};
@@ -55,9 +55,7 @@ pub(super) fn profile(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Input(format!("--points {}: expected {} to {}", arguments.points, POINTS.0, POINTS.1)));
     }
     let (part, choice) = open(arguments)?;
-    if let Some(path) = &arguments.plot {
-        Target::find(path, Kind::Svg).map_err(refused)?;
-    }
+    check_picture(&arguments.plot)?;
     let samples = sample(choice.profile.as_ref(), arguments.points);
     if let Some(path) = &arguments.output {
         Target::find(path, Kind::Csv).map_err(refused)?.write(csv(&samples, part, arguments.bare).as_bytes())?;

@@ -18,7 +18,7 @@
 
 use super::beat::Swing;
 use super::wheel_loads::WheelLoads;
-use super::{Model, Workspace, contact_index};
+use super::{ContactReport, Model, Workspace, contact_index};
 use crate::geometry::Side;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::inertia::Inertia;
@@ -203,12 +203,18 @@ impl Model {
 
     /// Is an elastic contact of the wheelset near its friction bound?
     fn slides(&self, workspace: &Workspace, wheelset: usize) -> bool {
+        self.any_uses(workspace, wheelset, |report, (used, bound)| !report.constrained && used > LEAST_USE * bound)
+    }
+
+    /// Is there a contact of the wheelset of which this holds, with its creep force and the friction bound of that, N?
+    pub(super) fn any_uses(&self, workspace: &Workspace, wheelset: usize, holds: impl Fn(&ContactReport, (f64, f64)) -> bool) -> bool {
         let motion = &workspace.system.motions[self.wheelsets[wheelset].body];
-        let all =
-            Side::BOTH.into_iter().flat_map(|side| workspace.reports(contact_index(wheelset, side)).map(move |report| (side, report)));
-        all.into_iter().any(|(side, report)| {
-            let bound = self.friction_at(side, motion, report) * report.normal_force;
-            !report.constrained && bound > 0.0 && report.creep_force.longitudinal.hypot(report.creep_force.lateral) > LEAST_USE * bound
+        Side::BOTH.into_iter().any(|side| {
+            workspace.reports(contact_index(wheelset, side)).any(|report| {
+                let bound = self.friction_at(side, motion, report) * report.normal_force;
+                let force = report.creep_force.longitudinal.hypot(report.creep_force.lateral);
+                bound > 0.0 && holds(report, (force, bound))
+            })
         })
     }
 

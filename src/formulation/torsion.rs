@@ -11,8 +11,7 @@
 //! A is an envelope as in [`super::swing`], of a few periods.
 
 use super::envelope::Envelope;
-use super::{Model, Workspace, contact_index};
-use crate::geometry::Side;
+use super::{ContactReport, Model, Workspace};
 use crate::mbs::body::COORDINATES;
 use crate::mbs::force::ForceElement;
 use serde::{Deserialize, Serialize};
@@ -35,6 +34,11 @@ pub(super) struct Torsion {
     until: Option<f64>,
 }
 
+/// Does a contact slide, or is it near to it?
+fn slips(report: &ContactReport, (used, bound): (f64, f64)) -> bool {
+    used > SLIDES * bound || report.creepage.longitudinal.hypot(report.creepage.lateral) > SLIPS
+}
+
 impl Model {
     /// Elements with a shaft that twists, and the place of its twist among the states.
     fn shafts(&self) -> impl Iterator<Item = (&dyn ForceElement, usize)> {
@@ -54,11 +58,12 @@ impl Model {
     /// Notes the end of a step at time `t` [s], `before` the end of the one before, with the state there.
     pub(super) fn note_torsions(&self, workspace: &Workspace, (before, t): (Option<f64>, f64), y: &[f64], torsions: &mut [Torsion]) {
         let fading = before.map_or(1.0, |before| 1.0 - (-(t - before).max(0.0) / TIME).exp());
-        for ((force, place), own) in self.shafts().zip(torsions) {
+        // Torsions first: where there are none, no element is asked.
+        for (own, (force, place)) in torsions.iter_mut().zip(self.shafts()) {
             own.envelope.note(y[place], fading, before.is_none());
             let turned = |body: usize| force.bodies().contains(&Some(body));
             let wheelsets = (0..self.wheelsets.len()).filter(|wheelset| turned(self.wheelsets[*wheelset].body));
-            if wheelsets.into_iter().any(|wheelset| self.slips(workspace, wheelset)) {
+            if wheelsets.into_iter().any(|wheelset| self.any_uses(workspace, wheelset, slips)) {
                 own.until = Some(t + TIME);
             }
         }
@@ -66,19 +71,7 @@ impl Model {
 
     /// The largest error of a twist in parts of what its swing allows, at the end of a step at `now` [s].
     pub(super) fn torsion_error(&self, now: f64, torsions: &[Torsion], error: &[f64]) -> f64 {
-        let sliding = self.shafts().zip(torsions).filter(|(_, own)| own.until.is_some_and(|until| until > now));
-        sliding.map(|((_, place), own)| error[place].abs() / (SHARE * own.envelope.amplitude.max(SMALLEST))).fold(0.0, f64::max)
-    }
-
-    /// Does a contact of the wheelset slide, or is it near to it?
-    fn slips(&self, workspace: &Workspace, wheelset: usize) -> bool {
-        let motion = &workspace.system.motions[self.wheelsets[wheelset].body];
-        Side::BOTH.into_iter().any(|side| {
-            workspace.reports(contact_index(wheelset, side)).any(|report| {
-                let bound = self.friction_at(side, motion, report) * report.normal_force;
-                let used = report.creep_force.longitudinal.hypot(report.creep_force.lateral);
-                bound > 0.0 && (used > SLIDES * bound || report.creepage.longitudinal.hypot(report.creepage.lateral) > SLIPS)
-            })
-        })
+        let sliding = torsions.iter().zip(self.shafts()).filter(|(own, _)| own.until.is_some_and(|until| until > now));
+        sliding.map(|(own, (_, place))| error[place].abs() / (SHARE * own.envelope.amplitude.max(SMALLEST))).fold(0.0, f64::max)
     }
 }

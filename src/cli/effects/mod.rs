@@ -4,8 +4,7 @@ mod picture;
 mod words;
 
 use super::interrupt::Interrupt;
-use super::output::{Kind, Target};
-use super::{Failure, SceneArguments, TimeArguments, print, refused, say, seconds};
+use super::{Failure, SceneArguments, TimeArguments, check_picture, print, say, seconds};
 use crate::sim::recording::Times;
 use crate::study::effects::{self, Request};
 use clap::Args;
@@ -67,9 +66,7 @@ pub(super) fn effects(arguments: &Arguments) -> Result<(), Failure> {
     if !(arguments.budget > 0.0 && arguments.budget.is_finite()) {
         return Err(Failure::Input(format!("--budget {}: expected a time greater than 0 s", arguments.budget)));
     }
-    if let Some(file) = &arguments.plot {
-        Target::find(file, Kind::Svg).map_err(refused)?;
-    }
+    check_picture(&arguments.plot)?;
     let interrupt = Interrupt::watch();
     let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg:30!}").unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::new(1).with_style(style);

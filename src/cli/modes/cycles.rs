@@ -1,6 +1,6 @@
 //! Limit cycles in words.
 
-use super::report::{head, onsets, speed};
+use super::report::{calmed, head, onsets, speed};
 use crate::cli::table;
 use crate::scene::spec::Scene;
 use crate::study::hunting::settle::Outcome;
@@ -131,9 +131,7 @@ fn verdict(found: &Diagram) -> String {
             1e3 * found.swing(motion)
         );
     }
-    for [last, first] in found.locus.calmed() {
-        text += &format!("Between {last:.2} and {first:.2} m/s the linear instability ends\n");
-    }
+    text += &calmed(&found.locus);
     let below = found.fold().map_or(linear.speed, |fold| fold.speed.value - fold.speed.bound);
     let others = found.runs.iter().filter(|run| run.speed < below && !matches!(run.outcome, Outcome::Dies));
     for run in others {

@@ -5,9 +5,8 @@ mod diagram;
 mod picture;
 mod report;
 
-use super::output::{Kind, Target};
 use super::progress::bar;
-use super::{Failure, SceneArguments, file_names, print, refused, say};
+use super::{Failure, SceneArguments, check_picture, file_names, print, say};
 use crate::scene::spec::Scene;
 use crate::study::hunting::{self, Diagram, HuntingError};
 use crate::study::modes::locus::{self, Locus};
@@ -71,9 +70,7 @@ pub(super) fn modes(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(());
     };
     // Whatever can't be written is better known before the work.
-    if let Some(file) = &arguments.plot {
-        Target::find(file, Kind::Svg).map_err(refused)?;
-    }
+    check_picture(&arguments.plot)?;
     if arguments.limit_cycle {
         return limit_cycles(arguments, &scene, &speeds);
     }

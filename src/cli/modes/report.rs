@@ -149,8 +149,13 @@ pub(super) fn onsets(found: &Locus) -> String {
         let more = if more > 0 { format!("; and {more} more") } else { String::new() };
         text += &format!("Beyond also begin to grow: {}{more}\n", words.collect::<Vec<_>>().join("; "));
     }
-    for [last, first] in found.calmed() {
-        text += &format!("Between {last:.2} and {first:.2} m/s all growth ends again: small motions fade at {first:.2} m/s\n");
-    }
-    text
+    text + &calmed(found)
+}
+
+/// Where growth ends again.
+pub(super) fn calmed(found: &Locus) -> String {
+    let words = |[last, first]: [f64; 2]| {
+        format!("Between {last:.2} and {first:.2} m/s all growth ends again: small motions fade at {first:.2} m/s\n")
+    };
+    found.calmed().map(words).collect()
 }

@@ -9,7 +9,7 @@ mod table;
 use super::interrupt::Interrupt;
 use super::output::{Kind, Target};
 use super::progress::bar;
-use super::{Failure, TimeArguments, print, refused, say};
+use super::{Failure, TimeArguments, check_picture, print, refused, say};
 use crate::scene::load;
 use crate::scene::spec::Scene;
 use crate::sim::vehicle_outputs::scene_outputs;
@@ -104,9 +104,7 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::Input(format!("{}: a sweep is written to a file, in which it can go on", arguments.output.display())));
     }
     let columnar = arguments.parquet.as_ref().map(|file| Target::find(file, Kind::Parquet)).transpose().map_err(refused)?;
-    if let Some(file) = &arguments.plot {
-        Target::find(file, Kind::Svg).map_err(refused)?;
-    }
+    check_picture(&arguments.plot)?;
     let fixed: Vec<String> = changes(&parameters, &points[0], |parameter| !parameter.varies());
     let base = load::open(&arguments.scene, &fixed)?;
     arguments.times.read(&base)?;

@@ -47,13 +47,13 @@ fn hole(coordinates: &[f64]) -> Option<String> {
 /// The highest step where wheels run: measurements that were put together, dirt, a lip.
 fn step(samples: &[Sample], part: Part) -> Option<String> {
     let slope = |pair: &[Sample]| (pair[1].z - pair[0].z) / (pair[1].x - pair[0].x);
-    let standing: Vec<(f64, f64, &[Sample])> = samples
+    let standing: Vec<(f64, bool, &[Sample])> = samples
         .windows(4)
         .map(|four| {
             let [before, own, behind] = [slope(&four[..2]), slope(&four[1..3]), slope(&four[2..])];
             let steeper = own - 0.5 * (before + behind);
             let alike = (before - behind).abs() < 0.25 * steeper.abs() && steeper.abs() > STEP_SLOPE;
-            (steeper * (four[2].x - four[1].x), f64::from(u8::from(alike)), &four[1..3])
+            (steeper * (four[2].x - four[1].x), alike, &four[1..3])
         })
         .collect();
     let mut sizes: Vec<f64> = standing.iter().map(|own| own.0.abs()).collect();
@@ -61,7 +61,7 @@ fn step(samples: &[Sample], part: Part) -> Option<String> {
     let least = STEP.max(STEP_MEDIANS * sizes.get(sizes.len() / 2)?);
     let far = RUNNING[usize::from(part == Part::Rail)];
     let runs = |pair: &[Sample]| pair.iter().all(|sample| sample.x.abs() < far);
-    let steps = standing.iter().filter(|(size, alike, pair)| *alike > 0.0 && size.abs() > least && runs(pair));
+    let steps = standing.iter().filter(|(size, alike, pair)| *alike && size.abs() > least && runs(pair));
     let (size, _, pair) = steps.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
     Some(format!(
         "a step of {:.2} mm between {:.2} and {:.2} mm (lines {} and {}): a wheel would stand on its edge; mend the points",
@@ -120,7 +120,7 @@ mod tests {
         let step = found(|u| good(u) + if u > 6.2e-3 { 5e-4 } else { 0.0 });
         assert!(step.len() == 1 && step[0].starts_with("a step of 0.50 mm between 6.00 and 6.50 mm (lines 134 and 135)"), "{step:?}");
         assert!(found(|u| good(u) + 0.17 * u)[0].contains("degrees at u = 0"));
-        assert!(found(|u| 2.0 * good(u))[0].contains("56 mm high") || found(|u| 2.0 * good(u))[0].contains("diameters"));
+        assert!(found(|u| 2.0 * good(u))[0].contains("diameters"));
         let short: Vec<Sample> = tread(good).into_iter().filter(|sample| sample.x > -0.0195).collect();
         assert!(doubts(&short, Part::Wheel)[0].contains("before a flange") && doubts(&short, Part::Rail).is_empty());
         // A kink is no step.

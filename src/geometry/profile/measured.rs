@@ -68,6 +68,7 @@ const RADII: (f64, f64) = (0.1, 1.0);
 const LEAST_POINTS: usize = 3;
 /// Widths that a profile can have, m.
 const WIDTHS: (f64, f64) = (0.01, 0.5);
+
 /// A natural cubic spline through points.
 #[derive(Debug, Clone)]
 pub struct SplineProfile {
