@@ -31,7 +31,7 @@ does not matter; everything else is the same for all (contact.patch = \"auto\" i
 them).
 
 Pictures: SCENE_QUANTITY_FIRST_SECOND.svg for the pairs ACCF and ECCF, ECF-A and ECF-N, ECF-A and ECCF, as far as this program has \
-them; QUANTITY is lateral_displacement, yaw, height, normal_force_right, normal_force_left and, where a second contact is ever loaded, \
+them; QUANTITY is lateral_displacement, yaw, height, normal_force_right, normal_force_left and, where a wheel ever stands on two places, \
 second_contact_right. Of a vehicle the wheelset's name stands before it.
 
 A formulation that can't run the scene does not stop the others: the table says why, and it is compared and drawn as far as it came. \

@@ -37,11 +37,15 @@ pub(super) const QUANTITIES: [Quantity; 6] = [
     ),
     quantity(["normal_force_left", "left.normalForce", "Normal force of the left wheel", "N"], ("N left [N]", 1.0), ("N left [kN]", 1e-3)),
     quantity(
-        ["second_contact_right", "right.contact[2].normalForce", "Normal force of the right wheel's second contact", "N"],
+        ["second_contact_right", SECOND_PLACE, "Normal force of the right wheel's second place", "N"],
         ("N2 right [N]", 1.0),
-        ("N of contact 2, right [kN]", 1e-3),
+        ("N of the less loaded place, right [kN]", 1e-3),
     ),
 ];
+
+/// The second largest of the normal forces of the right wheel's places. Not that of its contact 2: formulations number the places of a wheel each in
+/// its own way, and one that changes its number has not changed.
+const SECOND_PLACE: &str = "right.contact[].normalForce";
 
 /// The output groups that these quantities stand in.
 pub(super) const GROUPS: [&str; 3] = ["motion", "wheels", "contacts"];
@@ -73,8 +77,31 @@ impl Samples {
     pub(super) fn trace(&self, wheelset: &str, quantity: &Quantity) -> Trace {
         let column = |name: &str| self.recording.column(name).unwrap_or_default();
         let output = |name: &str| column(&format!("{wheelset}.{name}"));
-        Trace { times: column("time"), distances: output("distance"), values: output(quantity.output), smooth: self.smooth.clone() }
+        let values = match quantity.output {
+            SECOND_PLACE => second_largest(&self.contacts(wheelset)),
+            name => output(name),
+        };
+        Trace { times: column("time"), distances: output("distance"), values, smooth: self.smooth.clone() }
     }
+
+    /// Normal forces of all contacts of the right wheel, each over the rows.
+    fn contacts(&self, wheelset: &str) -> Vec<Vec<f64>> {
+        let name = |contact: usize| format!("{wheelset}.{}", SECOND_PLACE.replace("[]", &format!("[{contact}]")));
+        (1..).map_while(|contact| self.recording.column(&name(contact))).collect()
+    }
+}
+
+/// The second largest value of each row; nothing where there are no two columns.
+fn second_largest(columns: &[Vec<f64>]) -> Vec<f64> {
+    let [first, others @ ..] = columns else { return vec![] };
+    if others.is_empty() {
+        return vec![];
+    }
+    let row = |row: usize| {
+        let both = |(most, second): (f64, f64), value: f64| (most.max(value), second.max(most.min(value)));
+        columns.iter().map(|column| column[row]).fold((f64::NEG_INFINITY, f64::NEG_INFINITY), both).1
+    };
+    (0..first.len()).map(row).collect()
 }
 
 /// One quantity over time, s, and distance, m.
@@ -157,6 +184,15 @@ mod tests {
     }
 
     #[test]
+    fn prop_a_place_that_changes_its_number_changes_nothing() {
+        let [tread, flange, none] = [[50.0, 40.0, 30.0], [0.0, 45.0, 20.0], [0.0; 3]].map(Vec::from);
+        let other = [vec![50.0, 45.0, 0.0], vec![0.0, 40.0, 30.0], vec![0.0, 0.0, 20.0]];
+        assert_eq!(second_largest(&[tread.clone(), flange, none]), vec![0.0, 40.0, 20.0]);
+        assert_eq!(second_largest(&other), vec![0.0, 40.0, 20.0]);
+        assert!(second_largest(&[tread]).is_empty() && second_largest(&[]).is_empty());
+    }
+
+    #[test]
     fn analytic_change_is_counted_from_the_start() {
         assert_eq!(trace(&[5.0, 6.0, 2.0]).change(), Some(3.0));
     }
@@ -197,7 +233,7 @@ mod tests {
         let scene = crate::scene::load::open("wheelset_s1002", &[]).unwrap();
         let simulation = crate::sim::Simulation::new(&scene, 0.0).unwrap();
         let outputs = crate::sim::outputs::outputs(simulation.model(), &GROUPS);
-        for name in QUANTITIES.iter().map(|quantity| quantity.output).chain(["distance"]) {
+        for name in QUANTITIES.iter().map(|quantity| quantity.output.replace("[]", "[2]")).chain(["distance".into()]) {
             assert!(outputs.iter().any(|output| output.name == format!("wheelset.{name}")), "{name}");
         }
     }
