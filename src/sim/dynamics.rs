@@ -13,6 +13,7 @@ use crate::formulation::{Cached, Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::{COORDINATES, HEIGHT, ROLL};
 use crate::solve::{Dynamics, Event, Implicit, StiffPart, Undefined};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Weight of a wheelset's height and roll in the error control: a loaded wheel's penetration is 0.07 mm, so that an error of
 /// 1e-6 m there would be one of 2 % (1.6 kN) in the wheel load. With the weight, wheel loads are about as exact as lateral motion.
@@ -205,6 +206,10 @@ impl Dynamics for ModelDynamics<'_> {
             1.0
         };
         self.model.formulation.error_weight(self.model, self.workspace, i, plain)
+    }
+
+    fn integrals(&self) -> Range<usize> {
+        self.model.books_begin()..self.model.dimension()
     }
 
     fn coordinates(&self) -> usize {

@@ -4,7 +4,7 @@
 //! the error is the largest local error of the controlled components.
 
 use super::local_error::{END, LocalError, WORK};
-use super::{Implicit, IntegrationState, Scratch, SolveError, Undefined};
+use super::{Implicit, IntegrationState, Scratch, SolveError, Undefined, integrals};
 
 /// Step-size control: safety, limits of change, and the weight of the last error (a PI controller damps the
 /// alternation that stiff components would cause at the limit of stability).
@@ -120,8 +120,14 @@ pub(super) fn step<P: StepPair>(
         state.next_step = if cut { proposed.max(h) } else { proposed };
         state.last_error = error.max(1e-4);
         pair.write_dense(state, scratch, step);
+        if P::CHECKED {
+            integrals::keep_rates(dynamics, state, scratch);
+        }
         state.accept(dynamics, end, scratch, ending.stage.filter(|_| end < limit));
         look_back(dynamics, state, scratch, &ending)?;
+        if P::CHECKED {
+            integrals::integrate(dynamics, state, scratch);
+        }
         return goes_on(state);
     }
 }

@@ -11,11 +11,15 @@ pub(super) const CUBIC: usize = 4;
 pub(super) fn write_cubic(dense: &mut [f64], begin: &[f64], end: &[f64], slopes: impl Fn(usize) -> [f64; 2]) {
     let n = begin.len();
     for i in 0..n {
-        let difference = end[i] - begin[i];
-        let [first, last] = slopes(i);
-        let coefficients = [begin[i], first, 3.0 * difference - 2.0 * first - last, first + last - 2.0 * difference];
-        for (power, coefficient) in coefficients.into_iter().enumerate() {
-            dense[power * n + i] = coefficient;
-        }
+        write_one(dense, (i, n), [begin[i], end[i]], slopes(i));
+    }
+}
+
+/// The same of component `i` out of `n` alone.
+pub(super) fn write_one(dense: &mut [f64], (i, n): (usize, usize), [begin, end]: [f64; 2], [first, last]: [f64; 2]) {
+    let difference = end - begin;
+    let coefficients = [begin, first, 3.0 * difference - 2.0 * first - last, first + last - 2.0 * difference];
+    for (power, coefficient) in coefficients.into_iter().enumerate() {
+        dense[power * n + i] = coefficient;
     }
 }

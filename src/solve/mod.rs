@@ -14,6 +14,7 @@ mod events;
 mod fixed;
 mod generalised_alpha;
 mod imex;
+mod integrals;
 mod local_error;
 mod looks;
 mod moving_frame;
@@ -40,6 +41,7 @@ use crate::units::Dimension;
 use looks::Looks;
 use moving_frame::MovingFrame;
 use std::fmt::Debug;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A system `y' = f(t, y)`.
@@ -89,6 +91,11 @@ pub trait Dynamics {
     /// Weight of the local error of component `i` against the tolerance: 1 for positions and angles in metres and radians,
     /// more where a small error has large consequences, 0 where the error is not controlled.
     fn error_weight(&self, i: usize) -> f64;
+
+    /// The states on which no derivative depends: what is integrated along with the solution.
+    fn integrals(&self) -> Range<usize> {
+        0..0
+    }
 
     /// The next time after `t` where f is not smooth; infinity when there is none. A prediction is enough: it is
     /// asked for before each step.

@@ -4,6 +4,7 @@ mod csv;
 mod pictures;
 mod words;
 
+use super::interrupt::Interrupt;
 use super::progress::bar;
 use super::{
     Failure, SceneArguments, TimeArguments, WheelsetArgument, chosen, csv_target, file_names, make_folder, names, print, say, seconds,
@@ -114,7 +115,9 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
         return where_time_goes(arguments, &scene);
     }
     let (overrides, alike) = arguments.scene.alike(&scene, &formulations);
-    let request = request(arguments, scene.run.step, formulations, &overrides)?;
+    let interrupt = Interrupt::watch();
+    let interrupted = || interrupt.code().is_some();
+    let request = Request { interrupted: &interrupted, ..request(arguments, scene.run.step, formulations, &overrides)? };
     if let Some(stop) = arguments.stop.or((scene.run.stop == 0.0).then_some(0.0))
         && !(stop.is_finite() && stop >= request.step)
     {
@@ -125,7 +128,10 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.plot {
         make_folder(folder)?;
     }
-    let mut study = run(&request)?;
+    let mut study = run(&request).map_err(|failure| match interrupt.code() {
+        Some(code) => Failure::Interrupted("interrupted before a point was ready".into(), code),
+        None => failure,
+    })?;
     study.notes.splice(0..0, alike);
     if let Some(target) = &target {
         let mut text = Vec::new();
@@ -145,7 +151,10 @@ pub(super) fn study(arguments: &Arguments) -> Result<(), Failure> {
     for file in files {
         say(&format!("wrote {}", file.display()));
     }
-    Ok(())
+    match interrupt.code() {
+        Some(code) => Err(Failure::Interrupted("interrupted: points that had not run are named".into(), code)),
+        None => Ok(()),
+    }
 }
 
 fn where_time_goes(arguments: &Arguments, scene: &Scene) -> Result<(), Failure> {
@@ -220,6 +229,7 @@ fn request<'a>(
             Some(text) => numbers("--reference", std::slice::from_ref(text), Dimension::Length)?.first().copied(),
             None => None,
         },
+        interrupted: &|| false,
     })
 }
 

@@ -12,18 +12,22 @@ pub fn cpu_time<T>(work: impl FnOnce() -> T) -> (T, f64) {
     (done, time.as_secs_f64())
 }
 
+/// Does the user want what is ready?
+pub type Interrupted<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// Time that a study may take.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Budget {
+#[derive(Clone, Copy)]
+pub(super) struct Budget<'a> {
     start: Instant,
     /// s.
     pub seconds: f64,
+    pub interrupted: Interrupted<'a>,
 }
 
-impl Budget {
+impl<'a> Budget<'a> {
     /// From now on.
-    pub(super) fn new(seconds: f64) -> Budget {
-        Budget { start: Instant::now(), seconds }
+    pub(super) fn new(seconds: f64, interrupted: Interrupted<'a>) -> Budget<'a> {
+        Budget { start: Instant::now(), seconds, interrupted }
     }
 
     /// s.
@@ -31,9 +35,9 @@ impl Budget {
         self.start.elapsed().as_secs_f64()
     }
 
-    /// What is left of a share of the whole, s.
+    /// What is left of a share of the whole, s; nothing once it is interrupted.
     pub(super) fn left_of(&self, share: f64) -> f64 {
-        share * self.seconds - self.spent()
+        if (self.interrupted)() { f64::NEG_INFINITY } else { share * self.seconds - self.spent() }
     }
 }
 

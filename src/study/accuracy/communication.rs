@@ -6,12 +6,12 @@
 //! F' H, F'' H^2 / 2, F''' H^3 / 6: orders 1, 2 and 3. A run without changing inputs does not depend on the communication step at all.
 //! Reference: parabolas of steps of an eighth and a sixteenth of the shortest one, with two methods: of order 3, so 512 times as exact.
 
-use super::clock::{Budget, in_seconds};
+use super::clock::{Budget, Interrupted, in_seconds};
 use super::errors::{Errors, Quantity};
 use super::observation::{Observation, needed};
 use super::reference::{METHODS, PER_DECADE};
 use super::request::Request;
-use super::run::{Measured, Setting, repeated, with_setting};
+use super::run::{INTERRUPTED, Measured, Setting, repeated, with_setting};
 use super::schedule::PILOT_TOLERANCE;
 use crate::formulation::LATERAL_FORCE;
 use crate::formulation::input_index;
@@ -56,14 +56,15 @@ pub struct Coupled {
 /// Takes a sample of a run at an output time.
 type Sample<'a> = &'a mut dyn FnMut(&mut Simulation) -> Result<(), String>;
 
-struct Drive {
+struct Drive<'a> {
     hold: usize,
     step: f64,
     span: Times,
     deadline: Option<Instant>,
+    interrupted: Interrupted<'a>,
 }
 
-impl Drive {
+impl Drive<'_> {
     /// Advances to the end; `sample` is called at every output time where it is wanted.
     fn run(&self, simulation: &mut Simulation, mut sample: Option<Sample>) -> Result<(), String> {
         const SAME: f64 = 1e-9;
@@ -78,6 +79,9 @@ impl Drive {
                 let keep = |order: usize| if self.hold >= order { slopes[order - 1] } else { 0.0 };
                 simulation.set_input(input, AMPLITUDE * sine, keep(1), keep(2));
                 exchange += 1;
+                if (self.interrupted)() {
+                    return Err(INTERRUPTED.into());
+                }
                 if self.deadline.is_some_and(|deadline| Instant::now() > deadline) {
                     return Err("the budget has no room for it".into());
                 }
@@ -118,11 +122,12 @@ pub(super) fn duration(pilot: f64, span: Times) -> f64 {
 pub(super) fn sweep(scene: &Scene, request: &Request, span: Times, budget: &Budget) -> Result<Vec<Coupled>, String> {
     let steps = &request.communication_steps;
     let span = Times { stop: span.stop.min(LONGEST), ..span };
+    let interrupted = budget.interrupted;
     let deadline = in_seconds(budget.left_of(1.0).max(0.0));
     let shortest = steps.iter().copied().fold(f64::INFINITY, f64::min);
     let reference = |method: &'static str, part: f64| {
         let setting = Setting { integrator: method, fixed: false, value: REFERENCE_TOLERANCE };
-        let drive = Drive { hold: HOLDS.len() - 1, step: shortest / part, span, deadline };
+        let drive = Drive { hold: HOLDS.len() - 1, step: shortest / part, span, deadline, interrupted };
         drive.observe(&with_setting(scene, &setting)?, request.wheelset).map(|observed| observed.0)
     };
     let (first, second) = rayon::join(|| reference(METHODS[0], 16.0), || reference(METHODS[1], 8.0));
@@ -134,7 +139,7 @@ pub(super) fn sweep(scene: &Scene, request: &Request, span: Times, budget: &Budg
     let mut all = Vec::new();
     for hold in 0..HOLDS.len() {
         for step in steps.iter().copied().filter(|step| *step <= 0.5 * span.stop) {
-            let drive = Drive { hold, step, span, deadline };
+            let drive = Drive { hold, step, span, deadline, interrupted };
             let (observation, simulation) = drive.observe(scene, request.wheelset)?;
             let errors = Errors::between(&observation, &first);
             let mut fresh = Simulation::new(scene, 0.0).map_err(|error| error.to_string())?;

@@ -1,13 +1,13 @@
 //! How a study is made: variants, pilots, span, references, points, coupling.
 
-use super::clock::{Budget, cpu_time};
+use super::clock::{Budget, Interrupted, cpu_time};
 use super::communication;
 use super::difference::differences;
 use super::division::{PILOTS, POINTS, POINTS_ALONE, shortened, turns};
 use super::errors::Errors;
 use super::reference::{self, ENDS, METHODS};
 use super::request::Request;
-use super::run::{self, Setting};
+use super::run::{self, INTERRUPTED, Setting};
 use super::schedule::{Item, PILOT_TOLERANCE, Pilot, Schedule, patience};
 use super::study::{Outcome, Point, StudiedModel, Study, StudyError};
 use super::variant::{Variant, variants};
@@ -29,7 +29,7 @@ struct Making<'a> {
     request: &'a Request<'a>,
     /// Is told the share that is done and what is being done.
     progress: &'a mut dyn FnMut(f64, &str),
-    budget: Budget,
+    budget: Budget<'a>,
     own: Scene,
     settings: Vec<Setting>,
     prepared: Vec<Prepared>,
@@ -58,7 +58,7 @@ pub fn study(request: &Request, progress: &mut dyn FnMut(f64, &str)) -> Result<S
 impl<'a> Making<'a> {
     /// Opens and starts every variant, runs pilots, and chooses the span of all runs.
     fn begin(request: &'a Request, progress: &'a mut dyn FnMut(f64, &str)) -> Result<Self, StudyError> {
-        let budget = Budget::new(request.budget);
+        let budget = Budget::new(request.budget, request.interrupted);
         let own = load::open(request.scene, request.overrides)?;
         let (settings, mut notes) = run::settings(request).map_err(StudyError::Setting)?;
         let (variants, prepared) = prepare(request, &mut notes)?;
@@ -69,7 +69,7 @@ impl<'a> Making<'a> {
         let (start, mut pilots, mut cpu) = (budget.spent(), Vec::new(), 0.0);
         for (variant, one) in variants.iter().zip(&prepared) {
             progress(budget.spent() / budget.seconds, &format!("pilot run of {}", variant.label()));
-            let (pilot, seconds) = cpu_time(|| pilot(one, full, PILOTS * budget.seconds / prepared.len() as f64));
+            let (pilot, seconds) = cpu_time(|| pilot(one, full, (PILOTS * budget.seconds / prepared.len() as f64, false, request.interrupted)));
             pilots.push(pilot);
             cpu += seconds;
         }
@@ -121,8 +121,8 @@ impl<'a> Making<'a> {
         let pilot = own.and_then(|variant| self.schedule.pilots[variant]);
         let cost = pilot.map_or(f64::INFINITY, |pilot| pilot.per_second * self.schedule.slowness);
         let asked = !self.request.communication_steps.is_empty();
-        let room = asked && communication::duration(cost, self.span) < (1.0 - POINTS) * self.budget.seconds;
-        if asked && !room {
+        let room = asked && !(self.request.interrupted)() && communication::duration(cost, self.span) < (1.0 - POINTS) * self.budget.seconds;
+        if asked && !room && !(self.request.interrupted)() {
             self.study
                 .notes
                 .push("communication steps: left out, the budget has no room for their reference (a larger --budget has)".into());
@@ -146,6 +146,8 @@ impl<'a> Making<'a> {
             let outcome = if seconds < left {
                 self.tell(&format!("{}: {}", self.study.variants[item.variant].label(), item.setting.words()));
                 self.run(item, [(4.0 * seconds).max(1.0).min(left), patience])
+            } else if (self.request.interrupted)() {
+                Outcome::Skipped(INTERRUPTED.into())
             } else if seconds.is_finite() {
                 Outcome::Skipped(format!("it needs about {seconds:.1} s, {:.1} s are left", left.max(0.0)))
             } else {
@@ -163,7 +165,8 @@ impl<'a> Making<'a> {
             |point: &&Point| self.study.models.iter().any(|model| model.reference.is_ok() && model.variants.contains(&point.variant));
         let skipped = self.study.points.iter().filter(measured).filter(|point| matches!(point.outcome, Outcome::Skipped(_))).count();
         if skipped > 0 {
-            let words = format!("{skipped} of {} points were not run (a larger --budget has room for more)", self.study.points.len());
+            let why = if (self.request.interrupted)() { INTERRUPTED } else { "a larger --budget has room for more" };
+            let words = format!("{skipped} of {} points were not run ({why})", self.study.points.len());
             self.study.notes.push(words);
         }
     }
@@ -171,7 +174,7 @@ impl<'a> Making<'a> {
     /// One point; what it costs helps to foresee others.
     fn run(&mut self, item: Item, limits: [f64; 2]) -> Outcome {
         let done = run::with_setting(&self.prepared[item.variant].scene, &item.setting)
-            .and_then(|scene| run::measure(&scene, self.request.wheelset, self.span, self.request.repeats, limits));
+            .and_then(|scene| run::measure(&scene, self.request.wheelset, self.span, self.request.repeats, limits, self.request.interrupted));
         let reference = self.study.model_of(item.variant).map(|model| &model.reference);
         match (done, reference) {
             (Ok((observation, measured)), Some(Ok(reference))) => {
@@ -179,6 +182,7 @@ impl<'a> Making<'a> {
                 Outcome::Done { measured, errors: Errors::between(&observation, &reference.observation) }
             }
             (Ok(_), _) => Outcome::Skipped("the model has no reference".into()),
+            (Err(_), _) if (self.request.interrupted)() => Outcome::Skipped(INTERRUPTED.into()),
             (Err(failure), _) => Outcome::Failed(failure),
         }
     }
@@ -217,10 +221,10 @@ fn prepare(request: &Request, notes: &mut Vec<String>) -> Result<(Vec<Variant>, 
 }
 
 /// A first run that shows what a variant costs; `None` when it did not move.
-fn pilot(prepared: &Prepared, span: Times, limit: f64) -> Option<Pilot> {
+fn pilot(prepared: &Prepared, span: Times, limit: (f64, bool, Interrupted)) -> Option<Pilot> {
     let setting = Setting { integrator: METHODS[0], fixed: false, value: PILOT_TOLERANCE };
     let mut simulation = Simulation::new(&run::with_setting(&prepared.scene, &setting).ok()?, 0.0).ok()?;
-    let observed = run::observe(&mut simulation, None, span, limit, false);
+    let observed = run::observe(&mut simulation, None, span, limit);
     let evaluations = simulation.statistics().evaluations.max(1) as f64;
     (observed.reached > 0.0).then(|| Pilot { per_second: observed.cpu / observed.reached, per_evaluation: observed.cpu / evaluations })
 }

@@ -30,7 +30,7 @@ mod study;
 mod variant;
 
 pub use best::{Best, best, front};
-pub use clock::cpu_time;
+pub use clock::{Interrupted, cpu_time};
 pub use communication::{COUPLING, Coupled, HOLDS};
 pub use errors::{Distance, Errors, Quantity};
 pub use making::study;

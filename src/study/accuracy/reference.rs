@@ -4,7 +4,7 @@
 //! continuous output, and both gain a decade for 1.6 to 1.8 times the work, which no method of order 3 does. An implicit method is a third
 //! witness: its points in the sweep tend to the same reference.
 
-use super::clock::Budget;
+use super::clock::{Budget, Interrupted};
 use super::errors::{Errors, Quantity};
 use super::observation::Observation;
 use super::run::{Observed, Setting, observe, with_setting};
@@ -49,13 +49,13 @@ fn pair(
     wheelset: Option<&str>,
     span: Times,
     tolerance: f64,
-    limit: f64,
+    (limit, interrupted): (f64, Interrupted),
 ) -> Result<([Observed; 2], f64), String> {
     let clock = std::time::Instant::now();
     let one = |method: &'static str| -> Result<Observed, String> {
         let setting = Setting { integrator: method, fixed: false, value: tolerance };
         let mut simulation = Simulation::new(&with_setting(scene, &setting)?, 0.0).map_err(|error| error.to_string())?;
-        let observed = observe(&mut simulation, wheelset, span, limit, true);
+        let observed = observe(&mut simulation, wheelset, span, (limit, true, interrupted));
         match &observed.failure {
             Some(failure) => Err(format!("{}: {failure}{}", setting.words(), if observed.late { "" } else { hint })),
             None => Ok(observed),
@@ -87,7 +87,7 @@ pub(super) fn reference(
             return Err(format!("it needs about {predicted:.0} s, {:.0} s are left for it", left.max(0.0)));
         }
         // What takes longer than predicted takes the points' time; the first model's loose reference alone has more.
-        let ([one, other], seconds) = match pair((scene, hint), wheelset, span, tolerance, left) {
+        let ([one, other], seconds) = match pair((scene, hint), wheelset, span, tolerance, (left, budget.interrupted)) {
             Ok(done) => done,
             // A looser one is better than none.
             Err(failure) if found.is_none() => return Err(failure),

@@ -1,7 +1,9 @@
 //! What is asked of a study.
 
+use super::clock::Interrupted;
+
 /// What is asked for. Empty lists stand for what the scene says.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Request<'a> {
     /// Name or file, and `key=value`.
     pub scene: &'a str,
@@ -32,4 +34,6 @@ pub struct Request<'a> {
     pub budget: f64,
     /// Tolerance of the reference, m; `None`: as tight as the budget allows.
     pub reference: Option<f64>,
+    /// Is asked between the steps of all runs; then what is ready is the study.
+    pub interrupted: Interrupted<'a>,
 }

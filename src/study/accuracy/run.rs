@@ -1,6 +1,6 @@
 //! One run of a scene with one integrator: observed, then repeated without outputs for its cost.
 
-use super::clock::{cpu_time, in_seconds};
+use super::clock::{Interrupted, cpu_time, in_seconds};
 use super::observation::{Observation, needed};
 use super::request::Request;
 use crate::formulation::work::Work;
@@ -116,8 +116,16 @@ pub(super) struct Observed {
     pub late: bool,
 }
 
+/// What is said of a run that the user ended.
+pub(super) const INTERRUPTED: &str = "interrupted";
+
 /// Runs and observes; gives up after `limit` seconds, `early` where it can be foreseen. `wheelset`: see [`needed`].
-pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span: Times, limit: f64, early: bool) -> Observed {
+pub(super) fn observe(
+    simulation: &mut Simulation,
+    wheelset: Option<&str>,
+    span: Times,
+    (limit, early, interrupted): (f64, bool, Interrupted),
+) -> Observed {
     let start = Instant::now();
     let outputs = needed(simulation.model(), wheelset);
     let deadline = in_seconds(limit);
@@ -131,6 +139,9 @@ pub(super) fn observe(simulation: &mut Simulation, wheelset: Option<&str>, span:
             advanced.map_err(|error| error.to_string())?;
             recording.sample(simulation, &outputs).map_err(|error| error.to_string())?;
             reached = time;
+            if interrupted() {
+                return Err(INTERRUPTED.into());
+            }
             let (spent, expected) = (start.elapsed().as_secs_f64(), start.elapsed().as_secs_f64() * span.stop / time);
             late = early && spent > FORESEEN.0 * limit && expected > FORESEEN.1 * limit;
             if late {
@@ -179,10 +190,11 @@ pub(super) fn measure(
     span: Times,
     repeats: usize,
     [limit, patience]: [f64; 2],
+    interrupted: Interrupted,
 ) -> Result<(Observation, Measured), String> {
     let mut simulation = Simulation::new(scene, 0.0).map_err(|error| error.to_string())?;
     let start = simulation.state().clone();
-    let observed = observe(&mut simulation, wheelset, span, limit, true);
+    let observed = observe(&mut simulation, wheelset, span, (limit, true, interrupted));
     if let Some(failure) = observed.failure {
         return Err(failure);
     }
@@ -190,7 +202,9 @@ pub(super) fn measure(
     let mut cpu: Vec<f64> = if observed.cpu > LONG { vec![observed.cpu / span.stop] } else { Vec::new() };
     // One at least; more as long as they end before the patience does.
     let total = ((patience / observed.cpu).ceil() as usize).saturating_sub(1).clamp(1, repeats.max(1));
+    // What was observed counts, and is timed as it was, where the user ends the repetitions.
     let again = |simulation: &mut Simulation| simulation.advance(span.stop).map_err(|error| error.to_string());
+    let total = if interrupted() { 1 } else { total };
     cpu.extend(repeated(&mut simulation, &start, span, total.saturating_sub(cpu.len()), again)?);
     cpu.sort_by(f64::total_cmp);
     Ok((observed.observation, Measured { cpu, statistics, work }))

@@ -88,6 +88,7 @@ fn request(overrides: &[String]) -> Request<'_> {
         repeats: 1,
         budget: 60.0,
         reference: None,
+        interrupted: &|| false,
     }
 }
 
@@ -202,7 +203,7 @@ fn hard_a_run_that_will_not_end_in_time_is_given_up_early() {
     let scene = crate::scene::load::open("suspended_wheelset", &["solver.tolerance=1e-12".to_string()]).unwrap();
     let run = |limit: f64, early: bool| {
         let mut simulation = crate::sim::Simulation::new(&scene, 0.0).unwrap();
-        run::observe(&mut simulation, None, crate::sim::recording::Times { stop: 500.0, step: 5e-3 }, limit, early)
+        run::observe(&mut simulation, None, crate::sim::recording::Times { stop: 500.0, step: 5e-3 }, (limit, early, &|| false))
     };
     let given_up = run(0.2, true);
     let why = given_up.failure.unwrap();
@@ -254,4 +255,26 @@ fn prop_variants_make_models_with_references_of_their_own() {
     let nodes = variant::variants(&["ECF-A", "ECF-N"], &[], &[1e-3, 1e-4], &[]);
     let labels: Vec<String> = nodes.iter().map(Variant::label).collect();
     assert_eq!(labels, ["ECF-A", "ECF-N, nodes every 1 mm", "ECF-N, nodes every 0.1 mm"]);
+}
+
+/// What is ready when the user ends a study is the study.
+#[test]
+fn hard_an_interrupted_study_keeps_what_is_ready() {
+    use std::cell::Cell;
+    use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+    let (overrides, ended) = (Vec::new(), AtomicBool::new(false));
+    let interrupted = || ended.load(Relaxed);
+    let asked = Request { reference: Some(1e-12), communication_steps: vec![0.05], interrupted: &interrupted, ..request(&overrides) };
+    let points = Cell::new(0);
+    let found = study(&asked, &mut |_, what| {
+        points.set(points.get() + usize::from(what.contains("rk4") || what.contains("dormand_prince")));
+        // While the third point runs.
+        ended.store(points.get() >= 3, Relaxed);
+    })
+    .unwrap();
+    let done = found.points.iter().filter(|point| matches!(point.outcome, Outcome::Done { .. })).count();
+    let left = found.points.iter().filter(|point| matches!(&point.outcome, Outcome::Skipped(why) if why == "interrupted")).count();
+    println!("{done} done, {left} of {} left: {:?}", found.points.len(), found.notes);
+    assert!(done == 2 && left == found.points.len() - 2 && left > 3 && found.coupled.is_empty());
+    assert!(found.notes.iter().any(|note| note.contains("were not run (interrupted)")));
 }
