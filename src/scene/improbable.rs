@@ -3,6 +3,7 @@
 use super::assemble::points_needed;
 use super::oversights::oversights;
 use super::profile_notes::{RADII, profile_doubts, radius};
+use super::rough_track::on_rigid_rails;
 use super::spec::Scene;
 use crate::contact::patch::PatchLaw;
 use crate::formulation::Model;
@@ -22,6 +23,7 @@ pub fn improbable(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(distances(scene))
         .chain(few_places(scene, model))
         .chain(undamped(scene))
+        .chain(on_rigid_rails(scene, model))
         .chain(oversights(scene, model))
         .chain(profile_doubts(scene))
         .collect()

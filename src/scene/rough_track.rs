@@ -53,3 +53,41 @@ pub fn note(scene: &Scene, model: &Model) -> Option<String> {
         )
     })
 }
+
+/// Share of the static load that unsprung masses on rigid rails may add (rms) without a word.
+const ROUGH: f64 = 0.3;
+/// How far is looked, m, spacing, and readings of a stretch.
+const AHEAD: f64 = 500.0;
+pub(super) const SPACING: f64 = 0.1;
+const STRETCH: usize = 500;
+
+/// Distances along the track that are looked at, m, from where the run begins.
+pub(super) fn places_ahead(scene: &Scene) -> impl ExactSizeIterator<Item = f64> {
+    let (speed, begin) = (scene.vehicle.speed, start::origin(scene));
+    let count = (AHEAD.min(scene.run.stop * speed.abs()) / SPACING) as usize;
+    (0..count).map(move |i| begin + speed.signum() * SPACING * i as f64)
+}
+
+/// What a run should say: a rail of the height l(s) under a wheel at speed V accelerates it by `V^2 l''`; half the wheelset's mass times that adds to the wheel's load,
+/// where nothing yields.
+pub fn on_rigid_rails(scene: &Scene, model: &Model) -> Option<String> {
+    let speed = scene.vehicle.speed;
+    if places_ahead(scene).len() < 10 || Side::BOTH.iter().all(|side| !model.track.rail(*side).deviates()) {
+        return None;
+    }
+    let squared = |place: f64| 0.5 * Side::BOTH.iter().map(|side| model.track.rail(*side).deviation(place)[1][2].powi(2)).sum::<f64>();
+    let all: Vec<f64> = places_ahead(scene).map(squared).collect();
+    // The roughest stretch: others may be smooth.
+    let roughest = all.chunks(STRETCH).map(|some| some.iter().sum::<f64>() / some.len().max(STRETCH / 2) as f64).fold(0.0, f64::max);
+    let acceleration = speed * speed * roughest.sqrt();
+    let share = model.wheelsets.iter().map(|wheelset| 0.5 * model.system.bodies[wheelset.body].mass / wheelset.static_wheel_load);
+    let added = acceleration * share.fold(0.0, f64::max);
+    (added > ROUGH && added.is_finite()).then(|| {
+        format!(
+            "the rails accelerate wheels by {acceleration:.1} m/s2 (rms over {:.0} m at {speed} m/s): on rigid rails that adds {:.0} % of the static load (rms), \
+             and wheels lift at peaks. Real track yields; such loads are mostly too high",
+            SPACING * STRETCH as f64,
+            100.0 * added
+        )
+    })
+}
