@@ -16,7 +16,8 @@
 //! integrals leave over is the error of the integration alone. Two things are in no book: a rigid contact that lands or lifts, and in curves what turns the weight of a
 //! wheelset's supported load and what its suspension's travelling frame does.
 //!
-//! The integrals are states without weight in the error control: steps are those of the run without them. They are as exact as the method is for what it does not control.
+//! The integrals are states without weight in the error control: steps are those of the run without them. They are as exact as the method is for what it does not control; of implicit adaptive steps
+//! they are made from the solution (`solve::integrals`).
 
 use super::energy_books::{CONTACT, EnergyBooks};
 use super::inputs::{DRIVE_TORQUE, LATERAL_FORCE, LONGITUDINAL_FORCE, VERTICAL_FORCE, WHEELSET_INPUTS};
@@ -31,12 +32,12 @@ impl Model {
         self
     }
 
-    /// What a user should know of the books where an implicit method integrates them: its stages lie beside the motion by what is stiff, and lag behind rails
-    /// that move from outside within long steps (wheelset on rails that swing by 2 mm at 8 Hz, inputs each ms, 1e-5: contact work -21 J for 138, driving work 42 for 184).
+    /// What a user should know of the books where an implicit method integrates them by its stages (`Integrator::lags_in_integrals`): they lie beside the motion by what is stiff,
+    /// and lag behind rails that move from outside (wheelset on rails that swing by 2 mm at 8 Hz, inputs each ms, `real_time` with 0.2 ms: contact work 570 J for 554, driving work 249 for 180).
     pub fn books_note(&self) -> Option<String> {
         (self.books.is_some() && self.rail_motion).then(|| {
             "works and heats (outputs \"energy\") are integrals over the steps of an implicit method, which lag behind rails that move from outside: they may be wrong by more \
-             than what they say; solver.integrator = \"dormand_prince\" (what \"auto\" takes here) has them right. Motions and forces are not concerned"
+             than what they say; an adaptive solver.integrator has them right. Motions and forces are not concerned"
                 .into()
         })
     }

@@ -94,6 +94,8 @@ mod tests {
     use super::*;
     use crate::scene::{assemble, load};
 
+    const TRAM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/tram_independent_wheels.toml");
+
     fn of(scene: &str, change: &str) -> Vec<String> {
         let changes: Vec<String> = if change.is_empty() { Vec::new() } else { vec![change.into()] };
         let scene = load::open(scene, &changes).unwrap_or_else(|error| panic!("{error}"));
@@ -122,6 +124,34 @@ mod tests {
         assert!(!opened("0.9").contains("from the centre"), "{}", opened("0.9"));
     }
 
+    /// A line has a sense: what presses must lie on its side, and can be reached.
+    #[test]
+    fn prop_stops_that_act_inside_out_are_refused_or_named() {
+        let with = |kind: &str, to: &str, more: &str| {
+            let ends = format!("from={{body=\"car\",at=[0,0,0.8]}},to={{body=\"frame\",at=[{to}]}}");
+            let element = format!("vehicle.force=[{{kind=\"{kind}\",name=\"stop\",{ends},{more}}}]");
+            load::open("bogie", &[element]).map(|scene| improbable(&scene, &assemble::model(&scene).unwrap())).map_err(|error| error.to_string())
+        };
+        let coupler = "draw_stiffness=5e6,buffer_stiffness=8e6,slack=\"40 mm\"";
+        assert!(with("coupler", "-1.0,0,0.8", &format!("{coupler},axis=\"x\"")).unwrap_err().contains("points from \"to\" to \"from\""));
+        assert!(with("coupler", "-0.015,0,0.8", coupler).unwrap_err().contains("they would meet before it presses"));
+        for good in [format!("{coupler},axis=\"-x\""), coupler.into()] {
+            assert_eq!(with("coupler", "-1.0,0,0.8", &good), Ok(vec![]), "{good}");
+        }
+        let buffer = "stiffness=4e6,sides=\"compression\"";
+        let refused = with("bump_stop", "0,0,0.8", buffer).unwrap_err();
+        // The frame's centre is below the car's.
+        assert!(refused.contains("axis = \"-z\""), "{refused}");
+        let named = with("bump_stop", "0,0,0.8", &format!("{buffer},axis=\"z\"")).unwrap();
+        assert!(named.len() == 1 && named[0].contains("acts where the two part"), "{named:?}");
+        assert_eq!(with("bump_stop", "0,0,0.8", &format!("{buffer},axis=\"-z\"")), Ok(vec![]));
+        assert!(with("bump_stop", "-0.06,0,0.8", &format!("{buffer},clearance=\"80 mm\"")).unwrap_err().contains("0.08 m of free travel"));
+        let far = with("bump_stop", "0,0.2,0.8", "stiffness=4e6,axis=\"y\",clearance=25").unwrap();
+        assert!(far[0].contains("\"25 mm\""), "{far:?}");
+        // Half a millimetre is no line.
+        assert!(with("spring_damper", "0,0,0.8005", "stiffness=1e6").unwrap_err().contains("both places coincide"));
+    }
+
     #[test]
     fn prop_slips_of_units_are_named_and_embedded_scenes_are_not() {
         for (scene, change, words) in [
@@ -130,6 +160,8 @@ mod tests {
             ("vehicle_manchester_1", "vehicle.body[car].inertia_xx=6e6", "no body has that"),
             ("vehicle_manchester_1", "vehicle.body[car].mass=32", "radius of gyration of"),
             ("wheelset_s1002", "track.inclination=-0.025", "lean outward"),
+            ("wheelset_s1002", "vehicle.wheelset.tread_circle_distance=1.435", "outside of each gauge line"),
+            (TRAM, "vehicle.module.truck.force[secondary].stiffness=[80,120,300]", "m of spring"),
             ("vehicle_manchester_1", "track.node=[{distance=20},{distance=80,radius=\"500 m\",superelevation=\"60 mm\"}]", "inner rail"),
             (
                 "vehicle_manchester_1",

@@ -2,8 +2,11 @@
 
 use super::spec::Scene;
 use super::start::origin;
+use super::vehicle::assemble::static_preloads;
 use super::vehicle::extent::Away;
 use crate::formulation::Model;
+use crate::geometry::profile::ProfileChoice;
+use crate::geometry::track::gauge;
 use crate::mbs::body::Body;
 use crate::mbs::force::ForceElement;
 use crate::mbs::inertia::Inertia;
@@ -15,6 +18,9 @@ pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
         .into_iter()
         .chain(off_the_axle(scene, model))
         .chain(off_the_tread(model))
+        .chain(doubts(model))
+        .chain(soft_springs(scene))
+        .chain(beside_the_rails(scene))
         .chain(extents(scene, model))
         .chain(adverse(scene))
         .chain(missed)
@@ -99,6 +105,61 @@ fn off_the_tread(model: &Model) -> Option<String> {
         })
     };
     model.system.forces.iter().find_map(|force| of(force.as_ref()))
+}
+
+/// What elements say of their own data; the first, and how many more.
+fn doubts(model: &Model) -> Option<String> {
+    let mut all = model.system.forces.iter().filter_map(|force| Some(format!("{}: {}", force.name(), force.doubt()?)));
+    let first = all.next()?;
+    match all.count() {
+        0 => Some(first),
+        more => Some(format!("{first} (and {more} more elements)")),
+    }
+}
+
+/// No spring of a vehicle is pressed so far by what it carries, m: a body would swing on it with 0.5 Hz.
+const SOFTEST: f64 = 1.0;
+
+/// Springs that balance gives a preload which presses them beyond all bounds.
+fn soft_springs(scene: &Scene) -> Option<String> {
+    let of = |(element, index, force): &(usize, usize, f64)| {
+        let element = scene.vehicle.forces.get(*element)?;
+        let stiffness = *element.0.static_stiffness().get(*index)?;
+        let pressed = force.abs() / stiffness;
+        (pressed > SOFTEST).then(|| {
+            format!(
+                "{}: it carries {:.1} kN with a stiffness of {stiffness} N/m, which is {pressed:.0} m of spring: was another unit meant (\"{stiffness} N/mm\")?",
+                element.0.name(),
+                1e-3 * force.abs()
+            )
+        })
+    };
+    static_preloads(&scene.vehicle, 0.0).ok()?.iter().find_map(of)
+}
+
+/// The running circle lies between these distances outside of the gauge line, m: 29 to 40 mm on usual wheels.
+const OUTSIDE: [f64; 2] = [0.01, 0.08];
+/// Sections have their origins in the middle of the head, or somewhere: above it a running circle needs no gauge line, m.
+const BESIDE_ORIGIN: f64 = 0.02;
+
+/// Running circles that are not above the rails' heads: a gauge for a distance of running circles, or the other way round.
+fn beside_the_rails(scene: &Scene) -> Option<String> {
+    let reach = |choice: &ProfileChoice| gauge::reach(choice.profile.as_ref(), scene.track.inclination, gauge::DEPTH).ok();
+    let [left, right] = scene.track.rails.each_ref().map(reach);
+    let gauge = 2.0 * scene.track.half_rail_distance - left? - right?;
+    scene.vehicle.wheelsets.iter().find_map(|wheelset| {
+        let distance = 2.0 * wheelset.spec.half_tread_circle_distance;
+        let outside = 0.5 * (distance - gauge);
+        let beside = (wheelset.spec.half_tread_circle_distance - scene.track.half_rail_distance).abs();
+        (beside > BESIDE_ORIGIN && !(OUTSIDE[0]..=OUTSIDE[1]).contains(&outside)).then(|| {
+            format!(
+                "{}: running circles {distance} m apart on a gauge of {gauge:.4} m: they lie {:.0} mm outside of each gauge line, where 30 to 40 mm are usual; tread_circle_distance is that \
+                 of the running circles (1.5 m on 1.435 m), track.gauge that between the rails",
+                wheelset.spec.name,
+                1e3 * outside
+            )
+        })
+    })
 }
 
 /// Radii of gyration beyond which no vehicle's body, and no wheelset, is, m.

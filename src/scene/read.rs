@@ -61,7 +61,7 @@ impl Scene {
                 only: None,
             }),
         };
-        let read_solver = |section| read_solver(section, (transient, rings), interface.as_ref());
+        let read_solver = |section| read_solver(section, (transient, rings));
         let solver = root.keep(root.section_or_empty("solver").and_then(read_solver))?;
         let run = root.keep(root.section("run").and_then(read_run))?;
         // Behind the interface: what is left out has a name all the same.
@@ -102,8 +102,8 @@ fn read_head(name: &str, root: &Section) -> Result<(String, String), SettingsErr
     Ok((name, title))
 }
 
-fn read_solver(solver: Section, contact: (bool, bool), interface: Option<&InterfaceSpec>) -> Result<SolverSpec, SettingsError> {
-    let facts = solver_choice::facts(&solver, contact, interface)?;
+fn read_solver(solver: Section, contact: (bool, bool)) -> Result<SolverSpec, SettingsError> {
+    let facts = solver_choice::facts(&solver, contact)?;
     let (automatic, why) = solver_choice::choose(&facts);
     let read = solve::parse(&solver, automatic)?;
     let load_tolerance = read_load_tolerance(&solver)?;

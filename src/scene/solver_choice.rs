@@ -1,9 +1,8 @@
 //! What `solver.integrator = "auto"` stands for, and what a plan says about a scene's integrator.
 
-use super::spec::{ENERGY, InterfaceSpec, Scene};
+use super::spec::Scene;
 use crate::contact::search::algebraic;
 use crate::formulation::Model;
-use crate::formulation::inputs::RAIL_MOTION;
 use crate::mbs::projection;
 use crate::settings::{Section, SettingsError};
 use crate::solve::{AUTO, DEFAULT_TOLERANCE, SettingKind};
@@ -18,8 +17,6 @@ pub struct Facts {
     pub tolerance: Option<f64>,
     /// Are contacts elastic without damping?
     pub rings: bool,
-    /// Are works to be integrated over rails that move from outside?
-    pub moving_books: bool,
 }
 
 /// One line of the rule: the first that fits holds.
@@ -63,11 +60,6 @@ const RULES: &[Rule] = &[
         why: "tolerance below 1e-7: accuracy limits the step, and high order pays",
     },
     Rule {
-        integrator: "dormand_prince",
-        fits: |facts| facts.moving_books,
-        why: "works (outputs \"energy\") over rails that move from outside: stages of implicit steps lag behind the rails, and works with them",
-    },
-    Rule {
         integrator: "rosenbrock",
         fits: |_| true,
         why: "tolerance of 1e-7 or more: vibrations of contacts and suspensions would limit an explicit method's step",
@@ -81,12 +73,11 @@ pub fn choose(facts: &Facts) -> (&'static str, &'static str) {
 }
 
 /// The facts of a scene that is being read.
-pub(super) fn facts(solver: &Section, (transient, rings): (bool, bool), interface: Option<&InterfaceSpec>) -> Result<Facts, SettingsError> {
+pub(super) fn facts(solver: &Section, (transient, rings): (bool, bool)) -> Result<Facts, SettingsError> {
     let given = solver.optional("tolerance", Dimension::Length)?;
     // A scene that gives neither a tolerance nor a step leaves both to the program.
     let tolerance = if solver.has("tolerance") || solver.has("step") { given } else { Some(DEFAULT_TOLERANCE) };
-    let asks = |interface: &InterfaceSpec| interface.inputs.contains(&RAIL_MOTION.name) && interface.outputs.contains(&ENERGY);
-    Ok(Facts { transient, tolerance, rings, moving_books: interface.is_some_and(asks) })
+    Ok(Facts { transient, tolerance, rings })
 }
 
 /// Lines for the plan: the choice where the scene leaves it open, and the worst case where the method has one.
@@ -117,12 +108,11 @@ mod tests {
     #[test]
     fn prop_each_rule_is_reached_and_names_a_method() {
         let cases = [
-            (Facts { transient: true, tolerance: None, rings: true, moving_books: false }, 0),
-            (Facts { transient: true, tolerance: Some(1e-9), rings: true, moving_books: false }, 1),
-            (Facts { transient: false, tolerance: Some(1e-5), rings: true, moving_books: false }, 2),
-            (Facts { transient: false, tolerance: Some(1e-8), rings: false, moving_books: false }, 3),
-            (Facts { transient: false, tolerance: Some(1e-7), rings: false, moving_books: true }, 4),
-            (Facts { transient: false, tolerance: Some(1e-7), rings: false, moving_books: false }, 5),
+            (Facts { transient: true, tolerance: None, rings: true }, 0),
+            (Facts { transient: true, tolerance: Some(1e-9), rings: true }, 1),
+            (Facts { transient: false, tolerance: Some(1e-5), rings: true }, 2),
+            (Facts { transient: false, tolerance: Some(1e-8), rings: false }, 3),
+            (Facts { transient: false, tolerance: Some(1e-7), rings: false }, 4),
         ];
         for (facts, rule) in cases {
             assert_eq!(choose(&facts), (RULES[rule].integrator, RULES[rule].why), "{facts:?}");
@@ -143,9 +133,10 @@ mod tests {
         assert_eq!(scene.solver.name, "dormand_prince");
         assert!(notes(&scene)[0].starts_with("solver.integrator = \"auto\" is dormand_prince: "), "{:?}", notes(&scene));
         assert_eq!(open(&["solver.integrator=auto", "solver.tolerance=1e-5"]).solver.name, "rosenbrock");
+        // What is shown has no part in how it is found.
         let moving =
             ["solver.integrator=auto", "solver.tolerance=1e-5", "interface.inputs=[\"rail_motion\"]", "interface.outputs=[\"energy\"]"];
-        assert_eq!([open(&moving).solver.name, open(&moving[..3]).solver.name], ["dormand_prince", "rosenbrock"]);
+        assert_eq!([open(&moving).solver.name, open(&moving[..3]).solver.name], ["rosenbrock"; 2]);
         let bounded = open(&["solver.integrator=real_time", "solver.step=1 ms"]);
         assert!(notes(&bounded)[0].contains("2 evaluations, 1 Jacobian"), "{:?}", notes(&bounded));
     }

@@ -17,7 +17,7 @@ impl Simulation {
         let fixed = self.integrator.setting().kind == SettingKind::Step;
         let flutter = self.model.flutter_note(&self.state.flutter, &self.loads, fixed);
         notes.extend(flutter.or_else(|| self.model.swing_note(&self.loads)));
-        notes.extend(self.integrator.linearises().then(|| self.model.books_note()).flatten());
+        notes.extend(self.integrator.lags_in_integrals().then(|| self.model.books_note()).flatten());
         notes
     }
 

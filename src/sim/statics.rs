@@ -13,6 +13,10 @@ use serde::Serialize;
 /// A body that stands further from where it is drawn than this is worth a note, m.
 pub const SETTLED: f64 = 0.05;
 
+/// Slack of a coupler that is worth a word, m, and the largest force that counts as next to nothing, N.
+const SLACK: f64 = 2e-3;
+const LIGHT: f64 = 1e3;
+
 /// One body's place; lengths in m, angles in rad.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BodyPlace {
@@ -117,11 +121,36 @@ fn element_forces(element: &dyn ForceElement, bodies: &Moving, states: &[f64]) -
 }
 
 impl Statics {
-    /// What a reader should know: bodies that stand far from where they are drawn.
+    /// What a reader should know: bodies that stand far from where they are drawn, slack that is taken up.
     pub fn notes(&self) -> Vec<String> {
+        self.settled().into_iter().chain(self.taken_up()).collect()
+    }
+
+    /// Couplers whose whole slack a few newtons have taken up: what differs in the resistance of the vehicles beside them.
+    fn taken_up(&self) -> Option<String> {
+        let ends = |element: &ElementForce| match element.free_travel {
+            Some([Some(shorter), Some(longer)]) => longer - shorter > SLACK && element.travel_used.is_some_and(|used| used > 1.0 - 1e-6),
+            _ => false,
+        };
+        let mut all = self.elements.iter().filter(|element| ends(element) && element.force.abs() < LIGHT);
+        let first = all.next()?;
+        let more = match all.count() {
+            0 => String::new(),
+            count => format!(" (and {count} more)"),
+        };
+        Some(format!(
+            "{}{more} starts at the end of its slack, {:.1} mm from the middle, under {:.0} N: so much the vehicles beside it differ in resistance (a point mass has none), and what the slack does \
+             when it is run in or out begins from there",
+            first.name,
+            1e3 * first.displacement,
+            first.force
+        ))
+    }
+
+    fn settled(&self) -> Option<String> {
         let mut far: Vec<&BodyPlace> = self.bodies.iter().filter(|body| !(body.settles.abs() <= SETTLED)).collect();
         far.sort_by(|a, b| b.settles.abs().total_cmp(&a.settles.abs()));
-        let Some(worst) = far.first() else { return Vec::new() };
+        let worst = far.first()?;
         let side = if worst.settles > 0.0 { "below" } else { "above" };
         let more = match far.len() - 1 {
             0 => String::new(),
@@ -129,10 +158,10 @@ impl Statics {
             count => format!(" (and {count} more bodies by more than 50 mm)"),
         };
         let (height, drawn, by) = (worst.height, worst.drawn_height, 1e3 * worst.settles.abs());
-        vec![format!(
+        Some(format!(
             "{} starts {by:.0} mm {side} where it is drawn, at {height:.3} m instead of {drawn:.3} m{more}: the preloads do not carry the weight there; preload = \"static\" takes them from balance, and wheelrail plan --static shows heights and forces",
             worst.name
-        )]
+        ))
     }
 }
 

@@ -1,20 +1,32 @@
-//! Which tables of forces a run has left: what holds beyond their points is an assumption, and a reader should know.
+//! Which tables of forces a run has left, and which lines between places have become short: what holds there is an assumption, and a reader should know.
 
 use super::Snapshot;
 use crate::formulation::Model;
 use crate::mbs::force::{Beyond, ForceElement, Table};
 use std::ops::Range;
 
-/// A table of one element, and how far beyond its points the run has been.
+/// A range of one element, and how far beyond it the run has been.
 #[derive(Debug)]
 struct Watched {
     element: Box<dyn ForceElement>,
     states: Range<usize>,
-    index: usize,
-    table: Table,
+    range: Watch,
     /// Largest way beyond an end, its place and time.
     worst: Option<(f64, f64, f64)>,
 }
+
+#[derive(Debug)]
+enum Watch {
+    /// A table by its index.
+    Table(usize, Table),
+    /// The length of a line, drawn so long, m.
+    Length(f64),
+}
+
+/// A line is short below this share of the length that was drawn: its direction is no longer that of the element.
+const SHORT: f64 = 0.2;
+/// What [`ForceElement::quantity`] gives as the elongation.
+const ELONGATION: usize = 1;
 
 /// All tables of a model's force elements.
 #[derive(Debug, Default)]
@@ -30,8 +42,9 @@ impl LeftTables {
         let elements = model.system.forces.iter().enumerate();
         let watched = elements.flat_map(|(number, element)| {
             let states = model.system.states_of_force(number);
-            let watch = move |(index, table)| Watched { element: element.clone_box(), states: states.clone(), index, table, worst: None };
-            element.tables().into_iter().enumerate().map(watch)
+            let tables = element.tables().into_iter().enumerate().map(|(index, table)| Watch::Table(index, table));
+            let watch = move |range| Watched { element: element.clone_box(), states: states.clone(), range, worst: None };
+            tables.chain(element.drawn_length().map(Watch::Length)).map(watch)
         });
         LeftTables { watched: watched.collect() }
     }
@@ -44,9 +57,11 @@ impl LeftTables {
     /// Looks where the elements are in their tables now.
     pub fn look(&mut self, snapshot: &Snapshot) {
         for watched in &mut self.watched {
-            let at =
-                watched.element.table_argument(watched.index, &snapshot.workspace.system.moving(), &snapshot.y[watched.states.clone()]);
-            let Table { from, to, .. } = watched.table;
+            let (bodies, states) = (snapshot.workspace.system.moving(), &snapshot.y[watched.states.clone()]);
+            let (at, [from, to]) = match watched.range {
+                Watch::Table(index, Table { from, to, .. }) => (watched.element.table_argument(index, &bodies, states), [from, to]),
+                Watch::Length(drawn) => (drawn + watched.element.quantity(ELONGATION, &bodies, states), [SHORT * drawn, f64::INFINITY]),
+            };
             let beyond = (from - at).max(at - to);
             if beyond > BESIDE * at.abs() && watched.worst.is_none_or(|(worst, ..)| beyond > worst) {
                 watched.worst = Some((beyond, at, snapshot.time));
@@ -72,7 +87,16 @@ impl LeftTables {
     pub fn notes(&self) -> Vec<String> {
         let line = |watched: &Watched| {
             let (_, at, time) = watched.worst?;
-            let Table { key, unit, from, to, beyond, .. } = watched.table;
+            let Table { key, unit, from, to, beyond, .. } = match watched.range {
+                Watch::Table(_, table) => table,
+                Watch::Length(drawn) => {
+                    return Some(format!(
+                        "{}: its places came within {at:.4} m of each other (t = {time:.3} s), where they were drawn {drawn:.4} m apart: the line between them turns with what they move across, \
+                         and round where they pass each other; put them further apart, or give an axis",
+                        watched.element.name()
+                    ));
+                }
+            };
             let (end, next) = if at > to { (to, "last") } else { (from, "first") };
             let held = match beyond {
                 Beyond::Hold => format!("its {next} force held"),

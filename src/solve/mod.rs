@@ -338,6 +338,11 @@ pub trait Integrator: Send + Sync + Debug {
         false
     }
 
+    /// Are integrals ([`Dynamics::integrals`]) what its stages say, beside the solution by what is stiff?
+    fn lags_in_integrals(&self) -> bool {
+        false
+    }
+
     /// States that settle faster than this [s] on their own swing up from step to step: of explicit methods with a fixed step.
     fn least_time_constant(&self) -> f64 {
         0.0

@@ -75,6 +75,10 @@ impl Integrator for RealTime {
         true
     }
 
+    fn lags_in_integrals(&self) -> bool {
+        true
+    }
+
     fn worst_case(&self) -> Option<String> {
         Some(format!(
             "each step of {} s: 2 evaluations, 1 Jacobian, 1 factorisation, 3 linear solutions; 1 evaluation more after a restart, up to {} more in a step that an event ends; a step in which a contact loses its place is tried in halves, up to {} times",

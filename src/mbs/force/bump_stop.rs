@@ -17,6 +17,9 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     let clearance = section.not_negative_or("clearance", Dimension::Length, 0.0)?;
     let outside = Outside::stop(section, &["force_over_displacement"])?;
     let side = side(section, ("force_over_displacement", "stiffness"), clearance, rounding, &outside)?;
+    if sides != "extension" {
+        span.reaches(section, "clearance", clearance)?;
+    }
     let on = |other: &str| (sides != other).then(|| side.clone());
     let law = Stop { extension: on("compression"), compression: on("extension"), damping };
     Ok(Box::new(LineElement { name: places.name(section)?, span, law }))

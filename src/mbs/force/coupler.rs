@@ -17,6 +17,11 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     let (rounding, damping) = options(section)?;
     let free = 0.5 * section.not_negative_or("slack", Dimension::Length, 0.0)?;
     let outside = Outside::stop(section, &["draw_force_over_displacement", "buffer_force_over_displacement"])?;
+    span.reaches(section, "slack", free)?;
+    if span.away < 0.0 {
+        let problem = "points from \"to\" to \"from\", so that draw gear and buffers would act for each other; take the opposite one, exchange \"from\" and \"to\", or leave it out";
+        return Err(section.error("axis", problem));
+    }
     let law = Stop {
         extension: Some(side(section, ("draw_force_over_displacement", "draw_stiffness"), free, rounding, &outside)?),
         compression: Some(side(section, ("buffer_force_over_displacement", "buffer_stiffness"), free, rounding, &outside)?),

@@ -308,6 +308,14 @@ impl ForceElement for Held {
         self.element.free_travel()
     }
 
+    fn doubt(&self) -> Option<String> {
+        self.element.doubt()
+    }
+
+    fn drawn_length(&self) -> Option<f64> {
+        self.element.drawn_length()
+    }
+
     fn strike(&self, bodies: &Moving) -> Option<Strike> {
         self.seen(bodies, |element, moving| element.strike(moving))
     }

@@ -40,6 +40,8 @@ pub struct Span {
     pub direction: Direction,
     /// L0, m; signed along an axis.
     pub design_length: f64,
+    /// Where `to` lies from `from` along the line or the axis, m: L0, or of their bodies' centres where both places are at the same one.
+    pub away: f64,
 }
 
 /// A span at one instant.
@@ -54,8 +56,8 @@ pub struct Stretch {
     pub point: Vector3<f64>,
 }
 
-/// Places closer than this have no line between them, m.
-const SHORTEST: f64 = 1e-4;
+/// Places closer than this have no line between them, m: it would turn with every tremble across.
+const SHORTEST: f64 = 1e-3;
 
 impl Span {
     /// From the design configuration's vector between the places, world axes, m.
@@ -64,7 +66,7 @@ impl Span {
             Direction::Line => design_vector.norm(),
             Direction::Axis(axis) => axis.dot(design_vector),
         };
-        Span { from, to, direction, design_length }
+        Span { from, to, direction, design_length, away: design_length }
     }
 
     /// Reads `from`, `to` and the optional `axis`.
@@ -72,11 +74,34 @@ impl Span {
         let (from, to) = ends(section, places)?;
         let vector = places.design_vector(&from, &to);
         let direction = if section.has("axis") { Direction::Axis(axis(section, places, "axis")?) } else { Direction::Line };
+        let centres = places.design_vector(&Attachment { local: Vector3::zeros(), ..from }, &Attachment { local: Vector3::zeros(), ..to });
         if direction == Direction::Line && vector.norm() < SHORTEST {
-            let problem = "both places coincide, so that there is no line between them; move one, or give axis = \"x\", \"y\" or \"z\"";
+            let toward = AXES.iter().map(|(name, axis)| (name, axis.dot(&centres))).max_by(|a, b| a.1.total_cmp(&b.1));
+            let toward = toward.map_or("x", |(name, _)| name);
+            let problem = format!(
+                "both places coincide, so that there is no line between them; move one, or give an axis, which points from \"from\" to \"to\": axis = \"{toward}\" \
+                 is about the way from body to body"
+            );
             return Err(section.error("to", problem));
         }
-        Ok(Span::new(from, to, direction, &vector))
+        let mut span = Span::new(from, to, direction, &vector);
+        if let (Direction::Axis(axis), true) = (direction, span.away.abs() < SHORTEST) {
+            span.away = axis.dot(&centres);
+        }
+        Ok(span)
+    }
+
+    /// Refuses a stop that its line can't reach: between places that are so near, nothing is pressed before they have passed each other.
+    pub(super) fn reaches(&self, section: &Section, key: &'static str, free: f64) -> Result<(), SettingsError> {
+        if self.direction != Direction::Line || free < self.design_length {
+            return Ok(());
+        }
+        let problem = format!(
+            "{free} m of free travel where its places are {} m apart: they would meet before it presses, and behind that the line turns round; put them further apart (a coupler's \
+             at its pivots, a buffer's behind its face), or give an axis",
+            self.design_length
+        );
+        Err(section.error(key, problem))
     }
 
     /// Displacement, rate and direction now. Places that meet on a line have no direction: e = 0 and no force.
@@ -106,6 +131,16 @@ impl Span {
         self.to.load(bodies, wrenches, &-force, &stretch.point, &Vector3::zeros());
     }
 }
+
+/// Directions that a scene can name.
+const AXES: [(&str, Vector3<f64>); 6] = [
+    ("x", Vector3::new(1.0, 0.0, 0.0)),
+    ("-x", Vector3::new(-1.0, 0.0, 0.0)),
+    ("y", Vector3::new(0.0, 1.0, 0.0)),
+    ("-y", Vector3::new(0.0, -1.0, 0.0)),
+    ("z", Vector3::new(0.0, 0.0, 1.0)),
+    ("-z", Vector3::new(0.0, 0.0, -1.0)),
+];
 
 /// Reads `from` and `to`, which must not be on the same body.
 pub(super) fn ends(section: &Section, places: &dyn Places) -> Result<(Attachment, Attachment), SettingsError> {
@@ -171,6 +206,11 @@ pub trait LineLaw: Numbered + Clone + Send + Sync + std::fmt::Debug + 'static {
 
     /// Displacements between which a stop is free, m.
     fn free_travel(&self) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// See [`ForceElement::doubt`]; `away` as in [`Span`] where it acts along an axis.
+    fn doubt(&self, _away: Option<f64>) -> Option<String> {
         None
     }
 
@@ -299,6 +339,14 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
 
     fn free_travel(&self) -> Option<[f64; 2]> {
         self.law.free_travel()
+    }
+
+    fn doubt(&self) -> Option<String> {
+        self.law.doubt((self.span.direction != Direction::Line).then_some(self.span.away))
+    }
+
+    fn drawn_length(&self) -> Option<f64> {
+        (self.span.direction == Direction::Line).then_some(self.span.design_length)
     }
 
     fn strike(&self, bodies: &Moving) -> Option<Strike> {

@@ -189,6 +189,16 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
         None
     }
 
+    /// What in its data was probably meant otherwise, in words.
+    fn doubt(&self) -> Option<String> {
+        None
+    }
+
+    /// Length between both places as it was drawn, m, of an element along the line between them that reports its elongation second; `None` of others.
+    fn drawn_length(&self) -> Option<f64> {
+        None
+    }
+
     /// Of a stop: what it meets.
     fn strike(&self, _bodies: &Moving) -> Option<Strike> {
         None

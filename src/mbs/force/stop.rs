@@ -66,6 +66,8 @@ fn slope(stiffness: f64) -> Vec<[f64; 2]> {
     vec![[0.0, 0.0], [1.0, stiffness]]
 }
 
+/// No stop of a vehicle is free so far, m.
+const FAR: f64 = 1.0;
 /// How far behind the place where it touches a stop's stiffness is looked up, m.
 const TOUCH: f64 = 1e-6;
 
@@ -142,6 +144,18 @@ impl LineLaw for Stop {
     fn free_travel(&self) -> Option<[f64; 2]> {
         let free = |side: &Option<Buffer>| side.as_ref().and_then(|side| side.curve.first_corner()).unwrap_or(f64::INFINITY);
         Some([-free(&self.compression), free(&self.extension)])
+    }
+
+    fn doubt(&self, away: Option<f64>) -> Option<String> {
+        let free = self.free_travel()?.map(f64::abs).into_iter().filter(|free| free.is_finite()).fold(0.0, f64::max);
+        if free > FAR {
+            return Some(format!("a free travel of {free} m: was another unit meant (\"{free} mm\")?"));
+        }
+        (self.extension.is_none() && away.is_some_and(|away| away < 0.0)).then(|| {
+            "sides = \"compression\" presses where \"to\" moves against the axis, and \"to\" lies on that side of \"from\": it acts where the two part. The opposite axis (\"-x\" for \"x\") \
+             makes it act where they come together"
+                .into()
+        })
     }
 
     fn striking_stiffness(&self, x: f64) -> Option<f64> {

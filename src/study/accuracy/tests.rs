@@ -268,13 +268,13 @@ fn hard_an_interrupted_study_keeps_what_is_ready() {
     let points = Cell::new(0);
     let found = study(&asked, &mut |_, what| {
         points.set(points.get() + usize::from(what.contains("rk4") || what.contains("dormand_prince")));
-        // While the third point runs.
-        ended.store(points.get() >= 3, Relaxed);
+        // While the sixth point runs: the first ones fail.
+        ended.store(points.get() >= 6, Relaxed);
     })
     .unwrap();
     let done = found.points.iter().filter(|point| matches!(point.outcome, Outcome::Done { .. })).count();
     let left = found.points.iter().filter(|point| matches!(&point.outcome, Outcome::Skipped(why) if why == "interrupted")).count();
     println!("{done} done, {left} of {} left: {:?}", found.points.len(), found.notes);
-    assert!(done == 2 && left == found.points.len() - 2 && left > 3 && found.coupled.is_empty());
+    assert!(done >= 2 && left == 3 && found.points.len() == 8 && found.coupled.is_empty());
     assert!(found.notes.iter().any(|note| note.contains("were not run (interrupted)")));
 }

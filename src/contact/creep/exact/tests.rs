@@ -40,6 +40,27 @@ fn slopes(patch: &SteadyPatch) -> [f64; 5] {
     [x[0], y[1], spin[1], spin[2], y[2]].map(|slope| -slope / small * normal::LOAD)
 }
 
+/// However small a creepage is, its force is its coefficient times it: at the default tolerance c33 of a disk came out as 0 at a spin of 1e-6 1/m.
+#[test]
+fn hard_forces_of_tiny_creepages_are_in_proportion() {
+    for a_over_b in [0.1, 1.0, 5.0] {
+        let patch = SteadyPatch::new(a_over_b, 0.28, &Convolver::square(16));
+        let known = slopes(&patch);
+        for small in [1e-5, 1e-7, 1e-9] {
+            let limits = Limits { tolerance: Settings::default().tolerance, most_steps: MOST_STEPS };
+            let mut workspace = Workspace::new(&patch.convolver);
+            let [x, y, spin] = [[small, 0.0, 0.0], [0.0, small, 0.0], [0.0, 0.0, small]].map(|creepage| {
+                let (force, _) = patch.solve(creepage, &mut Vec::new(), limits, &mut workspace);
+                force
+            });
+            let found = [x[0], y[1], spin[1], spin[2], y[2]].map(|slope| -slope / small * normal::LOAD);
+            let off = found.iter().zip(&known).map(|(found, known)| (found / known - 1.0).abs()).fold(0.0, f64::max);
+            println!("a/b {a_over_b}, creepage {small:e}: off by {off:.1e}");
+            assert!(off < 5e-3, "{found:?} {known:?}");
+        }
+    }
+}
+
 fn from_two_grids(fine: [f64; 5], coarse: [f64; 5]) -> [f64; 5] {
     std::array::from_fn(|k| 2.0 * fine[k] - coarse[k])
 }
