@@ -124,6 +124,26 @@ mod tests {
         assert!(!opened("0.9").contains("from the centre"), "{}", opened("0.9"));
     }
 
+    /// A car on springs under its middle stands upright in a run on straight track, and falls in any other. Rate by hand, on trucks that do not give way:
+    /// `sqrt((m g h - k y^2) / (J + m h^2))`, h from the springs' plane to the car's centre.
+    #[test]
+    fn analytic_a_car_that_does_not_stand_by_itself_is_named() {
+        let open = |changes: &[&str]| {
+            let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+            let scene = load::open(TRAM, &changes).unwrap_or_else(|error| panic!("{error}"));
+            improbable(&scene, &assemble::model(&scene).unwrap())
+        };
+        let bar = "vehicle.module.truck.force[anti_roll_bar].stiffness=1";
+        let narrow = "vehicle.module.truck.force[secondary].at=[0,0.05,0.6]";
+        assert_eq!([open(&[bar]), open(&[narrow])], [Vec::<String>::new(), vec![]]);
+        let found = open(&[bar, narrow]);
+        assert!(found.len() == 1 && found[0].contains("car does not stand by itself") && found[0].contains("in roll"), "{found:?}");
+        let by_hand = ((12e3 * 9.81 * 0.9 - 4.0 * 3e5 * 0.05 * 0.05) / (14e3 + 12e3 * 0.81_f64)).sqrt();
+        let rate: f64 = found[0].split(" 1/s").next().and_then(|words| words.rsplit(' ').next()?.parse().ok()).unwrap();
+        println!("{rate} 1/s, by hand {by_hand:.2} 1/s");
+        assert!(rate > by_hand && rate < 1.5 * by_hand, "{rate} {by_hand}");
+    }
+
     /// A line has a sense: what presses must lie on its side, and can be reached.
     #[test]
     fn prop_stops_that_act_inside_out_are_refused_or_named() {

@@ -4,6 +4,7 @@ use super::spec::Scene;
 use super::start::origin;
 use super::vehicle::assemble::static_preloads;
 use super::vehicle::extent::Away;
+use super::vehicle::stability::{Fall, fall};
 use crate::formulation::Model;
 use crate::geometry::profile::ProfileChoice;
 use crate::geometry::track::gauge;
@@ -20,6 +21,7 @@ pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(off_the_tread(model))
         .chain(doubts(model))
         .chain(soft_springs(scene))
+        .chain(falls(scene))
         .chain(beside_the_rails(scene))
         .chain(extents(scene, model))
         .chain(adverse(scene))
@@ -135,6 +137,14 @@ fn soft_springs(scene: &Scene) -> Option<String> {
         })
     };
     static_preloads(&scene.vehicle, 0.0).ok()?.iter().find_map(of)
+}
+
+/// A body that its springs do not keep upright.
+fn falls(scene: &Scene) -> Option<String> {
+    let Fall { body, direction, rate } = fall(&scene.vehicle)?;
+    Some(format!(
+        "{body} does not stand by itself: springs and joints let it fall, first {direction}, {rate:.2} 1/s at the start, until friction or a stop holds it; the run begins where it balances"
+    ))
 }
 
 /// The running circle lies between these distances outside of the gauge line, m: 29 to 40 mm on usual wheels.

@@ -25,6 +25,7 @@ mod joints;
 mod kept;
 mod places;
 mod read;
+pub mod stability;
 mod static_preload;
 pub mod templates;
 #[cfg(test)]

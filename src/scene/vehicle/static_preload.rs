@@ -99,7 +99,7 @@ pub(super) fn found(vehicle: &VehicleSpec, system: &System) -> Result<Vec<(usize
 }
 
 /// Generalised forces on all bodies that are no wheelsets.
-fn generalised(vehicle: &VehicleSpec, workspace: &SystemWorkspace, wrenches: &[Wrench]) -> DVector<f64> {
+pub(super) fn generalised(vehicle: &VehicleSpec, workspace: &SystemWorkspace, wrenches: &[Wrench]) -> DVector<f64> {
     let bodies = workspace.motions.iter().zip(wrenches).take(vehicle.body_count()).skip(vehicle.wheelsets.len());
     DVector::from_iterator(
         COORDINATES * vehicle.bodies.len(),
@@ -108,7 +108,7 @@ fn generalised(vehicle: &VehicleSpec, workspace: &SystemWorkspace, wrenches: &[W
 }
 
 /// Rows of all joints on the same coordinates, as columns.
-fn joint_rows(vehicle: &VehicleSpec, system: &System, workspace: &SystemWorkspace) -> DMatrix<f64> {
+pub(super) fn joint_rows(vehicle: &VehicleSpec, system: &System, workspace: &SystemWorkspace) -> DMatrix<f64> {
     let count = system.joints.iter().map(|joint| joint.rows()).sum();
     let mut rows = DMatrix::zeros(COORDINATES * vehicle.bodies.len(), count);
     let mut column = 0;
