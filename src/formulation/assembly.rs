@@ -145,6 +145,7 @@ impl Model {
             searches.fill_with(|| None);
         }
         let contact_states_begin = system.dimension();
+        let force_weights = system.forces.iter().flat_map(|force| std::iter::repeat_n(force.state_weight(), force.states())).collect();
         let flanks = flank::flanks(&wheelsets, &track);
         Model {
             system,
@@ -157,6 +158,7 @@ impl Model {
             searches,
             flanks,
             load_tolerance: LOAD_TOLERANCE,
+            force_weights,
             half: None,
             search_always: false,
             means: None,

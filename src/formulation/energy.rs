@@ -13,7 +13,7 @@
 //! ```
 //!
 //! s is the slip of the wheel's material against that of the rail (m/s, rad/s about the normal). This holds at every instant for any law of contact, so that what the
-//! integrals leave over is the error of the integration alone. Two things are in no book: a rigid contact that lands or lifts, and in curves what turns the weight of a
+//! integrals leave over is the error of the integration alone. Two things are in no book: a rigid contact that lands or lifts, and in curves (vertical ones too) what turns the weight of a
 //! wheelset's supported load and what its suspension's travelling frame does.
 //!
 //! The integrals are states without weight in the error control: steps are those of the run without them. They are as exact as the method is for what it does not control; of implicit adaptive steps

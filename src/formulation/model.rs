@@ -21,7 +21,7 @@ use crate::contact::transient::{self, TransientContact};
 use crate::geometry::Side;
 use crate::geometry::out_of_round::OutOfRound;
 use crate::geometry::track::Track;
-use crate::mbs::body::BodyMotion;
+use crate::mbs::body::{BodyMotion, COORDINATES};
 use crate::mbs::system::System;
 use std::ops::Range;
 use std::sync::Arc;
@@ -60,6 +60,8 @@ pub struct Model {
     /// Error of a contact's normal or creep force that a step may make, in parts of the static wheel load or, where it is larger, of the
     /// normal force, -.
     pub load_tolerance: f64,
+    /// Weights of the local errors of the force elements' states.
+    pub(super) force_weights: Vec<f64>,
     /// Where contacts of right wheels are those of left ones in a mirror (see `half`): of each body the one that is its mirror image.
     pub(super) half: Option<Vec<usize>>,
     /// Are places searched for also where certificates hold?
@@ -153,6 +155,11 @@ impl Model {
     /// Do bodies and force elements alone have states, whole bodies? All of them are then in the Jacobian ([`Model::linearise`]).
     pub fn is_bodies_alone(&self) -> bool {
         self.contact_states_begin == self.dimension() && self.half.is_none()
+    }
+
+    /// Weight of the local error of a force element's state; `None` of other states.
+    pub fn weight_of_force(&self, i: usize) -> Option<f64> {
+        self.force_weights.get(i.checked_sub(2 * COORDINATES * self.system.bodies.len())?).copied()
     }
 
     /// Where the books of energy begin; they stand at the end of the state vector.

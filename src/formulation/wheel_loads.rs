@@ -215,7 +215,11 @@ impl Model {
         let light = all.iter().filter(|(_, range)| range.least.0 < LEAST);
         if let Some((wheel, range)) = light.clone().min_by(|a, b| a.1.least.0.total_cmp(&b.1.least.0)) {
             let load = if range.least.0 > 0.0 { format!("{:.1} % of the static load", 100.0 * range.least.0) } else { "nothing".into() };
-            let landing = if range.least.0 > 0.0 { "" } else { "; loads at the instants of its landing are known to tenths of the static load, their largest value to some per cent" };
+            let landing = if range.least.0 > 0.0 {
+                ""
+            } else {
+                "; loads at the instants of its landing are known to tenths of the static load, their largest value to some per cent"
+            };
             notes.push(format!(
                 "{wheel} carries {load} at {:.4} s (below {:.0} %: its guidance is not safe{}{landing})",
                 range.least.1,

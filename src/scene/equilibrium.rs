@@ -23,7 +23,9 @@ pub enum EquilibriumError {
         "no balance on the rails where the vehicle starts: it goes up to {percent:.0} % of their displacements there: {cause}; track.start_fade = \"30 m\" lets them grow in front of the vehicle, vehicle.initial.distance starts it elsewhere"
     )]
     OnRails { percent: f64, cause: Box<EquilibriumError> },
-    #[error("no equilibrium: nothing holds {body} {motion}; a force element or a joint must carry it there (within its slack a coupler does not, nor a stop within its free travel)")]
+    #[error(
+        "no equilibrium: nothing holds {body} {motion}; a force element or a joint must carry it there (within its slack a coupler does not, nor a stop within its free travel)"
+    )]
     Unsupported { body: String, motion: &'static str },
     #[error(
         "no equilibrium: {wheelset} does not press on its rails, so that not even its spin is held: is the centre of mass of what it carries beyond the wheelbase, or does a preload lift it?"

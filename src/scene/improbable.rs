@@ -150,7 +150,9 @@ mod tests {
         let with = |kind: &str, to: &str, more: &str| {
             let ends = format!("from={{body=\"car\",at=[0,0,0.8]}},to={{body=\"frame\",at=[{to}]}}");
             let element = format!("vehicle.force=[{{kind=\"{kind}\",name=\"stop\",{ends},{more}}}]");
-            load::open("bogie", &[element]).map(|scene| improbable(&scene, &assemble::model(&scene).unwrap())).map_err(|error| error.to_string())
+            load::open("bogie", &[element])
+                .map(|scene| improbable(&scene, &assemble::model(&scene).unwrap()))
+                .map_err(|error| error.to_string())
         };
         let coupler = "draw_stiffness=5e6,buffer_stiffness=8e6,slack=\"40 mm\"";
         assert!(with("coupler", "-1.0,0,0.8", &format!("{coupler},axis=\"x\"")).unwrap_err().contains("points from \"to\" to \"from\""));

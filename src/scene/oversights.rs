@@ -20,9 +20,9 @@ pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(off_the_axle(scene, model))
         .chain(off_the_tread(model))
         .chain(doubts(model))
-        .chain(soft_springs(scene))
-        .chain(falls(scene))
+        .chain(soft_springs(scene).or_else(|| falls(scene)))
         .chain(beside_the_rails(scene))
+        .chain(level_boxes(scene, model))
         .chain(extents(scene, model))
         .chain(adverse(scene))
         .chain(missed)
@@ -119,8 +119,8 @@ fn doubts(model: &Model) -> Option<String> {
     }
 }
 
-/// No spring of a vehicle is pressed so far by what it carries, m: a body would swing on it with 0.5 Hz.
-const SOFTEST: f64 = 1.0;
+/// No spring of a vehicle is pressed so far by what it carries, m: a body would swing on it with 0.3 Hz.
+const SOFTEST: f64 = 3.0;
 
 /// Springs that balance gives a preload which presses them beyond all bounds.
 fn soft_springs(scene: &Scene) -> Option<String> {
@@ -144,6 +144,36 @@ fn falls(scene: &Scene) -> Option<String> {
     let Fall { body, direction, rate } = fall(&scene.vehicle)?;
     Some(format!(
         "{body} does not stand by itself: springs and joints let it fall, first {direction}, {rate:.2} 1/s at the start, until friction or a stop holds it; the run begins where it balances"
+    ))
+}
+
+/// Grades of nodes that count, rad.
+const GRADE: f64 = 1e-3;
+/// A sensor nearer to the axle than this shows next to nothing of how its box is turned, m.
+const ON_AXLE: f64 = 0.01;
+
+/// Boxes on axles stay level in the world where nodes give the track a grade: what holds on to how they are turned about the axle feels it.
+fn level_boxes(scene: &Scene, model: &Model) -> Option<String> {
+    let nodes = scene.track.alignment.iter().flat_map(|alignment| &alignment.nodes);
+    let steepest = nodes.map(|node| node.grade.abs()).fold(0.0, f64::max);
+    let on = |body: &usize| model.wheelsets.iter().any(|wheelset| wheelset.body == *body);
+    let turned = |force: &dyn ForceElement| {
+        let stiff = force.constants().iter().any(|number| number.name == "rotationalStiffnessY" && number.value > 0.0);
+        (stiff && force.bodies().iter().flatten().any(on)).then(|| format!("{} has a stiffness about an axle", force.name()))
+    };
+    let carried = |sensor: &super::vehicle::Sensor| {
+        let off = sensor.point.x.hypot(sensor.point.z) > ON_AXLE;
+        (off && on(&sensor.body)).then(|| format!("{} is carried by a wheelset, off its axle's line", sensor.name))
+    };
+    let named = || {
+        let of_forces = model.system.forces.iter().find_map(|force| turned(force.as_ref()));
+        of_forces.or_else(|| scene.vehicle.sensors.iter().find_map(carried))
+    };
+    let what = (steepest > GRADE).then(named).flatten()?;
+    Some(format!(
+        "{what}: boxes on axles stay level in the world where track.node gives a grade (up to {:.1} % here), so that they are turned by it against the track and the vehicle; with track.grade they are \
+         not. Give a constant grade as track.grade, leave a stiffness about the axle out (its bearing has none), or carry the box as a body on a joint",
+        1e2 * steepest.tan()
     ))
 }
 

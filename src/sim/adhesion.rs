@@ -1,7 +1,7 @@
 //! Outputs that a controller of traction and brakes asks for: slip and adhesion of each wheelset and wheel (group `adhesion`, shown where a scene names it).
 //!
-//! With the spin w of the axle against the track [rad/s], the radius r of the tread circle and the speed v along the track:
-//! slip `r w - v` [m/s], positive where the axle runs ahead (driving). A yawed or displaced wheelset rolls on other radii: 1 mm of radius at 40 m/s
+//! With the spins w of the wheels against the track [rad/s], their radii r at the tread circle and the speed v along the track:
+//! slip `(r_left w_left + r_right w_right) / 2 - v` [m/s], positive where the axle runs ahead (driving). A yawed or displaced wheelset rolls on other radii: 1 mm of radius at 40 m/s
 //! shows as 0.09 m/s. Used adhesion is the force of the rails along the track over their vertical force, forward positive; available adhesion is
 //! what friction without slip would permit, the sum of mu N over the vertical force (mu of the scene, of the place on the rail, and of the input). A law whose friction falls with slip
 //! reaches less, and what the lateral creep force uses is not subtracted.
@@ -26,7 +26,8 @@ pub(super) fn adhesion_outputs(model: &Model) -> Vec<Output> {
     let ties = Ties::of(model);
     let mut all = Vec::new();
     for (index, wheelset) in model.wheelsets.iter().enumerate() {
-        let (body, radius) = (wheelset.body, wheelset.left.profile.at(0.0).value);
+        let body = wheelset.body;
+        let wheels = Side::BOTH.map(|side| (wheelset.turning[side.index()], wheelset.wheel(side).profile.at(0.0).value));
         let label = |id: u32, name: &str| ((index as u32 + 1) * 1000 + id, format!("{}.{name}", wheelset.name));
         let text = "slip: rolling speed of the tread circle less the speed along the track, forward positive (driving forward or braking backward); the axle's, where wheels turn apart the mean of both";
         let mut slip = Output::new(
@@ -35,7 +36,7 @@ pub(super) fn adhesion_outputs(model: &Model) -> Vec<Output> {
             Unit::MetrePerSecond,
             text,
             Feedthrough::none(),
-            Box::new(move |s| slip_speed(s, body, radius)),
+            Box::new(move |s| slip_speed(s, body, &wheels)),
         );
         slip.needs = Needs::Motion;
         all.push(slip);
@@ -63,11 +64,14 @@ pub(super) fn adhesion_outputs(model: &Model) -> Vec<Output> {
     all
 }
 
-fn slip_speed(s: &Snapshot, body: usize, radius: f64) -> f64 {
-    let motion = &s.workspace.system.motions[body];
+/// `wheels`: what turns on each side, and its radius, m.
+fn slip_speed(s: &Snapshot, body: usize, wheels: &[(usize, f64); 2]) -> f64 {
+    let motions = &s.workspace.system.motions;
+    let motion = &motions[body];
     let (spin, speed) =
         on_track(s, body).map_or((motion.pitch_rate, motion.speed), |(relative, _)| (relative.velocities[5], relative.velocities[0]));
-    radius * spin - speed
+    let rolling = wheels.map(|(turning, radius)| radius * (spin + motions[turning].pitch_rate - motion.pitch_rate));
+    0.5 * (rolling[0] + rolling[1]) - speed
 }
 
 /// Sum of the forces of the rails on these wheels of a wheelset in the track frame, N.

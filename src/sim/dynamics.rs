@@ -195,6 +195,8 @@ impl Dynamics for ModelDynamics<'_> {
         let velocities = COORDINATES * system.bodies.len();
         let plain = if (velocities..2 * velocities).contains(&i) || i >= self.model.mean_states(0).start {
             0.0
+        } else if let Some(weight) = self.model.weight_of_force(i) {
+            weight
         } else if let Some(weight) = self.model.weight_of_rail(i) {
             weight * PRESSING
         } else if i < velocities

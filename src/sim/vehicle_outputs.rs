@@ -11,12 +11,14 @@ use super::feedthrough::{Depends, FRICTION_INPUTS, Feedthrough, Ties};
 use super::outputs::{Needs, Output, on_track, outputs};
 use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
+use crate::geometry::track::centre_line::CentreLine;
 use crate::mbs::body::COORDINATES;
 use crate::mbs::force::QuantityKind;
 use crate::scene::spec::{ADHESION, Scene};
 use crate::scene::vehicle::{Sensor, VehicleSpec};
 use crate::units::Unit;
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// First number of bodies, forces and sensors, and the distance from one to the next.
 pub const BODY: u32 = 1_000_000;
@@ -139,6 +141,7 @@ impl Collector<'_> {
         let rolls = |body: &usize| *body < self.model.wheelsets.len();
         let apart = !self.model.formulation.constrains() && !self.ties.group(sensor.body).iter().any(rolls);
         let (body, point) = (sensor.body, sensor.point);
+        let line = self.model.track.rail(Side::Left).line().map(|line| Arc::new(line.clone()));
         for (id, name, unit, axis, text) in [
             (0, "distance", Unit::Distance, 0, "distance of the point along the track"),
             (1, "y", Unit::Metre, 1, "lateral position of the point, left positive"),
@@ -146,7 +149,8 @@ impl Collector<'_> {
         ] {
             let name = format!("{}.{name}", sensor.name);
             let label = Label { reference: base + id, name, group: "sensors", unit, feedthrough: Feedthrough::none() };
-            self.add_of_motion(label, text, move |s| place_of(s, body, &point)[axis]);
+            let line = line.clone();
+            self.add_of_motion(label, text, move |s| place_of(s, body, &point, line.as_deref())[axis]);
         }
         let measured = [
             (
@@ -247,13 +251,13 @@ pub fn follow_constants(outputs: &mut [Output], scene: &Scene, model: &Model, el
     }
 }
 
-/// Where a point of a body is in the track frame beside the body, with the distance along the track first.
-fn place_of(s: &Snapshot, body: usize, point: &Vector3<f64>) -> Vector3<f64> {
+/// Where a point of a body is in the track frame beside that point, with the distance along the track first.
+fn place_of(s: &Snapshot, body: usize, point: &Vector3<f64>, line: Option<&CentreLine>) -> Vector3<f64> {
     let place = s.workspace.system.motions[body].attachment_point(point);
-    match on_track(s, body) {
-        None => place,
-        Some((_, station)) => station.components(&(place - station.frame.origin)) + Vector3::x() * station.frame.distance,
-    }
+    let Some(line) = line else { return place };
+    let beside = s.workspace.system.stations.get(body).map_or(place.x, |station| station.frame.distance);
+    let frame = line.project(&place, beside);
+    frame.components(&(place - frame.origin)) + Vector3::x() * frame.distance
 }
 
 /// What gravity does to a free body, in the world, m/s2.

@@ -10,7 +10,7 @@ use super::progress::Progress;
 use super::results::{Format, Layout, Precision, Results, Thinned};
 use super::{Failure, SceneArguments, TimeArguments, WheelsetArgument, overview, print, seconds};
 use crate::scene::improbable::improbable;
-use crate::scene::spec::Scene;
+use crate::scene::spec::{PatchSpec, Scene};
 use crate::settings::did_you_mean;
 use crate::sim::Simulation;
 use crate::sim::balance::open_books;
@@ -114,8 +114,19 @@ fn not_over_inputs(arguments: &Arguments) -> Result<(), Failure> {
 fn first_notes(scene: &Scene, simulation: &mut Simulation) -> Vec<String> {
     let mut notes = improbable(scene, simulation.model());
     notes.extend(statics::statics(scene, simulation).map(|found| found.notes()).unwrap_or_default());
+    // A patch that an effect's absence has chosen is part of what changes.
+    let PatchSpec { law, why } = scene.contact.patch;
+    notes.extend(why.filter(|why| why.starts_with("effects.")).map(|why| format!("contact.patch is {}: {why}", law.name())));
     notes.extend(scene.effects.describe().into_iter().map(|(name, why)| format!("left out: {name}, {why}")));
     notes
+}
+
+/// Is there something that curves turn without a book (`formulation::energy`): supported loads, and suspensions whose frame travels with the wheelset?
+fn turns_unbooked(scene: &Scene) -> bool {
+    let vehicle = &scene.vehicle;
+    let supported = vehicle.wheelsets.iter().any(|wheelset| wheelset.spec.vertical_load != 0.0);
+    let suspended = vehicle.forces.iter().any(|element| vehicle.suspended_by(element.0.name()).is_some());
+    scene.track.alignment.is_some() && (supported || suspended)
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -184,7 +195,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     notes.extend(recording.all_notes(&simulation));
     // Books are whole where all outputs were recorded.
-    notes.extend((scene.interface.only.is_none() && asked.columns.is_empty()).then(|| open_books(&recording)).flatten());
+    let whole = scene.interface.only.is_none() && asked.columns.is_empty() && !turns_unbooked(&scene);
+    notes.extend(whole.then(|| open_books(&recording)).flatten());
     messages(&notes, &events, simulation.doubts());
     if arguments.json {
         let error = failure.as_ref().or(ended.as_ref().map(|ended| &ended.0));

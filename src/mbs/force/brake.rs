@@ -58,8 +58,13 @@ impl Brake {
 
     #[inline]
     fn grip(&self, most: f64, angle: f64, speed: f64) -> Grip {
+        self.sticking().grip(most, angle, speed)
+    }
+
+    #[inline]
+    fn sticking(&self) -> Sticking {
         let Brake { stiffness, relaxation, damping_time, .. } = *self;
-        Sticking { stiffness, relaxation, damping_time }.grip(most, angle, speed)
+        Sticking { stiffness, relaxation, damping_time }
     }
 
     /// The brake as it stands, with the wrenches of a unit torque and rho.
@@ -143,6 +148,10 @@ impl ForceElement for Brake {
 
     fn states(&self) -> usize {
         1
+    }
+
+    fn state_weight(&self) -> f64 {
+        self.sticking().state_weight()
     }
 
     fn time_constant(&self) -> Option<f64> {

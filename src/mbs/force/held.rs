@@ -179,6 +179,10 @@ impl ForceElement for Held {
         self.element.time_constant()
     }
 
+    fn state_weight(&self) -> f64 {
+        self.element.state_weight()
+    }
+
     fn inputs(&self) -> &'static [ElementInput] {
         self.element.inputs()
     }

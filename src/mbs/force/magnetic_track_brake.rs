@@ -129,6 +129,10 @@ impl ForceElement for MagneticTrackBrake {
         2
     }
 
+    fn state_weight(&self) -> f64 {
+        self.sticking.state_weight()
+    }
+
     fn time_constant(&self) -> Option<f64> {
         Some(((1.0 - STICKING) * self.sticking.relaxation).min(self.rise_time))
     }

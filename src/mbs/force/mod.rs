@@ -164,6 +164,11 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
     /// `first_state` of the state vector.
     fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent);
 
+    /// Weight of the local error of its states, by that of a position in metres: more where a small error makes a large force.
+    fn state_weight(&self) -> f64 {
+        1.0
+    }
+
     /// What the element can report.
     fn quantities(&self) -> &'static [Quantity] {
         &[]

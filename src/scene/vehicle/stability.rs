@@ -73,8 +73,13 @@ pub fn fall(vehicle: &VehicleSpec) -> Option<Fall> {
     let rows = joint_rows(vehicle, &system, &workspace);
     let held = (&rows * rows.transpose()).symmetric_eigen();
     let least = FREE * held.eigenvalues.amax().max(f64::MIN_POSITIVE);
-    let free: Vec<DVector<f64>> =
-        held.eigenvalues.iter().zip(held.eigenvectors.column_iter()).filter(|(value, _)| **value <= least).map(|(_, way)| way.into()).collect();
+    let free: Vec<DVector<f64>> = held
+        .eigenvalues
+        .iter()
+        .zip(held.eigenvectors.column_iter())
+        .filter(|(value, _)| **value <= least)
+        .map(|(_, way)| way.into())
+        .collect();
     if free.is_empty() {
         return None;
     }

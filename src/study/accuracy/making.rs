@@ -69,7 +69,8 @@ impl<'a> Making<'a> {
         let (start, mut pilots, mut cpu) = (budget.spent(), Vec::new(), 0.0);
         for (variant, one) in variants.iter().zip(&prepared) {
             progress(budget.spent() / budget.seconds, &format!("pilot run of {}", variant.label()));
-            let (pilot, seconds) = cpu_time(|| pilot(one, full, (PILOTS * budget.seconds / prepared.len() as f64, false, request.interrupted)));
+            let (pilot, seconds) =
+                cpu_time(|| pilot(one, full, (PILOTS * budget.seconds / prepared.len() as f64, false, request.interrupted)));
             pilots.push(pilot);
             cpu += seconds;
         }
@@ -121,7 +122,8 @@ impl<'a> Making<'a> {
         let pilot = own.and_then(|variant| self.schedule.pilots[variant]);
         let cost = pilot.map_or(f64::INFINITY, |pilot| pilot.per_second * self.schedule.slowness);
         let asked = !self.request.communication_steps.is_empty();
-        let room = asked && !(self.request.interrupted)() && communication::duration(cost, self.span) < (1.0 - POINTS) * self.budget.seconds;
+        let room =
+            asked && !(self.request.interrupted)() && communication::duration(cost, self.span) < (1.0 - POINTS) * self.budget.seconds;
         if asked && !room && !(self.request.interrupted)() {
             self.study
                 .notes
@@ -173,8 +175,9 @@ impl<'a> Making<'a> {
 
     /// One point; what it costs helps to foresee others.
     fn run(&mut self, item: Item, limits: [f64; 2]) -> Outcome {
-        let done = run::with_setting(&self.prepared[item.variant].scene, &item.setting)
-            .and_then(|scene| run::measure(&scene, self.request.wheelset, self.span, self.request.repeats, limits, self.request.interrupted));
+        let done = run::with_setting(&self.prepared[item.variant].scene, &item.setting).and_then(|scene| {
+            run::measure(&scene, self.request.wheelset, self.span, self.request.repeats, limits, self.request.interrupted)
+        });
         let reference = self.study.model_of(item.variant).map(|model| &model.reference);
         match (done, reference) {
             (Ok((observation, measured)), Some(Ok(reference))) => {
