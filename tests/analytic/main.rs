@@ -15,6 +15,7 @@ mod limit_cycles;
 mod modes;
 mod moving_frame;
 mod out_of_round;
+mod outputs;
 mod rail_beam;
 mod rail_motion;
 mod sliding_means;
