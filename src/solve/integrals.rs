@@ -15,7 +15,7 @@ use super::dense;
 use super::{Implicit, IntegrationState, Scratch, Undefined};
 
 /// Place of the first inner point in a step; the second lies as far from its end.
-const INNER: f64 = 0.276_393_202_250_021_03;
+const INNER: f64 = 0.276_393_202_250_021;
 /// Stages that hold the rates at the begin, at the inner points and at the end; steps have no use for them.
 const BEGIN: usize = 3;
 const WITHIN: [usize; 2] = [4, 5];
