@@ -109,9 +109,17 @@ fn off_the_tread(model: &Model) -> Option<String> {
     model.system.forces.iter().find_map(|force| of(force.as_ref()))
 }
 
-/// What elements say of their own data; the first, and how many more.
+/// Coefficients of friction between parts of a vehicle end below this.
+const ROUGHEST: f64 = 1.5;
+
+/// What elements say of their own data, and coefficients of friction beyond all; the first, and how many more.
 fn doubts(model: &Model) -> Option<String> {
-    let mut all = model.system.forces.iter().filter_map(|force| Some(format!("{}: {}", force.name(), force.doubt()?)));
+    let rough = |force: &dyn ForceElement| {
+        let found = force.constants().into_iter().find(|number| number.name == "friction" && number.value > ROUGHEST)?.value;
+        Some(format!("friction = {found}: surfaces of vehicles have 0.1 to 0.6; per cent are written \"{found} %\""))
+    };
+    let doubt = |force: &dyn ForceElement| Some(format!("{}: {}", force.name(), force.doubt().or_else(|| rough(force))?));
+    let mut all = model.system.forces.iter().filter_map(|force| doubt(force.as_ref()));
     let first = all.next()?;
     match all.count() {
         0 => Some(first),

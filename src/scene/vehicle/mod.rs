@@ -114,9 +114,10 @@ pub struct Sensor {
 }
 
 impl PlacedWheelset {
-    /// Centre in the design configuration, m: as high as the wheel's radius at the tread circle.
+    /// Centre in the design configuration, m: as high as the mean radius of both wheels at the tread circle.
     pub fn design_position(&self) -> Vector3<f64> {
-        Vector3::new(self.x, 0.0, self.spec.profiles[0].profile.at(0.0).value)
+        let [left, right] = self.spec.profiles.each_ref().map(|choice| choice.profile.at(0.0).value);
+        Vector3::new(self.x, 0.0, 0.5 * (left + right))
     }
 }
 
