@@ -121,12 +121,13 @@ fn first_notes(scene: &Scene, simulation: &mut Simulation) -> Vec<String> {
     notes
 }
 
-/// Is there something that curves turn without a book (`formulation::energy`): supported loads, and suspensions whose frame travels with the wheelset?
-fn turns_unbooked(scene: &Scene) -> bool {
+/// Do the books of energy close by themselves: are all parts shown, and is there nothing that curves turn without a book (`formulation::energy`), such as supported loads and
+/// suspensions whose frame travels with the wheelset?
+fn books_close(scene: &Scene) -> bool {
     let vehicle = &scene.vehicle;
     let supported = vehicle.wheelsets.iter().any(|wheelset| wheelset.spec.vertical_load != 0.0);
     let suspended = vehicle.forces.iter().any(|element| vehicle.suspended_by(element.0.name()).is_some());
-    scene.track.alignment.is_some() && (supported || suspended)
+    scene.interface.only.is_none() && !(scene.track.alignment.is_some() && (supported || suspended))
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -194,9 +195,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     notes.extend(recording.all_notes(&simulation));
-    // Books are whole where all outputs were recorded.
-    let whole = scene.interface.only.is_none() && asked.columns.is_empty() && !turns_unbooked(&scene);
-    notes.extend(whole.then(|| open_books(&recording)).flatten());
+    notes.extend((asked.columns.is_empty() && books_close(&scene)).then(|| open_books(&recording)).flatten());
     messages(&notes, &events, simulation.doubts());
     if arguments.json {
         let error = failure.as_ref().or(ended.as_ref().map(|ended| &ended.0));
