@@ -3,7 +3,7 @@
 use super::flank;
 use super::frame_motion::MovingFrame;
 use super::memory::{Mode, ModelMemory, WheelMemory};
-use super::model::{ContactLaws, LOAD_TOLERANCE, Model};
+use super::model::{ContactLaws, LOAD_TOLERANCE, Model, force_weights};
 use super::patch_tables::PreparedTables;
 use super::rail_scratch::RailScratch;
 use super::rigid_scratch::RigidScratch;
@@ -145,7 +145,7 @@ impl Model {
             searches.fill_with(|| None);
         }
         let contact_states_begin = system.dimension();
-        let force_weights = system.forces.iter().flat_map(|force| std::iter::repeat_n(force.state_weight(), force.states())).collect();
+        let force_weights = force_weights(&system);
         let flanks = flank::flanks(&wheelsets, &track);
         Model {
             system,

@@ -92,6 +92,11 @@ pub struct Model {
     pub(super) linear: Vec<Arc<LinearContact>>,
 }
 
+/// Weights of the local errors of the force elements' states.
+pub(super) fn force_weights(system: &System) -> Vec<f64> {
+    system.forces.iter().flat_map(|force| std::iter::repeat_n(force.state_weight(), force.states())).collect()
+}
+
 impl Model {
     pub fn contacts(&self) -> usize {
         2 * self.wheelsets.len()
@@ -155,6 +160,11 @@ impl Model {
     /// Do bodies and force elements alone have states, whole bodies? All of them are then in the Jacobian ([`Model::linearise`]).
     pub fn is_bodies_alone(&self) -> bool {
         self.contact_states_begin == self.dimension() && self.half.is_none()
+    }
+
+    /// Finds those weights from the elements' numbers as they are now.
+    pub fn weigh_forces(&mut self) {
+        self.force_weights = force_weights(&self.system);
     }
 
     /// Weight of the local error of a force element's state; `None` of other states.

@@ -44,6 +44,14 @@ pub enum Inertia {
 }
 
 impl Inertia {
+    /// Ixx, Iyy, Izz of the body in its design configuration.
+    pub fn moments(&self) -> [f64; 3] {
+        match *self {
+            Inertia::Revolution { transverse, axial } | Inertia::NotGyroscopic { transverse, axial } => [transverse, axial, transverse],
+            Inertia::General { principal } => principal.into(),
+        }
+    }
+
     /// Accelerations of yaw, roll and pitch under a moment [N m, track frame].
     #[inline(always)] // on the wheelset's path, with several callers
     pub fn accelerations(&self, motion: &BodyMotion, moment: &Vector3<f64>) -> [f64; 3] {

@@ -37,10 +37,7 @@ fn friction(scene: &Scene) -> Option<String> {
 /// `J1 <= J2 + J3` of any distribution of mass.
 fn moments(scene: &Scene) -> Vec<String> {
     let of = |(name, inertia): (&str, &Inertia)| {
-        let all = match *inertia {
-            Inertia::Revolution { transverse, axial } | Inertia::NotGyroscopic { transverse, axial } => [transverse, axial, transverse],
-            Inertia::General { principal } => principal.into(),
-        };
+        let all = inertia.moments();
         let (largest, sum) = (all.into_iter().fold(0.0, f64::max), all.iter().sum::<f64>());
         let others = sum - largest;
         (largest > (1.0 + ROUNDING) * others).then(|| {

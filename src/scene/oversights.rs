@@ -10,7 +10,6 @@ use crate::geometry::profile::ProfileChoice;
 use crate::geometry::track::gauge;
 use crate::mbs::body::Body;
 use crate::mbs::force::ForceElement;
-use crate::mbs::inertia::Inertia;
 
 /// All of them.
 pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
@@ -217,10 +216,7 @@ const EXTENT_OF_WHEELSETS: f64 = 3.0;
 /// Moments of inertia of another unit than the mass.
 fn extents(scene: &Scene, model: &Model) -> Option<String> {
     let far = |body: &Body, most: f64| {
-        let largest = match body.inertia {
-            Inertia::Revolution { transverse, axial } | Inertia::NotGyroscopic { transverse, axial } => transverse.max(axial),
-            Inertia::General { principal } => principal.max(),
-        };
+        let largest = body.inertia.moments().into_iter().fold(0.0, f64::max);
         let radius = (largest / body.mass).sqrt();
         (radius > most).then(|| {
             format!(

@@ -50,6 +50,7 @@ impl Simulation {
             }
             forces[place].set_constant(*number, *value);
         }
+        self.model.weigh_forces();
         self.workspace.forget();
         self.known = None;
     }

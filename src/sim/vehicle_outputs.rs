@@ -18,7 +18,6 @@ use crate::scene::spec::{ADHESION, Scene};
 use crate::scene::vehicle::{Sensor, VehicleSpec};
 use crate::units::Unit;
 use nalgebra::Vector3;
-use std::sync::Arc;
 
 /// First number of bodies, forces and sensors, and the distance from one to the next.
 pub const BODY: u32 = 1_000_000;
@@ -141,7 +140,7 @@ impl Collector<'_> {
         let rolls = |body: &usize| *body < self.model.wheelsets.len();
         let apart = !self.model.formulation.constrains() && !self.ties.group(sensor.body).iter().any(rolls);
         let (body, point) = (sensor.body, sensor.point);
-        let line = self.model.track.rail(Side::Left).line().map(|line| Arc::new(line.clone()));
+        let line = self.model.track.rail(Side::Left).shared_line();
         for (id, name, unit, axis, text) in [
             (0, "distance", Unit::Distance, 0, "distance of the point along the track"),
             (1, "y", Unit::Metre, 1, "lateral position of the point, left positive"),

@@ -128,13 +128,18 @@ impl Tangential<'_> {
             let projected = project([p[0] - rho * s[0], p[1] - rho * s[1]], *g);
             *f = [p[0] - projected[0], p[1] - projected[1]];
         }
-        size(map) / self.pressure.values.iter().map(|g| g * g).sum::<f64>().sqrt()
+        size(map) / self.bound()
+    }
+
+    /// |g|.
+    fn bound(&self) -> f64 {
+        self.pressure.values.iter().map(|g| g * g).sum::<f64>().sqrt()
     }
 
     /// By what the tolerance counts: 1, less where the slip is so small that it would ask for nearly no traction against the bound. Next to nothing else was
     /// the solution then: c33 of a disk was 0 at a spin of 1e-6 1/m, and 1.18 at 1e-5.
     fn demand(&self, rigid: &[Pair]) -> f64 {
-        let asked = self.rho() * size(rigid) / self.pressure.values.iter().map(|g| g * g).sum::<f64>().sqrt();
+        let asked = self.rho() * size(rigid) / self.bound();
         (asked / SMALL).clamp(LEAST, 1.0)
     }
 

@@ -180,12 +180,14 @@ impl Loaded {
                 report.normal_force *= grown;
             }
             let acts = of_strips.moment * (1.0 - *weight) + of_table.moment * *weight;
-            let moment = |report: &ContactReport| {
-                (report.wheel_point - centre).cross(&report.force) + report.axes.normal * report.creep_force.spin_moment + report.couple
-            };
-            let shown: Vector3<f64> = pressed.reports.iter().filter(|report| report.normal_force > 0.0).map(moment).sum();
+            let mut shown = Wrench::default();
+            pressed
+                .reports
+                .iter()
+                .filter(|report| report.normal_force > 0.0)
+                .for_each(|report| report.add_to(&mut shown, report.force, centre));
             if let Some(most) = pressed.reports.iter_mut().max_by(|a, b| a.normal_force.total_cmp(&b.normal_force)) {
-                most.couple += acts - shown;
+                most.couple += acts - shown.moment;
             }
         }
     }

@@ -9,12 +9,18 @@ use super::{Rail, RailSection};
 use crate::geometry::profile::ProfilePoint;
 use crate::geometry::surface::{SurfacePoint, ThirdDerivatives};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 impl Rail {
     /// What the rail follows; `None`: X.
     #[inline]
     pub fn line(&self) -> Option<&CentreLine> {
         self.line.as_deref()
+    }
+
+    /// The same, to be kept.
+    pub fn shared_line(&self) -> Option<Arc<CentreLine>> {
+        self.line.clone()
     }
 
     /// What the rail follows at distance `s` [m] where that is not X.

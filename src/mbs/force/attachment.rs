@@ -106,14 +106,15 @@ impl Attachment {
     }
 }
 
-/// Index of a body axis and its unit vector, from `axis = "x" | "y" | "z"`; y is mirrored in mirrored copies.
+/// Directions that a scene can name, with their unit vectors; y is mirrored in mirrored copies.
+pub(super) fn axes(places: &dyn Places) -> [(&'static str, Vector3<f64>); 6] {
+    let [x, y, z] = [Vector3::x(), Vector3::y() * places.mirror(), Vector3::z()];
+    [("x", x), ("y", y), ("z", z), ("-x", -x), ("-y", -y), ("-z", -z)]
+}
+
+/// The unit vector of `axis = "x" | "y" | "z" | "-x" ...`.
 pub(super) fn axis(section: &Section, places: &dyn Places, key: &'static str) -> Result<Vector3<f64>, SettingsError> {
-    Ok(match section.word(key, &["x", "y", "z", "-x", "-y", "-z"])? {
-        "x" => Vector3::x(),
-        "y" => Vector3::y() * places.mirror(),
-        "z" => Vector3::z(),
-        "-x" => -Vector3::x(),
-        "-y" => Vector3::y() * -places.mirror(),
-        _ => -Vector3::z(),
-    })
+    let all = axes(places);
+    let word = section.word(key, &all.map(|(name, _)| name))?;
+    Ok(all.iter().find(|(name, _)| *name == word).map_or(all[0].1, |(_, axis)| *axis))
 }

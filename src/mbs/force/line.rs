@@ -14,7 +14,7 @@
 //! `from` and -T e on `to`, both at p: equal and opposite on one line, and its power is -T L'.
 //! Displacement x = L - L0 where L0 is the length in the design configuration, tension positive.
 
-use super::attachment::{Attachment, Places, axis};
+use super::attachment::{Attachment, Places, axes, axis};
 use super::curve::Table;
 use super::{ForceElement, Quantity, QuantityKind, Strike};
 use crate::mbs::body::Wrench;
@@ -76,7 +76,7 @@ impl Span {
         let direction = if section.has("axis") { Direction::Axis(axis(section, places, "axis")?) } else { Direction::Line };
         let centres = places.design_vector(&Attachment { local: Vector3::zeros(), ..from }, &Attachment { local: Vector3::zeros(), ..to });
         if direction == Direction::Line && vector.norm() < SHORTEST {
-            let toward = AXES.iter().map(|(name, axis)| (name, axis.dot(&centres))).max_by(|a, b| a.1.total_cmp(&b.1));
+            let toward = axes(places).into_iter().map(|(name, axis)| (name, axis.dot(&centres))).max_by(|a, b| a.1.total_cmp(&b.1));
             let toward = toward.map_or("x", |(name, _)| name);
             let problem = format!(
                 "both places coincide, so that there is no line between them; move one, or give an axis, which points from \"from\" to \"to\": axis = \"{toward}\" \
@@ -131,16 +131,6 @@ impl Span {
         self.to.load(bodies, wrenches, &-force, &stretch.point, &Vector3::zeros());
     }
 }
-
-/// Directions that a scene can name.
-const AXES: [(&str, Vector3<f64>); 6] = [
-    ("x", Vector3::new(1.0, 0.0, 0.0)),
-    ("-x", Vector3::new(-1.0, 0.0, 0.0)),
-    ("y", Vector3::new(0.0, 1.0, 0.0)),
-    ("-y", Vector3::new(0.0, -1.0, 0.0)),
-    ("z", Vector3::new(0.0, 0.0, 1.0)),
-    ("-z", Vector3::new(0.0, 0.0, -1.0)),
-];
 
 /// Reads `from` and `to`, which must not be on the same body.
 pub(super) fn ends(section: &Section, places: &dyn Places) -> Result<(Attachment, Attachment), SettingsError> {

@@ -15,7 +15,6 @@ use super::assemble::parts;
 use super::design::design_state;
 use super::static_preload::{generalised, joint_rows};
 use crate::mbs::body::COORDINATES;
-use crate::mbs::inertia::Inertia;
 use nalgebra::{DMatrix, DVector};
 
 /// Differences of coordinates, m and rad.
@@ -61,10 +60,7 @@ pub fn fall(vehicle: &VehicleSpec) -> Option<Fall> {
     let masses = DVector::from_iterator(
         count,
         vehicle.bodies.iter().flat_map(|placed| {
-            let [xx, yy, zz] = match placed.body.inertia {
-                Inertia::Revolution { transverse, axial } | Inertia::NotGyroscopic { transverse, axial } => [transverse, axial, transverse],
-                Inertia::General { principal } => principal.into(),
-            };
+            let [xx, yy, zz] = placed.body.inertia.moments();
             let mass = placed.body.mass;
             // Yaw, roll and pitch.
             [mass, mass, mass, zz, xx, yy]

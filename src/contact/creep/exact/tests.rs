@@ -30,11 +30,16 @@ fn share(force: CreepForce) -> [f64; 2] {
 
 /// c11, c22, c23, c33 and c32 of one patch, from the slopes at zero creepage.
 fn slopes(patch: &SteadyPatch) -> [f64; 5] {
-    let (small, limits) = (1e-4, Limits { tolerance: 1e-9, most_steps: MOST_STEPS });
+    slopes_by(patch, 1e-4, 1e-9)
+}
+
+/// The same from a creepage, solved to a tolerance.
+fn slopes_by(patch: &SteadyPatch, small: f64, tolerance: f64) -> [f64; 5] {
+    let limits = Limits { tolerance, most_steps: MOST_STEPS };
     let mut workspace = Workspace::new(&patch.convolver);
     let [x, y, spin] = [[small, 0.0, 0.0], [0.0, small, 0.0], [0.0, 0.0, small]].map(|creepage| {
         let (force, outcome) = patch.solve(creepage, &mut Vec::new(), limits, &mut workspace);
-        assert!(outcome.residual < 1e-9, "{creepage:?} {outcome:?}");
+        assert!(outcome.residual < tolerance, "{creepage:?} {outcome:?}");
         force
     });
     [x[0], y[1], spin[1], spin[2], y[2]].map(|slope| -slope / small * normal::LOAD)
@@ -47,13 +52,7 @@ fn hard_forces_of_tiny_creepages_are_in_proportion() {
         let patch = SteadyPatch::new(a_over_b, 0.28, &Convolver::square(16));
         let known = slopes(&patch);
         for small in [1e-5, 1e-7, 1e-9] {
-            let limits = Limits { tolerance: Settings::default().tolerance, most_steps: MOST_STEPS };
-            let mut workspace = Workspace::new(&patch.convolver);
-            let [x, y, spin] = [[small, 0.0, 0.0], [0.0, small, 0.0], [0.0, 0.0, small]].map(|creepage| {
-                let (force, _) = patch.solve(creepage, &mut Vec::new(), limits, &mut workspace);
-                force
-            });
-            let found = [x[0], y[1], spin[1], spin[2], y[2]].map(|slope| -slope / small * normal::LOAD);
+            let found = slopes_by(&patch, small, Settings::default().tolerance);
             let off = found.iter().zip(&known).map(|(found, known)| (found / known - 1.0).abs()).fold(0.0, f64::max);
             println!("a/b {a_over_b}, creepage {small:e}: off by {off:.1e}");
             assert!(off < 5e-3, "{found:?} {known:?}");
