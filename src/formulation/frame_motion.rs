@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrameMotion {
     pub(super) bodies: Vec<Travel>,
-    /// By wheelset; none where no rail has a deviation.
+    /// By wheelset; none where no rail has a deviation and all wheels are round.
     pub(super) rides: Vec<Ride>,
 }
 
@@ -55,7 +55,9 @@ pub(super) struct Ride {
     pub up: [f64; 3],
     /// n_y / n_z, left and right.
     pub tilt: [f64; 2],
-    /// H and roll at the begin, with derivatives along the track.
+    /// Angle that the wheels have turned, rad, and its rate, rad/s; zero where both are round.
+    pub turned: [f64; 2],
+    /// H and roll at the begin, with derivatives with time.
     pub begin: [[f64; 4]; 2],
 }
 
@@ -90,8 +92,8 @@ impl Ride {
     /// Adds the rates of a wheelset's coordinates from `first` on and of its velocities where the ride is `now`.
     pub fn add_rates(&self, first: usize, velocities: usize, now: &[[f64; 4]; 2], rate: &mut [f64]) {
         for (i, share, k) in self.rows() {
-            rate[first + i] += share * self.speed * now[k][1];
-            rate[velocities + first + i] += share * self.speed * self.speed * now[k][2];
+            rate[first + i] += share * now[k][1];
+            rate[velocities + first + i] += share * now[k][2];
         }
     }
 }

@@ -12,10 +12,10 @@
 //!
 //! (c and c' differ by `omega omega' V tau^4 / 8`: 2e-9 m in 0.5 m of a transition of 50 m to R = 500 m at 25 m/s.) Wheelsets besides rise and
 //! roll with what deviations do to their rails. With left and right deviations y and z, 2 b the distance of the rails, n the normal of each
-//! wheel's most loaded contact at the begin
+//! wheel's most loaded contact at the begin, d(a) what a wheel that is not round has more in radius where it has turned by a (`out_of_round`)
 //!
 //! ```text
-//! H = z + (n_y / n_z) y,   height: (H_left + H_right) / 2,   roll: (H_left - H_right) / 2b,   each at s + s' tau minus at s
+//! H = z + (n_y / n_z) y + d,   height: (H_left + H_right) / 2,   roll: (H_left - H_right) / 2b,   each at s + s' tau, a + a' tau minus at s, a
 //! ```
 //!
 //! A tilt n_y / n_z beyond [`STEEPEST_TREAD`] (flange) counts as none. What c leaves out is not lost: the method itself finds it, as all
@@ -42,7 +42,7 @@ const STEEPEST_TREAD: f64 = 0.3;
 impl Model {
     /// Makes room for what [`Model::note_frame`] notes.
     pub(super) fn moving_frame(&self) -> MovingFrame {
-        let moved = Side::BOTH.iter().any(|side| self.track.rail(*side).deviates());
+        let moved = Side::BOTH.iter().any(|side| self.track.rail(*side).deviates()) || !self.out_of_round.is_empty();
         MovingFrame {
             motion: FrameMotion {
                 bodies: vec![Travel::default(); self.system.bodies.len()],
@@ -54,14 +54,18 @@ impl Model {
         }
     }
 
-    /// H and roll of a wheelset at the distance `s` [m], with three derivatives along the track.
-    fn ride(&self, tilt: [f64; 2], s: f64) -> [[f64; 4]; 2] {
-        let [left, right] = [Side::Left, Side::Right].map(|side| self.track.rail(side));
-        let [h, g] = [(left, tilt[0]), (right, tilt[1])].map(|(rail, tilt)| {
-            let [y, z] = rail.deviation(s);
-            [0, 1, 2, 3].map(|i| z[i] + tilt * y[i])
+    /// H and roll of a wheelset `ahead` [s] from where a ride begins, with three derivatives with time.
+    fn ride(&self, wheelset: usize, ride: &Ride, ahead: f64) -> [[f64; 4]; 2] {
+        let powers = |rate: f64| [1.0, rate, rate * rate, rate * rate * rate];
+        let (s, speed, [angle, turning]) = (ride.distance + ride.speed * ahead, powers(ride.speed), ride.turned);
+        let [h, g] = [(Side::Left, ride.tilt[0]), (Side::Right, ride.tilt[1])].map(|(side, tilt)| {
+            let [y, z] = self.track.rail(side).deviation(s);
+            let of_rail = [0, 1, 2, 3].map(|i| (z[i] + tilt * y[i]) * speed[i]);
+            let Some(Some(wheel)) = self.out_of_round.get(contact_index(wheelset, side)) else { return of_rail };
+            let (more, rate) = (wheel.at(angle + turning * ahead), powers(turning));
+            [0, 1, 2, 3].map(|i| of_rail[i] + more[i] * rate[i])
         });
-        let spacing = left.spacing(right);
+        let spacing = self.track.rail(Side::Left).spacing(self.track.rail(Side::Right));
         [[0, 1, 2, 3].map(|i| 0.5 * (h[i] + g[i])), [0, 1, 2, 3].map(|i| (h[i] - g[i]) / spacing)]
     }
 
@@ -89,12 +93,15 @@ impl Model {
                 let tilt = normal.y / normal.z;
                 ride.tilt[usize::from(side == Side::Right)] = if tilt.abs() < STEEPEST_TREAD { tilt } else { 0.0 };
             }
-            for (ride, wheelset) in frame.motion.rides.iter_mut().zip(&self.wheelsets) {
+            for (index, (ride, wheelset)) in frame.motion.rides.iter_mut().zip(&self.wheelsets).enumerate() {
                 let motion = &workspace.system.motions[wheelset.body];
                 let station = workspace.system.stations.get(wheelset.body);
                 (ride.distance, ride.speed) = (motion.distance, advance);
                 ride.up = station.map_or(Vector3::z(), |station| station.frame.axes.column(2).into_owned()).into();
-                ride.begin = self.ride(ride.tilt, ride.distance);
+                if !self.out_of_round.is_empty() {
+                    ride.turned = [motion.pitch, motion.pitch_rate];
+                }
+                ride.begin = self.ride(index, ride, 0.0);
             }
         }
         self.find_change(&mut frame, workspace, y, tangent);
@@ -137,14 +144,13 @@ impl Model {
             add(first + YAW, turn * ahead + 0.5 * winding * ahead * ahead, turn + winding * ahead);
             add(velocities + first + YAW, winding * ahead, winding);
         }
-        for (ride, wheelset) in rides.iter().zip(&self.wheelsets) {
+        for (index, (ride, wheelset)) in rides.iter().zip(&self.wheelsets).enumerate() {
             let first = COORDINATES * wheelset.body;
-            let to = self.ride(ride.tilt, ride.distance + ride.speed * ahead);
-            let speed = ride.speed;
+            let to = self.ride(index, ride, ahead);
             for (i, share, k) in ride.rows() {
                 let (from, to) = (&ride.begin[k], &to[k]);
-                add(first + i, share * (to[0] - from[0]), share * speed * to[1]);
-                add(velocities + first + i, share * speed * (to[1] - from[1]), share * speed * speed * to[2]);
+                add(first + i, share * (to[0] - from[0]), share * to[1]);
+                add(velocities + first + i, share * (to[1] - from[1]), share * to[2]);
             }
         }
     }
@@ -189,9 +195,8 @@ impl Model {
         }
         for (ride, wheelset) in rides.iter().zip(&self.wheelsets) {
             let first = velocities + COORDINATES * wheelset.body;
-            let cube = ride.speed * ride.speed * ride.speed;
             for (i, share, k) in ride.rows() {
-                change[first + i] -= cube * share * ride.begin[k][3];
+                change[first + i] -= share * ride.begin[k][3];
             }
         }
     }

@@ -12,19 +12,27 @@
 //! So a polygon acts on the height of a wheel as corrugation of the rail of the wave 2 pi R / n does, and besides changes the rolling radius (creepage d / R).
 //!
 //! *First order, left out:* that the contact leads by d' along the tread (for d' = 1 mm / rad by 1 mm), the change of the wheel's curvature in Hertz's theory (`d'' / R^2` beside 1 / R: for
-//! the deepest flat that is let in 90 %, for a polygon of order 20 and 0.1 mm 4 %), differences between flange and tread, the change of forces with a in the Jacobian.
+//! the deepest flat that is let in 90 %, for a polygon of order 20 and 0.1 mm 4 %), differences between flange and tread.
+//!
+//! A wheelset rides its wheels' waves as it rides its rails' (`moving_frame`): the known motion lifts it by d(a + a' tau). The Jacobian knows what a changes, so that
+//! both cancel where the wheel follows: with P and V the changes of a wheel's wrench with displacement and velocity,
+//!
+//! ```text
+//! dW/da = -P d' e - V (d'' a' e - w x d' e),   dW/da' = -V d' e
+//! ```
 
 use super::rail_motion::{AgainstRail, Swollen};
 use super::{AssemblyError, ContactReport, Model, Workspace};
 use crate::geometry::out_of_round::OutOfRound;
+use crate::mbs::tangent::WrenchTangent;
 use nalgebra::Vector3;
 
 impl AgainstRail {
     /// Makes the wheel what it is at its angle.
     pub fn swell(&mut self, wheel: &OutOfRound) {
-        let [more, slope] = wheel.at(self.motion.pitch);
+        let [more, slope, bend, _] = wheel.at(self.motion.pitch);
         let up = self.motion.frame.axes.column(2).into_owned();
-        let swollen = Swollen { larger: up * more, growing: up * slope, axle: self.motion.axle() };
+        let swollen = Swollen { larger: up * more, growing: up * slope, bending: up * bend, axle: self.motion.axle() };
         self.motion.position -= swollen.larger;
         self.motion.velocity -= self.motion.rotation.cross(&swollen.larger);
         self.climb += swollen.growing * self.motion.pitch_rate;
@@ -33,6 +41,20 @@ impl AgainstRail {
 }
 
 impl Model {
+    /// What a wheel's angle does to its contacts, beside `own`: how its wrench changes with its motion.
+    pub(super) fn add_turning_bumps(moved: &AgainstRail, own: &mut WrenchTangent) {
+        let Some(Swollen { growing, bending, axle, .. }) = moved.round else { return };
+        let motion = &moved.motion;
+        let [position, velocity] = [&own.by_position, &own.by_velocity].map(|all| all.fixed_columns::<3>(0).into_owned());
+        let moving = bending * motion.pitch_rate - motion.rotation.cross(&growing);
+        let by_angle = -(position * growing + velocity * moving);
+        let by_rate = -(velocity * growing);
+        for (all, change) in [(&mut own.by_position, by_angle), (&mut own.by_velocity, by_rate)] {
+            let mut turning = all.fixed_columns_mut::<3>(3);
+            turning += change * axle.transpose();
+        }
+    }
+
     /// Adds to the wrench of a wheel's contacts, taken about p*, what it is about p, and with what a bent rail holds the wheel back.
     #[inline]
     pub(super) fn finish_wheel(&self, workspace: &mut Workspace, moved: Option<&AgainstRail>, (contact, body): (usize, usize)) {
@@ -47,7 +69,7 @@ impl Model {
 
     /// The moment by which those about p* are larger than those about p, N m; 0 of a round wheel.
     pub(super) fn turned_by_bumps(&self, workspace: &Workspace, moved: &AgainstRail, contact: usize) -> Vector3<f64> {
-        let Some(Swollen { larger, growing, axle }) = moved.round else { return Vector3::zeros() };
+        let Some(Swollen { larger, growing, axle, .. }) = moved.round else { return Vector3::zeros() };
         let turned = |report: &ContactReport| larger.cross(&report.force) + axle * (report.normal_force * growing.dot(&report.axes.normal));
         workspace.reports(contact).map(turned).sum()
     }

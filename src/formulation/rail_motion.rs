@@ -42,11 +42,12 @@ pub(super) struct AgainstRail {
     pub round: Option<Swollen>,
 }
 
-/// A wheel that is not round (`out_of_round`): d e [m], d' e [m/rad], and the axle.
+/// A wheel that is not round (`out_of_round`): d e [m], d' e [m/rad], d'' e [m/rad2], and the axle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Swollen {
     pub larger: Vector3<f64>,
     pub growing: Vector3<f64>,
+    pub bending: Vector3<f64>,
     pub axle: Vector3<f64>,
 }
 

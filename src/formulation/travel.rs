@@ -64,7 +64,10 @@ impl Model {
                 kept.stay_on_x();
                 continue;
             }
-            let station = Station::new(line, &motion.position, &motion.velocity, *slot);
+            let mut station = Station::new(line, &motion.position, &motion.velocity, *slot);
+            if motion.turn.is_none() {
+                station.carry_boxes(&motion.frame.axes);
+            }
             *slot = station.frame.distance;
             (motion.distance, motion.speed) = (station.frame.distance, station.speed);
             *kept = station;

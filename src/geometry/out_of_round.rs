@@ -34,21 +34,21 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// d and its derivative by the angle, m and m/rad.
-    fn at(&self, angle: f64) -> [f64; 2] {
+    /// d and its first three derivatives by the angle, m/rad and so on.
+    fn at(&self, angle: f64) -> [f64; 4] {
         match *self {
-            Shape::Polygon { order, amplitude, phase } => {
-                let (sin, cos) = (order * angle - phase).sin_cos();
-                [amplitude * cos, -amplitude * order * sin]
+            Shape::Polygon { order: n, amplitude, phase } => {
+                let (sin, cos) = (n * angle - phase).sin_cos();
+                [amplitude * cos, -amplitude * n * sin, -amplitude * n * n * cos, amplitude * n * n * n * sin]
             }
             Shape::Flat { at, half, amplitude } => {
                 let off = from(at, angle);
                 if off.abs() >= half {
-                    return [0.0; 2];
+                    return [0.0; 4];
                 }
                 let wave = std::f64::consts::PI / half;
                 let (sin, cos) = (wave * off).sin_cos();
-                [-amplitude * (1.0 + cos), amplitude * wave * sin]
+                [-amplitude * (1.0 + cos), amplitude * wave * sin, amplitude * wave * wave * cos, -amplitude * wave * wave * wave * sin]
             }
         }
     }
@@ -80,20 +80,28 @@ pub struct OutOfRound {
 }
 
 impl OutOfRound {
-    /// d and its derivative by the angle, m and m/rad, where the wheel has turned by `angle` [rad] since the run began.
-    pub fn at(&self, angle: f64) -> [f64; 2] {
-        let mut sum = [0.0; 2];
+    /// d [m] and its first three derivatives by the angle, m/rad and so on, where the wheel has turned by `angle` [rad] since the run began.
+    pub fn at(&self, angle: f64) -> [f64; 4] {
+        let mut sum = [0.0; 4];
         for shape in &self.shapes {
-            let [value, slope] = shape.at(angle);
-            sum = [sum[0] + value, sum[1] + slope];
+            sum.iter_mut().zip(shape.at(angle)).for_each(|(sum, own)| *sum += own);
         }
         let x = angle.abs() / TAU;
         if x >= 1.0 {
             return sum;
         }
+        let rate = angle.signum() / TAU;
         let grown = x * x * x * (10.0 - x * (15.0 - 6.0 * x));
-        let growing = 30.0 * x * x * (1.0 - x) * (1.0 - x) / TAU * angle.signum();
-        [grown * sum[0], grown * sum[1] + growing * sum[0]]
+        let growing = 30.0 * x * x * (1.0 - x) * (1.0 - x) * rate;
+        let bending = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) * rate * rate;
+        let last = 60.0 * (1.0 - x * (6.0 - 6.0 * x)) * rate * rate * rate;
+        let [d, d1, d2, d3] = sum;
+        [
+            grown * d,
+            grown * d1 + growing * d,
+            grown * d2 + 2.0 * growing * d1 + bending * d,
+            grown * d3 + 3.0 * (growing * d2 + bending * d1) + last * d,
+        ]
     }
 
     /// How far the wheel may turn in one step in the direction of `rate`, rad.
@@ -199,8 +207,11 @@ mod tests {
         for step in 0..4000 {
             let angle = -7.5 + 0.01 * f64::from(step);
             let h = 1e-7;
-            let slope = (wheel.at(angle + h)[0] - wheel.at(angle - h)[0]) / (2.0 * h);
-            assert!((slope - wheel.at(angle)[1]).abs() < 1e-8, "{angle}: {slope:e} {:e}", wheel.at(angle)[1]);
+            let (ahead, behind, here) = (wheel.at(angle + h), wheel.at(angle - h), wheel.at(angle));
+            for (order, scale) in [(0, 1.0), (1, 50.0), (2, 2500.0)] {
+                let slope = (ahead[order] - behind[order]) / (2.0 * h);
+                assert!((slope - here[order + 1]).abs() < 1e-8 * scale, "{order} at {angle}: {slope:e} {:e}", here[order + 1]);
+            }
         }
         // Whole turns change nothing once the first one is over.
         let [there, later] = [13.0, 13.0 + 5.0 * TAU].map(|angle| wheel.at(angle));

@@ -10,6 +10,7 @@ use crate::geometry::profile::ProfileChoice;
 use crate::geometry::track::gauge;
 use crate::mbs::body::Body;
 use crate::mbs::force::ForceElement;
+use crate::mbs::joint::Joint;
 
 /// All of them.
 pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
@@ -156,30 +157,17 @@ fn falls(scene: &Scene) -> Option<String> {
 
 /// Grades of nodes that count, rad.
 const GRADE: f64 = 1e-3;
-/// A sensor nearer to the axle than this shows next to nothing of how its box is turned, m.
-const ON_AXLE: f64 = 0.01;
 
-/// Boxes on axles stay level in the world where nodes give the track a grade: what holds on to how they are turned about the axle feels it.
+/// Joints hold to boxes on axles that stay level in the world where nodes give the track a grade: those that feel how a box is turned about its axle are turned by it.
 fn level_boxes(scene: &Scene, model: &Model) -> Option<String> {
     let nodes = scene.track.alignment.iter().flat_map(|alignment| &alignment.nodes);
     let steepest = nodes.map(|node| node.grade.abs()).fold(0.0, f64::max);
-    let on = |body: &usize| model.wheelsets.iter().any(|wheelset| wheelset.body == *body);
-    let turned = |force: &dyn ForceElement| {
-        let stiff = force.constants().iter().any(|number| number.name == "rotationalStiffnessY" && number.value > 0.0);
-        (stiff && force.bodies().iter().flatten().any(on)).then(|| format!("{} has a stiffness about an axle", force.name()))
-    };
-    let carried = |sensor: &super::vehicle::Sensor| {
-        let off = sensor.point.x.hypot(sensor.point.z) > ON_AXLE;
-        (off && on(&sensor.body)).then(|| format!("{} is carried by a wheelset, off its axle's line", sensor.name))
-    };
-    let named = || {
-        let of_forces = model.system.forces.iter().find_map(|force| turned(force.as_ref()));
-        of_forces.or_else(|| scene.vehicle.sensors.iter().find_map(carried))
-    };
-    let what = (steepest > GRADE).then(named).flatten()?;
+    let feels = |joint: &&Joint| model.wheelsets.iter().any(|wheelset| joint.feels_turn_about_y(wheelset.body));
+    let joint = (steepest > GRADE).then(|| model.system.joints.iter().find(feels)).flatten()?;
     Some(format!(
-        "{what}: boxes on axles stay level in the world where track.node gives a grade (up to {:.1} % here), so that they are turned by it against the track and the vehicle; with track.grade they are \
-         not. Give a constant grade as track.grade, leave a stiffness about the axle out (its bearing has none), or carry the box as a body on a joint",
+        "{}: joints on an axle stay level in the world where track.node gives a grade (up to {:.1} % here), so that what this one holds is turned by it against the track; with track.grade it is \
+         not. Give a constant grade as track.grade, or hold it by a joint that is free about the axle, on the axle's line",
+        joint.name,
         1e2 * steepest.tan()
     ))
 }

@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
 
 const MAGIC: &[u8; 8] = b"WHEELRL\x01";
-const VERSION: u32 = 10;
+const VERSION: u32 = 11;
 const GUID_LENGTH: usize = 38;
 const HEADER: usize = MAGIC.len() + 4 + GUID_LENGTH + 8 + 32;
 

@@ -13,7 +13,7 @@ use crate::formulation::{Model, contact_index};
 use crate::geometry::Side;
 use crate::geometry::track::centre_line::CentreLine;
 use crate::mbs::body::COORDINATES;
-use crate::mbs::force::QuantityKind;
+use crate::mbs::force::{Attachment, QuantityKind};
 use crate::scene::spec::{ADHESION, Scene};
 use crate::scene::vehicle::{Sensor, VehicleSpec};
 use crate::units::Unit;
@@ -252,7 +252,7 @@ pub fn follow_constants(outputs: &mut [Output], scene: &Scene, model: &Model, el
 
 /// Where a point of a body is in the track frame beside that point, with the distance along the track first.
 fn place_of(s: &Snapshot, body: usize, point: &Vector3<f64>, line: Option<&CentreLine>) -> Vector3<f64> {
-    let place = s.workspace.system.motions[body].attachment_point(point);
+    let place = Attachment::on(body, *point).point(&s.workspace.system.moving());
     let Some(line) = line else { return place };
     let beside = s.workspace.system.stations.get(body).map_or(place.x, |station| station.frame.distance);
     let frame = line.project(&place, beside);
@@ -266,9 +266,11 @@ fn gravity(scene: &Scene) -> Vector3<f64> {
 }
 
 /// Acceleration of a point of a body, less `gravity` (in the world), in the body's axes, m/s2. With the axes e of yaw, roll and pitch:
-/// `o' = sum (e q'' + o_e x e q')`, where o_e is the part of the angular velocity that turns e; `a = a_c + o' x r + o x (o x r)`.
+/// `o' = sum (e q'' + o_e x e q')`, where o_e is the part of the angular velocity that turns e; `a = a_c + o' x r + o x (o x r)`. Of boxes on axles that the track
+/// keeps upright, products of angular velocities in o' about the axle are left out (1e-3 m/s2 at 0.1 rad/s).
 fn acceleration(s: &Snapshot, body: usize, point: &Vector3<f64>, gravity: &Vector3<f64>) -> Vector3<f64> {
-    let motion = &s.workspace.system.motions[body];
+    let moving = s.workspace.system.moving();
+    let motion = &moving[body];
     let bodies = s.workspace.system.bodies();
     let second = &s.dy[COORDINATES * (bodies + body)..COORDINATES * (bodies + body + 1)];
     let yawing = Vector3::z() * motion.yaw_rate;
@@ -278,10 +280,16 @@ fn acceleration(s: &Snapshot, body: usize, point: &Vector3<f64>, gravity: &Vecto
     if motion.turn.is_some() {
         turning += axle * second[5] + (yawing + rolling).cross(&axle) * motion.pitch_rate;
     }
-    let arm = motion.frame.axes * point;
-    let rate = motion.frame_rotation;
-    let whole = Vector3::new(second[0], second[1], second[2]) + turning.cross(&arm) + rate.cross(&rate.cross(&arm));
-    motion.frame.axes.tr_mul(&(whole - gravity))
+    let of_centre = Vector3::new(second[0], second[1], second[2]);
+    let carried = Attachment::on(body, *point);
+    let (axes, rate) = (carried.axes(&moving), carried.rotation(&moving));
+    if let Some(upright) = moving.station(body).and_then(|station| station.upright) {
+        let about = upright.by_rotation.dot(&turning) + upright.by_velocity.dot(&of_centre) - axle.dot(&turning);
+        turning += axle * about + (yawing + rolling).cross(&axle) * axle.dot(&(rate - motion.frame_rotation));
+    }
+    let arm = axes * point;
+    let whole = of_centre + turning.cross(&arm) + rate.cross(&rate.cross(&arm));
+    axes.tr_mul(&(whole - gravity))
 }
 
 #[cfg(test)]

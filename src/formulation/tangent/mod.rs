@@ -88,7 +88,10 @@ impl Model {
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
             let along = workspace.system.stations.along(wheelset.body);
             let under = self.under((&workspace.system, &workspace.rails), &WheelRef { contact, wheelset, side });
-            let (before, others) = (tangent.states(), under.as_ref().and_then(|_| tangent.take_wrench(wheelset.body)));
+            let round = moved.as_ref().filter(|moved| moved.round.is_some());
+            // What this wheel alone does.
+            let alone = under.is_some() || round.is_some();
+            let (before, others) = (tangent.states(), if alone { tangent.take_wrench(wheelset.body) } else { None });
             let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);
             let places = if self.strips.is_some() || !self.linear.is_empty() { 0 } else { self.points };
             for slot in 0..places {
@@ -108,6 +111,11 @@ impl Model {
                 let scratch = (&mut strips.0[contact], &mut strips.1);
                 self.add_patch(&wheel, &rails[side.index()], workspace.reports(contact), travel, scratch, &mut tangent);
             }
+            if let Some(moved) = round
+                && let Some(own) = tangent.wrench_mut(wheelset.body, wheelset.body)
+            {
+                Self::add_turning_bumps(moved, own);
+            }
             if self.half.is_some() {
                 left = tangent.take_wrench(turning).unwrap_or_default();
                 for wrench in without.iter().chain([&left]) {
@@ -125,9 +133,10 @@ impl Model {
                         tangent.add_on_ring(place, &follower, &own, before, shape);
                     }
                 }
-                for wrench in others.iter().chain([&own]) {
-                    tangent.add_wrench(wheelset.body, wheelset.body, wrench);
-                }
+                tangent.add_wrench(wheelset.body, wheelset.body, &own);
+            }
+            if let Some(others) = others {
+                tangent.add_wrench(wheelset.body, wheelset.body, &others);
             }
         }
         (workspace.strips, workspace.deeper) = strips;

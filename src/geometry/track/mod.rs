@@ -18,6 +18,7 @@ mod ramp;
 pub mod station;
 #[cfg(test)]
 mod tests;
+pub mod upright;
 pub mod waves;
 
 pub use deviation::{Deviation, DeviationShape, Direction, REGISTRY, parse_deviation};

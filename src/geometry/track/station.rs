@@ -8,7 +8,8 @@
 
 use super::centre_line::CentreLine;
 use super::frame::TrackFrame;
-use nalgebra::Vector3;
+use super::upright::Upright;
+use nalgebra::{Matrix3, Vector3};
 
 /// The track frame of a moving point.
 #[derive(Clone, Copy, Debug, Default)]
@@ -19,6 +20,10 @@ pub struct Station {
     /// Speed of the frame along the centre line, s', m/s: greater than `speed` for a point on the inner side of a curve, by the share
     /// curvature x offset (1e-5 for 5 mm at a radius of 500 m).
     pub travel: f64,
+    /// How the boxes of an axle stand there.
+    pub upright: Option<Upright>,
+    /// See [`TrackFrame::stretch`].
+    stretch: f64,
     /// Is the frame that of straight level track, the world's axes? The rest is then not kept.
     on_x: bool,
 }
@@ -30,7 +35,13 @@ impl Station {
         let frame = line.project(point, guess);
         let speed = velocity.dot(&frame.along());
         let stretch = frame.stretch(&(point - frame.origin));
-        Station { frame, speed, travel: speed / stretch, on_x: line.is_x(frame.distance) }
+        Station { frame, speed, travel: speed / stretch, upright: None, stretch, on_x: line.is_x(frame.distance) }
+    }
+
+    /// Notes that the point is an axle's, whose frame `Rz Rx` has these axes.
+    #[inline]
+    pub fn carry_boxes(&mut self, axes: &Matrix3<f64>) {
+        self.upright = Upright::new(axes, &self.frame, self.stretch);
     }
 
     /// d(v . X)/dt when the point does not accelerate: v . dX/ds s', m/s2.

@@ -186,3 +186,30 @@ proptest! {
         prop_assert!((found.distance - s).abs() < 1e-11, "{} {}", found.distance, s);
     }
 }
+
+/// Boxes on an axle: their x axis lies in the track's plane and y is the axle; how they turn agrees with differences along a motion.
+#[test]
+fn analytic_boxes_stand_upright_on_the_track() {
+    let line = line(vec![node(0.0, 0.002, 0.05, -0.01), node(60.0, -0.003, -0.08, 0.03)], 0.0);
+    let [v, centre] = [Vector3::new(22.0, 0.3, -0.2), Vector3::new(31.0, 0.7, 0.1)];
+    // Yaw and roll, and their rates.
+    let ([yaw, roll], [yaw1, roll1]) = ([0.04, -0.03], [0.7, -0.5]);
+    let axes = |t: f64| crate::math::rotation::AxleFrame::new(yaw + yaw1 * t, roll + roll1 * t).axes;
+    let at = |t: f64| {
+        let mut station = Station::new(&line, &(centre + v * t), &v, 31.0);
+        station.carry_boxes(&axes(t));
+        (station.upright.unwrap(), station.frame.axes.column(2).into_owned())
+    };
+    let (upright, up) = at(0.0);
+    let own = upright.axes;
+    assert!((own.transpose() * own - nalgebra::Matrix3::identity()).norm() < 1e-15 && own.column(0).dot(&up).abs() < 1e-15);
+    assert!((own.column(1) - axes(0.0).column(1)).norm() == 0.0 && own.column(2).dot(&up) > 0.99 && (own - axes(0.0)).norm() > 1e-3);
+    let h = 1e-5;
+    let slope = (at(h).0.axes - at(-h).0.axes) / (2.0 * h);
+    let expected = slope * own.transpose();
+    let frame = Vector3::z() * yaw1 + axes(0.0).column(0) * roll1;
+    let found = upright.rotation(&frame, &v).cross_matrix();
+    assert!((found - expected).norm() < 1e-8, "{found} {expected}");
+    // h counts: the grade and the cant change along the track.
+    assert!((upright.by_velocity.dot(&v)).abs() > 1e-3 && upright.by_rotation.norm() > 1e-3);
+}

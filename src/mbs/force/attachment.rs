@@ -1,13 +1,13 @@
 //! Where a force element holds on to a body or to the world.
 //!
-//! On a body of revolution an attachment sits in the axle frame `Rz Rx`, on a box that the axle spins in. The
-//! bearing hands no moment about the axle to it, while the box is taken to keep its frame upright; so of a moment M
-//! on the box with the part m about the axle, the wheelset gets `M - m (y - z tan(roll))` in axle axes: the same
-//! power at every motion of the frame and none at spin, so that the energy bill is exact. What holds the box upright
-//! is not modelled: the moment m is missing in the balance of angular momentum. It is zero when the force passes
-//! through the axle, so an element between a wheelset and a frame should start at the frame (`from`) and end on the
-//! axle's line (`to`), where all forces act.
+//! On a body of revolution an attachment sits on a box that the axle spins in and that stays upright on the track ([`Upright`]; on straight
+//! level track that is the axle frame `Rz Rx`). The bearing hands no moment about the axle to it; so of a moment M on the box with the part
+//! m about the axle, the wheelset gets `M - m (y - g)` and the force m h: the same power at every motion of the box and none at spin, so
+//! that the energy bill is exact. What holds the box upright is not modelled: the moment m is missing in the balance of angular momentum.
+//! It is zero when the force passes through the axle, so an element between a wheelset and a frame should start at the frame (`from`) and
+//! end on the axle's line (`to`), where all forces act.
 
+use crate::geometry::track::upright::Upright;
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
 use crate::settings::{Section, SettingsError};
@@ -70,25 +70,34 @@ impl Attachment {
     /// World position, m.
     #[inline]
     pub fn point(&self, bodies: &Moving) -> Vector3<f64> {
-        self.body.map_or(self.local, |body| bodies[body].attachment_point(&self.local))
+        let Some(body) = self.body else { return self.local };
+        let motion = &bodies[body];
+        match upright(bodies, body) {
+            Some(upright) => motion.position + upright.axes * self.local,
+            None => motion.attachment_point(&self.local),
+        }
     }
 
     /// Velocity at `point` [m, world] of the frame that the attachment sits in, m/s.
     #[inline]
     pub fn velocity(&self, bodies: &Moving, point: &Vector3<f64>) -> Vector3<f64> {
-        self.body.map_or_else(Vector3::zeros, |body| bodies[body].attachment_velocity(point))
+        let Some(body) = self.body else { return Vector3::zeros() };
+        bodies[body].velocity + self.rotation(bodies).cross(&(point - bodies[body].position))
     }
 
     /// Axes of the frame that the attachment sits in.
     #[inline]
     pub fn axes(&self, bodies: &Moving) -> Matrix3<f64> {
-        self.body.map_or_else(Matrix3::identity, |body| bodies[body].frame.axes)
+        let Some(body) = self.body else { return Matrix3::identity() };
+        upright(bodies, body).map_or(bodies[body].frame.axes, |upright| upright.axes)
     }
 
     /// Angular velocity of these axes, rad/s.
     #[inline]
     pub fn rotation(&self, bodies: &Moving) -> Vector3<f64> {
-        self.body.map_or_else(Vector3::zeros, |body| bodies[body].frame_rotation)
+        let Some(body) = self.body else { return Vector3::zeros() };
+        let motion = &bodies[body];
+        upright(bodies, body).map_or(motion.frame_rotation, |upright| upright.rotation(&motion.frame_rotation, &motion.velocity))
     }
 
     /// Loads the body with a force [N] at `point` [m] and a couple [N m], all in world axes.
@@ -96,14 +105,25 @@ impl Attachment {
     pub fn load(&self, bodies: &Moving, wrenches: &mut [Wrench], force: &Vector3<f64>, point: &Vector3<f64>, couple: &Vector3<f64>) {
         let Some(body) = self.body else { return };
         let motion = &bodies[body];
-        let mut moment = (point - motion.position).cross(force) + couple;
+        let mut wrench = Wrench { force: *force, moment: (point - motion.position).cross(force) + couple };
         if motion.turn.is_none() {
             let frame = &motion.frame;
-            let about_axle = frame.axes.column(1).dot(&moment);
-            moment -= (frame.axes.column(1) - frame.axes.column(2) * (frame.sin_roll / frame.cos_roll)) * about_axle;
+            let about_axle = frame.axes.column(1).dot(&wrench.moment);
+            if let Some(upright) = upright(bodies, body) {
+                wrench.moment -= (frame.axes.column(1) - upright.by_rotation) * about_axle;
+                wrench.force += upright.by_velocity * about_axle;
+            } else {
+                wrench.moment -= (frame.axes.column(1) - frame.axes.column(2) * (frame.sin_roll / frame.cos_roll)) * about_axle;
+            }
         }
-        wrenches[body] += Wrench { force: *force, moment };
+        wrenches[body] += wrench;
     }
+}
+
+/// How a body's boxes stand, where it is an axle on a track that is not straight and level.
+#[inline]
+fn upright<'a>(bodies: &Moving<'a>, body: usize) -> Option<&'a Upright> {
+    bodies.station(body)?.upright.as_ref()
 }
 
 /// Directions that a scene can name, with their unit vectors; y is mirrored in mirrored copies.

@@ -57,7 +57,28 @@ pub(super) struct Sides<'a> {
     pub second: Attachment,
 }
 
+/// Arms [m], and parts of unit vectors across y, below this count as none.
+const ALONG_Y: f64 = 0.01;
+
+/// Is it changed by a rotation about y?
+fn turns_about_y(vector: &Vector3<f64>) -> bool {
+    vector.x.hypot(vector.z) > ALONG_Y
+}
+
 impl Primitive {
+    /// Does the constraint change when the frame of the first or second body turns about its own y axis, at the design place where both bodies' axes are parallel?
+    pub fn feels_turn_about_y(&self, of_first: bool) -> bool {
+        match self {
+            Primitive::Displacement { first, second, direction } => {
+                let axis = matches!(direction, Direction::First(axis) if of_first && turns_about_y(axis));
+                axis || turns_about_y(if of_first { first } else { second })
+            }
+            // Across both: an axis along y is not turned, and turned axes stay across it.
+            Primitive::Angle { first, second } => turns_about_y(first) && turns_about_y(second),
+            Primitive::Coordinate { .. } => false,
+        }
+    }
+
     pub fn values(&self, t: f64, sides: &Sides) -> RowValues {
         match self {
             Primitive::Displacement { first, second, direction } => displacement(sides, first, second, direction),
