@@ -1,5 +1,9 @@
 //! Gives program and FMU library a common build id: a hash of every source file and of the locked dependencies, so that `export`
-//! can refuse a library that was built from other sources.
+//! can refuse a library that was built from other sources; and makes the table of Hertz's ellipses that would else be made at each start.
+
+#[allow(dead_code, reason = "the program has use for the rest")]
+#[path = "src/contact/normal/hertz_integrals.rs"]
+mod hertz_integrals;
 
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -16,7 +20,16 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
+/// m_a, m_b and approach of `contact::normal::hertz_integrals`, little endian.
+fn write_ellipses() {
+    let nodes = hertz_integrals::nodes();
+    let bytes: Vec<u8> = nodes.iter().flat_map(|node| [node.m_a, node.m_b, node.approach]).flat_map(f64::to_le_bytes).collect();
+    let folder = std::env::var_os("OUT_DIR").unwrap_or_default();
+    std::fs::write(Path::new(&folder).join("hertz_nodes.bin"), bytes).unwrap_or_else(|error| panic!("table of Hertz's ellipses: {error}"));
+}
+
 fn main() {
+    write_ellipses();
     let mut files = vec![PathBuf::from("Cargo.toml"), PathBuf::from("Cargo.lock"), PathBuf::from("build.rs")];
     for folder in ["src", "fmu", "modelDescription"] {
         println!("cargo:rerun-if-changed={folder}");

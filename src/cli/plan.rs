@@ -88,12 +88,12 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
         plan.scene, scene.title, plan.states, plan.bodies, plan.contacts, plan.points, plan.force_elements
     ))?;
     let width = plan.effects.iter().map(|effect| effect.name.len()).max().unwrap_or(0);
+    let marks = plan.effects.iter().map(|effect| effect.mark().len()).max().unwrap_or(0);
     let states = |effect: &Effect| if effect.states > 0 { format!("{} states", effect.states) } else { String::new() };
     let wide = plan.effects.iter().map(|effect| states(effect).len()).max().unwrap_or(0);
     for effect in &plan.effects {
-        let mark = if effect.included { "in " } else { "out" };
         let part = share(effect.name).filter(|_| effect.included).map_or(String::new(), |part| format!("{:.0} %", 100.0 * part));
-        print(&format!("  {mark}  {:width$}  {:wide$}  {part:>5}  {}\n", effect.name, states(effect), effect.why))?;
+        print(&format!("  {:marks$}  {:width$}  {:wide$}  {part:>5}  {}\n", effect.mark(), effect.name, states(effect), effect.words()))?;
     }
     for note in &plan.notes {
         print(&format!("  note: {note}\n"))?;

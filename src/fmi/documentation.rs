@@ -4,6 +4,8 @@ use super::packed_scene::PackedScene;
 use super::variables::{Kind, Variable};
 use super::vehicle_picture::{self, Drawing};
 use super::version::Version;
+use crate::scene::assemble;
+use crate::scene::plan::{self, Effect};
 
 /// Text as HTML.
 fn escape(text: &str) -> String {
@@ -72,6 +74,18 @@ fn words(version: Version) -> (&'static str, &'static str) {
     }
 }
 
+/// The table of effects: what is computed, what only where it acts, what not, and why.
+fn effects(packed: &PackedScene) -> String {
+    let Ok(model) = assemble::model(&packed.scene) else { return String::new() };
+    let plan = plan::plan(&packed.scene, &model);
+    let row = |effect: &Effect| {
+        format!("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", effect.mark(), escape(effect.name), escape(&effect.words()))
+    };
+    let notes = plan.notes.iter().map(|note| format!("<li>{}</li>\n", escape(note))).collect::<String>();
+    let rows = plan.effects.iter().map(row).collect::<String>();
+    format!("<table>\n<tr><th></th><th>Effect</th><th>Why</th></tr>\n{rows}</table>\n<ul>\n{notes}</ul>\n")
+}
+
 /// The page.
 pub fn html(packed: &PackedScene) -> String {
     let mut tables = String::new();
@@ -97,6 +111,7 @@ pub fn html(packed: &PackedScene) -> String {
         .replace("{{vehicle}}", &Drawing::new(&packed.scene.vehicle).svg())
         .replace("{{derivatives}}", derivatives)
         .replace("{{discard}}", discard)
+        .replace("{{effects}}", &effects(packed))
         .replace("{{tables}}", &tables)
         .replace("{{scene}}", &escape(&text))
 }

@@ -8,6 +8,7 @@ pub mod embedded;
 pub mod equilibrium;
 mod error;
 mod fade;
+mod guards;
 mod identifier;
 pub mod improbable;
 mod leave_out;

@@ -1,6 +1,7 @@
 //! What a scene makes the program compute, and what not: the list behind `wheelrail plan`.
 
 use super::cautions::cautions;
+use super::guards::guard;
 use super::patch_choice;
 use super::profile_notes::profile_notes;
 use super::remarks::remarks;
@@ -25,10 +26,29 @@ use serde::Serialize;
 pub struct Effect {
     pub name: &'static str,
     pub included: bool,
+    /// Where it is looked at only where it may act: where or when that is, and by what bound (`effects.mode = "auto"`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub guarded: Option<String>,
     /// The scene's words for it, or why it is not there.
     pub why: String,
     /// First-order states that it adds.
     pub states: usize,
+}
+
+impl Effect {
+    /// Is it computed?
+    pub fn mark(&self) -> &'static str {
+        match (self.included, &self.guarded) {
+            (false, _) => "out",
+            (true, None) => "in",
+            (true, Some(_)) => "guarded",
+        }
+    }
+
+    /// Why it is there or not, and what holds it back.
+    pub fn words(&self) -> String {
+        self.guarded.as_ref().map_or(self.why.clone(), |guard| format!("{}; {guard}", self.why))
+    }
 }
 
 /// Sizes and effects of an assembled scene.
@@ -52,7 +72,7 @@ struct Effects(Vec<Effect>);
 
 impl Effects {
     fn add(&mut self, name: &'static str, included: bool, why: String, states: usize) {
-        self.0.push(Effect { name, included, why, states });
+        self.0.push(Effect { name, included, guarded: None, why, states });
     }
 }
 
@@ -66,7 +86,10 @@ pub fn plan(scene: &Scene, model: &Model) -> Plan {
     for (name, why) in scene.effects.describe() {
         all.add(name, false, why, 0);
     }
-    let effects = all.0;
+    let mut effects = all.0;
+    for effect in effects.iter_mut().filter(|effect| effect.included) {
+        effect.guarded = guard(effect.name, scene, model);
+    }
     Plan {
         scene: scene.name.clone(),
         bodies: model.system.bodies.len(),

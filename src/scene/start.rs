@@ -50,7 +50,7 @@ pub fn origin(scene: &Scene) -> f64 {
 }
 
 /// Distances of all bodies' centres, wheelsets first, m.
-fn centres(scene: &Scene) -> Vec<f64> {
+pub(super) fn centres(scene: &Scene) -> Vec<f64> {
     let origin = origin(scene);
     (0..scene.vehicle.body_count()).map(|body| origin + scene.vehicle.design_position(body).x).collect()
 }

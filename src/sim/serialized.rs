@@ -1,16 +1,17 @@
 //! Saved states of FMUs and checkpoints of runs as bytes: a header that proves where they come from, then the state itself.
 //!
-//! Layout (little endian): magic (8), format version (4), GUID (38), payload length (8), SHA-256 of all before and of
-//! the payload (32), payload. A blob that fails any check is refused; memory is never copied raw.
+//! Layout (little endian): magic (8), format version (4), GUID (38), payload length (8), CRC-32 of all before and of
+//! the payload (4), payload. A blob that fails any check is refused; memory is never copied raw. (The sum finds damage; against intent no sum
+//! without a key would help, so that whatever is read is checked for sense.)
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use sha2::{Digest, Sha256};
 
 const MAGIC: &[u8; 8] = b"WHEELRL\x01";
 const VERSION: u32 = 11;
 const GUID_LENGTH: usize = 38;
-const HEADER: usize = MAGIC.len() + 4 + GUID_LENGTH + 8 + 32;
+const SUM: usize = 4;
+const HEADER: usize = MAGIC.len() + 4 + GUID_LENGTH + 8 + SUM;
 
 /// Why bytes are not a state of this FMU.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -29,16 +30,16 @@ pub enum BlobError {
     Payload(String),
 }
 
-fn checksum(head: &[u8], payload: &[u8]) -> [u8; 32] {
-    let mut hash = Sha256::new();
-    hash.update(head);
-    hash.update(payload);
-    hash.finalize().into()
+fn checksum(head: &[u8], payload: &[u8]) -> [u8; SUM] {
+    let mut sum = crc32fast::Hasher::new();
+    sum.update(head);
+    sum.update(payload);
+    sum.finalize().to_le_bytes()
 }
 
 /// Length of the serialised state at the beginning of bytes, as its header has it; `None` where the header is cut off.
 pub fn length(bytes: &[u8]) -> Option<usize> {
-    let payload = bytes.get(HEADER - 40..HEADER - 32)?;
+    let payload = bytes.get(HEADER - SUM - 8..HEADER - SUM)?;
     usize::try_from(u64::from_le_bytes(payload.try_into().ok()?)).ok()?.checked_add(HEADER)
 }
 
@@ -59,6 +60,15 @@ pub fn write<T: Serialize>(guid: &str, state: &T) -> Result<Vec<u8>, BlobError> 
     bytes.extend_from_slice(&sum);
     bytes.extend_from_slice(&payload);
     Ok(bytes)
+}
+
+/// How many bytes [`write`] makes of a state.
+///
+/// # Errors
+/// [`BlobError::Payload`] when the state cannot be encoded.
+pub fn size<T: Serialize>(state: &T) -> Result<usize, BlobError> {
+    let payload = postcard::serialize_with_flavor(state, postcard::ser_flavors::Size::default());
+    payload.map(|length| HEADER + length).map_err(|error| BlobError::Payload(error.to_string()))
 }
 
 /// Reads a state that [`write`] has written for the same GUID.
@@ -85,14 +95,14 @@ pub fn read<T: DeserializeOwned>(guid: &str, bytes: &[u8]) -> Result<T, BlobErro
     }
     let (length, rest) = rest.split_at(8);
     let length = u64::from_le_bytes(length.try_into().unwrap_or_default());
-    let (sum, payload) = rest.split_at(32);
+    let (sum, payload) = rest.split_at(SUM);
     if payload.len() as u64 != length {
         return Err(BlobError::Length {
             found: bytes.len(),
             expected: HEADER.saturating_add(usize::try_from(length).unwrap_or(usize::MAX)),
         });
     }
-    if checksum(&bytes[..HEADER - 32], payload) != sum {
+    if checksum(&bytes[..HEADER - SUM], payload) != sum {
         return Err(BlobError::Checksum);
     }
     let (state, rest) = postcard::take_from_bytes(payload).map_err(|error| BlobError::Payload(error.to_string()))?;

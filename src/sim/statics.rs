@@ -4,10 +4,11 @@ use super::outputs::on_track;
 use super::{Simulation, SimulationError, SimulationState};
 use crate::formulation::contact_index;
 use crate::geometry::Side;
-use crate::mbs::body::COORDINATES;
+use crate::mbs::body::{COORDINATES, Wrench};
 use crate::mbs::force::{ForceElement, Quantity, QuantityKind};
 use crate::mbs::moving::Moving;
 use crate::scene::spec::Scene;
+use nalgebra::Vector3;
 use serde::Serialize;
 
 /// A body that stands further from where it is drawn than this is worth a note, m.
@@ -52,6 +53,9 @@ pub struct ElementForce {
     pub free_travel: Option<[Option<f64>; 2]>,
     /// Share of the free travel on the side of the displacement that is used: above 1 the stop presses.
     pub travel_used: Option<f64>,
+    /// Does it act along the track, as couplers do?
+    #[serde(skip)]
+    pub along_track: bool,
 }
 
 /// All of it.
@@ -95,6 +99,7 @@ fn element_forces(element: &dyn ForceElement, bodies: &Moving, states: &[f64]) -
     };
     let value = |index: usize| element.quantity(index, bodies, states);
     let free = element.free_travel();
+    let along_track = free.is_some() && acts_along_track(element, bodies, states);
     let pair = |turns: bool| {
         let (loads, ways, prefix) = match turns {
             false => (of(QuantityKind::Force), of(QuantityKind::Displacement), "force"),
@@ -113,11 +118,21 @@ fn element_forces(element: &dyn ForceElement, bodies: &Moving, states: &[f64]) -
                 turns,
                 free_travel: free.map(|limits| limits.map(|limit| limit.is_finite().then_some(limit))),
                 travel_used: limit.filter(|limit| *limit != 0.0).map(|limit| displacement / limit),
+                along_track,
             }
         };
         loads.into_iter().zip(ways).map(one).collect::<Vec<_>>()
     };
     [pair(false), pair(true)].concat()
+}
+
+/// Is the force on an element's first body one along the track, not across it?
+fn acts_along_track(element: &dyn ForceElement, bodies: &Moving, states: &[f64]) -> bool {
+    let Some(first) = element.bodies().into_iter().flatten().next() else { return false };
+    let (mut rates, mut wrenches) = (vec![0.0; states.len()], vec![Wrench::default(); bodies.motions.len()]);
+    element.apply(bodies, states, &mut rates, &mut wrenches);
+    let force = wrenches[first].force;
+    force.dot(&bodies.station(first).map_or(Vector3::x(), |station| station.frame.along())).abs() > 0.7 * force.norm()
 }
 
 impl Statics {
@@ -129,7 +144,9 @@ impl Statics {
     /// Couplers whose whole slack a few newtons have taken up: what differs in the resistance of the vehicles beside them.
     fn taken_up(&self) -> Option<String> {
         let ends = |element: &ElementForce| match element.free_travel {
-            Some([Some(shorter), Some(longer)]) => longer - shorter > SLACK && element.travel_used.is_some_and(|used| used > 1.0 - 1e-6),
+            Some([Some(shorter), Some(longer)]) => {
+                element.along_track && longer - shorter > SLACK && element.travel_used.is_some_and(|used| used > 1.0 - 1e-6)
+            }
             _ => false,
         };
         let mut all = self.elements.iter().filter(|element| ends(element) && element.force.abs() < LIGHT);

@@ -100,15 +100,24 @@ fn hard_a_brake_that_is_let_go_is_as_right_as_its_torque() {
 /// A truck whose boxes are held about the axle, with a sensor off the axle, before a slope.
 const BOXES: &str = "name=\"boxes\"\n[vehicle]\ntemplate=\"bogie\"\nspeed=20.0\n[[vehicle.force]]\nname=\"link\"\nkind=\"bushing\"\n\
      from={body=\"frame\",at=[1.28,0.0,0.46]}\nto={body=\"wheelset[1]\",at=[1.28,0.0,0.46]}\nstiffness=[0.0,0.0,0.0]\ndamping=[0.0,0.0,0.0]\nrotational_stiffness=[0.0,2e6,0.0]\nrotational_damping=[0.0,2e3,0.0]\n\
-     [[vehicle.sensor]]\nname=\"box\"\nbody=\"wheelset[1]\"\nat=[1.58,1.0,0.56]\n[track]\ngauge=\"1435 mm\"\ninclination=\"1:40\"\nrail={kind=\"60e1\"}\n\
+     [[vehicle.sensor]]\nname=\"box\"\nbody=\"wheelset[1]\"\nat=[1.58,1.0,0.56]\nmeasured=true\n[track]\ngauge=\"1435 mm\"\ninclination=\"1:40\"\nrail={kind=\"60e1\"}\n\
      [contact]\nformulation=\"ECF-A\"\nfriction=0.35\nmaterial={youngs_modulus=\"210 GPa\",poisson_ratio=0.28}\ncreep={law=\"polach\"}\n\
      [interface]\noutputs=[\"motion\",\"bodies\",\"wheels\",\"sensors\",\"forces\",\"energy\"]\n[run]\nstop=0.4\nstep=\"1 ms\"\n";
 
 /// A grade is a grade, whether nodes give it or the track has it from the beginning: boxes on axles stood level in the world on the former.
 #[test]
 fn analytic_boxes_stand_on_the_track_of_a_grade() {
-    let names =
-        ["wheelset[1].left.Q", "wheelset[2].right.Q", "frame.z", "link.momentY", "box.ax", "box.az", "box.y", "box.z", "link.angleY"];
+    let names = [
+        "wheelset[1].left.verticalForce",
+        "wheelset[2].right.verticalForce",
+        "frame.z",
+        "link.momentY",
+        "box.ax",
+        "box.az",
+        "box.y",
+        "box.z",
+        "link.angleY",
+    ];
     let of = |changes: &[&str]| {
         let scene = read(BOXES, changes);
         let mut simulation = Simulation::new(&scene, 0.0).unwrap_or_else(|error| panic!("{error}"));

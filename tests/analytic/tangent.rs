@@ -194,6 +194,30 @@ fn analytic_transient_contact_in_motion_and_at_rest() {
     check(&speeds.map(|speed| ("wheelset_standstill", speed, 0.1)), ROWS, [0.02, 0.03]);
 }
 
+/// How the angle of a wheel that is not round changes its load is in the tangent.
+#[test]
+fn analytic_angle_of_a_wheel_that_is_not_round() {
+    const POLYGON: &str =
+        "vehicle.wheelset.out_of_round=[{kind=polygon,order=5,depth=0.1 mm,phase=0.3},{kind=polygon,order=2,depth=0.4 mm,wheel=left}]";
+    for patch in ["contact.patch=ellipse", "contact.patch=strips"] {
+        let changes = [
+            POLYGON.replace("polygon,", "\"polygon\",").replace("=left", "=\"left\"").replace(" mm", "e-3"),
+            patch.into(),
+            "contact.damping=2e9".into(),
+        ];
+        let scene = load::open("wheelset_s1002", &changes).unwrap_or_else(|error| panic!("{error}"));
+        let mut simulation = common::start(&scene);
+        simulation.advance(0.3).unwrap();
+        let Linearised { exact, found, .. } = linearised(&simulation);
+        // Height, roll and pitch accelerations by the pitch and its rate.
+        for (row, column) in [(8, 5), (10, 5), (8, 11)] {
+            let (exact, found) = (exact[(row, column)], found[(row, column)]);
+            println!("{patch}: d a[{row}] / d y[{column}] = {exact:.4e}, tangent {found:.4e}");
+            assert!(exact.abs() > 0.1 && (found / exact - 1.0).abs() < 0.05, "{exact} {found}");
+        }
+    }
+}
+
 /// The rails' own states, and what couples them with wheels and with deflections of contacts.
 #[test]
 fn analytic_track_that_gives_way() {

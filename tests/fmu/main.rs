@@ -580,7 +580,8 @@ fn fmu_serialised_states_say_why_they_are_refused() {
         change(&mut bytes);
         instance.deserialize(&bytes).unwrap_err().to_string()
     };
-    // Layout: magic 8, version 4, GUID 38, length 8, checksum 32, payload.
+    assert_eq!(instance.serialized_size(&instance.save()).unwrap(), blob.len());
+    // Layout: magic 8, version 4, GUID 38, length 8, checksum 4, payload.
     assert!(refused(&|b| b[0] ^= 1).contains("not a serialised state of this program"));
     assert!(refused(&|b| b[8] = 250).contains("format version 250"));
     assert!(refused(&|b| b[12..50].copy_from_slice(b"{00000000-0000-0000-0000-000000000000}")).contains("another FMU"));

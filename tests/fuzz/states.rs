@@ -2,7 +2,6 @@
 
 use super::mutate::{self, Random};
 use super::run;
-use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 use wheelrail::fmi::instance::Instance;
 use wheelrail::fmi::package::{self, PackedScene};
@@ -47,19 +46,19 @@ fn instance(unpacked: &Unpacked) -> Instance {
 
 /// Magic, version, GUID and length, as `sim::serialized` has them.
 const HEAD: usize = 8 + 4 + 38 + 8;
+const SUM: usize = 4;
 
 /// The checksum of what the bytes are now, as an attacker would write it.
 fn sign(bytes: &mut [u8]) {
-    if bytes.len() < HEAD + 32 {
+    if bytes.len() < HEAD + SUM {
         return;
     }
-    let length = (bytes.len() - HEAD - 32) as u64;
+    let length = (bytes.len() - HEAD - SUM) as u64;
     bytes[HEAD - 8..HEAD].copy_from_slice(&length.to_le_bytes());
-    let mut hash = Sha256::new();
-    hash.update(&bytes[..HEAD]);
-    hash.update(&bytes[HEAD + 32..]);
-    let sum: [u8; 32] = hash.finalize().into();
-    bytes[HEAD..HEAD + 32].copy_from_slice(&sum);
+    let mut sum = crc32fast::Hasher::new();
+    sum.update(&bytes[..HEAD]);
+    sum.update(&bytes[HEAD + SUM..]);
+    bytes[HEAD..HEAD + SUM].copy_from_slice(&sum.finalize().to_le_bytes());
 }
 
 #[test]

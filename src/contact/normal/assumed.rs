@@ -7,7 +7,7 @@
 
 use super::curvature::{self, Across, Conformal, Rule};
 use super::hertz::Hertz;
-use super::hertz_table;
+use super::hertz_integrals;
 use super::{Build, ConformalContact, ContactShape, ElasticContact, NormalLaw};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -60,7 +60,7 @@ fn parse(section: &Section) -> Result<Build, SettingsError> {
     let rule = match section.optional("axis_ratio", Dimension::None)? {
         None => curvature::parse(section)?,
         Some(ratio) if (1.0 / SLENDEREST..=SLENDEREST).contains(&ratio) => {
-            Rule { across: Across::Stated(hertz_table::curvature_ratio_of_axes(ratio)), conformal: Conformal::Error }
+            Rule { across: Across::Stated(hertz_integrals::curvature_ratio_of_axes(ratio)), conformal: Conformal::Error }
         }
         Some(ratio) => return Err(section.error("axis_ratio", format!("found {ratio:?}, expected a/b from 0.05 to 20"))),
     };

@@ -1,7 +1,8 @@
 //! Hertz's theory of elliptic contact.
 
 use super::curvature::{self, Across, AcrossUnder, Conformal, Rule};
-use super::hertz_table::{EllipseFunctions, EllipseTable, SharedTable};
+use super::hertz_integrals::EllipseFunctions;
+use super::hertz_table::{EllipseTable, SharedTable};
 use super::{Build, ConformalContact, ContactShape, ElasticContact, NormalLaw};
 use crate::contact::{Material, Patch};
 use crate::settings::{Entry, Section, SettingsError};
@@ -193,7 +194,7 @@ mod tests {
         for across in [0.2, 1.0, 1.7, 40.0] {
             let (rolling, delta) = (1.09, 6e-5);
             let contact = law.contact(&ContactShape::of_constant_curvature(rolling, across), delta).unwrap();
-            let exact = super::super::hertz_table::ellipse_functions_exact((across / rolling).ln());
+            let exact = super::super::hertz_integrals::ellipse_functions_exact((across / rolling).ln());
             let c0 = (3.0 * contact.force * (1.0 - 0.28f64.powi(2)) / (2.0 * 2.07e11 * (rolling + across))).cbrt();
             assert!((contact.patch.a / (exact.m_a * c0) - 1.0).abs() < 1e-10);
             assert!((contact.patch.b / (exact.m_b * c0) - 1.0).abs() < 1e-10);

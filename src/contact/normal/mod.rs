@@ -4,6 +4,7 @@ mod assumed;
 mod curvature;
 pub mod damping;
 mod hertz;
+pub mod hertz_integrals;
 pub mod hertz_table;
 mod overlap;
 mod shape;

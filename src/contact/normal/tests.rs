@@ -1,6 +1,7 @@
 use super::curvature::{Across, Conformal, LARGEST_RATIO, Rule};
 use super::hertz::Hertz;
-use super::hertz_table::{EllipseTable, ellipse_functions_exact};
+use super::hertz_integrals::ellipse_functions_exact;
+use super::hertz_table::EllipseTable;
 use super::test_surfaces::{Shape, Stand, touching};
 use super::*;
 use crate::contact::search::algebraic::SurfaceParameters;

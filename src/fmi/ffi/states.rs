@@ -119,7 +119,7 @@ pub(super) unsafe fn size(c: Component, function: &str, state: FmuState, size: *
         let (Some(held), Some(size)) = (unsafe { held(state) }, unsafe { size.as_mut() }) else {
             return refuse(component, &format!("{function}: the state or the size pointer is not valid"));
         };
-        let answer = component.instance.serialize(&held.state).map(|bytes| *size = bytes.len());
+        let answer = component.instance.serialized_size(&held.state).map(|bytes| *size = bytes);
         report(component, answer)
     })
 }

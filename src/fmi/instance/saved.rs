@@ -198,6 +198,14 @@ impl Instance {
         Ok(serialized::write(&self.guid, saved)?)
     }
 
+    /// How many bytes they are.
+    ///
+    /// # Errors
+    /// [`CallError::Blob`].
+    pub fn serialized_size(&self, saved: &SavedState) -> Result<usize, CallError> {
+        Ok(serialized::size(saved)?)
+    }
+
     /// A saved state from bytes, verified.
     ///
     /// # Errors

@@ -231,9 +231,13 @@ impl CentreLine {
             Pivot::LowRail { base } if !cant.is_constant() => Some((0.5 * base, Ramp::new(magnitudes(nodes), rounding))),
             _ => None,
         };
-        let rough: Vec<f64> = curvature.breaks().chain(grade.breaks()).collect();
-        let gentle = cant.breaks().chain(rise.iter().flat_map(|(_, ramp)| ramp.breaks()));
-        let breaks = ascending(rough.iter().copied().chain(gentle).collect());
+        // One after the other: chains of iterators are compiled to reads that memory checkers call uninitialised.
+        let mut rough: Vec<f64> = curvature.breaks().collect();
+        rough.extend(grade.breaks());
+        let mut breaks = rough.clone();
+        breaks.extend(cant.breaks());
+        breaks.extend(rise.iter().flat_map(|(_, ramp)| ramp.breaks()));
+        let breaks = ascending(breaks);
         let mut line = CentreLine {
             pieces: Vec::new(),
             x_until: f64::NEG_INFINITY,
@@ -364,6 +368,11 @@ impl CentreLine {
     #[inline]
     pub fn is_x(&self, s: f64) -> bool {
         s < self.x_until
+    }
+
+    /// The distance until which it is so, m.
+    pub fn x_until(&self) -> f64 {
+        self.x_until
     }
 
     /// Is the line X beside `point` [m] and at a guess of its distance [m]?

@@ -123,6 +123,38 @@ impl Span {
         Stretch { displacement: length - self.design_length, rate: unit.dot(&relative), unit, point }
     }
 
+    /// Adds how a tension T [N] of these slopes changes the wrenches, and a state of its own, the only one of `states` from `first` on.
+    #[inline]
+    pub fn tangent(&self, stretch: &Stretch, tension: f64, slopes: &Slopes, (first, states): (usize, usize), sum: &mut PairTangent) {
+        let Stretch { displacement, unit, point, .. } = *stretch;
+        let line = sum.line(&point, &unit);
+        let mut stiffness = slopes.by_displacement;
+        // The line turns with its ends.
+        let length = displacement + self.design_length;
+        if self.direction == Direction::Line && length > 0.0 {
+            stiffness -= tension / length;
+            sum.add_uniform_spring(&point, tension / length);
+        }
+        sum.add_spring(&line, &line, stiffness);
+        if slopes.by_rate != 0.0 {
+            sum.add_damper(&line, &line, slopes.by_rate);
+        }
+        sum.add_force(&point, &(unit * tension));
+        if states > 0
+            && let Some(own) = sum.add_states(first, 1)
+        {
+            own.rate_by_state[(0, 0)] = slopes.state_by_state;
+            own.rate_by_position[0][0] = line * slopes.state_by_displacement;
+            own.rate_by_velocity[0][0] = line * slopes.state_by_rate;
+            own.load_by_state[0][0] = line * slopes.by_state;
+        }
+    }
+
+    /// L0 of a line, m; `None` along an axis.
+    pub fn drawn_length(&self) -> Option<f64> {
+        (self.direction == Direction::Line).then_some(self.design_length)
+    }
+
     /// Pulls both ends together with a tension, N.
     #[inline]
     pub fn pull(&self, bodies: &Moving, stretch: &Stretch, tension: f64, wrenches: &mut [Wrench]) {
@@ -292,30 +324,10 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
     }
 
     fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
-        let Stretch { displacement, rate, unit, point } = self.span.stretch(bodies);
-        let tension = self.law.tension(displacement, rate, state);
-        let slopes = self.law.slopes(displacement, rate, state);
-        let line = sum.line(&point, &unit);
-        let mut stiffness = slopes.by_displacement;
-        // The line turns with its ends.
-        let length = displacement + self.span.design_length;
-        if self.span.direction == Direction::Line && length > 0.0 {
-            stiffness -= tension / length;
-            sum.add_uniform_spring(&point, tension / length);
-        }
-        sum.add_spring(&line, &line, stiffness);
-        if slopes.by_rate != 0.0 {
-            sum.add_damper(&line, &line, slopes.by_rate);
-        }
-        sum.add_force(&point, &(unit * tension));
-        if self.law.states() > 0
-            && let Some(own) = sum.add_states(first_state, 1)
-        {
-            own.rate_by_state[(0, 0)] = slopes.state_by_state;
-            own.rate_by_position[0][0] = line * slopes.state_by_displacement;
-            own.rate_by_velocity[0][0] = line * slopes.state_by_rate;
-            own.load_by_state[0][0] = line * slopes.by_state;
-        }
+        let stretch = self.span.stretch(bodies);
+        let (x, rate) = (stretch.displacement, stretch.rate);
+        let tension = self.law.tension(x, rate, state);
+        self.span.tangent(&stretch, tension, &self.law.slopes(x, rate, state), (first_state, self.law.states()), sum);
     }
 
     fn tables(&self) -> Vec<Table> {
@@ -336,7 +348,7 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
     }
 
     fn drawn_length(&self) -> Option<f64> {
-        (self.span.direction == Direction::Line).then_some(self.span.design_length)
+        self.span.drawn_length()
     }
 
     fn strike(&self, bodies: &Moving) -> Option<Strike> {

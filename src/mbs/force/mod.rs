@@ -7,6 +7,7 @@
 //! Design configuration: the bodies stand where the scene puts them, their axes parallel to the world's. There the
 //! displacement of every element is zero and its force is its preload.
 
+mod actuator;
 mod air_spring;
 mod along_track;
 mod anti_roll_bar;
@@ -350,6 +351,7 @@ pub static REGISTRY: &[Entry<Parse>] = &[
     eddy_current_brake::ENTRY,
     magnetic_track_brake::ENTRY,
     external_load::ENTRY,
+    actuator::ENTRY,
     twisting_axle::FLEXIBLE,
     twisting_axle::INDEPENDENT,
     air_spring::ENTRY,

@@ -136,7 +136,10 @@ impl Joint {
     /// Does it matter to the joint how a body's attachments are turned about their y axis?
     pub fn feels_turn_about_y(&self, body: usize) -> bool {
         let sides = [(Some(self.bodies.first), true), (self.bodies.second, false)];
-        sides.iter().filter(|(side, _)| *side == Some(body)).any(|(_, first)| self.rows.iter().any(|(_, row)| row.feels_turn_about_y(*first)))
+        sides
+            .iter()
+            .filter(|(side, _)| *side == Some(body))
+            .any(|(_, first)| self.rows.iter().any(|(_, row)| row.feels_turn_about_y(*first)))
     }
 
     /// Number of scalar constraints.

@@ -111,7 +111,8 @@ impl<'a> Expansion<'_, 'a> {
         depth: usize,
     ) -> Result<(), SettingsError> {
         let keys = ["wheel_profile", "left_wheel_profile", "right_wheel_profile"];
-        let wheel_profiles = if table.has_table(keys[0]) { Some(read_profiles(table, keys, Part::Wheel)?) } else { None };
+        let wheel_profiles =
+            if keys.iter().any(|key| table.has_table(key)) { Some(read_profiles(table, keys, Part::Wheel)?) } else { None };
         let number = self.flat.scopes.len();
         self.flat.scopes.push(Scope { prefix: prefix.clone(), offset, parent, wheel_profiles });
         let single = table.has_table(KINDS[WHEELSET]);

@@ -67,6 +67,8 @@ const SAMPLES: &[(&str, &str)] = &[
     ("independent_wheels", "damping = 3"),
     ("external_load", ""),
     ("external_load", "axes = \"body\""),
+    ("actuator", "largest_force = 15e3"),
+    ("actuator", "axis = \"y\"\nlargest_force = 3e4\nlag = \"20 ms\""),
     ("coupler", "slack = 0.04\ndraw_stiffness = 3e6\nbuffer_force_over_displacement = [[0, 0], [0.01, 1e4], [0.05, 2e5]]\ndamping = 0.3"),
 ];
 
