@@ -664,6 +664,10 @@ fn fmu_c_host_under_valgrind() {
         assert!(text.contains(" 0 failed") && !text.contains("definitely lost"), "{mode}: {text}");
         println!("valgrind {mode}: no error, no leak");
     }
+    // A curved track: what the compiler made of its iterators read what nobody had written.
+    let mut command = Command::new("valgrind");
+    command.args(["-q", "--error-exitcode=9"]).arg(env!("CARGO_BIN_EXE_wheelrail"));
+    run(command.args(["run", "vehicle_curve", "--stop", "0.001", "--set", "contact.patch=ellipse"]));
 }
 
 #[test]

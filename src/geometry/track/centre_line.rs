@@ -231,13 +231,9 @@ impl CentreLine {
             Pivot::LowRail { base } if !cant.is_constant() => Some((0.5 * base, Ramp::new(magnitudes(nodes), rounding))),
             _ => None,
         };
-        // One after the other: chains of iterators are compiled to reads that memory checkers call uninitialised.
-        let mut rough: Vec<f64> = curvature.breaks().collect();
-        rough.extend(grade.breaks());
-        let mut breaks = rough.clone();
-        breaks.extend(cant.breaks());
-        breaks.extend(rise.iter().flat_map(|(_, ramp)| ramp.breaks()));
-        let breaks = ascending(breaks);
+        let rough = [curvature.breaks(), grade.breaks()].concat();
+        let rising = rise.as_ref().map(|(_, ramp)| ramp.breaks()).unwrap_or_default();
+        let breaks = ascending([rough.clone(), cant.breaks(), rising].concat());
         let mut line = CentreLine {
             pieces: Vec::new(),
             x_until: f64::NEG_INFINITY,

@@ -85,8 +85,14 @@ impl Ramp {
     }
 
     /// Distances between which the function is one polynomial; not sorted.
-    pub fn breaks(&self) -> impl Iterator<Item = f64> + '_ {
-        self.corners.iter().flat_map(|(at, _)| [at - self.half, at + self.half])
+    pub fn breaks(&self) -> Vec<f64> {
+        // Plain: nested iterators are compiled to reads that memory checkers call uninitialised.
+        let mut breaks = Vec::with_capacity(2 * self.corners.len());
+        for (at, _) in &self.corners {
+            breaks.push(at - self.half);
+            breaks.push(at + self.half);
+        }
+        breaks
     }
 
     /// The polynomial that holds around `s` [m], in the distance from there.
