@@ -2,14 +2,13 @@
 //!
 //! Wheels have their radius. Of other bodies a scene knows mass and inertia alone: each is drawn as the box of even density that has them.
 
-use crate::mbs::body::Body;
-use crate::mbs::inertia::Inertia;
+use crate::scene::vehicle::outline::half_edges;
 use crate::scene::vehicle::{Element, VehicleSpec};
 use std::fmt::Write;
 
 /// Around the vehicle, m.
 const MARGIN: f64 = 1.0;
-/// Least half height and length of what is drawn as a box, m: a body of no inertia is a point.
+/// Least height of a vehicle, m.
 const LEAST: f64 = 0.1;
 
 /// Width and height of the PNG.
@@ -22,17 +21,6 @@ struct Shape {
     z: f64,
     half_length: f64,
     half_height: f64,
-}
-
-/// Half length and half height of the box of even density with a body's mass and moments of inertia: of a box with the edges a, b, c, Ixx = m (b2 + c2) / 12 and so on. Moments that
-/// no body of even density can have give what is nearest.
-fn half_edges(body: &Body) -> (f64, f64) {
-    let [xx, yy, zz] = match &body.inertia {
-        Inertia::Revolution { transverse, axial } | Inertia::NotGyroscopic { transverse, axial } => [*transverse, *axial, *transverse],
-        Inertia::General { principal, .. } => [principal.x, principal.y, principal.z],
-    };
-    let half = |moment: f64| if body.mass > 0.0 { (6.0 * moment.max(0.0) / body.mass).sqrt() / 2.0 } else { 0.0 };
-    (half(yy + zz - xx).max(LEAST), half(xx + yy - zz).max(LEAST))
 }
 
 /// Text as XML.
@@ -61,7 +49,7 @@ impl Drawing<'_> {
             .bodies
             .iter()
             .map(|placed| {
-                let (half_length, half_height) = half_edges(&placed.body);
+                let [half_length, _, half_height] = half_edges(&placed.body);
                 (placed.body.name.as_str(), Shape { x: placed.position.x, z: placed.position.z, half_length, half_height })
             })
             .collect();

@@ -92,7 +92,7 @@ impl Model {
     ///
     /// `dN = N' n . d P`, P the wheel's point, or what a velocity across the contact becomes when the wheel of mass m bounces on it,
     /// `sqrt(N' m) n . d P'`: the force that a wrong speed of impact will have. Creep forces grow with slip by no more than linear theory says, `G a b C / V`, C the larger of
-    /// Kalker's C11 and C22 (about 5), and never beyond twice the friction bound.
+    /// Kalker's C11 and C22 (about 5), those of transient contact with its deflection as its stiffness says, and never beyond twice the friction bound.
     pub fn load_error(&self, workspace: &Workspace, error: &[f64]) -> f64 {
         const KALKER: f64 = 5.0;
         /// Below, a contact with deflection answers with its stiffness, not with slip, m/s.
@@ -110,7 +110,7 @@ impl Model {
             if let Some([displaced, displacing]) = self.rail_change(workspace, wheelset.body, contact, error) {
                 (moved, velocity) = (moved - displaced, velocity - displacing);
             }
-            for report in workspace.reports(contact).filter(|report| report.normal_force > 0.0) {
+            for (slot, report) in workspace.reports(contact).enumerate().filter(|(_, report)| report.normal_force > 0.0) {
                 let arm = report.wheel_point - motion.position;
                 let axes = &report.axes;
                 let scale = 1.0 / (PART * self.load_tolerance * wheelset.static_wheel_load.max(report.normal_force));
@@ -124,9 +124,13 @@ impl Model {
                 }
                 let slip = slip.dot(&axes.e1).hypot(slip.dot(&axes.e2));
                 let stiffness = self.laws.material.shear_modulus() * report.patch.a * report.patch.b * KALKER;
-                let speed = wheelset.speed(motion).abs().max(SLOW);
-                largest =
-                    largest.max((stiffness * slip / speed).min(2.0 * self.friction_at(side, motion, report) * report.normal_force) * scale);
+                let speed = wheelset.speed(motion).abs();
+                let by_deflection = self.laws.transient.as_ref().map_or(0.0, |transient| {
+                    let first = self.deflection(contact, slot).start;
+                    transient.force_of(report.patch, speed, [error[first], error[first + 1]])
+                });
+                let creep = (stiffness * slip / speed.max(SLOW)).max(by_deflection);
+                largest = largest.max(creep.min(2.0 * self.friction_at(side, motion, report) * report.normal_force) * scale);
             }
         }
         largest = largest.max(self.strike_error(workspace, error));

@@ -228,8 +228,11 @@ impl Contact<'_> {
             let mut state = [0.0; transient::STATES];
             state.copy_from_slice(&self.wheel.y[self.wheel.model.deflection(self.wheel.contact, self.slot)]);
             let loaded = LoadedPatch { patch, normal_force, friction };
-            let found = transient.evaluate(laws.creep.as_ref(), &loaded, &report.slip.rolling(speed), &state);
-            (report.creep_force, report.creepage, report.deflection_rates) = (found.force, found.creepage, found.rates);
+            let slip = report.slip.rolling(speed);
+            let found = transient.evaluate(laws.creep.as_ref(), &loaded, &slip, &state);
+            (report.creep_force, report.deflection_rates) = (found.force, found.rates);
+            // Of the wheel's real slip: what the law is given ends at its bound.
+            report.creepage = transient.creepage(&slip);
         } else {
             report.creep_force = in_rolling_direction(speed, report.creepage, |creepage| {
                 let rolling = RollingContact { patch, normal_force, friction, creepage, speed: speed.abs() };

@@ -252,12 +252,12 @@ pub enum SolveError {
     #[error("t = {time:.9} s: the system can't be evaluated")]
     Undefined { time: f64 },
     #[error(
-        "t = {time:.9} s: a step of {step:.1e} s still misses the tolerance {tolerance:.1e}; loosen solver.tolerance or look for a jump in the scene"
+        "t = {time:.9} s: a step of {step:.1e} s still misses the tolerance {tolerance:.1e}; loosen solver.tolerance or solver.load_tolerance, or look for a jump in the scene"
     )]
     StepTooSmall { time: f64, step: f64, tolerance: f64 },
     #[error(
         "t = {time:.9} s: the integration has all but stopped: {steps} steps and {rejected} rejected ones for {span:.1e} s. Forces jump to and fro here \
-         (a contact that begins and ends, friction that turns round): loosen solver.tolerance, give the contacts damping, or take a fixed step (real_time)"
+         (a contact that begins and ends, friction that turns round): loosen solver.load_tolerance or solver.tolerance, give the contacts damping, or take a fixed step (real_time)"
     )]
     Crawls { time: f64, steps: u64, rejected: u64, span: f64 },
     #[error("t = {time:.9e} s: a step of {step:.1e} s no longer moves time; start closer to 0 or use a longer step")]

@@ -634,6 +634,26 @@ fn fmu_a_course_that_is_taken_back_leaves_no_warning() {
     }
 }
 
+/// Ten million communication steps of a microsecond end where a thousand of 10 ms do, to the bit.
+#[test]
+fn fmu_ten_million_communication_steps() {
+    let ends = |per_second: u32| -> Vec<u64> {
+        let mut instance = Instance::new(&FMU.folder.join("resources"), &FMU.guid).unwrap();
+        instance.setup_experiment(None, 0.0, None).unwrap();
+        instance.enter_initialization().unwrap();
+        instance.exit_initialization().unwrap();
+        let (rate, step) = (f64::from(per_second), 1.0 / f64::from(per_second));
+        for k in 0..10 * per_second {
+            assert!(matches!(instance.do_step(f64::from(k) / rate, step), Ok(StepOutcome::Done)), "{k}");
+        }
+        let references: Vec<u32> = instance.table().outputs.iter().map(|output| output.reference).collect();
+        let mut values = vec![0.0; references.len()];
+        instance.get_real(&references, &mut values).unwrap();
+        values.into_iter().map(f64::to_bits).collect()
+    };
+    assert!(ends(1_000_000) == ends(100));
+}
+
 #[test]
 fn fmu_communication_points_far_from_zero_are_checked_by_the_step() {
     let mut instance = Instance::new(&FMU.folder.join("resources"), &FMU.guid).unwrap();

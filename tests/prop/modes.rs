@@ -53,6 +53,23 @@ fn prop_a_sweep_has_a_locus_a_critical_speed_and_a_picture() {
     assert!(words.contains("Unstable at the lowest speed already") && words.contains("hunting"), "{words}");
 }
 
+/// Shapes are drawn with every body, in three views of each mode, and nothing moves that the mode doesn't move: the bounce of a car is upright.
+#[test]
+fn prop_shapes_of_modes_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("shapes.svg");
+    let (words, said, code) = modes(&["vehicle_manchester_1", "--plot", picture.to_str().unwrap()]);
+    assert!(code == 0 && said.contains("wrote") && words.contains("damping"), "{words}{said}");
+    let svg = std::fs::read_to_string(&picture).unwrap();
+    for text in ["Mode shapes", "from above", "from the front", "at rest", "bounce", "lower sway", "the 10 slowest of"] {
+        assert!(svg.contains(text), "{text}");
+    }
+    // Nothing that swings: a word, and no picture.
+    let (_, said, code) =
+        modes(&["suspended_wheelset", "--set", "vehicle.suspension.lateral_damping=1e7", "--plot", picture.to_str().unwrap()]);
+    assert!(code == 0 || said.contains("nothing to draw"), "{said}");
+}
+
 /// A two-axle wagon on leaf springs: its car sways and yaws long before its wheelsets hunt.
 const WAGON: &str = r#"
 [vehicle]
@@ -155,7 +172,7 @@ fn hard_what_has_no_modes_is_refused_in_words() {
         (&["suspended_wheelset", "--sweep", "contact.friction=0..1:0.1"], "swept over vehicle.speed alone"),
         (&["suspended_wheelset", "--sweep", "vehicle.speed=20..10:1"], "from the lowest to the highest"),
         (&["suspended_wheelset", "--sweep", "vehicle.speed=20..30:1", "--plot", "/no/such/folder/x.svg"], "can't be written"),
-        (&["suspended_wheelset", "--plot", "x.svg"], "--sweep"),
+        (&["suspended_wheelset", "--plot", "/no/such/folder/x.svg"], "can't be written"),
     ];
     for (arguments, sentence) in cases {
         let (words, said, code) = modes(arguments);

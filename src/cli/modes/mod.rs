@@ -4,6 +4,7 @@ mod cycles;
 mod diagram;
 mod picture;
 mod report;
+mod shapes;
 
 use super::progress::bar;
 use super::{Failure, SceneArguments, check_picture, file_names, print, say};
@@ -48,8 +49,8 @@ pub(super) struct Arguments {
     /// Limit cycles within the speeds of --sweep: stable and unstable periodic motions, the nonlinear critical speed
     #[arg(long, requires = "sweep")]
     limit_cycle: bool,
-    /// Draw the root locus of --sweep as SVG, with --limit-cycle swings over speed
-    #[arg(long, value_name = "FILE.svg", requires = "sweep")]
+    /// Draw as SVG: the shapes of the slowest modes; with --sweep the root locus, with --limit-cycle swings over speed
+    #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
     /// Print the result as JSON (SI units)
     #[arg(long)]
@@ -63,14 +64,11 @@ pub(super) fn modes(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
     let speeds = arguments.sweep.as_deref().map(sweep).transpose()?;
     let amplitude = amplitude(arguments.amplitude.as_deref())?;
-    let Some(speeds) = speeds else {
-        let found = modes::modes_over(&scene, scene.vehicle.speed, amplitude).map_err(|error| failed(&scene, &error))?;
-        let text = if arguments.json { format!("{}\n", serde_json::json!(found)) } else { report::modes(&scene, &found) };
-        print(&text)?;
-        return Ok(());
-    };
     // Whatever can't be written is better known before the work.
     check_picture(&arguments.plot)?;
+    let Some(speeds) = speeds else {
+        return at_one_speed(arguments, &scene, amplitude);
+    };
     if arguments.limit_cycle {
         return limit_cycles(arguments, &scene, &speeds);
     }
@@ -84,6 +82,20 @@ pub(super) fn modes(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         print(&report::locus(&scene, &found))?;
         files.iter().for_each(|file| say(&format!("wrote {}", file.display())));
+    }
+    Ok(())
+}
+
+/// The modes at the scene's speed.
+fn at_one_speed(arguments: &Arguments, scene: &Scene, amplitude: f64) -> Result<(), Failure> {
+    let found = modes::modes_over(scene, scene.vehicle.speed, amplitude).map_err(|error| failed(scene, &error))?;
+    let text = if arguments.json { format!("{}\n", serde_json::json!(found)) } else { report::modes(scene, &found) };
+    if let Some(file) = &arguments.plot {
+        shapes::draw(file, scene, &found).map_err(Failure::Run)?;
+    }
+    print(&text)?;
+    if let Some(file) = arguments.plot.as_ref().filter(|_| !arguments.json) {
+        say(&format!("wrote {}", file.display()));
     }
     Ok(())
 }

@@ -4,8 +4,9 @@
 //! mu  = mu0 ((1 - A) exp(-B w) + A),  w = V sqrt(xi_x^2 + xi_y^2)
 //! y_C = xi_y + phi a  where that is larger than xi_y, else xi_y;      s_C = sqrt(xi_x^2 + y_C^2)
 //! eps = G pi a b c_jj s_C / (4 mu N),    c_jj = sqrt((c11 xi_x)^2 + (c22 xi_y)^2) / sqrt(xi_x^2 + xi_y^2)
-//! F   = (2 mu N / pi) (k_A eps / (1 + (k_A eps)^2) + atan(k_S eps))
-//! Fx  = -F xi_x / s_C,    Fy = -(F xi_y + r S phi) / s_C,    r = F / (F with k_A = k_S = 1)
+//! f(k_A, k_S, eps) = k_A eps / (1 + (k_A eps)^2) + atan(k_S eps),    F = (2 mu N / pi) f(1, 1, eps)
+//! Fx  = -r F xi_x / s_C,    Fy = -r (F xi_y + S phi) / s_C,    r = f(k_A, k_S, e) / f(1, 1, e)
+//! e   = G pi a b sqrt((c11 xi_x)^2 + (c22 y_C)^2) / (4 mu N),  which is eps without spin
 //! S   = (3/8) a mu N k e_M / (1 + e_M^2)^2,   e_M = 8 G b sqrt(a b) c23 |y_C| / (3 k mu N),   k = 1 + 6.3 (1 - exp(-a/b))
 //! ```
 //!
@@ -13,9 +14,9 @@
 //! clean smooth surfaces; friction); Vehicle System Dynamics Supplement 33 (1999), 728-739 (spin). S is his K_M simplified:
 //! `|e|(d^3/3 - d^2/2 + 1/6) - (1 - d^2)^1.5/3` with d = (e^2 - 1)/(e^2 + 1) equals `-(2/3) e/(1 + e^2)^2`.
 //!
-//! r is ours: Polach's papers don't speak of spin on surfaces that yield less. Beside a reduced F a whole S turned lateral forces round, so that wheels
-//! in curves drove the train (-2.4 kW of a wheel at R = 300 m and 20 m/s on "wet"). With r the force has the direction that it has on clean smooth
-//! surfaces.
+//! Without spin that is Polach's formula. With spin r is ours: his papers don't speak of spin on surfaces that yield less. Beside a reduced F a whole S
+//! turned lateral forces round, so that wheels in curves drove the train (-2.4 kW of a wheel at R = 300 m and 20 m/s on "wet"). With r the force has the
+//! direction that it has on clean smooth surfaces; e, other than eps, has a limit where creepage vanishes beside spin.
 //!
 //! What the law does not do: the moment about n is zero (Polach neglects it), so that its power can be negative where spin counts for more than creepage. Slopes at zero are
 //! Kalker's times (k_A + k_S)/2 for each creepage alone; for several at once the law is not linear even near zero
@@ -98,17 +99,27 @@ impl CreepLaw for Polach {
         let area = patch.a * patch.b;
         let per_bound = shear / bound;
         let epsilon = 0.25 * PI * area * per_bound * (cx * cx + cy * cy).sqrt() * total;
-        let share = |adhering: f64, slipping: f64| 2.0 / PI * (adhering / (1.0 + adhering * adhering) + slipping.atan());
-        let slip = share(self.surface.adhesion * epsilon, self.surface.slip * epsilon);
-        let whole = share(epsilon, epsilon);
-        let reduction = if self.surface.reduces() && whole > 0.0 { slip / whole } else { 1.0 };
+        let share = |k_a: f64, k_s: f64, epsilon: f64| {
+            let adhering = k_a * epsilon;
+            2.0 / PI * (adhering / (1.0 + adhering * adhering) + (k_s * epsilon).atan())
+        };
+        let slip = share(1.0, 1.0, epsilon);
+        let reduction = match self.surface.reduces() {
+            false => 1.0,
+            true => {
+                let demand = 0.25 * PI * area * per_bound * (c.c11 * x).hypot(c.c22 * larger);
+                let whole = share(1.0, 1.0, demand);
+                let Surface { adhesion, slip, .. } = self.surface;
+                if whole > 0.0 { share(adhesion, slip, demand) / whole } else { 0.5 * (adhesion + slip) }
+            }
+        };
         let k = 1.0 + 6.3 * (1.0 - (-patch.a / patch.b).exp());
         let spin_epsilon = 8.0 / 3.0 * per_bound * patch.b * area.sqrt() * c.c23 * larger.abs() / k;
         let one = 1.0 + spin_epsilon * spin_epsilon;
-        let spin_share = reduction * 0.375 * patch.a * k * (spin_epsilon / one / one);
+        let spin_share = 0.375 * patch.a * k * (spin_epsilon / one / one);
         let fx = slip * (x / total);
         let fy = slip * (y / total) + spin_share * (creepage.spin / total);
-        let unit = -bound / (fx * fx + fy * fy).sqrt().max(1.0);
+        let unit = -bound * reduction / (fx * fx + fy * fy).sqrt().max(1.0);
         CreepForce { longitudinal: unit * fx, lateral: unit * fy, spin_moment: 0.0 }
     }
 }
@@ -194,6 +205,15 @@ mod tests {
             let across = force.longitudinal * ideal.lateral - force.lateral * ideal.longitudinal;
             let size = |force: &CreepForce| force.longitudinal.hypot(force.lateral);
             assert!(across.abs() < 1e-12 * size(&force) * size(&ideal) && size(&force) < size(&ideal), "{force:?} {ideal:?}");
+        }
+        // The limit of no creepage beside spin is one, from wherever it comes.
+        let spinning = |longitudinal: f64, lateral: f64| {
+            law(WET).force(&RollingContact { creepage: Creepage { longitudinal, lateral, spin: 1.0 }, ..contact }).lateral
+        };
+        let still = spinning(0.0, 0.0);
+        assert!(still < 0.0);
+        for beside in [spinning(1e-9, 0.0), spinning(0.0, 1e-9), spinning(-1e-9, -1e-9)] {
+            assert!((beside / still - 1.0).abs() < 1e-5, "{beside} {still}");
         }
         // Not reduced at all: to the bit what it is without r.
         assert_eq!(

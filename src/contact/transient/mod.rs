@@ -254,6 +254,17 @@ impl TransientContact {
         self.relaxation.of(patch)
     }
 
+    /// v/|V| and omega_n/|V|, where V goes through 0 with 1/V as it is replaced there: 0 at rest.
+    pub fn creepage(&self, slip: &SlipVelocity) -> Creepage {
+        let per_speed = self.inverse_speed(slip.rolling.abs());
+        Creepage { longitudinal: slip.longitudinal * per_speed, lateral: slip.lateral * per_speed, spin: slip.spin * per_speed }
+    }
+
+    /// What an error of the deflection [m] is in force at the speed |V| [m/s], N, where the contact holds: w k |e|.
+    pub fn force_of(&self, patch: Patch, speed: f64, [along, across]: [f64; 2]) -> f64 {
+        self.elasticity(patch).map_or(0.0, |elastic| self.transient_weight(speed) * elastic.stiffness * along.hypot(across))
+    }
+
     /// States of steady rolling with `slip`, V not zero: to start a run without a transient.
     pub fn steady_state(&self, contact: &LoadedPatch, slip: &SlipVelocity) -> [f64; STATES] {
         let Some(elastic) = self.relaxation.of(contact.patch) else { return [0.0; STATES] };

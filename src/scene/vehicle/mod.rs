@@ -23,6 +23,7 @@ mod expand;
 pub mod extent;
 mod joints;
 mod kept;
+pub mod outline;
 mod places;
 mod read;
 pub mod stability;
