@@ -205,7 +205,8 @@ mod tests {
     fn analytic_derivatives_are_those_of_the_radius() {
         let wheel = OutOfRound { shapes: samples().to_vec() };
         for step in 0..4000 {
-            let angle = -7.5 + 0.01 * f64::from(step);
+            // Not at the ends of the flat, where the second derivative jumps.
+            let angle = -7.4963 + 0.01 * f64::from(step);
             let h = 1e-7;
             let (ahead, behind, here) = (wheel.at(angle + h), wheel.at(angle - h), wheel.at(angle));
             for (order, scale) in [(0, 1.0), (1, 50.0), (2, 2500.0)] {

@@ -358,8 +358,8 @@ fn prop_right_hand_side_does_not_allocate() {
     let y = system.state(&stage.design(), &[0.01; 12]);
     assert_eq!(
         y.len(),
-        24 + 5 + 7 + 8 + 4 + 1 + 6,
-        "two air springs, two wedges, two Maxwell dampers, one friction in a line and one in a plane; two rotors and two behind cardan shafts, three brakes; two track brakes, two twists"
+        24 + 5 + 7 + 8 + 4 + 1 + 6 + 1,
+        "two air springs, two wedges, two Maxwell dampers, one friction in a line and one in a plane; two rotors and two behind cardan shafts, three brakes; two track brakes, two twists, an actuator that lags"
     );
     let mut dy = vec![0.0; y.len()];
     let before = counting::count();
