@@ -4,6 +4,7 @@ use crate::cli::plot::{BLUE, DARK, Ink, ORANGE, Panel, Series, Sheet, inside, wi
 use crate::mbs::body::COORDINATES;
 use crate::scene::spec::Scene;
 use crate::scene::vehicle::outline::half_edges;
+use crate::study::digits::rounded;
 use crate::study::modes::{Mode, Modes};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
@@ -101,7 +102,7 @@ pub(super) fn draw(file: &Path, scene: &Scene, found: &Modes) -> Result<(), Stri
     }
     let shown = if all > MOST { format!("the {MOST} slowest of {all} modes") } else { format!("{all} modes") };
     let subtitles = vec![
-        format!("{} at {:.4} m/s; {shown} below {HIGHEST} Hz and {:.0} % of critical damping", scene.title, found.speed, 100.0 * DAMPED),
+        format!("{} at {} m/s; {shown} below {HIGHEST} Hz and {:.0} % of critical damping", scene.title, rounded(found.speed), 100.0 * DAMPED),
         "displacements enlarged alike for all bodies of a mode; of bodies a scene knows mass and inertia: boxes of even density stand for them".into(),
     ];
     Sheet { title: "Mode shapes".into(), subtitles, columns: 3, panels }.draw(file)

@@ -10,6 +10,8 @@
 //!     against the motion;   unloading: k theta v / rho in place of k theta, and B = b M
 //! ```
 //!
+//! Unloading beyond theta_M, where M has fallen, |theta| takes the place of theta_M in rho_M: with a bound that is gone the torque would jump from k theta to nothing where the speed turns round.
+//!
 //! Below a M (a = 0.7) nothing slips: what is at rest stays where it is, without creep; at speed theta rests at theta_M and T = M. The bound of v keeps
 //! the equation's rate below 3.4 / tau at any speed, so that no integrator must follow rho / theta_M; while the brake slides it is the same on both sides of theta_M (a rate that
 //! changed there made long implicit steps go to and fro across it, and T 0.4 % too large). c = k x `damping_time` lets a stopped vehicle come to rest on its
@@ -59,15 +61,18 @@ impl Sticking {
     #[inline]
     pub fn grip(&self, most: f64, angle: f64, speed: f64) -> Grip {
         let (k, reach) = (self.stiffness, most / self.stiffness);
-        let fastest = reach / self.relaxation;
+        let loaded = angle * speed >= 0.0;
+        // A brake that was let go gives its deflection back as one does that was not.
+        let beyond = !loaded && angle.abs() > reach;
+        let span = if beyond { angle.abs() } else { reach };
+        let fastest = span / self.relaxation;
         let bound = speed.clamp(-fastest, fastest);
         let (share, follows) = if bound == speed { (1.0, 1.0) } else { (bound / speed, 0.0) };
         let (mut slip, mut slip_by_angle) = (0.0, 0.0);
-        let loaded = angle * speed >= 0.0;
         let mut grip = Grip { torque: k * angle, torque_by_angle: k, ..Grip::default() };
         if !loaded {
             grip.torque *= share;
-            grip.torque_by_angle *= share;
+            grip.torque_by_angle *= if beyond && follows == 0.0 { 2.0 * share } else { share };
             grip.torque_by_speed = if follows == 0.0 { -grip.torque / speed } else { 0.0 };
         } else if reach < LEAST_REACH {
             slip = 1.0;
@@ -75,12 +80,18 @@ impl Sticking {
             slip = ((angle.abs() / reach - STICKING) / (1.0 - STICKING)).max(0.0);
             slip_by_angle = if slip > 0.0 { angle.signum() / ((1.0 - STICKING) * reach) } else { 0.0 };
         }
-        let (elastic, by_angle, by_speed) = (bound * (1.0 - slip), -bound * slip_by_angle, follows * (1.0 - slip));
+        let (elastic, mut by_angle, by_speed) = (bound * (1.0 - slip), -bound * slip_by_angle, follows * (1.0 - slip));
+        if beyond && follows == 0.0 {
+            by_angle -= 1.0 / self.relaxation;
+        }
         let excess = (angle.abs() - reach).max(0.0) * angle.signum();
         let (resting, by_speed_of_resting) =
-            if reach < LEAST_REACH { (1.0, 0.0) } else { (1.0 - bound.abs() / fastest, -follows * speed.signum() / fastest) };
+            if span < LEAST_REACH { (1.0, 0.0) } else { (1.0 - bound.abs() / fastest, -follows * speed.signum() / fastest) };
         grip.rate = elastic - resting * excess / self.relaxation;
         grip.rate_by_angle = by_angle - if excess != 0.0 { resting / self.relaxation } else { 0.0 };
+        if beyond {
+            grip.rate_by_angle -= follows * bound.abs() / (fastest * angle) * excess / self.relaxation;
+        }
         grip.rate_by_speed = by_speed - by_speed_of_resting * excess / self.relaxation;
         // Unloading takes from the deflection's part.
         let (c, x) = (
@@ -126,6 +137,24 @@ mod tests {
         assert!(largest <= MOST * (1.0 + 1e-12) && largest > 0.99 * MOST, "{largest}");
     }
 
+    /// A brake that is let go: no jump where the speed turns round, heat is never negative, and the deflection goes back.
+    #[test]
+    fn prop_a_brake_that_is_let_go_turns_round_without_a_jump() {
+        for most in [0.0, 1.0, 300.0, MOST] {
+            for x in [-1.0, -0.2, 0.3, 1.0, 1.3] {
+                let angle = x * MOST / BRAKE.stiffness;
+                let [before, after] = [-1e-13, 1e-13].map(|speed| BRAKE.grip(most, angle, speed).torque);
+                assert!((before - after).abs() < 1e-6 * MOST, "{most} {x}: {before} {after}");
+                for speed in [-3.0, -0.05, -1e-4, 1e-4, 0.05, 3.0] {
+                    let grip = BRAKE.grip(most, angle, speed);
+                    let heat = grip.torque * speed - BRAKE.stiffness * angle * grip.rate;
+                    assert!(heat > -1e-9 * MOST, "{most} {x} {speed}: {heat}");
+                    assert!(angle.abs() <= most / BRAKE.stiffness || grip.rate * angle <= 0.0 || angle * speed > 0.0);
+                }
+            }
+        }
+    }
+
     #[test]
     fn analytic_slopes_are_those_of_differences() {
         let reach = MOST / BRAKE.stiffness;
@@ -141,6 +170,15 @@ mod tests {
                     "{x} {speed}: {} {by_angle}",
                     grip.torque_by_angle
                 );
+                let rates = |angle: f64, speed: f64| at(angle, speed).rate;
+                let rate_by_angle = (rates(angle + step * reach, speed) - rates(angle - step * reach, speed)) / (2.0 * step * reach);
+                let rate_by_speed = (rates(angle, speed * (1.0 + step)) - rates(angle, speed * (1.0 - step))) / (2.0 * step * speed);
+                assert!(
+                    (grip.rate_by_angle - rate_by_angle).abs() < 1e-4 / BRAKE.relaxation,
+                    "{x} {speed}: {} {rate_by_angle}",
+                    grip.rate_by_angle
+                );
+                assert!((grip.rate_by_speed - rate_by_speed).abs() < 1e-4, "{x} {speed}: {} {rate_by_speed}", grip.rate_by_speed);
                 assert!(
                     (grip.torque_by_speed - by_speed).abs() < 1e-4 * (MOST / speed.abs()),
                     "{x} {speed}: {} {by_speed}",
