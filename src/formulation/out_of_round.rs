@@ -18,7 +18,7 @@
 //! both cancel where the wheel follows: with P and V the changes of a wheel's wrench with displacement and velocity,
 //!
 //! ```text
-//! dW/da = -P d' e - V (d'' a' e - w x d' e),   dW/da' = -V d' e
+//! dW/da = -P d' e - V (d'' a' e + w x d' e),   dW/da' = -V d' e
 //! ```
 
 use super::rail_motion::{AgainstRail, Swollen};
@@ -46,7 +46,7 @@ impl Model {
         let Some(Swollen { growing, bending, axle, .. }) = moved.round else { return };
         let motion = &moved.motion;
         let [position, velocity] = [&own.by_position, &own.by_velocity].map(|all| all.fixed_columns::<3>(0).into_owned());
-        let moving = bending * motion.pitch_rate - motion.rotation.cross(&growing);
+        let moving = bending * motion.pitch_rate + motion.rotation.cross(&growing);
         let by_angle = -(position * growing + velocity * moving);
         let by_rate = -(velocity * growing);
         for (all, change) in [(&mut own.by_position, by_angle), (&mut own.by_velocity, by_rate)] {
