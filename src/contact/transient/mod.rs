@@ -262,7 +262,9 @@ impl TransientContact {
 
     /// What an error of the deflection [m] is in force at the speed |V| [m/s], N, where the contact holds: w k |e|.
     pub fn force_of(&self, patch: Patch, speed: f64, [along, across]: [f64; 2]) -> f64 {
-        self.elasticity(patch).map_or(0.0, |elastic| self.transient_weight(speed) * elastic.stiffness * along.hypot(across))
+        let weight = self.transient_weight(speed);
+        let elastic = if weight > 0.0 { self.elasticity(patch) } else { None };
+        elastic.map_or(0.0, |elastic| weight * elastic.stiffness * along.hypot(across))
     }
 
     /// States of steady rolling with `slip`, V not zero: to start a run without a transient.
