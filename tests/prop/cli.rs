@@ -302,7 +302,21 @@ fn prop_plan_says_what_is_there_and_why() {
     ];
     for (effect, changes, included, words) in cases {
         let line = line(effect, changes);
-        assert!(line.starts_with(if *included { "  in " } else { "  out" }) && line.contains(words), "{changes:?}: {line}");
+        let marks = if *included { &["  in ", "  guarded "][..] } else { &["  out"] };
+        assert!(marks.iter().any(|mark| line.starts_with(mark)) && line.contains(words), "{changes:?}: {line}");
+    }
+    // What waits says for what; where everything is computed all the same, nothing waits.
+    let transient = "contact.transient={ below = \"2 m/s\" }";
+    let curve = "track.node=[{distance=500},{distance=560,radius=600}]";
+    for (effect, change, words) in [
+        ("transient tangential", transient, "stand still above 4 m/s"),
+        ("curves", curve, "from s = 500.0 m on"),
+        ("left rail deviations", "track.start_fade=5", "from s = 10.0 m on"),
+        ("several contacts", ellipse, "certificate"),
+    ] {
+        let [waits, acts] = [line(effect, &[change]), line(effect, &[change, "effects.mode=all"])];
+        assert!(waits.starts_with("  guarded ") && waits.contains(words), "{waits}");
+        assert!(acts.starts_with("  in "), "{acts}");
     }
 }
 
