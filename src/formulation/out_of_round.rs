@@ -1,7 +1,7 @@
 //! A wheel whose radius differs around it (`geometry::out_of_round`) on its rail.
 //!
-//! At the angle a that the wheel has turned its radius at the lowest point is R + d(a). With e the direction up in the plane of the wheel and w its angular velocity, wheel and
-//! rail stand to each other as if the round wheel's centre p were lower by d, while its material moves as on the larger radius:
+//! At the angle a that the wheel has turned its centre rides at R + d(a) over a straight rail (D there, with the lead of the contact). With e the direction up in the plane of the wheel
+//! and w its angular velocity, wheel and rail stand to each other as if the round wheel's centre p were lower by d, while its material moves as on the larger radius:
 //!
 //! ```text
 //! p* = p - d e        v* = v - w x (d e)        rate of penetration: -(v* - c) . n,   c = d' a' e
@@ -11,8 +11,9 @@
 //! The last term is the lead of the contact on the bumpy wheel: with it the power of the normal force is what the contact stores, so that energy is kept.
 //! So a polygon acts on the height of a wheel as corrugation of the rail of the wave 2 pi R / n does, and besides changes the rolling radius (creepage d / R).
 //!
-//! *First order, left out:* that the contact leads by d' along the tread (for d' = 1 mm / rad by 1 mm), the change of the wheel's curvature in Hertz's theory (`d'' / R^2` beside 1 / R: for
-//! the deepest flat that is let in 90 %, for a polygon of order 20 and 0.1 mm 4 %), differences between flange and tread.
+//! *Left out:* that the place of the contact leads along the rail too (by d', 1 mm for d' = 1 mm / rad; `wheelAngle` does not show it), so that a wheel's trough over a dip of its rail is the sum of
+//! both, the change of the wheel's curvature in Hertz's theory (`d'' / R^2` beside 1 / R: for the deepest flat that is let in 90 %, for a polygon of order 20 and 0.1 mm 4 %), differences between
+//! flange and tread.
 //!
 //! A wheelset rides its wheels' waves as it rides its rails' (`moving_frame`): the known motion lifts it by d(a + a' tau). The Jacobian knows what a changes, so that
 //! both cancel where the wheel follows: with P and V the changes of a wheel's wrench with displacement and velocity,

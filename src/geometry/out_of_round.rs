@@ -10,8 +10,16 @@
 //! A flat is one whose ends have been rolled round: the haversine of Newton and Clark (1979). All this grows from nothing over the first turn from where the
 //! run begins, as a wheel that stands still knows nothing of the rest of it: `d S(|a| / 2 pi)`, S a smooth step with two continuous derivatives.
 //!
-//! The lowest point is taken for the contact, and the contact for a point: the surface may not bend inward more than `0.9 / R` (else a wheel stands on two places at once), so
-//! a polygon has `depth n^2 / 2 < 0.9 R` and a flat `2 pi^2 depth R < 0.9 length^2`; patches of 12 mm smooth waves below some 50 mm, which is left out.
+//! A rail is not touched by the lowest point but by the one that stands out most, ahead by the angle f: the wheel's centre rides at
+//!
+//! ```text
+//! R + D(a) = max over f of (R + d(a + f)) cos f      d'(a + f) cos f = (R + d(a + f)) sin f
+//! D' = d' cos f,   D'' = d'' (1 + f') cos f - d' f' sin f,   D''' about d''' (1 + f')^3,   1 + f' about 1 / (1 - d'' / R)
+//! ```
+//!
+//! as a round wheel does over a dip of the rail of that shape: at the bottom of a flat that bends by k the centre's path bends by k / (1 - R k). So the surface may not bend inward more than
+//! `0.9 / R` (else a wheel stands on two places at once): a polygon has `depth n^2 / 2 < 0.9 R` and a flat `2 pi^2 depth R < 0.9 length^2`. The contact is taken for a point; patches of 12 mm
+//! smooth waves below some 50 mm, which is left out.
 
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
@@ -53,15 +61,23 @@ impl Shape {
         }
     }
 
-    /// How far the wheel may turn in one step from `angle` in the direction of `sign`, rad.
-    fn reach(&self, angle: f64, sign: f64) -> f64 {
+    /// R k: how far it bends inward at most, in parts of what a wheel of the radius R [m] bends outward.
+    fn bent(&self, radius: f64) -> f64 {
         match *self {
-            Shape::Polygon { order, .. } => TAU / order / STEPS_IN_WAVE,
+            Shape::Polygon { order, amplitude, .. } => amplitude * order * order / radius,
+            Shape::Flat { half, amplitude, .. } => amplitude * (std::f64::consts::PI / half).powi(2) / radius,
+        }
+    }
+
+    /// How far the wheel may turn in one step from `angle` in the direction of `sign`, rad; `sharp` is the width of the path's bends in parts of those of the wheel.
+    fn reach(&self, angle: f64, sign: f64, sharp: f64) -> f64 {
+        match *self {
+            Shape::Polygon { order, .. } => sharp * TAU / order / STEPS_IN_WAVE,
             Shape::Flat { at, half, .. } => {
                 let off = sign * from(at, angle);
                 // The flat begins ahead at -half; behind it the next time is a turn away.
                 let ahead = if off > half { TAU - half - off } else { (-half - off).max(0.0) };
-                ahead + 2.0 * half / STEPS_IN_WAVE
+                ahead + sharp * 2.0 * half / STEPS_IN_WAVE
             }
         }
     }
@@ -76,12 +92,48 @@ fn from(at: f64, angle: f64) -> f64 {
 /// All of a wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutOfRound {
+    /// R, m.
+    pub radius: f64,
     pub shapes: Vec<Shape>,
 }
 
+/// Steps to the point that stands out most, and where they end, rad.
+const MOST_STEPS: usize = 40;
+const LAST: f64 = 1e-15;
+/// Farthest that it may lead, rad.
+const FARTHEST: f64 = 1.0;
+
 impl OutOfRound {
-    /// d [m] and its first three derivatives by the angle, m/rad and so on, where the wheel has turned by `angle` [rad] since the run began.
+    /// D [m] and its first three derivatives by the angle, m/rad and so on, where the wheel has turned by `angle` [rad] since the run began.
     pub fn at(&self, angle: f64) -> [f64; 4] {
+        // g(f) falls: Newton's method between what is known to lie on either side.
+        let (mut low, mut high, mut lead) = (-FARTHEST, FARTHEST, 0.0_f64);
+        let mut step = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let ([d, d1, d2, _], (sin, cos)) = (self.radius_at(angle + lead), lead.sin_cos());
+            let g = d1 * cos - (self.radius + d) * sin;
+            if g == 0.0 || step.abs() < LAST {
+                break;
+            }
+            if g > 0.0 {
+                low = lead
+            } else {
+                high = lead
+            }
+            let slope = d2 * cos - 2.0 * d1 * sin - (self.radius + d) * cos;
+            let next = lead - g / slope;
+            let next = if slope < 0.0 && next > low && next < high { next } else { 0.5 * (low + high) };
+            (step, lead) = (next - lead, next);
+        }
+        let ([d, d1, d2, d3], (sin, cos)) = (self.radius_at(angle + lead), lead.sin_cos());
+        let by_angle = d2 * cos - d1 * sin;
+        let leading = by_angle / ((self.radius + d) * cos + d1 * sin - by_angle);
+        let turned = 1.0 + leading;
+        [(self.radius + d) * cos - self.radius, d1 * cos, d2 * turned * cos - d1 * leading * sin, d3 * turned * turned * turned]
+    }
+
+    /// d and its derivatives likewise: what the radius of the place `angle` is more.
+    pub fn radius_at(&self, angle: f64) -> [f64; 4] {
         let mut sum = [0.0; 4];
         for shape in &self.shapes {
             sum.iter_mut().zip(shape.at(angle)).for_each(|(sum, own)| *sum += own);
@@ -107,7 +159,9 @@ impl OutOfRound {
     /// How far the wheel may turn in one step in the direction of `rate`, rad.
     pub fn reach(&self, angle: f64, rate: f64) -> f64 {
         let sign = if rate < 0.0 { -1.0 } else { 1.0 };
-        self.shapes.iter().map(|shape| shape.reach(angle, sign)).fold(LONGEST / STEPS_IN_WAVE, f64::min)
+        let bent: f64 = self.shapes.iter().map(|shape| shape.bent(self.radius)).fold(0.0, f64::max);
+        let sharp = (1.0 - bent).max(1.0 - MOST_BENT);
+        self.shapes.iter().map(|shape| shape.reach(angle, sign, sharp)).fold(LONGEST / STEPS_IN_WAVE, f64::min)
     }
 
     /// What it is, for `wheelrail plan`.
@@ -146,7 +200,8 @@ impl OutOfRound {
             }
             section.finish()?;
         }
-        Ok(read.map(|shapes| (!shapes.is_empty()).then_some(OutOfRound { shapes })))
+        let [left, right] = read;
+        Ok([(left, radii[0]), (right, radii[1])].map(|(shapes, radius)| (!shapes.is_empty()).then_some(OutOfRound { radius, shapes })))
     }
 }
 
@@ -203,22 +258,47 @@ mod tests {
 
     #[test]
     fn analytic_derivatives_are_those_of_the_radius() {
-        let wheel = OutOfRound { shapes: samples().to_vec() };
+        let wheel = OutOfRound { radius: 0.457, shapes: samples().to_vec() };
         for step in 0..4000 {
             // Not at the ends of the flat, where the second derivative jumps.
             let angle = -7.4963 + 0.01 * f64::from(step);
             let h = 1e-7;
-            let (ahead, behind, here) = (wheel.at(angle + h), wheel.at(angle - h), wheel.at(angle));
-            for (order, scale) in [(0, 1.0), (1, 50.0), (2, 2500.0)] {
-                let slope = (ahead[order] - behind[order]) / (2.0 * h);
-                assert!((slope - here[order + 1]).abs() < 1e-8 * scale, "{order} at {angle}: {slope:e} {:e}", here[order + 1]);
-            }
+            let slopes = |at: &dyn Fn(f64) -> [f64; 4], orders: usize| {
+                let (ahead, behind, here) = (at(angle + h), at(angle - h), at(angle));
+                for (order, scale) in [(0, 1.0), (1, 50.0), (2, 2500.0)].into_iter().take(orders) {
+                    let slope = (ahead[order] - behind[order]) / (2.0 * h);
+                    assert!((slope - here[order + 1]).abs() < 1e-8 * scale, "{order} at {angle}: {slope:e} {:e}", here[order + 1]);
+                }
+            };
+            slopes(&|angle| wheel.radius_at(angle), 3);
+            slopes(&|angle| wheel.at(angle), 2);
         }
         // Whole turns change nothing once the first one is over.
         let [there, later] = [13.0, 13.0 + 5.0 * TAU].map(|angle| wheel.at(angle));
         assert!((there[0] - later[0]).abs() < 1e-16 && (there[1] - later[1]).abs() < 1e-15);
         // The deepest place of the flat is the lowest point when the wheel has turned to it.
         assert_eq!(samples()[1].at(5.9 + TAU)[0], -4e-4);
+    }
+
+    /// The centre rides where the wheel's outline stands out most, and over a flat as a round wheel over a dip of that shape: sharper at the bottom by 1 / (1 - R k).
+    #[test]
+    fn analytic_the_centre_rides_on_the_outline() {
+        let (radius, amplitude, half) = (0.457, 1e-4, 0.025 / 0.457);
+        let wheel = OutOfRound { radius, shapes: vec![Shape::Flat { at: 9.0, half, amplitude }] };
+        let bent = wheel.shapes[0].bent(radius);
+        assert!((0.6..0.8).contains(&bent), "{bent}");
+        for step in -60..=60 {
+            let angle = 9.0 + 1e-3 * f64::from(step);
+            let outline = |lead: f64| (radius + wheel.radius_at(angle + lead)[0]) * lead.cos() - radius;
+            let dip = |lead: f64| wheel.radius_at(angle + lead)[0] - 0.5 * radius * lead * lead;
+            let highest = |of: &dyn Fn(f64) -> f64| (-40_000..=40_000).map(|k| of(3e-6 * f64::from(k))).fold(f64::NEG_INFINITY, f64::max);
+            let found = wheel.at(angle)[0];
+            assert!((found - highest(&outline)).abs() < 1e-11, "{step}: {found:e}");
+            assert!((found - highest(&dip)).abs() < 3e-8, "{step}: {found:e} {:e}", highest(&dip));
+        }
+        let ([there, slope, bend, _], own) = (wheel.at(9.0), wheel.radius_at(9.0)[2]);
+        assert!((there + 2.0 * amplitude).abs() < 1e-15 && slope.abs() < 1e-15, "{there:e} {slope:e}");
+        assert!((bend * (1.0 - bent) / own - 1.0).abs() < 2e-3, "{bend} {own} {bent}");
     }
 
     #[test]
@@ -228,7 +308,7 @@ mod tests {
             let mut angle: f64 = start;
             let (mut deepest, mut inside) = (0f64, 0);
             for _ in 0..300 {
-                let reach = flat.reach(angle, sign);
+                let reach = flat.reach(angle, sign, 1.0);
                 assert!(reach > 0.0);
                 angle += sign * reach;
                 deepest = deepest.min(flat.at(angle)[0]);

@@ -19,7 +19,7 @@ fn equiv_polygon_and_corrugated_rail() {
     let (order, depth) = (9.0, 60e-6);
     let polygon = wheels(&format!("{{kind=\"polygon\",order={order},depth={depth}}}"));
     let bumpy = run(&straight(&[&polygon, "solver.tolerance=1e-8"]), 0.2, 5e-4);
-    let shape = OutOfRound { shapes: vec![Shape::Polygon { order, amplitude: 0.5 * depth, phase: 0.0 }] };
+    let shape = OutOfRound { radius: RADIUS, shapes: vec![Shape::Polygon { order, amplitude: 0.5 * depth, phase: 0.0 }] };
     let scene = straight(&["interface.inputs=[\"rail_motion\"]", "solver.tolerance=1e-8"]);
     let mut simulation = start(&scene);
     let outputs = table(&simulation, &scene);
