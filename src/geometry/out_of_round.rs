@@ -108,22 +108,23 @@ impl OutOfRound {
     pub fn at(&self, angle: f64) -> [f64; 4] {
         // g(f) falls: Newton's method between what is known to lie on either side.
         let (mut low, mut high, mut lead) = (-FARTHEST, FARTHEST, 0.0_f64);
-        let mut step = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let ([d, d1, d2, _], (sin, cos)) = (self.radius_at(angle + lead), lead.sin_cos());
             let g = d1 * cos - (self.radius + d) * sin;
-            if g == 0.0 || step.abs() < LAST {
-                break;
-            }
             if g > 0.0 {
-                low = lead
+                low = lead;
             } else {
-                high = lead
+                high = lead;
             }
             let slope = d2 * cos - 2.0 * d1 * sin - (self.radius + d) * cos;
             let next = lead - g / slope;
-            let next = if slope < 0.0 && next > low && next < high { next } else { 0.5 * (low + high) };
-            (step, lead) = (next - lead, next);
+            // Rounding may end it at a bound: that is no reason to go back to the middle.
+            let next = if slope < 0.0 && (low..=high).contains(&next) { next } else { 0.5 * (low + high) };
+            let step = next - lead;
+            lead = next;
+            if step.abs() < LAST {
+                break;
+            }
         }
         let ([d, d1, d2, d3], (sin, cos)) = (self.radius_at(angle + lead), lead.sin_cos());
         let by_angle = d2 * cos - d1 * sin;
