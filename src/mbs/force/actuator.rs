@@ -8,7 +8,7 @@
 //! u is the input. The force T acts along the line between the places, tension positive, or along an axis, with the signs of [`super::line`]; its reaction is on the other body.
 //! The actuator is nothing but this force: stiffness and damping in parallel are elements of their own, and so is what it holds when it is off. Power that it puts in: `-T L'`.
 
-use super::line::{Slopes, Span, Stretch};
+use super::line::{QUANTITIES as OF_LINES, Slopes, Span, Stretch};
 use super::{ElementInput, ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
 use crate::mbs::force::Attachment;
@@ -58,18 +58,8 @@ const INPUTS: [ElementInput; 1] = [ElementInput {
 }];
 
 const QUANTITIES: [Quantity; 4] = [
-    Quantity {
-        number: 0,
-        name: "force",
-        kind: QuantityKind::Force,
-        description: "force of the element, tension positive; along an axis that on \"from\"",
-    },
-    Quantity {
-        number: 1,
-        name: "displacement",
-        kind: QuantityKind::Displacement,
-        description: "elongation of the element from the design configuration; along an axis how far \"to\" has moved against \"from\"",
-    },
+    OF_LINES[0],
+    OF_LINES[1],
     Quantity { number: 2, name: "speed", kind: QuantityKind::Speed, description: "rate of the displacement" },
     Quantity { number: 3, name: "power", kind: QuantityKind::Power, description: "power that the actuator puts into the vehicle" },
 ];

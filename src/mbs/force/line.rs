@@ -257,7 +257,8 @@ pub struct LineElement<L> {
     pub law: L,
 }
 
-const QUANTITIES: [Quantity; 2] = [
+/// Force and displacement.
+pub(super) const QUANTITIES: [Quantity; 2] = [
     Quantity {
         number: 0,
         name: "force",
