@@ -34,6 +34,8 @@ const LONGEST_FADING: f64 = 2.0;
 /// (Three coaches with 30 mm of slack, braked one after the other: coupler forces of 93 kN were off by 45 kN without a bound, by 26, 9, 5 and 2 kN with parts of 0.2,
 /// 0.07, 0.02, 0.007.)
 const STRIKING: f64 = 0.007;
+/// The same part for forces that impose speeds: what they are off by adds up to their work.
+const DRIVING: f64 = 0.02;
 
 impl Model {
     /// The longest step that may begin at the state `y` with derivative `dy`, s, whose evaluation the workspace holds.
@@ -168,6 +170,21 @@ impl Model {
             largest = largest.max(force / (STRIKING * self.load_tolerance * wheelset.static_wheel_load));
         }
         largest
+    }
+
+    /// Change of the forces that impose speeds which an error of the state makes, in parts of what is allowed; at the linearisation of this step, of methods that
+    /// have one. Elements along the track are stiff (62 MN/m at a coach's wheelset), so that an error of 1e-5 m, which is all of a tolerance, was one of
+    /// some 300 N, to one side on every slope: the work of a whole climb had the wrong sign.
+    pub fn driving_error(&self, workspace: &Workspace, error: &[f64]) -> f64 {
+        let Some(tangent) = workspace.tangent.as_ref().filter(|_| workspace.linearised.is_some()) else { return 0.0 };
+        let mut largest: f64 = 0.0;
+        for drive in &self.system.drives {
+            let Some(wheelset) = self.wheelsets.iter().find(|wheelset| wheelset.body == drive.body) else { continue };
+            let along = workspace.system.stations.along(drive.body);
+            let force = tangent.force_on(drive.body, error).dot(&along).abs();
+            largest = largest.max(force / (DRIVING * self.load_tolerance * wheelset.static_wheel_load));
+        }
+        if largest.is_nan() { f64::INFINITY } else { largest }
     }
 
     /// How much longer than [`FADING`] a wheel's bouncing lasts, at least 1: half the wheelset's mass m on a contact whose damping is c fades

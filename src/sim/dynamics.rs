@@ -236,7 +236,8 @@ impl Dynamics for ModelDynamics<'_> {
 
     fn swing_error(&self, error: &[f64]) -> f64 {
         let strikes = self.model.error_at_strikes(self.workspace, self.watched.strikes, error);
-        self.model.swing_error(self.workspace, self.watched.swings, error).max(strikes)
+        let driving = self.model.driving_error(self.workspace, error);
+        self.model.swing_error(self.workspace, self.watched.swings, error).max(strikes).max(driving)
     }
 
     fn note_step(&mut self, t: f64, y: &[f64]) {
@@ -349,6 +350,19 @@ impl Implicit for ModelDynamics<'_> {
         let clock = self.workspace.timers.start();
         self.model.solve_linear_pushed(self.workspace, x, weight, push);
         self.workspace.timers.stop(Call::Solve, clock);
+    }
+
+    fn note_begin(&mut self, t: f64, y: &[f64]) -> bool {
+        let (slides, flutter) = (self.model.any_slides(self.workspace), &mut *self.watched.flutter);
+        if slides && flutter.is_due(t) {
+            let clock = self.workspace.timers.start();
+            self.model.linearise(self.workspace, (y, &self.trial.accepted), self.values, false);
+            self.workspace.timers.stop(Call::Linearise, clock);
+        }
+        if !slides || flutter.is_due(t) {
+            self.model.note_flutter(self.workspace, t, flutter);
+        }
+        self.model.note_motion(self.workspace)
     }
 
     fn frame_at(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {

@@ -255,10 +255,11 @@ impl Simulation {
             start,
             model,
         };
-        if simulation.integrator.linearises() {
-            simulation.model.prepare_tangent(&mut simulation.workspace);
-            simulation.state.frame = simulation.model.frame_motion(&simulation.workspace).clone();
+        simulation.model.prepare_tangent(&mut simulation.workspace);
+        if !simulation.integrator.linearises() {
+            simulation.model.prepare_frame(&mut simulation.workspace, false);
         }
+        simulation.state.frame = simulation.model.frame_motion(&simulation.workspace).clone();
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.
         simulation.look()?;
         simulation.state.memories.accepted.clone_from(&simulation.snapshot.memory);

@@ -4,6 +4,7 @@
 //! the error is the largest local error of the controlled components.
 
 use super::local_error::{END, LocalError, WORK};
+use super::moving_frame::MovingFrame;
 use super::{Implicit, IntegrationState, Scratch, SolveError, Undefined, integrals};
 
 /// Step-size control: safety, limits of change, and the weight of the last error (a PI controller damps the
@@ -25,8 +26,10 @@ pub(super) trait StepPair {
     const LAST_STAGE: Option<usize>;
 
     /// What a step needs besides f at its begin, once for all attempts at it.
-    fn prepare(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState) -> Result<(), SolveError> {
-        state.evaluate_with_cache(dynamics)
+    fn prepare(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, frame: &mut MovingFrame) -> Result<(), SolveError> {
+        state.evaluate_with_cache(dynamics)?;
+        frame.note(dynamics, state);
+        Ok(())
     }
 
     /// Does [`StepPair::check`] see what no stage has seen?
@@ -66,7 +69,7 @@ pub(super) fn step<P: StepPair>(
         state.evaluate_begin(dynamics)?;
         state.next_step = first_step(tolerance, dynamics, state, scratch);
     }
-    pair.prepare(dynamics, state)?;
+    pair.prepare(dynamics, state, &mut scratch.frame)?;
     let limit = dynamics.next_break(state.t, &state.y);
     let mut h = state.next_step.min(dynamics.longest_step(&state.derivative));
     let mut rejected = false;

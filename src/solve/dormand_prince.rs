@@ -8,7 +8,7 @@
 //! controller after Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sections II.4-II.6.
 
 use super::adaptive::{self, StepPair, TOLERANCES};
-use super::local_error::LocalError;
+use super::local_error::{END, LocalError};
 use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -80,7 +80,7 @@ const D: [f64; STAGES] = [
 
 impl StepPair for DormandPrince {
     const ORDER: i32 = 5;
-    const LAST_STAGE: Option<usize> = Some(6);
+    const LAST_STAGE: Option<usize> = Some(END);
 
     fn attempt(
         &self,
@@ -89,35 +89,45 @@ impl StepPair for DormandPrince {
         scratch: &mut Scratch,
         h: f64,
     ) -> Result<LocalError, Undefined> {
-        scratch.stages[0].copy_from_slice(&state.derivative);
+        let Scratch { stages, frame, trial, looks, .. } = scratch;
+        stages[0].copy_from_slice(&state.derivative);
+        frame.move_to(dynamics, 0.0);
+        frame.take_rate_off(&mut stages[0]);
         for stage in 1..STAGES {
-            let (done, rest) = scratch.stages.split_at_mut(stage);
+            let (done, rest) = stages.split_at_mut(stage);
             let weights: [f64; 6] = std::array::from_fn(|j| h * A[stage][j]);
-            for (i, value) in scratch.trial.iter_mut().enumerate() {
+            for (i, value) in trial.iter_mut().enumerate() {
                 let mut sum = state.y[i];
                 for (weight, k) in weights.iter().zip(done.iter()) {
                     sum += weight * k[i];
                 }
                 *value = sum;
             }
+            if C[stage] != C[stage - 1] {
+                frame.move_to(dynamics, C[stage] * h);
+            }
+            frame.add_shift(trial);
             let time = state.t + C[stage] * h;
             if stage == STAGES - 1 {
-                dynamics.derivative_at_end(time, &scratch.trial, &mut rest[0])?;
+                dynamics.derivative_at_end(time, trial, &mut rest[END - stage])?;
+                let (last, end) = rest.split_at_mut(END - stage);
+                last[0].copy_from_slice(&end[0]);
             } else {
-                dynamics.derivative(time, &scratch.trial, &mut rest[0])?;
+                dynamics.derivative(time, trial, &mut rest[0])?;
             }
+            frame.take_rate_off(&mut rest[0]);
             state.statistics.evaluations += 1;
-            scratch.looks.stage(dynamics, time);
+            looks.stage(dynamics, time);
         }
         // The second stage is in no weight.
         for i in 0..state.y.len() {
-            scratch.stages[1][i] = h * (0..STAGES).map(|j| E[j] * scratch.stages[j][i]).sum::<f64>();
+            stages[1][i] = h * (0..STAGES).map(|j| E[j] * stages[j][i]).sum::<f64>();
         }
-        let mut error = LocalError::of(dynamics, &scratch.stages[1]);
+        let mut error = LocalError::of(dynamics, &stages[1]);
         for i in 0..state.y.len() {
-            scratch.stages[1][i] = h / 16.0 * (0..STAGES).filter(|j| *j != 1).map(|j| D[j] * scratch.stages[j][i]).sum::<f64>();
+            stages[1][i] = h / 16.0 * (0..STAGES).filter(|j| *j != 1).map(|j| D[j] * stages[j][i]).sum::<f64>();
         }
-        error.load = error.load.max(dynamics.load_error(&scratch.stages[1]));
+        error.load = error.load.max(dynamics.load_error(&stages[1]));
         Ok(error)
     }
 
@@ -127,7 +137,7 @@ impl StepPair for DormandPrince {
         for i in 0..n {
             let k = |j: usize| scratch.stages[j][i];
             let begin = state.y[i];
-            let difference = scratch.trial[i] - begin;
+            let difference = scratch.trial[i] - begin - scratch.frame.shift_of(i);
             let bend = h * k(0) - difference;
             let r4 = difference - h * k(6) - bend;
             let r5 = h * (0..STAGES).map(|j| D[j] * k(j)).sum::<f64>();

@@ -215,7 +215,13 @@ pub trait Implicit: Dynamics {
         self.solve_linear(x);
     }
 
-    /// A known motion that the solution nearly follows from the state that was linearised last: writes what it has added to the state
+    /// At the begin (t, y) of a step of a method that does not linearise, directly after an evaluation of f there: notes the motion of
+    /// [`Implicit::frame_at`], and what else bounds such steps. False where there is no such motion, or one that is linear in time.
+    fn note_begin(&mut self, _t: f64, _y: &[f64]) -> bool {
+        false
+    }
+
+    /// A known motion that the solution nearly follows from the state that was linearised (or noted) last: writes what it has added to the state
     /// `ahead` [s] later (`shift`, zero for 0) and its rate there. False where there is no such motion.
     fn frame_at(&mut self, _ahead: f64, _shift: &mut [f64], _rate: &mut [f64]) -> bool {
         false

@@ -6,6 +6,7 @@
 
 use super::dense;
 use super::fixed::{FixedStep, STEPS};
+use super::local_error::END;
 use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -49,6 +50,7 @@ impl Integrator for RungeKutta4 {
 
     fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
         state.evaluate_with_cache(dynamics)?;
+        scratch.frame.note(dynamics, state);
         let step = FixedStep::next(self.step, dynamics, state)?;
         dynamics.rollback();
         scratch.looks.begin(dynamics, state.t);
@@ -57,13 +59,14 @@ impl Integrator for RungeKutta4 {
         }
         step.check(state, scratch)?;
         write_dense(state, scratch, step.h);
-        let Scratch { stages: [first, _, _, last, end, .., error], trial, .. } = scratch;
+        let Scratch { stages: [first, _, _, last, end, .., error], trial, frame, .. } = scratch;
         for (i, error) in error.iter_mut().enumerate() {
             let embedded = step.h / 6.0 * (last[i] - end[i]);
-            let trapezoid = trial[i] - state.y[i] - 0.5 * step.h * (first[i] + end[i]);
+            let trapezoid = trial[i] - frame.shift_of(i) - state.y[i] - 0.5 * step.h * (first[i] + end[i]);
             *error = if trapezoid.abs() > embedded.abs() { trapezoid } else { embedded };
         }
-        step.accept(dynamics, state, scratch, Some(4));
+        step.accept(dynamics, state, scratch, Some(END));
+        scratch.frame.keep(dynamics, state);
         if !step.complete(dynamics, state, scratch)? {
             return Ok(());
         }
@@ -71,7 +74,8 @@ impl Integrator for RungeKutta4 {
     }
 }
 
-/// The four stages, the solution at `end` = t + h in `scratch.trial`, and f there as fifth stage.
+/// The four stages, the solution at `end` = t + h in `scratch.trial`, and f there as fifth stage, all beside the moving frame; f itself is in
+/// `scratch.stages[END]`.
 pub(super) fn stages(
     dynamics: &mut dyn Implicit,
     state: &mut IntegrationState,
@@ -79,27 +83,42 @@ pub(super) fn stages(
     end: f64,
     h: f64,
 ) -> Result<(), Undefined> {
-    let Scratch { stages, trial, looks, .. } = scratch;
+    let Scratch { stages, frame, trial, looks, .. } = scratch;
     stages[0].copy_from_slice(&state.derivative);
+    frame.move_to(dynamics, 0.0);
+    frame.take_rate_off(&mut stages[0]);
     let points = [(0.5, 0.5 * h), (0.5, 0.5 * h), (1.0, h)];
     for (stage, (fraction, weight)) in points.into_iter().enumerate() {
         for (i, value) in trial.iter_mut().enumerate() {
             *value = state.y[i] + weight * stages[stage][i];
         }
+        if stage != 1 {
+            frame.move_to(dynamics, fraction * h);
+        }
+        frame.add_shift(trial);
         state.statistics.evaluations += 1;
         dynamics.derivative(state.t + fraction * h, trial, &mut stages[stage + 1])?;
+        frame.take_rate_off(&mut stages[stage + 1]);
         looks.stage(dynamics, state.t + fraction * h);
     }
     for (i, value) in trial.iter_mut().enumerate() {
         let k = |j: usize| stages[j][i];
         *value = state.y[i] + h / 6.0 * (k(0) + 2.0 * (k(1) + k(2)) + k(3));
     }
+    frame.add_shift(trial);
     state.statistics.evaluations += 1;
-    dynamics.derivative_at_end(end, trial, &mut stages[4])
+    let [.., last, _, _, end_rate, _] = stages;
+    dynamics.derivative_at_end(end, trial, end_rate)?;
+    last.copy_from_slice(end_rate);
+    frame.take_rate_off(last);
+    Ok(())
 }
 
 /// Cubic Hermite polynomial through both ends of the step.
 pub(super) fn write_dense(state: &mut IntegrationState, scratch: &Scratch, h: f64) {
     let slopes = |i: usize| [h * scratch.stages[0][i], h * scratch.stages[4][i]];
-    dense::write_cubic(&mut state.dense, &state.y, &scratch.trial, slopes);
+    let n = state.y.len();
+    for i in 0..n {
+        dense::write_one(&mut state.dense, (i, n), [state.y[i], scratch.trial[i] - scratch.frame.shift_of(i)], slopes(i));
+    }
 }

@@ -6,7 +6,7 @@
 //! on the imaginary axis make it the cheapest choice where the contact's vibration limits the step.
 
 use super::adaptive::{self, StepPair, TOLERANCES};
-use super::local_error::LocalError;
+use super::local_error::{END, LocalError};
 use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use super::{dense, rk4};
 use crate::settings::{Entry, Section, SettingsError};
@@ -55,7 +55,7 @@ impl Integrator for RungeKutta43 {
 
 impl StepPair for RungeKutta43 {
     const ORDER: i32 = 4;
-    const LAST_STAGE: Option<usize> = Some(4);
+    const LAST_STAGE: Option<usize> = Some(END);
 
     fn attempt(
         &self,

@@ -26,6 +26,7 @@
 
 use super::adaptive::{self, StepPair};
 use super::local_error::{END, LocalError, WORK};
+use super::moving_frame::MovingFrame;
 use super::{
     Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, parse_setting, response,
 };
@@ -180,7 +181,7 @@ impl StepPair for Rosenbrock {
     const LAST_STAGE: Option<usize> = None;
     const CHECKED: bool = true;
 
-    fn prepare(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState) -> Result<(), SolveError> {
+    fn prepare(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, _frame: &mut MovingFrame) -> Result<(), SolveError> {
         state.evaluate_with_cache(dynamics)?;
         state.linearise(dynamics, self.part)
     }

@@ -90,6 +90,10 @@ impl Implicit for Watched {
         self.last = (t, y.to_vec());
         self.linearise(t, y, part)
     }
+    fn note_begin(&mut self, _: f64, _: &[f64]) -> bool {
+        self.begin = self.last.clone();
+        self.motion.is_some()
+    }
     fn frame_at(&mut self, ahead: f64, shift: &mut [f64], rate: &mut [f64]) -> bool {
         let Some(motion) = self.motion else { return false };
         let [c, c1, _] = motion(self.begin.0, &self.begin.1, ahead);

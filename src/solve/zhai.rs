@@ -67,6 +67,7 @@ impl Integrator for Zhai {
 
     fn step(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, scratch: &mut Scratch) -> Result<(), SolveError> {
         state.evaluate_with_cache(dynamics)?;
+        dynamics.note_begin(state.t, &state.y);
         let step = FixedStep::next(self.step, dynamics, state)?;
         scratch.looks.begin(dynamics, state.t);
         let h = step.h;

@@ -1,11 +1,11 @@
 //! The motion that the track gives a vehicle: what implicit methods take for granted within a step, and what that is worth.
 
-use crate::common::{run, start};
+use crate::common::{run, start, table};
 use wheelrail::formulation::{Evaluation, Model, Workspace};
 use wheelrail::scene::load;
 use wheelrail::scene::spec::Scene;
 use wheelrail::sim::Simulation;
-use wheelrail::sim::recording::Recording;
+use wheelrail::sim::recording::{Recording, record};
 
 const IRREGULAR: [&str; 2] =
     ["track.deviation=[]", "track.irregularity=[{kind=\"spectrum\", spectrum=\"ore_b176_low\", seed=1, from=15, to=400, fade=5}]"];
@@ -177,4 +177,53 @@ fn regress_irregular_track_takes_few_steps() {
     );
     // 454 and 0.48 um: swings are followed by their own size too, which this tolerance alone would not ask for.
     assert!(statistics.steps < 480 && worst < 1e-6);
+}
+
+const CURVING: [&str; 4] = ["track.deviation=[]", "contact.patch=ellipse", "vehicle.speed=15", "vehicle.drive=leading"];
+
+fn curved(radius: f64) -> String {
+    format!("track.node=[{{distance=0, curvature={0}}}, {{distance=300, curvature={0}}}]", 1.0 / radius)
+}
+
+/// Flutter at 153 Hz, which steps at the limit of stability damp: 854 steps of `rk43` ran quietly. All methods follow it, and say so.
+#[test]
+fn hard_explicit_steps_do_not_hide_flutter() {
+    let curve = curved(300.0);
+    for method in ["dormand_prince", "rk43", "rosenbrock"].map(|name| format!("solver.integrator={name}")) {
+        let scene = open("bogie", &[&CURVING[..], &["contact.friction=0.35", &curve, &method, "solver.tolerance=1e-6"]].concat());
+        let mut simulation = start(&scene);
+        let outputs = table(&simulation, &scene);
+        let found = record(&mut simulation, &outputs, 1.5, 1e-3, |_| {}).unwrap_or_else(|error| panic!("{error}"));
+        let largest = column(&found, "wheelset[1].right.verticalForce").into_iter().fold(0.0f64, f64::max);
+        let notes = simulation.notes();
+        println!("{method}: Q to {largest:.0} N in {} steps", simulation.statistics().steps);
+        assert!(largest > 80e3 && notes.iter().any(|note| note.contains("flutters on its contacts")), "{method}: {largest} {notes:?}");
+    }
+}
+
+/// Stages of explicit methods that leave the track along its tangent press wheels into rails; beside the motion along the track they don't. In this
+/// curve that took 3809 (`dormand_prince`) and 11 245 steps (`rk43`), now 1056 and 863.
+#[test]
+fn regress_explicit_methods_take_curves_as_straight_track() {
+    let scene = |curve: &str, method: &str, tolerance: &str| {
+        open("bogie", &[&CURVING[..], &["contact.friction=0.2", curve, method, tolerance]].concat())
+    };
+    let (curve, straight) = (curved(300.0), curved(f64::INFINITY));
+    let exact = run(&scene(&curve, "solver.integrator=dormand_prince", "solver.tolerance=1e-10"), 2.0, 1.3e-3);
+    for method in ["dormand_prince", "rk43"].map(|name| format!("solver.integrator={name}")) {
+        let [there, here] = [&curve, &straight].map(|track| {
+            let mut simulation = start(&scene(track, &method, "solver.tolerance=1e-7"));
+            simulation.advance(2.0).unwrap_or_else(|error| panic!("{error}"));
+            simulation.statistics().steps
+        });
+        let found = run(&scene(&curve, &method, "solver.tolerance=1e-7"), 2.0, 1.3e-3);
+        let mut worst = 0.0f64;
+        for side in ["left", "right"] {
+            let name = format!("wheelset[1].{side}.verticalForce");
+            let (mine, exact) = (column(&found, &name), column(&exact, &name));
+            worst = mine.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(worst, f64::max);
+        }
+        println!("{method}: {there} steps in the curve, {here} on straight track; Q within {worst:.2} N");
+        assert!(10 * there <= 12 * here && worst < 5.0, "{method}: {there} steps for {here}, {worst} N");
+    }
 }

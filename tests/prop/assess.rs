@@ -144,3 +144,28 @@ fn hard_impacts_between_rows_are_not_assessed_by_chance() {
     assert!(own.iter().zip(dense).all(|(own, dense)| (own / dense - 1.0).abs() < 0.03));
     assert!(words.contains("too far apart") && (sparse[3] / dense[3] - 1.0).abs() > 0.1, "{words}");
 }
+
+/// Accelerations are judged by what an accelerometer shows alone: under cant the kinematic acceleration has passed a limit that is not held, and failed one that is.
+#[test]
+fn hard_sensors_that_are_not_measured_are_not_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
+    assess(&[&CURVE[..], &["--stop", "14", "-o", &path("all.csv")]].concat());
+    let text = std::fs::read_to_string(path("all.csv")).unwrap();
+    let without = |name: &str, gone: &dyn Fn(&str) -> bool| {
+        let names: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+        let kept =
+            |line: &str| line.split(',').zip(&names).filter(|(_, name)| !gone(name)).map(|(cell, _)| cell).collect::<Vec<_>>().join(",");
+        std::fs::write(path(name), text.lines().map(|line| kept(line) + "\n").collect::<String>()).unwrap();
+        assess(&[&[path(name).as_str(), "--scene"], &CURVE[..]].concat()).0
+    };
+    let none = without("none.csv", &|name| name.contains(".measured"));
+    for key in ["acc_y_safety", "acc_y_ride", "rms_y_ride", "acc_y_qst", "acc_z_ride", "iso_y", "wz_z"] {
+        let row = rows(&none, key)[0];
+        assert!(row["verdict"] == "not_assessable" && row["note"].as_str().unwrap().contains("measured = true"), "{row}");
+    }
+    let one = without("one.csv", &|name| name.starts_with("floor[2].measured"));
+    let safety = rows(&one, "acc_y_safety");
+    let told = |row: &&serde_json::Value| row["note"].as_str().is_some_and(|note| note.contains("floor[2] is left out"));
+    assert!(safety.iter().any(told) && safety[0]["place"] == "floor[1]" && rows(&one, "acc_y_qst")[0]["place"] == "floor[1]", "{safety:?}");
+}

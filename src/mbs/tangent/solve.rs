@@ -88,6 +88,19 @@ impl Tangent {
         }
     }
 
+    /// Change of the force on a body [N], of elements and contacts, where bodies' coordinates and velocities change by those in x; needs [`Tangent::finish`].
+    /// Without what first-order states of elements (dampers in series with springs) add.
+    pub fn force_on(&self, body: usize, x: &[f64]) -> Vector3<f64> {
+        let count = COORDINATES * self.mobility.len();
+        let mut force = Vector3::zeros();
+        for (slot, _, column) in self.sum.neighbours.iter().filter(|(_, row, _)| *row == body) {
+            let at = |first: usize| Vector6::from_column_slice(&x[first + COORDINATES * column..][..COORDINATES]);
+            let (position, velocity) = (&self.sum.by_position[slot], &self.sum.by_velocity[slot]);
+            force += position.fixed_rows::<3>(0) * at(0) + velocity.fixed_rows::<3>(0) * at(count);
+        }
+        force
+    }
+
     /// Factorises I - a J, a in s, with the active constraint rows in the workspace.
     ///
     /// # Errors

@@ -112,7 +112,7 @@ fn order_the_error_estimate_falls_with_order_three() {
             let (method, mut system) = (free(StiffPart::All), nonlinear(share));
             let mut state = method.start(0.3, &nonlinear_solution(0.3));
             let mut scratch = Scratch::new(3, 0);
-            method.prepare(&mut system, &mut state).unwrap();
+            method.prepare(&mut system, &mut state, &mut scratch.frame).unwrap();
             method.attempt(&mut system, &mut state, &mut scratch, h).unwrap().state
         };
         let order = (estimate(0.04) / estimate(0.01)).log2() / 2.0;

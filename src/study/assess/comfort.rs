@@ -12,7 +12,7 @@
 //!
 //! Sources: EN 12299:2009, 6 (definition of N_MV; the text was not at hand); ISO 2631-1:1997, 6; E. Sperling, C. Betzhold, Glasers Annalen 80 (1956), 314-320.
 
-use super::accelerations::{Point, floor, no_floor};
+use super::accelerations::{Point, SHOWN, floor, no_floor};
 use super::quantity::{self as q, Quantity};
 use super::signals::refined;
 use super::statistics::{percentile, rms};
@@ -87,7 +87,7 @@ fn whole(made: &mut Made, points: &[Point], quantity: &'static Quantity, value: 
     let found = points.iter().filter_map(|point| Some((point, value(point)?)));
     match found.max_by(|a, b| a.1.total_cmp(&b.1)) {
         Some((point, value)) => made.value(quantity, None, &point.name, value, None, String::new()),
-        None => made.nothing(quantity, "no column of that axis"),
+        None => made.nothing(quantity, SHOWN),
     }
 }
 
@@ -118,7 +118,7 @@ fn mean_comfort(made: &mut Made, points: &[Point]) {
             let few = if windows < WANTED { format!("; {windows} of {WANTED} windows") } else { String::new() };
             made.value(&q::MEAN_COMFORT, None, &point.name, value, None, format!("{}{few}", class(value)));
         }
-        None => made.nothing(&q::MEAN_COMFORT, "needs lateral and vertical accelerations of one sensor"),
+        None => made.nothing(&q::MEAN_COMFORT, SHOWN),
     }
 }
 
