@@ -3,7 +3,7 @@
 use super::assemble::points_needed;
 use super::oversights::oversights;
 use super::profile_notes::{RADII, profile_doubts, radius};
-use super::rough_track::on_rigid_rails;
+use super::rough_track::{on_rigid_rails, tilted};
 use super::spec::Scene;
 use crate::contact::patch::PatchLaw;
 use crate::formulation::Model;
@@ -20,10 +20,12 @@ pub fn improbable(scene: &Scene, model: &Model) -> Vec<String> {
     friction(scene)
         .into_iter()
         .chain(moments(scene))
+        .chain(swapped(scene))
         .chain(distances(scene))
         .chain(few_places(scene, model))
         .chain(undamped(scene))
         .chain(on_rigid_rails(scene, model))
+        .chain(tilted(scene, model))
         .chain(oversights(scene, model))
         .chain(profile_doubts(scene))
         .collect()
@@ -48,6 +50,31 @@ fn moments(scene: &Scene) -> Vec<String> {
     };
     let bodies = scene.vehicle.bodies.iter().map(|placed| (placed.body.name.as_str(), &placed.body.inertia));
     bodies.filter_map(of).collect()
+}
+
+/// Bodies that weigh at least so much of the heaviest and stand over wheelsets so far apart, m, are longer than wide.
+const CAR: f64 = 0.5;
+const BASE: f64 = 5.0;
+/// By so much their moment about the long axis may be the larger one.
+const SWAPPED: f64 = 1.5;
+
+/// Car bodies whose moments about x and y have changed places.
+fn swapped(scene: &Scene) -> Option<String> {
+    let vehicle = &scene.vehicle;
+    let heaviest = vehicle.bodies.iter().map(|placed| placed.body.mass).fold(0.0, f64::max);
+    let places = || vehicle.wheelsets.iter().map(|wheelset| wheelset.x);
+    if places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min) < BASE {
+        return None;
+    }
+    let body = vehicle.bodies.iter().map(|placed| &placed.body).filter(|body| body.mass > CAR * heaviest).find(|body| {
+        let [about_x, about_y, _] = body.inertia.moments();
+        about_x > SWAPPED * about_y
+    })?;
+    let [about_x, about_y, _] = body.inertia.moments();
+    Some(format!(
+        "{}: inertia_xx = {about_x} kg m2 is more than inertia_yy = {about_y} kg m2; a body that is longer than wide has less about x, its long axis: have they changed places?",
+        body.name
+    ))
 }
 
 /// Wheelsets that stand in each other.
@@ -119,6 +146,9 @@ mod tests {
         let opened = |at: &str| load::open("bogie", &[element(at)]).err().map(|error| error.to_string()).unwrap_or_default();
         assert!(opened("900").contains("900 m from the centre of") && opened("900").contains("\"900 mm\""), "{}", opened("900"));
         assert!(!opened("0.9").contains("from the centre"), "{}", opened("0.9"));
+        let sensor = "vehicle.sensor=[{name=\"floor\",body=\"car\",at=[9500,0,1200]}]".to_string();
+        let refused = load::open("bogie", &[sensor]).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(refused.contains("stands 9576 m from the centre of car"), "{refused}");
     }
 
     /// A car on springs under its middle stands upright in a run on straight track, and falls in any other. Rate by hand, on trucks that do not give way:
@@ -177,6 +207,12 @@ mod tests {
             ("wheelset_s1002", "vehicle.wheelset.profile.radius=2", "radius of 2 m"),
             ("wheelset_s1002", "contact.friction=35", "\"35 %\""),
             ("vehicle_manchester_1", "vehicle.body[car].inertia_xx=6e6", "no body has that"),
+            ("vehicle_manchester_1", "vehicle.body[car]={inertia_xx=1.97e6,inertia_yy=56800}", "have they changed places"),
+            (
+                "vehicle_manchester_1",
+                "track.deviation=[{rail=\"left\",direction=\"vertical\",shape=\"ramp\",amplitude=\"60 mm\",from=20,to=60}]",
+                "40 mrad are left out of their inclination",
+            ),
             ("vehicle_manchester_1", "vehicle.body[car].mass=32", "radius of gyration of"),
             ("wheelset_s1002", "track.inclination=-0.025", "lean outward"),
             ("wheelset_s1002", "vehicle.wheelset.tread_circle_distance=1.435", "outside of each gauge line"),

@@ -74,6 +74,20 @@ impl<'f> Resolver<'f> {
         None
     }
 
+    /// A point counted from the centre of the body that it is on, which it may not be far from.
+    pub fn near(&self, section: &Section, key: &'static str, (body, point): (usize, Vector3<f64>)) -> Result<Vector3<f64>, SettingsError> {
+        let local = point - self.position(body);
+        if local.norm() <= FARTHEST {
+            return Ok(local);
+        }
+        let problem = format!(
+            "stands {:.0} m from the centre of {}; expected at most {FARTHEST} m: lengths are metres here, a distance in millimetres is written \"900 mm\"",
+            local.norm(),
+            self.bodies.names[body]
+        );
+        Err(section.error(key, problem))
+    }
+
     /// The design position `section.key` in the vehicle's design frame, m.
     pub fn point(&self, section: &Section, key: &'static str) -> Result<Vector3<f64>, SettingsError> {
         Ok(self.placed(section.triple(key, Dimension::Length)?.into()))
@@ -122,16 +136,10 @@ impl Places for ElementPlaces<'_> {
             let problem = "has no place; expected { body = \"NAME\", at = [x, y, z] }, or at = [x, y, z] for both ends of the element";
             return Err(section.error(key, problem));
         };
-        let centre = body.map_or_else(Vector3::zeros, |body| resolver.position(body));
-        let local = point - centre;
-        if let Some(body) = body.filter(|_| !(local.norm() <= FARTHEST)) {
-            let problem = format!(
-                "stands {:.0} m from the centre of {}; expected at most {FARTHEST} m: lengths are metres here, a distance in millimetres is written \"900 mm\"",
-                local.norm(),
-                self.resolver.bodies.names[body]
-            );
-            return Err(section.error(key, problem));
-        }
+        let local = match body {
+            Some(body) => resolver.near(section, key, (body, point))?,
+            None => point,
+        };
         Ok(Attachment { body, local })
     }
 

@@ -89,7 +89,7 @@ pub(super) fn vehicle<'a>(
     vehicle.sensors = all(&section, &flat.entries[SENSOR], |entry| {
         let resolver = resolver(entry);
         let body = resolver.body(&entry.section, "body")?;
-        let point = resolver.point(&entry.section, "at")? - resolver.position(body);
+        let point = resolver.near(&entry.section, "at", (body, resolver.point(&entry.section, "at")?))?;
         let measured = entry.section.flag_or("measured", false)?;
         entry.section.clone().finish()?;
         Ok(Sensor { name: entry.name.clone(), body, point, measured })
