@@ -110,8 +110,8 @@ const SHUT: f64 = 1e-10;
 
 fn not_found(residual: f64) -> &'static str {
     if residual < NEAR {
-        "the place that was followed has ceased, since wheel and rail part there or touch along a line; contact.on_lift = \"elastic\" or an \
-         elastic formulation goes on with the places that are left"
+        "the place that was followed has ceased, since wheel and rail part there or touch along a line; an elastic formulation \
+         (or contact.on_lift = \"elastic\", where it is not set yet) goes on with the places that are left"
     } else {
         "the wheelset may have left the rails"
     }

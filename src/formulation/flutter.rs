@@ -15,10 +15,11 @@
 //!
 //! is asked for eigenvalues with a real part above zero; while it has one, steps follow it: `h <= 1/4 / |lambda|`. Explicit steps at the limit of
 //! stability hide it too (the classical Runge-Kutta method leaves 0.6 of a swing in a step of 2.3 ms at 153 Hz): where wheels slide they are asked
-//! each 5 ms. (Suspensions are a
+//! each 2 ms. (Suspensions are a
 //! hundred times softer, and gyroscopic moments 2 % of the frequency at 60 m/s: both are left out.)
 
 use super::beat::Swing;
+use super::vibration::Vibration;
 use super::wheel_loads::WheelLoads;
 use super::{ContactReport, Model, Workspace, contact_index};
 use crate::geometry::Side;
@@ -36,8 +37,10 @@ const GROWS_BY: f64 = 2e-3;
 const FAST: f64 = 300.0;
 /// Steps are at most this long, 1 / |lambda|: what the method itself damps at 0.5 (some 1/s) hid slow growth.
 const FOLLOWED: f64 = 0.25;
-/// How often it is looked at where steps make no Jacobian of their own, s.
-const LOOKED: f64 = 5e-3;
+/// How often it is looked at, while wheels slide, where steps make no Jacobian of their own, s: in a large swing they slide for some milliseconds at a time.
+const LOOKED: f64 = 2e-3;
+/// After so long without sliding nothing grows, s.
+const QUIET: f64 = 0.05;
 /// What the eigenvalues' iteration may cost.
 const ITERATIONS: usize = 400;
 
@@ -81,6 +84,8 @@ struct Growing {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Flutter {
     wheelsets: Vec<Growing>,
+    /// The fastest vibration of force elements, of methods that are explicit in them.
+    pub vibration: Vibration,
 }
 
 impl Flutter {
@@ -99,6 +104,11 @@ impl Flutter {
         self.wheelsets.iter().any(|growing| !(growing.time..growing.time + LOOKED).contains(&t))
     }
 
+    /// Has nothing slid for long?
+    pub fn is_over(&self, t: f64) -> bool {
+        self.wheelsets.iter().any(|growing| (growing.rate > 0.0 || growing.exponent > 0.0) && t > growing.time + QUIET)
+    }
+
     /// The longest step that follows what grows, s.
     pub fn longest_step(&self) -> f64 {
         FOLLOWED / self.wheelsets.iter().map(|growing| growing.rate).fold(0.0, f64::max)
@@ -108,7 +118,7 @@ impl Flutter {
 impl Model {
     /// Before the first step.
     pub fn flutter(&self) -> Flutter {
-        Flutter { wheelsets: vec![Growing::default(); self.wheelsets.len()] }
+        Flutter { wheelsets: vec![Growing::default(); self.wheelsets.len()], vibration: Vibration::default() }
     }
 
     /// Looks at the linearisations of wheelsets that slide, which were made at `t` [s]: at each, since growth of 100 1/s hidden for 20 ms is a swing of a tenth.

@@ -62,6 +62,7 @@ mod torsion;
 pub mod transitions;
 mod travel;
 pub mod travelling_track;
+pub mod vibration;
 pub mod wheel_loads;
 pub mod wheel_search;
 pub mod wheelset;

@@ -226,6 +226,11 @@ impl Dynamics for ModelDynamics<'_> {
         self.model.longest_known(self.workspace)
     }
 
+    fn fastest_vibration(&self) -> [f64; 2] {
+        let vibration = &self.watched.flutter.vibration;
+        [vibration.rate, vibration.damping]
+    }
+
     fn load_error(&self, error: &[f64]) -> f64 {
         self.model.load_error(self.workspace, error)
     }
@@ -303,6 +308,9 @@ impl Dynamics for ModelDynamics<'_> {
 impl Implicit for ModelDynamics<'_> {
     fn linearise(&mut self, t: f64, y: &[f64], part: StiffPart) -> Result<(), Undefined> {
         let clock = self.workspace.timers.start();
+        if part == StiffPart::Contact {
+            self.model.note_vibration(self.workspace, t, y, &mut self.watched.flutter.vibration);
+        }
         self.workspace.timers.forces |= part == StiffPart::All;
         self.model.linearise(self.workspace, (y, &self.trial.accepted), self.values, part == StiffPart::All);
         self.model.note_flutter(self.workspace, t, self.watched.flutter);
@@ -354,14 +362,15 @@ impl Implicit for ModelDynamics<'_> {
 
     fn note_begin(&mut self, t: f64, y: &[f64]) -> bool {
         let (slides, flutter) = (self.model.any_slides(self.workspace), &mut *self.watched.flutter);
+        let clock = self.workspace.timers.start();
+        self.model.note_vibration(self.workspace, t, y, &mut flutter.vibration);
         if slides && flutter.is_due(t) {
-            let clock = self.workspace.timers.start();
             self.model.linearise(self.workspace, (y, &self.trial.accepted), self.values, false);
-            self.workspace.timers.stop(Call::Linearise, clock);
-        }
-        if !slides || flutter.is_due(t) {
+            self.model.note_flutter(self.workspace, t, flutter);
+        } else if !slides && flutter.is_over(t) {
             self.model.note_flutter(self.workspace, t, flutter);
         }
+        self.workspace.timers.stop(Call::Linearise, clock);
         self.model.note_motion(self.workspace)
     }
 

@@ -5,7 +5,8 @@
 
 use super::local_error::{END, LocalError, WORK};
 use super::moving_frame::MovingFrame;
-use super::{Implicit, IntegrationState, Scratch, SolveError, Undefined, integrals};
+use super::stability::Explicit;
+use super::{Implicit, IntegrationState, Scratch, SolveError, Undefined, integrals, stability};
 
 /// Step-size control: safety, limits of change, and the weight of the last error (a PI controller damps the
 /// alternation that stiff components would cause at the limit of stability).
@@ -31,6 +32,9 @@ pub(super) trait StepPair {
         frame.note(dynamics, state);
         Ok(())
     }
+
+    /// What it is explicit in.
+    fn explicitly(&self) -> Explicit;
 
     /// Does [`StepPair::check`] see what no stage has seen?
     const CHECKED: bool = false;
@@ -72,6 +76,7 @@ pub(super) fn step<P: StepPair>(
     pair.prepare(dynamics, state, &mut scratch.frame)?;
     let limit = dynamics.next_break(state.t, &state.y);
     let mut h = state.next_step.min(dynamics.longest_step(&state.derivative));
+    h = stability::bounded(h, pair.explicitly(), dynamics.fastest_vibration());
     let mut rejected = false;
     loop {
         let end = end_of_step(state.t, h, limit);

@@ -9,6 +9,7 @@
 
 use super::adaptive::{self, StepPair, TOLERANCES};
 use super::local_error::{END, LocalError};
+use super::stability::Explicit;
 use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use crate::settings::{Entry, Section, SettingsError};
 use crate::units::Dimension;
@@ -82,6 +83,10 @@ impl StepPair for DormandPrince {
     const ORDER: i32 = 5;
     const LAST_STAGE: Option<usize> = Some(END);
 
+    fn explicitly(&self) -> Explicit {
+        Explicit::All(&[1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 600.0])
+    }
+
     fn attempt(
         &self,
         dynamics: &mut dyn Implicit,
@@ -119,15 +124,18 @@ impl StepPair for DormandPrince {
             state.statistics.evaluations += 1;
             looks.stage(dynamics, time);
         }
-        // The second stage is in no weight.
-        for i in 0..state.y.len() {
-            stages[1][i] = h * (0..STAGES).map(|j| E[j] * stages[j][i]).sum::<f64>();
+        // The second stage is in no weight: both errors take its place.
+        let mut work = std::mem::take(&mut stages[1]);
+        let combined = |weights: &[f64; STAGES], i: usize| (0..STAGES).filter(|j| *j != 1).map(|j| weights[j] * stages[j][i]).sum::<f64>();
+        for (i, error) in work.iter_mut().enumerate() {
+            *error = h * combined(&E, i);
         }
-        let mut error = LocalError::of(dynamics, &stages[1]);
-        for i in 0..state.y.len() {
-            stages[1][i] = h / 16.0 * (0..STAGES).filter(|j| *j != 1).map(|j| D[j] * stages[j][i]).sum::<f64>();
+        let mut error = LocalError::of(dynamics, &work);
+        for (i, between) in work.iter_mut().enumerate() {
+            *between = h / 16.0 * combined(&D, i);
         }
-        error.load = error.load.max(dynamics.load_error(&stages[1]));
+        error.load = error.load.max(dynamics.load_error(&work));
+        stages[1] = work;
         Ok(error)
     }
 

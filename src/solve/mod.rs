@@ -23,6 +23,7 @@ mod response;
 mod rk4;
 mod rk43;
 mod rosenbrock;
+mod stability;
 mod state;
 mod zhai;
 
@@ -110,6 +111,11 @@ pub trait Dynamics {
     /// The part of that bound which knows where things are beforehand (a track), without what is foreseen from the motion, s.
     fn longest_known(&self) -> f64 {
         f64::INFINITY
+    }
+
+    /// Size [1/s] and damping ratio of the fastest vibration that methods which are explicit in it must follow; zeros where none is known.
+    fn fastest_vibration(&self) -> [f64; 2] {
+        [0.0; 2]
     }
 
     /// What an error of the state makes of the forces, near the state that was evaluated last: 1 where it is as large as is allowed.

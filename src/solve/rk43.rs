@@ -7,6 +7,7 @@
 
 use super::adaptive::{self, StepPair, TOLERANCES};
 use super::local_error::{END, LocalError};
+use super::stability::Explicit;
 use super::{Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, Undefined, parse_setting};
 use super::{dense, rk4};
 use crate::settings::{Entry, Section, SettingsError};
@@ -56,6 +57,10 @@ impl Integrator for RungeKutta43 {
 impl StepPair for RungeKutta43 {
     const ORDER: i32 = 4;
     const LAST_STAGE: Option<usize> = Some(END);
+
+    fn explicitly(&self) -> Explicit {
+        Explicit::All(&[1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0])
+    }
 
     fn attempt(
         &self,

@@ -27,6 +27,7 @@
 use super::adaptive::{self, StepPair};
 use super::local_error::{END, LocalError, WORK};
 use super::moving_frame::MovingFrame;
+use super::stability::Explicit;
 use super::{
     Implicit, IntegrationState, Integrator, Scratch, Setting, SettingKind, SolveError, StiffPart, Undefined, parse_setting, response,
 };
@@ -180,6 +181,10 @@ impl StepPair for Rosenbrock {
     const ORDER: i32 = 3;
     const LAST_STAGE: Option<usize> = None;
     const CHECKED: bool = true;
+
+    fn explicitly(&self) -> Explicit {
+        if self.part == StiffPart::Contact { Explicit::Elements } else { Explicit::Nothing }
+    }
 
     fn prepare(&self, dynamics: &mut dyn Implicit, state: &mut IntegrationState, _frame: &mut MovingFrame) -> Result<(), SolveError> {
         state.evaluate_with_cache(dynamics)?;

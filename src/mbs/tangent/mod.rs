@@ -34,6 +34,7 @@
 
 mod elimination;
 mod expand;
+mod fastest;
 mod follower;
 mod pattern;
 mod ring;
