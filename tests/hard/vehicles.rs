@@ -229,9 +229,10 @@ fn hard_a_body_in_balance_does_not_begin_to_ring() {
         let mut largest = 0.0f64;
         for k in 1..=800 {
             simulation.advance(1e-3 * f64::from(k)).unwrap_or_else(|error| panic!("{method}: {error}"));
+            let bodies = &simulation.model().system.bodies;
+            let body = bodies.iter().position(|body| body.name == "box").unwrap_or_else(|| panic!("no body"));
+            let first = COORDINATES * (bodies.len() + body);
             let dy = &simulation.snapshot().unwrap_or_else(|error| panic!("{error}")).dy;
-            let body = simulation.model().system.bodies.iter().position(|body| body.name == "box").unwrap_or(0);
-            let first = COORDINATES * (simulation.model().system.bodies.len() + body);
             largest = dy[first..first + 3].iter().fold(largest, |largest, a| largest.max(a.abs()));
         }
         println!("{method}: {largest:.1e} m/s2 in {} steps", simulation.statistics().steps);
