@@ -1,14 +1,11 @@
 //! The snapshot a little ahead or behind along the solution: derivatives of outputs by time are found by looking there.
 
-use super::{Simulation, SimulationError, SimulationState, Snapshot, input};
+use super::{Simulation, SimulationError, Snapshot, input};
 use crate::formulation::Evaluation;
 
 impl Simulation {
-    /// Moves the snapshot along the solution by `offset` [s] (for derivatives of outputs): y along the continuous output of the step in hand, mirrored beyond its
-    /// ends, along its tangent f where there is no step, or along the parabola with these second derivatives; inputs by their polynomials.
-    ///
-    /// The tangent is another direction than the solution goes: implicit steps leave the stiffest motions off balance by what the tolerance allows, and f says how
-    /// they would swing back.
+    /// Moves the snapshot along the solution by `offset` [s] (for derivatives of outputs): y along its tangent, or along the parabola with these second
+    /// derivatives; inputs by their polynomials.
     ///
     /// # Errors
     /// [`SimulationError`] when the model cannot be evaluated there.
@@ -16,18 +13,8 @@ impl Simulation {
         self.snapshot()?;
         self.known = None;
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
-        let SimulationState { integration, frame, .. } = &self.state;
-        let step = integration.step_begin()..=integration.t;
-        let read = |time: f64, y: &mut [f64]| {
-            integration.interpolate_beside(time, y, |ahead, y| self.model.add_frame_motion(frame, ahead, y));
-        };
-        if bend.is_none() && step.start() < step.end() && step.contains(&(*time + offset)) {
-            read(*time + offset, y);
-        } else if bend.is_none() && step.start() < step.end() && step.contains(&(*time - offset)) {
-            read(*time - offset, dy);
-            y.iter_mut().zip(dy.iter()).for_each(|(value, behind)| *value += *value - behind);
-        } else {
-            y.iter_mut().zip(dy.iter()).for_each(|(value, slope)| *value += offset * slope);
+        for (value, slope) in y.iter_mut().zip(dy.iter()) {
+            *value += offset * slope;
         }
         for (value, bend) in y.iter_mut().zip(bend.unwrap_or_default()) {
             *value += 0.5 * offset * offset * bend;

@@ -362,7 +362,6 @@ impl Implicit for ModelDynamics<'_> {
 
     fn note_begin(&mut self, t: f64, y: &[f64]) -> bool {
         let (slides, flutter) = (self.model.any_slides(self.workspace), &mut *self.watched.flutter);
-        let clock = self.workspace.timers.start();
         self.model.note_vibration(self.workspace, t, y, &mut flutter.vibration);
         if slides && flutter.is_due(t) {
             self.model.linearise(self.workspace, (y, &self.trial.accepted), self.values, false);
@@ -370,7 +369,6 @@ impl Implicit for ModelDynamics<'_> {
         } else if !slides && flutter.is_over(t) {
             self.model.note_flutter(self.workspace, t, flutter);
         }
-        self.workspace.timers.stop(Call::Linearise, clock);
         self.model.note_motion(self.workspace)
     }
 

@@ -362,31 +362,3 @@ fn prop_senseless_rails_are_refused_with_reasons() {
     let found = load::open("vehicle_manchester_1", &short).map(|_| ()).unwrap_err().to_string();
     assert!(found.contains("too short"), "{found}");
 }
-
-/// Derivatives of forces go along the solution that is handed out. Along f, which says how what implicit steps leave of the stiffest motions would swing back, Q' was off by
-/// four times its own size.
-#[test]
-fn equiv_derivatives_on_beam_rails_are_slopes_of_the_solution() {
-    const K: f64 = 1e-5;
-    let scene = load::open("vehicle_manchester_1", &[BEAM.into()]).unwrap_or_else(|error| panic!("{error}"));
-    let mut simulation = start(&scene);
-    let outputs = table(&simulation, &scene);
-    let output = outputs.iter().find(|output| output.name == "truck[1].wheelset[1].left.verticalForce").expect("no Q");
-    let (mut worst, mut largest) = (0.0f64, 0.0f64);
-    for i in 1..40 {
-        let mut at = |time: f64, offset: f64| {
-            simulation.advance(time).unwrap_or_else(|error| panic!("{error}"));
-            if offset == 0.0 {
-                return output.value(simulation.snapshot().unwrap_or_else(|error| panic!("{error}")));
-            }
-            simulation.displace(offset, None).unwrap_or_else(|error| panic!("{error}"));
-            output.value(simulation.seen())
-        };
-        let time = 0.0371 * f64::from(i);
-        let told = (at(time, 1e-6) - at(time, -1e-6)) / 2e-6;
-        let slope = (at(time + 2.0 * K, 0.0) - at(time, 0.0)) / (2.0 * K);
-        (worst, largest) = (worst.max((told - slope).abs()), largest.max(slope.abs()));
-    }
-    println!("dQ/dt within {worst:.3e} N/s of {largest:.3e}");
-    assert!(worst < 0.1 * largest);
-}
