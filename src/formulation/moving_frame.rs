@@ -39,20 +39,27 @@ use nalgebra::{Vector3, Vector6};
 /// Greatest n_y / n_z of a contact on a tread.
 const STEEPEST_TREAD: f64 = 0.3;
 
+impl Workspace {
+    /// For explicit methods, which ride along the track alone: their steps are as short as contacts vibrate, and where a deviation bends off, their order
+    /// would be lost on it (0.4 % of a wheel load on a bump for 0.05 %).
+    pub fn leave_out_rides(&mut self) {
+        self.frame.motion.rides.clear();
+    }
+}
+
 impl Model {
-    /// Makes room for the motion along the track and, with `rides`, on the rails' deviations. Explicit methods do without the latter: their steps are
-    /// as short as contacts vibrate, and where a deviation bends off their order would be lost on it (0.4 % of a wheel load on a bump for 0.05 %).
-    pub fn prepare_frame(&self, workspace: &mut Workspace, rides: bool) {
-        let uneven = || Side::BOTH.iter().any(|side| self.track.rail(*side).deviates()) || !self.out_of_round.is_empty();
-        workspace.frame = MovingFrame {
+    /// Makes room for what [`Model::note_frame`] notes.
+    pub(super) fn moving_frame(&self) -> MovingFrame {
+        let moved = Side::BOTH.iter().any(|side| self.track.rail(*side).deviates()) || !self.out_of_round.is_empty();
+        MovingFrame {
             motion: FrameMotion {
                 bodies: vec![Travel::default(); self.system.bodies.len()],
-                rides: if rides && uneven() { vec![Ride::default(); self.wheelsets.len()] } else { Vec::new() },
+                rides: if moved { vec![Ride::default(); self.wheelsets.len()] } else { Vec::new() },
             },
             rate: vec![0.0; self.dimension()],
             change: vec![0.0; self.dimension()],
             drift: [0; 2].map(|_| vec![0.0; self.dimension()]),
-        };
+        }
     }
 
     /// H and roll of a wheelset `ahead` [s] from where a ride begins, with three derivatives with time.

@@ -27,7 +27,7 @@ pub struct Vibration {
 }
 
 impl Model {
-    /// Finds it at the state `y` at `t` [s] that was evaluated last, where it is time to. Leaves no Jacobian.
+    /// Finds it at the state `y` at `t` [s] that was evaluated last, where it is time to. Leaves the Jacobian of force elements alone.
     pub fn note_vibration(&self, workspace: &mut Workspace, t: f64, y: &[f64], vibration: &mut Vibration) {
         let due = vibration.looked.is_none_or(|looked| !(looked..looked + LOOKED).contains(&t));
         let Some(mut tangent) = workspace.tangent.take_if(|_| due) else { return };
@@ -38,7 +38,6 @@ impl Model {
         let [x, once] = &mut frame.drift;
         let [rate, damping] = tangent.fastest([x, once, &mut frame.change], ITERATIONS);
         *vibration = Vibration { rate, damping, looked: Some(t) };
-        tangent.clear();
         workspace.tangent = Some(tangent);
     }
 }

@@ -360,7 +360,7 @@ impl Implicit for ModelDynamics<'_> {
         self.workspace.timers.stop(Call::Solve, clock);
     }
 
-    fn note_begin(&mut self, t: f64, y: &[f64]) -> bool {
+    fn note_begin(&mut self, t: f64, y: &[f64]) {
         let (slides, flutter) = (self.model.any_slides(self.workspace), &mut *self.watched.flutter);
         self.model.note_vibration(self.workspace, t, y, &mut flutter.vibration);
         if slides && flutter.is_due(t) {
@@ -369,6 +369,9 @@ impl Implicit for ModelDynamics<'_> {
         } else if !slides && flutter.is_over(t) {
             self.model.note_flutter(self.workspace, t, flutter);
         }
+    }
+
+    fn note_frame(&mut self) -> bool {
         self.model.note_motion(self.workspace)
     }
 

@@ -257,7 +257,7 @@ impl Simulation {
         };
         simulation.model.prepare_tangent(&mut simulation.workspace);
         if !simulation.integrator.linearises() {
-            simulation.model.prepare_frame(&mut simulation.workspace, false);
+            simulation.workspace.leave_out_rides();
         }
         simulation.state.frame = simulation.model.frame_motion(&simulation.workspace).clone();
         // A first evaluation finds the contacts from a cold start and shows whether the state makes sense.

@@ -221,9 +221,11 @@ pub trait Implicit: Dynamics {
         self.solve_linear(x);
     }
 
-    /// At the begin (t, y) of a step of a method that does not linearise, directly after an evaluation of f there: notes the motion of
-    /// [`Implicit::frame_at`], and what else bounds such steps. False where there is no such motion, or one that is linear in time.
-    fn note_begin(&mut self, _t: f64, _y: &[f64]) -> bool {
+    /// At the begin (t, y) of a step of a method that does not linearise, directly after an evaluation of f there: looks at what such steps would hide.
+    fn note_begin(&mut self, _t: f64, _y: &[f64]) {}
+
+    /// Notes there the motion of [`Implicit::frame_at`]. False where there is none, or one that is linear in time.
+    fn note_frame(&mut self) -> bool {
         false
     }
 

@@ -50,7 +50,8 @@ impl MovingFrame {
 
     /// For a method without a Jacobian, once for all attempts at a step; directly after f was evaluated at its begin.
     pub fn note(&mut self, dynamics: &mut dyn Implicit, state: &IntegrationState) {
-        self.in_frame = dynamics.note_begin(state.t, &state.y);
+        dynamics.note_begin(state.t, &state.y);
+        self.in_frame = dynamics.note_frame();
     }
 
     /// Adds c at the place asked for last.

@@ -55,17 +55,18 @@ pub(super) fn bounded(wanted: f64, explicit: Explicit, [rate, damping]: [f64; 2]
 
 #[cfg(test)]
 mod tests {
+    use super::super::adaptive::StepPair;
+    use super::super::{DormandPrince, RungeKutta43};
     use super::*;
 
     /// Known limits: of the classical method sqrt(8) on the imaginary axis, of Dormand and Prince's pair just below 1; damping moves them out.
     #[test]
     fn analytic_limits_on_the_imaginary_axis() {
-        const RK4: Explicit = Explicit::All(&[1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0]);
-        const PAIR: Explicit = Explicit::All(&[1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 600.0]);
-        assert!((RK4.limit(0.0) - 8f64.sqrt()).abs() < FINE && (0.9..1.0).contains(&PAIR.limit(0.0)));
-        assert!(PAIR.limit(0.02) > 1.6 && PAIR.limit(0.1) > PAIR.limit(0.02));
-        assert!(bounded(1e-3, PAIR, [400.0, 0.0]) == 1e-3 && bounded(1e-3, Explicit::Nothing, [4e3, 0.0]) == 1e-3);
-        assert!(bounded(1e-3, PAIR, [2e3, 0.0]) < 0.45e-3);
+        let [classical, pair] = [RungeKutta43 { tolerance: 1.0 }.explicitly(), DormandPrince { tolerance: 1.0 }.explicitly()];
+        assert!((classical.limit(0.0) - 8f64.sqrt()).abs() < FINE && (0.9..1.0).contains(&pair.limit(0.0)));
+        assert!(pair.limit(0.02) > 1.6 && pair.limit(0.1) > pair.limit(0.02));
+        assert!(bounded(1e-3, pair, [400.0, 0.0]) == 1e-3 && bounded(1e-3, Explicit::Nothing, [4e3, 0.0]) == 1e-3);
+        assert!(bounded(1e-3, pair, [2e3, 0.0]) < 0.45e-3);
         // Eigenvalues of one step over x'' = - w^2 x - 2 d w x' with J of x' = v alone.
         for (damping, limit) in [(0.005, 0.8), (0.01, 0.97), (0.05, 1.39)] {
             assert!((Explicit::Elements.limit(damping) / limit - 1.0).abs() < 0.04);

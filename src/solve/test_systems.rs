@@ -90,7 +90,7 @@ impl Implicit for Watched {
         self.last = (t, y.to_vec());
         self.linearise(t, y, part)
     }
-    fn note_begin(&mut self, _: f64, _: &[f64]) -> bool {
+    fn note_frame(&mut self) -> bool {
         self.begin = self.last.clone();
         self.motion.is_some()
     }

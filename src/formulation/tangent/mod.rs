@@ -67,7 +67,7 @@ impl Model {
             tangent = tangent.with_followers(self.contacts(), self.points * self.deflection_states());
         }
         workspace.tangent = Some(tangent);
-        self.prepare_frame(workspace, true);
+        workspace.frame = self.moving_frame();
     }
 
     /// Finds J at the state `y`, with its memory, that was evaluated last: of the contacts and, with `forces`, of the force elements.

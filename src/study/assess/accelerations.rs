@@ -162,15 +162,14 @@ fn body(made: &mut Made, points: &[Point]) {
     ];
     let run = made.run;
     let is_there = |zones: &[Zone]| run.sections.iter().any(|section| zones.contains(&section.zone));
-    let measured = points.iter().any(|point| point.along[1].is_some());
-    if !measured {
+    if points.iter().all(|point| point.along[1].is_none()) {
         made.nothing(&q::SAFETY_LATERAL, SHOWN);
-    }
-    for (zones, value) in groups.into_iter().filter(|group| measured && is_there(group.0)) {
-        lateral.rows(made, points, &q::SAFETY_LATERAL, Estimate::Safety, zones, limit(value));
-    }
-    if measured && run.sections.is_empty() {
+    } else if run.sections.is_empty() {
         made.nothing(&q::SAFETY_LATERAL, &run.no_sections());
+    } else {
+        for (zones, value) in groups.into_iter().filter(|group| is_there(group.0)) {
+            lateral.rows(made, points, &q::SAFETY_LATERAL, Estimate::Safety, zones, limit(value));
+        }
     }
     let vertical = Treated { axis: 2, filter: Filter::band_pass([0.4, 4.0], rate), value: extreme };
     vertical.rows(made, points, &q::SAFETY_VERTICAL, Estimate::Safety, &Zone::ALL, limit(if single { 5.0 } else { 3.0 }));
