@@ -362,3 +362,33 @@ fn prop_senseless_rails_are_refused_with_reasons() {
     let found = load::open("vehicle_manchester_1", &short).map(|_| ()).unwrap_err().to_string();
     assert!(found.contains("too short"), "{found}");
 }
+
+/// Derivatives of forces go along the solution that is handed out. Along f, which says how what implicit steps leave of the stiffest motions would swing back, Q' was off by
+/// four times its own size. At each time two derivatives and the difference between them are taken, in the order of time.
+#[test]
+fn equiv_derivatives_on_beam_rails_are_slopes_of_the_solution() {
+    const APART: f64 = 2e-5;
+    const SMALL: f64 = 1e-6;
+    let scene = load::open("vehicle_manchester_1", &[BEAM.into()]).unwrap_or_else(|error| panic!("{error}"));
+    let mut simulation = start(&scene);
+    let outputs = table(&simulation, &scene);
+    let output = outputs.iter().find(|output| output.name == "truck[1].wheelset[1].left.verticalForce").expect("no Q");
+    let mut look = |time: f64| {
+        simulation.advance(time).unwrap_or_else(|error| panic!("{error}"));
+        let value = output.value(simulation.snapshot().unwrap_or_else(|error| panic!("{error}")));
+        let mut at = |offset: f64| {
+            simulation.displace(offset, None).unwrap_or_else(|error| panic!("{error}"));
+            output.value(simulation.seen())
+        };
+        (value, (at(SMALL) - at(-SMALL)) / (2.0 * SMALL))
+    };
+    let (mut worst, mut largest) = (0.0f64, 0.0f64);
+    for i in 1..40 {
+        let time = 0.0371 * f64::from(i);
+        let ((before, slope_before), (after, slope_after)) = (look(time), look(time + APART));
+        let slope = (after - before) / APART;
+        (worst, largest) = (worst.max((0.5 * (slope_before + slope_after) - slope).abs()), largest.max(slope.abs()));
+    }
+    println!("dQ/dt within {worst:.3e} N/s of {largest:.3e}");
+    assert!(worst < 0.01 * largest);
+}

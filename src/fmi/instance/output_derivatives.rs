@@ -1,7 +1,7 @@
 //! Derivatives of outputs by time, of order 1 and 2.
 //!
 //! Where another output of the FMU is the derivative, it is read. What is left of the order is found by differences along the solution, `y(h) = y + h y' + h^2 y'' / 2`
-//! with `y' = f` and `y'' = (f(y + k f) - f(y - k f)) / 2k`, inputs by their polynomials:
+//! with `y'` the slope of the continuous output and `y'' = (f(y + k y') - f(y - k y')) / 2k`, inputs by their polynomials:
 //!
 //! ```text
 //! order 1: (g(k) - g(-k)) / 2k,    order 2: (g(h) - 2 g(0) + g(-h)) / h^2
