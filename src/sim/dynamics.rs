@@ -289,6 +289,17 @@ impl Dynamics for ModelDynamics<'_> {
         Ok(changed)
     }
 
+    fn refuse(&mut self, t: f64) -> bool {
+        self.workspace.cached = Cached::No;
+        let refused = self.trial.accepted.refuse_landings(t);
+        if refused {
+            self.failure = None;
+            // What is told twice did not take place twice.
+            self.workspace.events.retain(|event| event.time < t || !event.change.changes_mode());
+        }
+        refused
+    }
+
     fn release(&mut self, t: f64, y: &mut [f64]) -> Result<bool, Undefined> {
         // A failure that lies behind was overcome by a shorter step and says nothing.
         let Some(failure) = self.failure.clone().filter(|failure| failure.time > t - PASSED) else { return Ok(false) };

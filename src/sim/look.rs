@@ -66,12 +66,10 @@ impl Simulation {
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
         for _ in 0..if stands { MOST_CHANGES } else { 0 } {
             let Some(due) = self.model.due(*time, memory) else { break };
-            // Where that ends the run, the next step says so.
-            if self.model.at(workspace, *time, y, memory).carry_out(due).is_err() {
-                break;
-            }
-            if self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy).is_err() {
-                // The new form has no solution, which ends the next step: what can be read is the old one.
+            let carried = self.model.at(workspace, *time, y, memory).carry_out(due);
+            let evaluated = carried.and_then(|_| self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy));
+            if evaluated.is_err() {
+                // The new form has no solution: the next step does without it or says so, and what can be read is the old one.
                 self.known = None;
                 self.look_and_beyond()?;
                 break;

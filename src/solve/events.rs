@@ -45,8 +45,12 @@ impl IntegrationState {
             if self.switch_due || !scratch.looks.is_empty() || dynamics.due(self.t).is_some() {
                 // What changes is decided from an evaluation at this very state.
                 if let Err(error) = self.evaluate_here(dynamics) {
-                    self.put_back(dynamics, scratch, changes);
-                    return Err(error);
+                    if changes == 0 {
+                        return Err(error);
+                    }
+                    self.refuse(dynamics, scratch, error)?;
+                    changes = 0;
+                    continue;
                 }
                 if changes == 0 {
                     dynamics.accept(true);
@@ -58,14 +62,15 @@ impl IntegrationState {
             }
             match dynamics.on_event(event, self.t, &mut self.y) {
                 Err(Undefined) => {
-                    self.put_back(dynamics, scratch, 1);
-                    return Err(SolveError::Undefined { time: self.t });
+                    self.refuse(dynamics, scratch, SolveError::Undefined { time: self.t })?;
+                    changes = 0;
+                    continue;
                 }
                 // It was only tried: that belongs to the state.
                 Ok(false) if changes == 0 => dynamics.accept(true),
                 Ok(false) => {}
                 Ok(true) if changes == MOST_CHANGES => {
-                    self.put_back(dynamics, scratch, changes);
+                    self.put_back(dynamics, scratch);
                     return Err(SolveError::EndlessEvents { time: self.t });
                 }
                 Ok(true) => {
@@ -84,13 +89,22 @@ impl IntegrationState {
         Ok(())
     }
 
-    /// Back to the form that was accepted and the solution that is kept in `scratch.trial`, if anything has changed since then.
-    fn put_back(&mut self, dynamics: &mut dyn Implicit, scratch: &Scratch, changes: usize) {
-        if changes > 0 {
-            self.y.copy_from_slice(&scratch.trial);
-            dynamics.rollback();
-            self.forget();
+    /// Back to the form that was accepted and the solution that is kept in `scratch.trial`.
+    fn put_back(&mut self, dynamics: &mut dyn Implicit, scratch: &Scratch) {
+        self.y.copy_from_slice(&scratch.trial);
+        dynamics.rollback();
+        self.forget();
+    }
+
+    /// The form that changes have led to has no solution: back to the old one, without those that need not be. The failure where all of them must be.
+    fn refuse(&mut self, dynamics: &mut dyn Implicit, scratch: &Scratch, error: SolveError) -> Result<(), SolveError> {
+        self.put_back(dynamics, scratch);
+        if !dynamics.refuse(self.t) {
+            return Err(error);
         }
+        dynamics.accept(false);
+        self.switch_due = true;
+        Ok(())
     }
 
     /// After a step that failed because the system is not defined, or not smooth, further on: asks for another form of it, which has a
@@ -105,7 +119,7 @@ impl IntegrationState {
                 Ok(true) => {}
                 Ok(false) => break,
                 Err(Undefined) => {
-                    self.put_back(dynamics, scratch, 1);
+                    self.put_back(dynamics, scratch);
                     return Err(SolveError::Undefined { time: self.t });
                 }
             }
@@ -118,7 +132,7 @@ impl IntegrationState {
                 return Ok(true);
             }
         }
-        self.put_back(dynamics, scratch, 1);
+        self.put_back(dynamics, scratch);
         Ok(false)
     }
 

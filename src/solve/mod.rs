@@ -172,6 +172,12 @@ pub trait Dynamics {
         Ok(false)
     }
 
+    /// Gives up changes of form at `t` that need not be, because the form that they lead to has no solution there; returns whether there was one. Follows
+    /// [`Dynamics::rollback`].
+    fn refuse(&mut self, _t: f64) -> bool {
+        false
+    }
+
     /// Changes the system's form where the present one has no solution beyond `t`; returns whether there is another form.
     ///
     /// # Errors

@@ -168,3 +168,107 @@ fn hard_every_end_of_a_step_can_be_read_where_places_cease() {
         assert!(ceased > 0 && foreseen > 0);
     }
 }
+
+/// A light wheelset on stiff guides over irregular track, whose left wheel loses its place at 0.60 s.
+const IRREGULAR: &str = r#"
+name = "irregular"
+
+[vehicle]
+template = "suspended_wheelset"
+speed = [{ time = "0.3 s", speed = "8.63 m/s" }, { time = "1.5 s", speed = "6.77 m/s" }]
+travel = "imposed"
+
+[vehicle.wheelset]
+mass = 800.0
+inertia_xx = 479.1
+inertia_yy = 50.52
+inertia_zz = 479.1
+vertical_load = 20000.0
+tread_circle_distance = 1.5
+
+[vehicle.wheelset.profile]
+kind = "s1002"
+radius = 0.361
+
+[vehicle.suspension]
+distance = 2.0
+longitudinal_stiffness = 2e7
+longitudinal_damping = 1e3
+lateral_stiffness = 3e6
+lateral_damping = 2e4
+
+[track]
+gauge = "1432 mm"
+inclination = "1:40"
+
+[track.rail]
+kind = "uic60"
+
+[[track.deviation]]
+rail = "both"
+direction = "lateral"
+shape = "ramp"
+amplitude = "1.149 mm"
+from = 4.13
+to = 7.13
+
+[[track.irregularity]]
+kind = "spectrum"
+spectrum = "fra5"
+seed = 464
+from = 3.0
+to = 300.0
+fade = 4.0
+scale = 0.6
+
+[contact]
+formulation = "ACCF"
+on_lift = "elastic"
+friction = 0.4
+damping = 5e8
+
+[contact.material]
+youngs_modulus = 2.1e11
+poisson_ratio = 0.28
+
+[contact.creep]
+law = "usetab"
+
+[solver]
+tolerance = 1e-5
+
+[interface]
+outputs = ["motion", "wheels"]
+
+[run]
+stop = 0.9
+step = 1e-3
+"#;
+
+/// A wheel that tries to become a constraint again where the constraint has no solution stays elastic and tries later: the run ended there.
+#[test]
+fn regress_a_landing_without_a_solution_is_put_off() {
+    let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
+    let path = folder.path().join("irregular.toml");
+    std::fs::write(&path, IRREGULAR).unwrap_or_else(|error| panic!("{error}"));
+    let lateral = |formulation: &str| {
+        let change = format!("contact.formulation={formulation}");
+        let scene = load::open_file(&path, "irregular", &[change]).unwrap_or_else(|error| panic!("{error}"));
+        let mut simulation = Simulation::new(&scene, 0.0).unwrap_or_else(|error| panic!("{error}"));
+        let y: Vec<f64> = (0..=900)
+            .map(|row| {
+                simulation.advance(1e-3 * f64::from(row)).unwrap_or_else(|error| panic!("{formulation}: {error}"));
+                simulation.snapshot().unwrap_or_else(|error| panic!("{formulation}: {error}")).y[1]
+            })
+            .collect();
+        let changes = simulation.take_events().iter().filter(|event| event.change.changes_mode()).count();
+        (y, changes)
+    };
+    let (elastic, _) = lateral("ECF-A");
+    for formulation in ["ACCF", "ECCF"] {
+        let (rigid, changes) = lateral(formulation);
+        let apart = rigid.iter().zip(&elastic).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        println!("{formulation}: {changes} changes; y within {:.3} mm of elastic contact", 1e3 * apart);
+        assert!(changes > 2 && apart < 1e-4, "{formulation}: {changes}, {apart:.1e} m");
+    }
+}

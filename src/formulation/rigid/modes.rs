@@ -6,7 +6,7 @@ use super::projection::project_pressed;
 use super::row::{coefficients, locate, rates};
 use crate::formulation::elastic::points;
 use crate::formulation::events::ContactChange;
-use crate::formulation::memory::{Mode, WheelMemory};
+use crate::formulation::memory::{Mode, ModelMemory, WheelMemory};
 use crate::formulation::step::{Step, WheelRef};
 use crate::formulation::{ContactFailure, ContactReport, EvaluationError, Model, OnLift, Workspace};
 use crate::mbs::body::COORDINATES;
@@ -162,11 +162,23 @@ pub(in crate::formulation) fn try_to_land(step: &mut Step, wheel: WheelRef) -> R
         step.note(wheel, change);
         return Ok(true);
     }
-    let memory = &mut step.memory.wheels[wheel.contact];
-    if let Mode::Elastic { tries, .. } = memory.mode {
-        memory.mode = elastic(memory.vanished, tries.saturating_add(1), step.t);
-    }
+    wait(&mut step.memory.wheels[wheel.contact], step.t);
     Ok(false)
+}
+
+/// An elastic contact that could not become a constraint tries again later.
+fn wait(memory: &mut WheelMemory, t: f64) {
+    if let Mode::Elastic { tries, .. } = memory.mode {
+        memory.mode = elastic(memory.vanished, tries.saturating_add(1), t);
+    }
+}
+
+impl ModelMemory {
+    /// The landings that are due at `t` [s] lead to where there is no solution: they are tried again later. Returns whether there was one.
+    pub fn refuse_landings(&mut self, t: f64) -> bool {
+        let due = |memory: &&mut WheelMemory| matches!(memory.mode, Mode::Elastic { next_try, .. } if !(t < next_try));
+        self.wheels.iter_mut().filter(due).map(|memory| wait(memory, t)).count() > 0
+    }
 }
 
 /// Frees the wheel whose contact was not found; returns whether there is one.
