@@ -227,6 +227,7 @@ fn element_inputs(scene: &Scene, first: usize) -> Vec<Variable> {
                 unit: own.unit,
                 neutral: element.start_input(index),
                 least: own.least,
+                most: None,
                 along: false,
                 text: own.description,
             };
@@ -265,7 +266,7 @@ fn input(row: &InputRow, reference: u32, name: String, place: usize) -> Variable
         unit: row.unit,
         start: Some(row.neutral),
         min: row.least,
-        max: None,
+        max: row.most,
         role: Role::Input(place),
     }
 }

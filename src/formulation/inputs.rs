@@ -70,14 +70,19 @@ pub struct InputRow {
     /// The value that leaves the model alone.
     pub neutral: f64,
     pub least: Option<f64>,
+    pub most: Option<f64>,
     /// A force along the track: an imposed speed leaves no room for it.
     pub along: bool,
     pub text: &'static str,
 }
 
+/// Of a friction coefficient: beyond it something else was meant, such as per cent.
+const GREATEST_FACTOR: f64 = 10.0;
+
 const FORCE: InputRow =
-    InputRow { id: 0, group: &CENTRE_FORCES, name: "", unit: Unit::Newton, neutral: 0.0, least: None, along: false, text: "" };
-const FACTOR: InputRow = InputRow { group: &FRICTION_FACTORS, unit: Unit::One, neutral: 1.0, least: Some(0.0), ..FORCE };
+    InputRow { id: 0, group: &CENTRE_FORCES, name: "", unit: Unit::Newton, neutral: 0.0, least: None, most: None, along: false, text: "" };
+const FACTOR: InputRow =
+    InputRow { group: &FRICTION_FACTORS, unit: Unit::One, neutral: 1.0, least: Some(0.0), most: Some(GREATEST_FACTOR), ..FORCE };
 const RAIL: InputRow = InputRow { group: &RAIL_MOTION, unit: Unit::Metre, ..FORCE };
 
 /// By place.

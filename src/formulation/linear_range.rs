@@ -1,4 +1,4 @@
-//! Contact that is linear (`contact.patch = "linear"`): built for a model, and where in a run it does not hold.
+//! Contact that is linear (`contact.patch = "linear"`): built for a model, and where in a run it does not hold; linear creep forces of other contact likewise.
 //!
 //! At the end of each step each wheel is laid beside what linear leaves out: how far it stands from the middle of its track against the way on which its rolling radius
 //! changes as the strips' does (to [`PART`] of the change), and against the shift at which a flange carries; its creep force against mu N; and its load
@@ -8,7 +8,7 @@ use super::assembly::rail_strips;
 use super::elastic::linear::Middle;
 use super::linear_contact::LinearContact;
 use super::step::WheelRef;
-use super::{AssemblyError, Model, Workspace, contact_index};
+use super::{AssemblyError, ContactReport, Model, Workspace, contact_index};
 use crate::contact::patch::PatchLaw;
 use crate::contact::strips::{Range, Section};
 use crate::geometry::Side;
@@ -42,7 +42,9 @@ pub(super) struct Beyond {
 /// The bounds of a model's wheels, and which were passed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ranges {
+    /// By contact; none where creep forces alone are linear.
     ranges: Vec<Range>,
+    contacts: usize,
     beyond: Vec<Beyond>,
 }
 
@@ -120,33 +122,46 @@ impl Model {
     }
 }
 
+/// Creep force of a contact in parts of mu N (without the factor of a master's input).
+fn saturation(model: &Model, workspace: &Workspace, wheel: &WheelRef, report: &ContactReport) -> f64 {
+    let motion = &workspace.system.motions[wheel.wheelset.turning[wheel.side.index()]];
+    let most = model.friction_at(wheel.side, motion, report) * report.normal_force;
+    let used = report.creep_force.longitudinal.hypot(report.creep_force.lateral);
+    if most > 0.0 { used / most } else { 0.0 }
+}
+
+/// How far a wheel stands toward its flange and from the middle of its track, and its load; each in parts of its bound, and the bound.
+fn places_and_load(model: &Model, workspace: &Workspace, wheel: &WheelRef, range: &Range) -> [(f64, f64); 3] {
+    let motion = &workspace.system.motions[wheel.wheelset.turning[wheel.side.index()]];
+    let pair = wheel.pair(model, motion);
+    let moved = model.linear[wheel.contact].patch.at(&pair, &Section::new(&pair), model.laws.material).moved.x;
+    let way = usize::from(moved > 0.0);
+    let load = workspace.contacts[wheel.contact].normal_force / wheel.wheelset.static_wheel_load;
+    let off = if load > 1.0 { (load - 1.0) / (LOADS[1] - 1.0) } else { (1.0 - load) / (1.0 - LOADS[0]) };
+    [
+        range.flange[way].map_or((0.0, 0.0), |flange| (moved.abs() / flange, flange)),
+        (moved.abs() / range.holds[way].max(f64::MIN_POSITIVE), range.holds[way]),
+        (off, LOADS[usize::from(load > 1.0)]),
+    ]
+}
+
 impl Ranges {
-    /// Of a model; `None` where its contact is not linear.
+    /// Of a model; `None` where nothing of its contact is linear.
     pub fn of(model: &Model) -> Option<Ranges> {
         let ranges = model.linear_ranges();
-        (!ranges.is_empty()).then_some(Ranges { ranges, beyond: Vec::new() })
+        let any = !ranges.is_empty() || !model.laws.creep.is_bounded();
+        any.then(|| Ranges { ranges, contacts: model.contacts(), beyond: Vec::new() })
     }
 
     /// Looks at the evaluation of a workspace at `t` [s].
     pub fn look(&mut self, model: &Model, workspace: &Workspace, t: f64) {
-        for WheelRef { wheelset, side, contact } in model.wheels() {
-            let wheel = WheelRef { wheelset, side, contact };
-            let motion = &workspace.system.motions[wheelset.turning[side.index()]];
-            let pair = wheel.pair(model, motion);
-            let (linear, range) = (&model.linear[contact], &self.ranges[contact]);
-            let moved = linear.patch.at(&pair, &Section::new(&pair), model.laws.material).moved.x;
-            let way = usize::from(moved > 0.0);
-            let report = &workspace.contacts[contact];
-            let most = model.friction_at(side, motion, report) * report.normal_force;
-            let used = report.creep_force.longitudinal.hypot(report.creep_force.lateral);
-            let load = report.normal_force / wheelset.static_wheel_load;
-            let off = if load > 1.0 { (load - 1.0) / (LOADS[1] - 1.0) } else { (1.0 - load) / (1.0 - LOADS[0]) };
-            let bounds: [Option<(f64, f64)>; KINDS] = [
-                range.flange[way].map(|flange| (moved.abs() / flange, flange)),
-                Some((moved.abs() / range.holds[way].max(f64::MIN_POSITIVE), range.holds[way])),
-                (most > 0.0).then(|| (used / (SATURATED * most), SATURATED)),
-                Some((off, LOADS[usize::from(load > 1.0)])),
-            ];
+        for wheel in model.wheels() {
+            let contact = wheel.contact;
+            let saturated = workspace.reports(contact).map(|report| saturation(model, workspace, &wheel, report)).fold(0.0, f64::max);
+            let mut bounds = [None, None, Some((saturated / SATURATED, SATURATED)), None];
+            if let Some(range) = self.ranges.get(contact) {
+                [bounds[0], bounds[1], bounds[3]] = places_and_load(model, workspace, &wheel, range).map(Some);
+            }
             for (kind, (share, bound)) in bounds.into_iter().enumerate().filter_map(|(kind, found)| Some((kind, found?))) {
                 if !(share > 1.0) {
                     continue;
@@ -175,7 +190,7 @@ impl Ranges {
 
     /// Goes on with what was found before. Returns false and changes nothing when that is not of these wheels.
     pub fn go_on(&mut self, beyond: Vec<Beyond>) -> bool {
-        let known = beyond.iter().all(|one| one.kind < KINDS && one.contact < self.ranges.len());
+        let known = beyond.iter().all(|one| one.kind < KINDS && one.contact < self.contacts);
         if known {
             self.beyond = beyond;
         }
@@ -217,7 +232,8 @@ impl Ranges {
                     100.0 * bound
                 ),
             };
-            Some(format!("contact.patch = \"linear\": {wheel} {what}{others}"))
+            let key = if self.ranges.is_empty() { "contact.creep.law = \"kalker_linear\"" } else { "contact.patch = \"linear\"" };
+            Some(format!("{key}: {wheel} {what}{others}"))
         };
         (0..KINDS).filter_map(words).collect()
     }

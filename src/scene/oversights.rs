@@ -22,6 +22,7 @@ pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(doubts(model))
         .chain(soft_springs(scene).or_else(|| falls(scene)))
         .chain(beside_the_rails(scene))
+        .chain(without_play(scene))
         .chain(level_boxes(scene, model))
         .chain(extents(scene, model))
         .chain(adverse(scene))
@@ -192,6 +193,36 @@ fn beside_the_rails(scene: &Scene) -> Option<String> {
                  of the running circles (1.5 m on 1.435 m), track.gauge that between the rails",
                 wheelset.spec.name,
                 1e3 * outside
+            )
+        })
+    })
+}
+
+/// Where the thickness of a flange is measured below the tread circle, m, and the play between it and its rail that is doubtful, m: 4 to 10 mm are usual.
+const FLANGE_AT: f64 = 10e-3;
+const LEAST_PLAY: f64 = 1e-3;
+/// Steps of a profile in which that place is looked for.
+const STEPS: u32 = 2000;
+
+/// Flanges that stand at their rails in the middle of the track already.
+fn without_play(scene: &Scene) -> Option<String> {
+    let face = |choice: &ProfileChoice| {
+        let (first, _) = choice.profile.range();
+        let radius = choice.profile.at(0.0).value;
+        let at = |step: u32| first * f64::from(step) / f64::from(STEPS);
+        let flange = (0..=STEPS).map(at).find(|u| choice.profile.at(*u).value > radius + FLANGE_AT)?;
+        Some(-flange)
+    };
+    let reach = |choice: &ProfileChoice| gauge::reach(choice.profile.as_ref(), scene.track.inclination, gauge::DEPTH).ok();
+    let rails = scene.track.rails.each_ref().map(reach);
+    scene.vehicle.wheelsets.iter().find_map(|wheelset| {
+        let of = |side: usize| Some(scene.track.half_rail_distance - rails[side]? - wheelset.spec.half_tread_circle_distance - face(&wheelset.spec.profiles[side])?);
+        let play = 0.5 * (of(0)? + of(1)?);
+        (play < LEAST_PLAY).then(|| {
+            format!(
+                "{}: {:.1} mm of play between flange and rail on each side in the middle of the track, where 4 to 10 mm are usual: see track.gauge and tread_circle_distance",
+                wheelset.spec.name,
+                1e3 * play
             )
         })
     })

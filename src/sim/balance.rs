@@ -18,6 +18,11 @@ const OUT: [&str; 3] = [".frictionHeat", ".heat", "energy.suspensionHeat"];
 const SHARE: f64 = 0.03;
 const LEAST: f64 = 1.0;
 
+/// Does an output of that name belong to the books?
+pub fn is_booked(name: &str) -> bool {
+    [&STORED[..], &IN, &OUT].concat().iter().any(|end| name.ends_with(end))
+}
+
 /// What a user should know of a recording that has all outputs of the group `energy`.
 pub fn open_books(recording: &Recording) -> Option<String> {
     let has = |name: &str| recording.columns.iter().any(|column| column.0 == name);

@@ -67,6 +67,11 @@ impl InputTable {
         }
     }
 
+    /// Time of the first of several rows, s.
+    pub fn begin(&self) -> Option<f64> {
+        self.times.first().copied().filter(|_| self.times.len() > 1)
+    }
+
     /// Value of an input at time `t` [s]; `None` where the table has no such input.
     pub fn value(&self, input: usize, t: f64) -> Option<f64> {
         self.columns.iter().find(|column| column.0 == input).map(|column| self.from(&column.1, t)[0])

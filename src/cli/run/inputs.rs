@@ -16,6 +16,18 @@ pub(super) struct Inputs {
     pub text: String,
 }
 
+impl Inputs {
+    /// Of a table that nothing is read of before the run ends at `stop` [s], but its first row.
+    pub fn note(&self, stop: f64) -> Option<String> {
+        self.table.begin().filter(|begin| *begin >= stop).map(|begin| {
+            format!(
+                "--inputs: its rows begin at {begin} s, and the run ends at {stop} s: the first row is held all the time (times are in s where the title \
+                 says nothing else, such as \"time [ms]\")"
+            )
+        })
+    }
+}
+
 /// A column: the input, and what its numbers are multiplied by.
 struct Column<'a> {
     variable: &'a Variable,
@@ -178,6 +190,14 @@ mod tests {
     }
 
     #[test]
+    fn prop_a_table_that_begins_behind_the_end_is_named() {
+        let mut scene = scene(&["vehicle.speed={start=20}"]);
+        let mut note = |text: &str| read_text(&mut scene, text).unwrap_or_else(|words| panic!("{words}")).note(2.0);
+        assert!(note("time,speed\n500,20\n900,21\n").is_some_and(|words| words.contains("begin at 500 s")));
+        assert_eq!([note("time [ms],speed\n500,20\n900,21\n"), note("time,speed\n0,20\n")], [None, None]);
+    }
+
+    #[test]
     fn prop_wrong_files_are_refused_with_line_and_reason() {
         let mut scene = scene(&["vehicle.speed={start=20}"]);
         for (text, words) in [
@@ -197,6 +217,7 @@ mod tests {
             ("time,speed\n0,1\n1,900\n", "in.csv:3: speed: the largest value is 500"),
             ("time,speed\n0,1\n1,0\n", "in.csv:3: speed: found 0 m/s, which needs [contact.transient]"),
             ("time,wheelset.left.frictionFactor\n0,-1\n", "in.csv:2: wheelset.left.frictionFactor: the smallest value is 0"),
+            ("time,wheelset.left.frictionFactor\n0,60\n", "in.csv:2: wheelset.left.frictionFactor: the largest value is 10"),
         ] {
             match read_text(&mut scene, text) {
                 Err(found) => assert!(found.starts_with(words), "{text:?}: {found}"),

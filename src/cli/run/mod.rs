@@ -13,7 +13,7 @@ use crate::scene::improbable::improbable;
 use crate::scene::spec::{PatchSpec, Scene};
 use crate::settings::did_you_mean;
 use crate::sim::Simulation;
-use crate::sim::balance::open_books;
+use crate::sim::balance::{is_booked, open_books};
 use crate::sim::checkpoint::Origin;
 use crate::sim::outputs::Output;
 use crate::sim::pattern::matches;
@@ -157,13 +157,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let shown = |name: &str| name.strip_prefix(wheelset).is_some_and(|rest| SHOWN.iter().any(|one| rest.strip_prefix('.') == Some(one.0)));
     let drawn = |output: &Output| arguments.plot.is_some() && overview::needs(output, wheelset);
     let index = |name: &str| asked.index == Index::Distance && name.strip_prefix(wheelset) == Some(".distance");
-    let needed = |output: &Output| wanted(&output.name) || shown(&output.name) || drawn(output) || index(&output.name);
+    // Books are judged whole.
+    let books = books_close(&scene) && all.iter().any(|output| is_booked(&output.name) && wanted(&output.name));
+    let booked = |name: &str| books && is_booked(name);
+    let needed =
+        |output: &Output| wanted(&output.name) || shown(&output.name) || drawn(output) || index(&output.name) || booked(&output.name);
     let outputs: Vec<Output> = match &found {
         None => all.into_iter().filter(needed).collect(),
         Some(found) => checkpoints::columns(found, all, needed)?,
     };
     let layout = asked.layout(&outputs, wanted, wheelset, times)?;
     let mut notes = first_notes(&scene, &mut simulation);
+    notes.extend(inputs.as_ref().and_then(|inputs| inputs.note(times.stop)));
     notes.extend(asked.unread(arguments.json));
     let mut run = Run::new(&simulation, &outputs);
     run.inputs = inputs.map(|inputs| inputs.table);
@@ -195,7 +200,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     notes.extend(recording.all_notes(&simulation));
-    notes.extend((asked.columns.is_empty() && books_close(&scene)).then(|| open_books(&recording)).flatten());
+    notes.extend(books.then(|| open_books(&recording)).flatten());
     messages(&notes, &events, simulation.doubts());
     if arguments.json {
         let error = failure.as_ref().or(ended.as_ref().map(|ended| &ended.0));

@@ -72,6 +72,10 @@ impl CreepLaw for Reduced {
         slopes
     }
 
+    fn is_bounded(&self) -> bool {
+        self.law.is_bounded()
+    }
+
     fn describe(&self) -> String {
         let KalkerFactors { longitudinal, lateral } = self.factors;
         format!("{}, Kalker factors {longitudinal} along and {lateral} across", self.law.describe())
@@ -101,6 +105,10 @@ impl CreepLaw for WithoutSpin {
         slopes.by_creepage.row_mut(2).fill(0.0);
         slopes.by_normal_force.z = 0.0;
         slopes
+    }
+
+    fn is_bounded(&self) -> bool {
+        self.law.is_bounded()
     }
 
     fn describe(&self) -> String {

@@ -39,6 +39,10 @@ impl CreepLaw for KalkerLinear {
         let normal_force = if contact.bound() > 0.0 { contact.normal_force } else { 0.0 };
         self.0.slopes(contact.patch, contact.creepage, normal_force)
     }
+
+    fn is_bounded(&self) -> bool {
+        false
+    }
 }
 
 fn parse(_: &Section) -> Result<Build, SettingsError> {

@@ -65,6 +65,11 @@ pub trait CreepLaw: Send + Sync + std::fmt::Debug {
         slopes::differences(self, contact, force)
     }
 
+    /// Does no force of it exceed mu N?
+    fn is_bounded(&self) -> bool {
+        true
+    }
+
     /// What `wheelrail plan` says behind the law's name.
     fn describe(&self) -> String {
         String::new()
