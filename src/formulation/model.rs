@@ -207,6 +207,11 @@ impl Model {
         start..start + self.deflection_states()
     }
 
+    /// Is a state one of those?
+    pub fn is_deflection(&self, i: usize) -> bool {
+        (self.deflections_begin()..self.rails_begin()).contains(&i)
+    }
+
     /// A contact's own states in the state vector.
     pub fn contact_states(&self, contact: usize) -> Range<usize> {
         let count = self.formulation.states_per_contact();

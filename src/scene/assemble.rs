@@ -29,7 +29,8 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     let (deviations, contact) = (start::deviations(scene), &scene.contact);
     let rail = |side: Side| {
         let profile = track.rails[side.index()].profile.clone();
-        let rail = Rail::new(side, profile, track.half_rail_distance, track.inclination, &deviations).along(track.line.clone());
+        let rail =
+            Rail::new(side, profile, track.half_rail_distance, track.inclination, &deviations).with_sharp_bends().along(track.line.clone());
         let rail = if scene.effects.all { rail.in_full() } else { rail };
         match &contact.friction_map {
             Some(map) => rail.with_waves(map.waves(side)),

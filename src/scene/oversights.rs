@@ -6,7 +6,9 @@ use super::vehicle::assemble::static_preloads;
 use super::vehicle::extent::Away;
 use super::vehicle::stability::{Fall, fall};
 use crate::formulation::Model;
+use crate::geometry::Side;
 use crate::geometry::profile::ProfileChoice;
+use crate::geometry::surface::Wheel;
 use crate::geometry::track::gauge;
 use crate::mbs::body::Body;
 use crate::mbs::force::ForceElement;
@@ -23,6 +25,7 @@ pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(soft_springs(scene).or_else(|| falls(scene)))
         .chain(beside_the_rails(scene))
         .chain(without_play(scene))
+        .chain(two_along_the_track(model))
         .chain(level_boxes(scene, model))
         .chain(extents(scene, model))
         .chain(adverse(scene))
@@ -198,6 +201,31 @@ fn beside_the_rails(scene: &Scene) -> Option<String> {
     })
 }
 
+/// The steepest flank that counts as a flange's: 75 degrees.
+const STEEPEST: f64 = 3.73;
+
+/// Hollows along a rail in which a flange stands on two places: seen from above it is an arc of the radius `R tan(angle)`.
+fn two_along_the_track(model: &Model) -> Option<String> {
+    let arc = |wheel: &Wheel| {
+        let (first, _) = wheel.profile.range();
+        let at = |step: u32| wheel.profile.at(first * f64::from(step) / f64::from(STEPS)).d1.abs();
+        let steepest = if first < 0.0 { (0..=STEPS).map(at).fold(0.0, f64::max).min(STEEPEST) } else { 0.0 };
+        steepest * wheel.profile.at(0.0).value
+    };
+    Side::BOTH.into_iter().find_map(|side| {
+        let (hollow, distance) = model.track.rail(side).sharpest_hollow()?;
+        let longest = model.wheelsets.iter().map(|wheelset| arc(wheelset.wheel(side))).fold(0.0, f64::max);
+        (hollow * longest > 1.0).then(|| {
+            format!(
+                "track: at {distance:.3} m the {} rail is hollow along its face by {hollow:.2} 1/m, and a flange is less curved there ({:.2} 1/m, seen from above): it stands on two places along \
+                 the track, of which the deeper one alone is taken, so that its forces there are worth their order of magnitude",
+                side.name(),
+                1.0 / longest
+            )
+        })
+    })
+}
+
 /// Where the thickness of a flange is measured below the tread circle, m, and the play between it and its rail that is doubtful, m: 4 to 10 mm are usual.
 const FLANGE_AT: f64 = 10e-3;
 const LEAST_PLAY: f64 = 1e-3;
@@ -216,7 +244,7 @@ fn without_play(scene: &Scene) -> Option<String> {
     let reach = |choice: &ProfileChoice| gauge::reach(choice.profile.as_ref(), scene.track.inclination, gauge::DEPTH).ok();
     let rails = scene.track.rails.each_ref().map(reach);
     scene.vehicle.wheelsets.iter().find_map(|wheelset| {
-        let of = |side: usize| Some(scene.track.half_rail_distance - rails[side]? - wheelset.spec.half_tread_circle_distance - face(&wheelset.spec.profiles[side])?);
+        let of = |side: usize| Some(scene.track.half_rail_distance - rails[side]? - wheelset.spec.half_tread_circle_distance + face(&wheelset.spec.profiles[side])?);
         let play = 0.5 * (of(0)? + of(1)?);
         (play < LEAST_PLAY).then(|| {
             format!(

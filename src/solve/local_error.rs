@@ -27,10 +27,10 @@ impl LocalError {
         LocalError { state: largest, load: dynamics.load_error(error), swing: dynamics.swing_error(error) }
     }
 
-    /// Of an error vector whose controlled components all count alike.
+    /// Of an error vector whose positions all count alike.
     pub fn unweighted(dynamics: &dyn Implicit, error: &[f64]) -> LocalError {
         let weighted = LocalError::of(dynamics, error);
-        let plain = error.iter().enumerate().filter(|(i, _)| dynamics.error_weight(*i) > 0.0).map(|(_, error)| error.abs());
+        let plain = error.iter().enumerate().map(|(i, error)| dynamics.plain_weight(i) * error.abs());
         LocalError { state: if weighted.state.is_finite() { plain.fold(0.0, f64::max) } else { weighted.state }, ..weighted }
     }
 

@@ -131,7 +131,12 @@ pub trait Dynamics {
     /// Notes that a step has been accepted; f was evaluated last at its end.
     fn note_step(&mut self, _t: f64, _y: &[f64]) {}
 
-    /// Error of a controlled component from which a fixed step is doubtful, in that component's own unit.
+    /// How the error of a component counts among positions, in a step that is given: those all alike.
+    fn plain_weight(&self, i: usize) -> f64 {
+        f64::from(u8::from(self.error_weight(i) > 0.0))
+    }
+
+    /// Error of a position from which a fixed step is doubtful, m or rad.
     fn doubtful_error(&self) -> f64 {
         f64::INFINITY
     }

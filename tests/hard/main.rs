@@ -11,6 +11,7 @@ mod friction;
 mod merging;
 mod nodes;
 mod patches;
+mod pockets;
 mod points;
 mod robustness;
 mod standstill;

@@ -109,6 +109,12 @@ pub struct Pair<'a> {
 }
 
 impl Pair<'_> {
+    /// Does the rail bend sideways so sharply here that a flange sees another rail ahead than that beside the wheel?
+    #[inline]
+    pub fn is_on_sharp_bend(&self) -> bool {
+        self.rail.is_sharp_near(self.distance)
+    }
+
     /// Residual of the four equations at `x = (u, angle, lead, eta)`.
     #[inline]
     pub(super) fn residual(&self, x: &Vector4<f64>) -> (Vector4<f64>, Candidate) {

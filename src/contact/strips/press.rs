@@ -14,6 +14,12 @@ use std::f64::consts::PI;
 
 /// Sets of strips in contact that are tried; a few are enough.
 const MOST_SETS: usize = 40;
+/// Sections from which a strip on a sharp bend is looked at, and how near to its place the last must stand, m.
+const MOST_STATIONS: usize = 12;
+const ABOUT_THERE: f64 = 2e-3;
+/// Places along the track at which one is looked for there, to each side, and their distance, m.
+const STARTS: i32 = 5;
+const STARTS_APART: f64 = 0.02;
 /// What the fit of the influence (see [`super::influence`]) leaves out on average.
 const FITTED: f64 = 0.996;
 
@@ -108,7 +114,7 @@ pub fn press_anywhere<'s>(pair: &Pair, rail: &RailStrips, material: Material, sc
     let overlaps = Overlaps { pair, rail, section: Section::new(pair) };
     let Scratch { pressed, inside, .. } = scratch;
     pressed.clear();
-    pressed.extend((0..rail.len()).filter_map(|number| overlaps.strip(number, (0.0, 0.0))));
+    pressed.extend((0..rail.len()).filter_map(|number| overlaps.strip_anywhere(number)));
     let kept = |k: usize| (k.saturating_sub(1)..=k + 1).filter_map(|beside| pressed.get(beside)).any(|own| own.strip.overlap > -BESIDE);
     inside.clear();
     inside.extend((0..pressed.len()).map(kept));
@@ -129,8 +135,38 @@ impl Overlaps<'_> {
     #[inline]
     fn strip(&self, number: usize, about: (f64, f64)) -> Option<Pressed> {
         let own = self.rail.strip(number);
-        let strip = Strip::new(self.pair, &self.section, (own.eta, &own.profile), about)?;
+        let strip = if self.pair.is_on_sharp_bend() {
+            self.strip_ahead(number, about)?
+        } else {
+            Strip::new(self.pair, &self.section, (own.eta, &own.profile), about)?
+        };
         Some(Pressed { number, strip, width: own.width, ..Pressed::default() })
+    }
+
+    /// A strip of which nothing is known; on a rail that bends sideways sharply the deepest of its places.
+    fn strip_anywhere(&self, number: usize) -> Option<Pressed> {
+        if !self.pair.is_on_sharp_bend() {
+            return self.strip(number, (0.0, 0.0));
+        }
+        let starts = (-STARTS..=STARTS).map(|k| (f64::from(k) * STARTS_APART, 0.0));
+        let found = starts.filter_map(|about| self.strip(number, about));
+        found.reduce(|a, b| if b.strip.overlap > a.strip.overlap { b } else { a })
+    }
+
+    /// A strip on a rail that bends sideways sharply: seen from the section at the strip's own place.
+    fn strip_ahead(&self, number: usize, (mut lead, mut overlap): (f64, f64)) -> Option<Strip> {
+        let own = self.rail.strip(number);
+        for _ in 0..MOST_STATIONS {
+            let station = lead;
+            let section = Section::ahead(self.pair, station);
+            let mut strip = Strip::new(self.pair, &section, (own.eta, &own.profile), (0.0, overlap))?;
+            strip.lead += station;
+            if (strip.lead - station).abs() < ABOUT_THERE {
+                return Some(strip);
+            }
+            (lead, overlap) = (strip.lead, strip.overlap);
+        }
+        None
     }
 
     /// Adds those around a strip that is not among them yet to strips in the order of their numbers.

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The overlap d(x) is greatest where F_x = 0: `lead`. There it bends by `-F_xx / F_d`. Yaw, roll and a rail that is bent along the track are in it;
-//! what it leaves out is x^3: 1e-8 m at 10 mm of a yaw of 10 mrad.
+//! what it leaves out is x^3: 1e-8 m at 10 mm of a yaw of 10 mrad. Where a rail bends sideways sharply the line is that about the strip's own place ahead.
 
 use crate::contact::search::algebraic::Pair;
 use crate::geometry::profile::ProfilePoint;
@@ -35,8 +35,13 @@ pub struct Section {
 impl Section {
     /// Of the rail of `pair` beside the wheelset's centre.
     pub fn new(pair: &Pair) -> Section {
+        Section::ahead(pair, 0.0)
+    }
+
+    /// Of the rail at a `station` [m] ahead of it; places are counted from there.
+    pub(super) fn ahead(pair: &Pair, station: f64) -> Section {
         let at = |eta: f64, value: f64| {
-            let point = rail_point_of(pair.rail, pair.distance, eta, &ProfilePoint { value, ..ProfilePoint::default() });
+            let point = rail_point_of(pair.rail, pair.distance + station, eta, &ProfilePoint { value, ..ProfilePoint::default() });
             [point.position - pair.centre, point.t1, point.t11]
         };
         let base = at(0.0, 0.0);

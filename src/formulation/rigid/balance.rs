@@ -47,6 +47,10 @@ const ITERATIONS: usize = 40;
 const WIDEST_JUMP: f64 = 0.02;
 /// A larger change of the creep force with the normal force than this can't be that of a smooth law: friction is below 1.
 const STEEPEST_SECANT: f64 = 2.0;
+/// What has not settled after so many iterations is steeper, up to this: strips of FASTSIM and FaStrip in which the rigid slip vanishes turn their traction round
+/// within a small change of the contact force.
+const SOON: usize = 5;
+const STEEPEST_STEP: f64 = 1e3;
 /// Least determinant for which the coupling of two wheels is solved for.
 const LEAST_DETERMINANT: f64 = 1e-3;
 /// Two points that are nearer to each other (relative to N) say nothing of the slope.
@@ -71,7 +75,7 @@ fn scaled(wrench: &Wrench, factor: f64) -> Wrench {
 
 impl Pressing {
     /// Reads the law at the present penetration.
-    fn evaluate(&mut self, load: &Contact, report: &mut ContactReport, first: bool) -> Result<(), ConformalContact> {
+    fn evaluate(&mut self, load: &Contact, report: &mut ContactReport, (first, steepest): (bool, f64)) -> Result<(), ConformalContact> {
         if first && self.force > 0.0 && !(self.approach > 0.0) {
             self.approach = load.approach_under(self.force)?;
         }
@@ -95,12 +99,12 @@ impl Pressing {
             self.slope = scaled(&creep, load.growth(report) / force);
             self.exponent = 2.0 / 3.0;
             if self.jumps >= MOST_JUMPS {
-                self.kept = Some(ElasticContact { stiffness: report.stiffness, force, slope: report.elastic_slope, patch: report.patch });
+                self.keep(report);
             }
         } else if let Some((_, before, wrench)) = moved {
             let part = 1.0 / (force - before);
             let slope = Wrench { force: (creep.force - wrench.force) * part, moment: (creep.moment - wrench.moment) * part };
-            if slope.force.norm() < STEEPEST_SECANT {
+            if slope.force.norm() < steepest {
                 self.slope = slope;
             }
             self.exponent = exponent.unwrap_or(2.0 / 3.0);
@@ -109,6 +113,12 @@ impl Pressing {
             self.exponent = 2.0 / 3.0;
         }
         Ok(())
+    }
+
+    /// Keeps the stiffness that the law had when it was read last, into the report.
+    fn keep(&mut self, report: &ContactReport) {
+        let (stiffness, slope, patch) = (report.stiffness, report.elastic_slope, report.patch);
+        self.kept = Some(ElasticContact { stiffness, force: self.force, slope, patch });
     }
 
     /// Goes on towards N = `next`.
@@ -209,7 +219,30 @@ fn damping_after(stale: usize) -> f64 {
 
 /// Finds the normal forces with which creep forces and multipliers agree, from those in `balance.contacts`; leaves wrenches with
 /// creep forces, accelerations and multipliers in the workspace.
+///
+/// Where that does not settle all contacts keep the stiffness that they have, as one that goes on jumping does.
 pub(super) fn settle(
+    model: &Model,
+    workspace: &mut Workspace,
+    rows: &[Option<ConstraintRow>],
+    balance: &mut Balance,
+    at: (f64, &[f64], &[f64]),
+) -> Result<(), EvaluationError> {
+    balance.base.copy_from_slice(&workspace.system.wrenches);
+    let settled = iterate(model, workspace, rows, balance, at);
+    let unsettled =
+        matches!(&settled, Err(failure) if matches!(failure.cause, ContactFailure::NotSettled { residual, .. } if residual.is_finite()));
+    let mut any = false;
+    for (pressing, report) in balance.contacts.iter_mut().zip(&workspace.contacts).filter(|_| unsettled) {
+        if pressing.kept.is_none() && pressing.approach > 0.0 && pressing.force > 0.0 {
+            (any, pressing.last) = (true, None);
+            pressing.keep(report);
+        }
+    }
+    if any { iterate(model, workspace, rows, balance, at) } else { settled }
+}
+
+fn iterate(
     model: &Model,
     workspace: &mut Workspace,
     rows: &[Option<ConstraintRow>],
@@ -218,16 +251,16 @@ pub(super) fn settle(
 ) -> Result<(), EvaluationError> {
     let Balance { contacts, coupling, base, image, last_image, answer, exact } = balance;
     let (relative, floor) = if *exact { (EXACT, 0.0) } else { (RELATIVE, FLOOR) };
-    base.copy_from_slice(&workspace.system.wrenches);
     let Workspace { system, contacts: reports, work, .. } = workspace;
     let (mut best, mut stale, mut worst, mut damping) = (f64::INFINITY, 0, 0, 1.0);
     for iteration in 1..=ITERATIONS {
+        let steepest = if iteration <= SOON { STEEPEST_SECANT } else { STEEPEST_STEP };
         for WheelRef { contact, wheelset, side } in model.wheels() {
             let Some(found) = &rows[contact] else { continue };
             let (motion, friction) = (&system.motions[wheelset.turning[side.index()]], friction(inputs, contact, side));
             let wheel = WheelAt { model, wheelset, side, contact, motion, climb: Vector3::zeros(), friction, y };
             let load = Contact { wheel: &wheel, found: &found.location, slot: 0, share: 1.0 };
-            let evaluated = contacts[contact].evaluate(&load, &mut reports[contact], iteration == 1);
+            let evaluated = contacts[contact].evaluate(&load, &mut reports[contact], (iteration == 1, steepest));
             evaluated.map_err(|cause| EvaluationError::new(t, wheelset, side, cause.into()))?;
         }
         respond(model, system, (rows, base), image, |contact, _| contacts[contact].creep);
@@ -270,7 +303,7 @@ pub(super) fn settle(
             let cause = ContactFailure::NotSettled { iterations: iteration, residual };
             return Err(model.wheel(worst).error(t, cause));
         }
-        if iteration <= 2 || stale > 0 {
+        if iteration <= 2 || stale > 0 || iteration > SOON {
             couple(model, system, (rows, base), (contacts, coupling), (image, answer), largest.max(1.0));
         }
         damping = damping_after(stale);

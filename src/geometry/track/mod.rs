@@ -100,6 +100,8 @@ pub struct Rail {
     breaks: Vec<f64>,
     /// How short its waves are.
     waves: Waves,
+    /// Where it bends sideways sharply.
+    sharp: Arc<bend::Sharp>,
 }
 
 impl Rail {
@@ -132,6 +134,7 @@ impl Rail {
             waves: Waves::new(own.iter().flat_map(|(d, _)| d.shape.waves())),
             deviated: own.iter().fold(NOWHERE, |all, (_, acts)| (all.0.min(acts.0), all.1.max(acts.1))),
             deviations: own.iter().map(|(d, _)| (d.direction, d.shape.clone())).collect(),
+            sharp: Arc::default(),
         }
     }
 
@@ -139,7 +142,8 @@ impl Rail {
     pub fn undisturbed(&self) -> Self {
         let Rail { side, profile, outward, up, offset, .. } = self.clone();
         let waves = Waves::new(std::iter::empty());
-        Rail { side, profile, outward, up, offset, line: None, deviations: Vec::new(), deviated: NOWHERE, breaks: Vec::new(), waves }
+        let sharp = Arc::default();
+        Rail { side, profile, outward, up, offset, line: None, deviations: Vec::new(), deviated: NOWHERE, breaks: Vec::new(), waves, sharp }
     }
 
     /// The rail laid along a centre line.
@@ -294,6 +298,7 @@ impl Track {
             deviated: NOWHERE,
             breaks: Vec::new(),
             waves: Waves::default(),
+            sharp: Arc::default(),
             line: None,
             ..rail.clone()
         };

@@ -171,24 +171,63 @@ fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyStat
         return on_displaced_rails(scene, standing, pattern, node, riding);
     }
     if node.curvature == 0.0 && node.superelevation == 0.0 {
-        let (search, wheel_loads) = balanced(scene, standing, pattern, node)?;
-        return Ok(SteadyState { y: search.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any });
+        let found = balanced(scene, standing, pattern, node);
+        return found.map_or_else(
+            |cause| by_elastic_contacts(scene, standing, pattern, node, cause),
+            |(search, wheel_loads)| Ok(SteadyState { y: search.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any }),
+        );
     }
     let own = Search::new(scene, standing, pattern)?;
-    let elastic = || {
-        let mut other = scene.clone();
-        other.contact.formulation = formulation::algebraic();
-        balanced(&other, standing, pattern, node)
-    };
     let several = (0..own.model.contacts()).any(|contact| own.model.searches_contacts(contact));
     if own.model.may_be_elastic() && several && standing.positions.len() > 1 {
-        let (search, wheel_loads) = elastic()?;
+        let (search, wheel_loads) = balanced(&with_elastic_contacts(scene), standing, pattern, node)?;
         return Ok(SteadyState { y: search.found(wanted / speed).0, wheel_loads, contacts: Contacts::Elastic });
     }
     let constrained = own.model.formulation.constrains();
-    let (search, wheel_loads) = balanced(scene, standing, pattern, node)?;
-    let (y, memory) = search.found(wanted / speed);
-    Ok(SteadyState { y, wheel_loads, contacts: if constrained { Contacts::Kept(memory) } else { Contacts::Any } })
+    balanced(scene, standing, pattern, node).map_or_else(
+        |cause| by_elastic_contacts(scene, standing, pattern, node, cause),
+        |(search, wheel_loads)| {
+            let (y, memory) = search.found(wanted / speed);
+            Ok(SteadyState { y, wheel_loads, contacts: if constrained { Contacts::Kept(memory) } else { Contacts::Any } })
+        },
+    )
+}
+
+/// The scene with ECF-A.
+fn with_elastic_contacts(scene: &Scene) -> Scene {
+    let mut other = scene.clone();
+    other.contact.formulation = formulation::algebraic();
+    other
+}
+
+/// The balance of contacts that are constraints, begun at that of elastic ones, because it was not found from the design configuration for that `cause`: there
+/// laws of creep may ask for more than constraints can balance. Where it is not found from there either wheels begin elastic, if they may.
+fn by_elastic_contacts(
+    scene: &Scene,
+    standing: &Standing,
+    pattern: Pattern,
+    node: &Node,
+    cause: EquilibriumError,
+) -> Result<SteadyState, EquilibriumError> {
+    let mut own = Search::new(scene, standing, pattern)?;
+    if !own.model.formulation.constrains() {
+        return Err(cause);
+    }
+    let smooth = with_elastic_contacts(scene);
+    let Ok((search, wheel_loads)) = balanced(&smooth, standing, pattern, node) else { return Err(cause) };
+    own.lay(node, None);
+    own.effort = search.effort;
+    own.put_bodies(&search.now);
+    own.twists = search.twists.clone();
+    let scale = scene.vehicle.speed / pattern.speed;
+    if own.choose_anew().and_then(|()| own.balance()).is_ok() && own.presses() {
+        let (y, memory) = own.found(scale);
+        return Ok(SteadyState { y, wheel_loads, contacts: Contacts::Kept(memory) });
+    }
+    if own.model.may_be_elastic() {
+        return Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts: Contacts::Elastic });
+    }
+    Err(cause)
 }
 
 /// The balance on displaced rails: with elastic contacts first, whatever the formulation.
@@ -199,8 +238,7 @@ fn on_displaced_rails(
     node: &Node,
     riding: &Riding,
 ) -> Result<SteadyState, EquilibriumError> {
-    let mut smooth = scene.clone();
-    smooth.contact.formulation = formulation::algebraic();
+    let smooth = with_elastic_contacts(scene);
     let with_bends = on_rails_with(&smooth, standing, pattern, node, riding);
     let mut level = None;
     let (search, wheel_loads) = match with_bends {

@@ -11,6 +11,7 @@
 //! profile, are reported `at_edge`. Flanks steeper than 12 (85 degrees) of a wheel and 25 of a rail are left out. The foot of a point
 //! on a hollow rail is the one that is found by walking along the rail, so the hollow's radius must exceed the gap.
 
+mod along;
 mod branch;
 mod curve;
 mod foot;
@@ -184,8 +185,11 @@ impl GlobalSearch {
 
     /// All minima with a distance below `reach` [m], by growing u; of more than [`MOST`] the deepest.
     pub fn find(&self, pair: &Pair, reach: f64, found: &mut Minima) {
+        self.find_from(pair, View::new(pair, None), reach, found);
+    }
+
+    fn find_from(&self, pair: &Pair, view: View, reach: f64, found: &mut Minima) {
         let mut brackets = [None; branch::MOST];
-        let view = View::new(pair, None);
         let scan = Scan::run(self, pair, view, reach, &mut brackets);
         if scan.overflow {
             return self.find_in_a_crowd(pair, view, reach, found);

@@ -20,7 +20,8 @@
 //! *Guard.* A search says by how much the wheel may move until another place can come near (`budget`); until then only the
 //! known places are followed, each by its own Newton iteration, and so are the ridges between them that are pressed or may soon be.
 //! Places far away (a flange) cost nothing. Where wheel and rail are nearly conformal the budget is next to nothing; such a part of the
-//! wheel has one of its own, and is looked at alone when that is used up.
+//! wheel has one of its own, and is looked at alone when that is used up. Where the rail bends sideways sharply there is none: flanges touch far ahead, and are
+//! looked for there at each evaluation.
 //!
 //! *Identity.* A contact keeps its number while it exists; a new one takes the lowest free number. Forces do not depend on it.
 //! The search forgets nothing and waits for nothing: no hysteresis.
@@ -199,6 +200,7 @@ impl WheelSearch {
         let pose = self.search.standing(&pair);
         let asked = Asked { wheel, tread, stand: Stand { pair, pose, radius: self.search.radius() } };
         if !wheel.model.search_always
+            && !asked.stand.pair.is_on_sharp_bend()
             && memory.needs_no_search(&self.search, &pose)
             && self.as_watched(&asked.stand, memory)
             && self.follow(&asked, memory, places).is_some()
@@ -256,7 +258,11 @@ impl WheelSearch {
         let Asked { wheel, tread, stand } = asked;
         let pair = &stand.pair;
         let mut minima = Minima::default();
-        self.search.find(pair, REACH, &mut minima);
+        if pair.is_on_sharp_bend() {
+            self.search.find_along(pair, REACH, &mut minima);
+        } else {
+            self.search.find(pair, REACH, &mut minima);
+        }
         if minima.is_empty() {
             // In flight: the nearest place is what is shown.
             self.search.find(pair, FAR, &mut minima);
