@@ -148,6 +148,45 @@ mod tests {
     }
 
     #[test]
+    fn prop_what_the_vehicle_never_meets_and_what_is_there_twice_are_named() {
+        let with = |changes: &[&str]| of("suspended_wheelset", &[&["vehicle.speed=20", "run.stop=2"][..], changes].concat());
+        let named = |changes: &[&str], words: &str| {
+            let found = with(changes);
+            assert!(found.len() == 1 && found[0].contains(words), "{changes:?}: {found:?}");
+        };
+        let plain = "track.deviation=[]";
+        named(&[plain, "contact.friction_along=[{factors=[[0,1.0],[2000,0.5]],transition=2}]"], "friction changes nowhere");
+        named(&[plain, "track.node=[{distance=0},{distance=900},{distance=950,radius=500}]"], "it changes from 900 m on");
+        let bump = "{rail=\"left\",direction=\"vertical\",shape=\"cosine\",amplitude=\"1 mm\",from=10,to=12}";
+        named(&[&format!("track.deviation=[{bump},{bump}]")], "acts twice on the left rail");
+        named(&[plain, "track.inclination=\"1:4\""], "lean inward by 1:4.0");
+        let met = [
+            "contact.friction_along=[{factors=[[0,1.0],[20,0.5]],transition=2}]",
+            "track.node=[{distance=0},{distance=30},{distance=60,radius=900}]",
+        ];
+        assert_eq!(with(&[plain, met[0], met[1], &format!("track.deviation=[{bump}]")]), Vec::<String>::new());
+    }
+
+    #[test]
+    fn prop_flanges_without_play_and_hollows_in_which_they_stand_twice_are_named() {
+        let with = |changes: &[&str]| {
+            of(
+                "bogie",
+                &[&["track.deviation=[]", "track.rail={kind=\"60e1\"}", "vehicle.wheel_profile={kind=\"s1002\",radius=0.46}"][..], changes]
+                    .concat(),
+            )
+        };
+        let pocket = |amplitude: &str| {
+            format!("track.deviation=[{{rail=\"right\",direction=\"lateral\",shape=\"cosine\",amplitude=\"{amplitude}\",from=3,to=3.3}}]")
+        };
+        assert_eq!(with(&["track.gauge=1.435"]), Vec::<String>::new());
+        let narrow = with(&["track.gauge=1.425"]);
+        assert!(narrow.iter().any(|words| words.contains("of play between flange and rail")), "{narrow:?}");
+        assert!(with(&["track.gauge=1.435", &pocket("-6 mm")]).iter().any(|words| words.contains("two places along the track")));
+        assert_eq!(with(&["track.gauge=1.435", &pocket("-1 mm")]), Vec::<String>::new());
+    }
+
+    #[test]
     fn prop_explicit_methods_are_named_where_they_are_slow() {
         let at = |speed: &str| of("suspended_wheelset", &["solver.integrator=dormand_prince", &format!("vehicle.speed={speed}")]);
         assert!(at("2").len() == 1 && at("20").is_empty());

@@ -9,7 +9,8 @@ use crate::formulation::Model;
 use crate::geometry::Side;
 use crate::geometry::profile::ProfileChoice;
 use crate::geometry::surface::Wheel;
-use crate::geometry::track::gauge;
+use crate::geometry::track::centre_line::Node;
+use crate::geometry::track::{Deviation, gauge};
 use crate::mbs::body::Body;
 use crate::mbs::force::ForceElement;
 use crate::mbs::joint::Joint;
@@ -19,6 +20,9 @@ pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
     let missed = scene.vehicle.away().and_then(Away::missed);
     unreached(scene)
         .into_iter()
+        .chain(friction_ahead(scene))
+        .chain(curve_ahead(scene))
+        .chain(given_twice(scene))
         .chain(off_the_axle(scene, model))
         .chain(off_the_tread(model))
         .chain(doubts(model))
@@ -39,8 +43,8 @@ const BESIDE: f64 = 10.0;
 /// Places of a displacement that is not reached, which are looked at.
 const MIDDLES: usize = 16;
 
-/// Displacements of the rails that no wheel comes to; asked where the speed is imposed and stays, so that the way is known.
-fn unreached(scene: &Scene) -> Option<String> {
+/// Where wheels come to in a run, m; known where the speed is imposed and stays.
+fn way(scene: &Scene) -> Option<[f64; 2]> {
     let vehicle = &scene.vehicle;
     if !vehicle.speed_imposed || vehicle.speed_profile().is_some() {
         return None;
@@ -48,7 +52,52 @@ fn unreached(scene: &Scene) -> Option<String> {
     let way = vehicle.speed * scene.run.stop;
     let wheels = vehicle.wheelsets.iter().map(|wheelset| wheelset.x);
     let (rear, front) = wheels.fold((f64::INFINITY, f64::NEG_INFINITY), |(rear, front), x| (rear.min(x), front.max(x)));
-    let (first, last) = (origin(scene) + rear + way.min(0.0) - BESIDE, origin(scene) + front + way.max(0.0) + BESIDE);
+    Some([origin(scene) + rear + way.min(0.0), origin(scene) + front + way.max(0.0)])
+}
+
+/// Friction that changes where no wheel comes to.
+fn friction_ahead(scene: &Scene) -> Option<String> {
+    let [first, last] = way(scene)?;
+    let map = scene.contact.friction_map.as_ref()?;
+    let mut changes = Side::BOTH.into_iter().flat_map(|side| map.waves(side)).peekable();
+    let nearest = changes.peek()?.from;
+    changes.all(|change| change.to < first - BESIDE || change.from > last + BESIDE).then(|| {
+        format!(
+            "contact.friction_along: friction changes nowhere where the vehicle goes (at {nearest:.0} m and beyond; its wheels stand between {first:.0} and {last:.0} m in this run): see \
+             vehicle.initial.distance, run.stop"
+        )
+    })
+}
+
+/// A curve that the vehicle does not come to.
+fn curve_ahead(scene: &Scene) -> Option<String> {
+    let [_, last] = way(scene)?;
+    let nodes = &scene.track.alignment.as_ref()?.nodes;
+    let plain = |node: &Node| node.curvature == 0.0 && node.superelevation == 0.0 && node.grade == nodes[0].grade;
+    let begins = nodes.windows(2).find(|pair| plain(&pair[0]) && !plain(&pair[1])).filter(|_| plain(&nodes[0]))?[0].distance;
+    (begins > last + BESIDE).then(|| {
+        format!(
+            "track.node: the track is plain as far as the vehicle goes (to {last:.0} m; it changes from {begins:.0} m on): see vehicle.initial.distance, run.stop"
+        )
+    })
+}
+
+/// A displacement that is there two times, as from one file under two tables.
+fn given_twice(scene: &Scene) -> Option<String> {
+    let all = &scene.track.deviations;
+    let same = |a: &Deviation, b: &Deviation| a.side == b.side && a.direction == b.direction && a.shape.describe() == b.shape.describe();
+    let twice = all.iter().enumerate().find(|(i, deviation)| all[..*i].iter().any(|before| same(before, deviation)))?.1;
+    Some(format!(
+        "track: {} acts twice on the {} rail: what one and the same displacement does is added up",
+        twice.shape.describe(),
+        twice.side.name()
+    ))
+}
+
+/// Displacements of the rails that no wheel comes to.
+fn unreached(scene: &Scene) -> Option<String> {
+    let [rear, front] = way(scene)?;
+    let (first, last) = (rear - BESIDE, front + BESIDE);
     let mut missed = scene.track.deviations.iter().filter(|deviation| {
         let places = (0..=((last - first) / SPACING) as usize).map(|k| first + SPACING * k as f64);
         let acts = |s: f64| deviation.shape.at(s)[0] != 0.0;
@@ -62,8 +111,8 @@ fn unreached(scene: &Scene) -> Option<String> {
     Some(format!(
         "track: {} acts nowhere where the vehicle goes (its wheels stand between {:.0} and {:.0} m in this run): see from, to and offset, vehicle.initial.distance, run.stop",
         one.shape.describe(),
-        first + BESIDE,
-        last - BESIDE
+        rear,
+        front
     ))
 }
 
@@ -279,6 +328,9 @@ fn extents(scene: &Scene, model: &Model) -> Option<String> {
 /// Adverse cant without a word, rad: 13 mm.
 const ADVERSE: f64 = 9e-3;
 
+/// Rails lean by less, rad: 1:12.
+const STEEPEST_RAIL: f64 = 1.0 / 12.0;
+
 /// Cant that lifts the inner rail, and rails that lean outward.
 fn adverse(scene: &Scene) -> Vec<String> {
     let nodes = scene.track.alignment.iter().flat_map(|alignment| &alignment.nodes);
@@ -292,5 +344,11 @@ fn adverse(scene: &Scene) -> Vec<String> {
     let inclination = scene.track.inclination;
     let outward = (inclination < 0.0)
         .then(|| format!("track.inclination = {inclination}: rails that lean outward; rails of railways lean inward by 1:20 or 1:40"));
-    cant.into_iter().chain(outward).collect()
+    let steep = (inclination > STEEPEST_RAIL).then(|| {
+        format!(
+            "track.inclination = {inclination:.3}: rails that lean inward by 1:{:.1}; those of railways lean by 1:20 or 1:40",
+            1.0 / inclination.tan()
+        )
+    });
+    cant.into_iter().chain(outward).chain(steep).collect()
 }

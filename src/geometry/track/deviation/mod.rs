@@ -87,7 +87,9 @@ fn read_extent(section: &Section, steepness: f64) -> Result<[f64; 3], SettingsEr
     }
     let steepest = steepness * amplitude.abs() / (to - from);
     if steepest > STEEPEST_RAIL {
-        return Err(section.error("to", format!("the rail would run {steepest:.2} m aside per metre; expected at most {STEEPEST_RAIL}")));
+        return Err(
+            section.error("to", format!("the rail would run {steepest:.2} m up or aside per metre; expected at most {STEEPEST_RAIL}"))
+        );
     }
     Ok([amplitude, from, to])
 }
