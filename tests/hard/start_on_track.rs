@@ -288,3 +288,31 @@ fn hard_vehicles_start_in_curves_on_track_that_gives_way() {
     );
     assert!(loads(&mut start(&beam)).iter().all(|load| *load > 1e4));
 }
+
+/// Rigid contacts with friction that falls with slip found no balance from the design configuration ("does not press on its rails"); by symmetry it is that of any law.
+#[test]
+fn hard_constraints_start_where_elastic_contact_does() {
+    for formulation in ["ECCF", "ACCF", "ECF-A"] {
+        let changes = [
+            "vehicle.speed=20",
+            "vehicle.wheelset.mass=700",
+            "vehicle.wheelset.vertical_load=7400",
+            "vehicle.wheelset.profile={ kind=\"cone\", radius=0.363, slope=0.1 }",
+            "track.deviation=[]",
+            "track.inclination=\"1:40\"",
+            "track.rail={ kind=\"arc\", radius=0.3 }",
+            "contact.friction=0.21",
+            "contact.creep={ law=\"polach\", surface=\"dry\" }",
+            &format!("contact.formulation={formulation}"),
+        ]
+        .map(String::from);
+        let scene = load::open("suspended_wheelset", &changes).unwrap_or_else(|error| panic!("{error}"));
+        let mut simulation = start(&scene);
+        simulation.advance(0.5).unwrap_or_else(|error| panic!("{formulation}: {error}"));
+        let body = simulation.model().wheelsets[0].body;
+        let snapshot = simulation.snapshot().unwrap_or_else(|error| panic!("{formulation}: {error}"));
+        let loads = [0, 1].map(|contact| snapshot.workspace.wheel_force(contact, body).z);
+        println!("{formulation}: Q {loads:?} N");
+        assert!(loads.iter().all(|load| (load / (0.5 * (700.0 * 9.81 + 7400.0)) - 1.0).abs() < 1e-6), "{formulation}: {loads:?}");
+    }
+}

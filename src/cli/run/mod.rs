@@ -24,7 +24,7 @@ use crate::study::digits::rounded;
 use checkpoints::{CheckpointArguments, Keeper};
 use clap::{Args, ValueEnum};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use words::{messages, summary, work};
 
 #[derive(Args)]
@@ -111,8 +111,9 @@ fn not_over_inputs(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// What is known of scene and start before the run.
-fn first_notes(scene: &Scene, simulation: &mut Simulation) -> Vec<String> {
+fn first_notes(scene: &Scene, simulation: &mut Simulation, of_inputs: Option<String>) -> Vec<String> {
     let mut notes = improbable(scene, simulation.model());
+    notes.extend(of_inputs);
     notes.extend(statics::statics(scene, simulation).map(|found| found.notes()).unwrap_or_default());
     // A patch that an effect's absence has chosen is part of what changes.
     let PatchSpec { law, why } = scene.contact.patch;
@@ -128,6 +129,13 @@ fn books_close(scene: &Scene) -> bool {
     let supported = vehicle.wheelsets.iter().any(|wheelset| wheelset.spec.vertical_load != 0.0);
     let suspended = vehicle.forces.iter().any(|element| vehicle.suspended_by(element.0.name()).is_some());
     scene.interface.only.is_none() && !(scene.track.alignment.is_some() && (supported || suspended))
+}
+
+/// Draws the overview and says which files it wrote.
+fn draw(folder: &Path, drawn: &overview::Drawn) -> Result<(), String> {
+    let files = overview::draw(folder, drawn)?;
+    files.iter().for_each(|file| super::say(&format!("wrote {}", file.display())));
+    Ok(())
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -159,16 +167,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let index = |name: &str| asked.index == Index::Distance && name.strip_prefix(wheelset) == Some(".distance");
     // Books are judged whole.
     let books = books_close(&scene) && all.iter().any(|output| is_booked(&output.name) && wanted(&output.name));
-    let booked = |name: &str| books && is_booked(name);
-    let needed =
-        |output: &Output| wanted(&output.name) || shown(&output.name) || drawn(output) || index(&output.name) || booked(&output.name);
+    let named = |name: &str| wanted(name) || shown(name) || index(name) || books && is_booked(name);
+    let needed = |output: &Output| named(&output.name) || drawn(output);
     let outputs: Vec<Output> = match &found {
         None => all.into_iter().filter(needed).collect(),
         Some(found) => checkpoints::columns(found, all, needed)?,
     };
     let layout = asked.layout(&outputs, wanted, wheelset, times)?;
-    let mut notes = first_notes(&scene, &mut simulation);
-    notes.extend(inputs.as_ref().and_then(|inputs| inputs.note(times.stop)));
+    let of_inputs = inputs.as_ref().and_then(|inputs| inputs.note(stop));
+    let mut notes = first_notes(&scene, &mut simulation, of_inputs);
     notes.extend(asked.unread(arguments.json));
     let mut run = Run::new(&simulation, &outputs);
     run.inputs = inputs.map(|inputs| inputs.table);
@@ -194,10 +201,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.plot {
         let drawn =
             overview::Drawn { scene: &scene, model: simulation.model(), wheelset, recording: &recording, against: against.as_ref() };
-        match overview::draw(folder, &drawn) {
-            Ok(files) => files.iter().for_each(|file| super::say(&format!("wrote {}", file.display()))),
-            Err(error) => failure = failure.or(Some(error)),
-        }
+        failure = failure.or(draw(folder, &drawn).err());
     }
     notes.extend(recording.all_notes(&simulation));
     notes.extend(books.then(|| open_books(&recording)).flatten());

@@ -80,6 +80,10 @@ impl Minima {
         }
         self.push(Minimum { ridge_to_next: None, ..minimum });
         let list = &mut self.list[..self.count];
+        // There was no room for it.
+        if list.last().is_none_or(|last| last.parameters.wheel != u) {
+            return;
+        }
         // The last one goes to its place; no ridge is known beside it.
         let place = list.iter().position(|known| known.parameters.wheel > u).unwrap_or(list.len() - 1);
         list[place..].rotate_right(1);
