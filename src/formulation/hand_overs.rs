@@ -83,7 +83,7 @@ pub(super) fn note(phases: &[Phases], named: impl Fn(usize) -> String) -> Option
     let (contact, worst) = phases.iter().enumerate().max_by(|a, b| a.1.worst.0.total_cmp(&b.1.worst.0))?;
     (count > 0 && worst.worst.0 >= LEAST).then(|| {
         format!(
-            "{count} {} as a constraint became elastic for a while: the wheel then rings on its contact, and since errors of the size of the tolerance shift the instant, \
+            "{count} {} as a constraint became elastic, for a while or until the end: the wheel then rings on its contact, and since errors of the size of the tolerance shift the instant, \
              loads are worth no more than that ringing there (largest {:.0} % of the static load, {} from {:.4} s on); elastic contact (ECF-A) hands nothing over",
             if count == 1 { "time a contact that began" } else { "times a contact that began" },
             100.0 * worst.worst.0,

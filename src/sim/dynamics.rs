@@ -211,14 +211,8 @@ impl Dynamics for ModelDynamics<'_> {
     }
 
     fn plain_weight(&self, i: usize) -> f64 {
-        if self.model.is_deflection(i) {
-            // Of a contact's patch: it counts by the force that it makes, and a patch without load makes none.
-            0.0
-        } else if let Some(weight) = self.model.weight_of_force(i) {
-            weight
-        } else {
-            f64::from(u8::from(self.error_weight(i) > 0.0))
-        }
+        // Of a contact's patch it counts by the force that it makes, and a patch without load makes none.
+        f64::from(u8::from(!self.model.is_deflection(i) && self.error_weight(i) > 0.0))
     }
 
     fn integrals(&self) -> Range<usize> {

@@ -2,10 +2,11 @@
 //!
 //! A search sees the rail from one of its sections along its tangent there. A flange's place lies tens of millimetres ahead; where the rail bends by 0.5 1/m
 //! meanwhile the straight view is off by a millimetre, and a place that is pressed is not seen. So the wheel is looked at from sections [`STEP`] apart, and of
-//! what each of them shows counts what lies about there, made exact in three dimensions. Of places that differ along the track alone the deepest is taken.
+//! what each of them shows counts what lies about there and what the four equations make exact. Of places that differ along the track alone the deepest is taken.
+//! Ridges are those that are seen from beside the wheel, or from where one of the minima beside them is seen.
 
 use super::view::View;
-use super::{GlobalSearch, Minima, Minimum};
+use super::{GlobalSearch, MOST, Minima, Minimum, Ridge};
 use crate::contact::search::algebraic::Pair;
 
 /// Distance of the sections along the track, m, and how many of them to each side.
@@ -22,73 +23,92 @@ impl GlobalSearch {
     /// All minima with a distance below `reach` [m], by growing u, with their exact places.
     pub fn find_along(&self, pair: &Pair, reach: f64, found: &mut Minima) {
         self.find(pair, reach + OFF, found);
-        let (count, list) = (found.count, found.list);
-        found.count = 0;
-        let mut before: Option<usize> = None;
-        for (i, minimum) in list[..count].iter().enumerate() {
-            let Some(exact) = self.exact(pair, minimum, 0.0).filter(|exact| exact.distance < reach) else { continue };
-            // A ridge parts two minima that are both kept.
-            if before.is_some_and(|before| before + 1 != i) && found.count > 0 {
-                found.list[found.count - 1].ridge_to_next = None;
+        // Those that are seen from beside the wheel, and lie there: the others only say which ridges part what is found ahead.
+        let mut exact = [false; MOST];
+        for (minimum, exact) in found.list[..found.count].iter_mut().zip(&mut exact) {
+            if minimum.parameters.lead.abs() <= COUNTS {
+                let location = self.solved(pair, minimum).unwrap_or_else(|| self.polish(pair, minimum).location);
+                (minimum.parameters, minimum.distance, *exact) = (location.parameters, -location.penetration, true);
             }
-            found.list[found.count] = exact;
-            (found.count, before) = (found.count + 1, Some(i));
         }
         let mut seen = Minima::default();
         for k in (1..=SECTIONS).flat_map(|k| [k, -k]) {
             let station = f64::from(k) * STEP;
             self.find_from(pair, View::new(pair, Some(pair.distance + station)), reach + OFF, &mut seen);
-            for minimum in seen.iter() {
-                if let Some(exact) = self.exact(pair, minimum, station).filter(|exact| exact.distance < reach) {
-                    found.take_in(exact);
+            for (i, minimum) in seen.iter().enumerate().filter(|(_, own)| (own.parameters.lead - station).abs() <= COUNTS) {
+                let Some(location) = self.solved(pair, minimum) else { continue };
+                let distance = -location.penetration;
+                if distance < reach {
+                    let before = i.checked_sub(1).and_then(|before| seen[before].ridge_to_next);
+                    found.take_in(Minimum { parameters: location.parameters, distance, ..*minimum }, before, &mut exact);
                 }
             }
         }
+        // One that no section shows where it stands: at a jump of curvature, or nowhere.
+        for (minimum, exact) in found.list[..found.count].iter_mut().zip(&mut exact).filter(|(_, exact)| !**exact) {
+            if let Some(location) = self.settle(pair, minimum) {
+                (minimum.parameters, minimum.distance, *exact) = (location.parameters, -location.penetration, true);
+            }
+        }
+        found.keep(|i, minimum| exact[i] && minimum.distance < reach);
         // Nothing of it holds elsewhere.
         (found.steady, found.apart, found.clearance, found.watch) = (0.0, 0.0, 0.0, Default::default());
     }
 
-    /// A minimum that a section shows about where it stands, in three dimensions.
-    fn exact(&self, pair: &Pair, minimum: &Minimum, station: f64) -> Option<Minimum> {
-        if (minimum.parameters.lead - station).abs() > COUNTS {
-            return None;
-        }
-        let location = match pair.locate(&minimum.parameters) {
-            Ok(found)
-                if (found.parameters.wheel - minimum.parameters.wheel).abs() < SAME
-                    && (found.parameters.lead - minimum.parameters.lead).abs() < COUNTS
-                    && super::is_least(pair, &found) =>
-            {
-                found
-            }
-            _ => self.polish(pair, minimum).location,
-        };
-        Some(Minimum { parameters: location.parameters, distance: -location.penetration, ..*minimum })
+    /// A minimum that a section shows, where it solves the four equations about there.
+    fn solved(&self, pair: &Pair, minimum: &Minimum) -> Option<super::ContactLocation> {
+        let found = pair.locate(&minimum.parameters).ok()?;
+        let (place, from) = (found.parameters, minimum.parameters);
+        let near = (place.wheel - from.wheel).abs() < SAME && (place.lead - from.lead).abs() < COUNTS;
+        (near && super::is_least(pair, &found)).then_some(found)
     }
 }
 
 impl Minima {
-    /// Adds one by growing u, or lets it take the place of one that is the same but for where it is along the track.
-    fn take_in(&mut self, minimum: Minimum) {
+    /// Adds one, which is seen with a ridge `before` it, by growing u, or lets it take the place of one that is the same but for where it is along the track.
+    fn take_in(&mut self, minimum: Minimum, before: Option<Ridge>, exact: &mut [bool; MOST]) {
         let u = minimum.parameters.wheel;
-        let list = &mut self.list[..self.count];
-        if let Some(known) = list.iter_mut().find(|known| (known.parameters.wheel - u).abs() < SAME) {
-            if minimum.distance < known.distance {
-                *known = Minimum { ridge_to_next: known.ridge_to_next, ..minimum };
+        let apart = |known: &Minimum| (known.parameters.wheel - u).abs();
+        let nearest = (0..self.count).min_by(|a, b| apart(&self.list[*a]).total_cmp(&apart(&self.list[*b])));
+        if let Some(i) = nearest.filter(|i| apart(&self.list[*i]) < SAME) {
+            if !exact[i] || minimum.distance < self.list[i].distance {
+                self.list[i] = Minimum { ridge_to_next: self.list[i].ridge_to_next, ..minimum };
+                exact[i] = true;
             }
             return;
         }
-        self.push(Minimum { ridge_to_next: None, ..minimum });
-        let list = &mut self.list[..self.count];
-        // There was no room for it.
-        if list.last().is_none_or(|last| last.parameters.wheel != u) {
+        if self.count == MOST {
             return;
         }
-        // The last one goes to its place; no ridge is known beside it.
-        let place = list.iter().position(|known| known.parameters.wheel > u).unwrap_or(list.len() - 1);
-        list[place..].rotate_right(1);
-        if let Some(before) = place.checked_sub(1) {
-            list[before].ridge_to_next = None;
+        let place = self.list[..self.count].iter().position(|known| known.parameters.wheel > u).unwrap_or(self.count);
+        self.list.copy_within(place..self.count, place + 1);
+        exact.copy_within(place..self.count, place + 1);
+        (self.list[place], exact[place]) = (minimum, true);
+        self.count += 1;
+        // What is seen between others than these parts them no more.
+        let next = self.list[..self.count].get(place + 1).map_or(f64::NEG_INFINITY, |next| next.parameters.wheel);
+        self.list[place].ridge_to_next = minimum.ridge_to_next.filter(|ridge| ridge.parameters.wheel < next);
+        if let Some(last) = place.checked_sub(1) {
+            let from = self.list[last].parameters.wheel;
+            self.list[last].ridge_to_next = before.filter(|ridge| ridge.parameters.wheel > from);
+        }
+    }
+
+    /// Leaves out those that do not count.
+    fn keep(&mut self, counts: impl Fn(usize, &Minimum) -> bool) {
+        let (count, list) = (self.count, self.list);
+        self.count = 0;
+        let mut whole = true;
+        for (i, minimum) in list[..count].iter().enumerate() {
+            if !counts(i, minimum) {
+                whole = false;
+                continue;
+            }
+            self.list[self.count] = *minimum;
+            if let Some(last) = self.count.checked_sub(1).filter(|_| !std::mem::replace(&mut whole, true)) {
+                self.list[last].ridge_to_next = None;
+            }
+            self.count += 1;
         }
     }
 }

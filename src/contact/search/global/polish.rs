@@ -49,7 +49,7 @@ impl GlobalSearch {
     }
 
     /// Narrows the minimum in the section where it stands until that place stays: for rails that bend along the track.
-    fn settle(&self, pair: &Pair, minimum: &Minimum) -> Option<ContactLocation> {
+    pub(super) fn settle(&self, pair: &Pair, minimum: &Minimum) -> Option<ContactLocation> {
         let mut parameters = minimum.parameters;
         for round in 1..=6 {
             let view = View::new(pair, Some(pair.distance + parameters.lead));
