@@ -230,11 +230,16 @@ const OUTSIDE: [f64; 2] = [0.01, 0.08];
 /// Sections have their origins in the middle of the head, or somewhere: above it a running circle needs no gauge line, m.
 const BESIDE_ORIGIN: f64 = 0.02;
 
-/// Running circles that are not above the rails' heads: a gauge for a distance of running circles, or the other way round.
-fn beside_the_rails(scene: &Scene) -> Option<String> {
+/// Distance between the rails' inner faces where nothing displaces them, m; `None` where a profile ends too early to tell.
+fn gauge(scene: &Scene) -> Option<f64> {
     let reach = |choice: &ProfileChoice| gauge::reach(choice.profile.as_ref(), scene.track.inclination, gauge::DEPTH).ok();
     let [left, right] = scene.track.rails.each_ref().map(reach);
-    let gauge = 2.0 * scene.track.half_rail_distance - left? - right?;
+    Some(2.0 * scene.track.half_rail_distance - left? - right?)
+}
+
+/// Running circles that are not above the rails' heads: a gauge for a distance of running circles, or the other way round.
+fn beside_the_rails(scene: &Scene) -> Option<String> {
+    let gauge = gauge(scene)?;
     scene.vehicle.wheelsets.iter().find_map(|wheelset| {
         let distance = 2.0 * wheelset.spec.half_tread_circle_distance;
         let outside = 0.5 * (distance - gauge);
@@ -290,11 +295,10 @@ fn without_play(scene: &Scene) -> Option<String> {
         let flange = (0..=STEPS).map(at).find(|u| choice.profile.at(*u).value > radius + FLANGE_AT)?;
         Some(-flange)
     };
-    let reach = |choice: &ProfileChoice| gauge::reach(choice.profile.as_ref(), scene.track.inclination, gauge::DEPTH).ok();
-    let rails = scene.track.rails.each_ref().map(reach);
+    let gauge = gauge(scene)?;
     scene.vehicle.wheelsets.iter().find_map(|wheelset| {
-        let of = |side: usize| Some(scene.track.half_rail_distance - rails[side]? - wheelset.spec.half_tread_circle_distance + face(&wheelset.spec.profiles[side])?);
-        let play = 0.5 * (of(0)? + of(1)?);
+        let [left, right] = wheelset.spec.profiles.each_ref().map(face);
+        let play = 0.5 * (gauge - 2.0 * wheelset.spec.half_tread_circle_distance + left? + right?);
         (play < LEAST_PLAY).then(|| {
             format!(
                 "{}: {:.1} mm of play between flange and rail on each side in the middle of the track, where 4 to 10 mm are usual: see track.gauge and tread_circle_distance",

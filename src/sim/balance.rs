@@ -20,7 +20,7 @@ const LEAST: f64 = 1.0;
 
 /// Does an output of that name belong to the books?
 pub fn is_booked(name: &str) -> bool {
-    [&STORED[..], &IN, &OUT].concat().iter().any(|end| name.ends_with(end))
+    STORED.iter().chain(&IN).chain(&OUT).any(|end| name.ends_with(end))
 }
 
 /// What a user should know of a recording that has all outputs of the group `energy`.

@@ -7,17 +7,16 @@ use crate::formulation::Evaluation;
 const APART: f64 = 1e-6;
 
 impl Simulation {
-    /// Moves the snapshot along the solution by `offset` [s] (for derivatives of outputs): y along its slope, or along the parabola with these second
-    /// derivatives; inputs by their polynomials.
+    /// Moves the snapshot along the solution by `offset` [s] (for derivatives of outputs): y along the [`Simulation::slope`], or along the parabola with these
+    /// second derivatives; inputs by their polynomials.
     ///
     /// # Errors
     /// [`SimulationError`] when the model cannot be evaluated there.
-    pub fn displace(&mut self, offset: f64, bend: Option<&[f64]>) -> Result<(), SimulationError> {
+    pub fn displace(&mut self, offset: f64, slope: &[f64], bend: Option<&[f64]>) -> Result<(), SimulationError> {
         self.snapshot()?;
-        let slope = self.slope()?;
         self.known = None;
         let Snapshot { time, y, dy, workspace, memory, inputs } = &mut self.snapshot;
-        for (value, slope) in y.iter_mut().zip(&slope) {
+        for (value, slope) in y.iter_mut().zip(slope) {
             *value += offset * slope;
         }
         for (value, bend) in y.iter_mut().zip(bend.unwrap_or_default()) {
@@ -32,8 +31,15 @@ impl Simulation {
     /// Where no step is in hand it is f.
     ///
     /// f is another direction: implicit steps leave the stiffest motions off balance by what the tolerance allows, and f says how those would swing back.
-    fn slope(&mut self) -> Result<Vec<f64>, SimulationError> {
+    ///
+    /// # Errors
+    /// [`SimulationError`] when the model cannot be evaluated here.
+    pub fn slope(&mut self) -> Result<Vec<f64>, SimulationError> {
+        self.snapshot()?;
         let turns = self.turns();
+        if turns {
+            self.known = None;
+        }
         let Simulation { model, state, snapshot, .. } = self;
         let SimulationState { integration, frame, followed, .. } = state;
         let Snapshot { time, y, dy, workspace, memory, inputs } = snapshot;

@@ -377,8 +377,9 @@ fn equiv_derivatives_on_beam_rails_are_slopes_of_the_solution() {
     let mut look = |time: f64| {
         simulation.advance(time).unwrap_or_else(|error| panic!("{error}"));
         let value = output.value(simulation.snapshot().unwrap_or_else(|error| panic!("{error}")));
+        let along = simulation.slope().unwrap_or_else(|error| panic!("{error}"));
         let mut at = |offset: f64| {
-            simulation.displace(offset, None).unwrap_or_else(|error| panic!("{error}"));
+            simulation.displace(offset, &along, None).unwrap_or_else(|error| panic!("{error}"));
             output.value(simulation.seen())
         };
         (value, (at(SMALL) - at(-SMALL)) / (2.0 * SMALL))

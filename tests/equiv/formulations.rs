@@ -48,7 +48,8 @@ fn equiv_looking_at_outputs_changes_nothing() {
         let time = 0.005 * f64::from(i);
         watched.advance(time).unwrap();
         read(&mut watched, &outputs);
-        watched.displace(1e-6, None).unwrap();
+        let along = watched.slope().unwrap();
+        watched.displace(1e-6, &along, None).unwrap();
         alone.advance(time).unwrap();
     }
     assert_eq!(watched.state(), alone.state());

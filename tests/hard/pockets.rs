@@ -5,6 +5,12 @@ use wheelrail::formulation::Model;
 use wheelrail::geometry::Side;
 use wheelrail::mbs::body::BodyMotion;
 use wheelrail::scene::load;
+use wheelrail::sim::Simulation;
+
+fn begin(scene: &str, changes: &[&str]) -> Simulation {
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_string()).collect();
+    start(&load::open(scene, &changes).unwrap_or_else(|error| panic!("{error}")))
+}
 
 /// Deepest overlap of a wheel's surface with its rail, m, by looking everywhere: no search, no view along the rail.
 fn overlap(model: &Model, wheelset: usize, side: Side, motion: &BodyMotion) -> f64 {
@@ -44,10 +50,8 @@ fn pocket(formulation: &str, (depth, length): (f64, f64)) -> (f64, f64) {
         &format!("track.deviation=[{{rail=\"right\",direction=\"lateral\",shape=\"cosine\",amplitude={},from=3.003,to={to}}}]", -depth),
         "contact.friction=0.25",
         &format!("contact.formulation={formulation}"),
-    ]
-    .map(String::from);
-    let scene = load::open("bogie", &changes).unwrap_or_else(|error| panic!("{error}"));
-    let mut simulation = start(&scene);
+    ];
+    let mut simulation = begin("bogie", &changes);
     let (mut largest, mut deepest) = (0.0f64, 0.0f64);
     for k in 0..=1000 {
         simulation.advance(1.4 + 3e-4 * f64::from(k)).unwrap_or_else(|error| panic!("{formulation}: {error}"));
@@ -87,10 +91,8 @@ fn hard_places_ahead_share_their_patch() {
             "contact.friction=0.35",
             "contact.patch=ellipse",
             &format!("contact.formulation={formulation}"),
-        ]
-        .map(String::from);
-        let scene = load::open("suspended_wheelset", &changes).unwrap_or_else(|error| panic!("{error}"));
-        let mut simulation = start(&scene);
+        ];
+        let mut simulation = begin("suspended_wheelset", &changes);
         let body = simulation.model().wheelsets[0].body;
         let mut largest = 0.0f64;
         for k in 0..=2000 {

@@ -298,7 +298,6 @@ fn hard_constraints_start_where_elastic_contact_does() {
             "vehicle.wheelset.mass=700",
             "vehicle.wheelset.vertical_load=7400",
             "vehicle.wheelset.profile={ kind=\"cone\", radius=0.363, slope=0.1 }",
-            "track.deviation=[]",
             "track.inclination=\"1:40\"",
             "track.rail={ kind=\"arc\", radius=0.3 }",
             "contact.friction=0.21",
@@ -306,8 +305,7 @@ fn hard_constraints_start_where_elastic_contact_does() {
             &format!("contact.formulation={formulation}"),
         ]
         .map(String::from);
-        let scene = load::open("suspended_wheelset", &changes).unwrap_or_else(|error| panic!("{error}"));
-        let mut simulation = start(&scene);
+        let mut simulation = start(&scene("suspended_wheelset", &changes));
         simulation.advance(0.5).unwrap_or_else(|error| panic!("{formulation}: {error}"));
         let body = simulation.model().wheelsets[0].body;
         let snapshot = simulation.snapshot().unwrap_or_else(|error| panic!("{formulation}: {error}"));

@@ -91,7 +91,7 @@ pub fn press<'s>(
     material: Material,
     scratch: &'s mut Scratch,
 ) -> &'s [Pressed] {
-    let overlaps = Overlaps { pair, rail, section: Section::new(pair) };
+    let overlaps = Overlaps::new(pair, rail);
     let pressed = &mut scratch.pressed;
     pressed.clear();
     for Near { eta, lead, overlap } in places {
@@ -111,7 +111,7 @@ pub fn press<'s>(
 
 /// The same where nothing is known: all strips are looked at.
 pub fn press_anywhere<'s>(pair: &Pair, rail: &RailStrips, material: Material, scratch: &'s mut Scratch) -> &'s [Pressed] {
-    let overlaps = Overlaps { pair, rail, section: Section::new(pair) };
+    let overlaps = Overlaps::new(pair, rail);
     let Scratch { pressed, inside, .. } = scratch;
     pressed.clear();
     pressed.extend((0..rail.len()).filter_map(|number| overlaps.strip_anywhere(number)));
@@ -128,14 +128,20 @@ struct Overlaps<'a> {
     pair: &'a Pair<'a>,
     rail: &'a RailStrips,
     section: Section,
+    /// Does the rail bend sideways sharply?
+    sharp: bool,
 }
 
-impl Overlaps<'_> {
+impl<'a> Overlaps<'a> {
+    fn new(pair: &'a Pair<'a>, rail: &'a RailStrips) -> Self {
+        Overlaps { pair, rail, section: Section::new(pair), sharp: pair.is_on_sharp_bend() }
+    }
+
     /// A strip over which the wheel stands, from about where it is (lead and overlap, m).
     #[inline]
     fn strip(&self, number: usize, about: (f64, f64)) -> Option<Pressed> {
         let own = self.rail.strip(number);
-        let strip = if self.pair.is_on_sharp_bend() {
+        let strip = if self.sharp {
             self.strip_ahead(number, about)?
         } else {
             Strip::new(self.pair, &self.section, (own.eta, &own.profile), about)?
@@ -145,7 +151,7 @@ impl Overlaps<'_> {
 
     /// A strip of which nothing is known; on a rail that bends sideways sharply the deepest of its places.
     fn strip_anywhere(&self, number: usize) -> Option<Pressed> {
-        if !self.pair.is_on_sharp_bend() {
+        if !self.sharp {
             return self.strip(number, (0.0, 0.0));
         }
         let starts = (-STARTS..=STARTS).map(|k| (f64::from(k) * STARTS_APART, 0.0));

@@ -67,20 +67,21 @@ fn differences(simulation: &mut Simulation, asked: &[Asked], read: impl Fn(&Simu
     let here = read(simulation);
     let mut found = here.clone();
     let mut rates = simulation.seen().dy.clone();
+    let slope = if any(1) || any(2) { simulation.slope()? } else { Vec::new() };
     if any(1) || any(2) {
-        simulation.displace(FIRST, None)?;
+        simulation.displace(FIRST, &slope, None)?;
         let ahead = read(simulation);
         rates.copy_from_slice(&simulation.seen().dy);
-        simulation.displace(-FIRST, None)?;
+        simulation.displace(-FIRST, &slope, None)?;
         let behind = read(simulation);
         rates.iter_mut().zip(&simulation.seen().dy).for_each(|(ahead, behind)| *ahead = (*ahead - behind) / (2.0 * FIRST));
         let each = found.iter_mut().zip(asked).zip(ahead.iter().zip(&behind));
         each.filter(|((_, asked), _)| asked.1 == 1).for_each(|((found, _), (ahead, behind))| *found = (ahead - behind) / (2.0 * FIRST));
     }
     if any(2) {
-        simulation.displace(SECOND, Some(&rates))?;
+        simulation.displace(SECOND, &slope, Some(&rates))?;
         let ahead = read(simulation);
-        simulation.displace(-SECOND, Some(&rates))?;
+        simulation.displace(-SECOND, &slope, Some(&rates))?;
         let behind = read(simulation);
         let each = found.iter_mut().zip(asked).zip(here.iter().zip(ahead.iter().zip(&behind)));
         each.filter(|((_, asked), _)| asked.1 == 2)

@@ -170,27 +170,23 @@ fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyStat
     if let Some(riding) = &riding {
         return on_displaced_rails(scene, standing, pattern, node, riding);
     }
-    if node.curvature == 0.0 && node.superelevation == 0.0 {
-        let found = balanced(scene, standing, pattern, node);
-        return found.map_or_else(
-            |cause| by_elastic_contacts(scene, standing, pattern, node, cause),
-            |(search, wheel_loads)| Ok(SteadyState { y: search.found(wanted / speed).0, wheel_loads, contacts: Contacts::Any }),
-        );
+    let scale = wanted / speed;
+    let straight = node.curvature == 0.0 && node.superelevation == 0.0;
+    if !straight && standing.positions.len() > 1 {
+        let model = Search::new(scene, standing, pattern)?.model;
+        if model.may_be_elastic() && (0..model.contacts()).any(|contact| model.searches_contacts(contact)) {
+            let (search, wheel_loads) = balanced(&with_elastic_contacts(scene), standing, pattern, node)?;
+            return Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts: Contacts::Elastic });
+        }
     }
-    let own = Search::new(scene, standing, pattern)?;
-    let several = (0..own.model.contacts()).any(|contact| own.model.searches_contacts(contact));
-    if own.model.may_be_elastic() && several && standing.positions.len() > 1 {
-        let (search, wheel_loads) = balanced(&with_elastic_contacts(scene), standing, pattern, node)?;
-        return Ok(SteadyState { y: search.found(wanted / speed).0, wheel_loads, contacts: Contacts::Elastic });
+    match balanced(scene, standing, pattern, node) {
+        Ok((search, wheel_loads)) => {
+            let kept = !straight && search.model.formulation.constrains();
+            let (y, memory) = search.found(scale);
+            Ok(SteadyState { y, wheel_loads, contacts: if kept { Contacts::Kept(memory) } else { Contacts::Any } })
+        }
+        Err(cause) => by_elastic_contacts(scene, standing, pattern, node, cause),
     }
-    let constrained = own.model.formulation.constrains();
-    balanced(scene, standing, pattern, node).map_or_else(
-        |cause| by_elastic_contacts(scene, standing, pattern, node, cause),
-        |(search, wheel_loads)| {
-            let (y, memory) = search.found(wanted / speed);
-            Ok(SteadyState { y, wheel_loads, contacts: if constrained { Contacts::Kept(memory) } else { Contacts::Any } })
-        },
-    )
 }
 
 /// The scene with ECF-A.

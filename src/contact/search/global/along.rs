@@ -7,7 +7,7 @@
 
 use super::view::View;
 use super::{GlobalSearch, MOST, Minima, Minimum, Ridge};
-use crate::contact::search::algebraic::Pair;
+use crate::contact::search::algebraic::{ContactLocation, Pair};
 
 /// Distance of the sections along the track, m, and how many of them to each side.
 const STEP: f64 = 5e-3;
@@ -56,7 +56,7 @@ impl GlobalSearch {
     }
 
     /// A minimum that a section shows, where it solves the four equations about there.
-    fn solved(&self, pair: &Pair, minimum: &Minimum) -> Option<super::ContactLocation> {
+    fn solved(&self, pair: &Pair, minimum: &Minimum) -> Option<ContactLocation> {
         let found = pair.locate(&minimum.parameters).ok()?;
         let (place, from) = (found.parameters, minimum.parameters);
         let near = (place.wheel - from.wheel).abs() < SAME && (place.lead - from.lead).abs() < COUNTS;

@@ -30,7 +30,7 @@ pub use polish::{Polished, bending_ahead, is_least};
 pub use refine::Kink;
 pub use standing::WheelPose;
 
-use super::algebraic::{ContactLocation, Pair, SurfaceParameters};
+use super::algebraic::{Pair, SurfaceParameters};
 use crate::geometry::profile::Profile;
 use branch::Scan;
 use curve::{Bounds, Curve};
