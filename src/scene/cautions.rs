@@ -1,6 +1,7 @@
 //! Where a scene asks for more than its model means: rigid rails that are too rough for the speed, measured points that are not smooth,
 //! explicit methods at low speed, slips of units.
 
+use super::held_apart::held_apart;
 use super::improbable::improbable;
 use super::rough_track::{SPACING, places_ahead};
 use super::spec::Scene;
@@ -15,6 +16,8 @@ pub(super) fn cautions(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(scattered_points(scene))
         .chain(slow_and_explicit(scene))
         .chain(lasting_displacement(scene, model))
+        .chain(held_apart(scene))
+        .chain(scene.track.doubts.iter().cloned())
         .collect()
 }
 
@@ -184,6 +187,18 @@ mod tests {
         assert!(narrow.iter().any(|words| words.contains("of play between flange and rail")), "{narrow:?}");
         assert!(with(&["track.gauge=1.435", &pocket("-6 mm")]).iter().any(|words| words.contains("two places along the track")));
         assert_eq!(with(&["track.gauge=1.435", &pocket("-1 mm")]), Vec::<String>::new());
+    }
+
+    #[test]
+    fn prop_speeds_imposed_on_several_wheelsets_are_named_in_curves() {
+        let curve = "track.node=[{distance=0},{distance=30},{distance=70,radius=250},{distance=300,radius=250}]";
+        let with = |drive: &str, stop: &str| {
+            of("vehicle_manchester_1", &["track.deviation=[]", curve, &format!("vehicle.drive={drive}"), &format!("run.stop={stop}")])
+        };
+        let found = with("all", "20");
+        // 19 m between the leading wheelsets of both trucks: 19^3 / (24 250^2) m.
+        assert!(found.len() == 1 && found[0].contains("4.6 mm more"), "{found:?}");
+        assert!(with("leading", "20").is_empty() && !with("all", "0.2").iter().any(|words| words.contains("mm more")));
     }
 
     #[test]

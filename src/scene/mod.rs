@@ -9,6 +9,7 @@ pub mod equilibrium;
 mod error;
 mod fade;
 mod guards;
+mod held_apart;
 mod identifier;
 pub mod improbable;
 mod leave_out;

@@ -44,7 +44,7 @@ const BESIDE: f64 = 10.0;
 const MIDDLES: usize = 16;
 
 /// Where wheels come to in a run, m; known where the speed is imposed and stays.
-fn way(scene: &Scene) -> Option<[f64; 2]> {
+pub(super) fn way(scene: &Scene) -> Option<[f64; 2]> {
     let vehicle = &scene.vehicle;
     if !vehicle.speed_imposed || vehicle.speed_profile().is_some() {
         return None;

@@ -163,7 +163,7 @@ fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
     }
     let alignment = alignment.flatten();
     let line = alignment.as_ref().and_then(|alignment| CentreLine::new(alignment, nalgebra::Vector3::zeros(), 0.0)).map(Arc::new);
-    let (mut deviations, mut files) = (Vec::new(), Vec::new());
+    let (mut deviations, mut files, mut doubts) = (Vec::new(), Vec::new(), Vec::new());
     for deviation in section.sections("deviation")? {
         deviations.extend(section.keep(track::parse_deviation(deviation))?.into_iter().flatten());
     }
@@ -171,12 +171,13 @@ fn read_track(section: Section) -> Result<TrackSpec, SettingsError> {
         let Some(irregularity) = section.keep(track::irregularity::parse(irregularity))? else { continue };
         deviations.extend(irregularity.deviations);
         files.extend(irregularity.file);
+        doubts.extend(irregularity.doubts);
     }
     let start_fade = if section.has("start_fade") { Some(section.positive("start_fade", Dimension::Length)?) } else { None };
     let flexibility = section.keep(Flexibility::parse(&section))?.flatten();
     section.clone().finish()?;
     let (Some(rails), Some(half_rail_distance), Some(inclination)) = (rails, half_rail_distance, given) else { return Err(section.stop()) };
-    Ok(TrackSpec { half_rail_distance, inclination, grade, alignment, line, rails, deviations, start_fade, flexibility, files })
+    Ok(TrackSpec { half_rail_distance, inclination, grade, alignment, line, rails, deviations, start_fade, flexibility, files, doubts })
 }
 
 /// Half of `rail_distance`, or what `gauge` makes of it.

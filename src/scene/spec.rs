@@ -65,6 +65,8 @@ pub struct TrackSpec {
     pub flexibility: Option<Flexibility>,
     /// That irregularities were read from.
     pub files: Vec<SceneFile>,
+    /// What of these is perhaps not meant.
+    pub doubts: Vec<String>,
 }
 
 /// `[contact]`.

@@ -9,6 +9,7 @@
 //! 25 mrad of 1:40). One `[[track.irregularity]]` becomes up to four [`Deviation`]s. They are smooth: no breaks, steps are
 //! limited by the integrator's control of its error alone.
 
+mod doubts;
 mod overshoot;
 mod resolved;
 mod series;
@@ -28,6 +29,8 @@ pub struct Irregularity {
     pub deviations: Vec<Deviation>,
     /// File that it was read from, which an FMU must carry.
     pub file: Option<SceneFile>,
+    /// What is allowed but perhaps not meant.
+    pub doubts: Vec<String>,
 }
 
 type Parse = fn(&Section) -> Result<Irregularity, SettingsError>;

@@ -13,6 +13,7 @@
 //! about even (an index table with a cell for each point, up to 65536).
 
 use super::super::deviation::STEEPEST_RAIL;
+use super::doubts;
 use super::overshoot::{self, Overshoot};
 use super::resolved::resolved;
 use super::window::{Spline, Window, Windowed};
@@ -61,6 +62,13 @@ struct Table {
     columns: [Option<Vec<f64>>; 9],
 }
 
+impl Table {
+    /// Those that the file has, with their names.
+    fn named(&self) -> impl Iterator<Item = (&'static str, &Vec<f64>)> {
+        COLUMNS.into_iter().zip(&self.columns).filter_map(|(name, values)| Some((name, values.as_ref()?)))
+    }
+}
+
 fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     let file = OpenFile::open(section, FOLDER)?;
     let offset = section.number_or("offset", Dimension::Length, 0.0)?;
@@ -68,14 +76,19 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     let mut table = read(&file)?;
     let mut positions = table.columns[0].take().unwrap_or_default();
     positions.iter_mut().for_each(|position| *position += offset);
-    let mut smoothed = String::new();
+    let (mut smoothed, mut doubts) = (String::new(), Vec::new());
+    for (name, values) in table.named() {
+        doubts.extend(doubts::of_size(name, values, scale, &positions));
+    }
     if section.has("smoothing") {
         let rms = section.positive("smoothing", Dimension::Length)?;
-        for column in table.columns.iter_mut().flatten() {
+        for (name, column) in COLUMNS.iter().zip(&mut table.columns).filter_map(|(name, column)| Some((name, column.as_mut()?))) {
             let points: Vec<(f64, f64)> = positions.iter().copied().zip(column.iter().copied()).collect();
             let found = smooth(&points, Reach::RootMeanSquare(rms)).ok_or_else(|| section.error("smoothing", "needs 4 points or more"))?;
+            let left: Vec<f64> = found.points.iter().map(|point| point.1).collect();
+            doubts.extend(doubts::of_smoothing(name, column, &left));
             // Along the track points move by the slope's share of what they move across: nothing.
-            column.iter_mut().zip(found.points).for_each(|(value, point)| *value = point.1);
+            *column = left;
         }
         smoothed = format!(", smoothed by {:.4} mm rms", 1e3 * rms);
     }
@@ -102,6 +115,8 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
     if !monotone {
         no_inventions(&file, &positions, &table, &window)?;
     }
+    doubts.extend(doubts::of_spacing(&positions, !monotone));
+    doubts.iter_mut().for_each(|doubt| *doubt = format!("{name}: {doubt}"));
     let quantities = quantities(table);
     let deviations = deviations(&quantities, |_, _, values| {
         let points: Vec<(f64, f64)> = positions.iter().zip(values).map(|(&position, value)| (position, scale * value)).collect();
@@ -119,13 +134,12 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
             lay(CubicSpline::natural(&points).map_err(wrong)?, laid, &positions)
         })
     })?;
-    Ok(Irregularity { deviations, file: Some(file.kept) })
+    Ok(Irregularity { deviations, file: Some(file.kept), doubts })
 }
 
 /// Does the spline of each column stay near its points?
 fn no_inventions(file: &OpenFile, positions: &[f64], table: &Table, window: &Window) -> Result<(), SettingsError> {
-    for (name, values) in COLUMNS.iter().zip(&table.columns) {
-        let Some(values) = values else { continue };
+    for (name, values) in table.named() {
         let points: Vec<(f64, f64)> = positions.iter().copied().zip(values.iter().copied()).collect();
         let spline = CubicSpline::natural(&points).map_err(|error| file.error(0, COLUMNS[0], error.to_string()))?;
         if let Some(found) = overshoot::worst(&spline, &points, (window.from, window.to)).filter(|found| found.part > 1.0) {
@@ -295,6 +309,23 @@ mod tests {
         let shape = &track.deviations[0].shape;
         let waves = crate::geometry::track::waves::Waves::new(shape.waves());
         assert!(waves.reach(40.0, 1.0) < 20.5 && waves.reach(60.1, 1.0) < 0.3, "{} {}", waves.reach(40.0, 1.0), waves.reach(60.1, 1.0));
+    }
+
+    #[test]
+    fn prop_other_units_and_smoothing_that_flattens_are_doubted() {
+        let with = |settings: &str, apart: f64, size: f64, title: &str| {
+            let rows = (0..100).map(|k| format!("{},{:e}\n", apart * f64::from(k), size * (0.4 * f64::from(k)).sin()));
+            read_series(settings, &format!("distance [m],{title}\n{}", rows.collect::<String>())).unwrap().doubts
+        };
+        let named = |found: Vec<String>, words: &str| assert!(found.len() == 1 && found[0].contains(words), "{found:?}");
+        assert_eq!(with("", 0.25, 3.0, "cross_level [mm]"), Vec::<String>::new());
+        assert_eq!(with("smoothing = \"0.2 mm\"\n", 0.25, 3.0, "cross_level [mm]"), Vec::<String>::new());
+        // Roughness.
+        assert_eq!(with("", 1e-3, 1e-3, "left_vertical [mm]"), Vec::<String>::new());
+        named(with("", 250.0, 3.0, "cross_level [mm]"), "m.csv: its points stand 250 m apart");
+        named(with("", 0.25, 3e-3, "cross_level [mm]"), "cross_level moves by 6.00e-3 mm");
+        assert_eq!(with("scale = 1000\n", 0.25, 3e-3, "cross_level [mm]"), Vec::<String>::new());
+        named(with("smoothing = \"1.5 mm\"\n", 0.25, 3.0, "cross_level [mm]"), "it flattens what was measured");
     }
 
     #[test]

@@ -150,7 +150,7 @@ fn parse(section: &Section) -> Result<Irregularity, SettingsError> {
         let waves = vec![Stretch { from: window.from, to: window.to, wave: band[0].min(2.0 * window.fade) }];
         Ok(Arc::new(Windowed { spline, window, description: describe(direction), waves }) as Arc<dyn DeviationShape>)
     })?;
-    Ok(Irregularity { deviations, file: None })
+    Ok(Irregularity { deviations, file: None, doubts: Vec::new() })
 }
 
 fn read_seed(section: &Section) -> Result<u64, SettingsError> {
