@@ -2,7 +2,7 @@
 //! scene's laws make of the deepest place.
 //!
 //! The wheelset is set down as rigid (`contact_geometry`), then each wheel is lowered until its normal pressures carry the load; roll stays. It rolls
-//! freely: at that pitch rate at which the creep forces of the real patches turn it neither faster nor slower. The ellipses move alike.
+//! freely: at that pitch rate at which the creep forces of the real patches turn it neither faster nor slower (their whole moment about the axle, spin moments among it). The ellipses move alike.
 
 use super::conicity::RollingPose;
 use super::contact_geometry::{Attitude, NoStand, Stand, WheelsetOnTrack};
@@ -10,6 +10,7 @@ use super::ellipse_patch::{EllipsePatch, ellipse_patch};
 use crate::contact::creepage::{ContactAxes, CreepForce};
 use crate::contact::patch::{Motion, PatchSolution, Pressed, Settings, depth_under_load};
 use crate::geometry::Side;
+use crate::geometry::surface::Wheel;
 use crate::math::rotation::AxleFrame;
 use crate::scene::spec::Scene;
 use nalgebra::{Matrix3, Vector3};
@@ -76,9 +77,12 @@ pub fn patches(scene: &Scene, question: &Question) -> Result<Answer, NoPatch> {
     let axle = lowered[0].axle;
     let motion = |rate: f64| Motion { velocity: Vector3::new(speed, 0.0, 0.0), rotation: axle * rate, speed };
     let both = |rate: f64| [0, 1].map(|side| lowered[side].pressed.roll(&motion(rate), friction));
-    // What the creep forces drive the axle with grows with the pitch rate.
-    let driving = |patches: &[PatchSolution; 2]| {
-        let of = |side: usize| patches[side].creep_force.dot(&lowered[side].axes.e1) * lowered[side].rolling_radius;
+    // The moment about the axle that the creep forces brake it with, N m; it grows with the pitch rate. On a yawed wheel, which touches ahead of its axle, forces across have a part in it.
+    let braking = |patches: &[PatchSolution; 2]| {
+        let of = |side: usize| {
+            let PatchSolution { centre, creep_force, creep_moment, .. } = &patches[side];
+            -axle.dot(&((centre - lowered[side].centre).cross(creep_force) + creep_moment))
+        };
         (of(0) + of(1)) * speed.signum()
     };
     let free = 1e-4 * friction * question.load * mean;
@@ -86,7 +90,7 @@ pub fn patches(scene: &Scene, question: &Question) -> Result<Answer, NoPatch> {
     let mut patches = both(rate);
     let (mut low, mut high) = (None::<(f64, f64)>, None::<(f64, f64)>);
     for _ in 0..ROUNDS {
-        let turning = driving(&patches);
+        let turning = braking(&patches);
         if speed == 0.0 || turning.abs() <= free {
             break;
         }
@@ -146,8 +150,7 @@ impl Lowered {
         let patch = pressed.at_rest();
         let normal = patch.pressing.normalize();
         let profile = &wheelset.wheels[side.index()];
-        let wheel = side.sign() * (patch.centre - centre).dot(&axle) - profile.half_spacing;
-        let rolling_radius = profile.profile.at(wheel).value;
+        let (wheel, rolling_radius) = foot(profile, &(patch.centre - centre), &normal, &axle);
         let axes = ContactAxes::new(normal, Vector3::x() - normal * normal.x);
         Ok(Lowered { side, approach, centre, frame, axle, pressed, axes, wheel, rolling_radius })
     }
@@ -173,6 +176,27 @@ impl Lowered {
         WheelPatch { side, approach, wheel, rolling_radius, angle, creep, ellipse, solution }
     }
 }
+
+/// Coordinate u [m] and radius [m] of the undeformed wheel below a place between the surfaces, `arm` from the wheelset's centre: what rolls is the wheel's own surface.
+fn foot(wheel: &Wheel, arm: &Vector3<f64>, normal: &Vector3<f64>, axle: &Vector3<f64>) -> (f64, f64) {
+    let (outward, mut below) = (axle * wheel.side.sign(), 0.0);
+    let at = |below: f64| {
+        let place = arm - normal * below;
+        let axial = place.dot(&outward);
+        let radial = place - outward * axial;
+        (axial - wheel.half_spacing, radial.norm(), radial.normalize())
+    };
+    for _ in 0..FOOT_STEPS {
+        let (u, rho, away) = at(below);
+        let profile = wheel.profile.at(u);
+        below -= (rho - profile.value) / (profile.d1 * normal.dot(&outward) - normal.dot(&away));
+    }
+    let u = at(below).0;
+    (u, wheel.profile.at(u).value)
+}
+
+/// Newton's steps from half an overlap (0.1 mm) above the wheel's surface: 1e-12 m.
+const FOOT_STEPS: usize = 5;
 
 /// A wheelset on its rails that rolls on the centres of its loads instead of its deepest places; and by how much its wheels were lowered, m, which
 /// may be a start (`near`) for a stand near by.
