@@ -100,6 +100,11 @@ pub enum Asymmetry {
          other side"
     )]
     Accelerations { body: String, coordinate: &'static str, share: f64 },
+    #[error(
+        "displaced symmetrically, the wheels of an axle are accelerated against each other (by {share:.1e} of the largest acceleration): a torque on one of them, or inertia that they \
+         don't share evenly"
+    )]
+    Twist { share: f64 },
 }
 
 /// A residual (m and direction cosines) up to which a search that fails was near its place: where a place ceases, it goes to zero

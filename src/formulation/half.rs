@@ -137,6 +137,14 @@ impl Model {
         let velocities = COORDINATES * self.system.bodies.len();
         let largest = dy[velocities..2 * velocities].iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         let most = OF_LARGEST * largest + LEAST;
+        for place in self.twists() {
+            if !(dy[place + 1].abs() <= most) {
+                let what = "an acceleration of one wheel against the other, in rad/s2,";
+                let lost = ContactFailure::SymmetryLost { what, value: dy[place + 1] };
+                return Err(EvaluationError::new(t, &self.wheelsets[0], Side::Left, lost));
+            }
+            dy[place..place + 2].fill(0.0);
+        }
         make_symmetric(partners, dy, |body, of_velocities, _, [apart, _]| {
             if !of_velocities || apart.abs() <= most {
                 return Ok(());
@@ -144,6 +152,16 @@ impl Model {
             let near = self.wheelsets.iter().find(|wheelset| wheelset.body == body).unwrap_or(&self.wheelsets[0]);
             let what = "an acceleration that favours a side, in m/s2 or rad/s2,";
             Err(EvaluationError::new(t, near, Side::Left, ContactFailure::SymmetryLost { what, value: apart }))
+        })
+    }
+
+    /// Places of the twists of axles among the states; their rates follow them.
+    fn twists(&self) -> impl Iterator<Item = usize> {
+        let mut next = 2 * COORDINATES * self.system.bodies.len();
+        self.system.forces.iter().filter_map(move |force| {
+            let first = next;
+            next += force.states();
+            force.twist().map(|_| first)
         })
     }
 
@@ -259,6 +277,10 @@ impl Model {
                 continue;
             }
             let accelerations = &dy[velocities..2 * velocities];
+            let turning = accelerations.iter().skip(PITCH).step_by(COORDINATES).fold(1e-3, |largest: f64, value| largest.max(value.abs()));
+            if let Some(place) = self.twists().find(|place| !(dy[place + 1].abs() <= SAME * turning)) {
+                return Err(Asymmetry::Twist { share: dy[place + 1].abs() / turning });
+            }
             let largest = |of: [usize; 3]| {
                 let own = |(i, value): (usize, &f64)| of.contains(&(i % COORDINATES)).then_some(value.abs());
                 accelerations.iter().enumerate().filter_map(own).fold(1e-3, f64::max)

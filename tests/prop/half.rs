@@ -74,6 +74,14 @@ fn prop_what_is_not_symmetric_is_refused_with_the_reason() {
         (coach, vec!["track.deviation=[]", "contact.transient={below=2}"], "[contact.transient] does not go with it"),
         (coach, vec!["track.deviation=[]", "track.flexibility=travelling"], "track.flexibility does not go with it"),
         ("suspended_wheelset", vec!["track.deviation=[]", "vehicle.initial.y=0.001"], "begins with y = 1.00e-3"),
+        (
+            "wheelset_s1002",
+            vec![
+                "track.deviation=[]",
+                "vehicle.force=[{name=\"axle\",kind=\"flexible_axle\",body=\"wheelset\",stiffness=6e6,damping=100,left_share=0.45}]",
+            ],
+            "accelerated against each other",
+        ),
         ("wheelset_s1002", vec!["track.deviation=[]", "vehicle.wheelset.right_profile={kind=\"s1002\",radius=0.45}"], "different profiles"),
     ] {
         let changes: Vec<String> = changes.into_iter().chain([HALF]).map(String::from).collect();
@@ -116,4 +124,14 @@ fn prop_a_run_that_loses_its_symmetry_ends_with_the_reason() {
     let mut simulation = start(&load::open("bogie", &changes).unwrap());
     let error = simulation.advance(12.0).unwrap_err().to_string();
     assert!(error.contains("the rails' difference in height"), "{error}");
+    // A torque on one of two wheels that turn apart.
+    let free = r#"vehicle.force=[{name="axle",kind="independent_wheels",body="truck[1].wheelset[1]",damping=500},{name="brake",kind="brake",type="disc",wheel="right",from={body="truck[1].frame",at=[9.5,0,0.6]},to={body="truck[1].wheelset[1]",at=[10.78,0,0.46]},torque=500,stiffness="6 MN m/rad"}]"#;
+    let changes = ["track.deviation=[]", "vehicle.travel=free", "contact.patch=ellipse", free, HALF].map(String::from);
+    let scene = load::open("vehicle_manchester_1", &changes).unwrap_or_else(|error| panic!("{error}"));
+    let error = match wheelrail::sim::Simulation::new(&scene, 0.0) {
+        Ok(mut simulation) => simulation.advance(1.0).unwrap_err().to_string(),
+        Err(error) => error.to_string(),
+    };
+    println!("{error}");
+    assert!(error.contains("one wheel against the other") || error.contains("accelerated against each other"), "{error}");
 }

@@ -64,7 +64,7 @@ impl<'a> Share<'a> {
         self.loads().map(|(share, strip)| share * strip.load).sum()
     }
 
-    /// In the middle of the strip that is pressed hardest, Pa: 2 q / (pi a), a from the load q over the strip's width as in [`Part`].
+    /// The highest pressure, Pa: 2 q / (pi a), a from the load q over the width as in [`Part`], q where it is highest.
     pub fn highest_pressure(self, material: Material) -> f64 {
         let (mut squares, mut work) = (0.0, 0.0);
         for (part, strip) in self.loads() {
@@ -74,10 +74,35 @@ impl<'a> Share<'a> {
         let modulus = material.contact_modulus();
         let length = proportion(squares / (modulus * work)) / modulus;
         // a^2 = length q / kappa.
-        let of = |strip: &Pressed| (strip.load / strip.width * strip.strip.curvature / length).sqrt() * 2.0 / PI;
-        self.strips.iter().filter(|strip| strip.load > 0.0).map(of).fold(0.0, f64::max)
+        let of = |k: usize| (peak(self.strips, k) * self.strips[k].strip.curvature / length).sqrt() * 2.0 / PI;
+        (0..self.strips.len()).filter(|k| self.strips[*k].load > 0.0).map(of).fold(0.0, f64::max)
     }
 }
+
+/// Load over the width at the highest place in strip `k`, N/m: of the parabola whose means over it and over the strips beside it are theirs, where these are as wide.
+/// On a flange that two or three strips carry the means alone were up to 22 % below the highest pressure.
+fn peak(strips: &[Pressed], k: usize) -> f64 {
+    let own = &strips[k];
+    let beside = |other: Option<usize>| {
+        other.and_then(|other| strips.get(other)).filter(|other| other.number.abs_diff(own.number) == 1 && other.load > 0.0)
+    };
+    let near = [beside(k.checked_sub(1)), beside(Some(k + 1))];
+    let width = near.iter().flatten().fold(own.width, |width, other| width.max(other.width));
+    let mean = own.load / own.width;
+    if width > WIDER * own.width {
+        return mean;
+    }
+    let [before, after] = near.map(|other| other.map_or(0.0, |other| other.load / width));
+    let (slope, bend) = (0.5 * (after - before), before - 2.0 * mean + after);
+    if !(bend < 0.0) {
+        return mean;
+    }
+    let place = (-slope / bend).clamp(-0.5, 0.5);
+    mean.max(mean - bend / 24.0 + place * (slope + 0.5 * bend * place))
+}
+
+/// Strips up to so many times as wide as one count as wide as it.
+const WIDER: f64 = 1.15;
 
 /// Where a range of strips presses.
 #[derive(Clone, Copy, Debug)]
