@@ -27,22 +27,32 @@ impl Simulation {
         Ok(self.model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?)
     }
 
-    /// Slope of the solution in the snapshot: that of the step's continuous output, which is what is handed out, and what inputs that were set since change of f.
-    /// Where no step is in hand it is f.
+    /// Slope of the solution in the snapshot: that of the step's continuous output, which is what is handed out. Where no step is in hand it is f.
     ///
-    /// f is another direction: implicit steps leave the stiffest motions off balance by what the tolerance allows, and f says how those would swing back.
+    /// f is another direction: implicit steps leave the stiffest motions off balance by what the tolerance allows, and f says how those would swing back. Inputs
+    /// that were set since are taken up for a look, as the next step will take them up: into the step in hand, or by a restart, which begins along f.
     ///
     /// # Errors
     /// [`SimulationError`] when the model cannot be evaluated here.
     pub fn slope(&mut self) -> Result<Vec<f64>, SimulationError> {
-        self.snapshot()?;
-        let turns = self.turns();
-        if turns {
-            self.known = None;
+        if !self.turns() {
+            return self.slope_in_hand();
         }
+        let (state, loads) = (self.state.clone(), self.loads.clone());
+        self.follow_inputs();
+        let slope = self.slope_in_hand();
+        (self.state, self.loads) = (state, loads);
+        self.workspace.forget();
+        self.known = None;
+        self.snapshot()?;
+        slope
+    }
+
+    fn slope_in_hand(&mut self) -> Result<Vec<f64>, SimulationError> {
+        self.snapshot()?;
         let Simulation { model, state, snapshot, .. } = self;
-        let SimulationState { integration, frame, followed, .. } = state;
-        let Snapshot { time, y, dy, workspace, memory, inputs } = snapshot;
+        let SimulationState { integration, frame, .. } = state;
+        let Snapshot { time, y, dy, .. } = snapshot;
         let within = |offset: f64| (integration.step_begin()..=integration.t).contains(&(*time + offset));
         // Differences of second order, to one side at the ends of the step.
         let points = if within(-APART) && within(APART) {
@@ -58,12 +68,6 @@ impl Simulation {
         for (place, weight) in points {
             integration.interpolate_beside(*time + place * APART, &mut there, |ahead, y| model.add_frame_motion(frame, ahead, y));
             slope.iter_mut().zip(&there).for_each(|(slope, there)| *slope += weight / APART * there);
-        }
-        if turns {
-            slope.iter_mut().zip(&*dy).for_each(|(slope, now)| *slope += now);
-            input::evaluate(model, followed, *time, inputs);
-            model.derivative(workspace, Evaluation { t: *time, inputs, y, memory }, dy)?;
-            slope.iter_mut().zip(&*dy).for_each(|(slope, before)| *slope -= before);
         }
         Ok(slope)
     }

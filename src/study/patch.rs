@@ -25,6 +25,8 @@ pub struct Question {
     pub station: Option<f64>,
     /// Vertical load of each wheel, N.
     pub load: f64,
+    /// rad/s; `None`: rolling freely.
+    pub pitch_rate: Option<f64>,
     pub settings: Settings,
 }
 
@@ -86,12 +88,12 @@ pub fn patches(scene: &Scene, question: &Question) -> Result<Answer, NoPatch> {
         (of(0) + of(1)) * speed.signum()
     };
     let free = 1e-4 * friction * question.load * mean;
-    let mut rate = speed / mean;
+    let mut rate = question.pitch_rate.unwrap_or(speed / mean);
     let mut patches = both(rate);
     let (mut low, mut high) = (None::<(f64, f64)>, None::<(f64, f64)>);
     for _ in 0..ROUNDS {
         let turning = braking(&patches);
-        if speed == 0.0 || turning.abs() <= free {
+        if speed == 0.0 || question.pitch_rate.is_some() || turning.abs() <= free {
             break;
         }
         *(if turning > 0.0 { &mut high } else { &mut low }) = Some((rate, turning));

@@ -47,12 +47,56 @@ fn equiv_looking_at_outputs_changes_nothing() {
     for i in 1..=200 {
         let time = 0.005 * f64::from(i);
         watched.advance(time).unwrap();
+        alone.advance(time).unwrap();
+        if i % 20 == 0 {
+            for one in [&mut watched, &mut alone] {
+                one.set_input(wheelrail::formulation::LATERAL_FORCE, 1e3 * f64::from(i % 3), 0.0, 0.0);
+            }
+        }
         read(&mut watched, &outputs);
         let along = watched.slope().unwrap();
         watched.displace(1e-6, &along, None).unwrap();
-        alone.advance(time).unwrap();
     }
     assert_eq!(watched.state(), alone.state());
+}
+
+/// Derivatives right after an input was set are slopes of what is handed out next, also of wheels that it does not touch: the step that comes restarts along f, or goes
+/// on with what the input changes.
+#[test]
+fn equiv_derivatives_after_an_input_is_set_are_slopes_of_what_follows() {
+    const AHEAD: f64 = 2e-6;
+    let track = "track.irregularity=[{kind=\"spectrum\",spectrum=\"ore_b176_low\",seed=1,from=5,to=400,fade=5}]";
+    let scene = load::open("bogie", &["track.deviation=[]".into(), track.into()]).unwrap_or_else(|error| panic!("{error}"));
+    let mut simulation = start(&scene);
+    let outputs = table(&simulation, &scene);
+    let named = |name: &str| outputs.iter().find(|output| output.name == name).expect("an output");
+    let all = ["wheelset[1].left.verticalForce", "wheelset[2].left.verticalForce", "wheelset[2].az"].map(named);
+    let (mut worst, mut largest) = ([0.0f64; 3], [0.0f64; 3]);
+    for i in 1..60 {
+        simulation.advance(0.0103 * f64::from(i)).unwrap();
+        let torque = if i % 2 == 0 { 3e3 } else { 6e3 };
+        simulation.set_input(wheelrail::formulation::input_index(0, wheelrail::formulation::DRIVE_TORQUE), torque, 0.0, 0.0);
+        let along = simulation.slope().unwrap();
+        let mut told = |offset: f64| {
+            simulation.displace(offset, &along, None).unwrap();
+            all.map(|output| output.value(simulation.seen()))
+        };
+        let (ahead, behind) = (told(1e-6), told(-1e-6));
+        let mut at = |time: f64| {
+            simulation.advance(time).unwrap();
+            let snapshot = simulation.snapshot().unwrap();
+            all.map(|output| output.value(snapshot))
+        };
+        let time = 0.0103 * f64::from(i);
+        let (first, second) = (at(time + AHEAD), at(time + 2.0 * AHEAD));
+        for k in 0..3 {
+            let slope = (second[k] - first[k]) / AHEAD;
+            worst[k] = worst[k].max(((ahead[k] - behind[k]) / 2e-6 - slope).abs());
+            largest[k] = largest[k].max(slope.abs());
+        }
+    }
+    println!("off by {worst:.3?} of {largest:.3?}");
+    assert!((0..3).all(|k| worst[k] < 0.02 * largest[k]));
 }
 
 #[test]

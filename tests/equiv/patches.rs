@@ -97,7 +97,8 @@ fn equiv_half_spaces_resolve_a_flange_that_touches_beside_a_loaded_tread() {
     let changes = ["track.deviation=[]", "contact.creep.law=\"usetab\"", "track.rail={kind=\"uic60\"}", "track.inclination=0.05"];
     let scene = load::open("wheelset_s1002", &changes.map(String::from)).unwrap();
     let settings = |cells| Settings { columns: cells, rows: cells, extrapolate: true };
-    let question = |cells| Question { y: 6e-3, attitude: Attitude::default(), station: None, load: 10e3, settings: settings(cells) };
+    let question =
+        |cells| Question { y: 6e-3, attitude: Attitude::default(), station: None, load: 10e3, pitch_rate: None, settings: settings(cells) };
     let [coarse, fine] = [16, 48].map(|cells| patches(&scene, &question(cells)).unwrap().wheels[0].clone());
     let pressures = [&coarse, &fine].map(|wheel| wheel.solution.highest_pressure());
     let creep = (coarse.solution.creep_force - fine.solution.creep_force).norm() / (scene.contact.friction * fine.solution.load);

@@ -5,4 +5,5 @@ mod common;
 
 mod assess;
 mod ivp_wheelset;
+mod manchester;
 mod published;

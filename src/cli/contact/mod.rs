@@ -65,6 +65,9 @@ pub(super) struct Arguments {
     /// ... at this lateral shift, left positive
     #[arg(long, value_name = "Y", default_value = "0", allow_hyphen_values = true, requires = "patch")]
     y: String,
+    /// ... with this pitch rate, rad/s [default: rolling freely]
+    #[arg(long, value_name = "RATE", requires = "patch", conflicts_with = "sweep", allow_hyphen_values = true)]
+    pitch_rate: Option<String>,
     /// ... or over --range at this distance, for yaws of 0 and 10 mrad and loads of 10, 50 and 100 kN unless one is named: the law of strips and the
     /// ellipse against it
     #[arg(long, value_name = "H", requires = "patch", conflicts_with = "plot")]
@@ -138,7 +141,7 @@ impl Elastic {
         [chosen, table, curve]: [&[f64]; 3],
     ) -> Result<Self, Failure> {
         let settings = Settings { columns: 24, rows: 24, extrapolate: false };
-        let question = Question { y: 0.0, attitude: wheelset.attitude, station: Some(wheelset.station), load, settings };
+        let question = Question { y: 0.0, attitude: wheelset.attitude, station: Some(wheelset.station), load, pitch_rate: None, settings };
         let stands: Vec<&Stand> = sweep.samples.iter().filter(|sample| sample.asked).map(|sample| &sample.stand).collect();
         // Neighbours are lowered by about as much.
         let in_a_row = |stands: &[&Stand]| -> Result<Vec<RollingPose>, NoPatch> {

@@ -29,7 +29,8 @@ pub(super) fn patch(arguments: &Arguments, scene: &Scene) -> Result<(), Failure>
         make_folder(folder)?;
     }
     let settings = Settings { columns: cells, rows: cells, extrapolate: true };
-    let question = Question { y, attitude, station, load, settings };
+    let pitch_rate = arguments.pitch_rate.as_ref().map(|rate| number("pitch-rate", rate, Dimension::AngularSpeed)).transpose()?;
+    let question = Question { y, attitude, station, load, pitch_rate, settings };
     let answer = patches(scene, &question).map_err(|error| Failure::Run(format!("{}: {error}", scene.source.file)))?;
     if let Some(target) = &target {
         target.write(&csv(&answer).map_err(|error| Failure::Run(error.to_string()))?)?;
@@ -111,9 +112,10 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
     };
     let rows: Vec<Vec<String>> = LINES.iter().map(row).collect();
     format!(
-        "{}\n\n  {}\n  rolling freely at {} m/s (pitch rate {:.4} rad/s), friction {}{}\n\n{}\nellipse: contact.normal.law = \"{}\" and contact.creep.law = \"{}\" at the deepest place; the other column: half-spaces, with the friction alone (no kalker_factor, no falling friction)\n{}",
+        "{}\n\n  {}\n  rolling {}at {} m/s (pitch rate {:.4} rad/s), friction {}{}\n\n{}\nellipse: contact.normal.law = \"{}\" and contact.creep.law = \"{}\" at the deepest place; the other column: half-spaces, with the friction alone (no kalker_factor, no falling friction)\n{}",
         scene.title,
         heading(question),
+        if question.pitch_rate.is_none() { "freely " } else { "" },
         scene.vehicle.speed,
         answer.pitch_rate,
         contact.friction,
@@ -129,8 +131,9 @@ fn as_json(scene: &Scene, question: &Question, answer: &Answer, files: &[PathBuf
     let wheel = |wheel: &WheelPatch| {
         let line = |(name, _, real, ellipse): &Line| json!({"what": name, "real": real(wheel), "ellipse": ellipse(wheel)});
         let centre = wheel.solution.centre;
+        let force = wheel.solution.pressing + wheel.solution.creep_force;
         json!({
-            "side": wheel.side.name(), "values": LINES.iter().map(line).collect::<Vec<_>>(), "centre": [centre.x, centre.y, centre.z],
+            "force": [force.x, force.y, force.z], "side": wheel.side.name(), "values": LINES.iter().map(line).collect::<Vec<_>>(), "centre": [centre.x, centre.y, centre.z],
             "cells": wheel.solution.cells.len(), "cell_size": wheel.solution.cell_size,
         })
     };
