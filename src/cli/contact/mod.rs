@@ -2,6 +2,7 @@
 
 mod patch;
 mod patch_laws;
+mod patch_map;
 mod pictures;
 mod pose;
 mod report;
@@ -69,8 +70,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "RATE", requires = "patch", conflicts_with = "sweep", allow_hyphen_values = true)]
     pitch_rate: Option<String>,
     /// ... or over --range at this distance, for yaws of 0 and 10 mrad and loads of 10, 50 and 100 kN unless one is named: the law of strips and the
-    /// ellipse against it
-    #[arg(long, value_name = "H", requires = "patch", conflicts_with = "plot")]
+    /// ellipse against it; --plot draws where the left wheel presses
+    #[arg(long, value_name = "H", requires = "patch")]
     sweep: Option<String>,
     /// Also roll on the centres of the patches that really form under a load: radius difference and conicity of elastic wheels and rails
     #[arg(long, conflicts_with = "patch")]

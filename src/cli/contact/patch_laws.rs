@@ -1,7 +1,8 @@
 //! `wheelrail contact SCENE --patch --sweep STEP`: laws of the patch against half-space contact, over lateral shifts, yaws and loads.
 
+use super::patch_map;
 use super::{Arguments, load, number, positive};
-use crate::cli::{Failure, csv_target, print, table};
+use crate::cli::{Failure, csv_target, file_names, print, say, table};
 use crate::scene::spec::Scene;
 use crate::study::patch_laws::{Difference, Poses, Row, mean_and_worst, rows};
 use crate::units::Dimension;
@@ -46,15 +47,18 @@ pub(super) fn patch_laws(arguments: &Arguments, scene: &Scene, step: &str) -> Re
     if let Some(target) = &target {
         target.write(&csv(&rows).map_err(|error| Failure::Run(error.to_string()))?)?;
     }
+    let drawn = arguments.plot.iter().map(|folder| patch_map::draw(folder, scene, &poses, &arguments.near));
+    let files = drawn.collect::<Result<Vec<_>, _>>()?;
     if arguments.json {
         let of = |d: &Difference| json!({"normal_force": d.normal_force, "centre": d.centre, "area": d.area, "creep": d.creep});
         let row = |row: &Row| {
             let [table, ellipse] = [&row.table, &row.ellipse].map(|law| law.as_ref().map(of));
             json!({"y": row.y, "yaw": row.yaw, "load": row.load, "normal_force": row.normal_force, "strips": of(&row.strips), "table": table, "ellipse": ellipse})
         };
-        let all = json!({"scene": scene.name, "title": scene.title, "rows": rows.iter().map(row).collect::<Vec<_>>()});
+        let all = json!({"scene": scene.name, "title": scene.title, "rows": rows.iter().map(row).collect::<Vec<_>>(), "pictures": file_names(&files)});
         return Ok(print(&format!("{all}\n"))?);
     }
+    files.iter().for_each(|file| say(&format!("wrote {}", file.display())));
     if !target.is_some_and(|target| target.is_stdout()) {
         print(&text(scene, &poses, &rows))?;
     }
