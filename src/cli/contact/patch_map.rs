@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 
 /// Shades of the pressure.
 const LEVELS: f64 = 12.0;
+/// The brightest is so many times the median of all shifts' highest pressures, or the highest of all.
+const OVER_MEDIAN: f64 = 1.6;
 const TALL: f64 = 300.0;
 /// Beside what is drawn, mm.
 const MARGIN: f64 = 1.0;
@@ -35,8 +37,8 @@ pub(super) fn draw(folder: &Path, scene: &Scene, poses: &Poses, near: &str) -> R
     let step = poses.shifts.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     let panels = poses.loads.iter().map(|load| {
         let columns: Vec<(f64, Column)> = poses.shifts.iter().filter_map(|y| column(*y, *load)).collect();
-        let highest = columns.iter().map(|(_, column)| column.highest()).fold(f64::MIN_POSITIVE, f64::max);
-        let tiles = columns.iter().flat_map(|(y, column)| column.tiles((y - 0.5 * step, y + 0.5 * step), highest));
+        let (brightest, highest) = brightest(&columns);
+        let tiles = columns.iter().flat_map(|(y, column)| column.tiles((y - 0.5 * step, y + 0.5 * step), brightest));
         let tiles: Vec<Tile> = tiles.collect();
         let axis = |label: &str, of: fn(&(f64, f64)) -> f64| {
             let ends = tiles.iter().flat_map(|tile| [of(&tile.from), of(&tile.to)]);
@@ -49,7 +51,7 @@ pub(super) fn draw(folder: &Path, scene: &Scene, poses: &Poses, near: &str) -> R
             tiles,
             leaders: false,
             height: TALL,
-            aside: format!("dark to bright: 0 to {:.0} MPa", 1e-6 * highest),
+            aside: format!("dark to bright: 0 to {:.0} MPa; highest {:.0} MPa", 1e-6 * brightest, 1e-6 * highest),
             ..Panel::new(&format!("{} kN on each wheel", 1e-3 * load), ["", ""], vec![])
         }
     });
@@ -62,6 +64,15 @@ pub(super) fn draw(folder: &Path, scene: &Scene, poses: &Poses, near: &str) -> R
     ];
     Sheet { title: "Contact patches over the lateral shift".into(), subtitles, columns: 1, panels }.draw(&file).map_err(Failure::Run)?;
     Ok(file)
+}
+
+/// The pressure of the brightest shade, and the highest one, Pa: a flange presses several times as hard as treads do, which would all be dark.
+fn brightest(columns: &[(f64, Column)]) -> (f64, f64) {
+    let mut tops: Vec<f64> = columns.iter().map(|(_, column)| column.highest()).collect();
+    tops.sort_by(f64::total_cmp);
+    let at = |index: usize| tops.get(index).copied().unwrap_or(f64::MIN_POSITIVE);
+    let highest = at(tops.len().saturating_sub(1));
+    (highest.min(OVER_MEDIAN * at(tops.len() / 2)), highest)
 }
 
 /// The highest pressure over the place across, of one shift.
@@ -91,8 +102,8 @@ impl Column {
     }
 
     /// Neighbours of one shade are one tile.
-    fn tiles(&self, (from, to): (f64, f64), highest: f64) -> Vec<Tile> {
-        let level = |pressure: f64| (LEVELS * pressure / highest).min(LEVELS - 1.0).floor();
+    fn tiles(&self, (from, to): (f64, f64), brightest: f64) -> Vec<Tile> {
+        let level = |pressure: f64| (LEVELS * pressure / brightest).min(LEVELS - 1.0).floor();
         let mut runs: Vec<([f64; 2], f64)> = Vec::new();
         for (ends, pressure) in &self.rows {
             match runs.last_mut() {
