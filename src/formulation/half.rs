@@ -22,6 +22,7 @@ use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
 use crate::geometry::Side;
 use crate::geometry::profile::Profile;
 use crate::mbs::body::{COORDINATES, HEIGHT, ROLL, Wrench, YAW};
+use crate::mbs::system::SystemWorkspace;
 use crate::mbs::tangent::WrenchTangent;
 use nalgebra::{Matrix6, Vector3, Vector6};
 
@@ -132,12 +133,12 @@ impl Model {
     ///
     /// # Errors
     /// [`ContactFailure::SymmetryLost`] where they are not nearly so.
-    pub(super) fn level_rates(&self, t: f64, dy: &mut [f64]) -> Result<(), EvaluationError> {
+    pub(super) fn level_rates(&self, system: &SystemWorkspace, t: f64, dy: &mut [f64]) -> Result<(), EvaluationError> {
         let Some(partners) = &self.half else { return Ok(()) };
         let velocities = COORDINATES * self.system.bodies.len();
         let largest = dy[velocities..2 * velocities].iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         let most = OF_LARGEST * largest + LEAST;
-        for place in self.twists() {
+        for place in twists(system) {
             if !(dy[place + 1].abs() <= most) {
                 let what = "an acceleration of one wheel against the other, in rad/s2,";
                 let lost = ContactFailure::SymmetryLost { what, value: dy[place + 1] };
@@ -152,16 +153,6 @@ impl Model {
             let near = self.wheelsets.iter().find(|wheelset| wheelset.body == body).unwrap_or(&self.wheelsets[0]);
             let what = "an acceleration that favours a side, in m/s2 or rad/s2,";
             Err(EvaluationError::new(t, near, Side::Left, ContactFailure::SymmetryLost { what, value: apart }))
-        })
-    }
-
-    /// Places of the twists of axles among the states; their rates follow them.
-    fn twists(&self) -> impl Iterator<Item = usize> {
-        let mut next = 2 * COORDINATES * self.system.bodies.len();
-        self.system.forces.iter().filter_map(move |force| {
-            let first = next;
-            next += force.states();
-            force.twist().map(|_| first)
         })
     }
 
@@ -278,7 +269,7 @@ impl Model {
             }
             let accelerations = &dy[velocities..2 * velocities];
             let turning = accelerations.iter().skip(PITCH).step_by(COORDINATES).fold(1e-3, |largest: f64, value| largest.max(value.abs()));
-            if let Some(place) = self.twists().find(|place| !(dy[place + 1].abs() <= SAME * turning)) {
+            if let Some(place) = twists(&workspace.system).find(|place| !(dy[place + 1].abs() <= SAME * turning)) {
                 return Err(Asymmetry::Twist { share: dy[place + 1].abs() / turning });
             }
             let largest = |of: [usize; 3]| {
@@ -298,6 +289,12 @@ impl Model {
         }
         Ok(())
     }
+}
+
+/// Places of the twists of axles among the states; their rates follow them.
+fn twists(system: &SystemWorkspace) -> impl Iterator<Item = usize> {
+    let bodies = 2 * COORDINATES * system.bodies();
+    system.twists.iter().map(move |axle| bodies + axle.state)
 }
 
 /// Makes bodies' coordinates and velocities, or their rates, symmetric to the bit. `check` is told of each value its body, whether it belongs to the velocities, its

@@ -73,7 +73,7 @@ impl Model {
         let t = at.t;
         self.formulation.derivative(self, workspace, at, dy)?;
         self.on_the_rails(workspace, t)?;
-        self.level_rates(t, dy)?;
+        self.level_rates(&workspace.system, t, dy)?;
         self.mean_rates(workspace, dy);
         self.book_energy(workspace, inputs, y, dy);
         Ok(())

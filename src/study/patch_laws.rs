@@ -7,7 +7,7 @@
 use super::contact_geometry::{Attitude, WheelsetOnTrack};
 use super::ellipse_patch::ellipse_patch;
 use super::strip_patch::{StripPatch, Strips};
-use crate::contact::patch::{Motion, Settings, depth_under_load};
+use crate::contact::patch::{Motion, PatchCell, PatchSolution, Settings, depth_under_load};
 use crate::geometry::Side;
 use crate::math::rotation::AxleFrame;
 use crate::scene::spec::Scene;
@@ -38,7 +38,7 @@ pub struct Difference {
 }
 
 /// One pose.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Row {
     pub y: f64,
     pub yaw: f64,
@@ -50,6 +50,17 @@ pub struct Row {
     pub table: Option<Difference>,
     /// `None` where the laws know none.
     pub ellipse: Option<Difference>,
+    /// The half-space contact from the inner to the outer side of the rail.
+    pub bands: Vec<Band>,
+}
+
+/// The cells of a patch in one row along the rail.
+#[derive(Clone, Copy, Debug)]
+pub struct Band {
+    /// Where it lies across, from the rail section's origin, outward, m.
+    pub ends: [f64; 2],
+    /// The highest in it, Pa.
+    pub pressure: f64,
 }
 
 /// What a law says of a pose.
@@ -100,7 +111,20 @@ fn row(scene: &Scene, strips: &Strips, (y, yaw, load): (f64, f64, f64), cells: u
         let creep = ellipse.axes.e1 * ellipse.creep.longitudinal + ellipse.axes.e2 * ellipse.creep.lateral;
         less(Said { force: ellipse.normal_force, centre: ellipse.place, area: PI * ellipse.patch.a * ellipse.patch.b, creep })
     });
-    Some(Row { y, yaw, load, normal_force: force, strips: of(strips), table: table.map(of), ellipse })
+    let bands = bands(&exact, side, pair.rail.section(wheelset.station).origin.y);
+    Some(Row { y, yaw, load, normal_force: force, strips: of(strips), table: table.map(of), ellipse, bands })
+}
+
+/// From the inner to the outer side; cells of one row follow each other.
+fn bands(patch: &PatchSolution, side: Side, origin: f64) -> Vec<Band> {
+    let of = |row: &[PatchCell]| {
+        // Of a tilted cell the part across.
+        let (at, half) = (side.sign() * (row[0].point.y - origin), 0.5 * patch.cell_size[1] * row[0].normal.z.abs());
+        Band { ends: [at - half, at + half], pressure: row.iter().map(|cell| cell.pressure).fold(0.0, f64::max) }
+    };
+    let mut bands: Vec<Band> = patch.cells.chunk_by(|a, b| a.place[1] == b.place[1]).map(of).collect();
+    bands.sort_by(|a, b| a.ends[0].total_cmp(&b.ends[0]));
+    bands
 }
 
 /// Mean and worst of the sizes of one figure over rows that have it.

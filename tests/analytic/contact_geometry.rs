@@ -577,6 +577,27 @@ fn equiv_a_pose_is_what_the_patch_command_and_a_start_say() {
     }
 }
 
+/// The map of patches over the lateral shift has the pressures of the patches.
+#[test]
+fn equiv_the_map_of_patches_is_that_of_the_patch_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let plots = folder.path().display().to_string();
+    let alike = ["suspended_wheelset", "--patch", "--cells", "16", "--load", "50kN"];
+    let map = ["--range", "1 mm", "--sweep", "1 mm", "--yaw", "0 mrad", "--plot", plots.as_str()];
+    assert_eq!(contact(&[&alike[..], &map].concat()).2, 0);
+    let drawn = std::fs::read_to_string(folder.path().join("suspended_wheelset_patches.svg")).unwrap();
+    let highest = ["-1mm", "0", "1mm"].map(|y| {
+        let (stdout, _, _) = contact(&[&alike[..], &["--y", y, "--json"]].concat());
+        let patch: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        let row =
+            patch["wheels"][0]["values"].as_array().unwrap().iter().find(|row| row["what"] == "highest pressure [MPa]").unwrap().clone();
+        of(&row, "real")
+    });
+    let highest = highest.into_iter().fold(0.0, f64::max);
+    let words = format!("highest {highest:.0} MPa");
+    assert!(drawn.contains(&words) && drawn.contains("50 kN on each wheel"), "{words}");
+}
+
 #[test]
 fn prop_poses_that_make_no_sense_are_refused() {
     for (pose, word) in [

@@ -1,7 +1,7 @@
 //! The Manchester contact benchmark, case: new S1002 wheels on UIC60 rails from the middle of the track to 10 mm and 24 mrad, 10 kN on each wheel.
 //!
 //! Reference: half-space contact of the open program CONTACT (`tests/data/manchester_contact_benchmark.csv` has the source), whose lateral axis points to the
-//! right and which gives forces on the rail; heights, rolls and pitch rates are the benchmark's.
+//! right and which gives forces on the rail; shifts, yaws, rolls and pitch rates are the benchmark's.
 
 use crate::common::{data, read_csv};
 use std::collections::HashMap;
@@ -78,7 +78,10 @@ fn rows(shifts: &[f64], found: impl Fn(Side, [f64; 4], f64) -> Found) -> Vec<Row
         // The benchmark's load is the whole vertical force, creep forces among it.
         let mut found = at(LOAD);
         let mut load = LOAD;
-        while (found.force[2] / LOAD - 1.0).abs() > 1e-3 {
+        for _ in 0..5 {
+            if (found.force[2] / LOAD - 1.0).abs() < 1e-3 {
+                break;
+            }
             load *= LOAD / found.force[2];
             found = at(load);
         }
@@ -178,6 +181,7 @@ fn validate_strips_on_the_manchester_contact_benchmark() {
     let rows = by_laws(&["contact.creep.law=\"usetab\""]);
     show("strips", &rows);
     assert!(mean(&rows, Row::creep) < 0.01 && worst(&rows, Row::creep) < 0.06);
+    assert!(rows.iter().all(|row| (row.found.angle - row.reference.angle).abs() < 0.01 && (row.found.force[2] / LOAD - 1.0).abs() < 2e-3));
     assert!(mean(&rows, Row::area) < 0.05 && worst(&rows, Row::area) < 0.16);
     assert!(mean(&rows, Row::pressure) < 0.04 && worst(&rows, Row::pressure) < 0.18);
 }

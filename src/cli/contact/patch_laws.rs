@@ -47,7 +47,7 @@ pub(super) fn patch_laws(arguments: &Arguments, scene: &Scene, step: &str) -> Re
     if let Some(target) = &target {
         target.write(&csv(&rows).map_err(|error| Failure::Run(error.to_string()))?)?;
     }
-    let drawn = arguments.plot.iter().map(|folder| patch_map::draw(folder, scene, &poses, &arguments.near));
+    let drawn = arguments.plot.iter().map(|folder| patch_map::draw(folder, scene, &poses, &rows));
     let files = drawn.collect::<Result<Vec<_>, _>>()?;
     if arguments.json {
         let of = |d: &Difference| json!({"normal_force": d.normal_force, "centre": d.centre, "area": d.area, "creep": d.creep});
@@ -93,7 +93,7 @@ fn text(scene: &Scene, poses: &Poses, rows: &[Row]) -> String {
             let of: Vec<Row> = rows
                 .iter()
                 .filter(|row| yaw.is_none_or(|yaw| row.yaw == yaw) && load.is_none_or(|load| row.load == load))
-                .copied()
+                .cloned()
                 .collect();
             let what = |value: Option<f64>, scale: f64| value.map_or("all".to_string(), |value| format!("{:.0}", scale * value));
             let mut line = vec![name.to_string(), what(yaw, 1e3), what(load, 1e-3), of.iter().filter_map(law).count().to_string()];

@@ -1,15 +1,10 @@
 //! Picture of `wheelrail contact SCENE --patch --sweep STEP`: where the left wheel presses on its rail, over lateral shifts.
 
-use super::{number, pair_in_force};
+use super::pair_in_force;
 use crate::cli::plot::{Axis, Panel, Sheet, Tile, shade};
 use crate::cli::{Failure, make_folder};
-use crate::contact::patch::{PatchSolution, Settings};
-use crate::geometry::Side;
 use crate::scene::spec::Scene;
-use crate::study::contact_geometry::{Attitude, WheelsetOnTrack};
-use crate::study::patch::{Question, patches};
-use crate::study::patch_laws::Poses;
-use crate::units::Dimension;
+use crate::study::patch_laws::{Poses, Row};
 use std::path::{Path, PathBuf};
 
 /// Shades of the pressure.
@@ -21,25 +16,14 @@ const TALL: f64 = 300.0;
 const MARGIN: f64 = 1.0;
 
 /// Draws the patches of half-space contact for the first yaw: across, how far each shift's patch reaches and how hard it presses.
-pub(super) fn draw(folder: &Path, scene: &Scene, poses: &Poses, near: &str) -> Result<PathBuf, Failure> {
+pub(super) fn draw(folder: &Path, scene: &Scene, poses: &Poses, rows: &[Row]) -> Result<PathBuf, Failure> {
     make_folder(folder)?;
-    let near = number("near", near, Dimension::Length)?;
-    let attitude = Attitude { yaw: poses.yaws[0], near, ..Attitude::default() };
-    let origin = WheelsetOnTrack::new(scene, attitude, None).track.rail(Side::Left).section(0.0).origin.y;
-    let settings = Settings { columns: poses.cells, rows: poses.cells, extrapolate: false };
-    // Only pressures are shown: how it rolls does not matter.
-    let question = |y: f64, load: f64| Question { y, attitude, station: None, load, pitch_rate: Some(0.0), settings };
-    let column = |y: f64, load: f64| {
-        let answer = patches(scene, &question(y, load)).ok()?;
-        let [left, _] = answer.wheels;
-        Some((y, Column::new(&left.solution, origin)))
-    };
+    let yaw = poses.yaws[0];
     let step = poses.shifts.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     let panels = poses.loads.iter().map(|load| {
-        let columns: Vec<(f64, Column)> = poses.shifts.iter().filter_map(|y| column(*y, *load)).collect();
-        let (brightest, highest) = brightest(&columns);
-        let tiles = columns.iter().flat_map(|(y, column)| column.tiles((y - 0.5 * step, y + 0.5 * step), brightest));
-        let tiles: Vec<Tile> = tiles.collect();
+        let rows: Vec<&Row> = rows.iter().filter(|row| row.yaw == yaw && row.load == *load).collect();
+        let (brightest, highest) = brightest(&rows);
+        let tiles: Vec<Tile> = rows.iter().flat_map(|row| tiles(row, step, brightest)).collect();
         let axis = |label: &str, of: fn(&(f64, f64)) -> f64| {
             let ends = tiles.iter().flat_map(|tile| [of(&tile.from), of(&tile.to)]);
             let [low, high] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], end| [low.min(end), high.max(end)]);
@@ -58,7 +42,7 @@ pub(super) fn draw(folder: &Path, scene: &Scene, poses: &Poses, near: &str) -> R
     let panels = panels.collect();
     let file = folder.join(format!("{}_patches.svg", scene.name));
     let subtitles = vec![
-        format!("{}; yaw {} mrad", scene.title, 1e3 * poses.yaws[0]),
+        format!("{}; yaw {} mrad", scene.title, 1e3 * yaw),
         pair_in_force(scene),
         "highest pressure along the rail at each place across, counted from the middle of the rail's head".into(),
     ];
@@ -66,57 +50,37 @@ pub(super) fn draw(folder: &Path, scene: &Scene, poses: &Poses, near: &str) -> R
     Ok(file)
 }
 
+/// Pa.
+fn highest(row: &Row) -> f64 {
+    row.bands.iter().map(|band| band.pressure).fold(0.0, f64::max)
+}
+
 /// The pressure of the brightest shade, and the highest one, Pa: a flange presses several times as hard as treads do, which would all be dark.
-fn brightest(columns: &[(f64, Column)]) -> (f64, f64) {
-    let mut tops: Vec<f64> = columns.iter().map(|(_, column)| column.highest()).collect();
+fn brightest(rows: &[&Row]) -> (f64, f64) {
+    let mut tops: Vec<f64> = rows.iter().map(|row| highest(row)).collect();
     tops.sort_by(f64::total_cmp);
     let at = |index: usize| tops.get(index).copied().unwrap_or(f64::MIN_POSITIVE);
     let highest = at(tops.len().saturating_sub(1));
     (highest.min(OVER_MEDIAN * at(tops.len() / 2)), highest)
 }
 
-/// The highest pressure over the place across, of one shift.
-struct Column {
-    /// Ends across, m, outward, and pressure, Pa; by growing place.
-    rows: Vec<([f64; 2], f64)>,
-}
-
-impl Column {
-    fn new(solution: &PatchSolution, origin: f64) -> Column {
-        let half = 0.5 * solution.cell_size[1];
-        let mut rows: Vec<([f64; 2], f64, f64)> = Vec::new();
-        for cell in &solution.cells {
-            // Of a tilted cell the part across.
-            let (at, half) = (cell.point.y - origin, half * cell.normal.z.abs());
-            match rows.iter_mut().find(|row| (row.2 - cell.place[1]).abs() < 1e-9) {
-                Some(row) => row.1 = row.1.max(cell.pressure),
-                None => rows.push(([at - half, at + half], cell.pressure, cell.place[1])),
+/// A column of the map, as wide as the shifts are apart, m; neighbours of one shade are one tile.
+fn tiles(row: &Row, step: f64, brightest: f64) -> Vec<Tile> {
+    let level = |pressure: f64| (LEVELS * pressure / brightest).min(LEVELS - 1.0).floor();
+    let mut runs: Vec<([f64; 2], f64)> = Vec::new();
+    for band in &row.bands {
+        match runs.last_mut() {
+            Some((own, of)) if *of == level(band.pressure) && band.ends[0] - own[1] < 0.5 * (band.ends[1] - band.ends[0]) => {
+                own[1] = band.ends[1];
             }
+            _ => runs.push((band.ends, level(band.pressure))),
         }
-        rows.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
-        Column { rows: rows.into_iter().map(|(ends, pressure, _)| (ends, pressure)).collect() }
     }
-
-    fn highest(&self) -> f64 {
-        self.rows.iter().map(|row| row.1).fold(0.0, f64::max)
-    }
-
-    /// Neighbours of one shade are one tile.
-    fn tiles(&self, (from, to): (f64, f64), brightest: f64) -> Vec<Tile> {
-        let level = |pressure: f64| (LEVELS * pressure / brightest).min(LEVELS - 1.0).floor();
-        let mut runs: Vec<([f64; 2], f64)> = Vec::new();
-        for (ends, pressure) in &self.rows {
-            match runs.last_mut() {
-                Some((own, of)) if *of == level(*pressure) && ends[0] - own[1] < 0.5 * (ends[1] - ends[0]) => own[1] = ends[1],
-                _ => runs.push((*ends, level(*pressure))),
-            }
-        }
-        let tile = |([low, high], level): ([f64; 2], f64)| Tile {
-            from: (1e3 * from, 1e3 * low),
-            to: (1e3 * to, 1e3 * high),
-            color: shade(Some(level / (LEVELS - 1.0))),
-            label: String::new(),
-        };
-        runs.into_iter().map(tile).collect()
-    }
+    let tile = |([low, high], level): ([f64; 2], f64)| Tile {
+        from: (1e3 * (row.y - 0.5 * step), 1e3 * low),
+        to: (1e3 * (row.y + 0.5 * step), 1e3 * high),
+        color: shade(Some(level / (LEVELS - 1.0))),
+        label: String::new(),
+    };
+    runs.into_iter().map(tile).collect()
 }

@@ -18,7 +18,7 @@ pub(super) fn of_spacing(positions: &[f64], spline: bool) -> Option<String> {
     let [dense, wide] = SPACINGS;
     let by_hand = positions.len() < MADE_BY_HAND || !spline;
     (median < dense || median > wide && !by_hand).then(|| {
-        let held = if median > wide { "vehicles see hardly anything of such waves" } else { "every step would end after some centimetres" };
+        let held = if median > wide { "vehicles see hardly anything of such waves" } else { "waves that short lie within a patch" };
         format!("its points stand {median} m apart, where geometry is measured every 0.1 to 5 m and roughness every millimetre: another unit of distance? ({held})")
     })
 }
