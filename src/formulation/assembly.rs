@@ -1,5 +1,6 @@
 //! A model from its parts, and what its evaluations need.
 
+use super::elastic::half_spaces;
 use super::flank;
 use super::frame_motion::MovingFrame;
 use super::memory::{Mode, ModelMemory, WheelMemory};
@@ -89,6 +90,11 @@ pub enum AssemblyError {
     )]
     NodesAndPatch(&'static str),
     #[error(
+        "contact.patch = \"exact\" solves Kalker's tangential problem on the patch itself, and the creep law of the scene is one of ellipses; expected contact.creep.law = \"exact\" alone (no \
+         kalker_factor), or contact.patch = \"strips\""
+    )]
+    CreepOfEllipses,
+    #[error(
         "contact.patch = \"linear\": in the middle of the track the {side} wheel of {wheelset} does not stand on its tread under {:.1} kN: there is nothing to linearise about; expected another \
          contact.patch",
         1e-3 * load
@@ -118,14 +124,22 @@ impl Model {
     /// [`AssemblyError`] when the formulation can't treat the parts.
     pub fn new(parts: Parts, build: &Build) -> Result<Model, AssemblyError> {
         let formulation = build(&parts)?;
-        let Parts { system, track, wheelsets, laws, points, prepared, prepared_tables } = parts;
+        let Parts { system, track, wheelsets, mut laws, points, prepared, prepared_tables } = parts;
         let strips = match laws.patch {
             PatchLaw::Ellipse => None,
             law if formulation.constrains() => return Err(AssemblyError::RigidPatch(law.name())),
             law if laws.transient.is_some() => return Err(AssemblyError::TransientPatch(law.name())),
             law if law.needs_all_places() && formulation.points_per_wheel() != 1 => return Err(AssemblyError::NodesAndPatch(law.name())),
             PatchLaw::Linear => None,
-            PatchLaw::Strips | PatchLaw::Table => Some(rail_strips(&track, &wheelsets)),
+            PatchLaw::Strips | PatchLaw::Table | PatchLaw::Exact => Some(rail_strips(&track, &wheelsets)),
+        };
+        let half_spaces = match laws.patch {
+            PatchLaw::Exact => {
+                let (settings, quick) = half_spaces::settings(laws.creep.as_ref(), laws.material).ok_or(AssemblyError::CreepOfEllipses)?;
+                laws.creep = quick;
+                Some(settings)
+            }
+            _ => None,
         };
         let tables = match (&strips, laws.patch) {
             (Some(rails), PatchLaw::Table) => prepared_tables.of(&wheelsets, &track, rails),
@@ -169,6 +183,7 @@ impl Model {
             out_of_round: Vec::new(),
             surfaces_move: false,
             strips,
+            half_spaces,
             tables,
             linear: Vec::new(),
         }

@@ -34,6 +34,10 @@ pub enum ContactFailure {
         "contact at the {part} coordinate {found:.4} m, but its profile reaches only from {first:.4} m to {last:.4} m (wheelset at y = {y:.4} m)"
     )]
     OffProfile { part: &'static str, found: f64, first: f64, last: f64, y: f64 },
+    #[error(
+        "half-spaces: the pressures of the wheel did not settle (wheelset at y = {y:.4} m); expected contact.creep.grid = 32, or contact.patch = \"strips\""
+    )]
+    Unsettled { y: f64 },
     #[error("no node of the wheel stands over a node of the rail (wheelset at y = {y:.4} m): the wheelset has left the rails")]
     OffRail { y: f64 },
     #[error("derailed: {how} (wheelset at y = {y:.4} m, z = {z:.4} m)")]

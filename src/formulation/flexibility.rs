@@ -38,12 +38,17 @@ impl Flexibility {
         Ok(Some(read))
     }
 
-    /// The mean of the track along it, under wheelsets at these places [m] at this speed [m/s].
-    pub fn mean(self, places: &[f64], speed: f64) -> Self {
-        match self {
-            Flexibility::Travelling(_) => self,
-            Flexibility::Beam(beam) => Flexibility::Travelling(beam.lay(places, speed).stand_in),
-        }
+    /// What stands for it in small motions, where nothing goes over sleepers, of wheels with an unsprung mass [kg] each that stand at these places [m] and run at this speed [m/s]; and
+    /// where that is not the track itself, its words.
+    pub fn in_modes(self, places: &[f64], speed: f64, unsprung: f64) -> (Self, Option<String>) {
+        let Flexibility::Beam(beam) = self else { return (self, None) };
+        let (track, frequency) = beam.stand_in(places, speed, unsprung);
+        let words = format!(
+            "the beam's answer at {frequency:.1} Hz, where a wheelset swings on it, stands for it: {} (a swing of that mass between rail and wheel is none of the track; waves and what \
+             wheels feel of each other are left out)",
+            track.describe()
+        );
+        (Flexibility::Travelling(track), Some(words))
     }
 
     /// What carries a wheel laterally, in both models.

@@ -15,7 +15,7 @@ use crate::contact::creep::CreepLaw;
 use crate::contact::friction::{FrictionFactor, FrictionMap};
 use crate::contact::normal::NormalLaw;
 use crate::contact::normal::damping::DampingLaw;
-use crate::contact::patch::PatchLaw;
+use crate::contact::patch::{self, PatchLaw};
 use crate::contact::strips::{PatchTable, RailStrips};
 use crate::contact::transient::{self, TransientContact};
 use crate::geometry::Side;
@@ -86,6 +86,8 @@ pub struct Model {
     pub(super) flanks: Vec<Flank>,
     /// The left and the right rail in strips, where patches are made of them.
     pub(super) strips: Option<[RailStrips; 2]>,
+    /// How the patches of half-spaces are solved, where those press; strips are then for slopes alone.
+    pub(super) half_spaces: Option<patch::Settings>,
     /// Their patches by wheel, where they are read from tables; else empty.
     pub(super) tables: Vec<Arc<PatchTable>>,
     /// By wheel, where contact is linear; else empty.
@@ -100,6 +102,15 @@ pub(super) fn force_weights(system: &System) -> Vec<f64> {
 impl Model {
     pub fn contacts(&self) -> usize {
         2 * self.wheelsets.len()
+    }
+
+    /// What its patches are where half-spaces on a grid press, in words.
+    pub fn half_spaces(&self) -> Option<String> {
+        let patch::Settings { columns, rows, extrapolate, .. } = self.half_spaces?;
+        let halved = if extrapolate { ", creep forces extrapolated from half as many each way" } else { "" };
+        Some(format!(
+            "half-spaces and Kalker's tangential problem on {columns} x {rows} cells or more{halved}; slopes for implicit methods from strips and FASTSIM"
+        ))
     }
 
     /// mu at a contact of a wheel, -.

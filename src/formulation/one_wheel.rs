@@ -1,5 +1,6 @@
 //! The elastic contacts of one wheel in a pose and motion that are given: nothing is remembered, nothing moves on.
 
+use super::elastic::half_spaces;
 use super::elastic::patch::highest_pressures;
 use super::elastic::points;
 use super::loading::{Contact, WheelAt};
@@ -43,7 +44,10 @@ impl Model {
         let (mut first, mut further) = (ContactReport::default(), vec![ContactReport::default(); self.points - 1]);
         let (mut memory, mut wrench) = (WheelMemory::new(Mode::ELASTIC), Wrench::default());
         points::elastic_wheel(&wheel, &mut memory, &mut strips, &mut wrench, (&mut first, &mut further))?;
-        let highest = self.strips.as_ref().map(|rails| highest_pressures(&wheel, &rails[side.index()], &mut strips));
+        let highest = self.strips.as_ref().map(|rails| match self.half_spaces {
+            Some(settings) => half_spaces::highest_pressures(&wheel, settings),
+            None => highest_pressures(&wheel, &rails[side.index()], &mut strips),
+        });
         // A report without a place belongs to none.
         let is_place = |report: &ContactReport| report.iterations > 0 || report.penetration != 0.0;
         let found: Vec<ContactReport> = std::iter::once(first).chain(further).filter(is_place).collect();

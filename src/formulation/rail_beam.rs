@@ -11,9 +11,10 @@
 //! of about 0.25 at 500 Hz, ballast of 50 MN/m with one of about 1 at 100 Hz. Dampers are viscous.
 //!
 //! *Left out:* left and right rail do not know each other (each has its half of the sleepers), pads have no length and hold no turn, ballast has no mass, supports never lift off;
-//! lateral bending, torsion and the turn of the head. Steady states (starts, `modes`) stand on the mean of this track over a bay: a mass that travels on its mean stiffness.
+//! lateral bending, torsion and the turn of the head. Steady states (starts) stand on the mean of this track over a bay: a mass that travels on its mean stiffness; `modes` on
+//! one that answers as the track does where a wheelset swings on it ([`RailBeam::stand_in`]).
 
-use super::travelling_track::{DAMPINGS, LATERAL, Support, TravellingTrack, number, support};
+use super::travelling_track::{DAMPINGS, LATERAL, MASSES, Support, TravellingTrack, number, support};
 use crate::mbs::ring::{Bay, LeftOut, Ring};
 use crate::settings::{Section, SettingsError};
 use crate::units::Dimension;
@@ -32,6 +33,8 @@ const SHEAR_COEFFICIENT: f64 = 0.4;
 const LOCAL_DAMPING: f64 = 0.1;
 /// By name: kg/m, area in m2 and vertical second moment in m4.
 const RAILS: [(&str, [f64; 3]); 2] = [("60E1", [60.21, 76.70e-4, 3038.3e-8]), ("54E1", [54.77, 69.77e-4, 2337.9e-8])];
+/// Rounds in which the frequency of a wheel on its rail settles.
+const SETTLED: usize = 30;
 /// Least and greatest of what makes sense.
 const SPACINGS: (f64, f64) = (0.2, 2.0);
 const PADS: (f64, f64) = (1e6, 1e11);
@@ -141,6 +144,28 @@ impl RailBeam {
         let mut rails = LaidRails { ring, under, groups, seats, longest, stand_in };
         rails.stand_in.vertical.stiffness = 1.0 / rails.mean_sag(places, speed);
         rails
+    }
+
+    /// What stands under each wheel for this track where an unsprung mass of `unsprung` [kg] swings on it (P2): a mass on a spring and a damper that answer there, and at
+    /// rest, as the rail does under a wheel that travels. The frequency too, Hz.
+    ///
+    /// With the dynamic stiffness `D = 1 / receptance` at `w = sqrt(Re D / M)`: `k - m w^2 = Re D`, `c w = Im D`; k that at rest, or where the track is stiffer at w, what the
+    /// least mass asks for.
+    pub fn stand_in(&self, places: &[f64], speed: f64, unsprung: f64) -> (TravellingTrack, f64) {
+        let rails = self.lay(places, speed);
+        let left_out = rails.ring.left_out().compliance;
+        let dynamic = |w: f64| (rails.ring.mean_receptance(w, speed) + left_out).inv();
+        let mut stand_in = rails.stand_in;
+        let mut w = (stand_in.vertical.stiffness / unsprung).sqrt();
+        for _ in 0..SETTLED {
+            w = (dynamic(w).re.max(MASSES.0) / unsprung).sqrt();
+        }
+        let answer = dynamic(w);
+        let own = &mut stand_in.vertical;
+        own.mass = ((own.stiffness - answer.re) / (w * w)).max(self.bay.mass * self.bay.spacing);
+        own.stiffness = answer.re + own.mass * (w * w);
+        own.damping = (answer.im / w).max(0.0);
+        (stand_in, w / TAU)
     }
 
     /// The numbers, for `wheelrail plan`.

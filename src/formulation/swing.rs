@@ -13,6 +13,7 @@
 //! of a millimetre when its flanges strike. A is an envelope: the largest distance from a slow mean, which fades with the mean's own time. A swing fades when
 //! its peaks on either side do. On a track's waves nobody knows yet what the swing will do; r = 5e-5 there too took a third more steps of a coach at 70 m/s.
 
+use super::body_swings::BodySwing;
 use super::envelope::Envelope;
 use super::step::WheelRef;
 use super::torsion::Torsion;
@@ -73,6 +74,8 @@ pub struct Swings {
     /// Of lateral displacement.
     halves: Vec<Halves>,
     torsions: Vec<Torsion>,
+    /// Of the other bodies.
+    bodies: Vec<BodySwing>,
     /// Does nothing but its own stability decide what becomes of it?
     plain: bool,
 }
@@ -83,6 +86,7 @@ impl Swings {
         self.wheelsets.len() == other.wheelsets.len()
             && self.halves.len() == other.halves.len()
             && self.torsions.len() == other.torsions.len()
+            && self.bodies.len() == other.bodies.len()
     }
 
     /// Does nothing but its own stability decide what becomes of a swing?
@@ -99,6 +103,7 @@ impl Model {
             wheelsets: vec![Default::default(); self.wheelsets.len()],
             halves: vec![Default::default(); self.wheelsets.len()],
             torsions: self.torsions(),
+            bodies: self.body_swings(),
             plain: false,
         }
     }
@@ -114,6 +119,7 @@ impl Model {
             halves.note(now[0] - envelopes[0].mean);
         }
         self.note_torsions(workspace, (swings.time, t), y, &mut swings.torsions);
+        self.note_body_swings(workspace, (fading, swings.time.is_none()), &mut swings.bodies);
         swings.time = Some(t);
         swings.plain = self.out_of_round.is_empty()
             && self.wheels().all(|WheelRef { wheelset, side, .. }| {
@@ -134,7 +140,8 @@ impl Model {
             (across.abs() / allowed[0]).max(own[YAW].abs() / allowed[1])
         };
         let torsion = self.torsion_error(swings.time.unwrap_or(0.0), &swings.torsions, error);
-        self.wheelsets.iter().map(|wheelset| of(wheelset.body)).fold(torsion, f64::max)
+        let bodies = if swings.plain { self.body_swing_error(workspace, &swings.bodies, error) } else { 0.0 };
+        self.wheelsets.iter().map(|wheelset| of(wheelset.body)).fold(torsion.max(bodies), f64::max)
     }
 }
 

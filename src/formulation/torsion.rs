@@ -1,4 +1,4 @@
-//! Shafts that twist while their wheels slide: axles between their wheels, drives between rotor and axle.
+//! Shafts that twist while their wheels slide: axles between their wheels, drives between rotor and axle, and locked wheels on their brakes.
 //!
 //! Where a wheel rolls with little slip its creep force damps such a shaft beyond swinging. Where it slides, next to nothing does, and with a friction that falls with the slip a
 //! swing grows of itself (slip-stick; two wheels of 14 kg m2 on 6 MN m/rad at 75 Hz, 10 m/s, 2 m/s of slip on a wet rail: by 2 1/s, to 95 kN m). A long implicit step takes it away,
@@ -25,6 +25,8 @@ const TIME: f64 = 0.1;
 /// A wheel slides from this share of its friction bound on, or, where friction falls with the slip, from this creepage on.
 const SLIDES: f64 = 0.7;
 const SLIPS: f64 = 0.01;
+/// A wheel is locked from this creepage on: it swings on the springs of its brake.
+const LOCKED: f64 = 0.8;
 
 /// What is known of one shaft.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -37,6 +39,11 @@ pub(super) struct Torsion {
 /// Does a contact slide, or is it near to it?
 fn slips(report: &ContactReport, (used, bound): (f64, f64)) -> bool {
     used > SLIDES * bound || report.creepage.longitudinal.hypot(report.creepage.lateral) > SLIPS
+}
+
+/// Does the wheel of a contact slide without turning, or nearly so?
+fn locked(report: &ContactReport, _: (f64, f64)) -> bool {
+    report.creepage.longitudinal.abs() > LOCKED
 }
 
 impl Model {
@@ -63,7 +70,8 @@ impl Model {
             own.envelope.note(y[place], fading, before.is_none());
             let turned = |body: usize| force.bodies().contains(&Some(body));
             let wheelsets = (0..self.wheelsets.len()).filter(|wheelset| turned(self.wheelsets[*wheelset].body));
-            if wheelsets.into_iter().any(|wheelset| self.any_uses(workspace, wheelset, slips)) {
+            let swings = if force.swings_when_locked() { locked } else { slips };
+            if wheelsets.into_iter().any(|wheelset| self.any_uses(workspace, wheelset, swings)) {
                 own.until = Some(t + TIME);
             }
         }

@@ -179,7 +179,7 @@ impl Cutting<'_> {
         Ok(vehicle)
     }
 
-    /// Mass of a point mass, and what its wheels add to it by turning, kg: m and Iyy / r^2.
+    /// Mass of a point mass, and what its wheels and the rotors of its motors add to it by turning, kg: m and (Iyy + n^2 J) / r^2.
     fn mass(&self, own: &[bool]) -> (f64, f64) {
         let whole = self.whole;
         let wheelsets = whole.wheelsets.iter().zip(own).filter(|(_, own)| **own).map(|(wheelset, _)| &wheelset.spec);
@@ -187,6 +187,11 @@ impl Cutting<'_> {
         let (mass, turning) = wheelsets.fold((0.0, 0.0), |(mass, turning), spec| {
             let radius = spec.profiles[0].profile.at(0.0).value;
             (mass + spec.mass + load(spec.vertical_load), turning + spec.axial_inertia / (radius * radius))
+        });
+        let rotors = whole.forces.iter().filter_map(|force| force.0.rotor_on_axle()).filter(|(axle, _)| own[*axle]);
+        let turning = rotors.fold(turning, |turning, (axle, inertia)| {
+            let radius = whole.wheelsets[axle].spec.profiles[0].profile.at(0.0).value;
+            turning + inertia / (radius * radius)
         });
         let bodies = whole.bodies.iter().zip(&own[whole.wheelsets.len()..]).filter(|(_, own)| **own);
         (mass + bodies.map(|(body, _)| body.body.mass).sum::<f64>(), turning)

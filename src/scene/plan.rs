@@ -204,6 +204,7 @@ fn contact_effects(scene: &Scene, model: &Model, all: &mut Effects) {
         true if contact.patch.law == PatchLaw::Table => {
             format!("{patch}: treads from a table, flanges and what else lies outside pressed as strips")
         }
+        true if contact.patch.law == PatchLaw::Exact => format!("{patch}: {}", model.half_spaces().unwrap_or_default()),
         true if contact.patch.law == PatchLaw::Linear => format!("{patch}: {}", linear_contact(model)),
         true => format!("{patch}; all that overlaps presses, forces at the load's centre"),
         false => patch,

@@ -81,7 +81,7 @@ impl Scene {
         let mut scene = Scene { name, source, title, vehicle, track, contact, effects, solver, interface, run, prepared, tables, points };
         scene.points = match scene.contact.patch.law {
             // All places at which surfaces may overlap.
-            PatchLaw::Strips | PatchLaw::Table => MOST_POINTS,
+            PatchLaw::Strips | PatchLaw::Table | PatchLaw::Exact => MOST_POINTS,
             PatchLaw::Linear => 1,
             PatchLaw::Ellipse => scene.contact.points.unwrap_or_else(|| assemble::points_needed(&scene)),
         };

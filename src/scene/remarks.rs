@@ -51,6 +51,14 @@ fn short_times(scene: &Scene) -> impl Iterator<Item = String> {
     elements.filter_map(move |element| {
         let time = short(element)?;
         let (step, frequency) = (1e3 * STABLE * time, 1.0 / (std::f64::consts::TAU * time));
+        let of_inputs = !element.0.inputs().is_empty();
+        if of_inputs || element.0.own_inertia().is_some() {
+            return Some(format!(
+                "{}: settles or swings of its own within {:.3} ms; explicit integrators can't step further than {step:.3} ms",
+                element.0.name(),
+                1e3 * time
+            ));
+        }
         Some(format!(
             "{}: time constant c/k = {:.3} ms; explicit integrators can't step further than {step:.3} ms. A spring_damper with the same damping and no spring differs only above {frequency:.0} Hz",
             element.0.name(),

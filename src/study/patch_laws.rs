@@ -86,7 +86,7 @@ fn row(scene: &Scene, strips: &Strips, (y, yaw, load): (f64, f64, f64), cells: u
     let axes = AxleFrame::new(yaw, stand.roll).axes;
     let side = Side::Left;
     let high = Vector3::new(wheelset.station, stand.y, stand.height[side.index()]);
-    let settings = Settings { columns: cells, rows: cells, extrapolate: true };
+    let settings = Settings { columns: cells, rows: cells, extrapolate: true, ..Settings::default() };
     let (depth, pressed) = depth_under_load(&wheelset.pair(side, &high, &axes), load, scene.contact.material, settings, None)?;
     let centre = high - Vector3::z() * depth;
     let pair = wheelset.pair(side, &centre, &axes);

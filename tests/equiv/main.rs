@@ -6,6 +6,7 @@ mod common;
 mod assess;
 mod curves;
 mod formulations;
+mod half_spaces;
 mod linear;
 mod patches;
 mod rigid_places;

@@ -97,7 +97,7 @@ fn equiv_runs_with_a_table_are_those_with_strips() {
 fn equiv_half_spaces_resolve_a_flange_that_touches_beside_a_loaded_tread() {
     let changes = ["track.deviation=[]", "contact.creep.law=\"usetab\"", "track.rail={kind=\"uic60\"}", "track.inclination=0.05"];
     let scene = load::open("wheelset_s1002", &changes.map(String::from)).unwrap();
-    let settings = |cells| Settings { columns: cells, rows: cells, extrapolate: true };
+    let settings = |cells| Settings { columns: cells, rows: cells, extrapolate: true, ..Settings::default() };
     let question =
         |cells| Question { y: 6e-3, attitude: Attitude::default(), station: None, load: 10e3, pitch_rate: None, settings: settings(cells) };
     let [coarse, fine] = [16, 48].map(|cells| patches(&scene, &question(cells)).unwrap().wheels[0].clone());
@@ -188,7 +188,7 @@ fn equiv_a_flange_that_comes_to_the_rail_is_pressed_as_half_spaces_are() {
         let y = bisect(-4e-3, -9.5e-3, &|y| overlaps(y, height(y))[1] > overlap);
         pressed(y, height(y), &mut |pair, found| {
             let sum = |flange: bool| found.iter().filter(|own| on_flange(&own.strip.normal) == flange).map(|own| own.load).sum::<f64>();
-            let settings = Settings { columns: 40, rows: 160, extrapolate: false };
+            let settings = Settings { columns: 40, rows: 160, extrapolate: false, ..Settings::default() };
             let half_spaces = HalfSpaces::new(pair, material, settings).unwrap().at_rest();
             let area = half_spaces.cell_size[0] * half_spaces.cell_size[1];
             let exact = |flange: bool| {
@@ -225,7 +225,7 @@ fn equiv_a_flange_that_comes_to_the_rail_is_pressed_as_half_spaces_are() {
 fn equiv_yawed_wheelsets_roll_freely_alike_on_half_spaces_and_strips() {
     let scene = load::open("wheelset_s1002", &["track.deviation=[]", "contact.creep.law=\"usetab\""].map(String::from)).unwrap();
     let (y, yaw, load) = (7e-3, 20e-3, 30e3);
-    let settings = Settings { columns: 32, rows: 32, extrapolate: true };
+    let settings = Settings { columns: 32, rows: 32, extrapolate: true, ..Settings::default() };
     let attitude = Attitude { yaw, ..Attitude::default() };
     let exact = patches(&scene, &Question { y, attitude, station: None, load, pitch_rate: None, settings }).unwrap();
     let question = pose::Question {

@@ -161,7 +161,7 @@ fn by_laws(more: &[&str]) -> Vec<Row> {
 fn by_half_spaces() -> Vec<Row> {
     let scene = scene(&[]);
     rows(&[0.0, 0.5, 1.0, 2.0, 3.5, 5.0, 5.5, 6.5, 8.0, 10.0], |side, [y, yaw, _, pitch_rate], load| {
-        let settings = Settings { columns: 32, rows: 32, extrapolate: true };
+        let settings = Settings { columns: 32, rows: 32, extrapolate: true, ..Settings::default() };
         let attitude = Attitude { yaw, ..Attitude::default() };
         let question = patch::Question { y, attitude, station: None, load, pitch_rate: Some(pitch_rate), settings };
         let answer = patch::patches(&scene, &question).unwrap_or_else(|error| panic!("{error}"));

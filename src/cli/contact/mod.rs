@@ -141,7 +141,7 @@ impl Elastic {
         load: f64,
         [chosen, table, curve]: [&[f64]; 3],
     ) -> Result<Self, Failure> {
-        let settings = Settings { columns: 24, rows: 24, extrapolate: false };
+        let settings = Settings { columns: 24, rows: 24, extrapolate: false, ..Settings::default() };
         let question = Question { y: 0.0, attitude: wheelset.attitude, station: Some(wheelset.station), load, pitch_rate: None, settings };
         let stands: Vec<&Stand> = sweep.samples.iter().filter(|sample| sample.asked).map(|sample| &sample.stand).collect();
         // Neighbours are lowered by about as much.

@@ -28,7 +28,7 @@ pub(super) fn patch(arguments: &Arguments, scene: &Scene) -> Result<(), Failure>
     if let Some(folder) = &arguments.plot {
         make_folder(folder)?;
     }
-    let settings = Settings { columns: cells, rows: cells, extrapolate: true };
+    let settings = Settings { columns: cells, rows: cells, extrapolate: true, ..Settings::default() };
     let pitch_rate = arguments.pitch_rate.as_ref().map(|rate| number("pitch-rate", rate, Dimension::AngularSpeed)).transpose()?;
     let question = Question { y, attitude, station, load, pitch_rate, settings };
     let answer = patches(scene, &question).map_err(|error| Failure::Run(format!("{}: {error}", scene.source.file)))?;

@@ -43,9 +43,9 @@ pub(super) fn modes(scene: &Scene, found: &Modes) -> String {
         found.free
     );
     text.push_str(&swinging(found.amplitude));
-    if found.unbalanced > UNSTEADY {
-        let by = if found.driven { " (torques and forces that elements begin with are not in the balance)" } else { "" };
-        text += &format!("  not quite steady: accelerations up to {:.1e} m/s2 or rad/s2 remain{by}\n", found.unbalanced);
+    text += &unsteady([found]);
+    if let Some(track) = &found.track {
+        text += &format!("  track: {track}\n");
     }
     if let Some(first) = found.at_ends.first() {
         let more = found.at_ends.len() - 1;
@@ -92,14 +92,27 @@ fn verdict(found: &Modes) -> String {
     format!("\nUnstable: {}\n", words.collect::<Vec<_>>().join("; "))
 }
 
+/// What steady states leave unbalanced.
+fn unsteady<'m>(all: impl IntoIterator<Item = &'m Modes>) -> String {
+    let worst = all.into_iter().max_by(|a, b| a.unbalanced.total_cmp(&b.unbalanced)).filter(|worst| worst.unbalanced > UNSTEADY);
+    let Some(found) = worst else { return String::new() };
+    let by = if found.driven {
+        " (torques and forces that elements begin with are not in the balance: modes are those of a vehicle that coasts)"
+    } else {
+        ""
+    };
+    format!("  not quite steady: accelerations up to {:.1e} m/s2 or rad/s2 remain{by}\n", found.unbalanced)
+}
+
 /// The least damped modes by speed, and the critical speed.
 pub(super) fn locus(scene: &Scene, found: &Locus) -> String {
     let mut text = format!(
-        "{}: {}\n  {}, straight track\n{}\nHunting and the least damped modes below {HIGHEST} Hz by speed\n",
+        "{}: {}\n  {}, straight track\n{}{}\nHunting and the least damped modes below {HIGHEST} Hz by speed\n",
         scene.name,
         scene.title,
         scene.contact.formulation_name,
-        found.points.first().map_or(String::new(), |point| swinging(point.amplitude))
+        found.points.first().map_or(String::new(), |point| swinging(point.amplitude)),
+        unsteady(&found.points)
     );
     let mut rows = Vec::new();
     for point in &found.points {

@@ -26,6 +26,7 @@ use super::falling_friction::FallingFriction;
 use super::kalker::LinearTheory;
 use super::strips::{Bundle, FEWEST, LANES, Lanes, Strips, count, sum};
 use super::{Build, CreepLaw, RollingContact};
+use crate::contact::Material;
 use crate::contact::creepage::CreepForce;
 use crate::settings::{Entry, Section, SettingsError};
 use std::f64::consts::PI;
@@ -46,6 +47,10 @@ pub struct Fastsim {
     cells: usize,
     friction: FallingFriction,
 }
+
+/// Where scenes name none.
+const STRIPS: usize = 20;
+const CELLS: usize = 20;
 
 /// Slip per bound, scaled with a: growth of traction over x/a, y/b.
 #[derive(Clone, Copy)]
@@ -163,9 +168,16 @@ impl CreepLaw for Fastsim {
     }
 }
 
+impl Fastsim {
+    /// With 20 strips of 20 cells, as scenes have it.
+    pub fn new(material: Material) -> Self {
+        Fastsim { linear: LinearTheory::new(material), strips: Strips::new(STRIPS), cells: CELLS, friction: FallingFriction::CONSTANT }
+    }
+}
+
 fn parse(section: &Section) -> Result<Build, SettingsError> {
-    let strips = Strips::new(count(section, "strips", 20, FEWEST)?);
-    let cells = count(section, "cells", 20, 1)?;
+    let strips = Strips::new(count(section, "strips", STRIPS, FEWEST)?);
+    let cells = count(section, "cells", CELLS, 1)?;
     let friction = FallingFriction::parse(section, FallingFriction::CONSTANT)?;
     Ok(Arc::new(move |material| Box::new(Fastsim { linear: LinearTheory::new(material), strips: strips.clone(), cells, friction })))
 }

@@ -20,6 +20,7 @@ pub mod usetab;
 use super::creepage::{CreepForce, Creepage};
 use super::{Material, Patch};
 use adapted::{KalkerFactors, Reduced, WithoutSpin};
+use fastsim::Fastsim;
 pub use kalker_linear::KalkerLinear;
 pub use shen_hedrick_elkins::ShenHedrickElkins;
 
@@ -65,6 +66,11 @@ pub trait CreepLaw: Send + Sync + std::fmt::Debug {
         slopes::differences(self, contact, force)
     }
 
+    /// Of Kalker's theory, which can be solved on any patch: how it is solved numerically.
+    fn on_any_patch(&self) -> Option<exact::Settings> {
+        None
+    }
+
     /// Does no force of it exceed mu N?
     fn is_bounded(&self) -> bool {
         true
@@ -74,6 +80,11 @@ pub trait CreepLaw: Send + Sync + std::fmt::Debug {
     fn describe(&self) -> String {
         String::new()
     }
+}
+
+/// Kalker's simplified theory as FASTSIM solves it: what stands in for his exact one in slopes.
+pub fn simplified_theory(material: Material) -> Box<dyn CreepLaw> {
+    Box::new(Fastsim::new(material))
 }
 
 /// Builds a law for a material.

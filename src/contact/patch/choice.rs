@@ -13,6 +13,8 @@ pub enum PatchLaw {
     Table,
     /// The first order of the strips' patch about the middle of the track.
     Linear,
+    /// Half-space contact on a grid, with Kalker's tangential problem on it ([`super`]).
+    Exact,
 }
 
 impl PatchLaw {
@@ -48,6 +50,12 @@ pub static REGISTRY: &[Entry<PatchLaw>] = &[
         summary: "the same read from a table, made once for a pair of profiles: treads at the price of a formula; flanges and what else lies outside by strips (ECF-A)",
         reference: "cubic convolution (Keys 1981) of the strips' patches over place, lean and load",
         parse: PatchLaw::Table,
+    },
+    Entry {
+        name: "exact",
+        summary: "the reference: half-space contact of the real profiles and Kalker's tangential problem on a grid in each evaluation, slow (with creep.law = \"exact\")",
+        reference: "Kalker 1990; Polonsky and Keer, Wear 231 (1999); 5e-4 of N on 32 x 32 cells",
+        parse: PatchLaw::Exact,
     },
     Entry {
         name: "ellipse",

@@ -19,14 +19,15 @@
 
 mod choice;
 mod lowering;
+mod places;
 mod pressed;
-
 mod surfaces;
 #[cfg(test)]
 mod tests;
 
 pub use choice::{AUTO, PatchLaw, REGISTRY, parse};
 pub use lowering::depth_under_load;
+pub use places::{FrictionOf, Place, PlaceCreep};
 pub use pressed::Pressed;
 
 use nalgebra::Vector3;
@@ -40,11 +41,13 @@ pub struct Settings {
     pub rows: usize,
     /// Are creep forces extrapolated from this grid (of even numbers) and one with half as many cells each way?
     pub extrapolate: bool,
+    /// Residual of the friction law over the bound (root mean square) at which the tangential iteration stops.
+    pub tolerance: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { columns: 32, rows: 32, extrapolate: true }
+        Settings { columns: 32, rows: 32, extrapolate: true, tolerance: 1e-6 }
     }
 }
 

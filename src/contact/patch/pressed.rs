@@ -10,46 +10,48 @@ use crate::contact::half_space::{normal, rolling};
 use crate::contact::search::algebraic::Pair;
 use nalgebra::Vector3;
 
-/// Residual of the friction law over the bound (root mean square) at which the tangential iteration stops.
-const TOLERANCE: f64 = 1e-6;
-
 /// A wheel pressed on a rail in a pose; it may roll in any way.
 #[derive(Clone, Debug)]
 pub struct Pressed {
     /// Of the wheelset, and its axle's direction.
-    centre: Vector3<f64>,
-    axle: Vector3<f64>,
-    material: Material,
+    pub(super) centre: Vector3<f64>,
+    pub(super) axle: Vector3<f64>,
+    pub(super) material: Material,
+    /// Of the tangential iteration.
+    tolerance: f64,
     /// `None` where the surfaces do not overlap.
-    grids: Option<Grids>,
+    pub(super) grids: Option<Grids>,
 }
 
 #[derive(Clone, Debug)]
-struct Grids {
-    domain: Domain,
-    fine: Grid,
+pub(super) struct Grids {
+    pub domain: Domain,
+    /// 1 where outward is to the left, else -1.
+    pub left: f64,
+    pub fine: Grid,
     /// With half as many cells each way, for the extrapolation of creep forces.
-    coarse: Option<Grid>,
+    pub coarse: Option<Grid>,
 }
 
 /// Pressed cells of one grid, row by row from right to left, in each row from the front backward.
 #[derive(Clone, Debug)]
-struct Grid {
+pub(super) struct Grid {
     columns: usize,
     rows: usize,
     /// Of a cell, m.
-    size: [f64; 2],
-    cells: Vec<Cell>,
+    pub size: [f64; 2],
+    pub cells: Vec<Cell>,
     /// Lead and arc length across, left positive, m.
-    places: Vec<[f64; 2]>,
-    samples: Vec<Sample>,
+    pub places: Vec<[f64; 2]>,
+    pub samples: Vec<Sample>,
     /// Over G.
-    pressures: Vec<f64>,
+    pub pressures: Vec<f64>,
 }
 
 /// What tractions belong to the cells of a grid.
-struct Rolled {
-    tractions: Vec<Components>,
+pub(super) struct Rolled {
+    /// Over G.
+    pub tractions: Vec<Components>,
     slips: Vec<Components>,
     residual: f64,
 }
@@ -57,17 +59,17 @@ struct Rolled {
 impl Pressed {
     /// Solves the normal problem; `None` where the iteration was given up.
     pub fn new(pair: &Pair, material: Material, settings: Settings) -> Option<Self> {
-        let Settings { columns, rows, extrapolate } = settings;
+        let Settings { columns, rows, extrapolate, tolerance } = settings;
         let grids = match Domain::find(pair) {
             None => None,
             Some(domain) => {
                 let grid = |columns, rows| Grid::press(pair, &domain, material.poisson_ratio, [columns, rows]);
                 let coarse = if extrapolate { Some(grid(columns / 2, rows / 2)?) } else { None };
                 let fine = grid(columns, rows)?;
-                Some(Grids { domain, fine, coarse })
+                Some(Grids { domain, left: pair.rail.side.sign(), fine, coarse })
             }
         };
-        Some(Pressed { centre: *pair.centre, axle: pair.axes.column(1).into_owned(), material, grids })
+        Some(Pressed { centre: *pair.centre, axle: pair.axes.column(1).into_owned(), material, tolerance, grids })
     }
 
     /// Settings whose grid resolves each place at which the wheel presses, and is no coarser than theirs.
@@ -83,7 +85,7 @@ impl Pressed {
     /// The patch that rolls; without friction or speed there are no tractions.
     pub fn roll(&self, motion: &Motion, friction: f64) -> PatchSolution {
         let Some(grids) = &self.grids else { return PatchSolution::default() };
-        let on = |grid: &Grid| self.solution(grids, grid, &grid.roll(self, motion, friction), friction);
+        let on = |grid: &Grid| self.solution(grids, grid, &grid.roll(self, motion, &vec![friction; grid.cells.len()]), friction);
         let mut fine = on(&grids.fine);
         if let Some(coarse) = grids.coarse.as_ref().map(on) {
             let force = fine.creep_force * 2.0 - coarse.creep_force;
@@ -161,9 +163,10 @@ impl Grid {
         Rolled { tractions: none(), slips: none(), residual: 0.0 }
     }
 
-    fn roll(&self, wheel: &Pressed, motion: &Motion, friction: f64) -> Rolled {
+    /// With the friction of each cell.
+    pub(super) fn roll(&self, wheel: &Pressed, motion: &Motion, friction: &[f64]) -> Rolled {
         let mut rolled = self.at_rest();
-        if motion.speed == 0.0 || friction <= 0.0 || self.cells.is_empty() {
+        if motion.speed == 0.0 || !friction.iter().any(|friction| *friction > 0.0) {
             return rolled;
         }
         // Rolling backward everything turns by 180 degrees about the normal: the leading edge comes first.
@@ -183,13 +186,13 @@ impl Grid {
             size: self.size,
             cells: order.iter().map(turned).collect(),
             places: order.iter().map(|k| self.places[*k].map(|place| ahead * place)).collect(),
-            values: order.iter().map(|k| friction * self.pressures[*k]).collect(),
+            values: order.iter().map(|k| friction[*k] * self.pressures[*k]).collect(),
         };
         let rigid: Vec<Components> = order.iter().map(rigid).collect();
         let convolver = Convolver::new(self.columns, self.rows);
         let kernel = rolling::kernel(self.size, wheel.material.poisson_ratio, &convolver);
         let problem = Tangential { pressure: &bound, convolver: &convolver, kernel: &kernel };
-        let (mut workspace, limits) = (Workspace::new(&convolver), Limits { tolerance: TOLERANCE, most_steps: MOST_STEPS });
+        let (mut workspace, limits) = (Workspace::new(&convolver), Limits { tolerance: wheel.tolerance, most_steps: MOST_STEPS });
         let mut tractions = vec![[0.0; 2]; order.len()];
         rolled.residual = problem.solve(&rigid, &mut tractions, limits, &mut workspace).residual;
         let slips = problem.slip_of(&rigid, &tractions, &mut workspace);

@@ -46,6 +46,11 @@ impl Sample {
         self.point - self.normal * self.overlap
     }
 
+    /// Along which pressure acts on the wheel, per its size: alike bodies yield alike, and the pressed surface lies half way between both.
+    pub fn pressing(&self) -> Vector3<f64> {
+        (self.normal + self.wheel_normal / self.wheel_normal.dot(&self.normal)) * 0.5
+    }
+
     /// Half way between wheel and rail.
     pub fn between(&self) -> Vector3<f64> {
         self.point - self.normal * (0.5 * self.overlap)

@@ -48,7 +48,8 @@ fn rolling(yaw: f64, speed: f64) -> Motion {
 fn on(wheel: &Wheel, rail: &Rail, centre: Vector3<f64>, yaw: f64, motion: Option<&Motion>, n: usize) -> PatchSolution {
     let frame = AxleFrame::new(yaw, 0.0);
     let pair = Pair { wheel, rail, centre: &centre, axes: &frame.axes, distance: 0.0 };
-    let pressed = Pressed::new(&pair, STEEL, Settings { columns: n, rows: n, extrapolate: motion.is_some() }).unwrap();
+    let pressed =
+        Pressed::new(&pair, STEEL, Settings { columns: n, rows: n, extrapolate: motion.is_some(), ..Settings::default() }).unwrap();
     motion.map_or_else(|| pressed.at_rest(), |motion| pressed.roll(motion, 0.3))
 }
 
@@ -159,7 +160,7 @@ fn prop_a_load_that_is_asked_for_is_carried() {
     let frame = AxleFrame::new(0.0, 0.0);
     let centre = Vector3::new(0.0, 0.0, 0.46);
     let pair = Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &frame.axes, distance: 0.0 };
-    let settings = Settings { columns: 16, rows: 16, extrapolate: false };
+    let settings = Settings { columns: 16, rows: 16, extrapolate: false, ..Settings::default() };
     for load in [1e3, 5e4, 2e5] {
         let (depth, pressed) = depth_under_load(&pair, load, STEEL, settings, None).unwrap();
         let found = pressed.at_rest();

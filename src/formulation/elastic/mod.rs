@@ -3,6 +3,7 @@
 pub(super) mod carried;
 pub(super) mod ecf_a;
 pub(super) mod ecf_n;
+pub(super) mod half_spaces;
 pub mod linear;
 pub(super) mod patch;
 pub mod points;

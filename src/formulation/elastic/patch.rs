@@ -8,6 +8,7 @@ use super::super::loading::{Contact, WheelAt};
 use super::super::wheel_search::MOST_POINTS;
 use super::super::{ContactFailure, ContactReport};
 use super::carried::{Carried, creep_of, location};
+use super::half_spaces;
 use super::tabled::TabledWheel;
 use crate::contact::normal::damping::damped_force;
 use crate::contact::search::algebraic::ContactLocation;
@@ -70,8 +71,10 @@ pub(super) fn press_wheel(
     });
     let points = 1 + further.len();
     let flanks = located.iter().flatten().map(|place| (place.rail_profile.d1, place.penetration));
-    let on = WheelPatch::find(wheel, rail, near, known, flanks, scratch);
-    let mut loaded = on.load()?;
+    let mut loaded = match wheel.model.half_spaces {
+        Some(settings) => Loaded { shown: half_spaces::load(wheel, settings)?, beside: None },
+        None => WheelPatch::find(wheel, rail, near, known, flanks, scratch).load()?,
+    };
     for (slot, report) in std::iter::once(&mut *first).chain(&mut *further).enumerate() {
         *report = match located.get(slot).and_then(Option::as_ref) {
             Some(found) => {

@@ -54,7 +54,9 @@ impl Model {
         }
         let flanks = reports.map(|report| (report.profiles[1].d1, report.penetration));
         let pair = wheel.pair();
-        let on = WheelPatch::find(wheel, rail, seeds.clone(), Places::AsPressed, flanks.clone(), scratch);
+        // Where half-spaces press their places are not those of the strips.
+        let (here, beside) = if self.half_spaces.is_some() { (Places::Some, Places::Some) } else { (Places::AsPressed, Places::All) };
+        let on = WheelPatch::find(wheel, rail, seeds.clone(), here, flanks.clone(), scratch);
         let Ok(mut loaded) = on.load() else { return };
         let mut change = WrenchTangent::default();
         match &on {
@@ -81,7 +83,7 @@ impl Model {
             moved.position += translation * STEP;
             moved.frame.axes = Rotation3::new(rotation * TURN) * motion.frame.axes;
             let there = WheelAt { motion: &moved, ..*wheel };
-            let on = WheelPatch::find(&there, rail, seeds.clone(), Places::All, flanks.clone(), &mut *tried);
+            let on = WheelPatch::find(&there, rail, seeds.clone(), beside, flanks.clone(), &mut *tried);
             // Where a neighbouring pose has no answer the patch counts as stiff as nothing that way.
             let Ok(mut loaded) = on.load() else { continue };
             let mut wrench = Wrench::default();

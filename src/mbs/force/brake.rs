@@ -150,6 +150,14 @@ impl ForceElement for Brake {
         1
     }
 
+    fn torsion(&self) -> Option<usize> {
+        Some(0)
+    }
+
+    fn swings_when_locked(&self) -> bool {
+        true
+    }
+
     fn state_weight(&self) -> f64 {
         self.sticking().state_weight()
     }

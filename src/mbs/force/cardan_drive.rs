@@ -164,6 +164,14 @@ impl ForceElement for CardanDrive {
         Some(0)
     }
 
+    fn own_inertia(&self) -> Option<(usize, &'static str, f64)> {
+        Some((1, "rotor", self.inertia * UNIT_RATE * UNIT_RATE))
+    }
+
+    fn rotor_on_axle(&self) -> Option<(usize, f64)> {
+        Some((self.pair.axle, self.ratio * self.ratio * self.inertia))
+    }
+
     fn rotor_carrier(&self) -> Option<usize> {
         Some(self.car)
     }

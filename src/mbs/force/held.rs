@@ -199,6 +199,19 @@ impl ForceElement for Held {
         self.element.torsion()
     }
 
+    fn swings_when_locked(&self) -> bool {
+        self.element.swings_when_locked()
+    }
+
+    fn own_inertia(&self) -> Option<(usize, &'static str, f64)> {
+        self.element.own_inertia()
+    }
+
+    fn rotor_on_axle(&self) -> Option<(usize, f64)> {
+        let (axle, inertia) = self.element.rotor_on_axle()?;
+        Some((self.outside(Some(axle))?, inertia))
+    }
+
     fn rotor_carrier(&self) -> Option<usize> {
         self.outside(self.element.rotor_carrier())
     }

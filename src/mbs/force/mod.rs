@@ -113,8 +113,23 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
         None
     }
 
-    /// Of an element with a shaft that twists elastically: which of its states is the twist.
+    /// Of an element with a shaft, or a brake, that twists elastically: which of its states is the twist.
     fn torsion(&self) -> Option<usize> {
+        None
+    }
+
+    /// Does that shaft swing only while its wheel is locked, as one that hangs on a brake does?
+    fn swings_when_locked(&self) -> bool {
+        false
+    }
+
+    /// Of an element with a mass of its own: which of its states is its velocity, what is called so, and the inertia with which half of its square is kinetic energy, J.
+    fn own_inertia(&self) -> Option<(usize, &'static str, f64)> {
+        None
+    }
+
+    /// Of a rotor: the body of the axle that it turns with, and what the axle's turning feels of it below the drive's own frequency, n^2 J, kg m2.
+    fn rotor_on_axle(&self) -> Option<(usize, f64)> {
         None
     }
 

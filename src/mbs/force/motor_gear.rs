@@ -220,6 +220,14 @@ impl ForceElement for MotorGear {
         self.pair.fit(axles);
     }
 
+    fn own_inertia(&self) -> Option<(usize, &'static str, f64)> {
+        self.rotor.map(|rotor| (1, "rotor", rotor.inertia * UNIT_RATE * UNIT_RATE))
+    }
+
+    fn rotor_on_axle(&self) -> Option<(usize, f64)> {
+        self.rotor.map(|rotor| (self.pair.axle, self.ratio * self.ratio * rotor.inertia))
+    }
+
     fn rotor_carrier(&self) -> Option<usize> {
         let holder = if self.nose { self.pair.axle } else { self.pair.carrier };
         self.rotor.map(|_| holder)

@@ -93,6 +93,10 @@ impl ForceElement for TwistingAxle {
         Some(self.twist)
     }
 
+    fn own_inertia(&self) -> Option<(usize, &'static str, f64)> {
+        Some((1, "twist", self.twist.inertia() / (Twist::TIME * Twist::TIME)))
+    }
+
     fn torsion(&self) -> Option<usize> {
         self.elastic.then_some(0)
     }

@@ -50,6 +50,24 @@ impl Ring {
         }
     }
 
+    /// Mean over a bay of the deflection under a harmonic force of 1 N, of the circular frequency `w` [rad/s], that travels with `speed` [m/s], m/N. A wave
+    /// `e^(ikx)` of the rail feels `w - k V`.
+    pub fn mean_receptance(&self, w: f64, speed: f64) -> Complex<f64> {
+        let mut sum = Complex::default();
+        for Placed { family, even, odd } in &self.families {
+            let both = f64::from(u8::from(even.is_some()) + u8::from(odd.is_some()));
+            for (j, k) in family.numbers.iter().enumerate() {
+                let share = if *k == 0.0 { 1.0 } else { 0.5 * both };
+                for own in [w - k * speed, w + k * speed] {
+                    let Some(found) = answer(family, j, own) else { continue };
+                    sum += found.iter().zip(&family.waves).map(|(found, wave)| found * wave.amplitudes[j]).sum::<Complex<f64>>()
+                        * (0.5 * share);
+                }
+            }
+        }
+        sum
+    }
+
     /// Mean over a bay of the deflection at a place by a force of 1 N that travels with `speed` [m/s], `ahead` [m] of it, m/N.
     pub fn mean_compliance(&self, ahead: f64, speed: f64) -> f64 {
         let mut sum = 0.0;

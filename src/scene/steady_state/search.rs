@@ -123,7 +123,7 @@ impl<'a> Search<'a> {
             hasty: false,
             effort: 0,
             twists: Twists::new(&model),
-            inputs: model.neutral_inputs(),
+            inputs: if scene.vehicle.initial.driven { model.start_inputs() } else { model.neutral_inputs() },
             constrained: model.formulation.constrains() || !model.system.joints.is_empty(),
             leading: model.system.drives.iter().map(|drive| drive.body).min().unwrap_or(0),
             curvature: 0.0,

@@ -50,6 +50,8 @@ pub const INITIAL: [(&str, Dimension); 10] = [
 pub struct Initial {
     /// Are `values` added to the steady state? Otherwise they are absolute.
     pub from_equilibrium: bool,
+    /// Does the steady state balance what elements begin with (torques of motors and brakes)? That of small motions does; a run begins without and takes them up.
+    pub driven: bool,
     /// In the order of [`INITIAL`]; of a vehicle of several bodies the distance alone counts.
     pub values: [f64; 10],
     /// What the scene file gives, until [`crate::scene::load`] has resolved it into `values`.
@@ -58,7 +60,7 @@ pub struct Initial {
 
 impl Default for Initial {
     fn default() -> Self {
-        Initial { from_equilibrium: true, values: [0.0; 10], given: [None; 10] }
+        Initial { from_equilibrium: true, driven: false, values: [0.0; 10], given: [None; 10] }
     }
 }
 

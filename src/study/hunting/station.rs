@@ -109,8 +109,7 @@ pub struct Station {
 /// # Errors
 /// [`ModesError`].
 pub fn steady(scene: &Scene, speed: f64) -> Result<Simulation, ModesError> {
-    let scene = modes::undisturbed(scene, speed)?;
-    Simulation::new(&scene, 0.0).map_err(|cause| ModesError::NoStart { speed, cause })
+    modes::steady(&modes::undisturbed(scene, speed)?, speed)
 }
 
 impl Station {

@@ -16,6 +16,8 @@ mod reduction;
 pub mod shape;
 mod slopes;
 
+use crate::contact::patch::PatchLaw;
+use crate::formulation::flexibility::Flexibility;
 use crate::formulation::{EvaluationError, Model};
 use crate::mbs::body::COORDINATES;
 use crate::scene::spec::Scene;
@@ -47,6 +49,11 @@ pub enum ModesError {
         "an amplitude needs elastic contact (contact.formulation = \"ECF-A\" or \"ECF-N\"): a rigid contact jumps from place to place on the way across; expected none"
     )]
     Rigid,
+    #[error(
+        "contact.patch = \"exact\" has no slopes: on its grid forces scatter by some thousandths of friction times load, more than small motions change them; expected contact.patch = \"strips\" \
+         with another creep law"
+    )]
+    OnGrid,
     #[error("at {speed} m/s: the eigenvalues of {size} equations were not found")]
     NoEigenvalues { speed: f64, size: usize },
 }
@@ -95,6 +102,8 @@ pub struct Modes {
     pub unbalanced: f64,
     /// Do inputs of elements begin with values that the steady state does not know?
     pub driven: bool,
+    /// What stands for a track that is a beam, in words.
+    pub track: Option<String>,
     /// Stops that stand at an end of their free travel: motions on both sides of it are others.
     pub at_ends: Vec<String>,
 }
@@ -161,9 +170,7 @@ pub fn undisturbed(scene: &Scene, speed: f64) -> Result<Scene, ModesError> {
     scene.vehicle.speed = speed;
     (scene.track.alignment, scene.track.line, scene.track.start_fade) = (None, None, None);
     scene.track.deviations.clear();
-    // Over sleepers nothing is steady: the mean of the track is.
-    let places: Vec<f64> = scene.vehicle.wheelsets.iter().map(|placed| placed.x).collect();
-    scene.track.flexibility = scene.track.flexibility.map(|track| track.mean(&places, speed));
+    scene.track.flexibility = stand_in(&scene, speed).map(|(track, _)| track);
     // Friction that changes along the track is what it is at the start; else differences are more exact near the origin.
     let distance = if scene.contact.friction_map.is_some() { start::origin(&scene) } else { 0.0 };
     scene.vehicle.initial.from_equilibrium = true;
@@ -171,6 +178,29 @@ pub fn undisturbed(scene: &Scene, speed: f64) -> Result<Scene, ModesError> {
     scene.vehicle.initial.values[0] = distance;
     scene.vehicle.wheelsets.iter_mut().for_each(|wheelset| wheelset.offset = [0.0; 2]);
     Ok(scene)
+}
+
+/// Over sleepers nothing is steady: a track that is a beam has a stand-in, with its words.
+fn stand_in(scene: &Scene, speed: f64) -> Option<(Flexibility, Option<String>)> {
+    let wheelsets = &scene.vehicle.wheelsets;
+    let places: Vec<f64> = wheelsets.iter().map(|placed| placed.x).collect();
+    let unsprung = wheelsets.iter().map(|placed| 0.5 * placed.spec.mass).sum::<f64>() / wheelsets.len().max(1) as f64;
+    scene.track.flexibility.map(|track| track.in_modes(&places, speed, unsprung))
+}
+
+/// A simulation in the steady state of an undisturbed scene: that in which what elements begin with (torques of motors and brakes) is balanced too; where there is none, without.
+///
+/// # Errors
+/// [`ModesError::NoStart`].
+pub fn steady(scene: &Scene, speed: f64) -> Result<Simulation, ModesError> {
+    let start = |scene: &Scene| Simulation::new(scene, 0.0).map_err(|cause| ModesError::NoStart { speed, cause });
+    let mut driven = scene.clone();
+    driven.vehicle.initial.driven = true;
+    let found = start(&driven);
+    match found {
+        Ok(simulation) => Ok(simulation),
+        Err(_) => start(scene),
+    }
 }
 
 /// States on which nothing depends in a simulation's present state: the turn of wheelsets about their axles, states that only count.
@@ -195,9 +225,13 @@ pub fn modes(scene: &Scene, speed: f64) -> Result<Modes, ModesError> {
 /// # Errors
 /// [`ModesError`].
 pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, ModesError> {
+    if scene.contact.patch.law == PatchLaw::Exact {
+        return Err(ModesError::OnGrid);
+    }
+    let track = stand_in(scene, speed).and_then(|(_, words)| words);
     let scene = undisturbed(scene, speed)?;
     let no_start = |cause| ModesError::NoStart { speed, cause };
-    let mut simulation = Simulation::new(&scene, 0.0).map_err(no_start)?;
+    let mut simulation = steady(&scene, speed)?;
     let at_ends = at_ends(&scene, &mut simulation).map_err(no_start)?;
     let model = simulation.model();
     if amplitude > 0.0 && model.formulation.constrains() {
@@ -245,6 +279,7 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         free: size,
         unbalanced: unbalanced(model, &linear),
         driven: model.start_inputs() != model.neutral_inputs(),
+        track,
         at_ends,
         left_out: reduction.left_out,
     })

@@ -1,6 +1,6 @@
 //! What moves in a mode, in words.
 //!
-//! A part is one coordinate of one body; its share is that of the mode's kinetic energy, `m |v|^2` or `I |w|^2`. Parts that move alike in several bodies
+//! A part is one coordinate of one body, the rotor of a motor or the twist of an axle; its share is that of the mode's kinetic energy, `m |v|^2` or `I |w|^2`. Parts that move alike in several bodies
 //! (the leading and the trailing truck) are named together. A body that sways and rolls about a pole below its centre does the lower sway, about one
 //! above it the upper sway.
 //!
@@ -18,7 +18,8 @@ use serde::Serialize;
 #[derive(Clone, Debug, Serialize)]
 pub struct Part {
     pub body: String,
-    /// "x", "y", "z", "yaw", "roll" or "pitch".
+    /// Or of the element that has a mass of its own.
+    /// "x", "y", "z", "yaw", "roll" or "pitch"; "rotor" or "twist".
     pub coordinate: &'static str,
     /// Of the kinetic energy, -.
     pub share: f64,
@@ -63,42 +64,70 @@ fn inertias(model: &Model) -> Vec<f64> {
     model.system.bodies.iter().flat_map(of).collect()
 }
 
+/// An element with a mass of its own: its name, what its velocity is called, that state, and the inertia that goes with it (SI).
+struct OwnMass<'a> {
+    element: &'a str,
+    word: &'static str,
+    state: usize,
+    inertia: f64,
+}
+
+fn own_masses(model: &Model) -> Vec<OwnMass<'_>> {
+    let system = &model.system;
+    let of = |number: usize| {
+        let element = system.forces[number].as_ref();
+        let (state, word, inertia) = element.own_inertia()?;
+        Some(OwnMass { element: element.name(), word, state: system.states_of_force(number).start + state, inertia })
+    };
+    (0..system.forces.len()).filter_map(of).collect()
+}
+
 pub(super) fn describe(model: &Model, speed: f64, value: c64, mut shape: Vec<c64>) -> Described {
     let count = COORDINATES * model.system.bodies.len();
     let own = largest_beside(&shape[2 * count..], shape[..2 * count].iter().map(|part| part.norm()).fold(0.0, f64::max));
     if let Some(state) = own {
         return Described { name: owner(model, 2 * count + state), parts: Vec::new(), hunting: false, shape };
     }
-    let inertias = inertias(model);
+    let (inertias, masses) = (inertias(model), own_masses(model));
     let weighed =
         |begin: usize| -> Vec<f64> { inertias.iter().zip(&shape[begin..]).map(|(inertia, part)| inertia * part.norm_sqr()).collect() };
     let sum = |parts: &[f64]| parts.iter().sum::<f64>();
-    let (displaced, moving) = (weighed(0), weighed(count));
+    let (displaced, mut moving) = (weighed(0), weighed(count));
+    moving.extend(masses.iter().map(|own| own.inertia * shape[own.state].norm_sqr()));
     // A neighbouring place of rest has displacements and no velocities.
     let (begin, energies) = if sum(&moving) > AT_REST * sum(&displaced) { (count, moving) } else { (0, displaced) };
     let total = sum(&energies);
     let shares: Vec<f64> = energies.iter().map(|energy| energy / total).collect();
-    let mut order: Vec<usize> = (0..count).collect();
+    let mut order: Vec<usize> = (0..shares.len()).collect();
     order.sort_by(|a, b| shares[*b].total_cmp(&shares[*a]));
     let largest = order[0];
-    let scale = shape[begin + largest].norm();
+    let state = |i: usize| i.checked_sub(count).map_or(begin + i, |own| masses[own].state);
+    let scale = shape[state(largest)].norm();
     if scale > 0.0 {
-        let turn = shape[begin + largest].conj() / (scale * scale);
+        let turn = shape[state(largest)].conj() / (scale * scale);
         shape.iter_mut().for_each(|part| *part *= turn);
     }
     let moves = &shape[begin..begin + count];
-    let part = |i: usize| Part {
-        body: model.system.bodies[i / COORDINATES].name.clone(),
-        coordinate: COORDINATE_NAMES[i % COORDINATES],
-        share: shares[i],
-        phase: moves[i].arg(),
+    let part = |i: usize| {
+        let (body, coordinate) = match i.checked_sub(count) {
+            None => (model.system.bodies[i / COORDINATES].name.clone(), COORDINATE_NAMES[i % COORDINATES]),
+            Some(own) => (masses[own].element.to_string(), masses[own].word),
+        };
+        Part { body, coordinate, share: shares[i], phase: shape[state(i)].arg() }
     };
     let parts = order.iter().copied().take_while(|i| shares[*i] > TOLD).map(part).collect();
-    let lateral = [LATERAL, YAW, ROLL].iter().flat_map(|axis| shares.iter().skip(*axis).step_by(COORDINATES)).sum::<f64>() > MOSTLY;
+    let lateral =
+        [LATERAL, YAW, ROLL].iter().flat_map(|axis| shares[..count].iter().skip(*axis).step_by(COORDINATES)).sum::<f64>() > MOSTLY;
     let part_of = |wheelset: &Wheelset| [LATERAL, YAW].map(|axis| shares[COORDINATES * wheelset.body + axis]).iter().sum::<f64>();
     let takes_part = model.wheelsets.iter().map(part_of).sum::<f64>() > TAKES_PART;
     let hunting = value.im > 0.0 && lateral && takes_part && rolls_along(model, speed, moves, value);
-    let name = if total > 0.0 { name(model, &shares, moves, largest) } else { "states beside the bodies".into() };
+    let name = if let Some(own) = largest.checked_sub(count) {
+        format!("{}: {}", masses[own].element, masses[own].word)
+    } else if total > 0.0 {
+        name(model, &shares, moves, largest)
+    } else {
+        "states beside the bodies".into()
+    };
     Described { name: if hunting { format!("hunting, {name}") } else { name }, parts, hunting, shape }
 }
 

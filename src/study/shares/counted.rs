@@ -22,6 +22,8 @@ const CREEP: [(&str, f64); 6] = [
 ];
 /// ... of `exact`, which solves a half space on a grid.
 const EXACT: f64 = 2e7;
+/// Of the normal problem of half-spaces on its grid.
+const HALF_SPACES: f64 = 2e7;
 /// Of the normal law at one place: where the law says that it takes the curvature over the patch, and else.
 const OVER_PATCH: f64 = 3700.0;
 const AT_POINT: f64 = 260.0;
@@ -115,6 +117,11 @@ impl Wheels {
         self.search += WHEEL;
         if model.laws.patch == PatchLaw::Linear {
             self.normal += LINEAR;
+            return;
+        }
+        if model.laws.patch == PatchLaw::Exact {
+            self.normal += HALF_SPACES;
+            self.creep += creep;
             return;
         }
         let constrained = of().any(|report| report.constrained);

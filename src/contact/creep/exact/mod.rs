@@ -225,6 +225,10 @@ impl CreepLaw for Exact {
         self.solve(contact).force
     }
 
+    fn on_any_patch(&self) -> Option<Settings> {
+        Some(self.settings)
+    }
+
     fn describe(&self) -> String {
         match self.settings.grid {
             // Measured: the third power of the cells across, between 20 and 90.
