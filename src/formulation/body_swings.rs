@@ -4,11 +4,11 @@
 //! a train by 0.165 for 0.045 1/s. So each coordinate of a body has a swing of its own, against which a step's error is held on plain track:
 //!
 //! ```text
-//! |e| <= r max(A, A_0),   r = 5e-3 (1 - p) between 5e-5 and 5e-3,   A_0 = 0.1 mm, 0.05 mrad
+//! |e| <= max(r A, e_0),   r = 1e-2 (1 - p) between 5e-5 and 1e-2,   e_0 = 0.2 um, 0.1 urad
 //! ```
 //!
-//! A: an envelope of what it is off its slow mean; p: what a peak keeps of the one before on its side, the more lasting side counts. A damping of 20 % has p = 0.28 and hardly feels it; where
-//! nothing is known yet r = 5e-4. Some seven steps in a period then change the logarithmic decrement by 4 % of itself at most.
+//! A: an envelope of what it is off its slow mean; p: what a peak keeps of the one before on its side, the less of two in a row, the more of both sides. A damping of 20 % has p = 0.28 and hardly feels it.
+//! Some seven steps in a period then change the logarithmic decrement by 7 % of itself at most. Before two peaks on a side have followed each other r = 1e-2 and e_0 = 2 um, 2 urad.
 //!
 //! Coordinates relative to the track beside the body: along it relative to the foremost of all bodies, across, up, and three angles.
 
@@ -18,12 +18,14 @@ use crate::mbs::body::COORDINATES;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// r per part that a peak loses, its bounds, and where no peaks are known.
-const PER_LOSS: f64 = 5e-3;
+/// r per part that a peak loses, and its bounds.
+const PER_LOSS: f64 = 1e-2;
 const LEAST: f64 = 5e-5;
-const UNKNOWN: f64 = 5e-4;
-/// Swings below this do not matter, m and rad.
-const SMALLEST: [f64; 2] = [1e-4, 5e-5];
+/// Errors below this do not matter, m and rad; and where no swing is known yet.
+const SMALLEST: [f64; 2] = [2e-7, 1e-7];
+const UNKNOWN: [f64; 2] = [2e-6, 2e-6];
+/// A peak that is so many times the one before begins another swing.
+const ANEW: f64 = 1.5;
 /// Places of the angles among the coordinates: yaw, roll, pitch.
 const ANGLES: usize = 3;
 
@@ -33,8 +35,13 @@ struct Peaks {
     above: bool,
     /// Of the present half swing.
     peak: f64,
-    /// Of the last whole one on each side, and what it kept of the one before.
-    last: [Option<f64>; 2],
+    sides: [Side; 2],
+}
+
+/// The last whole half swing on one side, and what it and the one before kept of those before them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Side {
+    peak: Option<f64>,
     kept: [Option<f64>; 2],
 }
 
@@ -42,24 +49,23 @@ impl Peaks {
     fn note(&mut self, from_mean: f64) {
         let above = from_mean > 0.0;
         if above != self.above {
-            let side = usize::from(self.above);
-            self.kept[side] = self.last[side].map(|last| self.peak / last);
-            self.last[side] = Some(self.peak);
+            let side = &mut self.sides[usize::from(self.above)];
+            let kept = side.peak.map(|last| self.peak / last).filter(|kept| *kept < ANEW);
+            *side = Side { peak: Some(self.peak), kept: [kept, side.kept[0].filter(|_| kept.is_some())] };
             *self = Peaks { above, peak: 0.0, ..*self };
         }
         self.peak = self.peak.max(from_mean.abs());
-        // A swing that has begun anew is known at once.
-        let side = usize::from(above);
-        if let (Some(last), Some(kept)) = (self.last[side], &mut self.kept[side]) {
-            *kept = kept.max(self.peak / last);
+        let side = &mut self.sides[usize::from(above)];
+        if side.peak.is_some_and(|last| self.peak > ANEW * last) {
+            side.kept = [None; 2];
         }
     }
 
-    /// r.
-    fn share(&self) -> f64 {
-        let [below, above] = self.kept;
-        let (Some(below), Some(above)) = (below, above) else { return UNKNOWN };
-        (PER_LOSS * (1.0 - below.max(above))).clamp(LEAST, PER_LOSS)
+    /// r; `None` where no swing is known. One that lasts has kept its peaks twice, on one side at least: what is only led aside and back has not.
+    fn share(&self) -> Option<f64> {
+        let lasting = |side: &Side| side.kept[0].zip(side.kept[1]).map(|(now, before)| now.min(before));
+        let kept = self.sides.iter().filter_map(lasting).reduce(f64::max)?;
+        Some((PER_LOSS * (1.0 - kept)).clamp(LEAST, PER_LOSS))
     }
 }
 
@@ -112,7 +118,12 @@ impl Model {
             let place = workspace.in_track(body, Vector3::new(error[0], error[1], error[2]));
             let error = [place.x, place.y, place.z, error[3], error[4], error[5]];
             let part = |(i, Coordinate { envelope, peaks }): (usize, &Coordinate)| {
-                error[i].abs() / (peaks.share() * envelope.amplitude.max(SMALLEST[usize::from(i >= ANGLES)]))
+                let kind = usize::from(i >= ANGLES);
+                let allowed = match peaks.share() {
+                    Some(share) => (share * envelope.amplitude).max(SMALLEST[kind]),
+                    None => (PER_LOSS * envelope.amplitude).max(UNKNOWN[kind]),
+                };
+                error[i].abs() / allowed
             };
             own.iter().enumerate().map(part).fold(0.0, f64::max)
         };
@@ -127,17 +138,19 @@ mod tests {
 
     #[test]
     fn analytic_what_a_swing_loses_says_how_much_a_step_may_take() {
-        let share = |rate: f64, mean: f64| {
+        let share = |of: &dyn Fn(f64) -> f64| {
             let mut peaks = Peaks::default();
-            for i in 0..800 {
-                let t = 0.005 * f64::from(i);
-                peaks.note(mean + (-rate * t).exp() * (TAU * 1.4 * t).sin());
-            }
+            (0..800).for_each(|i| peaks.note(of(0.005 * f64::from(i))));
             peaks.share()
         };
-        assert_eq!([share(0.0, 0.0), share(-0.3, 0.0), share(0.0, 2.0)], [LEAST, LEAST, UNKNOWN]);
+        let swing = |rate: f64| move |t: f64| (-rate * t).exp() * (TAU * 1.4 * t).sin();
+        assert_eq!([share(&swing(0.0)), share(&swing(-0.2)), share(&|t| 2.0 + swing(0.0)(t))], [Some(LEAST), Some(LEAST), None]);
         // By a whole period's decay.
         let kept = (-0.16_f64 / 1.4).exp();
-        assert!((share(0.16, 0.0) / (PER_LOSS * (1.0 - kept)) - 1.0).abs() < 0.05, "{}", share(0.16, 0.0));
+        let found = share(&swing(0.16)).unwrap();
+        assert!((found / (PER_LOSS * (1.0 - kept)) - 1.0).abs() < 0.05, "{found}");
+        // Aside and back, once; and a blow after a swing that had faded.
+        assert_eq!(share(&|t| (-(t - 1.0).powi(2)).exp() - (-(t - 2.5).powi(2)).exp()), None);
+        assert_eq!(share(&|t| if t < 3.3 { swing(2.0)(t) } else { 5.0 * swing(0.0)(t) }), None);
     }
 }

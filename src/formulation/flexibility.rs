@@ -44,9 +44,11 @@ impl Flexibility {
         let Flexibility::Beam(beam) = self else { return (self, None) };
         let (track, frequency) = beam.stand_in(places, speed, unsprung);
         let words = format!(
-            "the beam's answer at {frequency:.1} Hz, where a wheelset swings on it, stands for it: {} (a swing of that mass between rail and wheel is none of the track; waves and what \
-             wheels feel of each other are left out)",
-            track.describe()
+            "the beam's answer at {frequency:.1} Hz, where a wheelset swings on it: {:.0} kg on {:.1} MN/m and {:.1} kN s/m under each wheel (a swing of that mass against the wheel is none of \
+             the track; waves, and what wheels feel of each other, are left out)",
+            track.vertical.mass,
+            1e-6 * track.vertical.stiffness,
+            1e-3 * track.vertical.damping
         );
         (Flexibility::Travelling(track), Some(words))
     }

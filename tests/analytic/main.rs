@@ -21,6 +21,7 @@ mod rail_motion;
 mod sliding_means;
 mod speed;
 mod speed_input;
+mod swings;
 mod tangent;
 mod traction;
 mod travelling_track;

@@ -249,3 +249,75 @@ fn analytic_equivalent_slopes_are_neutral_at_a_limit_cycle() {
         assert!((mode.frequency / cycle - 1.0).abs() < 6e-3 && mode.damping.abs() < 7e-3);
     }
 }
+
+/// A wheelset bounces on rails on sleepers: its frequency and damping are those of a mass on a contact spring on an endless Euler beam on two layers (with the bay's masses, pads and ballast
+/// spread along it), `D(s) = 8 EI (k(s) / 4 EI)^(3/4)`, found by Newton in the complex plane.
+#[test]
+fn analytic_wheelsets_bounce_on_beam_rails_as_on_an_endless_beam() {
+    for (pad, ballast) in [(16e3, 80e3), (2e3, 8e3)] {
+        let track = format!("track.flexibility={{model=\"beam\", pad_damping={pad}, ballast_damping={ballast}}}");
+        let scene = open("suspended_wheelset", &["vehicle.speed=40", &track]);
+        let all = found(&scene);
+        let bounce = all.modes.iter().find(|mode| mode.name == "wheelset: bounce").unwrap();
+        let c = |re: f64| Complex::new(re, 0.0);
+        let bending = 210e9 * 3038.3e-8;
+        let dynamic = |s: Complex<f64>| {
+            let (upper, lower) = (c(200e6) + s * pad, c(50e6) + s * ballast + s * s * 150.0);
+            let bed = (upper * lower / (upper + lower)) / 0.6 + s * s * 60.21;
+            c(8.0 * bending) * (bed / (4.0 * bending)).powf(0.75)
+        };
+        // Half the wheelset on its contact and rail; the suspension is soft.
+        let half = 0.5 * scene.vehicle.wheelsets[0].spec.mass;
+        let contact = 1.5 * bounce_stiffness(&scene);
+        let rest = |s: Complex<f64>| s * s * half + (c(contact).inv() + dynamic(s).inv()).inv();
+        let mut s = Complex::new(-20.0, 300.0);
+        for _ in 0..50 {
+            let step = c(1e-3);
+            s -= rest(s) * (step * 2.0) / (rest(s + step) - rest(s - step));
+        }
+        println!("pad {pad}, ballast {ballast}: {:.2} {:.2} 1/s, endless beam {s:.2}", bounce.growth, bounce.angular_frequency);
+        let off = (value(bounce) - s) / s.norm();
+        assert!(off.im.abs() < 0.03 && off.re.abs() < 0.005, "{} {s}", value(bounce));
+        assert!(all.track.as_ref().unwrap().contains("the beam's answer at"));
+    }
+}
+
+/// Of a contact under the static load, over its approach, N/m.
+fn bounce_stiffness(scene: &Scene) -> f64 {
+    let mut simulation = Simulation::new(&undisturbed(scene, scene.vehicle.speed).unwrap(), 0.0).unwrap();
+    let report = simulation.snapshot().unwrap().workspace.contacts[0];
+    report.normal_force / report.penetration
+}
+
+/// A motor's torque is in the balance of modes: hunting under traction grows as a run's does (without: -0.047 for +0.033 1/s). Its rotor is a part of modes.
+#[test]
+fn analytic_modes_know_traction_and_rotors() {
+    let path = common::data("driven_wheelset.toml");
+    let driven = |changes: &[&str]| open(path.to_str().unwrap(), changes);
+    let scene = driven(&["vehicle.speed=36", "vehicle.force[motor].torque=2500"]);
+    let all = found(&scene);
+    let hunting = all.hunting().unwrap();
+    assert!(all.unbalanced < 1e-3 && (hunting.growth - 0.033).abs() < 2e-3, "{} {}", all.unbalanced, hunting.growth);
+    let coasting = found(&driven(&["vehicle.speed=36", "vehicle.force[motor].torque=0"])).hunting().unwrap().growth;
+    assert!(coasting < -0.04, "{coasting}");
+    let (inertia, stiffness, ratio) = (8.0, 4000.0, 4.0_f64);
+    let rotor = [
+        format!("vehicle.force[motor].rotor_inertia={inertia}"),
+        format!("vehicle.force[motor].stiffness={stiffness}"),
+        "vehicle.force[motor].damping=0".into(),
+    ];
+    let rotor: Vec<&str> = rotor.iter().map(String::as_str).collect();
+    let all = found(&driven(&[&["vehicle.speed=30", "vehicle.force[motor].torque=0"], &rotor[..]].concat()));
+    let mode = all.modes.iter().find(|mode| mode.name == "motor: rotor").unwrap();
+    let formula = (stiffness / (ratio * ratio * inertia)).sqrt() / (2.0 * PI);
+    println!("rotor {:.4} Hz, formula {formula:.4}, share {:.3}", mode.frequency, mode.parts[0].share);
+    assert!((mode.frequency / formula - 1.0).abs() < 0.02 && mode.parts[0].share > 0.9);
+}
+
+/// Eigenvalues are no slopes of a grid.
+#[test]
+fn prop_half_spaces_have_no_modes() {
+    let scene = open("wheelset_s1002", &["contact.patch=exact", "contact.creep={law=\"exact\"}"]);
+    let said = modes(&scene, 20.0).unwrap_err().to_string();
+    assert!(said.contains("expected contact.patch = \"strips\""), "{said}");
+}

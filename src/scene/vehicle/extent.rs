@@ -102,7 +102,8 @@ impl Away {
             false if self.carried == 0.0 => String::new(),
             false => format!("; {:.0} kg of it go along the track", self.carried),
         };
-        let mass = |(name, mass, turning): &(String, f64, f64)| format!("{name} {mass:.0} kg (and {turning:.0} kg of turning wheels)");
+        let mass =
+            |(name, mass, turning): &(String, f64, f64)| format!("{name} {mass:.0} kg (and {turning:.0} kg of what turns with the wheels)");
         let masses: Vec<String> = self.masses.iter().map(mass).collect();
         let masses = if masses.is_empty() { String::new() } else { format!("; point masses along the track: {}", list(&masses)) };
         let lost = if self.lost.is_empty() { String::new() } else { format!("; gone with them: {}", list(&self.lost)) };
