@@ -92,21 +92,21 @@ impl System {
         workspace.with_inputs(self.inputs_of_force(element))
     }
 
-    /// Puts the states of elements that turn with axles where they come to rest with the axles spinning as they do in `y`.
+    /// Puts the states of elements that turn with axles where they come to rest with the axles spinning as they do in `y`, under the inputs in the workspace.
     pub fn spin_up_forces(&self, y: &mut [f64], workspace: &mut SystemWorkspace) {
         if self.forces.iter().any(|force| force.turns_axle()) {
             self.move_bodies(y, workspace);
             for (element, force) in self.forces.iter().enumerate().filter(|(_, force)| force.turns_axle()) {
-                force.settle(&workspace.moving(), &mut y[self.states_of_force(element)]);
+                force.settle(&self.seen_by(element, workspace), &mut y[self.states_of_force(element)]);
             }
         }
     }
 
-    /// Puts the force elements' states where they come to rest with the bodies at rest in their places of `y`.
+    /// Puts the force elements' states where they come to rest with the bodies at rest in their places of `y`, under the inputs in the workspace.
     pub fn settle_forces(&self, y: &mut [f64], workspace: &mut SystemWorkspace) {
         self.move_bodies(y, workspace);
         for (element, force) in self.forces.iter().enumerate() {
-            force.settle(&workspace.moving(), &mut y[self.states_of_force(element)]);
+            force.settle(&self.seen_by(element, workspace), &mut y[self.states_of_force(element)]);
         }
     }
 

@@ -164,7 +164,7 @@ impl Simulation {
         let steady = scene.vehicle.initial.from_equilibrium.then(|| steady_state::steady_state(scene)).transpose()?;
         let model = model.with_static_wheel_loads(steady.as_ref().map_or(&[], |steady| &steady.wheel_loads));
         let state = initial_state(scene, &model, steady);
-        let mut simulation = Self::begin(model, &scene.solver.integrator, state, start)?;
+        let mut simulation = Self::begin(model, &scene.solver.integrator, state, start, scene.vehicle.initial.driven)?;
         if scene.effects.half {
             simulation.halve()?;
         }
@@ -188,15 +188,16 @@ impl Simulation {
     /// [`SimulationError`] when the initial state cannot be evaluated.
     pub fn from_model(model: Model, integrator: &Arc<dyn Integrator>, mut y: Vec<f64>, start: f64) -> Result<Self, SimulationError> {
         y.resize(model.dimension(), 0.0);
-        Self::begin(model, integrator, (y, Contacts::Any), start)
+        Self::begin(model, integrator, (y, Contacts::Any), start, false)
     }
 
-    /// From a solution in the track frame, and how contacts begin.
+    /// From a solution in the track frame, and how contacts begin; `driven`: elements have taken up what they begin with.
     fn begin(
         model: Model,
         integrator: &Arc<dyn Integrator>,
         (mut y, contacts): (Vec<f64>, Contacts),
         start: f64,
+        driven: bool,
     ) -> Result<Self, SimulationError> {
         let mut memory = model.blank_memory();
         if let Contacts::Kept(kept) = &contacts {
@@ -207,6 +208,9 @@ impl Simulation {
             on_the_line(&model, line, &mut y);
         }
         let mut workspace = model.workspace();
+        if driven {
+            model.take_inputs(&mut workspace.system, start, &model.start_inputs());
+        }
         model.system.spin_up_forces(&mut y, &mut workspace.system);
         let mut step = model.at(&mut workspace, start, &mut y, &mut memory);
         match contacts {

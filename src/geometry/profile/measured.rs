@@ -9,6 +9,7 @@
 use super::super::file::OpenFile;
 use super::cleaning::{self, Sample};
 use super::doubts::doubts;
+use super::groove;
 use super::orientation::{check_shape, downward};
 use super::s1002::wheel_radius;
 use super::{Part, Profile, ProfileChoice, ProfilePoint, swinging};
@@ -172,6 +173,7 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
         return Err(wrong(sample.line, format!("found radius {}, expected more than 0", sample.z)));
     }
 
+    let groove = if part == Part::Rail { groove::cut(&mut samples) } else { None };
     let doubts = doubts(&samples, part);
     let mut points: Vec<(f64, f64)> = samples.iter().map(|sample| (sample.x, sample.z)).collect();
     if let Some((key, reach)) = reach {
@@ -186,7 +188,7 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     let profile = SplineProfile::through(&points).map_err(|error| section.error("file", format!("\"{}\": {error}", file.path)))?;
     let coordinates: Vec<f64> = points.iter().map(|point| point.0).collect();
     let swings = swinging::describe(&swinging::swings(&profile, &coordinates));
-    let doubt = doubts.into_iter().chain(swings).reduce(|all, more| format!("{all}; {more}"));
+    let doubt = doubts.into_iter().chain(swings).chain(groove).reduce(|all, more| format!("{all}; {more}"));
     Ok(ProfileChoice { profile: Arc::new(profile), file: Some(file.kept), notes, doubt })
 }
 

@@ -11,6 +11,7 @@ mod cone;
 mod doubts;
 mod drawing;
 mod flangeless;
+mod groove;
 mod measured;
 mod miniprof;
 mod orientation;

@@ -191,7 +191,7 @@ impl ForceElement for CardanDrive {
     /// Turning with its axle, without torque.
     fn settle(&self, bodies: &Moving, state: &mut [f64]) {
         let pinion = self.shaft(bodies, state).pinion;
-        (state[0], state[1]) = (0.0, pinion / UNIT_RATE);
+        (state[0], state[1]) = (bodies.input(0) / self.stiffness, pinion / UNIT_RATE);
     }
 
     #[inline]

@@ -254,7 +254,9 @@ impl ForceElement for MotorGear {
     fn settle(&self, bodies: &Moving, state: &mut [f64]) {
         if self.rotor.is_some() {
             let drive = self.drive(bodies, state);
-            (state[0], state[1]) = (0.0, (drive.axle + drive.case / self.gear()) / self.unit_rate());
+            let held =
+                self.rotor.filter(|rotor| rotor.stiffness > 0.0).map_or(0.0, |rotor| -self.ratio * bodies.input(0) / rotor.stiffness);
+            (state[0], state[1]) = (held, (drive.axle + drive.case / self.gear()) / self.unit_rate());
         }
     }
 

@@ -269,6 +269,7 @@ impl<'a> Search<'a> {
         if self.constrained {
             step.project()?;
         }
+        model.take_inputs(&mut workspace.system, 0.0, inputs);
         model.system.settle_forces(y, &mut workspace.system);
         twists.put(&workspace.system, y);
         if self.rails_yield {

@@ -104,7 +104,13 @@ fn contact(scene: &Scene, model: &Model, list: &mut List) {
             list.add("rigid contact", Kind::Other, "ECF-A", &changes);
         }
         (false, false) => list.add("elastic contact", Kind::Other, "ECCF", &["contact.formulation=ECCF", "contact.on_lift=elastic"]),
-        (false, true) => {}
+        // A constraint holds one place of rigid surfaces.
+        (false, true) => list.add(
+            "elastic contact",
+            Kind::Other,
+            "ECCF",
+            &["contact.formulation=ECCF", "contact.on_lift=elastic", "contact.patch=ellipse"],
+        ),
     }
     match (rigid, strips) {
         (true, _) => {}
