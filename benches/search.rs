@@ -180,7 +180,7 @@ fn patches(criterion: &mut Criterion) {
                     .sum::<f64>()
             });
         });
-        let settings = Settings { columns: 33, rows: 33, extrapolate: false };
+        let settings = Settings { columns: 33, rows: 33, extrapolate: false, ..Settings::default() };
         let motion = Motion { velocity: Vector3::x() * 20.0, rotation: stand.axes.column(1) * (20.0 / 0.46), speed: 20.0 };
         criterion.bench_function(&format!("half-spaces {:+.1} mm on 33 x 33 cells: normal problem", 1e3 * y), |bencher| {
             bencher.iter(|| PressedPatch::new(black_box(&stand.pair(&poses[at])), material, settings));
