@@ -1,8 +1,8 @@
 //! A model from its parts, and what its evaluations need.
 
-use super::elastic::half_spaces;
 use super::flank;
 use super::frame_motion::MovingFrame;
+use super::half_space_settings;
 use super::memory::{Mode, ModelMemory, WheelMemory};
 use super::model::{ContactLaws, LOAD_TOLERANCE, Model, force_weights};
 use super::patch_tables::PreparedTables;
@@ -135,7 +135,8 @@ impl Model {
         };
         let half_spaces = match laws.patch {
             PatchLaw::Exact => {
-                let (settings, quick) = half_spaces::settings(laws.creep.as_ref(), laws.material).ok_or(AssemblyError::CreepOfEllipses)?;
+                let (settings, quick) =
+                    half_space_settings::settings(laws.creep.as_ref(), laws.material).ok_or(AssemblyError::CreepOfEllipses)?;
                 laws.creep = quick;
                 Some(settings)
             }

@@ -30,6 +30,7 @@ pub mod flutter;
 mod foresight;
 pub mod frame_motion;
 mod half;
+mod half_space_settings;
 mod hand_overs;
 mod hunting;
 pub mod inputs;

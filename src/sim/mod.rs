@@ -149,6 +149,14 @@ pub struct Simulation {
     start: f64,
 }
 
+/// Puts elements that turn with axles where they come to rest; `driven`: under what they begin with.
+fn spin_up(model: &Model, workspace: &mut Workspace, (start, y): (f64, &mut [f64]), driven: bool) {
+    if driven {
+        model.take_inputs(&mut workspace.system, start, &model.start_inputs());
+    }
+    model.system.spin_up_forces(y, &mut workspace.system);
+}
+
 impl Simulation {
     /// Assembles the scene and puts it into its initial state at `start` [s].
     ///
@@ -208,10 +216,7 @@ impl Simulation {
             on_the_line(&model, line, &mut y);
         }
         let mut workspace = model.workspace();
-        if driven {
-            model.take_inputs(&mut workspace.system, start, &model.start_inputs());
-        }
-        model.system.spin_up_forces(&mut y, &mut workspace.system);
+        spin_up(&model, &mut workspace, (start, &mut y), driven);
         let mut step = model.at(&mut workspace, start, &mut y, &mut memory);
         match contacts {
             Contacts::Any => model.formulation.start(&mut step)?,

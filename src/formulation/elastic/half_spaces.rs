@@ -10,19 +10,10 @@
 use super::super::loading::{Contact, WheelAt};
 use super::super::{ContactFailure, ContactReport};
 use super::carried::Carried;
-use crate::contact::Material;
-use crate::contact::creep::{CreepLaw, exact, simplified_theory};
 use crate::contact::normal::damping::damped_force;
 use crate::contact::patch::{Motion, Place, PlaceCreep, Pressed, Settings};
 use crate::contact::search::algebraic::{ContactLocation, SurfaceParameters};
 use crate::contact::strips::{Creep, MOST};
-
-/// How patches are solved, from the scene's creep law, and the law that takes its place in slopes; `None` where that law is of ellipses alone.
-pub(in crate::formulation) fn settings(law: &dyn CreepLaw, material: Material) -> Option<(Settings, Box<dyn CreepLaw>)> {
-    let exact::Settings { grid, extrapolate, tolerance } = law.on_any_patch()?;
-    let cells = grid.unwrap_or(Settings::default().columns);
-    Some((Settings { columns: cells, rows: cells, extrapolate, tolerance }, simplified_theory(material)))
-}
 
 /// The normal problem of a wheel, on a grid that resolves each of its places; `None` where its iteration finds no end.
 fn press(wheel: &WheelAt, settings: Settings) -> Option<Pressed> {

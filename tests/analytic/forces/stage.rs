@@ -102,11 +102,14 @@ impl Mechanism {
         Mechanism { workspace: system.workspace(&[]), system }
     }
 
-    /// The whole state from coordinates and velocities, the elements at rest, no heat yet.
+    /// The whole state from coordinates and velocities, the elements at rest without their inputs, no heat yet.
     pub fn state(&mut self, q: &[f64], v: &[f64]) -> Vec<f64> {
         let mut y = [q, v].concat();
         y.resize(self.system.dimension() + 1, 0.0);
+        let inputs = self.workspace.inputs.clone();
+        self.workspace.inputs.fill(0.0);
         self.system.settle_forces(&mut y, &mut self.workspace);
+        self.workspace.inputs = inputs;
         y
     }
 
