@@ -1,14 +1,14 @@
 //! How far bodies that are no wheelsets swing at present: cars, frames, motors on their springs, vehicles on their couplers.
 //!
 //! A tolerance in metres says little of a swing that is not much larger (see [`super::swing`]): an undamped car on smooth track, 2 mm at 1.4 Hz, faded by 0.027 1/s at 1e-5, wagons of
-//! a train by 0.165 for 0.045 1/s. So each coordinate of a body has a swing of its own, against which a step's error is held on plain track:
+//! a train by 0.165 for 0.045 1/s. So each coordinate of a body has a swing of its own, against which a step's error is held:
 //!
 //! ```text
-//! |e| <= max(r A, e_0),   r = 1e-2 (1 - p) between 5e-5 and 1e-2,   e_0 = 0.2 um, 0.1 urad
+//! |e| <= max(r A, e_0),   r = 5e-3 (1 - p) between 5e-5 and 5e-3,   e_0 = 0.1 um, 0.05 urad
 //! ```
 //!
 //! A: an envelope of what it is off its slow mean; p: what a peak keeps of the one before on its side, the less of two in a row, the more of both sides. A damping of 20 % has p = 0.28 and hardly feels it.
-//! Some seven steps in a period then change the logarithmic decrement by 7 % of itself at most. Before two peaks on a side have followed each other r = 1e-2 and e_0 = 2 um, 2 urad.
+//! Some seven steps in a period then change the logarithmic decrement by 4 % of itself at most. Before two peaks on a side have followed each other, and on waves of the track that pass within 2 s, r is 1e-3 or more and e_0 = 2 um, 2 urad.
 //!
 //! Coordinates relative to the track beside the body: along it relative to the foremost of all bodies, across, up, and three angles.
 
@@ -19,11 +19,13 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// r per part that a peak loses, and its bounds.
-const PER_LOSS: f64 = 1e-2;
+const PER_LOSS: f64 = 5e-3;
 const LEAST: f64 = 5e-5;
-/// Errors below this do not matter, m and rad; and where no swing is known yet.
-const SMALLEST: [f64; 2] = [2e-7, 1e-7];
-const UNKNOWN: [f64; 2] = [2e-6, 2e-6];
+/// Errors below this do not matter, m and rad.
+const SMALLEST: [f64; 2] = [1e-7, 5e-8];
+/// r where no swing is known yet, or a track's waves move bodies anyhow, and errors that do not matter then.
+const UNKNOWN: f64 = 1e-3;
+const SMALLEST_UNKNOWN: [f64; 2] = [2e-6, 2e-6];
 /// A peak that is so many times the one before begins another swing.
 const ANEW: f64 = 1.5;
 /// Places of the angles among the coordinates: yaw, roll, pitch.
@@ -112,7 +114,7 @@ impl Model {
     }
 
     /// An error of the state in parts of what the swings allow; the workspace holds an evaluation nearby.
-    pub(super) fn body_swing_error(&self, workspace: &Workspace, swings: &[BodySwing], error: &[f64]) -> f64 {
+    pub(super) fn body_swing_error(&self, workspace: &Workspace, (swings, calm): (&[BodySwing], bool), error: &[f64]) -> f64 {
         let of = |(body, BodySwing(own)): (usize, &BodySwing)| {
             let error = &error[COORDINATES * body..COORDINATES * (body + 1)];
             let place = workspace.in_track(body, Vector3::new(error[0], error[1], error[2]));
@@ -120,8 +122,8 @@ impl Model {
             let part = |(i, Coordinate { envelope, peaks }): (usize, &Coordinate)| {
                 let kind = usize::from(i >= ANGLES);
                 let allowed = match peaks.share() {
-                    Some(share) => (share * envelope.amplitude).max(SMALLEST[kind]),
-                    None => (PER_LOSS * envelope.amplitude).max(UNKNOWN[kind]),
+                    Some(share) if calm => (share * envelope.amplitude).max(SMALLEST[kind]),
+                    share => (share.unwrap_or(UNKNOWN).max(UNKNOWN) * envelope.amplitude).max(SMALLEST_UNKNOWN[kind]),
                 };
                 error[i].abs() / allowed
             };

@@ -32,6 +32,8 @@ const FADED: f64 = 0.98;
 const SMALLEST: [f64; 2] = [1e-6, 1e-7];
 /// The same where a track's waves move wheelsets anyhow.
 const SMALLEST_ON_WAVES: [f64; 2] = [2e-4, 2e-5];
+/// Waves that take longer lead cars along, s: hardly any swings so slowly.
+const SLOW: f64 = 2.0;
 /// Time of mean and envelope, s: a few periods of slow hunting.
 const TIME: f64 = 2.0;
 
@@ -78,6 +80,8 @@ pub struct Swings {
     bodies: Vec<BodySwing>,
     /// Does nothing but its own stability decide what becomes of it?
     plain: bool,
+    /// The same of the other bodies, which slow waves only lead along.
+    calm: bool,
 }
 
 impl Swings {
@@ -105,6 +109,7 @@ impl Model {
             torsions: self.torsions(),
             bodies: self.body_swings(),
             plain: false,
+            calm: false,
         }
     }
 
@@ -121,10 +126,14 @@ impl Model {
         self.note_torsions(workspace, (swings.time, t), y, &mut swings.torsions);
         self.note_body_swings(workspace, (fading, swings.time.is_none()), &mut swings.bodies);
         swings.time = Some(t);
-        swings.plain = self.out_of_round.is_empty()
-            && self.wheels().all(|WheelRef { wheelset, side, .. }| {
-                self.track.rail(side).waves().shortest_at(workspace.system.motions[wheelset.body].distance).is_none()
-            });
+        let shortest = |WheelRef { wheelset, side, .. }: &WheelRef| {
+            let motion = &workspace.system.motions[wheelset.body];
+            // Seconds for a wave.
+            self.track.rail(*side).waves().shortest_at(motion.distance).map(|wave| wave / motion.speed.abs())
+        };
+        let shortest = self.wheels().filter_map(|wheel| shortest(&wheel)).reduce(f64::min);
+        swings.plain = self.out_of_round.is_empty() && shortest.is_none();
+        swings.calm = self.out_of_round.is_empty() && shortest.is_none_or(|time| time > SLOW);
     }
 
     /// An error of the state in parts of what the swings allow; the workspace holds an evaluation nearby.
@@ -140,7 +149,7 @@ impl Model {
             (across.abs() / allowed[0]).max(own[YAW].abs() / allowed[1])
         };
         let torsion = self.torsion_error(swings.time.unwrap_or(0.0), &swings.torsions, error);
-        let bodies = if swings.plain { self.body_swing_error(workspace, &swings.bodies, error) } else { 0.0 };
+        let bodies = self.body_swing_error(workspace, (&swings.bodies, swings.calm), error);
         self.wheelsets.iter().map(|wheelset| of(wheelset.body)).fold(torsion.max(bodies), f64::max)
     }
 }

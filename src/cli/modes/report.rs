@@ -92,16 +92,17 @@ fn verdict(found: &Modes) -> String {
     format!("\nUnstable: {}\n", words.collect::<Vec<_>>().join("; "))
 }
 
-/// What steady states leave unbalanced.
-fn unsteady<'m>(all: impl IntoIterator<Item = &'m Modes>) -> String {
+/// What steady states leave unbalanced, or leave out.
+fn unsteady<'m>(all: impl IntoIterator<Item = &'m Modes> + Clone) -> String {
+    let mut text = String::new();
+    if all.clone().into_iter().any(|found| found.coasts) {
+        text += "  the torques and forces that elements begin with have no steady state: modes are those of a vehicle that coasts\n";
+    }
     let worst = all.into_iter().max_by(|a, b| a.unbalanced.total_cmp(&b.unbalanced)).filter(|worst| worst.unbalanced > UNSTEADY);
-    let Some(found) = worst else { return String::new() };
-    let by = if found.driven {
-        " (torques and forces that elements begin with are not in the balance: modes are those of a vehicle that coasts)"
-    } else {
-        ""
-    };
-    format!("  not quite steady: accelerations up to {:.1e} m/s2 or rad/s2 remain{by}\n", found.unbalanced)
+    if let Some(found) = worst {
+        text += &format!("  not quite steady: accelerations up to {:.1e} m/s2 or rad/s2 remain\n", found.unbalanced);
+    }
+    text
 }
 
 /// The least damped modes by speed, and the critical speed.

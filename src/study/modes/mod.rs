@@ -100,8 +100,8 @@ pub struct Modes {
     pub free: usize,
     /// Largest acceleration in the steady state that should be none, m/s2 or rad/s2.
     pub unbalanced: f64,
-    /// Do inputs of elements begin with values that the steady state does not know?
-    pub driven: bool,
+    /// Do inputs of elements begin with values that have no steady state, so that modes are those of a vehicle that coasts?
+    pub coasts: bool,
     /// What stands for a track that is a beam, in words.
     pub track: Option<String>,
     /// Stops that stand at an end of their free travel: motions on both sides of it are others.
@@ -149,6 +149,8 @@ impl Modes {
 const NEUTRAL: f64 = 1e-3;
 const SWINGS: f64 = 1e-3;
 
+/// Accelerations of a steady state, m/s2 or rad/s2.
+const STEADY: f64 = 1e-3;
 /// Part of their loads to which wheels must keep them where wheelsets swing.
 const KEPT: f64 = 0.01;
 
@@ -196,11 +198,28 @@ pub fn steady(scene: &Scene, speed: f64) -> Result<Simulation, ModesError> {
     let start = |scene: &Scene| Simulation::new(scene, 0.0).map_err(|cause| ModesError::NoStart { speed, cause });
     let mut driven = scene.clone();
     driven.vehicle.initial.driven = true;
-    let found = start(&driven);
-    match found {
-        Ok(simulation) => Ok(simulation),
-        Err(_) => start(scene),
+    if let Ok(mut simulation) = start(&driven)
+        && (is_neutral(&simulation) || remaining(&mut simulation) < STEADY)
+    {
+        return Ok(simulation);
     }
+    let mut coasting = start(scene)?;
+    for (index, value) in coasting.model().neutral_inputs().into_iter().enumerate() {
+        coasting.set_input(index, value, 0.0, 0.0);
+    }
+    Ok(coasting)
+}
+
+/// The largest acceleration of a simulation as it stands, m/s2 or rad/s2; infinite where it can't be evaluated.
+fn remaining(simulation: &mut Simulation) -> f64 {
+    let count = COORDINATES * simulation.model().system.bodies.len();
+    let Ok(snapshot) = simulation.snapshot() else { return f64::INFINITY };
+    snapshot.dy[count..2 * count].iter().fold(0.0, |most, rate| f64::max(most, rate.abs()))
+}
+
+/// Does nothing begin with an input?
+fn is_neutral(simulation: &Simulation) -> bool {
+    simulation.model().start_inputs() == simulation.model().neutral_inputs()
 }
 
 /// States on which nothing depends in a simulation's present state: the turn of wheelsets about their axles, states that only count.
@@ -209,7 +228,12 @@ pub fn steady(scene: &Scene, speed: f64) -> Result<Simulation, ModesError> {
 /// Where the model can't be evaluated.
 pub fn indifferent(simulation: &Simulation) -> Result<Vec<usize>, EvaluationError> {
     let state = simulation.state();
-    reduction::indifferent(&mut Neighbourhood::new(simulation.model(), &state.integration.y, &state.memories.accepted))
+    reduction::indifferent(&mut Neighbourhood::new(
+        simulation.model(),
+        &state.integration.y,
+        &state.memories.accepted,
+        simulation.model().start_inputs(),
+    ))
 }
 
 /// Modes of a scene's vehicle at a speed [m/s].
@@ -232,6 +256,8 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
     let scene = undisturbed(scene, speed)?;
     let no_start = |cause| ModesError::NoStart { speed, cause };
     let mut simulation = steady(&scene, speed)?;
+    let held = simulation.snapshot().map_err(no_start)?.inputs().to_vec();
+    let coasts = !is_neutral(&simulation) && held == simulation.model().neutral_inputs();
     let at_ends = at_ends(&scene, &mut simulation).map_err(no_start)?;
     let model = simulation.model();
     if amplitude > 0.0 && model.formulation.constrains() {
@@ -239,7 +265,7 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
     }
     let state = simulation.state();
     let beside = |cause| ModesError::Beside { speed, cause };
-    let mut here = Neighbourhood::new(model, &state.integration.y, &state.memories.accepted);
+    let mut here = Neighbourhood::new(model, &state.integration.y, &state.memories.accepted, held);
     let mut slopes = |length: f64| {
         let mut linear = here.linear(length)?;
         if amplitude > 0.0 {
@@ -278,7 +304,7 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         states: linear.size(),
         free: size,
         unbalanced: unbalanced(model, &linear),
-        driven: model.start_inputs() != model.neutral_inputs(),
+        coasts,
         track,
         at_ends,
         left_out: reduction.left_out,

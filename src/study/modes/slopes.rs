@@ -62,10 +62,10 @@ pub(super) struct Neighbourhood<'a> {
 }
 
 impl<'a> Neighbourhood<'a> {
-    pub fn new(model: &'a Model, y: &[f64], memory: &'a ModelMemory) -> Self {
+    pub fn new(model: &'a Model, y: &[f64], memory: &'a ModelMemory, inputs: Vec<f64>) -> Self {
         Neighbourhood {
             workspace: model.workspace(),
-            inputs: model.start_inputs(),
+            inputs,
             trial: memory.clone(),
             constrained: model.formulation.constrains() || model.formulation.states_per_contact() > 0 || !model.system.joints.is_empty(),
             speed: y[COORDINATES * model.system.bodies.len()].abs().max(SLOWEST),
