@@ -4,8 +4,8 @@
 //! Each patch is a contact at its load's centre. Damping is stated for patches (their overlap and its rate there) and raises all of a patch's pressures alike.
 //!
 //! *What it leaves out.* The grid goes with the wheel: N is off by 5e-4 of itself, and jumps by parts of that where its number of cells changes (a second place
-//! gets enough cells of its own); creep forces are extrapolated. Where two patches become one, damping changes from theirs to that of the whole at once. Slopes for
-//! implicit methods and eigenvalues are those of strips with Kalker's simplified theory (FASTSIM), a few percent off: a method that needs them exact makes smaller steps.
+//! gets enough cells of its own); creep forces are extrapolated, and scatter by 0.005 mu N on 32 cells. Where two patches become one, damping changes from theirs to that of the whole at once. Slopes for
+//! implicit methods are those of strips with Kalker's simplified theory (FASTSIM), a few percent off: a method that needs them exact makes smaller steps.
 
 use super::super::loading::{Contact, WheelAt};
 use super::super::{ContactFailure, ContactReport};
