@@ -266,7 +266,11 @@ fn analytic_point_masses_pull_with_their_weight_on_a_grade() {
 /// Rotors of motors turn with the wheels of a point mass: 2 x 4.6^2 x 8 kg m2 are 1600 kg of a coach. (Without, coupler forces were 3 % too small for their acceleration.)
 #[test]
 fn analytic_point_masses_have_the_inertia_of_their_rotors() {
-    let scene = open("examples/electric_train.toml", &["track.node=[]", POINTS]).unwrap();
+    let scene = open(
+        "examples/electric_train.toml",
+        &["track={ gauge = \"1435 mm\", inclination = \"1:40\", rail = { kind = \"60e1\" } }", POINTS],
+    )
+    .unwrap();
     let Extent::Cut(away) = &scene.vehicle.extent else { panic!("nothing is cut away") };
     let text = away.describe(&scene.vehicle);
     let turning = TURNING + 2.0 * 4.6 * 4.6 * 8.0 / (0.46 * 0.46);
