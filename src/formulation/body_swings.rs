@@ -78,9 +78,12 @@ struct Coordinate {
     peaks: Peaks,
 }
 
-/// All of a body; part of a simulation's state.
+/// All of a body, by its number; part of a simulation's state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct BodySwing([Coordinate; COORDINATES]);
+pub(super) struct BodySwing {
+    body: usize,
+    coordinates: [Coordinate; COORDINATES],
+}
 
 impl Model {
     /// Bodies that are no wheelsets and no wheels of their own.
@@ -91,22 +94,22 @@ impl Model {
 
     /// Before the first step.
     pub(super) fn body_swings(&self) -> Vec<BodySwing> {
-        self.carried().map(|_| BodySwing::default()).collect()
+        self.carried().map(|body| BodySwing { body, ..BodySwing::default() }).collect()
     }
 
     /// Notes the end of a step at which the workspace's evaluation was made.
     pub(super) fn note_body_swings(&self, workspace: &Workspace, (fading, first): (f64, bool), swings: &mut [BodySwing]) {
         let motions = &workspace.system.motions;
         let leading = motions.iter().map(|motion| motion.distance).fold(f64::NEG_INFINITY, f64::max);
-        for (body, BodySwing(own)) in self.carried().zip(swings) {
-            let motion = &motions[body];
+        for BodySwing { body, coordinates } in swings {
+            let (body, motion) = (*body, &motions[*body]);
             let place = match workspace.system.stations.get(body) {
                 None => motion.position,
                 Some(station) => station.frame.components(&(motion.position - station.frame.origin)),
             };
             let [ahead, left] = [0, 1].map(|axis| workspace.in_track(body, motion.frame.axes.column(axis).into_owned()));
             let now = [motion.distance - leading, place.y, place.z, ahead.y, left.z, -ahead.z];
-            for (Coordinate { envelope, peaks }, now) in own.iter_mut().zip(now) {
+            for (Coordinate { envelope, peaks }, now) in coordinates.iter_mut().zip(now) {
                 envelope.note(now, fading, first);
                 peaks.note(now - envelope.mean);
             }
@@ -115,7 +118,8 @@ impl Model {
 
     /// An error of the state in parts of what the swings allow; the workspace holds an evaluation nearby.
     pub(super) fn body_swing_error(&self, workspace: &Workspace, (swings, calm): (&[BodySwing], bool), error: &[f64]) -> f64 {
-        let of = |(body, BodySwing(own)): (usize, &BodySwing)| {
+        let of = |BodySwing { body, coordinates }: &BodySwing| {
+            let body = *body;
             let error = &error[COORDINATES * body..COORDINATES * (body + 1)];
             let place = workspace.in_track(body, Vector3::new(error[0], error[1], error[2]));
             let error = [place.x, place.y, place.z, error[3], error[4], error[5]];
@@ -127,9 +131,9 @@ impl Model {
                 };
                 error[i].abs() / allowed
             };
-            own.iter().enumerate().map(part).fold(0.0, f64::max)
+            coordinates.iter().enumerate().map(part).fold(0.0, f64::max)
         };
-        self.carried().zip(swings).map(of).fold(0.0, f64::max)
+        swings.iter().map(of).fold(0.0, f64::max)
     }
 }
 

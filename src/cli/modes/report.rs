@@ -3,10 +3,8 @@
 use crate::cli::table;
 use crate::scene::spec::Scene;
 use crate::study::modes::locus::{Critical, Locus};
-use crate::study::modes::{Mode, Modes};
+use crate::study::modes::{Mode, Modes, STEADY};
 
-/// An acceleration above this, m/s2, means that the state is not steady.
-const UNSTEADY: f64 = 1e-3;
 /// Parts that are told of a mode, and modes of a speed.
 const PARTS: usize = 4;
 const LEAST_DAMPED: usize = 3;
@@ -98,7 +96,7 @@ fn unsteady<'m>(all: impl IntoIterator<Item = &'m Modes> + Clone) -> String {
     if all.clone().into_iter().any(|found| found.coasts) {
         text += "  the torques and forces that elements begin with have no steady state: modes are those of a vehicle that coasts\n";
     }
-    let worst = all.into_iter().max_by(|a, b| a.unbalanced.total_cmp(&b.unbalanced)).filter(|worst| worst.unbalanced > UNSTEADY);
+    let worst = all.into_iter().max_by(|a, b| a.unbalanced.total_cmp(&b.unbalanced)).filter(|worst| worst.unbalanced > STEADY);
     if let Some(found) = worst {
         text += &format!("  not quite steady: accelerations up to {:.1e} m/s2 or rad/s2 remain\n", found.unbalanced);
     }

@@ -117,9 +117,7 @@ impl PatchSolution {
 
     /// Patches that do not touch each other.
     pub fn parts(&self) -> usize {
-        let mut rows: Vec<f64> = self.cells.iter().map(|cell| cell.place[1]).collect();
-        rows.dedup();
-        rows.windows(2).filter(|pair| pair[1] - pair[0] > 1.5 * self.cell_size[1]).count() + usize::from(!rows.is_empty())
+        places::rows(self.cells.iter().map(|cell| cell.place[1]), self.cell_size[1]).len()
     }
 }
 

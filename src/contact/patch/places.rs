@@ -6,7 +6,6 @@
 use super::pressed::{Grid, Grids, Rolled};
 use super::{Motion, Pressed};
 use crate::contact::Patch;
-use crate::contact::creepage::CreepForce;
 use nalgebra::Vector3;
 
 /// One patch of a wheel; all forces act on the wheel.
@@ -39,13 +38,6 @@ pub struct PlaceCreep {
     pub bound: f64,
 }
 
-impl PlaceCreep {
-    /// In the axes e1, e2 and n.
-    pub fn along(&self, [e1, e2, normal]: [&Vector3<f64>; 3]) -> CreepForce {
-        CreepForce { longitudinal: self.force.dot(e1), lateral: self.force.dot(e2), spin_moment: self.moment.dot(normal) }
-    }
-}
-
 /// Friction of a cell: from the number of its place, its lead [m] and the rail's coordinate [m]; with what damping makes of its pressure.
 pub type FrictionOf<'f> = &'f dyn Fn(usize, f64, f64) -> f64;
 
@@ -53,7 +45,7 @@ impl Pressed {
     /// Its patches from right to left, at most `most`: the nearest ones count as one beyond that.
     pub fn places(&self, most: usize) -> Vec<Place> {
         let Some(grids) = &self.grids else { return Vec::new() };
-        let mut rows = rows(&grids.fine);
+        let mut rows = rows(grids.fine.places.iter().map(|place| place[1]), grids.fine.size[1]);
         while rows.len() > most.max(1) {
             let gap = |k: &usize| rows[k + 1][0] - rows[*k][1];
             let Some(k) = (0..rows.len() - 1).min_by(|a, b| gap(a).total_cmp(&gap(b))) else { break };
@@ -142,13 +134,13 @@ fn within(arc: f64, rows: [f64; 2]) -> bool {
     (rows[0]..=rows[1]).contains(&arc)
 }
 
-/// Ranges of rows in which something is pressed, from right to left.
-fn rows(grid: &Grid) -> Vec<[f64; 2]> {
+/// Ranges of rows in which something is pressed, from right to left: of the arc lengths of cells [m] in that order, `height` [m] each.
+pub(super) fn rows(arcs: impl Iterator<Item = f64>, height: f64) -> Vec<[f64; 2]> {
     let mut rows: Vec<[f64; 2]> = Vec::new();
-    for [_, arc] in &grid.places {
-        match rows.last_mut().filter(|last| arc - last[1] < 1.5 * grid.size[1]) {
-            Some(last) => last[1] = *arc,
-            None => rows.push([*arc; 2]),
+    for arc in arcs {
+        match rows.last_mut().filter(|last| arc - last[1] < 1.5 * height) {
+            Some(last) => last[1] = arc,
+            None => rows.push([arc; 2]),
         }
     }
     rows

@@ -59,8 +59,19 @@ pub(super) struct Rolled {
 impl Pressed {
     /// Solves the normal problem; `None` where the iteration was given up.
     pub fn new(pair: &Pair, material: Material, settings: Settings) -> Option<Self> {
+        Self::within(Domain::find(pair), pair, material, settings)
+    }
+
+    /// The same on a grid that resolves each place at which the wheel presses, and is no coarser than the settings'.
+    pub fn resolved(pair: &Pair, material: Material, settings: Settings) -> Option<Self> {
+        let domain = Domain::find(pair);
+        let settings = domain.as_ref().map_or(settings, |domain| domain.resolving(settings));
+        Self::within(domain, pair, material, settings)
+    }
+
+    fn within(domain: Option<Domain>, pair: &Pair, material: Material, settings: Settings) -> Option<Self> {
         let Settings { columns, rows, extrapolate, tolerance } = settings;
-        let grids = match Domain::find(pair) {
+        let grids = match domain {
             None => None,
             Some(domain) => {
                 let grid = |columns, rows| Grid::press(pair, &domain, material.poisson_ratio, [columns, rows]);

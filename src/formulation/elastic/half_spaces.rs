@@ -17,10 +17,7 @@ use crate::contact::strips::{Creep, MOST};
 
 /// The normal problem of a wheel, on a grid that resolves each of its places; `None` where its iteration finds no end.
 fn press(wheel: &WheelAt, settings: Settings) -> Option<Pressed> {
-    let (pair, material) = (wheel.pair(), wheel.model.laws.material);
-    let pressed = Pressed::new(&pair, material, settings)?;
-    let finer = pressed.resolving(settings);
-    if finer == settings { Some(pressed) } else { Pressed::new(&pair, material, finer) }
+    Pressed::resolved(&wheel.pair(), wheel.model.laws.material, settings)
 }
 
 /// Rail coordinate of each patch of a wheel, m, and the highest pressure in it, Pa.

@@ -24,9 +24,6 @@ use nalgebra::Vector3;
 const RELAXATION: f64 = 2e-3;
 const DAMPING_TIME: f64 = 5e-3;
 
-/// Slower than this an axle is at rest where a brake settles, rad/s.
-const AT_REST: f64 = 1e-3;
-
 /// A brake on an axle.
 #[derive(Clone, Debug)]
 pub struct Brake {
@@ -203,10 +200,9 @@ impl ForceElement for Brake {
         pressing.map_or(0.0, |pressing| self.pair.power(bodies, &self.pair.opposite(bodies, &pressing.on_axle())))
     }
 
-    /// Where the axle turns, the deflection of M; at rest none: what a brake holds there depends on how it came to rest.
     fn settle(&self, bodies: &Moving, state: &mut [f64]) {
         let speed = self.now(bodies, state).2;
-        state[0] = if speed.abs() > AT_REST { self.most(bodies) / self.stiffness * speed.signum() } else { 0.0 };
+        state[0] = self.sticking().settled(self.most(bodies), speed);
     }
 
     #[inline]

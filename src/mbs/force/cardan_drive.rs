@@ -188,7 +188,7 @@ impl ForceElement for CardanDrive {
         bodies.input(0) * self.motor_speed(bodies, &self.shaft(bodies, state))
     }
 
-    /// Turning with its axle, without torque.
+    /// Turning with its axle, the shaft wound up by the motor's torque.
     fn settle(&self, bodies: &Moving, state: &mut [f64]) {
         let pinion = self.shaft(bodies, state).pinion;
         (state[0], state[1]) = (bodies.input(0) / self.stiffness, pinion / UNIT_RATE);

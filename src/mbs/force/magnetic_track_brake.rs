@@ -30,8 +30,6 @@ pub const UNIT: f64 = 1e6;
 /// The default tau and damping time, s.
 const RELAXATION: f64 = 2e-3;
 const DAMPING_TIME: f64 = 5e-3;
-/// Slower than this the frame is at rest where the brake settles, m/s.
-const AT_REST: f64 = 1e-3;
 
 /// A magnetic track brake on one body.
 #[derive(Clone, Debug)]
@@ -147,12 +145,11 @@ impl ForceElement for MagneticTrackBrake {
         self.attraction
     }
 
-    /// Off, without deflection.
-    /// As a brake does.
+    /// With the attraction that is asked for.
     fn settle(&self, bodies: &Moving, state: &mut [f64]) {
         state[1] = bodies.input(0).max(0.0) / UNIT;
         let held = self.now(bodies, state);
-        state[0] = if held.speed.abs() > AT_REST { held.most / self.sticking.stiffness * held.speed.signum() } else { 0.0 };
+        state[0] = self.sticking.settled(held.most, held.speed);
     }
 
     #[inline]

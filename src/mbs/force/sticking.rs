@@ -51,10 +51,18 @@ pub struct Grip {
 /// Stiffness beyond which an error of the deflection weighs more than one of a position, N m/rad or N/m.
 const WEIGHED: f64 = 1e6;
 
+/// Slower than this what a brake holds is at rest where the brake settles, rad/s or m/s.
+const AT_REST: f64 = 1e-3;
+
 impl Sticking {
     /// Deflections are some 1e-5 rad, as small as a usual tolerance: by plain errors the torque of a brake that was let go was off by 135 of 666 N m, and its heat by 4 %.
     pub fn state_weight(&self) -> f64 {
         (self.stiffness / WEIGHED).max(1.0)
+    }
+
+    /// The deflection at which it settles under a bound `most` at a constant speed: that of M; at rest none, what a brake holds there depends on how it came to rest.
+    pub fn settled(&self, most: f64, speed: f64) -> f64 {
+        if speed.abs() > AT_REST { most / self.stiffness * speed.signum() } else { 0.0 }
     }
 
     /// The brake at a deflection and speed, of the bound `most`.

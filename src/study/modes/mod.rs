@@ -28,7 +28,7 @@ use faer::{Mat, c64};
 use reduction::Reduction;
 use serde::Serialize;
 use shape::Part;
-use slopes::{Linear, Neighbourhood};
+use slopes::Neighbourhood;
 use std::f64::consts::TAU;
 
 /// Why there are no modes.
@@ -150,7 +150,7 @@ const NEUTRAL: f64 = 1e-3;
 const SWINGS: f64 = 1e-3;
 
 /// Accelerations of a steady state, m/s2 or rad/s2.
-const STEADY: f64 = 1e-3;
+pub const STEADY: f64 = 1e-3;
 /// Part of their loads to which wheels must keep them where wheelsets swing.
 const KEPT: f64 = 0.01;
 
@@ -159,6 +159,11 @@ const KEPT: f64 = 0.01;
 /// # Errors
 /// [`ModesError::NotStraight`].
 pub fn undisturbed(scene: &Scene, speed: f64) -> Result<Scene, ModesError> {
+    with_stand_in(scene, speed).map(|(scene, _)| scene)
+}
+
+/// The same, and what stands for a track that is a beam, in words.
+fn with_stand_in(scene: &Scene, speed: f64) -> Result<(Scene, Option<String>), ModesError> {
     match start::start(scene) {
         Start::Straight => {}
         Start::Curve(node) if node.curvature == 0.0 => {
@@ -172,14 +177,15 @@ pub fn undisturbed(scene: &Scene, speed: f64) -> Result<Scene, ModesError> {
     scene.vehicle.speed = speed;
     (scene.track.alignment, scene.track.line, scene.track.start_fade) = (None, None, None);
     scene.track.deviations.clear();
-    scene.track.flexibility = stand_in(&scene, speed).map(|(track, _)| track);
+    let (flexibility, words) = stand_in(&scene, speed).unzip();
+    scene.track.flexibility = flexibility;
     // Friction that changes along the track is what it is at the start; else differences are more exact near the origin.
     let distance = if scene.contact.friction_map.is_some() { start::origin(&scene) } else { 0.0 };
     scene.vehicle.initial.from_equilibrium = true;
     scene.vehicle.initial.values = [0.0; 10];
     scene.vehicle.initial.values[0] = distance;
     scene.vehicle.wheelsets.iter_mut().for_each(|wheelset| wheelset.offset = [0.0; 2]);
-    Ok(scene)
+    Ok((scene, words.flatten()))
 }
 
 /// Over sleepers nothing is steady: a track that is a beam has a stand-in, with its words.
@@ -212,9 +218,8 @@ pub fn steady(scene: &Scene, speed: f64) -> Result<Simulation, ModesError> {
 
 /// The largest acceleration of a simulation as it stands, m/s2 or rad/s2; infinite where it can't be evaluated.
 fn remaining(simulation: &mut Simulation) -> f64 {
-    let count = COORDINATES * simulation.model().system.bodies.len();
-    let Ok(snapshot) = simulation.snapshot() else { return f64::INFINITY };
-    snapshot.dy[count..2 * count].iter().fold(0.0, |most, rate| f64::max(most, rate.abs()))
+    let bodies = simulation.model().system.bodies.len();
+    simulation.snapshot().map_or(f64::INFINITY, |snapshot| unbalanced(bodies, &snapshot.dy))
 }
 
 /// Does nothing begin with an input?
@@ -252,8 +257,7 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
     if scene.contact.patch.law == PatchLaw::Exact {
         return Err(ModesError::OnGrid);
     }
-    let track = stand_in(scene, speed).and_then(|(_, words)| words);
-    let scene = undisturbed(scene, speed)?;
+    let (scene, track) = with_stand_in(scene, speed)?;
     let no_start = |cause| ModesError::NoStart { speed, cause };
     let mut simulation = steady(&scene, speed)?;
     let held = simulation.snapshot().map_err(no_start)?.inputs().to_vec();
@@ -303,7 +307,7 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         modes,
         states: linear.size(),
         free: size,
-        unbalanced: unbalanced(model, &linear),
+        unbalanced: unbalanced(model.system.bodies.len(), &linear.rates),
         coasts,
         track,
         at_ends,
@@ -344,9 +348,9 @@ fn at_ends(scene: &Scene, simulation: &mut Simulation) -> Result<Vec<String>, Si
 }
 
 /// Largest acceleration of a body at the steady state.
-fn unbalanced(model: &Model, linear: &Linear) -> f64 {
-    let count = COORDINATES * model.system.bodies.len();
-    linear.rates[count..2 * count].iter().fold(0.0, |most, rate| f64::max(most, rate.abs()))
+fn unbalanced(bodies: usize, rates: &[f64]) -> f64 {
+    let count = COORDINATES * bodies;
+    rates[count..2 * count].iter().fold(0.0, |most, rate| f64::max(most, rate.abs()))
 }
 
 /// A dense matrix.

@@ -17,8 +17,8 @@ use serde::Serialize;
 /// One coordinate of one body.
 #[derive(Clone, Debug, Serialize)]
 pub struct Part {
+    /// Or the element that has a mass of its own.
     pub body: String,
-    /// Or of the element that has a mass of its own.
     /// "x", "y", "z", "yaw", "roll" or "pitch"; "rotor" or "twist".
     pub coordinate: &'static str,
     /// Of the kinetic energy, -.
