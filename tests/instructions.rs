@@ -10,7 +10,9 @@ use std::process::Command;
 use wheelrail::formulation::memory::ModelMemory;
 use wheelrail::formulation::{Evaluation, Model, Workspace};
 use wheelrail::scene::load;
-use wheelrail::sim::{Simulation, Snapshot};
+use wheelrail::sim::outputs::Output;
+use wheelrail::sim::vehicle_outputs::scene_outputs;
+use wheelrail::sim::{Simulation, Snapshot, recording};
 use wheelrail::study::shares::anatomy::Sample;
 use wheelrail::study::shares::counted::Counted;
 
@@ -21,6 +23,8 @@ const STEPS: usize = 4;
 
 /// Length of a run that is counted, s.
 const RUN: f64 = 0.5;
+/// Time between two looks at outputs, s.
+const LOOKS: f64 = 5e-3;
 
 /// Where the worker finds what to run: scene, time and changes, parted by blanks.
 const CASE: &str = "WHEELRAIL_INSTRUCTIONS";
@@ -61,6 +65,12 @@ fn counted_run(simulation: &mut Simulation, until: f64) {
     simulation.advance(until).unwrap();
 }
 
+/// The same with a look at the scene's outputs every few milliseconds.
+#[inline(never)]
+fn counted_recorded_run(simulation: &mut Simulation, outputs: &[Output], until: f64) {
+    recording::record(simulation, outputs, until, LOOKS, |_| ()).unwrap();
+}
+
 /// What valgrind runs; not a test of its own.
 #[test]
 #[ignore = "run by the others"]
@@ -69,10 +79,15 @@ fn worker() {
     let mut words = case.split(' ');
     let (counted, scene, time) = (words.next().unwrap(), words.next().unwrap(), words.next().unwrap().parse().unwrap());
     let changes: Vec<String> = words.filter(|word| !word.is_empty()).map(String::from).collect();
-    let mut simulation = Simulation::new(&load::open(scene, &changes).unwrap(), 0.0).unwrap();
+    let scene = load::open(scene, &changes).unwrap();
+    let mut simulation = Simulation::new(&scene, 0.0).unwrap();
     simulation.advance(time).unwrap();
     if counted == "run" {
         return counted_run(&mut simulation, time + RUN);
+    }
+    if counted == "recorded" {
+        let outputs = scene_outputs(&scene, simulation.model());
+        return counted_recorded_run(&mut simulation, &outputs, time + RUN);
     }
     let snapshot = simulation.snapshot().unwrap().clone();
     let model = simulation.model();
@@ -183,6 +198,21 @@ fn prop_what_does_not_act_is_not_paid_for() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("; "));
+}
+
+/// Outputs cost what is read: none nothing, those of motions no contact.
+#[test]
+fn prop_outputs_that_nobody_asked_for_are_not_paid_for() {
+    if !counts() {
+        return;
+    }
+    for scene in ["suspended_wheelset 0.1 track.deviation=[]", "vehicle_manchester_1 0.1"] {
+        let alone = count(&format!("run {scene}"));
+        let more = |groups: &str| count(&format!("recorded {scene} interface.outputs=[{groups}]")) / alone - 1.0;
+        let [none, motion, all] = ["", "\"motion\"", "\"motion\",\"wheels\",\"contacts\""].map(more);
+        println!("{scene}: outputs every 5 ms: none {:+.2} %, motion {:+.2} %, all {:+.2} %", 100.0 * none, 100.0 * motion, 100.0 * all);
+        assert!(none < 0.05 && motion < 0.5 * all, "{scene}: none {none}, motion {motion}, all {all}");
+    }
 }
 
 #[test]

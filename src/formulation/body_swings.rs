@@ -13,6 +13,7 @@
 //! Coordinates relative to the track beside the body: along it relative to the foremost of all bodies, across, up, and three angles.
 
 use super::envelope::Envelope;
+use super::half_swings::HalfSwings;
 use super::{Model, Workspace};
 use crate::mbs::body::COORDINATES;
 use nalgebra::Vector3;
@@ -26,56 +27,19 @@ const SMALLEST: [f64; 2] = [1e-7, 5e-8];
 /// r where no swing is known yet, or a track's waves move bodies anyhow, and errors that do not matter then.
 const UNKNOWN: f64 = 1e-3;
 const SMALLEST_UNKNOWN: [f64; 2] = [2e-6, 2e-6];
-/// A peak that is so many times the one before begins another swing.
-const ANEW: f64 = 1.5;
 /// Places of the angles among the coordinates: yaw, roll, pitch.
 const ANGLES: usize = 3;
 
-/// Peaks of a swing about its mean, on either side (above: second).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Peaks {
-    above: bool,
-    /// Of the present half swing.
-    peak: f64,
-    sides: [Side; 2],
-}
-
-/// The last whole half swing on one side, and what it and the one before kept of those before them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Side {
-    peak: Option<f64>,
-    kept: [Option<f64>; 2],
-}
-
-impl Peaks {
-    fn note(&mut self, from_mean: f64) {
-        let above = from_mean > 0.0;
-        if above != self.above {
-            let side = &mut self.sides[usize::from(self.above)];
-            let kept = side.peak.map(|last| self.peak / last).filter(|kept| *kept < ANEW);
-            *side = Side { peak: Some(self.peak), kept: [kept, side.kept[0].filter(|_| kept.is_some())] };
-            *self = Peaks { above, peak: 0.0, ..*self };
-        }
-        self.peak = self.peak.max(from_mean.abs());
-        let side = &mut self.sides[usize::from(above)];
-        if side.peak.is_some_and(|last| self.peak > ANEW * last) {
-            side.kept = [None; 2];
-        }
-    }
-
-    /// r; `None` where no swing is known. One that lasts has kept its peaks twice, on one side at least: what is only led aside and back has not.
-    fn share(&self) -> Option<f64> {
-        let lasting = |side: &Side| side.kept[0].zip(side.kept[1]).map(|(now, before)| now.min(before));
-        let kept = self.sides.iter().filter_map(lasting).reduce(f64::max)?;
-        Some((PER_LOSS * (1.0 - kept)).clamp(LEAST, PER_LOSS))
-    }
+/// r; `None` where no swing is known.
+fn share(swings: &HalfSwings) -> Option<f64> {
+    swings.kept().map(|kept| (PER_LOSS * (1.0 - kept)).clamp(LEAST, PER_LOSS))
 }
 
 /// One coordinate of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Coordinate {
     envelope: Envelope,
-    peaks: Peaks,
+    halves: HalfSwings,
 }
 
 /// All of a body, by its number; part of a simulation's state.
@@ -109,9 +73,9 @@ impl Model {
             };
             let [ahead, left] = [0, 1].map(|axis| workspace.in_track(body, motion.frame.axes.column(axis).into_owned()));
             let now = [motion.distance - leading, place.y, place.z, ahead.y, left.z, -ahead.z];
-            for (Coordinate { envelope, peaks }, now) in coordinates.iter_mut().zip(now) {
+            for (Coordinate { envelope, halves }, now) in coordinates.iter_mut().zip(now) {
                 envelope.note(now, fading, first);
-                peaks.note(now - envelope.mean);
+                halves.note(now - envelope.mean);
             }
         }
     }
@@ -123,9 +87,9 @@ impl Model {
             let error = &error[COORDINATES * body..COORDINATES * (body + 1)];
             let place = workspace.in_track(body, Vector3::new(error[0], error[1], error[2]));
             let error = [place.x, place.y, place.z, error[3], error[4], error[5]];
-            let part = |(i, Coordinate { envelope, peaks }): (usize, &Coordinate)| {
+            let part = |(i, Coordinate { envelope, halves }): (usize, &Coordinate)| {
                 let kind = usize::from(i >= ANGLES);
-                let allowed = match peaks.share() {
+                let allowed = match share(halves) {
                     Some(share) if calm => (share * envelope.amplitude).max(SMALLEST[kind]),
                     share => (share.unwrap_or(UNKNOWN).max(UNKNOWN) * envelope.amplitude).max(SMALLEST_UNKNOWN[kind]),
                 };
@@ -145,9 +109,9 @@ mod tests {
     #[test]
     fn analytic_what_a_swing_loses_says_how_much_a_step_may_take() {
         let share = |of: &dyn Fn(f64) -> f64| {
-            let mut peaks = Peaks::default();
-            (0..800).for_each(|i| peaks.note(of(0.005 * f64::from(i))));
-            peaks.share()
+            let mut halves = HalfSwings::default();
+            (0..800).for_each(|i| halves.note(of(0.005 * f64::from(i))));
+            share(&halves)
         };
         let swing = |rate: f64| move |t: f64| (-rate * t).exp() * (TAU * 1.4 * t).sin();
         assert_eq!([share(&swing(0.0)), share(&swing(-0.2)), share(&|t| 2.0 + swing(0.0)(t))], [Some(LEAST), Some(LEAST), None]);

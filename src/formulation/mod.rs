@@ -31,6 +31,7 @@ mod foresight;
 pub mod frame_motion;
 mod half;
 mod half_space_settings;
+mod half_swings;
 mod hand_overs;
 mod hunting;
 pub mod inputs;

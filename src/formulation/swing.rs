@@ -15,6 +15,7 @@
 
 use super::body_swings::BodySwing;
 use super::envelope::Envelope;
+use super::half_swings::HalfSwings;
 use super::step::WheelRef;
 use super::torsion::Torsion;
 use super::{Model, Workspace};
@@ -37,36 +38,6 @@ const SLOW: f64 = 2.0;
 /// Time of mean and envelope, s: a few periods of slow hunting.
 const TIME: f64 = 2.0;
 
-/// Half swings of one quantity about its mean: peaks on either side (above: second).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Halves {
-    above: bool,
-    /// Of the present half swing.
-    peak: f64,
-    /// Of the last whole one on each side.
-    last: [Option<f64>; 2],
-    fades: [bool; 2],
-}
-
-impl Halves {
-    fn note(&mut self, from_mean: f64) {
-        let above = from_mean > 0.0;
-        if above != self.above {
-            let side = usize::from(self.above);
-            self.fades[side] = self.last[side].is_some_and(|last| self.peak < FADED * last);
-            self.last[side] = Some(self.peak);
-            *self = Halves { above, peak: 0.0, ..*self };
-        }
-        let side = usize::from(above);
-        self.peak = self.peak.max(from_mean.abs());
-        self.fades[side] &= self.last[side].is_some_and(|last| self.peak < FADED * last);
-    }
-
-    fn fade(&self) -> bool {
-        self.fades[0] && self.fades[1]
-    }
-}
-
 /// Those of lateral displacement [m] and yaw [rad] of each wheelset relative to the track; part of a simulation's state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Swings {
@@ -74,7 +45,7 @@ pub struct Swings {
     time: Option<f64>,
     wheelsets: Vec<[Envelope; 2]>,
     /// Of lateral displacement.
-    halves: Vec<Halves>,
+    halves: Vec<HalfSwings>,
     torsions: Vec<Torsion>,
     /// Of the other bodies.
     bodies: Vec<BodySwing>,
@@ -141,7 +112,7 @@ impl Model {
         let smallest = if swings.plain { SMALLEST } else { SMALLEST_ON_WAVES };
         // The same for all wheelsets: those of a vehicle swing together, one more, one less.
         let amplitude = |i: usize| swings.wheelsets.iter().map(|envelopes| envelopes[i].amplitude).fold(smallest[i], f64::max);
-        let share = if swings.plain && !swings.halves.iter().all(Halves::fade) { GROWING_SHARE } else { SHARE };
+        let share = if swings.plain && !swings.halves.iter().all(|halves| halves.fade(FADED)) { GROWING_SHARE } else { SHARE };
         let allowed = [share * amplitude(0), share * amplitude(1)];
         let of = |body: usize| {
             let own = &error[COORDINATES * body..COORDINATES * (body + 1)];
@@ -151,28 +122,5 @@ impl Model {
         let torsion = self.torsion_error(swings.time.unwrap_or(0.0), &swings.torsions, error);
         let bodies = self.body_swing_error(workspace, (&swings.bodies, swings.calm), error);
         self.wheelsets.iter().map(|wheelset| of(wheelset.body)).fold(torsion.max(bodies), f64::max)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Does a swing that grows by `rate` [1/s], 4 Hz about `mean`, fade after three seconds?
-    fn fades(rate: f64, mean: f64) -> bool {
-        let mut halves = Halves::default();
-        (0..600).for_each(|i| {
-            let t = 0.005 * f64::from(i);
-            halves.note(mean + (rate * t).exp() * (std::f64::consts::TAU * 4.0 * t).sin());
-        });
-        halves.fade()
-    }
-
-    #[test]
-    fn analytic_a_swing_fades_when_its_peaks_do() {
-        assert!(fades(-0.2, 0.0) && fades(-1.0, 0.02) && fades(-1.0, -0.02));
-        assert!(!fades(0.2, 0.0) && !fades(1.0, 0.5), "grows");
-        assert!(!fades(0.0, 0.0), "a limit cycle");
-        assert!(!fades(-1.0, 2.0), "it never came back");
     }
 }
