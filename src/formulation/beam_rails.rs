@@ -160,6 +160,14 @@ impl Model {
         if own % (2 * modes) < modes { beam.ring.largest(own % (2 * modes)) } else { 0.0 }
     }
 
+    /// What an error of the modes of the rail under a contact becomes under the wheels that its waves reach, m.
+    pub(super) fn error_of_waves(&self, contact: usize, error: &[f64]) -> f64 {
+        self.beam.as_ref().map_or(0.0, |beam| {
+            let [q, v] = self.ring_states(beam, contact).map(|range| &error[range]);
+            beam.ring.wave(q, v)
+        })
+    }
+
     /// Stored energy of the modes of all rails, J, and the power that becomes heat, W.
     pub(super) fn beam_energy(&self, beam: &LaidRails, y: &[f64]) -> (f64, f64) {
         let (mut stored, mut heat) = (0.0, 0.0);

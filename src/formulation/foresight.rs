@@ -93,7 +93,7 @@ impl Model {
     /// ([`Model::load_tolerance`]): the largest over all wheels, of normal and creep force. The workspace holds an evaluation nearby.
     ///
     /// `dN = N' n . d P`, P the wheel's point, or what a velocity across the contact becomes when the wheel of mass m bounces on it,
-    /// `sqrt(N' m) n . d P'`: the force that a wrong speed of impact will have. Creep forces grow with slip by no more than linear theory says, `G a b C / V`, C the larger of
+    /// `sqrt(N' m) n . d P'`: the force that a wrong speed of impact will have; N' times the waves that an error of a rail's modes sends along to this wheel or another. Creep forces grow with slip by no more than linear theory says, `G a b C / V`, C the larger of
     /// Kalker's C11 and C22 (about 5), those of transient contact with its deflection as its stiffness says, and never beyond twice the friction bound.
     pub fn load_error(&self, workspace: &Workspace, error: &[f64]) -> f64 {
         const KALKER: f64 = 5.0;
@@ -103,6 +103,7 @@ impl Model {
         let mut largest: f64 = 0.0;
         for WheelRef { contact, wheelset, side } in self.wheels() {
             let motion = &workspace.system.motions[wheelset.body];
+            let waves = self.error_of_waves(contact, error);
             let part = |first: usize| {
                 let e = &error[first + COORDINATES * wheelset.body..first + COORDINATES * (wheelset.body + 1)];
                 let (moved, turned) = without_pitch(motion, e);
@@ -123,6 +124,7 @@ impl Model {
                     let impedance = (slope * self.bouncing_mass(wheelset)).sqrt();
                     let lasting = self.lasting_of_bouncing(wheelset, report);
                     largest = largest.max((slope * sunk).abs().max((impedance * slip.dot(&axes.normal)).abs()) * scale * lasting);
+                    largest = largest.max(slope * waves * scale);
                 }
                 let slip = slip.dot(&axes.e1).hypot(slip.dot(&axes.e2));
                 let stiffness = self.laws.material.shear_modulus() * report.patch.a * report.patch.b * KALKER;

@@ -1,8 +1,8 @@
 //! Track that gives way as rails on sleepers (`track.flexibility = "beam"`): its numbers, and the rails that a vehicle needs.
 //!
 //! Vertically each rail is a Timoshenko beam on pads, sleepers and ballast, which the wheels run along: sleepers pass under them (V / L), waves go ahead and behind, and couple
-//! the wheels of a bogie. Modes up to a highest frequency are kept; what the others give way stands for itself under each wheel ([`LeftOut`]). The track has no end: it is a ring (`mbs::ring` has the equations) of [`BESIDE`] before and behind the wheels that stand on it. Wheels more than
-//! [`APART`] from the next have a ring of their own, so that a vehicle has one per bogie and side, all alike. Laterally a mass travels under each wheel as in
+//! the wheels of a bogie. Modes up to a highest frequency are kept; what the others give way stands for itself under each wheel ([`LeftOut`]). The track has no end: it is a ring (`mbs::ring` has the equations), so much longer than the
+//! wheels that stand on it as waves need to die out ([`RailBeam::reach`]). Wheels that far from the next have a ring of their own; all are alike. Laterally a mass travels under each wheel as in
 //! [`super::travelling_track`].
 //!
 //! *Numbers.* Rails: EN 13674-1 (mass per metre, area, vertical second moment), E = 210 GPa, G = 81 GPa, 7850 kg/m3, shear coefficient 0.4 (usual for rails), loss factor 0.02
@@ -21,8 +21,11 @@ use crate::units::Dimension;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Track before the first and behind the last wheel of a ring, together, m, and the distance from which on wheels do not share a ring, m.
-const BESIDE: f64 = 24.0;
+/// What is left of a wave that has gone round, in parts of its amplitude.
+const LEFT: f64 = 0.01;
+/// Track before the first and behind the last wheel of a ring, together, m: at least and at most.
+const BESIDE: (f64, f64) = (24.0, 150.0);
+/// Distance up to which wheels share a ring of any length, m.
 const APART: f64 = 12.0;
 /// Steel: E and G, N/m2, density, kg/m3, and the shear coefficient of a rail.
 const YOUNGS_MODULUS: f64 = 210e9;
@@ -115,13 +118,27 @@ impl RailBeam {
         Ok(RailBeam { rail, bay, lateral, highest, bays: bays.map(|count| count as usize) })
     }
 
+    /// How far waves go until [`LEFT`] of them is left, m, within the bounds of [`BESIDE`].
+    fn reach(&self) -> f64 {
+        (LEFT.recip().ln() / self.bay.least_decay(self.highest)).clamp(BESIDE.0, BESIDE.1)
+    }
+
+    /// What is left of a wave that has gone round rails that were laid, in parts of its amplitude: of that which goes farthest.
+    pub fn left_of_waves(&self, rails: &LaidRails) -> f64 {
+        (-self.bay.least_decay(self.highest) * (rails.ring.length() - rails.longest)).exp()
+    }
+
     /// The rails under wheelsets that stand at these places along the track [m] and run at `speed` [m/s].
     pub fn lay(&self, places: &[f64], speed: f64) -> LaidRails {
         let mut order: Vec<usize> = (0..places.len()).collect();
         order.sort_by(|a, b| places[*b].total_cmp(&places[*a]));
+        let (reach, given) = (self.reach(), self.bays.map(|bays| bays as f64 * self.bay.spacing));
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for index in order {
-            let near = |group: &&mut Vec<usize>| group.last().is_some_and(|last| places[*last] - places[index] <= APART);
+            let near = |group: &&mut Vec<usize>| {
+                let [first, last] = [group.first(), group.last()].map(|own| own.map_or(f64::INFINITY, |own| places[*own] - places[index]));
+                last <= APART || (last <= reach && given.is_none_or(|length| first < 0.5 * length))
+            };
             match groups.last_mut().filter(near) {
                 Some(group) => group.push(index),
                 None => groups.push(vec![index]),
@@ -129,7 +146,7 @@ impl RailBeam {
         }
         let span = |group: &Vec<usize>| places[group[0]] - group.last().map_or(0.0, |last| places[*last]);
         let longest = groups.iter().map(span).fold(0.0, f64::max);
-        let half = ((longest + BESIDE) / (2.0 * self.bay.spacing)).ceil();
+        let half = ((longest + reach) / (2.0 * self.bay.spacing)).ceil();
         let bays = self.bays.unwrap_or(2 * half as usize);
         let mut seats = vec![Seat::default(); places.len()];
         for (number, group) in groups.iter().enumerate() {

@@ -49,7 +49,7 @@ impl Model {
             }
             Flexibility::Beam(beam) => {
                 let rails = beam.lay(places, speed);
-                if rails.longest >= 0.5 * rails.ring.length() {
+                if beam.bays.is_some() && rails.longest >= 0.5 * rails.ring.length() {
                     let least = 2.0 * (rails.longest / beam.bay.spacing).ceil() + 2.0;
                     return Err(AssemblyError::ShortRing { bays: rails.ring.bays(), longest: rails.longest, least: least as usize });
                 }

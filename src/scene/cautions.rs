@@ -1,6 +1,7 @@
 //! Where a scene asks for more than its model means: rigid rails that are too rough for the speed, measured points that are not smooth,
 //! explicit methods at low speed, slips of units.
 
+use super::beam_cautions::beam_cautions;
 use super::held_apart::held_apart;
 use super::improbable::improbable;
 use super::rough_track::{SPACING, places_ahead};
@@ -16,6 +17,7 @@ pub(super) fn cautions(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(scattered_points(scene))
         .chain(slow_and_explicit(scene))
         .chain(lasting_displacement(scene, model))
+        .chain(beam_cautions(scene, model))
         .chain(held_apart(scene))
         .chain(scene.track.doubts.iter().cloned())
         .collect()

@@ -1,6 +1,7 @@
 //! Floor 6: from the text of a scene to a model.
 
 pub mod assemble;
+mod beam_cautions;
 mod cautions;
 mod detail;
 pub mod effects;

@@ -174,12 +174,13 @@ fn track_under_effects(scene: &Scene, model: &Model, all: &mut Effects) {
     if let (Some(rails), Some(Flexibility::Beam(beam))) = (&model.beam, &scene.track.flexibility) {
         let (ring, groups) = (&rails.ring, rails.groups.len());
         let why = format!(
-            "track.flexibility = \"beam\": {}; {} modes up to {} Hz in each rail of {groups} piece{} of {} bays",
+            "track.flexibility = \"beam\": {}; {} modes up to {} Hz in each rail of {groups} piece{} of {} bays (a wave that has gone round has {:.1} % left)",
             beam.describe(),
             ring.modes(),
             beam.highest,
             if groups == 1 { "" } else { "s" },
-            ring.bays()
+            ring.bays(),
+            100.0 * beam.left_of_waves(rails)
         );
         all.add("track that gives way", true, why, model.contacts() * RAIL_STATES + 4 * groups * ring.modes());
     }

@@ -80,7 +80,7 @@ impl MagneticTrackBrake {
     fn by_most(&self, held: &Held, deflection: f64) -> [f64; 2] {
         /// Of M, for a difference.
         const CHANGE: f64 = 1e-5;
-        if !(held.most > 0.0) {
+        if self.sticking.is_off(held.most) {
             return [0.0; 2];
         }
         let at = |sign: f64| self.sticking.grip(held.most * (1.0 + sign * CHANGE), deflection, held.speed);

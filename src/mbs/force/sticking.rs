@@ -22,7 +22,7 @@
 pub const STICKING: f64 = 0.7;
 /// b.
 const DAMPED: f64 = 0.5;
-/// theta_M below which there is no brake.
+/// theta_M, and a deflection, below which there is no brake: squares and quotients of what fades for ever leave the range of numbers.
 const LEAST_REACH: f64 = 1e-30;
 
 /// How a brake holds.
@@ -65,10 +65,18 @@ impl Sticking {
         if speed.abs() > AT_REST { most / self.stiffness * speed.signum() } else { 0.0 }
     }
 
+    /// Does a brake with the bound `most` do nothing?
+    pub fn is_off(&self, most: f64) -> bool {
+        !(most / self.stiffness >= LEAST_REACH)
+    }
+
     /// The brake at a deflection and speed, of the bound `most`.
     #[inline]
     pub fn grip(&self, most: f64, angle: f64, speed: f64) -> Grip {
         let (k, reach) = (self.stiffness, most / self.stiffness);
+        if self.is_off(most) && angle.abs() < LEAST_REACH {
+            return Grip { rate: -angle / self.relaxation, rate_by_angle: -1.0 / self.relaxation, ..Grip::default() };
+        }
         let loaded = angle * speed >= 0.0;
         // A brake that was let go gives its deflection back as one does that was not.
         let beyond = !loaded && angle.abs() > reach;
@@ -82,7 +90,7 @@ impl Sticking {
             grip.torque *= share;
             grip.torque_by_angle *= if beyond && follows == 0.0 { 2.0 * share } else { share };
             grip.torque_by_speed = if follows == 0.0 { -grip.torque / speed } else { 0.0 };
-        } else if reach < LEAST_REACH {
+        } else if self.is_off(most) {
             slip = 1.0;
         } else {
             slip = ((angle.abs() / reach - STICKING) / (1.0 - STICKING)).max(0.0);
@@ -104,7 +112,7 @@ impl Sticking {
         // Unloading takes from the deflection's part.
         let (c, x) = (
             k * self.damping_time,
-            if reach < LEAST_REACH {
+            if self.is_off(most) {
                 1.0
             } else if loaded {
                 angle / reach

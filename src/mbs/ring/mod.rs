@@ -8,8 +8,8 @@
 //! m_s z_m'' = f_m - k_b z_m - c_b z_m',   f_m = k_p (w - z_m) + c_p (w' - z_m')
 //! ```
 //!
-//! The vehicle goes round: its distance counts modulo N L. That is right where waves have died out before they come round, which is stated by receptances against
-//! longer rings (docs/model.md). With the undamped modes phi_i (`waves`) of frequencies omega_i up to a highest one, `w = sum_i phi_i(x) q_i`, and forces F_c of wheels at x_c on the rail
+//! The vehicle goes round: its distance counts modulo N L. That is right where waves have died out before they come round ([`Bay::least_decay`]), which is stated by receptances
+//! against longer rings (docs/model.md). With the undamped modes phi_i (`waves`) of frequencies omega_i up to a highest one, `w = sum_i phi_i(x) q_i`, and forces F_c of wheels at x_c on the rail
 //!
 //! ```text
 //! q'' = -omega^2 q - C q' + sum_c phi(x_c) F_c        C: dense within the few modes of a wave number, zero between them
@@ -20,6 +20,7 @@
 //! *Modes above the highest frequency* give way where a force stands, mostly by shear; what they do there far below their own frequencies is that of one mass on a spring
 //! ([`LeftOut`]), with a shape of its own along the bay. Zones beyond those that are kept (`waves`) add `1 / (pi kappa G A k)` at rest.
 
+mod decay;
 mod response;
 mod shapes;
 mod waves;
@@ -30,6 +31,9 @@ use waves::{Family, Parity};
 
 /// The least that its shape may be, in parts of its mean.
 const LEAST_SHAPE: f64 = 1e-3;
+
+/// Length of rail that a blow's waves take, m.
+const PACKET: f64 = 1.5;
 
 /// One bay of one rail.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -194,6 +198,13 @@ impl Ring {
     /// Largest of a mode's shape, kg^-1/2.
     pub fn largest(&self, mode: usize) -> f64 {
         self.largest[mode]
+    }
+
+    /// How far a short wave displaces the rail, m, that has these modes: `sum phi^2 (q^2 + q'^2 / omega^2)` is the mean of its square along the ring, of which it takes [`PACKET`].
+    pub fn wave(&self, q: &[f64], v: &[f64]) -> f64 {
+        let own = |((largest, square), (q, v)): ((&f64, &f64), (&f64, &f64))| largest * largest * (q * q + v * v / square);
+        let sum: f64 = self.largest.iter().zip(&self.squares).zip(q.iter().zip(v)).map(own).sum();
+        (sum * self.length() / PACKET).sqrt()
     }
 
     /// The mass that a blow meets first: 1 over the mean of sum phi^2, kg.

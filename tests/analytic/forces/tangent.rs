@@ -111,6 +111,29 @@ pub fn worst(system: &System, [own, differences]: &[DMatrix<f64>; 2], columns: s
     worst
 }
 
+/// What fades for ever (a brake that was let go) never leaves the range of numbers: squares of 1e-160 are 0, and 0 / 0 is no number.
+#[test]
+fn prop_forces_and_changes_stay_numbers_as_states_fade() {
+    let stage = stage(1.0);
+    walk(&stage, |element, case| {
+        let bodies = vec![brick(900.0, 300.0, 500.0, 700.0), brick(1500.0, 300.0, 500.0, 700.0)];
+        let system =
+            System { bodies, forces: vec![element.clone_box()], drives: vec![], supported: vec![], joints: vec![], redundant: vec![] };
+        let (mut workspace, mut tangent) = (system.workspace(&[]), Tangent::new(&system, &[], 0));
+        for decade in (0..=330).step_by(10) {
+            let faded = |x: &f64| x * 10f64.powi(-(decade / 2)) * 10f64.powi(-(decade - decade / 2));
+            for inputs in [case.inputs.clone(), case.inputs.iter().map(faded).collect(), vec![0.0; case.inputs.len()]] {
+                workspace.inputs.copy_from_slice(&inputs);
+                let y = [case.coordinates(&stage), case.v.clone(), case.state.iter().map(faded).collect()].concat();
+                let found = forces(&system, &mut workspace, &y);
+                linearise(&system, &mut workspace, &y, &mut tangent);
+                let changes = dense(&tangent, y.len());
+                assert!(found.iter().chain(changes.iter()).all(|x| x.is_finite()), "1e-{decade}, {inputs:?}: {element:?} {case:?}");
+            }
+        }
+    });
+}
+
 /// Random poses and states of two bodies, general or of revolution, either of them first: by displacements at rest; by velocities and
 /// states in motion. In motion the changes by displacements lack angular velocity times damping, and velocity times damping.
 #[test]
