@@ -4,11 +4,11 @@
 //! a train by 0.165 for 0.045 1/s. So each coordinate of a body has a swing of its own, against which a step's error is held:
 //!
 //! ```text
-//! |e| <= max(r A, e_0),   r = 5e-3 (1 - p) between 5e-5 and 5e-3,   e_0 = 0.1 um, 0.05 urad
+//! |e| <= max(r A, e_0),   r = 1e-3 (1 - p) between 5e-5 and 1e-3,   e_0 = 0.1 um, 0.05 urad
 //! ```
 //!
 //! A: an envelope of what it is off its slow mean; p: what a peak keeps of the one before on its side, the less of two in a row, the more of both sides. A damping of 20 % has p = 0.28 and hardly feels it.
-//! Some seven steps in a period then change the logarithmic decrement by 4 % of itself at most. Before two peaks on a side have followed each other, and on waves of the track that pass within 2 s, r is 1e-3 or more and e_0 = 2 um, 2 urad.
+//! Some seven steps in a period then change the logarithmic decrement by 0.8 % of itself at most. Before two peaks on a side have followed each other, and on waves of the track that pass within 2 s, r is 1e-3 and e_0 = 2 um, 2 urad.
 //!
 //! Coordinates relative to the track beside the body: along it relative to the foremost of all bodies, across, up, and three angles.
 
@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// r per part that a peak loses, and its bounds.
-const PER_LOSS: f64 = 5e-3;
+const PER_LOSS: f64 = 1e-3;
 const LEAST: f64 = 5e-5;
 /// Errors below this do not matter, m and rad.
 const SMALLEST: [f64; 2] = [1e-7, 5e-8];

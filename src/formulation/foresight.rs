@@ -97,6 +97,8 @@ impl Model {
     /// Kalker's C11 and C22 (about 5), those of transient contact with its deflection as its stiffness says, and never beyond twice the friction bound.
     pub fn load_error(&self, workspace: &Workspace, error: &[f64]) -> f64 {
         const KALKER: f64 = 5.0;
+        /// Of a wave's displacement a wheel on its contact feels a part (the rail yields too), and steps' errors have changing signs.
+        const WAVES: f64 = 0.2;
         /// Below, a contact with deflection answers with its stiffness, not with slip, m/s.
         const SLOW: f64 = 0.5;
         let velocities = COORDINATES * self.system.bodies.len();
@@ -124,7 +126,7 @@ impl Model {
                     let impedance = (slope * self.bouncing_mass(wheelset)).sqrt();
                     let lasting = self.lasting_of_bouncing(wheelset, report);
                     largest = largest.max((slope * sunk).abs().max((impedance * slip.dot(&axes.normal)).abs()) * scale * lasting);
-                    largest = largest.max(slope * waves * scale);
+                    largest = largest.max(WAVES * slope * waves * scale);
                 }
                 let slip = slip.dot(&axes.e1).hypot(slip.dot(&axes.e2));
                 let stiffness = self.laws.material.shear_modulus() * report.patch.a * report.patch.b * KALKER;
