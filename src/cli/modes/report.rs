@@ -45,6 +45,11 @@ pub(super) fn modes(scene: &Scene, found: &Modes) -> String {
     if let Some(track) = &found.track {
         text += &format!("  track: {track}\n");
     }
+    if let Some(most) = found.kinked {
+        text += &format!(
+            "  the creep law has no derivative where creepage vanishes: growths are those of small swings by harmonic balance, up to {most:.3} 1/s from what single slopes give\n"
+        );
+    }
     if let Some(first) = found.at_ends.first() {
         let more = found.at_ends.len() - 1;
         let others = if more > 0 { format!(" (and {more} more)") } else { String::new() };

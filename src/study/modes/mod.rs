@@ -11,6 +11,7 @@
 //! of the kinetic energy ([`shape`]). Eigenvalues along a sweep of speeds and the speeds from which on motions grow stand in [`locus`].
 
 mod across;
+mod harmonic;
 pub mod locus;
 mod reduction;
 pub mod shape;
@@ -104,6 +105,8 @@ pub struct Modes {
     pub coasts: bool,
     /// What stands for a track that is a beam, in words.
     pub track: Option<String>,
+    /// Where contact forces have no slopes that add up: by how much at most that changed a growth, 1/s ([`harmonic`]).
+    pub kinked: Option<f64>,
     /// Stops that stand at an end of their free travel: motions on both sides of it are others.
     pub at_ends: Vec<String>,
 }
@@ -294,9 +297,14 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         let swings = value.norm() > NEUTRAL && value.im.abs() > SWINGS * value.norm();
         if value.im >= 0.0 || !swings {
             let shape = reduction.full(|row| eigen.U()[(row, k)]);
-            modes.push(mode(model, speed, if swings { value } else { c64::new(value.re, 0.0) }, &others, shape));
+            modes.push((k, mode(model, speed, if swings { value } else { c64::new(value.re, 0.0) }, &others, shape)));
         }
     }
+    let kinked = match amplitude {
+        0.0 => harmonic::add_what_slopes_leave_out(&mut here, (&linear, &reduction), &eigen.U().to_owned(), &mut modes).map_err(beside)?,
+        _ => None,
+    };
+    let mut modes: Vec<Mode> = modes.into_iter().map(|(_, mode)| mode).collect();
     modes.sort_by(|a, b| {
         let aperiodic = |mode: &Mode| mode.angular_frequency == 0.0;
         aperiodic(a).cmp(&aperiodic(b)).then(a.frequency.total_cmp(&b.frequency)).then(b.growth.total_cmp(&a.growth))
@@ -310,6 +318,7 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         unbalanced: unbalanced(model.system.bodies.len(), &linear.rates),
         coasts,
         track,
+        kinked,
         at_ends,
         left_out: reduction.left_out,
     })

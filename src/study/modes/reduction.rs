@@ -80,6 +80,12 @@ impl Reduction {
         self.basis.transpose() * scaled * &self.basis
     }
 
+    /// Rates of the free states from those of all.
+    pub fn free(&self, rates: &[f64]) -> Vec<f64> {
+        let scaled = |k: usize| rates.iter().enumerate().map(|(i, rate)| self.basis[(i, k)] * rate / self.scale[i]).sum();
+        (0..self.basis.ncols()).map(scaled).collect()
+    }
+
     /// A motion of all states from that of the free ones.
     pub fn full(&self, part: impl Fn(usize) -> c64) -> Vec<c64> {
         let states = 0..self.basis.nrows();
