@@ -21,13 +21,11 @@ use super::{ContactFailure, ContactReport, Evaluation, EvaluationError, LEFT_FRI
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
 use crate::geometry::Side;
 use crate::geometry::profile::Profile;
-use crate::mbs::body::{COORDINATES, HEIGHT, ROLL, Wrench, YAW};
+use crate::mbs::body::{COORDINATES, HEIGHT, LATERAL, PITCH, ROLL, Wrench, YAW};
 use crate::mbs::system::SystemWorkspace;
 use crate::mbs::tangent::WrenchTangent;
 use nalgebra::{Matrix6, Vector3, Vector6};
 
-const LATERAL: usize = 1;
-const PITCH: usize = 5;
 /// Coordinates that change their sign in the mirror.
 const ODD: [usize; 3] = [LATERAL, YAW, ROLL];
 const EVEN: [usize; 3] = [0, HEIGHT, PITCH];

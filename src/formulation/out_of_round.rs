@@ -25,6 +25,7 @@
 use super::rail_motion::{AgainstRail, Swollen};
 use super::{AssemblyError, ContactReport, Model, Workspace};
 use crate::geometry::out_of_round::OutOfRound;
+use crate::mbs::body::PITCH;
 use crate::mbs::tangent::WrenchTangent;
 use nalgebra::Vector3;
 
@@ -92,6 +93,17 @@ impl Model {
             if motion.pitch_rate == 0.0 { f64::INFINITY } else { wheel.reach(motion.pitch, motion.pitch_rate) / motion.pitch_rate.abs() }
         };
         turning.map(time).fold(f64::INFINITY, f64::min)
+    }
+
+    /// When a wheel reaches the next edge of a flat, where what it does is not smooth, if it goes on turning as it does at the state `y` at time `t` [s].
+    pub fn next_edge_of_a_flat(&self, t: f64, y: &[f64]) -> f64 {
+        let turning = self.out_of_round.iter().enumerate().filter_map(|(contact, wheel)| Some((contact, wheel.as_ref()?)));
+        let edge = |(contact, wheel): (usize, &OutOfRound)| {
+            let body = self.wheelsets[contact / 2].body;
+            let [angle, rate] = [self.system.coordinates(body), self.system.velocities(body)].map(|range| y[range.start + PITCH]);
+            wheel.next_edge(angle, rate).map_or(f64::INFINITY, |turn| t + turn / rate.abs())
+        };
+        turning.map(edge).fold(f64::INFINITY, f64::min)
     }
 
     /// The same model with wheels, by contact, that are not round.

@@ -32,6 +32,11 @@ const STEPS_IN_WAVE: f64 = 4.0;
 /// Longest wave that steps are told of, rad: the first turn's growth, too.
 const LONGEST: f64 = TAU;
 
+/// Nearer than this to the edge of a flat a wheel has reached it, rad: its rate is known to a part of the way to go.
+const AT_EDGE: f64 = 2e-5;
+/// So far behind an edge steps end, rad: the next one begins with what is behind it.
+const BEHIND: f64 = 1e-5;
+
 /// One deviation from the circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
@@ -163,6 +168,20 @@ impl OutOfRound {
         let bent: f64 = self.shapes.iter().map(|shape| shape.bent(self.radius)).fold(0.0, f64::max);
         let sharp = (1.0 - bent).max(1.0 - MOST_BENT);
         self.shapes.iter().map(|shape| shape.reach(angle, sign, sharp)).fold(LONGEST / STEPS_IN_WAVE, f64::min)
+    }
+
+    /// How far the wheel turns in the direction of `rate` until the next edge of a flat, where the second derivative jumps, lies just behind, rad.
+    pub fn next_edge(&self, angle: f64, rate: f64) -> Option<f64> {
+        let sign = if rate < 0.0 { -1.0 } else { 1.0 };
+        let edges = self.shapes.iter().filter_map(|shape| match *shape {
+            Shape::Flat { at, half, .. } => Some([at - half, at + half]),
+            Shape::Polygon { .. } => None,
+        });
+        let ahead = |edge: f64| {
+            let off = (sign * (edge - angle)).rem_euclid(TAU);
+            BEHIND + if off > AT_EDGE { off } else { off + TAU }
+        };
+        edges.flatten().map(ahead).reduce(f64::min)
     }
 
     /// What it is, for `wheelrail plan`.
@@ -300,6 +319,19 @@ mod tests {
         let ([there, slope, bend, _], own) = (wheel.at(9.0), wheel.radius_at(9.0)[2]);
         assert!((there + 2.0 * amplitude).abs() < 1e-15 && slope.abs() < 1e-15, "{there:e} {slope:e}");
         assert!((bend * (1.0 - bent) / own - 1.0).abs() < 2e-3, "{bend} {own} {bent}");
+    }
+
+    #[test]
+    fn analytic_edges_of_flats_ahead() {
+        let shapes = vec![Shape::Flat { at: 1.0, half: 0.1, amplitude: 1e-4 }, Shape::Flat { at: 6.2, half: 0.2, amplitude: 1e-4 }];
+        let wheel = OutOfRound { radius: 0.46, shapes };
+        for (angle, rate, wanted) in
+            [(0.5, 3.0, 0.4), (0.9, 3.0, 0.2), (0.9 - 1e-6, 3.0, 0.2 + 1e-6), (0.5, -3.0, 0.5 - (6.4 - TAU)), (6.3 + 3.0 * TAU, 1.0, 0.1)]
+        {
+            let found = wheel.next_edge(angle, rate).unwrap();
+            assert!((found - wanted - BEHIND).abs() < 1e-12, "{angle} {rate}: {found}");
+        }
+        assert!(OutOfRound { radius: 0.46, shapes: vec![] }.next_edge(0.0, 1.0).is_none());
     }
 
     #[test]

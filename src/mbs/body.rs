@@ -9,7 +9,7 @@
 
 use super::inertia::Inertia;
 use super::kkt::Mobility;
-pub use super::motion::{BodyMotion, COORDINATES, HEIGHT, LATERAL, ROLL, Wrench, YAW};
+pub use super::motion::{BodyMotion, COORDINATES, HEIGHT, LATERAL, PITCH, ROLL, Wrench, YAW};
 
 /// Mass properties of a rigid body.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,6 +11,7 @@ pub const LATERAL: usize = 1;
 pub const HEIGHT: usize = 2;
 pub const YAW: usize = 3;
 pub const ROLL: usize = 4;
+pub const PITCH: usize = 5;
 
 /// Position and velocity of one body at one instant.
 #[derive(Clone, Copy, Debug)]

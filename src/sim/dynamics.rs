@@ -317,7 +317,9 @@ impl Dynamics for ModelDynamics<'_> {
     fn next_break(&self, t: f64, y: &[f64]) -> f64 {
         let memory = &self.trial.accepted;
         let next = self.model.next_try(memory).min(self.model.formulation.next_break(self.model, t, y));
-        next.min(self.model.next_rough_place(t, y, memory)).min(self.model.next_change_of_speed(t, y, memory))
+        next.min(self.model.next_rough_place(t, y, memory))
+            .min(self.model.next_edge_of_a_flat(t, y))
+            .min(self.model.next_change_of_speed(t, y, memory))
     }
 }
 

@@ -86,6 +86,26 @@ fn analytic_hunting_of_a_coach_grows_as_simulated() {
     }
 }
 
+/// Polach's law has no derivative where creepage vanishes: slopes by one coordinate after the other say that this wheelset hunts (+0.0415 1/s), runs say that it does not.
+#[test]
+fn analytic_small_swings_of_a_law_without_a_derivative_grow_as_simulated() {
+    let cone = [
+        "vehicle.speed=52.1",
+        "vehicle.wheelset={mass=1600, inertia_xx=700, inertia_yy=120, inertia_zz=700, vertical_load=90e3, tread_circle_distance=\"1500 mm\", profile={kind=\"cone\", radius=0.46, slope=0.15}}",
+        "vehicle.suspension={distance=2, longitudinal_stiffness=8e5, longitudinal_damping=5e3, lateral_stiffness=1e5, lateral_damping=0}",
+        "track={rail_distance=\"1500 mm\", inclination=\"0.15 rad\", rail={kind=\"arc\", radius=0.3}}",
+        "contact={formulation=\"ECF-A\", patch=\"ellipse\", friction=0.4, creep={law=\"polach\"}, material={youngs_modulus=2.1e11, poisson_ratio=0.28}}",
+    ];
+    let scene = open("suspended_wheelset", &[&TIGHT[..], &cone[..]].concat());
+    let all = found(&scene);
+    let mode = all.hunting().unwrap();
+    let measured = simulated(&scene, mode, 0, 6.0);
+    println!("{:+.4} found, {:+.4} simulated, {:?} beside slopes", mode.growth, measured.re, all.kinked);
+    assert!((mode.growth - measured.re).abs() < 2e-3 && mode.growth < -0.04 && all.kinked.is_some_and(|most| most > 0.08));
+    let smooth = open("suspended_wheelset", &[&TIGHT[..], &cone[..], &["contact.creep.law=fastsim"]].concat());
+    assert_eq!(found(&smooth).kinked, None);
+}
+
 /// A free wheelset at walking speed rolls without slip: Klingel's wave, longer by the roll of the axle over the rails. The independent implementation under
 /// `tests/reference` has the conicity 0.02567142 and the wavelength 22.6138550 m (see `analytic_klingel_wavelength_with_the_roll_term`).
 #[test]
