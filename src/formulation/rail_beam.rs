@@ -25,8 +25,9 @@ use std::sync::Arc;
 const LEFT: f64 = 0.01;
 /// Track before the first and behind the last wheel of a ring, together, m: at least and at most.
 const BESIDE: (f64, f64) = (24.0, 150.0);
-/// Distance up to which wheels share a ring of any length, m.
+/// Distance up to which wheels share a ring of any length, and from the first to the last wheel that share one because of waves between them, m: the work grows with its square.
 const APART: f64 = 12.0;
+const SHARED: f64 = 60.0;
 /// Steel: E and G, N/m2, density, kg/m3, and the shear coefficient of a rail.
 const YOUNGS_MODULUS: f64 = 210e9;
 const SHEAR_MODULUS: f64 = 81e9;
@@ -137,7 +138,7 @@ impl RailBeam {
         for index in order {
             let near = |group: &&mut Vec<usize>| {
                 let [first, last] = [group.first(), group.last()].map(|own| own.map_or(f64::INFINITY, |own| places[*own] - places[index]));
-                last <= APART || (last <= reach && given.is_none_or(|length| first < 0.5 * length))
+                last <= APART || (last <= reach && first < given.map_or(SHARED, |length| 0.5 * length))
             };
             match groups.last_mut().filter(near) {
                 Some(group) => group.push(index),

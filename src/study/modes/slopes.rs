@@ -1,6 +1,6 @@
 //! The model's right-hand side and projection, differenced about a state.
 //!
-//! Central differences over steps that are short beside what contact laws are curved over: creep laws have kinks of second order at vanishing creepage,
+//! Central differences over steps that are short beside what contact laws are curved over: creep laws have kinks of second order at vanishing creepage (those of the first: [`super::harmonic`]),
 //! so velocities move by 3e-8 of the travelling speed; positions by 1e-7 m, a thousandth of a penetration. Where joints or contacts are
 //! constraints each neighbour is moved onto them first: what is found is then the slope along the manifold that they leave,
 //!
