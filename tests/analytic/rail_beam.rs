@@ -58,8 +58,10 @@ fn analytic_a_start_is_settled_and_sleepers_are_felt() {
 fn equiv_starts_that_differ_by_whole_bays() {
     let at = |distance: f64| run(&[EXACT[0], "solver.tolerance=1e-7", &format!("vehicle.initial.distance={distance}")], 0.1);
     let first = at(102.0);
+    let scene = load::open("suspended_wheelset", &[BEAM.to_string()]).unwrap();
+    let length = start(&scene).model().beam.as_ref().unwrap().ring.length();
     // Other bays have the same waves in other coordinates, so that steps are others.
-    for (other, bound) in [(126.0, 0.05), (102.6, 20.0), (102.0 + 0.6 * 1001.0, 20.0)] {
+    for (other, bound) in [(102.0 + length, 0.05), (102.6, 20.0), (102.0 + 0.6 * 1001.0, 20.0)] {
         let off = common::largest_difference(&first, &at(other));
         println!("{other} m: {off:.1e} N");
         assert!(off < bound, "{other}: {off}");
@@ -77,7 +79,7 @@ fn order_errors_follow_the_tolerance() {
         println!("tolerance {tolerance}: Q off by {off:.2} N");
         off
     });
-    assert!(errors[0] < 0.02 * LOAD && errors[1] < 0.5 * errors[0] && errors[2] < 0.4 * errors[1], "{errors:?}");
+    assert!(errors[0] < 0.02 * LOAD && errors[1] < 0.7 * errors[0] && errors[2] < 0.4 * errors[1], "{errors:?}");
 }
 
 #[test]
@@ -316,7 +318,7 @@ fn validate_a_wheel_over_sleepers_against_finite_elements() {
     assert!(wrong.is_empty(), "{wrong:?}");
 }
 
-/// Two axles of a bogie share their rails, those of two bogies do not; a state that is kept goes on to the bit.
+/// Wheels that feel each other's waves share their rails, as far as the work stays bounded; a state that is kept goes on to the bit.
 #[test]
 fn prop_rails_of_a_vehicle() {
     let changes = [BEAM, "vehicle.speed=40", "track.deviation=[]"].map(str::to_string);
@@ -324,7 +326,15 @@ fn prop_rails_of_a_vehicle() {
     let mut simulation = start(&scene);
     {
         let rails = simulation.model().beam.as_ref().unwrap();
-        assert_eq!((rails.groups.len(), rails.groups[0].len()), (2, 2));
+        assert_eq!((rails.groups.len(), rails.groups[0].len()), (1, 4));
+        let train = start(&load::open("train", &[BEAM.to_string()]).unwrap());
+        let rails_of_train = train.model().beam.as_ref().unwrap();
+        assert!(
+            rails_of_train.groups.len() == 2 && rails_of_train.longest < 72.0,
+            "{} {}",
+            rails_of_train.groups.len(),
+            rails_of_train.longest
+        );
         println!("{} modes, {} bays, {} states", rails.ring.modes(), rails.ring.bays(), simulation.model().dimension());
     }
     simulation.advance(0.1).unwrap();
