@@ -70,6 +70,20 @@ fn equiv_starts_that_differ_by_whole_bays() {
     assert!(between > 500.0, "a start between sleepers is another one: {between}");
 }
 
+/// Soft pads damp little: what a flat sends along the rails comes round a ring of 24 m and strikes the wheel again. The ring is as long as that needs.
+#[test]
+fn equiv_no_wave_comes_round() {
+    let under = |bays: &str| {
+        let flexibility = format!("track.flexibility={{model=\"beam\", pad_stiffness=60e6, pad_damping=2e3{bays}}}");
+        let flat = "vehicle.wheelset.out_of_round=[{kind=\"flat\", length=0.04, depth=8e-5, at=3.5}]";
+        run(&[&flexibility, flat, "vehicle.speed=43", EXACT[0], "solver.tolerance=1e-7"], 0.13)
+    };
+    let usual = under("");
+    let [short, long] = [", bays=40", ", bays=300"].map(|bays| common::largest_difference(&usual, &under(bays)));
+    println!("40 bays {short:.0} N, 300 bays {long:.0} N");
+    assert!(long < 0.01 * LOAD && short > 0.04 * LOAD, "{short} {long}");
+}
+
 /// Step lengths follow the tolerance, errors too; on a dense grid.
 #[test]
 fn order_errors_follow_the_tolerance() {
