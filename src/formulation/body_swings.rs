@@ -4,7 +4,7 @@
 //! a train by 0.165 for 0.045 1/s. So each coordinate of a body has a swing of its own, against which a step's error is held:
 //!
 //! ```text
-//! |e| <= max(r A, e_0),   r = 1e-3 (1 - p) between 5e-5 and 1e-3,   e_0 = 0.1 um, 0.05 urad
+//! |e| <= max(r A, e_0),   r = 1e-3 (1 - p) between 5e-5 and 1e-3,   e_0 = 0.02 um, 0.01 urad
 //! ```
 //!
 //! A: an envelope of what it is off its slow mean; p: what a peak keeps of the one before on its side, the less of two in a row, the more of both sides. A damping of 20 % has p = 0.28 and hardly feels it.
@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 const PER_LOSS: f64 = 1e-3;
 const LEAST: f64 = 5e-5;
 /// Errors below this do not matter, m and rad.
-const SMALLEST: [f64; 2] = [1e-7, 5e-8];
+const SMALLEST: [f64; 2] = [2e-8, 1e-8];
 /// r where no swing is known yet, or a track's waves move bodies anyhow, and errors that do not matter then.
 const UNKNOWN: f64 = 1e-3;
 const SMALLEST_UNKNOWN: [f64; 2] = [2e-6, 2e-6];

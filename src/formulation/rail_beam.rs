@@ -124,25 +124,37 @@ impl RailBeam {
         (LEFT.recip().ln() / self.bay.least_decay(self.highest)).clamp(BESIDE.0, BESIDE.1)
     }
 
-    /// What is left of a wave that has gone round rails that were laid, in parts of its amplitude: of that which goes farthest.
-    pub fn left_of_waves(&self, rails: &LaidRails) -> f64 {
-        (-self.bay.least_decay(self.highest) * (rails.ring.length() - rails.longest)).exp()
+    /// What is left of a wave that has gone round rails that were laid, and of one that should have come to the next ring, in parts of its amplitude: of that which goes farthest.
+    pub fn left_of_waves(&self, rails: &LaidRails) -> [f64; 2] {
+        [rails.ring.length() - rails.longest, rails.parted].map(|way| (-self.bay.least_decay(self.highest) * way).exp())
     }
 
     /// The rails under wheelsets that stand at these places along the track [m] and run at `speed` [m/s].
     pub fn lay(&self, places: &[f64], speed: f64) -> LaidRails {
         let mut order: Vec<usize> = (0..places.len()).collect();
         order.sort_by(|a, b| places[*b].total_cmp(&places[*a]));
-        let (reach, given) = (self.reach(), self.bays.map(|bays| bays as f64 * self.bay.spacing));
-        let mut groups: Vec<Vec<usize>> = Vec::new();
+        let apart = |from: usize, to: usize| places[from] - places[to];
+        // Those that stand together, and of these those whose waves meet.
+        let mut together: Vec<Vec<usize>> = Vec::new();
         for index in order {
-            let near = |group: &&mut Vec<usize>| {
-                let [first, last] = [group.first(), group.last()].map(|own| own.map_or(f64::INFINITY, |own| places[*own] - places[index]));
-                last <= APART || (last <= reach && first < given.map_or(SHARED, |length| 0.5 * length))
-            };
-            match groups.last_mut().filter(near) {
+            match together.last_mut().filter(|group| group.last().is_some_and(|last| apart(*last, index) <= APART)) {
                 Some(group) => group.push(index),
-                None => groups.push(vec![index]),
+                None => together.push(vec![index]),
+            }
+        }
+        let reach = self.reach();
+        let most = self.bays.map_or(SHARED, |bays| 0.5 * bays as f64 * self.bay.spacing);
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        let mut parted = f64::INFINITY;
+        for own in together {
+            let (first, last) = (own[0], own[own.len() - 1]);
+            let gap = groups.last().map_or(f64::INFINITY, |before| apart(before[before.len() - 1], first));
+            match groups.last_mut().filter(|before| gap <= reach && apart(before[0], last) < most) {
+                Some(before) => before.extend(own),
+                None => {
+                    parted = parted.min(gap);
+                    groups.push(own);
+                }
             }
         }
         let span = |group: &Vec<usize>| places[group[0]] - group.last().map_or(0.0, |last| places[*last]);
@@ -159,7 +171,7 @@ impl RailBeam {
         let local = Support { mass, stiffness: 1.0 / compliance, damping: 2.0 * LOCAL_DAMPING * mass * square.sqrt() };
         let stand_in = TravellingTrack { lateral: self.lateral, ..TravellingTrack::default() };
         let under = TravellingTrack { lateral: self.lateral, vertical: local };
-        let mut rails = LaidRails { ring, under, groups, seats, longest, stand_in };
+        let mut rails = LaidRails { ring, under, groups, seats, longest, parted, stand_in };
         rails.stand_in.vertical.stiffness = 1.0 / rails.mean_sag(places, speed);
         rails
     }
@@ -189,7 +201,8 @@ impl RailBeam {
     /// The numbers, for `wheelrail plan`.
     pub fn describe(&self) -> String {
         let Bay { spacing, pad_stiffness, sleeper_mass, ballast_stiffness, .. } = self.bay;
-        let (pad, ballast) = (1e-6 * pad_stiffness, 1e-6 * ballast_stiffness);
+        // MN/m, without what the conversion makes of its last digits.
+        let [pad, ballast] = [pad_stiffness, ballast_stiffness].map(|stiffness| stiffness.round() / 1e6);
         format!("{} on pads of {pad} MN/m, half sleepers of {sleeper_mass} kg every {spacing} m and ballast of {ballast} MN/m", self.rail)
     }
 }
@@ -213,6 +226,8 @@ pub struct LaidRails {
     pub seats: Vec<Seat>,
     /// From the first to the last wheelset of a group, m.
     pub longest: f64,
+    /// Between wheels that stand next to each other on different rings, m.
+    pub parted: f64,
     /// What gives way like the mean of this track: under each wheel a mass that travels.
     pub stand_in: TravellingTrack,
 }

@@ -172,15 +172,16 @@ fn track_under_effects(scene: &Scene, model: &Model, all: &mut Effects) {
         all.add("track that gives way", true, why, model.contacts() * RAIL_STATES);
     }
     if let (Some(rails), Some(Flexibility::Beam(beam))) = (&model.beam, &scene.track.flexibility) {
-        let (ring, groups) = (&rails.ring, rails.groups.len());
+        let (ring, groups, [round, next]) = (&rails.ring, rails.groups.len(), beam.left_of_waves(rails));
         let why = format!(
-            "track.flexibility = \"beam\": {}; {} modes up to {} Hz in each rail of {groups} piece{} of {} bays (a wave that has gone round has {:.1} % left)",
+            "track.flexibility = \"beam\": {}; {} modes up to {} Hz in each rail of {groups} piece{} of {} bays (a wave that has gone round has {:.1} % left{})",
             beam.describe(),
             ring.modes(),
             beam.highest,
             if groups == 1 { "" } else { "s" },
             ring.bays(),
-            100.0 * beam.left_of_waves(rails)
+            100.0 * round,
+            if groups == 1 { String::new() } else { format!(", one that does not reach the next piece {:.1} %", 100.0 * next) }
         );
         all.add("track that gives way", true, why, model.contacts() * RAIL_STATES + 4 * groups * ring.modes());
     }
