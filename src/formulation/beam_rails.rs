@@ -12,7 +12,7 @@ use super::rail_scratch::RailScratch;
 use super::resting_rails::{ROUNDS, RestingRail, SETTLED};
 use super::step::{Step, WheelRef};
 use super::travelling_track::RAIL_STATES;
-use super::{Evaluation, EvaluationError, Model, Workspace};
+use super::{ContactReport, Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::system::SystemWorkspace;
 use crate::mbs::tangent::RingPlan;
@@ -160,12 +160,26 @@ impl Model {
         if own % (2 * modes) < modes { beam.ring.largest(own % (2 * modes)) } else { 0.0 }
     }
 
-    /// What an error of the modes of the rail under a contact becomes under the wheels that its waves reach, m.
-    pub(super) fn error_of_waves(&self, contact: usize, error: &[f64]) -> f64 {
-        self.beam.as_ref().map_or(0.0, |beam| {
-            let [q, v] = self.ring_states(beam, contact).map(|range| &error[range]);
-            beam.ring.wave(q, v)
-        })
+    /// [`Model::load_error`] of the waves that an error of the modes of rails sends along to the wheels on them: N' times what they displace.
+    pub(super) fn wave_error(&self, workspace: &Workspace, error: &[f64]) -> f64 {
+        /// Of a wave's displacement a wheel on its contact feels a part (the rail yields too), and steps' errors have changing signs.
+        const FELT: f64 = 0.2;
+        let Some(beam) = &self.beam else { return 0.0 };
+        let mut largest: f64 = 0.0;
+        for group in &beam.groups {
+            for side in 0..2 {
+                let [q, v] = self.ring_states(beam, 2 * group[0] + side).map(|range| &error[range]);
+                let wave = beam.ring.wave(q, v);
+                for own in group {
+                    let pressed = workspace.reports(2 * own + side).filter(|report| report.normal_force > 0.0);
+                    let load = |report: &ContactReport| {
+                        FELT * (report.share * report.elastic_slope) * wave * self.per_allowed(&self.wheelsets[*own], report)
+                    };
+                    largest = pressed.map(load).fold(largest, f64::max);
+                }
+            }
+        }
+        largest
     }
 
     /// Stored energy of the modes of all rails, J, and the power that becomes heat, W.

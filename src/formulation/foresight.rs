@@ -93,19 +93,16 @@ impl Model {
     /// ([`Model::load_tolerance`]): the largest over all wheels, of normal and creep force. The workspace holds an evaluation nearby.
     ///
     /// `dN = N' n . d P`, P the wheel's point, or what a velocity across the contact becomes when the wheel of mass m bounces on it,
-    /// `sqrt(N' m) n . d P'`: the force that a wrong speed of impact will have; N' times the waves that an error of a rail's modes sends along to this wheel or another. Creep forces grow with slip by no more than linear theory says, `G a b C / V`, C the larger of
+    /// `sqrt(N' m) n . d P'`: the force that a wrong speed of impact will have. Creep forces grow with slip by no more than linear theory says, `G a b C / V`, C the larger of
     /// Kalker's C11 and C22 (about 5), those of transient contact with its deflection as its stiffness says, and never beyond twice the friction bound.
     pub fn load_error(&self, workspace: &Workspace, error: &[f64]) -> f64 {
         const KALKER: f64 = 5.0;
-        /// Of a wave's displacement a wheel on its contact feels a part (the rail yields too), and steps' errors have changing signs.
-        const WAVES: f64 = 0.2;
         /// Below, a contact with deflection answers with its stiffness, not with slip, m/s.
         const SLOW: f64 = 0.5;
         let velocities = COORDINATES * self.system.bodies.len();
         let mut largest: f64 = 0.0;
         for WheelRef { contact, wheelset, side } in self.wheels() {
             let motion = &workspace.system.motions[wheelset.body];
-            let waves = self.error_of_waves(contact, error);
             let part = |first: usize| {
                 let e = &error[first + COORDINATES * wheelset.body..first + COORDINATES * (wheelset.body + 1)];
                 let (moved, turned) = without_pitch(motion, e);
@@ -118,7 +115,7 @@ impl Model {
             for (slot, report) in workspace.reports(contact).enumerate().filter(|(_, report)| report.normal_force > 0.0) {
                 let arm = report.wheel_point - motion.position;
                 let axes = &report.axes;
-                let scale = 1.0 / (PART * self.load_tolerance * wheelset.static_wheel_load.max(report.normal_force));
+                let scale = self.per_allowed(wheelset, report);
                 let slip = velocity + (turning + spin).cross(&arm);
                 if !report.constrained {
                     let sunk = (moved + turned.cross(&arm)).dot(&axes.normal);
@@ -126,7 +123,6 @@ impl Model {
                     let impedance = (slope * self.bouncing_mass(wheelset)).sqrt();
                     let lasting = self.lasting_of_bouncing(wheelset, report);
                     largest = largest.max((slope * sunk).abs().max((impedance * slip.dot(&axes.normal)).abs()) * scale * lasting);
-                    largest = largest.max(WAVES * slope * waves * scale);
                 }
                 let slip = slip.dot(&axes.e1).hypot(slip.dot(&axes.e2));
                 let stiffness = self.laws.material.shear_modulus() * report.patch.a * report.patch.b * KALKER;
@@ -139,8 +135,13 @@ impl Model {
                 largest = largest.max(creep.min(2.0 * self.friction_at(side, motion, report) * report.normal_force) * scale);
             }
         }
-        largest = largest.max(self.strike_error(workspace, error));
+        largest = largest.max(self.strike_error(workspace, error)).max(self.wave_error(workspace, error));
         if largest.is_nan() { f64::INFINITY } else { largest }
+    }
+
+    /// 1 over the change of a contact's forces that is allowed in a step, 1/N.
+    pub(super) fn per_allowed(&self, wheelset: &Wheelset, report: &ContactReport) -> f64 {
+        1.0 / (PART * self.load_tolerance * wheelset.static_wheel_load.max(report.normal_force))
     }
 
     /// The same of stops along the track (couplers, buffers): `k e . d x`, or what a velocity along their line becomes when they strike, `sqrt(k m) e . d x'` with

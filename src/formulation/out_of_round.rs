@@ -85,25 +85,28 @@ impl Model {
         -turned * motion.axle().dot(&motion.rotation)
     }
 
+    /// Wheels that are not round, by contact.
+    pub fn wheels_out_of_round(&self) -> impl Iterator<Item = (usize, &OutOfRound)> {
+        self.out_of_round.iter().enumerate().filter_map(|(contact, wheel)| Some((contact, wheel.as_ref()?)))
+    }
+
     /// How long a step may last by what its wheels have ahead of them, s.
     pub(super) fn longest_of_wheels(&self, workspace: &Workspace) -> f64 {
-        let turning = self.out_of_round.iter().enumerate().filter_map(|(contact, wheel)| Some((contact, wheel.as_ref()?)));
         let time = |(contact, wheel): (usize, &OutOfRound)| {
             let motion = &workspace.system.motions[self.wheelsets[contact / 2].body];
             if motion.pitch_rate == 0.0 { f64::INFINITY } else { wheel.reach(motion.pitch, motion.pitch_rate) / motion.pitch_rate.abs() }
         };
-        turning.map(time).fold(f64::INFINITY, f64::min)
+        self.wheels_out_of_round().map(time).fold(f64::INFINITY, f64::min)
     }
 
     /// When a wheel reaches the next edge of a flat, where what it does is not smooth, if it goes on turning as it does at the state `y` at time `t` [s].
     pub fn next_edge_of_a_flat(&self, t: f64, y: &[f64]) -> f64 {
-        let turning = self.out_of_round.iter().enumerate().filter_map(|(contact, wheel)| Some((contact, wheel.as_ref()?)));
         let edge = |(contact, wheel): (usize, &OutOfRound)| {
             let body = self.wheelsets[contact / 2].body;
             let [angle, rate] = [self.system.coordinates(body), self.system.velocities(body)].map(|range| y[range.start + PITCH]);
             wheel.next_edge(angle, rate).map_or(f64::INFINITY, |turn| t + turn / rate.abs())
         };
-        turning.map(edge).fold(f64::INFINITY, f64::min)
+        self.wheels_out_of_round().map(edge).fold(f64::INFINITY, f64::min)
     }
 
     /// The same model with wheels, by contact, that are not round.

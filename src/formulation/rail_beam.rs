@@ -2,7 +2,7 @@
 //!
 //! Vertically each rail is a Timoshenko beam on pads, sleepers and ballast, which the wheels run along: sleepers pass under them (V / L), waves go ahead and behind, and couple
 //! the wheels of a bogie. Modes up to a highest frequency are kept; what the others give way stands for itself under each wheel ([`LeftOut`]). The track has no end: it is a ring (`mbs::ring` has the equations), so much longer than the
-//! wheels that stand on it as waves need to die out ([`RailBeam::reach`]). Wheels that far from the next have a ring of their own; all are alike. Laterally a mass travels under each wheel as in
+//! wheels that stand on it as waves need to die out to [`LEFT`]. Wheels that far from the next have a ring of their own; all are alike. Laterally a mass travels under each wheel as in
 //! [`super::travelling_track`].
 //!
 //! *Numbers.* Rails: EN 13674-1 (mass per metre, area, vertical second moment), E = 210 GPa, G = 81 GPa, 7850 kg/m3, shear coefficient 0.4 (usual for rails), loss factor 0.02
@@ -119,16 +119,6 @@ impl RailBeam {
         Ok(RailBeam { rail, bay, lateral, highest, bays: bays.map(|count| count as usize) })
     }
 
-    /// How far waves go until [`LEFT`] of them is left, m, within the bounds of [`BESIDE`].
-    fn reach(&self) -> f64 {
-        (LEFT.recip().ln() / self.bay.least_decay(self.highest)).clamp(BESIDE.0, BESIDE.1)
-    }
-
-    /// What is left of a wave that has gone round rails that were laid, and of one that should have come to the next ring, in parts of its amplitude: of that which goes farthest.
-    pub fn left_of_waves(&self, rails: &LaidRails) -> [f64; 2] {
-        [rails.ring.length() - rails.longest, rails.parted].map(|way| (-self.bay.least_decay(self.highest) * way).exp())
-    }
-
     /// The rails under wheelsets that stand at these places along the track [m] and run at `speed` [m/s].
     pub fn lay(&self, places: &[f64], speed: f64) -> LaidRails {
         let mut order: Vec<usize> = (0..places.len()).collect();
@@ -142,7 +132,9 @@ impl RailBeam {
                 None => together.push(vec![index]),
             }
         }
-        let reach = self.reach();
+        // How far waves go.
+        let decay = self.bay.least_decay(self.highest);
+        let reach = (LEFT.recip().ln() / decay).clamp(BESIDE.0, BESIDE.1);
         let most = self.bays.map_or(SHARED, |bays| 0.5 * bays as f64 * self.bay.spacing);
         let mut groups: Vec<Vec<usize>> = Vec::new();
         let mut parted = f64::INFINITY;
@@ -171,7 +163,7 @@ impl RailBeam {
         let local = Support { mass, stiffness: 1.0 / compliance, damping: 2.0 * LOCAL_DAMPING * mass * square.sqrt() };
         let stand_in = TravellingTrack { lateral: self.lateral, ..TravellingTrack::default() };
         let under = TravellingTrack { lateral: self.lateral, vertical: local };
-        let mut rails = LaidRails { ring, under, groups, seats, longest, parted, stand_in };
+        let mut rails = LaidRails { ring, under, groups, seats, longest, parted, decay, stand_in };
         rails.stand_in.vertical.stiffness = 1.0 / rails.mean_sag(places, speed);
         rails
     }
@@ -228,11 +220,18 @@ pub struct LaidRails {
     pub longest: f64,
     /// Between wheels that stand next to each other on different rings, m.
     pub parted: f64,
+    /// Of the wave that goes farthest, 1/m.
+    pub decay: f64,
     /// What gives way like the mean of this track: under each wheel a mass that travels.
     pub stand_in: TravellingTrack,
 }
 
 impl LaidRails {
+    /// What is left of a wave that has gone round, and of one that should have come to the next ring, in parts of its amplitude: of that which goes farthest.
+    pub fn left_of_waves(&self) -> [f64; 2] {
+        [self.ring.length() - self.longest, self.parted].map(|way| (-self.decay * way).exp())
+    }
+
     /// Mean over a bay of how far the rail gives way under a wheel for each newton that it and the others carry alike, m/N.
     fn mean_sag(&self, places: &[f64], speed: f64) -> f64 {
         let sag = |own: usize| {

@@ -11,7 +11,7 @@ const BLOWS: f64 = 2000.0;
 
 pub(super) fn beam_cautions(scene: &Scene, model: &Model) -> Vec<String> {
     let (Some(Flexibility::Beam(beam)), Some(rails)) = (&scene.track.flexibility, &model.beam) else { return Vec::new() };
-    let [left, _] = beam.left_of_waves(rails);
+    let [left, _] = rails.left_of_waves();
     let echo = (left > ECHO).then(|| {
         format!(
             "track.flexibility: pads and rails damp so little that waves come round the ring of {} bays with up to {:.0} % of their amplitude, and meet the wheels again; more bays, or more damping, \

@@ -163,7 +163,7 @@ fn track_under_effects(scene: &Scene, model: &Model, all: &mut Effects) {
         let why = if shapes.is_empty() { format!("no [[track.deviation]] with rail = \"{}\"", side.name()) } else { shapes.join("; ") };
         all.add(name, !shapes.is_empty(), why, 0);
     }
-    for (contact, wheel) in model.out_of_round.iter().enumerate().filter_map(|(contact, wheel)| Some((contact, wheel.as_ref()?))) {
+    for (contact, wheel) in model.wheels_out_of_round() {
         let of = model.wheel(contact);
         all.add("wheel out of round", true, format!("{}, {} wheel: {}", of.wheelset.name, of.side.name(), wheel.describe()), 0);
     }
@@ -172,7 +172,7 @@ fn track_under_effects(scene: &Scene, model: &Model, all: &mut Effects) {
         all.add("track that gives way", true, why, model.contacts() * RAIL_STATES);
     }
     if let (Some(rails), Some(Flexibility::Beam(beam))) = (&model.beam, &scene.track.flexibility) {
-        let (ring, groups, [round, next]) = (&rails.ring, rails.groups.len(), beam.left_of_waves(rails));
+        let (ring, groups, [round, next]) = (&rails.ring, rails.groups.len(), rails.left_of_waves());
         let why = format!(
             "track.flexibility = \"beam\": {}; {} modes up to {} Hz in each rail of {groups} piece{} of {} bays (a wave that has gone round has {:.1} % left{})",
             beam.describe(),

@@ -93,7 +93,11 @@ fn order_errors_follow_the_tolerance() {
         println!("tolerance {tolerance}: Q off by {off:.2} N");
         off
     });
-    assert!(errors[0] < 0.02 * LOAD && errors[1] < 0.7 * errors[0] && errors[2] < 0.4 * errors[1], "{errors:?}");
+    // The first is small beside what its tolerance allows, so that the second is held to half of what the first may be.
+    assert!(
+        errors[0] < 0.005 * LOAD && errors[1] < 0.0025 * LOAD && errors[1] < 0.7 * errors[0] && errors[2] < 0.4 * errors[1],
+        "{errors:?}"
+    );
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 type C = Complex<f64>;
 
 /// A 60E1 rail on concrete sleepers (formulation::rail_beam has the sources).
-fn bay() -> Bay {
+pub(super) fn bay() -> Bay {
     Bay {
         bending: 210e9 * 3038.3e-8,
         shear: 0.4 * 81e9 * 76.7e-4,

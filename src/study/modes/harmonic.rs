@@ -12,12 +12,12 @@
 //! not counted.
 
 use super::reduction::Reduction;
-use super::slopes::{Linear, Neighbourhood};
+use super::slopes::Neighbourhood;
 use super::{Dense, Mode};
 use crate::formulation::EvaluationError;
 use faer::linalg::solvers::Solve;
-use faer::{Mat, c64};
-use std::f64::consts::{PI, TAU};
+use faer::{Mat, MatRef, c64};
+use std::f64::consts::PI;
 
 /// Directions over half a turn.
 const TURNS: usize = 8;
@@ -30,24 +30,21 @@ const CERTAIN: f64 = 10.0;
 /// Changes the eigenvalues of lightly damped modes by what slopes leave out; returns the largest change of a growth, 1/s, where any counts.
 pub(super) fn add_what_slopes_leave_out(
     here: &mut Neighbourhood,
-    (linear, reduction): (&Linear, &Reduction),
-    vectors: &Mat<c64>,
+    (matrix, reduction): (&Dense, &Reduction),
+    vectors: MatRef<c64>,
     modes: &mut [(usize, Mode)],
 ) -> Result<Option<f64>, EvaluationError> {
     let size = vectors.nrows();
     let inverse = vectors.partial_piv_lu().solve(Mat::<c64>::identity(size, size));
-    let matrix = reduction.matrix(linear);
     let mut largest: Option<f64> = None;
     for (k, mode) in modes.iter_mut().filter(|(_, mode)| mode.frequency > 0.0 && mode.damping < DAMPED) {
         let own: Vec<c64> = (0..size).map(|row| vectors[(row, *k)]).collect();
-        let felt = beside(here, (&matrix, reduction), &own)?;
+        let felt = beside(here, (matrix, reduction), &own)?;
         let change: c64 = (0..size).map(|row| inverse[(*k, row)] * felt[row]).sum();
         if !(change.norm() > LEAST.max(CERTAIN * mode.uncertainty)) {
             continue;
         }
-        let value = c64::new(mode.growth, mode.angular_frequency) + change;
-        (mode.growth, mode.angular_frequency, mode.frequency, mode.damping) =
-            (value.re, value.im, value.im / TAU, -value.re / value.norm());
+        mode.put(c64::new(mode.growth, mode.angular_frequency) + change);
         largest = Some(largest.unwrap_or(0.0).max(change.re.abs()));
     }
     Ok(largest)

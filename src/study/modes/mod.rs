@@ -112,6 +112,13 @@ pub struct Modes {
 }
 
 impl Mode {
+    /// Takes an eigenvalue, 1/s.
+    fn put(&mut self, value: c64) {
+        let size = value.norm();
+        (self.growth, self.angular_frequency, self.frequency) = (value.re, value.im, value.im / TAU);
+        self.damping = if size > 0.0 { -value.re / size } else { 0.0 };
+    }
+
     /// Does it grow, by more than it may be off?
     pub fn grows(&self) -> bool {
         self.growth > self.uncertainty && !self.neutral
@@ -301,7 +308,7 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         }
     }
     let kinked = match amplitude {
-        0.0 => harmonic::add_what_slopes_leave_out(&mut here, (&linear, &reduction), &eigen.U().to_owned(), &mut modes).map_err(beside)?,
+        0.0 => harmonic::add_what_slopes_leave_out(&mut here, (&matrix, &reduction), eigen.U(), &mut modes).map_err(beside)?,
         _ => None,
     };
     let mut modes: Vec<Mode> = modes.into_iter().map(|(_, mode)| mode).collect();
@@ -326,21 +333,22 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
 
 fn mode(model: &Model, speed: f64, value: c64, others: &[c64], shape: Vec<c64>) -> Mode {
     let uncertainty = others.iter().map(|other| (other - value).norm()).fold(f64::INFINITY, f64::min);
-    let size = value.norm();
-    let neutral = size < NEUTRAL;
+    let neutral = value.norm() < NEUTRAL;
     let found = shape::describe(model, speed, value, shape);
-    Mode {
-        frequency: value.im / TAU,
-        growth: value.re,
-        angular_frequency: value.im,
-        damping: if size > 0.0 { -value.re / size } else { 0.0 },
+    let mut mode = Mode {
+        frequency: 0.0,
+        growth: 0.0,
+        angular_frequency: 0.0,
+        damping: 0.0,
         uncertainty,
         hunting: found.hunting,
         neutral,
         name: if neutral { format!("{} (neutral)", found.name) } else { found.name },
         parts: found.parts,
         shape: found.shape.iter().map(|part| [part.re, part.im]).collect(),
-    }
+    };
+    mode.put(value);
+    mode
 }
 
 /// Nearer than this to an end of its free travel a stop is at it, m: some lengths of differences.
