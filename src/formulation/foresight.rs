@@ -91,52 +91,55 @@ impl Model {
 
     /// Changes of the contacts' forces that an error `error` of the state makes, in parts of what the scene allows
     /// ([`Model::load_tolerance`]): the largest over all wheels, of normal and creep force. The workspace holds an evaluation nearby.
+    pub fn load_error(&self, workspace: &Workspace, error: &[f64]) -> f64 {
+        let contacts = self.wheels().map(|wheel| self.contact_error(workspace, &wheel, error)).fold(0.0, larger);
+        larger(larger(contacts, self.strike_error(workspace, error)), self.wave_error(workspace, error))
+    }
+
+    /// The same at one wheel.
     ///
     /// `dN = N' n . d P`, P the wheel's point, or what a velocity across the contact becomes when the wheel of mass m bounces on it,
     /// `sqrt(N' m) n . d P'`: the force that a wrong speed of impact will have. Creep forces grow with slip by no more than linear theory says, `G a b C / V`, C the larger of
     /// Kalker's C11 and C22 (about 5), those of transient contact with its deflection as its stiffness says, and never beyond twice the friction bound.
-    pub fn load_error(&self, workspace: &Workspace, error: &[f64]) -> f64 {
+    pub(super) fn contact_error(&self, workspace: &Workspace, &WheelRef { contact, wheelset, side }: &WheelRef, error: &[f64]) -> f64 {
         const KALKER: f64 = 5.0;
         /// Below, a contact with deflection answers with its stiffness, not with slip, m/s.
         const SLOW: f64 = 0.5;
         let velocities = COORDINATES * self.system.bodies.len();
         let mut largest: f64 = 0.0;
-        for WheelRef { contact, wheelset, side } in self.wheels() {
-            let motion = &workspace.system.motions[wheelset.body];
-            let part = |first: usize| {
-                let e = &error[first + COORDINATES * wheelset.body..first + COORDINATES * (wheelset.body + 1)];
-                let (moved, turned) = without_pitch(motion, e);
-                (moved, turned, motion.axle() * e[5])
-            };
-            let ((mut moved, turned, _), (mut velocity, turning, spin)) = (part(0), part(velocities));
-            if let Some([displaced, displacing]) = self.rail_change(workspace, wheelset.body, contact, error) {
-                (moved, velocity) = (moved - displaced, velocity - displacing);
-            }
-            for (slot, report) in workspace.reports(contact).enumerate().filter(|(_, report)| report.normal_force > 0.0) {
-                let arm = report.wheel_point - motion.position;
-                let axes = &report.axes;
-                let scale = self.per_allowed(wheelset, report);
-                let slip = velocity + (turning + spin).cross(&arm);
-                if !report.constrained {
-                    let sunk = (moved + turned.cross(&arm)).dot(&axes.normal);
-                    let slope = report.share * report.elastic_slope;
-                    let impedance = (slope * self.bouncing_mass(wheelset)).sqrt();
-                    let lasting = self.lasting_of_bouncing(wheelset, report);
-                    largest = largest.max((slope * sunk).abs().max((impedance * slip.dot(&axes.normal)).abs()) * scale * lasting);
-                }
-                let slip = slip.dot(&axes.e1).hypot(slip.dot(&axes.e2));
-                let stiffness = self.laws.material.shear_modulus() * report.patch.a * report.patch.b * KALKER;
-                let speed = wheelset.speed(motion).abs();
-                let by_deflection = self.laws.transient.as_ref().map_or(0.0, |transient| {
-                    let first = self.deflection(contact, slot).start;
-                    transient.force_of(report.patch, speed, [error[first], error[first + 1]])
-                });
-                let creep = (stiffness * slip / speed.max(SLOW)).max(by_deflection);
-                largest = largest.max(creep.min(2.0 * self.friction_at(side, motion, report) * report.normal_force) * scale);
-            }
+        let motion = &workspace.system.motions[wheelset.body];
+        let part = |first: usize| {
+            let e = &error[first + COORDINATES * wheelset.body..first + COORDINATES * (wheelset.body + 1)];
+            let (moved, turned) = without_pitch(motion, e);
+            (moved, turned, motion.axle() * e[5])
+        };
+        let ((mut moved, turned, _), (mut velocity, turning, spin)) = (part(0), part(velocities));
+        if let Some([displaced, displacing]) = self.rail_change(workspace, wheelset.body, contact, error) {
+            (moved, velocity) = (moved - displaced, velocity - displacing);
         }
-        largest = largest.max(self.strike_error(workspace, error)).max(self.wave_error(workspace, error));
-        if largest.is_nan() { f64::INFINITY } else { largest }
+        for (slot, report) in workspace.reports(contact).enumerate().filter(|(_, report)| report.normal_force > 0.0) {
+            let arm = report.wheel_point - motion.position;
+            let axes = &report.axes;
+            let scale = self.per_allowed(wheelset, report);
+            let slip = velocity + (turning + spin).cross(&arm);
+            if !report.constrained {
+                let sunk = (moved + turned.cross(&arm)).dot(&axes.normal);
+                let slope = report.share * report.elastic_slope;
+                let impedance = (slope * self.bouncing_mass(wheelset)).sqrt();
+                let lasting = self.lasting_of_bouncing(wheelset, report);
+                largest = larger(largest, (slope * sunk).abs().max((impedance * slip.dot(&axes.normal)).abs()) * scale * lasting);
+            }
+            let slip = slip.dot(&axes.e1).hypot(slip.dot(&axes.e2));
+            let stiffness = self.laws.material.shear_modulus() * report.patch.a * report.patch.b * KALKER;
+            let speed = wheelset.speed(motion).abs();
+            let by_deflection = self.laws.transient.as_ref().map_or(0.0, |transient| {
+                let first = self.deflection(contact, slot).start;
+                transient.force_of(report.patch, speed, [error[first], error[first + 1]])
+            });
+            let creep = (stiffness * slip / speed.max(SLOW)).max(by_deflection);
+            largest = larger(largest, creep.min(2.0 * self.friction_at(side, motion, report) * report.normal_force) * scale);
+        }
+        largest
     }
 
     /// 1 over the change of a contact's forces that is allowed in a step, 1/N.
@@ -199,6 +202,11 @@ impl Model {
         let fading = 2.0 * self.bouncing_mass(wheelset) / damping;
         (fading.min(LONGEST_FADING) / FADING).max(1.0)
     }
+}
+
+/// The larger of two errors; what is not a number is larger than any.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 
 /// Translation and rotation of six changes of a body's coordinates or velocities, without that of its pitch.

@@ -6,9 +6,10 @@
 //!
 //! I and S are integrated beside the model's states (without error control: nothing depends on them). What I was a window ago
 //! is remembered: at the end of accepted steps, not closer to each other than a sixtieth of the window, S and all I are
-//! written into a ring. Steps of a millisecond and of thirty stand side by side; so between two entries I is the cubic of Hermite with slopes
-//! that lie between those of its chords ([`MeanMemory::chord_slope`]): a polynomial through several uneven entries swings. Before a whole window has been
-//! travelled the mean is that since the start.
+//! written into a ring. Steps of a millisecond and of thirty stand side by side, and q jumps where an input does: a polynomial through several uneven entries
+//! swings, and one whose slope before a jump comes from what lies behind it turned a force of 30 kN that stood for 0.2 m into a mean of 6.1 kN (2.8). So between two entries
+//! I is a cubic whose slopes deviate from the chord by no more than the bends of both its ends agree on ([`MeanMemory::deviations`]). Before a whole window has been
+//! travelled the mean is that since the start; before anything has been, the present value at the end of the last step.
 //!
 //! Filtered: [`super::low_pass`] runs in time and is advanced exactly; so it takes no part in error control and is stable for any step. Its input over an accepted
 //! step is a line: its mean is that of q there, `change of I / change of S`, its slope is from the mean of the step before to this one's.
@@ -33,7 +34,7 @@ const LEAST_TRAVEL: f64 = 1e-7;
 pub const MEANS: [&str; 3] = ["Y/Q of the left wheel", "Y/Q of the right wheel", "sum of Y"];
 
 /// Number of quantities.
-const QUANTITIES: usize = MEANS.len();
+pub const QUANTITIES: usize = MEANS.len();
 
 /// Integrals of some quantities over the distance that a wheelset travels, and their past.
 #[derive(Clone, Copy, Debug)]
@@ -95,11 +96,13 @@ pub struct MeanMemory {
     /// The ends of the last two steps.
     before: Option<End>,
     last: Option<End>,
+    /// The quantities at the end of the last step, while nothing has been travelled.
+    present: [f64; QUANTITIES],
 }
 
 impl Default for MeanMemory {
     fn default() -> Self {
-        MeanMemory { entries: vec![Entry::default(); ENTRIES], count: 0, oldest: 0, before: None, last: None }
+        MeanMemory { entries: vec![Entry::default(); ENTRIES], count: 0, oldest: 0, before: None, last: None, present: [0.0; QUANTITIES] }
     }
 }
 
@@ -110,7 +113,8 @@ impl Clone for MeanMemory {
 
     fn clone_from(&mut self, other: &Self) {
         self.entries.clone_from(&other.entries);
-        (self.count, self.oldest, self.before, self.last) = (other.count, other.oldest, other.before, other.last);
+        (self.count, self.oldest, self.before, self.last, self.present) =
+            (other.count, other.oldest, other.before, other.last, other.present);
     }
 }
 
@@ -118,6 +122,13 @@ impl MeanMemory {
     /// Could it be of the same model as `other`?
     pub fn fits(&self, other: &MeanMemory) -> bool {
         self.entries.len() == other.entries.len() && self.count.max(other.count) <= self.entries.len()
+    }
+
+    /// Notes what the quantities are at the end of a step; it is what is shown until something has been travelled.
+    pub fn note_present(&mut self, values: [f64; QUANTITIES]) {
+        if self.count < 2 {
+            self.present = values;
+        }
     }
 
     /// An entry by its age, the oldest first.
@@ -162,43 +173,52 @@ impl MeanMemory {
         (0..self.count).find(|number| self.entry(*number).distance > distance).unwrap_or(self.count)
     }
 
-    /// An integral at travelled distance `at` from its values at the entries and its slopes there, by entry number.
-    fn past(&self, at: f64, value: impl Fn(&Entry) -> f64, slope: impl Fn(usize) -> f64) -> f64 {
+    /// An integral at travelled distance `at` from its values at the entries and, by the number of an interval's first entry, what its slopes at both ends would add
+    /// to or take from the chord over the whole interval.
+    fn past(&self, at: f64, value: impl Fn(&Entry) -> f64, deviations: impl Fn(usize) -> [f64; 2]) -> f64 {
         let right = self.after(at);
         let Some(left) = right.checked_sub(1) else { return if self.count > 0 { value(self.entry(0)) } else { 0.0 } };
         let from = self.entry(left);
         if right == self.count {
-            return value(from) + slope(left) * (at - from.distance);
+            return value(from);
         }
         let to = self.entry(right);
-        let (length, rise) = (to.distance - from.distance, value(to) - value(from));
-        let part = (at - from.distance) / length;
+        let part = (at - from.distance) / (to.distance - from.distance);
         // Deviation from the chord: part (1 - part) times a line between what the slopes deviate by.
-        let [first, last] = [slope(left) * length - rise, rise - slope(right) * length];
-        value(from) + rise * part + part * (1.0 - part) * (first * (1.0 - part) + last * part)
+        let [first, last] = deviations(left);
+        value(from) + (value(to) - value(from)) * part + part * (1.0 - part) * (first * (1.0 - part) - last * part)
     }
 
-    /// Slope at an entry of the parabola through it and its neighbours: the mean of both chords' slopes, the shorter's counting more; at the ends of the ring that of the one chord, bent as the next is.
-    fn chord_slope(&self, number: usize, value: impl Fn(&Entry) -> f64) -> f64 {
+    /// What the slopes of an integral at the ends of the interval behind an entry deviate by from its chord, times the interval's length.
+    ///
+    /// The chords of two intervals side by side, over h and k, make a bend b = 2 (their difference) / (h + k), which is dq/dS if q is a line; its slope at either end of h is then
+    /// b h / 2 off the chord's. Where a short interval follows a long one (k < h / 2) the difference may be a jump: there b counts only as far as the bend at the interval's other end says
+    /// the same, and up to twice that.
+    fn deviations(&self, interval: usize, value: impl Fn(&Entry) -> f64) -> [f64; 2] {
         let chord = |from: usize| {
             let [from, to] = [from, from + 1].map(|number| self.entry(number));
             let length = to.distance - from.distance;
             (length, (value(to) - value(from)) / length)
         };
-        match self.count {
-            0 | 1 => 0.0,
-            2 => chord(0).1,
-            count => {
-                let middle = number.clamp(1, count - 2);
-                let ((before, first), (after, last)) = (chord(middle - 1), chord(middle));
-                let bend = (last - first) / (before + after);
-                match number {
-                    0 => first - bend * before,
-                    number if number == count - 1 => last + bend * after,
-                    _ => first + bend * before,
-                }
-            }
-        }
+        let (length, rise) = chord(interval);
+        // Half a bend, and the length of the interval beside.
+        let bend = |beside: usize| {
+            let (other, beyond) = chord(beside);
+            ((beyond - rise) / (length + other), other)
+        };
+        let before = interval.checked_sub(1).map(bend);
+        let after = (interval + 2 < self.count).then(|| bend(interval + 1));
+        let limited = |(bend, other): (f64, f64), opposite: f64| match (2.0 * other < length, bend * opposite > 0.0) {
+            (false, _) => bend,
+            (true, true) => bend.signum() * bend.abs().min(2.0 * opposite.abs()),
+            (true, false) => 0.0,
+        };
+        // The chord before lies below where q rises.
+        let [first, last] = match [before.map(|(bend, other)| (-bend, other)), after] {
+            [Some(first), Some(last)] => [limited(first, last.0), limited(last, first.0)],
+            [one, other] => [one.or(other).map_or(0.0, |one| one.0); 2],
+        };
+        [-first * length * length, last * length * length]
     }
 }
 
@@ -262,21 +282,26 @@ impl SlidingMean {
         filter
     }
 
-    /// Mean of quantity `index` over the window that ends at time `t` at the given states; 0 before anything was travelled.
+    /// Mean of quantity `index` over the window that ends at time `t` at the given states; the present value before anything was travelled.
     pub fn mean(&self, index: usize, averaged: Averaged, t: f64, states: &[f64], memory: &MeanMemory) -> f64 {
         let end = states[0];
         let begin = (end - self.window).max(if memory.count > 0 { memory.entry(0).distance } else { end });
-        if !(end > begin) {
-            return 0.0;
+        if !(end > begin + LEAST_TRAVEL) {
+            return memory.present[index];
         }
         let change = match averaged {
             Averaged::Unfiltered => {
                 let plain = |entry: &Entry| entry.plain[index];
-                states[1 + index] - memory.past(begin, plain, |number| memory.chord_slope(number, plain))
+                states[1 + index] - memory.past(begin, plain, |interval| memory.deviations(interval, plain))
             }
             Averaged::Filtered => {
-                let slope = |number| memory.entry(number).outputs[index];
-                self.filtered(index, t, states, memory) - memory.past(begin, |entry| entry.filtered[index], slope)
+                // The filter's outputs are the slopes.
+                let deviations = |interval: usize| {
+                    let [from, to] = [interval, interval + 1].map(|number| memory.entry(number));
+                    let (length, rise) = (to.distance - from.distance, to.filtered[index] - from.filtered[index]);
+                    [from, to].map(|entry| entry.outputs[index] * length - rise)
+                };
+                self.filtered(index, t, states, memory) - memory.past(begin, |entry| entry.filtered[index], deviations)
             }
         };
         change / (end - begin)
@@ -399,6 +424,31 @@ mod tests {
         println!("off by at most {worst:.1e}");
         // With a constant input over each step and a polynomial through four entries: 4.3e-3.
         assert!(worst < 3.5e-3, "{worst}");
+    }
+
+    /// A quantity that jumps where a step ends, as an input makes it, after long steps and before short ones; and back.
+    #[test]
+    fn analytic_mean_over_a_jump() {
+        let filter = SlidingMean::new(2.0);
+        let integral = |s: f64| [s, 30.0 * (s - 6.0).clamp(0.0, 0.2) + 2.0 * s, 0.0, 0.0];
+        let mut memory = MeanMemory::default();
+        let (mut s, mut worst) = (0.0, 0.0f64);
+        while s < 12.0 {
+            filter.note(s / SPEED, &integral(s), &mut memory);
+            let step = if (6.0..6.4).contains(&s) { 0.01 } else { 0.6 };
+            for part in [0.0, 0.2, 0.5, 0.8, 1.0] {
+                let at = s + part * step;
+                let begin = (at - 2.0).max(0.0);
+                if at > 0.0 {
+                    let exact = (integral(at)[1] - integral(begin)[1]) / (at - begin);
+                    worst = worst.max((filter.mean(0, Averaged::Unfiltered, at / SPEED, &integral(at), &memory) - exact).abs());
+                }
+            }
+            s = if ((s + step) - 6.0).abs() < 1e-6 { 6.0 } else { s + step };
+        }
+        println!("off by {worst:.3} of 3");
+        // Slopes from the chords on both sides: 1.3. Within entries 33 mm apart the jump's place is not known.
+        assert!(worst < 0.06, "{worst}");
     }
 
     /// A step that ended at B is cut at C: readings before C, and all that follow, are those of a run that never saw B.

@@ -218,7 +218,7 @@ impl Model {
             let landing = if range.least.0 > 0.0 {
                 ""
             } else {
-                "; loads at the instants of its landing are known to tenths of the static load, their largest value to a tenth; solver.load_tolerance = 1e-3 has them to some per cent"
+                "; loads at the instants of its landing are known to 2 % of the static load, with solver.load_tolerance = 1e-3 to some tenths of a per cent"
             };
             notes.push(format!(
                 "{wheel} carries {load} at {:.4} s (below {:.0} %: its guidance is not safe{}{landing})",
@@ -229,8 +229,8 @@ impl Model {
         }
         if let Some((contact, time)) = loads.strike {
             notes.push(format!(
-                "{} has left its rail and strikes it at {time:.4} s: from there on loads at impacts are orders of magnitude, since an error of the size of the \
-                 tolerance shifts each impact and the next ones grow by it; runs with solver.load_tolerance = 1e-3, and with solver.integrator = \"dormand_prince\", show how far they hold",
+                "{} has left its rail and strikes it at {time:.4} s: an error of the size of the tolerance shifts each impact, and the next ones grow by it. Where contacts are \
+                 damped so that a bounce dies within some of them, loads hold; else they are orders of magnitude from there on: runs with solver.load_tolerance = 1e-3, and with solver.integrator = \"dormand_prince\", show how far they hold",
                 all[contact].0
             ));
         }

@@ -254,6 +254,7 @@ impl Dynamics for ModelDynamics<'_> {
         self.model.note_swings(self.workspace, (t, y), self.watched.swings);
         self.model.note_strikes(self.workspace, t, self.watched.strikes);
         self.model.note_wheel_loads(self.workspace, t, self.watched.swings.is_plain(), self.watched.loads);
+        self.model.note_present_means(self.workspace, &mut self.memories.accepted);
     }
 
     fn project(&mut self, t: f64, y: &mut [f64]) -> Result<bool, Undefined> {

@@ -274,6 +274,7 @@ impl Simulation {
         simulation.state.memories.accepted.clone_from(&simulation.snapshot.memory);
         simulation.model.settle_deflections(&simulation.snapshot.workspace, &mut simulation.state.integration.y);
         simulation.settle_rails()?;
+        simulation.model.note_present_means(&simulation.snapshot.workspace, &mut simulation.state.memories.accepted);
         // What is shown belongs to the state: a cold start differs in the last digits.
         simulation.known = None;
         simulation.look()?;

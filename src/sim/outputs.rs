@@ -244,7 +244,7 @@ fn means(c: &mut Collector, model: &Model, wheelset: usize) {
         (32, 33, "trackShiftingForceMean", Unit::Newton, "sum of Y (lateral force of both wheels on the track, left positive)"),
     ];
     for (quantity, (filtered, unfiltered, name, unit, text)) in lines.into_iter().enumerate() {
-        let over = format!("sliding mean over {} m (over what was travelled until then)", mean.window);
+        let over = format!("sliding mean over {} m (over what was travelled until then; before that the present value)", mean.window);
         let kinds = [
             (
                 filtered,

@@ -73,7 +73,7 @@ fn hard_loads_of_wheels_that_are_not_round_are_right() {
             let recording = run(&load::open("wheelset_s1002", &changes).unwrap_or_else(|error| panic!("{error}")), 0.6, 2e-4);
             ["left.verticalForce", "right.verticalForce"].map(|name| column(&recording, name))
         };
-        let found = of(&["contact.patch=strips"]);
+        let found = of(&["contact.patch=strips", "solver.integrator=rosenbrock"]);
         let tight = of(&["contact.patch=strips", "solver.integrator=dormand_prince", "solver.tolerance=1e-9"]);
         for (side, (found, tight)) in found.iter().zip(&tight).enumerate() {
             let [least, most] = [f64::min, f64::max].map(|of| tight.iter().copied().fold(tight[0], of));
@@ -81,6 +81,35 @@ fn hard_loads_of_wheels_that_are_not_round_are_right() {
             println!("{wave}, {speed} m/s, wheel {side}: {error:.1} N of {least:.0} to {most:.0} N");
             assert!(error < 0.01 * tight[0], "{wave}: {error}");
         }
+    }
+}
+
+/// Wheels that leave their rails for milliseconds, on contacts that hardly damp: what an error of one blow does to the time of the next. Implicit steps were off by 180 % of the static load after
+/// twenty bounces (now 15 %; explicit ones, which `auto` takes, 9 %).
+#[test]
+fn hard_blows_after_flights_come_in_time() {
+    let settings = [
+        wheels("{kind=\"flat\",length=\"64 mm\",depth=\"0.33 mm\",at=\"200 deg\"}"),
+        "vehicle.speed=37".into(),
+        "vehicle.wheelset.mass=2200".into(),
+        "vehicle.wheelset.vertical_load=100e3".into(),
+        "contact.damping=1e8".into(),
+    ];
+    let of = |more: &[&str]| {
+        let changes: Vec<&str> = settings.iter().map(String::as_str).chain(more.iter().copied()).collect();
+        let scene = straight(&changes);
+        (scene.solver.name, column(&run(&scene, 0.172, 2e-5), "left.verticalForce"))
+    };
+    let (_, tight) = of(&["solver.integrator=dormand_prince", "solver.tolerance=1e-9", "solver.load_tolerance=1e-6"]);
+    assert!(
+        tight.iter().filter(|force| **force <= 0.0).count() > 200 && tight.iter().any(|force| *force > 2.5 * tight[0]),
+        "it has to fly"
+    );
+    for (integrator, name, bound) in [("auto", "dormand_prince", 0.3), ("rosenbrock", "rosenbrock", 0.4)] {
+        let (taken, found) = of(&[&format!("solver.integrator={integrator}"), "solver.tolerance=1e-5"]);
+        let error = common::largest_difference(&found, &tight);
+        println!("{integrator}: {:.2} % of the static load", 100.0 * error / tight[0]);
+        assert!(taken == name && error < bound * tight[0], "{integrator}: {taken}, {error}");
     }
 }
 

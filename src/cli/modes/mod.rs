@@ -154,15 +154,13 @@ fn run(scene: &Scene, speeds: &[f64], amplitude: f64) -> Result<Locus, Failure> 
     found.map_err(|error| failed(scene, &error))
 }
 
-/// A scene without a steady state on straight track is bad input.
+/// A scene without a steady state is bad input.
 fn failed(scene: &Scene, error: &ModesError) -> Failure {
     let words = format!("{}: {error}", scene.source.file);
     match error {
-        ModesError::NotStraight { .. }
-        | ModesError::NoStart { .. }
-        | ModesError::TooWide { .. }
-        | ModesError::Rigid
-        | ModesError::OnGrid => Failure::Input(words),
+        ModesError::Place { .. } | ModesError::NoStart { .. } | ModesError::TooWide { .. } | ModesError::Rigid | ModesError::OnGrid => {
+            Failure::Input(words)
+        }
         ModesError::Beside { .. } | ModesError::NoEigenvalues { .. } => Failure::Run(words),
     }
 }

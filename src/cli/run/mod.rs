@@ -21,6 +21,7 @@ use crate::sim::recording::{Recording, Run, Times};
 use crate::sim::statics;
 use crate::sim::vehicle_outputs::scene_outputs;
 use crate::study::digits::rounded;
+use crate::study::modes::rest::unstable_rest;
 use checkpoints::{CheckpointArguments, Keeper};
 use clap::{Args, ValueEnum};
 use std::ops::ControlFlow;
@@ -205,6 +206,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     notes.extend(recording.all_notes(&simulation));
     notes.extend(books.then(|| open_books(&recording)).flatten());
+    if failure.is_none() && ended.is_none() {
+        notes.extend(unstable_rest(&scene, &mut simulation));
+    }
     messages(&notes, &events, simulation.doubts());
     if arguments.json {
         let error = failure.as_ref().or(ended.as_ref().map(|ended| &ended.0));

@@ -1,6 +1,6 @@
 //! Small motions about steady running: eigenvalues and shapes of the linearised equations, and how they change with speed.
 //!
-//! The steady state is that of the scene's start on straight, undisturbed track, without what the scene adds to it. About it the whole model, with contact
+//! The steady state is that of the scene's start on undisturbed track, straight or a constant curve ([`turning`]), without what the scene adds to it. About it the whole model, with contact
 //! search, normal and creep laws as they are, is differenced ([`slopes`]), put onto its constraints and freed of what has no influence ([`reduction`]):
 //!
 //! ```text
@@ -14,32 +14,37 @@ mod across;
 mod harmonic;
 pub mod locus;
 mod reduction;
+pub mod rest;
 pub mod shape;
 mod slopes;
+mod turning;
 
 use crate::contact::patch::PatchLaw;
 use crate::formulation::flexibility::Flexibility;
 use crate::formulation::{EvaluationError, Model};
+use crate::geometry::track::centre_line::{Alignment, CentreLine};
 use crate::mbs::body::COORDINATES;
 use crate::scene::spec::Scene;
 use crate::scene::start::{self, Start};
 use crate::sim::statics::{ElementForce, statics};
 use crate::sim::{Simulation, SimulationError};
 use faer::{Mat, c64};
+use nalgebra::Vector3;
 use reduction::Reduction;
 use serde::Serialize;
 use shape::Part;
 use slopes::Neighbourhood;
 use std::f64::consts::TAU;
+use std::sync::Arc;
+use turning::Turning;
 
 /// Why there are no modes.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ModesError {
     #[error(
-        "at {speed} m/s: the vehicle starts {place}; modes are those of straight track: choose vehicle.initial.distance so that all of it stands on a straight \
-         without superelevation, or --set track.node=[]"
+        "at {speed} m/s: the vehicle starts {place}; expected {expected}: choose vehicle.initial.distance so that all of it stands there, or --set track.node=[]"
     )]
-    NotStraight { speed: f64, place: &'static str },
+    Place { speed: f64, place: &'static str, expected: &'static str },
     #[error("at {speed} m/s: {cause}")]
     NoStart { speed: f64, cause: SimulationError },
     #[error("at {speed} m/s, beside the steady state: {cause}")]
@@ -167,25 +172,38 @@ const KEPT: f64 = 0.01;
 /// The scene at a speed [m/s] on straight, undisturbed track, without what it adds to the steady state at its start.
 ///
 /// # Errors
-/// [`ModesError::NotStraight`].
+/// [`ModesError::Place`].
 pub fn undisturbed(scene: &Scene, speed: f64) -> Result<Scene, ModesError> {
+    straight(scene, speed)?;
     with_stand_in(scene, speed).map(|(scene, _)| scene)
 }
 
-/// The same, and what stands for a track that is a beam, in words.
+/// Does the vehicle start on a straight?
+fn straight(scene: &Scene, speed: f64) -> Result<(), ModesError> {
+    let place = match start::start(scene) {
+        Start::Straight => return Ok(()),
+        Start::Curve(node) if node.curvature == 0.0 => "on superelevated or climbing track",
+        Start::Curve(_) => "in a curve",
+        Start::Transition { .. } => "on a transition",
+    };
+    Err(ModesError::Place { speed, place, expected: "a straight without superelevation (here)" })
+}
+
+/// The same on the track of its start, straight or a constant curve, and what stands for a track that is a beam, in words.
 fn with_stand_in(scene: &Scene, speed: f64) -> Result<(Scene, Option<String>), ModesError> {
-    match start::start(scene) {
-        Start::Straight => {}
-        Start::Curve(node) if node.curvature == 0.0 => {
-            return Err(ModesError::NotStraight { speed, place: "on superelevated or climbing track" });
+    let curve = match start::start(scene) {
+        Start::Straight => None,
+        Start::Curve(node) => Some(node),
+        Start::Transition { .. } => {
+            return Err(ModesError::Place { speed, place: "on a transition", expected: "a straight or a constant curve" });
         }
-        Start::Curve(_) => return Err(ModesError::NotStraight { speed, place: "in a curve" }),
-        Start::Transition { .. } => return Err(ModesError::NotStraight { speed, place: "on a transition" }),
-    }
+    };
     let mut scene = scene.clone();
     scene.vehicle = scene.vehicle.steady();
     scene.vehicle.speed = speed;
-    (scene.track.alignment, scene.track.line, scene.track.start_fade) = (None, None, None);
+    let alignment = scene.track.alignment.take().zip(curve).map(|(alignment, node)| Alignment { nodes: vec![node], ..alignment });
+    scene.track.line = alignment.as_ref().and_then(|alignment| CentreLine::new(alignment, Vector3::zeros(), 0.0)).map(Arc::new);
+    (scene.track.alignment, scene.track.start_fade) = (alignment, None);
     scene.track.deviations.clear();
     let (flexibility, words) = stand_in(&scene, speed).unzip();
     scene.track.flexibility = flexibility;
@@ -226,10 +244,15 @@ pub fn steady(scene: &Scene, speed: f64) -> Result<Simulation, ModesError> {
     Ok(coasting)
 }
 
-/// The largest acceleration of a simulation as it stands, m/s2 or rad/s2; infinite where it can't be evaluated.
+/// The largest acceleration of a simulation as it stands, beside that of a steady curve, m/s2 or rad/s2; infinite where it can't be evaluated.
 fn remaining(simulation: &mut Simulation) -> f64 {
     let bodies = simulation.model().system.bodies.len();
-    simulation.snapshot().map_or(f64::INFINITY, |snapshot| unbalanced(bodies, &snapshot.dy))
+    let Ok(snapshot) = simulation.snapshot() else { return f64::INFINITY };
+    let mut rates = snapshot.dy.clone();
+    if let Some(turning) = Turning::of(bodies, &snapshot.y) {
+        turning.take_off(&snapshot.y, &mut rates);
+    }
+    unbalanced(bodies, &rates)
 }
 
 /// Does nothing begin with an input?
@@ -267,6 +290,9 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
     if scene.contact.patch.law == PatchLaw::Exact {
         return Err(ModesError::OnGrid);
     }
+    if amplitude > 0.0 {
+        straight(scene, speed)?;
+    }
     let (scene, track) = with_stand_in(scene, speed)?;
     let no_start = |cause| ModesError::NoStart { speed, cause };
     let mut simulation = steady(&scene, speed)?;
@@ -279,7 +305,7 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
     }
     let state = simulation.state();
     let beside = |cause| ModesError::Beside { speed, cause };
-    let mut here = Neighbourhood::new(model, &state.integration.y, &state.memories.accepted, held);
+    let mut here = Neighbourhood::new(model, &state.integration.y, &state.memories.accepted, held).turning_with_it();
     let mut slopes = |length: f64| {
         let mut linear = here.linear(length)?;
         if amplitude > 0.0 {
@@ -303,7 +329,8 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         let value = values[k];
         let swings = value.norm() > NEUTRAL && value.im.abs() > SWINGS * value.norm();
         if value.im >= 0.0 || !swings {
-            let shape = reduction.full(|row| eigen.U()[(row, k)]);
+            let mut shape = reduction.full(|row| eigen.U()[(row, k)]);
+            here.turning.iter().for_each(|turning| turning.onto_courses(&mut shape));
             modes.push((k, mode(model, speed, if swings { value } else { c64::new(value.re, 0.0) }, &others, shape)));
         }
     }

@@ -9,7 +9,7 @@
 //! { u : (1 - P) u = 0,  u_imposed = 0,  n . u = 0 },      A = Q^T J P Q
 //! ```
 //!
-//! has all other eigenvalues, exactly. Whether a direction changes nothing is tried with a finite shift, not assumed. A mode's shape is found up to its part along n.
+//! has all other eigenvalues, exactly (in curves: [`super::turning`]). Whether a direction changes nothing is tried with a finite shift, not assumed. A mode's shape is found up to its part along n.
 
 use super::Dense;
 use super::shape::owner;
@@ -38,6 +38,8 @@ pub(super) struct Reduction {
 struct Direction {
     parts: Vec<(usize, f64)>,
     words: String,
+    /// Is it the travel of the whole about a curve's centre?
+    turns: bool,
 }
 
 impl Reduction {
@@ -50,12 +52,19 @@ impl Reduction {
         let mut rows: Vec<Vec<(usize, f64)>> = Vec::new();
         for drive in &here.model.system.drives {
             let x = COORDINATES * drive.body;
-            rows.extend([vec![(x, 1.0)], vec![(count + x, 1.0)]]);
-            left_out.push(format!("{}: distance and speed along the track (imposed)", here.model.system.bodies[drive.body].name));
+            let name = &here.model.system.bodies[drive.body].name;
+            if let Some(turning) = &here.turning {
+                let [cos, sin] = turning.course(drive.body);
+                rows.push(vec![(count + x, cos), (count + x + 1, sin)]);
+                left_out.push(format!("{name}: speed along the track (imposed)"));
+            } else {
+                rows.extend([vec![(x, 1.0)], vec![(count + x, 1.0)]]);
+                left_out.push(format!("{name}: distance and speed along the track (imposed)"));
+            }
         }
         for direction in candidates(here) {
-            if changes_nothing(here, &linear.rates, &direction.parts) {
-                rows.push(direction.parts);
+            if changes_nothing(here, &linear.rates, &direction) {
+                rows.push(direction.parts.into_iter().map(|(state, part)| (state, part / scale[state])).collect());
                 left_out.push(direction.words);
             }
         }
@@ -97,7 +106,7 @@ impl Reduction {
 pub(super) fn indifferent(here: &mut Neighbourhood) -> Result<Vec<usize>, EvaluationError> {
     let usual = here.rates(here.y.clone())?.1;
     let single = candidates(here).into_iter().filter(|direction| direction.parts.len() == 1);
-    Ok(single.filter(|direction| changes_nothing(here, &usual, &direction.parts)).map(|direction| direction.parts[0].0).collect())
+    Ok(single.filter(|direction| changes_nothing(here, &usual, direction)).map(|direction| direction.parts[0].0).collect())
 }
 
 /// Directions that may change nothing: the turn of each body of revolution, states beside bodies that only count, and travel where nothing imposes it.
@@ -108,14 +117,20 @@ fn candidates(here: &Neighbourhood) -> Vec<Direction> {
     for wheelset in &here.model.wheelsets {
         let name = &system.bodies[wheelset.body].name;
         let pitch = COORDINATES * wheelset.body + COORDINATES - 1;
-        found.push(Direction { parts: vec![(pitch, 1.0)], words: format!("{name}: turn about the axle") });
+        found.push(Direction { parts: vec![(pitch, 1.0)], words: format!("{name}: turn about the axle"), turns: false });
     }
     for state in 2 * COORDINATES * bodies..here.y.len() {
-        found.push(Direction { parts: vec![(state, 1.0)], words: format!("{}, on which nothing depends", owner(here.model, state)) });
+        found.push(Direction {
+            parts: vec![(state, 1.0)],
+            words: format!("{}, on which nothing depends", owner(here.model, state)),
+            turns: false,
+        });
     }
-    if system.drives.is_empty() {
+    if let Some(turning) = &here.turning {
+        found.push(Direction { parts: turning.travel(), words: "travel of the whole along the curve".into(), turns: true });
+    } else if system.drives.is_empty() {
         let parts = (0..bodies).map(|body| (COORDINATES * body, 1.0)).collect();
-        found.push(Direction { parts, words: "travel of the whole along the track".into() });
+        found.push(Direction { parts, words: "travel of the whole along the track".into(), turns: false });
     }
     found
 }
@@ -133,9 +148,12 @@ fn counted(words: Vec<String>) -> Vec<String> {
 }
 
 /// Are rates and constraints the same after a finite shift?
-fn changes_nothing(here: &mut Neighbourhood, usual: &[f64], parts: &[(usize, f64)]) -> bool {
+fn changes_nothing(here: &mut Neighbourhood, usual: &[f64], direction: &Direction) -> bool {
     let mut y = here.y.clone();
-    parts.iter().for_each(|(state, part)| y[*state] += SHIFT * part);
+    match &here.turning {
+        Some(turning) if direction.turns => y = turning.travelled(SHIFT),
+        _ => direction.parts.iter().for_each(|(state, part)| y[*state] += SHIFT * part),
+    }
     // A state of an element or a contact may not be free to move so far.
     let Ok((found, rates)) = here.rates(y.clone()) else { return false };
     let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < NOTHING * SHIFT);

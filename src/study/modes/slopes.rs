@@ -11,6 +11,7 @@
 //! with p the projection, which meets constraints to 1e-13 m; steps there are ten times as long.
 
 use super::Dense;
+use super::turning::Turning;
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::{Evaluation, EvaluationError, Model, Workspace};
 use crate::mbs::body::{COORDINATES, YAW};
@@ -59,6 +60,8 @@ pub(super) struct Neighbourhood<'a> {
     /// Is anything a constraint?
     constrained: bool,
     speed: f64,
+    /// Where the steady motion turns.
+    pub turning: Option<Turning>,
 }
 
 impl<'a> Neighbourhood<'a> {
@@ -68,11 +71,17 @@ impl<'a> Neighbourhood<'a> {
             inputs,
             trial: memory.clone(),
             constrained: model.formulation.constrains() || model.formulation.states_per_contact() > 0 || !model.system.joints.is_empty(),
-            speed: y[COORDINATES * model.system.bodies.len()].abs().max(SLOWEST),
+            speed: travelling(model, y).max(SLOWEST),
+            turning: None,
             y: y.to_vec(),
             model,
             memory,
         }
+    }
+
+    /// The same seen from a frame that turns with the vehicle, where the state is one of steady running in a curve.
+    pub fn turning_with_it(self) -> Self {
+        Neighbourhood { turning: Turning::of(self.model.system.bodies.len(), &self.y), ..self }
     }
 
     /// Step of a state.
@@ -98,6 +107,9 @@ impl<'a> Neighbourhood<'a> {
         let mut rates = vec![0.0; y.len()];
         let at = Evaluation { t: 0.0, inputs: &self.inputs, y: &y, memory: &mut self.trial };
         self.model.derivative(&mut self.workspace, at, &mut rates)?;
+        if let Some(turning) = &self.turning {
+            turning.take_off(&y, &mut rates);
+        }
         Ok((y, rates))
     }
 
@@ -149,6 +161,12 @@ impl<'a> Neighbourhood<'a> {
         let of = |contact: usize| self.workspace.reports(contact).map(|report| report.normal_force).sum();
         (0..self.model.contacts()).map(of).collect()
     }
+}
+
+/// Speed of the first body, m/s.
+fn travelling(model: &Model, y: &[f64]) -> f64 {
+    let count = COORDINATES * model.system.bodies.len();
+    y[count].hypot(y[count + 1])
 }
 
 /// A state that was met, and its rates.
