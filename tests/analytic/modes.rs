@@ -42,6 +42,11 @@ fn simulated(scene: &Scene, mode: &Mode, body: usize, periods: f64) -> Complex<f
         simulation.advance(step * k as f64).unwrap_or_else(|error| panic!("{error}"));
         samples.push(simulation.solution()[lateral] - middle);
     }
+    eigenvalue(&samples, step)
+}
+
+/// That of a swing read at equal times.
+fn eigenvalue(samples: &[f64], step: f64) -> Complex<f64> {
     let rows = samples.len() - 2;
     let matrix = DMatrix::from_fn(rows, 2, |i, j| samples[i + 1 - j]);
     let next = DVector::from_fn(rows, |i, _| samples[i + 2]);
@@ -232,10 +237,74 @@ fn prop_travel_and_turns_are_left_out() {
 }
 
 #[test]
-fn hard_a_scene_in_a_curve_is_refused() {
-    let scene = open("vehicle_curve", &["vehicle.initial.distance=150"]);
+fn hard_a_scene_on_a_transition_is_refused() {
+    let scene = open("vehicle_curve", &["vehicle.initial.distance=45"]);
     let error = modes(&scene, scene.vehicle.speed).unwrap_err().to_string();
-    assert!(error.contains("straight track"), "{error}");
+    assert!(error.contains("on a transition; expected a straight or a constant curve"), "{error}");
+    // Limit cycles and equivalent slopes are those of straight track.
+    let scene = open("vehicle_curve", &["vehicle.initial.distance=150"]);
+    for error in [modes_over(&scene, 20.0, 1e-3).unwrap_err(), undisturbed(&scene, 20.0).unwrap_err()] {
+        assert!(error.to_string().contains("in a curve; expected a straight"), "{error}");
+    }
+}
+
+/// A truck in curves, by cant and hand: the eigenvalue of a run that starts beside steady curving in the shape of hunting, which is another one than on straight track.
+#[test]
+fn analytic_hunting_in_a_curve_grows_as_simulated() {
+    const AMPLITUDE: f64 = 1e-6;
+    for (radius, cant, speed) in [(6000.0, -0.1, 90.0), (-2500.0, 0.15, 70.0)] {
+        let node = format!("track.node=[{{distance=0,radius={radius},superelevation={cant}}}]");
+        let changes =
+            ["track.deviation=[]", &node, &format!("vehicle.speed={speed}"), "solver.integrator=dormand_prince", "solver.tolerance=1e-12"];
+        let (scene, straight) = (open("bogie", &changes), open("bogie", &["track.deviation=[]", changes[2]]));
+        let all = found(&scene);
+        let (mode, there) = (all.hunting().unwrap(), found(&straight).hunting().map(value).unwrap());
+        let mut simulation = common::start(&scene);
+        let mut state = simulation.state().clone();
+        let lateral = |simulation: &mut Simulation| simulation.snapshot().unwrap().workspace.beside_track(0)[0];
+        let middle = lateral(&mut simulation);
+        let [re, im] = mode.shape[1];
+        let scale = AMPLITUDE / Complex::new(re, im);
+        let moved: Vec<f64> = mode.shape.iter().map(|part| (scale * Complex::new(part[0], part[1])).re).collect();
+        let count = 6 * simulation.model().system.bodies.len();
+        let courses: Vec<f64> =
+            (0..count).step_by(6).map(|first| state.integration.y[count + first + 1].atan2(state.integration.y[count + first])).collect();
+        for (i, y) in state.integration.y.iter_mut().enumerate() {
+            let (first, axis) = (i - i % 6, i % 6);
+            // Shapes are along and across each body's course.
+            let world = match (axis, courses.get(first % count / 6).filter(|_| i < 2 * count)) {
+                (0, Some(course)) => moved[i] * course.cos() - moved[i + 1] * course.sin(),
+                (1, Some(course)) => moved[i - 1] * course.sin() + moved[i] * course.cos(),
+                _ => moved[i],
+            };
+            *y += world;
+        }
+        assert!(simulation.restore(&state));
+        let step = 1.0 / mode.frequency / 16.0;
+        let mut samples = Vec::new();
+        for k in 1..=48 {
+            simulation.advance(step * f64::from(k)).unwrap_or_else(|error| panic!("{error}"));
+            samples.push(lateral(&mut simulation) - middle);
+        }
+        let (wanted, measured) = (value(mode), eigenvalue(&samples, step));
+        println!("R {radius} m: {wanted:.5} found, {measured:.5} simulated, {there:.5} on straight track");
+        assert!((measured - wanted).norm() < 1e-3 * wanted.norm() && (there - wanted).norm() > 10.0 * (measured - wanted).norm());
+        assert!(all.unbalanced < 1e-3, "{}", all.unbalanced);
+    }
+}
+
+/// Equal vehicles have equal eigenvalues, whose vectors are any of a whole space: with a law without a derivative, three coaches that nothing couples hunted at -6e10 Hz.
+#[test]
+fn regress_equal_vehicles_swing_as_one_does() {
+    let [train, coach] =
+        ["train", "vehicle_manchester_1"].map(|name| open(name, &["contact.creep.law=polach", "track.deviation=[]", "vehicle.speed=50"]));
+    let (train, coach) = (found(&train), found(&coach));
+    println!("{:?} {:?}", train.kinked, coach.kinked);
+    assert!(train.kinked.is_some() && train.growing().count() == 3 * coach.growing().count());
+    for mode in &coach.modes {
+        let alike = train.modes.iter().filter(|other| (value(other) - value(mode)).norm() < 1e-3 * value(mode).norm().max(0.1)).count();
+        assert!(alike >= 3, "{}: {} of {:?}", mode.name, alike, value(mode));
+    }
 }
 
 /// With an amplitude, strips have the hunting of their table, whose nodes are as far apart as slopes over them, and on cones nothing changes; at half a millimetre it is that of a wheelset that swings so.

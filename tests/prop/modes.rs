@@ -167,7 +167,7 @@ fn hard_a_car_that_sways_before_wheelsets_hunt_makes_the_critical_speed() {
 #[test]
 fn hard_what_has_no_modes_is_refused_in_words() {
     let cases: &[(&[&str], &str)] = &[
-        (&["vehicle_curve", "--set", "vehicle.initial.distance=150"], "in a curve; modes are those of straight track"),
+        (&["vehicle_curve", "--set", "vehicle.initial.distance=45"], "on a transition; expected a straight or a constant curve"),
         (&["suspended_wheelset", "--sweep", "vehicle.speed=20"], "expected vehicle.speed=FROM..TO:STEP"),
         (&["suspended_wheelset", "--sweep", "contact.friction=0..1:0.1"], "swept over vehicle.speed alone"),
         (&["suspended_wheelset", "--sweep", "vehicle.speed=20..10:1"], "from the lowest to the highest"),

@@ -2,6 +2,7 @@
 
 use crate::cli::table;
 use crate::scene::spec::Scene;
+use crate::scene::start::{self, Start};
 use crate::study::modes::locus::{Critical, Locus};
 use crate::study::modes::{Mode, Modes, STEADY};
 
@@ -108,13 +109,23 @@ fn unsteady<'m>(all: impl IntoIterator<Item = &'m Modes> + Clone) -> String {
     text
 }
 
+/// The track of a scene's start.
+fn place(scene: &Scene) -> String {
+    match start::start(scene) {
+        Start::Curve(node) if node.curvature != 0.0 => format!("a curve of {:.0} m radius", 1.0 / node.curvature.abs()),
+        Start::Curve(_) => "superelevated or climbing track".into(),
+        _ => "straight track".into(),
+    }
+}
+
 /// The least damped modes by speed, and the critical speed.
 pub(super) fn locus(scene: &Scene, found: &Locus) -> String {
     let mut text = format!(
-        "{}: {}\n  {}, straight track\n{}{}\nHunting and the least damped modes below {HIGHEST} Hz by speed\n",
+        "{}: {}\n  {}, {}\n{}{}\nHunting and the least damped modes below {HIGHEST} Hz by speed\n",
         scene.name,
         scene.title,
         scene.contact.formulation_name,
+        place(scene),
         found.points.first().map_or(String::new(), |point| swinging(point.amplitude)),
         unsteady(&found.points)
     );

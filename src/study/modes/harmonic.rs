@@ -5,10 +5,12 @@
 //! amplitude, feels beside J is
 //!
 //! ```text
-//! r(th) = f(Re(x e^(i th))) - J Re(x e^(i th)),      R = 1 / pi int r e^(-i th) dth,      l + w . R
+//! r(th) = f(Re(x e^(i th))) - J Re(x e^(i th)),      R = 1 / pi int r e^(-i th) dth,      l + w . R / (w . x)
 //! ```
 //!
-//! with w the row of the inverse of all modes' matrix that belongs to x: harmonic balance, to the first order in r. A law that is differentiable has r = 0, and what differences leave of it is
+//! with w the mode's left eigenvector: harmonic balance, to the first order in r. Equal vehicles have equal eigenvalues, whose vectors are any of a whole space, and may come out
+//! parallel: a row of the inverse of all vectors' matrix is nothing then (three coaches without couplers hunted at -6e10 Hz). So w is found by inverse iteration from x itself,
+//! `(J^T - l)^-1` on its conjugate: of all left vectors with that eigenvalue it is the one that has most of x. A law that is differentiable has r = 0, and what differences leave of it is
 //! not counted.
 
 use super::reduction::Reduction;
@@ -26,6 +28,9 @@ const DAMPED: f64 = 0.1;
 /// What counts, 1/s, and in parts of what differences leave uncertain.
 const LEAST: f64 = 1e-3;
 const CERTAIN: f64 = 10.0;
+/// Of inverse iteration: how far beside the eigenvalue, in parts of it, and how often.
+const APART: f64 = 1e-8;
+const ITERATIONS: usize = 3;
 
 /// Changes the eigenvalues of lightly damped modes by what slopes leave out; returns the largest change of a growth, 1/s, where any counts.
 pub(super) fn add_what_slopes_leave_out(
@@ -35,12 +40,13 @@ pub(super) fn add_what_slopes_leave_out(
     modes: &mut [(usize, Mode)],
 ) -> Result<Option<f64>, EvaluationError> {
     let size = vectors.nrows();
-    let inverse = vectors.partial_piv_lu().solve(Mat::<c64>::identity(size, size));
     let mut largest: Option<f64> = None;
     for (k, mode) in modes.iter_mut().filter(|(_, mode)| mode.frequency > 0.0 && mode.damping < DAMPED) {
         let own: Vec<c64> = (0..size).map(|row| vectors[(row, *k)]).collect();
         let felt = beside(here, (matrix, reduction), &own)?;
-        let change: c64 = (0..size).map(|row| inverse[(*k, row)] * felt[row]).sum();
+        let left = left_of(matrix, c64::new(mode.growth, mode.angular_frequency), &own);
+        let through = |v: &[c64]| (0..size).map(|row| left[row] * v[row]).sum::<c64>();
+        let change = through(&felt) / through(&own);
         if !(change.norm() > LEAST.max(CERTAIN * mode.uncertainty)) {
             continue;
         }
@@ -48,6 +54,20 @@ pub(super) fn add_what_slopes_leave_out(
         largest = Some(largest.unwrap_or(0.0).max(change.re.abs()));
     }
     Ok(largest)
+}
+
+/// The left eigenvector of an eigenvalue that has most of a right one.
+fn left_of(matrix: &Dense, value: c64, own: &[c64]) -> Vec<c64> {
+    let beside = value + APART * value.norm();
+    let shifted = Mat::from_fn(own.len(), own.len(), |i, j| c64::from(matrix[(j, i)]) - if i == j { beside } else { c64::from(0.0) });
+    let factors = shifted.partial_piv_lu();
+    let mut left = Mat::from_fn(own.len(), 1, |row, _| own[row].conj());
+    for _ in 0..ITERATIONS {
+        left = factors.solve(&left);
+        let size = left.norm_l2();
+        left = Mat::from_fn(own.len(), 1, |row, _| left[(row, 0)] / size);
+    }
+    (0..own.len()).map(|row| left[(row, 0)]).collect()
 }
 
 /// R of the free states' rates for a swing of them.

@@ -138,7 +138,7 @@ impl LinearPatch {
             let [by_v, by_phi, by_load] = self.by[k];
             self.place[k] + by_v * moved.x + by_phi * moved.y + by_load * (load - self.load)
         });
-        let mut part = Read { place, fields: self.fields }.placed(&standing, load, 1.0, section, material).part;
+        let mut part = Read { place, fields: self.fields.map(f64::from) }.placed(&standing, load, 1.0, section, material).part;
         let size = m.sqrt();
         part.patch = Patch { a: part.patch.a * size, b: part.patch.b * size };
         part.mean_square *= m;
@@ -151,7 +151,9 @@ impl LinearPatch {
     pub fn spread(&self, pair: &Pair, section: &Section, material: Material) -> ([Looked; 5], [f64; 2]) {
         let standing = Standing::new(pair, section);
         let [inward, outward, lower, higher] = self.around;
-        let of = |fields| Read { place: self.place, fields }.placed(&standing, self.load, 1.0, section, material);
+        let of = |fields: [f32; NUMBERS]| {
+            Read { place: self.place, fields: fields.map(f64::from) }.placed(&standing, self.load, 1.0, section, material)
+        };
         ([self.fields, inward, outward, lower, higher].map(of), [2.0 * ACROSS, 2.0 * LEAN])
     }
 

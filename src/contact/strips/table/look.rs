@@ -87,7 +87,7 @@ impl PatchTable {
             return None;
         }
         let patch = self.patch(&across, &lean, level - 1, &convolution(within));
-        let weight = weight * cubic_step((HOLLOW.1 - f64::from(patch.fields[EXCESS])) / (HOLLOW.1 - HOLLOW.0));
+        let weight = weight * cubic_step((HOLLOW.1 - patch.fields[EXCESS]) / (HOLLOW.1 - HOLLOW.0));
         if !(weight > 0.0) {
             return None;
         }
@@ -164,7 +164,7 @@ impl PatchTable {
                 for k in 0..4 {
                     let weight = by_column * by_level[k];
                     add(&mut place, &places[k], weight);
-                    add(&mut sums, &fields[k], weight as f32);
+                    add(&mut sums, &fields[k], weight);
                 }
             }
         }
@@ -172,11 +172,12 @@ impl PatchTable {
     }
 }
 
-/// Sums of arrays whose length is known: in vectors.
+/// Sums of arrays whose length is known: in vectors. In double precision, whatever the values': rounding of sums in single precision made creep forces scatter by 1e-7, and their
+/// derivatives by time by a tenth.
 #[inline(always)]
-fn add<T: Copy + std::ops::Mul<Output = T> + std::ops::AddAssign, const N: usize>(sums: &mut [T; N], values: &[T; N], weight: T) {
+fn add<T: Copy + Into<f64>, const N: usize>(sums: &mut [f64; N], values: &[T; N], weight: f64) {
     for k in 0..N {
-        sums[k] += weight * values[k];
+        sums[k] += weight * values[k].into();
     }
 }
 
@@ -188,7 +189,7 @@ const MEAN_OVERLAP: f64 = 0.67;
 /// A patch as the table has it, in the rail's section.
 pub(super) struct Read {
     pub place: [f64; PLACE],
-    pub fields: [f32; NUMBERS],
+    pub fields: [f64; NUMBERS],
 }
 
 impl Read {
@@ -196,7 +197,7 @@ impl Read {
     #[inline]
     pub fn placed(&self, standing: &Standing, load: f64, weight: f64, section: &Section, material: Material) -> Looked {
         let [across, high, angle] = self.place;
-        let [less, a, b, overlap, wheel_bend, rail_bend] = std::array::from_fn(|k| f64::from(self.fields[k]));
+        let [less, a, b, overlap, wheel_bend, rail_bend] = std::array::from_fn(|k| self.fields[k]);
         let (sin, cos) = angle.sin_cos();
         let (normal, outward) = (standing.outward * sin + standing.up * cos, standing.outward * cos - standing.up * sin);
         let slope = (angle + standing.lean).tan();
@@ -229,7 +230,7 @@ impl Read {
             couple: nalgebra::Vector3::zeros(),
         };
         let cell = |k: usize| {
-            let [across, above, size] = std::array::from_fn(|i| f64::from(self.fields[OWN + i * FIFTHS + k]));
+            let [across, above, size] = std::array::from_fn(|i| self.fields[OWN + i * FIFTHS + k]);
             Fifth { across, above, size }
         };
         Looked { weight, part, fifths: Fifths { each: std::array::from_fn(cell), outward } }
