@@ -1,7 +1,7 @@
 //! `wheelrail export SCENE`: writes the FMU, then loads its own library and steps it.
 
 use super::output::{Kind, Target};
-use super::{Failure, SceneArguments, print, refused, table};
+use super::{Failure, SceneArguments, print, refused, say, table};
 use crate::fmi::check::{CheckRow, check};
 use crate::fmi::libraries::{self, LibraryError, Named};
 use crate::fmi::package::{self, PackageError, PackedScene};
@@ -9,6 +9,7 @@ use crate::fmi::version::Version;
 use crate::fmi::{reference_results, system_structure};
 use crate::sim::outputs::Output;
 use crate::study::digits::rounded;
+use crate::study::modes::rest::unstable_rest;
 use crate::units::Unit;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -132,7 +133,10 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
     let libraries = libraries::find(&arguments.library)?;
     let packed = package::pack_scene_as(&scene, arguments.fmi.into())?;
     let mut files = package::files(&packed, &libraries);
-    super::start(&packed.scene)?;
+    let mut simulation = super::start(&packed.scene)?;
+    if let Some(words) = unstable_rest(&packed.scene, &mut simulation) {
+        say(&format!("note: {words}"));
+    }
     let stop = arguments.check.stop(packed.scene.run.stop);
     files.extend(stop.map(|stop| reference_results::files(&packed, stop)).unwrap_or_default());
     let mut bytes = package::archive(&files)?;

@@ -243,7 +243,7 @@ fn hard_a_scene_on_a_transition_is_refused() {
     assert!(error.contains("on a transition; expected a straight or a constant curve"), "{error}");
     // Limit cycles and equivalent slopes are those of straight track.
     let scene = open("vehicle_curve", &["vehicle.initial.distance=150"]);
-    for error in [modes_over(&scene, 20.0, 1e-3).unwrap_err(), undisturbed(&scene, 20.0).unwrap_err()] {
+    for error in [modes_over(&scene, 20.0, 1e-3).unwrap_err(), undisturbed(&scene, 20.0).err().unwrap()] {
         assert!(error.to_string().contains("in a curve; expected a straight"), "{error}");
     }
 }
@@ -253,10 +253,10 @@ fn hard_a_scene_on_a_transition_is_refused() {
 fn analytic_hunting_in_a_curve_grows_as_simulated() {
     const AMPLITUDE: f64 = 1e-6;
     for (radius, cant, speed) in [(6000.0, -0.1, 90.0), (-2500.0, 0.15, 70.0)] {
-        let node = format!("track.node=[{{distance=0,radius={radius},superelevation={cant}}}]");
-        let changes =
-            ["track.deviation=[]", &node, &format!("vehicle.speed={speed}"), "solver.integrator=dormand_prince", "solver.tolerance=1e-12"];
-        let (scene, straight) = (open("bogie", &changes), open("bogie", &["track.deviation=[]", changes[2]]));
+        let node = format!("track.node=[{{distance=0,radius={radius},superelevation=\"{cant} m\"}}]");
+        // Strips are curved within a micrometre (0.6 %).
+        let plain = ["track.deviation=[]", "contact.patch=table", &format!("vehicle.speed={speed}")];
+        let (scene, straight) = (open("bogie", &[&plain[..], &TIGHT, &[&node]].concat()), open("bogie", &plain));
         let all = found(&scene);
         let (mode, there) = (all.hunting().unwrap(), found(&straight).hunting().map(value).unwrap());
         let mut simulation = common::start(&scene);
@@ -293,14 +293,13 @@ fn analytic_hunting_in_a_curve_grows_as_simulated() {
     }
 }
 
-/// Equal vehicles have equal eigenvalues, whose vectors are any of a whole space: with a law without a derivative, three coaches that nothing couples hunted at -6e10 Hz.
+/// Equal vehicles have equal eigenvalues, whose vectors are any of a whole space: three coaches that nothing couples bounced at -6e10 Hz.
 #[test]
 fn regress_equal_vehicles_swing_as_one_does() {
-    let [train, coach] =
-        ["train", "vehicle_manchester_1"].map(|name| open(name, &["contact.creep.law=polach", "track.deviation=[]", "vehicle.speed=50"]));
+    let [train, coach] = ["train", "vehicle_manchester_1"].map(|name| open(name, &["track.deviation=[]"]));
     let (train, coach) = (found(&train), found(&coach));
     println!("{:?} {:?}", train.kinked, coach.kinked);
-    assert!(train.kinked.is_some() && train.growing().count() == 3 * coach.growing().count());
+    assert!(train.growing().count() == 0 && coach.growing().count() == 0);
     for mode in &coach.modes {
         let alike = train.modes.iter().filter(|other| (value(other) - value(mode)).norm() < 1e-3 * value(mode).norm().max(0.1)).count();
         assert!(alike >= 3, "{}: {} of {:?}", mode.name, alike, value(mode));

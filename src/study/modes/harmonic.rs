@@ -25,8 +25,9 @@ use std::f64::consts::PI;
 const TURNS: usize = 8;
 /// Modes damped by more than this part are not looked at: nobody asks whether they grow.
 const DAMPED: f64 = 0.1;
-/// What counts, 1/s, and in parts of what differences leave uncertain.
+/// What counts, 1/s, in parts of the eigenvalue, and of what differences leave uncertain.
 const LEAST: f64 = 1e-3;
+const ROUNDING: f64 = 1e-4;
 const CERTAIN: f64 = 10.0;
 /// Of inverse iteration: how far beside the eigenvalue, in parts of it, and how often.
 const APART: f64 = 1e-8;
@@ -44,13 +45,15 @@ pub(super) fn add_what_slopes_leave_out(
     for (k, mode) in modes.iter_mut().filter(|(_, mode)| mode.frequency > 0.0 && mode.damping < DAMPED) {
         let own: Vec<c64> = (0..size).map(|row| vectors[(row, *k)]).collect();
         let felt = beside(here, (matrix, reduction), &own)?;
-        let left = left_of(matrix, c64::new(mode.growth, mode.angular_frequency), &own);
+        let value = c64::new(mode.growth, mode.angular_frequency);
+        let left = left_of(matrix, value, &own);
         let through = |v: &[c64]| (0..size).map(|row| left[row] * v[row]).sum::<c64>();
         let change = through(&felt) / through(&own);
-        if !(change.norm() > LEAST.max(CERTAIN * mode.uncertainty)) {
+        let least = LEAST.max(ROUNDING * value.norm()).max(CERTAIN * mode.uncertainty);
+        if !(change.norm() > least) {
             continue;
         }
-        mode.put(c64::new(mode.growth, mode.angular_frequency) + change);
+        mode.put(value + change);
         largest = Some(largest.unwrap_or(0.0).max(change.re.abs()));
     }
     Ok(largest)

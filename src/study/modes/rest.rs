@@ -5,17 +5,19 @@
 
 use super::modes;
 use crate::scene::spec::Scene;
-use crate::scene::start;
+use crate::scene::start::{self, Start};
 use crate::sim::Simulation;
 
 /// Velocities across the track below this are none, m/s: half a wave of 6 Hz is 25 nm then.
 const RESTS: f64 = 1e-6;
 /// Growth below this makes nothing of rounding within minutes, 1/s.
 const GROWS: f64 = 0.02;
-/// With more states the modes take longer than most runs (a train of three coaches has 436).
+/// Slower vehicles than this stand, m/s.
+const ROLLS: f64 = 0.5;
+/// With more states the modes take longer than most runs (a train of three coaches has 300, and takes a second).
 const MOST_STATES: usize = 600;
 
-/// What a user should know of a run that has ended, if it rests in a state that is not stable.
+/// What a user should know of a simulation that rests, now, in a state that is not stable.
 pub fn unstable_rest(scene: &Scene, simulation: &mut Simulation) -> Option<String> {
     let origin = scene.vehicle.wheelsets.first()?.x;
     let snapshot = simulation.snapshot().ok()?;
@@ -24,7 +26,7 @@ pub fn unstable_rest(scene: &Scene, simulation: &mut Simulation) -> Option<Strin
     let rests = (0..scene.vehicle.wheelsets.len()).all(|body| workspace.in_track(body, motions[body].velocity).y.abs() < RESTS);
     let first = motions.first()?;
     let (distance, speed) = workspace.system.stations.get(0).map_or((first.distance, first.speed), |at| (at.frame.distance, at.speed));
-    if !rests || snapshot.y.len() > MOST_STATES {
+    if !rests || snapshot.y.len() > MOST_STATES || speed.abs() < ROLLS {
         return None;
     }
     let mut there = scene.clone();
@@ -32,10 +34,13 @@ pub fn unstable_rest(scene: &Scene, simulation: &mut Simulation) -> Option<Strin
     let found = modes(&there, speed).ok().filter(|found| found.unbalanced < super::STEADY && !found.coasts)?;
     let mode = found.growing().filter(|mode| mode.growth > GROWS).max_by(|a, b| a.growth.total_cmp(&b.growth))?;
     let swings = if mode.frequency > 0.0 { format!(" at {:.2} Hz", mode.frequency) } else { String::new() };
-    let place = if start::start(&there) == start::Start::Straight { "" } else { " in this curve" };
+    let place = match start::start(&there) {
+        Start::Curve(node) if node.curvature != 0.0 => " in this curve",
+        _ => "",
+    };
     Some(format!(
-        "at the end the vehicle runs without moving across the track, and that is not stable at {speed:.1} m/s{place}: {}{swings} grows by {:.2} 1/s once anything sets it going (an irregularity, a \
-         deviation, a wheelset's offset); on perfect track nothing does. `wheelrail modes` shows it",
+        "steady running at {speed:.1} m/s{place} is not stable, and on perfect track nothing shows it: {}{swings} grows by {:.2} 1/s once anything sets it going (an irregularity, a \
+         deviation, a wheelset's offset); see `wheelrail modes`",
         mode.name, mode.growth
     ))
 }
