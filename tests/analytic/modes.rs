@@ -251,7 +251,8 @@ fn hard_a_scene_on_a_transition_is_refused() {
 /// A truck in curves, by cant and hand: the eigenvalue of a run that starts beside steady curving in the shape of hunting, which is another one than on straight track.
 #[test]
 fn analytic_hunting_in_a_curve_grows_as_simulated() {
-    const AMPLITUDE: f64 = 1e-6;
+    // It grows thirtyfold.
+    const AMPLITUDE: f64 = 1e-7;
     for (radius, cant, speed) in [(6000.0, -0.1, 90.0), (-2500.0, 0.15, 70.0)] {
         let node = format!("track.node=[{{distance=0,radius={radius},superelevation=\"{cant} m\"}}]");
         // Strips are curved within a micrometre (0.6 %).
@@ -288,7 +289,7 @@ fn analytic_hunting_in_a_curve_grows_as_simulated() {
         }
         let (wanted, measured) = (value(mode), eigenvalue(&samples, step));
         println!("R {radius} m: {wanted:.5} found, {measured:.5} simulated, {there:.5} on straight track");
-        assert!((measured - wanted).norm() < 1e-3 * wanted.norm() && (there - wanted).norm() > 10.0 * (measured - wanted).norm());
+        assert!((measured - wanted).norm() < 3e-4 * wanted.norm() && (there - wanted).norm() > 10.0 * (measured - wanted).norm());
         assert!(all.unbalanced < 1e-3, "{}", all.unbalanced);
     }
 }

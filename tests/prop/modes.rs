@@ -3,7 +3,11 @@
 use std::process::Command;
 
 fn modes(arguments: &[&str]) -> (String, String, i32) {
-    let output = Command::new(env!("CARGO_BIN_EXE_wheelrail")).arg("modes").args(arguments).output().unwrap();
+    wheelrail(&[&["modes"], arguments].concat())
+}
+
+fn wheelrail(arguments: &[&str]) -> (String, String, i32) {
+    let output = Command::new(env!("CARGO_BIN_EXE_wheelrail")).args(arguments).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (text(output.stdout), text(output.stderr), output.status.code().unwrap())
 }
@@ -162,6 +166,23 @@ fn hard_a_car_that_sways_before_wheelsets_hunt_makes_the_critical_speed() {
     assert!(critical["mode"].as_str().unwrap().contains("car: yaw"), "{critical}");
     let text = modes(&[scene.to_str().unwrap(), "--sweep", "vehicle.speed=15..45:10"]).0;
     assert!(text.contains(&format!("Linear critical speed: {speed:.2} m/s")) && text.contains("car: "), "{text}");
+}
+
+/// On perfect track nothing sets hunting going: a truck above its critical speed runs on, in six steps, and `run` says what that hides. What does move says it itself.
+#[test]
+fn hard_a_rest_that_is_not_stable_is_told() {
+    let said = |settings: &[&str]| {
+        let set = settings.iter().flat_map(|setting| ["--set", setting]);
+        wheelrail(&["run", "bogie", "--stop", "4"].into_iter().chain(set).collect::<Vec<_>>()).1
+    };
+    let (plain, fast) = ("track.deviation=[]", "vehicle.speed=90");
+    let words = said(&[plain, fast]);
+    assert!(words.contains("note: steady running at 90.0 m/s is not stable") && words.contains("at 6.44 Hz grows by 3.14 1/s"), "{words}");
+    let curve = said(&[plain, fast, "track.node=[{distance=0,radius=6000,superelevation=\"-0.1 m\"}]"]);
+    assert!(curve.contains("at 90.0 m/s in this curve is not stable") && curve.contains("hunting"), "{curve}");
+    for quiet in [said(&[plain]), said(&[fast])] {
+        assert!(!quiet.contains("is not stable"), "{quiet}");
+    }
 }
 
 #[test]

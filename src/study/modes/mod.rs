@@ -193,6 +193,9 @@ fn straight(scene: &Scene, speed: f64) -> Result<(), ModesError> {
 fn with_stand_in(scene: &Scene, speed: f64) -> Result<(Scene, Option<String>), ModesError> {
     let curve = match start::start(scene) {
         Start::Straight => None,
+        Start::Curve(node) if node.curvature == 0.0 && node.grade != 0.0 => {
+            return Err(ModesError::Place { speed, place: "on a straight climb", expected: "level track or a constant curve" });
+        }
         Start::Curve(node) => Some(node),
         Start::Transition { .. } => {
             return Err(ModesError::Place { speed, place: "on a transition", expected: "a straight or a constant curve" });

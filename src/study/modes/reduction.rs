@@ -54,8 +54,7 @@ impl Reduction {
             let x = COORDINATES * drive.body;
             let name = &here.model.system.bodies[drive.body].name;
             if let Some(turning) = &here.turning {
-                let [cos, sin] = turning.course(drive.body);
-                rows.push(vec![(count + x, cos), (count + x + 1, sin)]);
+                rows.push(turning.along(drive.body).to_vec());
                 left_out.push(format!("{name}: speed along the track (imposed)"));
             } else {
                 rows.extend([vec![(x, 1.0)], vec![(count + x, 1.0)]]);

@@ -12,6 +12,7 @@
 //! velocity, and no distance: a driven wheelset further out takes longer.
 
 use crate::mbs::body::{COORDINATES, YAW};
+use nalgebra::Vector3;
 
 /// Turns slower than this are none, rad/s.
 const STRAIGHT: f64 = 1e-9;
@@ -48,12 +49,16 @@ impl Turning {
         }
     }
 
-    /// Cosine and sine of a body's course.
-    pub fn course(&self, body: usize) -> [f64; 2] {
+    /// A body's velocity, m/s.
+    fn velocity(&self, body: usize) -> Vector3<f64> {
         let first = self.count() + COORDINATES * body;
-        let [x, y] = [self.y[first], self.y[first + 1]];
-        let speed = x.hypot(y);
-        [x / speed, y / speed]
+        Vector3::from_column_slice(&self.y[first..first + 3])
+    }
+
+    /// The velocity along a body's way, as a sum of parts of the state.
+    pub fn along(&self, body: usize) -> [(usize, f64); 3] {
+        let (first, way) = (self.count() + COORDINATES * body, self.velocity(body).normalize());
+        [0, 1, 2].map(|axis| (first + axis, way[axis]))
     }
 
     /// How all states change while the first body travels one metre.
@@ -92,7 +97,8 @@ impl Turning {
     /// Turns vectors of positions and velocities into the bodies' courses: along them, and across.
     pub fn onto_courses<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>>(&self, states: &mut [T]) {
         for body in 0..self.bodies {
-            let [cos, sin] = self.course(body);
+            let course = self.velocity(body).xy().normalize();
+            let (cos, sin) = (course.x, course.y);
             for first in [COORDINATES * body, self.count() + COORDINATES * body] {
                 let [x, y] = [states[first], states[first + 1]];
                 (states[first], states[first + 1]) = (x * cos + y * sin, y * cos + x * -sin);
