@@ -120,6 +120,12 @@ impl FrictionMap {
         (!self.along.is_empty() || self.across.is_some()).then_some(self)
     }
 
+    /// The same map where distances are counted from `origin` [m] on.
+    pub fn counted_from(mut self, origin: f64) -> Self {
+        self.along.iter_mut().flat_map(|along| &mut along.steps).for_each(|step| step[0] -= origin);
+        self
+    }
+
     /// What `wheelrail plan` says: of friction along the track, and across the head.
     pub fn describe(&self) -> [Option<String>; 2] {
         let along = self.along.iter().map(|along| {

@@ -1,6 +1,6 @@
 //! Reads a scene.
 
-use super::effects::{Effects, Switch};
+use super::effects::Effects;
 use super::limits::{MOST_STEPS, SMALLEST_MODULUS, WIDEST};
 use super::profiles::read_profiles;
 use super::spec::*;
@@ -61,9 +61,7 @@ impl Scene {
                 only: None,
             }),
         };
-        let bounces = matches!((&vehicle, &track), (Some(vehicle), Some(track)) if solver_choice::bounces(vehicle, track))
-            && !effects.is_off(Switch::OutOfRound);
-        let read_solver = |section| read_solver(section, [transient, rings, bounces]);
+        let read_solver = |section| read_solver(section, (transient, rings));
         let solver = root.keep(root.section_or_empty("solver").and_then(read_solver))?;
         let run = root.keep(root.section("run").and_then(read_run))?;
         // Behind the interface: what is left out has a name all the same.
@@ -104,8 +102,8 @@ fn read_head(name: &str, root: &Section) -> Result<(String, String), SettingsErr
     Ok((name, title))
 }
 
-fn read_solver(solver: Section, facts: [bool; 3]) -> Result<SolverSpec, SettingsError> {
-    let facts = solver_choice::facts(&solver, facts)?;
+fn read_solver(solver: Section, contact: (bool, bool)) -> Result<SolverSpec, SettingsError> {
+    let facts = solver_choice::facts(&solver, contact)?;
     let (automatic, why) = solver_choice::choose(&facts);
     let read = solve::parse(&solver, automatic)?;
     let load_tolerance = read_load_tolerance(&solver)?;

@@ -1,9 +1,8 @@
 //! What `solver.integrator = "auto"` stands for, and what a plan says about a scene's integrator.
 
-use super::spec::{Scene, TrackSpec};
-use super::vehicle::VehicleSpec;
+use super::spec::Scene;
 use crate::contact::search::algebraic;
-use crate::formulation::{Model, flexibility::Flexibility};
+use crate::formulation::Model;
 use crate::mbs::projection;
 use crate::settings::{Section, SettingsError};
 use crate::solve::{AUTO, DEFAULT_TOLERANCE, SettingKind};
@@ -18,8 +17,6 @@ pub struct Facts {
     pub tolerance: Option<f64>,
     /// Are contacts elastic without damping?
     pub rings: bool,
-    /// Is the vehicle a wheelset with flats or polygons, and nothing else stiff or fast?
-    pub bounces: bool,
 }
 
 /// One line of the rule: the first that fits holds.
@@ -59,11 +56,6 @@ const RULES: &[Rule] = &[
     },
     Rule {
         integrator: "dormand_prince",
-        fits: |facts| facts.bounces,
-        why: "a wheelset with wheels out of round that may leave their rails, and nothing stiffer than its contacts: blows and flights come out ten times as well, in as many evaluations",
-    },
-    Rule {
-        integrator: "dormand_prince",
         fits: |facts| facts.tolerance.is_some_and(|tolerance| tolerance < TIGHT),
         why: "tolerance below 1e-7: accuracy limits the step, and high order pays",
     },
@@ -80,21 +72,12 @@ pub fn choose(facts: &Facts) -> (&'static str, &'static str) {
     (rule.integrator, rule.why)
 }
 
-/// May the wheels of a lone wheelset leave their rails in every turn, while nothing but its contacts limits explicit steps?
-pub(super) fn bounces(vehicle: &VehicleSpec, track: &TrackSpec) -> bool {
-    let lone = vehicle.wheelsets.len() == 1 && vehicle.bodies.is_empty();
-    let out_of_round = vehicle.wheelsets.iter().any(|wheelset| wheelset.spec.out_of_round.iter().any(Option::is_some));
-    // A beam's modes go up to some kilohertz.
-    let beam = matches!(track.flexibility, Some(Flexibility::Beam(_)));
-    lone && out_of_round && !beam && vehicle.forces.iter().all(|element| element.0.time_constant().is_none())
-}
-
 /// The facts of a scene that is being read.
-pub(super) fn facts(solver: &Section, [transient, rings, bounces]: [bool; 3]) -> Result<Facts, SettingsError> {
+pub(super) fn facts(solver: &Section, (transient, rings): (bool, bool)) -> Result<Facts, SettingsError> {
     let given = solver.optional("tolerance", Dimension::Length)?;
     // A scene that gives neither a tolerance nor a step leaves both to the program.
     let tolerance = if solver.has("tolerance") || solver.has("step") { given } else { Some(DEFAULT_TOLERANCE) };
-    Ok(Facts { transient, tolerance, rings, bounces })
+    Ok(Facts { transient, tolerance, rings })
 }
 
 /// Lines for the plan: the choice where the scene leaves it open, and the worst case where the method has one.
@@ -125,12 +108,11 @@ mod tests {
     #[test]
     fn prop_each_rule_is_reached_and_names_a_method() {
         let cases = [
-            (Facts { transient: true, tolerance: None, rings: true, bounces: true }, 0),
-            (Facts { transient: true, tolerance: Some(1e-9), rings: true, bounces: true }, 1),
-            (Facts { transient: false, tolerance: Some(1e-5), rings: true, bounces: true }, 2),
-            (Facts { transient: false, tolerance: Some(1e-5), rings: false, bounces: true }, 3),
-            (Facts { transient: false, tolerance: Some(1e-8), rings: false, bounces: false }, 4),
-            (Facts { transient: false, tolerance: Some(1e-7), rings: false, bounces: false }, 5),
+            (Facts { transient: true, tolerance: None, rings: true }, 0),
+            (Facts { transient: true, tolerance: Some(1e-9), rings: true }, 1),
+            (Facts { transient: false, tolerance: Some(1e-5), rings: true }, 2),
+            (Facts { transient: false, tolerance: Some(1e-8), rings: false }, 3),
+            (Facts { transient: false, tolerance: Some(1e-7), rings: false }, 4),
         ];
         for (facts, rule) in cases {
             assert_eq!(choose(&facts), (RULES[rule].integrator, RULES[rule].why), "{facts:?}");

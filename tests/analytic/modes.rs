@@ -243,6 +243,12 @@ fn hard_a_scene_on_a_transition_is_refused() {
     assert!(error.contains("on a transition; expected a straight or a constant curve"), "{error}");
     // Limit cycles and equivalent slopes are those of straight track.
     let scene = open("vehicle_curve", &["vehicle.initial.distance=150"]);
+    for (change, words) in
+        [("contact.formulation=ACCF", "expected contact.formulation = \"ECCF\""), ("vehicle.travel=free", "expected an imposed speed")]
+    {
+        let error = modes(&open("vehicle_curve", &["vehicle.initial.distance=150", change]), 20.0).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
     for error in [modes_over(&scene, 20.0, 1e-3).unwrap_err(), undisturbed(&scene, 20.0).err().unwrap()] {
         assert!(error.to_string().contains("in a curve; expected a straight"), "{error}");
     }

@@ -47,6 +47,27 @@ fn off_the_pattern(simulation: &mut Simulation, curvature: f64) -> f64 {
     largest
 }
 
+/// Friction along the track is that of where the vehicle stands: with the friction of distance 0 a truck in a dry curve began with Y of 35 for 16 kN.
+#[test]
+fn equiv_a_start_has_the_friction_of_its_place() {
+    for (name, factor, from) in [("bogie", 0.4, 30.0), ("bogie", 0.4, -2000.0), ("wheelset_s1002", 0.3, 150.0)] {
+        let track = curve(300.0, -0.1, 0.0);
+        let common = ["track.deviation=[]", &track, "vehicle.initial.distance=200", "vehicle.speed=15"];
+        let friction = load::open(name, &[]).unwrap().contact.friction;
+        let (map, plain) = (
+            format!("contact.friction_along=[{{factors=[[{:?},1.0],[{from:?},{factor:?}]],transition=\"2 m\"}}]", from - 30.0),
+            format!("contact.friction={}", factor * friction),
+        );
+        let [mut there, mut uniform] = [&map, &plain].map(|own| start(&scene(name, &[&common[..], &[own]].concat())));
+        let (there, uniform) = (off_the_pattern(&mut there, 1.0 / 300.0), off_the_pattern(&mut uniform, 1.0 / 300.0));
+        println!("{name}: {there:.1e} with friction along the track, {uniform:.1e} with the same everywhere");
+        assert!(there < 1e-3 && uniform < 1e-3, "{name}, {from} m");
+        let places =
+            [&map, &plain].map(|own| start(&scene(name, &[&common[..], &[own]].concat())).snapshot().unwrap().workspace.beside_track(0));
+        assert!((0..2).all(|k| (places[0][k] - places[1][k]).abs() < 1e-8), "{name}: {places:?}");
+    }
+}
+
 /// What a start in a curve leaves of accelerations, in all formulations, on canted and climbing curves. Contact among nodes jumps.
 #[test]
 fn prop_steady_curving_has_no_accelerations_but_the_patterns() {

@@ -158,9 +158,12 @@ fn run(scene: &Scene, speeds: &[f64], amplitude: f64) -> Result<Locus, Failure> 
 fn failed(scene: &Scene, error: &ModesError) -> Failure {
     let words = format!("{}: {error}", scene.source.file);
     match error {
-        ModesError::Place { .. } | ModesError::NoStart { .. } | ModesError::TooWide { .. } | ModesError::Rigid | ModesError::OnGrid => {
-            Failure::Input(words)
-        }
+        ModesError::Place { .. }
+        | ModesError::InCurve { .. }
+        | ModesError::NoStart { .. }
+        | ModesError::TooWide { .. }
+        | ModesError::Rigid
+        | ModesError::OnGrid => Failure::Input(words),
         ModesError::Beside { .. } | ModesError::NoEigenvalues { .. } => Failure::Run(words),
     }
 }

@@ -33,11 +33,12 @@ fn swinging(amplitude: f64) -> String {
 /// Everything about one speed.
 pub(super) fn modes(scene: &Scene, found: &Modes) -> String {
     let mut text = format!(
-        "{}: {}\n  {}, {}: {} states, {} of free motion\n",
+        "{}: {}\n  {}, {}{}: {} states, {} of free motion\n",
         scene.name,
         scene.title,
         speed(found.speed),
         scene.contact.formulation_name,
+        Some(place(scene)).filter(|place| place != STRAIGHT).map_or(String::new(), |place| format!(", {place}")),
         found.states,
         found.free
     );
@@ -86,11 +87,19 @@ pub(super) fn modes(scene: &Scene, found: &Modes) -> String {
     text + &verdict(found)
 }
 
+/// So many times its uncertainty an eigenvalue may be off.
+const UNCERTAIN: f64 = 2.0;
+
 /// What grows.
 fn verdict(found: &Modes) -> String {
     let growing: Vec<&Mode> = found.growing().collect();
     if growing.is_empty() {
-        return "\nStable: every motion dies away or is neutral\n".into();
+        let uncertain = |mode: &&Mode| !mode.neutral && mode.growth + UNCERTAIN * mode.uncertainty > 0.0;
+        let Some(first) = found.modes.iter().find(uncertain) else { return "\nStable: every motion dies away or is neutral\n".into() };
+        return format!(
+            "\nNo motion grows, but that is not certain of {} at {:.3} Hz: slopes change within micrometres (+- is about as large as the growth), and larger motions may be others; see a run\n",
+            first.name, first.frequency
+        );
     }
     let words = growing.iter().map(|mode| format!("{} at {:.3} Hz by {:.3} 1/s", mode.name, mode.frequency, mode.growth));
     format!("\nUnstable: {}\n", words.collect::<Vec<_>>().join("; "))
@@ -109,12 +118,14 @@ fn unsteady<'m>(all: impl IntoIterator<Item = &'m Modes> + Clone) -> String {
     text
 }
 
+const STRAIGHT: &str = "straight track";
+
 /// The track of a scene's start.
 fn place(scene: &Scene) -> String {
     match start::start(scene) {
         Start::Curve(node) if node.curvature != 0.0 => format!("a curve of {:.0} m radius", 1.0 / node.curvature.abs()),
         Start::Curve(_) => "superelevated or climbing track".into(),
-        _ => "straight track".into(),
+        _ => STRAIGHT.into(),
     }
 }
 

@@ -136,6 +136,18 @@ pub fn alike(scene: &Scene) -> bool {
 /// # Errors
 /// [`EquilibriumError`], with the name of a body that has no support if that is the reason.
 pub fn steady_state(scene: &Scene) -> Result<SteadyState, EquilibriumError> {
+    match (scene.contact.friction_map.clone(), start::origin(scene)) {
+        (Some(map), origin) if origin != 0.0 => {
+            let mut there = scene.clone();
+            there.contact.friction_map = Some(map.counted_from(origin));
+            balance(&there)
+        }
+        _ => balance(scene),
+    }
+}
+
+/// The same of a scene whose friction is counted from its design frame's origin.
+fn balance(scene: &Scene) -> Result<SteadyState, EquilibriumError> {
     let vehicle: &VehicleSpec = &scene.vehicle;
     let (straight, node) = match start::start(scene) {
         Start::Straight => (true, Node::default()),

@@ -21,7 +21,7 @@ mod turning;
 
 use crate::contact::patch::PatchLaw;
 use crate::formulation::flexibility::Flexibility;
-use crate::formulation::{EvaluationError, Model};
+use crate::formulation::{self, EvaluationError, Model};
 use crate::geometry::track::centre_line::{Alignment, CentreLine};
 use crate::mbs::body::COORDINATES;
 use crate::scene::spec::Scene;
@@ -45,6 +45,8 @@ pub enum ModesError {
         "at {speed} m/s: the vehicle starts {place}; expected {expected}: choose vehicle.initial.distance so that all of it stands there, or --set track.node=[]"
     )]
     Place { speed: f64, place: &'static str, expected: &'static str },
+    #[error("at {speed} m/s in a curve: {why}")]
+    InCurve { speed: f64, why: &'static str },
     #[error("at {speed} m/s: {cause}")]
     NoStart { speed: f64, cause: SimulationError },
     #[error("at {speed} m/s, beside the steady state: {cause}")]
@@ -307,6 +309,10 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         return Err(ModesError::Rigid);
     }
     let state = simulation.state();
+    let turns = Turning::of(model.system.bodies.len(), &state.integration.y).is_some();
+    if let Some(why) = no_modes_in_curves(&scene, model).filter(|_| turns) {
+        return Err(ModesError::InCurve { speed, why });
+    }
     let beside = |cause| ModesError::Beside { speed, cause };
     let mut here = Neighbourhood::new(model, &state.integration.y, &state.memories.accepted, held).turning_with_it();
     let mut slopes = |length: f64| {
@@ -359,6 +365,18 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         at_ends,
         left_out: reduction.left_out,
     })
+}
+
+/// Why a vehicle has no modes in a curve.
+fn no_modes_in_curves(scene: &Scene, model: &Model) -> Option<&'static str> {
+    if model.system.drives.is_empty() {
+        return Some(
+            "what rolls freely slows down there, so that nothing is steady; expected an imposed speed (vehicle.travel = \"imposed\")",
+        );
+    }
+    (scene.contact.formulation_name == formulation::CONSTRAINTS[0]).then_some(
+        "places of contact of ACCF go along the rail as states, which the turning axes don't know; expected contact.formulation = \"ECCF\", whose motion is the same",
+    )
 }
 
 fn mode(model: &Model, speed: f64, value: c64, others: &[c64], shape: Vec<c64>) -> Mode {
