@@ -218,7 +218,7 @@ impl Model {
             let landing = if range.least.0 > 0.0 {
                 ""
             } else {
-                "; loads at the instants of its landing are known to 2 % of the static load, with solver.load_tolerance = 1e-3 to some tenths of a per cent"
+                "; where its bounces soon die, loads at the instants of its landing are known to some per cent of the static load, with solver.load_tolerance = 1e-3 to some tenths of a per cent"
             };
             notes.push(format!(
                 "{wheel} carries {load} at {:.4} s (below {:.0} %: its guidance is not safe{}{landing})",

@@ -188,7 +188,7 @@ fn straight(scene: &Scene, speed: f64) -> Result<(), ModesError> {
         Start::Curve(_) => "in a curve",
         Start::Transition { .. } => "on a transition",
     };
-    Err(ModesError::Place { speed, place, expected: "a straight without superelevation (here)" })
+    Err(ModesError::Place { speed, place, expected: "a straight without superelevation" })
 }
 
 /// The same on the track of its start, straight or a constant curve, and what stands for a track that is a beam, in words.
