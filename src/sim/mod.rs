@@ -274,14 +274,18 @@ impl Simulation {
         simulation.state.memories.accepted.clone_from(&simulation.snapshot.memory);
         simulation.model.settle_deflections(&simulation.snapshot.workspace, &mut simulation.state.integration.y);
         simulation.settle_rails()?;
-        simulation.model.note_present_means(&simulation.snapshot.workspace, &mut simulation.state.memories.accepted);
-        // What is shown belongs to the state: a cold start differs in the last digits.
-        simulation.known = None;
-        simulation.look()?;
+        simulation.look_again()?;
         if let Some(transition) = simulation.model.due(start, &simulation.snapshot.memory) {
             simulation.switch_at_start(transition)?;
         }
         Ok(simulation)
+    }
+
+    /// What is shown belongs to the state: a cold start differs in the last digits.
+    fn look_again(&mut self) -> Result<(), SimulationError> {
+        self.model.note_present_means(&self.snapshot.workspace, &mut self.state.memories.accepted);
+        self.known = None;
+        self.look().map(|_| ())
     }
 
     /// A contact that would be pulled on in the initial state changes its mode before the first step.

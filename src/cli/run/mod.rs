@@ -111,6 +111,14 @@ fn not_over_inputs(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
+/// What the run has shown, judged by books that are `books` to be closed and where the run is a `whole` one.
+fn last_notes(scene: &Scene, simulation: &mut Simulation, recording: &Recording, [books, whole]: [bool; 2]) -> Vec<String> {
+    let mut notes = recording.all_notes(simulation);
+    notes.extend(books.then(|| open_books(recording)).flatten());
+    notes.extend(whole.then(|| unstable_rest(scene, simulation)).flatten());
+    notes
+}
+
 /// What is known of scene and start before the run.
 fn first_notes(scene: &Scene, simulation: &mut Simulation, of_inputs: Option<String>) -> Vec<String> {
     let mut notes = improbable(scene, simulation.model());
@@ -204,11 +212,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             overview::Drawn { scene: &scene, model: simulation.model(), wheelset, recording: &recording, against: against.as_ref() };
         failure = failure.or(draw(folder, &drawn).err());
     }
-    notes.extend(recording.all_notes(&simulation));
-    notes.extend(books.then(|| open_books(&recording)).flatten());
-    if failure.is_none() && ended.is_none() {
-        notes.extend(unstable_rest(&scene, &mut simulation));
-    }
+    let whole = failure.is_none() && ended.is_none();
+    notes.extend(last_notes(&scene, &mut simulation, &recording, [books, whole]));
     messages(&notes, &events, simulation.doubts());
     if arguments.json {
         let error = failure.as_ref().or(ended.as_ref().map(|ended| &ended.0));
