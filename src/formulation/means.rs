@@ -45,7 +45,7 @@ impl Model {
     /// Notes the present values at the end of an accepted step, from the forces that were found last.
     pub fn note_present_means(&self, workspace: &Workspace, memory: &mut ModelMemory) {
         for ((index, wheelset), memory) in self.wheelsets.iter().enumerate().zip(&mut memory.means) {
-            memory.note_present(averaged_now(workspace, (index, wheelset)));
+            memory.note_present(|| averaged_now(workspace, (index, wheelset)));
         }
     }
 

@@ -8,7 +8,7 @@
 //! is remembered: at the end of accepted steps, not closer to each other than a sixtieth of the window, S and all I are
 //! written into a ring. Steps of a millisecond and of thirty stand side by side, and q jumps where an input does: a polynomial through several uneven entries
 //! swings, and one whose slope before a jump comes from what lies behind it turned a force of 30 kN that stood for 0.2 m into a mean of 6.1 kN (2.8). So between two entries
-//! I is a cubic whose slopes deviate from the chord by no more than the bends of both its ends agree on ([`MeanMemory::deviations`]). Before a whole window has been
+//! I is a cubic whose slopes deviate from the chord, where a short interval stands beside a long one, by no more than the bends of both its ends agree on ([`MeanMemory::deviations`]). Before a whole window has been
 //! travelled the mean is that since the start; before anything has been, the present value at the end of the last step.
 //!
 //! Filtered: [`super::low_pass`] runs in time and is advanced exactly; so it takes no part in error control and is stable for any step. Its input over an accepted
@@ -125,9 +125,9 @@ impl MeanMemory {
     }
 
     /// Notes what the quantities are at the end of a step; it is what is shown until something has been travelled.
-    pub fn note_present(&mut self, values: [f64; QUANTITIES]) {
+    pub fn note_present(&mut self, values: impl FnOnce() -> [f64; QUANTITIES]) {
         if self.count < 2 {
-            self.present = values;
+            self.present = values();
         }
     }
 

@@ -113,8 +113,8 @@ impl Model {
         let mut largest: f64 = 0.0;
         for (index, wheelset) in self.wheelsets.iter().enumerate() {
             if strikes.flies(index) {
-                for wheel in self.wheels().filter(|wheel| wheel.contact / Side::BOTH.len() == index) {
-                    largest = largest.max(self.contact_error(workspace, &wheel, error) / FLOWN);
+                for side in Side::BOTH {
+                    largest = largest.max(self.contact_error(workspace, &self.wheel(contact_index(index, side)), error) / FLOWN);
                 }
             }
             let Some(eased) = strikes.eased(index) else { continue };

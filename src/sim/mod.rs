@@ -281,7 +281,7 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// What is shown belongs to the state: a cold start differs in the last digits.
+    /// What is shown belongs to the state, means before the first step too: a cold start differs in the last digits.
     fn look_again(&mut self) -> Result<(), SimulationError> {
         self.model.note_present_means(&self.snapshot.workspace, &mut self.state.memories.accepted);
         self.known = None;

@@ -58,12 +58,11 @@ fn equiv_a_start_has_the_friction_of_its_place() {
             format!("contact.friction_along=[{{factors=[[{:?},1.0],[{from:?},{factor:?}]],transition=\"2 m\"}}]", from - 30.0),
             format!("contact.friction={}", factor * friction),
         );
-        let [mut there, mut uniform] = [&map, &plain].map(|own| start(&scene(name, &[&common[..], &[own]].concat())));
-        let (there, uniform) = (off_the_pattern(&mut there, 1.0 / 300.0), off_the_pattern(&mut uniform, 1.0 / 300.0));
+        let mut starts = [&map, &plain].map(|own| start(&scene(name, &[&common[..], &[own]].concat())));
+        let [there, uniform] = starts.each_mut().map(|start| off_the_pattern(start, 1.0 / 300.0));
         println!("{name}: {there:.1e} with friction along the track, {uniform:.1e} with the same everywhere");
         assert!(there < 1e-3 && uniform < 1e-3, "{name}, {from} m");
-        let places =
-            [&map, &plain].map(|own| start(&scene(name, &[&common[..], &[own]].concat())).snapshot().unwrap().workspace.beside_track(0));
+        let places = starts.each_mut().map(|start| start.snapshot().unwrap().workspace.beside_track(0));
         assert!((0..2).all(|k| (places[0][k] - places[1][k]).abs() < 1e-8), "{name}: {places:?}");
     }
 }

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_long_help = "\
 The steady state is that of the scene's start on undisturbed track, straight or one curve, at the scene's speed: deviations, irregularities and initial displacements are \
-left out; a start on a transition is refused. About it the whole model (contact search, normal and creep laws, suspension, joints) is \
+left out; a start on a transition or a straight climb is refused, and in curves free travel and ACCF. About it the whole model (contact search, normal and creep laws, suspension, joints) is \
 linearised by central differences; constraints of joints and of ECCF and ACCF leave their free directions. The column +- tells by how much the eigenvalue changes with differences of \
 twice the length.
 

@@ -38,7 +38,7 @@ pub(super) fn modes(scene: &Scene, found: &Modes) -> String {
         scene.title,
         speed(found.speed),
         scene.contact.formulation_name,
-        Some(place(scene)).filter(|place| place != STRAIGHT).map_or(String::new(), |place| format!(", {place}")),
+        place(scene).map_or(String::new(), |place| format!(", {place}")),
         found.states,
         found.free
     );
@@ -118,14 +118,12 @@ fn unsteady<'m>(all: impl IntoIterator<Item = &'m Modes> + Clone) -> String {
     text
 }
 
-const STRAIGHT: &str = "straight track";
-
-/// The track of a scene's start.
-fn place(scene: &Scene) -> String {
+/// The track of a scene's start, where it is not straight.
+fn place(scene: &Scene) -> Option<String> {
     match start::start(scene) {
-        Start::Curve(node) if node.curvature != 0.0 => format!("a curve of {:.0} m radius", 1.0 / node.curvature.abs()),
-        Start::Curve(_) => "superelevated or climbing track".into(),
-        _ => STRAIGHT.into(),
+        Start::Curve(node) if node.curvature != 0.0 => Some(format!("a curve of {:.0} m radius", 1.0 / node.curvature.abs())),
+        Start::Curve(_) => Some("superelevated track".into()),
+        _ => None,
     }
 }
 
@@ -136,7 +134,7 @@ pub(super) fn locus(scene: &Scene, found: &Locus) -> String {
         scene.name,
         scene.title,
         scene.contact.formulation_name,
-        place(scene),
+        place(scene).unwrap_or("straight track".into()),
         found.points.first().map_or(String::new(), |point| swinging(point.amplitude)),
         unsteady(&found.points)
     );

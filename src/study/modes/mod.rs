@@ -309,12 +309,11 @@ pub fn modes_over(scene: &Scene, speed: f64, amplitude: f64) -> Result<Modes, Mo
         return Err(ModesError::Rigid);
     }
     let state = simulation.state();
-    let turns = Turning::of(model.system.bodies.len(), &state.integration.y).is_some();
-    if let Some(why) = no_modes_in_curves(&scene, model).filter(|_| turns) {
-        return Err(ModesError::InCurve { speed, why });
-    }
     let beside = |cause| ModesError::Beside { speed, cause };
     let mut here = Neighbourhood::new(model, &state.integration.y, &state.memories.accepted, held).turning_with_it();
+    if let Some(why) = no_modes_in_curves(&scene, model).filter(|_| here.turning.is_some()) {
+        return Err(ModesError::InCurve { speed, why });
+    }
     let mut slopes = |length: f64| {
         let mut linear = here.linear(length)?;
         if amplitude > 0.0 {

@@ -97,6 +97,28 @@ fn random() -> impl FnMut() -> f64 {
     }
 }
 
+/// Over nanometres all of a patch is a line: sums in single precision scattered by 1e-7, and creep forces with them.
+#[test]
+fn prop_what_a_table_says_does_not_scatter() {
+    let (own, mut scratch) = (&*S1002, Scratch::new(S1002.strips.len()));
+    let (wheel, rail) = (own.wheel(Side::Left), own.rail(Side::Left, &[]));
+    let (centre, axes) = own.under((&wheel, &rail), (7e-4, 1e-4, 2e-3), 55e3, &mut scratch);
+    let said: Vec<[f64; 5]> = (0..20)
+        .map(|k| {
+            let centre = centre + Vector3::y() * (1e-9 * f64::from(k));
+            let looked = own.looked(&Pair { wheel: &wheel, rail: &rail, centre: &centre, axes: &axes, distance: 0.0 }, STEEL).unwrap();
+            let (part, outermost) = (looked.part, looked.fifths.each[4]);
+            [part.force, part.patch.a, part.patch.b, outermost.across, outermost.size]
+        })
+        .collect();
+    for k in 0..5 {
+        let bends = said.windows(3).map(|three| (three[0][k] - 2.0 * three[1][k] + three[2][k]).abs() / three[1][k].abs());
+        let worst = bends.fold(0.0, f64::max);
+        println!("number {k} scatters by {worst:.1e}");
+        assert!(worst < 2e-10 && said[0][k] != said[19][k], "{k}: {worst:e}");
+    }
+}
+
 #[test]
 fn prop_between_its_nodes_a_table_says_what_strips_do() {
     let apta = Tabled::new("kind = \"apta\"\ndesign = \"APTA140\"\nradius = 0.46\n", "kind = \"uic60\"\n");
