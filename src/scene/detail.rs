@@ -3,7 +3,9 @@
 //! The whole vehicle's steady running on ideal straight track says where each body is that will not be there. What stays is held by that: force elements by guides
 //! ([`Held`]), joints by the ground but for the direction along the track ([`Joint::held`]). In steady running on straight track the part therefore does what it does in
 //! the whole: same places, same wheel loads. Preloads that balance asks for are those of the whole. Where the speed is free or changes, the mass of what was cut away, so far as the
-//! kept wheels carry it, goes along the track with the heaviest kept body.
+//! kept wheels carry it, goes along the track with the heaviest kept body. What rolls freely does so in that steady state too, with the common acceleration a of the whole: the
+//! mass M that goes along has it already ([`CarriedPull`]). (In the state of an imposed speed the driven wheelsets push the others uphill, and a part that rolls freely from it went with
+//! twice the acceleration or none.)
 //!
 //! A vehicle that is a point mass stays as its heaviest body, with all mass, that moves along the track alone; wheels that turn are inertia beside it.
 
@@ -13,7 +15,7 @@ use super::steady_state::steady_state;
 use super::vehicle::extent::{Asked, Away, Extent, KeptElement};
 use super::vehicle::{Element, PlacedBody, PlacedWheelset, Sensor, VehicleSpec, assemble};
 use crate::mbs::body::{BodyMotion, COORDINATES};
-use crate::mbs::force::{ForceElement, Held, HeldGuide, Holder};
+use crate::mbs::force::{CarriedPull, ForceElement, Held, HeldGuide, Holder};
 use crate::mbs::joint::Joint;
 use crate::mbs::kkt::RowBodies;
 use crate::mbs::supported::SupportedMass;
@@ -21,6 +23,9 @@ use crate::settings::SettingsError;
 
 /// Steady running is that of at least this speed, m/s.
 const LEAST_SPEED: f64 = 1.0;
+
+/// What rolling resistance alone slows down by at most, m/s2.
+const ROLLS: f64 = 2e-3;
 
 /// Cuts the scene's vehicle, if its scene asks for it.
 ///
@@ -37,8 +42,16 @@ pub(super) fn cut(scene: &mut Scene) -> Result<(), SceneError> {
     let in_scene = |error| SceneError::Assembly { file: scene.source.file.clone(), error };
     let preloads = assemble::static_preloads(&whole.vehicle, whole.track.grade).map_err(in_scene)?;
     let steady = steady_state(&whole).map_err(|error| SceneError::Equilibrium { file: scene.source.file.clone(), error })?;
-    let cutting =
-        Cutting { whole: &scene.vehicle, asked: &asked, preloads, y: &steady.y, loads: &steady.wheel_loads, grade: scene.track.grade };
+    let acceleration = if whole.vehicle.speed_imposed { 0.0 } else { steady.acceleration };
+    let cutting = Cutting {
+        whole: &scene.vehicle,
+        asked: &asked,
+        preloads,
+        y: &steady.y,
+        loads: &steady.wheel_loads,
+        grade: scene.track.grade,
+        acceleration,
+    };
     let vehicle = cutting.vehicle().map_err(|problem| refuse(&problem))?;
     if let Some(only) = &mut scene.interface.only {
         let names = vehicle.part_names();
@@ -55,7 +68,7 @@ pub(super) fn cut(scene: &mut Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// The whole vehicle as it runs steadily on ideal track, with its speed imposed.
+/// The whole vehicle as it runs steadily on ideal track: with its speed imposed, or freely as it rolls.
 fn steady_scene(scene: &Scene) -> Scene {
     let mut whole = scene.clone();
     whole.track.deviations.clear();
@@ -63,8 +76,9 @@ fn steady_scene(scene: &Scene) -> Scene {
     whole.vehicle = whole.vehicle.steady();
     let vehicle = &mut whole.vehicle;
     vehicle.speed = if vehicle.speed.abs() < LEAST_SPEED { LEAST_SPEED.copysign(vehicle.speed) } else { vehicle.speed };
-    vehicle.speed_imposed = true;
-    drive(&mut vehicle.wheelsets);
+    if vehicle.speed_imposed {
+        drive(&mut vehicle.wheelsets);
+    }
     whole
 }
 
@@ -89,6 +103,8 @@ struct Cutting<'c> {
     loads: &'c [f64],
     /// rad.
     grade: f64,
+    /// Of the whole along the track, where it rolls freely, m/s2.
+    acceleration: f64,
 }
 
 impl Cutting<'_> {
@@ -150,11 +166,12 @@ impl Cutting<'_> {
         let named = whole.sensors.iter().map(|sensor| sensor.name.as_str());
         let with_inputs = whole.forces.iter().filter(|force| !force.0.inputs().is_empty()).map(|force| force.0.name());
         let lost = named.chain(with_inputs).filter(|name| !stays(name)).map(str::to_string).collect();
-        let acts = |force: &dyn ForceElement| {
-            (0..force.inputs().len()).any(|index| force.start_input(index) != 0.0) || force.bodies().iter().flatten().count() == 1
+        let gone = |acts: &dyn Fn(&dyn ForceElement) -> bool| -> Vec<String> {
+            let acting = whole.forces.iter().filter(|force| acts(force.0.as_ref()) && !stays(force.0.name()));
+            acting.map(|force| force.0.name().to_string()).collect()
         };
-        let acting = whole.forces.iter().filter(|force| acts(force.0.as_ref()) && !stays(force.0.name()));
-        let acting = acting.map(|force| force.0.name().to_string()).collect();
+        let acting = gone(&|force| !force.resists() && (0..force.inputs().len()).any(|index| force.start_input(index) != 0.0));
+        let kept_constant = gone(&|force| force.resists());
         let mut vehicle = VehicleSpec { wheelsets, bodies, joints, forces, sensors, extent: Extent::Whole, ..whole.clone() };
         // On the rails, less what is there.
         let loads = self.loads.iter().enumerate().filter(|(body, _)| self.kept(*body)).map(|(_, load)| 2.0 * load).sum::<f64>();
@@ -162,6 +179,7 @@ impl Cutting<'_> {
         let heaviest = (0..vehicle.bodies.len()).max_by(|a, b| vehicle.bodies[*a].body.mass.total_cmp(&vehicle.bodies[*b].body.mass));
         let mass = if vehicle.gravity > 0.0 { (weight / vehicle.gravity).max(0.0) } else { 0.0 };
         let carried = SupportedMass { body: heaviest.map_or(0, |body| vehicle.wheelsets.len() + body), mass };
+        let pull = Some(CarriedPull { body: carried.body, force: mass * self.acceleration }).filter(|pull| pull.force != 0.0);
         let turning = point_masses.iter().map(|(body, point)| SupportedMass { body: *body, mass: point.2 });
         let along = Some(carried).filter(|_| mass > 0.0 && !vehicle.keeps_speed()).into_iter().chain(turning).collect();
         let names = |bodies: &mut dyn Iterator<Item = usize>| bodies.map(|body| self.name(body)).collect();
@@ -171,9 +189,11 @@ impl Cutting<'_> {
             guides: names(&mut guides.into_iter()),
             lost,
             acting,
+            kept_constant,
             weight,
             carried: mass,
             along,
+            pull,
             masses: point_masses.into_iter().map(|(_, point)| point).collect(),
         }));
         Ok(vehicle)
@@ -224,6 +244,12 @@ impl Cutting<'_> {
                             self.name(gone)
                         )
                     })?;
+                    if self.acceleration.abs() > ROLLS {
+                        return Err(format!(
+                            "cuts the joint {}, and with travel = \"free\" the whole accelerates by {:.3} m/s2 (grade, running resistance), by what joints do not tell along the track; expected an imposed speed, another level, or a force element there",
+                            joint.name, self.acceleration
+                        ));
+                    }
                     guides.push(gone);
                     joints.push(held);
                 }

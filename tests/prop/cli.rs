@@ -396,9 +396,17 @@ fn regress_docs_list_every_output() {
     let groups = "interface.outputs=[\"motion\",\"wheels\",\"contacts\",\"suspension\",\"sliding_means\",\"rail_forces\",\"axles\",\"bodies\",\"sensors\",\"forces\",\"adhesion\",\"power\",\"energy\"]";
     let mut lines: Vec<String> = Vec::new();
     let examples = ["examples/braked_coach.toml", "examples/driven_truck.toml"];
-    for name in ["wheelset_s1002", "vehicle_bumps", "vehicle_manchester_1", "train"].into_iter().chain(examples) {
-        let scene =
-            load::open(name, &[groups.into(), "interface.inputs=[\"rail_motion\"]".into()]).unwrap_or_else(|error| panic!("{error}"));
+    let embedded = ["wheelset_s1002", "vehicle_bumps", "vehicle_manchester_1", "train"];
+    let plain = embedded.into_iter().chain(examples).map(|name| (name, "interface.inputs=[\"rail_motion\"]"));
+    // What some scenes alone have.
+    let special = [
+        ("vehicle_manchester_1", "vehicle.detail=truck"),
+        ("vehicle_manchester_1", "vehicle.sensor=[{name=\"floor[1]\", measured=true}]"),
+        ("bogie", "track.flexibility=travelling"),
+        ("bogie", "vehicle.force=[{name=\"axle\", kind=\"flexible_axle\", body=\"wheelset[1]\", stiffness=1e6}]"),
+    ];
+    for (name, change) in plain.chain(special) {
+        let scene = load::open(name, &[groups.into(), change.into()]).unwrap_or_else(|error| panic!("{error}"));
         let simulation = Simulation::new(&scene, 0.0).unwrap();
         let wheelset = &simulation.model().wheelsets[0].name;
         for output in scene_outputs(&scene, simulation.model()) {

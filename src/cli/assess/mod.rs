@@ -19,7 +19,7 @@ use crate::sim::vehicle_outputs::scene_outputs;
 use crate::solve::Doubts;
 use crate::study::assess::aliased::aliased;
 use crate::study::assess::known::{Known, Vehicle};
-use crate::study::assess::origin::misfits;
+use crate::study::assess::origin::{left_out, misfits};
 use crate::study::assess::quantity::{self, VehicleKind};
 use crate::study::assess::signals::Signals;
 use crate::study::assess::{Assessment, Row, Verdict};
@@ -90,6 +90,8 @@ impl From<Kinds> for VehicleKind {
 const STEPS: [f64; 2] = [2e-3, 0.4e-3];
 /// Values that hang on the rows that are told.
 const HANGING_SHOWN: usize = 3;
+/// Parts that a result lacks that are named.
+const LEFT_OUT_SHOWN: usize = 4;
 /// Outputs that a run records.
 const GROUPS: [&str; 3] = ["motion", "wheels", "sensors"];
 
@@ -182,8 +184,9 @@ fn start(name: &str, overrides: &[String]) -> Result<(Scene, Simulation, Vehicle
     scene.interface.outputs = GROUPS.into();
     scene.interface.only = None;
     scene.vehicle.sensors.iter_mut().for_each(|sensor| sensor.measured = true);
-    let mut simulation = super::start(&scene)?;
-    let vehicle = Vehicle::of(&scene, &mut simulation).map_err(|error| Failure::Run(error.to_string()))?;
+    let simulation = super::start(&scene)?;
+    let on_plain = |error| Failure::Run(format!("static loads, of straight, level, undisturbed track: {error}"));
+    let vehicle = Vehicle::of(&scene).map_err(on_plain)?;
     Ok((scene, simulation, vehicle))
 }
 
@@ -207,9 +210,19 @@ fn result(arguments: &Arguments) -> Result<Subject, Failure> {
         None => (arguments.input.clone(), None),
     };
     let notes = vehicle.iter().flat_map(|vehicle| misfits(&signals, vehicle));
-    let notes = notes
+    let mut notes: Vec<String> = notes
         .map(|what| format!("{} may come from another scene: {what}; limits and sections are those of --scene", arguments.input))
         .collect();
+    let lacking = vehicle.as_ref().map(|vehicle| left_out(&signals, vehicle)).unwrap_or_default();
+    if !lacking.is_empty() {
+        let count = lacking.len();
+        let shown = lacking.into_iter().take(LEFT_OUT_SHOWN).collect::<Vec<_>>().join(", ");
+        let more = if count > LEFT_OUT_SHOWN { format!(" and {} more", count - LEFT_OUT_SHOWN) } else { String::new() };
+        notes.push(format!(
+            "{} lacks columns of {shown}{more}: not looked at, wholly or in parts, and the table speaks of the rest alone; expected distance, forces of both wheels, measuredAx, measuredAy and measuredAz",
+            arguments.input
+        ));
+    }
     Ok(Subject { title, signals, vehicle, ended: None, notes, doubts: Doubts::default(), recording: None })
 }
 

@@ -17,6 +17,7 @@ mod brake;
 mod bump_stop;
 mod bushing;
 mod cardan_drive;
+mod carried_pull;
 mod coupler;
 mod curve;
 mod dry_friction;
@@ -42,6 +43,7 @@ pub use air_spring::AirSpring;
 pub use anti_roll_bar::AntiRollBar;
 pub use attachment::{Attachment, Places};
 pub use bushing::Bushing;
+pub use carried_pull::CarriedPull;
 pub use curve::{Beyond, Curve, Table};
 pub use dry_friction::DryFriction;
 pub use friction_wedge::FrictionWedge;
@@ -144,6 +146,11 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
     /// Power that its inputs bring in, W.
     fn supplied_power(&self, _bodies: &Moving, _state: &[f64]) -> f64 {
         0.0
+    }
+
+    /// Does it act in steady running whatever its inputs are, from outside?
+    fn resists(&self) -> bool {
+        false
     }
 
     /// May its inputs bring power in?

@@ -106,6 +106,10 @@ impl ForceElement for RunningResistance {
         self.place.load(bodies, -own[0] - air[0], wrenches);
     }
 
+    fn resists(&self) -> bool {
+        true
+    }
+
     fn bodies(&self) -> Ends {
         self.place.ends()
     }

@@ -74,6 +74,8 @@ pub struct SteadyState {
     pub y: Vec<f64>,
     /// Mean vertical force of a wheel of each wheelset on straight track, N.
     pub wheel_loads: Vec<f64>,
+    /// Common acceleration along the track where no speed is imposed, m/s2.
+    pub acceleration: f64,
     pub contacts: Contacts,
 }
 
@@ -188,14 +190,13 @@ fn running(scene: &Scene, standing: &Standing, node: &Node) -> Result<SteadyStat
         let model = Search::new(scene, standing, pattern)?.model;
         if model.may_be_elastic() && (0..model.contacts()).any(|contact| model.searches_contacts(contact)) {
             let (search, wheel_loads) = balanced(&with_elastic_contacts(scene), standing, pattern, node)?;
-            return Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts: Contacts::Elastic });
+            return Ok(search.found(scale, wheel_loads, Some(Contacts::Elastic)));
         }
     }
     match balanced(scene, standing, pattern, node) {
         Ok((search, wheel_loads)) => {
             let kept = !straight && search.model.formulation.constrains();
-            let (y, memory) = search.found(scale);
-            Ok(SteadyState { y, wheel_loads, contacts: if kept { Contacts::Kept(memory) } else { Contacts::Any } })
+            Ok(search.found(scale, wheel_loads, (!kept).then_some(Contacts::Any)))
         }
         Err(cause) => by_elastic_contacts(scene, standing, pattern, node, cause),
     }
@@ -229,11 +230,10 @@ fn by_elastic_contacts(
     own.twists = search.twists.clone();
     let scale = scene.vehicle.speed / pattern.speed;
     if own.choose_anew().and_then(|()| own.balance()).is_ok() && own.presses() {
-        let (y, memory) = own.found(scale);
-        return Ok(SteadyState { y, wheel_loads, contacts: Contacts::Kept(memory) });
+        return Ok(own.found(scale, wheel_loads, None));
     }
     if own.model.may_be_elastic() {
-        return Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts: Contacts::Elastic });
+        return Ok(search.found(scale, wheel_loads, Some(Contacts::Elastic)));
     }
     Err(cause)
 }
@@ -266,16 +266,14 @@ fn on_displaced_rails(
     if !own.model.formulation.constrains() {
         // ECF-A is balanced already, ECF-N beside it.
         let balanced = own.is_balanced() || own.balance().is_ok();
-        let y = if balanced { own.found(scale).0 } else { search.found(scale).0 };
-        return Ok(SteadyState { y, wheel_loads, contacts: Contacts::Any });
+        return Ok(if balanced { own } else { search }.found(scale, wheel_loads, Some(Contacts::Any)));
     }
     if own.choose_anew().and_then(|()| own.balance()).is_ok() && own.presses() {
-        let (y, memory) = own.found(scale);
-        return Ok(SteadyState { y, wheel_loads, contacts: Contacts::Kept(memory) });
+        return Ok(own.found(scale, wheel_loads, None));
     }
     let several = (0..own.model.contacts()).any(|contact| own.model.searches_contacts(contact));
     let contacts = if own.model.may_be_elastic() && several { Contacts::Elastic } else { Contacts::Any };
-    Ok(SteadyState { y: search.found(scale).0, wheel_loads, contacts })
+    Ok(search.found(scale, wheel_loads, Some(contacts)))
 }
 
 /// The balance with elastic contacts on displaced rails, and the wheel loads of straight track, N.

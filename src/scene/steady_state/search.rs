@@ -1,6 +1,6 @@
 //! The equations of steady running: places in the track frame, the pattern's velocities, and what is left of the balance.
 
-use super::Standing;
+use super::{Contacts, Standing, SteadyState};
 use super::couplings::Couplings;
 use super::rails::{Ride, Riding};
 use super::slopes::Entry;
@@ -470,8 +470,8 @@ impl<'a> Search<'a> {
         (0..self.model.wheelsets.len()).map(|wheelset| 0.5 * Side::BOTH.map(|side| vertical(wheelset, side)).iter().sum::<f64>()).collect()
     }
 
-    /// The state vector in the track frame, with all speeds scaled, and the contacts' memory.
-    pub fn found(mut self, scale: f64) -> (Vec<f64>, ModelMemory) {
+    /// The state in the track frame, with all speeds scaled; contacts are kept as they are, if they are not told how to begin.
+    pub fn found(mut self, scale: f64, wheel_loads: Vec<f64>, contacts: Option<Contacts>) -> SteadyState {
         let system = &self.model.system;
         for (body, at) in self.now.at.iter().enumerate() {
             self.y[system.coordinates(body)].copy_from_slice(&at.coordinates);
@@ -479,7 +479,8 @@ impl<'a> Search<'a> {
         }
         self.twists.slow_down(&self.workspace.system, scale, &mut self.y);
         self.y.truncate(system.dimension());
-        (self.y, self.now.memory)
+        let Configuration { slowing, memory, .. } = self.now;
+        SteadyState { y: self.y, wheel_loads, acceleration: slowing, contacts: contacts.unwrap_or(Contacts::Kept(memory)) }
     }
 }
 

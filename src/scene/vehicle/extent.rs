@@ -1,6 +1,7 @@
 //! How much of the vehicle that a scene describes is computed: `vehicle.detail`.
 
 use super::{Element, VehicleSpec};
+use crate::mbs::force::CarriedPull;
 use crate::mbs::supported::SupportedMass;
 use crate::settings::SettingsError;
 
@@ -74,14 +75,18 @@ pub struct Away {
     pub guides: Vec<String>,
     /// Elements and sensors that went with them, inputs of elements among them.
     pub lost: Vec<String>,
-    /// Elements that went with them and would drive, brake or resist: by a value in the scene of one of their inputs, or by what holds on to the world.
+    /// Elements that went with them and would drive or brake, by a value in the scene of one of their inputs.
     pub acting: Vec<String>,
+    /// Elements that went with them and resist without being told: they do in the steady running that guides keep.
+    pub kept_constant: Vec<String>,
     /// Part of their weight that the wheels carry in steady running, N.
     pub weight: f64,
     /// The mass of that, kg, which goes along the track with the heaviest kept body where the speed is free.
     pub carried: f64,
     /// Masses that go along the track with bodies, beside their own: what is carried, and what turns in point masses.
     pub along: Vec<SupportedMass>,
+    /// What that mass takes of the whole vehicle's acceleration, where that rolls freely.
+    pub pull: Option<CarriedPull>,
     /// Point masses: name, mass, and what its wheels add by turning, kg.
     pub masses: Vec<(String, f64, f64)>,
 }
@@ -112,13 +117,20 @@ impl Away {
 
     /// What of the forces along the track is missed, in a sentence; `None` where nothing is.
     pub fn missed(&self) -> Option<String> {
-        (!self.acting.is_empty()).then(|| {
+        let acting = (!self.acting.is_empty()).then(|| {
             format!(
-                "{}: {} went with what is cut away: they drive, brake or resist no more, and the rest of the vehicle does so alone. kind = \"external_load\" on a body that stays can take their place",
-                self.key(),
+                "{} went with what is cut away: they drive or brake no more, and the rest of the vehicle does so alone. kind = \"external_load\" on a body that stays can take their place",
                 list(&self.acting)
             )
-        })
+        });
+        let constant = (!self.kept_constant.is_empty()).then(|| {
+            format!(
+                "of {} stays what the kept wheels carry of it in steady running at the start's speed, as a constant force along the track",
+                list(&self.kept_constant)
+            )
+        });
+        let said = acting.into_iter().chain(constant).reduce(|all, more| format!("{all}; {more}"))?;
+        Some(format!("{}: {said}", self.key()))
     }
 
     /// The key that asks for it.

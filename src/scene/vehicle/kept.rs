@@ -1,110 +1,22 @@
 //! Reads `vehicle.detail`: which bodies of a vehicle stay, and its elements between them.
 //!
-//! Bodies, joints and force elements are a graph. From a wheelset on (the leading one, or that of `detail_of`) stays
+//! Bodies, joints and force elements are a graph ([`super::graph`]). From a wheelset on (the leading one, or that of `detail_of`) stays
 //!
 //! - `"vehicle"`: what is connected with it other than by couplers and by elements between the copies of a module;
-//! - `"truck"`: of that, what is connected with it when the car bodies are taken out: those that are no wheelsets and have at least half the mass of the heaviest;
+//! - `"truck"`: of that, what is connected with it when the car bodies are taken out;
 //! - `"wheelset"`: of that, the wheelset and what joints hold to it, unless these hold other wheelsets too.
 //!
 //! In a train, vehicles that `point_masses` names become one body each: of all their mass, on a straight guide along the track, in place of the heaviest one.
 
 use super::expand::{Entry, FORCE, Flat, WHEELSET};
 use super::extent::{Asked, Extent, KeptElement, Level, PointMass};
+use super::graph::Graph;
 use super::places::{Bodies, ElementPlaces, Resolver};
 use super::{Element, VehicleSpec};
 use crate::mbs::force::{Attachment, Places};
 use crate::settings::{Section, SettingsError, did_you_mean};
 use nalgebra::Vector3;
 use std::cell::RefCell;
-
-/// A body with this share of the heaviest one's mass is a car body.
-const HEAVY: f64 = 0.5;
-
-/// Bodies, and what is between them.
-struct Graph {
-    wheelsets: usize,
-    /// Of the bodies, kg.
-    masses: Vec<f64>,
-    joints: Vec<[usize; 2]>,
-    /// Bodies of each force element, and whether it couples vehicles.
-    elements: Vec<(Vec<usize>, bool)>,
-}
-
-impl Graph {
-    /// Of a vehicle that was read from these entries of elements.
-    fn new(vehicle: &VehicleSpec, elements: &[Entry]) -> Graph {
-        let couples = |name: &str| {
-            let entry = elements.iter().find(|entry| entry.name == name);
-            entry.is_some_and(|entry| entry.next.is_some() || entry.section.text("kind").is_ok_and(|kind| kind == "coupler"))
-        };
-        let reach = |element: &Element| element.0.reach().into_iter().flatten().collect();
-        let wheelsets = vehicle.wheelsets.iter().map(|wheelset| wheelset.spec.mass);
-        Graph {
-            wheelsets: vehicle.wheelsets.len(),
-            masses: wheelsets.chain(vehicle.bodies.iter().map(|placed| placed.body.mass)).collect(),
-            joints: vehicle.joints.iter().filter_map(|joint| Some([joint.bodies.first, joint.bodies.second?])).collect(),
-            elements: vehicle.forces.iter().map(|element| (reach(element), couples(element.0.name()))).collect(),
-        }
-    }
-
-    /// What is connected with a body by these links, among those that may be.
-    fn connected(&self, seed: usize, may: &[bool], links: &[&[usize]]) -> Vec<bool> {
-        let mut found = vec![false; self.masses.len()];
-        found[seed] = true;
-        loop {
-            let before = found.iter().filter(|body| **body).count();
-            for link in links {
-                if link.iter().any(|body| found[*body]) {
-                    link.iter().filter(|body| may[**body]).for_each(|body| found[*body] = true);
-                }
-            }
-            if found.iter().filter(|body| **body).count() == before {
-                return found;
-            }
-        }
-    }
-
-    /// Bodies that stay at a level; `None`: the wheelsets of this vehicle carry its body without a truck between.
-    fn kept(&self, level: Level, seed: usize) -> Option<Vec<bool>> {
-        let all = vec![true; self.masses.len()];
-        if level == Level::Train {
-            return Some(all);
-        }
-        let joints: Vec<&[usize]> = self.joints.iter().map(<[usize; 2]>::as_slice).collect();
-        let inside = self.elements.iter().filter(|element| !element.1).map(|element| element.0.as_slice());
-        let links: Vec<&[usize]> = joints.iter().copied().chain(inside).collect();
-        let vehicle = self.connected(seed, &all, &links);
-        if level == Level::Vehicle {
-            return Some(vehicle);
-        }
-        let others = || (self.wheelsets..self.masses.len()).filter(|body| vehicle[*body]);
-        let heaviest = others().map(|body| self.masses[body]).fold(0.0, f64::max);
-        let light = |body: usize| vehicle[body] && (body < self.wheelsets || self.masses[body] < HEAVY * heaviest);
-        let light: Vec<bool> = (0..self.masses.len()).map(light).collect();
-        let truck = self.connected(seed, &light, &links);
-        if level == Level::Truck {
-            return (others().next().is_none() || others().any(|body| truck[body])).then_some(truck);
-        }
-        let held = self.connected(seed, &light, &joints);
-        let alone = held.iter().take(self.wheelsets).filter(|wheelset| **wheelset).count() == 1;
-        Some(if alone { held } else { (0..self.masses.len()).map(|body| body == seed).collect() })
-    }
-
-    /// The heaviest body of a vehicle that is no wheelset.
-    fn heaviest(&self, vehicle: &[bool]) -> Option<usize> {
-        let others = (self.wheelsets..self.masses.len()).filter(|body| vehicle[*body]);
-        others.reduce(|a, b| if self.masses[b] > self.masses[a] { b } else { a })
-    }
-
-    /// The least level that is as much as `level`, and the next one, which is less.
-    fn coarser(&self, level: Level, seed: usize) -> Option<[Level; 2]> {
-        let now = self.kept(level, seed)?;
-        let all = || Level::ALL.into_iter().map(|(level, _)| level);
-        let own = all().find(|lower| self.kept(*lower, seed).as_ref() == Some(&now))?;
-        let next = all().rev().find(|lower| *lower < own && self.kept(*lower, seed).is_some())?;
-        Some([own, next])
-    }
-}
 
 /// The wheelset that `detail_of` means: its own name, or that of the module in which it is the first.
 fn seed(section: &Section, vehicle: &VehicleSpec, flat: &Flat) -> Result<usize, SettingsError> {
@@ -156,15 +68,15 @@ fn point_masses(section: &Section, graph: &Graph, from: &Entries, level: Level) 
             }
         }
     }
-    if (0..graph.wheelsets).all(|wheelset| masses.iter().any(|mass| mass.own[wheelset])) {
+    if (0..graph.wheelsets()).all(|wheelset| masses.iter().any(|mass| mass.own[wheelset])) {
         return refuse("leaves no wheelset on the rails; expected a vehicle less".into());
     }
     let part = |body: &usize| masses.iter().any(|mass| mass.own[*body] && mass.body != *body);
-    let link = graph.elements.iter().filter(|element| element.1).flat_map(|element| &element.0).find(|body| part(body));
+    let link = graph.coupled().find(part);
     match link {
         Some(body) => refuse(format!(
             "a coupler holds on to {}, which is not the heaviest body of its vehicle; expected a coupler on that",
-            names[*body]
+            names[body]
         )),
         None => Ok(masses),
     }
@@ -187,7 +99,7 @@ pub(super) struct Entries<'r, 'a> {
 
 /// Reads `detail` and `detail_of` of a vehicle that was read as a whole. Elements that stay are read a second time, with other numbers of bodies.
 pub(super) fn read(section: &Section, vehicle: &VehicleSpec, from: &Entries) -> Result<Read, SettingsError> {
-    let graph = Graph::new(vehicle, &from.flat.entries[FORCE]);
+    let graph = Graph::of(vehicle);
     let word = section.word_or("detail", &Level::ALL.map(|level| level.1), Level::Train.word())?;
     let level = Level::ALL.into_iter().find(|level| level.1 == word).map_or(Level::Train, |level| level.0);
     if section.has("detail_of") && !section.has("detail") {
@@ -221,7 +133,7 @@ pub(super) fn read(section: &Section, vehicle: &VehicleSpec, from: &Entries) -> 
     }
     let left: Vec<usize> = (0..kept.len()).filter(|body| kept[*body]).collect();
     let mut elements = Vec::new();
-    for (element, (bodies, _)) in vehicle.forces.iter().zip(&graph.elements) {
+    for (element, bodies) in vehicle.forces.iter().zip(&graph.elements) {
         let stays = match bodies.first() {
             // What turns an axle goes with it.
             Some(axle) if element.0.turns_axle() => kept[*axle],

@@ -21,6 +21,7 @@ pub mod assemble;
 mod design;
 mod expand;
 pub mod extent;
+pub mod graph;
 mod joints;
 mod kept;
 pub mod outline;
@@ -71,6 +72,8 @@ pub struct VehicleSpec {
     pub coarser: Option<[Level; 2]>,
     /// The heaviest body of each vehicle of a train but that of the leading wheelset, where all are detailed.
     pub followers: Vec<String>,
+    /// Names of the elements that couple its vehicles, where it is a train.
+    pub couplings: Vec<String>,
 }
 
 /// A wheelset in its vehicle.

@@ -6,7 +6,7 @@ use super::kept::{self, Entries};
 use super::places::{Bodies, ElementPlaces, Resolver};
 use super::travel::Travel;
 use super::wheelset::{WheelsetSpec, not_degrees, read_initial};
-use super::{Element, PlacedBody, PlacedWheelset, SUSPENSION, Sensor, VehicleSpec, joints};
+use super::{Element, PlacedBody, PlacedWheelset, SUSPENSION, Sensor, VehicleSpec, graph, joints};
 use crate::geometry::Side;
 use crate::geometry::profile::Part;
 use crate::mbs::body::Body;
@@ -69,6 +69,7 @@ pub(super) fn vehicle<'a>(
         extent,
         coarser: None,
         followers: Vec::new(),
+        couplings: Vec::new(),
     };
     let known = Bodies {
         names: vehicle.wheelsets.iter().map(|w| &w.spec.name).chain(vehicle.bodies.iter().map(|b| &b.body.name)).cloned().collect(),
@@ -94,6 +95,7 @@ pub(super) fn vehicle<'a>(
         entry.section.clone().finish()?;
         Ok(Sensor { name: entry.name.clone(), body, point, measured })
     })?;
+    vehicle.couplings = graph::couplings(&vehicle, &flat.entries[FORCE]);
     let parse: &dyn Fn(&Entry, &dyn Places) -> Result<Element, SettingsError> = &force;
     let from = Entries { flat: &flat, bodies: &known, parse };
     if let Some(read) = section.keep(kept::read(&section, &vehicle, &from))? {

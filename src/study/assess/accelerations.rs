@@ -12,8 +12,8 @@
 //! Nothing else stands in: under cant and roll the kinematic ones are another matter, without gravity across the track (R 400 m, 150 mm of cant, 10 m/s: 0.3 for
 //! 1.0 m/s2) and without the curve's part across the floor.
 //!
-//! Limits [m/s2]: safety, lateral 3.0 in zones 1 and 2, 2.8 in 3, 2.6 in 4; vertical 3.0, 5.0 with one level of suspension; frame 12 - m/5 (its mass m in t); ride 2.5, rms
-//! 0.5 lateral and 0.75 (locomotives 1.0) vertical; quasi-static 1.5 (freight wagons 1.3). Those of freight wagons depend on their running gear and are left open.
+//! Limits [m/s2]: safety, lateral 3.0 in zones 1 and 2, 2.8 in 3, 2.6 in 4; vertical 3.0, 5.0 with one level of suspension; frame 12 - m/5 (mass m of its truck in t, wheelsets with it); ride 2.5, rms
+//! 0.5 lateral and 0.75 (locomotives 1.0) vertical; quasi-static 1.5 (freight wagons 1.3). Those of freight wagons' bodies (safety and ride) depend on their running gear and are left open.
 //! Sources: EN 14363:2005, 5.5, Tables 8 to 10; UIC 518:2005, 10 and Appendix, as known from the literature; the texts were not at hand.
 
 use super::filter::Filter;
@@ -165,7 +165,7 @@ fn body(made: &mut Made, points: &[Point]) {
     if points.iter().all(|point| point.along[1].is_none()) {
         made.nothing(&q::SAFETY_LATERAL, SHOWN);
     } else if run.sections.is_empty() {
-        made.nothing(&q::SAFETY_LATERAL, &run.no_sections());
+        made.nothing(&q::SAFETY_LATERAL, &run.no_sections(&Zone::ALL));
     } else {
         for (zones, value) in groups.into_iter().filter(|group| is_there(group.0)) {
             lateral.rows(made, points, &q::SAFETY_LATERAL, Estimate::Safety, zones, limit(value));

@@ -255,15 +255,16 @@ fn dominant(values: &[f64], rate: f64) -> Option<(f64, Option<f64>)> {
 
 /// Y/Q against Nadal's limit of each wheel's own flange.
 fn nadal(made: &mut Made, wheelsets: &[Wheelset]) {
-    if made.run.known.vehicle.is_none() {
+    let Some(vehicle) = &made.run.known.vehicle else {
         return made.nothing(&q::NADAL, "needs the profile's angle and the friction: --scene SCENE");
-    }
+    };
     let mut worst: Option<(String, f64, String)> = None;
     let mut why = "the run is shorter than 2 m".to_string();
     for wheelset in wheelsets {
         for (side, name) in wheelset.sides() {
             let Some(axle) = wheelset.axle else { continue };
-            let (angle, friction) = (axle.flange[side.index()], axle.friction[side.index()]);
+            let [Some(first), Some(last)] = [wheelset.distance.first(), wheelset.distance.last()] else { continue };
+            let (angle, friction) = (axle.flange[side.index()], vehicle.friction.largest(side, [*first, *last]));
             let degrees = angle.to_degrees();
             let Some(limit) = q::nadal(angle, friction) else {
                 why = format!("{name} has no flange that guides: {degrees:.1} deg at most, friction {friction}");

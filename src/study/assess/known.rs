@@ -2,10 +2,13 @@
 
 use super::quantity::VehicleKind;
 use super::sections::Track;
+use crate::contact::friction::FrictionMap;
 use crate::geometry::Side;
 use crate::geometry::profile::Profile;
 use crate::scene::spec::Scene;
 use crate::scene::vehicle::PlacedBody;
+use crate::scene::vehicle::graph::Graph;
+use crate::scene::vehicle::wheelset::Initial;
 use crate::sim::statics::statics;
 use crate::sim::{Simulation, SimulationError};
 
@@ -13,19 +16,17 @@ use crate::sim::{Simulation, SimulationError};
 #[derive(Clone, Debug)]
 pub struct Axle {
     pub name: String,
-    /// P0 at the start, N.
+    /// P0, the static load on straight, level, undisturbed track, N.
     pub load: f64,
     /// Largest angle of its flanks against the axle on the flange, left and right, rad.
     pub flange: [f64; 2],
-    /// Largest friction coefficient on the side's rail, left and right.
-    pub friction: [f64; 2],
 }
 
 /// A sensor on a bogie frame.
 #[derive(Clone, Debug)]
 pub struct FrameSensor {
     pub name: String,
-    /// Of the frame alone, kg.
+    /// Of its truck, wheelsets with it, kg.
     pub mass: f64,
 }
 
@@ -41,16 +42,15 @@ pub struct Known {
     pub limits: Vec<(String, f64)>,
 }
 
-/// Least part of the heaviest body's mass that a car body has.
-const CAR: f64 = 0.5;
-
 /// What a scene says.
 #[derive(Clone, Debug)]
 pub struct Vehicle {
     /// Name of the heaviest body that is no wheelset.
     pub car: Option<String>,
     pub axles: Vec<Axle>,
-    /// Sensors on car bodies: the heaviest body, and others of at least half its mass.
+    /// Friction on the rails.
+    pub friction: Friction,
+    /// Sensors on car bodies ([`Graph::is_car`]).
     pub body_sensors: Vec<String>,
     pub frame_sensors: Vec<FrameSensor>,
     /// Does a car body rest on wheelsets directly?
@@ -59,42 +59,68 @@ pub struct Vehicle {
 }
 
 impl Vehicle {
-    /// Of a scene; its simulation is asked for the static loads.
+    /// Of a scene.
     ///
     /// # Errors
-    /// When the model can't be evaluated at its start.
-    pub fn of(scene: &Scene, simulation: &mut Simulation) -> Result<Vehicle, SimulationError> {
-        let loads = statics(scene, simulation)?.wheels;
+    /// When it has no start on straight, level, undisturbed track.
+    pub fn of(scene: &Scene) -> Result<Vehicle, SimulationError> {
+        let plain = level(scene);
+        let loads = statics(&plain, &mut Simulation::new(&plain, 0.0)?)?.wheels;
         let vehicle = &scene.vehicle;
         let axles = vehicle.wheelsets.iter().zip(loads).map(|(wheelset, load)| Axle {
             name: wheelset.spec.name.clone(),
             load: load.left + load.right,
             flange: [0, 1].map(|side| flange_angle(wheelset.spec.profiles[side].profile.as_ref())),
-            friction: Side::BOTH.map(|side| friction(scene, side)),
         });
         let axles = axles.collect();
-        let wheelsets = vehicle.wheelsets.len();
-        let mass = |body: usize| body.checked_sub(wheelsets).map_or(0.0, |other| vehicle.bodies[other].body.mass);
-        let heaviest = (0..vehicle.body_count()).map(mass).fold(0.0, f64::max);
+        let (wheelsets, graph) = (vehicle.wheelsets.len(), Graph::of(vehicle));
+        let heaviest = vehicle.bodies.iter().map(|body| body.body.mass).fold(0.0, f64::max);
         let heavier = |body: &&PlacedBody| body.body.mass >= heaviest;
         let car = vehicle.bodies.iter().find(heavier).map(|body| body.body.name.clone());
-        let is_car = |body: usize| heaviest > 0.0 && mass(body) >= CAR * heaviest;
         let joins = |ends: [Option<usize>; 2]| {
-            let [a, b] = ends.map(|end| end.map(|body| (body < wheelsets, is_car(body))));
+            let [a, b] = ends.map(|end| end.map(|body| (body < wheelsets, graph.is_car(body))));
             matches!((a, b), (Some((true, _)), Some((_, true))) | (Some((_, true)), Some((true, _))))
         };
         let single_level = vehicle.forces.iter().any(|force| joins(force.0.bodies()));
-        let (mut body_sensors, mut frame_sensors) = (Vec::new(), Vec::new());
-        for sensor in vehicle.sensors.iter().filter(|sensor| sensor.body >= wheelsets) {
-            if is_car(sensor.body) {
-                body_sensors.push(sensor.name.clone());
-            } else {
-                frame_sensors.push(FrameSensor { name: sensor.name.clone(), mass: mass(sensor.body) });
-            }
-        }
+        let on_cars = vehicle.sensors.iter().filter(|sensor| graph.is_car(sensor.body));
+        let body_sensors = on_cars.map(|sensor| sensor.name.clone()).collect();
+        let frames = vehicle.sensors.iter().filter(|sensor| sensor.body >= wheelsets);
+        let frame_sensors = frames
+            .filter_map(|sensor| Some(FrameSensor { name: sensor.name.clone(), mass: graph.truck_of_frame(sensor.body)? }))
+            .collect();
         let track =
             Track { line: scene.track.line.clone(), base: 2.0 * scene.track.half_rail_distance, gravity: vehicle.gravity.max(1e-3) };
-        Ok(Vehicle { car, axles, body_sensors, frame_sensors, single_level, track })
+        let friction = Friction { coefficient: scene.contact.friction, map: scene.contact.friction_map.clone() };
+        Ok(Vehicle { car, axles, friction, body_sensors, frame_sensors, single_level, track })
+    }
+}
+
+/// The scene on straight, level, undisturbed track, from its steady state.
+fn level(scene: &Scene) -> Scene {
+    let mut level = scene.clone();
+    level.track.deviations.clear();
+    (level.track.line, level.track.grade) = (None, 0.0);
+    level.vehicle = level.vehicle.steady();
+    level.vehicle.initial = Initial::default();
+    level.vehicle.wheelsets.iter_mut().for_each(|wheelset| wheelset.offset = [0.0; 2]);
+    level
+}
+
+/// Coulomb's coefficient, and what changes it along and across the rails.
+#[derive(Clone, Debug)]
+pub struct Friction {
+    pub coefficient: f64,
+    pub map: Option<FrictionMap>,
+}
+
+impl Friction {
+    /// The largest on a rail, on its top or its gauge face, from one distance [m] to another.
+    pub fn largest(&self, side: Side, [from, to]: [f64; 2]) -> f64 {
+        let Some(map) = &self.map else { return self.coefficient };
+        let changes = map.waves(side).flat_map(|stretch| [stretch.from, stretch.to].map(|place| place.clamp(from, to)));
+        let slopes = [0.0, 1e3];
+        let factors = changes.chain([from, to]).flat_map(|place| slopes.map(|slope| map.at(side, place, slope).value));
+        self.coefficient * factors.fold(0.0, f64::max)
     }
 }
 
@@ -105,13 +131,4 @@ pub fn flange_angle(profile: &dyn Profile) -> f64 {
     let slope = |k: usize| -profile.at(flank * k as f64 / LOOKS as f64).d1;
     let steepest = (0..=LOOKS).map(slope).filter(|slope| slope.is_finite()).fold(0.0, f64::max);
     steepest.atan()
-}
-
-/// The largest coefficient that the scene has on a rail: on its top or its gauge face, anywhere.
-fn friction(scene: &Scene, side: Side) -> f64 {
-    let Some(map) = &scene.contact.friction_map else { return scene.contact.friction };
-    let places = map.waves(side).flat_map(|stretch| [stretch.from - 1.0, stretch.to + 1.0]).chain([-1e9, 1e9]);
-    let slopes = [0.0, 1e3];
-    let factors = places.flat_map(|s| slopes.map(|slope| map.at(side, s, slope).value));
-    scene.contact.friction * factors.fold(0.0, f64::max)
 }

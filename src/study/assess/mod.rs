@@ -207,10 +207,10 @@ impl Run<'_> {
         (inside && range.len() > 3).then_some(range)
     }
 
-    /// Why there is no section at all.
-    fn no_sections(&self) -> String {
-        let longest = Zone::ALL.into_iter().filter_map(|zone| {
-            let of = self.stretches.iter().filter(|stretch| stretch.zone == zone).map(|stretch| stretch.to - stretch.from);
+    /// Why none of these kinds of track has a section.
+    fn no_sections(&self, zones: &[Zone]) -> String {
+        let longest = zones.iter().filter_map(|zone| {
+            let of = self.stretches.iter().filter(|stretch| stretch.zone == *zone).map(|stretch| stretch.to - stretch.from);
             let longest = of.fold(0.0, f64::max);
             (longest > 1.0).then(|| format!("{}: {longest:.0} m of {:.0} m", zone.words(), zone.length(self.speed)))
         });
@@ -314,7 +314,7 @@ impl Made<'_> {
             let note = match (&run.known.vehicle, curves && !there) {
                 (None, true) => "in curves alone, and the track is not known: --scene SCENE".into(),
                 (Some(_), true) => "in curves alone: the run has none".into(),
-                _ => run.no_sections(),
+                _ => run.no_sections(zones),
             };
             self.nothing(quantity, &note);
         }

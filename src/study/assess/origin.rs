@@ -10,7 +10,7 @@
 //! Y left positive, forces of the rails on the wheels. Couplers of a train in a curve, wind and forces from outside are not in it, nor the car body's own swing: they move the quotient by
 //! some 0.01.
 
-use super::known::Vehicle;
+use super::known::{Axle, Vehicle};
 use super::signals::Signals;
 
 /// Part of an axle's static load by which its mean may be another one.
@@ -34,6 +34,19 @@ pub fn misfits(signals: &Signals, vehicle: &Vehicle) -> Vec<String> {
         differs.then(|| format!("mean load of {}: {:.1} kN in the result, in the scene {:.1} kN", axle.name, 1e-3 * mean, 1e-3 * axle.load))
     });
     load.into_iter().chain(across(signals, vehicle)).collect()
+}
+
+/// What the scene has and the result lacks, by name, so that it is not looked at.
+pub fn left_out(signals: &Signals, vehicle: &Vehicle) -> Vec<String> {
+    let there = |column: String| signals.column(&column).is_some();
+    let whole = |axle: &Axle| {
+        let forces = ["left", "right"].into_iter().flat_map(|side| ["lateralForce", "verticalForce"].map(|of| format!("{side}.{of}")));
+        forces.chain(["distance".to_string()]).all(|of| there(format!("{}.{of}", axle.name)))
+    };
+    let axles = vehicle.axles.iter().filter(|axle| !whole(axle)).map(|axle| axle.name.clone());
+    let sensors = vehicle.body_sensors.iter().chain(vehicle.frame_sensors.iter().map(|sensor| &sensor.name));
+    let shown = |sensor: &&String| ["distance", "measuredAx", "measuredAy", "measuredAz"].iter().all(|of| there(format!("{sensor}.{of}")));
+    axles.chain(sensors.filter(|sensor| !shown(sensor)).cloned()).collect()
 }
 
 fn loads<'a>(signals: &'a Signals, name: &str) -> Option<[&'a [f64]; 2]> {
@@ -79,7 +92,7 @@ fn across(signals: &Signals, vehicle: &Vehicle) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::assess::known::Axle;
+    use crate::study::assess::known::Friction;
     use crate::study::assess::sections::Track;
     use std::fmt::Write;
 
@@ -95,9 +108,10 @@ mod tests {
             let y = 1e5 * (across + 0.1 * (std::f64::consts::TAU * t).sin());
             write!(text, "\n{t},{},{},1000,52000,48000", 20.0 * t, y - 1e3).unwrap();
         }
-        let axle = Axle { name: name.into(), load, flange: [1.2; 2], friction: [0.3; 2] };
+        let axle = Axle { name: name.into(), load, flange: [1.2; 2] };
         let track = Track { line: None, base: 1.5, gravity: 9.81 };
-        let vehicle = Vehicle { car: None, axles: vec![axle], body_sensors: vec![], frame_sensors: vec![], single_level: false, track };
+        let friction = Friction { coefficient: 0.3, map: None };
+        let vehicle = Vehicle { car: None, axles: vec![axle], friction, body_sensors: vec![], frame_sensors: vec![], single_level: false, track };
         misfits(&Signals::read(text.as_bytes()).unwrap(), &vehicle)
     }
 
