@@ -9,8 +9,10 @@
 
 use super::fade::Faded;
 use super::spec::Scene;
+use crate::geometry::Side;
 use crate::geometry::track::centre_line::{CentreLine, Node};
-use crate::geometry::track::{Deviation, Direction};
+use crate::geometry::track::waves::Stretch;
+use crate::geometry::track::{Deviation, DeviationShape, Direction};
 use std::sync::Arc;
 
 /// The track at the start.
@@ -76,6 +78,59 @@ pub struct Displaced {
     /// Largest displacement, m, and slope, -, of a rail under a wheel.
     pub most: f64,
     pub steepest: f64,
+}
+
+/// A displacement that is the same everywhere, m.
+#[derive(Debug)]
+struct Constant(f64);
+
+impl DeviationShape for Constant {
+    fn at(&self, _: f64) -> [f64; 4] {
+        [self.0, 0.0, 0.0, 0.0]
+    }
+
+    fn breaks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn waves(&self) -> Vec<Stretch> {
+        Vec::new()
+    }
+
+    fn describe(&self) -> String {
+        format!("{} m", self.0)
+    }
+}
+
+/// Displacements under wheelsets that differ by less than this are one, m, and slopes below this are none, -.
+const ONE: f64 = 1e-6;
+const FLAT: f64 = 1e-6;
+
+/// Rails that lie everywhere as they do under all wheelsets of a vehicle at its start, as where the gauge is another one for good; nothing where they do not lie aside. `None`: they lie
+/// otherwise under one wheelset than under another, or not along the track.
+pub fn constant_displacements(scene: &Scene) -> Option<Vec<Deviation>> {
+    let deviations = deviations(scene);
+    let centres = &centres(scene)[..scene.vehicle.wheelsets.len()];
+    let mut constant = Vec::new();
+    for (side, direction) in Side::BOTH.into_iter().flat_map(|side| [Direction::Lateral, Direction::Vertical].map(|direction| (side, direction))) {
+        let own = || deviations.iter().filter(|deviation| deviation.side == side && deviation.direction == direction);
+        let at = |distance: f64| {
+            let all = own().map(|deviation| deviation.shape.at(distance));
+            all.fold([0.0; 3], |sum, [value, slope, bend, _]| [sum[0] + value, sum[1] + slope, sum[2] + bend])
+        };
+        let first = at(*centres.first()?)[0];
+        let stays = |distance: &f64| {
+            let [value, slope, bend] = at(*distance);
+            (value - first).abs() < ONE && slope.abs() < FLAT && bend.abs() < FLAT
+        };
+        if !centres.iter().all(stays) {
+            return None;
+        }
+        if first != 0.0 {
+            constant.push(Deviation { side, direction, shape: Arc::new(Constant(first)) });
+        }
+    }
+    Some(constant)
 }
 
 /// Are rails displaced, or do they rise or swing, under any wheel?

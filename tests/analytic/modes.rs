@@ -7,6 +7,7 @@ use wheelrail::formulation::Evaluation;
 use wheelrail::scene::load;
 use wheelrail::scene::spec::Scene;
 use wheelrail::sim::Simulation;
+use wheelrail::study::modes::rest::unstable_rest;
 use wheelrail::study::modes::{Mode, Modes, locus, modes, modes_over, undisturbed};
 
 fn open(name: &str, changes: &[&str]) -> Scene {
@@ -314,6 +315,31 @@ fn regress_equal_vehicles_swing_as_one_does() {
 }
 
 /// With an amplitude, strips have the hunting of their table, whose nodes are as far apart as slopes over them, and on cones nothing changes; at half a millimetre it is that of a wheelset that swings so.
+/// Rails that lie aside for good are another gauge: a truck at 65 m/s is stable on 1432 mm and hunts on 1435 mm, whether nominal or by rails that moved apart before; and a run that rests there says so.
+#[test]
+fn equiv_rails_that_lie_aside_for_good_are_another_gauge() {
+    let apart = |by: &str| {
+        let rail = |side: &str, amplitude: String| {
+            format!("{{rail=\"{side}\", direction=\"lateral\", shape=\"ramp\", amplitude=\"{amplitude} mm\", from=-200, to=-100}}")
+        };
+        format!("track.deviation=[{}, {}]", rail("left", by.to_string()), rail("right", by.strip_prefix('-').map_or(format!("-{by}"), str::to_string)))
+    };
+    let scene = |gauge: &str, deviation: &str| {
+        open("bogie", &["vehicle.speed=65", &format!("track.gauge=\"{gauge} mm\""), deviation, "contact.patch=ellipse", "solver.tolerance=1e-6"])
+    };
+    let none = "track.deviation=[]";
+    for (gauge, other, by, grows) in [("1435", "1432", "1.5", true), ("1432", "1435", "-1.5", false)] {
+        let (nominal, moved) = (scene(gauge, none), scene(other, &apart(by)));
+        let [one, two] = [&nominal, &moved].map(|scene| found(scene).hunting().unwrap().growth);
+        println!("{gauge} mm: growth {one:.5}, by rails that moved {two:.5} 1/s");
+        assert!((one - two).abs() < 1e-4 * one.abs() && (one > 0.0) == grows, "{gauge}: {one} {two}");
+        let mut simulation = Simulation::new(&moved, 0.0).unwrap();
+        simulation.advance(0.5).unwrap();
+        let said = unstable_rest(&moved, &mut simulation);
+        assert_eq!(said.is_some(), grows, "{said:?}");
+    }
+}
+
 #[test]
 fn analytic_equivalent_slopes_are_those_over_some_strips() {
     let frequency = |name: &str, patch: &str, amplitude: f64| {

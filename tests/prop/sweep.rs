@@ -108,6 +108,26 @@ fn prop_own_expressions_are_columns() {
     }
 }
 
+/// A file that the values of single runs name belongs to the sweep: with another content its rows are another sweep's.
+#[test]
+fn prop_a_swept_file_with_another_content_is_another_sweep() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("a.txt", "one");
+    write("b.txt", "two");
+    let call = || {
+        let arguments = [&SCENE[..], &["--set", "title=a.txt,b.txt", "-o", "runs.csv"]].concat();
+        let output = command(&arguments).current_dir(folder.path()).output().unwrap();
+        (String::from_utf8(output.stderr).unwrap(), output.status.code().unwrap())
+    };
+    assert_eq!(call().1, 0);
+    let (said, code) = call();
+    assert!(code == 0 && said.contains("2 of 2 runs have a row already"), "{said}");
+    write("b.txt", "other");
+    let (said, code) = call();
+    assert!(code == 2 && said.contains("a run of another scene"), "{said}");
+}
+
 #[test]
 fn prop_a_broken_off_table_goes_on_to_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();

@@ -19,7 +19,8 @@ use crate::study::variation::single::{self, Asked};
 use clap::Args;
 use numbers::Numbers;
 use sha2::{Digest, Sha256};
-use std::path::PathBuf;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use table::{Columns, Results, Row};
@@ -114,7 +115,7 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
         Numbers::new(&arguments.scalars, &base.vehicle.leading().name, &scene_outputs(&base, simulation.model()))?
     };
     let asked = Asked { stop: arguments.times.stop, step: arguments.times.step };
-    let columns = Columns::new(&parameters, &numbers.shown, fingerprint(&base, asked, &arguments.scalars));
+    let columns = Columns::new(&parameters, &numbers.shown, fingerprint(&base, asked, &arguments.scalars, &points));
     let results = Results::open(&arguments.output, columns, &table::all_cells(&parameters, &points)).map_err(Failure::Input)?;
     let sweep = Sweep { scene: arguments.scene.clone(), title: base.title.clone(), parameters, points, numbers, asked };
     let interrupt = Interrupt::watch();
@@ -154,12 +155,18 @@ fn changes(parameters: &[Parameter], point: &[String], wanted: impl Fn(&Paramete
     both.filter(|(parameter, _)| wanted(parameter)).map(|(parameter, value)| format!("{}={value}", parameter.key)).collect()
 }
 
-/// Eight digits that tell one scene from another: its text with the changes for all runs, its files, times, and expressions, of which
-/// columns have the name alone.
-fn fingerprint(base: &Scene, asked: Asked, scalars: &[String]) -> String {
+/// Eight digits that tell one scene from another: its text with the changes for all runs, its files and those that values of single runs name, times, and expressions, of
+/// which columns have the name alone.
+fn fingerprint(base: &Scene, asked: Asked, scalars: &[String], points: &Points) -> String {
     let mut hash = Sha256::new();
     hash.update(&base.source.text);
     base.files().for_each(|file| hash.update(&file.content));
+    let values: BTreeSet<&str> = points.iter().flatten().map(String::as_str).collect();
+    let folder = base.source.folder.as_deref().unwrap_or(Path::new(""));
+    // A file's name alone, or quoted in a table or a list.
+    let names = values.iter().flat_map(|value| std::iter::once(*value).chain(value.split('"').skip(1).step_by(2)));
+    let files: BTreeSet<PathBuf> = names.filter(|name| !name.is_empty()).map(|name| folder.join(name)).collect();
+    files.iter().filter(|file| file.is_file()).filter_map(|file| std::fs::read(file).ok()).for_each(|content| hash.update(content));
     for time in [asked.stop.unwrap_or(base.run.stop), asked.step.unwrap_or(base.run.step)] {
         hash.update(time.to_bits().to_le_bytes());
     }

@@ -171,7 +171,7 @@ pub const STEADY: f64 = 1e-3;
 /// Part of their loads to which wheels must keep them where wheelsets swing.
 const KEPT: f64 = 0.01;
 
-/// The scene at a speed [m/s] on straight, undisturbed track, without what it adds to the steady state at its start.
+/// The scene at a speed [m/s] on straight, undisturbed track (rails that lie aside for good stay so), without what it adds to the steady state at its start.
 ///
 /// # Errors
 /// [`ModesError::Place`].
@@ -208,8 +208,8 @@ fn with_stand_in(scene: &Scene, speed: f64) -> Result<(Scene, Option<String>), M
     scene.vehicle.speed = speed;
     let alignment = scene.track.alignment.take().zip(curve).map(|(alignment, node)| Alignment { nodes: vec![node], ..alignment });
     scene.track.line = alignment.as_ref().and_then(|alignment| CentreLine::new(alignment, Vector3::zeros(), 0.0)).map(Arc::new);
+    scene.track.deviations = start::constant_displacements(&scene).unwrap_or_default();
     (scene.track.alignment, scene.track.start_fade) = (alignment, None);
-    scene.track.deviations.clear();
     let (flexibility, words) = stand_in(&scene, speed).unzip();
     scene.track.flexibility = flexibility;
     // Friction that changes along the track is what it is at the start; else differences are more exact near the origin.

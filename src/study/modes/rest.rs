@@ -34,6 +34,10 @@ pub fn unstable_rest(scene: &Scene, simulation: &mut Simulation) -> Option<Strin
     }
     let mut there = scene.clone();
     there.vehicle.initial.values[0] = distance - origin;
+    // What fades in has done so.
+    there.track.start_fade = None;
+    // Between rails that lie aside here and otherwise there modes are not those of any place.
+    start::constant_displacements(&there)?;
     let found = modes(&there, speed).ok().filter(|found| found.unbalanced < super::STEADY && !found.coasts)?;
     let mode = found.growing().filter(|mode| mode.growth > GROWS).max_by(|a, b| a.growth.total_cmp(&b.growth))?;
     let swings = if mode.frequency > 0.0 { format!(" at {:.2} Hz", mode.frequency) } else { String::new() };
