@@ -158,6 +158,11 @@ impl<'a> Section<'a> {
         self.find(key).is_some()
     }
 
+    /// Is `key` given here, and not by a template alone?
+    pub fn has_own(&self, key: &'static str) -> bool {
+        self.has(key) && self.table.contains_key(key)
+    }
+
     /// Is `key` given as a table?
     pub fn has_table(&self, key: &'static str) -> bool {
         self.find(key).is_some_and(|item| item.as_table_like().is_some())

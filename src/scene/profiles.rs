@@ -11,7 +11,8 @@ pub(super) fn read_profiles(
 ) -> Result<[ProfileChoice; 2], SettingsError> {
     let (own_left, own_right) = (section.optional_section(left)?, section.optional_section(right)?);
     if let (Some(left), Some(right)) = (own_left, own_right) {
-        if section.has(both) {
+        // A template's common table may be there.
+        if section.has_own(both) {
             return Err(section.error(both, "each side has its own table: this one serves nothing"));
         }
         return Ok([profile::parse(left, part)?, profile::parse(right, part)?]);

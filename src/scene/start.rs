@@ -112,7 +112,9 @@ pub fn constant_displacements(scene: &Scene) -> Option<Vec<Deviation>> {
     let deviations = deviations(scene);
     let centres = &centres(scene)[..scene.vehicle.wheelsets.len()];
     let mut constant = Vec::new();
-    for (side, direction) in Side::BOTH.into_iter().flat_map(|side| [Direction::Lateral, Direction::Vertical].map(|direction| (side, direction))) {
+    for (side, direction) in
+        Side::BOTH.into_iter().flat_map(|side| [Direction::Lateral, Direction::Vertical].map(|direction| (side, direction)))
+    {
         let own = || deviations.iter().filter(|deviation| deviation.side == side && deviation.direction == direction);
         let at = |distance: f64| {
             let all = own().map(|deviation| deviation.shape.at(distance));

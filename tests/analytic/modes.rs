@@ -322,10 +322,17 @@ fn equiv_rails_that_lie_aside_for_good_are_another_gauge() {
         let rail = |side: &str, amplitude: String| {
             format!("{{rail=\"{side}\", direction=\"lateral\", shape=\"ramp\", amplitude=\"{amplitude} mm\", from=-200, to=-100}}")
         };
-        format!("track.deviation=[{}, {}]", rail("left", by.to_string()), rail("right", by.strip_prefix('-').map_or(format!("-{by}"), str::to_string)))
+        format!(
+            "track.deviation=[{}, {}]",
+            rail("left", by.to_string()),
+            rail("right", by.strip_prefix('-').map_or(format!("-{by}"), str::to_string))
+        )
     };
     let scene = |gauge: &str, deviation: &str| {
-        open("bogie", &["vehicle.speed=65", &format!("track.gauge=\"{gauge} mm\""), deviation, "contact.patch=ellipse", "solver.tolerance=1e-6"])
+        open(
+            "bogie",
+            &["vehicle.speed=65", &format!("track.gauge=\"{gauge} mm\""), deviation, "contact.patch=ellipse", "solver.tolerance=1e-6"],
+        )
     };
     let none = "track.deviation=[]";
     for (gauge, other, by, grows) in [("1435", "1432", "1.5", true), ("1432", "1435", "-1.5", false)] {

@@ -250,7 +250,10 @@ fn equiv_every_level_rolls_freely_with_the_acceleration_of_the_whole() {
             let mut speed = |time: f64| {
                 simulation.advance(time).unwrap();
                 let found = values(&scene, &mut simulation);
-                [format!("{wheelset}.vx"), format!("{}.vx", wheelset.rsplit('.').next().unwrap())].iter().find_map(|key| found.get(key).copied()).unwrap()
+                [format!("{wheelset}.vx"), format!("{}.vx", wheelset.rsplit('.').next().unwrap())]
+                    .iter()
+                    .find_map(|key| found.get(key).copied())
+                    .unwrap()
             };
             let [before, after] = [0.1, 1.1].map(&mut speed);
             after - before

@@ -67,6 +67,20 @@ fn equiv_a_start_has_the_friction_of_its_place() {
     }
 }
 
+/// A train starts in a curve in which its coaches do: the work of a search was bounded for a train as for one coach, and three of them were refused.
+#[test]
+fn hard_a_train_starts_in_a_curve_in_which_its_coaches_do() {
+    let changes = ["track.deviation=[]", "vehicle.drive=leading", "contact.patch=ellipse", &curve(400.0, -0.06, 0.0)];
+    let mut train = scene("train", &changes);
+    train.interface.only = None;
+    let mut start = start(&train);
+    let largest = off_the_pattern(&mut start, 1.0 / 400.0);
+    let found = values(&train, &mut start);
+    let loads = [1, 2, 3].map(|coach| found[&format!("coach[{coach}].truck[1].wheelset[1].right.verticalForce")]);
+    println!("{largest:.2e} m/s2 or rad/s2, Q of the leading outer wheels {loads:?} N");
+    assert!(largest < 1e-4 && loads.iter().all(|load| (load / loads[1] - 1.0).abs() < 0.02), "{largest} {loads:?}");
+}
+
 /// What a start in a curve leaves of accelerations, in all formulations, on canted and climbing curves. Contact among nodes jumps.
 #[test]
 fn prop_steady_curving_has_no_accelerations_but_the_patterns() {

@@ -117,6 +117,8 @@ fn relative(cost: &Cost, own: &Cost) -> [String; 2] {
 
 /// CPU times that differ by less are the same, in parts.
 const NOISE: f64 = 0.15;
+/// The same where the scene's run is short, over its CPU time, s: what a machine does beside it counts for more.
+const HICCUP: f64 = 0.08;
 /// A reason that is longer is cut.
 const LONGEST: usize = 160;
 
@@ -136,7 +138,7 @@ pub(super) fn advice(report: &Report) -> Vec<String> {
                 let own: Vec<&String> = notes.iter().filter(|note| note.contains("effects.")).collect();
                 match told.is_empty() && growth.is_none() {
                     true => nothing.push(name(row)),
-                    false => lines.push(sentence(row, &told, growth, cost.cpu / report.cost.cpu.max(1e-9))),
+                    false => lines.push(sentence(row, &told, growth, [cost.cpu, report.cost.cpu.max(1e-9)])),
                 }
                 lines.extend(own.into_iter().map(|note| format!("{}: note: {note}", name(row))));
             }
@@ -179,7 +181,7 @@ fn factor(times: f64) -> String {
     }
 }
 
-fn sentence(row: &Row, told: &[String], growth: Option<(f64, f64)>, time: f64) -> String {
+fn sentence(row: &Row, told: &[String], growth: Option<(f64, f64)>, [cpu, own]: [f64; 2]) -> String {
     let variant = &row.variant;
     let mut parts = Vec::new();
     if !told.is_empty() {
@@ -189,8 +191,9 @@ fn sentence(row: &Row, told: &[String], growth: Option<(f64, f64)>, time: f64) -
         parts.push(format!("turns growth of hunting from {} to {} 1/s", two(own), two(other)));
     }
     let changes = parts.join(", ");
+    let time = cpu / own;
     let takes = factor(time);
-    let same = (time - 1.0).abs() < NOISE;
+    let same = (time - 1.0).abs() < NOISE.max(HICCUP / own);
     let stands = variant.effect.trim_start_matches("creep law ");
     match variant.kind {
         Kind::Off if same => format!("{}: {changes}; costs nothing to speak of", variant.effect),

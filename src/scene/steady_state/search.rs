@@ -1,10 +1,10 @@
 //! The equations of steady running: places in the track frame, the pattern's velocities, and what is left of the balance.
 
-use super::{Contacts, Standing, SteadyState};
 use super::couplings::Couplings;
 use super::rails::{Ride, Riding};
 use super::slopes::Entry;
 use super::twists::Twists;
+use super::{Contacts, Standing, SteadyState};
 use crate::formulation::memory::ModelMemory;
 use crate::formulation::{AssemblyError, Evaluation, EvaluationError, Model, Workspace, contact_index};
 use crate::geometry::Side;
@@ -58,6 +58,8 @@ pub(super) const PITCH: usize = COORDINATES - 1;
 pub(super) const UNIT: f64 = 9.81;
 /// Evaluations of one wheel after which a search is given up: about 1 s, on a machine that does much else 2 s.
 const MOST_EFFORT: u64 = 150_000;
+/// Wheels of a vehicle that has so much. A train has more: by its length and half as much again, for shares of the curve at which one of its wheels hangs.
+const COACH: u64 = 8;
 /// Moves onto constraints count in parts of this, m or rad.
 const MOVE: f64 = 1e-4;
 
@@ -284,7 +286,8 @@ impl<'a> Search<'a> {
 
     /// Has the search done all the work that it may?
     pub fn exhausted(&self) -> bool {
-        self.effort > MOST_EFFORT
+        let coaches = (self.model.contacts() as u64).div_ceil(COACH);
+        self.effort > MOST_EFFORT * (3 * coaches - 1).div_euclid(2)
     }
 
     fn change(&mut self, unknown: Unknown, change: f64) {

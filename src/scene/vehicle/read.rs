@@ -50,8 +50,7 @@ pub(super) fn vehicle<'a>(
         return Err(section.error("travel", problem));
     }
     if drive == "leading" {
-        // Two imposed speeds keep their wheelsets' distance along the track, which is no rigid vehicle's in a curve.
-        wheelsets.iter_mut().filter(|wheelset| wheelset.driven).skip(1).for_each(|wheelset| wheelset.driven = false);
+        drive_leading(&mut wheelsets);
     }
     let (joints, forces, sensors, extent) = (Vec::new(), Vec::new(), Vec::new(), Extent::Whole);
     let mut vehicle = VehicleSpec {
@@ -71,10 +70,7 @@ pub(super) fn vehicle<'a>(
         followers: Vec::new(),
         couplings: Vec::new(),
     };
-    let known = Bodies {
-        names: vehicle.wheelsets.iter().map(|w| &w.spec.name).chain(vehicle.bodies.iter().map(|b| &b.body.name)).cloned().collect(),
-        positions: (0..vehicle.body_count()).map(|body| vehicle.design_position(body)).collect(),
-    };
+    let known = known(&vehicle);
     let resolver = |entry: &Entry| Resolver::new(&flat.scopes, &known, entry);
     vehicle.joints = all(&section, &flat.entries[JOINT], |entry| {
         let joint = joints::read(&entry.name, &entry.section, &resolver(entry))?;
@@ -103,6 +99,19 @@ pub(super) fn vehicle<'a>(
     }
     section.finish()?;
     Ok(vehicle)
+}
+
+/// What names and places elements may refer to.
+fn known(vehicle: &VehicleSpec) -> Bodies {
+    Bodies {
+        names: vehicle.wheelsets.iter().map(|w| &w.spec.name).chain(vehicle.bodies.iter().map(|b| &b.body.name)).cloned().collect(),
+        positions: (0..vehicle.body_count()).map(|body| vehicle.design_position(body)).collect(),
+    }
+}
+
+/// Two imposed speeds keep their wheelsets' distance along the track, which is no rigid vehicle's in a curve.
+fn drive_leading(wheelsets: &mut [PlacedWheelset]) {
+    wheelsets.iter_mut().filter(|wheelset| wheelset.driven).skip(1).for_each(|wheelset| wheelset.driven = false);
 }
 
 /// What the entries are read to; those that can't be read are told and left out.

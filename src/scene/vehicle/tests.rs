@@ -67,6 +67,13 @@ fn prop_a_scene_changes_single_keys_of_a_template() {
     let masses: Vec<f64> = changed.wheelsets.iter().map(|w| w.spec.mass).collect();
     assert_eq!(masses, [1813.0, 1900.0, 1813.0, 1900.0], "in each truck");
     assert_eq!(changed.forces.len(), plain.forces.len());
+    // A profile for each side goes before the template's one for both; beside the scene's own it serves nothing.
+    let side = |side: &str, radius: f64| format!("{side}_wheel_profile = {{ kind = \"s1002\", radius = {radius} }}\n");
+    let both = format!("{head}{}{}", side("left", 0.46), side("right", 0.459));
+    let radii = read(&both).unwrap().vehicle.wheelsets[3].spec.profiles.each_ref().map(|choice| choice.profile.at(0.0).value);
+    assert_eq!(radii, [0.46, 0.459]);
+    let error = read(&format!("{both}wheel_profile = {{ kind = \"s1002\", radius = 0.46 }}\n")).err().unwrap_or_default();
+    assert!(error.contains("this one serves nothing"), "{error}");
 }
 
 #[test]

@@ -85,9 +85,8 @@ impl Vehicle {
         let on_cars = vehicle.sensors.iter().filter(|sensor| graph.is_car(sensor.body));
         let body_sensors = on_cars.map(|sensor| sensor.name.clone()).collect();
         let frames = vehicle.sensors.iter().filter(|sensor| sensor.body >= wheelsets);
-        let frame_sensors = frames
-            .filter_map(|sensor| Some(FrameSensor { name: sensor.name.clone(), mass: graph.truck_of_frame(sensor.body)? }))
-            .collect();
+        let frame_sensors =
+            frames.filter_map(|sensor| Some(FrameSensor { name: sensor.name.clone(), mass: graph.truck_of_frame(sensor.body)? })).collect();
         let track =
             Track { line: scene.track.line.clone(), base: 2.0 * scene.track.half_rail_distance, gravity: vehicle.gravity.max(1e-3) };
         let friction = Friction { coefficient: scene.contact.friction, map: scene.contact.friction_map.clone() };

@@ -111,7 +111,8 @@ mod tests {
         let axle = Axle { name: name.into(), load, flange: [1.2; 2] };
         let track = Track { line: None, base: 1.5, gravity: 9.81 };
         let friction = Friction { coefficient: 0.3, map: None };
-        let vehicle = Vehicle { car: None, axles: vec![axle], friction, body_sensors: vec![], frame_sensors: vec![], single_level: false, track };
+        let vehicle =
+            Vehicle { car: None, axles: vec![axle], friction, body_sensors: vec![], frame_sensors: vec![], single_level: false, track };
         misfits(&Signals::read(text.as_bytes()).unwrap(), &vehicle)
     }
 
