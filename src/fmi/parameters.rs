@@ -10,6 +10,7 @@ use crate::formulation::flexibility::Flexibility;
 use crate::formulation::travelling_track::{DAMPINGS, MASSES, STIFFNESSES, Support};
 use crate::mbs::inertia::Inertia;
 use crate::scene::spec::{SMALLEST, SMALLEST_MODULUS, Scene};
+use crate::scene::vehicle::extent::Away;
 use crate::scene::vehicle::{FASTEST, PlacedBody, PlacedWheelset, Sensor};
 use crate::settings::{Constant, Number, constant};
 use crate::sim::vehicle_outputs::{BODY, FORCE, SENSOR, STRIDE};
@@ -250,6 +251,9 @@ struct Collector<'s> {
 impl Collector<'_> {
     /// Adds a line where its group and part are shown; `part`: its name and the base of its references.
     fn add(&mut self, group: &'static str, part: Option<(&str, u32)>, number: &Number, role: RealParameter) {
+        if self.cut(number.name) {
+            return;
+        }
         let (name, base) = match part {
             Some((part, base)) => (format!("{part}.{}", number.name), base),
             None => (number.name.to_string(), 0),
@@ -272,6 +276,12 @@ impl Collector<'_> {
             max: None,
             role: Role::RealParameter(role),
         });
+    }
+
+    /// Of a scene that `vehicle.detail` has cut guides hold what the whole vehicle has done: what changes that is no parameter.
+    fn cut(&self, name: &str) -> bool {
+        let resists = |away: &Away| name == "speed" && !away.kept_constant.is_empty();
+        self.scene.vehicle.away().is_some_and(|away| ["gravity", "mass"].contains(&name) || resists(away))
     }
 
     /// Adds what a part has of a table.

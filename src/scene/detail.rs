@@ -4,7 +4,7 @@
 //! ([`Held`]), joints by the ground but for the direction along the track ([`Joint::held`]). In steady running on straight track the part therefore does what it does in
 //! the whole: same places, same wheel loads. Preloads that balance asks for are those of the whole. Where the speed is free or changes, the mass of what was cut away, so far as the
 //! kept wheels carry it, goes along the track with the heaviest kept body. What rolls freely does so in that steady state too, with the common acceleration a of the whole: the
-//! mass M that goes along has it already ([`CarriedPull`]). (In the state of an imposed speed the driven wheelsets push the others uphill, and a part that rolls freely from it went with
+//! mass M that goes along has it already ([`CarriedPull`]), and what joints across the cut pull with, which hold no more along the track, is a force of its own. (In the state of an imposed speed the driven wheelsets push the others uphill, and a part that rolls freely from it went with
 //! twice the acceleration or none.)
 //!
 //! A vehicle that is a point mass stays as its heaviest body, with all mass, that moves along the track alone; wheels that turn are inertia beside it.
@@ -24,9 +24,6 @@ use crate::settings::SettingsError;
 /// Steady running is that of at least this speed, m/s.
 const LEAST_SPEED: f64 = 1.0;
 
-/// What rolling resistance alone slows down by at most, m/s2.
-const ROLLS: f64 = 2e-3;
-
 /// Cuts the scene's vehicle, if its scene asks for it.
 ///
 /// # Errors
@@ -40,7 +37,7 @@ pub(super) fn cut(scene: &mut Scene) -> Result<(), SceneError> {
     }
     let whole = steady_scene(scene);
     let in_scene = |error| SceneError::Assembly { file: scene.source.file.clone(), error };
-    let preloads = assemble::static_preloads(&whole.vehicle, whole.track.grade).map_err(in_scene)?;
+    let preloads = assemble::static_preloads(&scene.vehicle, scene.track.grade).map_err(in_scene)?;
     let steady = steady_state(&whole).map_err(|error| SceneError::Equilibrium { file: scene.source.file.clone(), error })?;
     let acceleration = if whole.vehicle.speed_imposed { 0.0 } else { steady.acceleration };
     let cutting = Cutting {
@@ -51,6 +48,7 @@ pub(super) fn cut(scene: &mut Scene) -> Result<(), SceneError> {
         loads: &steady.wheel_loads,
         grade: scene.track.grade,
         acceleration,
+        pulls: if whole.vehicle.speed_imposed { &[] } else { &steady.pulls },
     };
     let vehicle = cutting.vehicle().map_err(|problem| refuse(&problem))?;
     if let Some(only) = &mut scene.interface.only {
@@ -75,6 +73,9 @@ fn steady_scene(scene: &Scene) -> Scene {
     whole.interface = InterfaceSpec::default();
     whole.vehicle = whole.vehicle.steady();
     let vehicle = &mut whole.vehicle;
+    if vehicle.speed.abs() < LEAST_SPEED {
+        vehicle.forces.retain(|element| !element.0.resists());
+    }
     vehicle.speed = if vehicle.speed.abs() < LEAST_SPEED { LEAST_SPEED.copysign(vehicle.speed) } else { vehicle.speed };
     if vehicle.speed_imposed {
         drive(&mut vehicle.wheelsets);
@@ -105,6 +106,8 @@ struct Cutting<'c> {
     grade: f64,
     /// Of the whole along the track, where it rolls freely, m/s2.
     acceleration: f64,
+    /// What joints pull each body of the whole with then, N; else empty.
+    pulls: &'c [f64],
 }
 
 impl Cutting<'_> {
@@ -149,7 +152,7 @@ impl Cutting<'_> {
             .map(|sensor| Sensor { body: self.number(sensor.body), ..sensor.clone() })
             .collect();
         let mut guides = Vec::new();
-        let mut joints = self.joints(&mut guides)?;
+        let (mut joints, held) = self.joints(&mut guides)?;
         let mut point_masses = Vec::new();
         for point in &self.asked.masses {
             let number = self.number(point.body);
@@ -170,8 +173,11 @@ impl Cutting<'_> {
             let acting = whole.forces.iter().filter(|force| acts(force.0.as_ref()) && !stays(force.0.name()));
             acting.map(|force| force.0.name().to_string()).collect()
         };
-        let acting = gone(&|force| !force.resists() && (0..force.inputs().len()).any(|index| force.start_input(index) != 0.0));
-        let kept_constant = gone(&|force| force.resists());
+        // What is slower than steady running begins without resistance.
+        let resists = |force: &dyn ForceElement| force.resists() && whole.speed.abs() >= LEAST_SPEED;
+        let begins = |force: &dyn ForceElement| (0..force.inputs().len()).any(|index| force.start_input(index) != 0.0);
+        let acting = gone(&|force| !resists(force) && (force.resists() || begins(force)));
+        let kept_constant = gone(&resists);
         let mut vehicle = VehicleSpec { wheelsets, bodies, joints, forces, sensors, extent: Extent::Whole, ..whole.clone() };
         // On the rails, less what is there.
         let loads = self.loads.iter().enumerate().filter(|(body, _)| self.kept(*body)).map(|(_, load)| 2.0 * load).sum::<f64>();
@@ -179,7 +185,11 @@ impl Cutting<'_> {
         let heaviest = (0..vehicle.bodies.len()).max_by(|a, b| vehicle.bodies[*a].body.mass.total_cmp(&vehicle.bodies[*b].body.mass));
         let mass = if vehicle.gravity > 0.0 { (weight / vehicle.gravity).max(0.0) } else { 0.0 };
         let carried = SupportedMass { body: heaviest.map_or(0, |body| vehicle.wheelsets.len() + body), mass };
-        let pull = Some(CarriedPull { body: carried.body, force: mass * self.acceleration }).filter(|pull| pull.force != 0.0);
+        // What joints across the cut pull the kept bodies with: among those they pull each other.
+        let kept = self.pulls.iter().enumerate().filter(|(body, _)| self.kept(*body));
+        let by_joint = held.map(|body| CarriedPull { body, force: kept.map(|(_, pull)| pull).sum() });
+        let pulls = [CarriedPull { body: carried.body, force: mass * self.acceleration }].into_iter().chain(by_joint);
+        let pulls = pulls.filter(|pull| pull.force != 0.0).collect();
         let turning = point_masses.iter().map(|(body, point)| SupportedMass { body: *body, mass: point.2 });
         let along = Some(carried).filter(|_| mass > 0.0 && !vehicle.keeps_speed()).into_iter().chain(turning).collect();
         let names = |bodies: &mut dyn Iterator<Item = usize>| bodies.map(|body| self.name(body)).collect();
@@ -193,7 +203,7 @@ impl Cutting<'_> {
             weight,
             carried: mass,
             along,
-            pull,
+            pulls,
             masses: point_masses.into_iter().map(|(_, point)| point).collect(),
         }));
         Ok(vehicle)
@@ -217,8 +227,9 @@ impl Cutting<'_> {
         (mass + bodies.map(|(body, _)| body.body.mass).sum::<f64>(), turning)
     }
 
-    fn joints(&self, guides: &mut Vec<usize>) -> Result<Vec<Joint>, String> {
-        let mut joints = Vec::new();
+    /// With the number of a body that one across the cut holds, if there is one.
+    fn joints(&self, guides: &mut Vec<usize>) -> Result<(Vec<Joint>, Option<usize>), String> {
+        let (mut joints, mut first_held) = (Vec::new(), None);
         for joint in &self.whole.joints {
             let RowBodies { first, second } = joint.bodies;
             // Inside of a point mass nothing holds.
@@ -244,19 +255,14 @@ impl Cutting<'_> {
                             self.name(gone)
                         )
                     })?;
-                    if self.acceleration.abs() > ROLLS {
-                        return Err(format!(
-                            "cuts the joint {}, and with travel = \"free\" the whole accelerates by {:.3} m/s2 (grade, running resistance), by what joints do not tell along the track; expected an imposed speed, another level, or a force element there",
-                            joint.name, self.acceleration
-                        ));
-                    }
                     guides.push(gone);
+                    first_held = first_held.or(Some(self.number(stays)));
                     joints.push(held);
                 }
                 (true, false, None) => {}
             }
         }
-        Ok(joints)
+        Ok((joints, first_held))
     }
 
     fn forces(&self, guides: &mut Vec<usize>) -> Vec<Element> {

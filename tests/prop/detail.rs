@@ -241,29 +241,61 @@ fn analytic_a_free_truck_takes_its_share_of_the_car_along_the_track() {
 /// where driven wheelsets push the others, a driven one alone had twice that acceleration, and an undriven one none.)
 #[test]
 fn equiv_every_level_rolls_freely_with_the_acceleration_of_the_whole() {
-    let air = "vehicle.force=[{name=\"air\", kind=\"running_resistance\", on={body=\"car\", at=[0.0, 0.0, 1.8]}, rolling=8e3}]";
-    for (name, changes) in [("vehicle_manchester_1", ["track.grade=-0.01", air]), ("bogie", ["track.grade=0.01", "track.deviation=[]"])] {
-        let acceleration = |detail: &[&str]| {
-            let scene = open(name, &[&STRAIGHT[..], &["vehicle.travel=free"], &changes, detail].concat()).unwrap();
-            let mut simulation = start(&scene);
-            let wheelset = scene.vehicle.wheelsets[0].spec.name.clone();
-            let mut speed = |time: f64| {
-                simulation.advance(time).unwrap();
-                let found = values(&scene, &mut simulation);
-                [format!("{wheelset}.vx"), format!("{}.vx", wheelset.rsplit('.').next().unwrap())]
-                    .iter()
-                    .find_map(|key| found.get(key).copied())
-                    .unwrap()
-            };
-            let [before, after] = [0.1, 1.1].map(&mut speed);
-            after - before
+    /// Of the leading wheelset in the second second, m/s2.
+    fn acceleration(scene: &Scene) -> f64 {
+        let mut simulation = start(scene);
+        let names = scene.vehicle.wheelsets.iter().map(|wheelset| wheelset.spec.name.as_str());
+        let keys: Vec<String> = names.flat_map(|name| [format!("{name}.vx"), "vx".into()]).collect();
+        let mut speed = |time: f64| {
+            simulation.advance(time).unwrap();
+            let found = values(scene, &mut simulation);
+            keys.iter().find_map(|key| found.get(key).copied()).unwrap()
         };
-        let whole = acceleration(&[]);
-        for detail in [&["vehicle.detail=wheelset"][..], &["vehicle.detail=wheelset", "vehicle.detail_of=wheelset[2]"]] {
-            let of = detail.get(1).map(|of| if name == "bogie" { (*of).to_string() } else { of.replace("=w", "=truck[1].w") });
-            let detail: Vec<&str> = detail[..1].iter().copied().chain(of.as_deref()).collect();
-            let part = acceleration(&detail);
-            println!("{name} {detail:?}: {part:.7} m/s2, whole {whole:.7}");
+        let [before, after] = [0.1, 1.1].map(&mut speed);
+        after - before
+    }
+    let air = "vehicle.force=[{name=\"air\", kind=\"running_resistance\", on={body=\"car\", at=[0.0, 0.0, 1.8]}, rolling=8e3}]";
+    let embedded =
+        |name: &'static str| move |changes: &[&str]| open(name, &[&STRAIGHT[..], &["vehicle.travel=free"], changes].concat()).unwrap();
+    // Its cars on pivots: what these pull with along the track is in no force element.
+    let pivot = |n: usize, x: f64| {
+        format!(
+            "[[vehicle.joint]]\nname = \"pivot{n}\"\nkind = \"spherical\"\nfirst = \"frame{n}\"\nsecond = \"box\"\nat = [{x:?}, 0.0, 0.6]\n"
+        )
+    };
+    let text = format!("{}{}{}", own_text(), pivot(1, 8.0), pivot(2, -8.0));
+    let on_pivots = |changes: &[&str]| read(&text, &[&["vehicle.travel=free"], changes].concat()).unwrap_or_else(|error| panic!("{error}"));
+    let (coach, bogie) = (embedded("vehicle_manchester_1"), embedded("bogie"));
+    type Case<'a> = (&'a str, &'a dyn Fn(&[&str]) -> Scene, &'a [&'a str], &'a [&'a [&'a str]]);
+    let cases: [Case; 3] = [
+        (
+            "coach",
+            &coach,
+            &["track.grade=-0.01", air],
+            &[
+                &["vehicle.detail=truck"],
+                &["vehicle.detail=wheelset"],
+                &["vehicle.detail=wheelset", "vehicle.detail_of=truck[1].wheelset[2]"],
+            ],
+        ),
+        (
+            "bogie",
+            &bogie,
+            &["track.grade=0.01"],
+            &[&["vehicle.detail=wheelset"], &["vehicle.detail=wheelset", "vehicle.detail_of=wheelset[2]"]],
+        ),
+        (
+            "on pivots",
+            &on_pivots,
+            &["track.grade=-0.01"],
+            &[&["vehicle.detail=truck"], &["vehicle.detail=wheelset", "vehicle.detail_of=axle22"]],
+        ),
+    ];
+    for (name, scene, changes, details) in cases {
+        let whole = acceleration(&scene(changes));
+        for detail in details {
+            let part = acceleration(&scene(&[changes, detail].concat()));
+            println!("{name} {detail:?}: {part:.8} m/s2, whole {whole:.8}");
             assert!((part / whole - 1.0).abs() < 1e-4 && whole.abs() > 0.05, "{name} {detail:?}: {part} {whole}");
         }
     }
@@ -343,7 +375,7 @@ fn prop_brakes_and_motors_that_are_cut_away_are_told_where_they_would_act() {
     let missed = |changes: &[&str]| {
         let scene = open("train", &[&[STRAIGHT[0]], changes].concat()).unwrap();
         let notes = wheelrail::scene::improbable::improbable(&scene, start(&scene).model());
-        notes.into_iter().find(|note| note.contains("drive or brake no more"))
+        notes.into_iter().find(|note| note.contains("drive, brake or resist no more"))
     };
     let brake = |torque: &str| {
         format!(

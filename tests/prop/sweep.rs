@@ -94,7 +94,7 @@ fn prop_own_expressions_are_columns() {
     // The same names for other expressions are another sweep.
     let other = spread.replace("1000", "1e6");
     let (_, said, code) = call(&[asked[0], other.as_str(), asked[2], asked[3]]);
-    assert!(code == 2 && said.contains("a run of another scene, or with other times or expressions"), "{said}");
+    assert!(code == 2 && said.contains("a run of another scene, or with other files, times or expressions"), "{said}");
     for (wrong, why) in [
         ("x = {max:*.verticalForce", "braces do not pair"),
         ("x = verticalForce + 1", "verticalForce is no number; expected scalars in braces"),

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use wheelrail::geometry::Side;
 use wheelrail::scene::load;
 use wheelrail::sim::recording::Recording;
-use wheelrail::study::assess::known::{Axle, Friction, Known, Vehicle};
+use wheelrail::study::assess::known::{Axle, BodySensor, Friction, Known, Vehicle};
 use wheelrail::study::assess::sections::{Track, Zone};
 use wheelrail::study::assess::signals::Signals;
 use wheelrail::study::assess::{Assessment, Verdict};
@@ -66,9 +66,9 @@ fn signals() -> Signals {
 
 fn known(track: Track) -> Known {
     let axle = Axle { name: "w".into(), load: LOAD, flange: [70.0_f64.to_radians(); 2] };
-    let body_sensors = vec!["floor".into()];
+    let body_sensors = vec![BodySensor { name: "floor".into(), single_level: false }];
     let friction = Friction { coefficient: 0.35, map: None };
-    let vehicle = Vehicle { car: None, axles: vec![axle], friction, body_sensors, frame_sensors: vec![], single_level: false, track };
+    let vehicle = Vehicle { car: None, axles: vec![axle], friction, body_sensors, frame_sensors: vec![], track };
     Known { vehicle: Some(vehicle), ..Known::default() }
 }
 
@@ -112,11 +112,9 @@ fn validate_what_a_scene_says_of_a_coach() {
     let axle = (32000.0 + 2.0 * 2615.0 + 4.0 * 1813.0) * 9.81 / 4.0;
     assert!(vehicle.axles.len() == 4 && vehicle.axles.iter().all(|one| (one.load / axle - 1.0).abs() < 1e-3), "{:?}", vehicle.axles);
     assert!(vehicle.axles.iter().flat_map(|one| one.flange).all(|angle| (angle.to_degrees() - 70.0).abs() < 0.05), "{:?}", vehicle.axles);
-    assert_eq!(
-        (vehicle.car.as_deref(), vehicle.body_sensors.as_slice()),
-        (Some("car"), &["floor[1]".to_string(), "floor[2]".to_string()][..])
-    );
-    assert!(vehicle.frame_sensors.is_empty() && !vehicle.single_level && (vehicle.track.base - 1.5).abs() < 0.02);
+    let floor = |name: &str| BodySensor { name: name.into(), single_level: false };
+    assert_eq!((vehicle.car.as_deref(), vehicle.body_sensors.as_slice()), (Some("car"), &[floor("floor[1]"), floor("floor[2]")][..]));
+    assert!(vehicle.frame_sensors.is_empty() && (vehicle.track.base - 1.5).abs() < 0.02);
 }
 
 /// Static loads are those of straight, level, undisturbed track, wherever a run begins: on a wave of the rails axle loads of the first instant were 94 to 117 kN for 109, in a canted curve the
@@ -155,7 +153,7 @@ fn validate_each_vehicle_of_a_train_has_its_car_body() {
     let vehicle = Vehicle::of(&scene).unwrap();
     let bodies = &vehicle.body_sensors;
     for name in ["coach[1].shelf", "coach[2].shelf", "loco.floor[1]"] {
-        assert!(bodies.iter().any(|sensor| sensor == name), "{name}: {bodies:?}");
+        assert!(bodies.iter().any(|sensor| sensor.name == name), "{name}: {bodies:?}");
     }
     let frames: Vec<(&str, f64)> = vehicle.frame_sensors.iter().map(|sensor| (sensor.name.as_str(), sensor.mass)).collect();
     assert!(frames.len() == 2 && frames.iter().all(|frame| (frame.1 - (2615.0 + 2.0 * 1813.0)).abs() < 1e-6), "{frames:?}");

@@ -107,7 +107,11 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), Failure> {
     let columnar = arguments.parquet.as_ref().map(|file| Target::find(file, Kind::Parquet)).transpose().map_err(refused)?;
     check_picture(&arguments.plot)?;
     let fixed: Vec<String> = changes(&parameters, &points[0], |parameter| !parameter.varies());
-    let base = load::open(&arguments.scene, &fixed)?;
+    // Keys that vary may belong to the scene: a file of a kind of profile.
+    let base = load::open(&arguments.scene, &fixed).or_else(|error| {
+        let whole = points.iter().find_map(|point| load::open(&arguments.scene, &changes(&parameters, point, |_| true)).ok());
+        whole.ok_or(error)
+    })?;
     arguments.times.read(&base)?;
     refuse_if_all_are(arguments, &parameters, &points)?;
     let numbers = {

@@ -163,7 +163,10 @@ impl Results {
         for (line, record) in csv.records().enumerate() {
             let record = record.map_err(|error| format!("{shown}: {error}"))?;
             if record.iter().next_back() != Some(self.columns.fingerprint.as_str()) {
-                return Err(format!("{shown}, line {}: a run of another scene, or with other times or expressions; {advice}", line + 2));
+                return Err(format!(
+                    "{shown}, line {}: a run of another scene, or with other files, times or expressions; {advice}",
+                    line + 2
+                ));
             }
             match self.columns.row(&record).filter(own) {
                 Some(row) => self.rows.insert(row.run, row),

@@ -76,6 +76,8 @@ pub struct SteadyState {
     pub wheel_loads: Vec<f64>,
     /// Common acceleration along the track where no speed is imposed, m/s2.
     pub acceleration: f64,
+    /// What joints pull each body with along straight track where no speed is imposed, N: its mass times that acceleration less all other forces.
+    pub pulls: Vec<f64>,
     pub contacts: Contacts,
 }
 

@@ -483,7 +483,10 @@ impl<'a> Search<'a> {
         self.twists.slow_down(&self.workspace.system, scale, &mut self.y);
         self.y.truncate(system.dimension());
         let Configuration { slowing, memory, .. } = self.now;
-        SteadyState { y: self.y, wheel_loads, acceleration: slowing, contacts: contacts.unwrap_or(Contacts::Kept(memory)) }
+        let carried = |body: usize| system.supported.iter().filter(|own| own.body == body).map(|own| own.mass).sum::<f64>();
+        let masses = system.bodies.iter().enumerate().map(|(body, data)| data.mass + carried(body));
+        let pulls = masses.zip(&self.workspace.system.wrenches).map(|(mass, wrench)| mass * slowing - wrench.force.x).collect();
+        SteadyState { y: self.y, wheel_loads, acceleration: slowing, pulls, contacts: contacts.unwrap_or(Contacts::Kept(memory)) }
     }
 }
 

@@ -121,8 +121,8 @@ fn unbalanced(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<[usize; 
         }
     }
     forces.extend(loads.into_iter().map(|load| Box::new(load) as Box<dyn ForceElement>));
-    let pull = vehicle.away().and_then(|away| away.pull);
-    forces.extend(pull.map(|pull| Box::new(pull) as Box<dyn ForceElement>));
+    let pulls = vehicle.away().map_or(&[][..], |away| &away.pulls);
+    forces.extend(pulls.iter().map(|pull| Box::new(*pull) as Box<dyn ForceElement>));
     forces.extend(vehicle.forces.iter().map(|element| element.0.clone_box()));
     let twisted = twisted(&bodies, &forces)?;
     let axles = Axles { bodies: &bodies, twisted: &twisted };

@@ -75,7 +75,7 @@ pub struct Away {
     pub guides: Vec<String>,
     /// Elements and sensors that went with them, inputs of elements among them.
     pub lost: Vec<String>,
-    /// Elements that went with them and would drive or brake, by a value in the scene of one of their inputs.
+    /// Elements that went with them and would drive or brake, by a value in the scene of one of their inputs, or resist from standstill.
     pub acting: Vec<String>,
     /// Elements that went with them and resist without being told: they do in the steady running that guides keep.
     pub kept_constant: Vec<String>,
@@ -85,8 +85,8 @@ pub struct Away {
     pub carried: f64,
     /// Masses that go along the track with bodies, beside their own: what is carried, and what turns in point masses.
     pub along: Vec<SupportedMass>,
-    /// What that mass takes of the whole vehicle's acceleration, where that rolls freely.
-    pub pull: Option<CarriedPull>,
+    /// What that mass takes of the whole vehicle's acceleration, where that rolls freely, and what joints across the cut pull with.
+    pub pulls: Vec<CarriedPull>,
     /// Point masses: name, mass, and what its wheels add by turning, kg.
     pub masses: Vec<(String, f64, f64)>,
 }
@@ -119,13 +119,13 @@ impl Away {
     pub fn missed(&self) -> Option<String> {
         let acting = (!self.acting.is_empty()).then(|| {
             format!(
-                "{} went with what is cut away: they drive or brake no more, and the rest of the vehicle does so alone. kind = \"external_load\" on a body that stays can take their place",
+                "{} went with what is cut away: they drive, brake or resist no more, and the rest of the vehicle does so alone. kind = \"external_load\" on a body that stays can take their place",
                 list(&self.acting)
             )
         });
         let constant = (!self.kept_constant.is_empty()).then(|| {
             format!(
-                "of {} stays what the kept wheels carry of it in steady running at the start's speed, as a constant force along the track",
+                "of {} stays what the kept wheels carry of it in steady running at the start's speed, as a constant force along the track, whatever the speed is later (it does not turn round)",
                 list(&self.kept_constant)
             )
         });

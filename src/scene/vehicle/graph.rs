@@ -4,9 +4,9 @@ use super::VehicleSpec;
 use super::expand::Entry;
 use super::extent::Level;
 
-/// A body with this share of the mass of the heaviest one of its vehicle is a car body ...
+/// A body that stands on wheelsets and has this share of the mass of the heaviest one of its vehicle, which does so too, is a car body ...
 const HEAVY: f64 = 0.5;
-/// ... and so is one with this share that nothing holds to wheelsets or to what joints hold to them: the middle of an articulated vehicle.
+/// ... and so is one with this share that nothing holds to wheelsets or to what joints hold to them: a car on trucks, the middle of an articulated vehicle.
 const MIDDLE: f64 = 0.2;
 
 /// Names of the elements that couple vehicles: couplers, and those from one copy of a module to the next.
@@ -81,10 +81,19 @@ impl Graph {
         if body < self.wheelsets {
             return false;
         }
-        let heaviest = self.heaviest(&self.vehicle(body)).map_or(0.0, |heaviest| self.masses[heaviest]);
+        let most = self.heaviest(&self.vehicle(body));
+        let heaviest = most.map_or(0.0, |most| self.masses[most]);
+        if !self.stands_on_wheelsets(body) {
+            return self.masses[body] >= MIDDLE * heaviest;
+        }
+        // A heavy frame under a light car is none.
+        self.masses[body] >= HEAVY * heaviest && most.is_none_or(|most| self.stands_on_wheelsets(most))
+    }
+
+    /// Does something hold a body to wheelsets, or to what joints hold to them?
+    pub fn stands_on_wheelsets(&self, body: usize) -> bool {
         let by_wheels = |other: &usize| *other < self.wheelsets || self.held_to_a_wheelset(*other);
-        let beside_wheels = || by_wheels(&body) || self.links().iter().any(|link| link.contains(&body) && link.iter().any(by_wheels));
-        self.masses[body] >= HEAVY * heaviest || (self.masses[body] >= MIDDLE * heaviest && !beside_wheels())
+        by_wheels(&body) || self.links().iter().any(|link| link.contains(&body) && link.iter().any(by_wheels))
     }
 
     /// Do joints hold a body to a wheelset, as they hold axle boxes?

@@ -53,7 +53,7 @@ pub(super) fn floor<'a>(run: &Run<'a>) -> Vec<Point<'a>> {
     let there =
         |name: &&str| ["measuredAy", "ay", "measuredAz", "az"].iter().any(|of| run.signals.column(&format!("{name}.{of}")).is_some());
     let names: Vec<&str> = match &run.known.vehicle {
-        Some(vehicle) => vehicle.body_sensors.iter().map(String::as_str).filter(there).collect(),
+        Some(vehicle) => vehicle.body_sensors.iter().map(|sensor| sensor.name.as_str()).filter(there).collect(),
         None => {
             let wheelsets = [run.signals.owners(".left.verticalForce"), run.signals.owners(".yawAcceleration")].concat();
             let mut names = [run.signals.owners(".measuredAy"), run.signals.owners(".ay")].concat();
@@ -73,7 +73,7 @@ pub(super) fn no_floor(run: &Run) -> String {
             Some(car) => format!("the scene has no sensor on a car body: {}", lines(car)),
             None => "wheelsets alone have no car body".into(),
         },
-        Some(vehicle) => format!("no columns {}.ay: \"sensors\" in interface.outputs", vehicle.body_sensors[0]),
+        Some(vehicle) => format!("no columns {}.ay: \"sensors\" in interface.outputs", vehicle.body_sensors[0].name),
         None => format!("no columns SENSOR.ay: {}", lines("car")),
     }
 }
@@ -150,7 +150,8 @@ impl Treated {
 fn body(made: &mut Made, points: &[Point]) {
     let (rate, kind) = (made.run.signals.rate(), made.run.known.kind);
     let carries = kind != VehicleKind::Freight;
-    let single = made.run.known.vehicle.as_ref().is_some_and(|vehicle| vehicle.single_level);
+    let sensors = made.run.known.vehicle.as_ref().map_or(&[][..], |vehicle| &vehicle.body_sensors);
+    let single = |index: usize| sensors.iter().any(|sensor| sensor.single_level && points[index].name == sensor.name);
     let limit = |value: f64| move |_: usize| carries.then_some(value).filter(|value| value.is_finite());
     // The lateral limit falls with the radius.
     let lateral = Treated { axis: 1, filter: Filter::low_pass(6.0, rate), value: extreme };
@@ -172,7 +173,8 @@ fn body(made: &mut Made, points: &[Point]) {
         }
     }
     let vertical = Treated { axis: 2, filter: Filter::band_pass([0.4, 4.0], rate), value: extreme };
-    vertical.rows(made, points, &q::SAFETY_VERTICAL, Estimate::Safety, &Zone::ALL, limit(if single { 5.0 } else { 3.0 }));
+    vertical
+        .rows(made, points, &q::SAFETY_VERTICAL, Estimate::Safety, &Zone::ALL, |index| limit(if single(index) { 5.0 } else { 3.0 })(index));
     let vertical_rms = if kind == VehicleKind::Locomotive { 1.0 } else { 0.75 };
     type Line = (&'static Quantity, usize, fn(&[f64]) -> Option<f64>, f64);
     let lines: [Line; 4] = [

@@ -6,9 +6,9 @@ use crate::contact::friction::FrictionMap;
 use crate::geometry::Side;
 use crate::geometry::profile::Profile;
 use crate::scene::spec::Scene;
-use crate::scene::vehicle::PlacedBody;
 use crate::scene::vehicle::graph::Graph;
 use crate::scene::vehicle::wheelset::Initial;
+use crate::scene::vehicle::{PlacedBody, Sensor};
 use crate::sim::statics::statics;
 use crate::sim::{Simulation, SimulationError};
 
@@ -20,6 +20,14 @@ pub struct Axle {
     pub load: f64,
     /// Largest angle of its flanks against the axle on the flange, left and right, rad.
     pub flange: [f64; 2],
+}
+
+/// A sensor on a car body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodySensor {
+    pub name: String,
+    /// Does that body rest on wheelsets directly?
+    pub single_level: bool,
 }
 
 /// A sensor on a bogie frame.
@@ -51,10 +59,8 @@ pub struct Vehicle {
     /// Friction on the rails.
     pub friction: Friction,
     /// Sensors on car bodies ([`Graph::is_car`]).
-    pub body_sensors: Vec<String>,
+    pub body_sensors: Vec<BodySensor>,
     pub frame_sensors: Vec<FrameSensor>,
-    /// Does a car body rest on wheelsets directly?
-    pub single_level: bool,
     pub track: Track,
 }
 
@@ -77,20 +83,16 @@ impl Vehicle {
         let heaviest = vehicle.bodies.iter().map(|body| body.body.mass).fold(0.0, f64::max);
         let heavier = |body: &&PlacedBody| body.body.mass >= heaviest;
         let car = vehicle.bodies.iter().find(heavier).map(|body| body.body.name.clone());
-        let joins = |ends: [Option<usize>; 2]| {
-            let [a, b] = ends.map(|end| end.map(|body| (body < wheelsets, graph.is_car(body))));
-            matches!((a, b), (Some((true, _)), Some((_, true))) | (Some((_, true)), Some((true, _))))
-        };
-        let single_level = vehicle.forces.iter().any(|force| joins(force.0.bodies()));
         let on_cars = vehicle.sensors.iter().filter(|sensor| graph.is_car(sensor.body));
-        let body_sensors = on_cars.map(|sensor| sensor.name.clone()).collect();
+        let body_sensor = |sensor: &Sensor| BodySensor { name: sensor.name.clone(), single_level: graph.stands_on_wheelsets(sensor.body) };
+        let body_sensors = on_cars.map(body_sensor).collect();
         let frames = vehicle.sensors.iter().filter(|sensor| sensor.body >= wheelsets);
         let frame_sensors =
             frames.filter_map(|sensor| Some(FrameSensor { name: sensor.name.clone(), mass: graph.truck_of_frame(sensor.body)? })).collect();
         let track =
             Track { line: scene.track.line.clone(), base: 2.0 * scene.track.half_rail_distance, gravity: vehicle.gravity.max(1e-3) };
         let friction = Friction { coefficient: scene.contact.friction, map: scene.contact.friction_map.clone() };
-        Ok(Vehicle { car, axles, friction, body_sensors, frame_sensors, single_level, track })
+        Ok(Vehicle { car, axles, friction, body_sensors, frame_sensors, track })
     }
 }
 
@@ -99,6 +101,9 @@ fn level(scene: &Scene) -> Scene {
     let mut level = scene.clone();
     level.track.deviations.clear();
     (level.track.line, level.track.grade) = (None, 0.0);
+    // Sleepers are not felt by what stands, nor is the air.
+    level.track.flexibility = None;
+    level.vehicle.forces.retain(|element| !element.0.resists());
     level.vehicle = level.vehicle.steady();
     level.vehicle.initial = Initial::default();
     level.vehicle.wheelsets.iter_mut().for_each(|wheelset| wheelset.offset = [0.0; 2]);

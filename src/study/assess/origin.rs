@@ -39,12 +39,14 @@ pub fn misfits(signals: &Signals, vehicle: &Vehicle) -> Vec<String> {
 /// What the scene has and the result lacks, by name, so that it is not looked at.
 pub fn left_out(signals: &Signals, vehicle: &Vehicle) -> Vec<String> {
     let there = |column: String| signals.column(&column).is_some();
+    let wears = !signals.owners(".wearNumber").is_empty();
     let whole = |axle: &Axle| {
         let forces = ["left", "right"].into_iter().flat_map(|side| ["lateralForce", "verticalForce"].map(|of| format!("{side}.{of}")));
-        forces.chain(["distance".to_string()]).all(|of| there(format!("{}.{of}", axle.name)))
+        let worn = ["left.wearNumber".to_string(), "right.wearNumber".to_string()];
+        forces.chain(["distance".to_string()]).chain(worn.into_iter().filter(|_| wears)).all(|of| there(format!("{}.{of}", axle.name)))
     };
     let axles = vehicle.axles.iter().filter(|axle| !whole(axle)).map(|axle| axle.name.clone());
-    let sensors = vehicle.body_sensors.iter().chain(vehicle.frame_sensors.iter().map(|sensor| &sensor.name));
+    let sensors = vehicle.body_sensors.iter().map(|sensor| &sensor.name).chain(vehicle.frame_sensors.iter().map(|sensor| &sensor.name));
     let shown = |sensor: &&String| ["distance", "measuredAx", "measuredAy", "measuredAz"].iter().all(|of| there(format!("{sensor}.{of}")));
     axles.chain(sensors.filter(|sensor| !shown(sensor)).cloned()).collect()
 }
@@ -111,8 +113,7 @@ mod tests {
         let axle = Axle { name: name.into(), load, flange: [1.2; 2] };
         let track = Track { line: None, base: 1.5, gravity: 9.81 };
         let friction = Friction { coefficient: 0.3, map: None };
-        let vehicle =
-            Vehicle { car: None, axles: vec![axle], friction, body_sensors: vec![], frame_sensors: vec![], single_level: false, track };
+        let vehicle = Vehicle { car: None, axles: vec![axle], friction, body_sensors: vec![], frame_sensors: vec![], track };
         misfits(&Signals::read(text.as_bytes()).unwrap(), &vehicle)
     }
 

@@ -208,7 +208,8 @@ fn with_stand_in(scene: &Scene, speed: f64) -> Result<(Scene, Option<String>), M
     scene.vehicle.speed = speed;
     let alignment = scene.track.alignment.take().zip(curve).map(|(alignment, node)| Alignment { nodes: vec![node], ..alignment });
     scene.track.line = alignment.as_ref().and_then(|alignment| CentreLine::new(alignment, Vector3::zeros(), 0.0)).map(Arc::new);
-    scene.track.deviations = start::constant_displacements(&scene).unwrap_or_default();
+    // In a curve the balance on displaced rails is not exact enough.
+    scene.track.deviations = if curve.is_none() { start::constant_displacements(&scene).unwrap_or_default() } else { Vec::new() };
     (scene.track.alignment, scene.track.start_fade) = (alignment, None);
     let (flexibility, words) = stand_in(&scene, speed).unzip();
     scene.track.flexibility = flexibility;

@@ -36,8 +36,11 @@ pub fn unstable_rest(scene: &Scene, simulation: &mut Simulation) -> Option<Strin
     there.vehicle.initial.values[0] = distance - origin;
     // What fades in has done so.
     there.track.start_fade = None;
-    // Between rails that lie aside here and otherwise there modes are not those of any place.
-    start::constant_displacements(&there)?;
+    // Between rails that lie aside here and otherwise there modes are not those of any place, and in curves they are those of rails that lie aside nowhere.
+    let aside = start::constant_displacements(&there)?;
+    if !aside.is_empty() && matches!(start::start(&there), Start::Curve(_)) {
+        return None;
+    }
     let found = modes(&there, speed).ok().filter(|found| found.unbalanced < super::STEADY && !found.coasts)?;
     let mode = found.growing().filter(|mode| mode.growth > GROWS).max_by(|a, b| a.growth.total_cmp(&b.growth))?;
     let swings = if mode.frequency > 0.0 { format!(" at {:.2} Hz", mode.frequency) } else { String::new() };
