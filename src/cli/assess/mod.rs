@@ -219,7 +219,7 @@ fn result(arguments: &Arguments) -> Result<Subject, Failure> {
         let shown = lacking.into_iter().take(LEFT_OUT_SHOWN).collect::<Vec<_>>().join(", ");
         let more = if count > LEFT_OUT_SHOWN { format!(" and {} more", count - LEFT_OUT_SHOWN) } else { String::new() };
         notes.push(format!(
-            "{} lacks columns of {shown}{more}: not looked at, wholly or in parts, and the table speaks of the rest alone; expected distance, forces of both wheels, measuredAx, measuredAy and measuredAz",
+            "{} lacks columns of {shown}{more}: not looked at, wholly or in parts, and the table speaks of the rest alone; expected distance, forces and wearNumber of both wheels, measuredAx, measuredAy and measuredAz",
             arguments.input
         ));
     }
