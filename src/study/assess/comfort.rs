@@ -28,10 +28,32 @@ const FEWEST: usize = 12;
 /// Least duration of an rms, s: the lowest weighted wave, 0.4 Hz, four times.
 const SHORTEST: f64 = 10.0;
 
+/// Slower than this a vehicle stands, m/s; a run that does so for more than this part of its time is told of.
+const STANDS: f64 = 0.05;
+const RESTS: f64 = 0.02;
+
 const ALL: [&Quantity; 7] =
     [&q::MEAN_COMFORT, &q::SPERLING_LATERAL, &q::SPERLING_VERTICAL, &q::WEIGHTED[0], &q::WEIGHTED[1], &q::WEIGHTED[2], &q::WEIGHTED_TOTAL];
 
 pub(super) fn assess(made: &mut Made) {
+    let (run, first) = (made.run, made.rows.len());
+    rows(made);
+    let distance = run.signals.owners(".distance").first().and_then(|name| run.signals.column(&format!("{name}.distance")));
+    let (rest, duration) = (distance.map_or(0.0, |distance| at_rest(distance, run.signals.interval)), run.signals.duration());
+    if rest > RESTS * duration {
+        for row in made.rows[first..].iter_mut().filter(|row| row.value.is_some()) {
+            let before = if row.note.is_empty() { "" } else { "; " };
+            row.note += &format!("{before}{rest:.0} s of {duration:.0} s at rest count");
+        }
+    }
+}
+
+/// How long a vehicle stands, s, from its distances [m] at even intervals [s].
+fn at_rest(distance: &[f64], interval: f64) -> f64 {
+    interval * distance.windows(2).filter(|pair| (pair[1] - pair[0]).abs() < STANDS * interval).count() as f64
+}
+
+fn rows(made: &mut Made) {
     let run = made.run;
     let points = floor(run);
     if points.is_empty() {
@@ -126,4 +148,17 @@ fn mean_comfort(made: &mut Made, points: &[Point]) {
 fn class(value: f64) -> &'static str {
     let classes = [(1.5, "very comfortable"), (2.5, "comfortable"), (3.5, "medium"), (4.5, "uncomfortable")];
     classes.into_iter().find(|class| value < class.0).map_or("very uncomfortable", |class| class.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_time_at_rest_is_counted() {
+        // 10 s at 20 m/s, then 5 s at rest with a swing of 1 mm at 1 Hz (6 mm/s).
+        let at = |t: f64| if t < 10.0 { 20.0 * t } else { 200.0 + 1e-3 * (std::f64::consts::TAU * t).sin() };
+        let distance: Vec<f64> = (0..=1500).map(|k| at(0.01 * f64::from(k))).collect();
+        assert!((at_rest(&distance, 0.01) - 5.0).abs() < 0.011, "{}", at_rest(&distance, 0.01));
+    }
 }
