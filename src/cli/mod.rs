@@ -23,6 +23,8 @@ mod study;
 mod sweep;
 mod table;
 
+use crate::scene::assemble;
+use crate::scene::improbable::improbable;
 use crate::scene::load::{self, SceneError};
 use crate::scene::patch_choice;
 use crate::scene::spec::{MOST_STEPS, Scene};
@@ -280,9 +282,13 @@ fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// Starts a simulation; a scene without equilibrium is bad input.
+/// Starts a simulation; a scene without equilibrium is bad input, and what is doubtful in it may be why.
 fn start(scene: &Scene) -> Result<Simulation, Failure> {
-    Simulation::new(scene, 0.0).map_err(|error| Failure::Input(format!("{}: {error}", scene.source.file)))
+    Simulation::new(scene, 0.0).map_err(|error| {
+        let doubts = assemble::model(scene).map(|model| improbable(scene, &model)).unwrap_or_default();
+        doubts.iter().for_each(|doubt| say(&format!("note: {doubt}")));
+        Failure::Input(format!("{}: {error}", scene.source.file))
+    })
 }
 
 fn names<P>(registry: &'static [Entry<P>]) -> Vec<&'static str> {

@@ -110,6 +110,10 @@ pub enum AssemblyError {
         "preload = \"static\": no preloads hold {body} {direction} in its drawn position ({rest:.3} {unit} are left): an element with preload = \"static\" and a stiffness that way, or a joint, must carry it, and its centre of mass must stand between them"
     )]
     StaticPreload { body: String, direction: &'static str, rest: f64, unit: &'static str },
+    #[error(
+        "preload = \"static\": {element} would have to pull with {force:.0} N, and it can only push: its ends (from, to) or its axis are the other way round, or the centre of mass stands outside what carries it"
+    )]
+    StaticPull { element: String, force: f64 },
 }
 
 /// Both rails in strips for patches with these wheelsets' wheels.

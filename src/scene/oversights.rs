@@ -187,11 +187,14 @@ const SOFTEST: f64 = 3.0;
 fn soft_springs(scene: &Scene) -> Option<String> {
     let of = |(element, index, force): &(usize, usize, f64)| {
         let element = scene.vehicle.forces.get(*element)?;
-        let stiffness = *element.0.static_stiffness().get(*index)?;
+        // A bag's is that of the pressure under its load.
+        let mut loaded = element.0.clone_box();
+        loaded.set_preload(*index, *force);
+        let stiffness = *loaded.static_stiffness().get(*index)?;
         let pressed = force.abs() / stiffness;
         (pressed > SOFTEST).then(|| {
             format!(
-                "{}: it carries {:.1} kN with a stiffness of {stiffness} N/m, which is {pressed:.0} m of spring: was another unit meant (\"{stiffness} N/mm\")?",
+                "{}: it carries {:.1} kN with a stiffness of {stiffness:.1} N/m, which is {pressed:.0} m of spring: was another unit meant (N/mm, litres)?",
                 element.0.name(),
                 1e-3 * force.abs()
             )

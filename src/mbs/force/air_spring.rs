@@ -130,6 +130,11 @@ impl LineLaw for AirSpring {
     fn set_preload(&mut self, force: f64) {
         self.preload = force;
     }
+
+    /// A bag.
+    fn pushes_alone(&self) -> bool {
+        true
+    }
 }
 
 fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>, SettingsError> {

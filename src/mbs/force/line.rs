@@ -247,6 +247,11 @@ pub trait LineLaw: Numbered + Clone + Send + Sync + std::fmt::Debug + 'static {
     }
 
     fn set_preload(&mut self, _force: f64) {}
+
+    /// See [`ForceElement::pushes_alone`].
+    fn pushes_alone(&self) -> bool {
+        false
+    }
 }
 
 /// A force element of one scalar law.
@@ -364,6 +369,10 @@ impl<L: LineLaw> ForceElement for LineElement<L> {
 
     fn set_preload(&mut self, _: usize, force: f64) {
         self.law.set_preload(force);
+    }
+
+    fn pushes_alone(&self) -> bool {
+        self.law.pushes_alone()
     }
 
     fn quantities(&self) -> &'static [Quantity] {

@@ -240,6 +240,11 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
     /// Sets the preload at an index of [`ForceElement::static_stiffness`], N.
     fn set_preload(&mut self, _index: usize, _force: f64) {}
 
+    /// Can its preload not pull, as a bag of air can't?
+    fn pushes_alone(&self) -> bool {
+        false
+    }
+
     /// Stored energy, J, up to a constant; with the kinetic energy of its own rotating parts.
     fn potential_energy(&self, bodies: &Moving, state: &[f64]) -> f64;
 

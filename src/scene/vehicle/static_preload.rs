@@ -24,6 +24,8 @@ use nalgebra::{DMatrix, DVector};
 const STIFFER: f64 = 1e4;
 /// Rest of a force or moment, as a share of the whole weight (times 1 m), that is none.
 const BALANCED: f64 = 1e-9;
+/// What pulls less is a rounding, N.
+const PULLS: f64 = 1.0;
 /// Eigenvalues below this share of the largest are zero: nothing holds a body that way.
 const FREE: f64 = 1e-13;
 
@@ -41,7 +43,7 @@ pub(super) fn balance(vehicle: &VehicleSpec, system: &mut System) -> Result<(), 
 /// Element, index and force [N] of each preload that is asked for.
 ///
 /// # Errors
-/// [`AssemblyError::StaticPreload`].
+/// [`AssemblyError::StaticPreload`], and [`AssemblyError::StaticPull`] where an element would have to do what it can't.
 pub(super) fn found(vehicle: &VehicleSpec, system: &System) -> Result<Vec<(usize, usize, f64)>, AssemblyError> {
     let asked: Vec<(usize, usize, f64)> = (system.forces.iter().enumerate())
         .flat_map(|(element, force)| force.static_stiffness().into_iter().enumerate().map(move |(index, k)| (element, index, k)))
@@ -94,6 +96,10 @@ pub(super) fn found(vehicle: &VehicleSpec, system: &System) -> Result<Vec<(usize
         let direction = ["along the track", "to the side", "vertically", "in yaw", "in roll", "in pitch"][worst % COORDINATES];
         let unit = if worst % COORDINATES < 3 { "N" } else { "N m" };
         return Err(AssemblyError::StaticPreload { body, direction, rest: left, unit });
+    }
+    let pulls = asked.iter().zip(forces.iter()).find(|((element, ..), force)| **force > PULLS && system.forces[*element].pushes_alone());
+    if let Some(((element, ..), force)) = pulls {
+        return Err(AssemblyError::StaticPull { element: system.forces[*element].name().to_string(), force: *force });
     }
     Ok(asked.iter().zip(forces.iter()).map(|((element, index, _), force)| (*element, *index, *force)).collect())
 }
