@@ -75,8 +75,8 @@ fn steady_scene(scene: &Scene) -> Scene {
     let vehicle = &mut whole.vehicle;
     if vehicle.speed.abs() < LEAST_SPEED {
         vehicle.forces.retain(|element| !element.0.resists());
+        vehicle.speed = LEAST_SPEED.copysign(vehicle.speed);
     }
-    vehicle.speed = if vehicle.speed.abs() < LEAST_SPEED { LEAST_SPEED.copysign(vehicle.speed) } else { vehicle.speed };
     if vehicle.speed_imposed {
         drive(&mut vehicle.wheelsets);
     }
@@ -176,7 +176,8 @@ impl Cutting<'_> {
         // What is slower than steady running begins without resistance.
         let resists = |force: &dyn ForceElement| force.resists() && whole.speed.abs() >= LEAST_SPEED;
         let begins = |force: &dyn ForceElement| (0..force.inputs().len()).any(|index| force.start_input(index) != 0.0);
-        let acting = gone(&|force| !resists(force) && (force.resists() || begins(force)));
+        let from_outside = |force: &dyn ForceElement| force.bodies().iter().flatten().count() == 1;
+        let acting = gone(&|force| begins(force) || from_outside(force) && !resists(force));
         let kept_constant = gone(&resists);
         let mut vehicle = VehicleSpec { wheelsets, bodies, joints, forces, sensors, extent: Extent::Whole, ..whole.clone() };
         // On the rails, less what is there.

@@ -112,27 +112,38 @@ pub fn constant_displacements(scene: &Scene) -> Option<Vec<Deviation>> {
     let deviations = deviations(scene);
     let centres = &centres(scene)[..scene.vehicle.wheelsets.len()];
     let mut constant = Vec::new();
+    let places: Vec<Sums> = centres.iter().map(|distance| sums(&deviations, *distance)).collect();
+    let first = places.first()?;
     for (side, direction) in
         Side::BOTH.into_iter().flat_map(|side| [Direction::Lateral, Direction::Vertical].map(|direction| (side, direction)))
     {
-        let own = || deviations.iter().filter(|deviation| deviation.side == side && deviation.direction == direction);
-        let at = |distance: f64| {
-            let all = own().map(|deviation| deviation.shape.at(distance));
-            all.fold([0.0; 3], |sum, [value, slope, bend, _]| [sum[0] + value, sum[1] + slope, sum[2] + bend])
+        let of = |sums: &Sums| sums[side.index()][usize::from(direction == Direction::Vertical)];
+        let aside = of(first)[0];
+        let stays = |sums: &Sums| {
+            let [value, slope, bend] = of(sums);
+            (value - aside).abs() < ONE && slope.abs() < FLAT && bend.abs() < FLAT
         };
-        let first = at(*centres.first()?)[0];
-        let stays = |distance: &f64| {
-            let [value, slope, bend] = at(*distance);
-            (value - first).abs() < ONE && slope.abs() < FLAT && bend.abs() < FLAT
-        };
-        if !centres.iter().all(stays) {
+        if !places.iter().all(stays) {
             return None;
         }
-        if first != 0.0 {
-            constant.push(Deviation { side, direction, shape: Arc::new(Constant(first)) });
+        if aside != 0.0 {
+            constant.push(Deviation { side, direction, shape: Arc::new(Constant(aside)) });
         }
     }
     Some(constant)
+}
+
+/// By rail, and lateral or vertical: displacement, m, slope and bend.
+type Sums = [[[f64; 3]; 2]; 2];
+
+/// What displaces the rails at a distance [m], all together.
+fn sums(deviations: &[Deviation], distance: f64) -> Sums {
+    let mut sums = Sums::default();
+    for deviation in deviations {
+        let sum = &mut sums[deviation.side.index()][usize::from(deviation.direction == Direction::Vertical)];
+        sum.iter_mut().zip(deviation.shape.at(distance)).for_each(|(sum, part)| *sum += part);
+    }
+    sums
 }
 
 /// Are rails displaced, or do they rise or swing, under any wheel?
@@ -141,13 +152,7 @@ pub fn displaced(scene: &Scene) -> Option<Displaced> {
     let deviations = deviations(scene);
     let mut found = Displaced { most: 0.0, steepest: 0.0 };
     for distance in &centres(scene)[..wheelsets] {
-        let mut sums = [[[0.0; 2]; 2]; 2];
-        for deviation in &deviations {
-            let [value, slope, ..] = deviation.shape.at(*distance);
-            let sum = &mut sums[deviation.side.index()][usize::from(deviation.direction == Direction::Vertical)];
-            *sum = [sum[0] + value, sum[1] + slope];
-        }
-        for [value, slope] in sums.into_iter().flatten() {
+        for [value, slope, _] in sums(&deviations, *distance).into_iter().flatten() {
             found = Displaced { most: found.most.max(value.abs()), steepest: found.steepest.max(slope.abs()) };
         }
     }

@@ -392,6 +392,11 @@ fn prop_brakes_and_motors_that_are_cut_away_are_told_where_they_would_act() {
     let scene = open("vehicle_manchester_1", &[STRAIGHT[0], air, "vehicle.detail=truck"]).unwrap();
     let notes = wheelrail::scene::improbable::improbable(&scene, start(&scene).model());
     assert!(notes.iter().any(|note| note.contains("of air stays what the kept wheels carry of it")), "{notes:?}");
+    // What an input may bring on a body that is gone is told, whatever it begins with.
+    let wind = "vehicle.force=[{name=\"wind\", kind=\"external_load\", on={body=\"car\", at=[0.0, 0.0, 1.8]}}]";
+    let scene = open("vehicle_manchester_1", &[STRAIGHT[0], wind, "vehicle.detail=truck"]).unwrap();
+    let notes = wheelrail::scene::improbable::improbable(&scene, start(&scene).model());
+    assert!(notes.iter().any(|note| note.contains("wind went with what is cut away")), "{notes:?}");
 }
 
 #[test]

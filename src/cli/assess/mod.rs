@@ -13,7 +13,6 @@ use crate::scene::improbable::improbable;
 use crate::scene::load;
 use crate::scene::spec::Scene;
 use crate::settings::did_you_mean;
-use crate::sim::Simulation;
 use crate::sim::recording::{self, Recording, Times};
 use crate::sim::vehicle_outputs::scene_outputs;
 use crate::solve::Doubts;
@@ -179,15 +178,16 @@ fn early(ended: &Ended) -> Row {
     Row { key: quantity.key, quantity, zone: None, place: String::new(), value, limit, verdict: Verdict::Fail, note: ended.reason.clone() }
 }
 
-fn start(name: &str, overrides: &[String]) -> Result<(Scene, Simulation, Vehicle), Failure> {
+fn open(name: &str, overrides: &[String]) -> Result<Scene, Failure> {
     let mut scene = load::open(name, overrides)?;
     scene.interface.outputs = GROUPS.into();
     scene.interface.only = None;
     scene.vehicle.sensors.iter_mut().for_each(|sensor| sensor.measured = true);
-    let simulation = super::start(&scene)?;
-    let on_plain = |error| Failure::Run(format!("static loads, of straight, level, undisturbed track: {error}"));
-    let vehicle = Vehicle::of(&scene).map_err(on_plain)?;
-    Ok((scene, simulation, vehicle))
+    Ok(scene)
+}
+
+fn vehicle_of(scene: &Scene) -> Result<Vehicle, Failure> {
+    Vehicle::of(scene).map_err(|error| Failure::Run(format!("static loads, of straight, level, undisturbed track: {error}")))
 }
 
 fn result(arguments: &Arguments) -> Result<Subject, Failure> {
@@ -204,9 +204,9 @@ fn result(arguments: &Arguments) -> Result<Subject, Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::Input(format!("{}: {error}", arguments.input));
     let file = std::fs::File::open(&arguments.input).map_err(|error| failed(&error))?;
     let signals = Signals::read(std::io::BufReader::new(file)).map_err(|error| failed(&error))?;
-    let opened = arguments.scene.as_deref().map(|name| start(name, &arguments.overrides)).transpose()?;
+    let opened = arguments.scene.as_deref().map(|name| open(name, &arguments.overrides)).transpose()?;
     let (title, vehicle) = match opened {
-        Some((scene, _, vehicle)) => (scene.title, Some(vehicle)),
+        Some(scene) => (scene.title.clone(), Some(vehicle_of(&scene)?)),
         None => (arguments.input.clone(), None),
     };
     let notes = vehicle.iter().flat_map(|vehicle| misfits(&signals, vehicle));
@@ -230,7 +230,9 @@ fn run(arguments: &Arguments, step: f64) -> Result<Subject, Failure> {
     if arguments.scene.is_some() {
         return Err(Failure::Input("--scene belongs to a RESULT.csv; found a scene to run".into()));
     }
-    let (mut scene, mut simulation, vehicle) = start(&arguments.input, &arguments.overrides)?;
+    let mut scene = open(&arguments.input, &arguments.overrides)?;
+    let mut simulation = super::start(&scene)?;
+    let vehicle = vehicle_of(&scene)?;
     scene.run.step = step;
     let (stop, step) = arguments.times.read(&scene)?;
     let outputs = scene_outputs(&scene, simulation.model());

@@ -287,7 +287,7 @@ impl<'a> Search<'a> {
     /// Has the search done all the work that it may?
     pub fn exhausted(&self) -> bool {
         let coaches = (self.model.contacts() as u64).div_ceil(COACH);
-        self.effort > MOST_EFFORT * (3 * coaches - 1).div_euclid(2)
+        self.effort > MOST_EFFORT * ((3 * coaches - 1) / 2)
     }
 
     fn change(&mut self, unknown: Unknown, change: f64) {

@@ -75,7 +75,7 @@ pub struct Away {
     pub guides: Vec<String>,
     /// Elements and sensors that went with them, inputs of elements among them.
     pub lost: Vec<String>,
-    /// Elements that went with them and would drive or brake, by a value in the scene of one of their inputs, or resist from standstill.
+    /// Elements that went with them and would drive, brake or resist: by a value in the scene of one of their inputs, or by what holds on to the world.
     pub acting: Vec<String>,
     /// Elements that went with them and resist without being told: they do in the steady running that guides keep.
     pub kept_constant: Vec<String>,

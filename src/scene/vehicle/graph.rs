@@ -107,10 +107,13 @@ impl Graph {
     }
 
     /// The bodies of the truck that a body belongs to: what is connected with it when car bodies are taken out.
-    pub fn truck(&self, body: usize) -> Vec<bool> {
-        let vehicle = self.vehicle(body);
-        let light: Vec<bool> = vehicle.iter().zip(&self.cars).map(|(own, car)| *own && !car).collect();
-        self.connected(body, &light, &self.links())
+    fn truck(&self, body: usize) -> Vec<bool> {
+        self.connected(body, &self.light(body), &self.links())
+    }
+
+    /// The bodies of its vehicle that are no car bodies.
+    fn light(&self, body: usize) -> Vec<bool> {
+        self.vehicle(body).iter().zip(&self.cars).map(|(own, car)| *own && !car).collect()
     }
 
     /// Mass of the truck whose frame a body is, kg: the heaviest of it that is no wheelset; `None`: it is no frame.
@@ -135,8 +138,7 @@ impl Graph {
             return (others().next().is_none() || others().any(|body| truck[body])).then_some(truck);
         }
         let joints: Vec<&[usize]> = self.joints.iter().map(<[usize; 2]>::as_slice).collect();
-        let light: Vec<bool> = vehicle.iter().zip(&self.cars).map(|(own, car)| *own && !car).collect();
-        let held = self.connected(seed, &light, &joints);
+        let held = self.connected(seed, &self.light(seed), &joints);
         let alone = held.iter().take(self.wheelsets).filter(|wheelset| **wheelset).count() == 1;
         Some(if alone { held } else { (0..self.masses.len()).map(|body| body == seed).collect() })
     }
