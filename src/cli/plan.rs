@@ -46,7 +46,7 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
     let scene = arguments.scene.open()?;
     let mut simulation = super::start(&scene)?;
     let found = statics::statics(&scene, &mut simulation).map_err(|error| Failure::Run(error.to_string()))?;
-    let mut notes = found.notes();
+    let mut notes = found.notes(&scene);
     if arguments.statics {
         print(&match arguments.json {
             true => format!("{}\n", serde_json::json!({"static": found, "notes": notes})),
@@ -165,7 +165,7 @@ fn report(scene: &Scene, found: &Statics) -> String {
     if hidden > 0 {
         text += &format!("  {hidden} forces without load and displacement are left out (--json has them)\n");
     }
-    for note in found.notes() {
+    for note in found.notes(&scene) {
         text += &format!("\n  note: {note}\n");
     }
     text

@@ -1,8 +1,8 @@
 //! Wheels on rails that are beams (`rail_beam`): what each wheel feels of them, their rates, energy and rest.
 //!
 //! Under a wheel at x the rail has sunk by `u_z = phi(x) . q`, its material moves with `w = phi . q'`, and it is bent with the slope `u_s = phi' . q`; wheel and rail then stand
-//! to each other as [`super::rail_motion`] says. A wheel that climbs the slope while it carries the force F_z is held back by `-F_z u_s` along the track, in the axle's height (the force
-//! stands on the bent rail, and its line goes through the axle). That is what keeps energy: `F_z (w + s' u_s)` goes in at the wheel, `F_z w` arrives at the rail.
+//! to each other as [`super::rail_motion`] says. That a wheel which climbs the slope while it carries the force F_z is held back by `-F_z u_s` keeps energy: `F_z (w + s' u_s)` goes in at
+//! the wheel, `F_z w` arrives at the rail.
 //!
 //! *At rest* rails lie as the wheels' forces, if they were constant, would have left them after travelling for ever (`Ring::carried`): a start has no transient but that which sleepers
 //! make of wheels that do not yet follow them.
@@ -13,7 +13,7 @@ use super::resting_rails::{ROUNDS, RestingRail, SETTLED};
 use super::step::{Step, WheelRef};
 use super::travelling_track::RAIL_STATES;
 use super::{ContactReport, Evaluation, EvaluationError, Model, Workspace};
-use crate::mbs::body::{BodyMotion, Wrench};
+
 use crate::mbs::system::SystemWorkspace;
 use crate::mbs::tangent::RingPlan;
 use nalgebra::{Vector2, Vector3};
@@ -109,30 +109,6 @@ impl Model {
         let own = &change[self.rail_states(contact)];
         let [phi, _] = workspace.rails.local[contact / 2];
         [[own[0], phi * own[1] + dot(shape, q)], [own[2], phi * own[3] + dot(shape, v)]]
-    }
-
-    /// With what a wheel is held back on the slope of its rail, about the wheelset's centre.
-    pub(super) fn climbing_wrench(&self, workspace: &Workspace, (contact, body): (usize, usize)) -> Wrench {
-        let Some([_, _, slope]) = workspace.rails.under.get(contact) else { return Wrench::default() };
-        let motion = &workspace.system.motions[body];
-        let axes = workspace.system.stations.get(body).map_or(nalgebra::Matrix3::identity(), |station| station.frame.axes);
-        let (along, across) = (axes.column(0).into_owned(), axes.column(1).into_owned());
-        let mut wrench = Wrench::default();
-        for report in workspace.reports(contact) {
-            let force = along * (-report.force.dot(&axes.column(2)) * slope);
-            wrench.force += force;
-            wrench.moment += (across * (report.wheel_point - motion.position).dot(&across)).cross(&force);
-        }
-        wrench
-    }
-
-    /// Power of that on the wheelset, W; 0 where rails are no beams.
-    pub fn climbing_power(&self, workspace: &Workspace, contact: usize, motion: &BodyMotion, body: usize) -> f64 {
-        if self.beam.is_none() {
-            return 0.0;
-        }
-        let Wrench { force, moment } = self.climbing_wrench(workspace, (contact, body));
-        force.dot(&motion.velocity) + moment.dot(&motion.rotation)
     }
 
     /// Writes the rates of the modes of rails that are beams.

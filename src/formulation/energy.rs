@@ -21,6 +21,7 @@
 
 use super::energy_books::{CONTACT, EnergyBooks};
 use super::inputs::{DRIVE_TORQUE, LATERAL_FORCE, LONGITUDINAL_FORCE, VERTICAL_FORCE, WHEELSET_INPUTS};
+use super::rail_motion::AgainstRail;
 use super::{ContactReport, Model, Workspace, contact_index};
 use crate::geometry::Side;
 use nalgebra::Vector3;
@@ -53,8 +54,7 @@ impl Model {
                 let contact = contact_index(index, side);
                 let friction = friction_power(workspace, contact);
                 rates[books.friction(index, side)] = friction;
-                let climbing = self.climbing_power(workspace, contact, &workspace.system.motions[wheelset.body], wheelset.body);
-                rates[CONTACT] += self.wheel_power(workspace, (inputs, y), (index, side)) + climbing + friction;
+                rates[CONTACT] += self.wheel_power(workspace, (inputs, y), (index, side)) + friction;
             }
             rates[books.inputs(index)] = input_power(workspace, inputs, index, wheelset.body);
         }
@@ -76,7 +76,7 @@ impl Model {
 
 impl Model {
     /// Power of all contacts of a wheel on it, W: their wrench on what turns (the wheel itself, where the axle twists), with arms from where the wheel stands against a rail that has
-    /// moved, and with what turns a wheel that is not round (`out_of_round`).
+    /// moved, with what turns a wheel that is not round (`out_of_round`), and with what the turn of a bent rail makes of it (`rail_motion`).
     pub fn wheel_power(&self, workspace: &Workspace, (inputs, y): (&[f64], &[f64]), (wheelset, side): (usize, Side)) -> f64 {
         let (contact, own) = (contact_index(wheelset, side), &self.wheelsets[wheelset]);
         let turning = own.turning[side.index()];
@@ -87,8 +87,23 @@ impl Model {
             let moment = (k.wheel_point - stands).cross(&k.force) + k.axes.normal * k.creep_force.spin_moment + k.couple;
             k.force.dot(&motion.velocity) + moment.dot(&motion.rotation)
         };
-        let bumps = moved.map_or(0.0, |moved| self.turned_by_bumps(workspace, &moved, contact).dot(&motion.rotation));
-        workspace.reports(contact).map(of).sum::<f64>() - bumps
+        workspace.reports(contact).map(of).sum::<f64>() + moved.map_or(0.0, |moved| self.turning_power(workspace, &moved, contact))
+    }
+
+    /// Power on a wheel of what the turn of a bent rail makes of its forces, and of what turns a wheel that is not round, W.
+    pub fn power_of_turns(&self, workspace: &Workspace, (inputs, y): (&[f64], &[f64]), (wheelset, side): (usize, Side)) -> f64 {
+        let (contact, own) = (contact_index(wheelset, side), &self.wheelsets[wheelset]);
+        let bodies = (own.body, own.turning[side.index()]);
+        let moved = self.against_rail((&workspace.system, &workspace.rails), (inputs, y), bodies, contact);
+        moved.map_or(0.0, |moved| self.turning_power(workspace, &moved, contact))
+    }
+
+    fn turning_power(&self, workspace: &Workspace, moved: &AgainstRail, contact: usize) -> f64 {
+        let own = &self.wheelsets[contact / 2];
+        let motion = &workspace.system.motions[own.turning[contact % 2]];
+        let bent = self.bent_wrench(workspace, moved, (contact, own.body));
+        let about = bent.moment - self.turned_by_bumps(workspace, moved, contact);
+        bent.force.dot(&motion.velocity) + about.dot(&motion.rotation)
     }
 }
 

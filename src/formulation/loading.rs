@@ -1,5 +1,6 @@
 //! What all formulations share: loads from outside and the laws of contact at a point that was found.
 
+use super::rail_motion::lead_velocity;
 use super::step::WheelRef;
 use super::{ContactFailure, ContactReport, DRIVE_TORQUE, LEFT_FRICTION, Model, RIGHT_FRICTION, WHEELSET_INPUTS, Wheelset};
 use crate::contact::Patch;
@@ -43,7 +44,7 @@ pub(super) struct WheelAt<'a> {
     /// Index of the wheel's first contact.
     pub contact: usize,
     pub motion: &'a BodyMotion,
-    /// What it meets of a bent rail, part of the rate of penetration, m/s (see `rail_motion`); 0 where rails do not move.
+    /// What it meets of a bent rail, m/s (see `rail_motion`); 0 where rails do not move.
     pub climb: Vector3<f64>,
     /// Factor of the friction coefficient.
     pub friction: f64,
@@ -83,6 +84,7 @@ impl WheelAt<'_> {
     /// A part of its patch with what creep laws do not know of it.
     pub fn uneven<'p>(&self, cells: Cells<'p>, part: &'p Part, axes: &ContactAxes) -> Uneven<'p> {
         let BodyMotion { velocity, rotation, .. } = *self.motion;
+        let velocity = velocity - lead_velocity(self.motion, &self.climb, &axes.normal);
         Uneven { cells, part, axes: axes.rolling(self.speed()), velocity, rotation, material: self.model.laws.material }
     }
 }
@@ -108,7 +110,7 @@ impl Contact<'_> {
         let axes = ContactAxes::new(found.normal, found.forward);
         let motion = self.wheel.motion;
         let velocity = motion.material_velocity(&found.wheel_point);
-        let slip = axes.slip(&velocity, &motion.rotation);
+        let slip = axes.slip(&(velocity - lead_velocity(motion, &self.wheel.climb, &found.normal)), &motion.rotation);
         ContactReport {
             parameters: found.parameters,
             penetration: found.penetration,

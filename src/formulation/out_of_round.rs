@@ -4,11 +4,12 @@
 //! and w its angular velocity, wheel and rail stand to each other as if the round wheel's centre p were lower by d, while its material moves as on the larger radius:
 //!
 //! ```text
-//! p* = p - d e        v* = v - w x (d e)        rate of penetration: -(v* - c) . n,   c = d' a' e
-//! moment about p: that about p* and -d e x F;  about the axle in addition -d' (e . n) N
+//! p* = p - d e        v* = v - w x (d e)        rate of penetration: -(v* - c) . n,   slip: that of v* - c,   c = d' a' e
+//! moment about p: that about p* and -d e x F;  about the axle in addition -d' e . F
 //! ```
 //!
-//! The last term is the lead of the contact on the bumpy wheel: with it the power of the normal force is what the contact stores, so that energy is kept.
+//! The last term, and c in the slip, are the lead of the contact on the bumpy wheel (`rail_motion`): with them the power of its forces is what the contact stores and what slips, so that
+//! energy is kept.
 //! So a polygon acts on the height of a wheel as corrugation of the rail of the wave 2 pi R / n does, and besides changes the rolling radius (creepage d / R).
 //!
 //! *Left out:* that the place of the contact leads along the rail too (by d', 1 mm for d' = 1 mm / rad; `wheelAngle` does not show it), so that a wheel's trough over a dip of its rail is the sum of
@@ -57,32 +58,26 @@ impl Model {
         }
     }
 
-    /// Adds to the wrench of a wheel's contacts, taken about p*, what it is about p, and with what a bent rail holds the wheel back.
+    /// Adds to the wrench of a wheel's contacts, taken about p*, what it is about p, and what the turn of a bent rail makes of it.
     #[inline]
-    pub(super) fn finish_wheel(&self, workspace: &mut Workspace, moved: Option<&AgainstRail>, (contact, body): (usize, usize)) {
-        if self.beam.is_some() {
-            let climbing = self.climbing_wrench(workspace, (contact, body));
-            workspace.system.wrenches[body] += climbing;
-        }
-        let Some(moved) = moved.filter(|moved| moved.round.is_some()) else { return };
+    pub(super) fn finish_wheel(
+        &self,
+        workspace: &mut Workspace,
+        moved: Option<&AgainstRail>,
+        (contact, body, turning): (usize, usize, usize),
+    ) {
+        let Some(moved) = moved.filter(|moved| moved.round.is_some() || moved.slope.is_some()) else { return };
+        let bent = self.bent_wrench(workspace, moved, (contact, body));
         let moment = self.turned_by_bumps(workspace, moved, contact);
-        workspace.system.wrenches[body].moment -= moment;
+        workspace.system.wrenches[turning] += bent;
+        workspace.system.wrenches[turning].moment -= moment;
     }
 
     /// The moment by which those about p* are larger than those about p, N m; 0 of a round wheel.
     pub(super) fn turned_by_bumps(&self, workspace: &Workspace, moved: &AgainstRail, contact: usize) -> Vector3<f64> {
         let Some(Swollen { larger, growing, axle, .. }) = moved.round else { return Vector3::zeros() };
-        let turned = |report: &ContactReport| larger.cross(&report.force) + axle * (report.normal_force * growing.dot(&report.axes.normal));
+        let turned = |report: &ContactReport| larger.cross(&report.force) + axle * growing.dot(&report.force);
         workspace.reports(contact).map(turned).sum()
-    }
-
-    /// Power of the moment with which a wheel's contacts turn it because it is not round, W.
-    pub fn power_of_bumps(&self, workspace: &Workspace, contact: usize) -> f64 {
-        let Some(Some(wheel)) = self.out_of_round.get(contact) else { return 0.0 };
-        let motion = &workspace.system.motions[self.wheelsets[contact / 2].body];
-        let growing = motion.frame.axes.column(2) * wheel.at(motion.pitch)[1];
-        let turned: f64 = workspace.reports(contact).map(|report| report.normal_force * growing.dot(&report.axes.normal)).sum();
-        -turned * motion.axle().dot(&motion.rotation)
     }
 
     /// Wheels that are not round, by contact.

@@ -160,7 +160,7 @@ mod tests {
             let scene = load::open(TRAM, &changes).unwrap_or_else(|error| panic!("{error}"));
             improbable(&scene, &assemble::model(&scene).unwrap())
         };
-        let bar = "vehicle.module.truck.force[anti_roll_bar].stiffness=1";
+        let bar = "vehicle.module.truck.force[anti_roll_bar].stiffness=100";
         let narrow = "vehicle.module.truck.force[secondary].at=[0,0.05,0.6]";
         assert_eq!([open(&[bar]), open(&[narrow])], [Vec::<String>::new(), vec![]]);
         let found = open(&[bar, narrow]);

@@ -5,6 +5,7 @@ mod beam_cautions;
 mod cautions;
 mod detail;
 pub mod effects;
+mod element_doubts;
 pub mod embedded;
 pub mod equilibrium;
 mod error;

@@ -1,5 +1,6 @@
 //! What a scene says that does nothing, or something else than was meant: found by looking where the vehicle goes and at what it is made of.
 
+use super::element_doubts::doubts;
 use super::spec::Scene;
 use super::start::origin;
 use super::vehicle::assemble::static_preloads;
@@ -27,8 +28,7 @@ pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(off_the_tread(model))
         .chain(doubts(model))
         .chain(soft_springs(scene).or_else(|| falls(scene)))
-        .chain(beside_the_rails(scene))
-        .chain(without_play(scene))
+        .chain(beside_the_rails(scene).or_else(|| without_play(scene)))
         .chain(two_along_the_track(model))
         .chain(level_boxes(scene, model))
         .chain(extents(scene, model))
@@ -162,24 +162,6 @@ fn off_the_tread(model: &Model) -> Option<String> {
     model.system.forces.iter().find_map(|force| of(force.as_ref()))
 }
 
-/// Coefficients of friction between parts of a vehicle end below this.
-const ROUGHEST: f64 = 1.5;
-
-/// What elements say of their own data, and coefficients of friction beyond all; the first, and how many more.
-fn doubts(model: &Model) -> Option<String> {
-    let rough = |force: &dyn ForceElement| {
-        let found = force.constants().into_iter().find(|number| number.name == "friction" && number.value > ROUGHEST)?.value;
-        Some(format!("friction = {found}: surfaces of vehicles have 0.1 to 0.6; per cent are written \"{found} %\""))
-    };
-    let doubt = |force: &dyn ForceElement| Some(format!("{}: {}", force.name(), force.doubt().or_else(|| rough(force))?));
-    let mut all = model.system.forces.iter().filter_map(|force| doubt(force.as_ref()));
-    let first = all.next()?;
-    match all.count() {
-        0 => Some(first),
-        more => Some(format!("{first} (and {more} more elements)")),
-    }
-}
-
 /// No spring of a vehicle is pressed so far by what it carries, m: a body would swing on it with 0.3 Hz.
 const SOFTEST: f64 = 3.0;
 
@@ -283,13 +265,14 @@ fn two_along_the_track(model: &Model) -> Option<String> {
     })
 }
 
-/// Where the thickness of a flange is measured below the tread circle, m, and the play between it and its rail that is doubtful, m: 4 to 10 mm are usual.
+/// Where the thickness of a flange is measured below the tread circle, m, and the play between it and its rail that is not doubtful, m: 4 to 10 mm are usual, more on worn rails and wheels.
 const FLANGE_AT: f64 = 10e-3;
 const LEAST_PLAY: f64 = 1e-3;
+const MOST_PLAY: f64 = 15e-3;
 /// Steps of a profile in which that place is looked for.
 const STEPS: u32 = 2000;
 
-/// Flanges that stand at their rails in the middle of the track already.
+/// Flanges that stand at their rails in the middle of the track already, and those that never come to them.
 fn without_play(scene: &Scene) -> Option<String> {
     let face = |choice: &ProfileChoice| {
         let (first, _) = choice.profile.range();
@@ -302,7 +285,7 @@ fn without_play(scene: &Scene) -> Option<String> {
     scene.vehicle.wheelsets.iter().find_map(|wheelset| {
         let [left, right] = wheelset.spec.profiles.each_ref().map(face);
         let play = 0.5 * (gauge - 2.0 * wheelset.spec.half_tread_circle_distance + left? + right?);
-        (play < LEAST_PLAY).then(|| {
+        (!(LEAST_PLAY..=MOST_PLAY).contains(&play)).then(|| {
             format!(
                 "{}: {:.1} mm of play between flange and rail on each side in the middle of the track, where 4 to 10 mm are usual: see track.gauge and tread_circle_distance",
                 wheelset.spec.name,

@@ -24,6 +24,7 @@ pub mod statics;
 pub mod tables;
 mod taking_up;
 pub mod tuning;
+mod uneven_loads;
 pub mod vehicle_outputs;
 
 use crate::formulation::events::ContactEvent;

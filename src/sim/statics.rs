@@ -1,7 +1,7 @@
 //! How a vehicle stands at its start: heights of bodies against where the scene draws them, wheel loads, forces of elements and travel used.
 
 use super::outputs::on_track;
-use super::{Simulation, SimulationError, SimulationState};
+use super::{Simulation, SimulationError, SimulationState, uneven_loads};
 use crate::formulation::contact_index;
 use crate::geometry::Side;
 use crate::mbs::body::{COORDINATES, Wrench};
@@ -136,9 +136,9 @@ fn acts_along_track(element: &dyn ForceElement, bodies: &Moving, states: &[f64])
 }
 
 impl Statics {
-    /// What a reader should know: bodies that stand far from where they are drawn, slack that is taken up.
-    pub fn notes(&self) -> Vec<String> {
-        self.settled().into_iter().chain(self.taken_up()).collect()
+    /// What a reader should know: bodies that stand far from where they are drawn, slack that is taken up, wheels that carry unlike loads.
+    pub fn notes(&self, scene: &Scene) -> Vec<String> {
+        self.settled().into_iter().chain(self.taken_up()).chain(uneven_loads::note(scene, self)).collect()
     }
 
     /// Couplers whose whole slack a few newtons have taken up: what differs in the resistance of the vehicles beside them.

@@ -1,4 +1,4 @@
-//! Which tables of forces a run has left, and which lines between places have become short: what holds there is an assumption, and a reader should know.
+//! Which tables of forces a run has left, which lines between places have become short and which bags have pulled: what holds there is an assumption, and a reader should know.
 
 use super::Snapshot;
 use crate::formulation::Model;
@@ -21,12 +21,17 @@ enum Watch {
     Table(usize, Table),
     /// The length of a line, drawn so long, m.
     Length(f64),
+    /// The tension of what can't pull, N.
+    Pull,
 }
 
 /// A line is short below this share of the length that was drawn: its direction is no longer that of the element.
 const SHORT: f64 = 0.2;
 /// What [`ForceElement::quantity`] gives as the elongation.
 const ELONGATION: usize = 1;
+/// ... and as the tension; what pulls less is a rounding, N.
+const TENSION: usize = 0;
+const PULLS: f64 = 1.0;
 
 /// All tables of a model's force elements.
 #[derive(Debug, Default)]
@@ -44,7 +49,8 @@ impl LeftTables {
             let states = model.system.states_of_force(number);
             let tables = element.tables().into_iter().enumerate().map(|(index, table)| Watch::Table(index, table));
             let watch = move |range| Watched { element: element.clone_box(), states: states.clone(), range, worst: None };
-            tables.chain(element.drawn_length().map(Watch::Length)).map(watch)
+            let pull = element.pushes_alone().then_some(Watch::Pull);
+            tables.chain(element.drawn_length().map(Watch::Length)).chain(pull).map(watch)
         });
         LeftTables { watched: watched.collect() }
     }
@@ -60,6 +66,7 @@ impl LeftTables {
             let (bodies, states) = (snapshot.workspace.system.moving(), &snapshot.y[watched.states.clone()]);
             let (at, [from, to]) = match watched.range {
                 Watch::Table(index, Table { from, to, .. }) => (watched.element.table_argument(index, &bodies, states), [from, to]),
+                Watch::Pull => (watched.element.quantity(TENSION, &bodies, states), [f64::NEG_INFINITY, PULLS]),
                 Watch::Length(drawn) => (drawn + watched.element.quantity(ELONGATION, &bodies, states), [SHORT * drawn, f64::INFINITY]),
             };
             let beyond = (from - at).max(at - to);
@@ -89,6 +96,14 @@ impl LeftTables {
             let (_, at, time) = watched.worst?;
             let Table { key, unit, from, to, beyond, .. } = match watched.range {
                 Watch::Table(_, table) => table,
+                Watch::Pull => {
+                    return Some(format!(
+                        "{}: it pulled with up to {:.1} kN (t = {time:.3} s), which a bag can do by the area times the pressure outside at most (10 kN for 0.1 m2), and less where it lifts off: what \
+                         goes on there is linear theory about its preload; a bump_stop holds what lifts off",
+                        watched.element.name(),
+                        1e-3 * at
+                    ));
+                }
                 Watch::Length(drawn) => {
                     return Some(format!(
                         "{}: its places came within {at:.4} m of each other (t = {time:.3} s), where they were drawn {drawn:.4} m apart: the line between them turns with what they move across, \

@@ -4,6 +4,7 @@
 mod common;
 
 mod assess;
+mod bearings;
 mod brake_ramp;
 mod checkpoints;
 mod cli;

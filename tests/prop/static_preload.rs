@@ -46,7 +46,7 @@ fn analytic_preloads_from_balance_are_those_of_the_mass_table() {
     }
     // Wheels and rails give way by a tenth of a millimetre.
     assert!(found.bodies.iter().all(|body| body.settles.abs() < 3e-4), "{:?}", found.bodies);
-    assert!(found.notes().is_empty(), "{:?}", found.notes());
+    assert_eq!(found.notes(&open(&STATIC).unwrap()), Vec::<String>::new());
 }
 
 /// Car of another mass whose centre stands 0.95 m ahead: the lever rule for the springs, and it stands where it is drawn.
@@ -67,7 +67,22 @@ fn analytic_a_heavy_unequally_loaded_car_stands_level() {
     let before = stands(&change);
     let car = before.bodies.iter().find(|body| body.name == "car").unwrap();
     assert!(car.settles > 0.05 && car.pitch > 1e-3, "{car:?}");
-    assert!(before.notes().len() == 1 && before.notes()[0].contains("below where it is drawn"), "{:?}", before.notes());
+    let notes = before.notes(&open(&change).unwrap());
+    assert!(notes.len() == 1 && notes[0].contains("below where it is drawn"), "{notes:?}");
+}
+
+/// A load beside the middle: wheels of one truck carry unlike loads; what stands unevenly between trucks is no fault.
+#[test]
+fn prop_wheels_of_one_truck_with_unlike_loads_are_told() {
+    let notes = |changes: &[&str]| {
+        let found = stands(changes);
+        found.notes(&open(changes).unwrap()).into_iter().filter(|note| note.contains("of the same truck")).collect::<Vec<_>>()
+    };
+    let aside = ["vehicle.body[car].position=[0, 0.4, 1.8]"];
+    let found = notes(&[&aside[..], &STATIC[..]].concat());
+    assert!(found.len() == 1 && found[0].contains("left wheel carries") && found[0].contains("right wheel of the same truck"), "{found:?}");
+    let ahead = ["vehicle.body[car].position=[4, 0, 1.8]"];
+    assert_eq!(notes(&[&ahead[..], &STATIC[..]].concat()), Vec::<String>::new());
 }
 
 /// Only the car's springs are asked; the others' given preloads count, and what they lack can't be made up there.
@@ -136,4 +151,22 @@ fn prop_a_run_that_leaves_a_table_says_so() {
     assert!(run.is_empty() || run.contains("ends at 0 m/s"), "{run}");
     let (_, run) = notes("force_over_speed = [[-5, -500], [0, 0], [5, 500]]");
     assert!(run.is_empty(), "{run}");
+}
+
+/// A bag that hardly presses, between car and frame of a bogie that runs over a bump: it would have to pull.
+#[test]
+fn prop_a_bag_that_pulls_is_told() {
+    let notes = |preload: &str| {
+        let bag = format!(
+            "vehicle.force=[{{name=\"bag\",kind=\"air_spring\",from={{body=\"car\",at=[0,0,1.0]}},to={{body=\"frame\",at=[0,0,0.6]}},preload={preload},area=0.1,volume=0.02,\
+             reservoir_volume=0.02,orifice_damping=1e4}}]"
+        );
+        let bump = "track.deviation=[{rail=\"both\",direction=\"vertical\",shape=\"cosine\",amplitude=\"20 mm\",from=5,to=11}]";
+        let scene = load::open("bogie", &[bag, bump.into()]).unwrap_or_else(|error| panic!("{error}"));
+        let mut simulation = start(&scene);
+        let outputs = scene_outputs(&scene, simulation.model());
+        let recording = recording::record(&mut simulation, &outputs, 1.0, 0.01, |_| {}).unwrap();
+        recording.notes.into_iter().filter(|note| note.starts_with("bag: it pulled")).count()
+    };
+    assert_eq!([notes("-20"), notes("-5000")], [1, 0]);
 }

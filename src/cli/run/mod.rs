@@ -123,7 +123,7 @@ fn last_notes(scene: &Scene, simulation: &mut Simulation, recording: &Recording,
 fn first_notes(scene: &Scene, simulation: &mut Simulation, of_inputs: Option<String>) -> Vec<String> {
     let mut notes = improbable(scene, simulation.model());
     notes.extend(of_inputs);
-    notes.extend(statics::statics(scene, simulation).map(|found| found.notes()).unwrap_or_default());
+    notes.extend(statics::statics(scene, simulation).map(|found| found.notes(scene)).unwrap_or_default());
     // A patch that an effect's absence has chosen is part of what changes.
     let PatchSpec { law, why } = scene.contact.patch;
     notes.extend(why.filter(|why| why.starts_with("effects.")).map(|why| format!("contact.patch is {}: {why}", law.name())));

@@ -70,7 +70,7 @@ impl Formulation for EcfA {
                     .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
                 left = Wrench { force: wrench.force - before.force, moment: wrench.moment - before.moment };
                 workspace.work.search_iterations += workspace.contacts[contact].iterations as u64;
-                model.finish_wheel(workspace, moved.as_ref(), (contact, wheelset.body));
+                model.finish_wheel(workspace, moved.as_ref(), (contact, wheelset.body, turning));
             }
         }
         finish(model, workspace, t, y, dy)

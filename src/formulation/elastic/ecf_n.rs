@@ -137,7 +137,7 @@ impl Formulation for EcfN {
                         };
                     }
                 }
-                model.finish_wheel(workspace, moved.as_ref(), (contact, wheelset.body));
+                model.finish_wheel(workspace, moved.as_ref(), (contact, wheelset.body, turning));
             }
         }
         finish(model, workspace, t, y, dy)

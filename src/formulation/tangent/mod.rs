@@ -84,7 +84,8 @@ impl Model {
             }
             let without = if self.half.is_some() { tangent.take_wrench(turning) } else { None };
             let moved = self.against_rail((&workspace.system, &workspace.rails), (inputs, y), (wheelset.body, turning), contact);
-            let motion = moved.as_ref().map_or(&workspace.system.motions[turning], |moved| &moved.motion);
+            let as_it_is = &workspace.system.motions[turning];
+            let (motion, climb) = moved.as_ref().map_or((as_it_is, Vector3::zeros()), |moved| (&moved.motion, moved.climb));
             let factor = inputs[contact / 2 * WHEELSET_INPUTS + if side == Side::Left { LEFT_FRICTION } else { RIGHT_FRICTION }];
             let along = workspace.system.stations.along(wheelset.body);
             let under = self.under((&workspace.system, &workspace.rails), &WheelRef { contact, wheelset, side });
@@ -102,11 +103,11 @@ impl Model {
                 self.add_contact(&at, shares.get(slot), y, &mut tangent);
             }
             if let Some(linear) = self.linear.get(contact) {
-                let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Vector3::zeros(), friction: factor, y };
+                let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb, friction: factor, y };
                 self.add_linear(&wheel, linear, wheelset.imposed_speed.is_none().then_some(along), &mut tangent);
             }
             if let Some(rails) = &self.strips {
-                let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb: Vector3::zeros(), friction: factor, y };
+                let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb, friction: factor, y };
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
                 let scratch = (&mut strips.0[contact], &mut strips.1);
                 self.add_patch(&wheel, &rails[side.index()], workspace.reports(contact), travel, scratch, &mut tangent);

@@ -11,7 +11,7 @@
 //!
 //! The power of all four is `-f . d' - m . w`, and `dV/dt = (f0 + k d) . d' + K t . t'` is just its conservative part,
 //! so nothing is lost or gained at large angles. f0 is the preload, the force in the design configuration; its sign
-//! is that of a tension along the positive axis. `preload = "static"`: the preload that balance asks for in the design configuration.
+//! is that of a tension along the positive axis. On an axle K and C about it are none: its box, which no moment holds, turns with the other body. `preload = "static"`: the preload that balance asks for in the design configuration.
 
 use super::attachment::Attachment;
 use super::line::ends;
@@ -197,6 +197,10 @@ impl ForceElement for Bushing {
             let (stiffness, damping) = (self.rotational_stiffness, self.rotational_damping);
             Couple { axes, turn: at.turn, stiffness, damping, couple: self.couple(&at) }.tangent(sum);
         }
+    }
+
+    fn free_about_axle(&mut self) {
+        (self.rotational_stiffness.y, self.rotational_damping.y) = (0.0, 0.0);
     }
 
     fn static_stiffness(&self) -> Vec<f64> {

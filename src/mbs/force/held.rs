@@ -153,8 +153,11 @@ impl Held {
 }
 
 impl Part for Held {
+    /// All but preloads, and lengths that make them: the whole vehicle would settle anew, and the guides do not.
     fn constants(&self) -> Vec<Number> {
-        self.element.constants()
+        let mut all = self.element.constants();
+        all.retain(|number| !(number.name.starts_with("preload") || number.name == "naturalLength"));
+        all
     }
 
     fn set_constant(&mut self, number: u32, value: f64) {
@@ -335,6 +338,10 @@ impl ForceElement for Held {
 
     fn strike(&self, bodies: &Moving) -> Option<Strike> {
         self.seen(bodies, |element, moving| element.strike(moving))
+    }
+
+    fn pushes_alone(&self) -> bool {
+        self.element.pushes_alone()
     }
 
     /// Preloads are those of the whole vehicle.

@@ -135,6 +135,9 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
         None
     }
 
+    /// Of an element between places: one of them is on an axle, whose bearings hand no moment about it over.
+    fn free_about_axle(&mut self) {}
+
     /// Takes from the vehicle, which is complete now, what it needs to know of axles.
     fn fit(&mut self, _axles: &Axles) {}
 

@@ -142,6 +142,12 @@ impl Joint {
             .any(|(_, first)| self.rows.iter().any(|(_, row)| row.feels_turn_about_y(*first)))
     }
 
+    /// Does it hold a body's attachments against turning about their y axis, by angles or by places further than `off` [m] from it?
+    pub fn holds_about_y(&self, body: usize, off: f64) -> bool {
+        let first = self.bodies.first == body;
+        (first || self.bodies.second == Some(body)) && self.rows.iter().any(|(_, row)| row.holds_about_y(first, off))
+    }
+
     /// Number of scalar constraints.
     pub fn rows(&self) -> usize {
         self.rows.len()

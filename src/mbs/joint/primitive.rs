@@ -79,6 +79,18 @@ impl Primitive {
         }
     }
 
+    /// Does the constraint hold the frame of the first or second body against turning about its own y axis, its place being further than `off` [m] from it?
+    pub fn holds_about_y(&self, of_first: bool, off: f64) -> bool {
+        match self {
+            Primitive::Displacement { first, second, .. } => {
+                let place = if of_first { first } else { second };
+                place.x.hypot(place.z) > off
+            }
+            Primitive::Angle { .. } => self.feels_turn_about_y(of_first),
+            Primitive::Coordinate { .. } => false,
+        }
+    }
+
     pub fn values(&self, t: f64, sides: &Sides) -> RowValues {
         match self {
             Primitive::Displacement { first, second, direction } => displacement(sides, first, second, direction),

@@ -111,6 +111,12 @@ impl Graph {
         self.connected(body, &self.light(body), &self.links())
     }
 
+    /// The wheelsets of the truck that a wheelset belongs to.
+    pub fn wheelsets_of_truck(&self, wheelset: usize) -> Vec<usize> {
+        let truck = self.truck(wheelset);
+        (0..self.wheelsets).filter(|other| truck[*other]).collect()
+    }
+
     /// The bodies of its vehicle that are no car bodies.
     fn light(&self, body: usize) -> Vec<bool> {
         self.vehicle(body).iter().zip(&self.cars).map(|(own, car)| *own && !car).collect()

@@ -18,6 +18,7 @@
 //! other bodies, joints, forces and sensors by name, numbers in names by value; bodies come after wheelsets.
 
 pub mod assemble;
+mod bearings;
 mod design;
 mod expand;
 pub mod extent;

@@ -6,7 +6,7 @@ use super::kept::{self, Entries};
 use super::places::{Bodies, ElementPlaces, Resolver};
 use super::travel::Travel;
 use super::wheelset::{WheelsetSpec, not_degrees, read_initial};
-use super::{Element, PlacedBody, PlacedWheelset, SUSPENSION, Sensor, VehicleSpec, graph, joints};
+use super::{Element, PlacedBody, PlacedWheelset, SUSPENSION, Sensor, VehicleSpec, bearings, graph, joints};
 use crate::geometry::Side;
 use crate::geometry::profile::Part;
 use crate::mbs::body::Body;
@@ -78,11 +78,13 @@ pub(super) fn vehicle<'a>(
         Ok(joint)
     })?;
     vehicle.forces = all(&section, &flat.entries[FORCE], |entry| {
-        let force = force(entry, &ElementPlaces { resolver: &resolver(entry), name: &entry.name })?;
+        let mut force = force(entry, &ElementPlaces { resolver: &resolver(entry), name: &entry.name })?;
+        bearings::rest_on_axles(&mut force, vehicle.wheelsets.len());
         check_axle(&force, &entry.section, vehicle.wheelsets.len())?;
         entry.section.clone().finish()?;
         Ok(force)
     })?;
+    section.keep(bearings::check(&vehicle, &flat.entries[JOINT]))?;
     vehicle.sensors = all(&section, &flat.entries[SENSOR], |entry| {
         let resolver = resolver(entry);
         let body = resolver.body(&entry.section, "body")?;

@@ -66,7 +66,7 @@ pub fn fall(vehicle: &VehicleSpec) -> Option<Fall> {
             [mass, mass, mass, zz, xx, yy]
         }),
     );
-    let rows = joint_rows(vehicle, &system, &workspace);
+    let rows = joint_rows(vehicle, &system, &workspace, 0);
     let held = (&rows * rows.transpose()).symmetric_eigen();
     let least = FREE * held.eigenvalues.amax().max(f64::MIN_POSITIVE);
     let free: Vec<DVector<f64>> = held

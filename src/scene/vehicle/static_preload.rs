@@ -11,7 +11,8 @@
 //! k_i is the element's stiffness. These are the forces with which the vehicle would stand if it were set down on springs without preload
 //! and found its place but for its displacements (least complementary energy), so that springs side by side share a load as their
 //! stiffnesses do. With D = diag(k) the solution is `f = -D A^T x`, `(A D A^T + c G^T G) x = b`; joints count as springs of c, far stiffer than all
-//! others. Wheelsets have no equations: the rails hold them. A body that the found forces leave out of balance is an error.
+//! others. Wheelsets have no equations but one: the rails hold them, and they roll freely along the track. Where given preloads
+//! pull one along the track, nothing is asked of that. A body that the found forces leave out of balance is an error.
 
 use super::VehicleSpec;
 use super::design::design_state;
@@ -45,6 +46,14 @@ pub(super) fn balance(vehicle: &VehicleSpec, system: &mut System) -> Result<(), 
 /// # Errors
 /// [`AssemblyError::StaticPreload`], and [`AssemblyError::StaticPull`] where an element would have to do what it can't.
 pub(super) fn found(vehicle: &VehicleSpec, system: &System) -> Result<Vec<(usize, usize, f64)>, AssemblyError> {
+    match solved(vehicle, system, true) {
+        Err(AssemblyError::StaticPreload { .. }) => solved(vehicle, system, false),
+        found => found,
+    }
+}
+
+/// The same, with wheelsets that roll freely or that the rails hold along the track too.
+fn solved(vehicle: &VehicleSpec, system: &System, free: bool) -> Result<Vec<(usize, usize, f64)>, AssemblyError> {
     let asked: Vec<(usize, usize, f64)> = (system.forces.iter().enumerate())
         .flat_map(|(element, force)| force.static_stiffness().into_iter().enumerate().map(move |(index, k)| (element, index, k)))
         .filter(|(_, _, k)| *k > 0.0)
@@ -57,7 +66,13 @@ pub(super) fn found(vehicle: &VehicleSpec, system: &System) -> Result<Vec<(usize
     system.settle_forces(&mut y, &mut workspace);
     system.apply_forces(&y, &mut workspace);
     system.fold_wheels(&mut workspace);
-    let load = generalised(vehicle, &workspace, &workspace.wrenches);
+    let along = |wrenches: &[Wrench]| {
+        let wheelsets = workspace.motions.iter().zip(wrenches).take(if free { vehicle.wheelsets.len() } else { 0 });
+        let rolling: Vec<f64> = wheelsets.map(|(motion, wrench)| motion.generalised_force(wrench)[0]).collect();
+        let held = generalised(vehicle, &workspace, wrenches);
+        DVector::from_iterator(held.len() + rolling.len(), held.iter().copied().chain(rolling))
+    };
+    let load = along(&workspace.wrenches);
     let mut a = DMatrix::zeros(load.len(), asked.len());
     for (column, (element, index, _)) in asked.iter().enumerate() {
         let states = &y[system.states_of_force(*element)];
@@ -66,7 +81,7 @@ pub(super) fn found(vehicle: &VehicleSpec, system: &System) -> Result<Vec<(usize
             element.set_preload(*index, preload);
             let (mut wrenches, mut rates) = (vec![Wrench::default(); system.bodies.len()], vec![0.0; states.len()]);
             element.apply(&workspace.moving(), states, &mut rates, &mut wrenches);
-            generalised(vehicle, &workspace, &wrenches)
+            along(&wrenches)
         };
         a.set_column(column, &(wrenches(1.0) - wrenches(0.0)));
     }
@@ -75,7 +90,7 @@ pub(super) fn found(vehicle: &VehicleSpec, system: &System) -> Result<Vec<(usize
     for (mut column, (_, _, k)) in columns.column_iter_mut().zip(&asked) {
         column *= k.sqrt();
     }
-    let rows = joint_rows(vehicle, system, &workspace);
+    let rows = joint_rows(vehicle, system, &workspace, if free { vehicle.wheelsets.len() } else { 0 });
     let matrix = &columns * columns.transpose() + &rows * rows.transpose() * (STIFFER * stiffest);
     let eigen = matrix.symmetric_eigen();
     let least = FREE * eigen.eigenvalues.amax();
@@ -92,7 +107,7 @@ pub(super) fn found(vehicle: &VehicleSpec, system: &System) -> Result<Vec<(usize
     let (worst, left) =
         rest.iter().enumerate().fold((0, 0.0), |most: (usize, f64), (i, rest)| if rest.abs() > most.1.abs() { (i, *rest) } else { most });
     if !(left.abs() <= BALANCED * vehicle.weight().max(load.amax())) {
-        let body = vehicle.bodies[worst / COORDINATES].body.name.clone();
+        let body = vehicle.bodies.get(worst / COORDINATES).map_or_else(String::new, |body| body.body.name.clone());
         let direction = ["along the track", "to the side", "vertically", "in yaw", "in roll", "in pitch"][worst % COORDINATES];
         let unit = if worst % COORDINATES < 3 { "N" } else { "N m" };
         return Err(AssemblyError::StaticPreload { body, direction, rest: left, unit });
@@ -113,17 +128,23 @@ pub(super) fn generalised(vehicle: &VehicleSpec, workspace: &SystemWorkspace, wr
     )
 }
 
-/// Rows of all joints on the same coordinates, as columns.
-pub(super) fn joint_rows(vehicle: &VehicleSpec, system: &System, workspace: &SystemWorkspace) -> DMatrix<f64> {
+/// Rows of all joints on the same coordinates and on the x of so many wheelsets, as columns.
+pub(super) fn joint_rows(vehicle: &VehicleSpec, system: &System, workspace: &SystemWorkspace, rolling: usize) -> DMatrix<f64> {
     let count = system.joints.iter().map(|joint| joint.rows()).sum();
-    let mut rows = DMatrix::zeros(COORDINATES * vehicle.bodies.len(), count);
+    let own = COORDINATES * vehicle.bodies.len();
+    let mut rows = DMatrix::zeros(own + rolling, count);
     let mut column = 0;
     for joint in &system.joints {
         for values in joint.evaluate(0.0, &workspace.motions) {
             let ends = [(Some(joint.bodies.first), &values.first), (joint.bodies.second, &values.second)];
             for (body, coefficients) in ends {
-                if let Some(own) = body.and_then(|body| body.checked_sub(vehicle.wheelsets.len())) {
-                    rows.view_mut((COORDINATES * own, column), (COORDINATES, 1)).copy_from(coefficients);
+                match body {
+                    Some(body) if body >= vehicle.wheelsets.len() => {
+                        let first = COORDINATES * (body - vehicle.wheelsets.len());
+                        rows.view_mut((first, column), (COORDINATES, 1)).copy_from(coefficients);
+                    }
+                    Some(wheelset) if wheelset < rolling => rows[(own + wheelset, column)] = coefficients[0],
+                    _ => {}
                 }
             }
             column += 1;

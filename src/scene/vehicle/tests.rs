@@ -30,7 +30,7 @@ fn analytic_modules_within_modules_are_placed_and_mirrored() {
          [[vehicle.module.truck.wheelset]]\nname = \"wheelset\"\n{WHEELSET}\
          [[vehicle.module.truck.body]]\nname = \"box\"\nmirrored = true\nposition = [1, 2, 3]\n{BRICK}\
          [[vehicle.module.truck.force]]\nname = \"spring\"\nmirrored = true\nkind = \"bushing\"\nfrom = \"shell\"\nto = \"box\"\nat = [1, 2, 3]\nstiffness = [1, 1, 1]\n\
-         [[vehicle.module.truck.joint]]\nname = \"hinge\"\nmirrored = true\nkind = \"revolute\"\nfirst = \"wheelset\"\nsecond = \"box\"\nat = [1, 2, 3]\naxis = [0, 1, 0]\n"
+         [[vehicle.module.truck.joint]]\nname = \"hinge\"\nmirrored = true\nkind = \"revolute\"\nfirst = \"shell\"\nsecond = \"box\"\nat = [1, 2, 3]\naxis = [0, 1, 0]\n"
     );
     let free = read(&text).unwrap().vehicle;
     let bodies: Vec<(&str, Vector3<f64>)> = free.bodies.iter().map(|b| (b.body.name.as_str(), b.position)).collect();
@@ -46,7 +46,7 @@ fn analytic_modules_within_modules_are_placed_and_mirrored() {
     let names: Vec<&str> = free.forces.iter().map(|force| force.0.name()).collect();
     assert_eq!(names, ["car[1].truck[2].spring.left", "car[1].truck[2].spring.right"]);
     let joined: Vec<(usize, Option<usize>)> = free.joints.iter().map(|joint| (joint.bodies.first, joint.bodies.second)).collect();
-    assert_eq!(joined, [(0, Some(2)), (0, Some(3))], "each box its own side");
+    assert_eq!(joined, [(1, Some(2)), (1, Some(3))], "each box its own side");
 }
 
 #[test]

@@ -208,10 +208,7 @@ impl Audit {
             for side in Side::BOTH {
                 let motion = &system.motions[wheelset.turning[side.index()]];
                 let contact = contact_index(index, side);
-                if !model.out_of_round.is_empty() {
-                    book(model.power_of_bumps(workspace, contact));
-                }
-                book(model.climbing_power(workspace, contact, motion, wheelset.body));
+                book(model.power_of_turns(workspace, (snapshot.inputs(), &snapshot.y), (index, side)));
                 // Places are told as if a rail that has given way were where it was, and the wheel above it.
                 let [sunk, sinking] = model.rail_change(workspace, wheelset.body, contact, &snapshot.y).unwrap_or_default();
                 for report in workspace.reports(contact) {
