@@ -76,7 +76,7 @@ impl Model {
 
 impl Model {
     /// Power of all contacts of a wheel on it, W: their wrench on what turns (the wheel itself, where the axle twists), with arms from where the wheel stands against a rail that has
-    /// moved, with what turns a wheel that is not round (`out_of_round`), and with what the turn of a bent rail makes of it (`rail_motion`).
+    /// moved, with what turns a wheel that is not round (`out_of_round`), and with what does so on a bent rail (`rail_motion`).
     pub fn wheel_power(&self, workspace: &Workspace, (inputs, y): (&[f64], &[f64]), (wheelset, side): (usize, Side)) -> f64 {
         let (contact, own) = (contact_index(wheelset, side), &self.wheelsets[wheelset]);
         let turning = own.turning[side.index()];
@@ -90,7 +90,7 @@ impl Model {
         workspace.reports(contact).map(of).sum::<f64>() + moved.map_or(0.0, |moved| self.turning_power(workspace, &moved, contact))
     }
 
-    /// Power on a wheel of what the turn of a bent rail makes of its forces, and of what turns a wheel that is not round, W.
+    /// Power of what turns a wheel that is not round, or on a bent rail, because its contacts are ahead of its lowest place, W.
     pub fn power_of_turns(&self, workspace: &Workspace, (inputs, y): (&[f64], &[f64]), (wheelset, side): (usize, Side)) -> f64 {
         let (contact, own) = (contact_index(wheelset, side), &self.wheelsets[wheelset]);
         let bodies = (own.body, own.turning[side.index()]);
@@ -99,11 +99,8 @@ impl Model {
     }
 
     fn turning_power(&self, workspace: &Workspace, moved: &AgainstRail, contact: usize) -> f64 {
-        let own = &self.wheelsets[contact / 2];
-        let motion = &workspace.system.motions[own.turning[contact % 2]];
-        let bent = self.bent_wrench(workspace, moved, (contact, own.body));
-        let about = bent.moment - self.turned_by_bumps(workspace, moved, contact);
-        bent.force.dot(&motion.velocity) + about.dot(&motion.rotation)
+        let motion = &workspace.system.motions[self.wheelsets[contact / 2].turning[contact % 2]];
+        (self.turned_by_lead(workspace, moved, contact) - self.turned_by_bumps(workspace, moved, contact)).dot(&motion.rotation)
     }
 }
 

@@ -67,7 +67,7 @@ impl Model {
         (contact, body, turning): (usize, usize, usize),
     ) {
         let Some(moved) = moved.filter(|moved| moved.round.is_some() || moved.slope.is_some()) else { return };
-        let bent = self.bent_wrench(workspace, moved, (contact, body));
+        let bent = self.lay_on_bent_rail(workspace, moved, (contact, body));
         let moment = self.turned_by_bumps(workspace, moved, contact);
         workspace.system.wrenches[turning] += bent;
         workspace.system.wrenches[turning].moment -= moment;

@@ -18,14 +18,14 @@
 //! the contact angle: 3e-5 on a tread, nearly 1e-3 on a flange. A model of track that travels with the wheels (a mass under each) has no slope; a beam or bridge has.
 //! Orientation, distance, travelling speed V and rolling direction are the wheelset's own.
 //!
-//! *Forces* turn with the rail, which goes along `x + u_s` instead of x (the axes of the track): each force F of a contact gets
+//! *Forces* lie on the rail, whose plane of contact is tilted along it: with N, n and the creep force F_1 along x (the axes of the track), each force of a contact gets
 //!
 //! ```text
-//! dF = u_s F_x - x (u_s . F)      and the moment about the axle  -r (u_s . n) / (e . n) (F . e)
+//! dF = e F_1 (u_s . n) / (e . n) - x (u_s . n) N      and the moment about the axle  -r (u_s . n) / (e . n) (F . e)
 //! ```
 //!
-//! with r the rolling radius: the force acts ahead of the lowest place. So a rolling wheel is held back by `-u_s . F`, in the axle's height, and the work of it is what the
-//! wheel's climb brings.
+//! with r the rolling radius: the force acts ahead of the lowest place. So a rolling wheel is held back by `-(u_s . n) N`, in the axle's height, and the work of it is what the
+//! wheel's climb brings; a wheel that slides goes along the tilted plane, and its friction with it. Reported forces have that.
 //!
 //! *Left out:* what a bent rail's turn makes of places: a slope of 1e-3 moves a contact by R 1e-3 = 0.5 mm along the rail, where a bend over 10 m has changed by 1e-4
 //! of its height, and `R u_s^2 / 2` (0.2 um for 1e-3, 6 um for 5e-3) in the wheel's height; reported places stay.
@@ -36,7 +36,7 @@
 
 use super::inputs::{RAIL_INPUTS, first_of_rail};
 use super::rail_scratch::RailScratch;
-use super::{AssemblyError, Model, Workspace};
+use super::{AssemblyError, ContactReport, Model, Workspace};
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::system::SystemWorkspace;
 use nalgebra::Vector3;
@@ -123,19 +123,35 @@ impl Model {
         Some(moved)
     }
 
-    /// What the turn of a bent rail makes of the forces of a wheel's contacts, about where the wheel stands against its rail.
-    pub(super) fn bent_wrench(&self, workspace: &Workspace, moved: &AgainstRail, (contact, body): (usize, usize)) -> Wrench {
+    /// Lays the forces of a wheel's contacts on a rail that is bent: what this adds to the wheel's wrench, about where it stands against its rail.
+    pub(super) fn lay_on_bent_rail(&self, workspace: &mut Workspace, moved: &AgainstRail, (contact, body): (usize, usize)) -> Wrench {
         let Some(slope) = moved.slope else { return Wrench::default() };
-        let (along, up, axle) = (workspace.system.stations.along(body), moved.motion.frame.axes.column(2), moved.motion.axle());
+        let (along, up) = (workspace.system.stations.along(body), moved.motion.frame.axes.column(2));
+        let (first, further) = self.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
         let mut wrench = Wrench::default();
-        for report in workspace.reports(contact) {
-            let (arm, normal) = (report.wheel_point - moved.motion.position, &report.axes.normal);
-            let force = slope * report.force.dot(&along) - along * report.force.dot(&slope);
-            let ahead = -arm.dot(&up) * slope.dot(normal) / upright(up.dot(normal));
+        for report in std::iter::once(first).chain(further) {
+            let normal = &report.axes.normal;
+            let (pressing, tilt) = (report.force.dot(normal), slope.dot(normal));
+            let creeping = (report.force - normal * pressing).dot(&along);
+            let force = up * (creeping * tilt / upright(up.dot(normal))) - along * (tilt * pressing);
+            report.force += force;
             wrench.force += force;
-            wrench.moment += arm.cross(&force) - axle * (ahead * report.force.dot(&up));
+            wrench.moment += (report.wheel_point - moved.motion.position).cross(&force);
         }
+        wrench.moment += self.turned_by_lead(workspace, moved, contact);
         wrench
+    }
+
+    /// The moment of a wheel's contacts about its axle on a rail that is bent, because they are ahead of its lowest place, N m.
+    pub(super) fn turned_by_lead(&self, workspace: &Workspace, moved: &AgainstRail, contact: usize) -> Vector3<f64> {
+        let Some(slope) = moved.slope else { return Vector3::zeros() };
+        let (up, axle) = (moved.motion.frame.axes.column(2), moved.motion.axle());
+        let turned = |report: &ContactReport| {
+            let radius = -(report.wheel_point - moved.motion.position).dot(&up);
+            let normal = &report.axes.normal;
+            -radius * slope.dot(normal) / upright(up.dot(normal)) * report.force.dot(&up)
+        };
+        axle * workspace.reports(contact).map(turned).sum::<f64>()
     }
 
     /// u, w and u_s of the rail under a wheel in the track frame.

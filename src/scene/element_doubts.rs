@@ -8,7 +8,7 @@ use crate::units::Unit;
 /// Coefficients of friction between parts of a vehicle end below this.
 const ROUGHEST: f64 = 1.5;
 /// Speeds of dampers and displacements of springs and stops that tables go to end below these, m/s and m.
-const FASTEST: f64 = 10.0;
+const FASTEST: f64 = 20.0;
 const FARTHEST: f64 = 2.0;
 /// A spring on which the lighter of its bodies would swing slower than this [1/s], one that damps it slower, or a bar on which its roll does, does nothing.
 const SLOWEST: f64 = 0.2;
@@ -46,6 +46,8 @@ fn columns(force: &dyn ForceElement) -> Option<String> {
 
 /// Springs, dampers and bars that the lighter of their bodies does not feel.
 fn feeble(force: &dyn ForceElement, model: &Model) -> Option<String> {
+    // What resists running is told by its force at speed.
+    let [Some(_), Some(_)] = force.bodies() else { return None };
     let bodies = || force.reach().into_iter().flatten().filter_map(|body| model.system.bodies.get(body));
     let mass = bodies().map(|body| body.mass).fold(f64::INFINITY, f64::min);
     let inertia = bodies().map(|body| body.inertia.moments().into_iter().fold(f64::INFINITY, f64::min)).fold(f64::INFINITY, f64::min);
