@@ -37,7 +37,7 @@ pub(super) fn cut(scene: &mut Scene) -> Result<(), SceneError> {
     }
     let whole = steady_scene(scene);
     let in_scene = |error| SceneError::Assembly { file: scene.source.file.clone(), error };
-    let preloads = assemble::static_preloads(&scene.vehicle, scene.track.grade).map_err(in_scene)?;
+    let preloads = assemble::static_preloads(&scene.vehicle).map_err(in_scene)?;
     let steady = steady_state(&whole).map_err(|error| SceneError::Equilibrium { file: scene.source.file.clone(), error })?;
     let acceleration = if whole.vehicle.speed_imposed { 0.0 } else { steady.acceleration };
     let cutting = Cutting {

@@ -1,6 +1,7 @@
 //! How a vehicle stands at its start: heights of bodies against where the scene draws them, wheel loads, forces of elements and travel used.
 
 use super::outputs::on_track;
+pub use super::uneven_loads::WheelLoads;
 use super::{Simulation, SimulationError, SimulationState, uneven_loads};
 use crate::formulation::contact_index;
 use crate::geometry::Side;
@@ -29,14 +30,6 @@ pub struct BodyPlace {
     pub settles: f64,
     pub roll: f64,
     pub pitch: f64,
-}
-
-/// Loads of one wheelset's wheels, N, square to the track.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct WheelLoads {
-    pub wheelset: String,
-    pub left: f64,
-    pub right: f64,
 }
 
 /// One force of an element with the displacement that belongs to it.
@@ -138,7 +131,7 @@ fn acts_along_track(element: &dyn ForceElement, bodies: &Moving, states: &[f64])
 impl Statics {
     /// What a reader should know: bodies that stand far from where they are drawn, slack that is taken up, wheels that carry unlike loads.
     pub fn notes(&self, scene: &Scene) -> Vec<String> {
-        self.settled().into_iter().chain(self.taken_up()).chain(uneven_loads::note(scene, self)).collect()
+        self.settled().into_iter().chain(self.taken_up()).chain(uneven_loads::note(scene, &self.wheels)).collect()
     }
 
     /// Couplers whose whole slack a few newtons have taken up: what differs in the resistance of the vehicles beside them.

@@ -170,3 +170,17 @@ fn prop_a_bag_that_pulls_is_told() {
     };
     assert_eq!([notes("-20"), notes("-5000")], [1, 0]);
 }
+
+/// Balance is that of level track, also where the track climbs: the weight's part along the track had asked centre plates for a moment that nothing holds, and a sound wagon was refused.
+#[test]
+fn analytic_preloads_on_a_grade_are_those_of_level_track() {
+    let wagon = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/freight_wagon_wedges.toml");
+    let on = |grade: f64| {
+        let scene = load::open(wagon, &[format!("track.grade={grade}")]).unwrap_or_else(|error| panic!("{error}"));
+        let found = statics::statics(&scene, &mut start(&scene)).unwrap();
+        found.wheels.iter().map(|wheels| wheels.left + wheels.right).sum::<f64>()
+    };
+    let [level, climbing] = [on(0.0), on(0.02)];
+    println!("{level:.1} N level, {climbing:.1} N on 2 %");
+    assert!((climbing / level / 0.02_f64.cos() - 1.0).abs() < 1e-6);
+}

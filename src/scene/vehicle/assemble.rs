@@ -65,7 +65,11 @@ fn twisted(bodies: &[Body], forces: &[Box<dyn ForceElement>]) -> Result<Vec<usiz
 pub fn parts(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<Wheelset>), AssemblyError> {
     let (mut system, turning) = unbalanced(vehicle, grade)?;
     if vehicle.away().is_none() {
-        static_preload::balance(vehicle, &mut system)?;
+        // Drawn, and balanced, on level track.
+        for (element, index, force) in static_preloads(vehicle)? {
+            let first = system.forces.len() - vehicle.forces.len();
+            system.forces[first + element].set_preload(index, force);
+        }
     }
     let load = vehicle.weight() * grade.cos() / (2.0 * vehicle.wheelsets.len() as f64);
     let wheelsets = vehicle
@@ -77,12 +81,15 @@ pub fn parts(vehicle: &VehicleSpec, grade: f64) -> Result<(System, Vec<Wheelset>
     Ok((system, wheelsets))
 }
 
-/// Preloads that balance asks for: number among the vehicle's force elements, index and force [N].
+/// Preloads that balance on level track asks for: number among the vehicle's force elements, index and force [N].
 ///
 /// # Errors
 /// [`AssemblyError`], as for [`parts`].
-pub fn static_preloads(vehicle: &VehicleSpec, grade: f64) -> Result<Vec<(usize, usize, f64)>, AssemblyError> {
-    let (system, _) = unbalanced(vehicle, grade)?;
+pub fn static_preloads(vehicle: &VehicleSpec) -> Result<Vec<(usize, usize, f64)>, AssemblyError> {
+    if vehicle.forces.iter().all(|element| element.0.static_stiffness().is_empty()) {
+        return Ok(Vec::new());
+    }
+    let (system, _) = unbalanced(vehicle, 0.0)?;
     // Weights and loads come first.
     let first = system.forces.len() - vehicle.forces.len();
     Ok(static_preload::found(vehicle, &system)?.into_iter().map(|(element, index, force)| (element - first, index, force)).collect())

@@ -13,10 +13,11 @@ use crate::settings::SettingsError;
 const OFF_AXLE: f64 = 0.01;
 
 /// Takes from an element what bearings do not hand over.
-pub(super) fn rest_on_axles(force: &mut Element, wheelsets: usize) {
+pub(super) fn rest_on_axles(mut force: Element, wheelsets: usize) -> Element {
     if force.0.bodies().into_iter().flatten().any(|body| body < wheelsets) {
         force.0.free_about_axle();
     }
+    force
 }
 
 /// Checks the vehicle's joints, which were read from these entries.

@@ -78,9 +78,8 @@ pub(super) fn vehicle<'a>(
         Ok(joint)
     })?;
     vehicle.forces = all(&section, &flat.entries[FORCE], |entry| {
-        let mut force = force(entry, &ElementPlaces { resolver: &resolver(entry), name: &entry.name })?;
-        bearings::rest_on_axles(&mut force, vehicle.wheelsets.len());
-        check_axle(&force, &entry.section, vehicle.wheelsets.len())?;
+        let force = force(entry, &ElementPlaces { resolver: &resolver(entry), name: &entry.name })?;
+        let force = on_axles(force, &entry.section, vehicle.wheelsets.len())?;
         entry.section.clone().finish()?;
         Ok(force)
     })?;
@@ -162,14 +161,14 @@ fn wheelset(entry: &Entry, flat: &Flat) -> Result<PlacedWheelset, SettingsError>
     Ok(wheelset)
 }
 
-/// What turns an axle acts on a wheelset, which comes before the other bodies, and is carried by one of those.
-fn check_axle(force: &Element, section: &Section, wheelsets: usize) -> Result<(), SettingsError> {
+/// An element without what bearings do not hand over. What turns an axle acts on a wheelset, which comes before the other bodies, and is carried by one of those.
+fn on_axles(force: Element, section: &Section, wheelsets: usize) -> Result<Element, SettingsError> {
     let wheelset = |body: Option<usize>| body.is_some_and(|body| body < wheelsets);
     if force.0.twist().is_some_and(|twist| !wheelset(Some(twist.body))) {
         return Err(section.error("body", "is no wheelset; expected the wheelset whose wheels turn against each other"));
     }
     if !force.0.turns_axle() {
-        return Ok(());
+        return Ok(bearings::rest_on_axles(force, wheelsets));
     }
     let [axle, carrier, rotor] = force.0.reach();
     if !wheelset(axle) {
@@ -179,7 +178,7 @@ fn check_axle(force: &Element, section: &Section, wheelsets: usize) -> Result<()
     let key = if section.has("arm") { "arm" } else { "from" };
     match [(key, carrier), ("from", rotor.filter(|_| key == "arm"))].into_iter().find(|(_, body)| wheelset(*body)) {
         Some((key, _)) => Err(section.error(key, "is a wheelset; expected the body that carries motor or brake")),
-        None => Ok(()),
+        None => Ok(bearings::rest_on_axles(force, wheelsets)),
     }
 }
 

@@ -30,17 +30,6 @@ const PULLS: f64 = 1.0;
 /// Eigenvalues below this share of the largest are zero: nothing holds a body that way.
 const FREE: f64 = 1e-13;
 
-/// Sets the preloads of all elements of the system that ask for it.
-///
-/// # Errors
-/// [`AssemblyError::StaticPreload`].
-pub(super) fn balance(vehicle: &VehicleSpec, system: &mut System) -> Result<(), AssemblyError> {
-    for (element, index, force) in found(vehicle, system)? {
-        system.forces[element].set_preload(index, force);
-    }
-    Ok(())
-}
-
 /// Element, index and force [N] of each preload that is asked for.
 ///
 /// # Errors
