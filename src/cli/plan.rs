@@ -165,7 +165,7 @@ fn report(scene: &Scene, found: &Statics) -> String {
     if hidden > 0 {
         text += &format!("  {hidden} forces without load and displacement are left out (--json has them)\n");
     }
-    for note in found.notes(&scene) {
+    for note in found.notes(scene) {
         text += &format!("\n  note: {note}\n");
     }
     text
