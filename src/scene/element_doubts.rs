@@ -13,12 +13,19 @@ const FARTHEST: f64 = 2.0;
 /// A spring on which the lighter of its bodies would swing slower than this [1/s], one that damps it slower, or a bar on which its roll does, does nothing.
 const SLOWEST: f64 = 0.2;
 const WEAKEST: f64 = 2e-3;
+/// Vertical part of the direction of what carries.
+const STANDS: f64 = 0.7;
 
 /// The first of them, and how many more.
 pub(super) fn doubts(model: &Model) -> Option<String> {
     let elements = &model.system.forces;
     let own = |force: &dyn ForceElement| {
-        let doubt = force.doubt().or_else(|| rough(force)).or_else(|| columns(force)).or_else(|| feeble(force, model));
+        let doubt = force
+            .doubt()
+            .or_else(|| rough(force))
+            .or_else(|| columns(force))
+            .or_else(|| feeble(force, model))
+            .or_else(|| upside_down(force, model));
         Some(format!("{}: {}", force.name(), doubt?))
     };
     let mut all = elements.iter().filter_map(|force| own(force.as_ref()).or_else(|| in_one_place(force.as_ref(), model)));
@@ -70,6 +77,39 @@ fn feeble(force: &dyn ForceElement, model: &Model) -> Option<String> {
     force.constants().iter().find_map(nothing)
 }
 
+/// An element that can't but press, and presses what it carries down.
+fn upside_down(force: &dyn ForceElement, model: &Model) -> Option<String> {
+    let axis = force.presses()?;
+    let [Some(from), Some(to)] = force.bodies() else { return None };
+    let above = links_to_wheelsets(model);
+    let rises = above[to].cmp(&above[from]) as i32;
+    let wrong = axis.z.abs() > STANDS && f64::from(rises) * axis.z < 0.0;
+    let [from, to] = [from, to].map(|body| model.system.bodies[body].name.as_str());
+    let (carried, carrier) = if rises > 0 { (to, from) } else { (from, to) };
+    wrong.then(|| {
+        format!(
+            "it presses {carried} down on {carrier}, which carries it: \"axis\" points from \"from\" to where its spring presses \"to\""
+        )
+    })
+}
+
+/// How many elements and joints lie between each body and the nearest wheelset.
+fn links_to_wheelsets(model: &Model) -> Vec<usize> {
+    let mut links = vec![usize::MAX; model.system.bodies.len()];
+    links[..model.wheelsets.len()].fill(0);
+    let forces = model.system.forces.iter().map(|force| force.bodies());
+    let joints = model.system.joints.iter().map(|joint| [Some(joint.bodies.first), joint.bodies.second]);
+    let pairs: Vec<[usize; 2]> = forces.chain(joints).filter_map(|[from, to]| Some([from?, to?])).collect();
+    for reached in 0..links.len() {
+        for [a, b] in pairs.iter().flat_map(|[a, b]| [[*a, *b], [*b, *a]]) {
+            if links[a] == reached && links[b] > reached {
+                links[b] = reached + 1;
+            }
+        }
+    }
+    links
+}
+
 /// A mirrored pair that stands in the middle.
 fn in_one_place(force: &dyn ForceElement, model: &Model) -> Option<String> {
     let pair = force.name().strip_suffix(".left")?;
@@ -111,6 +151,21 @@ mod tests {
             "stiffness=0,damping=300",
         ] {
             assert_eq!(spring(data), None, "{data}");
+        }
+    }
+
+    #[test]
+    fn prop_wedges_that_press_down_what_they_carry_are_doubted() {
+        let wagon = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/freight_wagon_wedges.toml");
+        let with = |changes: &[&str]| {
+            let changes: Vec<String> = changes.iter().map(|key| format!("vehicle.module.truck.force[wedge].{key}")).collect();
+            let scene = load::open(wagon, &changes).unwrap_or_else(|error| panic!("{error}"));
+            doubts(&assemble::model(&scene).unwrap())
+        };
+        assert_eq!([with(&[]), with(&["from=bolster", "to=side_frame", "axis=-z"])], [None, None]);
+        for wrong in [&["axis=-z"][..], &["from=bolster", "to=side_frame"]] {
+            let found = with(wrong).unwrap_or_default();
+            assert!(found.contains("presses truck[1].bolster down on truck[1].side_frame.left"), "{wrong:?}: {found}");
         }
     }
 

@@ -171,14 +171,6 @@ mod tests {
         assert!(rate > by_hand && rate < 1.5 * by_hand, "{rate} {by_hand}");
     }
 
-    #[test]
-    fn prop_friction_that_starts_without_force_in_a_curve_is_named() {
-        let wagon = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/freight_wagon_wedges.toml");
-        let named = |change: &str| of(wagon, change).iter().filter(|note| note.contains("dry friction starts without force")).count();
-        let curve = "track.node=[{distance=0, radius=300, superelevation=\"60 mm\"}]";
-        assert_eq!([named(curve), named(""), named("track.node=[{distance=0},{distance=90},{distance=140,radius=300}]")], [1, 0, 0]);
-    }
-
     /// A line has a sense: what presses must lie on its side, and can be reached.
     #[test]
     fn prop_stops_that_act_inside_out_are_refused_or_named() {

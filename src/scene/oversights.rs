@@ -2,7 +2,7 @@
 
 use super::element_doubts::doubts;
 use super::spec::Scene;
-use super::start::{Start, origin, start};
+use super::start::origin;
 use super::vehicle::assemble::static_preloads;
 use super::vehicle::extent::Away;
 use super::vehicle::stability::{Fall, fall};
@@ -31,7 +31,6 @@ pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(beside_the_rails(scene).or_else(|| without_play(scene)))
         .chain(two_along_the_track(model))
         .chain(level_boxes(scene, model))
-        .chain(friction_at_rest(scene, model))
         .chain(extents(scene, model))
         .chain(adverse(scene))
         .chain(missed)
@@ -208,25 +207,6 @@ fn level_boxes(scene: &Scene, model: &Model) -> Option<String> {
          not. Give a constant grade as track.grade, or hold it by a joint that is free about the axle, on the axle's line",
         joint.name,
         1e2 * steepest.tan()
-    ))
-}
-
-/// Dry friction between parts of a vehicle that starts in a curve: it holds nothing there, and would where the vehicle had turned into the curve.
-fn friction_at_rest(scene: &Scene, model: &Model) -> Option<String> {
-    let rubs = |force: &dyn ForceElement| {
-        let between = force.bodies().iter().all(Option::is_some) && !force.turns_axle();
-        between && force.constants().iter().any(|number| number.name == "relaxation")
-    };
-    let curved = matches!(start(scene), Start::Curve(node) if node.curvature != 0.0);
-    let mut all = model.system.forces.iter().filter(|force| curved && rubs(force.as_ref()));
-    let first = all.next()?.name().to_string();
-    let more = match all.count() {
-        0 => String::new(),
-        count => format!(" (and {count} more)"),
-    };
-    Some(format!(
-        "{first}{more}: dry friction starts without force in a curve. A vehicle that comes through the spiral has it hold against the turning of trucks (up to its bound: Y/Q of a loaded \
-         three-piece hopper's leading wheel in R 218 m 7 % higher in one truck and 11 % lower in the other): start before the curve where that matters"
     ))
 }
 

@@ -99,7 +99,7 @@ fn element_forces(element: &dyn ForceElement, bodies: &Moving, states: &[f64]) -
             true => (of(QuantityKind::Moment), of(QuantityKind::Angle), "moment"),
         };
         let one = move |((load, quantity), (way, _)): ((usize, &Quantity), (usize, &Quantity))| {
-            let axis = quantity.name.trim_start_matches(prefix).to_lowercase();
+            let axis = quantity.name.strip_prefix(prefix).map_or(quantity.name.to_string(), str::to_lowercase);
             let kind = if turns { "about " } else { "" };
             let name = if axis.is_empty() { element.name().to_string() } else { format!("{} {kind}{axis}", element.name()) };
             let displacement = value(way);

@@ -403,6 +403,7 @@ fn regress_docs_list_every_output() {
         ("vehicle_manchester_1", "vehicle.detail=truck"),
         ("vehicle_manchester_1", "vehicle.sensor=[{name=\"floor[1]\", measured=true}]"),
         ("bogie", "track.flexibility=travelling"),
+        ("examples/scenes/freight_wagon_wedges.toml", "vehicle.speed=20"),
         ("bogie", "vehicle.force=[{name=\"axle\", kind=\"flexible_axle\", body=\"wheelset[1]\", stiffness=1e6}]"),
     ];
     for (name, change) in plain.chain(special) {

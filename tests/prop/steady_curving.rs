@@ -67,6 +67,40 @@ fn equiv_a_start_has_the_friction_of_its_place() {
     }
 }
 
+/// Dry friction holds at the start what the way into the curve leaves it: a wagon with wedges and side bearers starts as it runs after a long spiral. (Without friction Y of its leading outer wheels
+/// was 34.7 and 34.6 kN where the run has 37.1 and 32.7.)
+#[test]
+fn equiv_dry_friction_starts_in_a_curve_as_a_spiral_leaves_it() {
+    let wagon = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/freight_wagon_wedges.toml");
+    let forces = |nodes: &str, stop: f64| {
+        let changes = ["track.deviation=[]", nodes, "vehicle.speed=15", "solver.tolerance=1e-4"].map(String::from);
+        let scene = load::open(wagon, &changes).unwrap_or_else(|error| panic!("{error}"));
+        let mut simulation = start(&scene);
+        simulation.advance(stop).unwrap_or_else(|error| panic!("{error}"));
+        let found = values(&scene, &mut simulation);
+        [
+            "truck[1].wheelset[1].right.lateralForce",
+            "truck[2].wheelset[1].right.lateralForce",
+            "truck[1].side_bearer.left.frictionForce1",
+            "truck[2].side_bearer.left.frictionForce1",
+        ]
+        .map(|name| found[name])
+    };
+    let curve = "radius=300,superelevation=\"-60 mm\"";
+    let starts = forces(&format!("track.node=[{{distance=0,{curve}}}]"), 0.0);
+    let stays = forces(&format!("track.node=[{{distance=0,{curve}}}]"), 0.5);
+    let runs = forces(&format!("track.node=[{{distance=0}},{{distance=20}},{{distance=120,{curve}}}]"), 11.0);
+    println!("start {starts:.1?}, after 0.5 s {stays:.1?}, behind the spiral {runs:.1?} N");
+    for wheel in 0..2 {
+        assert!((starts[wheel] / runs[wheel] - 1.0).abs() < 0.01, "{starts:?} {runs:?}");
+    }
+    for (start, stay) in starts.iter().zip(stays) {
+        assert!((start - stay).abs() < 5.0, "{starts:?} {stays:?}");
+    }
+    // Both side bearers of a truck that has turned in by 16 mrad are at their limit of 6 kN, and those of both trucks hold against opposite turns.
+    assert!(starts[2] > 5.9e3 && starts[3] < -5.9e3 && runs[2] > 5.2e3 && runs[3] < -5.2e3, "{starts:?} {runs:?}");
+}
+
 /// A train starts in a curve in which its coaches do: the work of a search was bounded for a train as for one coach, and three of them were refused.
 #[test]
 fn hard_a_train_starts_in_a_curve_in_which_its_coaches_do() {

@@ -23,6 +23,7 @@
 
 use super::attachment::{Attachment, axis};
 use super::line::ends;
+use super::rubbing::{Rub, dragged};
 use super::{ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
@@ -85,6 +86,19 @@ impl DryFriction {
     #[inline]
     fn deflection(&self, state: &[f64]) -> Vector2<f64> {
         Vector2::new(state[0], state.get(1).copied().unwrap_or(0.0))
+    }
+
+    /// From place to place along the slip axes, m.
+    pub(super) fn place(&self, bodies: &Moving) -> Vector2<f64> {
+        let between = self.from.axes(bodies).tr_mul(&(self.to.point(bodies) - self.from.point(bodies)));
+        let mut place = Vector2::zeros();
+        place.iter_mut().zip(&self.slip_axes).for_each(|(place, axis)| *place = axis.dot(&between));
+        place
+    }
+
+    /// Are both places on bodies?
+    pub(super) fn holds_bodies(&self) -> bool {
+        self.from.body.is_some() && self.to.body.is_some()
     }
 
     /// v - z', m/s, along e.
@@ -189,6 +203,16 @@ impl ForceElement for DryFriction {
     /// Without friction force: what a state at rest carries depends on how it came to rest.
     fn settle(&self, _: &Moving, state: &mut [f64]) {
         state.fill(0.0);
+    }
+
+    fn rub(&self, bodies: &Moving) -> Option<Rub> {
+        self.holds_bodies().then(|| Rub { place: self.place(bodies), load: self.pair(bodies).normal_force })
+    }
+
+    fn drag(&self, from: &Rub, bodies: &Moving, state: &mut [f64]) {
+        let to = Rub { place: self.place(bodies), load: self.pair(bodies).normal_force };
+        let z = dragged(from, &to, self.exponent, |load, _| self.friction * load / self.stiffness);
+        state.iter_mut().zip(&z).for_each(|(state, z)| *state = *z);
     }
 
     #[inline]

@@ -20,6 +20,7 @@
 use super::attachment::{Attachment, axis};
 use super::dry_friction::{DryFriction, RELAXATION, Surfaces};
 use super::line::ends;
+use super::rubbing::{Rub, dragged};
 use super::{ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
 use crate::mbs::moving::Moving;
@@ -51,11 +52,17 @@ impl FrictionWedge {
     #[inline]
     fn pressed(&self, bodies: &Moving, z: &Vector2<f64>) -> Pressed {
         let mut surfaces = self.column.pair(bodies);
-        let from = &self.column.from;
-        let displacement = from.axes(bodies).tr_mul(&(surfaces.point - from.point(bodies))) - self.column.design_vector;
-        let spring = (self.spring_force - self.spring_stiffness * self.column.slip_axes[0].dot(&displacement)).max(0.0);
+        let spring = (self.spring_force - self.spring_stiffness * self.let_out(&surfaces, bodies)).max(0.0);
         surfaces.normal_force = ((spring - self.column.stiffness * z.x) / self.slope).max(0.0);
         Pressed { surfaces, spring }
+    }
+
+    /// a . d, m.
+    #[inline]
+    fn let_out(&self, surfaces: &Surfaces, bodies: &Moving) -> f64 {
+        let from = &self.column.from;
+        let displacement = from.axes(bodies).tr_mul(&(surfaces.point - from.point(bodies))) - self.column.design_vector;
+        self.column.slip_axes[0].dot(&displacement)
     }
 
     /// Force on `from` in its axes, N.
@@ -65,7 +72,7 @@ impl FrictionWedge {
     }
 }
 
-const QUANTITIES: [Quantity; 4] = [
+const QUANTITIES: [Quantity; 5] = [
     Quantity { number: 0, name: "springForce", kind: QuantityKind::Force, description: "force of the wedges' spring, pressing positive" },
     Quantity {
         number: 1,
@@ -80,6 +87,12 @@ const QUANTITIES: [Quantity; 4] = [
         description: "friction on the column across the spring's axis, tension positive",
     },
     Quantity { number: 3, name: "normalForce", kind: QuantityKind::Force, description: "normal force on the column, pressing positive" },
+    Quantity {
+        number: 4,
+        name: "displacement",
+        kind: QuantityKind::Displacement,
+        description: "of the spring from the design configuration, positive where it is let out",
+    },
 ];
 
 impl Numbered for FrictionWedge {
@@ -103,6 +116,23 @@ impl ForceElement for FrictionWedge {
     /// Without friction force.
     fn settle(&self, _: &Moving, state: &mut [f64]) {
         state.fill(0.0);
+    }
+
+    fn presses(&self) -> Option<Vector3<f64>> {
+        Some(self.column.slip_axes[0])
+    }
+
+    /// The load is that of the spring.
+    fn rub(&self, bodies: &Moving) -> Option<Rub> {
+        let spring = || self.pressed(bodies, &Vector2::zeros()).spring;
+        self.column.holds_bodies().then(|| Rub { place: self.column.place(bodies), load: spring() })
+    }
+
+    fn drag(&self, from: &Rub, bodies: &Moving, state: &mut [f64]) {
+        let to = Rub { place: self.column.place(bodies), load: self.pressed(bodies, &Vector2::zeros()).spring };
+        let per_force = self.column.friction / (self.column.stiffness * self.slope);
+        let most = |spring: f64, z: &Vector2<f64>| (per_force * (spring - self.column.stiffness * z.x)).max(0.0);
+        state.copy_from_slice(dragged(from, &to, self.column.exponent, most).as_slice());
     }
 
     #[inline]
@@ -161,6 +191,7 @@ impl ForceElement for FrictionWedge {
             1 => -self.column.stiffness * z.x,
             2 => self.column.stiffness * z.y,
             3 => surfaces.normal_force,
+            4 => self.let_out(&surfaces, bodies),
             _ => 0.0,
         }
     }

@@ -20,7 +20,7 @@
 //!
 //! The element itself is any other: it sees its bodies in an order of their own ([`Held::new`]).
 
-use super::{ElementInput, ForceElement, Part, Quantity, Strike, Table};
+use super::{ElementInput, ForceElement, Part, Quantity, Rub, Strike, Table};
 use crate::geometry::Side;
 use crate::geometry::track::station::Stations;
 use crate::mbs::body::{Body, BodyMotion, COORDINATES, Wrench};
@@ -259,6 +259,14 @@ impl ForceElement for Held {
         self.seen(bodies, |element, moving| element.settle(moving, state));
     }
 
+    fn rub(&self, bodies: &Moving) -> Option<Rub> {
+        self.seen(bodies, |element, moving| element.rub(moving))
+    }
+
+    fn drag(&self, from: &Rub, bodies: &Moving, state: &mut [f64]) {
+        self.seen(bodies, |element, moving| element.drag(from, moving, state));
+    }
+
     fn apply(&self, bodies: &Moving, state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]) {
         let mut own = [Wrench::default(); MOTIONS];
         self.seen(bodies, |element, moving| element.apply(moving, state, rates, &mut own));
@@ -338,6 +346,10 @@ impl ForceElement for Held {
 
     fn strike(&self, bodies: &Moving) -> Option<Strike> {
         self.seen(bodies, |element, moving| element.strike(moving))
+    }
+
+    fn presses(&self) -> Option<Vector3<f64>> {
+        self.element.presses()
     }
 
     fn pushes_alone(&self) -> bool {

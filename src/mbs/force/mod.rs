@@ -33,6 +33,8 @@ mod magnetic_track_brake;
 mod maxwell_damper;
 mod motor_gear;
 mod orientation;
+
+mod rubbing;
 mod running_resistance;
 mod spring_damper;
 mod sticking;
@@ -53,6 +55,7 @@ pub use held::{Guide as HeldGuide, Held, Holder};
 pub use line::{Direction, LineElement, LineLaw, Slopes, Span, Stretch};
 pub use load::VerticalLoad;
 pub use maxwell_damper::MaxwellDamper;
+pub use rubbing::Rub;
 pub use spring_damper::SpringDamper;
 pub use stop::Stop;
 
@@ -169,6 +172,14 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
     /// Puts the states where they come to rest with the bodies at rest where they are.
     fn settle(&self, _bodies: &Moving, _state: &mut [f64]) {}
 
+    /// Of dry friction between two bodies: where its places are.
+    fn rub(&self, _bodies: &Moving) -> Option<Rub> {
+        None
+    }
+
+    /// Puts the states of dry friction where a slow, straight way of its places from there, where it held nothing, leaves them.
+    fn drag(&self, _from: &Rub, _bodies: &Moving, _state: &mut [f64]) {}
+
     /// Adds the element's wrenches to those of the bodies, in the track frame, and writes the rates of its states.
     fn apply(&self, bodies: &Moving, state: &[f64], rates: &mut [f64], wrenches: &mut [Wrench]);
 
@@ -242,6 +253,11 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
 
     /// Sets the preload at an index of [`ForceElement::static_stiffness`], N.
     fn set_preload(&mut self, _index: usize, _force: f64) {}
+
+    /// Of an element whose spring can't but press: along which axis of its first body it presses the second one away.
+    fn presses(&self) -> Option<Vector3<f64>> {
+        None
+    }
 
     /// Can its preload not pull, as a bag of air can't?
     fn pushes_alone(&self) -> bool {

@@ -19,7 +19,7 @@
 //! have that pattern's speed, not their own (off by y/R, 1e-5): a run takes that back within 0.1 s and goes on straining the vehicle.
 //!
 //! *Equations:* accelerations of the constrained system less those of the pattern, along the axes of the track frame; and, where joints or
-//! contacts are constraints, the moves that bring the coordinates onto them. First-order states of force elements are at rest; an axle
+//! contacts are constraints, the moves that bring the coordinates onto them. First-order states of force elements are at rest, dry friction holds what the way into a curve leaves it (`friction`); an axle
 //! that twists is twisted as the moments on its wheels ask for, independent wheels turn each as fast as asks for no moment between them (`twists`).
 //!
 //! *Continuation:* the balance on straight track (of the curve's grade) comes first; curvature and superelevation then grow together in
@@ -44,6 +44,7 @@
 
 mod continuation;
 mod couplings;
+mod friction;
 mod newton;
 mod rails;
 mod riding;
@@ -61,6 +62,7 @@ use crate::scene::equilibrium::EquilibriumError;
 use crate::scene::spec::Scene;
 use crate::scene::start::{self, Start};
 use continuation::{Before, Steps};
+use friction::Friction;
 use nalgebra::Vector3;
 use rails::Riding;
 use search::{Pattern, Search};
@@ -229,7 +231,7 @@ fn by_elastic_contacts(
     own.lay(node, None);
     own.effort = search.effort;
     own.put_bodies(&search.now);
-    own.twists = search.twists.clone();
+    own.held_as(&search);
     let scale = scene.vehicle.speed / pattern.speed;
     if own.choose_anew().and_then(|()| own.balance()).is_ok() && own.presses() {
         return Ok(own.found(scale, wheel_loads, None));
@@ -262,7 +264,7 @@ fn on_displaced_rails(
     own.effort = search.effort;
     own.put_bodies(&search.now);
     own.ride_as(&search);
-    own.twists = search.twists.clone();
+    own.held_as(&search);
     let scale = scene.vehicle.speed / pattern.speed;
     own.tolerance = ON_RAILS;
     if !own.model.formulation.constrains() {
@@ -312,6 +314,7 @@ fn on_rails_with<'a>(
 /// From the balance on ideal rails to that on displaced ones, by parts of the displacements where need be.
 fn onto_the_rails(search: &mut Search, node: &Node, riding: &Riding) -> Result<(), EquilibriumError> {
     (search.following, search.tolerance) = (true, ON_RAILS);
+    search.friction = Friction::staying(search);
     // The first approximation is a poor one, but the balance at the first share shows the way.
     let steps = Steps { from: 0.0, to: 1.0, first: FIRST_SHARE, growth: 4.0, shortest: LEAST_SHARE };
     let balance = |search: &mut Search, done: f64, next: f64, before: Option<&Before>| {
@@ -398,6 +401,7 @@ fn release(search: &mut Search) -> Result<(), EquilibriumError> {
 /// From the balance on straight track to that in the curve.
 fn into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumError> {
     (search.following, search.tolerance) = (true, IN_CURVE);
+    search.friction = Friction::following(search);
     let steps = Steps { from: 0.0, to: 1.0, first: FIRST, growth: 2.0, shortest: SHORTEST };
     let balance = |search: &mut Search, done: f64, next: f64, before: Option<&Before>| {
         search.lay(&Node { curvature: next * node.curvature, superelevation: next * node.superelevation, ..*node }, None);

@@ -1,6 +1,7 @@
 //! The equations of steady running: places in the track frame, the pattern's velocities, and what is left of the balance.
 
 use super::couplings::Couplings;
+use super::friction::Friction;
 use super::rails::{Ride, Riding};
 use super::slopes::Entry;
 use super::twists::Twists;
@@ -98,6 +99,7 @@ pub(super) struct Search<'a> {
     pub square: Vec<Option<usize>>,
     couplings: Couplings,
     pub twists: Twists,
+    pub friction: Friction,
 }
 
 impl<'a> Search<'a> {
@@ -125,6 +127,7 @@ impl<'a> Search<'a> {
             hasty: false,
             effort: 0,
             twists: Twists::new(&model),
+            friction: Friction::default(),
             inputs: if scene.vehicle.initial.driven { model.start_inputs() } else { model.neutral_inputs() },
             constrained: model.formulation.constrains() || !model.system.joints.is_empty(),
             leading: model.system.drives.iter().map(|drive| drive.body).min().unwrap_or(0),
@@ -260,7 +263,7 @@ impl<'a> Search<'a> {
 
     /// Accelerations at `y`, which is moved onto the constraints first.
     pub fn evaluate(&mut self) -> Result<(), EvaluationError> {
-        let Search { model, workspace, y, dy, inputs, now: Configuration { at, memory, .. }, following, twists, .. } = self;
+        let Search { model, workspace, y, dy, inputs, now: Configuration { at, memory, .. }, following, twists, friction, .. } = self;
         model.set_distances(|body| at[body].coordinates[0], memory);
         let mut step = model.at(workspace, 0.0, y, memory);
         if model.formulation.constrains() && *following {
@@ -273,6 +276,7 @@ impl<'a> Search<'a> {
         }
         model.take_inputs(&mut workspace.system, 0.0, inputs);
         model.system.settle_forces(y, &mut workspace.system);
+        friction.put(&model.system, &workspace.system, y);
         twists.put(&workspace.system, y);
         if self.rails_yield {
             let rounds = model.at(workspace, 0.0, y, memory).settle_rails(inputs)?;
