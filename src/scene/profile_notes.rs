@@ -3,6 +3,7 @@
 use super::spec::Scene;
 use crate::geometry::Side;
 use crate::geometry::profile::ProfileChoice;
+use crate::geometry::track::gauge;
 
 /// What was assumed when profiles were read, each once.
 pub fn profile_notes(scene: &Scene) -> Vec<String> {
@@ -28,8 +29,43 @@ pub fn profile_doubts(scene: &Scene) -> Vec<String> {
         let [least, most] = RADII;
         format!("wheels of {name} have a radius of {radius} m; those of railways have {least} to {most} m: was another unit meant?")
     });
-    odd.chain(of_profiles(scene, |choice| choice.doubt.iter().cloned().collect())).collect()
+    odd.chain(of_profiles(scene, |choice| choice.doubt.iter().cloned().collect())).chain(unlike_rails(scene)).collect()
 }
+
+/// Tops, and gauge faces about the track's centre, of which one rail's is so much off the other's are worth a note, m.
+const UNLIKE: f64 = 0.5e-3;
+
+/// Rails whose sections stand differently about their origins: worn on one side, or measured from unlike datums.
+fn unlike_rails(scene: &Scene) -> Option<String> {
+    let track = &scene.track;
+    let (sin, cos) = track.inclination.sin_cos();
+    let top = |choice: &ProfileChoice| {
+        let (first, last) = choice.profile.range();
+        let at = |k: u32| first + (last - first) * f64::from(k) / f64::from(LOOKS);
+        (0..=LOOKS).map(|k| at(k) * sin + choice.profile.at(at(k)).value * cos).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let face = |choice: &ProfileChoice| gauge::reach(choice.profile.as_ref(), track.inclination, gauge::DEPTH).ok();
+    let [left, right] = track.rails.each_ref().map(top);
+    // Faces stand half a distance of sections, less their reach, from the centre.
+    let aside = face(&track.rails[0]).zip(face(&track.rails[1])).map_or(0.0, |(left, right)| 0.5 * (right - left));
+    let mut found = Vec::new();
+    if (left - right).abs() > UNLIKE {
+        found.push(format!("the {} rail's top is {:.2} mm lower", if left < right { "left" } else { "right" }, 1e3 * (left - right).abs()));
+    }
+    if aside.abs() > UNLIKE {
+        let way = if aside > 0.0 { "left" } else { "right" };
+        found.push(format!("the middle between the gauge faces is {:.2} mm to the {way} of the track's centre", 1e3 * aside.abs()));
+    }
+    (!found.is_empty()).then(|| {
+        format!(
+            "{}: sections stand with their origins as far left as right of the centre, and as high. Where it is not wear but the files' datums that differ, align them with shift_z and shift_y of one rail",
+            found.join(", and ")
+        )
+    })
+}
+
+/// Places on a section.
+const LOOKS: u32 = 2000;
 
 /// Of every wheelset and of the rails, each text of a wheelset once.
 fn of_profiles(scene: &Scene, notes: impl Fn(&ProfileChoice) -> Vec<String>) -> Vec<String> {

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use wheelrail::geometry::Side;
 use wheelrail::scene::load;
 use wheelrail::sim::recording::Recording;
+use wheelrail::study::assess::guiding_angle::GuidingAngle;
 use wheelrail::study::assess::known::{Axle, BodySensor, Friction, Known, Vehicle};
 use wheelrail::study::assess::sections::{Track, Zone};
 use wheelrail::study::assess::signals::Signals;
@@ -64,8 +65,13 @@ fn signals() -> Signals {
     Signals::of(&Recording { columns, rows, notes: vec![] }).unwrap()
 }
 
+/// A flange that stands on its rail with its own angle [deg].
+fn guides(degrees: f64) -> GuidingAngle {
+    GuidingAngle { angle: degrees.to_radians(), flank: degrees.to_radians() }
+}
+
 fn known(track: Track) -> Known {
-    let axle = Axle { name: "w".into(), load: LOAD, flange: [70.0_f64.to_radians(); 2] };
+    let axle = Axle { name: "w".into(), load: LOAD, flange: [guides(70.0); 2] };
     let body_sensors = vec![BodySensor { name: "floor".into(), single_level: false }];
     let friction = Friction { coefficient: 0.35, map: None };
     let vehicle = Vehicle { car: None, axles: vec![axle], friction, body_sensors, frame_sensors: vec![], track };
@@ -111,7 +117,11 @@ fn validate_what_a_scene_says_of_a_coach() {
     let vehicle = Vehicle::of(&scene).unwrap();
     let axle = (32000.0 + 2.0 * 2615.0 + 4.0 * 1813.0) * 9.81 / 4.0;
     assert!(vehicle.axles.len() == 4 && vehicle.axles.iter().all(|one| (one.load / axle - 1.0).abs() < 1e-3), "{:?}", vehicle.axles);
-    assert!(vehicle.axles.iter().flat_map(|one| one.flange).all(|angle| (angle.to_degrees() - 70.0).abs() < 0.05), "{:?}", vehicle.axles);
+    assert!(
+        vehicle.axles.iter().flat_map(|one| one.flange).all(|angle| (angle.angle.to_degrees() - 70.0).abs() < 0.05),
+        "{:?}",
+        vehicle.axles
+    );
     let floor = |name: &str| BodySensor { name: name.into(), single_level: false };
     assert_eq!((vehicle.car.as_deref(), vehicle.body_sensors.as_slice()), (Some("car"), &[floor("floor[1]"), floor("floor[2]")][..]));
     assert!(vehicle.frame_sensors.is_empty() && (vehicle.track.base - 1.5).abs() < 0.02);

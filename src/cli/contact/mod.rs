@@ -171,15 +171,18 @@ impl Elastic {
     }
 }
 
+/// Between the rails' inner faces 14 mm below their tops, m; profiles that end early tell none.
+fn gauge(scene: &Scene) -> Option<f64> {
+    let track = &scene.track;
+    let reach = |side: usize| gauge::reach(track.rails[side].profile.as_ref(), track.inclination, gauge::DEPTH).ok();
+    Some(2.0 * track.half_rail_distance - reach(0)? - reach(1)?)
+}
+
 /// Wheel and rail, radius at the tread circle, gauge and inclination, for the subtitle of a picture.
 fn pair_in_force(scene: &Scene) -> String {
     let (track, wheels) = (&scene.track, &scene.vehicle.leading().profiles);
-    let reach = |side: usize| gauge::reach(track.rails[side].profile.as_ref(), track.inclination, gauge::DEPTH);
-    // Profiles that end early tell no gauge.
-    let gauge = match (reach(0), reach(1)) {
-        (Ok(left), Ok(right)) => format!("gauge {:.1} mm", 1e3 * (2.0 * track.half_rail_distance - left - right)),
-        _ => format!("rail_distance {:.1} mm", 2e3 * track.half_rail_distance),
-    };
+    let gauge = gauge(scene)
+        .map_or_else(|| format!("rail_distance {:.1} mm", 2e3 * track.half_rail_distance), |gauge| format!("gauge {:.1} mm", 1e3 * gauge));
     let named = |names: [String; 2]| if names[0] == names[1] { names[0].clone() } else { names.join(" and ") };
     let radii = [0, 1].map(|side| format!("{:.1} mm", 1e3 * wheels[side].profile.at(0.0).value));
     format!(

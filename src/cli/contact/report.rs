@@ -79,10 +79,11 @@ pub(super) fn text(study: &Study) -> String {
         .map(|side| format!("{} on {}", wheelset.wheels[side.index()].profile.describe(), wheelset.track.rail(side).profile.describe()));
     let pairs = if left == right { left } else { format!("left {left}; right {right}") };
     let mut text = format!(
-        "{}\n\n  {pairs}\n  tread circles {:.3} mm apart, rail sections {:.3} mm apart and inclined by {:.4} rad\n  {}, yaw {} mrad\n\n",
+        "{}\n\n  {pairs}\n  tread circles {:.3} mm apart, rail sections {:.3} mm apart{} and inclined by {:.4} rad\n  {}, yaw {} mrad\n\n",
         scene.title,
         1e3 * wheelset.tread_circle_distance(),
         2e3 * scene.track.half_rail_distance,
+        super::gauge(scene).map_or(String::new(), |gauge| format!(" (gauge {:.2} mm)", 1e3 * gauge)),
         scene.track.inclination,
         if attitude.level { "axle held level" } else { "both wheels touch: roll and height are found" },
         1e3 * attitude.yaw

@@ -117,7 +117,8 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
 
     let wrong = |line: usize, problem: String| file.error(line, columns, problem);
     for sample in &mut samples {
-        sample.x = if mirrored { -sample.x } else { sample.x } - tread_circle + shift.0;
+        let from_datum = sample.x - tread_circle;
+        sample.x = if mirrored { -from_datum } else { from_datum } + shift.0;
     }
     enough(&samples).map_err(|problem| wrong(0, problem))?;
     let off_origin = |samples: &[Sample]| {

@@ -123,6 +123,13 @@ fn equiv_points_of_a_wheel_may_count_from_the_flange_back() {
         let found = read_in(folder.path(), text, Part::Wheel).unwrap();
         let (largest, ..) = distances(&found, &wanted, -0.06, 0.05);
         assert!(largest < 2e-6, "{columns}: {largest}");
+        // The file's own coordinate, whichever way its axis goes.
+        let back: String = rows.lines().map(|line| format!("-{line}\n")).collect();
+        std::fs::write(folder.path().join("w.csv"), format!("{columns}\n{back}")).unwrap();
+        let text = text.replace("70 mm", "-70 mm") + "mirror = true\n";
+        let found = read_in(folder.path(), &text, Part::Wheel).unwrap();
+        let (largest, ..) = distances(&found, &wanted, -0.06, 0.05);
+        assert!(largest < 2e-6, "{columns}, mirrored: {largest}");
     }
 }
 
@@ -141,7 +148,7 @@ fn equiv_noisy_miniprof_wheel_follows_s1002() {
     assert!(better.2 < 0.35 * plain.2);
     assert!((raw.profile.at(0.0).value - 0.46).abs() < 1e-15 && (smooth.profile.at(0.0).value - 0.46).abs() < 1e-15);
     let mirrored = read_in(&samples(), &format!("{text}mirror = true\n"), Part::Wheel).unwrap_err().to_string();
-    assert!(mirrored.contains("not over the origin; see tread_circle, shift_y or mirror"), "{mirrored}");
+    assert!(mirrored.contains("on the outer side, has the shape of a flange: set mirror, or tread_circle"), "{mirrored}");
 }
 
 #[test]

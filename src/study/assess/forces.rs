@@ -264,19 +264,23 @@ fn nadal(made: &mut Made, wheelsets: &[Wheelset]) {
         for (side, name) in wheelset.sides() {
             let Some(axle) = wheelset.axle else { continue };
             let [Some(first), Some(last)] = [wheelset.distance.first(), wheelset.distance.last()] else { continue };
-            let (angle, friction) = (axle.flange[side.index()], vehicle.friction.largest(side, [*first, *last]));
-            let degrees = angle.to_degrees();
-            let Some(limit) = q::nadal(angle, friction) else {
+            let (flange, friction) = (axle.flange[side.index()], vehicle.friction.largest(side, [*first, *last]));
+            let degrees = flange.angle.to_degrees();
+            let Some(limit) = q::nadal(flange.angle, friction) else {
                 why = format!("{name} has no flange that guides: {degrees:.1} deg at most, friction {friction}");
                 continue;
             };
             let means = wheelset.all_means(&wheelset.quotient[side.index()]);
             let Some(largest) = means.iter().map(|mean| mean.1).reduce(f64::max) else { continue };
             if worst.as_ref().is_none_or(|worst| largest / limit > worst.1) {
+                let by_rail = match flange.limited_by_rail() {
+                    true => format!(": the rail's face is less steep than the flange's {:.1}", flange.flank.to_degrees()),
+                    false => String::new(),
+                };
                 worst = Some((
                     name,
                     largest / limit,
-                    format!("limit {limit:.3} ({degrees:.1} deg, friction {friction}), largest Y/Q {largest:.3}"),
+                    format!("limit {limit:.3} ({degrees:.1} deg{by_rail}, friction {friction}), largest Y/Q {largest:.3}"),
                 ));
             }
         }

@@ -1,5 +1,6 @@
 //! What is known of vehicle and track beside the signals: from the scene.
 
+use super::guiding_angle::{GuidingAngle, guiding_angle};
 use super::quantity::VehicleKind;
 use super::sections::Track;
 use crate::contact::friction::FrictionMap;
@@ -11,6 +12,7 @@ use crate::scene::vehicle::wheelset::Initial;
 use crate::scene::vehicle::{PlacedBody, Sensor};
 use crate::sim::statics::statics;
 use crate::sim::{Simulation, SimulationError};
+use std::sync::Arc;
 
 /// A wheelset.
 #[derive(Clone, Debug)]
@@ -18,8 +20,8 @@ pub struct Axle {
     pub name: String,
     /// P0, the static load on straight, level, undisturbed track, N.
     pub load: f64,
-    /// Largest angle of its flanks against the axle on the flange, left and right, rad.
-    pub flange: [f64; 2],
+    /// What guides it, left and right.
+    pub flange: [GuidingAngle; 2],
 }
 
 /// A sensor on a car body.
@@ -73,10 +75,11 @@ impl Vehicle {
         let plain = level(scene);
         let loads = statics(&plain, &mut Simulation::new(&plain, 0.0)?)?.wheels;
         let vehicle = &scene.vehicle;
+        let mut angles = Angles { inclination: scene.track.inclination, known: Vec::new() };
         let axles = vehicle.wheelsets.iter().zip(loads).map(|(wheelset, load)| Axle {
             name: wheelset.spec.name.clone(),
             load: load.left + load.right,
-            flange: [0, 1].map(|side| flange_angle(wheelset.spec.profiles[side].profile.as_ref())),
+            flange: [0, 1].map(|side| angles.of(&wheelset.spec.profiles[side].profile, &scene.track.rails[side].profile)),
         });
         let axles = axles.collect();
         let (wheelsets, graph) = (vehicle.wheelsets.len(), Graph::of(vehicle));
@@ -93,6 +96,24 @@ impl Vehicle {
             Track { line: scene.track.line.clone(), base: 2.0 * scene.track.half_rail_distance, gravity: vehicle.gravity.max(1e-3) };
         let friction = Friction { coefficient: scene.contact.friction, map: scene.contact.friction_map.clone() };
         Ok(Vehicle { car, axles, friction, body_sensors, frame_sensors, track })
+    }
+}
+
+/// Guiding angles of wheel and rail profiles, each found once.
+struct Angles {
+    inclination: f64,
+    known: Vec<([Arc<dyn Profile>; 2], GuidingAngle)>,
+}
+
+impl Angles {
+    fn of(&mut self, wheel: &Arc<dyn Profile>, rail: &Arc<dyn Profile>) -> GuidingAngle {
+        let same = |known: &&([Arc<dyn Profile>; 2], GuidingAngle)| Arc::ptr_eq(&known.0[0], wheel) && Arc::ptr_eq(&known.0[1], rail);
+        if let Some((_, angle)) = self.known.iter().find(same) {
+            return *angle;
+        }
+        let angle = guiding_angle(wheel.as_ref(), rail.as_ref(), self.inclination);
+        self.known.push(([wheel.clone(), rail.clone()], angle));
+        angle
     }
 }
 
@@ -126,13 +147,4 @@ impl Friction {
         let factors = changes.chain([from, to]).flat_map(|place| slopes.map(|slope| map.at(side, place, slope).value));
         self.coefficient * factors.fold(0.0, f64::max)
     }
-}
-
-/// Largest lean of a wheel profile on its flange's side, rad: the flank that faces the rail, not the flange's back.
-pub fn flange_angle(profile: &dyn Profile) -> f64 {
-    const LOOKS: usize = 20_000;
-    let flank = profile.range().0.min(0.0);
-    let slope = |k: usize| -profile.at(flank * k as f64 / LOOKS as f64).d1;
-    let steepest = (0..=LOOKS).map(slope).filter(|slope| slope.is_finite()).fold(0.0, f64::max);
-    steepest.atan()
 }

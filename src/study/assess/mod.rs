@@ -9,6 +9,7 @@ pub mod aliased;
 mod comfort;
 pub mod filter;
 mod forces;
+pub mod guiding_angle;
 pub mod known;
 pub mod origin;
 pub mod quantity;

@@ -94,6 +94,7 @@ fn across(signals: &Signals, vehicle: &Vehicle) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::assess::guiding_angle::GuidingAngle;
     use crate::study::assess::known::Friction;
     use crate::study::assess::sections::Track;
     use std::fmt::Write;
@@ -110,7 +111,7 @@ mod tests {
             let y = 1e5 * (across + 0.1 * (std::f64::consts::TAU * t).sin());
             write!(text, "\n{t},{},{},1000,52000,48000", 20.0 * t, y - 1e3).unwrap();
         }
-        let axle = Axle { name: name.into(), load, flange: [1.2; 2] };
+        let axle = Axle { name: name.into(), load, flange: [GuidingAngle { angle: 1.2, flank: 1.2 }; 2] };
         let track = Track { line: None, base: 1.5, gravity: 9.81 };
         let friction = Friction { coefficient: 0.3, map: None };
         let vehicle = Vehicle { car: None, axles: vec![axle], friction, body_sensors: vec![], frame_sensors: vec![], track };
