@@ -558,7 +558,7 @@ mod tests {
         let b = root.section("b").unwrap();
         assert_eq!(
             b.number("mass", Dimension::Mass).unwrap_err().to_string(),
-            "a.toml:3: b.mass: found \"3 deg\", expected a number in kg; a string may carry t"
+            "a.toml:3: b.mass: found \"3 deg\", expected a number in kg; a string may carry t, lb"
         );
         assert_eq!(
             b.word("law", &["hertz", "assumed"]).unwrap_err().to_string(),

@@ -41,6 +41,10 @@ type Units = &'static [(&'static str, f64)];
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const INCH: f64 = 0.0254;
 const FOOT: f64 = 0.3048;
+/// kg and N (international pound, standard gravity).
+const POUND: f64 = 0.45359237;
+const POUND_FORCE: f64 = POUND * 9.80665;
+const KIP: f64 = 1e3 * POUND_FORCE;
 /// Degrees of curvature; the size among the units is that of small ones.
 const CHORD_DEGREE: &str = "deg";
 
@@ -54,20 +58,36 @@ impl Dimension {
             Dimension::Speed => &[("m/s", 1.0), ("mm/s", 1e-3), ("km/h", 1.0 / 3.6), ("mph", 0.44704)],
             Dimension::Acceleration => &[("m/s2", 1.0)],
             Dimension::AngularSpeed => &[("rad/s", 1.0), ("deg/s", DEGREE)],
-            Dimension::Mass => &[("kg", 1.0), ("t", 1e3)],
-            Dimension::Inertia => &[("kg m2", 1.0), ("t m2", 1e3)],
-            Dimension::Force => &[("N", 1.0), ("kN", 1e3), ("MN", 1e6)],
-            Dimension::Torque => &[("N m", 1.0), ("kN m", 1e3)],
+            Dimension::Mass => &[("kg", 1.0), ("t", 1e3), ("lb", POUND)],
+            Dimension::Inertia => &[("kg m2", 1.0), ("t m2", 1e3), ("lbf in s2", POUND_FORCE * INCH), ("lb ft2", POUND * FOOT * FOOT)],
+            Dimension::Force => &[("N", 1.0), ("kN", 1e3), ("MN", 1e6), ("lbf", POUND_FORCE), ("kip", KIP)],
+            Dimension::Torque => &[("N m", 1.0), ("kN m", 1e3), ("lbf ft", POUND_FORCE * FOOT), ("lbf in", POUND_FORCE * INCH)],
             Dimension::AirResistance => &[("kg/m", 1.0), ("N s2/m2", 1.0)],
-            Dimension::Stiffness => &[("N/m", 1.0), ("kN/m", 1e3), ("MN/m", 1e6), ("N/mm", 1e3), ("kN/mm", 1e6)],
-            Dimension::Damping => &[("N s/m", 1.0), ("kN s/m", 1e3), ("N s/mm", 1e3)],
-            Dimension::RotationalStiffness => &[("N m/rad", 1.0), ("kN m/rad", 1e3), ("MN m/rad", 1e6)],
-            Dimension::RotationalDamping => &[("N m s/rad", 1.0), ("kN m s/rad", 1e3)],
+            Dimension::Stiffness => &[
+                ("N/m", 1.0),
+                ("kN/m", 1e3),
+                ("MN/m", 1e6),
+                ("N/mm", 1e3),
+                ("kN/mm", 1e6),
+                ("lbf/in", POUND_FORCE / INCH),
+                ("kip/in", KIP / INCH),
+            ],
+            Dimension::Damping => {
+                &[("N s/m", 1.0), ("kN s/m", 1e3), ("N s/mm", 1e3), ("lbf s/in", POUND_FORCE / INCH), ("kip s/in", KIP / INCH)]
+            }
+            Dimension::RotationalStiffness => {
+                &[("N m/rad", 1.0), ("kN m/rad", 1e3), ("MN m/rad", 1e6), ("lbf in/rad", POUND_FORCE * INCH), ("kip in/rad", KIP * INCH)]
+            }
+            Dimension::RotationalDamping => {
+                &[("N m s/rad", 1.0), ("kN m s/rad", 1e3), ("lbf in s/rad", POUND_FORCE * INCH), ("kip in s/rad", KIP * INCH)]
+            }
             Dimension::PerSpeed => &[("s/m", 1.0)],
             Dimension::PenetrationDamping => &[("N s/m2", 1.0)],
             Dimension::ContactStiffness => &[("N/m^1.5", 1.0)],
             Dimension::Curvature => &[("1/m", 1.0), ("1/km", 1e-3), (CHORD_DEGREE, DEGREE / (100.0 * FOOT))],
-            Dimension::Pressure => &[("Pa", 1.0), ("MPa", 1e6), ("GPa", 1e9)],
+            Dimension::Pressure => {
+                &[("Pa", 1.0), ("MPa", 1e6), ("GPa", 1e9), ("psi", POUND_FORCE / (INCH * INCH)), ("ksi", KIP / (INCH * INCH))]
+            }
         }
     }
 
@@ -167,6 +187,16 @@ const OTHER_NAMES: &[(&str, &str)] = &[
     ("msec", "ms"),
     ("to", "t"),
     ("percent", "%"),
+    ("lbs", "lb"),
+    ("lb", "lbf"),
+    ("kips", "kip"),
+    ("lbin", "lbf/in"),
+    ("lbsin", "lbf s/in"),
+    ("lbinrad", "lbf in/rad"),
+    ("lbft", "lbf ft"),
+    ("ftlb", "lbf ft"),
+    ("inlb", "lbf in"),
+    ("lbins2", "lbf in s2"),
     ("nmm2", "MPa"),
 ];
 
@@ -212,6 +242,10 @@ mod tests {
             (Dimension::Speed, "90 kmh", Some("90 km/h")),
             (Dimension::Inertia, "5 kg*m^2", Some("5 kg m2")),
             (Dimension::Pressure, "207 gpa", Some("207 GPa")),
+            (Dimension::Force, "58 lb", Some("58 lbf")),
+            (Dimension::Mass, "286000 lbs", Some("286000 lb")),
+            (Dimension::Stiffness, "24000 lb/in", Some("24000 lbf/in")),
+            (Dimension::Torque, "100 ft-lb", Some("100 lbf ft")),
             (Dimension::Length, "3 deg", None),
             (Dimension::Length, "ten mm", None),
         ];
@@ -230,6 +264,13 @@ mod tests {
             (Dimension::Speed, "90 km/h", 25.0),
             (Dimension::Angle, "180 deg", std::f64::consts::PI),
             (Dimension::Stiffness, "0.25 MN/m", 2.5e5),
+            // NIST Special Publication 811, appendix B.
+            (Dimension::Mass, "1000 lb", 453.59237),
+            (Dimension::Force, "1 kip", 4448.2216152605),
+            (Dimension::Stiffness, "1 lbf/in", 175.12683524647637),
+            (Dimension::Inertia, "1 lbf in s2", 0.1129848290276167),
+            (Dimension::Inertia, "1 lb ft2", 0.04214011009380),
+            (Dimension::Pressure, "1 psi", 6894.757293168361),
             (Dimension::None, "0.4", 0.4),
             (Dimension::None, "30 ‰", 0.03),
             (Dimension::None, "30 per mille", 0.03),

@@ -44,6 +44,7 @@ fn analytic_a_box_on_a_car_swings_as_its_eigenvalue_says() {
                 "vehicle.force=[{{name=\"mount\",kind=\"bushing\",from=\"car\",to=\"box\",at=[0.5,0,1],stiffness=[4e6,4e6,2.274e6],damping=[3e3,3e3,{damping}],rotational_stiffness=[1e6,1e6,1e6],rotational_damping=[300,300,300],preload=[0,0,-3924]}}]"
             ),
             "track.deviation=[{rail=\"both\",direction=\"vertical\",shape=\"cosine\",amplitude=\"-20 mm\",from=20,to=24}]".into(),
+            "interface.outputs=[\"motion\",\"forces\"]".into(),
         ];
         let scene = load::open("bogie", &changes).unwrap_or_else(|error| panic!("{error}"));
         let all = modes(&scene, scene.vehicle.speed).unwrap();
