@@ -2,6 +2,7 @@
 
 use super::{Failure, SceneArguments, print, table};
 use crate::mbs::body::COORDINATES;
+use crate::scene::improbable::improbable;
 use crate::scene::plan::{self, Effect};
 use crate::scene::spec::Scene;
 use crate::sim::statics::{self, ElementForce, Statics};
@@ -48,9 +49,10 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
     let found = statics::statics(&scene, &mut simulation).map_err(|error| Failure::Run(error.to_string()))?;
     let mut notes = found.notes(&scene);
     if arguments.statics {
+        notes.splice(0..0, improbable(&scene, simulation.model()));
         print(&match arguments.json {
             true => format!("{}\n", serde_json::json!({"static": found, "notes": notes})),
-            false => report(&scene, &found),
+            false => report(&scene, &found) + &listed(&notes),
         })?;
         return Ok(());
     }
@@ -119,6 +121,11 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
 fn thousands(count: f64) -> String {
     let value: f64 = format!("{:.1e}", 1e-3 * count).parse().unwrap_or(count);
     format!("{value}")
+}
+
+/// Notes as `run` has them.
+fn listed(notes: &[String]) -> String {
+    notes.iter().map(|note| format!("\nnote: {note}\n")).collect()
 }
 
 /// The static report as tables.

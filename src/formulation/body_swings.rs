@@ -121,7 +121,7 @@ impl Model {
                 let kind = usize::from(i >= ANGLES);
                 let allowed = match share(halves) {
                     Some(share) if calm && against.is_some() => share * envelope.amplitude.max(SMALLEST[kind] / PER_LOSS),
-                    None if calm && against.is_some() => (UNKNOWN_BETWEEN * envelope.amplitude).max(unknown[kind]),
+                    None if calm && against.is_some() => UNKNOWN_BETWEEN * envelope.amplitude.max(SMALLEST[kind] / PER_LOSS),
                     Some(share) if calm => (share * envelope.amplitude).max(SMALLEST[kind]),
                     share => (share.unwrap_or(UNKNOWN).max(UNKNOWN) * envelope.amplitude).max(unknown[kind]),
                 };

@@ -15,6 +15,8 @@ const SLOWEST: f64 = 0.2;
 const WEAKEST: f64 = 2e-3;
 /// Vertical part of the direction of what carries.
 const STANDS: f64 = 0.7;
+/// A motor does not turn so much slower than its axle.
+const SLOWER: f64 = 0.5;
 
 /// The first of them, and how many more.
 pub(super) fn doubts(model: &Model) -> Option<String> {
@@ -23,6 +25,7 @@ pub(super) fn doubts(model: &Model) -> Option<String> {
         let doubt = force
             .doubt()
             .or_else(|| rough(force))
+            .or_else(|| geared_down(force))
             .or_else(|| columns(force))
             .or_else(|| feeble(force, model))
             .or_else(|| upside_down(force, model));
@@ -39,6 +42,12 @@ pub(super) fn doubts(model: &Model) -> Option<String> {
 fn rough(force: &dyn ForceElement) -> Option<String> {
     let found = force.constants().into_iter().find(|number| number.name == "friction" && number.value > ROUGHEST)?.value;
     Some(format!("friction = {found}: surfaces of vehicles have 0.1 to 0.6; per cent are written \"{found} %\""))
+}
+
+/// Ratios that are turns of the axle for one of the rotor.
+fn geared_down(force: &dyn ForceElement) -> Option<String> {
+    let found = force.constants().into_iter().find(|number| number.name == "ratio" && number.value < SLOWER)?.value;
+    Some(format!("ratio = {found}: turns of the rotor or shaft for one of the axle, mostly 1 to 8: was its reciprocal meant?"))
 }
 
 /// Tables that go further than anything moves.

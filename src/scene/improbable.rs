@@ -19,6 +19,7 @@ const ROUNDING: f64 = 0.02;
 pub fn improbable(scene: &Scene, model: &Model) -> Vec<String> {
     friction(scene)
         .into_iter()
+        .chain(modulus(scene))
         .chain(moments(scene))
         .chain(swapped(scene))
         .chain(distances(scene))
@@ -34,6 +35,16 @@ pub fn improbable(scene: &Scene, model: &Model) -> Vec<String> {
 fn friction(scene: &Scene) -> Option<String> {
     let found = scene.contact.friction;
     (found > FRICTION).then(|| format!("contact.friction = {found}: steel on steel has 0.05 to 0.6; per cent are written \"{found} %\""))
+}
+
+/// Young's moduli of wheels and rails, Pa.
+const MODULI: [f64; 2] = [5e10, 5e11];
+
+fn modulus(scene: &Scene) -> Option<String> {
+    let found = scene.contact.material.youngs_modulus;
+    (!(MODULI[0]..=MODULI[1]).contains(&found)).then(|| {
+        format!("contact.material.youngs_modulus = {found} Pa: steel has 2.1e11 (\"210 GPa\", \"30e6 psi\"): was another unit meant?")
+    })
 }
 
 /// `J1 <= J2 + J3` of any distribution of mass.
@@ -118,6 +129,7 @@ mod tests {
     use super::*;
     use crate::scene::{assemble, load};
 
+    const LOCOMOTIVE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/locomotive_with_motors.toml");
     const TRAM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/tram_independent_wheels.toml");
 
     fn of(scene: &str, change: &str) -> Vec<String> {
@@ -206,6 +218,9 @@ mod tests {
         for (scene, change, words) in [
             ("wheelset_s1002", "vehicle.wheelset.profile.radius=2", "radius of 2 m"),
             ("wheelset_s1002", "contact.friction=35", "\"35 %\""),
+            ("wheelset_s1002", "contact.material.youngs_modulus=2.1e10", "\"210 GPa\""),
+            ("wheelset_s1002", "vehicle.wheelset.inertia_yy=1000", "all of its mass at the tread"),
+            (LOCOMOTIVE, "vehicle.module.truck.force[motor[1]].ratio=0.2", "was its reciprocal meant"),
             ("vehicle_manchester_1", "vehicle.body[car].inertia_xx=6e6", "no body has that"),
             (
                 "vehicle_manchester_1",

@@ -7,6 +7,7 @@ use super::vehicle::assemble::static_preloads;
 use super::vehicle::extent::Away;
 use super::vehicle::stability::{Fall, fall};
 use crate::formulation::Model;
+use crate::formulation::wheelset::Wheelset;
 use crate::geometry::Side;
 use crate::geometry::profile::ProfileChoice;
 use crate::geometry::surface::Wheel;
@@ -39,7 +40,7 @@ pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
 
 /// Spacing of the places that are looked at, and how far beyond its way, m.
 const SPACING: f64 = 0.1;
-const BESIDE: f64 = 10.0;
+const BESIDE: f64 = 1.0;
 /// Places of a displacement that is not reached, which are looked at.
 const MIDDLES: usize = 16;
 
@@ -298,6 +299,8 @@ fn without_play(scene: &Scene) -> Option<String> {
 /// Radii of gyration beyond which no vehicle's body, and no wheelset, is, m.
 const EXTENT: f64 = 20.0;
 const EXTENT_OF_WHEELSETS: f64 = 3.0;
+/// Moment about the axle, by that of its mass at the tread.
+const MOST_AT_TREAD: f64 = 1.2;
 
 /// Moments of inertia of another unit than the mass.
 fn extents(scene: &Scene, model: &Model) -> Option<String> {
@@ -311,6 +314,19 @@ fn extents(scene: &Scene, model: &Model) -> Option<String> {
             )
         })
     };
+    let rolls = |wheelset: &Wheelset| {
+        let (body, radius) = (&model.system.bodies[wheelset.body], wheelset.left.profile.at(0.0).value);
+        let (about_axle, most) = (body.inertia.moments()[1], body.mass * radius * radius);
+        (about_axle > MOST_AT_TREAD * most).then(|| {
+            format!(
+                "{}: inertia_yy = {about_axle} kg m2 about its axle is more than all of its mass at the tread would have ({most:.0} kg m2): was another unit meant, or have moments changed places?",
+                body.name
+            )
+        })
+    };
+    if let Some(note) = model.wheelsets.iter().find_map(rolls) {
+        return Some(note);
+    }
     let wheelsets = model.wheelsets.iter().find_map(|wheelset| far(&model.system.bodies[wheelset.body], EXTENT_OF_WHEELSETS));
     wheelsets.or_else(|| scene.vehicle.bodies.iter().find_map(|placed| far(&placed.body, EXTENT)))
 }

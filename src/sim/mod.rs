@@ -144,6 +144,8 @@ pub struct Simulation {
     push: Push,
     /// Over the run so far, for its notes alone.
     loads: WheelLoads,
+    /// Share of its dry friction that the vehicle starts with in a curve.
+    rubbed_in: f64,
     untuned: tuning::Untuned,
     extrapolation: directional::Extrapolation,
     /// s.
@@ -172,8 +174,10 @@ impl Simulation {
         let model = assemble::model(scene)?;
         let steady = scene.vehicle.initial.from_equilibrium.then(|| steady_state::steady_state(scene)).transpose()?;
         let model = model.with_static_wheel_loads(steady.as_ref().map_or(&[], |steady| &steady.wheel_loads));
+        let rubbed_in = steady.as_ref().map_or(1.0, |steady| steady.rubbed_in);
         let state = initial_state(scene, &model, steady);
         let mut simulation = Self::begin(model, &scene.solver.integrator, state, start, scene.vehicle.initial.driven)?;
+        simulation.rubbed_in = rubbed_in;
         if scene.effects.half {
             simulation.halve()?;
         }
@@ -260,6 +264,7 @@ impl Simulation {
             known: None,
             push,
             loads: model.wheel_loads(),
+            rubbed_in: 1.0,
             untuned: Vec::new(),
             extrapolation: Default::default(),
             start,

@@ -14,6 +14,12 @@ impl Simulation {
     /// that swing fast of themselves, works that lag.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.model.load_notes(&self.loads);
+        if self.rubbed_in < 1.0 {
+            notes.push(format!(
+                "dry friction starts in this curve with {:.0} % of what the way through a transition would leave it: no balance was found with more; start before the curve where that matters",
+                100.0 * self.rubbed_in
+            ));
+        }
         let fixed = self.integrator.setting().kind == SettingKind::Step;
         let flutter = self.model.flutter_note(&self.state.flutter, &self.loads, fixed);
         notes.extend(flutter.or_else(|| self.model.swing_note(&self.loads)));

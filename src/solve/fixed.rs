@@ -24,7 +24,7 @@ const RINGING: f64 = 16.0;
 /// steps of 1 ms, none of which was off by more than 5 times that.)
 const DOUBTFUL_TOGETHER: f64 = 15.0;
 /// ... and wrong from so many times on.
-const WRONG_TOGETHER: f64 = 200.0;
+const WRONG_TOGETHER: f64 = 300.0;
 /// A step may be so many times as long as an adaptive one would be before what lies ahead.
 const AHEAD: f64 = 2.0;
 

@@ -152,6 +152,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = arguments.inputs.as_deref().map(|path| inputs::read(path, &mut scene)).transpose()?;
     let origin = Origin::of(&scene).with_inputs(inputs.as_ref().map(|inputs| inputs.text.as_str()));
     let (stop, step) = arguments.times.read(&scene)?;
+    scene.run.stop = stop;
     let times = Times { stop, step };
     let wheelset = arguments.wheelset.choose(&scene)?;
     // Whatever can't be written or go on is better known before the run.

@@ -49,7 +49,7 @@ impl RailStrips {
             let slope = at.d1.hypot(1.0);
             let (bend, relative) = (at.d2.abs() / slope.powi(3), opposite.bend(rail, begin, &at));
             let smooth = WIDTHS.iter().find(|(own, against, _)| bend >= *own || relative >= *against).map_or(WIDTHS[0].2, |found| found.2);
-            let turn = turn(profile, [begin - 0.5 * WIDTHS[0].2, begin + WIDTHS[0].2]);
+            let turn = turn(profile, [begin - 0.5 * WIDTHS[0].2 / slope, begin + WIDTHS[0].2 / slope]);
             let width = EDGES.iter().find(|(least, _)| turn >= *least).map_or(smooth, |found| found.1);
             let end = begin + width / slope;
             let eta = 0.5 * (begin + end);

@@ -109,8 +109,11 @@ impl Profile for SplineProfile {
 pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Reading) -> Result<ProfileChoice, SettingsError> {
     let Reading { mut samples, order, level, tread_circle, radius, inward, columns, mut notes } = reading;
     let radius = radius_in_force(section, part, level, (&file, radius), &mut notes)?;
-    let tread_circle = if part == Part::Wheel { section.number_or("tread_circle", Dimension::Length, tread_circle)? } else { 0.0 };
-    let mirrored = section.flag_or("mirror", false)? != inward;
+    let turned = section.flag_or("mirror", false)?;
+    // A kind of file has its datum as far from the flange whichever way the axis goes.
+    let usual = if turned { -tread_circle } else { tread_circle };
+    let tread_circle = if part == Part::Wheel { section.number_or("tread_circle", Dimension::Length, usual)? } else { 0.0 };
+    let mirrored = turned != inward;
     let shift = (section.number_or("shift_y", Dimension::Length, 0.0)?, section.number_or("shift_z", Dimension::Length, 0.0)?);
     let drop_outliers = section.flag_or("drop_outliers", false)?;
     let reach = read_reach(section)?;

@@ -148,7 +148,7 @@ fn equiv_noisy_miniprof_wheel_follows_s1002() {
     assert!(better.2 < 0.35 * plain.2);
     assert!((raw.profile.at(0.0).value - 0.46).abs() < 1e-15 && (smooth.profile.at(0.0).value - 0.46).abs() < 1e-15);
     let mirrored = read_in(&samples(), &format!("{text}mirror = true\n"), Part::Wheel).unwrap_err().to_string();
-    assert!(mirrored.contains("on the outer side, has the shape of a flange: set mirror, or tread_circle"), "{mirrored}");
+    assert!(mirrored.contains("not over the origin; see tread_circle, shift_y or mirror"), "{mirrored}");
 }
 
 #[test]

@@ -7,7 +7,6 @@
 //! *Left out:* that the way is not quite straight and not run at one rate (a truck turns in before its car), what the road before has left in the friction, and displaced rails, on which friction
 //! stays as it was in the ideal curve.
 
-use super::search::Search;
 use crate::mbs::force::Rub;
 use crate::mbs::system::{System, SystemWorkspace};
 
@@ -17,29 +16,34 @@ pub(super) enum Friction {
     /// It holds nothing.
     #[default]
     Without,
-    /// It counts from here.
-    Follows(Vec<(usize, Rub)>),
+    /// It counts from here, and holds this share of what it then would.
+    Follows(Vec<(usize, Rub)>, f64),
     /// Its states stay these, m.
     Stays(Vec<(usize, Vec<f64>)>),
 }
 
 impl Friction {
-    /// From the balance on straight track, which `search` has.
-    pub fn following(search: &mut Search) -> Friction {
-        search.take_places();
-        let (system, workspace) = (&search.model.system, &search.workspace.system);
+    /// From the balance on straight track, with its bodies in the workspace.
+    pub fn following(system: &System, workspace: &SystemWorkspace) -> Friction {
         let rub = |element: usize| Some((element, system.forces[element].rub(&system.seen_by(element, workspace))?));
-        Friction::Follows((0..system.forces.len()).filter_map(rub).collect())
+        let counted: Vec<(usize, Rub)> = (0..system.forces.len()).filter_map(rub).collect();
+        if counted.is_empty() { Friction::Without } else { Friction::Follows(counted, 1.0) }
     }
 
-    /// What it holds in the balance that `search` has, from here on.
-    pub fn staying(search: &mut Search) -> Friction {
-        search.take_places();
-        let Search { model, workspace, y, friction, .. } = search;
-        friction.put(&model.system, &workspace.system, y);
-        match friction {
-            Friction::Follows(counted) => {
-                Friction::Stays(counted.iter().map(|(element, _)| (*element, y[model.system.states_of_force(*element)].to_vec())).collect())
+    /// The same with a share of what it holds.
+    pub fn in_part(&self, share: f64) -> Friction {
+        match self {
+            Friction::Follows(counted, _) => Friction::Follows(counted.clone(), share),
+            other => other.clone(),
+        }
+    }
+
+    /// What it holds with the bodies where they are in the workspace, from here on.
+    pub fn staying(&self, system: &System, workspace: &SystemWorkspace, y: &mut [f64]) -> Friction {
+        self.put(system, workspace, y);
+        match self {
+            Friction::Follows(counted, _) => {
+                Friction::Stays(counted.iter().map(|(element, _)| (*element, y[system.states_of_force(*element)].to_vec())).collect())
             }
             other => other.clone(),
         }
@@ -49,10 +53,11 @@ impl Friction {
     pub fn put(&self, system: &System, workspace: &SystemWorkspace, y: &mut [f64]) {
         match self {
             Friction::Without => {}
-            Friction::Follows(counted) => {
+            Friction::Follows(counted, share) => {
                 for (element, from) in counted {
                     let state = &mut y[system.states_of_force(*element)];
                     system.forces[*element].drag(from, &system.seen_by(*element, workspace), state);
+                    state.iter_mut().for_each(|state| *state *= share);
                 }
             }
             Friction::Stays(states) => {
@@ -61,18 +66,5 @@ impl Friction {
                 }
             }
         }
-    }
-}
-
-impl Search<'_> {
-    /// Puts the bodies of the workspace where the configuration has them.
-    fn take_places(&mut self) {
-        self.follow_pattern(true);
-        self.model.system.move_bodies(&self.y, &mut self.workspace.system);
-    }
-
-    /// Axles are twisted, and friction holds, as in another search.
-    pub fn held_as(&mut self, other: &Search) {
-        (self.twists, self.friction) = (other.twists.clone(), other.friction.clone());
     }
 }

@@ -45,6 +45,7 @@
 mod continuation;
 mod couplings;
 mod friction;
+mod holding;
 mod newton;
 mod rails;
 mod riding;
@@ -81,6 +82,8 @@ pub struct SteadyState {
     /// What joints pull each body with along straight track where no speed is imposed, N: its mass times that acceleration less all other forces.
     pub pulls: Vec<f64>,
     pub contacts: Contacts,
+    /// Share of what dry friction would hold after the way into a curve that it holds: less than 1 where no balance was found with all of it.
+    pub rubbed_in: f64,
 }
 
 /// How a run begins with contacts that may be constraints.
@@ -314,7 +317,7 @@ fn on_rails_with<'a>(
 /// From the balance on ideal rails to that on displaced ones, by parts of the displacements where need be.
 fn onto_the_rails(search: &mut Search, node: &Node, riding: &Riding) -> Result<(), EquilibriumError> {
     (search.following, search.tolerance) = (true, ON_RAILS);
-    search.friction = Friction::staying(search);
+    search.keep_friction();
     // The first approximation is a poor one, but the balance at the first share shows the way.
     let steps = Steps { from: 0.0, to: 1.0, first: FIRST_SHARE, growth: 4.0, shortest: LEAST_SHARE };
     let balance = |search: &mut Search, done: f64, next: f64, before: Option<&Before>| {
@@ -349,17 +352,35 @@ fn balanced<'a>(scene: &Scene, standing: &'a Standing, pattern: Pattern, node: &
     let wheel_loads = search.wheel_loads();
     if node.curvature != 0.0 || node.superelevation != 0.0 {
         search.rails_yield = false;
-        if Twists::independent(&search.model) {
-            on_independent_wheels(&mut search, node)?;
-        } else {
-            into_the_curve(&mut search, node)?;
-        }
+        rubbing_into_the_curve(&mut search, node)?;
         search.rails_yield = true;
         if search.model.gives_way() {
             search.balance()?;
         }
     }
     Ok((search, wheel_loads))
+}
+
+/// Into the curve with dry friction that holds what the way leaves it; where there is no balance that way, without it, and then with as much of it as there is one with.
+fn rubbing_into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumError> {
+    let straight = search.configuration();
+    let friction = search.friction_from_here();
+    let go = |search: &mut Search| match Twists::independent(&search.model) {
+        true => on_independent_wheels(search, node),
+        false => into_the_curve(search, node),
+    };
+    search.friction = friction.clone();
+    let found = go(search);
+    if found.is_ok() || matches!(friction, Friction::Without) {
+        return found;
+    }
+    search.put(&straight);
+    (search.effort, search.friction, search.hasty) = (0, Friction::Without, false);
+    search.lay(&Node { curvature: 0.0, superelevation: 0.0, ..*node }, None);
+    go(search)?;
+    search.effort = 0;
+    search.rubbed_in = search.rub_in(&friction);
+    Ok(())
 }
 
 /// From wheels that turn together to wheels that turn on their own: what resists that goes down from the first of these to the last, N m s, then away.
@@ -401,7 +422,6 @@ fn release(search: &mut Search) -> Result<(), EquilibriumError> {
 /// From the balance on straight track to that in the curve.
 fn into_the_curve(search: &mut Search, node: &Node) -> Result<(), EquilibriumError> {
     (search.following, search.tolerance) = (true, IN_CURVE);
-    search.friction = Friction::following(search);
     let steps = Steps { from: 0.0, to: 1.0, first: FIRST, growth: 2.0, shortest: SHORTEST };
     let balance = |search: &mut Search, done: f64, next: f64, before: Option<&Before>| {
         search.lay(&Node { curvature: next * node.curvature, superelevation: next * node.superelevation, ..*node }, None);

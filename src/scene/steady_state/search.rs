@@ -100,6 +100,8 @@ pub(super) struct Search<'a> {
     couplings: Couplings,
     pub twists: Twists,
     pub friction: Friction,
+    /// Share of dry friction with which the balance in a curve was found.
+    pub rubbed_in: f64,
 }
 
 impl<'a> Search<'a> {
@@ -128,6 +130,7 @@ impl<'a> Search<'a> {
             effort: 0,
             twists: Twists::new(&model),
             friction: Friction::default(),
+            rubbed_in: 1.0,
             inputs: if scene.vehicle.initial.driven { model.start_inputs() } else { model.neutral_inputs() },
             constrained: model.formulation.constrains() || !model.system.joints.is_empty(),
             leading: model.system.drives.iter().map(|drive| drive.body).min().unwrap_or(0),
@@ -490,7 +493,8 @@ impl<'a> Search<'a> {
         let carried = |body: usize| system.supported.iter().filter(|own| own.body == body).map(|own| own.mass).sum::<f64>();
         let masses = system.bodies.iter().enumerate().map(|(body, data)| data.mass + carried(body));
         let pulls = masses.zip(&self.workspace.system.wrenches).map(|(mass, wrench)| mass * slowing - wrench.force.x).collect();
-        SteadyState { y: self.y, wheel_loads, acceleration: slowing, pulls, contacts: contacts.unwrap_or(Contacts::Kept(memory)) }
+        let contacts = contacts.unwrap_or(Contacts::Kept(memory));
+        SteadyState { y: self.y, wheel_loads, acceleration: slowing, pulls, contacts, rubbed_in: self.rubbed_in }
     }
 }
 
