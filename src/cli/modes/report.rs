@@ -95,10 +95,14 @@ fn verdict(found: &Modes) -> String {
     let growing: Vec<&Mode> = found.growing().collect();
     if growing.is_empty() {
         let uncertain = |mode: &&Mode| !mode.neutral && mode.growth + UNCERTAIN * mode.uncertainty > 0.0;
-        let Some(first) = found.modes.iter().find(uncertain) else { return "\nStable: every motion dies away or is neutral\n".into() };
+        // The one that may grow most.
+        let most = |a: &&Mode, b: &&Mode| a.growth.total_cmp(&b.growth);
+        let Some(first) = found.modes.iter().filter(uncertain).max_by(most) else {
+            return "\nStable: every motion dies away or is neutral\n".into();
+        };
         return format!(
-            "\nNo motion grows, but that is not certain of {} at {:.3} Hz: slopes change within micrometres (+- is about as large as the growth), and larger motions may be others; see a run\n",
-            first.name, first.frequency
+            "\nNo motion grows for certain: {} at {:.3} Hz has {:+.3} 1/s, +- {:.0e} (slopes change within micrometres), and larger motions may be others; see a run\n",
+            first.name, first.frequency, first.growth, first.uncertainty
         );
     }
     let words = growing.iter().map(|mode| format!("{} at {:.3} Hz by {:.3} 1/s", mode.name, mode.frequency, mode.growth));
