@@ -108,7 +108,10 @@ fn links_to_wheelsets(model: &Model) -> Vec<usize> {
     links[..model.wheelsets.len()].fill(0);
     let forces = model.system.forces.iter().map(|force| force.bodies());
     let joints = model.system.joints.iter().map(|joint| [Some(joint.bodies.first), joint.bodies.second]);
-    let pairs: Vec<[usize; 2]> = forces.chain(joints).filter_map(|[from, to]| Some([from?, to?])).collect();
+    // Wheels with a motion of their own are no bodies.
+    let count = links.len();
+    let among = |[from, to]: [Option<usize>; 2]| Some([from?, to?]).filter(|pair| pair.iter().all(|body| *body < count));
+    let pairs: Vec<[usize; 2]> = forces.chain(joints).filter_map(among).collect();
     for reached in 0..links.len() {
         for [a, b] in pairs.iter().flat_map(|[a, b]| [[*a, *b], [*b, *a]]) {
             if links[a] == reached && links[b] > reached {
