@@ -269,7 +269,7 @@ mod tests {
             (Dimension::Force, "1 kip", 4448.2216152605),
             (Dimension::Stiffness, "1 lbf/in", 175.12683524647637),
             (Dimension::Inertia, "1 lbf in s2", 0.1129848290276167),
-            (Dimension::Inertia, "1 lb ft2", 0.04214011009380),
+            (Dimension::Inertia, "1 lb ft2", 0.042140110093804806),
             (Dimension::Pressure, "1 psi", 6894.757293168361),
             (Dimension::None, "0.4", 0.4),
             (Dimension::None, "30 ‰", 0.03),

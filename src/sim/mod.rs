@@ -355,11 +355,12 @@ impl Simulation {
         self.loads.first_strike()
     }
 
-    /// Advances to `target` [s].
+    /// Advances to `target` [s]; time does not go back: it stays where it is for one that has passed.
     ///
     /// # Errors
     /// [`SimulationError`]; time then stands where the last successful step ended.
     pub fn advance(&mut self, target: f64) -> Result<(), SimulationError> {
+        let target = target.max(self.state.time);
         let advanced = self.integrate(|integrator, dynamics, state, scratch| integrator.advance(dynamics, state, scratch, target));
         self.state.time = if advanced.is_ok() { target } else { self.state.integration.t.max(self.state.time).min(target) };
         advanced

@@ -152,15 +152,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = arguments.inputs.as_deref().map(|path| inputs::read(path, &mut scene)).transpose()?;
     let origin = Origin::of(&scene).with_inputs(inputs.as_ref().map(|inputs| inputs.text.as_str()));
     let (stop, step) = arguments.times.read(&scene)?;
-    scene.run.stop = stop;
     let times = Times { stop, step };
+    scene.run.stop = stop;
     let wheelset = arguments.wheelset.choose(&scene)?;
     // Whatever can't be written or go on is better known before the run.
     let asked = &arguments.results;
     let target = super::target(&asked.output, Kind::Results, arguments.json)?;
     let to_stdout = target.as_ref().is_some_and(Target::is_stdout);
-    asked.check(times)?;
-    not_over_inputs(arguments)?;
+    asked.check(times).and_then(|()| not_over_inputs(arguments))?;
     let found = arguments.checkpoints.found(&origin, times)?;
     let mut simulation = super::start(&scene)?;
     if let Some(folder) = &arguments.plot {

@@ -105,14 +105,18 @@ impl Profile for SplineProfile {
     }
 }
 
+/// The file's lateral coordinate of a wheel's u = 0, m. A kind of file has its `usual` datum as far from the flange whichever way the axis goes.
+fn datum(section: &Section, part: Part, (usual, turned): (f64, bool)) -> Result<f64, SettingsError> {
+    let usual = if turned { -usual } else { usual };
+    if part == Part::Wheel { section.number_or("tread_circle", Dimension::Length, usual) } else { Ok(0.0) }
+}
+
 /// Cleans, places and smooths the points, and carries them by a spline.
 pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Reading) -> Result<ProfileChoice, SettingsError> {
     let Reading { mut samples, order, level, tread_circle, radius, inward, columns, mut notes } = reading;
     let radius = radius_in_force(section, part, level, (&file, radius), &mut notes)?;
     let turned = section.flag_or("mirror", false)?;
-    // A kind of file has its datum as far from the flange whichever way the axis goes.
-    let usual = if turned { -tread_circle } else { tread_circle };
-    let tread_circle = if part == Part::Wheel { section.number_or("tread_circle", Dimension::Length, usual)? } else { 0.0 };
+    let tread_circle = datum(section, part, (tread_circle, turned))?;
     let mirrored = turned != inward;
     let shift = (section.number_or("shift_y", Dimension::Length, 0.0)?, section.number_or("shift_z", Dimension::Length, 0.0)?);
     let drop_outliers = section.flag_or("drop_outliers", false)?;
@@ -120,8 +124,7 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
 
     let wrong = |line: usize, problem: String| file.error(line, columns, problem);
     for sample in &mut samples {
-        let from_datum = sample.x - tread_circle;
-        sample.x = if mirrored { -from_datum } else { from_datum } + shift.0;
+        sample.x = if mirrored { tread_circle - sample.x } else { sample.x - tread_circle } + shift.0;
     }
     enough(&samples).map_err(|problem| wrong(0, problem))?;
     let off_origin = |samples: &[Sample]| {
