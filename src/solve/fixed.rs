@@ -23,8 +23,6 @@ const RINGING: f64 = 16.0;
 /// ... are doubtful where they come to so many times what the system allows of forces. (Behind a jump of curvature 7.7 % of a wheel load were lost at
 /// steps of 1 ms, none of which was off by more than 5 times that.)
 const DOUBTFUL_TOGETHER: f64 = 15.0;
-/// ... and wrong from so many times on.
-const WRONG_TOGETHER: f64 = 300.0;
 /// A step may be so many times as long as an adaptive one would be before what lies ahead.
 const AHEAD: f64 = 2.0;
 
@@ -128,9 +126,8 @@ impl FixedStep {
         let doubtful = error.reaches(&limit(1.0)) || together >= DOUBTFUL_TOGETHER;
         state.doubts.together = together;
         state.doubts.run = if error.reaches(&limit(1.0)) { state.doubts.run + 1 } else { 0 };
-        if error.reaches(&limit(WRONG)) || state.doubts.run >= LASTING || together >= WRONG_TOGETHER {
-            let load = if together >= WRONG_TOGETHER { together } else { error.load };
-            return Err(SolveError::StepTooLong { time: state.t, step: self.h, position: error.state, load });
+        if error.reaches(&limit(WRONG)) || state.doubts.run >= LASTING {
+            return Err(SolveError::StepTooLong { time: state.t, step: self.h, position: error.state, load: error.load });
         }
         if doubtful {
             let doubts = &mut state.doubts;
