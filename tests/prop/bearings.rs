@@ -167,16 +167,3 @@ fn analytic_preloads_from_balance_pull_no_axle_along_the_track() {
         assert!(pull.force.abs() < 20.0 && pull.displacement.abs() < 2e-5, "{pull:?}");
     }
 }
-
-/// A motor whose place lies on another axle than the one that it names is refused: the place has no effect, and one wheelset had two motors, the other none.
-#[test]
-fn prop_motors_turn_the_axle_on_which_they_are_placed() {
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/locomotive_with_motors.toml");
-    let with = |to: &str| {
-        let change = format!("vehicle.module.truck.force[motor[1]].to={to}");
-        load::open(scene, &[change]).map(|_| ()).map_err(|error| error.to_string())
-    };
-    assert_eq!(with("{body=\"wheelset[1]\",at=[1.28,0,0.46]}"), Ok(()));
-    let refused = with("{body=\"wheelset[2]\",at=[1.28,0,0.46]}").unwrap_err();
-    assert!(refused.contains("2.56 m from the axle that it names"), "{refused}");
-}

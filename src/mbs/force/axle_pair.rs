@@ -65,22 +65,11 @@ struct Line {
     lever: f64,
 }
 
-/// A place so far from its axle is on another one, m: the least wheelbases are three times as long.
-const ANOTHER: f64 = 0.6;
-
 /// Two bodies and their places from the keys `carrier` and `to` (the axle); the vector is that from the axle to the carrier's place.
 pub(super) fn read_pair(section: &Section, places: &dyn Places, carrier: &'static str) -> Result<(AxlePair, Vector3<f64>), SettingsError> {
     let (from, to) = (places.attachment(section, carrier)?, places.attachment(section, "to")?);
     if from.body == to.body {
         return Err(section.error("to", format!("is on the same body as \"{carrier}\", so that the element would do nothing")));
-    }
-    // A place for both ends says where the carrier is held.
-    let off = to.local.x.hypot(to.local.z);
-    if off > ANOTHER && !section.has("at") {
-        return Err(section.error(
-            "to",
-            format!("has a place {off:.2} m from the axle that it names: another wheelset stands there, or its \"at\" is wrong"),
-        ));
     }
     let body = |key, place: &Attachment| {
         place.body.ok_or_else(|| section.error(key, "is the world; expected a body: what turns an axle must be carried by one"))
