@@ -282,6 +282,11 @@ fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
+/// What a user should know, below a table.
+fn notes(doubts: Vec<String>) -> String {
+    doubts.into_iter().map(|doubt| format!("\n  note: {doubt}\n")).collect()
+}
+
 /// Starts a simulation; a scene without equilibrium is bad input, and what is doubtful in it may be why.
 fn start(scene: &Scene) -> Result<Simulation, Failure> {
     Simulation::new(scene, 0.0).map_err(|error| {

@@ -52,7 +52,7 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
         notes.splice(0..0, improbable(&scene, simulation.model()));
         print(&match arguments.json {
             true => format!("{}\n", serde_json::json!({"static": found, "notes": notes})),
-            false => report(&scene, &found) + &listed(&notes),
+            false => report(&scene, &found) + &super::notes(notes),
         })?;
         return Ok(());
     }
@@ -121,11 +121,6 @@ pub(super) fn plan(arguments: &Arguments) -> Result<(), Failure> {
 fn thousands(count: f64) -> String {
     let value: f64 = format!("{:.1e}", 1e-3 * count).parse().unwrap_or(count);
     format!("{value}")
-}
-
-/// Notes as `run` has them.
-fn listed(notes: &[String]) -> String {
-    notes.iter().map(|note| format!("\nnote: {note}\n")).collect()
 }
 
 /// The static report as tables.

@@ -32,6 +32,8 @@ const SMALLEST_UNKNOWN: [f64; 2] = [2e-6, 2e-6];
 const UNKNOWN_BETWEEN: f64 = 2e-4;
 /// Errors that do not matter for bodies relative to each other.
 const SMALLEST_BETWEEN: [f64; 2] = [5e-8, 5e-8];
+/// Swings below this are rounding, m and rad: what their peaks keep says nothing, and would differ from machine to machine.
+const ROUNDING: f64 = 1e-10;
 /// Places of the angles among the coordinates: yaw, roll, pitch.
 const ANGLES: usize = 3;
 
@@ -94,7 +96,9 @@ impl Model {
             };
             for (Coordinate { envelope, halves }, now) in coordinates.iter_mut().zip(now) {
                 envelope.note(now, fading, first);
-                halves.note(now - envelope.mean);
+                if envelope.amplitude > ROUNDING {
+                    halves.note(now - envelope.mean);
+                }
             }
         }
     }
@@ -120,8 +124,9 @@ impl Model {
             let part = |(i, Coordinate { envelope, halves }): (usize, &Coordinate)| {
                 let kind = usize::from(i >= ANGLES);
                 let allowed = match share(halves) {
-                    Some(share) if calm && against.is_some() => share * envelope.amplitude.max(SMALLEST[kind] / PER_LOSS),
-                    None if calm && against.is_some() => UNKNOWN_BETWEEN * envelope.amplitude.max(SMALLEST[kind] / PER_LOSS),
+                    share if calm && against.is_some() => {
+                        share.unwrap_or(UNKNOWN_BETWEEN) * envelope.amplitude.max(SMALLEST[kind] / PER_LOSS)
+                    }
                     Some(share) if calm => (share * envelope.amplitude).max(SMALLEST[kind]),
                     share => (share.unwrap_or(UNKNOWN).max(UNKNOWN) * envelope.amplitude).max(unknown[kind]),
                 };

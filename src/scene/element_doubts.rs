@@ -1,6 +1,7 @@
 //! Data of force elements that were probably meant otherwise: another unit, columns of a table that have changed places, a pair in one place.
 
 use crate::formulation::Model;
+use crate::mbs::body::Body;
 use crate::mbs::force::{ForceElement, Table};
 use crate::settings::Number;
 use crate::units::Unit;
@@ -21,6 +22,7 @@ const SLOWER: f64 = 0.5;
 /// The first of them, and how many more.
 pub(super) fn doubts(model: &Model) -> Option<String> {
     let elements = &model.system.forces;
+    let above = links_to_wheelsets(model);
     let own = |force: &dyn ForceElement| {
         let doubt = force
             .doubt()
@@ -28,7 +30,7 @@ pub(super) fn doubts(model: &Model) -> Option<String> {
             .or_else(|| geared_down(force))
             .or_else(|| columns(force))
             .or_else(|| feeble(force, model))
-            .or_else(|| upside_down(force, model));
+            .or_else(|| upside_down(force, &model.system.bodies, &above));
         Some(format!("{}: {}", force.name(), doubt?))
     };
     let mut all = elements.iter().filter_map(|force| own(force.as_ref()).or_else(|| in_one_place(force.as_ref(), model)));
@@ -87,13 +89,12 @@ fn feeble(force: &dyn ForceElement, model: &Model) -> Option<String> {
 }
 
 /// An element that can't but press, and presses what it carries down.
-fn upside_down(force: &dyn ForceElement, model: &Model) -> Option<String> {
+fn upside_down(force: &dyn ForceElement, bodies: &[Body], above: &[usize]) -> Option<String> {
     let axis = force.presses()?;
     let [Some(from), Some(to)] = force.bodies() else { return None };
-    let above = links_to_wheelsets(model);
     let rises = above[to].cmp(&above[from]) as i32;
     let wrong = axis.z.abs() > STANDS && f64::from(rises) * axis.z < 0.0;
-    let [from, to] = [from, to].map(|body| model.system.bodies[body].name.as_str());
+    let [from, to] = [from, to].map(|body| bodies[body].name.as_str());
     let (carried, carrier) = if rises > 0 { (to, from) } else { (from, to) };
     wrong.then(|| {
         format!(
@@ -112,11 +113,16 @@ fn links_to_wheelsets(model: &Model) -> Vec<usize> {
     let count = links.len();
     let among = |[from, to]: [Option<usize>; 2]| Some([from?, to?]).filter(|pair| pair.iter().all(|body| *body < count));
     let pairs: Vec<[usize; 2]> = forces.chain(joints).filter_map(among).collect();
-    for reached in 0..links.len() {
+    for reached in 0.. {
+        let mut further = false;
         for [a, b] in pairs.iter().flat_map(|[a, b]| [[*a, *b], [*b, *a]]) {
-            if links[a] == reached && links[b] > reached {
+            if links[a] == reached && links[b] > reached + 1 {
                 links[b] = reached + 1;
+                further = true;
             }
+        }
+        if !further {
+            break;
         }
     }
     links

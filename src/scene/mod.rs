@@ -10,6 +10,7 @@ pub mod embedded;
 pub mod equilibrium;
 mod error;
 mod fade;
+mod far_places;
 mod guards;
 mod held_apart;
 mod identifier;

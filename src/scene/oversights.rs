@@ -1,6 +1,7 @@
 //! What a scene says that does nothing, or something else than was meant: found by looking where the vehicle goes and at what it is made of.
 
 use super::element_doubts::doubts;
+use super::far_places::far_places;
 use super::spec::Scene;
 use super::start::origin;
 use super::vehicle::assemble::static_preloads;
@@ -11,8 +12,8 @@ use crate::formulation::wheelset::Wheelset;
 use crate::geometry::Side;
 use crate::geometry::profile::ProfileChoice;
 use crate::geometry::surface::Wheel;
+use crate::geometry::track::Deviation;
 use crate::geometry::track::centre_line::Node;
-use crate::geometry::track::{Deviation, gauge};
 use crate::mbs::body::Body;
 use crate::mbs::force::ForceElement;
 use crate::mbs::joint::Joint;
@@ -28,6 +29,7 @@ pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(off_the_axle(scene, model))
         .chain(off_the_tread(model))
         .chain(doubts(model))
+        .chain(far_places(model))
         .chain(soft_springs(scene).or_else(|| falls(scene)))
         .chain(beside_the_rails(scene).or_else(|| without_play(scene)))
         .chain(two_along_the_track(model))
@@ -216,16 +218,9 @@ const OUTSIDE: [f64; 2] = [0.01, 0.08];
 /// Sections have their origins in the middle of the head, or somewhere: above it a running circle needs no gauge line, m.
 const BESIDE_ORIGIN: f64 = 0.02;
 
-/// Distance between the rails' inner faces where nothing displaces them, m; `None` where a profile ends too early to tell.
-fn gauge(scene: &Scene) -> Option<f64> {
-    let reach = |choice: &ProfileChoice| gauge::reach(choice.profile.as_ref(), scene.track.inclination, gauge::DEPTH).ok();
-    let [left, right] = scene.track.rails.each_ref().map(reach);
-    Some(2.0 * scene.track.half_rail_distance - left? - right?)
-}
-
 /// Running circles that are not above the rails' heads: a gauge for a distance of running circles, or the other way round.
 fn beside_the_rails(scene: &Scene) -> Option<String> {
-    let gauge = gauge(scene)?;
+    let gauge = scene.track.gauge()?;
     scene.vehicle.wheelsets.iter().find_map(|wheelset| {
         let distance = 2.0 * wheelset.spec.half_tread_circle_distance;
         let outside = 0.5 * (distance - gauge);
@@ -282,7 +277,7 @@ fn without_play(scene: &Scene) -> Option<String> {
         let flange = (0..=STEPS).map(at).find(|u| choice.profile.at(*u).value > radius + FLANGE_AT)?;
         Some(-flange)
     };
-    let gauge = gauge(scene)?;
+    let gauge = scene.track.gauge()?;
     scene.vehicle.wheelsets.iter().find_map(|wheelset| {
         let [left, right] = wheelset.spec.profiles.each_ref().map(face);
         let play = 0.5 * (gauge - 2.0 * wheelset.spec.half_tread_circle_distance + left? + right?);

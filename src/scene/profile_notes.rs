@@ -3,7 +3,6 @@
 use super::spec::Scene;
 use crate::geometry::Side;
 use crate::geometry::profile::ProfileChoice;
-use crate::geometry::track::gauge;
 
 /// What was assumed when profiles were read, each once.
 pub fn profile_notes(scene: &Scene) -> Vec<String> {
@@ -44,10 +43,12 @@ fn unlike_rails(scene: &Scene) -> Option<String> {
         let at = |k: u32| first + (last - first) * f64::from(k) / f64::from(LOOKS);
         (0..=LOOKS).map(|k| at(k) * sin + choice.profile.at(at(k)).value * cos).fold(f64::NEG_INFINITY, f64::max)
     };
-    let face = |choice: &ProfileChoice| gauge::reach(choice.profile.as_ref(), track.inclination, gauge::DEPTH).ok();
     let [left, right] = track.rails.each_ref().map(top);
     // Faces stand half a distance of sections, less their reach, from the centre.
-    let aside = face(&track.rails[0]).zip(face(&track.rails[1])).map_or(0.0, |(left, right)| 0.5 * (right - left));
+    let aside = match track.reaches() {
+        [Some(left), Some(right)] => 0.5 * (right - left),
+        _ => 0.0,
+    };
     let mut found = Vec::new();
     if (left - right).abs() > UNLIKE {
         found.push(format!("the {} rail's top is {:.2} mm lower", if left < right { "left" } else { "right" }, 1e3 * (left - right).abs()));

@@ -13,8 +13,8 @@ use crate::contact::{Material, creep, normal};
 use crate::formulation::{self, flexibility::Flexibility, patch_tables::PreparedTables, wheel_search::PreparedSearches};
 use crate::geometry::file::SceneFile;
 use crate::geometry::profile::ProfileChoice;
-use crate::geometry::track::Deviation;
 use crate::geometry::track::centre_line::{Alignment, CentreLine};
+use crate::geometry::track::{Deviation, gauge};
 use crate::settings::Source;
 use crate::solve::Integrator;
 use std::sync::Arc;
@@ -67,6 +67,19 @@ pub struct TrackSpec {
     pub files: Vec<SceneFile>,
     /// What of these is perhaps not meant.
     pub doubts: Vec<String>,
+}
+
+impl TrackSpec {
+    /// How far the rails' inner faces stand toward the centre from their sections' origins, m, left and right ([`gauge::reach`]); `None` where a profile ends too early to tell.
+    pub fn reaches(&self) -> [Option<f64>; 2] {
+        self.rails.each_ref().map(|choice| gauge::reach(choice.profile.as_ref(), self.inclination, gauge::DEPTH).ok())
+    }
+
+    /// Distance between the rails' inner faces where nothing displaces them, m.
+    pub fn gauge(&self) -> Option<f64> {
+        let [left, right] = self.reaches();
+        Some(2.0 * self.half_rail_distance - left? - right?)
+    }
 }
 
 /// `[contact]`.

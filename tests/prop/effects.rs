@@ -7,6 +7,7 @@ use wheelrail::scene::embedded::SCENES;
 use wheelrail::scene::spec::Scene;
 use wheelrail::scene::{assemble, plan};
 use wheelrail::sim::Simulation;
+use wheelrail::sim::recording::Recording;
 use wheelrail::study::effects::list::{Kind, Variant, variants};
 
 fn effects(arguments: &[&str]) -> (String, String, i32) {
@@ -425,26 +426,36 @@ fn prop_a_flange_that_is_left_out_is_told_of_when_it_would_touch() {
 /// (A third of the random scenes of the hard cases are judged by references that compute everything.)
 #[test]
 fn equiv_embedded_scenes_run_as_with_every_effect_computed_everywhere() {
+    // No row lies where a bump begins: there the load jumps with the rail's curvature (vehicle_bumps at 30 m: by 107 N), and the last digit of the distance tells on which side a row is.
+    let run = |name: &str, changes: &[&str]| -> Recording {
+        let scene = open(name, changes).unwrap();
+        let mut simulation = Simulation::new(&scene, 0.0).unwrap();
+        let outputs = wheelrail::sim::vehicle_outputs::scene_outputs(&scene, simulation.model());
+        wheelrail::sim::recording::record(&mut simulation, &outputs, 2.0, 3.07e-3, |_| ()).unwrap()
+    };
+    let apart = |[one, other]: [&Recording; 2], quantity: &str| {
+        let columns = one.columns.iter().map(|column| column.0.as_str()).filter(|column| column.ends_with(quantity));
+        let of = |column| {
+            let [one, other] = [one, other].map(|run| run.column(column).unwrap());
+            one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        columns.map(of).fold(0.0, f64::max)
+    };
     let mut wrong = Vec::new();
-    for (name, stop) in SCENES.iter().map(|scene| (scene.name, 2.0)) {
-        let [auto, all] = ["auto", "all"].map(|mode| {
-            let scene = open(name, &[&format!("effects.mode={mode}")]).unwrap();
-            let mut simulation = Simulation::new(&scene, 0.0).unwrap();
-            let outputs = wheelrail::sim::vehicle_outputs::scene_outputs(&scene, simulation.model());
-            // No row lies where a bump begins: there the load jumps with the rail's curvature (vehicle_bumps at 30 m: by 107 N), and the last digit of the
-            // distance tells on which side a row is.
-            wheelrail::sim::recording::record(&mut simulation, &outputs, stop, 3.07e-3, |_| ()).unwrap()
-        });
-        for (quantity, allowed) in [(".y", 1e-7), (".yaw", 1e-7), (".verticalForce", 50.0), (".lateralForce", 2.0)] {
-            let columns = auto.columns.iter().map(|column| column.0.as_str()).filter(|column| column.ends_with(quantity));
-            let apart = |column: &str| {
-                let [one, other] = [&auto, &all].map(|run| run.column(column).unwrap());
-                one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-            };
-            let worst = columns.map(apart).fold(0.0, f64::max);
-            println!("{name}{quantity}: {worst:.1e}");
-            if !(worst < allowed) {
-                wrong.push(format!("{name}{quantity}: {worst:e}"));
+    for name in SCENES.iter().map(|scene| scene.name) {
+        let [auto, all] = ["auto", "all"].map(|mode| run(name, &[&format!("effects.mode={mode}")]));
+        let limits = [(".y", 1e-7), (".yaw", 1e-7), (".verticalForce", 50.0), (".lateralForce", 2.0)];
+        let found = limits.map(|(quantity, _)| apart([&auto, &all], quantity));
+        println!("{name}: {found:?}");
+        if limits.iter().zip(found).all(|((_, limit), worst)| worst < *limit) {
+            continue;
+        }
+        // One step that is just accepted or not makes other steps from there on: then neither may be further from the truth than the other.
+        let truth = run(name, &["effects.mode=all", "solver.tolerance=1e-8"]);
+        for (quantity, limit) in limits {
+            let [auto, all] = [&auto, &all].map(|run| apart([run, &truth], quantity));
+            if !(auto < 1.25 * all + limit) {
+                wrong.push(format!("{name}{quantity}: {auto:e} for {all:e}"));
             }
         }
     }

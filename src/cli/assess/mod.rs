@@ -235,6 +235,7 @@ fn run(arguments: &Arguments, step: f64) -> Result<Subject, Failure> {
     let vehicle = vehicle_of(&scene)?;
     scene.run.step = step;
     let (stop, step) = arguments.times.read(&scene)?;
+    scene.run.stop = stop;
     let outputs = scene_outputs(&scene, simulation.model());
     let (progress, interrupt) = (Progress::new(stop), Interrupt::watch());
     let done = recording::record_while(&mut simulation, &outputs, Times { stop, step }, |row| {

@@ -7,9 +7,8 @@ mod pictures;
 mod pose;
 mod report;
 
-use super::{Failure, SceneArguments, csv_target, make_folder, print, say};
+use super::{Failure, SceneArguments, csv_target, make_folder, notes, print, say};
 use crate::contact::patch::Settings;
-use crate::geometry::track::gauge;
 use crate::scene::assemble;
 use crate::scene::profile_notes::profile_doubts;
 use crate::scene::spec::Scene;
@@ -171,17 +170,11 @@ impl Elastic {
     }
 }
 
-/// Between the rails' inner faces 14 mm below their tops, m; profiles that end early tell none.
-fn gauge(scene: &Scene) -> Option<f64> {
-    let track = &scene.track;
-    let reach = |side: usize| gauge::reach(track.rails[side].profile.as_ref(), track.inclination, gauge::DEPTH).ok();
-    Some(2.0 * track.half_rail_distance - reach(0)? - reach(1)?)
-}
-
 /// Wheel and rail, radius at the tread circle, gauge and inclination, for the subtitle of a picture.
 fn pair_in_force(scene: &Scene) -> String {
     let (track, wheels) = (&scene.track, &scene.vehicle.leading().profiles);
-    let gauge = gauge(scene)
+    let gauge = track
+        .gauge()
         .map_or_else(|| format!("rail_distance {:.1} mm", 2e3 * track.half_rail_distance), |gauge| format!("gauge {:.1} mm", 1e3 * gauge));
     let named = |names: [String; 2]| if names[0] == names[1] { names[0].clone() } else { names.join(" and ") };
     let radii = [0, 1].map(|side| format!("{:.1} mm", 1e3 * wheels[side].profile.at(0.0).value));
@@ -246,11 +239,6 @@ fn attitude(arguments: &Arguments) -> Result<(Attitude, Option<f64>), Failure> {
     }
     let station = arguments.at.as_deref().map(|at| number("at", at, Dimension::Length)).transpose()?;
     Ok((Attitude { yaw, level: arguments.no_roll, near }, station))
-}
-
-/// What a user should know, below a table.
-fn notes(doubts: Vec<String>) -> String {
-    doubts.into_iter().map(|doubt| format!("\n  note: {doubt}\n")).collect()
 }
 
 /// Says after some seconds what takes so long, once: noisy points, mostly, on which contacts jump from one to the next.

@@ -1,7 +1,7 @@
 //! The contact geometry as CSV, in words and as JSON.
 
 use super::{Conicities, Study};
-use crate::cli::{file_names, table};
+use crate::cli::{file_names, notes, table};
 use crate::geometry::Side;
 use crate::scene::profile_notes::profile_doubts;
 use crate::study::conicity::{Conicity, NoConicity, wavelength};
@@ -83,14 +83,14 @@ pub(super) fn text(study: &Study) -> String {
         scene.title,
         1e3 * wheelset.tread_circle_distance(),
         2e3 * scene.track.half_rail_distance,
-        super::gauge(scene).map_or(String::new(), |gauge| format!(" (gauge {:.2} mm)", 1e3 * gauge)),
+        scene.track.gauge().map_or(String::new(), |gauge| format!(" (gauge {:.2} mm)", 1e3 * gauge)),
         scene.track.inclination,
         if attitude.level { "axle held level" } else { "both wheels touch: roll and height are found" },
         1e3 * attitude.yaw
     );
     text += &shifts(study);
     text += &jumps(study);
-    text += &super::notes(profile_doubts(scene));
+    text += &notes(profile_doubts(scene));
     text += &conicities(study);
     text
 }

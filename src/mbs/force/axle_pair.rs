@@ -38,8 +38,13 @@ pub struct AxlePair {
     pub carrier: usize,
     /// p in the carrier's attachment axes, m.
     place: Vector3<f64>,
+    /// How far from the axle's line the place lies that was given for the axle, m.
+    off: f64,
     by: By,
 }
+
+/// A place so far from its axle is on another one, m: the least wheelbases are three times as long.
+const ANOTHER: f64 = 0.6;
 
 /// What hands the torque over.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +81,8 @@ pub(super) fn read_pair(section: &Section, places: &dyn Places, carrier: &'stati
     };
     let (carrier, axle) = (body(carrier, &from)?, body("to", &to)?);
     let arm = places.design_vector(&Attachment::on(axle, Vector3::zeros()), &from);
-    Ok((AxlePair { axle, side: None, turning: axle, carrier, place: from.local, by: By::Couple }, arm))
+    let off = to.local.x.hypot(to.local.z);
+    Ok((AxlePair { axle, side: None, turning: axle, carrier, place: from.local, off, by: By::Couple }, arm))
 }
 
 /// The same with the key `from`, and the wheel that is turned.
@@ -99,6 +105,16 @@ impl AxlePair {
     /// The same by friction on a tread, along `per_torque` as there.
     pub fn on_tread(self, per_torque: Vector3<f64>) -> AxlePair {
         AxlePair { by: By::Tread(per_torque), ..self }
+    }
+
+    /// See [`super::ForceElement::doubt`].
+    pub fn doubt(&self) -> Option<String> {
+        (self.off > ANOTHER).then(|| {
+            format!(
+                "\"to\" names an axle and a place {:.2} m away from it: it turns the axle that is named, wherever the place is; was the wheelset there meant?",
+                self.off
+            )
+        })
     }
 
     pub fn ends(&self) -> Ends {

@@ -219,6 +219,10 @@ impl ForceElement for Brake {
         self.pair.ends()
     }
 
+    fn doubt(&self) -> Option<String> {
+        self.pair.doubt()
+    }
+
     fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
         let (grip, unit, _) = self.now(bodies, state);
         self.pair.turning(bodies, -grip.torque, sum);

@@ -208,6 +208,10 @@ impl ForceElement for CardanDrive {
         self.pair.ends()
     }
 
+    fn doubt(&self) -> Option<String> {
+        self.pair.doubt()
+    }
+
     fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
         let shaft = self.shaft(bodies, state);
         self.pair.turning(bodies, shaft.gear * shaft.torque, sum);

@@ -77,7 +77,7 @@ impl DryFriction {
         }
         let mut normal_force = self.normal_force;
         if self.normal_stiffness > 0.0 {
-            let displacement = axes.tr_mul(&(point - self.from.point(bodies))) - self.design_vector;
+            let displacement = self.displacement(bodies, &point);
             normal_force = (normal_force - self.normal_stiffness * self.normal.dot(&displacement)).max(0.0);
         }
         Surfaces { point, speed, normal_force }
@@ -88,17 +88,18 @@ impl DryFriction {
         Vector2::new(state[0], state.get(1).copied().unwrap_or(0.0))
     }
 
-    /// From place to place along the slip axes, m.
-    pub(super) fn place(&self, bodies: &Moving) -> Vector2<f64> {
-        let between = self.from.axes(bodies).tr_mul(&(self.to.point(bodies) - self.from.point(bodies)));
-        let mut place = Vector2::zeros();
-        place.iter_mut().zip(&self.slip_axes).for_each(|(place, axis)| *place = axis.dot(&between));
-        place
+    /// d, m: from place to place, less what it is in the design configuration; in the axes of `from`.
+    #[inline]
+    pub(super) fn displacement(&self, bodies: &Moving, point: &Vector3<f64>) -> Vector3<f64> {
+        self.from.axes(bodies).tr_mul(&(point - self.from.point(bodies))) - self.design_vector
     }
 
-    /// Are both places on bodies?
-    pub(super) fn holds_bodies(&self) -> bool {
-        self.from.body.is_some() && self.to.body.is_some()
+    /// Where the places are under a load [N], of a pair between two bodies.
+    pub(super) fn rub_under(&self, bodies: &Moving, load: f64) -> Option<Rub> {
+        let displacement = self.displacement(bodies, &self.to.point(bodies));
+        let mut place = Vector2::zeros();
+        place.iter_mut().zip(&self.slip_axes).for_each(|(place, axis)| *place = axis.dot(&displacement));
+        (self.from.body.is_some() && self.to.body.is_some()).then_some(Rub { place, load })
     }
 
     /// v - z', m/s, along e.
@@ -206,11 +207,11 @@ impl ForceElement for DryFriction {
     }
 
     fn rub(&self, bodies: &Moving) -> Option<Rub> {
-        self.holds_bodies().then(|| Rub { place: self.place(bodies), load: self.pair(bodies).normal_force })
+        self.rub_under(bodies, self.pair(bodies).normal_force)
     }
 
     fn drag(&self, from: &Rub, bodies: &Moving, state: &mut [f64]) {
-        let to = Rub { place: self.place(bodies), load: self.pair(bodies).normal_force };
+        let Some(to) = self.rub(bodies) else { return };
         let z = dragged(from, &to, self.exponent, |load, _| self.friction * load / self.stiffness);
         state.iter_mut().zip(&z).for_each(|(state, z)| *state = *z);
     }

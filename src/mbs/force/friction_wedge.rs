@@ -60,9 +60,7 @@ impl FrictionWedge {
     /// a . d, m.
     #[inline]
     fn let_out(&self, surfaces: &Surfaces, bodies: &Moving) -> f64 {
-        let from = &self.column.from;
-        let displacement = from.axes(bodies).tr_mul(&(surfaces.point - from.point(bodies))) - self.column.design_vector;
-        self.column.slip_axes[0].dot(&displacement)
+        self.column.slip_axes[0].dot(&self.column.displacement(bodies, &surfaces.point))
     }
 
     /// Force on `from` in its axes, N.
@@ -124,12 +122,11 @@ impl ForceElement for FrictionWedge {
 
     /// The load is that of the spring.
     fn rub(&self, bodies: &Moving) -> Option<Rub> {
-        let spring = || self.pressed(bodies, &Vector2::zeros()).spring;
-        self.column.holds_bodies().then(|| Rub { place: self.column.place(bodies), load: spring() })
+        self.column.rub_under(bodies, self.pressed(bodies, &Vector2::zeros()).spring)
     }
 
     fn drag(&self, from: &Rub, bodies: &Moving, state: &mut [f64]) {
-        let to = Rub { place: self.column.place(bodies), load: self.pressed(bodies, &Vector2::zeros()).spring };
+        let Some(to) = self.rub(bodies) else { return };
         let per_force = self.column.friction / (self.column.stiffness * self.slope);
         let most = |spring: f64, z: &Vector2<f64>| (per_force * (spring - self.column.stiffness * z.x)).max(0.0);
         state.copy_from_slice(dragged(from, &to, self.column.exponent, most).as_slice());

@@ -275,6 +275,10 @@ impl ForceElement for MotorGear {
         self.pair.ends()
     }
 
+    fn doubt(&self) -> Option<String> {
+        self.pair.doubt()
+    }
+
     fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
         let drive = self.drive(bodies, state);
         self.pair.turning(bodies, self.paired(&drive), sum);

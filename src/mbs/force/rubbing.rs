@@ -14,7 +14,7 @@ use nalgebra::Vector2;
 /// Where the places of a pair are, as far as its friction is concerned.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rub {
-    /// From place to place along the slip axes, m.
+    /// From place to place along the slip axes, less what it is in the design configuration, m.
     pub place: Vector2<f64>,
     /// What the limit follows from beside friction itself, N: the normal force, or a wedge's spring force.
     pub load: f64,

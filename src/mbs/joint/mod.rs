@@ -148,6 +148,11 @@ impl Joint {
         (first || self.bodies.second == Some(body)) && self.rows.iter().any(|(_, row)| row.holds_about_y(first, off))
     }
 
+    /// Where it holds on to its bodies, in their attachment axes from their centres of mass (track frame on the ground), m; `None` of one that drives a coordinate.
+    pub fn points(&self) -> Option<[Vector3<f64>; 2]> {
+        self.rows.iter().find_map(|(_, row)| row.points())
+    }
+
     /// Number of scalar constraints.
     pub fn rows(&self) -> usize {
         self.rows.len()

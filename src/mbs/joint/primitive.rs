@@ -91,6 +91,14 @@ impl Primitive {
         }
     }
 
+    /// Its places on both bodies, of one that holds places together.
+    pub fn points(&self) -> Option<[Vector3<f64>; 2]> {
+        match self {
+            Primitive::Displacement { first, second, .. } => Some([*first, *second]),
+            Primitive::Angle { .. } | Primitive::Coordinate { .. } => None,
+        }
+    }
+
     pub fn values(&self, t: f64, sides: &Sides) -> RowValues {
         match self {
             Primitive::Displacement { first, second, direction } => displacement(sides, first, second, direction),

@@ -18,8 +18,8 @@ pub(super) enum Friction {
     Without,
     /// It counts from here, and holds this share of what it then would.
     Follows(Vec<(usize, Rub)>, f64),
-    /// Its states stay these, m.
-    Stays(Vec<(usize, Vec<f64>)>),
+    /// Its states stay these, m, that share of what it would hold.
+    Stays(Vec<(usize, Vec<f64>)>, f64),
 }
 
 impl Friction {
@@ -28,6 +28,14 @@ impl Friction {
         let rub = |element: usize| Some((element, system.forces[element].rub(&system.seen_by(element, workspace))?));
         let counted: Vec<(usize, Rub)> = (0..system.forces.len()).filter_map(rub).collect();
         if counted.is_empty() { Friction::Without } else { Friction::Follows(counted, 1.0) }
+    }
+
+    /// Of what it would hold.
+    pub fn share(&self) -> f64 {
+        match self {
+            Friction::Without => 1.0,
+            Friction::Follows(_, share) | Friction::Stays(_, share) => *share,
+        }
     }
 
     /// The same with a share of what it holds.
@@ -42,8 +50,9 @@ impl Friction {
     pub fn staying(&self, system: &System, workspace: &SystemWorkspace, y: &mut [f64]) -> Friction {
         self.put(system, workspace, y);
         match self {
-            Friction::Follows(counted, _) => {
-                Friction::Stays(counted.iter().map(|(element, _)| (*element, y[system.states_of_force(*element)].to_vec())).collect())
+            Friction::Follows(counted, share) => {
+                let states = counted.iter().map(|(element, _)| (*element, y[system.states_of_force(*element)].to_vec()));
+                Friction::Stays(states.collect(), *share)
             }
             other => other.clone(),
         }
@@ -60,7 +69,7 @@ impl Friction {
                     state.iter_mut().for_each(|state| *state *= share);
                 }
             }
-            Friction::Stays(states) => {
+            Friction::Stays(states, _) => {
                 for (element, state) in states {
                     y[system.states_of_force(*element)].copy_from_slice(state);
                 }

@@ -11,8 +11,8 @@ impl Search<'_> {
         Friction::following(&self.model.system, &self.workspace.system)
     }
 
-    /// Lets friction, which the balance in a curve was found without, hold more and more of what it then would. Returns the share up to which there is a balance.
-    pub fn rub_in(&mut self, friction: &Friction) -> f64 {
+    /// Lets friction, which the balance in a curve was found without, hold more and more of what it then would, up to the share with which there is a balance.
+    pub fn rub_in(&mut self, friction: &Friction) {
         let steps = Steps { from: 0.0, to: 1.0, first: 0.25, growth: 2.0, shortest: 0.02 };
         let mut reached = 0.0;
         let balance = |search: &mut Search, done: f64, next: f64, before: Option<&Before>| {
@@ -29,7 +29,6 @@ impl Search<'_> {
             self.take_places();
             self.friction.put(&self.model.system, &self.workspace.system, &mut self.y);
         }
-        reached
     }
 
     /// Friction stays what it is in the balance that it has.
@@ -46,6 +45,6 @@ impl Search<'_> {
 
     /// Axles are twisted, and friction holds, as in another search.
     pub fn held_as(&mut self, other: &Search) {
-        (self.twists, self.friction, self.rubbed_in) = (other.twists.clone(), other.friction.clone(), other.rubbed_in);
+        (self.twists, self.friction) = (other.twists.clone(), other.friction.clone());
     }
 }

@@ -379,7 +379,7 @@ fn rubbing_into_the_curve(search: &mut Search, node: &Node) -> Result<(), Equili
     search.lay(&Node { curvature: 0.0, superelevation: 0.0, ..*node }, None);
     go(search)?;
     search.effort = 0;
-    search.rubbed_in = search.rub_in(&friction);
+    search.rub_in(&friction);
     Ok(())
 }
 

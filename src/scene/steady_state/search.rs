@@ -100,8 +100,6 @@ pub(super) struct Search<'a> {
     couplings: Couplings,
     pub twists: Twists,
     pub friction: Friction,
-    /// Share of dry friction with which the balance in a curve was found.
-    pub rubbed_in: f64,
 }
 
 impl<'a> Search<'a> {
@@ -130,7 +128,6 @@ impl<'a> Search<'a> {
             effort: 0,
             twists: Twists::new(&model),
             friction: Friction::default(),
-            rubbed_in: 1.0,
             inputs: if scene.vehicle.initial.driven { model.start_inputs() } else { model.neutral_inputs() },
             constrained: model.formulation.constrains() || !model.system.joints.is_empty(),
             leading: model.system.drives.iter().map(|drive| drive.body).min().unwrap_or(0),
@@ -494,7 +491,7 @@ impl<'a> Search<'a> {
         let masses = system.bodies.iter().enumerate().map(|(body, data)| data.mass + carried(body));
         let pulls = masses.zip(&self.workspace.system.wrenches).map(|(mass, wrench)| mass * slowing - wrench.force.x).collect();
         let contacts = contacts.unwrap_or(Contacts::Kept(memory));
-        SteadyState { y: self.y, wheel_loads, acceleration: slowing, pulls, contacts, rubbed_in: self.rubbed_in }
+        SteadyState { y: self.y, wheel_loads, acceleration: slowing, pulls, contacts, rubbed_in: self.friction.share() }
     }
 }
 

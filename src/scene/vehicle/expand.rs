@@ -137,7 +137,13 @@ impl<'a> Expansion<'_, 'a> {
             let Some(index) = self.modules.iter().position(|module| module.0 == wanted) else {
                 let known: Vec<&str> = self.modules.iter().map(|module| module.0.as_str()).collect();
                 let names = if known.is_empty() { "there is no [vehicle.module.NAME]".into() } else { known.join(", ") };
-                let problem = format!("found \"{wanted}\"{}, expected the name of a module: {names}", did_you_mean(&wanted, &known));
+                let inside = if !prefix.is_empty() && table.has("module") {
+                    format!("; modules stand beside each other, also where one places the other: [vehicle.module.{wanted}]")
+                } else {
+                    String::new()
+                };
+                let problem =
+                    format!("found \"{wanted}\"{}, expected the name of a module: {names}{inside}", did_you_mean(&wanted, &known));
                 return Err(section.error("module", problem));
             };
             if depth == DEEPEST {
