@@ -49,6 +49,8 @@ const ROLLS: f64 = 0.5;
 const AT_REST: f64 = 1e-6;
 /// Bodies that move by this part of a state, SI, only do so by rounding: states are lengths and forces (up to 1e7 times a motion).
 const ROUNDING: f64 = 1e-10;
+/// What swings less than this part of its eigenvalue dies away or grows before it has gone along any wave.
+const SWINGS: f64 = 0.03;
 /// Share of the wheelsets' sway and yaw, taken together, from which on they hunt and are not only shaken.
 const TAKES_PART: f64 = 0.05;
 
@@ -120,7 +122,7 @@ pub(super) fn describe(model: &Model, speed: f64, value: c64, mut shape: Vec<c64
         [LATERAL, YAW, ROLL].iter().flat_map(|axis| shares[..count].iter().skip(*axis).step_by(COORDINATES)).sum::<f64>() > MOSTLY;
     let part_of = |wheelset: &Wheelset| [LATERAL, YAW].map(|axis| shares[COORDINATES * wheelset.body + axis]).iter().sum::<f64>();
     let takes_part = model.wheelsets.iter().map(part_of).sum::<f64>() > TAKES_PART;
-    let hunting = value.im > 0.0 && lateral && takes_part && rolls_along(model, speed, moves, value);
+    let hunting = value.im > SWINGS * value.norm() && lateral && takes_part && rolls_along(model, speed, moves, value);
     let name = if let Some(own) = largest.checked_sub(count) {
         format!("{}: {}", masses[own].element, masses[own].word)
     } else if total > 0.0 {
