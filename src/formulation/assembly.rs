@@ -107,7 +107,7 @@ pub enum AssemblyError {
     )]
     TwoTwists { axle: String, elements: [String; 2] },
     #[error(
-        "preload = \"static\": no preloads hold {body} {direction} in its drawn position ({rest:.3} {unit} are left): an element with preload = \"static\" and a stiffness that way, or a joint, must carry it, and its centre of mass must stand between them"
+        "preload = \"static\": no preloads hold {body} {direction} in its drawn position ({rest:.3} {unit} are left): an element with preload = \"static\" and a stiffness that way, or a joint, must carry it, and its centre of mass must stand between them; where preloads below are given as forces, they must fit the weight"
     )]
     StaticPreload { body: String, direction: &'static str, rest: f64, unit: &'static str },
     #[error(
@@ -178,6 +178,7 @@ impl Model {
             flanks,
             load_tolerance: LOAD_TOLERANCE,
             force_weights,
+            body_modes: Vec::new(),
             half: None,
             search_always: false,
             means: None,

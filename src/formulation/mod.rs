@@ -13,6 +13,7 @@
 mod assembly;
 mod beam_rails;
 pub mod beat;
+mod body_modes;
 mod body_swings;
 mod deflections;
 mod derailment;

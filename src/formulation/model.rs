@@ -2,6 +2,7 @@
 
 use super::ContactReport;
 use super::Formulation;
+use super::body_modes::BodyMode;
 use super::energy_books::EnergyBooks;
 use super::flank::Flank;
 use super::linear_contact::LinearContact;
@@ -62,6 +63,8 @@ pub struct Model {
     pub load_tolerance: f64,
     /// Weights of the local errors of the force elements' states.
     pub(super) force_weights: Vec<f64>,
+    /// How its bodies swing on their springs; empty where nobody asked.
+    pub(super) body_modes: Vec<BodyMode>,
     /// Where contacts of right wheels are those of left ones in a mirror (see `half`): of each body the one that is its mirror image.
     pub(super) half: Option<Vec<usize>>,
     /// Are places searched for also where certificates hold?

@@ -49,6 +49,8 @@ pub struct Swings {
     torsions: Vec<Torsion>,
     /// Of the other bodies.
     bodies: Vec<BodySwing>,
+    /// Modal accelerations of their modes, m/s2.
+    modes: Vec<Envelope>,
     /// Does nothing but its own stability decide what becomes of it?
     plain: bool,
     /// The same of the other bodies, which slow waves only lead along.
@@ -62,6 +64,7 @@ impl Swings {
             && self.halves.len() == other.halves.len()
             && self.torsions.len() == other.torsions.len()
             && self.bodies.len() == other.bodies.len()
+            && self.modes.len() == other.modes.len()
     }
 
     /// Does nothing but its own stability decide what becomes of a swing?
@@ -79,6 +82,7 @@ impl Model {
             halves: vec![Default::default(); self.wheelsets.len()],
             torsions: self.torsions(),
             bodies: self.body_swings(),
+            modes: vec![Envelope::default(); self.body_modes.len()],
             plain: false,
             calm: false,
         }
@@ -95,6 +99,7 @@ impl Model {
             halves.note(now[0] - envelopes[0].mean);
         }
         self.note_torsions(workspace, (swings.time, t), y, &mut swings.torsions);
+        self.note_mode_swings(workspace, swings.time.map(|before| (t - before).max(0.0)), &mut swings.modes);
         self.note_body_swings(workspace, (fading, swings.time.is_none()), &mut swings.bodies);
         swings.time = Some(t);
         let shortest = |WheelRef { wheelset, side, .. }: &WheelRef| {
@@ -121,6 +126,7 @@ impl Model {
         };
         let torsion = self.torsion_error(swings.time.unwrap_or(0.0), &swings.torsions, error);
         let bodies = self.body_swing_error(workspace, (&swings.bodies, swings.calm), error);
-        self.wheelsets.iter().map(|wheelset| of(wheelset.body)).fold(torsion.max(bodies), f64::max)
+        let modes = self.mode_swing_error(workspace, &swings.modes, error);
+        self.wheelsets.iter().map(|wheelset| of(wheelset.body)).fold(torsion.max(bodies).max(modes), f64::max)
     }
 }

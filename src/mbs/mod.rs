@@ -1,6 +1,7 @@
 //! Floor 3: bodies, forces between them, and their equations of motion.
 
 pub mod body;
+pub mod carried;
 mod constrained;
 pub mod constraints;
 pub mod driving;

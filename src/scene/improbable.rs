@@ -5,6 +5,7 @@ use super::oversights::oversights;
 use super::profile_notes::{RADII, profile_doubts, radius};
 use super::rough_track::{on_rigid_rails, tilted};
 use super::spec::Scene;
+use super::vehicle::PlacedBody;
 use crate::contact::patch::PatchLaw;
 use crate::formulation::Model;
 use crate::mbs::inertia::Inertia;
@@ -20,6 +21,8 @@ pub fn improbable(scene: &Scene, model: &Model) -> Vec<String> {
     friction(scene)
         .into_iter()
         .chain(modulus(scene))
+        .chain(gravity(scene))
+        .chain(high(scene))
         .chain(moments(scene))
         .chain(swapped(scene))
         .chain(distances(scene))
@@ -45,6 +48,27 @@ fn modulus(scene: &Scene) -> Option<String> {
     (!(MODULI[0]..=MODULI[1]).contains(&found)).then(|| {
         format!("contact.material.youngs_modulus = {found} Pa: steel has 2.1e11 (\"210 GPa\", \"30e6 psi\"): was another unit meant?")
     })
+}
+
+/// On the earth's surface, m/s2; 0 leaves weights out on purpose.
+const GRAVITY: [f64; 2] = [9.7, 9.9];
+
+fn gravity(scene: &Scene) -> Option<String> {
+    let found = scene.vehicle.gravity;
+    (found != 0.0 && !(GRAVITY[0]..=GRAVITY[1]).contains(&found))
+        .then(|| format!("vehicle.gravity = {found} m/s2: on earth it is 9.78 to 9.83: was another unit meant?"))
+}
+
+/// Centres of mass are not higher above the rails, m: double-deck cars have 2 m.
+const HIGHEST: f64 = 4.0;
+
+fn high(scene: &Scene) -> Option<String> {
+    let high = |placed: &&PlacedBody| placed.position.z > HIGHEST;
+    let placed = scene.vehicle.bodies.iter().find(high)?;
+    Some(format!(
+        "{}: its centre of mass is {:.1} m above the rails; those of vehicles' bodies are below {HIGHEST} m: was another unit or place meant?",
+        placed.body.name, placed.position.z
+    ))
 }
 
 /// `J1 <= J2 + J3` of any distribution of mass.

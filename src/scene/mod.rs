@@ -11,6 +11,7 @@ pub mod equilibrium;
 mod error;
 mod fade;
 mod far_places;
+mod gauge_fit;
 mod guards;
 mod held_apart;
 mod identifier;

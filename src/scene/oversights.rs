@@ -10,7 +10,6 @@ use super::vehicle::stability::{Fall, fall};
 use crate::formulation::Model;
 use crate::formulation::wheelset::Wheelset;
 use crate::geometry::Side;
-use crate::geometry::profile::ProfileChoice;
 use crate::geometry::surface::Wheel;
 use crate::geometry::track::Deviation;
 use crate::geometry::track::centre_line::Node;
@@ -31,7 +30,6 @@ pub(super) fn oversights(scene: &Scene, model: &Model) -> Vec<String> {
         .chain(doubts(model))
         .chain(far_places(model))
         .chain(soft_springs(scene).or_else(|| falls(scene)))
-        .chain(beside_the_rails(scene).or_else(|| without_play(scene)))
         .chain(two_along_the_track(model))
         .chain(level_boxes(scene, model))
         .chain(extents(scene, model))
@@ -213,29 +211,8 @@ fn level_boxes(scene: &Scene, model: &Model) -> Option<String> {
     ))
 }
 
-/// The running circle lies between these distances outside of the gauge line, m: 29 to 40 mm on usual wheels.
-const OUTSIDE: [f64; 2] = [0.01, 0.08];
-/// Sections have their origins in the middle of the head, or somewhere: above it a running circle needs no gauge line, m.
-const BESIDE_ORIGIN: f64 = 0.02;
-
-/// Running circles that are not above the rails' heads: a gauge for a distance of running circles, or the other way round.
-fn beside_the_rails(scene: &Scene) -> Option<String> {
-    let gauge = scene.track.gauge()?;
-    scene.vehicle.wheelsets.iter().find_map(|wheelset| {
-        let distance = 2.0 * wheelset.spec.half_tread_circle_distance;
-        let outside = 0.5 * (distance - gauge);
-        let beside = (wheelset.spec.half_tread_circle_distance - scene.track.half_rail_distance).abs();
-        (beside > BESIDE_ORIGIN && !(OUTSIDE[0]..=OUTSIDE[1]).contains(&outside)).then(|| {
-            format!(
-                "{}: running circles {distance} m apart on a gauge of {gauge:.4} m: they lie {:.0} mm outside of each gauge line, where 30 to 40 mm are usual; tread_circle_distance is that \
-                 of the running circles (1.5 m on 1.435 m), track.gauge that between the rails",
-                wheelset.spec.name,
-                1e3 * outside
-            )
-        })
-    })
-}
-
+/// Steps of a profile in which its steepest place is looked for.
+const STEPS: u32 = 2000;
 /// The steepest flank that counts as a flange's: 75 degrees.
 const STEEPEST: f64 = 3.73;
 
@@ -261,39 +238,11 @@ fn two_along_the_track(model: &Model) -> Option<String> {
     })
 }
 
-/// Where the thickness of a flange is measured below the tread circle, m, and the play between it and its rail that is not doubtful, m: 4 to 10 mm are usual, more on worn rails and wheels.
-const FLANGE_AT: f64 = 10e-3;
-const LEAST_PLAY: f64 = 1e-3;
-const MOST_PLAY: f64 = 15e-3;
-/// Steps of a profile in which that place is looked for.
-const STEPS: u32 = 2000;
-
-/// Flanges that stand at their rails in the middle of the track already, and those that never come to them.
-fn without_play(scene: &Scene) -> Option<String> {
-    let face = |choice: &ProfileChoice| {
-        let (first, _) = choice.profile.range();
-        let radius = choice.profile.at(0.0).value;
-        let at = |step: u32| first * f64::from(step) / f64::from(STEPS);
-        let flange = (0..=STEPS).map(at).find(|u| choice.profile.at(*u).value > radius + FLANGE_AT)?;
-        Some(-flange)
-    };
-    let gauge = scene.track.gauge()?;
-    scene.vehicle.wheelsets.iter().find_map(|wheelset| {
-        let [left, right] = wheelset.spec.profiles.each_ref().map(face);
-        let play = 0.5 * (gauge - 2.0 * wheelset.spec.half_tread_circle_distance + left? + right?);
-        (!(LEAST_PLAY..=MOST_PLAY).contains(&play)).then(|| {
-            format!(
-                "{}: {:.1} mm of play between flange and rail on each side in the middle of the track, where 4 to 10 mm are usual: see track.gauge and tread_circle_distance",
-                wheelset.spec.name,
-                1e3 * play
-            )
-        })
-    })
-}
-
 /// Radii of gyration beyond which no vehicle's body, and no wheelset, is, m.
 const EXTENT: f64 = 20.0;
 const EXTENT_OF_WHEELSETS: f64 = 3.0;
+/// The least one of wheelsets across the axle, with wheels at both ends, m.
+const LEAST_OF_WHEELSETS: f64 = 0.25;
 /// Moment about the axle, by that of its mass at the tread.
 const MOST_AT_TREAD: f64 = 1.2;
 
@@ -319,7 +268,18 @@ fn extents(scene: &Scene, model: &Model) -> Option<String> {
             )
         })
     };
-    if let Some(note) = model.wheelsets.iter().find_map(rolls) {
+    let slender = |wheelset: &Wheelset| {
+        let body = &model.system.bodies[wheelset.body];
+        let yaw = body.inertia.moments()[2];
+        let radius = (yaw / body.mass).sqrt();
+        (radius < LEAST_OF_WHEELSETS).then(|| {
+            format!(
+                "{}: inertia_zz = {yaw} kg m2 of {} kg are a radius of gyration of {radius:.2} m; wheels at both ends of an axle give 0.5 to 0.8 m: was another unit meant?",
+                body.name, body.mass
+            )
+        })
+    };
+    if let Some(note) = model.wheelsets.iter().find_map(|wheelset| rolls(wheelset).or_else(|| slender(wheelset))) {
         return Some(note);
     }
     let wheelsets = model.wheelsets.iter().find_map(|wheelset| far(&model.system.bodies[wheelset.body], EXTENT_OF_WHEELSETS));

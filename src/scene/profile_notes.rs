@@ -1,5 +1,6 @@
 //! What reading the profiles of wheels and rails has found.
 
+use super::gauge_fit::misfit;
 use super::spec::Scene;
 use crate::geometry::Side;
 use crate::geometry::profile::ProfileChoice;
@@ -17,7 +18,7 @@ pub(super) fn radius(wheel: &ProfileChoice) -> f64 {
     wheel.profile.at(0.0).value
 }
 
-/// Where profiles are doubtful: points of their files, radii.
+/// Where profiles are doubtful: points of their files, radii, how they stand on each other.
 pub fn profile_doubts(scene: &Scene) -> Vec<String> {
     let wheels = scene
         .vehicle
@@ -28,7 +29,7 @@ pub fn profile_doubts(scene: &Scene) -> Vec<String> {
         let [least, most] = RADII;
         format!("wheels of {name} have a radius of {radius} m; those of railways have {least} to {most} m: was another unit meant?")
     });
-    odd.chain(of_profiles(scene, |choice| choice.doubt.iter().cloned().collect())).chain(unlike_rails(scene)).collect()
+    odd.chain(of_profiles(scene, |choice| choice.doubt.iter().cloned().collect())).chain(unlike_rails(scene)).chain(misfit(scene)).collect()
 }
 
 /// Tops, and gauge faces about the track's centre, of which one rail's is so much off the other's are worth a note, m.

@@ -5,6 +5,7 @@ mod common;
 #[path = "../common/counting.rs"]
 mod counting;
 
+mod carried;
 mod contact_geometry;
 mod directional;
 mod example_scenes;

@@ -185,6 +185,8 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     let mut points: Vec<(f64, f64)> = samples.iter().map(|sample| (sample.x, sample.z)).collect();
     if let Some((key, reach)) = reach {
         points = smoothed(&points, reach, &mut notes).map_err(|problem| section.error(key, problem))?;
+    } else if let Some(eased) = eased(&points, &samples, &mut notes) {
+        points = eased;
     }
     if let Some(radius) = radius {
         // The radius holds for the spline itself, not for the chord between two points.
@@ -283,6 +285,32 @@ fn read_reach(section: &Section) -> Result<Option<(&'static str, Reach)>, Settin
         (false, true) => Ok(Some((fit, Reach::Largest(section.positive(fit, Dimension::Length)?)))),
         (false, false) => Ok(None),
     }
+}
+
+/// Digits of coordinates that are looked for, m, and by which part of itself a rounded number may miss its last one.
+const DIGITS: [f64; 5] = [1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
+const MISSES: f64 = 1e-3;
+/// Rounding to more than this is no rounding that a curve may be laid through, m; to less than that, no file has.
+const COARSEST: f64 = 2e-6;
+
+/// The last digit to which all numbers of a file are rounded, m.
+fn last_digit(numbers: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    let whole = |digit: f64| move |number: f64| (number / digit - (number / digit).round()).abs() < MISSES;
+    DIGITS.into_iter().find(|digit| numbers.clone().all(whole(*digit)))
+}
+
+/// Points that are rounded so that a spline through them swings, on a smooth curve within their last digit; `None` where they need none.
+fn eased(points: &[(f64, f64)], samples: &[Sample], notes: &mut Vec<String>) -> Option<Vec<(f64, f64)>> {
+    let through = SplineProfile::through(points).ok()?;
+    let coordinates: Vec<f64> = points.iter().map(|point| point.0).collect();
+    if swinging::swings(&through, &coordinates).is_empty() {
+        return None;
+    }
+    let level = samples.first()?.z;
+    let digit = last_digit(samples.iter().map(move |sample| sample.z - level)).filter(|digit| *digit <= COARSEST)?;
+    let found = smooth(points, Reach::Largest(digit)).filter(|found| found.points.windows(2).all(|pair| pair[1].0 > pair[0].0))?;
+    notes.push(format!("points are rounded to {:.1} um: a smooth curve is laid within so much of them", 1e6 * digit));
+    Some(found.points)
 }
 
 fn smoothed(points: &[(f64, f64)], reach: Reach, notes: &mut Vec<String>) -> Result<Vec<(f64, f64)>, String> {

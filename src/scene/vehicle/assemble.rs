@@ -57,6 +57,11 @@ fn twisted(bodies: &[Body], forces: &[Box<dyn ForceElement>]) -> Result<Vec<usiz
     Ok(found.into_iter().map(|(body, _)| body).collect())
 }
 
+/// State of its system in the design configuration, at rest.
+pub fn design(vehicle: &VehicleSpec, system: &System) -> Vec<f64> {
+    design_state(vehicle, system, 0.0)
+}
+
 /// Multibody system and wheelsets of a vehicle on a track that climbs with `grade` [rad]. Every wheel begins with an equal share of the
 /// weight; where there are several wheelsets the steady state puts its own load in place of it.
 ///

@@ -27,6 +27,9 @@ const STIFFER: f64 = 1e4;
 const BALANCED: f64 = 1e-9;
 /// What pulls less is a rounding, N.
 const PULLS: f64 = 1.0;
+/// A body has its part in what is left from this share of the largest on; so many of them are named.
+const SHARED: f64 = 1e-3;
+const NAMED: usize = 3;
 /// Eigenvalues below this share of the largest are zero: nothing holds a body that way.
 const FREE: f64 = 1e-13;
 
@@ -96,7 +99,7 @@ fn solved(vehicle: &VehicleSpec, system: &System, free: bool) -> Result<Vec<(usi
     let (worst, left) =
         rest.iter().enumerate().fold((0, 0.0), |most: (usize, f64), (i, rest)| if rest.abs() > most.1.abs() { (i, *rest) } else { most });
     if !(left.abs() <= BALANCED * vehicle.weight().max(load.amax())) {
-        let body = vehicle.bodies.get(worst / COORDINATES).map_or_else(String::new, |body| body.body.name.clone());
+        let (body, left) = unheld(vehicle, &rest, (worst, left));
         let direction = ["along the track", "to the side", "vertically", "in yaw", "in roll", "in pitch"][worst % COORDINATES];
         let unit = if worst % COORDINATES < 3 { "N" } else { "N m" };
         return Err(AssemblyError::StaticPreload { body, direction, rest: left, unit });
@@ -106,6 +109,22 @@ fn solved(vehicle: &VehicleSpec, system: &System, free: bool) -> Result<Vec<(usi
         return Err(AssemblyError::StaticPull { element: system.forces[*element].name().to_string(), force: *force });
     }
     Ok(asked.iter().zip(forces.iter()).map(|((element, index, _), force)| (*element, *index, *force)).collect())
+}
+
+/// Whom the preloads that are asked for don't hold, and what is left: the least squares of the balance spread it over all bodies between which they act, of which each could hand it on.
+fn unheld(vehicle: &VehicleSpec, rest: &DVector<f64>, (worst, left): (usize, f64)) -> (String, f64) {
+    let direction = worst % COORDINATES;
+    let shared = |body: &usize| rest[COORDINATES * body + direction].abs() > SHARED * left.abs();
+    let held_by: Vec<usize> = if direction < 3 { (0..vehicle.bodies.len()).filter(shared).collect() } else { vec![worst / COORDINATES] };
+    let names: Vec<&str> = held_by.iter().filter_map(|body| Some(vehicle.bodies.get(*body)?.body.name.as_str())).collect();
+    let sum = held_by.iter().filter_map(|body| rest.get(COORDINATES * body + direction)).sum();
+    match names.as_slice() {
+        [one] => ((*one).into(), sum),
+        [some @ .., last] if some.len() <= NAMED => (format!("{} and {last} together", some.join(", ")), sum),
+        [some @ ..] => {
+            (format!("{} and {} more bodies together", some[..NAMED.min(some.len())].join(", "), some.len() - NAMED.min(some.len())), sum)
+        }
+    }
 }
 
 /// Generalised forces on all bodies that are no wheelsets.
