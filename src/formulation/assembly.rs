@@ -179,6 +179,7 @@ impl Model {
             load_tolerance: LOAD_TOLERANCE,
             force_weights,
             body_modes: Vec::new(),
+            design: Vec::new(),
             half: None,
             search_always: false,
             means: None,

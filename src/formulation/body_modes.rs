@@ -15,28 +15,21 @@
 //!
 //! Modes beyond 100 Hz, and those damped by more than half of critical damping, have none: a vehicle of rigid bodies means little there, and nothing swings.
 
-use super::envelope::Envelope;
-use super::{Model, Workspace};
-use crate::mbs::body::{COORDINATES, Wrench, YAW};
+use crate::mbs::body::{COORDINATES, YAW};
 use crate::mbs::carried::{Carried, Mode};
 use crate::mbs::system::System;
-use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
 /// r per damping ratio, and its bounds.
 const PER_DAMPING: f64 = 0.03;
 const LEAST: f64 = 1e-4;
 const MOST: f64 = 5e-3;
-/// Swings below this may fade faster, m/s2: by 0.01 m/s2 while an undamped one does.
-const SMALLEST: f64 = 0.2;
 /// Tolerance at which r is that, m and rad; r goes with the root of tighter ones down to this part.
 const USUAL: f64 = 1e-5;
 const TIGHTEST: f64 = 0.1;
 /// Between these rates [1/s] modes are followed, and up to this damping ratio.
 const RATES: [f64; 2] = [TAU * 0.3, TAU * 100.0];
 const DAMPED: f64 = 0.5;
-/// Periods over which mean and envelope go.
-const PERIODS: f64 = 3.0;
 /// Bodies that are looked at together: the time grows with the cube of their number. Of more, each is looked at with all others held.
 const TOGETHER: usize = 24;
 /// Coordinates of wheelsets that bodies follow: along and across the track, yaw.
@@ -48,22 +41,22 @@ const ROUNDING: f64 = 1e-6;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct BodyMode {
     /// w, 1/s.
-    rate: f64,
-    /// r, -.
-    share: f64,
-    parts: Vec<Part>,
+    pub rate: f64,
+    /// r, -; infinity of one that is not followed, which keeps its place: what elements' numbers are changed to while a simulation runs takes no state away.
+    pub share: f64,
+    pub parts: Vec<Part>,
     /// Of displacements of the wheelsets along and across the track, and in yaw: wheelset, and what e gets of each.
-    led: Vec<(usize, [f64; 3])>,
+    pub led: Vec<(usize, [f64; 3])>,
 }
 
 /// What a body has to do with a mode; coordinates along and across the track, up, yaw, roll, pitch.
 #[derive(Clone, Debug, PartialEq)]
-struct Part {
-    body: usize,
+pub(super) struct Part {
+    pub body: usize,
     /// Modal acceleration by generalised forces, 1/kg and 1/(kg m).
-    by_force: [f64; COORDINATES],
+    pub by_force: [f64; COORDINATES],
     /// Modal displacement by coordinates.
-    by_place: [f64; COORDINATES],
+    pub by_place: [f64; COORDINATES],
 }
 
 /// Of the bodies from `first` on, which hang in the configuration `state` of the system, for runs at a tolerance.
@@ -78,8 +71,7 @@ pub(super) fn body_modes(system: &System, first: usize, state: &[f64], tolerance
         if group.len() > TOGETHER { group.into_iter().map(|body| vec![body]).collect() } else { vec![group] }
     };
     let groups: Vec<Vec<usize>> = groups.into_iter().flat_map(alone).collect();
-    let inside = |mode: &Mode| mode.value > RATES[0].powi(2) && mode.value < RATES[1].powi(2);
-    let modes: Vec<Mode> = groups.iter().flat_map(|group| carried.modes(group)).filter(inside).collect();
+    let modes: Vec<Mode> = groups.iter().flat_map(|group| carried.modes(group)).collect();
     let swings = carried.swings(&modes);
     let led: Vec<_> = (0..first).map(|wheelset| LEADING.map(|coordinate| carried.led(wheelset, coordinate))).collect();
     let gyration: Vec<f64> = system.bodies[first..]
@@ -89,8 +81,8 @@ pub(super) fn body_modes(system: &System, first: usize, state: &[f64], tolerance
             [1.0, 1.0, 1.0, zz, xx, yy]
         })
         .collect();
-    let followed = modes.iter().zip(swings).filter_map(|(mode, swing)| {
-        let swing = swing.filter(|swing| swing.damping < DAMPED)?;
+    let all = modes.iter().zip(swings).map(|(mode, swing)| {
+        let followed = swing.filter(|swing| (RATES[0]..RATES[1]).contains(&swing.rate) && swing.damping < DAMPED);
         let largest = mode.shape.iter().zip(&gyration).map(|(part, arm)| (part * arm).abs()).fold(0.0, f64::max);
         let shape = &mode.shape / largest;
         let mass = shape.component_mul(&shape).dot(carried.masses());
@@ -100,9 +92,9 @@ pub(super) fn body_modes(system: &System, first: usize, state: &[f64], tolerance
             let of = |scale: &dyn Fn(usize) -> f64| std::array::from_fn(|i| scale(COORDINATES * body + i));
             Part { body: first + body, by_force: of(&|i| shape[i] / mass), by_place: of(&|i| shape[i] * carried.masses()[i] / mass) }
         };
-        Some(BodyMode {
-            rate: swing.rate,
-            share: tightness * (PER_DAMPING * swing.damping).clamp(LEAST, MOST),
+        BodyMode {
+            rate: followed.map_or(0.0, |swing| swing.rate),
+            share: followed.map_or(f64::INFINITY, |swing| tightness * (PER_DAMPING * swing.damping).clamp(LEAST, MOST)),
             parts: (0..system.bodies.len() - first).filter(moves).map(part).collect(),
             // Where all move alike no force changes: what wheelsets do is taken off by the forces that it makes.
             led: led
@@ -111,59 +103,7 @@ pub(super) fn body_modes(system: &System, first: usize, state: &[f64], tolerance
                 .enumerate()
                 .filter(|(_, parts)| parts.iter().any(|part| part.abs() > ROUNDING))
                 .collect(),
-        })
-    });
-    followed.collect()
-}
-
-impl Model {
-    /// With the modes of its bodies in a configuration, a state vector of its system, for runs at a tolerance [m and rad], if they have one.
-    pub fn with_body_modes(mut self, state: &[f64], tolerance: Option<f64>) -> Self {
-        self.body_modes = body_modes(&self.system, self.wheelsets.len(), state, tolerance);
-        self
-    }
-
-    /// Notes the end of a step, `since` [s] after the one before (`None`: the first), at which the workspace's evaluation was made.
-    pub(super) fn note_mode_swings(&self, workspace: &Workspace, since: Option<f64>, envelopes: &mut [Envelope]) {
-        for (BodyMode { rate, parts, .. }, envelope) in self.body_modes.iter().zip(envelopes) {
-            let fading = since.map_or(1.0, |since| 1.0 - (-since * rate / (TAU * PERIODS)).exp());
-            let of = |Part { body, by_force, .. }: &Part| {
-                let Wrench { force, moment } = workspace.system.wrenches[*body];
-                dot(by_force, &along_and_about(workspace, *body, [force, moment]))
-            };
-            envelope.note(parts.iter().map(of).sum(), fading, since.is_none());
         }
-    }
-
-    /// The largest error of a mode in parts of what its swing allows; the workspace holds an evaluation nearby.
-    pub(super) fn mode_swing_error(&self, workspace: &Workspace, envelopes: &[Envelope], error: &[f64]) -> f64 {
-        let (places, speeds) = error.split_at(COORDINATES * self.system.bodies.len());
-        let of = |(BodyMode { rate, share, parts, led }, envelope): (&BodyMode, &Envelope)| {
-            let [place, speed] = [places, speeds].map(|error| {
-                let part = |Part { body, by_place, .. }: &Part| {
-                    let own = &error[COORDINATES * body..COORDINATES * (body + 1)];
-                    let linear = workspace.in_track(*body, Vector3::new(own[0], own[1], own[2]));
-                    dot(by_place, &[linear.x, linear.y, linear.z, own[3], own[4], own[5]])
-                };
-                let follows = |(wheelset, [along, across, yaw]): &(usize, [f64; 3])| {
-                    let own = &error[COORDINATES * wheelset..];
-                    let linear = workspace.in_track(*wheelset, Vector3::new(own[0], own[1], own[2]));
-                    along * linear.x + across * linear.y + yaw * own[YAW]
-                };
-                parts.iter().map(part).sum::<f64>() + led.iter().map(follows).sum::<f64>()
-            });
-            rate * (rate * place).hypot(speed) / (share * envelope.amplitude.max(SMALLEST))
-        };
-        self.body_modes.iter().zip(envelopes).map(of).fold(0.0, f64::max)
-    }
-}
-
-/// Force and moment on a body as the generalised forces of small displacements along, across, up, and turns in yaw, roll, pitch.
-fn along_and_about(workspace: &Workspace, body: usize, wrench: [Vector3<f64>; 2]) -> [f64; COORDINATES] {
-    let [force, moment] = wrench.map(|vector| workspace.in_track(body, vector));
-    [force.x, force.y, force.z, moment.z, moment.x, moment.y]
-}
-
-fn dot(one: &[f64; COORDINATES], other: &[f64; COORDINATES]) -> f64 {
-    one.iter().zip(other).map(|(one, other)| one * other).sum()
+    });
+    all.collect()
 }

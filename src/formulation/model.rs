@@ -2,7 +2,7 @@
 
 use super::ContactReport;
 use super::Formulation;
-use super::body_modes::BodyMode;
+use super::body_modes::{self, BodyMode};
 use super::energy_books::EnergyBooks;
 use super::flank::Flank;
 use super::linear_contact::LinearContact;
@@ -65,6 +65,8 @@ pub struct Model {
     pub(super) force_weights: Vec<f64>,
     /// How its bodies swing on their springs; empty where nobody asked.
     pub(super) body_modes: Vec<BodyMode>,
+    /// The configuration about which they do: a state vector of the system; empty where nobody asked.
+    pub(super) design: Vec<f64>,
     /// Where contacts of right wheels are those of left ones in a mirror (see `half`): of each body the one that is its mirror image.
     pub(super) half: Option<Vec<usize>>,
     /// Are places searched for also where certificates hold?
@@ -129,6 +131,20 @@ impl Model {
     pub fn with_load_tolerance(mut self, tolerance: f64) -> Self {
         self.load_tolerance = tolerance;
         self
+    }
+
+    /// With the modes of its bodies in a configuration, a state vector of its system, for runs at a tolerance [m and rad], if they have one.
+    pub fn with_body_modes(mut self, design: Vec<f64>, tolerance: Option<f64>) -> Self {
+        self.design = design;
+        self.find_body_modes(tolerance);
+        self
+    }
+
+    /// Finds them anew, after elements or the tolerance have changed.
+    pub fn find_body_modes(&mut self, tolerance: Option<f64>) {
+        if !self.design.is_empty() {
+            self.body_modes = body_modes::body_modes(&self.system, self.wheelsets.len(), &self.design, tolerance);
+        }
     }
 
     /// With the static wheel loads [N] of a balance, one per wheelset. A lone wheelset carries what it weighs, which is known.

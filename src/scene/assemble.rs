@@ -8,7 +8,6 @@ use crate::formulation::inputs::RAIL_MOTION;
 use crate::formulation::{AssemblyError, ContactLaws, Model, Parts, wheel_search};
 use crate::geometry::Side;
 use crate::geometry::track::{Rail, Track};
-use crate::solve::SettingKind;
 
 /// Distance over which forces are averaged, m (EN 14363).
 pub const MEAN_WINDOW: f64 = 2.0;
@@ -64,8 +63,6 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
     };
     let places: Vec<f64> = scene.vehicle.wheelsets.iter().map(|placed| placed.x).collect();
     let window = scene.interface.outputs.contains(&SLIDING_MEANS).then_some(MEAN_WINDOW);
-    let setting = scene.solver.integrator.setting();
-    let tolerance = (setting.kind == SettingKind::Tolerance).then_some(setting.value);
     let model = Model::new(parts, &contact.formulation)?;
     model
         .with_sliding_means(window)
@@ -74,6 +71,6 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
         .searching_always(scene.effects.all)
         .with_rail_motion(scene.interface.inputs.contains(&RAIL_MOTION.name))?
         .with_flexibility(track.flexibility, &places, scene.vehicle.speed)?
-        .with_body_modes(&design, tolerance)
+        .with_body_modes(design, scene.solver.integrator.setting().tolerance())
         .with_out_of_round(scene.vehicle.wheelsets.iter().flat_map(|placed| placed.spec.out_of_round.clone()).collect())
 }

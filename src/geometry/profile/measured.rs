@@ -183,11 +183,10 @@ pub(super) fn profile(section: &Section, part: Part, file: OpenFile, reading: Re
     let groove = if part == Part::Rail { groove::cut(&mut samples) } else { None };
     let doubts = doubts(&samples, part);
     let mut points: Vec<(f64, f64)> = samples.iter().map(|sample| (sample.x, sample.z)).collect();
-    if let Some((key, reach)) = reach {
-        points = smoothed(&points, reach, &mut notes).map_err(|problem| section.error(key, problem))?;
-    } else if let Some(eased) = eased(&points, &samples, &mut notes) {
-        points = eased;
-    }
+    points = match reach {
+        Some((key, reach)) => smoothed(&points, reach, &mut notes).map_err(|problem| section.error(key, problem))?,
+        None => eased(points, &samples, &mut notes),
+    };
     if let Some(radius) = radius {
         // The radius holds for the spline itself, not for the chord between two points.
         let spline = CubicSpline::natural(&points).map_err(|error| wrong(0, error.to_string()))?;
@@ -299,18 +298,19 @@ fn last_digit(numbers: impl Iterator<Item = f64> + Clone) -> Option<f64> {
     DIGITS.into_iter().find(|digit| numbers.clone().all(whole(*digit)))
 }
 
-/// Points that are rounded so that a spline through them swings, on a smooth curve within their last digit; `None` where they need none.
-fn eased(points: &[(f64, f64)], samples: &[Sample], notes: &mut Vec<String>) -> Option<Vec<(f64, f64)>> {
-    let through = SplineProfile::through(points).ok()?;
+/// Points that are rounded so that a spline through them swings, on a smooth curve within their last digit; others as they are.
+fn eased(points: Vec<(f64, f64)>, samples: &[Sample], notes: &mut Vec<String>) -> Vec<(f64, f64)> {
     let coordinates: Vec<f64> = points.iter().map(|point| point.0).collect();
-    if swinging::swings(&through, &coordinates).is_empty() {
-        return None;
-    }
-    let level = samples.first()?.z;
-    let digit = last_digit(samples.iter().map(move |sample| sample.z - level)).filter(|digit| *digit <= COARSEST)?;
-    let found = smooth(points, Reach::Largest(digit)).filter(|found| found.points.windows(2).all(|pair| pair[1].0 > pair[0].0))?;
+    let level = samples.first().map_or(0.0, |sample| sample.z);
+    let smoother = SplineProfile::through(&points)
+        .ok()
+        .filter(|through| !swinging::swings(through, &coordinates).is_empty())
+        .and_then(|_| last_digit(samples.iter().map(move |sample| sample.z - level)).filter(|digit| *digit <= COARSEST))
+        .and_then(|digit| Some((digit, smooth(&points, Reach::Largest(digit))?.points)))
+        .filter(|(_, found)| found.windows(2).all(|pair| pair[1].0 > pair[0].0));
+    let Some((digit, found)) = smoother else { return points };
     notes.push(format!("points are rounded to {:.1} um: a smooth curve is laid within so much of them", 1e6 * digit));
-    Some(found.points)
+    found
 }
 
 fn smoothed(points: &[(f64, f64)], reach: Reach, notes: &mut Vec<String>) -> Result<Vec<(f64, f64)>, String> {
