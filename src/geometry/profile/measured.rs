@@ -290,7 +290,7 @@ fn read_reach(section: &Section) -> Result<Option<(&'static str, Reach)>, Settin
 const DIGITS: [f64; 5] = [1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
 const MISSES: f64 = 1e-3;
 /// Rounding to more than this is no rounding that a curve may be laid through, m; to less than that, no file has.
-const COARSEST: f64 = 2e-6;
+const COARSEST: f64 = 1.001e-6;
 
 /// The last digit to which all numbers of a file are rounded, m.
 fn last_digit(numbers: impl Iterator<Item = f64> + Clone) -> Option<f64> {
