@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 /// Periods over which mean and envelope go.
 const PERIODS: f64 = 3.0;
-/// Swings below this may fade faster, m/s2: by 0.01 m/s2 while an undamped one does.
+/// Swings below this may fade faster, m/s2.
 const SMALLEST: f64 = 0.2;
 
 impl Model {

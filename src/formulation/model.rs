@@ -133,14 +133,13 @@ impl Model {
         self
     }
 
-    /// With the modes of its bodies in a configuration, a state vector of its system, for runs at a tolerance [m and rad], if they have one.
-    pub fn with_body_modes(mut self, design: Vec<f64>, tolerance: Option<f64>) -> Self {
+    /// With the configuration in which its bodies hang on their elements, a state vector of its system.
+    pub fn with_design(mut self, design: Vec<f64>) -> Self {
         self.design = design;
-        self.find_body_modes(tolerance);
         self
     }
 
-    /// Finds them anew, after elements or the tolerance have changed.
+    /// Finds the modes of its bodies for runs at a tolerance [m and rad], if they have one: before a run, and after elements or the tolerance have changed.
     pub fn find_body_modes(&mut self, tolerance: Option<f64>) {
         if !self.design.is_empty() {
             self.body_modes = body_modes::body_modes(&self.system, self.wheelsets.len(), &self.design, tolerance);

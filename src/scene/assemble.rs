@@ -71,6 +71,6 @@ pub fn model(scene: &Scene) -> Result<Model, AssemblyError> {
         .searching_always(scene.effects.all)
         .with_rail_motion(scene.interface.inputs.contains(&RAIL_MOTION.name))?
         .with_flexibility(track.flexibility, &places, scene.vehicle.speed)?
-        .with_body_modes(design, scene.solver.integrator.setting().tolerance())
+        .with_design(design)
         .with_out_of_round(scene.vehicle.wheelsets.iter().flat_map(|placed| placed.spec.out_of_round.clone()).collect())
 }

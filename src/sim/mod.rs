@@ -148,7 +148,7 @@ pub struct Simulation {
     rubbed_in: f64,
     untuned: tuning::Untuned,
     /// Constants and tolerance for which the modes of the bodies were found last.
-    tuned: Option<tuning::Tuned>,
+    tuned: tuning::Tuned,
     extrapolation: directional::Extrapolation,
     /// s.
     start: f64,
@@ -208,7 +208,7 @@ impl Simulation {
 
     /// From a solution in the track frame, and how contacts begin; `driven`: elements have taken up what they begin with.
     fn begin(
-        model: Model,
+        mut model: Model,
         integrator: &Arc<dyn Integrator>,
         (mut y, contacts): (Vec<f64>, Contacts),
         start: f64,
@@ -244,6 +244,8 @@ impl Simulation {
             inputs: vec![0.0; inputs.len()],
             y: y.clone(),
         };
+        let tolerance = integrator.setting().tolerance();
+        model.find_body_modes(tolerance);
         let mut simulation = Simulation {
             integrator: integrator.clone(),
             scratch: Scratch::new(y.len(), model.event_functions()),
@@ -268,7 +270,7 @@ impl Simulation {
             loads: model.wheel_loads(),
             rubbed_in: 1.0,
             untuned: Vec::new(),
-            tuned: None,
+            tuned: (Vec::new(), tolerance),
             extrapolation: Default::default(),
             start,
             model,

@@ -55,9 +55,9 @@ impl Simulation {
         }
         self.model.weigh_forces();
         let tuned = (constants.to_vec(), integrator.setting().tolerance());
-        if self.tuned.as_ref() != Some(&tuned) {
+        if self.tuned != tuned {
             self.model.find_body_modes(tuned.1);
-            self.tuned = Some(tuned);
+            self.tuned = tuned;
         }
         self.workspace.forget();
         self.known = None;
