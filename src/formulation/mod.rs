@@ -42,7 +42,7 @@ mod loading;
 mod low_pass;
 mod means;
 pub mod memory;
-mod mode_swings;
+pub mod mode_swings;
 mod model;
 mod moving_frame;
 pub mod one_wheel;

@@ -12,7 +12,32 @@ const PERIODS: f64 = 3.0;
 /// Swings below this may fade faster, m/s2.
 const SMALLEST: f64 = 0.2;
 
+/// Part of its amplitude that the third-order method's error estimate is in a step of the angle y [rad] of a swing, over y cubed.
+const ESTIMATE: f64 = 0.039;
+
+/// A swing of bodies that asks for short steps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vibration {
+    /// That moves most.
+    pub body: String,
+    /// Hz.
+    pub frequency: f64,
+    /// The longest step of the third-order method while it swings, s.
+    pub step: f64,
+}
+
 impl Model {
+    /// The one that asks for the shortest steps.
+    pub fn quickest_vibration(&self) -> Option<Vibration> {
+        let of = |BodyMode { rate, share, parts, .. }: &BodyMode| {
+            let size = |part: &Part| part.by_place.iter().map(|own| own.abs()).fold(0.0, f64::max);
+            let most = parts.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
+            let body = self.system.bodies[most.body].name.clone();
+            Some(Vibration { body, frequency: rate / TAU, step: (share / ESTIMATE).cbrt() / rate })
+        };
+        self.body_modes.iter().filter(|mode| mode.share.is_finite()).filter_map(of).min_by(|a, b| a.step.total_cmp(&b.step))
+    }
+
     /// Notes the end of a step, `since` [s] after the one before (`None`: the first), at which the workspace's evaluation was made.
     pub(super) fn note_mode_swings(&self, workspace: &Workspace, since: Option<f64>, envelopes: &mut [Envelope]) {
         for (BodyMode { rate, parts, .. }, envelope) in self.body_modes.iter().zip(envelopes).filter(|(mode, _)| mode.share.is_finite()) {

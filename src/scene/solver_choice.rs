@@ -3,6 +3,7 @@
 use super::spec::Scene;
 use crate::contact::search::algebraic;
 use crate::formulation::Model;
+use crate::formulation::mode_swings::Vibration;
 use crate::mbs::projection;
 use crate::settings::{Section, SettingsError};
 use crate::solve::{AUTO, DEFAULT_TOLERANCE, SettingKind};
@@ -66,6 +67,9 @@ const RULES: &[Rule] = &[
     },
 ];
 
+/// Steps for a vibration that are worth a word, s.
+const SHORT: f64 = 0.7e-3;
+
 /// The method for a scene, and why.
 pub fn choose(facts: &Facts) -> (&'static str, &'static str) {
     let rule = RULES.iter().find(|rule| (rule.fits)(facts)).unwrap_or(&RULES[RULES.len() - 1]);
@@ -97,7 +101,15 @@ pub(super) fn notes(scene: &Scene, model: &Model) -> Vec<String> {
             solver.name
         )
     });
-    assumed.into_iter().chain(chosen).chain(bounded).collect()
+    let short = |vibration: &Vibration| solver.name == "rosenbrock" && vibration.step < SHORT;
+    let vibrates = model.quickest_vibration().filter(short).map(|Vibration { body, frequency, step }| {
+        format!(
+            "{body} can swing at {frequency:.0} Hz, and little damps it: while it does steps are at most {:.2} ms; where that lasts (wheels out of round, rough track) \
+             solver.integrator = \"dormand_prince\" may be faster",
+            1e3 * step
+        )
+    });
+    assumed.into_iter().chain(chosen).chain(bounded).chain(vibrates).collect()
 }
 
 #[cfg(test)]

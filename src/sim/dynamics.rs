@@ -118,6 +118,11 @@ impl ModelDynamics<'_> {
     }
 }
 
+/// The bodies' distances along the track, each bit of them.
+fn places(memory: &ModelMemory) -> u64 {
+    memory.distances.iter().fold(0, |all: u64, place| all.rotate_left(7) ^ place.to_bits())
+}
+
 /// Keeps the reason of a failure for whoever advanced the simulation.
 fn keep<T>(failure: &mut Option<EvaluationError>, result: Result<T, EvaluationError>) -> Result<T, Undefined> {
     result.map_err(|error| {
@@ -261,11 +266,12 @@ impl Dynamics for ModelDynamics<'_> {
         let cached = std::mem::replace(&mut self.workspace.cached, Cached::No);
         let memory = &mut self.trial.accepted;
         let clock = self.workspace.timers.start();
+        let before = places(memory);
         let moved = self.model.at(self.workspace, t, y, memory).project();
         self.workspace.timers.stop(Call::Keep, clock);
         let moved = keep(&mut self.failure, moved)?;
-        // Where nothing moves, bodies' motions are found again to the bit, and so are their places along a curved track: the search ends where it begins.
-        if !moved {
+        // Where nothing moves, bodies' motions are found again to the bit, and so are their places along a curved track: the search ends where it begins, but for a rounding at times.
+        if !moved && places(memory) == before {
             self.workspace.cached = cached;
         }
         self.model.note_means(t, y, memory);

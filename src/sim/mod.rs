@@ -234,8 +234,6 @@ impl Simulation {
         step.settle_rails(&model.start_inputs())?;
         model.note_means(start, &y, &mut memory);
         let inputs: Vec<InputSignal> = model.start_inputs().iter().map(|value| InputSignal::constant(start, *value)).collect();
-        let integration = integrator.start(start, &y);
-        let push = Push::new(y.len(), inputs.len());
         let snapshot = Snapshot {
             time: start,
             dy: vec![0.0; y.len()],
@@ -244,15 +242,15 @@ impl Simulation {
             inputs: vec![0.0; inputs.len()],
             y: y.clone(),
         };
-        let tolerance = integrator.setting().tolerance();
-        model.find_body_modes(tolerance);
+        let tuned = tuning::as_begun(&mut model, integrator);
         let mut simulation = Simulation {
             integrator: integrator.clone(),
             scratch: Scratch::new(y.len(), model.event_functions()),
             trial: Memories::new(memory.clone()),
+            push: Push::new(y.len(), inputs.len()),
             state: SimulationState {
                 time: start,
-                integration,
+                integration: integrator.start(start, &y),
                 memories: if integrator.response_vectors() > 0 { Memories::new(memory).with_begin() } else { Memories::new(memory) },
                 began: inputs.clone(),
                 followed: inputs.clone(),
@@ -266,11 +264,10 @@ impl Simulation {
             workspace,
             snapshot,
             known: None,
-            push,
             loads: model.wheel_loads(),
             rubbed_in: 1.0,
             untuned: Vec::new(),
-            tuned: (Vec::new(), tolerance),
+            tuned,
             extrapolation: Default::default(),
             start,
             model,

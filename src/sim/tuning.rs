@@ -5,6 +5,7 @@
 //! spring that grows stiffer is not hung up anew) and the static wheel loads by which errors are measured.
 
 use super::Simulation;
+use crate::formulation::Model;
 use crate::mbs::force::ForceElement;
 use crate::scene::spec::Scene;
 use crate::solve::Integrator;
@@ -26,6 +27,13 @@ pub(super) type Untuned = Vec<(usize, Box<dyn ForceElement>)>;
 
 /// Constants of elements as in [`Tuning`], and the tolerance.
 pub(super) type Tuned = (Vec<(usize, u32, f64)>, Option<f64>);
+
+/// Finds the modes of the bodies as the scene has them.
+pub(super) fn as_begun(model: &mut Model, integrator: &Arc<dyn Integrator>) -> Tuned {
+    let tolerance = integrator.setting().tolerance();
+    model.find_body_modes(tolerance);
+    (Vec::new(), tolerance)
+}
 
 impl Simulation {
     /// Puts other numbers in force from the present time on. The integration restarts here, as after a jump of an input.

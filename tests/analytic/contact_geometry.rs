@@ -627,7 +627,7 @@ fn hard_false_jumps_of_noisy_points_are_told_and_a_fit_takes_them_away() {
     let scene = wheelrail::scene::load::open("wheelset_s1002", &[]).unwrap();
     let file = |name: &str, head: &str, profile: &dyn Profile| {
         let (first, last) = profile.range();
-        let noisy = |x: f64| format!("{x:.6},{:.8}\n", profile.at(x).value + 5e-7 * (1e5 * x).sin());
+        let noisy = |x: f64| format!("{x:.6},{:.8}\n", profile.at(x).value + 5e-7 * (4375.85 * (9.7e5 * x).sin()).fract());
         let rounded = |x: f64| format!("{x:.6},{:.6}\n", profile.at(x).value);
         // Along the surface: the gauge is measured on a flank.
         let next = |x: &f64| Some(x + 5e-4 / 1f64.hypot(profile.at(*x).d1));
@@ -658,7 +658,7 @@ fn hard_false_jumps_of_noisy_points_are_told_and_a_fit_takes_them_away() {
     let (said, _, _) = contact(&[&[path.as_str()], &patch[..]].concat());
     assert_eq!(said.matches("note: ").count(), 1, "{said}");
     assert!(fitted.0 <= 6 && fitted.1 == 0, "{fitted:?}");
-    assert!((fitted.2 - 0.1724).abs() < 5e-4, "{fitted:?}");
+    assert!((fitted.2 - 0.1724).abs() < 1e-3, "{fitted:?}");
     // A smoother curve lies within the last digit of what is rounded.
     assert!(rounded.0 <= 20 && (rounded.2 - 0.1724).abs() < 5e-4, "{rounded:?}");
 }

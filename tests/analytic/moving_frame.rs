@@ -175,8 +175,8 @@ fn regress_irregular_track_takes_few_steps() {
         "{} steps, {} rejected, {} evaluations; y within {worst:.1e} m",
         statistics.steps, statistics.rejected, statistics.evaluations
     );
-    // 454 and 0.48 um: swings are followed by their own size too, which this tolerance alone would not ask for.
-    assert!(statistics.steps < 480 && worst < 1e-6);
+    // 622 and 0.14 um: swings are followed by their own size too, bodies by their accelerations, which this tolerance alone would not ask for.
+    assert!(statistics.steps < 660 && worst < 1e-6);
 }
 
 const CURVING: [&str; 4] = ["track.deviation=[]", "contact.patch=ellipse", "vehicle.speed=15", "vehicle.drive=leading"];

@@ -60,8 +60,6 @@ const TURN: f64 = 0.25;
 const SAME: f64 = 1e-9;
 /// A step of a projection, m, after which the next would be rounding: it converges quadratically, and no track turns by more than 1 rad/m.
 const LAST_STEP: f64 = 1e-8;
-/// Roundings of a distance that it leaves.
-const ROUNDINGS: f64 = 16.0;
 
 /// A centre line.
 #[derive(Clone, Debug)]
@@ -400,8 +398,7 @@ impl CentreLine {
         for _ in 0..ITERATIONS {
             let offset = point - frame.origin;
             let step = offset.dot(&frame.along()) / frame.stretch(&offset);
-            // Wide enough that a search that begins at a result ends there: evaluations are repeated to the bit.
-            let rounding = ROUNDINGS * f64::EPSILON * (frame.distance.abs() + point.x.abs() + point.y.abs() + 1.0);
+            let rounding = 4.0 * f64::EPSILON * (frame.distance.abs() + point.x.abs() + point.y.abs() + 1.0);
             // Not a number ends it too.
             if !(step.abs() > rounding) {
                 break;
