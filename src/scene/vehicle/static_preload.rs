@@ -121,7 +121,7 @@ fn unheld(vehicle: &VehicleSpec, rest: &DVector<f64>, (worst, left): (usize, f64
     match names.as_slice() {
         [one] => ((*one).into(), sum),
         [some @ .., last] if some.len() <= NAMED => (format!("{} and {last} together", some.join(", ")), sum),
-        [some @ ..] => {
+        some => {
             (format!("{} and {} more bodies together", some[..NAMED.min(some.len())].join(", "), some.len() - NAMED.min(some.len())), sum)
         }
     }
