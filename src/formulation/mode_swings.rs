@@ -30,7 +30,7 @@ impl Model {
     /// The one that asks for the shortest steps.
     pub fn quickest_vibration(&self) -> Option<Vibration> {
         let of = |BodyMode { rate, share, parts, .. }: &BodyMode| {
-            let size = |part: &Part| part.by_place.iter().map(|own| own.abs()).fold(0.0, f64::max);
+            let size = |part: &Part| part.by_force.iter().map(|own| own.abs()).fold(0.0, f64::max);
             let most = parts.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
             let body = self.system.bodies[most.body].name.clone();
             Some(Vibration { body, frequency: rate / TAU, step: (share / ESTIMATE).cbrt() / rate })
