@@ -11,7 +11,7 @@ mod nearest;
 use crate::units::Dimension;
 pub(crate) use constant::constant;
 pub use constant::{Constant, Number, Numbered};
-pub(crate) use csv_text::{csv_reader, line_of, title};
+pub(crate) use csv_text::{CsvText, length_title, line_of, title};
 use faults::Faults;
 pub use nearest::did_you_mean;
 use nearest::{nearest, slip};

@@ -160,8 +160,14 @@ impl Dimension {
             // A chord of 100 ft is seen from the centre under this angle.
             return Some((0.5 * DEGREE * number).sin() / (50.0 * FOOT));
         }
-        self.units().iter().find(|unit| unit.0 == name).map(|unit| number * unit.1)
+        let named = self.units().iter().find(|unit| unit.0 == name);
+        named.or_else(|| self.units().iter().find(|unit| joined(unit.0).eq(joined(name)))).map(|unit| number * unit.1)
     }
+}
+
+/// A unit without what may stand between its factors: `N m`, `N.m`, `N*m` and `Nm` are one.
+fn joined(name: &str) -> impl Iterator<Item = char> {
+    name.chars().filter(|c| !matches!(c, ' ' | '.' | '*' | '\u{b7}' | '\u{22c5}'))
 }
 
 /// Other names of units, as [`bare`] writes them.

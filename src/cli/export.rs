@@ -133,7 +133,7 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), Failure> {
     let libraries = libraries::find(&arguments.library)?;
     let packed = package::pack_scene_as(&scene, arguments.fmi.into())?;
     let mut files = package::files(&packed, &libraries);
-    let mut simulation = super::start(&packed.scene)?;
+    let mut simulation = super::start_of(&packed.scene, &scene.source.file)?;
     if let Some(words) = unstable_rest(&packed.scene, &mut simulation) {
         say(&format!("note: {words}"));
     }

@@ -36,8 +36,7 @@ use clap::{Args, Parser, Subcommand};
 use output::{Kind, OutputError, Target, print};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
-use std::thread::JoinHandle;
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 /// Vehicles on real wheel/rail contact: from a scene file to a co-simulation FMU (FMI 2.0 or 3.0).
@@ -291,46 +290,33 @@ fn notes(doubts: Vec<String>) -> String {
     doubts.into_iter().map(|doubt| format!("\n  note: {doubt}\n")).collect()
 }
 
-/// Starts a simulation; a scene without equilibrium is bad input, and what is doubtful in it may be why.
+/// Starts a simulation; a scene without equilibrium is bad input, and what is doubtful in it may be why. Where it takes long, it says so, and what in the profiles may be why.
 fn start(scene: &Scene) -> Result<Simulation, Failure> {
-    let patience = Patience::new(profile_doubts(scene));
-    let started = Simulation::new(scene, 0.0);
-    drop(patience);
-    started.map_err(|error| {
-        let doubts = assemble::model(scene).map(|model| improbable(scene, &model)).unwrap_or_default();
-        doubts.iter().for_each(|doubt| say(&format!("note: {doubt}")));
-        Failure::Input(format!("{}: {error}", scene.source.file))
-    })
+    start_of(scene, &scene.source.file)
 }
 
-/// Says after some seconds that the start takes long, and what in the profiles may be why.
-struct Patience {
-    done: Option<Sender<()>>,
-    watch: Option<JoinHandle<()>>,
-}
-
-impl Patience {
-    fn new(doubts: Vec<String>) -> Patience {
-        const LONG: Duration = Duration::from_secs(3);
-        let (done, waits) = channel();
-        let watch = std::thread::spawn(move || {
+/// The same of a scene that its user knows by another file.
+fn start_of(scene: &Scene, file: &str) -> Result<Simulation, Failure> {
+    const LONG: Duration = Duration::from_secs(3);
+    let (done, waits) = channel::<()>();
+    let started = std::thread::scope(|scope| {
+        scope.spawn(move || {
             if waits.recv_timeout(LONG) == Err(RecvTimeoutError::Timeout) {
                 say(
                     "the balance in which the run begins is looked for, which may take a minute in tight curves, minutes on profiles that are not smooth",
                 );
-                doubts.iter().for_each(|doubt| say(&format!("note: {doubt}")));
+                profile_doubts(scene).iter().for_each(|doubt| say(&format!("note: {doubt}")));
             }
         });
-        Patience { done: Some(done), watch: Some(watch) }
-    }
-}
-
-impl Drop for Patience {
-    fn drop(&mut self) {
-        drop(self.done.take());
-        // It only speaks.
-        let _ = self.watch.take().map(JoinHandle::join);
-    }
+        let started = Simulation::new(scene, 0.0);
+        drop(done);
+        started
+    });
+    started.map_err(|error| {
+        let doubts = assemble::model(scene).map(|model| improbable(scene, &model)).unwrap_or_default();
+        doubts.iter().for_each(|doubt| say(&format!("note: {doubt}")));
+        Failure::Input(format!("{file}: {error}"))
+    })
 }
 
 fn names<P>(registry: &'static [Entry<P>]) -> Vec<&'static str> {

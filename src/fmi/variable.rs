@@ -77,6 +77,14 @@ impl Variable {
         }
     }
 
+    /// The bound that a value misses by a rounding, as that of a controller; else the value.
+    pub fn rounded_in(&self, value: f64) -> f64 {
+        const ROUNDING: f64 = 1e-9;
+        let missed = |bound: &f64| (value - bound).abs() <= ROUNDING * bound.abs().max(1.0);
+        let [below, above] = [self.min.filter(|min| value < *min), self.max.filter(|max| value > *max)];
+        below.or(above).filter(missed).unwrap_or(value)
+    }
+
     /// As force element, number and `value` of a constant where it is one.
     pub fn constant_of_force(&self, value: f64) -> Option<(usize, u32, f64)> {
         match self.role {

@@ -38,6 +38,8 @@ pub struct VariableTable {
     /// By input of force elements: the element's number among the vehicle's, and its bodies.
     elements: Vec<(usize, [Option<usize>; 3])>,
     first_element_input: usize,
+    /// Is the track straight and level for ever?
+    straight: bool,
     /// Index of each reference.
     index: HashMap<u32, usize>,
 }
@@ -78,7 +80,7 @@ impl VariableTable {
             role: Role::Output(index),
         }));
         variables.extend(parameters::parameters(scene));
-        variables.extend(locals(model.formulation.constrains(), scene.solver.integrator.linearises()));
+        variables.extend(locals(model.formulation.constrains(), scene.solver.integrator.linearises(), version));
         let index = variables.iter().enumerate().map(|(index, variable)| (variable.reference, index)).collect();
         let forces = scene.vehicle.forces.iter().enumerate();
         let elements = forces.flat_map(|(number, force)| std::iter::repeat_n((number, force.0.reach()), force.0.inputs().len())).collect();
@@ -93,6 +95,7 @@ impl VariableTable {
             wheelsets: model.wheelsets.len(),
             elements,
             first_element_input: model.first_element_input(),
+            straight: scene.track.line.is_none(),
             index,
         })
     }
@@ -154,7 +157,7 @@ impl VariableTable {
     pub fn integral(&self, variable: &Variable) -> Option<usize> {
         let reference = variable.reference;
         let shown = matches!(variable.role, Role::Output(_)) && (WHEELSET..BODY).contains(&reference);
-        let number = integral(reference % WHEELSET).filter(|_| shown)?;
+        let number = integral(reference % WHEELSET, self.straight).filter(|_| shown)?;
         self.place(reference - reference % WHEELSET + number)
     }
 
@@ -162,7 +165,7 @@ impl VariableTable {
     pub fn rate(&self, variable: &Variable) -> Option<&Variable> {
         let reference = variable.reference;
         let shown = matches!(variable.role, Role::Output(_)) && (WHEELSET..BODY).contains(&reference);
-        let number = rate(reference % WHEELSET).filter(|_| shown)?;
+        let number = rate(reference % WHEELSET, self.straight).filter(|_| shown)?;
         self.variables.get(self.place(reference - reference % WHEELSET + number)?)
     }
 
@@ -271,15 +274,16 @@ fn input(row: &InputRow, reference: u32, name: String, place: usize) -> Variable
     }
 }
 
-/// Counters of work; those of constraints only where contact is one, those of implicit methods only with one.
-fn locals(constrains: bool, linearises: bool) -> Vec<Variable> {
+/// Counters of work; those of constraints only where contact is one, those of implicit methods only with one. They change in steps, which in FMI 3.0 only continuous variables may.
+fn locals(constrains: bool, linearises: bool, version: Version) -> Vec<Variable> {
+    let (kind, variability) = if version == Version::Three { (Kind::Real, "continuous") } else { (Kind::Integer, "discrete") };
     let counter = |reference, name: &str, text: &str, read: fn(&SimulationState) -> u64| Variable {
         reference,
         name: name.into(),
         description: text.into(),
-        kind: Kind::Integer,
+        kind,
         causality: "local",
-        variability: "discrete",
+        variability,
         initial: Some("calculated"),
         unit: Unit::One,
         start: None,
@@ -361,5 +365,19 @@ mod tests {
             }
         }
         assert!(counted > 3 * SCENES.len(), "{counted}");
+    }
+    /// Beside a curve the centre's speed is not that of its place along the centre line: `s' = v / (1 - k y)`.
+    #[test]
+    fn prop_the_speed_is_the_rate_of_the_distance_on_straight_track_alone() {
+        for (scene, straight) in [("vehicle_manchester_1", true), ("vehicle_curve", false)] {
+            let table = VariableTable::new(&load::open(scene, &[]).unwrap()).unwrap();
+            let named = |name: &str| table.variables.iter().find(|variable| variable.name == name).unwrap();
+            for wheelset in ["truck[1].wheelset[1]", "truck[2].wheelset[2]"] {
+                let rate = |name: &str| table.rate(named(&format!("{wheelset}.{name}"))).map(|rate| rate.name.clone());
+                assert_eq!(rate("distance").is_some(), straight, "{scene}");
+                assert_eq!(rate("y"), Some(format!("{wheelset}.vy")));
+                assert_eq!(table.integral(named(&format!("{wheelset}.vx"))).is_some(), straight, "{scene}");
+            }
+        }
     }
 }

@@ -56,6 +56,13 @@ impl Beat {
         }
     }
 
+    /// What comes next is no part of a swing that goes on.
+    pub fn interrupt(&mut self) {
+        if self.begun {
+            *self = Beat { swing: self.swing, ..Beat::default() };
+        }
+    }
+
     /// Takes the wheel's force, in parts of its static load, at `t` [s].
     pub fn note(&mut self, share: f64, t: f64, limits: &Limits) {
         if !share.is_finite() {

@@ -60,11 +60,11 @@ pub(super) struct Part {
 }
 
 /// Of the bodies from `first` on, which hang in the configuration `state` of the system, for runs at a tolerance.
-pub(super) fn body_modes(system: &System, first: usize, state: &[f64], tolerance: Option<f64>) -> Vec<BodyMode> {
+pub(super) fn body_modes(system: &System, first: usize, state: &[f64], tolerance: f64) -> Vec<BodyMode> {
     if system.bodies.len() <= first {
         return Vec::new();
     }
-    let tightness = tolerance.map_or(1.0, |tolerance| (tolerance / USUAL).sqrt().clamp(TIGHTEST, 1.0));
+    let tightness = (tolerance / USUAL).sqrt().clamp(TIGHTEST, 1.0);
     let mut carried = Carried::new(system, first, state);
     let groups = carried.groups();
     let alone = |group: Vec<usize>| -> Vec<Vec<usize>> {

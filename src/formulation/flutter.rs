@@ -44,9 +44,9 @@ const QUIET: f64 = 0.05;
 /// What the eigenvalues' iteration may cost.
 const ITERATIONS: usize = 400;
 
-/// A small swing has grown by e to this power before it counts (beyond some swing, contacts come and go and nothing is linear); it is taken to fade at
-/// this rate, 1/s, while nothing grows.
-const TOLD: f64 = 1.0;
+/// A small swing has grown by e to this power before it counts (beyond some swing, contacts come and go and nothing is linear): errors of a thousandth by then are some per cent. It is
+/// taken to fade at this rate, 1/s, while nothing grows.
+const TOLD: f64 = 3.0;
 const FADES: f64 = 5.0;
 /// A wheel's load swings because of it where its frequency is so near, by a factor: in a large swing contacts come and go.
 const NEAR: f64 = 1.6;
@@ -107,6 +107,11 @@ impl Flutter {
     /// Has nothing slid for long?
     pub fn is_over(&self, t: f64) -> bool {
         self.wheelsets.iter().any(|growing| (growing.rate > 0.0 || growing.exponent > 0.0) && t > growing.time + QUIET)
+    }
+
+    /// Has a small swing of a wheelset grown by as much as counts, of late?
+    pub fn has_grown(&self, wheelset: usize) -> bool {
+        self.wheelsets.get(wheelset).is_some_and(|growing| growing.exponent > TOLD)
     }
 
     /// The longest step that follows what grows, s.

@@ -139,8 +139,8 @@ impl Model {
         self
     }
 
-    /// Finds the modes of its bodies for runs at a tolerance [m and rad], if they have one: before a run, and after elements or the tolerance have changed.
-    pub fn find_body_modes(&mut self, tolerance: Option<f64>) {
+    /// Finds the modes of its bodies for runs at a tolerance [m and rad]: before a run, and after elements or the tolerance have changed.
+    pub fn find_body_modes(&mut self, tolerance: f64) {
         if !self.design.is_empty() {
             self.body_modes = body_modes::body_modes(&self.system, self.wheelsets.len(), &self.design, tolerance);
         }

@@ -25,6 +25,24 @@ struct Range {
 
 impl Range {
     const NONE: Range = Range { least: (f64::INFINITY, f64::NEG_INFINITY), most: (0.0, f64::NEG_INFINITY) };
+
+    fn note(&mut self, share: f64, t: f64) {
+        if share < self.least.0 {
+            self.least = (share, t);
+        }
+        if share > self.most.0 && share.is_finite() {
+            self.most = (share, t);
+        }
+    }
+
+    fn take_back(&mut self, time: f64) {
+        if self.least.1 > time {
+            self.least = Range::NONE.least;
+        }
+        if self.most.1 > time {
+            self.most = Range::NONE.most;
+        }
+    }
 }
 
 /// Those of all wheels, the left one of each wheelset first.
@@ -34,8 +52,9 @@ pub struct WheelLoads {
     /// The first wheel that struck its rail (its contact), and when, s.
     strike: Option<(usize, f64)>,
     beats: Vec<Beat>,
-    /// Small swings of each wheel's load and lateral force.
+    /// Small swings of each wheel's load and lateral force, and its loads, while its wheelset flutters.
     trembles: Vec<[Beat; 2]>,
+    fluttering: Vec<Range>,
     /// Where flanges are left out.
     flanges: Option<Flanges>,
     /// Where contact is linear.
@@ -47,13 +66,13 @@ pub struct WheelLoads {
 }
 
 impl WheelLoads {
-    /// Has the load of a wheelset's wheel swung by half its static value or more?
+    /// Has the load of a wheelset's wheel swung by half its static value or more while it fluttered?
     pub fn swings(&self, wheelset: usize) -> bool {
-        let mut ranges = Side::BOTH.into_iter().filter_map(|side| self.ranges.get(contact_index(wheelset, side)));
+        let mut ranges = Side::BOTH.into_iter().filter_map(|side| self.fluttering.get(contact_index(wheelset, side)));
         ranges.any(|range| range.least.0 < 0.5 && range.most.0 > 1.5)
     }
 
-    /// The wheel of a wheelset whose load or lateral force has swung most, and fast, for a short while and by little too, and which force, near a frequency [Hz] by a factor.
+    /// The wheel of a wheelset whose load or lateral force has swung most, and fast, for a short while and by little too, while it fluttered, and which force, near a frequency [Hz] by a factor.
     pub fn trembles(&self, wheelset: usize, frequency: f64, factor: f64) -> Option<(Side, bool, Swing)> {
         let all = Side::BOTH.into_iter().flat_map(|side| {
             let both = self.trembles.get(contact_index(wheelset, side)).into_iter().flatten().zip([false, true]);
@@ -77,6 +96,7 @@ pub struct NotedLoads {
     strike: Option<(usize, f64)>,
     beats: Vec<Beat>,
     trembles: Vec<[Beat; 2]>,
+    fluttering: Vec<Range>,
     reached: Vec<Reach>,
     beyond: Vec<Beyond>,
     phases: Vec<Phases>,
@@ -93,6 +113,7 @@ impl WheelLoads {
             strike: self.strike,
             beats: self.beats.clone(),
             trembles: self.trembles.clone(),
+            fluttering: self.fluttering.clone(),
             reached,
             beyond,
             phases: self.phases.clone(),
@@ -105,6 +126,7 @@ impl WheelLoads {
         self.ranges.clone_from(&other.ranges);
         self.beats.clone_from(&other.beats);
         self.trembles.clone_from(&other.trembles);
+        self.fluttering.clone_from(&other.fluttering);
         self.phases.clone_from(&other.phases);
         self.turns.clone_from(&other.turns);
         self.strike = other.strike;
@@ -118,6 +140,7 @@ impl WheelLoads {
         let counts = noted.ranges.len() == wheels
             && noted.beats.len() == wheels
             && noted.trembles.len() == wheels
+            && noted.fluttering.len() == wheels
             && noted.phases.len() == self.phases.len()
             && noted.turns.len() == self.turns.len();
         let own = counts && noted.strike.is_none_or(|(contact, _)| contact < wheels);
@@ -125,21 +148,14 @@ impl WheelLoads {
         let flanges = linear && self.flanges.as_mut().map_or(noted.reached.is_empty(), |flanges| flanges.go_on(noted.reached));
         if flanges {
             (self.ranges, self.strike, self.beats, self.phases) = (noted.ranges, noted.strike, noted.beats, noted.phases);
-            (self.trembles, self.turns) = (noted.trembles, noted.turns);
+            (self.trembles, self.fluttering, self.turns) = (noted.trembles, noted.fluttering, noted.turns);
         }
         flanges
     }
 
     /// Forgets what was noted after `time` [s], where a state of that time is taken up again: what an abandoned course did has not happened.
     pub fn take_back(&mut self, time: f64) {
-        for range in &mut self.ranges {
-            if range.least.1 > time {
-                range.least = Range::NONE.least;
-            }
-            if range.most.1 > time {
-                range.most = Range::NONE.most;
-            }
-        }
+        self.ranges.iter_mut().chain(&mut self.fluttering).for_each(|range| range.take_back(time));
         self.strike = self.strike.filter(|strike| strike.1 <= time);
         self.beats.iter_mut().chain(self.trembles.iter_mut().flatten()).for_each(|beat| beat.take_back(time));
         hand_overs::take_back(&mut self.phases, time);
@@ -162,6 +178,7 @@ impl Model {
             strike: None,
             beats: vec![Beat::default(); self.contacts()],
             trembles: vec![Default::default(); self.contacts()],
+            fluttering: vec![Range::NONE; self.contacts()],
             flanges: Flanges::of(self),
             linear: Ranges::of(self),
             phases: hand_overs::of(self),
@@ -169,8 +186,14 @@ impl Model {
         }
     }
 
-    /// Notes the loads that the workspace's evaluation found at `t` [s]; on plain track nothing excites wheelsets.
-    pub fn note_wheel_loads(&self, workspace: &Workspace, t: f64, plain: bool, loads: &mut WheelLoads) {
+    /// Notes the loads that the workspace's evaluation found at `t` [s]; on plain track nothing excites wheelsets, and some of them flutter.
+    pub fn note_wheel_loads(
+        &self,
+        workspace: &Workspace,
+        (t, plain): (f64, bool),
+        flutters: impl Fn(usize) -> bool,
+        loads: &mut WheelLoads,
+    ) {
         if let Some(flanges) = &mut loads.flanges {
             flanges.look(self, workspace, t);
         }
@@ -183,15 +206,14 @@ impl Model {
             let force = workspace.wheel_force(contact, wheelset.body) / wheelset.static_wheel_load;
             let share = force.z;
             loads.beats[contact].note(share, t, &beat::GREAT);
+            let flutters = flutters(contact / Side::BOTH.len());
             for (tremble, share) in loads.trembles[contact].iter_mut().zip([force.z, force.y]) {
-                tremble.note(share, t, &beat::SMALL);
+                if flutters { tremble.note(share, t, &beat::SMALL) } else { tremble.interrupt() }
             }
-            if share < range.least.0 {
-                range.least = (share, t);
+            if flutters {
+                loads.fluttering[contact].note(share, t);
             }
-            if share > range.most.0 && share.is_finite() {
-                range.most = (share, t);
-            }
+            range.note(share, t);
             if range.least.0 <= 0.0 && share > STRIKE && loads.strike.is_none() {
                 loads.strike = Some((contact, t));
             }
@@ -202,8 +224,8 @@ impl Model {
     pub fn load_notes(&self, loads: &WheelLoads) -> Vec<String> {
         let others = |count: usize| match count {
             0 | 1 => String::new(),
-            2 => ", and another wheel".into(),
-            more => format!(", and {} more wheels", more - 1),
+            2 => ", another wheel too".into(),
+            more => format!(", {} more wheels too", more - 1),
         };
         let mut notes = Vec::new();
         let named = |WheelRef { wheelset, side, .. }: WheelRef| format!("{}, {} wheel", wheelset.name, side.name());
@@ -221,7 +243,7 @@ impl Model {
                 "; where its bounces soon die, loads at the instants of its landing are known to some per cent of the static load, with solver.load_tolerance = 1e-3 to some tenths of a per cent"
             };
             notes.push(format!(
-                "{wheel} carries {load} at {:.4} s (below {:.0} %: its guidance is not safe{}{landing})",
+                "{wheel} carries {load} at {:.4} s (below {:.0} %{}: guidance is not safe then{landing})",
                 range.least.1,
                 100.0 * LEAST,
                 others(light.count())
@@ -237,15 +259,15 @@ impl Model {
         let heavy = all.iter().filter(|(_, range)| range.most.0 > MOST);
         if let Some((wheel, range)) = heavy.clone().max_by(|a, b| a.1.most.0.total_cmp(&b.1.most.0)) {
             notes.push(format!(
-                "{wheel} carries {:.1} times its static load at {:.4} s{}{}",
+                "{wheel} carries {:.1} times its static load at {:.4} s (above {MOST} times{}){}",
                 range.most.0,
                 range.most.1,
+                others(heavy.count()),
                 if self.gives_way() {
                     ""
                 } else {
                     ": rails are rigid here; a real track yields and has mass, and an impact on it is another one, mostly a smaller one"
-                },
-                others(heavy.count())
+                }
             ));
         }
         notes

@@ -1,12 +1,38 @@
-//! CSV files of users: separators, comments, titles with units, and in which line a record stands.
+//! CSV files of users: separators, decimals, comments, titles with units, and in which line a record stands.
 
+use crate::units::Dimension;
 use csv::{Reader, ReaderBuilder, StringRecord, Trim};
 
-/// A reader of `text` with `#` for comment lines and `;` for the separator where the header has it.
-pub(crate) fn csv_reader(text: &str) -> Reader<&[u8]> {
-    let header = text.lines().find(|line| !line.trim().is_empty() && !line.trim_start().starts_with('#')).unwrap_or_default();
-    let delimiter = if header.contains(';') { b';' } else { b',' };
-    ReaderBuilder::new().comment(Some(b'#')).trim(Trim::All).flexible(true).delimiter(delimiter).from_reader(text.as_bytes())
+/// A user's table: `#` begins a comment line; `;` or tabs separate where the header has them, and then decimals may follow a comma.
+pub(crate) struct CsvText<'a> {
+    pub reader: Reader<&'a [u8]>,
+    decimal_comma: bool,
+}
+
+impl<'a> CsvText<'a> {
+    pub(crate) fn new(text: &'a str) -> Self {
+        let header = text.lines().find(|line| !line.trim().is_empty() && !line.trim_start().starts_with('#')).unwrap_or_default();
+        let delimiter = [b';', b'\t'].into_iter().find(|other| header.as_bytes().contains(other)).unwrap_or(b',');
+        let reader =
+            ReaderBuilder::new().comment(Some(b'#')).trim(Trim::All).flexible(true).delimiter(delimiter).from_reader(text.as_bytes());
+        CsvText { reader, decimal_comma: delimiter != b',' }
+    }
+
+    /// A finite number of one of its cells.
+    pub(crate) fn number(&self, cell: &str) -> Option<f64> {
+        let comma = self.decimal_comma && cell.matches(',').count() == 1 && !cell.contains('.');
+        let value = if comma { cell.replace(',', ".").parse() } else { cell.parse::<f64>() };
+        value.ok().filter(|value| value.is_finite())
+    }
+}
+
+/// Name of a column of lengths and its unit, m: `name [mm]`, metres without.
+pub(crate) fn length_title(text: &str) -> Result<(&str, f64), String> {
+    let Some((name, unit)) = text.split_once('[') else { return Ok((text.trim(), 1.0)) };
+    let name = name.trim();
+    let unit = unit.trim_end().strip_suffix(']').map(str::trim).filter(|unit| !unit.is_empty());
+    let size = unit.and_then(|unit| Dimension::Length.parse(&format!("1 {unit}")));
+    size.map(|size| (name, size)).ok_or_else(|| format!("found \"{text}\", expected a unit of length in brackets, such as \"{name} [mm]\""))
 }
 
 /// Name and unit of a column: `name [unit]`. Names may have brackets of their own, without a blank before them.
@@ -28,6 +54,29 @@ pub(crate) fn line_of(text: &str, record: &StringRecord) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn prop_decimals_follow_a_comma_where_it_does_not_separate() {
+        let numbers = |text: &str| {
+            let mut table = CsvText::new(text);
+            let rows: Vec<StringRecord> = table.reader.records().map(|record| record.unwrap()).collect();
+            rows.iter().flat_map(|row| row.iter().map(|cell| table.number(cell)).collect::<Vec<_>>()).collect::<Vec<_>>()
+        };
+        let both = [Some(-1.5), Some(2e-3)];
+        assert_eq!(numbers("u,radius\n-1.5, 2e-3\n"), both);
+        assert_eq!(numbers("# , and ;\nu;radius\n-1,5;2e-3\n"), both);
+        assert_eq!(numbers("u\tradius\r\n-1,5\t0,002\r\n"), both);
+        assert_eq!(numbers("u;radius\n1.234,5;1,234,5\n"), [None, None]);
+        assert_eq!(numbers("u;radius\nnan;inf\n"), [None, None]);
+    }
+
+    #[test]
+    fn prop_lengths_in_titles_have_units() {
+        assert_eq!(length_title("u"), Ok(("u", 1.0)));
+        assert_eq!(length_title("u[in]"), Ok(("u", 0.0254)));
+        assert_eq!(length_title("radius [ mm ]"), Ok(("radius", 1e-3)));
+        assert!(length_title("u []").is_err() && length_title("u [kg]").is_err() && length_title("u [mm").is_err());
+    }
 
     #[test]
     fn prop_brackets_of_names_are_no_units() {

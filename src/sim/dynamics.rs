@@ -258,7 +258,9 @@ impl Dynamics for ModelDynamics<'_> {
     fn note_step(&mut self, t: f64, y: &[f64]) {
         self.model.note_swings(self.workspace, (t, y), self.watched.swings);
         self.model.note_strikes(self.workspace, t, self.watched.strikes);
-        self.model.note_wheel_loads(self.workspace, t, self.watched.swings.is_plain(), self.watched.loads);
+        let plain = self.watched.swings.is_plain();
+        let flutters = |wheelset| self.watched.flutter.has_grown(wheelset);
+        self.model.note_wheel_loads(self.workspace, (t, plain), flutters, self.watched.loads);
         self.model.note_present_means(self.workspace, &mut self.memories.accepted);
     }
 

@@ -219,9 +219,11 @@ fn motion(c: &mut Collector, body: usize, bodies: usize, along: Depends) {
     c.add(26, "pitchAcceleration", g, Unit::RadianPerSecond2, TURNING, "second time derivative of the pitch angle", dy(v + 5));
 }
 
-/// Of an output of a wheelset's motion by its number among the wheelset's: the number of the output whose derivative by time it is.
-pub fn integral(number: u32) -> Option<u32> {
+/// Of an output of a wheelset's motion by its number among the wheelset's: the number of the output whose derivative by time it is. On track that is not `straight` the speed is
+/// that of the centre, not of its place along the centre line.
+pub fn integral(number: u32, straight: bool) -> Option<u32> {
     match number {
+        15 if !straight => None,
         15..=19 => Some(number - 5),
         // Not `ax`, `ay` and `az`: in a curve they hold the centripetal part, which is no change of a speed along or across the track.
         24..=26 => Some(number - 6),
@@ -230,8 +232,8 @@ pub fn integral(number: u32) -> Option<u32> {
 }
 
 /// The other way round: the number of the output that is its derivative by time.
-pub fn rate(number: u32) -> Option<u32> {
-    (15..=26).find(|other| integral(*other) == Some(number))
+pub fn rate(number: u32, straight: bool) -> Option<u32> {
+    (15..=26).find(|other| integral(*other, straight) == Some(number))
 }
 
 /// Means over the last stretch of travel.

@@ -30,9 +30,13 @@ pub(super) type Tuned = (Vec<(usize, u32, f64)>, Option<f64>);
 
 /// Finds the modes of the bodies as the scene has them.
 pub(super) fn as_begun(model: &mut Model, integrator: &Arc<dyn Integrator>) -> Tuned {
+    (Vec::new(), find_modes(model, integrator))
+}
+
+/// For the integrator's tolerance, which is given back. Fixed steps have none, and nothing that could hold modes.
+fn find_modes(model: &mut Model, integrator: &Arc<dyn Integrator>) -> Option<f64> {
     let tolerance = integrator.setting().tolerance();
-    model.find_body_modes(tolerance);
-    (Vec::new(), tolerance)
+    tolerance.inspect(|tolerance| model.find_body_modes(*tolerance))
 }
 
 impl Simulation {
@@ -64,7 +68,7 @@ impl Simulation {
         self.model.weigh_forces();
         let tuned = (constants.to_vec(), integrator.setting().tolerance());
         if self.tuned != tuned {
-            self.model.find_body_modes(tuned.1);
+            find_modes(&mut self.model, integrator);
             self.tuned = tuned;
         }
         self.workspace.forget();

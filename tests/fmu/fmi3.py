@@ -72,7 +72,10 @@ def beside_two(report, two, three):
     report.section("beside FMI 2.0")
     mine = {v.name: v for v in three.description.modelVariables}
     kinds = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
-    bad = [v.name for v in two.description.modelVariables if v.name not in mine or (
+    counters = {v.name for v in two.description.modelVariables if v.type == "Integer"}
+    bad = [name for name in counters if (mine[name].type, mine[name].variability) != ("Float64", "continuous")]
+    report.check(counters and not bad, "counters, which change in steps, are continuous numbers", ", ".join(bad[:4]) or f"{len(counters)}")
+    bad = [v.name for v in two.description.modelVariables if v.name not in counters and v.name not in mine or v.name not in counters and (
         mine[v.name].valueReference, mine[v.name].causality, mine[v.name].variability, mine[v.name].start, mine[v.name].unit,
         mine[v.name].min, mine[v.name].type, mine[v.name].description) != (
         v.valueReference, v.causality, v.variability, v.start, v.unit, v.min, kinds[v.type], v.description)]

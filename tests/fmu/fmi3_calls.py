@@ -91,7 +91,7 @@ def bad_calls(report, fmu, instance):
     slave, now, attempt = instance.slave, instance.time, Attempts(report, instance)
     c = slave.component
     unknown = 999_999
-    torque, y, start, steps = fmu.references([TORQUE, f"{W}.y", f"{W}.initial.y", "solver.steps"])
+    torque, y, start, contacts = fmu.references([TORQUE, f"{W}.y", f"{W}.initial.y", f"{W}.left.contacts"])
     one, value, flag, count, number = (c_uint * 1)(torque), (c_double * 2)(), c_bool(), c_size_t(), c_double()
     attempt("unknown value reference got", lambda: slave.getFloat64([unknown]))
     attempt("unknown one after a known one set", lambda: slave.setFloat64([torque, unknown], [9e3, 1.0]))
@@ -100,9 +100,9 @@ def bad_calls(report, fmu, instance):
     attempt("a fixed parameter set", lambda: slave.setFloat64([start], [0.01]))
     attempt("an input NaN", lambda: slave.setFloat64([torque], [NAN]))
     attempt("an input infinite", lambda: slave.setFloat64([torque], [-INFINITE]))
-    attempt("an Int32 got as Float64", lambda: slave.getFloat64([steps]))
+    attempt("an Int32 got as Float64", lambda: slave.getFloat64([contacts]))
     attempt("a Float64 got as Int32", lambda: slave.getInt32([y]))
-    attempt("an Int32 set", lambda: slave.setInt32([steps], [1]))
+    attempt("an Int32 set", lambda: slave.setInt32([contacts], [1]))
     attempt("a String set", lambda: slave.setString(fmu.references(["scene.title"]), ["x"]))
     attempt("fewer values than variables", lambda: slave.fmi3GetFloat64(c, one, 1, value, 0))
     attempt("more values than variables", lambda: slave.fmi3GetFloat64(c, one, 1, value, 2))

@@ -94,7 +94,7 @@ def updates_are_fenced(report, fmu):
             "an output set": lambda: slave.setFloat64(fmu.references([f"{W}.y"]), [1.0]),
             "a step in a step": lambda: slave.doStep(0.0, 1.0),
             "terminate": slave.terminate, "reset": slave.reset, "event mode": slave.enterEventMode,
-            "a state": slave.getFMUState, "a number": lambda: slave.getInt32(fmu.references(["solver.steps"])),
+            "a state": slave.getFMUState, "a number": lambda: slave.getFloat64(fmu.references(["solver.steps"])),
         }.items():
             before = len(own.instance.log)
             try:

@@ -3,7 +3,7 @@
 use super::super::Failure;
 use crate::fmi::variables::{Role, Variable, VariableTable};
 use crate::scene::spec::Scene;
-use crate::settings::{csv_reader, did_you_mean, line_of, title};
+use crate::settings::{CsvText, did_you_mean, line_of, title};
 use crate::sim::input_table::InputTable;
 use crate::units::{Dimension, Unit};
 use std::path::Path;
@@ -56,8 +56,8 @@ pub(super) fn read(path: &Path, scene: &mut Scene) -> Result<Inputs, Failure> {
 
 /// Errors with the line, 0 for the file.
 fn parse(text: &str, variables: &VariableTable, scene: &Scene) -> Result<InputTable, (usize, String)> {
-    let mut reader = csv_reader(text);
-    let header = reader.headers().map_err(|error| (1, error.to_string()))?.clone();
+    let mut csv = CsvText::new(text);
+    let header = csv.reader.headers().map_err(|error| (1, error.to_string()))?.clone();
     let wrong_header = |problem: String| (line_of(text, &header), problem);
     let inputs: Vec<(usize, &Variable)> = variables
         .variables
@@ -71,15 +71,16 @@ fn parse(text: &str, variables: &VariableTable, scene: &Scene) -> Result<InputTa
     let mut times = Vec::new();
     let mut lines = Vec::new();
     let mut values: Vec<Vec<f64>> = vec![Vec::new(); columns.len()];
-    for record in reader.records() {
+    let records: Vec<_> = csv.reader.records().collect();
+    for record in records {
         let record = record.map_err(|error| (error.position().map_or(0, |at| at.line() as usize), error.to_string()))?;
         let line = line_of(text, &record);
         if record.len() != header.len() {
             return Err((line, format!("found {} columns, expected {}", record.len(), header.len())));
         }
         let number = |column: usize| {
-            let found = record[column].parse::<f64>().ok().filter(|value| value.is_finite());
-            found.ok_or_else(|| (line, format!("{}: found \"{}\", expected a finite number", &header[column], &record[column])))
+            csv.number(&record[column])
+                .ok_or_else(|| (line, format!("{}: found \"{}\", expected a finite number", &header[column], &record[column])))
         };
         times.push(time * number(0)?);
         lines.push(line);

@@ -76,6 +76,7 @@ impl Instance {
                 Role::Input(input) => self.simulation.as_ref().map_or(self.inputs[*input][0], |simulation| simulation.input(*input)[0]),
                 Role::RealParameter(parameter) => parameter.value(&self.scene),
                 Role::Time => self.time(),
+                Role::Counter(read) => self.simulation.as_ref().map_or(0, |simulation| read(simulation.state())) as f64,
                 _ => return Err(CallError::UnknownReference { reference: variable.reference, kind: Kind::Real }),
             };
             if !value.is_finite() {
@@ -157,7 +158,7 @@ impl Instance {
         self.has_begun() && self.table.speed_input.is_some() && self.scene.contact.transient.is_some()
     }
 
-    /// fmi2SetReal. Setting an input ends its derivatives; setting a tunable parameter restarts the integration, as a jump of an input does.
+    /// fmi2SetReal. Setting an input ends its derivatives; setting a tunable parameter restarts the integration, as a jump of an input does. What misses a bound by a rounding is the bound.
     ///
     /// # Errors
     /// [`CallError`]; nothing is set then.
@@ -165,12 +166,14 @@ impl Instance {
         for (reference, value) in references.iter().zip(values) {
             let variable = self.lookup(*reference, Kind::Real)?;
             self.check_settable(variable)?;
-            self.check_value(variable, *value)?;
+            self.check_value(variable, variable.rounded_in(*value))?;
         }
         self.set_parameters(references, values)?;
         for (reference, value) in references.iter().zip(values) {
-            if let Role::Input(input) = self.lookup(*reference, Kind::Real)?.role {
-                self.set_input(input, [*value, 0.0, 0.0]);
+            let variable = self.lookup(*reference, Kind::Real)?;
+            if let Role::Input(input) = variable.role {
+                let value = variable.rounded_in(*value);
+                self.set_input(input, [value, 0.0, 0.0]);
             }
         }
         Ok(())

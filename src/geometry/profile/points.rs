@@ -1,7 +1,7 @@
 //! Profile given as points in a CSV file.
 //!
 //! Header `u,radius` or `u,height` (wheel; heights toward the flange tip need the scene's `radius`) or `eta,height`
-//! (rail). Metres, or each name followed by its unit: `u [mm],radius [mm]`. Further columns `slope`, `curvature`
+//! (rail). Metres, or each name followed by its unit: `u [mm],radius [mm]`; `;` or tabs separate as well, and then decimals may follow a comma. Further columns `slope`, `curvature`
 //! ... are passed over, so that `wheelrail profile -o` is read back. Points may come in any order; where they run backward in places
 //! and yet follow the section (undercut flanks), they are taken along it. `#` starts a
 //! comment line.
@@ -10,7 +10,7 @@ use super::super::file::OpenFile;
 use super::cleaning::{self, Sample};
 use super::measured::{self, Level, Order, Reading};
 use super::{FOLDER, Part, ProfileChoice};
-use crate::settings::{Entry, Section, SettingsError, line_of};
+use crate::settings::{CsvText, Entry, Section, SettingsError, length_title, line_of};
 
 pub(super) const ENTRY: Entry<super::Parse> = Entry {
     name: "points",
@@ -25,16 +25,6 @@ fn parse(section: &Section, part: Part) -> Result<ProfileChoice, SettingsError> 
     measured::profile(section, part, file, reading)
 }
 
-/// A column's name and its unit in metres.
-fn column(title: &str) -> Option<(&str, f64)> {
-    let Some((name, unit)) = title.split_once('[') else { return Some((title, 1.0)) };
-    match unit.strip_suffix(']')?.trim() {
-        "m" => Some((name.trim(), 1.0)),
-        "mm" => Some((name.trim(), 1e-3)),
-        _ => None,
-    }
-}
-
 /// Reads the points; each message names file and line.
 fn read(file: &OpenFile, part: Part) -> Result<Reading, SettingsError> {
     let (choices, expected): (&[(&str, &'static str, Level)], _) = match part {
@@ -42,9 +32,9 @@ fn read(file: &OpenFile, part: Part) -> Result<Reading, SettingsError> {
         Part::Rail => (&[("height", "eta,height", Level::Absolute)], "\"eta,height\""),
     };
     let coordinate = if part == Part::Wheel { "u" } else { "eta" };
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(file.text.as_bytes());
-    let header = reader.headers().map_err(|error| file.error(1, choices[0].1, error.to_string()))?.clone();
-    let names: Vec<_> = header.iter().map(column).collect();
+    let mut table = CsvText::new(&file.text);
+    let header = table.reader.headers().map_err(|error| file.error(1, choices[0].1, error.to_string()))?.clone();
+    let names: Vec<_> = header.iter().map(|title| length_title(title).ok()).collect();
     let known = match names.as_slice() {
         [Some((first, x_unit)), Some((second, z_unit)), ..] if *first == coordinate => {
             choices.iter().find(|choice| choice.0 == *second).map(|choice| (choice, *x_unit, *z_unit))
@@ -54,22 +44,50 @@ fn read(file: &OpenFile, part: Part) -> Result<Reading, SettingsError> {
     let Some((&(_, columns, level), x_unit, z_unit)) = known else {
         let found = header.iter().collect::<Vec<_>>().join(",");
         let line = line_of(&file.text, &header);
-        let problem = format!("found the header \"{found}\", expected {expected} (metres, or with [mm])");
+        let problem = format!("found the header \"{found}\", expected {expected} (metres, or with their unit: [mm], [in])");
         return Err(file.error(line, choices[0].1, problem));
     };
     let mut samples = Vec::new();
-    for record in reader.records() {
+    let records: Vec<_> = table.reader.records().collect();
+    for record in records {
         let record = record.map_err(|error| file.error(error.position().map_or(0, |p| p.line() as usize), columns, error.to_string()))?;
         let line = line_of(&file.text, &record);
         if record.len() != header.len() {
             return Err(file.error(line, columns, format!("found {} columns, expected {}", record.len(), header.len())));
         }
-        let number = |column: usize| match record[column].parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(file.error(line, columns, format!("found \"{}\", expected a finite number", &record[column]))),
+        let number = |column: usize| {
+            let wrong = || file.error(line, columns, format!("found \"{}\", expected a finite number", &record[column]));
+            table.number(&record[column]).ok_or_else(wrong)
         };
         samples.push(Sample { x: x_unit * number(0)?, z: z_unit * number(1)?, line });
     }
     let order = if cleaning::come_along(&samples) { Order::Along } else { Order::Any };
     Ok(Reading { samples, order, level, tread_circle: 0.0, radius: None, inward: false, columns, notes: Vec::new() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::in_folder;
+    use super::*;
+
+    #[test]
+    fn equiv_separators_decimals_and_units_do_not_matter() {
+        let folder = tempfile::tempdir().unwrap();
+        let rail = |head: &str, row: &dyn Fn(f64, f64) -> String| {
+            let rows = (-30..=30).map(|i| 1e-3 * f64::from(i)).map(|x| row(x, -x * x / 0.6));
+            let text: String = std::iter::once(head.to_string()).chain(rows).map(|line| line + "\r\n").collect();
+            std::fs::write(folder.path().join("rail.csv"), text).unwrap();
+            in_folder(Some(folder.path()), "file = \"rail.csv\"", |section| parse(section, Part::Rail)).unwrap().profile
+        };
+        let plain = rail("eta,height", &|x, z| format!("{x},{z}"));
+        let others = [
+            rail("eta [mm];height [mm]", &|x, z| format!("{};{}", 1e3 * x, 1e3 * z).replace('.', ",")),
+            rail("eta [in]\theight [cm]", &|x, z| format!("{}\t{}", x / 0.0254, 1e2 * z)),
+        ];
+        for x in [-0.029, -0.0104, 0.0, 0.0263] {
+            for other in &others {
+                assert!((other.at(x).value - plain.at(x).value).abs() < 1e-14 && (other.at(x).d2 - plain.at(x).d2).abs() < 1e-8);
+            }
+        }
+    }
 }

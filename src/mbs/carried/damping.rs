@@ -8,7 +8,7 @@
 //!
 //! Dry friction is left out: stuck it is a spring, in sliding its damping depends on how far it slides.
 
-use super::{COORDINATES, Carried, Mode};
+use super::{COORDINATES, Carried, Mode, generalised};
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// Displacement of a mode's largest coordinate, m or rad, and velocity, per s, for differences; the same of a state, in parts of its size.
@@ -48,7 +48,10 @@ impl Carried<'_> {
             change(&mut self.state, step);
             self.apply();
             self.state.copy_from_slice(&kept);
-            (self.generalised(&self.workspace.wrenches), DVector::from_column_slice(&self.workspace.force_rates))
+            (
+                generalised(self.system, self.first, &self.workspace, &self.workspace.wrenches),
+                DVector::from_column_slice(&self.workspace.force_rates),
+            )
         };
         let ((forces, rates), (before, rates_before)) = (found(step), found(-step));
         Change { forces: (forces - before) / (2.0 * step), rates: (rates - rates_before) / (2.0 * step) }

@@ -73,7 +73,7 @@ impl<'a> Carried<'a> {
             self.state[place] = at + step;
             self.system.settle_forces(&mut self.state, &mut self.workspace);
             self.apply();
-            self.generalised(&self.workspace.wrenches)
+            generalised(self.system, self.first, &self.workspace, &self.workspace.wrenches)
         };
         let change = (forces(STEP) - forces(-STEP)) / (2.0 * STEP);
         self.state[place] = at;
@@ -88,26 +88,6 @@ impl<'a> Carried<'a> {
     fn apply(&mut self) {
         self.system.apply_forces(&self.state, &mut self.workspace);
         self.system.fold_wheels(&mut self.workspace);
-    }
-
-    fn generalised(&self, wrenches: &[Wrench]) -> DVector<f64> {
-        let bodies = self.workspace.motions.iter().zip(wrenches).take(self.system.bodies.len()).skip(self.first);
-        DVector::from_iterator(self.masses.len(), bodies.flat_map(|(motion, wrench)| motion.generalised_force(wrench).data.0[0]))
-    }
-
-    /// Rows of all joints on these bodies' coordinates, as columns.
-    fn joint_rows(&self) -> DMatrix<f64> {
-        let mut rows = DMatrix::zeros(self.masses.len(), self.system.joints.iter().map(|joint| joint.rows()).sum());
-        let joints =
-            self.system.joints.iter().flat_map(|joint| joint.evaluate(0.0, &self.workspace.motions).map(|values| (joint.bodies, values)));
-        for (column, (bodies, values)) in joints.enumerate() {
-            for (body, coefficients) in [(Some(bodies.first), &values.first), (bodies.second, &values.second)] {
-                if let Some(own) = body.and_then(|body| body.checked_sub(self.first)) {
-                    rows.view_mut((COORDINATES * own, column), (COORDINATES, 1)).copy_from(coefficients);
-                }
-            }
-        }
-        rows
     }
 
     /// Groups of these bodies that elements and joints hold together, by their number among them.
@@ -130,7 +110,7 @@ impl<'a> Carried<'a> {
     /// The modes of some of these bodies (by their number among them) while all others are held; none where they can't move.
     pub fn modes(&self, bodies: &[usize]) -> Vec<Mode> {
         let own: Vec<usize> = bodies.iter().flat_map(|body| COORDINATES * body..COORDINATES * (body + 1)).collect();
-        let rows = self.joint_rows().select_rows(&own);
+        let rows = joint_rows(self.system, (self.first, 0), &self.workspace).select_rows(&own);
         let held = (&rows * rows.transpose()).symmetric_eigen();
         let least = FREE * held.eigenvalues.amax().max(f64::MIN_POSITIVE);
         let ways = held.eigenvalues.iter().zip(held.eigenvectors.column_iter());
@@ -153,4 +133,30 @@ impl<'a> Carried<'a> {
         };
         (0..eigen.eigenvalues.len()).map(spread).collect()
     }
+}
+
+/// Generalised forces on the bodies from `first` on.
+pub fn generalised(system: &System, first: usize, workspace: &SystemWorkspace, wrenches: &[Wrench]) -> DVector<f64> {
+    let bodies = workspace.motions.iter().zip(wrenches).take(system.bodies.len()).skip(first);
+    let count = COORDINATES * system.bodies.len().saturating_sub(first);
+    DVector::from_iterator(count, bodies.flat_map(|(motion, wrench)| motion.generalised_force(wrench).data.0[0]))
+}
+
+/// Rows of all joints on the coordinates of the bodies from `first` on and, below these, on the x of the first `rolling` bodies, as columns.
+pub fn joint_rows(system: &System, (first, rolling): (usize, usize), workspace: &SystemWorkspace) -> DMatrix<f64> {
+    let own = COORDINATES * system.bodies.len().saturating_sub(first);
+    let mut rows = DMatrix::zeros(own + rolling, system.joints.iter().map(|joint| joint.rows()).sum());
+    let joints = system.joints.iter().flat_map(|joint| joint.evaluate(0.0, &workspace.motions).map(|values| (joint.bodies, values)));
+    for (column, (bodies, values)) in joints.enumerate() {
+        for (body, coefficients) in [(Some(bodies.first), &values.first), (bodies.second, &values.second)] {
+            match body {
+                Some(body) if body >= first => {
+                    rows.view_mut((COORDINATES * (body - first), column), (COORDINATES, 1)).copy_from(coefficients);
+                }
+                Some(body) if body < rolling => rows[(own + body, column)] = coefficients[0],
+                _ => {}
+            }
+        }
+    }
+    rows
 }

@@ -18,7 +18,8 @@ use super::VehicleSpec;
 use super::design::design_state;
 use crate::formulation::AssemblyError;
 use crate::mbs::body::{COORDINATES, Wrench};
-use crate::mbs::system::{System, SystemWorkspace};
+use crate::mbs::carried::{generalised, joint_rows};
+use crate::mbs::system::System;
 use nalgebra::{DMatrix, DVector};
 
 /// Joints are stiffer than the stiffest spring by this.
@@ -58,10 +59,12 @@ fn solved(vehicle: &VehicleSpec, system: &System, free: bool) -> Result<Vec<(usi
     system.settle_forces(&mut y, &mut workspace);
     system.apply_forces(&y, &mut workspace);
     system.fold_wheels(&mut workspace);
+    let first = vehicle.wheelsets.len();
+    let free = if free { first } else { 0 };
     let along = |wrenches: &[Wrench]| {
-        let wheelsets = workspace.motions.iter().zip(wrenches).take(if free { vehicle.wheelsets.len() } else { 0 });
+        let wheelsets = workspace.motions.iter().zip(wrenches).take(free);
         let rolling: Vec<f64> = wheelsets.map(|(motion, wrench)| motion.generalised_force(wrench)[0]).collect();
-        let held = generalised(vehicle, &workspace, wrenches);
+        let held = generalised(system, first, &workspace, wrenches);
         DVector::from_iterator(held.len() + rolling.len(), held.iter().copied().chain(rolling))
     };
     let load = along(&workspace.wrenches);
@@ -82,7 +85,7 @@ fn solved(vehicle: &VehicleSpec, system: &System, free: bool) -> Result<Vec<(usi
     for (mut column, (_, _, k)) in columns.column_iter_mut().zip(&asked) {
         column *= k.sqrt();
     }
-    let rows = joint_rows(vehicle, system, &workspace, if free { vehicle.wheelsets.len() } else { 0 });
+    let rows = joint_rows(system, (first, free), &workspace);
     let matrix = &columns * columns.transpose() + &rows * rows.transpose() * (STIFFER * stiffest);
     let eigen = matrix.symmetric_eigen();
     let least = FREE * eigen.eigenvalues.amax();
@@ -125,38 +128,4 @@ fn unheld(vehicle: &VehicleSpec, rest: &DVector<f64>, (worst, left): (usize, f64
             (format!("{} and {} more bodies together", some[..NAMED.min(some.len())].join(", "), some.len() - NAMED.min(some.len())), sum)
         }
     }
-}
-
-/// Generalised forces on all bodies that are no wheelsets.
-pub(super) fn generalised(vehicle: &VehicleSpec, workspace: &SystemWorkspace, wrenches: &[Wrench]) -> DVector<f64> {
-    let bodies = workspace.motions.iter().zip(wrenches).take(vehicle.body_count()).skip(vehicle.wheelsets.len());
-    DVector::from_iterator(
-        COORDINATES * vehicle.bodies.len(),
-        bodies.flat_map(|(motion, wrench)| motion.generalised_force(wrench).iter().copied().collect::<Vec<_>>()),
-    )
-}
-
-/// Rows of all joints on the same coordinates and on the x of so many wheelsets, as columns.
-pub(super) fn joint_rows(vehicle: &VehicleSpec, system: &System, workspace: &SystemWorkspace, rolling: usize) -> DMatrix<f64> {
-    let count = system.joints.iter().map(|joint| joint.rows()).sum();
-    let own = COORDINATES * vehicle.bodies.len();
-    let mut rows = DMatrix::zeros(own + rolling, count);
-    let mut column = 0;
-    for joint in &system.joints {
-        for values in joint.evaluate(0.0, &workspace.motions) {
-            let ends = [(Some(joint.bodies.first), &values.first), (joint.bodies.second, &values.second)];
-            for (body, coefficients) in ends {
-                match body {
-                    Some(body) if body >= vehicle.wheelsets.len() => {
-                        let first = COORDINATES * (body - vehicle.wheelsets.len());
-                        rows.view_mut((first, column), (COORDINATES, 1)).copy_from(coefficients);
-                    }
-                    Some(wheelset) if wheelset < rolling => rows[(own + wheelset, column)] = coefficients[0],
-                    _ => {}
-                }
-            }
-            column += 1;
-        }
-    }
-    rows
 }

@@ -4,7 +4,7 @@
 //! at least one more: `alignment`, `longitudinal_level`, `cross_level`, `gauge` (signs as in the parent module; all are deviations
 //! from the design, the gauge too), or, instead of the first and the last, `left_lateral`, `right_lateral` (left positive) and, instead
 //! of the two in the middle, `left_vertical`, `right_vertical` (up positive). Positions may be uneven and must increase. `#` begins a
-//! comment line; a header with `;` separates by `;`.
+//! comment line; a header with `;` or tabs separates by these, and decimals may then follow a comma.
 //!
 //! Natural cubic splines carry the rails' displacements: value, slope and second derivative are continuous, the third jumps at the
 //! points. Where they would leave the points too far the series is refused (`overshoot`); with `interpolation = "monotone"` lines go from point to point
@@ -23,7 +23,7 @@ use crate::geometry::track::DeviationShape;
 use crate::math::monotone_spline::MonotoneSpline;
 use crate::math::smoothing::{Reach, smooth};
 use crate::math::spline::{CubicSpline, SplineError};
-use crate::settings::{Entry, Section, SettingsError, csv_reader, did_you_mean, line_of};
+use crate::settings::{CsvText, Entry, Section, SettingsError, did_you_mean, length_title, line_of};
 use crate::units::Dimension;
 use std::sync::Arc;
 
@@ -181,23 +181,18 @@ fn quantities(mut table: Table) -> [Option<Vec<f64>>; 4] {
 
 /// Which column of [`COLUMNS`] a title names, and its unit, m.
 fn title(text: &str) -> Result<(usize, f64), String> {
-    let (name, unit) = match text.split_once('[') {
-        Some((name, unit)) => (name.trim(), unit.trim_end().strip_suffix(']').map(str::trim)),
-        None => (text.trim(), Some("m")),
-    };
+    let name = text.split_once('[').map_or(text, |title| title.0).trim();
     let Some(column) = COLUMNS.iter().position(|known| *known == name) else {
         let names = COLUMNS.join(", ");
         return Err(format!("found the column \"{name}\"{}, expected some of {names}", did_you_mean(name, &COLUMNS)));
     };
-    let size = unit.filter(|unit| !unit.is_empty()).and_then(|unit| Dimension::Length.parse(&format!("1 {unit}")));
-    size.map(|size| (column, size))
-        .ok_or_else(|| format!("found \"{text}\", expected a unit of length in brackets, such as \"{name} [mm]\""))
+    Ok((column, length_title(text)?.1))
 }
 
 /// Reads and checks the columns; each message names file and line.
 fn read(file: &OpenFile) -> Result<Table, SettingsError> {
-    let mut reader = csv_reader(&file.text);
-    let header = reader.headers().map_err(|error| file.error(1, COLUMNS[0], error.to_string()))?.clone();
+    let mut table = CsvText::new(&file.text);
+    let header = table.reader.headers().map_err(|error| file.error(1, COLUMNS[0], error.to_string()))?.clone();
     let wrong_header = |problem: String| file.error(line_of(&file.text, &header), "header", problem);
     let titles = header.iter().map(title).collect::<Result<Vec<_>, _>>().map_err(wrong_header)?;
     check_titles(&titles).map_err(wrong_header)?;
@@ -205,7 +200,8 @@ fn read(file: &OpenFile) -> Result<Table, SettingsError> {
     let mut columns: [Option<Vec<f64>>; 9] = Default::default();
     titles.iter().for_each(|title| columns[title.0] = Some(Vec::new()));
     let mut count = 0;
-    for record in reader.records() {
+    let records: Vec<_> = table.reader.records().collect();
+    for record in records {
         let record =
             record.map_err(|error| file.error(error.position().map_or(0, |p| p.line() as usize), COLUMNS[0], error.to_string()))?;
         let line = line_of(&file.text, &record);
@@ -213,8 +209,9 @@ fn read(file: &OpenFile) -> Result<Table, SettingsError> {
             return Err(file.error(line, COLUMNS[0], format!("found {} columns, expected {}", record.len(), titles.len())));
         }
         for (text, (column, unit)) in record.iter().zip(&titles) {
-            let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
-            let value = value.ok_or_else(|| file.error(line, COLUMNS[*column], format!("found \"{text}\", expected a finite number")))?;
+            let value = table
+                .number(text)
+                .ok_or_else(|| file.error(line, COLUMNS[*column], format!("found \"{text}\", expected a finite number")))?;
             columns[*column].get_or_insert_default().push(unit * value);
         }
         check_row(&columns, count).map_err(|(column, problem)| file.error(line, COLUMNS[column], problem))?;
