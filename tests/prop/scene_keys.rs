@@ -233,7 +233,7 @@ fn prop_all_faults_of_a_scene_are_told_at_once() {
 fn prop_faults_in_several_parts_of_a_vehicle() {
     let message = error(
         "bogie",
-        &["vehicle.body[car].mass=-3", "vehicle.body[car].inertia_xx=\"1 kg.m2\"", "vehicle.speed=1e6", "solver.tolerance=1"],
+        &["vehicle.body[car].mass=-3", "vehicle.body[car].inertia_xx=\"1 KG M2\"", "vehicle.speed=1e6", "solver.tolerance=1"],
     );
     for words in [
         "4 faults in the scene:",

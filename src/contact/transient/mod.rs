@@ -357,9 +357,8 @@ impl TransientContact {
         let zeta = [deflected(ux, rates_xy[0], elastic.length[0]), deflected(uy, rates_xy[1], elastic.length[1])];
         let blend = |zeta: f64, v: f64| if weight == 1.0 { zeta } else { weight * zeta + (1.0 - weight) * v / speed };
         let (longitudinal, lateral) = (blend(zeta[0], slip.longitudinal), blend(zeta[1], slip.lateral));
-        // Sliding shrinks the whole creepage vector, spin included, so that its direction is kept.
-        let shrink = if sliding > 0.0 { speed / (speed + sliding) } else { 1.0 };
-        let spin = direct_spin + shrink * rolled_spin;
+        let [left, _] = self.spin_left(speed, sliding);
+        let spin = direct_spin + left * rolled_spin;
         let law_speed = law_speed(weight, zeta[0].hypot(zeta[1]), slip, relaxing);
         let found = law.force(&RollingContact {
             patch: contact.patch,
@@ -392,6 +391,15 @@ impl TransientContact {
     fn spin_lag(&self, contact: &LoadedPatch, slip: &SlipVelocity, direction: f64) -> f64 {
         let lambda = ahead(slip, direction) / contact.patch.a;
         lambda / (1.0 + (self.settings.time_floor * lambda).powi(2)).sqrt()
+    }
+
+    /// What sliding leaves of the spin that was rolled in, `(|V| + v_1) / (|V| + v_1 + sliding)` with v_1 = v_0 / 10, and its slope by sliding: it shrinks the whole creepage vector,
+    /// so that its direction is kept. Without v_1 the force turned within nanometres per second where a wheel comes to rest and no step was short enough; so a wheel that slides
+    /// at v_1 without rolling keeps half of its spin.
+    fn spin_left(&self, speed: f64, sliding: f64) -> [f64; 2] {
+        let rolling = speed + 1e-3 * self.settings.below;
+        let sum = rolling + sliding;
+        [rolling / sum, -rolling / (sum * sum)]
     }
 
     /// w(|V|).

@@ -112,13 +112,13 @@ impl TransientContact {
         let plain = (u + rates * tau).component_div(&Vector2::from(elastic.length));
         let zeta = plain * stretch;
         let deflected = zeta * weight;
-        let shrink = if sliding > 0.0 { speed / (speed + sliding) } else { 1.0 };
+        let [left, left_by_sliding] = self.spin_left(speed, sliding);
         let creepage = deflected + v * direct;
         let loaded = RollingContact {
             patch: contact.patch,
             normal_force: contact.normal_force,
             friction: contact.friction,
-            creepage: Creepage { longitudinal: creepage.x, lateral: creepage.y, spin: direct_spin + shrink * rolled_spin },
+            creepage: Creepage { longitudinal: creepage.x, lateral: creepage.y, spin: direct_spin + left * rolled_spin },
             speed: law_speed(weight, zeta.norm(), slip, relaxing),
         };
         let CreepSlopes { by_creepage, by_normal_force } = law.slopes(&loaded, &law.force(&loaded));
@@ -132,9 +132,9 @@ impl TransientContact {
         let mut creepage_by_state = Matrix3::zeros();
         let in_plane = scaled * (Matrix2::identity() + by_deflection * tau) + plain * stretch_by_deflection.transpose() * weight;
         creepage_by_state.fixed_view_mut::<2, 2>(0, 0).copy_from(&in_plane);
-        creepage_by_state[(2, 2)] = weight * shrink;
+        creepage_by_state[(2, 2)] = weight * left;
         if sliding > 0.0 {
-            let by_sliding = -rolled_spin * speed / (speed + sliding).powi(2);
+            let by_sliding = rolled_spin * left_by_sliding;
             for j in 0..2 {
                 creepage_by_slip[(2, j)] = by_sliding * deflection.sliding_by_slip[j];
                 creepage_by_state[(2, j)] = by_sliding * deflection.sliding_by_deflection[j];

@@ -181,7 +181,7 @@ fn refusal(name: &str, content: &str, more: &str, part: Part) -> String {
 fn hard_bad_csv_files_are_refused_with_file_and_line() {
     let message = |text: &str| refusal("w.csv", text, "", Part::Wheel);
     assert!(message("x,y\n1,2\n").starts_with("w.csv:1: u,radius: found the header \"x,y\""));
-    assert!(message("u [ft],radius\n1,2\n").starts_with("w.csv:1: u,radius: found the header"));
+    assert!(message("u [kg],radius\n1,2\n").starts_with("w.csv:1: u,radius: found the header"));
     assert!(message("u,radius\n0,0.46\n0.01,abc\n").starts_with("w.csv:3: u,radius: found \"abc\""));
     assert!(message("u,radius\n0,0.46\n0.01,nan\n").starts_with("w.csv:3: "));
     assert!(message("u,radius\n0,0.46\n0.01,0.46,1\n").starts_with("w.csv:3: u,radius: found 3 columns, expected 2"));
