@@ -56,6 +56,6 @@ impl Model {
     fn derailed(&self, workspace: &Workspace, t: f64, contact: usize, how: &'static str) -> EvaluationError {
         let wheel = self.wheel(contact);
         let (y, z) = self.beside(&workspace.system.motions[wheel.wheelset.body]);
-        EvaluationError::new(t, wheel.wheelset, wheel.side, ContactFailure::Derailed { how, y, z })
+        EvaluationError::new(t, wheel.wheelset, wheel.side, ContactFailure::off_the_rail(how, y, z))
     }
 }

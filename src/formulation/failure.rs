@@ -43,6 +43,10 @@ pub enum ContactFailure {
     #[error("derailed: {how} (wheelset at y = {y:.4} m, z = {z:.4} m)")]
     Derailed { how: &'static str, y: f64, z: f64 },
     #[error(
+        "the wheelset has been thrown to y = {y:.1e} m, z = {z:.1e} m: what acts on it is beyond any vehicle's forces and torques; expected inputs in N and N m"
+    )]
+    Thrown { y: f64, z: f64 },
+    #[error(
         "the travelling speed has fallen to {speed:.3} m/s, and steady creepages are relative to it; for low speed and standstill give the scene \
          a table [contact.transient]"
     )]
@@ -78,6 +82,14 @@ pub enum ContactFailure {
     SymmetryLost { what: &'static str, value: f64 },
     #[error("{0}")]
     Stiff(#[from] SingularTangent),
+}
+
+impl ContactFailure {
+    /// A wheel that is off its rail, or has been thrown farther than any derailment does.
+    pub(super) fn off_the_rail(how: &'static str, y: f64, z: f64) -> Self {
+        const FARTHEST: f64 = 100.0;
+        if y.abs().max(z.abs()) <= FARTHEST { ContactFailure::Derailed { how, y, z } } else { ContactFailure::Thrown { y, z } }
+    }
 }
 
 /// Why a scene is not symmetric.

@@ -202,7 +202,7 @@ impl Model {
         };
         Some(format!(
             "{what}{others}: friction at its bound couples its bouncing and rolling{on}. That is the model's own motion, not an error of \
-             steps{hidden}; small differences grow by it, so that from there on loads at an instant are known to their order of magnitude alone; {calmer}"
+             steps{hidden}; small differences grow by it, so that loads at an instant may be known to their order of magnitude alone from there on (a run at a tenth of the tolerance shows it); {calmer}"
         ))
     }
 

@@ -393,11 +393,12 @@ impl TransientContact {
         lambda / (1.0 + (self.settings.time_floor * lambda).powi(2)).sqrt()
     }
 
-    /// What sliding leaves of the spin that was rolled in, `(|V| + v_1) / (|V| + v_1 + sliding)` with v_1 = v_0 / 10, and its slope by sliding: it shrinks the whole creepage vector,
-    /// so that its direction is kept. Without v_1 the force turned within nanometres per second where a wheel comes to rest and no step was short enough; so a wheel that slides
-    /// at v_1 without rolling keeps half of its spin.
+    /// What sliding leaves of the spin that was rolled in, `V_1 / (V_1 + sliding)`, and its slope by sliding: it shrinks the whole creepage vector, so that its direction is kept. V_1 is |V|,
+    /// below v_0 at least v_0 / 10: with |V| the force turned within nanometres per second where a wheel comes to rest, and no step was short enough. (So a wheel that slides at v_0 / 10
+    /// without rolling keeps half of its spin.)
     fn spin_left(&self, speed: f64, sliding: f64) -> [f64; 2] {
-        let rolling = speed + 1e-3 * self.settings.below;
+        let small = 0.01 * self.settings.below;
+        let rolling = speed + 0.1 * small * fall(speed / small);
         let sum = rolling + sliding;
         [rolling / sum, -rolling / (sum * sum)]
     }

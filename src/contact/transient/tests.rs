@@ -152,6 +152,31 @@ fn analytic_rest_is_a_spring_with_coulombs_limit() {
     println!("k {stiffness:.3e} N/m; sliding complete at {:.1} um", 1e6 * model.sliding_range()[1] * BOUND / stiffness);
 }
 
+/// A wheel that comes to rest while it slides with spin in its patch: nanometres per second of rolling or sliding are no difference (the force turned by half of it between them, and
+/// integrations stopped there).
+#[test]
+fn regress_the_force_does_not_turn_where_all_speeds_are_next_to_nothing() {
+    let (law, model) = model();
+    let limit = model.sliding_range()[1] * BOUND / model.elasticity(CONTACT.patch).unwrap().stiffness;
+    let state = [1.1 * limit, 0.0, 1.0, 3.0];
+    let force = |longitudinal: f64, lateral: f64, rolling: f64| {
+        let force = model.evaluate(law.as_ref(), &CONTACT, &slip(longitudinal, lateral, 0.0, rolling), &state).force;
+        [force.longitudinal, force.lateral]
+    };
+    let rest = force(0.0, 0.0, 0.0);
+    for (longitudinal, lateral, rolling) in
+        [(1e-9, 0.0, 0.0), (1e-9, 0.0, 1e-9), (1e-9, 1e-9, -1e-9), (1e-9, 0.0, 1e-10), (-1e-9, 0.0, 1e-9)]
+    {
+        let found = force(longitudinal, lateral, rolling);
+        let off = (found[0] - rest[0]).hypot(found[1] - rest[1]);
+        assert!(off < 1e-4 * BOUND, "{longitudinal} {lateral} {rolling}: {off} N");
+    }
+    // At speed the spin shrinks with the sliding's share, as the whole vector does.
+    let (fast, free) = (force(0.5, 0.0, 0.5), force(0.0, 0.0, 0.5));
+    println!("at rest {rest:.0?} N, rolling {free:.0?}, sliding as fast as it rolls {fast:.0?}");
+    assert!((fast[1] - free[1]).hypot(fast[0] - free[0]) > 1e-3 * BOUND);
+}
+
 /// A wheel on an inclined contact with a yaw angle and some traction: decelerates, stops, rolls back.
 fn reversing(t: f64) -> SlipVelocity {
     let speed = 0.8 * (1.0 - t);

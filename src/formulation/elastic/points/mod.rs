@@ -341,5 +341,5 @@ fn ridges(stand: &Stand, minima: &Minima, numbers: &[Option<usize>; MOST], place
 
 fn derailed(wheel: &WheelAt, how: &'static str) -> ContactFailure {
     let (y, z) = wheel.model.beside(wheel.motion);
-    ContactFailure::Derailed { how, y, z }
+    ContactFailure::off_the_rail(how, y, z)
 }
