@@ -69,7 +69,7 @@ def derivatives(report, fmu, what, least):
 
 def distances(report, fmu):
     """In a curve a distance along the centre line grows by more than the centre travels on its inner side: no output is its derivative, but the FMU tells it."""
-    names, h = [name for name in fmu.outputs if name.endswith(".distance")], 5e-5
+    names, h = [name for name in fmu.outputs if name.endswith(".distance") and "wheelset" in name], 5e-5
     report.check(not any(v.derivative is not None and v.name.endswith(".vx") for v in fmu.description.modelVariables), "no speed is named")
     with fmu.instance() as instance:
         instance.step_to(4.0 - h)
