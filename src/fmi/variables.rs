@@ -366,6 +366,7 @@ mod tests {
         }
         assert!(counted > 3 * SCENES.len(), "{counted}");
     }
+
     /// Beside a curve the centre's speed is not that of its place along the centre line: `s' = v / (1 - k y)`.
     #[test]
     fn prop_the_speed_is_the_rate_of_the_distance_on_straight_track_alone() {

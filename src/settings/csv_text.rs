@@ -5,8 +5,33 @@ use csv::{Reader, ReaderBuilder, StringRecord, Trim};
 
 /// A user's table: `#` begins a comment line; `;` or tabs separate where the header has them, and then decimals may follow a comma.
 pub(crate) struct CsvText<'a> {
-    pub reader: Reader<&'a [u8]>,
+    text: &'a str,
+    reader: Reader<&'a [u8]>,
     decimal_comma: bool,
+}
+
+/// A line [1-based; 0: the file] and what is wrong there.
+pub(crate) type Wrong = (usize, String);
+
+/// A row below the header.
+pub(crate) struct Row {
+    pub line: usize,
+    cells: StringRecord,
+    decimal_comma: bool,
+}
+
+impl Row {
+    pub(crate) fn cell(&self, column: usize) -> &str {
+        self.cells.get(column).unwrap_or_default()
+    }
+
+    /// The number of a cell, which must be finite; the error quotes what stands there.
+    pub(crate) fn number(&self, column: usize) -> Result<f64, String> {
+        let cell = self.cell(column);
+        let comma = self.decimal_comma && cell.matches(',').count() == 1 && !cell.contains('.');
+        let value = if comma { cell.replace(',', ".").parse() } else { cell.parse::<f64>() };
+        value.ok().filter(|value| value.is_finite()).ok_or_else(|| format!("found \"{cell}\", expected a finite number"))
+    }
 }
 
 impl<'a> CsvText<'a> {
@@ -15,14 +40,26 @@ impl<'a> CsvText<'a> {
         let delimiter = [b';', b'\t'].into_iter().find(|other| header.as_bytes().contains(other)).unwrap_or(b',');
         let reader =
             ReaderBuilder::new().comment(Some(b'#')).trim(Trim::All).flexible(true).delimiter(delimiter).from_reader(text.as_bytes());
-        CsvText { reader, decimal_comma: delimiter != b',' }
+        CsvText { text, reader, decimal_comma: delimiter != b',' }
     }
 
-    /// A finite number of one of its cells.
-    pub(crate) fn number(&self, cell: &str) -> Option<f64> {
-        let comma = self.decimal_comma && cell.matches(',').count() == 1 && !cell.contains('.');
-        let value = if comma { cell.replace(',', ".").parse() } else { cell.parse::<f64>() };
-        value.ok().filter(|value| value.is_finite())
+    /// The titles of the columns.
+    pub(crate) fn header(&mut self) -> Result<StringRecord, Wrong> {
+        self.reader.headers().cloned().map_err(|error| (1, error.to_string()))
+    }
+
+    /// The rows, each of so many cells.
+    pub(crate) fn rows(&mut self, columns: usize) -> impl Iterator<Item = Result<Row, Wrong>> {
+        let (text, decimal_comma) = (self.text, self.decimal_comma);
+        self.reader.records().map(move |cells| {
+            let cells = cells.map_err(|error| (error.position().map_or(0, |at| at.line() as usize), error.to_string()))?;
+            let line = line_of(text, &cells);
+            if cells.len() == columns {
+                Ok(Row { line, cells, decimal_comma })
+            } else {
+                Err((line, format!("found {} columns, expected {columns}", cells.len())))
+            }
+        })
     }
 }
 
@@ -59,8 +96,8 @@ mod tests {
     fn prop_decimals_follow_a_comma_where_it_does_not_separate() {
         let numbers = |text: &str| {
             let mut table = CsvText::new(text);
-            let rows: Vec<StringRecord> = table.reader.records().map(|record| record.unwrap()).collect();
-            rows.iter().flat_map(|row| row.iter().map(|cell| table.number(cell)).collect::<Vec<_>>()).collect::<Vec<_>>()
+            let columns = table.header().unwrap().len();
+            table.rows(columns).map(|row| row.unwrap()).flat_map(|row| [0, 1].map(|column| row.number(column).ok())).collect::<Vec<_>>()
         };
         let both = [Some(-1.5), Some(2e-3)];
         assert_eq!(numbers("u,radius\n-1.5, 2e-3\n"), both);

@@ -3,7 +3,7 @@
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{CreepForce, Creepage};
 use crate::contact::{Material, Patch};
-use crate::settings::{CsvText, did_you_mean, line_of};
+use crate::settings::{CsvText, did_you_mean};
 
 /// Column, unit, smallest and largest value, value if the column is absent.
 struct Column {
@@ -86,25 +86,22 @@ fn places(heads: &csv::StringRecord, file: &str) -> Result<[Option<usize>; 10], 
 /// Reads a table of contacts; messages name file, line and column.
 pub(super) fn read(text: &str, file: &str) -> Result<Vec<Case>, String> {
     let mut table = CsvText::new(text);
-    let heads = table.reader.headers().map_err(|error| format!("{file}: {error}"))?.clone();
+    let wrong = |(line, problem): (usize, String)| format!("{file}:{line}: {problem}");
+    let heads = table.header().map_err(wrong)?;
     let places = places(&heads, file)?;
     let mut cases = Vec::new();
-    let records: Vec<_> = table.reader.records().collect();
-    for record in records {
-        let record = record.map_err(|error| format!("{file}: {error}"))?;
-        let line = line_of(text, &record);
-        if record.len() != heads.len() {
-            return Err(format!("{file}:{line}: found {} columns, expected {}", record.len(), heads.len()));
-        }
+    for row in table.rows(heads.len()) {
+        let row = row.map_err(wrong)?;
+        let line = row.line;
         let mut values = [0.0; 10];
         for ((value, column), place) in values.iter_mut().zip(&COLUMNS).zip(&places) {
             let Some(place) = place else {
                 *value = column.default.unwrap_or_default();
                 continue;
             };
-            let cell = record.get(*place).unwrap_or_default();
+            let cell = row.cell(*place);
             let (least, most) = column.range;
-            *value = table.number(cell).filter(|number| (least..=most).contains(number)).ok_or_else(|| {
+            *value = row.number(*place).ok().filter(|number| (least..=most).contains(number)).ok_or_else(|| {
                 let expected = match (least, most) {
                     (f64::MIN, _) => "a finite number".to_string(),
                     (_, f64::MAX) if least > 0.0 => "a finite number above 0".into(),

@@ -57,7 +57,7 @@ pub(super) fn read(path: &Path, scene: &mut Scene) -> Result<Inputs, Failure> {
 /// Errors with the line, 0 for the file.
 fn parse(text: &str, variables: &VariableTable, scene: &Scene) -> Result<InputTable, (usize, String)> {
     let mut csv = CsvText::new(text);
-    let header = csv.reader.headers().map_err(|error| (1, error.to_string()))?.clone();
+    let header = csv.header()?;
     let wrong_header = |problem: String| (line_of(text, &header), problem);
     let inputs: Vec<(usize, &Variable)> = variables
         .variables
@@ -71,17 +71,10 @@ fn parse(text: &str, variables: &VariableTable, scene: &Scene) -> Result<InputTa
     let mut times = Vec::new();
     let mut lines = Vec::new();
     let mut values: Vec<Vec<f64>> = vec![Vec::new(); columns.len()];
-    let records: Vec<_> = csv.reader.records().collect();
-    for record in records {
-        let record = record.map_err(|error| (error.position().map_or(0, |at| at.line() as usize), error.to_string()))?;
-        let line = line_of(text, &record);
-        if record.len() != header.len() {
-            return Err((line, format!("found {} columns, expected {}", record.len(), header.len())));
-        }
-        let number = |column: usize| {
-            csv.number(&record[column])
-                .ok_or_else(|| (line, format!("{}: found \"{}\", expected a finite number", &header[column], &record[column])))
-        };
+    for row in csv.rows(header.len()) {
+        let row = row?;
+        let line = row.line;
+        let number = |column: usize| row.number(column).map_err(|problem| (line, format!("{}: {problem}", &header[column])));
         times.push(time * number(0)?);
         lines.push(line);
         for (index, (column, values)) in columns.iter().zip(&mut values).enumerate() {

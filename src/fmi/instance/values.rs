@@ -166,7 +166,7 @@ impl Instance {
         for (reference, value) in references.iter().zip(values) {
             let variable = self.lookup(*reference, Kind::Real)?;
             self.check_settable(variable)?;
-            self.check_value(variable, variable.rounded_in(*value))?;
+            self.check_value(variable, if matches!(variable.role, Role::Input(_)) { variable.rounded_in(*value) } else { *value })?;
         }
         self.set_parameters(references, values)?;
         for (reference, value) in references.iter().zip(values) {

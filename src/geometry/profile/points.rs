@@ -33,7 +33,7 @@ fn read(file: &OpenFile, part: Part) -> Result<Reading, SettingsError> {
     };
     let coordinate = if part == Part::Wheel { "u" } else { "eta" };
     let mut table = CsvText::new(&file.text);
-    let header = table.reader.headers().map_err(|error| file.error(1, choices[0].1, error.to_string()))?.clone();
+    let header = table.header().map_err(|(line, problem)| file.error(line, choices[0].1, problem))?;
     let names: Vec<_> = header.iter().map(|title| length_title(title).ok()).collect();
     let known = match names.as_slice() {
         [Some((first, x_unit)), Some((second, z_unit)), ..] if *first == coordinate => {
@@ -48,18 +48,10 @@ fn read(file: &OpenFile, part: Part) -> Result<Reading, SettingsError> {
         return Err(file.error(line, choices[0].1, problem));
     };
     let mut samples = Vec::new();
-    let records: Vec<_> = table.reader.records().collect();
-    for record in records {
-        let record = record.map_err(|error| file.error(error.position().map_or(0, |p| p.line() as usize), columns, error.to_string()))?;
-        let line = line_of(&file.text, &record);
-        if record.len() != header.len() {
-            return Err(file.error(line, columns, format!("found {} columns, expected {}", record.len(), header.len())));
-        }
-        let number = |column: usize| {
-            let wrong = || file.error(line, columns, format!("found \"{}\", expected a finite number", &record[column]));
-            table.number(&record[column]).ok_or_else(wrong)
-        };
-        samples.push(Sample { x: x_unit * number(0)?, z: z_unit * number(1)?, line });
+    for row in table.rows(header.len()) {
+        let row = row.map_err(|(line, problem)| file.error(line, columns, problem))?;
+        let number = |column: usize| row.number(column).map_err(|problem| file.error(row.line, columns, problem));
+        samples.push(Sample { x: x_unit * number(0)?, z: z_unit * number(1)?, line: row.line });
     }
     let order = if cleaning::come_along(&samples) { Order::Along } else { Order::Any };
     Ok(Reading { samples, order, level, tread_circle: 0.0, radius: None, inward: false, columns, notes: Vec::new() })

@@ -192,7 +192,8 @@ fn title(text: &str) -> Result<(usize, f64), String> {
 /// Reads and checks the columns; each message names file and line.
 fn read(file: &OpenFile) -> Result<Table, SettingsError> {
     let mut table = CsvText::new(&file.text);
-    let header = table.reader.headers().map_err(|error| file.error(1, COLUMNS[0], error.to_string()))?.clone();
+    let wrong = |(line, problem): (usize, String)| file.error(line, COLUMNS[0], problem);
+    let header = table.header().map_err(wrong)?;
     let wrong_header = |problem: String| file.error(line_of(&file.text, &header), "header", problem);
     let titles = header.iter().map(title).collect::<Result<Vec<_>, _>>().map_err(wrong_header)?;
     check_titles(&titles).map_err(wrong_header)?;
@@ -200,21 +201,13 @@ fn read(file: &OpenFile) -> Result<Table, SettingsError> {
     let mut columns: [Option<Vec<f64>>; 9] = Default::default();
     titles.iter().for_each(|title| columns[title.0] = Some(Vec::new()));
     let mut count = 0;
-    let records: Vec<_> = table.reader.records().collect();
-    for record in records {
-        let record =
-            record.map_err(|error| file.error(error.position().map_or(0, |p| p.line() as usize), COLUMNS[0], error.to_string()))?;
-        let line = line_of(&file.text, &record);
-        if record.len() != titles.len() {
-            return Err(file.error(line, COLUMNS[0], format!("found {} columns, expected {}", record.len(), titles.len())));
-        }
-        for (text, (column, unit)) in record.iter().zip(&titles) {
-            let value = table
-                .number(text)
-                .ok_or_else(|| file.error(line, COLUMNS[*column], format!("found \"{text}\", expected a finite number")))?;
+    for row in table.rows(titles.len()) {
+        let row = row.map_err(wrong)?;
+        for (place, (column, unit)) in titles.iter().enumerate() {
+            let value = row.number(place).map_err(|problem| file.error(row.line, COLUMNS[*column], problem))?;
             columns[*column].get_or_insert_default().push(unit * value);
         }
-        check_row(&columns, count).map_err(|(column, problem)| file.error(line, COLUMNS[column], problem))?;
+        check_row(&columns, count).map_err(|(column, problem)| file.error(row.line, COLUMNS[column], problem))?;
         count += 1;
     }
     if count < LEAST_POINTS {
