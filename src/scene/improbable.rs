@@ -245,6 +245,8 @@ mod tests {
             ("wheelset_s1002", "contact.material.youngs_modulus=2.1e10", "\"210 GPa\""),
             ("wheelset_s1002", "vehicle.wheelset.inertia_yy=1000", "all of its mass at the tread"),
             (LOCOMOTIVE, "vehicle.module.truck.force[motor[1]].ratio=0.2", "was its reciprocal meant"),
+            (LOCOMOTIVE, "vehicle.module.truck.force[motor[1]].to.at=[-1.28,0,0.46]", "names an axle and a place 2.56 m away"),
+            (LOCOMOTIVE, "vehicle.module.truck.force[motor[1]].from.at=[9.5,0,0.5]", "motor[1]: holds on to truck[1].frame 9.50 m"),
             ("vehicle_manchester_1", "vehicle.body[car].inertia_xx=6e6", "no body has that"),
             (
                 "vehicle_manchester_1",

@@ -117,6 +117,12 @@ impl AxlePair {
         })
     }
 
+    /// See [`super::ForceElement::holds`]: of a couple the place is of no account.
+    pub fn holds(&self) -> [Option<Attachment>; 2] {
+        let lever = !matches!(self.by, By::Couple);
+        [lever.then(|| Attachment::on(self.carrier, self.place)), None]
+    }
+
     pub fn ends(&self) -> Ends {
         [Some(self.axle), Some(self.carrier)]
     }

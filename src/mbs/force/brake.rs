@@ -223,6 +223,10 @@ impl ForceElement for Brake {
         self.pair.doubt()
     }
 
+    fn holds(&self) -> [Option<Attachment>; 2] {
+        self.pair.holds()
+    }
+
     fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
         let (grip, unit, _) = self.now(bodies, state);
         self.pair.turning(bodies, -grip.torque, sum);

@@ -186,7 +186,7 @@ pub trait ForceElement: Part + Send + Sync + std::fmt::Debug {
     /// The bodies that the element acts between and loads; it follows the motion of no others but its [`ForceElement::rotor_carrier`]. `None`: the world or the track.
     fn bodies(&self) -> Ends;
 
-    /// Where it holds on to its bodies, of elements that hold on to two places.
+    /// Where it holds on to its bodies, of elements that hold on to places.
     fn holds(&self) -> [Option<Attachment>; 2] {
         [None; 2]
     }

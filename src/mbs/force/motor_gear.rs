@@ -23,6 +23,7 @@
 //! inertia about a, in its own numbers. Power: `T psi'` = rate of k psi^2/2 + c psi'^2; the motor brings in `sense M (p - w)`. The second state is
 //! p / n over a fixed rate of that size [rad].
 
+use super::attachment::Attachment;
 use super::axle_pair::{AxlePair, read_ends};
 use super::{ElementInput, ForceElement, POSITIVE, Parse, Places, Quantity, QuantityKind};
 use crate::mbs::body::Wrench;
@@ -277,6 +278,10 @@ impl ForceElement for MotorGear {
 
     fn doubt(&self) -> Option<String> {
         self.pair.doubt()
+    }
+
+    fn holds(&self) -> [Option<Attachment>; 2] {
+        self.pair.holds()
     }
 
     fn tangent(&self, bodies: &Moving, state: &[f64], first_state: usize, sum: &mut PairTangent) {
