@@ -109,9 +109,9 @@ impl Flutter {
         self.wheelsets.iter().any(|growing| (growing.rate > 0.0 || growing.exponent > 0.0) && t > growing.time + QUIET)
     }
 
-    /// Has a small swing of a wheelset grown by as much as counts, of late?
-    pub fn has_grown(&self, wheelset: usize) -> bool {
-        self.wheelsets.get(wheelset).is_some_and(|growing| growing.exponent > TOLD)
+    /// Has a small swing of a wheelset begun to grow, and not faded since then?
+    pub fn is_growing(&self, wheelset: usize) -> bool {
+        self.wheelsets.get(wheelset).is_some_and(|growing| growing.exponent > 0.0)
     }
 
     /// The longest step that follows what grows, s.

@@ -52,7 +52,7 @@ pub struct WheelLoads {
     /// The first wheel that struck its rail (its contact), and when, s.
     strike: Option<(usize, f64)>,
     beats: Vec<Beat>,
-    /// Small swings of each wheel's load and lateral force, and its loads, while its wheelset flutters.
+    /// Small swings of each wheel's load and lateral force, and its loads, while small swings of its wheelset grow.
     trembles: Vec<[Beat; 2]>,
     fluttering: Vec<Range>,
     /// Where flanges are left out.
@@ -66,13 +66,13 @@ pub struct WheelLoads {
 }
 
 impl WheelLoads {
-    /// Has the load of a wheelset's wheel swung by half its static value or more while it fluttered?
+    /// Has the load of a wheelset's wheel swung by half its static value or more while small swings grew?
     pub fn swings(&self, wheelset: usize) -> bool {
         let mut ranges = Side::BOTH.into_iter().filter_map(|side| self.fluttering.get(contact_index(wheelset, side)));
         ranges.any(|range| range.least.0 < 0.5 && range.most.0 > 1.5)
     }
 
-    /// The wheel of a wheelset whose load or lateral force has swung most, and fast, for a short while and by little too, while it fluttered, and which force, near a frequency [Hz] by a factor.
+    /// The wheel of a wheelset whose load or lateral force has swung most, and fast, for a short while and by little too, while small ones grew, and which force, near a frequency [Hz] by a factor.
     pub fn trembles(&self, wheelset: usize, frequency: f64, factor: f64) -> Option<(Side, bool, Swing)> {
         let all = Side::BOTH.into_iter().flat_map(|side| {
             let both = self.trembles.get(contact_index(wheelset, side)).into_iter().flatten().zip([false, true]);
@@ -186,7 +186,7 @@ impl Model {
         }
     }
 
-    /// Notes the loads that the workspace's evaluation found at `t` [s]; on plain track nothing excites wheelsets, and some of them flutter.
+    /// Notes the loads that the workspace's evaluation found at `t` [s]; on plain track nothing excites wheelsets, and small swings of some of them grow.
     pub fn note_wheel_loads(
         &self,
         workspace: &Workspace,

@@ -259,7 +259,7 @@ impl Dynamics for ModelDynamics<'_> {
         self.model.note_swings(self.workspace, (t, y), self.watched.swings);
         self.model.note_strikes(self.workspace, t, self.watched.strikes);
         let plain = self.watched.swings.is_plain();
-        let flutters = |wheelset| self.watched.flutter.has_grown(wheelset);
+        let flutters = |wheelset| self.watched.flutter.is_growing(wheelset);
         self.model.note_wheel_loads(self.workspace, (t, plain), flutters, self.watched.loads);
         self.model.note_present_means(self.workspace, &mut self.memories.accepted);
     }
