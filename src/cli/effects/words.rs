@@ -117,7 +117,7 @@ fn relative(cost: &Cost, own: &Cost) -> [String; 2] {
 
 /// CPU times that differ by less are the same, in parts.
 const NOISE: f64 = 0.15;
-/// The same where the scene's run is short, over its CPU time, s: what a machine does beside it counts for more.
+/// Where the scene's run is short, a difference below this over its CPU time, s, tells nothing: what a machine does beside it counts for more.
 const HICCUP: f64 = 0.08;
 /// A reason that is longer is cut.
 const LONGEST: usize = 160;
@@ -192,16 +192,20 @@ fn sentence(row: &Row, told: &[String], growth: Option<(f64, f64)>, [cpu, own]: 
     }
     let changes = parts.join(", ");
     let time = cpu / own;
-    let takes = factor(time);
-    let same = (time - 1.0).abs() < NOISE.max(HICCUP / own);
+    let (off, takes) = ((time - 1.0).abs(), factor(time));
     let stands = variant.effect.trim_start_matches("creep law ");
-    match variant.kind {
-        Kind::Off if same => format!("{}: {changes}; costs nothing to speak of", variant.effect),
-        Kind::Off if time < 1.0 => format!("{}: {changes}; costs {:.0} % of the run", variant.effect, 100.0 * (1.0 - time)),
-        Kind::Off => format!("{}: {changes}; without it the run takes {takes} times as long", variant.effect),
-        Kind::On if same => format!("with {}: {changes}; takes the same time", variant.effect),
-        Kind::On => format!("with {}: {changes}; takes {takes} times as long", variant.effect),
-        _ if same => format!("{} instead of {}: {changes}; takes the same time", variant.change, stands),
-        _ => format!("{} instead of {}: {changes}; takes {takes} times as long", variant.change, stands),
-    }
+    let subject = match variant.kind {
+        Kind::Off => variant.effect.clone(),
+        Kind::On => format!("with {}", variant.effect),
+        _ => format!("{} instead of {stands}", variant.change),
+    };
+    let costs = match variant.kind {
+        Kind::Off if off < NOISE => "costs nothing to speak of".into(),
+        _ if off < NOISE => "takes the same time".into(),
+        _ if off < HICCUP / own => "too short runs to tell their times".into(),
+        Kind::Off if time < 1.0 => format!("costs {:.0} % of the run", 100.0 * (1.0 - time)),
+        Kind::Off => format!("without it the run takes {takes} times as long"),
+        _ => format!("takes {takes} times as long"),
+    };
+    format!("{subject}: {changes}; {costs}")
 }
