@@ -158,7 +158,8 @@ fn analytic_rest_is_a_spring_with_coulombs_limit() {
 fn regress_the_force_does_not_turn_where_all_speeds_are_next_to_nothing() {
     let (law, model) = model();
     let limit = model.sliding_range()[1] * BOUND / model.elasticity(CONTACT.patch).unwrap().stiffness;
-    let state = [1.1 * limit, 0.0, 1.0, 3.0];
+    // Far enough that it slides with this spin too, which moves the bound.
+    let state = [3.0 * limit, 0.0, 1.0, 1.0];
     let force = |longitudinal: f64, lateral: f64, rolling: f64| {
         let force = model.evaluate(law.as_ref(), &CONTACT, &slip(longitudinal, lateral, 0.0, rolling), &state).force;
         [force.longitudinal, force.lateral]
@@ -174,7 +175,7 @@ fn regress_the_force_does_not_turn_where_all_speeds_are_next_to_nothing() {
     // At speed the spin shrinks with the sliding's share, as the whole vector does.
     let (fast, free) = (force(0.5, 0.0, 0.5), force(0.0, 0.0, 0.5));
     println!("at rest {rest:.0?} N, rolling {free:.0?}, sliding as fast as it rolls {fast:.0?}");
-    assert!((fast[1] - free[1]).hypot(fast[0] - free[0]) > 1e-3 * BOUND);
+    assert!(free[1].abs() > 0.01 * BOUND && fast[1].abs() < 0.5 * free[1].abs());
 }
 
 /// A wheel on an inclined contact with a yaw angle and some traction: decelerates, stops, rolls back.
