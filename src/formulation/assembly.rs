@@ -5,6 +5,7 @@ use super::frame_motion::MovingFrame;
 use super::half_space_settings;
 use super::memory::{Mode, ModelMemory, WheelMemory};
 use super::model::{ContactLaws, LOAD_TOLERANCE, Model, force_weights};
+use super::patch_loads::Loaded;
 use super::patch_tables::PreparedTables;
 use super::rail_scratch::RailScratch;
 use super::rigid_scratch::RigidScratch;
@@ -237,6 +238,7 @@ impl Model {
             // Not copies of one: a copy has no room in front.
             strips: (0..self.contacts()).map(|_| Scratch::new(self.most_strips())).collect(),
             deeper: Scratch::new(self.most_strips()),
+            loaded: Loaded::default(),
             tangent: None,
             frame: MovingFrame::default(),
             rails: RailScratch::new(self.beam.as_ref()),

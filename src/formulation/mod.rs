@@ -15,6 +15,7 @@ mod beam_rails;
 pub mod beat;
 mod body_modes;
 mod body_swings;
+mod contact_report;
 mod deflections;
 mod derailment;
 mod drift;
@@ -48,6 +49,7 @@ mod moving_frame;
 pub mod one_wheel;
 mod out_of_round;
 pub mod partition;
+mod patch_loads;
 pub mod patch_tables;
 mod prediction;
 mod projection;
@@ -76,6 +78,7 @@ mod workspace;
 mod yielding_rails;
 
 pub use assembly::{AssemblyError, Build, Parts};
+pub use contact_report::ContactReport;
 pub use failure::{Asymmetry, ContactFailure, EvaluationError};
 pub use inputs::{
     DRIVE_TORQUE, LATERAL_FORCE, LEFT_FRICTION, LONGITUDINAL_FORCE, RAIL_INPUTS, RAIL_LATERAL, RAIL_LATERAL_SLOPE, RAIL_LATERAL_VELOCITY,
@@ -85,7 +88,7 @@ pub use linear_contact::LinearContact;
 pub use means::derailment_quotient;
 pub use model::{ContactLaws, LOAD_TOLERANCE, Model, factor_at};
 pub use wheelset::{Wheelset, contact_index};
-pub use workspace::{Cached, ContactReport, Evaluation, Workspace};
+pub use workspace::{Cached, Evaluation, Workspace};
 
 use crate::settings::{Entry, Section, SettingsError, choose};
 use step::Step;

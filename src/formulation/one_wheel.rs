@@ -5,6 +5,7 @@ use super::elastic::patch::highest_pressures;
 use super::elastic::points;
 use super::loading::{Contact, WheelAt};
 use super::memory::{Mode, WheelMemory};
+use super::patch_loads::Loaded;
 use super::{ContactFailure, ContactReport, Model};
 use crate::contact::strips::Scratch;
 use crate::geometry::Side;
@@ -43,7 +44,7 @@ impl Model {
         let mut strips = Scratch::new(self.strips.as_ref().map_or(0, |rails| rails[side.index()].len()));
         let (mut first, mut further) = (ContactReport::default(), vec![ContactReport::default(); self.points - 1]);
         let (mut memory, mut wrench) = (WheelMemory::new(Mode::ELASTIC), Wrench::default());
-        points::elastic_wheel(&wheel, &mut memory, &mut strips, &mut wrench, (&mut first, &mut further))?;
+        points::elastic_wheel(&wheel, &mut memory, (&mut strips, &mut Loaded::default()), &mut wrench, (&mut first, &mut further))?;
         let highest = self.strips.as_ref().map(|rails| match self.half_spaces {
             Some(settings) => half_spaces::highest_pressures(&wheel, settings),
             None => highest_pressures(&wheel, &rails[side.index()], &mut strips),

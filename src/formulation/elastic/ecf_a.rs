@@ -65,9 +65,15 @@ impl Formulation for EcfA {
                 let wrench = &mut workspace.system.wrenches[turning];
                 let before = *wrench;
                 let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
-                points::elastic_wheel(&wheel, &mut memory.wheels[contact], &mut workspace.strips[contact], wrench, reports)
-                    .and_then(|()| if model.half.is_some() { model.check_half(&wheel, own) } else { Ok(()) })
-                    .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
+                points::elastic_wheel(
+                    &wheel,
+                    &mut memory.wheels[contact],
+                    (&mut workspace.strips[contact], &mut workspace.loaded),
+                    wrench,
+                    reports,
+                )
+                .and_then(|()| if model.half.is_some() { model.check_half(&wheel, own) } else { Ok(()) })
+                .map_err(|cause| EvaluationError::new(t, wheelset, side, cause))?;
                 left = Wrench { force: wrench.force - before.force, moment: wrench.moment - before.moment };
                 workspace.work.search_iterations += workspace.contacts[contact].iterations as u64;
                 model.finish_wheel(workspace, moved.as_ref(), (contact, wheelset.body, turning));

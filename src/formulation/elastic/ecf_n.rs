@@ -15,7 +15,7 @@
 //! State per contact: s of the section, m. Of what is remembered only the numbers of the contacts are taken, so that their tangential states stay
 //! theirs.
 
-use super::patch::{Located, Places, press_wheel};
+use super::patch::{Places, press_wheel};
 use super::{finish, points};
 use crate::contact::search::algebraic::ContactLocation;
 use crate::contact::search::nodal::{MOST, NodalContacts, NodalSearch, arc_rate};
@@ -127,8 +127,15 @@ impl Formulation for EcfN {
                 let wrench = &mut workspace.system.wrenches[turning];
                 let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
                 if let Some(rails) = &model.strips {
-                    press_wheel(&wheel, &rails[side.index()], (&located, Places::Some), &mut workspace.strips[contact], wrench, reports)
-                        .map_err(fail)?;
+                    press_wheel(
+                        &wheel,
+                        &rails[side.index()],
+                        (&located.each_ref().map(Option::as_ref), Places::Some),
+                        (&mut workspace.strips[contact], &mut workspace.loaded),
+                        wrench,
+                        reports,
+                    )
+                    .map_err(fail)?;
                 } else {
                     for (slot, report) in std::iter::once(reports.0).chain(reports.1).enumerate() {
                         *report = match &located[slot] {
@@ -150,7 +157,7 @@ const BETWEEN: usize = 4;
 const NEAR: f64 = 5e-3;
 
 /// The contacts by their numbers, and the share of its Hertzian force that each carries. Each keeps its number; where two have merged the deeper one's is kept.
-fn numbered(found: &NodalContacts, memory: &mut WheelMemory) -> (Located, [f64; MOST_POINTS]) {
+fn numbered(found: &NodalContacts, memory: &mut WheelMemory) -> ([Option<ContactLocation>; MOST_POINTS], [f64; MOST_POINTS]) {
     let depths = found.contacts.map(|place| place.map_or(f64::NEG_INFINITY, |place| place.penetration));
     let count = found.contacts.iter().flatten().count();
     let mut row = [1.0; MOST];
@@ -178,7 +185,7 @@ fn numbered(found: &NodalContacts, memory: &mut WheelMemory) -> (Located, [f64; 
         // There is always a first.
         number[deep[0]] = Some(0);
     }
-    let (mut located, mut shares) = (Located::default(), [1.0; MOST_POINTS]);
+    let (mut located, mut shares) = ([None; MOST_POINTS], [1.0; MOST_POINTS]);
     for (i, slot) in number.iter().enumerate().filter_map(|(i, slot)| Some((i, (*slot)?))) {
         (located[slot], shares[slot]) = (found.contacts[i], row[i]);
     }

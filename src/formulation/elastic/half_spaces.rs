@@ -8,8 +8,8 @@
 //! implicit methods are those of strips with Kalker's simplified theory (FASTSIM), a few percent off: a method that needs them exact makes smaller steps.
 
 use super::super::loading::{Contact, WheelAt};
+use super::super::patch_loads::Loaded;
 use super::super::{ContactFailure, ContactReport};
-use super::carried::Carried;
 use crate::contact::normal::damping::damped_force;
 use crate::contact::patch::{Motion, Place, PlaceCreep, Pressed, Settings};
 use crate::contact::search::algebraic::{ContactLocation, SurfaceParameters};
@@ -30,18 +30,20 @@ pub(in crate::formulation) fn highest_pressures(wheel: &WheelAt, settings: Setti
 ///
 /// # Errors
 /// [`ContactFailure`] where the wheel is too deep in the rail, does not roll, or the normal problem finds no end.
-pub(super) fn load(wheel: &WheelAt, settings: Settings) -> Result<Carried, ContactFailure> {
+pub(super) fn load(wheel: &WheelAt, settings: Settings, loaded: &mut Loaded) -> Result<(), ContactFailure> {
     let WheelAt { model, motion, .. } = *wheel;
     let (pair, laws) = (wheel.pair(), &model.laws);
     let pressed = press(wheel, settings).ok_or_else(|| ContactFailure::Unsettled { y: model.beside(motion).0 })?;
     let places = pressed.places(model.points.min(MOST));
-    let mut carried = Carried { count: places.len(), ..Carried::default() };
+    loaded.weight = None;
+    let carried = &mut loaded.shown;
+    carried.count = places.len();
     let mut damped = [0.0; MOST];
     for (k, place) in places.iter().enumerate() {
         let found = location(wheel, place);
         let contact = Contact { wheel, found: &found, slot: k, share: 1.0 };
         contact.check_depth()?;
-        let report = &mut carried.reports[k];
+        let report = &mut carried.all[k];
         *report = contact.report();
         let size = place.force.norm();
         report.stiffness = size / (place.overlap * place.overlap.sqrt());
@@ -59,13 +61,13 @@ pub(super) fn load(wheel: &WheelAt, settings: Settings) -> Result<Carried, Conta
         laws.friction * factor * wheel.friction.max(0.0) * damped[k]
     };
     for (k, creep) in pressed.rolling(&places, &rolling, &friction).iter().enumerate() {
-        let ContactReport { axes, .. } = &carried.reports[k];
+        let ContactReport { axes, .. } = &carried.all[k];
         let PlaceCreep { force, moment, bound } = *creep;
         let about_normal = moment.dot(&axes.normal);
         carried.couples[k] = places[k].moment * damped[k] + moment - axes.normal * about_normal;
         carried.creeps[k] = Creep { force, moment: about_normal, bound };
     }
-    Ok(carried)
+    Ok(())
 }
 
 /// A patch as a place where wheel and rail touch.

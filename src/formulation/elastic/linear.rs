@@ -6,8 +6,8 @@
 use super::super::linear_contact::{LinearContact, LinearCreep, vector};
 use super::super::loading::{Contact, WheelAt};
 use super::super::memory::WheelMemory;
+use super::super::patch_loads::location;
 use super::super::{ContactFailure, ContactReport, Model};
-use super::carried::location;
 use crate::contact::creep::RollingContact;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, in_rolling_direction};
 use crate::contact::normal::damping::damped_force;

@@ -1,6 +1,5 @@
 //! Contact as an elastic force: ECF-A and ECF-N, and the places of contact that one wheel may have.
 
-pub(super) mod carried;
 pub(super) mod ecf_a;
 pub(super) mod ecf_n;
 pub(super) mod half_spaces;

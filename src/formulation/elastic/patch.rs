@@ -5,19 +5,18 @@
 //! that centre. Damping knows the share w_k of a part (`strips::mixed`) as it knows that of a place (`points`).
 
 use super::super::loading::{Contact, WheelAt};
+use super::super::patch_loads::{Carried, Loaded, creep_of, location};
 use super::super::wheel_search::MOST_POINTS;
 use super::super::{ContactFailure, ContactReport};
-use super::carried::{Carried, creep_of, location};
 use super::half_spaces;
 use super::tabled::TabledWheel;
 use crate::contact::normal::damping::damped_force;
 use crate::contact::search::algebraic::ContactLocation;
 use crate::contact::strips::{Cells, MOST, Near, Part, Parts, Pressed, RailStrips, Scratch, press, press_anywhere};
 use crate::mbs::body::Wrench;
-use nalgebra::Vector3;
 
 /// Places of least distance by number of the contact.
-pub(super) type Located = [Option<ContactLocation>; MOST_POINTS];
+pub(super) type Located<'a> = [Option<&'a ContactLocation>; MOST_POINTS];
 
 /// One wheel's strips and what they make.
 pub(in crate::formulation) struct PressedWheel<'a> {
@@ -47,57 +46,47 @@ pub(in crate::formulation) enum Places {
     Some,
 }
 
-/// What a wheel's patch carries.
-pub(in crate::formulation) struct Loaded {
-    /// What is shown: of the strips where they are pressed, else of the table.
-    pub shown: Carried,
-    /// Of the table, with its weight, where both are asked.
-    pub beside: Option<(f64, Carried)>,
-}
-
 /// Finds the patches of a wheel, loads them and adds their forces to the wheelset's wrench. Reports of
 /// places that are not pressed tell where they are.
 pub(super) fn press_wheel(
     wheel: &WheelAt,
     rail: &RailStrips,
     (located, known): (&Located, Places),
-    scratch: &mut Scratch,
+    (scratch, loaded): (&mut Scratch, &mut Loaded),
     wrench: &mut Wrench,
     (first, further): (&mut ContactReport, &mut [ContactReport]),
 ) -> Result<(), ContactFailure> {
     let near = located.iter().flatten().filter(|place| place.penetration > -ABOUT).map(|place| {
-        let ContactLocation { parameters, penetration, .. } = *place;
+        let ContactLocation { parameters, penetration, .. } = **place;
         Near { eta: parameters.rail, lead: parameters.lead, overlap: penetration }
     });
     let points = 1 + further.len();
     let flanks = located.iter().flatten().map(|place| (place.rail_profile.d1, place.penetration));
-    let mut loaded = match wheel.model.half_spaces {
-        Some(settings) => Loaded { shown: half_spaces::load(wheel, settings)?, beside: None },
-        None => WheelPatch::find(wheel, rail, near, known, flanks, scratch).load()?,
-    };
-    for (slot, report) in std::iter::once(&mut *first).chain(&mut *further).enumerate() {
-        *report = match located.get(slot).and_then(Option::as_ref) {
-            Some(found) => {
-                let place = Contact { wheel, found, slot, share: 0.0 };
-                // Strips look no deeper than that.
-                if loaded.shown.count == 0 && found.penetration > 0.0 {
-                    place.check_depth()?;
-                }
-                let mut report = place.report();
-                report.creepage = Default::default();
-                report
-            }
-            None => ContactReport::default(),
-        };
+    match wheel.model.half_spaces {
+        Some(settings) => half_spaces::load(wheel, settings, loaded)?,
+        None => WheelPatch::find(wheel, rail, near, known, flanks, scratch).load(loaded)?,
     }
     loaded.add_to(wrench, &wheel.motion.position);
-    let Carried { count, reports, .. } = &mut loaded.shown;
-    let reports = &mut reports[..*count];
+    let reports = loaded.shown.reports();
     let numbers = numbers(reports, located, points);
-    for (report, slot) in reports.iter_mut().zip(numbers) {
-        let Some(slot) = slot else { continue };
-        report.iterations = located[slot].as_ref().map_or(0, |place| place.iterations);
-        *(if slot == 0 { &mut *first } else { &mut further[slot - 1] }) = *report;
+    for (slot, shown) in std::iter::once(first).chain(further).enumerate() {
+        let part = numbers.iter().zip(reports).find(|(number, _)| **number == Some(slot)).map(|(_, report)| report);
+        match (part, located.get(slot).copied().flatten()) {
+            (Some(report), place) => {
+                *shown = *report;
+                shown.iterations = place.map_or(0, |place| place.iterations);
+            }
+            (None, Some(found)) => {
+                let place = Contact { wheel, found, slot, share: 0.0 };
+                // Strips look no deeper than that.
+                if reports.is_empty() && found.penetration > 0.0 {
+                    place.check_depth()?;
+                }
+                *shown = place.report();
+                shown.creepage = Default::default();
+            }
+            (None, None) => *shown = ContactReport::default(),
+        }
     }
     Ok(())
 }
@@ -110,8 +99,7 @@ fn numbers(reports: &[ContactReport], located: &Located, points: usize) -> [Opti
         let left = (0..reports.len()).filter(|k| numbers[*k].is_none());
         let Some(k) = left.max_by(|a, b| reports[*a].normal_force.total_cmp(&reports[*b].normal_force)) else { break };
         let ContactReport { parameters, patch, .. } = &reports[k];
-        let distance =
-            |slot: &usize| located[*slot].as_ref().map_or(f64::INFINITY, |place| (place.parameters.rail - parameters.rail).abs());
+        let distance = |slot: &usize| located[*slot].map_or(f64::INFINITY, |place| (place.parameters.rail - parameters.rail).abs());
         let untaken = (0..points).filter(|slot| free[*slot]);
         let within = untaken.clone().find(|slot| distance(slot) <= patch.b);
         let Some(slot) = within.or_else(|| untaken.min_by(|a, b| distance(a).total_cmp(&distance(b)))) else { break };
@@ -151,46 +139,19 @@ impl<'a> WheelPatch<'a> {
         }
     }
 
-    /// Loads all parts.
+    /// Loads all parts: fills `loaded`.
     ///
     /// # Errors
     /// [`ContactFailure`] where the wheel is too deep in the rail.
-    pub fn load(&self) -> Result<Loaded, ContactFailure> {
-        Ok(match self {
-            WheelPatch::Pressed(on) => Loaded { shown: on.load()?, beside: None },
-            WheelPatch::Tabled(on) => Loaded { shown: on.load()?, beside: None },
-            WheelPatch::Both(on, table) => Loaded { shown: on.load()?, beside: Some((table.looked.weight, table.load()?)) },
-        })
-    }
-}
-
-impl Loaded {
-    /// Completes the reports of the parts and adds their forces to the wheelset's wrench about its centre, which is there.
-    pub fn add_to(&mut self, wrench: &mut Wrench, centre: &Vector3<f64>) {
-        let (pressed, Some((weight, tabled))) = (&mut self.shown, &mut self.beside) else { return self.shown.add_to(wrench, centre) };
-        let (mut of_strips, mut of_table) = (Wrench::default(), Wrench::default());
-        pressed.add_to(&mut of_strips, centre);
-        tabled.add_to(&mut of_table, centre);
-        wrench.force += of_strips.force * (1.0 - *weight) + of_table.force * *weight;
-        wrench.moment += of_strips.moment * (1.0 - *weight) + of_table.moment * *weight;
-        // What is shown adds up to what acts.
-        let load: f64 = pressed.reports.iter().map(|report| report.normal_force).sum();
-        if load > 0.0 {
-            let more = (of_table.force - of_strips.force) * *weight;
-            let grown = 1.0 + *weight * (tabled.reports[0].normal_force / load - 1.0);
-            for report in pressed.reports.iter_mut().filter(|report| report.normal_force > 0.0) {
-                report.force += more * (report.normal_force / load);
-                report.normal_force *= grown;
-            }
-            let acts = of_strips.moment * (1.0 - *weight) + of_table.moment * *weight;
-            let mut shown = Wrench::default();
-            pressed
-                .reports
-                .iter()
-                .filter(|report| report.normal_force > 0.0)
-                .for_each(|report| report.add_to(&mut shown, report.force, centre));
-            if let Some(most) = pressed.reports.iter_mut().max_by(|a, b| a.normal_force.total_cmp(&b.normal_force)) {
-                most.couple += acts - shown.moment;
+    pub fn load(&self, loaded: &mut Loaded) -> Result<(), ContactFailure> {
+        loaded.weight = None;
+        match self {
+            WheelPatch::Pressed(on) => on.load(&mut loaded.shown),
+            WheelPatch::Tabled(on) => on.load(&mut loaded.shown),
+            WheelPatch::Both(on, table) => {
+                loaded.weight = Some(table.looked.weight);
+                on.load(&mut loaded.shown)?;
+                table.load(&mut loaded.tabled)
             }
         }
     }
@@ -216,12 +177,13 @@ impl<'a> PressedWheel<'a> {
     ///
     /// # Errors
     /// [`ContactFailure`] where the wheel is too deep in the rail.
-    pub fn load(&self) -> Result<Carried, ContactFailure> {
+    pub fn load(&self, carried: &mut Carried) -> Result<(), ContactFailure> {
         let shares = self.parts.shares(self.pressed);
         let mut alone: [Option<(Part, ContactLocation)>; MOST] = [None; MOST];
         // What friction is bounded by, and the sizes of the forces.
         let mut loads = [0.0; MOST];
-        let Carried { reports: mut loaded, mut forces, mut couples, .. } = Carried::default();
+        let Carried { count, all: loaded, creeps: creeping, forces, couples } = carried;
+        *count = self.parts.len();
         for k in 0..self.parts.len() {
             let part = self.part(k, k);
             let found = location(&part, self.wheel.motion);
@@ -247,7 +209,7 @@ impl<'a> PressedWheel<'a> {
             let rate = if first == last { loaded[first].penetration_rate } else { self.at(&found, first, 1.0).report().penetration_rate };
             damped_force(damping, part.load, part.overlap, rate) - part.load
         });
-        for (k, report) in loaded.iter_mut().enumerate().take(self.parts.len()) {
+        for (k, report) in loaded[..*count].iter_mut().enumerate() {
             // Shares of a force that damping has taken away add up to nothing but for rounding.
             let more = (1.0 + damped[k] / loads[k]).max(0.0);
             forces[k] *= more;
@@ -255,7 +217,7 @@ impl<'a> PressedWheel<'a> {
             loads[k] *= more;
             report.normal_force = loads[k];
         }
-        let creeps = self.parts.mixed(&loads, &mut |first, last| {
+        *creeping = self.parts.mixed(&loads, &mut |first, last| {
             let (part, found) = of(first, last);
             let contact = self.at(&found, first, 1.0);
             let mut report = if first == last { loaded[first] } else { contact.report() };
@@ -264,7 +226,7 @@ impl<'a> PressedWheel<'a> {
             contact.creep_as(&mut report, |law, rolling| uneven.force(law, rolling));
             creep_of(&report, self.wheel.friction_at(&report))
         });
-        Ok(Carried { count: self.parts.len(), reports: loaded, creeps, forces, couples })
+        Ok(())
     }
 }
 

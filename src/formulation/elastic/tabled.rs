@@ -4,13 +4,14 @@
 //! that goes smoothly from one to the other: the table's own, times that of the flange's clearance. (The table's own ends 0.4 mm across before a flange carries that is not
 //! yawed. By 20 mrad of yaw, where it ends too, flanks of up to 76 degrees come nearer by less: the clearance is for steeper ones.)
 
+use super::super::ContactFailure;
 use super::super::loading::{Contact, WheelAt};
-use super::super::{ContactFailure, ContactReport};
-use super::carried::{Carried, creep_of, location};
+use super::super::patch_loads::{Carried, creep_of, location};
 use crate::contact::normal::damping::damped_force;
 use crate::contact::search::algebraic::Pair;
 use crate::contact::strips::{Cells, FLANK, Looked, Section};
 use crate::math::smooth_step::cubic_step;
+use nalgebra::Vector3;
 
 /// Clearances of a flange [m] below which the strips are asked alone, and above which the table alone.
 const CLEARANCES: (f64, f64) = (3e-6, 2.5e-5);
@@ -38,22 +39,22 @@ impl<'a> TabledWheel<'a> {
     ///
     /// # Errors
     /// [`ContactFailure`] where the wheel is not on its rail.
-    pub fn load(&self) -> Result<Carried, ContactFailure> {
+    pub fn load(&self, carried: &mut Carried) -> Result<(), ContactFailure> {
         let (wheel, part) = (self.wheel, &self.looked.part);
         let found = location(part, wheel.motion);
         let contact = Contact { wheel, found: &found, slot: 0, share: 1.0 };
         contact.check_depth()?;
-        let mut report: ContactReport = contact.report();
+        let Carried { count, all: [report, ..], creeps, forces, couples } = carried;
+        *report = contact.report();
         report.stiffness = part.force / (part.overlap * part.overlap.sqrt());
         (report.elastic_slope, report.patch) = (1.5 * part.force / part.overlap, part.patch);
         report.normal_force = damped_force(wheel.model.laws.damping.as_ref(), part.load, part.overlap, report.penetration_rate);
         let uneven = wheel.uneven(Cells::Fifths(&self.looked.fifths), part, &report.axes);
-        contact.creep_as(&mut report, |law, rolling| uneven.force(law, rolling));
-        let mut carried = Carried { count: 1, ..Carried::default() };
-        carried.creeps[0] = creep_of(&report, wheel.friction_at(&report));
-        carried.forces[0] = part.force * (report.normal_force / part.load);
-        carried.reports[0] = report;
-        Ok(carried)
+        contact.creep_as(report, |law, rolling| uneven.force(law, rolling));
+        *count = 1;
+        creeps[0] = creep_of(report, wheel.friction_at(report));
+        (forces[0], couples[0]) = (part.force * (report.normal_force / part.load), Vector3::zeros());
+        Ok(())
     }
 }
 

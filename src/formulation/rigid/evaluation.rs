@@ -56,7 +56,8 @@ pub(super) fn derivative(
             let Mode::Rigid { normal_force, approach, .. } = memory.mode else {
                 constraints.kkt.set_active(row, false);
                 constraints.gamma[row] = 0.0;
-                points::elastic_wheel(&wheel_at, memory, &mut workspace.strips[contact], wrench, reports).map_err(fail)?;
+                points::elastic_wheel(&wheel_at, memory, (&mut workspace.strips[contact], &mut workspace.loaded), wrench, reports)
+                    .map_err(fail)?;
                 workspace.work.search_iterations += workspace.contacts[contact].iterations as u64;
                 (rigid.rows[contact], rigid.balance.contacts[contact]) = (None, Pressing::default());
                 continue;

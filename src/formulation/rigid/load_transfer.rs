@@ -99,6 +99,6 @@ fn elastic_load(step: &mut Step, wheel: WheelRef) -> Option<f64> {
     let memory = &mut memory.wheels[contact];
     memory.forget();
     let reports = model.reports(contact, &mut workspace.contacts, &mut workspace.further_contacts);
-    points::elastic_wheel(&at, memory, &mut workspace.strips[contact], &mut Wrench::default(), reports).ok()?;
+    points::elastic_wheel(&at, memory, (&mut workspace.strips[contact], &mut workspace.loaded), &mut Wrench::default(), reports).ok()?;
     Some(carried(wheel, workspace))
 }

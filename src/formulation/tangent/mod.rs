@@ -76,6 +76,7 @@ impl Model {
         tangent.clear();
         let mut left = WrenchTangent::default();
         let mut strips = (std::mem::take(&mut workspace.strips), std::mem::take(&mut workspace.deeper));
+        let mut loaded = std::mem::take(&mut workspace.loaded);
         for WheelRef { contact, wheelset, side } in self.wheels() {
             let turning = wheelset.turning[side.index()];
             if self.half.is_some() && side == Side::Right {
@@ -109,7 +110,7 @@ impl Model {
             if let Some(rails) = &self.strips {
                 let wheel = WheelAt { model: self, wheelset, side, contact, motion, climb, friction: factor, y };
                 let travel = wheelset.imposed_speed.is_none().then_some(along);
-                let scratch = (&mut strips.0[contact], &mut strips.1);
+                let scratch = (&mut strips.0[contact], &mut strips.1, &mut loaded);
                 self.add_patch(&wheel, &rails[side.index()], workspace.reports(contact), travel, scratch, &mut tangent);
             }
             if let Some(moved) = round
@@ -141,6 +142,7 @@ impl Model {
             }
         }
         (workspace.strips, workspace.deeper) = strips;
+        workspace.loaded = loaded;
         if forces {
             tangent.add_forces(&self.system, &workspace.system, y);
         }

@@ -18,14 +18,14 @@
 //! *Left out:* by velocity, how parts that are partly one with several others share; irregularities' slopes along the track.
 
 use super::super::ContactReport;
-use super::super::elastic::carried::{Carried, location};
 use super::super::elastic::patch::{Places, PressedWheel, WheelPatch};
 use super::super::elastic::tabled::TabledWheel;
 use super::super::loading::{Contact, WheelAt};
+use super::super::patch_loads::{Carried, Loaded, location};
 use super::contact::{ByMotion, NormalSlopes, Touching, normal_slopes};
 use super::{At, Model};
 use crate::contact::search::migration::row;
-use crate::contact::strips::{Cells, Part, RailStrips, Scratch, Section};
+use crate::contact::strips::{Cells, MOST, Part, RailStrips, Scratch, Section};
 use crate::mbs::body::{BodyMotion, Wrench};
 use crate::mbs::tangent::{Tangent, WrenchTangent};
 use nalgebra::{Rotation3, Vector3, Vector6};
@@ -43,7 +43,7 @@ impl Model {
         rail: &RailStrips,
         reports: impl Iterator<Item = &'r ContactReport> + Clone,
         travel: Option<Vector3<f64>>,
-        (scratch, tried): (&mut Scratch, &mut Scratch),
+        (scratch, tried, loaded): (&mut Scratch, &mut Scratch, &mut Loaded),
         tangent: &mut Tangent,
     ) {
         let WheelAt { wheelset, side, motion, .. } = *wheel;
@@ -57,17 +57,17 @@ impl Model {
         // Where half-spaces press their places are not those of the strips.
         let (here, beside) = if self.half_spaces.is_some() { (Places::Some, Places::Some) } else { (Places::AsPressed, Places::All) };
         let on = WheelPatch::find(wheel, rail, seeds.clone(), here, flanks.clone(), scratch);
-        let Ok(mut loaded) = on.load() else { return };
+        let Ok(()) = on.load(loaded) else { return };
         let mut change = WrenchTangent::default();
         match &on {
             WheelPatch::Pressed(on) => self.by_velocity(wheel, on, &loaded.shown, travel, &mut change),
             WheelPatch::Tabled(on) => self.tabled_by_velocity(on, &loaded.shown, travel, &mut change),
             WheelPatch::Both(on, table) => {
                 self.by_velocity(wheel, on, &loaded.shown, travel, &mut change);
-                if let Some((weight, carried)) = &loaded.beside {
+                if let Some((weight, carried)) = loaded.beside() {
                     let mut of_table = WrenchTangent::default();
                     self.tabled_by_velocity(table, carried, travel, &mut of_table);
-                    change.by_velocity += (of_table.by_velocity - change.by_velocity) * *weight;
+                    change.by_velocity += (of_table.by_velocity - change.by_velocity) * weight;
                 }
             }
         }
@@ -85,7 +85,7 @@ impl Model {
             let there = WheelAt { motion: &moved, ..*wheel };
             let on = WheelPatch::find(&there, rail, seeds.clone(), beside, flanks.clone(), &mut *tried);
             // Where a neighbouring pose has no answer the patch counts as stiff as nothing that way.
-            let Ok(mut loaded) = on.load() else { continue };
+            let Ok(()) = on.load(loaded) else { continue };
             let mut wrench = Wrench::default();
             loaded.add_to(&mut wrench, &moved.position);
             *known = (stacked(&wrench) - here) / if *rotation == none { STEP } else { TURN };
@@ -116,15 +116,19 @@ impl Model {
             let cells = Cells::Strips(on.parts.share(on.pressed, first, last));
             self.rolling(wheel, report, (cells, part), (share, slopes, first == last), travel, change);
         };
-        let slopes = carried.reports.each_ref().map(|report| normal_slopes(self.laws.damping.as_ref(), report));
-        for (k, report) in carried.reports[..count].iter().enumerate().filter(|(_, report)| report.normal_force > 0.0) {
+        let reports = carried.reports();
+        let mut slopes = [NormalSlopes::default(); MOST];
+        for (slopes, report) in slopes.iter_mut().zip(reports) {
+            *slopes = normal_slopes(self.laws.damping.as_ref(), report);
+        }
+        for (k, report) in reports.iter().enumerate().filter(|(_, report)| report.normal_force > 0.0) {
             add(report, (k, k), &on.part(k, k), independence, slopes[k]);
         }
         if independence < 1.0 {
             let (part, motion): (Part, &BodyMotion) = (on.part(0, count - 1), wheel.motion);
             let found = location(&part, motion);
             let mut report = Contact { wheel, found: &found, slot: 0, share: 1.0 }.report();
-            (report.patch, report.normal_force) = (part.patch, carried.reports[..count].iter().map(|report| report.normal_force).sum());
+            (report.patch, report.normal_force) = (part.patch, reports.iter().map(|report| report.normal_force).sum());
             let rates = NormalSlopes { by_rate: slopes[..count].iter().map(|slopes| slopes.by_rate).sum(), ..NormalSlopes::default() };
             if report.normal_force > 0.0 {
                 add(&report, (0, count - 1), &part, 1.0 - independence, rates);
@@ -134,8 +138,7 @@ impl Model {
 
     /// The same of a patch that is read from a table.
     fn tabled_by_velocity(&self, on: &TabledWheel, carried: &Carried, travel: Option<Vector3<f64>>, change: &mut WrenchTangent) {
-        let report = &carried.reports[0];
-        if report.normal_force > 0.0 {
+        if let Some(report) = carried.reports().first().filter(|report| report.normal_force > 0.0) {
             let slopes = normal_slopes(self.laws.damping.as_ref(), report);
             self.rolling(on.wheel, report, (Cells::Fifths(&on.looked.fifths), &on.looked.part), (1.0, slopes, true), travel, change);
         }

@@ -33,6 +33,7 @@ mod touch;
 
 use super::super::loading::{Contact, WheelAt, not_found};
 use super::super::memory::{Allowance, WheelMemory};
+use super::super::patch_loads::Loaded;
 use super::super::prediction::{after, pose_of};
 use super::super::wheel_search::{FAR, MOST_POINTS, WheelSearch};
 use super::super::{ContactFailure, ContactReport, Model, Workspace};
@@ -66,7 +67,7 @@ pub(in super::super) type Places = [Option<Place>; MOST_POINTS];
 pub(in super::super) fn elastic_wheel(
     wheel: &WheelAt,
     memory: &mut WheelMemory,
-    strips: &mut Scratch,
+    patch: (&mut Scratch, &mut Loaded),
     wrench: &mut Wrench,
     (first, further): (&mut ContactReport, &mut [ContactReport]),
 ) -> Result<(), ContactFailure> {
@@ -84,8 +85,8 @@ pub(in super::super) fn elastic_wheel(
         memory.set_start(found.parameters);
         if let Some(rail) = rail {
             let mut located = Located::default();
-            located[0] = Some(found);
-            return press_wheel(wheel, rail, (&located, Known::All), strips, wrench, (first, further));
+            located[0] = Some(&found);
+            return press_wheel(wheel, rail, (&located, Known::All), patch, wrench, (first, further));
         }
         *first = Contact { wheel, found: &found, slot: 0, share: 1.0 }.elastic(wrench)?;
         return Ok(());
@@ -93,8 +94,8 @@ pub(in super::super) fn elastic_wheel(
     let mut places = Places::default();
     search.places(wheel, None, memory, &mut places)?;
     if let Some(rail) = rail {
-        let located = std::array::from_fn(|slot| places[slot].map(|place: Place| place.location));
-        press_wheel(wheel, rail, (&located, Known::All), strips, wrench, (&mut *first, &mut *further))?;
+        let located = places.each_ref().map(|place| place.as_ref().map(|place| &place.location));
+        press_wheel(wheel, rail, (&located, Known::All), patch, wrench, (&mut *first, &mut *further))?;
         return search.check_tip(wheel, first, further);
     }
     for (slot, (place, report)) in places.iter().zip(std::iter::once(first).chain(further)).enumerate() {
