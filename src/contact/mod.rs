@@ -6,6 +6,7 @@ pub mod friction;
 mod half_space;
 pub mod normal;
 pub mod patch;
+pub mod profile_end;
 pub mod search;
 pub mod strips;
 pub mod transient;

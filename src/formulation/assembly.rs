@@ -67,7 +67,7 @@ pub enum AssemblyError {
     #[error("effects.symmetry = \"half\", but {0}")]
     Half(#[from] super::failure::Asymmetry),
     #[error(
-        "track.flexibility and out-of-round wheels don't know axles that twist (flexible_axle, independent_wheels) yet; expected one of them in a scene"
+        "track.flexibility beside [contact.transient] does not know axles that twist (flexible_axle, independent_wheels); expected two of these three in a scene"
     )]
     TwistedAxle,
     #[error(

@@ -56,6 +56,11 @@ impl Beat {
         }
     }
 
+    /// Has it turned so that it counts?
+    pub fn counts(&self) -> bool {
+        self.turns > 0
+    }
+
     /// What comes next is no part of a swing that goes on.
     pub fn interrupt(&mut self) {
         if self.begun {

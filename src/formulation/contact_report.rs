@@ -2,10 +2,11 @@
 
 use crate::contact::Patch;
 use crate::contact::creepage::{ContactAxes, CreepForce, Creepage, Slip};
+use crate::contact::profile_end::ProfileEnd;
 use crate::contact::search::algebraic::SurfaceParameters;
 use crate::contact::strips::Near;
 use crate::contact::transient;
-use crate::geometry::profile::ProfilePoint;
+use crate::geometry::profile::{Profile, ProfilePoint};
 use crate::mbs::body::Wrench;
 use nalgebra::Vector3;
 
@@ -50,6 +51,16 @@ impl ContactReport {
     /// Is it pressed, or a constraint that holds?
     pub fn carries(&self) -> bool {
         self.constrained || self.normal_force > 0.0
+    }
+
+    /// The end of a wheel's or a rail's profile, if the loaded patch reaches it.
+    pub fn profile_end(&self, wheel: &dyn Profile, rail: &dyn Profile) -> Option<ProfileEnd> {
+        let reach = |k: usize, coordinate: f64| {
+            let half = self.patch.b / self.profiles[k].d1.hypot(1.0);
+            [coordinate - half, coordinate + half]
+        };
+        let SurfaceParameters { wheel: u, rail: eta, .. } = self.parameters;
+        if self.normal_force > 0.0 { ProfileEnd::within((wheel, reach(0, u)), (rail, reach(1, eta))) } else { None }
     }
 
     /// Where it is, for strips that are to be pressed there again.

@@ -206,12 +206,10 @@ impl Model {
         ))
     }
 
-    /// What a user should know of a wheel's load that swings fast and for long where no flutter of its wheelset alone is behind it, and neither track (sleepers that pass among it) nor wheels excite it.
+    /// What a user should know of a wheel's load that swings fast and for long where no flutter of its wheelset alone is behind it, and neither track (sleepers that pass among it) nor wheels excite it; swings
+    /// on deviations of rails are not counted.
     pub fn swing_note(&self, loads: &WheelLoads) -> Option<String> {
-        let excited = self.rail_motion
-            || self.beam.is_some()
-            || Side::BOTH.iter().any(|side| self.track.rail(*side).deviates())
-            || self.out_of_round.iter().any(Option::is_some);
+        let excited = self.rail_motion || self.beam.is_some() || self.out_of_round.iter().any(Option::is_some);
         let great = (0..self.wheelsets.len()).filter_map(|wheelset| Some((wheelset, loads.fast_swing(wheelset)?)));
         let (wheelset, (side, Swing { since, frequency, size, .. })) =
             great.filter(|(_, (_, swing))| swing.size > GREAT && !excited).max_by(|a, b| a.1.1.size.total_cmp(&b.1.1.size))?;

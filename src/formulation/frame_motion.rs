@@ -55,8 +55,8 @@ pub(super) struct Ride {
     pub up: [f64; 3],
     /// n_y / n_z, left and right.
     pub tilt: [f64; 2],
-    /// Angle that the wheels have turned, rad, and its rate, rad/s; zero where both are round.
-    pub turned: [f64; 2],
+    /// Angle that the left and the right wheel have turned, rad, and its rate, rad/s; zero where both are round.
+    pub turned: [[f64; 2]; 2],
     /// H and roll at the begin, with derivatives with time.
     pub begin: [[f64; 4]; 2],
 }

@@ -1,4 +1,4 @@
-//! Constraints that became elastic contacts for a while (`contact.on_lift = "elastic"`): how often, and how their loads swung then.
+//! Constraints that became elastic contacts for a while (`contact.on_lift = "elastic"`): how often, and how their forces swung then.
 //!
 //! A constraint whose place ceases leaves a wheel that rings on its contact, some 100 to 300 Hz, until damping ends it. When it begins is as sharp as the
 //! lateral place that decides it: an error e of y moves it by e / y', which is milliseconds where the wheelset turns back (1 um at 1 mm/s is 1 ms),
@@ -10,25 +10,25 @@ use serde::{Deserialize, Serialize};
 
 /// So long after a hand-over its ringing counts, s: later swings are those of the load itself.
 const RINGS: f64 = 0.02;
-/// Swings below this part of the static load are not worth a word.
-const LEAST: f64 = 0.02;
+/// Swings from end to end below this part of the static load are not worth a word.
+const LEAST: f64 = 0.04;
 
 /// Of one wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Phases {
-    /// Since when it is elastic, s, and the least and greatest share of the static load since then.
-    now: Option<(f64, f64, f64)>,
+    /// Since when it is elastic, s, and the least and greatest of each component of its force since then, by the static load.
+    now: Option<(f64, [f64; 3], [f64; 3])>,
     /// Has it been a constraint?
     rigid: bool,
     /// Hand-overs so far, and when the first was, s.
     count: u32,
     first: f64,
-    /// Largest half swing in parts of the static load, and when its phase began, s.
-    worst: (f64, f64),
+    /// Largest swing from end to end by the static load, when its phase began, s, and of which component.
+    worst: (f64, f64, usize),
 }
 
 impl Phases {
-    fn note(&mut self, elastic: bool, share: f64, t: f64) {
+    fn note(&mut self, elastic: bool, shares: [f64; 3], t: f64) {
         let begins = elastic && self.rigid && self.now.is_none();
         self.rigid |= !elastic;
         if begins {
@@ -37,13 +37,19 @@ impl Phases {
         }
         let (since, least, most) = match self.now {
             _ if !elastic => return self.now = None,
-            Some((since, least, most)) if t - since <= RINGS => (since, share.min(least), share.max(most)),
-            None if begins => (t, share, share),
+            Some((since, least, most)) if t - since <= RINGS => {
+                let of = |pick: fn(f64, f64) -> f64, known: [f64; 3]| [0, 1, 2].map(|k| pick(shares[k], known[k]));
+                (since, of(f64::min, least), of(f64::max, most))
+            }
+            None if begins => (t, shares, shares),
             _ => return,
         };
         self.now = Some((since, least, most));
-        if 0.5 * (most - least) > self.worst.0 {
-            self.worst = (0.5 * (most - least), since);
+        for component in 0..3 {
+            let swing = most[component] - least[component];
+            if swing > self.worst.0 {
+                self.worst = (swing, since, component);
+            }
         }
     }
 
@@ -53,7 +59,7 @@ impl Phases {
         }
         self.now = self.now.filter(|now| now.0 <= time);
         if self.worst.1 > time {
-            self.worst = (0.0, 0.0);
+            self.worst = Default::default();
         }
     }
 }
@@ -62,7 +68,7 @@ impl Phases {
 pub(super) fn look(model: &Model, workspace: &Workspace, t: f64, phases: &mut [Phases]) {
     for (WheelRef { contact, wheelset, .. }, phases) in model.wheels().zip(phases) {
         let elastic = !workspace.reports(contact).any(|report| report.constrained);
-        phases.note(elastic, workspace.wheel_force(contact, wheelset.body).z / wheelset.static_wheel_load, t);
+        phases.note(elastic, (workspace.wheel_force(contact, wheelset.body) / wheelset.static_wheel_load).into(), t);
     }
 }
 
@@ -84,8 +90,9 @@ pub(super) fn note(phases: &[Phases], named: impl Fn(usize) -> String) -> Option
     (count > 0 && worst.worst.0 >= LEAST).then(|| {
         format!(
             "{count} {} as a constraint became elastic, for a while or until the end: the wheel then rings on its contact, and since errors of the size of the tolerance shift the instant, \
-             loads are worth no more than that ringing there (largest {:.0} % of the static load, {} from {:.4} s on); elastic contact (ECF-A) hands nothing over",
+             loads at an instant are known to no more than that ringing there ({} force: up to {:.0} % of the static load from end to end, {} from {:.4} s on); elastic contact (ECF-A) hands nothing over",
             if count == 1 { "time a contact that began" } else { "times a contact that began" },
+            ["longitudinal", "lateral", "vertical"][worst.worst.2],
             100.0 * worst.worst.0,
             named(contact),
             worst.worst.1
@@ -112,12 +119,15 @@ mod tests {
             } else {
                 3.0
             };
-            phases.note(elastic, share, t);
+            phases.note(elastic, [0.0, 0.5 * share, share], t);
         }
         assert!(phases.count == 1 && (phases.first - 0.2).abs() < 2e-4 && (phases.worst.1 - 0.2).abs() < 2e-4, "{phases:?}");
-        assert!((phases.worst.0 - 0.1).abs() < 1e-3, "{phases:?}");
+        assert!((phases.worst.0 - 0.2).abs() < 2e-3 && phases.worst.2 == 2, "{phases:?}");
         let words = note(&[Phases::default(), phases], |contact| format!("wheel {contact}")).unwrap();
-        assert!(words.starts_with("1 time a") && words.contains("10 % of") && words.contains("wheel 1 from 0.2"), "{words}");
+        assert!(
+            words.starts_with("1 time a") && words.contains("vertical force: up to 20 % of") && words.contains("wheel 1 from 0.2"),
+            "{words}"
+        );
         let before = phases;
         phases.take_back(0.3);
         assert_eq!(phases.count, before.count);

@@ -65,11 +65,12 @@ impl Model {
     /// H and roll of a wheelset `ahead` [s] from where a ride begins, with three derivatives with time.
     fn ride(&self, wheelset: usize, ride: &Ride, ahead: f64) -> [[f64; 4]; 2] {
         let powers = |rate: f64| [1.0, rate, rate * rate, rate * rate * rate];
-        let (s, speed, [angle, turning]) = (ride.distance + ride.speed * ahead, powers(ride.speed), ride.turned);
+        let (s, speed) = (ride.distance + ride.speed * ahead, powers(ride.speed));
         let [h, g] = [(Side::Left, ride.tilt[0]), (Side::Right, ride.tilt[1])].map(|(side, tilt)| {
             let [y, z] = self.track.rail(side).deviation(s);
             let of_rail = [0, 1, 2, 3].map(|i| (z[i] + tilt * y[i]) * speed[i]);
             let Some(Some(wheel)) = self.out_of_round.get(contact_index(wheelset, side)) else { return of_rail };
+            let [angle, turning] = ride.turned[side.index()];
             let (more, rate) = (wheel.at(angle + turning * ahead), powers(turning));
             [0, 1, 2, 3].map(|i| of_rail[i] + more[i] * rate[i])
         });
@@ -115,7 +116,8 @@ impl Model {
                 (ride.distance, ride.speed) = (motion.distance, advance);
                 ride.up = station.map_or(Vector3::z(), |station| station.frame.axes.column(2).into_owned()).into();
                 if !self.out_of_round.is_empty() {
-                    ride.turned = [motion.pitch, motion.pitch_rate];
+                    ride.turned =
+                        wheelset.turning.map(|wheel| &workspace.system.motions[wheel]).map(|wheel| [wheel.pitch, wheel.pitch_rate]);
                 }
                 ride.begin = self.ride(index, ride, 0.0);
             }

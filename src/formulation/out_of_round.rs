@@ -22,11 +22,12 @@
 //! ```text
 //! dW/da = -P d' e - V (d'' a' e + w x d' e),   dW/da' = -V d' e
 //! ```
+//!
+//! Where an axle twists, a is the wheel's own angle, of which J knows the axle's part, and in a' the twist's too.
 
 use super::rail_motion::{AgainstRail, Swollen};
 use super::{AssemblyError, ContactReport, Model, Workspace};
 use crate::geometry::out_of_round::OutOfRound;
-use crate::mbs::body::PITCH;
 use crate::mbs::tangent::WrenchTangent;
 use nalgebra::Vector3;
 
@@ -88,7 +89,7 @@ impl Model {
     /// How long a step may last by what its wheels have ahead of them, s.
     pub(super) fn longest_of_wheels(&self, workspace: &Workspace) -> f64 {
         let time = |(contact, wheel): (usize, &OutOfRound)| {
-            let motion = &workspace.system.motions[self.wheelsets[contact / 2].body];
+            let motion = &workspace.system.motions[self.wheelsets[contact / 2].turning[contact % 2]];
             if motion.pitch_rate == 0.0 { f64::INFINITY } else { wheel.reach(motion.pitch, motion.pitch_rate) / motion.pitch_rate.abs() }
         };
         self.wheels_out_of_round().map(time).fold(f64::INFINITY, f64::min)
@@ -97,8 +98,7 @@ impl Model {
     /// When a wheel reaches the next edge of a flat, where what it does is not smooth, if it goes on turning as it does at the state `y` at time `t` [s].
     pub fn next_edge_of_a_flat(&self, t: f64, y: &[f64]) -> f64 {
         let edge = |(contact, wheel): (usize, &OutOfRound)| {
-            let body = self.wheelsets[contact / 2].body;
-            let [angle, rate] = [self.system.coordinates(body), self.system.velocities(body)].map(|range| y[range.start + PITCH]);
+            let [angle, rate] = self.system.turn_of_wheel(self.wheelsets[contact / 2].turning[contact % 2], y);
             wheel.next_edge(angle, rate).map_or(f64::INFINITY, |turn| t + turn / rate.abs())
         };
         self.wheels_out_of_round().map(edge).fold(f64::INFINITY, f64::min)
@@ -107,16 +107,13 @@ impl Model {
     /// The same model with wheels, by contact, that are not round.
     ///
     /// # Errors
-    /// [`AssemblyError::OutOfRound`] where contact is a constraint, [`AssemblyError::TwistedAxle`] beside an axle that twists.
+    /// [`AssemblyError::OutOfRound`] where contact is a constraint.
     pub fn with_out_of_round(mut self, wheels: Vec<Option<OutOfRound>>) -> Result<Self, AssemblyError> {
         if wheels.iter().all(Option::is_none) {
             return Ok(self);
         }
         if self.formulation.constrains() {
             return Err(AssemblyError::OutOfRound);
-        }
-        if self.axles_twist() {
-            return Err(AssemblyError::TwistedAxle);
         }
         self.out_of_round = wheels;
         self.surfaces_move = true;

@@ -7,6 +7,7 @@ use super::hunting::{self, Turns};
 use super::linear_range::{Beyond, Ranges};
 use super::step::WheelRef;
 use super::{Model, Workspace, contact_index};
+use crate::contact::profile_end::ProfileEnd;
 use crate::geometry::Side;
 use serde::{Deserialize, Serialize};
 
@@ -51,6 +52,8 @@ pub struct WheelLoads {
     ranges: Vec<Range>,
     /// The first wheel that struck its rail (its contact), and when, s.
     strike: Option<(usize, f64)>,
+    /// The first wheel whose patch reached the end of a profile (its contact), when, s, and which.
+    ended: Option<(usize, f64, ProfileEnd)>,
     beats: Vec<Beat>,
     /// Small swings of each wheel's load and lateral force, and its loads, while small swings of its wheelset grow.
     trembles: Vec<[Beat; 2]>,
@@ -94,6 +97,7 @@ impl WheelLoads {
 pub struct NotedLoads {
     ranges: Vec<Range>,
     strike: Option<(usize, f64)>,
+    ended: Option<(usize, f64, ProfileEnd)>,
     beats: Vec<Beat>,
     trembles: Vec<[Beat; 2]>,
     fluttering: Vec<Range>,
@@ -111,6 +115,7 @@ impl WheelLoads {
         NotedLoads {
             ranges: self.ranges.clone(),
             strike: self.strike,
+            ended: self.ended,
             beats: self.beats.clone(),
             trembles: self.trembles.clone(),
             fluttering: self.fluttering.clone(),
@@ -129,7 +134,7 @@ impl WheelLoads {
         self.fluttering.clone_from(&other.fluttering);
         self.phases.clone_from(&other.phases);
         self.turns.clone_from(&other.turns);
-        self.strike = other.strike;
+        (self.strike, self.ended) = (other.strike, other.ended);
         self.flanges.clone_from(&other.flanges);
         self.linear.clone_from(&other.linear);
     }
@@ -143,12 +148,13 @@ impl WheelLoads {
             && noted.fluttering.len() == wheels
             && noted.phases.len() == self.phases.len()
             && noted.turns.len() == self.turns.len();
-        let own = counts && noted.strike.is_none_or(|(contact, _)| contact < wheels);
+        let own =
+            counts && noted.strike.is_none_or(|(contact, _)| contact < wheels) && noted.ended.is_none_or(|(contact, ..)| contact < wheels);
         let linear = own && self.linear.as_mut().map_or(noted.beyond.is_empty(), |linear| linear.go_on(noted.beyond));
         let flanges = linear && self.flanges.as_mut().map_or(noted.reached.is_empty(), |flanges| flanges.go_on(noted.reached));
         if flanges {
             (self.ranges, self.strike, self.beats, self.phases) = (noted.ranges, noted.strike, noted.beats, noted.phases);
-            (self.trembles, self.fluttering, self.turns) = (noted.trembles, noted.fluttering, noted.turns);
+            (self.trembles, self.fluttering, self.turns, self.ended) = (noted.trembles, noted.fluttering, noted.turns, noted.ended);
         }
         flanges
     }
@@ -157,6 +163,7 @@ impl WheelLoads {
     pub fn take_back(&mut self, time: f64) {
         self.ranges.iter_mut().chain(&mut self.fluttering).for_each(|range| range.take_back(time));
         self.strike = self.strike.filter(|strike| strike.1 <= time);
+        self.ended = self.ended.filter(|ended| ended.1 <= time);
         self.beats.iter_mut().chain(self.trembles.iter_mut().flatten()).for_each(|beat| beat.take_back(time));
         hand_overs::take_back(&mut self.phases, time);
         hunting::take_back(&mut self.turns, time);
@@ -176,6 +183,7 @@ impl Model {
         WheelLoads {
             ranges: vec![Range::NONE; self.contacts()],
             strike: None,
+            ended: None,
             beats: vec![Beat::default(); self.contacts()],
             trembles: vec![Default::default(); self.contacts()],
             fluttering: vec![Range::NONE; self.contacts()],
@@ -202,10 +210,15 @@ impl Model {
         }
         hand_overs::look(self, workspace, t, &mut loads.phases);
         hunting::look(self, workspace, (t, plain), &mut loads.turns);
-        for (WheelRef { contact, wheelset, .. }, range) in self.wheels().zip(&mut loads.ranges) {
+        for (WheelRef { contact, wheelset, side }, range) in self.wheels().zip(&mut loads.ranges) {
             let force = workspace.wheel_force(contact, wheelset.body) / wheelset.static_wheel_load;
             let share = force.z;
-            loads.beats[contact].note(share, t, &beat::GREAT);
+            let beat = &mut loads.beats[contact];
+            if beat.counts() && self.shakes(side, workspace.system.motions[wheelset.body].distance) {
+                beat.interrupt();
+            } else {
+                beat.note(share, t, &beat::GREAT);
+            }
             let flutters = flutters(contact / Side::BOTH.len());
             for (tremble, share) in loads.trembles[contact].iter_mut().zip([force.z, force.y]) {
                 if flutters { tremble.note(share, t, &beat::SMALL) } else { tremble.interrupt() }
@@ -214,10 +227,21 @@ impl Model {
                 loads.fluttering[contact].note(share, t);
             }
             range.note(share, t);
+            if loads.ended.is_none() {
+                let (wheel, rail) = (&wheelset.wheel(side).profile, &self.track.rail(side).profile);
+                let mut ends = workspace.reports(contact).filter_map(|report| report.profile_end(wheel.as_ref(), rail.as_ref()));
+                loads.ended = ends.next().map(|end| (contact, t, end));
+            }
             if range.least.0 <= 0.0 && share > STRIKE && loads.strike.is_none() {
                 loads.strike = Some((contact, t));
             }
         }
+    }
+
+    /// Does a rail deviate there so that it moves a wheel?
+    fn shakes(&self, side: Side, distance: f64) -> bool {
+        let rail = self.track.rail(side);
+        rail.deviates() && rail.deviation(distance).iter().any(|[_, slopes @ ..]| slopes.iter().any(|slope| *slope != 0.0))
     }
 
     /// What a user should know about loads, the extreme wheel of each kind.
@@ -255,6 +279,9 @@ impl Model {
                  damped so that a bounce dies within some of them, loads hold; else they are orders of magnitude from there on: runs with solver.load_tolerance = 1e-3, and with solver.integrator = \"dormand_prince\", show how far they hold",
                 all[contact].0
             ));
+        }
+        if let Some((contact, time, end)) = &loads.ended {
+            notes.push(end.words(&format!("{}: at {time:.4} s its patch", all[*contact].0)));
         }
         let heavy = all.iter().filter(|(_, range)| range.most.0 > MOST);
         if let Some((wheel, range)) = heavy.clone().max_by(|a, b| a.1.most.0.total_cmp(&b.1.most.0)) {

@@ -29,7 +29,7 @@ impl Model {
     ///
     /// # Errors
     /// [`AssemblyError::TravellingTrack`] where contact is a constraint, [`AssemblyError::TwoMotions`] where rails move from outside too,
-    /// [`AssemblyError::TwistedAxle`] beside an axle that twists, [`AssemblyError::SoftTrack`] where rails sink further than a start is found,
+    /// [`AssemblyError::TwistedAxle`] where besides axles twist and contacts have tangential states, [`AssemblyError::SoftTrack`] where rails sink further than a start is found,
     /// [`AssemblyError::ShortRing`] where wheels would stand on both ends of a ring.
     pub fn with_flexibility(mut self, track: Option<Flexibility>, places: &[f64], speed: f64) -> Result<Self, AssemblyError> {
         let Some(laid) = track else { return Ok(self) };
@@ -39,7 +39,7 @@ impl Model {
         if self.rail_motion {
             return Err(AssemblyError::TwoMotions);
         }
-        if self.axles_twist() {
+        if self.axles_twist() && self.laws.transient.is_some() {
             return Err(AssemblyError::TwistedAxle);
         }
         let vertical = match laid {

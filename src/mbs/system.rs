@@ -119,7 +119,7 @@ impl System {
             Some(*end)
         });
         let zero = BodyMotion::new(&[0.0; COORDINATES], &[0.0; COORDINATES]);
-        let twists = self.twisted_axles();
+        let twists: Vec<TwistedAxle> = self.twisted_axles().collect();
         let moving = self.bodies.len() + 2 * twists.len();
         SystemWorkspace {
             motions: vec![zero; moving],

@@ -1,5 +1,6 @@
 //! Motions and wrenches of wheels that turn against their axles ([`super::twist`]) in a system.
 
+use super::body::{COORDINATES, PITCH};
 use super::system::{System, SystemWorkspace};
 use super::twist::{Twist, TwistedAxle};
 use crate::geometry::Side;
@@ -7,16 +8,24 @@ use nalgebra::Vector3;
 
 impl System {
     /// Axles that twist with the elements that let them, in their order.
-    pub(super) fn twisted_axles(&self) -> Vec<TwistedAxle> {
+    pub(super) fn twisted_axles(&self) -> impl Iterator<Item = TwistedAxle> + '_ {
         let mut state = 0;
-        let mut found = Vec::new();
-        for (element, force) in self.forces.iter().enumerate() {
-            if let Some(twist) = force.twist() {
-                found.push(TwistedAxle { element, body: twist.body, state });
-            }
+        self.forces.iter().enumerate().filter_map(move |(element, force)| {
+            let found = force.twist().map(|twist| TwistedAxle { element, body: twist.body, state });
             state += force.states();
-        }
-        found
+            found
+        })
+    }
+
+    /// Angle by which a wheel has turned [rad], and its rate [rad/s], at the state `y`: of a body, or of a wheel of its own behind those.
+    pub fn turn_of_wheel(&self, wheel: usize, y: &[f64]) -> [f64; 2] {
+        let turn = |body: usize| [self.coordinates(body), self.velocities(body)].map(|range| y[range.start + PITCH]);
+        let Some(number) = wheel.checked_sub(self.bodies.len()) else { return turn(wheel) };
+        let Some(axle) = self.twisted_axles().nth(number / 2) else { return [0.0; 2] };
+        let factor = self.twist(&axle).map_or(0.0, |twist| twist.factors()[number % 2]);
+        let state = 2 * COORDINATES * self.bodies.len() + axle.state;
+        let [angle, rate] = turn(axle.body);
+        [angle + factor * y[state], rate + factor * y[state + 1] / Twist::TIME]
     }
 
     /// How the axle of this number twists.
@@ -33,6 +42,7 @@ impl System {
             let rate = states[axle.state + 1] / Twist::TIME;
             for (side, factor) in twist.factors().into_iter().enumerate() {
                 let mut motion = motions[axle.body];
+                motion.pitch += factor * states[axle.state];
                 motion.pitch_rate += factor * rate;
                 motion.rotation += motion.axle() * (factor * rate);
                 motions[self.bodies.len() + 2 * number + side] = motion;

@@ -177,8 +177,10 @@ impl Cutting<'_> {
         let resists = |force: &dyn ForceElement| force.resists() && whole.speed.abs() >= LEAST_SPEED;
         let begins = |force: &dyn ForceElement| (0..force.inputs().len()).any(|index| force.start_input(index) != 0.0);
         let from_outside = |force: &dyn ForceElement| force.bodies().iter().flatten().count() == 1;
-        let acting = gone(&|force| begins(force) || from_outside(force) && !resists(force));
-        let kept_constant = gone(&resists);
+        // Guides keep what resists, but those of a point mass do not hold it along the track.
+        let by_guides = |force: &dyn ForceElement| resists(force) && self.asked.masses.is_empty();
+        let acting = gone(&|force| begins(force) || from_outside(force) && !by_guides(force));
+        let kept_constant = gone(&by_guides);
         let mut vehicle = VehicleSpec { wheelsets, bodies, joints, forces, sensors, extent: Extent::Whole, ..whole.clone() };
         // On the rails, less what is there.
         let loads = self.loads.iter().enumerate().filter(|(body, _)| self.kept(*body)).map(|(_, load)| 2.0 * load).sum::<f64>();

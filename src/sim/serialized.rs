@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 const MAGIC: &[u8; 8] = b"WHEELRL\x01";
-const VERSION: u32 = 18;
+const VERSION: u32 = 19;
 const GUID_LENGTH: usize = 38;
 const SUM: usize = 4;
 const HEADER: usize = MAGIC.len() + 4 + GUID_LENGTH + 8 + SUM;

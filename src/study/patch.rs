@@ -9,6 +9,7 @@ use super::contact_geometry::{Attitude, NoStand, Stand, WheelsetOnTrack};
 use super::ellipse_patch::{EllipsePatch, ellipse_patch};
 use crate::contact::creepage::{ContactAxes, CreepForce};
 use crate::contact::patch::{Motion, PatchSolution, Pressed, Settings, depth_under_load};
+use crate::contact::profile_end::ProfileEnd;
 use crate::geometry::Side;
 use crate::geometry::surface::Wheel;
 use crate::math::rotation::AxleFrame;
@@ -54,6 +55,8 @@ pub struct WheelPatch {
     pub creep: CreepForce,
     /// `None` where the laws know none (conformal surfaces).
     pub ellipse: Option<EllipsePatch>,
+    /// The end of a profile that it reaches.
+    pub end: Option<ProfileEnd>,
 }
 
 /// Both wheels.
@@ -175,7 +178,15 @@ impl Lowered {
         };
         let angle = (-side.sign() * axes.normal.y).atan2(axes.normal.z);
         let ellipse = ellipse_patch(scene, &pair, &stand.contacts[side.index()], Some(load), motion);
-        WheelPatch { side, approach, wheel, rolling_radius, angle, creep, ellipse, solution }
+        let outward = self.axle * side.sign();
+        let us = solution.cells.iter().map(|cell| outward.dot(&(cell.point - self.centre)) - pair.wheel.half_spacing);
+        let on_wheel = us.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], u| [from.min(u), to.max(u)]);
+        let half_cell = 0.5 * solution.cell_size[1] * angle.cos().abs();
+        let on_wheel = [on_wheel[0] - half_cell, on_wheel[1] + half_cell];
+        let on_rail = self.pressed.on_rail();
+        let end =
+            on_rail.and_then(|on_rail| ProfileEnd::within((pair.wheel.profile.as_ref(), on_wheel), (pair.rail.profile.as_ref(), on_rail)));
+        WheelPatch { side, approach, wheel, rolling_radius, angle, creep, ellipse, end, solution }
     }
 }
 

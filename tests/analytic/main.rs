@@ -27,5 +27,6 @@ mod tangent;
 mod traction;
 mod travelling_track;
 mod twist;
+mod twisting_wheelsets;
 mod vertical_load;
 mod wheelset;

@@ -7,20 +7,31 @@ use wheelrail::formulation::Evaluation;
 use wheelrail::scene::spec::Scene;
 use wheelrail::scene::{embedded, load};
 use wheelrail::settings::Source;
+use wheelrail::sim::Simulation;
 
-const INDEPENDENT: &str = "kind = \"independent_wheels\"";
+pub const INDEPENDENT: &str = "kind = \"independent_wheels\"";
 
 /// A scene with an element that lets the wheels of its wheelset turn against each other, and changes.
-fn twisted(text: &str, axle: &str, changes: &[&str]) -> Scene {
+pub fn twisted(text: &str, axle: &str, changes: &[&str]) -> Scene {
+    read_twisted(text, axle, changes).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn read_twisted(text: &str, axle: &str, changes: &[&str]) -> Result<Scene, String> {
     let entry =
         if axle.is_empty() { String::new() } else { format!("\n[[vehicle.force]]\nname = \"axle\"\nbody = \"wheelset\"\n{axle}\n") };
     let text = text.replacen("\n[track]\n", &format!("{entry}\n[track]\n"), 1);
     let source = Source { file: "twist.toml".into(), text, overridden: vec![], folder: None };
     let changes: Vec<String> = changes.iter().map(|change| change.to_string()).collect();
-    load::read("twist", source, &changes).unwrap_or_else(|error| panic!("{error}"))
+    load::read("twist", source, &changes).map_err(|error| error.to_string())
 }
 
-fn suspended(axle: &str, changes: &[&str]) -> Scene {
+/// Of the suspended wheelset, or why it is refused.
+pub fn twisted_start(axle: &str, changes: &[&str]) -> Result<Simulation, String> {
+    let scene = read_twisted(embedded::find("suspended_wheelset").unwrap().text, axle, changes)?;
+    Simulation::new(&scene, 0.0).map_err(|error| error.to_string())
+}
+
+pub fn suspended(axle: &str, changes: &[&str]) -> Scene {
     twisted(embedded::find("suspended_wheelset").unwrap().text, axle, changes)
 }
 

@@ -130,7 +130,13 @@ struct Elastic {
     table: Vec<Conicities>,
     curve: Vec<Conicities>,
     nonlinearity: Result<f64, NoConicity>,
+    /// The amplitude [m] at which every other shift would change the conicity most, in parts, and by that, where it is much.
+    coarse: Option<(f64, f64)>,
 }
+
+/// Changes of an elastic conicity by every other shift that are told, in parts of it; and a conicity that is small, -.
+const COARSE: f64 = 0.03;
+const SMALL: f64 = 0.03;
 
 impl Elastic {
     fn new(
@@ -156,7 +162,16 @@ impl Elastic {
         let poses: Result<Vec<Vec<RollingPose>>, NoPatch> = stands.par_chunks(NEIGHBOURS).map(in_a_row).collect();
         let poses = poses.map_err(|error| Failure::Run(format!("{}: {error}", scene.source.file)))?.concat();
         let differences = poses.iter().map(|pose| (pose.y, pose.radii[0] - pose.radii[1])).collect();
+        let every_other = RadiusDifference::of_poses(poses.iter().step_by(2).copied());
         let difference = RadiusDifference::of_poses(poses);
+        // Where a flange takes over the difference grows by millimetres within one or two tenths of one: it is what lies between shifts.
+        let change = |amplitude: f64| {
+            let [fine, coarse] = [&difference, &every_other].map(|of| Conicities::new(of, amplitude).en15302);
+            let [fine, coarse] = [fine.ok()?.value, coarse.ok()?.value];
+            Some((amplitude, (fine - coarse).abs() / fine.abs().max(SMALL)))
+        };
+        let changes = chosen.iter().chain(table).filter_map(|amplitude| change(*amplitude));
+        let coarse = changes.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, part)| *part > COARSE);
         let all = |amplitudes: &[f64]| amplitudes.iter().map(|amplitude| Conicities::new(&difference, *amplitude)).collect();
         let nonlinearity = difference.nonlinearity();
         Ok(Elastic {
@@ -166,7 +181,18 @@ impl Elastic {
             table: all(table),
             curve: all(curve),
             nonlinearity,
+            coarse,
         })
+    }
+
+    /// What a user should know of the shifts.
+    fn note(&self) -> Option<String> {
+        let (amplitude, part) = self.coarse?;
+        Some(format!(
+            "shifts at twice the distance change the elastic conicity at {:.1} mm by {:.0} %: it is known to some part of that; a smaller --step resolves it",
+            1e3 * amplitude,
+            100.0 * part
+        ))
     }
 }
 

@@ -123,8 +123,14 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
         table(&head, &rows),
         contact.normal_name,
         contact.creep_name,
-        notes(profile_doubts(scene))
+        notes(doubts(scene, answer))
     )
+}
+
+/// What a user should know of the profiles and where patches end.
+fn doubts(scene: &Scene, answer: &Answer) -> Vec<String> {
+    let words = |wheel: &WheelPatch| Some(wheel.end?.words(&format!("the {} wheel's patch", wheel.side.name())));
+    answer.wheels.iter().filter_map(words).chain(profile_doubts(scene)).collect()
 }
 
 fn as_json(scene: &Scene, question: &Question, answer: &Answer, files: &[PathBuf]) -> Value {
@@ -139,7 +145,7 @@ fn as_json(scene: &Scene, question: &Question, answer: &Answer, files: &[PathBuf
     };
     json!({
         "scene": scene.name, "title": scene.title, "y": question.y, "yaw": question.attitude.yaw, "load": question.load,
-        "roll": answer.stand.roll, "pitch_rate": answer.pitch_rate, "doubts": profile_doubts(scene), "wheels": answer.wheels.each_ref().map(wheel),
+        "roll": answer.stand.roll, "pitch_rate": answer.pitch_rate, "doubts": doubts(scene, answer), "wheels": answer.wheels.each_ref().map(wheel),
         "pictures": file_names(files),
     })
 }

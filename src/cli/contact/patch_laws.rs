@@ -98,7 +98,9 @@ fn text(scene: &Scene, poses: &Poses, rows: &[Row]) -> String {
             let what = |value: Option<f64>, scale: f64| value.map_or("all".to_string(), |value| format!("{:.0}", scale * value));
             let mut line = vec![name.to_string(), what(yaw, 1e3), what(load, 1e-3), of.iter().filter_map(law).count().to_string()];
             for (_, digits, figure) in FIGURES {
-                line.extend(mean_and_worst(&of, law, figure).map(|value| format!("{value:.digits$}")));
+                line.extend(
+                    mean_and_worst(&of, law, figure).map(|value| if value.is_finite() { format!("{value:.digits$}") } else { "-".into() }),
+                );
             }
             lines.push(line);
         };

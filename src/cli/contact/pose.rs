@@ -239,7 +239,12 @@ fn text(scene: &Scene, question: &Question, answer: &Answer) -> String {
 fn doubts(scene: &Scene, answer: &Answer) -> Vec<String> {
     let fallen = answer.wheels.iter().filter(|wheel| wheel.on_top);
     let fallen = fallen.map(|wheel| format!("the {} wheel stands on the top of its flange: it has derailed", wheel.side.name()));
-    fallen.chain(profile_doubts(scene)).collect()
+    let ended = answer.wheels.iter().filter_map(|wheel| {
+        let profiles = [&scene.vehicle.leading().profiles, &scene.track.rails].map(|both| &both[wheel.side.index()].profile);
+        let end = wheel.places.iter().find_map(|place| place.found.report.profile_end(profiles[0].as_ref(), profiles[1].as_ref()))?;
+        Some(end.words(&format!("the {} wheel's patch", wheel.side.name())))
+    });
+    fallen.chain(ended).chain(profile_doubts(scene)).collect()
 }
 
 fn as_json(scene: &Scene, question: &Question, answer: &Answer) -> Value {

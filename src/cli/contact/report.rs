@@ -1,6 +1,6 @@
 //! The contact geometry as CSV, in words and as JSON.
 
-use super::{Conicities, Study};
+use super::{Conicities, Elastic, Study};
 use crate::cli::{file_names, notes, table};
 use crate::geometry::Side;
 use crate::scene::profile_notes::profile_doubts;
@@ -38,6 +38,7 @@ pub(super) fn csv(study: &Study, writer: impl Write) -> csv::Result<()> {
         head.extend(CONTACT.iter().map(|(column, unit, _)| format!("{name}.{}.contact[1].{column} [{unit}]", side.name())));
         head.extend(NEAR.iter().map(|(column, unit, _)| format!("{name}.{}.contact[2].{column} [{unit}]", side.name())));
     }
+    head.extend(study.elastic.iter().map(|_| format!("{name}.elasticRollingRadiusDifference [m]")));
     csv.write_record(&head)?;
     for sample in study.sweep.shown() {
         let stand = &sample.stand;
@@ -50,6 +51,11 @@ pub(super) fn csv(study: &Study, writer: impl Write) -> csv::Result<()> {
             row.extend(
                 NEAR.iter().map(|column| stand.near[side].as_ref().map_or(String::new(), |touch| format!("{:?}", (column.2)(touch)))),
             );
+        }
+        if let Some(elastic) = &study.elastic {
+            // At the shifts that were asked for, not at both sides of jumps between them.
+            let found = elastic.differences.iter().find(|(y, _)| sample.asked && *y == stand.y);
+            row.push(found.map_or(String::new(), |(_, difference)| format!("{difference:?}")));
         }
         csv.write_record(&row)?;
     }
@@ -90,9 +96,14 @@ pub(super) fn text(study: &Study) -> String {
     );
     text += &shifts(study);
     text += &jumps(study);
-    text += &notes(profile_doubts(scene));
+    text += &notes(doubts(study));
     text += &conicities(study);
     text
+}
+
+/// What a user should know of the profiles and of the shifts.
+fn doubts(study: &Study) -> Vec<String> {
+    profile_doubts(study.scene).into_iter().chain(study.elastic.as_ref().and_then(Elastic::note)).collect()
 }
 
 /// One row per millimetre.
@@ -264,7 +275,7 @@ pub(super) fn json(study: &Study, files: &[PathBuf]) -> Value {
             "rolling_radius_difference": elastic.differences,
         })),
         "jumps": jumps, "shifts": study.sweep.shown().map(|sample| stand(&sample.stand)).collect::<Vec<_>>(),
-        "doubts": profile_doubts(study.scene),
+        "doubts": doubts(study),
         "ended_early": study.sweep.ended.iter().flatten().map(ToString::to_string).collect::<Vec<_>>(),
         "pictures": file_names(files),
     })

@@ -346,3 +346,22 @@ fn analytic_full_sliding() {
         }
     }
 }
+
+/// Creepages down to the smallest numbers that there are: forces go to nothing with them. (Squares that vanish made FaStrip slide: mu N at 1e-160.)
+#[test]
+fn prop_forces_vanish_with_the_creepage() {
+    let patch = Patch { a: 5e-3, b: 5e-3 };
+    for name in checks().iter().map(|checks| checks.name).filter(|name| *name != "exact") {
+        let law = law(name);
+        for exponent in (2..32).map(|k| -10 * k) {
+            let size = 10f64.powi(exponent);
+            for (longitudinal, lateral, spin) in [(size, 0.0, 0.0), (0.0, size, 0.0), (0.0, 0.0, size), (size, -size, size)] {
+                let creepage = Creepage { longitudinal, lateral, spin };
+                let CreepForce { longitudinal, lateral, spin_moment } =
+                    law.force(&RollingContact { patch, normal_force: 5e4, friction: 0.3, creepage, speed: 20.0 });
+                let largest = longitudinal.hypot(lateral).max(spin_moment.abs());
+                assert!(largest <= 1e8 * size, "{name}: {largest:e} N at {creepage:?}");
+            }
+        }
+    }
+}

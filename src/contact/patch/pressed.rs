@@ -88,6 +88,14 @@ impl Pressed {
         self.grids.as_ref().map_or(settings, |grids| grids.domain.resolving(settings))
     }
 
+    /// Rail coordinates between which it is pressed, m.
+    pub fn on_rail(&self) -> Option<[f64; 2]> {
+        let Grids { domain, left, fine, .. } = self.grids.as_ref()?;
+        let arcs = fine.places.iter().flat_map(|place| [place[1] - 0.5 * fine.size[1], place[1] + 0.5 * fine.size[1]]);
+        let etas = arcs.map(|arc| domain.eta(arc * left));
+        etas.fold(None, |reach: Option<[f64; 2]>, eta| Some(reach.map_or([eta; 2], |[from, to]| [from.min(eta), to.max(eta)])))
+    }
+
     /// The patch without tractions.
     pub fn at_rest(&self) -> PatchSolution {
         self.grids.as_ref().map(|grids| self.solution(grids, &grids.fine, &grids.fine.at_rest(), 0.0)).unwrap_or_default()

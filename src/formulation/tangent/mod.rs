@@ -93,7 +93,7 @@ impl Model {
             let round = moved.as_ref().filter(|moved| moved.round.is_some());
             // What this wheel alone does.
             let alone = under.is_some() || round.is_some();
-            let (before, others) = (tangent.states(), if alone { tangent.take_wrench(wheelset.body) } else { None });
+            let (before, others) = (tangent.states(), if alone { tangent.take_wrench(turning) } else { None });
             let shares = self.share_changes(workspace, contact, (wheelset, side, motion), memory);
             let places = if self.strips.is_some() || !self.linear.is_empty() { 0 } else { self.points };
             for slot in 0..places {
@@ -114,7 +114,7 @@ impl Model {
                 self.add_patch(&wheel, &rails[side.index()], workspace.reports(contact), travel, scratch, &mut tangent);
             }
             if let Some(moved) = round
-                && let Some(own) = tangent.wrench_mut(wheelset.body, wheelset.body)
+                && let Some(own) = tangent.wrench_mut(turning, turning)
             {
                 Self::add_turning_bumps(moved, own);
             }
@@ -125,7 +125,7 @@ impl Model {
                 }
             }
             if let Some(Under { first, axes, mass, stiffness, damping }) = under {
-                let own = tangent.take_wrench(wheelset.body).unwrap_or_default();
+                let own = tangent.take_wrench(turning).unwrap_or_default();
                 let follower = Follower { body: wheelset.body, first, axes, mass, stiffness, damping };
                 match &self.beam {
                     None => tangent.add_follower(&follower, &own, before),
@@ -135,10 +135,10 @@ impl Model {
                         tangent.add_on_ring(place, &follower, &own, before, shape);
                     }
                 }
-                tangent.add_wrench(wheelset.body, wheelset.body, &own);
+                tangent.add_wrench(turning, turning, &own);
             }
             if let Some(others) = others {
-                tangent.add_wrench(wheelset.body, wheelset.body, &others);
+                tangent.add_wrench(turning, turning, &others);
             }
         }
         (workspace.strips, workspace.deeper) = strips;

@@ -308,7 +308,8 @@ fn eased(points: Vec<(f64, f64)>, samples: &[Sample], notes: &mut Vec<String>) -
         .and_then(|digit| Some((digit, smooth(&points, Reach::Largest(digit))?.points)))
         .filter(|(_, found)| found.windows(2).all(|pair| pair[1].0 > pair[0].0));
     let Some((digit, found)) = smoother else { return points };
-    notes.push(format!("points are rounded to {:.1} um: a smooth curve is laid within so much of them", 1e6 * digit));
+    let tenths = if digit < 1e-7 { 3 } else { 1 };
+    notes.push(format!("points are rounded to {:.tenths$} um: a smooth curve is laid within so much of them", 1e6 * digit));
     found
 }
 

@@ -11,7 +11,7 @@
 //! bodies: - a M^-1 Q_tau' k_w / P
 //! ```
 //!
-//! Left out, as for bodies: that the axle on which moments are projected turns (moment of a wheel load over mu, 1e3 1/s2). Where J has the contacts alone (`imex`), k, c and `tau' = w / P` are left to the explicit part. First-order states that follow such a wheel are eliminated onto the twist as they are onto bodies.
+//! Left out: how masses under wheels and rails ([`super::follower`], [`super::ring`]) act on twists and the other way round (they act on the axle); as for bodies: that the axle on which moments are projected turns (moment of a wheel load over mu, 1e3 1/s2). Where J has the contacts alone (`imex`), k, c and `tau' = w / P` are left to the explicit part. First-order states that follow such a wheel are eliminated onto the twist as they are onto bodies.
 
 use super::pattern::Neighbours;
 use super::solve::Eliminated;
@@ -61,7 +61,7 @@ pub(super) struct TwistNode {
 /// Twists, and pairs of bodies and wheels that act on each other where at least one is a wheel.
 pub(super) fn twists(system: &System) -> (Vec<TwistNode>, Vec<(usize, usize)>) {
     let (bodies, mut wheels) = (system.bodies.len(), Vec::new());
-    let axles = system.twisted_axles();
+    let axles: Vec<_> = system.twisted_axles().collect();
     let mut found = Vec::new();
     for (number, axle) in axles.iter().enumerate() {
         let Some(twist) = system.forces[axle.element].twist() else { continue };
@@ -297,7 +297,7 @@ impl Tangent {
 
 /// By twist: its axle.
 pub(super) fn axles(system: &System) -> Vec<usize> {
-    system.twisted_axles().iter().map(|axle| axle.body).collect()
+    system.twisted_axles().map(|axle| axle.body).collect()
 }
 
 /// Bodies of pairs that wheels act on, as bodies: their blocks must exist.

@@ -6,7 +6,8 @@
 //! - `"truck"`: of that, what is connected with it when the car bodies are taken out;
 //! - `"wheelset"`: of that, the wheelset and what joints hold to it, unless these hold other wheelsets too.
 //!
-//! In a train, vehicles that `point_masses` names become one body each: of all their mass, on a straight guide along the track, in place of the heaviest one.
+//! In a train, vehicles that `point_masses` names become one body each: of all their mass, on a straight guide along the track, in place of the heaviest one, on which
+//! running resistances of its other bodies act.
 
 use super::expand::{Entry, FORCE, Flat, WHEELSET};
 use super::extent::{Asked, Extent, KeptElement, Level, PointMass};
@@ -134,7 +135,13 @@ pub(super) fn read(section: &Section, vehicle: &VehicleSpec, from: &Entries) -> 
     let left: Vec<usize> = (0..kept.len()).filter(|body| kept[*body]).collect();
     let mut elements = Vec::new();
     for (element, bodies) in vehicle.forces.iter().zip(&graph.elements) {
+        // What resists on a body of a point mass does so on the one that stands for it.
+        let moved = bodies.first().filter(|_| bodies.len() == 1 && element.0.resists()).and_then(|body| {
+            let mass = masses.iter().find(|mass| mass.own[*body] && !kept[*body])?;
+            Some((*body, mass.body))
+        });
         let stays = match bodies.first() {
+            _ if moved.is_some() => true,
             // What turns an axle goes with it.
             Some(axle) if element.0.turns_axle() => kept[*axle],
             // Inside of a point mass.
@@ -142,11 +149,11 @@ pub(super) fn read(section: &Section, vehicle: &VehicleSpec, from: &Entries) -> 
             _ => bodies.iter().any(|body| kept[*body]),
         };
         let Some(entry) = from.flat.entries[FORCE].iter().find(|entry| stays && entry.name == element.0.name()) else { continue };
-        let crosses = bodies.iter().any(|body| !kept[*body]);
+        let crosses = moved.is_none() && bodies.iter().any(|body| !kept[*body]);
         let numbers = RefCell::new(if crosses { Vec::new() } else { left.clone() });
         let resolver = Resolver::new(&from.flat.scopes, from.bodies, entry);
         let places = ElementPlaces { resolver: &resolver, name: &entry.name };
-        let element = (from.parse)(entry, &Renumbered { places, numbers: &numbers })?;
+        let element = (from.parse)(entry, &Renumbered { places, numbers: &numbers, moved })?;
         elements.push(KeptElement { element, bodies: if crosses { numbers.into_inner() } else { Vec::new() } });
     }
     let key = section.error(if masses.is_empty() { "detail" } else { "point_masses" }, String::new());
@@ -158,10 +165,13 @@ struct Renumbered<'r> {
     places: ElementPlaces<'r>,
     /// A body's number is its place here; those that are not here come behind.
     numbers: &'r RefCell<Vec<usize>>,
+    /// A body, and that which stands for it.
+    moved: Option<(usize, usize)>,
 }
 
 impl Renumbered<'_> {
     fn number(&self, body: usize) -> usize {
+        let body = self.moved.filter(|moved| moved.0 == body).map_or(body, |moved| moved.1);
         let mut numbers = self.numbers.borrow_mut();
         numbers.iter().position(|known| *known == body).unwrap_or_else(|| {
             numbers.push(body);

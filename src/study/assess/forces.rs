@@ -329,22 +329,26 @@ fn traces(made: &mut Made, wheelsets: &[Wheelset]) {
 pub(super) fn wear(made: &mut Made) {
     let run = made.run;
     let names: Vec<&str> = run.signals.owners(".wearNumber");
-    let means = names.iter().filter_map(|name| {
+    let mean_of = |name: &str, quantity: &str| {
         let owner = name.rsplit_once('.')?.0;
         let distance = run.signals.column(&format!("{owner}.distance"))?;
-        let values = run.signals.column(&format!("{name}.wearNumber"))?;
+        let values = run.signals.column(&format!("{name}.{quantity}"))?;
         let travelled = distance.last()? - distance.first()?;
         let mean = sliding_means(distance, values, travelled, travelled).first()?.1;
         Some((name.to_string(), mean))
-    });
-    let means: Vec<(String, f64)> = means.collect();
+    };
+    let means: Vec<(String, f64)> = names.iter().filter_map(|name| mean_of(name, "wearNumber")).collect();
     let Some((name, largest)) = means.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else {
         let why = "no columns W.left.wearNumber with W.distance: interface.outputs = [\"motion\", \"wheels\", \"sensors\"]";
         [&q::WEAR_WHEEL, &q::WEAR_ALL].into_iter().for_each(|quantity| made.nothing(quantity, why));
         return;
     };
     made.value(&q::WEAR_WHEEL, None, name, *largest, None, String::new());
-    made.value(&q::WEAR_ALL, None, "", means.iter().map(|mean| mean.1).sum(), None, format!("{} wheels", means.len()));
+    let all: f64 = means.iter().map(|mean| mean.1).sum();
+    // Of spin, and of parts of one patch that slip against each other.
+    let with_spin: Option<f64> = names.iter().map(|name| mean_of(name, "frictionWork").map(|mean| mean.1)).sum();
+    let rest = with_spin.map_or(String::new(), |work| format!("; friction takes {work:.2} with spin"));
+    made.value(&q::WEAR_ALL, None, "", all, None, format!("{} wheels{rest}", means.len()));
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use std::io::Read;
 /// Why results can't be assessed at all.
 #[derive(Debug, thiserror::Error)]
 pub enum SignalsError {
-    #[error("no column time [s] in front; expected a CSV as `wheelrail run -o` writes it: time [s],NAME [UNIT],...")]
+    #[error("no column time [s]; expected a CSV as `wheelrail run -o` writes it: time [s],NAME [UNIT],...")]
     NoTime,
     #[error("row {row}: {found:?} in column {column} is not a finite number")]
     NoNumber { row: usize, column: String, found: String },
@@ -54,16 +54,15 @@ impl Signals {
         Signals::even(column(0), names, (1..recording.columns.len()).map(column).collect())
     }
 
-    /// From CSV: `time [s]` first, then `NAME [UNIT]`; units of forces, lengths, speeds, accelerations and angles become SI.
+    /// From CSV: `time [s]` and `NAME [UNIT]`; units of forces, lengths, speeds, accelerations and angles become SI.
     ///
     /// # Errors
     /// [`SignalsError`] with the row.
     pub fn read(text: impl Read) -> Result<Signals, SignalsError> {
         let mut csv = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text);
         let heads: Vec<(String, f64)> = csv.headers()?.iter().map(head).collect();
-        if heads.first().is_none_or(|head| head.0 != "time") {
-            return Err(SignalsError::NoTime);
-        }
+        // Not in front where distance is the index.
+        let time = heads.iter().position(|head| head.0 == "time").ok_or(SignalsError::NoTime)?;
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); heads.len()];
         for (row, record) in csv.records().enumerate() {
             for ((column, (name, factor)), found) in columns.iter_mut().zip(&heads).zip(record?.iter()) {
@@ -72,8 +71,9 @@ impl Signals {
                 column.push(factor * value.ok_or_else(wrong)?);
             }
         }
-        let times = columns.remove(0);
-        Signals::even(times, heads.into_iter().skip(1).map(|head| head.0).collect(), columns)
+        let times = columns.remove(time);
+        let names = heads.into_iter().map(|head| head.0).enumerate().filter(|(index, _)| *index != time);
+        Signals::even(times, names.map(|(_, name)| name).collect(), columns)
     }
 
     fn even(times: Vec<f64>, names: Vec<String>, columns: Vec<Vec<f64>>) -> Result<Signals, SignalsError> {
@@ -224,6 +224,10 @@ mod tests {
         let signals = Signals::read(text.as_bytes()).unwrap();
         assert_eq!(signals.column("a.left.verticalForce").unwrap(), [1e3, 2e3, 3e3, 4e3]);
         assert_eq!((signals.owners(".left.verticalForce"), signals.column("a.n").unwrap()[1], signals.len()), (vec!["a"], 3.0, 4));
+        // Of `run --index distance`.
+        let by_distance = "a.distance [m],time [s],a.n [1]\n0,0,3\n1,0.1,3\n2,0.2,3\n3,0.3,4\n";
+        let signals = Signals::read(by_distance.as_bytes()).unwrap();
+        assert_eq!((signals.column("a.distance").unwrap()[3], signals.column("time"), signals.interval), (3.0, None, 0.1));
     }
 
     #[test]

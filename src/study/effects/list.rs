@@ -289,7 +289,12 @@ fn track(scene: &Scene, model: &Model, stop: f64, list: &mut List) {
             }
         }
         // The usual track is laid where the formulation knows rails that move, and they are not moved already.
-        false if !(model.formulation.constrains() || model.rail_motion || model.axles_twist() || scene.vehicle.is_lone()) => {
+        false
+            if !(model.formulation.constrains()
+                || model.rail_motion
+                || scene.vehicle.is_lone()
+                || (model.axles_twist() && model.laws.transient.is_some())) =>
+        {
             list.add("rigid track", Kind::Fuller, "travelling", &["track.flexibility=travelling"]);
         }
         false => {}
