@@ -26,8 +26,8 @@ impl ProfileEnd {
     pub fn words(&self, patch: &str) -> String {
         let (part, letter) = if self.wheel { ("wheel", "u") } else { ("rail", "eta") };
         format!(
-            "{patch} reaches the end of the {part}'s points ({letter} = {:.2} mm): nothing presses beyond it, and pressure, load's centre and creep force there are those of an edge of the \
-             steel; expected a profile that goes on",
+            "{patch} reaches the end of the {part}'s profile ({letter} = {:.2} mm): nothing presses beyond it, and pressure, load's centre and creep force are those of an edge there; where the \
+             steel goes on, expected a profile that does",
             1e3 * self.at
         )
     }
@@ -61,6 +61,6 @@ mod tests {
         assert_eq!(of([-0.01, 0.01], [0.0, 0.015]), None);
         assert_eq!((of([-0.031, 0.01], [0.0, 0.01]), of([0.0, 0.01], [0.01, 0.02])), (Some((true, -0.03)), Some((false, 0.02))));
         let words = ProfileEnd { wheel: false, at: 8e-3 }.words("the right wheel's patch");
-        assert!(words.starts_with("the right wheel's patch reaches the end of the rail's points (eta = 8.00 mm)"), "{words}");
+        assert!(words.starts_with("the right wheel's patch reaches the end of the rail's profile (eta = 8.00 mm)"), "{words}");
     }
 }

@@ -227,7 +227,7 @@ impl Model {
                 loads.fluttering[contact].note(share, t);
             }
             range.note(share, t);
-            if loads.ended.is_none() {
+            if loads.ended.is_none() && self.laws.patch.forms() {
                 let (wheel, rail) = (&wheelset.wheel(side).profile, &self.track.rail(side).profile);
                 let mut ends = workspace.reports(contact).filter_map(|report| report.profile_end(wheel.as_ref(), rail.as_ref()));
                 loads.ended = ends.next().map(|end| (contact, t, end));

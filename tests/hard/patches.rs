@@ -278,3 +278,29 @@ fn hard_strips_take_no_more_steps_than_ellipses() {
         assert!(strips.max(table) as f64 <= 1.2 * ellipse as f64, "{name}: {strips} {table} {ellipse}");
     }
 }
+
+/// A rail's points that end within the loaded patch: its highest pressure was four times that of the whole section, without a word.
+#[test]
+fn hard_a_patch_at_the_end_of_a_profile_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = scene("wheelset_s1002", STRIPS, &[]);
+    let rail = &whole.track.rails[0].profile;
+    let notes = |last: f64, patch: &str| {
+        let points = (0..).map(|k| -0.035 + 2e-4 * f64::from(k)).take_while(|eta| *eta < last);
+        let rows: String = points.map(|eta| format!("{:?},{:?}\n", 1e3 * eta, 1e3 * rail.at(eta).value)).collect();
+        let file = folder.path().join(format!("{}.csv", (1e4 * last) as i32));
+        std::fs::write(&file, format!("eta [mm],height [mm]\n{rows}")).unwrap();
+        let cut = format!("track.rail={{kind=\"points\",file=\"{}\"}}", file.display());
+        let scene = scene("wheelset_s1002", patch, &[&cut, "vehicle.initial.y=0.003", "solver.integrator=rosenbrock"]);
+        let mut simulation = common::start(&scene);
+        simulation.advance(0.02).unwrap();
+        simulation.notes()
+    };
+    let told = |notes: &[String]| notes.iter().any(|note| note.contains("reaches the end of the rail's profile"));
+    for (last, patch, wanted) in
+        [(0.008, STRIPS, true), (0.008, "contact.patch=table", true), (0.03, STRIPS, false), (0.008, "contact.patch=ellipse", false)]
+    {
+        let found = notes(last, patch);
+        assert_eq!(told(&found), wanted, "{last} {patch}: {found:?}");
+    }
+}

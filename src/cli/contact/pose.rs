@@ -241,7 +241,9 @@ fn doubts(scene: &Scene, answer: &Answer) -> Vec<String> {
     let fallen = fallen.map(|wheel| format!("the {} wheel stands on the top of its flange: it has derailed", wheel.side.name()));
     let ended = answer.wheels.iter().filter_map(|wheel| {
         let profiles = [&scene.vehicle.leading().profiles, &scene.track.rails].map(|both| &both[wheel.side.index()].profile);
-        let end = wheel.places.iter().find_map(|place| place.found.report.profile_end(profiles[0].as_ref(), profiles[1].as_ref()))?;
+        // An ellipse is that of the place's curvatures, wherever the profile ends.
+        let places = if scene.contact.patch.law.forms() { &wheel.places[..] } else { &[] };
+        let end = places.iter().find_map(|place| place.found.report.profile_end(profiles[0].as_ref(), profiles[1].as_ref()))?;
         Some(end.words(&format!("the {} wheel's patch", wheel.side.name())))
     });
     fallen.chain(ended).chain(profile_doubts(scene)).collect()
