@@ -26,9 +26,11 @@ pub(super) struct Demand {
 const LEAST_BOUND: f64 = 1e-12;
 /// Larger shares are full sliding to all digits; their squares must stay finite.
 const MOST: f64 = 1e30;
+/// Smaller shares are none: squares of them vanish, and strips would be taken to slide.
+const LEAST: f64 = 1e-140;
 
 impl Demand {
-    /// `None` where there is no force: empty patch, no load, no friction. `bound` is mu N.
+    /// `None` where there is no force: empty patch, no load, no friction, no creepage. `bound` is mu N.
     #[inline]
     pub fn new(theory: &LinearTheory, patch: Patch, creepage: Creepage, bound: f64) -> Option<Self> {
         if !(patch.a > 0.0 && patch.b > 0.0 && bound > LEAST_BOUND) {
@@ -38,11 +40,13 @@ impl Demand {
         let area = patch.a * patch.b;
         let stiffness = theory.shear_modulus() * area / bound;
         let share = |value: f64| (stiffness * value).clamp(-MOST, MOST);
-        Some(Demand {
+        let demand = Demand {
             longitudinal: share(c.c11 * creepage.longitudinal),
             lateral: share(c.c22 * creepage.lateral),
             spin: share(c.c23 * area.sqrt() * creepage.spin),
             width: patch.b / patch.a,
-        })
+        };
+        let size = demand.longitudinal.abs() + demand.lateral.abs() + demand.spin.abs();
+        if size < LEAST { None } else { Some(demand) }
     }
 }

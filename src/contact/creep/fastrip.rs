@@ -83,9 +83,6 @@ fn fade(psi: f64) -> f64 {
     1.0 - cubic_step((psi.abs() - 1.0) / 0.2)
 }
 
-/// Demands below this [-] are none.
-const VANISHING: f64 = 1e-140;
-
 /// Share of E^2 in which the root of w fades out.
 const ROOT_FADES: f64 = 0.2;
 
@@ -179,10 +176,6 @@ impl CreepLaw for Fastrip {
         let Some(demand) = Demand::new(&self.linear, contact.patch, contact.creepage, bound) else {
             return CreepForce::default();
         };
-        // Squares of less are nothing, and a patch that slides would be left.
-        if !(demand.longitudinal.abs() + demand.lateral.abs() + demand.spin.abs() > VANISHING) {
-            return CreepForce::default();
-        }
         let strip = 4.0 / (3.0 * PI) * (1.0 - self.poisson_ratio);
         let shared = Shared {
             x: strip * demand.longitudinal,

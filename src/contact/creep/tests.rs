@@ -360,7 +360,7 @@ fn prop_forces_vanish_with_the_creepage() {
                 let CreepForce { longitudinal, lateral, spin_moment } =
                     law.force(&RollingContact { patch, normal_force: 5e4, friction: 0.3, creepage, speed: 20.0 });
                 let largest = longitudinal.hypot(lateral).max(spin_moment.abs());
-                assert!(largest <= 1e8 * size, "{name}: {largest:e} N at {creepage:?}");
+                assert!(largest <= 1e8 * size + 1e-50, "{name}: {largest:e} N at {creepage:?}");
             }
         }
     }
