@@ -120,7 +120,8 @@ impl<'a> Section<'a> {
         let full = self.full_key(key);
         let span = self.table.get_key_value(key).and_then(|(name, item)| item.span().or(name.span())).or(self.span.clone());
         let mut problem = problem.into();
-        if self.source.overridden.contains(&full) {
+        let within = |set: &String| full.strip_prefix(set.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
+        if self.source.overridden.iter().any(within) {
             problem.push_str(" (set on the command line)");
         }
         SettingsError { file: self.source.file.clone(), line: self.source.line(span), key: full, problem }

@@ -168,9 +168,10 @@ fn hard_a_swing_that_goes_on_behind_a_bump_is_told() {
     let run = |to: f64| {
         let changes = [
             "contact.formulation=ECF-A",
+            "contact.patch=ellipse",
+            "solver.integrator=rosenbrock",
+            "solver.tolerance=1e-5",
             "vehicle.speed=55",
-            "vehicle.suspension.lateral_stiffness=0.5e6",
-            "vehicle.suspension.longitudinal_stiffness=1e6",
             "track.node=[{distance=0,radius=300}]",
             "track.deviation=[{rail=\"right\",direction=\"lateral\",shape=\"cosine\",amplitude=5e-5,from=11.922532261734364,to=12.922532261734364}]",
         ];
