@@ -24,6 +24,10 @@ pub fn open(name: &str, overrides: &[String]) -> Result<Scene, SceneError> {
         return read(name, source, overrides);
     }
     let path = Path::new(name);
+    if path.is_dir() {
+        let problem = "it is a folder; expected a scene file in it";
+        return Err(SceneError::Unreadable { path: path.into(), problem: problem.into() });
+    }
     if !path.is_file() {
         return Err(SceneError::unknown(name));
     }

@@ -149,7 +149,7 @@ impl Statics {
             count => format!(" (and {count} more)"),
         };
         Some(format!(
-            "{}{more} starts at the end of its slack, {:.1} mm from the middle, under {:.0} N: so much the vehicles beside it differ in resistance (a point mass has none), and what the slack does \
+            "{}{more} starts at the end of its slack, {:.1} mm from the middle, under {:.0} N: so much the vehicles beside it differ in resistance (wheels that are not there roll without any), and what the slack does \
              when it is run in or out begins from there",
             first.name,
             1e3 * first.displacement,

@@ -282,7 +282,7 @@ pub enum SolveError {
     StepTooSmall { time: f64, step: f64, tolerance: f64 },
     #[error(
         "t = {time:.9} s: the integration has all but stopped: {steps} steps and {rejected} rejected ones for {span:.1e} s. Forces jump to and fro here \
-         (a contact that begins and ends, friction that turns round): loosen solver.load_tolerance or solver.tolerance, give the contacts damping, or take a fixed step (real_time)"
+         (a contact that begins and ends, friction that turns round): loosen solver.load_tolerance or solver.tolerance, give the contacts damping, or take an explicit method (rk43) or a fixed step (real_time); where a wheelset goes over or climbs, the run has shown what it can"
     )]
     Crawls { time: f64, steps: u64, rejected: u64, span: f64 },
     #[error("t = {time:.9e} s: a step of {step:.1e} s no longer moves time; start closer to 0 or use a longer step")]

@@ -39,6 +39,9 @@ fn seed(section: &Section, vehicle: &VehicleSpec, flat: &Flat) -> Result<usize, 
 fn point_masses(section: &Section, graph: &Graph, from: &Entries, level: Level) -> Result<Vec<PointMass>, SettingsError> {
     let mut masses: Vec<PointMass> = Vec::new();
     let Some(wanted) = section.optional_texts("point_masses")? else { return Ok(masses) };
+    if wanted.is_empty() {
+        return Ok(masses);
+    }
     let refuse = |problem: String| Err(section.error("point_masses", problem));
     if level != Level::Train {
         return refuse(format!("stands beside detail = \"{}\", which leaves one vehicle at most; expected one of them", level.word()));
