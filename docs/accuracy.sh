@@ -52,7 +52,7 @@ TEXT
 - *Same problem, same outputs.* All runs start in the steady state of the same scene and are read at the same output times.
 - *Reference.* Rigid contact (ACCF and ECCF) has one, each elastic formulation its own (ECF-N at its node spacing): two independent methods
   (Dormand-Prince 5(4) and the classical method with the error estimate 4(3)) at the same tight tolerance. Their distance is the reference's
-  uncertainty. An error below 100 times that is not told: hollow marks with an arrow are bounds, and a study without any point above is refused.
+  uncertainty. An error below 100 times that is not resolved: hollow marks with an arrow are bounds, and a study without any point above is refused.
   All other integrators tend to the same references, the implicit ones too, whose step formulas share nothing with the two (forces, contact search and events are the same).
 - *Errors.* The largest over the run, of lateral displacement, wheel load Q, normal force, Y/Q and a wheelset's accelerations, read every 0.73 ms: a grid
   that no step knows of, between the ends of steps. Where forces jump with the state (places of rigid contacts) what the other run has within one
