@@ -33,9 +33,9 @@ pub(super) const CASES: &[Case] = &[
     case(
         "arc_radius_300_m",
         "a rail head of 300 m radius: nearly flat over its whole width, the search took minutes",
-        "refused within 2 s, naming where on the rail it would touch",
+        "refused within 2 s, naming how far its face would have to go down for the gauge",
         &["track.rail={kind=\"arc\",radius=300}"],
-        &[Must::Refusal(&["rail coordinate"])],
+        &[Must::Refusal(&["track.gauge", "ends"])],
     ),
     case(
         "steady_creep_at_a_crawl",
