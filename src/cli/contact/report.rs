@@ -40,6 +40,7 @@ pub(super) fn csv(study: &Study, writer: impl Write) -> csv::Result<()> {
     }
     head.extend(study.elastic.iter().map(|_| format!("{name}.elasticRollingRadiusDifference [m]")));
     csv.write_record(&head)?;
+    let mut elastic = study.elastic.as_ref().map(|elastic| elastic.differences.iter());
     for sample in study.sweep.shown() {
         let stand = &sample.stand;
         let mut row = vec![stand.y, stand.radius_difference(), stand.height[0], if level { stand.height[1] } else { stand.roll }]
@@ -52,9 +53,9 @@ pub(super) fn csv(study: &Study, writer: impl Write) -> csv::Result<()> {
                 NEAR.iter().map(|column| stand.near[side].as_ref().map_or(String::new(), |touch| format!("{:?}", (column.2)(touch)))),
             );
         }
-        if let Some(elastic) = &study.elastic {
+        if let Some(elastic) = &mut elastic {
             // At the shifts that were asked for, not at both sides of jumps between them.
-            let found = elastic.differences.iter().find(|(y, _)| sample.asked && *y == stand.y);
+            let found = if sample.asked { elastic.next() } else { None };
             row.push(found.map_or(String::new(), |(_, difference)| format!("{difference:?}")));
         }
         csv.write_record(&row)?;
