@@ -37,16 +37,48 @@ fn distance(a: &Sample, b: &Sample) -> f64 {
 const LEAST_ALONG: usize = 20;
 
 /// Do points follow the section, though they run backward in places (flanks that lean inward)? Then the way along them is shorter than that by ascending coordinate,
-/// which jumps to and fro between what lies above each other.
+/// which jumps to and fro between what lies above each other. Points that never run backward follow it where they stand above each other in a vertical face.
 pub(super) fn come_along(samples: &[Sample]) -> bool {
     let way = |points: &[Sample]| points.windows(2).map(|pair| distance(&pair[0], &pair[1])).sum::<f64>();
     let monotone = |sign: f64| samples.windows(2).all(|pair| sign * (pair[1].x - pair[0].x) >= 0.0);
-    if samples.len() < LEAST_ALONG || monotone(1.0) || monotone(-1.0) {
+    if samples.len() < LEAST_ALONG {
         return false;
+    }
+    if monotone(1.0) || monotone(-1.0) {
+        return vertical_faces(samples);
     }
     let mut sorted = samples.to_vec();
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x));
     way(samples) < way(&sorted)
+}
+
+/// A vertical face spans more than this share of the steps that lead to it and from it: less is one place measured twice, -.
+const FACE: f64 = 0.5;
+
+/// Do points that never run backward stand above each other somewhere, and wherever they do, as a face that goes on the way they came?
+fn vertical_faces(samples: &[Sample]) -> bool {
+    let above = |pair: &[Sample]| (pair[1].x - pair[0].x).abs() < SAME && (pair[1].z - pair[0].z).abs() > SAME;
+    let mut found = false;
+    let mut first = 0;
+    while first + 1 < samples.len() {
+        let mut last = first;
+        while last + 1 < samples.len() && (samples[last + 1].x - samples[first].x).abs() < SAME {
+            last += 1;
+        }
+        if samples[first..=last].windows(2).any(above) {
+            found = true;
+            let rise = samples[last].z - samples[first].z;
+            let goes_on = samples[first..=last].windows(2).all(|pair| rise * (pair[1].z - pair[0].z) >= 0.0);
+            let step = |a: usize, b: usize| (samples[b].x - samples[a].x).abs();
+            let before = first.checked_sub(1).map_or(0.0, |before| step(before, first));
+            let behind = if last + 1 < samples.len() { step(last, last + 1) } else { 0.0 };
+            if !goes_on || rise.abs() < FACE * before.max(behind) {
+                return false;
+            }
+        }
+        first = last + 1;
+    }
+    found
 }
 
 /// Sorts points that come in any order; an error names the two lines that give one coordinate two values.
@@ -312,6 +344,26 @@ mod tests {
         let mut backward = samples;
         unfold(&mut backward, &mut Vec::new());
         assert!((forward.len() as i32 - backward.len() as i32).abs() <= 1);
+    }
+
+    #[test]
+    fn hard_a_vertical_face_follows_the_section_and_a_place_measured_twice_does_not() {
+        // A flange back of 20 mm, straight up, before a tread of points every 1 mm.
+        let tread = |k: usize| Sample { x: -0.03 + 1e-3 * k as f64, z: -1e-4 * k as f64, line: k + 22 };
+        let back = |k: usize| Sample { x: -0.03, z: -0.02 + 1e-3 * k as f64, line: k + 2 };
+        let mut section: Vec<Sample> = (0..20).map(back).chain((0..=60).map(tread)).collect();
+        assert!(come_along(&section));
+        section.reverse();
+        assert!(come_along(&section));
+        let mut notes = Vec::new();
+        unfold(&mut section, &mut notes);
+        assert_eq!((section.len(), section[0].z), (61, 0.0), "the corner stays");
+        assert!(notes.iter().any(|note| note.starts_with("20 points that overhang beyond -30.00 mm")), "{notes:?}");
+        let mut twice: Vec<Sample> = (0..=60).map(tread).collect();
+        twice.insert(31, Sample { z: twice[30].z - 4e-5, ..twice[30] });
+        assert!(!come_along(&twice), "one place, two heights");
+        assert!(sort(&mut twice, &mut Vec::new()).is_err());
+        assert!(!come_along(&(0..=60).map(tread).collect::<Vec<_>>()));
     }
 
     #[test]

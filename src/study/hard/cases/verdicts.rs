@@ -41,12 +41,12 @@ pub(super) const CASES: &[Case] = &[
         ..CASE
     },
     Case {
-        name: "limit_cycle_60_s",
-        hard: "a wheelset far above its critical speed runs from flange to flange for 60 s, 900 times: places change thousands of times",
-        claim: "amplitude of y 6.41 mm to 2 % and frequency 7.642 Hz to 0.5 % (dormand_prince 1e-8), whatever the method and tolerance",
+        name: "limit_cycle_30_s",
+        hard: "a wheelset far above its critical speed runs from flange to flange for 30 s, 450 times: places change thousands of times",
+        claim: "amplitude of y 6.41 mm to 2 % and frequency 7.599 Hz (patches of strips), 7.642 Hz (ellipses of rigid contact) to 0.5 % (dormand_prince 1e-8), whatever the method and tolerance",
         scene: "wheelset_s1002",
         changes: &["track.deviation=[]", "vehicle.speed=60", "vehicle.initial.y=3 mm"],
-        stop: 60.0,
+        stop: 30.0,
         grid: 5e-4,
         formulations: &["ECF-A", "ECCF"],
         methods: &[
@@ -138,8 +138,10 @@ fn limit_cycle(ran: &Ran) -> Vec<Finding> {
         [first, .., last] => (upward.len() - 1) as f64 / (last - first),
         _ => f64::NAN,
     };
+    // Ellipses at the deepest point turn at other places of the flange's throat than the patches that form.
+    let wanted = if ran.rigid { 7.642 } else { 7.599 };
     vec![
         Finding::relative("amplitude of y against 6.41 mm", amplitude, 6.41e-3, 0.02),
-        Finding::relative("frequency against 7.642 Hz", frequency, 7.642, 0.005),
+        Finding::relative(format!("frequency against {wanted} Hz"), frequency, wanted, 0.005),
     ]
 }
