@@ -16,7 +16,7 @@ use std::path::PathBuf;
 The scene runs with its own tolerance and with one 100 times tighter (a fourth of a fixed step), the reference: their distance is the integration's own error. \
 Then it runs once per effect that it holds, with this effect off or with a simpler or a fuller one in its place. A change is the distance to the reference at \
 common times, of the worst wheelset, wheel or car body; one that is less than twice the integration's error is called \"below\" and gets no number. \
---overrides prints the --set of each row, for `wheelrail run`.
+--overrides prints the --set of each row, for `wheelrail run`. The neighbour ECCF goes on elastically where a constraint ceases (contact.on_lift = \"elastic\").
 
 Evaluations of the right-hand side are counted and the same in each run; CPU time is measured (without outputs, the shorter of two short runs) and is not, \
 least of all with --parallel.
