@@ -84,15 +84,25 @@ impl Feeling {
                 pair(apart * apart, [square, squares[other]], leads[other] - lead)
             };
         }
+        let row_length = count - own;
         let (squares, leads, row) = (&squares[own..], &leads[own..], &mut matrix[own * count + own..(own + 1) * count]);
-        let mut shifted = false;
-        for (((value, y2), other), ahead) in row.iter_mut().zip(apart.iter()).zip(squares).zip(leads) {
-            *value = near(*y2, square, *other, ahead - lead);
-            shifted |= !small(ahead - lead, [square, *other]);
+        let shifted = squares.iter().zip(leads).filter(|(other, ahead)| !small(**ahead - lead, [square, **other])).count();
+        let pairs = row.iter_mut().zip(apart.iter()).zip(squares).zip(leads);
+        // The same numbers, sooner: several at once, or the few that are shifted one by one.
+        if MANY * shifted > row_length {
+            for (((value, y2), other), ahead) in pairs {
+                *value = pair(*y2, [square, *other], ahead - lead);
+            }
+            return;
         }
-        if shifted {
+        for (((value, y2), other), ahead) in pairs {
+            *value = near(*y2, boxes(square, *other), ahead - lead);
+        }
+        if shifted > 0 {
             for (((value, y2), other), ahead) in row.iter_mut().zip(apart.iter()).zip(squares).zip(leads) {
-                *value = shifted_by(*value, *y2, [square, *other], ahead - lead);
+                if !small(ahead - lead, [square, *other]) {
+                    *value = pair(*y2, [square, *other], ahead - lead);
+                }
             }
         }
     }
@@ -128,6 +138,9 @@ fn between(felt: f64, gap: f64, [(width, from), (other, to)]: [(f64, f64); 2]) -
     if width == 0.0 && other == 0.0 { felt } else { felt * ((gap + to - from) / gap).abs() }
 }
 
+/// A row of which more than one in so many is shifted is found with the formula for shifts.
+const MANY: usize = 4;
+
 /// Half the square of [`SMALL_SHIFT`]: over the sum of two squared half lengths, so much of the square of a shift is large, and half of it still small.
 const LARGE: f64 = 0.5 * SMALL_SHIFT * SMALL_SHIFT;
 
@@ -136,19 +149,13 @@ fn small(shift: f64, [one, other]: [f64; 2]) -> bool {
     shift * shift <= 0.5 * LARGE * (one + other)
 }
 
-/// E from that of a small shift.
-#[inline]
-fn shifted_by(of_small: f64, y2: f64, [one, other]: [f64; 2], shift: f64) -> f64 {
-    if small(shift, [one, other]) {
-        return of_small;
-    }
-    let part = cubic_step(shift * shift / (0.5 * LARGE * (one + other)) - 1.0);
-    of_small + part * (far(y2, one, other, shift.abs()) - of_small)
-}
-
-/// E, 1/m, of two strips with squares of their distance and of their half lengths, m^2.
+/// E, 1/m, of two strips with squares of their distance and of their half lengths, m^2. Without branches, for the vector instructions.
+#[inline(always)]
 fn pair(y2: f64, [one, other]: [f64; 2], shift: f64) -> f64 {
-    shifted_by(near(y2, one, other, shift), y2, [one, other], shift)
+    let both = boxes(one, other);
+    let of_small = near(y2, both, shift);
+    let part = cubic_step(shift * shift / (0.5 * LARGE * (one + other)) - 1.0);
+    of_small + part * (far(y2, both, shift.abs()) - of_small)
 }
 
 /// What two strips have in common: k, and c of both boxes, from the squares of their half lengths.
@@ -162,8 +169,7 @@ fn boxes(one: f64, other: f64) -> (f64, [f64; 2]) {
 
 /// E, 1/m, of two strips with the square of their distance, m^2, and a small shift, m.
 #[inline(always)]
-fn near(y2: f64, one: f64, other: f64, shift: f64) -> f64 {
-    let (height, [c1, c2]) = boxes(one, other);
+fn near(y2: f64, (height, [c1, c2]): (f64, [f64; 2]), shift: f64) -> f64 {
     let (root1, root2) = ((c1 * c1 + y2).sqrt(), (c2 * c2 + y2).sqrt());
     let reach = (c1 + root1) * (c2 + root2) / y2;
     let (cube1, cube2) = (root1 * root1 * root1, root2 * root2 * root2);
@@ -173,18 +179,20 @@ fn near(y2: f64, one: f64, other: f64, shift: f64) -> f64 {
 }
 
 /// The same with any shift, not negative.
-fn far(y2: f64, one: f64, other: f64, shift: f64) -> f64 {
-    let (height, [c1, c2]) = boxes(one, other);
-    height * (ratio_of_reaches(shift, c1, y2) * ratio_of_reaches(shift, c2, y2)).ln()
+#[inline(always)]
+fn far(y2: f64, (height, [c1, c2]): (f64, [f64; 2]), shift: f64) -> f64 {
+    let ([over1, under1], [over2, under2]) = (ratio_of_reaches(shift, c1, y2), ratio_of_reaches(shift, c2, y2));
+    height * logarithm(over1 * over2 / (under1 * under2))
 }
 
-/// exp of `asinh((shift + c) / y) - asinh((shift - c) / y)`.
-#[inline]
-fn ratio_of_reaches(shift: f64, c: f64, y2: f64) -> f64 {
+/// exp of `asinh((shift + c) / y) - asinh((shift - c) / y)`, as numerator and denominator.
+#[inline(always)]
+fn ratio_of_reaches(shift: f64, c: f64, y2: f64) -> [f64; 2] {
     let (far, near) = (shift + c, shift - c);
     let far = far + (far * far + y2).sqrt();
     let beside = near.abs() + (near * near + y2).sqrt();
-    far * if near < 0.0 { beside / y2 } else { 1.0 / beside }
+    let within = near < 0.0;
+    [far * if within { beside } else { 1.0 }, if within { y2 } else { beside }]
 }
 
 #[cfg(test)]
@@ -224,7 +232,8 @@ mod tests {
         for (apart, lengths) in [(4e-5, [5e-3f64, 4e-3f64]), (4e-4, [5e-3, 4e-3]), (4e-3, [1e-3, 4e-3])] {
             let [one, other] = lengths.map(|length| length * length);
             let s = (0.5 * (one + other)).sqrt();
-            let off = |shift: f64| near(apart * apart, one, other, shift * s) / far(apart * apart, one, other, shift * s) - 1.0;
+            let both = boxes(one, other);
+            let off = |shift: f64| near(apart * apart, both, shift * s) / far(apart * apart, both, shift * s) - 1.0;
             println!("{apart} {lengths:?}: {:e}", off(SMALL_SHIFT));
             assert!(off(SMALL_SHIFT).abs() < 1e-4);
             for meets in [SMALL_SHIFT, SMALL_SHIFT * 0.5f64.sqrt()] {

@@ -395,9 +395,15 @@ fn on_independent_wheels(search: &mut Search, node: &Node) -> Result<(), Equilib
         (search.effort, search.twists.held_by) = (0, if together { f64::INFINITY } else { 0.0 });
         search.lay(&Node { curvature: 0.0, superelevation: 0.0, ..*node }, None);
         into_the_curve(search, node)?;
-        if together { release(search) } else { Ok(()) }
+        if together { release(search).map_err(led_by_weight) } else { Ok(()) }
     };
     go(together).or_else(|cause| go(!together).map_err(|_| cause))
+}
+
+/// Why independent wheels found no place in the whole curve though wheels that turn together did.
+fn led_by_weight(cause: EquilibriumError) -> EquilibriumError {
+    let advice = "; with wheels that turn together there is one, but independent wheels are led by their weight alone, and their place may be anywhere between the flanges: start on straight track before the curve (track.node, vehicle.initial.distance)";
+    EquilibriumError::Curving { percent: 100.0, cause: Box::new(cause), advice }
 }
 
 /// From the balance in a curve with independent wheels that turn together, which creep leads to their place, to that of wheels that turn on their own: what
