@@ -214,7 +214,8 @@ fn parse(section: &Section, places: &dyn Places) -> Result<Box<dyn ForceElement>
     let falls = section.has("sliding_friction") || section.has("half_speed");
     let (sliding_friction, half_speed) = match falls {
         true => {
-            (section.within("sliding_friction", Dimension::None, (0.0, MOST_FRICTION))?, section.positive("half_speed", Dimension::Speed)?)
+            // More than at rest are two numbers exchanged.
+            (section.within("sliding_friction", Dimension::None, (0.0, friction))?, section.positive("half_speed", Dimension::Speed)?)
         }
         false => (friction, f64::INFINITY),
     };
